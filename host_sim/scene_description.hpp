@@ -1,0 +1,125 @@
+// What a scene file says, in the user's words: SI units, the user's body axes, names instead of indices.
+// The reader fills it and checks it; the builder turns it into a World; the compiler prints it as a firmware header.
+// Every value here has been checked (script-format rules) once read_scene() has returned it.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace tumble::host {
+
+using Triple = std::array<double, 3>;      // x, y, z
+using Quadruple = std::array<double, 4>;   // quaternion: w, x, y, z
+
+// A step size as it was written: an exact fraction, or a decimal (then denominator == 0 and `decimal` counts).
+struct StepSize {
+    std::int64_t numerator = 1;
+    std::int64_t denominator = 256;
+    double decimal = 0.0;
+    [[nodiscard]] double seconds() const {
+        return denominator == 0 ? decimal : static_cast<double>(numerator) / static_cast<double>(denominator);
+    }
+};
+
+enum class ShapeKind { none, sphere, box, cylinder, hoop, capsule, points };
+
+struct PointMass {
+    Triple position{};   // m
+    double mass = 0.0;   // kg
+};
+
+struct ShapeDescription {
+    ShapeKind kind = ShapeKind::none;
+    Triple size{};                    // box: full edges; sphere: {radius}; cylinder: {radius, height}; hoop: {radius}; capsule: {radius, length}
+    std::vector<PointMass> points;    // kind == points only
+};
+
+struct BodyDescription {
+    std::string name;
+    ShapeDescription shape;
+    std::optional<double> mass;                      // kg; exactly one of mass and density, none for `points` (their sum)
+    std::optional<double> density;                   // kg/m^3
+    std::optional<std::array<double, 6>> inertia;    // Ixx, Iyy, Izz, Ixy, Ixz, Iyz; three given numbers leave the products 0
+    bool inertia_is_diagonal = true;
+    Triple position{}, velocity{};
+    Quadruple orientation{1.0, 0.0, 0.0, 0.0};       // as written; not yet normalised
+    Triple angular_velocity{};                       // body frame, user's axes
+    std::optional<double> restitution, friction;
+    bool fixed = false;
+};
+
+struct PlaneDescription {
+    std::string name;
+    Triple normal{0.0, 1.0, 0.0};   // as written; not yet normalised
+    double offset = 0.0;            // of the plane n.x + offset = 0 with n normalised
+    std::optional<double> restitution, friction;
+};
+
+struct SpringDescription {
+    int body = 0;                   // index into bodies
+    Triple point{};
+    int to_body = -1;               // -1: the world point `to`
+    Triple to{};                    // world point, or point in to_body's frame
+    double stiffness = 0.0, damping = 0.0, rest_length = 0.0;
+};
+
+enum class Frame { world, body };
+
+struct ImpulseDescription {
+    double time = 0.0;
+    int body = 0;
+    Frame frame = Frame::world;
+    Triple impulse{};               // N s, in `frame`
+    Triple point{};                 // body frame, user's axes
+    Triple angular_impulse{};       // N m s, in `frame`
+};                                  // `face`/`strength` is resolved by the reader: frame body, impulse inwards, point at the face's centre
+
+struct ForceDescription {
+    int body = 0;
+    double from = 0.0, until = 0.0; // s; acts while from <= t < until
+    Frame frame = Frame::world;
+    Triple force{};                 // N, in `frame`
+    Triple point{};                 // body frame, user's axes
+    Triple torque{};                // N m, in `frame`
+};
+
+struct RangeDescription {
+    double position = 1024.0, velocity = 128.0, angular_velocity = 64.0;
+};
+
+enum class ContactResponse { none, impulse, spring };
+
+struct SleepDescription {
+    double speed = 0.03, angular_speed = 0.05, time = 0.5;
+};
+
+struct ContactDescription {
+    ContactResponse response = ContactResponse::impulse;
+    double restitution = 0.5, restitution_threshold = 0.0, friction = 0.0, tolerance = 0.001;
+    double stiffness = 10000.0, damping = 0.0, barrier = 0.0;
+    std::optional<SleepDescription> sleep;
+};
+
+struct SceneDescription {
+    std::string name;
+    std::string path;               // the file it came from, as given
+    Triple gravity{};
+    StepSize step;
+    double duration = 0.0;          // s
+    double gravitation = 0.0, linear_drag = 0.0, angular_drag = 0.0;
+    RangeDescription range;
+    ContactDescription contact;
+    std::vector<PlaneDescription> planes;
+    std::vector<BodyDescription> bodies;
+    std::vector<SpringDescription> springs;
+    std::vector<ImpulseDescription> impulses;   // file order
+    std::vector<ForceDescription> forces;
+
+    // Number of steps: the last step ends at or just after `duration`.
+    [[nodiscard]] std::int64_t steps() const;
+};
+
+}  // namespace tumble::host

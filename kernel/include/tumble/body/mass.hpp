@@ -1,0 +1,159 @@
+// Mass properties of solid shapes, computed with set-up numbers: mass, principal moments and principal axes.
+// The kernel works in the principal frame with moments sorted downwards (x largest, z smallest); `principal` rotates
+// that frame into the user's body frame, so that inputs and outputs stay in the user's axes.
+#pragma once
+
+#include <tumble/numbers/real.hpp>
+
+namespace tumble {
+
+// Symmetric tensor, kg m^2; xy, xz, yz are its elements (minus the products of inertia).
+struct InertiaTensor {
+    Real xx, yy, zz, xy, xz, yz;
+};
+
+struct PrincipalInertia {
+    RealVec3 moments;      // kg m^2, sorted downwards
+    RealQuat principal;    // rotates principal-frame vectors into the user's body frame
+};
+
+enum class ShapeKind : std::uint8_t { none, sphere, box, cylinder, hoop, capsule, points };
+
+// A shape about its centre of mass. size: box: full edges; sphere: radius; cylinder, capsule: radius, length along z
+// (a capsule's length is that of its straight part); hoop: radius, about z.  All in metres.
+struct Shape {
+    ShapeKind kind = ShapeKind::none;
+    RealVec3 size{};
+};
+
+namespace detail {
+
+// One Jacobi rotation that zeroes element (p, q) of the symmetric matrix a; v collects the rotations.
+constexpr void jacobi_rotate(Real (&a)[3][3], Real (&v)[3][3], int p, int q) {
+    if (a[p][q].is_zero()) return;
+    const Real theta = (a[q][q] - a[p][p]) / (a[p][q] * Real{2});
+    const Real t = (theta.is_negative() ? Real{-1} : Real{1}) / (abs(theta) + sqrt(theta * theta + Real{1}));
+    const Real c = Real{1} / sqrt(t * t + Real{1}), s = t * c;
+    for (int k = 0; k < 3; ++k) {
+        const Real x = a[k][p], y = a[k][q];
+        a[k][p] = c * x - s * y;
+        a[k][q] = s * x + c * y;
+    }
+    for (int k = 0; k < 3; ++k) {
+        const Real x = a[p][k], y = a[q][k];
+        a[p][k] = c * x - s * y;
+        a[q][k] = s * x + c * y;
+    }
+    a[p][q] = a[q][p] = Real{};
+    for (int k = 0; k < 3; ++k) {
+        const Real x = v[k][p], y = v[k][q];
+        v[k][p] = c * x - s * y;
+        v[k][q] = s * x + c * y;
+    }
+}
+
+// The unit quaternion of a rotation matrix given by its columns (Shepperd's choice of the largest pivot).
+[[nodiscard]] constexpr RealQuat quaternion_of(RealVec3 x, RealVec3 y, RealVec3 z) {
+    const Real trace = x.x + y.y + z.z;
+    RealQuat q;
+    if (trace > Real{}) {
+        q = {trace + Real{1}, {y.z - z.y, z.x - x.z, x.y - y.x}};
+    } else if (x.x >= y.y && x.x >= z.z) {
+        q = {y.z - z.y, {Real{1} + x.x - y.y - z.z, x.y + y.x, z.x + x.z}};
+    } else if (y.y >= z.z) {
+        q = {z.x - x.z, {x.y + y.x, Real{1} + y.y - x.x - z.z, y.z + z.y}};
+    } else {
+        q = {x.y - y.x, {z.x + x.z, y.z + z.y, Real{1} + z.z - x.x - y.y}};
+    }
+    return normalized(q);
+}
+
+}  // namespace detail
+
+// Principal moments and axes of a full tensor, by cyclic Jacobi rotations (Golub & Van Loan, 8.5), to about 2^-60.
+[[nodiscard]] constexpr PrincipalInertia principal_inertia(const InertiaTensor& i) {
+    Real a[3][3] = {{i.xx, i.xy, i.xz}, {i.xy, i.yy, i.yz}, {i.xz, i.yz, i.zz}};
+    Real v[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    for (int sweep = 0; sweep < 8; ++sweep) {
+        detail::jacobi_rotate(a, v, 0, 1);
+        detail::jacobi_rotate(a, v, 0, 2);
+        detail::jacobi_rotate(a, v, 1, 2);
+    }
+    int order[3] = {0, 1, 2};   // stable: equal moments keep the user's order
+    const auto swap_if_less = [&](int m, int n) {
+        if (a[order[m]][order[m]] < a[order[n]][order[n]]) { const int t = order[m]; order[m] = order[n]; order[n] = t; }
+    };
+    swap_if_less(0, 1);
+    swap_if_less(1, 2);
+    swap_if_less(0, 1);
+    const auto column = [&](int n) { return RealVec3{v[0][order[n]], v[1][order[n]], v[2][order[n]]}; };
+    const RealVec3 x = column(0), y = column(1);
+    return {{a[order[0]][order[0]], a[order[1]][order[1]], a[order[2]][order[2]]}, detail::quaternion_of(x, y, cross(x, y))};
+}
+
+// The tensor of a homogeneous solid (hoop: a thin ring) of the given mass, kg m^2. `none` has none: zero.
+[[nodiscard]] constexpr InertiaTensor inertia_of(const Shape& shape, Real mass) {
+    const auto [a, b, c] = shape.size;
+    const auto diagonal = [&](Real x, Real y, Real z) { return InertiaTensor{mass * x, mass * y, mass * z, 0, 0, 0}; };
+    const Real twelfth = Real{1} / Real{12};
+    switch (shape.kind) {
+    case ShapeKind::sphere: { const Real i = a * a * Real{2} / Real{5}; return diagonal(i, i, i); }
+    case ShapeKind::box: return diagonal((b * b + c * c) * twelfth, (a * a + c * c) * twelfth, (a * a + b * b) * twelfth);
+    case ShapeKind::cylinder: { const Real t = (a * a * Real{3} + b * b) * twelfth; return diagonal(t, t, a * a / Real{2}); }
+    case ShapeKind::hoop: { const Real t = a * a / Real{2}; return diagonal(t, t, a * a); }
+    case ShapeKind::capsule: {
+        // Straight part and the two caps share the mass as their volumes, length : 4/3 radius.
+        const Real caps_length = a * Real{4} / Real{3}, straight = b / (b + caps_length), caps = caps_length / (b + caps_length);
+        const Real axial = straight * a * a / Real{2} + caps * a * a * Real{2} / Real{5};
+        const Real transverse = straight * (b * b * twelfth + a * a / Real{4}) +
+                                caps * (a * a * Real{2} / Real{5} + b * b / Real{4} + a * b * Real{3} / Real{8});
+        return diagonal(transverse, transverse, axial);
+    }
+    default: return {};
+    }
+}
+
+// m^3; zero for shapes without a volume (none, hoop, points).
+[[nodiscard]] constexpr Real volume_of(const Shape& shape) {
+    const Real pi = 3.14159265358979323846;
+    const auto [a, b, c] = shape.size;
+    switch (shape.kind) {
+    case ShapeKind::sphere: return pi * a * a * a * Real{4} / Real{3};
+    case ShapeKind::box: return a * b * c;
+    case ShapeKind::cylinder: return pi * a * a * b;
+    case ShapeKind::capsule: return pi * a * a * (b + a * Real{4} / Real{3});
+    default: return {};
+    }
+}
+
+// Point masses: total mass, centre of mass, and the tensor about that centre.
+struct PointMass {
+    RealVec3 position;   // m
+    Real mass;           // kg
+};
+struct PointCloud {
+    Real mass;
+    RealVec3 centre;
+    InertiaTensor inertia;
+};
+[[nodiscard]] constexpr PointCloud point_cloud(const PointMass* points, int count) {
+    PointCloud cloud{};
+    for (int i = 0; i < count; ++i) {
+        cloud.mass += points[i].mass;
+        cloud.centre = cloud.centre + points[i].position * points[i].mass;
+    }
+    cloud.centre = cloud.centre * (Real{1} / cloud.mass);
+    for (int i = 0; i < count; ++i) {
+        const RealVec3 r = points[i].position - cloud.centre;
+        const Real m = points[i].mass;
+        cloud.inertia.xx += m * (r.y * r.y + r.z * r.z);
+        cloud.inertia.yy += m * (r.x * r.x + r.z * r.z);
+        cloud.inertia.zz += m * (r.x * r.x + r.y * r.y);
+        cloud.inertia.xy -= m * r.x * r.y;
+        cloud.inertia.xz -= m * r.x * r.z;
+        cloud.inertia.yz -= m * r.y * r.z;
+    }
+    return cloud;
+}
+
+}  // namespace tumble

@@ -1,0 +1,40 @@
+// Turning a unit quaternion by a small delta that is kept relative to identity: delta = (1 + w, v), |v| < 1/2.
+// One rounding a component a step; the renormalisation is folded into it, so that no square root is needed.
+#pragma once
+
+#include <tumble/body/state.hpp>
+
+namespace tumble {
+
+// A rotation less the identity: the quaternion (1 + w, v). w is minus the sine-square part, so it stays accurate.
+template <class N>
+struct Delta {
+    typename N::Angle w{};
+    Vec3<typename N::Angle> v = Vec3<typename N::Angle>::Constant(typename N::Angle{});
+};
+
+// (|q|^2 - 1) / 2, the first-order excess of the norm.
+template <class N>
+[[nodiscard]] TUMBLE_INLINE typename N::Angle norm_excess(const Quat<typename N::Unit>& q) {
+    const auto norm2 = mul_add(mul_add(mul_add(mul(q.w, q.w), q.v.x(), q.v.x()), q.v.y(), q.v.y()), q.v.z(), q.v.z());
+    if constexpr (N::fixed_point) {
+        constexpr auto one = decltype(norm2){std::int64_t{1} << decltype(norm2)::fraction_bits};
+        return narrow<typename N::Angle>(Wide<decltype(norm2)::fraction_bits + 1>{(norm2 - one).raw});
+    } else {
+        return (norm2 - typename N::Angle(1)) * typename N::Angle(0.5);
+    }
+}
+
+// q <- q (1 + delta) (1 - excess): a product of 16 multiplications whose sums go to the carried state unrounded.
+template <class N>
+TUMBLE_INLINE void turn(IntegratedQuat<N>& q_wb, Delta<N> delta) {
+    const Quat<typename N::Unit> q = q_wb.value();
+    const auto w = delta.w - norm_excess<N>(q);
+    const auto& v = delta.v;
+    q_wb.w.add(mul_sub(mul_sub(mul_sub(mul(q.w, w), q.v.x(), v.x()), q.v.y(), v.y()), q.v.z(), v.z()));
+    q_wb.x.add(add_cross_component<0>(mul_add(mul(q.w, v.x()), q.v.x(), w), q.v, v));
+    q_wb.y.add(add_cross_component<1>(mul_add(mul(q.w, v.y()), q.v.y(), w), q.v, v));
+    q_wb.z.add(add_cross_component<2>(mul_add(mul(q.w, v.z()), q.v.z(), w), q.v, v));
+}
+
+}  // namespace tumble

@@ -1,0 +1,57 @@
+// BodyState: all that a step writes of one body. Plain data of fixed layout, trivially copyable: it can be
+// snapshotted, rolled back, hashed and sent. Units are those of a World's step (numbers/systems.hpp): ask the World for
+// metres per second and radians per second.
+#pragma once
+
+#include <tumble/numbers/eigen.hpp>
+
+namespace tumble {
+
+// Three carried numbers, seen as a vector.
+template <class N, class T>
+struct IntegratedVec3 {
+    typename N::template Integrated<T> x, y, z;
+
+    [[nodiscard]] TUMBLE_INLINE Vec3<T> value() const { return {x.value(), y.value(), z.value()}; }
+    [[nodiscard]] constexpr auto& operator[](int i) { return i == 0 ? x : i == 1 ? y : z; }
+    [[nodiscard]] constexpr const auto& operator[](int i) const { return i == 0 ? x : i == 1 ? y : z; }
+    friend constexpr bool operator==(const IntegratedVec3&, const IntegratedVec3&) = default;
+};
+
+template <class N>
+struct IntegratedQuat {
+    typename N::IntegratedUnit w, x, y, z;
+
+    [[nodiscard]] TUMBLE_INLINE Quat<typename N::Unit> value() const { return {w.value(), {x.value(), y.value(), z.value()}}; }
+    friend constexpr bool operator==(const IntegratedQuat&, const IntegratedQuat&) = default;
+};
+
+// What a state's spin is. Angular velocity makes Euler's equations cheap: their coefficients lie in [-1, 1] for every
+// body. Angular momentum makes rotations cheap and conserves its norm exactly; divided by the middle moment, it is
+// bounded by twice the spin.
+enum class Spin : std::uint8_t { angular_velocity, angular_momentum };
+
+// Spin about the three body axes. Angular velocity drives its own change by its rounded value, so that value is shaped.
+template <class N, Spin spin>
+struct SpinVec3 {
+    using Turn = typename N::Turn;
+    std::conditional_t<spin == Spin::angular_velocity, Shaped<Turn, N::carry>, Carried<Turn, N::carry>> x, y, z;
+
+    [[nodiscard]] TUMBLE_INLINE Vec3<Turn> value() const { return {x.value(), y.value(), z.value()}; }
+    [[nodiscard]] TUMBLE_INLINE Vec3<Turn> take() { return {x.take(), y.take(), z.take()}; }
+    [[nodiscard]] constexpr auto& operator[](int i) { return i == 0 ? x : i == 1 ? y : z; }
+    [[nodiscard]] constexpr const auto& operator[](int i) const { return i == 0 ? x : i == 1 ? y : z; }
+    friend constexpr bool operator==(const SpinVec3&, const SpinVec3&) = default;
+};
+
+template <class N, Spin spin>
+struct BodyState {
+    IntegratedVec3<N, typename N::Position> x_w;   // m, of the centre of mass
+    IntegratedVec3<N, typename N::Drift> d_w;      // velocity, as displacement per step
+    IntegratedQuat<N> q_wb;                        // unit; body (principal axes) to world
+    SpinVec3<N, spin> t_b;                         // half the angle per step, rad: h/2 omega, or h/2 L / I_y
+
+    friend constexpr bool operator==(const BodyState&, const BodyState&) = default;
+};
+
+}  // namespace tumble

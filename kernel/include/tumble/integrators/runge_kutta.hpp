@@ -1,0 +1,193 @@
+// Explicit Runge-Kutta methods: one stepping function for every Butcher table, on translation and rotation.
+// Rotation is integrated as a delta quaternion relative to identity: stage s has K_s = (1 + sum_j a_sj K_j) u_s with
+// u_s the stage's half turn, which is the method applied to q' = q u because that equation is linear in q from the left.
+// Cost: per stage 3 multiplications for spin and 12 for the delta (the first stage none), 20 to turn the quaternion.
+#pragma once
+
+#include <tumble/integrators/butcher.hpp>
+#include <tumble/integrators/euler_equations.hpp>
+
+namespace tumble::detail {
+
+// One stage of rotation: what the weighted sums at the end of the step need.
+template <class N>
+struct RotationStage {
+    Delta<N> delta;
+    TurnProducts<N> products;
+};
+
+// Delta (1 + before) u, exact to first order in u.
+template <class N>
+[[nodiscard]] TUMBLE_INLINE Delta<N> stage_delta(const Delta<N>& before, const Vec3<typename N::Angle>& u, Dither d) {
+    const auto& v = before.v;
+    return {-N::round_angle(dot(v, u), d),
+            {u.x() + N::round_angle(add_cross_component<0>(mul(before.w, u.x()), v, u), d),
+             u.y() + N::round_angle(add_cross_component<1>(mul(before.w, u.y()), v, u), d),
+             u.z() + N::round_angle(add_cross_component<2>(mul(before.w, u.z()), v, u), d)}};
+}
+
+template <Rational a, class N>
+TUMBLE_INLINE void add_times(Delta<N>& sum, const Delta<N>& delta) {
+    sum.w += times<a>(delta.w);
+    sum.v.x() += times<a>(delta.v.x());
+    sum.v.y() += times<a>(delta.v.y());
+    sum.v.z() += times<a>(delta.v.z());
+}
+
+// The spin of a stage from the stages before it, without torques.
+template <const auto& table, int s, class N, class Inertia>
+[[nodiscard]] TUMBLE_INLINE Vec3<typename N::Turn> stage_turn(Vec3<typename N::Turn> t, const RotationStage<N>* stages,
+                                                              const Inertia& inertia, typename N::Scale scale) {
+    unroll<s>([&](auto earlier) {
+        constexpr int j = earlier;
+        constexpr Rational a = table.a[s][j];
+        if constexpr (!a.is_zero()) {
+            constexpr Rational twice = reduced({2 * a.numerator, a.denominator});
+            unroll<3>([&](auto axis) { constexpr int i = axis; t[i] += times<twice>(N::stage_turn(inertia.kappa[i], stages[j].products.v[i], scale)); });
+        }
+    });
+    return t;
+}
+
+template <const auto& table, int s, class N>
+[[nodiscard]] TUMBLE_INLINE Delta<N> delta_before(const RotationStage<N>* stages) {
+    Delta<N> before{};
+    unroll<s>([&](auto earlier) {
+        constexpr int j = earlier;
+        constexpr Rational a = table.a[s][j];
+        if constexpr (!a.is_zero()) add_times<a>(before, stages[j].delta);
+    });
+    return before;
+}
+
+// Applies the weighted sums of all stages to the body.
+template <const auto& table, class N, class Inertia>
+TUMBLE_INLINE void finish_rotation(BodyState<N, Spin::angular_velocity>& body, const RotationStage<N>* stages, const Inertia& inertia, const StepInfo<N>& step) {
+    typename N::AngleSum w{}, x{}, y{}, z{};
+    TurnProducts<N> sum{};
+    unroll<table.stages>([&](auto stage) {
+        constexpr int s = stage;
+        constexpr Rational b = table.b[s];
+        if constexpr (!b.is_zero()) {
+            w += weighted<b>(stages[s].delta.w);
+            x += weighted<b>(stages[s].delta.v.x());
+            y += weighted<b>(stages[s].delta.v.y());
+            z += weighted<b>(stages[s].delta.v.z());
+            constexpr Rational weight{table.weight(s), 1};
+            unroll<3>([&](auto axis) { constexpr int i = axis; sum.v[i] += times<weight>(stages[s].products.v[i]); });
+        }
+    });
+    const Dither d = step.dither;
+    turn<N>(body.q_wb, Delta<N>{N::round_angle(w, d), {N::round_angle(x, d), N::round_angle(y, d), N::round_angle(z, d)}});
+    N::add_turn(body.t_b.x, inertia.summed[0], sum.v[0], step.scale);
+    N::add_turn(body.t_b.y, inertia.summed[1], sum.v[1], step.scale);
+    N::add_turn(body.t_b.z, inertia.summed[2], sum.v[2], step.scale);
+}
+
+}  // namespace tumble::detail
+
+namespace tumble::integrators {
+
+template <const auto& table>
+struct RungeKutta {
+    static constexpr Spin spin = Spin::angular_velocity;
+    static constexpr Coasting coasting = table.stages == 1 ? Coasting::start : Coasting::mean;
+
+    template <class N>
+    using Inertia = EulerInertia<N, table.denominator()>;
+
+    template <class N>
+    TUMBLE_INLINE static void rotate(BodyState<N, Spin::angular_velocity>& body, const Inertia<N>& inertia, const StepInfo<N>& step) {
+        detail::RotationStage<N> stages[table.stages];
+        const Vec3<typename N::Turn> start = body.t_b.take();
+        detail::unroll<table.stages>([&](auto stage) {
+            constexpr int s = stage;
+            const auto t = detail::stage_turn<table, s, N>(start, stages, inertia, step.scale);
+            const auto u = angles<N>(t, step);
+            stages[s].products = TurnProducts<N>::of(t);
+            if constexpr (s == 0) stages[s].delta = {{}, u};
+            else stages[s].delta = detail::stage_delta<N>(detail::delta_before<table, s, N>(stages), u, step.dither);
+        });
+        detail::finish_rotation<table, N>(body, stages, inertia, step);
+    }
+
+    // All bodies of the group stage by stage; `evaluate(stage states, kicks)` is called once a stage.
+    template <class N, int capacity, class Evaluate>
+    static bool advance(const Group<N, spin, Inertia<N>, capacity>& group, Evaluate&& evaluate, const StepInfo<N>& step) {
+        detail::RotationStage<N> rotation[capacity][table.stages];
+        Kick<N> kick[table.stages][capacity];
+        typename N::DriftSum drift[table.stages][capacity][3];
+        StageState<N> start[capacity], state[capacity];
+        for (int b = 0; b < group.count; ++b) {
+            start[b] = stage_of(*group.body[b]);
+            start[b].t_b = group.body[b]->t_b.take();
+        }
+        detail::unroll<table.stages>([&](auto stage) {
+            constexpr int s = stage;
+            for (int b = 0; b < group.count; ++b) {
+                StageState<N>& now = state[b];
+                now = start[b];
+                now.t_b = detail::stage_turn<table, s, N>(start[b].t_b, rotation[b], *group.inertia[b], step.scale);
+                detail::unroll<s>([&](auto earlier) {
+                    constexpr int j = earlier;
+                    constexpr Rational a = table.a[s][j];
+                    if constexpr (!a.is_zero()) {
+                        for (int i = 0; i < 3; ++i) {
+                            now.x_w[i] = N::displaced(now.x_w[i], detail::times<a>(drift[j][b][i]), step.scale);
+                            now.d_w[i] += detail::times<a>(kick[j][b].linear[i]);
+                            now.t_b[i] += N::narrow_turn(detail::times<a>(kick[j][b].angular[i]));
+                        }
+                    }
+                });
+                for (int i = 0; i < 3; ++i) drift[s][b][i] = now.d_w[i];
+                const Delta<N> before = detail::delta_before<table, s, N>(rotation[b]);
+                if constexpr (s > 0) now.q_wb = turned<N>(start[b].q_wb, before);
+                rotation[b][s].products = TurnProducts<N>::of(now.t_b);
+                rotation[b][s].delta = detail::stage_delta<N>(before, angles<N>(now.t_b, step), step.dither);
+            }
+            evaluate(state, kick[s]);
+        });
+        for (int b = 0; b < group.count; ++b) {
+            BodyState<N, Spin::angular_velocity>& body = *group.body[b];
+            detail::finish_rotation<table, N>(body, rotation[b], *group.inertia[b], step);
+            for (int i = 0; i < 3; ++i) {
+                typename N::DriftSum linear{}, travelled{};
+                typename N::TurnSum angular{};
+                detail::unroll<table.stages>([&](auto stage) {
+                    constexpr int s = stage;
+                    constexpr Rational weight{table.weight(s), 1};
+                    if constexpr (weight.numerator != 0) {
+                        linear += detail::times<weight>(kick[s][b].linear[i]);
+                        travelled += detail::times<weight>(drift[s][b][i] - start[b].d_w[i]);
+                        angular += detail::times<weight>(kick[s][b].angular[i]);
+                    }
+                });
+                constexpr Rational share{1, table.denominator()};
+                // The drift at the start has weight 1 altogether; only the stages' differences from it are averaged.
+                N::coast(body.x_w[i], body.d_w[i], detail::times<share>(travelled), step.scale);
+                N::add(body.d_w[i], detail::times<share>(linear));
+                body.t_b[i].add(detail::times<share>(angular));
+            }
+        }
+        return true;
+    }
+};
+
+struct ExplicitEuler : RungeKutta<euler_table> {
+    static constexpr const char* name = "explicit_euler";
+    static constexpr int order = 1;
+};
+struct Midpoint : RungeKutta<midpoint_table> {
+    static constexpr const char* name = "midpoint";
+    static constexpr int order = 2;
+};
+struct Heun : RungeKutta<heun_table> {
+    static constexpr const char* name = "heun";
+    static constexpr int order = 2;
+};
+struct Rk4 : RungeKutta<rk4_table> {
+    static constexpr const char* name = "rk4";
+    static constexpr int order = 4;
+};
+
+}  // namespace tumble::integrators

@@ -1,0 +1,48 @@
+// Semi-implicit Euler: velocity first, then position with the new velocity; the same for spin and orientation.
+// What game engines run, here with the gyroscopic term. Order 1. No division, no square root.
+#pragma once
+
+#include <tumble/integrators/euler_equations.hpp>
+
+namespace tumble::integrators {
+
+struct SemiImplicitEuler {
+    static constexpr const char* name = "semi_implicit_euler";
+    static constexpr int order = 1;
+    static constexpr Spin spin = Spin::angular_velocity;
+    static constexpr Coasting coasting = Coasting::end;
+
+    template <class N>
+    using Inertia = EulerInertia<N, 1>;
+
+    template <class N>
+    TUMBLE_INLINE static void rotate(BodyState<N, Spin::angular_velocity>& body, const Inertia<N>& inertia, const StepInfo<N>& step) {
+        const auto products = TurnProducts<N>::of(body.t_b.value());
+        N::add_turn(body.t_b.x, inertia.summed[0], products.v[0], step.scale);
+        N::add_turn(body.t_b.y, inertia.summed[1], products.v[1], step.scale);
+        N::add_turn(body.t_b.z, inertia.summed[2], products.v[2], step.scale);
+        turn<N>(body.q_wb, Delta<N>{{}, angles<N>(body.t_b.take(), step)});
+    }
+
+    template <class N, int capacity, class Evaluate>
+    static bool advance(const Group<N, spin, Inertia<N>, capacity>& group, Evaluate&& evaluate, const StepInfo<N>& step) {
+        StageState<N> state[capacity];
+        Kick<N> kick[capacity];
+        for (int b = 0; b < group.count; ++b) state[b] = stage_of(*group.body[b]);
+        evaluate(state, kick);
+        for (int b = 0; b < group.count; ++b) {
+            BodyState<N, Spin::angular_velocity>& body = *group.body[b];
+            const auto products = TurnProducts<N>::of(state[b].t_b);
+            for (int i = 0; i < 3; ++i) {
+                N::add(body.d_w[i], kick[b].linear[i]);
+                N::coast(body.x_w[i], body.d_w[i], {}, step.scale);
+                N::add_turn(body.t_b[i], group.inertia[b]->summed[i], products.v[i], step.scale);
+                body.t_b[i].add(kick[b].angular[i]);
+            }
+            turn<N>(body.q_wb, Delta<N>{{}, angles<N>(body.t_b.take(), step)});
+        }
+        return true;
+    }
+};
+
+}  // namespace tumble::integrators

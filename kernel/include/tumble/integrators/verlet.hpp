@@ -1,0 +1,15 @@
+// Verlet: kick-drift-kick with the symmetric-top splitting of the rotation. The default: order 2, reversible in time,
+// momentum norm exact to rounding, energy error bounded for ever. No division, no square root.
+#pragma once
+
+#include <tumble/integrators/kick_drift_kick.hpp>
+#include <tumble/integrators/symmetric_top.hpp>
+
+namespace tumble::integrators {
+
+struct Verlet : KickDriftKick<SymmetricTopFlow> {
+    static constexpr const char* name = "verlet";
+    static constexpr int order = 2;
+};
+
+}  // namespace tumble::integrators

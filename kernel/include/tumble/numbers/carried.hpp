@@ -1,0 +1,168 @@
+// Carried: integrated state that keeps what rounding left behind, so that a step's error does not accumulate.
+// Fixed point: a 64-bit sum whose upper word is the value. Floating point: a compensated (Kahan) pair.
+// With carry switched off it is the bare value, rounded at every addition.
+#pragma once
+
+#include <tumble/numbers/fixed.hpp>
+
+namespace tumble {
+
+template <class T, bool carry, bool biased = false>
+class Carried;
+
+// A biased pair is stored with half a unit added, so that its upper word is the value rounded to nearest for free:
+// for state that is read as a value in every step. An unbiased one gives its sum for free.
+template <int F, bool biased>
+class Carried<Fixed<F>, true, biased> {
+public:
+    using Value = Fixed<F>;
+    static constexpr int fraction_bits = F + 32;   // of the 64-bit sum
+
+    constexpr Carried() = default;
+    [[nodiscard]] static constexpr Carried from(Real value) { return from_sum({value.to_fixed(F + 32, 64)}); }
+    [[nodiscard]] static constexpr Carried from_sum(Wide<F + 32> s) {
+        Carried c;
+        c.stored_ = (s + Wide<F + 32>{bias}).raw;
+        return c;
+    }
+
+    [[nodiscard]] TUMBLE_INLINE constexpr Value value() const {
+        return {static_cast<std::int32_t>((Wide<F + 32>{stored_} + Wide<F + 32>{half - bias}).raw >> 32)};
+    }
+    // Value and residual as one number with F + 32 fraction bits.
+    [[nodiscard]] TUMBLE_INLINE constexpr Wide<F + 32> sum() const { return Wide<F + 32>{stored_} - Wide<F + 32>{bias}; }
+    TUMBLE_INLINE constexpr void add(Wide<F + 32> increment) { stored_ = (Wide<F + 32>{stored_} + increment).raw; }
+    [[nodiscard]] constexpr Real to_real() const { return Real::scaled(sum().raw, -(F + 32)); }
+    friend constexpr bool operator==(Carried, Carried) = default;
+
+private:
+    static constexpr std::int64_t half = std::int64_t{1} << 31;
+    static constexpr std::int64_t bias = biased ? half : 0;
+    std::int64_t stored_ = bias;
+};
+
+template <int F, bool biased>
+class Carried<Fixed<F>, false, biased> {
+public:
+    using Value = Fixed<F>;
+    static constexpr int fraction_bits = F;
+
+    constexpr Carried() = default;
+    [[nodiscard]] static constexpr Carried from(Real value) { return Carried{Value::from(value)}; }
+    [[nodiscard]] TUMBLE_INLINE constexpr Value value() const { return value_; }
+    [[nodiscard]] TUMBLE_INLINE constexpr Wide<F + 32> sum() const { return {static_cast<std::int64_t>(value_.raw) * (std::int64_t{1} << 32)}; }
+    [[nodiscard]] static constexpr Carried from_sum(Wide<F + 32> s) { return Carried{narrow<Value>(s)}; }
+    TUMBLE_INLINE constexpr void add(Wide<F + 32> increment) { value_ += narrow<Value>(increment); }
+    [[nodiscard]] constexpr Real to_real() const { return Real::scaled(value_.raw, -F); }
+    friend constexpr bool operator==(Carried, Carried) = default;
+
+private:
+    constexpr explicit Carried(Value v) : value_{v} {}
+    Value value_{};
+};
+
+// What the floating-point specialisations share. T is float or double.
+template <class T>
+[[nodiscard]] constexpr T from_real(Real value);
+template <>
+[[nodiscard]] constexpr float from_real<float>(Real value) { return value.to_float(); }
+template <>
+[[nodiscard]] constexpr double from_real<double>(Real value) { return value.to_double(); }
+
+// Exact for every finite value.
+[[nodiscard]] constexpr Real to_real(double value) { return Real{value}; }
+[[nodiscard]] constexpr Real to_real(float value) {
+    const auto bits = std::bit_cast<std::uint32_t>(value);
+    const int exponent = static_cast<int>((bits >> 23) & 0xff);
+    const auto fraction = static_cast<std::int64_t>(bits & 0x7fffff);
+    const Real magnitude = Real::scaled(exponent == 0 ? fraction : fraction | 0x800000, (exponent == 0 ? 1 : exponent) - 150);
+    return (bits >> 31) != 0 ? -magnitude : magnitude;
+}
+
+template <class T, bool biased>
+class Carried<T, true, biased> {
+public:
+    using Value = T;
+
+    constexpr Carried() = default;
+    [[nodiscard]] static constexpr Carried from(Real value) {
+        Carried c;
+        c.value_ = from_real<T>(value);
+        c.residual_ = from_real<T>(value - tumble::to_real(c.value_));
+        return c;
+    }
+    [[nodiscard]] TUMBLE_INLINE constexpr T value() const { return value_; }
+    [[nodiscard]] TUMBLE_INLINE constexpr T residual() const { return residual_; }
+    // Kahan's sum: exact to about twice T's precision while increments are smaller than the value.
+    TUMBLE_INLINE constexpr void add(T increment) {
+        const T y = increment + residual_;
+        const T t = value_ + y;
+        residual_ = y - (t - value_);
+        value_ = t;
+    }
+    [[nodiscard]] constexpr Real to_real() const { return tumble::to_real(value_) + tumble::to_real(residual_); }
+    friend constexpr bool operator==(Carried, Carried) = default;
+
+private:
+    T value_ = 0;
+    T residual_ = 0;
+};
+
+template <class T, bool biased>
+class Carried<T, false, biased> {
+public:
+    using Value = T;
+
+    constexpr Carried() = default;
+    [[nodiscard]] static constexpr Carried from(Real value) {
+        Carried c;
+        c.value_ = from_real<T>(value);
+        return c;
+    }
+    [[nodiscard]] TUMBLE_INLINE constexpr T value() const { return value_; }
+    [[nodiscard]] TUMBLE_INLINE constexpr T residual() const { return 0; }
+    TUMBLE_INLINE constexpr void add(T increment) { value_ += increment; }
+    [[nodiscard]] constexpr Real to_real() const { return tumble::to_real(value_); }
+    friend constexpr bool operator==(Carried, Carried) = default;
+
+private:
+    T value_ = 0;
+};
+
+// Carried, for a quantity whose rounded value drives its own rate of change. What a step's rounding left out is fed
+// back into the next step's (first-order noise shaping), so the mean of the values used is exact and the rounding noise
+// does not random-walk: on a tumbling top near its unstable axis that is three to twenty times less error.
+template <class T, bool carry>
+class Shaped : public Carried<T, carry> {
+public:
+    using Base = Carried<T, carry>;
+    constexpr Shaped() = default;
+    [[nodiscard]] static constexpr Shaped from(Real value) { return Shaped{Base::from(value)}; }
+    // The value to use in this step.
+    [[nodiscard]] TUMBLE_INLINE constexpr T take() { return this->value(); }
+    friend constexpr bool operator==(Shaped, Shaped) = default;
+
+protected:
+    constexpr explicit Shaped(Base base) : Base{base} {}
+};
+
+template <int F>
+class Shaped<Fixed<F>, true> : public Carried<Fixed<F>, true> {
+public:
+    using Base = Carried<Fixed<F>, true>;
+    constexpr Shaped() = default;
+    [[nodiscard]] static constexpr Shaped from(Real value) { return Shaped{Base::from(value)}; }
+    [[nodiscard]] TUMBLE_INLINE constexpr Fixed<F> take() {
+        const Wide<F + 32> wanted = this->sum() + Wide<F + 32>{static_cast<std::int64_t>(left_out_)};
+        left_out_ = static_cast<std::uint32_t>(wanted.raw);
+        return {static_cast<std::int32_t>(wanted.raw >> 32)};
+    }
+    [[nodiscard]] constexpr std::uint32_t left_out() const { return left_out_; }
+    friend constexpr bool operator==(Shaped, Shaped) = default;
+
+private:
+    constexpr explicit Shaped(Base base) : Base{base} {}
+    std::uint32_t left_out_ = std::uint32_t{1} << 31;   // in 2^-32 of a unit
+};
+
+}  // namespace tumble

@@ -1,0 +1,216 @@
+// Real: a software floating-point number with a 64-bit mantissa, for set-up only (masses, inertia, step constants).
+// Integers alone, so the constants come out with the same bits at compile time, at run time, on every core, and a
+// firmware without double arithmetic can still add bodies. Results are within one unit of 2^-63, not always nearest.
+#pragma once
+
+#include <tumble/config.hpp>
+
+#include <bit>
+#include <type_traits>
+#include <cstdint>
+
+namespace tumble {
+
+class Real {
+public:
+    constexpr Real() = default;
+    // Exact. Reads the bits of the double: no floating-point instruction is executed. NaN and infinity are misuse.
+    constexpr Real(double value) {  // NOLINT(google-explicit-constructor): literals read as numbers
+        const auto bits = std::bit_cast<std::uint64_t>(value);
+        const auto exponent = static_cast<int>((bits >> 52) & 0x7ff);
+        const std::uint64_t fraction = bits & ((std::uint64_t{1} << 52) - 1);
+        TUMBLE_ASSERT(exponent != 0x7ff);
+        *this = make((bits >> 63) != 0, exponent == 0 ? fraction : fraction | (std::uint64_t{1} << 52),
+                     (exponent == 0 ? 1 : exponent) - 1075);
+    }
+    constexpr Real(int value)  // NOLINT(google-explicit-constructor)
+        : Real{make(value < 0, value < 0 ? 0u - static_cast<std::uint32_t>(value) : static_cast<std::uint32_t>(value), 0)} {}
+
+    // mantissa * 2^exponent, exact.
+    [[nodiscard]] static constexpr Real scaled(std::int64_t mantissa, int exponent) {
+        const bool negative = mantissa < 0;
+        const auto magnitude = static_cast<std::uint64_t>(mantissa);
+        return make(negative, negative ? 0u - magnitude : magnitude, exponent);
+    }
+
+    [[nodiscard]] constexpr bool is_zero() const { return mantissa_ == 0; }
+    [[nodiscard]] constexpr bool is_negative() const { return negative_; }
+
+    [[nodiscard]] constexpr Real operator-() const {
+        Real r = *this;
+        r.negative_ = mantissa_ != 0 && !negative_;
+        return r;
+    }
+    friend constexpr Real operator+(Real a, Real b) {
+        if (a.mantissa_ == 0) return b;
+        if (b.mantissa_ == 0) return a;
+        if (a.exponent_ < b.exponent_) { const Real t = a; a = b; b = t; }
+        const int gap = a.exponent_ - b.exponent_;
+        if (gap > 64) return a;
+        // One bit of headroom for the carry: both mantissas move down by one.
+        const std::uint64_t x = a.mantissa_ >> 1;
+        const std::uint64_t y = gap >= 63 ? 0 : (b.mantissa_ >> 1) >> gap;
+        if (a.negative_ == b.negative_) return make(a.negative_, x + y, a.exponent_ + 1);
+        if (gap == 0) {  // cancellation: keep the lowest bit, so that a - a' of neighbours is exact
+            if (a.mantissa_ >= b.mantissa_) return make(a.negative_, a.mantissa_ - b.mantissa_, a.exponent_);
+            return make(b.negative_, b.mantissa_ - a.mantissa_, a.exponent_);
+        }
+        // gap >= 1: a's mantissa has its top bit set, so the difference is positive; b's lost bit is below a's unit.
+        const std::uint64_t z = gap >= 64 ? 0 : b.mantissa_ >> gap;
+        return make(a.negative_, a.mantissa_ - z, a.exponent_);
+    }
+    friend constexpr Real operator-(Real a, Real b) { return a + (-b); }
+    friend constexpr Real operator*(Real a, Real b) {
+        if (a.mantissa_ == 0 || b.mantissa_ == 0) return {};
+        const std::uint64_t a1 = a.mantissa_ >> 32, a0 = a.mantissa_ & 0xffffffffu;
+        const std::uint64_t b1 = b.mantissa_ >> 32, b0 = b.mantissa_ & 0xffffffffu;
+        const std::uint64_t low = a0 * b0, mid = a1 * b0 + (low >> 32), mid2 = a0 * b1 + (mid & 0xffffffffu);
+        const std::uint64_t high = a1 * b1 + (mid >> 32) + (mid2 >> 32);
+        const std::uint64_t rest = (mid2 << 32) | (low & 0xffffffffu);
+        const bool negative = a.negative_ != b.negative_;
+        const int exponent = a.exponent_ + b.exponent_ + 64;
+        if ((high >> 63) != 0) return rounded(negative, high, (rest >> 63) != 0, exponent);
+        return rounded(negative, (high << 1) | (rest >> 63), ((rest >> 62) & 1) != 0, exponent - 1);
+    }
+    // Long division, 65 rounds; b must not be zero.
+    friend constexpr Real operator/(Real a, Real b) {
+        TUMBLE_ASSERT(b.mantissa_ != 0);
+        if (a.mantissa_ == 0) return {};
+        int exponent = a.exponent_ - b.exponent_ - 63;
+        std::uint64_t remainder = a.mantissa_, quotient = 0;
+        bool carry = false;
+        if (remainder < b.mantissa_) { carry = (remainder >> 63) != 0; remainder <<= 1; --exponent; }
+        for (int i = 0; i < 64; ++i) {
+            quotient <<= 1;
+            if (carry || remainder >= b.mantissa_) { remainder -= b.mantissa_; quotient |= 1; }
+            carry = (remainder >> 63) != 0;
+            remainder <<= 1;
+        }
+        return rounded(a.negative_ != b.negative_, quotient, carry || remainder >= b.mantissa_, exponent);
+    }
+    constexpr Real& operator+=(Real b) { return *this = *this + b; }
+    constexpr Real& operator-=(Real b) { return *this = *this - b; }
+    constexpr Real& operator*=(Real b) { return *this = *this * b; }
+    constexpr Real& operator/=(Real b) { return *this = *this / b; }
+    friend constexpr bool operator==(Real a, Real b) { return (a - b).is_zero(); }
+    friend constexpr bool operator<(Real a, Real b) { return (a - b).is_negative(); }
+    friend constexpr bool operator>(Real a, Real b) { return b < a; }
+    friend constexpr bool operator<=(Real a, Real b) { return !(b < a); }
+    friend constexpr bool operator>=(Real a, Real b) { return !(a < b); }
+
+    // Nearest integer to value * 2^fraction_bits, ties away from zero; clamped to +-(2^(bits-1) - 1).
+    [[nodiscard]] constexpr std::int64_t to_fixed(int fraction_bits, int bits = 32) const {
+        const std::int64_t limit = static_cast<std::int64_t>((std::uint64_t{1} << (bits - 1)) - 1);
+        if (mantissa_ == 0) return 0;
+        const int shift = -(exponent_ + fraction_bits);  // right shift of the mantissa
+        if (shift <= 0) return negative_ ? -limit : limit;
+        std::uint64_t magnitude = 0;
+        if (shift < 64) magnitude = (mantissa_ >> shift) + ((mantissa_ >> (shift - 1)) & 1);
+        else if (shift == 64) magnitude = mantissa_ >> 63;
+        if (magnitude > static_cast<std::uint64_t>(limit)) return negative_ ? -limit : limit;
+        return negative_ ? -static_cast<std::int64_t>(magnitude) : static_cast<std::int64_t>(magnitude);
+    }
+    // The power of two above the magnitude: |value| < 2^result, result least. Zero gives a very small number.
+    [[nodiscard]] constexpr int ceil_log2() const { return mantissa_ == 0 ? -100000 : exponent_ + 64; }
+
+    // The least n with |value| <= 2^n: an exact power of two is its own bound.
+    [[nodiscard]] constexpr int ceil_log2_bound() const {
+        return mantissa_ == std::uint64_t{1} << 63 ? exponent_ + 63 : ceil_log2();
+    }
+
+    // Nearest float and double, ties to even; written bit by bit so that no floating-point code is needed.
+    [[nodiscard]] constexpr double to_double() const { return std::bit_cast<double>(ieee(52, 1023)); }
+    [[nodiscard]] constexpr float to_float() const { return std::bit_cast<float>(static_cast<std::uint32_t>(ieee(23, 127))); }
+
+private:
+    static constexpr Real make(bool negative, std::uint64_t mantissa, int exponent) {
+        Real r;
+        if (mantissa == 0) return r;
+        const int up = std::countl_zero(mantissa);
+        r.mantissa_ = mantissa << up;
+        r.exponent_ = exponent - up;
+        r.negative_ = negative;
+        return r;
+    }
+    static constexpr Real rounded(bool negative, std::uint64_t mantissa, bool up, int exponent) {
+        if (up && ++mantissa == 0) { mantissa = std::uint64_t{1} << 63; ++exponent; }
+        return make(negative, mantissa, exponent);
+    }
+    [[nodiscard]] constexpr std::uint64_t ieee(int fraction_bits, int bias) const {
+        const std::uint64_t sign = static_cast<std::uint64_t>(negative_) << (bias == 1023 ? 63 : 31);
+        if (mantissa_ == 0) return sign;
+        int exponent = exponent_ + 63 + bias;       // biased exponent of the leading bit
+        int drop = 63 - fraction_bits;              // bits below the fraction
+        if (exponent <= 0) { drop += 1 - exponent; exponent = 0; }
+        if (drop > 64) return sign;
+        const std::uint64_t kept = drop == 64 ? 0 : mantissa_ >> drop;
+        const std::uint64_t half = std::uint64_t{1} << (drop - 1);
+        const std::uint64_t below = drop == 64 ? mantissa_ : mantissa_ & ((half << 1) - 1);
+        std::uint64_t bits = kept + ((below > half || (below == half && (kept & 1) != 0)) ? 1 : 0);
+        // The leading 1 of a normal number adds one to the exponent field, and so does a carry out of the fraction.
+        bits += static_cast<std::uint64_t>(exponent == 0 ? 0 : exponent - 1) << fraction_bits;
+        const std::uint64_t infinity = static_cast<std::uint64_t>(2 * bias + 1) << fraction_bits;
+        return sign | (bits > infinity ? infinity : bits);
+    }
+
+    std::uint64_t mantissa_ = 0;  // top bit set unless the number is zero
+    int exponent_ = 0;            // value = mantissa_ * 2^exponent_
+    bool negative_ = false;
+};
+
+[[nodiscard]] constexpr Real abs(Real a) { return a.is_negative() ? -a : a; }
+[[nodiscard]] constexpr Real max(Real a, Real b) { return a < b ? b : a; }
+[[nodiscard]] constexpr Real min(Real a, Real b) { return b < a ? b : a; }
+
+// Square root by Newton's iteration from a power of two; negative arguments are misuse.
+[[nodiscard]] constexpr Real sqrt(Real a) {
+    TUMBLE_ASSERT(!a.is_negative());
+    if (a.is_zero()) return a;
+    Real y = Real::scaled(1, (a.ceil_log2() + 1) / 2);
+    for (int i = 0; i < 8; ++i) y = (y + a / y) * Real::scaled(1, -1);
+    return y;
+}
+
+// e^a by halving the argument and squaring back; for drag constants, |a| < 2^20.
+[[nodiscard]] constexpr Real exp(Real a) {
+    int halvings = 0;
+    while (a.ceil_log2() > -4) { a *= Real::scaled(1, -1); ++halvings; }
+    Real sum = 1, term = 1;
+    for (int i = 1; i < 16; ++i) { term = term * a / Real{i}; sum += term; }
+    for (int i = 0; i < halvings; ++i) sum *= sum;
+    return sum;
+}
+
+// A vector and a quaternion of set-up numbers; plain, so that scenes are constants.
+struct RealVec3 {
+    Real x, y, z;
+    [[nodiscard]] constexpr Real operator[](int i) const { return i == 0 ? x : i == 1 ? y : z; }
+    constexpr Real& operator[](int i) { return i == 0 ? x : i == 1 ? y : z; }
+    friend constexpr RealVec3 operator+(RealVec3 a, RealVec3 b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+    friend constexpr RealVec3 operator-(RealVec3 a, RealVec3 b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+    friend constexpr RealVec3 operator*(RealVec3 a, Real s) { return {a.x * s, a.y * s, a.z * s}; }
+};
+[[nodiscard]] constexpr Real dot(RealVec3 a, RealVec3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+[[nodiscard]] constexpr RealVec3 cross(RealVec3 a, RealVec3 b) {
+    return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+[[nodiscard]] constexpr RealVec3 normalized(RealVec3 a) { return a * (Real{1} / sqrt(dot(a, a))); }
+
+struct RealQuat {
+    Real w = 1;
+    RealVec3 v{};
+    friend constexpr RealQuat operator*(RealQuat a, RealQuat b) {
+        return {a.w * b.w - dot(a.v, b.v), b.v * a.w + a.v * b.w + cross(a.v, b.v)};
+    }
+    [[nodiscard]] constexpr RealQuat conjugate() const { return {w, v * Real{-1}}; }
+    [[nodiscard]] constexpr RealVec3 rotate(RealVec3 r) const {
+        const RealVec3 t = cross(v, r) * Real{2};
+        return r + t * w + cross(v, t);
+    }
+};
+[[nodiscard]] constexpr RealQuat normalized(RealQuat q) {
+    const Real s = Real{1} / sqrt(q.w * q.w + dot(q.v, q.v));
+    return {q.w * s, q.v * s};
+}
+
+}  // namespace tumble

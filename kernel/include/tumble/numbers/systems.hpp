@@ -1,0 +1,278 @@
+// Number systems: Q32<Range> (integers only), F32 and F64. Each names the type of every physical quantity and the few
+// operations that differ between fixed and floating point, so that loads, integrators and contacts are written once.
+//
+// Inside a world time is counted in steps, not seconds. Velocity is kept as `Drift`, the displacement per step, and
+// spin as `Turn`, half the angle turned per step: position += drift, and a half turn is what a quaternion needs. The
+// step size then enters only when constants are made, so a step such as 0.005 s costs no accuracy and no cycles.
+#pragma once
+
+#include <tumble/numbers/carried.hpp>
+#include <tumble/numbers/dither.hpp>
+#include <tumble/numbers/functions.hpp>
+
+namespace tumble {
+
+// What fixed point must be able to hold: metres from the origin, m/s, rad/s. Formats round each up to a power of two.
+template <int position_m = 1024, int velocity_m_s = 128, int spin_rad_s = 64>
+struct Range {
+    static constexpr int position = position_m;
+    static constexpr int velocity = velocity_m_s;
+    static constexpr int spin = spin_rad_s;
+};
+using NearRange = Range<64, 32, 32>;
+using RoomRange = Range<>;
+using FieldRange = Range<32768, 2048, 256>;
+
+// A fraction known at compile time, such as an entry of a Butcher table.
+struct Rational {
+    int numerator = 0;
+    int denominator = 1;
+    [[nodiscard]] constexpr bool is_zero() const { return numerator == 0; }
+    [[nodiscard]] constexpr bool is_dyadic() const { return (denominator & (denominator - 1)) == 0; }
+    friend constexpr bool operator==(Rational, Rational) = default;
+};
+
+namespace detail {
+
+// a >> shift for 1 <= shift <= 31, rounding down: four instructions on a 32-bit core.
+[[nodiscard]] TUMBLE_INLINE constexpr std::int64_t shift_right(std::int64_t a, int shift) {
+    const auto high = static_cast<std::int32_t>(a >> 32);
+    const auto low = static_cast<std::uint32_t>(a);
+    const std::uint32_t lower = (low >> shift) | (static_cast<std::uint32_t>(high) << (32 - shift));
+    return static_cast<std::int64_t>((static_cast<std::uint64_t>(static_cast<std::uint32_t>(high >> shift)) << 32) | lower);
+}
+
+[[nodiscard]] constexpr int log2_of(int power_of_two) {
+    int log2 = 0;
+    while ((1 << log2) < power_of_two) ++log2;
+    return log2;
+}
+
+[[nodiscard]] constexpr int clamp(int value, int low, int high) { return value < low ? low : value > high ? high : value; }
+
+}  // namespace detail
+
+// 32-bit integers with 64-bit accumulation. Ranges decide the formats; see Scale for what the step decides.
+template <class R = RoomRange, bool with_carry = true>
+struct Q32 {
+    using Range = R;
+    static constexpr const char* name = "q32";
+    static constexpr bool carry = with_carry;
+    static constexpr bool fixed_point = true;
+
+    using Position = Fixed<30 - detail::log2_of(R::position)>;   // m; one bit above the range
+    using Drift = Fixed<30>;    // displacement per step / Scale's unit; +-1 is the range
+    using Turn = Fixed<32>;     // half turn per step, rad, times 2^turn_shift; +-1/4 is the range
+    using Angle = Fixed<32>;    // rad, |angle| < 1/2: half turns and what is computed from them
+    using Unit = Fixed<30>;     // components of unit quaternions and unit vectors
+    using Coefficient = Fixed<31>;   // dimensionless constants in [-1, 1]
+    template <int bits>
+    using CoefficientOf = Fixed<bits>;   // dimensionless constants below 2^(31 - bits)
+    using TurnProduct = Wide<64>;
+    using AngleSum = Wide<64>;
+    using PositionSum = Wide<Position::fraction_bits + 32>;
+    using DriftSum = Wide<62>;
+    using TurnSum = Wide<64>;
+    using Work = Scaled;             // loads and contacts: any magnitude, 31 digits
+    template <class T>
+    using Integrated = Carried<T, carry>;
+    using IntegratedUnit = Carried<Unit, carry, true>;
+
+    // Where the binary points stand, from the ranges and the step size.
+    struct Scale {
+        std::int8_t drift_shift = 1;   // Drift has drift_shift more fraction bits (of a metre) than Position
+        std::int8_t turn_shift = 1;    // Turn is the half turn times 2^turn_shift
+
+        // `turn_per_spin`: the largest half turn per step that a spin of 1 rad/s can mean (h/2, h for momentum).
+        [[nodiscard]] static constexpr Scale of(Real step, Real turn_per_spin) {
+            const int drift_bits = 30 - (Real{R::velocity} * step).ceil_log2_bound();
+            const int turn_bits = -2 - (Real{R::spin} * turn_per_spin).ceil_log2_bound();
+            return {static_cast<std::int8_t>(detail::clamp(drift_bits - Position::fraction_bits, 1, 30)),
+                    static_cast<std::int8_t>(detail::clamp(turn_bits, 1, 31))};
+        }
+        // Set-up: metres per step (or per step^2) and half turns per step, as the numbers that state holds.
+        [[nodiscard]] constexpr Real drift_units(Real metres) const {
+            return metres * Real::scaled(1, Position::fraction_bits + drift_shift - Drift::fraction_bits);
+        }
+        [[nodiscard]] constexpr Real turn_units(Real angle) const { return angle * Real::scaled(1, turn_shift); }
+        [[nodiscard]] constexpr Real metres(Real drift) const {
+            return drift * Real::scaled(1, Drift::fraction_bits - Position::fraction_bits - drift_shift);
+        }
+        [[nodiscard]] constexpr Real angle(Real turn) const { return turn * Real::scaled(1, -turn_shift); }
+    };
+
+    template <class T>
+    [[nodiscard]] static constexpr T constant(Real value) { return T::from(value); }
+
+    // Between state and working numbers: metres, metres per step, half turns per step.
+    [[nodiscard]] static constexpr PositionSum sum(const Integrated<Position>& x) { return x.sum(); }
+    [[nodiscard]] static constexpr Work metres(PositionSum x) { return Work::of(x); }
+    [[nodiscard]] static constexpr Work metres(DriftSum d, Scale s) {
+        return Work::of(d.raw, -(Position::fraction_bits + 32 + s.drift_shift));
+    }
+    [[nodiscard]] static constexpr Work half_turn(Turn t, Scale s) { return Work::of(t.raw, -(32 + s.turn_shift)); }
+    [[nodiscard]] static constexpr Work half_turn(TurnSum t, Scale s) { return Work::of(t.raw, -(64 + s.turn_shift)); }
+    [[nodiscard]] static constexpr Work work(Unit u) { return Work::of(u); }
+    [[nodiscard]] static constexpr PositionSum position_sum(Work metres) {
+        return metres.template to_wide<PositionSum::fraction_bits>();
+    }
+    [[nodiscard]] static constexpr DriftSum drift_sum(Work metres, Scale s) {
+        return {metres.times_power_of_two(Position::fraction_bits + 32 + s.drift_shift).template to_wide<0>().raw};
+    }
+    [[nodiscard]] static constexpr TurnSum turn_sum(Work half_turn, Scale s) {
+        return {half_turn.times_power_of_two(64 + s.turn_shift).template to_wide<0>().raw};
+    }
+
+    // position += drift: the carried sums differ only in where the binary point stands.
+    TUMBLE_INLINE static constexpr void move(Integrated<Position>& x, DriftSum drift, Scale s) {
+        x.add({detail::shift_right(drift.raw, s.drift_shift)});
+    }
+    [[nodiscard]] TUMBLE_INLINE static constexpr DriftSum sum(const Integrated<Drift>& d) { return d.sum(); }
+    [[nodiscard]] TUMBLE_INLINE static constexpr DriftSum half(DriftSum d) { return {d.raw >> 1}; }
+    // position += drift + extra, with all that the drift carries.
+    TUMBLE_INLINE static constexpr void coast(Integrated<Position>& x, const Integrated<Drift>& d, DriftSum extra, Scale s) {
+        move(x, d.sum() + extra, s);
+    }
+    [[nodiscard]] static constexpr PositionSum displaced(PositionSum x, DriftSum d, Scale s) {
+        return x + PositionSum{detail::shift_right(d.raw, s.drift_shift)};
+    }
+    [[nodiscard]] TUMBLE_INLINE static constexpr TurnSum half_turn_sum(TurnSum t) { return {t.raw >> 1}; }
+    // t * 2^shift, which the caller knows to fit.
+    [[nodiscard]] TUMBLE_INLINE static constexpr TurnSum scaled_up(TurnSum t, int shift) {
+        return {static_cast<std::int64_t>(static_cast<std::uint64_t>(t.raw) << shift)};
+    }
+    TUMBLE_INLINE static constexpr void add(Integrated<Drift>& d, Wide<62> increment) { d.add(increment); }
+
+    // The angle of a turn, unscaled and dithered.
+    [[nodiscard]] TUMBLE_INLINE static constexpr Angle angle(Turn t, Scale s, Dither d) {
+        const auto fraction = static_cast<std::int32_t>((d.angle >> 1) >> (31 - s.turn_shift));
+        return {(t.raw + fraction) >> s.turn_shift};
+    }
+    // The upper word of an exact sum of products, dithered.
+    [[nodiscard]] TUMBLE_INLINE static constexpr Angle round_angle(AngleSum a, Dither d) {
+        return {static_cast<std::int32_t>((a + AngleSum{static_cast<std::int64_t>(d.delta)}).raw >> 32)};
+    }
+    // A turn's sum times a 32-bit number, both words of it: what drives the spin is not rounded to 32 bits, because
+    // white noise there grows as time^1.5 in the orientation.
+    template <int F>
+    [[nodiscard]] TUMBLE_INLINE static constexpr Wide<32 + F> mul_sum(TurnSum t, Fixed<F> c) {
+        const auto upper = static_cast<std::int32_t>(t.raw >> 32);
+        const auto lower = static_cast<std::int32_t>(static_cast<std::uint32_t>(t.raw) >> 1);
+        return {detail::multiply_add(detail::multiply(lower, c.raw) >> 31, upper, c.raw)};
+    }
+    template <int F>
+    [[nodiscard]] TUMBLE_INLINE static constexpr TurnSum share(Fixed<F> c, TurnSum t) {
+        return {static_cast<std::int64_t>(static_cast<std::uint64_t>(mul_sum(t, c).raw) << (32 - F))};
+    }
+    [[nodiscard]] TUMBLE_INLINE static constexpr TurnSum sum(const Carried<Turn, carry>& t) { return t.sum(); }
+    // Three ways to round a sum: as a turn, plainly or dithered (what a constant spin is made of must not be rounded the
+    // same way at every step), or as an angle, dithered.
+    [[nodiscard]] TUMBLE_INLINE static constexpr Turn narrow_turn(TurnSum t) { return narrow<Turn>(t); }
+    [[nodiscard]] TUMBLE_INLINE static constexpr Turn round_turn(TurnSum t, Dither d) {
+        return {static_cast<std::int32_t>((t + TurnSum{static_cast<std::int64_t>(d.turn)}).raw >> 32)};
+    }
+    [[nodiscard]] TUMBLE_INLINE static constexpr Angle angle(TurnSum t, Scale s, Dither d) {
+        const auto fraction = static_cast<std::int64_t>(static_cast<std::uint64_t>(d.angle) << s.turn_shift);
+        return {static_cast<std::int32_t>((t + TurnSum{fraction}).raw >> 32) >> s.turn_shift};
+    }
+    // A sum of products of turns as a turn; and as an increment of the state, to its last bit.
+    [[nodiscard]] TUMBLE_INLINE static constexpr Turn turn(TurnProduct p, Scale s) {
+        return {static_cast<std::int32_t>((p + TurnProduct{std::int64_t{1} << (31 + s.turn_shift)}).raw >> 32) >> s.turn_shift};
+    }
+    [[nodiscard]] TUMBLE_INLINE static constexpr TurnSum turn_increment(TurnProduct p, Scale s) {
+        return {detail::shift_right(p.raw, s.turn_shift)};
+    }
+    // The square of a turn's angle (of the three turns' length), as an angle; and a square scaled like a turn.
+    [[nodiscard]] TUMBLE_INLINE static constexpr Angle square(TurnProduct p, Scale s) {
+        const int shift = s.turn_shift > 15 ? 31 : 2 * s.turn_shift;
+        return {narrow<Angle>(p).raw >> shift};
+    }
+    // coefficient * p / 2^turn_shift as a turn: for stages, where the product's upper word is enough.
+    [[nodiscard]] TUMBLE_INLINE static constexpr Turn stage_turn(Coefficient c, TurnProduct p, Scale s) {
+        // The upper word is the product rounded down; c / 2 puts back the half unit that is missing on average.
+        const auto half = (std::int64_t{1} << (30 + s.turn_shift)) + (c.raw >> 1);
+        const auto upper = Turn::from_raw(static_cast<std::int32_t>(p.raw >> 32));
+        return {static_cast<std::int32_t>(detail::multiply_add(half, c.raw, upper.raw) >> 32) >> (s.turn_shift - 1)};
+    }
+    // t += coefficient * p, to the last bit of the carried sum: 96 bits of product, of which 64 are kept.
+    template <int F>
+    TUMBLE_INLINE static constexpr void add_turn(Integrated<Turn>& t, Fixed<F> c, TurnProduct p, Scale s) {
+        t.add({detail::shift_right(static_cast<std::int64_t>(static_cast<std::uint64_t>(mul_sum(p, c).raw) << (32 - F)), s.turn_shift)});
+    }
+};
+
+// IEEE 754 arithmetic without contraction. Units are plain: turns in rad, drift in metres, so Scale is empty.
+template <class T, bool with_carry>
+struct Float {
+    static constexpr const char* name = sizeof(T) == 4 ? "f32" : "f64";
+    static constexpr bool carry = with_carry;
+    static constexpr bool fixed_point = false;
+
+    using Position = T;
+    using Drift = T;
+    using Turn = T;
+    using Angle = T;
+    using Unit = T;
+    using Coefficient = T;
+    template <int>
+    using CoefficientOf = T;
+    using TurnProduct = T;
+    using AngleSum = T;
+    using PositionSum = T;
+    using DriftSum = T;
+    using TurnSum = T;
+    using Work = T;
+    template <class V>
+    using Integrated = Carried<V, carry>;
+    using IntegratedUnit = Carried<T, carry, true>;
+
+    struct Scale {
+        [[nodiscard]] static constexpr Scale of(Real, Real) { return {}; }
+        [[nodiscard]] constexpr Real drift_units(Real metres) const { return metres; }
+        [[nodiscard]] constexpr Real turn_units(Real angle) const { return angle; }
+        [[nodiscard]] constexpr Real metres(Real drift) const { return drift; }
+        [[nodiscard]] constexpr Real angle(Real turn) const { return turn; }
+    };
+
+    template <class V>
+    [[nodiscard]] static constexpr V constant(Real value) { return from_real<V>(value); }
+
+    [[nodiscard]] static constexpr T sum(const Integrated<T>& x) { return x.value(); }
+    [[nodiscard]] static constexpr T metres(T x) { return x; }
+    [[nodiscard]] static constexpr T metres(T d, Scale) { return d; }
+    [[nodiscard]] static constexpr T half_turn(T t, Scale) { return t; }
+    [[nodiscard]] static constexpr T work(T u) { return u; }
+    [[nodiscard]] static constexpr T position_sum(T metres) { return metres; }
+    [[nodiscard]] static constexpr T drift_sum(T metres, Scale) { return metres; }
+    [[nodiscard]] static constexpr T turn_sum(T half_turn, Scale) { return half_turn; }
+
+    TUMBLE_INLINE static constexpr void move(Integrated<T>& x, T drift, Scale) { x.add(drift); }
+    [[nodiscard]] TUMBLE_INLINE static constexpr T half(T d) { return d * T(0.5); }
+    TUMBLE_INLINE static constexpr void coast(Integrated<T>& x, const Integrated<T>& d, T extra, Scale) {
+        if constexpr (carry) x.add(d.residual());
+        x.add(d.value() + extra);
+    }
+    [[nodiscard]] static constexpr T displaced(T x, T d, Scale) { return x + d; }
+    [[nodiscard]] TUMBLE_INLINE static constexpr T narrow_turn(T t) { return t; }
+    [[nodiscard]] TUMBLE_INLINE static constexpr T half_turn_sum(T t) { return t * T(0.5); }
+    [[nodiscard]] TUMBLE_INLINE static constexpr T scaled_up(T t, int) { return t; }
+    [[nodiscard]] TUMBLE_INLINE static constexpr T mul_sum(T t, T c) { return t * c; }
+    TUMBLE_INLINE static constexpr void add(Integrated<T>& d, T increment) { d.add(increment); }
+
+    [[nodiscard]] TUMBLE_INLINE static constexpr T angle(T t, Scale, Dither) { return t; }
+    [[nodiscard]] TUMBLE_INLINE static constexpr T round_angle(T a, Dither) { return a; }
+    [[nodiscard]] TUMBLE_INLINE static constexpr T share(T c, T t) { return c * t; }
+    [[nodiscard]] TUMBLE_INLINE static constexpr T widen(T t) { return t; }
+    [[nodiscard]] TUMBLE_INLINE static constexpr T round_turn(T t, Dither) { return t; }
+    [[nodiscard]] TUMBLE_INLINE static constexpr T turn(T p, Scale) { return p; }
+    [[nodiscard]] TUMBLE_INLINE static constexpr T turn_increment(T p, Scale) { return p; }
+    [[nodiscard]] TUMBLE_INLINE static constexpr T square(T p, Scale) { return p; }
+    [[nodiscard]] TUMBLE_INLINE static constexpr T stage_turn(T c, T p, Scale) { return c * p; }
+    TUMBLE_INLINE static constexpr void add_turn(Integrated<T>& t, T c, T p, Scale) { t.add(c * p); }
+};
+using F32 = Float<float, true>;
+using F32Plain = Float<float, false>;
+using F64 = Float<double, false>;
+using F64Carried = Float<double, true>;
+
+}  // namespace tumble

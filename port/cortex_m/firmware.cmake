@@ -1,0 +1,71 @@
+# tumble_add_firmware(<name> SOURCES <file>... [DEFINES <definition>...] [OPTIONS <compiler option>...])
+#   makes <name>.elf and <name>.map for the current core (TUMBLE_CORE), linked with the start-up code, libgcc and no libc.
+# tumble_add_firmware_test(<test> FIRMWARE <name> [STATUS <n>] [OUTPUT <regex>] [TIMEOUT <seconds>])
+#   runs it in QEMU under ctest; exit status n or n|m (default 0), and the text must match the regex.
+include_guard(GLOBAL)
+include(${CMAKE_CURRENT_LIST_DIR}/board.cmake)
+
+set(TUMBLE_OPTIMIZE "-O2" CACHE STRING "Optimisation flags of firmware")
+set(TUMBLE_PORT_DIR ${CMAKE_CURRENT_LIST_DIR}/..)
+get_filename_component(TUMBLE_PORT_DIR ${TUMBLE_PORT_DIR} ABSOLUTE)
+
+# Headers only, so those of the workstation serve every core.
+find_path(TUMBLE_EIGEN_DIR Eigen/Core PATHS /usr/include /usr/local/include /opt/homebrew/include
+    PATH_SUFFIXES eigen3 NO_CMAKE_FIND_ROOT_PATH REQUIRED DOC "Directory that holds Eigen/Core")
+
+tumble_read_board(${TUMBLE_CORE})
+set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${TUMBLE_BOARDS_FILE})
+set(TUMBLE_BOARD_DIR ${CMAKE_CURRENT_BINARY_DIR}/board)
+configure_file(${CMAKE_CURRENT_LIST_DIR}/board.hpp.in ${TUMBLE_BOARD_DIR}/board.hpp @ONLY)
+configure_file(${CMAKE_CURRENT_LIST_DIR}/firmware.ld.in ${TUMBLE_BOARD_DIR}/firmware.ld @ONLY)
+
+# No fused multiply-add: results must have the same bits on every core.
+add_library(tumble_firmware_flags INTERFACE)
+target_compile_options(tumble_firmware_flags INTERFACE
+    ${TUMBLE_BOARD_FLAGS} -masm-syntax-unified -std=c++20 -g -fno-exceptions -fno-rtti -fno-threadsafe-statics
+    -ffp-contract=off -ffunction-sections -fdata-sections -fstack-usage
+    -Wall -Wextra -Wconversion -Wdouble-promotion -Werror)
+target_include_directories(tumble_firmware_flags INTERFACE ${TUMBLE_PORT_DIR} ${TUMBLE_PORT_DIR}/../kernel/include)
+target_include_directories(tumble_firmware_flags SYSTEM INTERFACE ${TUMBLE_EIGEN_DIR})
+
+# Objects rather than an archive: the vector table is referenced by nobody. The level of optimisation is fixed, so a
+# reading of the counter costs the same in every firmware; loops stay loops, or memcpy would call itself.
+add_library(tumble_startup OBJECT
+    ${CMAKE_CURRENT_LIST_DIR}/startup.cpp ${CMAKE_CURRENT_LIST_DIR}/port.cpp ${CMAKE_CURRENT_LIST_DIR}/runtime.cpp)
+target_link_libraries(tumble_startup PRIVATE tumble_firmware_flags)
+target_include_directories(tumble_startup PRIVATE ${TUMBLE_BOARD_DIR})
+target_compile_options(tumble_startup PRIVATE -O2 -ffreestanding -fno-tree-loop-distribute-patterns)
+
+add_library(tumble_firmware_link INTERFACE)
+target_link_options(tumble_firmware_link INTERFACE ${TUMBLE_BOARD_FLAGS} -nostdlib -T${TUMBLE_BOARD_DIR}/firmware.ld
+    -Wl,--gc-sections -Wl,--fatal-warnings)
+target_link_libraries(tumble_firmware_link INTERFACE gcc)
+set_property(TARGET tumble_firmware_link PROPERTY INTERFACE_LINK_DEPENDS ${TUMBLE_BOARD_DIR}/firmware.ld)
+
+function(tumble_add_firmware name)
+    cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;DEFINES;OPTIONS")
+    if(arg_UNPARSED_ARGUMENTS OR NOT arg_SOURCES)
+        message(FATAL_ERROR "tumble_add_firmware(${name}): needs SOURCES; unknown: '${arg_UNPARSED_ARGUMENTS}'")
+    endif()
+    add_executable(${name} ${arg_SOURCES} $<TARGET_OBJECTS:tumble_startup>)
+    set_target_properties(${name} PROPERTIES SUFFIX .elf)
+    target_link_libraries(${name} PRIVATE tumble_firmware_flags tumble_firmware_link)
+    target_compile_definitions(${name} PRIVATE ${arg_DEFINES})
+    separate_arguments(optimize UNIX_COMMAND "${TUMBLE_OPTIMIZE}")
+    target_compile_options(${name} PRIVATE ${optimize} ${arg_OPTIONS})
+    target_link_options(${name} PRIVATE -Wl,-Map=$<TARGET_FILE_DIR:${name}>/${name}.map)
+endfunction()
+
+function(tumble_add_firmware_test test)
+    cmake_parse_arguments(PARSE_ARGV 1 arg "" "FIRMWARE;STATUS;OUTPUT;TIMEOUT" "")
+    if("${arg_STATUS}" STREQUAL "")
+        set(arg_STATUS 0)
+    endif()
+    if("${arg_TIMEOUT}" STREQUAL "")
+        set(arg_TIMEOUT 60)
+    endif()
+    add_test(NAME ${test} COMMAND ${CMAKE_COMMAND}
+        -DRUN=${CMAKE_CURRENT_FUNCTION_LIST_DIR}/../qemu/run -DCORE=${TUMBLE_CORE} -DELF=$<TARGET_FILE:${arg_FIRMWARE}>
+        "-DSTATUS=${arg_STATUS}" "-DOUTPUT=${arg_OUTPUT}" -DTIMEOUT=${arg_TIMEOUT}
+        -P ${CMAKE_CURRENT_FUNCTION_LIST_DIR}/../qemu/expect.cmake)
+endfunction()

@@ -1,0 +1,454 @@
+// The scene reader: every file of bad_scenes/ is refused with the message its own first line asks for, every shipped scene is read,
+// and good values arrive as written. A file added to either directory is a test added.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <initializer_list>
+#include <limits>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "../../host_sim/scene_reader.hpp"
+
+namespace tumble::host {
+namespace {
+
+namespace fs = std::filesystem;
+
+// TUMBLE_SOURCE_DIR overrides what the compiler was told about this file's place.
+fs::path source_dir() {
+#ifdef TUMBLE_SOURCE_DIR
+    return TUMBLE_SOURCE_DIR;
+#else
+    return fs::absolute(__FILE__).parent_path().parent_path().parent_path();
+#endif
+}
+
+std::vector<fs::path> scenes_in(const fs::path& directory) {
+    std::vector<fs::path> files;
+    for (const auto& entry : fs::directory_iterator(source_dir() / directory))
+        if (entry.path().extension() == ".toml") files.push_back(entry.path());
+    std::sort(files.begin(), files.end());
+    return files;
+}
+
+std::string stem_of(const testing::TestParamInfo<fs::path>& info) { return info.param.stem().string(); }
+
+class BadScene : public testing::TestWithParam<fs::path> {};
+
+TEST_P(BadScene, is_refused_with_file_line_key_and_expectation) {
+    // "# expect: LINE: KEY: substring"
+    std::string first;
+    std::ifstream stream(GetParam());
+    std::getline(stream, first);
+    const std::string mark = "# expect: ";
+    ASSERT_TRUE(first.starts_with(mark)) << "first line of " << GetParam();
+    const auto after_line = first.find(": ", mark.size());
+    const auto after_key = first.find(": ", after_line + 2);
+    ASSERT_NE(after_key, std::string::npos) << first;
+    const std::string line = first.substr(mark.size(), after_line - mark.size());
+    const std::string key = first.substr(after_line + 2, after_key - after_line - 2);
+    const std::string part = first.substr(after_key + 2);
+
+    try {
+        (void)read_scene(GetParam());
+        FAIL() << "was read without an error, expected " << first;
+    } catch (const SceneError& error) {
+        const std::string text = error.what();
+        EXPECT_TRUE(text.starts_with(GetParam().string() + ":" + line + ": " + key + ": ")) << text << "\n" << first;
+        EXPECT_NE(text.find(part), std::string::npos) << text << "\n" << first;
+        EXPECT_NE(text.find(", expected "), std::string::npos) << text;
+        EXPECT_EQ(error.file(), GetParam().string());
+        EXPECT_EQ(std::to_string(error.line()), line);
+        EXPECT_EQ(error.key(), key);
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(files, BadScene, testing::ValuesIn(scenes_in("tests/host_sim/bad_scenes")), stem_of);
+
+class ShippedScene : public testing::TestWithParam<fs::path> {};
+
+TEST_P(ShippedScene, reads) {
+    try {
+        const SceneDescription scene = read_scene(GetParam());
+        EXPECT_EQ(scene.path, GetParam().string());
+        EXPECT_FALSE(scene.name.empty());
+        EXPECT_FALSE(scene.bodies.empty());
+        EXPECT_GT(scene.steps(), 0);
+    } catch (const SceneError& error) {
+        FAIL() << error.what();
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(files, ShippedScene, testing::ValuesIn(scenes_in("host_sim/scenes")), stem_of);
+
+const std::string world = "[world]\nstep = \"1/256\"\nduration = 4.0\n";
+const std::string brick = "[[body]]\nname = \"brick\"\nshape = { box = [1.0, 4.0, 9.0] }\nmass = 10\n";
+
+SceneDescription read(const std::string& toml) { return read_scene_text(toml, "text.toml"); }
+
+std::string error_of(const std::string& toml) {
+    try {
+        (void)read(toml);
+    } catch (const SceneError& error) {
+        return error.what();
+    }
+    return "no error";
+}
+
+std::int64_t steps_of(const std::string& step, double duration) {
+    SceneDescription scene;
+    scene.step = parse_step(step).value();
+    scene.duration = duration;
+    return scene.steps();
+}
+
+TEST(SceneReader, unknown_key_names_file_line_and_key) {
+    EXPECT_EQ(error_of(world + brick + "masss = 3.0\n"),
+              "text.toml:8: body[0].masss: unknown key (did you mean \"mass\"?), expected \"angular_velocity\", \"density\", \"fixed\", "
+              "\"friction\", \"inertia\", \"mass\", \"name\", \"orientation\", \"position\", \"restitution\", \"shape\" or \"velocity\"");
+}
+
+TEST(SceneReader, wrong_value_names_what_it_got_and_the_unit_expected) {
+    EXPECT_EQ(error_of(world + "[[body]]\nname = \"brick\"\nshape = { sphere = 1.0 }\nmass = -3\n"),
+              "text.toml:7: body[0].mass: got -3, expected a positive finite number (kg)");
+}
+
+TEST(SceneReader, missing_file_is_an_error_that_names_it) {
+    try {
+        (void)read_scene("no/such/scene.toml");
+        FAIL() << "no error";
+    } catch (const SceneError& error) {
+        EXPECT_STREQ(error.what(), "no/such/scene.toml: cannot be read: no such file, expected a scene file (TOML)");
+        EXPECT_EQ(error.line(), 0);
+    }
+}
+
+TEST(SceneReader, directory_is_an_error_that_names_it) { EXPECT_THROW((void)read_scene(source_dir()), SceneError); }
+
+TEST(SceneReader, empty_file_is_an_error) { EXPECT_EQ(error_of("").substr(0, 20), "text.toml:1: world: "); }
+
+TEST(SceneReader, keys_left_out_have_the_documented_defaults) {
+    const SceneDescription scene = read(world + brick);
+    EXPECT_EQ(scene.name, "text");
+    EXPECT_EQ(scene.path, "text.toml");
+    EXPECT_EQ(scene.gravity, (Triple{0.0, 0.0, 0.0}));
+    EXPECT_EQ(scene.gravitation, 0.0);
+    EXPECT_EQ(scene.linear_drag, 0.0);
+    EXPECT_EQ(scene.angular_drag, 0.0);
+    EXPECT_EQ(scene.range.position, 1024.0);
+    EXPECT_EQ(scene.range.velocity, 128.0);
+    EXPECT_EQ(scene.range.angular_velocity, 64.0);
+    EXPECT_EQ(scene.contact.response, ContactResponse::impulse);
+    EXPECT_EQ(scene.contact.restitution, 0.5);
+    EXPECT_EQ(scene.contact.restitution_threshold, 0.0);
+    EXPECT_EQ(scene.contact.friction, 0.0);
+    EXPECT_EQ(scene.contact.tolerance, 0.001);
+    EXPECT_EQ(scene.contact.stiffness, 10000.0);
+    EXPECT_EQ(scene.contact.damping, 0.0);
+    EXPECT_EQ(scene.contact.barrier, 0.0);
+    EXPECT_FALSE(scene.contact.sleep);
+    EXPECT_TRUE(scene.planes.empty());
+
+    const BodyDescription& body = scene.bodies.at(0);
+    EXPECT_EQ(body.shape.kind, ShapeKind::box);
+    EXPECT_EQ(body.shape.size, (Triple{1.0, 4.0, 9.0}));
+    EXPECT_EQ(body.mass, 10.0);
+    EXPECT_FALSE(body.density);
+    EXPECT_FALSE(body.inertia);
+    EXPECT_TRUE(body.inertia_is_diagonal);
+    EXPECT_EQ(body.position, (Triple{}));
+    EXPECT_EQ(body.orientation, (Quadruple{1.0, 0.0, 0.0, 0.0}));
+    EXPECT_FALSE(body.restitution);
+    EXPECT_FALSE(body.friction);
+    EXPECT_FALSE(body.fixed);
+}
+
+TEST(SceneReader, every_key_of_the_format_arrives_as_written) {
+    const SceneDescription scene = read(R"(
+name = "all"
+[world]
+gravity = [1, -9.81, 2]
+step = 0.005
+duration = 3
+gravitation = 0.5
+linear_drag = 0.25
+angular_drag = 0.125
+[range]
+velocity = 32
+[contact]
+response = "spring"
+restitution = 1
+restitution_threshold = 0.1
+friction = 0.2
+tolerance = 0.01
+stiffness = 500
+damping = 3
+barrier = 0.5
+sleep = { angular_speed = 0.5 }
+[[plane]]
+name = "floor"
+normal = [0, 2, 0]
+offset = -1
+restitution = 0
+friction = 0.7
+[[body]]
+name = "a"
+shape = { points = [[0, 0, 0, 1], [1, 0, 0, 2], [0, 1, 0, 3]] }
+position = [1, 2, 3]
+velocity = [-32, 32, 0]
+orientation = [0, 0, 3, 4]
+angular_velocity = [4, 5, 6]
+restitution = 0.9
+friction = 0.1
+fixed = true
+[[body]]
+name = "b"
+shape = { capsule = [0.5, 2] }
+density = 700
+[[spring]]
+body = "a"
+point = [1, 0, 0]
+to_body = "b"
+to_point = [0, 0, 1]
+stiffness = 9
+damping = 8
+rest_length = 7
+[[impulse]]
+time = 3
+body = "b"
+impulse = [1, 2, 3]
+frame = "body"
+point = [4, 5, 6]
+angular_impulse = [7, 8, 9]
+[[force]]
+body = "b"
+from = 1
+until = 2
+force = [1, 2, 3]
+frame = "body"
+point = [4, 5, 6]
+torque = [7, 8, 9]
+)");
+    EXPECT_EQ(scene.name, "all");
+    EXPECT_EQ(scene.gravity, (Triple{1.0, -9.81, 2.0}));
+    EXPECT_EQ(scene.step.denominator, 0);
+    EXPECT_EQ(scene.step.seconds(), 0.005);
+    EXPECT_EQ(scene.duration, 3.0);
+    EXPECT_EQ(scene.gravitation, 0.5);
+    EXPECT_EQ(scene.linear_drag, 0.25);
+    EXPECT_EQ(scene.angular_drag, 0.125);
+    EXPECT_EQ(scene.range.position, 1024.0);
+    EXPECT_EQ(scene.range.velocity, 32.0);
+    EXPECT_EQ(scene.contact.response, ContactResponse::spring);
+    EXPECT_EQ(scene.contact.restitution, 1.0);
+    EXPECT_EQ(scene.contact.restitution_threshold, 0.1);
+    EXPECT_EQ(scene.contact.friction, 0.2);
+    EXPECT_EQ(scene.contact.tolerance, 0.01);
+    EXPECT_EQ(scene.contact.stiffness, 500.0);
+    EXPECT_EQ(scene.contact.damping, 3.0);
+    EXPECT_EQ(scene.contact.barrier, 0.5);
+    ASSERT_TRUE(scene.contact.sleep);
+    EXPECT_EQ(scene.contact.sleep->speed, 0.03);
+    EXPECT_EQ(scene.contact.sleep->angular_speed, 0.5);
+    EXPECT_EQ(scene.contact.sleep->time, 0.5);
+
+    const PlaneDescription& plane = scene.planes.at(0);
+    EXPECT_EQ(plane.name, "floor");
+    EXPECT_EQ(plane.normal, (Triple{0.0, 2.0, 0.0}));
+    EXPECT_EQ(plane.offset, -1.0);
+    EXPECT_EQ(plane.restitution, 0.0);
+    EXPECT_EQ(plane.friction, 0.7);
+
+    const BodyDescription& a = scene.bodies.at(0);
+    EXPECT_EQ(a.shape.kind, ShapeKind::points);
+    ASSERT_EQ(a.shape.points.size(), 3u);
+    EXPECT_EQ(a.shape.points[1].position, (Triple{1.0, 0.0, 0.0}));
+    EXPECT_EQ(a.shape.points[2].mass, 3.0);
+    EXPECT_FALSE(a.mass);
+    EXPECT_EQ(a.position, (Triple{1.0, 2.0, 3.0}));
+    EXPECT_EQ(a.velocity, (Triple{-32.0, 32.0, 0.0}));
+    EXPECT_EQ(a.orientation, (Quadruple{0.0, 0.0, 3.0, 4.0}));
+    EXPECT_EQ(a.angular_velocity, (Triple{4.0, 5.0, 6.0}));
+    EXPECT_EQ(a.restitution, 0.9);
+    EXPECT_EQ(a.friction, 0.1);
+    EXPECT_TRUE(a.fixed);
+    EXPECT_EQ(scene.bodies.at(1).shape.size, (Triple{0.5, 2.0, 0.0}));
+    EXPECT_EQ(scene.bodies.at(1).density, 700.0);
+
+    const SpringDescription& spring = scene.springs.at(0);
+    EXPECT_EQ(spring.body, 0);
+    EXPECT_EQ(spring.to_body, 1);
+    EXPECT_EQ(spring.point, (Triple{1.0, 0.0, 0.0}));
+    EXPECT_EQ(spring.to, (Triple{0.0, 0.0, 1.0}));
+    EXPECT_EQ(spring.stiffness, 9.0);
+    EXPECT_EQ(spring.damping, 8.0);
+    EXPECT_EQ(spring.rest_length, 7.0);
+
+    const ImpulseDescription& impulse = scene.impulses.at(0);
+    EXPECT_EQ(impulse.time, 3.0);
+    EXPECT_EQ(impulse.body, 1);
+    EXPECT_EQ(impulse.frame, Frame::body);
+    EXPECT_EQ(impulse.impulse, (Triple{1.0, 2.0, 3.0}));
+    EXPECT_EQ(impulse.point, (Triple{4.0, 5.0, 6.0}));
+    EXPECT_EQ(impulse.angular_impulse, (Triple{7.0, 8.0, 9.0}));
+
+    const ForceDescription& force = scene.forces.at(0);
+    EXPECT_EQ(force.body, 1);
+    EXPECT_EQ(force.from, 1.0);
+    EXPECT_EQ(force.until, 2.0);
+    EXPECT_EQ(force.frame, Frame::body);
+    EXPECT_EQ(force.force, (Triple{1.0, 2.0, 3.0}));
+    EXPECT_EQ(force.point, (Triple{4.0, 5.0, 6.0}));
+    EXPECT_EQ(force.torque, (Triple{7.0, 8.0, 9.0}));
+}
+
+TEST(SceneReader, spring_to_a_world_point_has_no_second_body) {
+    const auto scene = read(world + brick + "[[spring]]\nbody = \"brick\"\nto = [0, 10, 0]\nstiffness = 100.0\n");
+    EXPECT_EQ(scene.springs.at(0).to_body, -1);
+    EXPECT_EQ(scene.springs.at(0).to, (Triple{0.0, 10.0, 0.0}));
+}
+
+TEST(SceneReader, fraction_step_is_kept_exactly) {
+    const StepSize step = parse_step("3/1000").value();
+    EXPECT_EQ(step.numerator, 3);
+    EXPECT_EQ(step.denominator, 1000);
+    EXPECT_EQ(step.seconds(), 3.0 / 1000.0);
+}
+
+TEST(SceneReader, decimal_step_in_quotes_equals_the_number) {
+    const StepSize step = parse_step("0.005").value();
+    EXPECT_EQ(step.denominator, 0);
+    EXPECT_EQ(step.seconds(), 0.005);
+}
+
+TEST(SceneReader, step_that_is_neither_fraction_nor_decimal_is_refused) {
+    for (const char* text : {"", "/", "1/", "/256", "1/0", "0/1", "-1/256", "+1/256", " 1/256", "1 / 256", "0x10", "nan", "inf", "1e999", "1/256/2", "0"})
+        EXPECT_FALSE(parse_step(text)) << text;
+}
+
+TEST(SceneReader, steps_end_at_or_just_after_the_duration) {
+    EXPECT_EQ(steps_of("1/256", 4.0), 1024);
+    EXPECT_EQ(steps_of("1/256", 0.3), 77);
+    EXPECT_EQ(steps_of("1/256", 1.0 / 256.0), 1);
+    EXPECT_EQ(steps_of("1/256", 1.001 / 256.0), 2);
+    EXPECT_EQ(steps_of("1/10", 0.1), 1);
+    EXPECT_EQ(steps_of("1/3", 1.0), 3);
+    EXPECT_EQ(steps_of("0.005", 4.0), 800);
+    EXPECT_EQ(steps_of("0.1", 0.3), 3);
+    EXPECT_EQ(steps_of("0.1", 0.31), 4);
+    EXPECT_EQ(steps_of("0.005", 0.3), 60);
+    EXPECT_EQ(steps_of("1/256", 0.0), 0);
+    EXPECT_EQ(steps_of("1/256", 1e-6), 1);
+}
+
+TEST(SceneReader, whole_numbers_of_decimal_steps_are_not_rounded_up) {
+    for (const char* step : {"0.1", "0.005", "0.001", "1/10", "1/1000", "1/256", "7/1000"}) {
+        const double size = parse_step(step)->seconds();
+        for (std::int64_t n = 1; n < 20000; ++n) ASSERT_EQ(steps_of(step, static_cast<double>(n) * size), n) << step;
+    }
+}
+
+TEST(SceneReader, step_tolerance_stays_below_one_step_in_long_runs) {
+    EXPECT_EQ(steps_of("1/256", 8388608.0), max_steps);
+    EXPECT_EQ(steps_of("1/256", 8388608.0 + 1.0 / 512.0), max_steps + 1);
+    EXPECT_EQ(steps_of("1/256", 1e300), std::numeric_limits<std::int64_t>::max());
+}
+
+TEST(SceneReader, longest_run_is_accepted) {
+    EXPECT_EQ(read("[world]\nstep = \"1/256\"\nduration = 8388608\n" + brick).steps(), max_steps);
+}
+
+TEST(SceneReader, three_moments_are_a_diagonal_tensor) {
+    const auto scene = read(world + brick + "inertia = [1, 2, 3]\n");   // 1 + 2 = 3: equality is allowed
+    EXPECT_EQ(scene.bodies.at(0).inertia, (std::array<double, 6>{1.0, 2.0, 3.0, 0.0, 0.0, 0.0}));
+    EXPECT_TRUE(scene.bodies.at(0).inertia_is_diagonal);
+}
+
+TEST(SceneReader, six_elements_are_a_full_tensor) {
+    const auto scene = read(world + brick + "inertia = [20, 25, 30, 1.5, -0.8, 0.6]\n");
+    EXPECT_EQ(scene.bodies.at(0).inertia, (std::array<double, 6>{20.0, 25.0, 30.0, 1.5, -0.8, 0.6}));
+    EXPECT_FALSE(scene.bodies.at(0).inertia_is_diagonal);
+    EXPECT_TRUE(read(world + brick + "inertia = [20, 25, 30, 0, 0, 0]\n").bodies.at(0).inertia_is_diagonal);
+}
+
+TEST(SceneReader, turned_flat_plate_passes_the_triangle_inequality_at_every_angle) {
+    // moments 1, 2, 3 turned about z and then about x: equality, up to rounding
+    for (int i = 0; i < 200; ++i) {
+        const double a = 0.1 * i, b = 0.37 * i, c = std::cos(a), s = std::sin(a), d = std::cos(b), t = std::sin(b);
+        const double xx = c * c + 2.0 * s * s, yy = s * s + 2.0 * c * c, xy = -c * s;
+        std::string numbers;
+        for (const double x : {xx, d * d * yy + 3.0 * t * t, t * t * yy + 3.0 * d * d, d * xy, t * xy, d * t * (yy - 3.0)}) {
+            std::array<char, 64> text{};
+            std::snprintf(text.data(), text.size(), "%.17g", x);
+            numbers += (numbers.empty() ? "" : ", ") + (std::string(text.data()).find_first_of(".e") == std::string::npos ? std::string(text.data()) + ".0" : std::string(text.data()));
+        }
+        ASSERT_EQ(error_of(world + brick + "inertia = [" + numbers + "]\n"), "no error") << i;
+    }
+}
+
+TEST(SceneReader, points_on_a_line_are_accepted_with_inertia) {
+    const std::string rod = "[[body]]\nname = \"rod\"\nshape = { points = [[0, 0, -1, 1], [0, 0, 1, 1]] }\n";
+    EXPECT_NE(error_of(world + rod).find("lie on one line"), std::string::npos);
+    EXPECT_EQ(error_of(world + rod + "inertia = [2, 2, 0.1]\n"), "no error");
+}
+
+TEST(SceneReader, points_in_a_plane_are_accepted) {
+    EXPECT_EQ(error_of(world + "[[body]]\nname = \"leaf\"\nshape = { points = [[1, 1, 1, 1], [2, 1, 1, 1], [1, 2, 1, 1]] }\n"), "no error");
+}
+
+TEST(SceneReader, face_becomes_an_inward_impulse_at_its_centre) {
+    struct Case {
+        const char* face;
+        Triple impulse, point;
+    };
+    for (const Case& c : std::initializer_list<Case>{{"-x", {5.0, 0.0, 0.0}, {-0.5, 0.0, 0.0}}, {"+x", {-5.0, 0.0, 0.0}, {0.5, 0.0, 0.0}},
+                                                     {"-y", {0.0, 5.0, 0.0}, {0.0, -2.0, 0.0}}, {"+y", {0.0, -5.0, 0.0}, {0.0, 2.0, 0.0}},
+                                                     {"-z", {0.0, 0.0, 5.0}, {0.0, 0.0, -4.5}}, {"+z", {0.0, 0.0, -5.0}, {0.0, 0.0, 4.5}}}) {
+        const auto scene = read(world + brick + "[[impulse]]\ntime = 0.5\nbody = \"brick\"\nface = \"" + c.face + "\"\nstrength = 5.0\n");
+        const ImpulseDescription& impulse = scene.impulses.at(0);
+        EXPECT_EQ(impulse.frame, Frame::body) << c.face;
+        EXPECT_EQ(impulse.impulse, c.impulse) << c.face;
+        EXPECT_EQ(impulse.point, c.point) << c.face;
+    }
+}
+
+TEST(SceneReader, letters_outside_ascii_are_fine_in_quotes_and_comments) {
+    for (const char* name : {"\"\u00e9t\u00e9 # \\\" \u00b5\"", "'\u00b5 \\'", "\"\"\"\n\u00b5 \" \u00b5\"\"\"", "'''\n\u00b5 ' \u00b5'''"})
+        EXPECT_EQ(error_of(std::string("\xef\xbb\xbf") + "name = " + name + "   # \u00b5 \" \u00b5\n" + world + brick), "no error") << name;
+}
+
+TEST(SceneReader, events_keep_the_order_of_the_file) {
+    std::string toml = world + brick;
+    for (const char* time : {"2.0", "1.0", "1.0"}) toml += std::string("[[impulse]]\ntime = ") + time + "\nbody = \"brick\"\nimpulse = [1, 0, 0]\n";
+    const auto scene = read(toml);
+    ASSERT_EQ(scene.impulses.size(), 3u);
+    EXPECT_EQ(scene.impulses[0].time, 2.0);
+    EXPECT_EQ(scene.impulses[1].time, 1.0);
+}
+
+TEST(SceneReader, cube_scenes_differ_in_name_and_step_only) {
+    const auto text = [](const char* stem) {
+        std::ifstream stream(source_dir() / "host_sim/scenes" / (std::string(stem) + ".toml"));
+        std::string kept, line;
+        while (std::getline(stream, line))
+            if (!line.starts_with("#") && !line.starts_with("name     ") && !line.starts_with("step") && !line.starts_with("name = \"cube")) kept += line + "\n";
+        return kept;
+    };
+    EXPECT_EQ(text("cube"), text("cube_binary"));
+    const auto decimal = read_scene(source_dir() / "host_sim/scenes/cube.toml"), binary = read_scene(source_dir() / "host_sim/scenes/cube_binary.toml");
+    EXPECT_EQ(decimal.steps(), 800);
+    EXPECT_EQ(binary.steps(), 1024);
+    EXPECT_EQ(decimal.impulses.size(), 8u);
+}
+
+}  // namespace
+}  // namespace tumble::host

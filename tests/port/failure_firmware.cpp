@@ -1,0 +1,35 @@
+// Fails in the way that FAILURE names. Reaching the end is the wrong outcome, and exits with 0.
+#include "port.hpp"
+
+#include <cstdlib>
+
+namespace {
+
+[[gnu::noinline]] std::uint32_t overflow_stack(std::uint32_t depth) { // NOLINT: endless on purpose
+    volatile std::uint32_t frame[32] = {depth};
+    return overflow_stack(depth + 1) + frame[depth % 32];
+}
+
+volatile std::uintptr_t nowhere = 0x9F00'0000; // external memory that no board has
+volatile std::uint32_t zero = 0;
+volatile std::uint32_t sink;
+
+enum class Failure { bad_read, bad_write, bad_jump, stack_overflow, undefined_instruction, divide_by_zero, abort, forever };
+
+} // namespace
+
+int main() {
+    tumble::port::init();
+    switch (Failure::FAILURE) {
+    case Failure::bad_read: sink = *reinterpret_cast<volatile std::uint32_t*>(nowhere); break;
+    case Failure::bad_write: *reinterpret_cast<volatile std::uint32_t*>(nowhere) = 1; break;
+    case Failure::bad_jump: reinterpret_cast<void (*)()>(nowhere | 1)(); break;
+    case Failure::stack_overflow: sink = overflow_stack(0); break;
+    case Failure::undefined_instruction: asm volatile("udf #0"); break;
+    case Failure::divide_by_zero: sink = 100 / zero; break;
+    case Failure::abort: std::abort();
+    case Failure::forever:
+        for (;;) asm volatile("");
+    }
+    return 0;
+}
