@@ -138,6 +138,7 @@ public:
     using Base = Carried<T, carry>;
     constexpr Shaped() = default;
     [[nodiscard]] static constexpr Shaped from(Real value) { return Shaped{Base::from(value)}; }
+    [[nodiscard]] static constexpr Shaped from_sum(auto sum) { return Shaped{Base::from_sum(sum)}; }
     // The value to use in this step.
     [[nodiscard]] TUMBLE_INLINE constexpr T take() { return this->value(); }
     friend constexpr bool operator==(Shaped, Shaped) = default;
@@ -152,6 +153,7 @@ public:
     using Base = Carried<Fixed<F>, true>;
     constexpr Shaped() = default;
     [[nodiscard]] static constexpr Shaped from(Real value) { return Shaped{Base::from(value)}; }
+    [[nodiscard]] static constexpr Shaped from_sum(auto sum) { return Shaped{Base::from_sum(sum)}; }
     [[nodiscard]] TUMBLE_INLINE constexpr Fixed<F> take() {
         const Wide<F + 32> wanted = this->sum() + Wide<F + 32>{static_cast<std::int64_t>(left_out_)};
         left_out_ = static_cast<std::uint32_t>(wanted.raw);

@@ -123,6 +123,58 @@ struct Q32 {
         return {half_turn.times_power_of_two(64 + s.turn_shift).template to_wide<0>().raw};
     }
 
+    // Is a correction to `t` only rounding? And the relative rounding of working numbers, with a margin.
+    [[nodiscard]] static constexpr bool is_rounding(const auto& correction, const auto&) {
+        const auto small = [](Turn c) { return c.raw >= -1 && c.raw <= 1; };
+        return small(correction[0]) && small(correction[1]) && small(correction[2]);
+    }
+    [[nodiscard]] static constexpr Work rounding_unit() { return Work::of(1, -26); }
+
+    [[nodiscard]] static constexpr Work half_of(Work w) { return w.times_power_of_two(-1); }
+
+    // For part of a step: sums times a fraction in (0, 1).
+    using Fraction = Fixed<31>;
+    [[nodiscard]] static constexpr Fraction fraction(Work w) { return w.template to_fixed<Fraction>(); }
+    [[nodiscard]] static constexpr Work work(Fraction f) { return Work::of(f); }
+    template <int F>
+    [[nodiscard]] static constexpr Wide<F> part(Wide<F> a, Fraction f) {
+        return {static_cast<std::int64_t>(static_cast<std::uint64_t>(mul_sum({a.raw}, f).raw) << 1)};
+    }
+
+    // n . x + offset in m, exact but for the rounding to a working number.
+    [[nodiscard]] static constexpr Work along(const PositionSum (&x)[3], const auto& n) {
+        constexpr int bits = Position::fraction_bits + Unit::fraction_bits;
+        const auto term = [&](int i) { return mul_sum({x[i].raw}, n[i]).raw; };
+        return Work::of(term(0) + term(1) + term(2), -bits);
+    }
+
+    // Is the value outside the declared range? One bit of headroom tells before anything can wrap.
+    [[nodiscard]] TUMBLE_INLINE static constexpr std::uint32_t range_bits(std::int32_t raw) {
+        return static_cast<std::uint32_t>(raw) ^ (static_cast<std::uint32_t>(raw) << 1);
+    }
+    template <class Body>
+    [[nodiscard]] TUMBLE_INLINE static constexpr bool out_of_range(const Body& b) {
+        std::uint32_t bits = 0;
+        for (const auto* c : {&b.x_w.x, &b.x_w.y, &b.x_w.z}) bits |= range_bits(upper(c->sum().raw));
+        for (const auto* c : {&b.d_w.x, &b.d_w.y, &b.d_w.z}) bits |= range_bits(upper(c->sum().raw));
+        for (const auto* c : {&b.t_b.x, &b.t_b.y, &b.t_b.z}) bits |= range_bits(upper(c->sum().raw));
+        return (bits >> 31) != 0;
+    }
+    template <class Body>
+    static constexpr void saturate(Body& b) {
+        const auto clamp = [](auto& c) {
+            constexpr std::int64_t limit = (std::int64_t{1} << 62) - 1;
+            const std::int64_t raw = c.sum().raw;
+            if ((range_bits(upper(raw)) >> 31) != 0) c = std::remove_reference_t<decltype(c)>::from_sum(decltype(c.sum()){raw < 0 ? -limit : limit});
+        };
+        for (int i = 0; i < 3; ++i) {
+            clamp(b.x_w[i]);
+            clamp(b.d_w[i]);
+            clamp(b.t_b[i]);
+        }
+    }
+    [[nodiscard]] TUMBLE_INLINE static constexpr std::int32_t upper(std::int64_t raw) { return static_cast<std::int32_t>(raw >> 32); }
+
     // position += drift: the carried sums differ only in where the binary point stands.
     TUMBLE_INLINE static constexpr void move(Integrated<Position>& x, DriftSum drift, Scale s) {
         x.add({detail::shift_right(drift.raw, s.drift_shift)});
@@ -245,6 +297,31 @@ struct Float {
     [[nodiscard]] static constexpr T position_sum(T metres) { return metres; }
     [[nodiscard]] static constexpr T drift_sum(T metres, Scale) { return metres; }
     [[nodiscard]] static constexpr T turn_sum(T half_turn, Scale) { return half_turn; }
+
+    [[nodiscard]] static constexpr bool is_rounding(const auto& correction, const auto& t) {
+        const T size = magnitude(t[0]) + magnitude(t[1]) + magnitude(t[2]);
+        return magnitude(correction[0]) + magnitude(correction[1]) + magnitude(correction[2]) <= size * rounding_unit();
+    }
+    [[nodiscard]] static constexpr T rounding_unit() { return sizeof(T) == 4 ? T(0x1p-21) : T(0x1p-48); }
+    [[nodiscard]] static constexpr T magnitude(T a) { return a < T(0) ? -a : a; }
+
+    [[nodiscard]] static constexpr T half_of(T w) { return w * T(0.5); }
+
+    using Fraction = T;
+    [[nodiscard]] static constexpr T fraction(T w) { return w; }
+    [[nodiscard]] static constexpr T part(T a, T f) { return a * f; }
+
+    [[nodiscard]] static constexpr T along(const T (&x)[3], const auto& n) { return x[0] * n[0] + x[1] * n[1] + x[2] * n[2]; }
+
+    // Not finite? Zero times a finite sum is zero; infinities and NaN give NaN.
+    template <class Body>
+    [[nodiscard]] TUMBLE_INLINE static constexpr bool out_of_range(const Body& b) {
+        const T sum = (b.x_w.x.value() + b.x_w.y.value() + b.x_w.z.value()) + (b.d_w.x.value() + b.d_w.y.value() + b.d_w.z.value()) +
+                      (b.t_b.x.value() + b.t_b.y.value() + b.t_b.z.value());
+        return !(sum * T(0) == T(0));
+    }
+    template <class Body>
+    static constexpr void saturate(Body&) {}
 
     TUMBLE_INLINE static constexpr void move(Integrated<T>& x, T drift, Scale) { x.add(drift); }
     [[nodiscard]] TUMBLE_INLINE static constexpr T half(T d) { return d * T(0.5); }

@@ -1,0 +1,179 @@
+// Implicit (backward) Euler: everything at the end of the step, by Newton's iteration with a fixed bound. Order 1,
+// A-stable, damps. A free body needs 3 x 3 Newton steps on its spin only; bodies under loads are solved together, with
+// a Jacobian of the loads by differences and a dense elimination in working numbers: use it for stiff springs, not for
+// speed. No square root for a free body; (6 n)^3 / 3 multiplications and 6 n divisions a step for n loaded bodies.
+#pragma once
+
+#include <tumble/integrators/euler_equations.hpp>
+#include <tumble/integrators/butcher.hpp>
+
+namespace tumble::integrators {
+
+struct ImplicitEuler {
+    static constexpr const char* name = "implicit_euler";
+    static constexpr int order = 1;
+    static constexpr Spin spin = Spin::angular_velocity;
+    static constexpr Coasting coasting = Coasting::end;
+    static constexpr int max_iterations = 12;
+
+    template <class N>
+    using Inertia = EulerInertia<N, 1>;
+
+    // Newton for t' = t + 2 kappa t' t'. The linear system is 1 - E with E small, so E's series solves it without a
+    // division; what the series leaves is what the next iteration corrects. Converges while the body turns less than
+    // about half a radian in a step; returns false otherwise.
+    template <class N>
+    TUMBLE_INLINE static bool rotate(BodyState<N, spin>& body, const Inertia<N>& inertia, const StepInfo<N>& step) {
+        using Turn = typename N::Turn;
+        const Vec3<Turn> start = body.t_b.take();
+        Vec3<Turn> t = start;
+        bool converged = false;
+        for (int iteration = 0; iteration < max_iterations && !converged; ++iteration) {
+            const auto products = TurnProducts<N>::of(t);
+            Vec3<Turn> rest;
+            for (int i = 0; i < 3; ++i) {
+                const Turn half = N::stage_turn(inertia.kappa[i], products.v[i], step.scale);
+                rest[i] = t[i] - start[i] - half - half;
+            }
+            const Vec3<Turn> once = coupling<N>(inertia, t, rest, step), twice = coupling<N>(inertia, t, once, step);
+            t -= rest + once + twice;
+            converged = N::is_rounding(rest, t);
+        }
+        const auto products = TurnProducts<N>::of(t);
+        for (int i = 0; i < 3; ++i) N::add_turn(body.t_b[i], inertia.summed[i], products.v[i], step.scale);
+        turn<N>(body.q_wb, Delta<N>{{}, angles<N>(t, step)});
+        return converged;
+    }
+
+    template <class N, int capacity, class Evaluate>
+    static bool advance(const Group<N, spin, Inertia<N>, capacity>& group, Evaluate&& evaluate, const StepInfo<N>& step) {
+        Solver<N, capacity, std::remove_reference_t<Evaluate>> solver{group, evaluate, step};
+        return solver.solve();
+    }
+
+private:
+    // E v with E_ij = 2 kappa_i t_k, the derivative of the gyroscopic term.
+    template <class N>
+    [[nodiscard]] static Vec3<typename N::Turn> coupling(const Inertia<N>& inertia, const Vec3<typename N::Turn>& t,
+                                                         const Vec3<typename N::Turn>& v, const StepInfo<N>& step) {
+        Vec3<typename N::Turn> r;
+        for (int i = 0; i < 3; ++i) {
+            const int j = (i + 1) % 3, k = (i + 2) % 3;
+            const auto half = N::stage_turn(inertia.kappa[i], mul_add(mul(t[j], v[k]), t[k], v[j]), step.scale);
+            r[i] = half + half;
+        }
+        return r;
+    }
+
+    // Newton on the increments z of drift (m) and of spin (half turns) of all bodies: z = kick(end of step) + gyroscopic.
+    template <class N, int capacity, class Evaluate>
+    struct Solver {
+        using Work = typename N::Work;
+        static constexpr int unknowns = 6 * capacity;
+
+        const Group<N, spin, Inertia<N>, capacity>& group;
+        Evaluate& evaluate;
+        const StepInfo<N>& step;
+        StageState<N> start[capacity]{}, end[capacity]{};
+        Work z[unknowns]{}, value[unknowns]{}, column[unknowns]{}, jacobian[unknowns][unknowns]{};
+
+        bool solve() {
+            for (int b = 0; b < group.count; ++b) {
+                start[b] = stage_of(*group.body[b]);
+                start[b].t_b = group.body[b]->t_b.take();
+            }
+            const int n = 6 * group.count;
+            right_hand_side(value);
+            for (int i = 0; i < n; ++i) z[i] = value[i];
+            bool converged = false;
+            for (int iteration = 0; iteration < max_iterations && !converged; ++iteration) {
+                right_hand_side(value);
+                if (iteration == 0) differentiate(n);
+                for (int i = 0; i < n; ++i) column[i] = value[i] - z[i];
+                eliminate_or_substitute(n, iteration == 0);
+                converged = true;
+                for (int i = 0; i < n; ++i) {
+                    z[i] += column[i];
+                    // Corrections below the rounding of the numbers themselves are noise.
+                    const Work size = magnitude(z[i]) + magnitude(i % 6 < 3 ? Work(1) : Work(0));
+                    if (size * N::rounding_unit() < magnitude(column[i])) converged = false;
+                }
+            }
+            right_hand_side(value);
+            for (int b = 0; b < group.count; ++b) {
+                auto& body = *group.body[b];
+                for (int i = 0; i < 3; ++i) {
+                    N::add(body.d_w[i], N::drift_sum(value[6 * b + i], step.scale));
+                    N::coast(body.x_w[i], body.d_w[i], {}, step.scale);
+                    body.t_b[i].add(N::turn_sum(value[6 * b + 3 + i], step.scale));
+                }
+                turn<N>(body.q_wb, Delta<N>{{}, angles<N>(end[b].t_b, step)});
+            }
+            return converged;
+        }
+
+    private:
+        [[nodiscard]] static Work magnitude(Work a) { return a < Work(0) ? -a : a; }
+
+        // The increments that the loads and the gyroscopic term make at the end of the step reached with z.
+        void right_hand_side(Work* out) {
+            Kick<N> kick[capacity];
+            for (int b = 0; b < group.count; ++b) {
+                const StageState<N>& from = start[b];
+                StageState<N>& to = end[b];
+                for (int i = 0; i < 3; ++i) {
+                    to.d_w[i] = from.d_w[i] + N::drift_sum(z[6 * b + i], step.scale);
+                    to.x_w[i] = N::displaced(from.x_w[i], to.d_w[i], step.scale);
+                    to.t_b[i] = from.t_b[i] + N::narrow_turn(N::turn_sum(z[6 * b + 3 + i], step.scale));
+                }
+                to.q_wb = turned<N>(from.q_wb, Delta<N>{{}, angles<N>(to.t_b, step)});
+            }
+            evaluate(end, kick);
+            for (int b = 0; b < group.count; ++b) {
+                const auto products = TurnProducts<N>::of(end[b].t_b);
+                for (int i = 0; i < 3; ++i) {
+                    out[6 * b + i] = N::metres(kick[b].linear[i], step.scale);
+                    const auto half = N::stage_turn(group.inertia[b]->kappa[i], products.v[i], step.scale);
+                    out[6 * b + 3 + i] = N::half_turn(half, step.scale) + N::half_turn(half, step.scale) + N::half_turn(kick[b].angular[i], step.scale);
+                }
+            }
+        }
+
+        // jacobian = 1 - d(right hand side)/dz by forward differences of 2^-12 (m, rad).
+        void differentiate(int n) {
+            const Work difference = N::template constant<Work>(Real::scaled(1, -12)), inverse = Work(4096);
+            for (int j = 0; j < n; ++j) {
+                const Work kept = z[j];
+                z[j] += difference;
+                right_hand_side(column);
+                z[j] = kept;
+                for (int i = 0; i < n; ++i) jacobian[i][j] = (i == j ? Work(1) : Work(0)) - (column[i] - value[i]) * inverse;
+            }
+            right_hand_side(value);
+        }
+
+        // Gaussian elimination; the factors stay in the matrix for the next iterations. The matrix is near 1 or
+        // dominated by its stiffness, so the pivots are taken in order.
+        void eliminate_or_substitute(int n, bool eliminate) {
+            for (int k = 0; k < n; ++k) {
+                if (eliminate) {
+                    if (!(magnitude(jacobian[k][k]) > Work(0))) jacobian[k][k] = Work(1);
+                    jacobian[k][k] = Work(1) / jacobian[k][k];
+                }
+                for (int i = k + 1; i < n; ++i) {
+                    if (eliminate) {
+                        jacobian[i][k] = jacobian[i][k] * jacobian[k][k];
+                        for (int j = k + 1; j < n; ++j) jacobian[i][j] -= jacobian[i][k] * jacobian[k][j];
+                    }
+                    column[i] -= jacobian[i][k] * column[k];
+                }
+            }
+            for (int k = n - 1; k >= 0; --k) {
+                for (int j = k + 1; j < n; ++j) column[k] -= jacobian[k][j] * column[j];
+                column[k] = column[k] * jacobian[k][k];
+            }
+        }
+    };
+};
+
+}  // namespace tumble::integrators

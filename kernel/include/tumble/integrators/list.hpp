@@ -1,0 +1,30 @@
+// All integrators: a new method is one header and one line here. The simulator, the firmware, the tests and the
+// benchmarks go through this list.
+#pragma once
+
+#include <tumble/integrators/implicit_euler.hpp>
+#include <tumble/integrators/runge_kutta.hpp>
+#include <tumble/integrators/semi_implicit_euler.hpp>
+#include <tumble/integrators/verlet.hpp>
+
+namespace tumble {
+
+template <class... Methods>
+struct IntegratorList {
+    static constexpr int count = sizeof...(Methods);
+
+    // Calls f.template operator()<Method>() for each.
+    template <class F>
+    static constexpr void for_each(F&& f) { (f.template operator()<Methods>(), ...); }
+};
+
+using Integrators = IntegratorList<
+    integrators::ExplicitEuler,
+    integrators::SemiImplicitEuler,
+    integrators::ImplicitEuler,
+    integrators::Midpoint,
+    integrators::Heun,
+    integrators::Rk4,
+    integrators::Verlet>;
+
+}  // namespace tumble

@@ -1,0 +1,52 @@
+// What can go wrong while a world runs. Bits are sticky: once set they stay until clear_status(), with the first body
+// and step that set one, and a count of all occurrences.
+#pragma once
+
+#include <tumble/config.hpp>
+
+#include <cstdint>
+
+namespace tumble {
+
+enum class Issue : std::uint8_t {
+    // A position, velocity or spin left what the number system holds. Fixed point: the value is held at the limit and
+    // the trajectory is wrong from here on; declare a larger Range or take a smaller step. Floating point: not finite.
+    range_left = 1,
+    // An iteration met its bound: the implicit solver did not converge, or one step had too many impacts to resolve.
+    // The state is usable but less accurate; take a smaller step.
+    step_bound_hit = 2,
+    // More contact points than the scene has room for; the deepest were kept. Raise Scene::contacts.
+    contacts_full = 4,
+    // add() was called on a full world; nothing was added. Raise the capacity in the scene.
+    world_full = 8,
+};
+inline constexpr Issue all_issues[] = {Issue::range_left, Issue::step_bound_hit, Issue::contacts_full, Issue::world_full};
+
+[[nodiscard]] constexpr const char* name_of(Issue issue) {
+    switch (issue) {
+    case Issue::range_left: return "range_left";
+    case Issue::step_bound_hit: return "step_bound_hit";
+    case Issue::contacts_full: return "contacts_full";
+    default: return "world_full";
+    }
+}
+
+struct Status {
+    std::uint8_t bits = 0;
+    std::uint16_t first_body = 0;    // meaningful when !ok()
+    std::uint32_t first_step = 0;    // number of the step that set the first bit, from 0
+    std::uint32_t count = 0;
+
+    [[nodiscard]] constexpr bool ok() const { return bits == 0; }
+    [[nodiscard]] constexpr bool has(Issue issue) const { return (bits & static_cast<std::uint8_t>(issue)) != 0; }
+    constexpr void set(Issue issue, int body, std::uint32_t step) {
+        if (bits == 0) {
+            first_body = static_cast<std::uint16_t>(body);
+            first_step = step;
+        }
+        bits = static_cast<std::uint8_t>(bits | static_cast<std::uint8_t>(issue));
+        if (count != 0xffffffffu) ++count;
+    }
+};
+
+}  // namespace tumble
