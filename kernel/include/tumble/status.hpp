@@ -32,20 +32,20 @@ inline constexpr Issue all_issues[] = {Issue::range_left, Issue::step_bound_hit,
 }
 
 struct Status {
+    std::uint32_t first_step = 0;    // number of the step that set the first bit, from 0; meaningful when !ok()
+    std::uint16_t count = 0;         // occurrences, held at 65535
+    std::uint8_t first_body = 0;     // meaningful when !ok()
     std::uint8_t bits = 0;
-    std::uint16_t first_body = 0;    // meaningful when !ok()
-    std::uint32_t first_step = 0;    // number of the step that set the first bit, from 0
-    std::uint32_t count = 0;
 
     [[nodiscard]] constexpr bool ok() const { return bits == 0; }
     [[nodiscard]] constexpr bool has(Issue issue) const { return (bits & static_cast<std::uint8_t>(issue)) != 0; }
     constexpr void set(Issue issue, int body, std::uint32_t step) {
         if (bits == 0) {
-            first_body = static_cast<std::uint16_t>(body);
+            first_body = static_cast<std::uint8_t>(body);
             first_step = step;
         }
         bits = static_cast<std::uint8_t>(bits | static_cast<std::uint8_t>(issue));
-        if (count != 0xffffffffu) ++count;
+        if (count != 0xffffu) ++count;
     }
 };
 

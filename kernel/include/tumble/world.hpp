@@ -32,6 +32,8 @@ private:
 
 namespace detail {
 
+// Takes no room where a feature is absent; the tag keeps two of them at one address.
+template <int tag>
 struct Nothing {};
 
 // How spin relates to angular velocity and momentum: half_turn_i = turn_per_impulse_i * L_i;  w_i = rate_i * half_turn_i.
@@ -91,8 +93,9 @@ public:
 
     // A world without bodies. `step` is the length of every step.
     explicit World(Seconds step, const WorldSpec& spec = {})
-        : step_length_{step.value}, scale_{N::Scale::of(step.value, turn_per_spin(step.value))},
-          seconds_{N::template constant<Work>(step.value)}, steps_per_second_{N::template constant<Work>(Real{1} / step.value)} {
+        : step_length_{step.value}, scale_{N::Scale::of(step.value, turn_per_spin(step.value))} {
+        if constexpr (has_loads || has_contacts) steps_per_second_ = N::template constant<Work>(Real{1} / step.value);
+        if constexpr (has_loads) seconds_ = N::template constant<Work>(step.value);
         set_gravity(spec.gravity);
         if constexpr (S::drag) drag_ = {N::template constant<Work>(spec.linear_drag), N::template constant<Work>(spec.angular_drag)};
         if constexpr (S::gravitation) gravitation_ = {N::template constant<Work>(spec.gravitation)};
@@ -241,14 +244,14 @@ public:
     [[nodiscard]] WorkVec3<N> velocity(BodyId id) const {
         const State& s = state_[id.index()];
         WorkVec3<N> v;
-        for (int i = 0; i < 3; ++i) v[i] = N::metres(N::sum(s.d_w[i]), scale_) * steps_per_second_;
+        for (int i = 0; i < 3; ++i) v[i] = N::metres(N::sum(s.d_w[i]), scale_) * steps_per_second();
         return v;
     }
     // rad/s, user's body axes.
     [[nodiscard]] WorkVec3<N> angular_velocity(BodyId id) const {
         const BodyData& body = body_[id.index()];
         WorkVec3<N> w;
-        for (int i = 0; i < 3; ++i) w[i] = N::half_turn(state_[id.index()].t_b[i].value(), scale_) * body.units.rate(i, steps_per_second_);
+        for (int i = 0; i < 3; ++i) w[i] = N::half_turn(state_[id.index()].t_b[i].value(), scale_) * body.units.rate(i, steps_per_second());
         return rotate_quat(body.principal, w);
     }
     // User's body axes to world; of unit length to rounding.
@@ -294,8 +297,8 @@ private:
     };
     template <class T, int n>
     using Array = T[n > 0 ? n : 1];
-    template <bool present, class T>
-    using If = std::conditional_t<present, T, detail::Nothing>;
+    template <bool present, class T, int tag>
+    using If = std::conditional_t<present, T, detail::Nothing<tag>>;
 
     // Part of a step, for steps that an impact interrupts; whole steps cost nothing extra.
     struct Portion {
@@ -309,6 +312,10 @@ private:
         std::int16_t id[load_capacity]{};
     };
 
+    [[nodiscard]] Work steps_per_second() const {
+        if constexpr (has_loads || has_contacts) return steps_per_second_;
+        else return N::template constant<Work>(Real{1} / step_length_);
+    }
     [[nodiscard]] static constexpr Real turn_per_spin(Real step) {
         return Integrator::spin == Spin::angular_velocity ? step * Real::scaled(1, -1) : step;
     }
@@ -387,7 +394,7 @@ private:
 
     // Evaluates the loads of one unit of bodies for the integrators.
     struct Evaluate {
-        static constexpr bool depends_on_velocity = S::drag || S::springs > 0;
+        static constexpr bool may_depend_on_velocity = S::drag || S::springs > 0;
 
         World& world;
         const Unit& unit;
@@ -395,6 +402,13 @@ private:
         const DriftSum (&fall)[3];
 
         void operator()(const StageState<N>* stages, Kick<N>* kicks) const { world.evaluate(*this, stages, kicks); }
+        [[nodiscard]] bool depends_on_velocity() const {
+            if constexpr (S::drag) if (world.drag_.acts()) return true;
+            if constexpr (S::springs > 0) {
+                for (int s = 0; s < world.spring_count_; ++s) if (world.spring_[s].damping > Work(0)) return true;
+            }
+            return false;
+        }
     };
 
     void evaluate(const Evaluate& e, const StageState<N>* stages, Kick<N>* kicks) {
@@ -456,7 +470,7 @@ private:
         loaded.stage = &stage;
         loaded.q_wb = work_quaternion<N>(stage.q_wb);
         loaded.force_w = loaded.torque_b = zero_vector<N>();
-        if constexpr (Evaluate::depends_on_velocity) {
+        if constexpr (Evaluate::may_depend_on_velocity) {
             for (int i = 0; i < 3; ++i) {
                 loaded.v_w[i] = N::metres(stage.d_w[i], scale_) * e.steps_per_second;
                 loaded.w_b[i] = N::half_turn(stage.t_b[i], scale_) * body_[b].units.rate(i, e.steps_per_second);
@@ -779,27 +793,28 @@ private:
     }
 
     Real step_length_;                            // s
-    typename N::Scale scale_;
-    Work seconds_, steps_per_second_;
     DriftSum gravity_[3]{};                       // change of drift a step
-    std::int16_t count_ = 0;
-    std::uint32_t steps_taken_ = 0;
-    Status status_{};
     State state_[S::bodies]{};
     BodyData body_[S::bodies]{};
-    [[no_unique_address]] If<S::drag, Drag<N>> drag_{};
-    [[no_unique_address]] If<S::gravitation, Gravitation<N>> gravitation_{};
-    [[no_unique_address]] If<S::gravitation, Work[S::bodies]> mass_{};
-    [[no_unique_address]] If<(S::springs > 0), Array<Spring<N>, S::springs>> spring_{};
-    int spring_count_ = 0;
-    [[no_unique_address]] If<S::forces, Span<Thrust<N>>> forces_{};
-    [[no_unique_address]] If<S::script, Span<Impulse<N>>> script_{};
-    int next_event_ = 0;
-    [[no_unique_address]] If<has_contacts, ContactSettings> contact_{};
-    [[no_unique_address]] If<has_contacts, Array<Plane<N>, S::planes>> plane_{};
-    [[no_unique_address]] If<has_contacts, ContactShape<N>[S::bodies]> shape_{};
-    [[no_unique_address]] If<has_contacts, std::uint8_t[S::bodies]> touching_{};
-    int plane_count_ = 0;
+    Status status_{};
+    std::uint32_t steps_taken_ = 0;
+    std::int16_t count_ = 0;
+    typename N::Scale scale_;
+    [[no_unique_address]] If<has_loads || has_contacts, Work, 0> steps_per_second_{};
+    [[no_unique_address]] If<has_loads, Work, 1> seconds_{};
+    [[no_unique_address]] If<S::drag, Drag<N>, 2> drag_{};
+    [[no_unique_address]] If<S::gravitation, Gravitation<N>, 3> gravitation_{};
+    [[no_unique_address]] If<S::gravitation, Array<Work, S::bodies>, 4> mass_{};
+    [[no_unique_address]] If<(S::springs > 0), Array<Spring<N>, S::springs>, 5> spring_{};
+    [[no_unique_address]] If<(S::springs > 0), int, 6> spring_count_{};
+    [[no_unique_address]] If<S::forces, Span<Thrust<N>>, 7> forces_{};
+    [[no_unique_address]] If<S::script, Span<Impulse<N>>, 8> script_{};
+    [[no_unique_address]] If<S::script, int, 9> next_event_{};
+    [[no_unique_address]] If<has_contacts, ContactSettings, 10> contact_{};
+    [[no_unique_address]] If<has_contacts, Array<Plane<N>, S::planes>, 11> plane_{};
+    [[no_unique_address]] If<has_contacts, int, 12> plane_count_{};
+    [[no_unique_address]] If<has_contacts, Array<ContactShape<N>, S::bodies>, 13> shape_{};
+    [[no_unique_address]] If<has_contacts, Array<std::uint8_t, S::bodies>, 14> touching_{};
 };
 
 }  // namespace tumble

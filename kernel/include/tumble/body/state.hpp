@@ -35,12 +35,14 @@ enum class Spin : std::uint8_t { angular_velocity, angular_momentum };
 
 // Spin about the three body axes. Angular velocity drives its own change by its rounded value, so that value is shaped.
 template <class N, Spin spin>
-struct SpinVec3 {
-    using Turn = typename N::Turn;
-    std::conditional_t<spin == Spin::angular_velocity, Shaped<Turn, N::carry>, Carried<Turn, N::carry>> x, y, z;
+using SpinNumber = std::conditional_t<spin == Spin::angular_velocity, Shaped<typename N::Turn, N::carry>, Carried<typename N::Turn, N::carry>>;
 
-    [[nodiscard]] TUMBLE_INLINE Vec3<Turn> value() const { return {x.value(), y.value(), z.value()}; }
-    [[nodiscard]] TUMBLE_INLINE Vec3<Turn> take() { return {x.take(), y.take(), z.take()}; }
+template <class N, Spin spin>
+struct SpinVec3 {
+    SpinNumber<N, spin> x, y, z;
+
+    [[nodiscard]] TUMBLE_INLINE Vec3<typename N::Turn> value() const { return {x.value(), y.value(), z.value()}; }
+    [[nodiscard]] TUMBLE_INLINE Vec3<typename N::Turn> take() { return {x.take(), y.take(), z.take()}; }
     [[nodiscard]] constexpr auto& operator[](int i) { return i == 0 ? x : i == 1 ? y : z; }
     [[nodiscard]] constexpr const auto& operator[](int i) const { return i == 0 ? x : i == 1 ? y : z; }
     friend constexpr bool operator==(const SpinVec3&, const SpinVec3&) = default;

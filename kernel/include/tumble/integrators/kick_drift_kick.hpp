@@ -43,7 +43,7 @@ struct KickDriftKick {
             state[b] = stage_of(body);
         }
         evaluate(state, kick);
-        if constexpr (std::remove_cvref_t<Evaluate>::depends_on_velocity) {
+        if (evaluate.depends_on_velocity()) {
             constexpr int iterations = 6;
             for (int iteration = 0; iteration < iterations; ++iteration) {
                 StageState<N> end[capacity];

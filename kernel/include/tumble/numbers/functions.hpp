@@ -7,7 +7,7 @@
 namespace tumble {
 
 // floor(sqrt(a)), one result bit a round: 32 rounds of shift, compare and subtract.
-[[nodiscard]] constexpr std::uint32_t integer_sqrt(std::uint64_t a) {
+[[nodiscard, gnu::noinline]] constexpr std::uint32_t integer_sqrt(std::uint64_t a) {
     std::uint64_t rest = a, root = 0;
     for (std::uint64_t bit = std::uint64_t{1} << 62; bit != 0; bit >>= 2) {
         if (rest >= root + bit) {

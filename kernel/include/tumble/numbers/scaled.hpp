@@ -18,7 +18,7 @@ public:
         return of(value.to_fixed(up, 64), -up);
     }
     // raw * 2^exponent, rounded to 31 bits, ties away from zero.
-    [[nodiscard]] static constexpr Scaled of(std::int64_t raw, int exponent) {
+    [[nodiscard, gnu::noinline]] static constexpr Scaled of(std::int64_t raw, int exponent) {
         if (raw == 0) return {};
         const bool negative = raw < 0;
         std::uint64_t magnitude = negative ? 0u - static_cast<std::uint64_t>(raw) : static_cast<std::uint64_t>(raw);
@@ -39,15 +39,16 @@ public:
 
     // The number as a 64-bit sum with F fraction bits, rounded; saturates at +-2^62 so that a sum of two cannot wrap.
     template <int F>
-    [[nodiscard]] constexpr Wide<F> to_wide() const {
-        const int up = exponent_ + F;
+    [[nodiscard]] constexpr Wide<F> to_wide() const { return {to_sum(F)}; }
+    [[nodiscard, gnu::noinline]] constexpr std::int64_t to_sum(int fraction_bits) const {
+        const int up = exponent_ + fraction_bits;
         constexpr std::int64_t limit = std::int64_t{1} << 62;
-        if (mantissa_ == 0 || up < -31) return {0};
+        if (mantissa_ == 0 || up < -31) return 0;
         if (up >= 0) {
-            if (up > 31) return {mantissa_ < 0 ? -limit : limit};
-            return {static_cast<std::int64_t>(mantissa_) * (std::int64_t{1} << up)};
+            if (up > 31) return mantissa_ < 0 ? -limit : limit;
+            return static_cast<std::int64_t>(mantissa_) * (std::int64_t{1} << up);
         }
-        return {(static_cast<std::int64_t>(mantissa_) + (std::int64_t{1} << (-up - 1))) >> -up};
+        return (static_cast<std::int64_t>(mantissa_) + (std::int64_t{1} << (-up - 1))) >> -up;
     }
     // Nearest Fixed; saturates at the format's ends.
     template <class To>
@@ -66,7 +67,7 @@ public:
     [[nodiscard]] constexpr Scaled times_power_of_two(int n) const { return mantissa_ == 0 ? Scaled{} : Scaled{mantissa_, exponent_ + n}; }
 
     constexpr Scaled operator-() const { return Scaled{-mantissa_, exponent_}; }
-    friend constexpr Scaled operator+(Scaled a, Scaled b) {
+    [[gnu::noinline]] friend constexpr Scaled operator+(Scaled a, Scaled b) {
         if (a.mantissa_ == 0) return b;
         if (b.mantissa_ == 0) return a;
         if (a.exponent_ < b.exponent_) { const Scaled t = a; a = b; b = t; }
@@ -81,7 +82,7 @@ public:
         return of(static_cast<std::int64_t>(a.mantissa_) * b.mantissa_, a.exponent_ + b.exponent_);
     }
     // b must not be zero.
-    friend constexpr Scaled operator/(Scaled a, Scaled b) {
+    [[gnu::noinline]] friend constexpr Scaled operator/(Scaled a, Scaled b) {
         TUMBLE_ASSERT(b.mantissa_ != 0);
         return of((static_cast<std::int64_t>(a.mantissa_) * (std::int64_t{1} << 32)) / b.mantissa_, a.exponent_ - b.exponent_ - 32);
     }

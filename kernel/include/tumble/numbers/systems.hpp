@@ -154,10 +154,10 @@ struct Q32 {
     }
     template <class Body>
     [[nodiscard]] TUMBLE_INLINE static constexpr bool out_of_range(const Body& b) {
-        std::uint32_t bits = 0;
-        for (const auto* c : {&b.x_w.x, &b.x_w.y, &b.x_w.z}) bits |= range_bits(upper(c->sum().raw));
-        for (const auto* c : {&b.d_w.x, &b.d_w.y, &b.d_w.z}) bits |= range_bits(upper(c->sum().raw));
-        for (const auto* c : {&b.t_b.x, &b.t_b.y, &b.t_b.z}) bits |= range_bits(upper(c->sum().raw));
+        const auto three = [](const auto& v) {
+            return range_bits(upper(v.x.sum().raw)) | range_bits(upper(v.y.sum().raw)) | range_bits(upper(v.z.sum().raw));
+        };
+        const std::uint32_t bits = three(b.x_w) | three(b.d_w) | three(b.t_b);
         return (bits >> 31) != 0;
     }
     template <class Body>

@@ -1,0 +1,80 @@
+# What a person types. CMake does the building; this file only drives it.
+CORES := $(shell awk '/^[^\#]/ { print $$1 }' port/cortex_m/boards.txt)
+JOBS  := $(shell nproc)
+SCENE ?= host_sim/scenes/cube.toml
+ARGS  ?=
+
+.PHONY: run test bench firmware replay size check format tables golden build setup clean help
+.DEFAULT_GOAL := help
+
+## help: this list
+help:
+	@awk -F': ' '/^## / { printf "  make %-10s %s\n", substr($$1, 4), $$2 }' $(MAKEFILE_LIST)
+
+## run: the main job: replay a scene on the host and on every core, compare the bits, print what a step costs
+run: build
+	build/host/tumble run $(SCENE)
+	build/host/bench/tumble_matrix $(SCENE) $(ARGS)
+
+## test: all tests: host, four host compilers, and the firmware of every core in QEMU
+test: build firmware
+	ctest --test-dir build/host --output-on-failure --no-tests=error -j $(JOBS)
+
+## build: the host command build/host/tumble and the host tests
+build: build/host/build.ninja
+	@cmake --build build/host
+
+## firmware: the firmware of the tests, for every core
+firmware: build $(CORES:%=firmware-%)
+
+.PHONY: $(CORES:%=firmware-%)
+$(CORES:%=firmware-%): firmware-%: build
+	@test -f build/$*/build.ninja || TUMBLE_CORE=$* cmake --preset firmware > /dev/null
+	@cmake --build build/$*
+
+## replay: run a scene on the host: make replay SCENE=path ARGS="--integrator rk4 --json"
+replay: build
+	build/host/tumble run $(SCENE) $(ARGS)
+
+## bench: insn per step, text, RAM and stack of the benchmark scenes on every core, into bench/results
+bench: build
+	build/host/bench/tumble_matrix host_sim/scenes/free.toml --results bench/results/free.jsonl
+	build/host/bench/tumble_matrix host_sim/scenes/cube.toml --accuracy --results bench/results/cube.jsonl
+	build/host/bench/tumble_tables README.md bench/results
+
+## size: text and RAM of the firmware just built, against the committed rows
+size: build
+	build/host/bench/tumble_matrix host_sim/scenes/free.toml --baseline bench/results/free.jsonl
+
+## tables: rewrite the README's tables from the committed rows in bench/results
+tables: build
+	build/host/bench/tumble_tables README.md bench/results
+
+## golden: rewrite the golden hashes; a decision that the commit must explain
+golden: build
+	tests/conformance/update_golden
+
+## check: what CI runs: format, the sanitizers, every test, and that the README's tables are what the rows say
+check: setup
+	port/setup format
+	$(MAKE) test
+	$(MAKE) sanitize
+	build/host/bench/tumble_tables --check README.md bench/results
+
+## sanitize: the host tests under the address and undefined-behaviour sanitizers
+.PHONY: sanitize
+sanitize: setup
+	@test -f build/sanitize/build.ninja || cmake --preset host-debug-sanitize > /dev/null
+	@cmake --build build/sanitize
+	ctest --test-dir build/sanitize --output-on-failure --no-tests=error -j $(JOBS) -LE "qemu|compilers"
+
+## setup: install what is missing (Debian packages, with sudo when not root)
+setup:
+	@port/setup
+
+## clean: remove the build directory
+clean:
+	rm -rf build
+
+build/host/build.ninja: CMakeLists.txt CMakePresets.json | setup
+	@cmake --preset host > /dev/null

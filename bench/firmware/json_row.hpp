@@ -1,0 +1,56 @@
+// One JSON object on one line, written through the port as it is built: no buffer, no formatting library.
+#pragma once
+
+#include "port.hpp"
+
+#include <cstdint>
+#include <string_view>
+
+namespace tumble::bench {
+
+class JsonRow {
+public:
+    void add(std::string_view key, std::string_view text) {
+        name(key);
+        port::write("\"");
+        port::write(text);
+        port::write("\"");
+    }
+    void add(std::string_view key, bool value) {
+        name(key);
+        port::write(value ? "true" : "false");
+    }
+    void add(std::string_view key, std::uint64_t value) {
+        name(key);
+        char digits[20];
+        int first = 20;
+        do {
+            digits[--first] = static_cast<char>('0' + value % 10);
+            value /= 10;
+        } while (value != 0);
+        port::write(digits + first, static_cast<std::size_t>(20 - first));
+    }
+    void add(std::string_view key, std::uint32_t value) { add(key, std::uint64_t{value}); }
+    void add(std::string_view key, const char* text) { add(key, std::string_view{text}); }
+    // 16 hexadecimal digits, as text.
+    void add_hex(std::string_view key, std::uint64_t value) {
+        char digits[16];
+        for (int i = 15; i >= 0; --i) {
+            digits[i] = "0123456789abcdef"[value & 15];
+            value >>= 4;
+        }
+        add(key, std::string_view{digits, 16});
+    }
+    void write() { port::write("}\n"); }
+
+private:
+    void name(std::string_view key) {
+        port::write(first_ ? "{\"" : ", \"");
+        first_ = false;
+        port::write(key);
+        port::write("\": ");
+    }
+    bool first_ = true;
+};
+
+}  // namespace tumble::bench

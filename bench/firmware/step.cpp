@@ -1,0 +1,54 @@
+// Replays the scene that `tumble compile` wrote, counts what every step costs, and prints one result row. The row's
+// state hash is for the host to check: no number is used whose answer is wrong.
+#include <tumble/replay.hpp>
+#include <tumble/numbers/variants.hpp>
+
+#include TUMBLE_SCENE_HEADER
+
+#include "json_row.hpp"
+#include "port.hpp"
+
+namespace {
+
+using Scene = scenes::TUMBLE_SCENE;
+
+struct Config : Scene::Features {
+    using Numbers = tumble::variants::TUMBLE_VARIANT::Numbers<Scene::Features::Numbers::Range>;
+    using Integrator = tumble::integrators::TUMBLE_METHOD;
+};
+
+tumble::Replay<Config, Scene> replay;
+
+}  // namespace
+
+int main() {
+    using namespace tumble;
+    port::init();
+    std::uint64_t total = 0, largest = 0;
+    for (std::uint32_t step = 0; step < Scene::steps; ++step) {
+        const port::Instant before = port::ticks();
+        const Status status = replay.step();
+        const port::Instant after = port::ticks();
+        const std::uint64_t cost = port::elapsed(before, after);
+        total += cost;
+        if (cost > largest) largest = cost;
+        if (!status.ok()) break;
+    }
+    bench::JsonRow row;
+    row.add("scene", Scene::name);
+    row.add("core", port::core());
+    row.add("numbers", Config::Numbers::name);
+    row.add("carry", Config::Numbers::carry);
+    row.add("integrator", Config::Integrator::name);
+    row.add("steps", replay.world().steps_taken());
+    // Rounded to the nearest; the largest single step beside it.
+    const std::uint64_t steps = replay.world().steps_taken();
+    row.add(port::tick_unit() == "cycles" ? "cycles_per_step" : "insn_per_step", steps == 0 ? 0 : (total + steps / 2) / steps);
+    row.add(port::tick_unit() == "cycles" ? "cycles_per_step_max" : "insn_per_step_max", largest);
+    row.add("stack_bytes", static_cast<std::uint64_t>(port::stack_peak()));
+    row.add("world_bytes", static_cast<std::uint64_t>(sizeof(replay.world())));
+    row.add("status_bits", static_cast<std::uint64_t>(replay.world().status().bits));
+    row.add_hex("state_hash", replay.world().hash());
+    row.write();
+    return 0;
+}

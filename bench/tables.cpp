@@ -1,0 +1,166 @@
+// Writes the README's tables from result rows, so that they cannot drift from what was measured: everything between
+// `<!-- table NAME -->` and `<!-- end -->` is replaced. With --check nothing is written, and a difference is an error.
+#include "rows.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <iostream>
+#include <map>
+#include <sstream>
+
+namespace {
+
+using tumble::bench::Row;
+
+struct Table {
+    std::vector<std::string> head;
+    std::vector<std::vector<std::string>> rows;
+
+    [[nodiscard]] std::string markdown() const {
+        std::ostringstream out;
+        const auto line = [&](const std::vector<std::string>& cells) {
+            for (const std::string& cell : cells) out << "| " << cell << ' ';
+            out << "|\n";
+        };
+        line(head);
+        for (std::size_t i = 0; i < head.size(); ++i) out << (i == 0 ? "|---" : "|---:");
+        out << "|\n";
+        for (const auto& row : rows) line(row);
+        return out.str();
+    }
+};
+
+std::string numbers_of(const Row& row) {
+    const std::string name = row.at("numbers");
+    if (name == "f64") return name;
+    return name + (row.at("carry").get<bool>() ? " carry" : " plain");
+}
+
+std::string text_of(const Row& row, const char* key) {
+    if (!row.contains(key) || row.at(key).is_null()) return "-";
+    if (row.at(key).is_number_float()) {
+        char text[32];
+        std::snprintf(text, sizeof text, "%.1e", row.at(key).get<double>());
+        return text;
+    }
+    return row.at(key).dump();
+}
+
+// Names in order of their first row.
+std::vector<std::string> distinct(const std::vector<Row>& rows, const auto& name) {
+    std::vector<std::string> names;
+    for (const Row& row : rows) {
+        if (std::string n = name(row); std::find(names.begin(), names.end(), n) == names.end()) names.push_back(n);
+    }
+    return names;
+}
+
+// One line an integrator; a column for each core and number system.
+Table cost_table(const std::vector<Row>& rows, const std::vector<std::string>& numbers) {
+    const auto core = [](const Row& r) { return r.at("core").get<std::string>(); };
+    const auto method = [](const Row& r) { return r.at("integrator").get<std::string>(); };
+    Table table;
+    table.head = {"insn per step"};
+    const auto cores = distinct(rows, core);
+    for (const auto& n : numbers) {
+        for (const auto& c : cores) table.head.push_back(c + " " + n);
+    }
+    for (const auto& m : distinct(rows, method)) {
+        std::vector<std::string> line{"`" + m + "`"};
+        for (const auto& n : numbers) {
+            for (const auto& c : cores) {
+                const auto found = std::find_if(rows.begin(), rows.end(), [&](const Row& r) { return method(r) == m && core(r) == c && numbers_of(r) == n; });
+                line.push_back(found == rows.end() ? "-" : text_of(*found, "insn_per_step"));
+            }
+        }
+        table.rows.push_back(line);
+    }
+    return table;
+}
+
+Table size_table(const std::vector<Row>& rows, const std::string& core) {
+    Table table;
+    table.head = {core, "numbers", "text bytes", "RAM bytes", "world bytes", "stack bytes", "insn per step", "worst step"};
+    for (const Row& row : rows) {
+        if (row.at("core") != core || row.at("integrator") == "implicit_euler") continue;
+        table.rows.push_back({"`" + row.at("integrator").get<std::string>() + "`", numbers_of(row), text_of(row, "text_bytes"), text_of(row, "ram_bytes"),
+                              text_of(row, "world_bytes"), text_of(row, "stack_bytes"), text_of(row, "insn_per_step"), text_of(row, "insn_per_step_max")});
+    }
+    return table;
+}
+
+// The dissertation's cube: what each of its methods costs beside what it gets wrong.
+Table cube_table(const std::vector<Row>& rows) {
+    Table table;
+    const auto cores = distinct(rows, [](const Row& r) { return r.at("core").get<std::string>(); });
+    table.head = {"cube, q32 carry", "position error, m", "orientation error, rad"};
+    for (const auto& c : cores) table.head.push_back("insn, " + c);
+    for (const std::string method : {"explicit_euler", "implicit_euler", "heun", "midpoint", "rk4", "verlet"}) {
+        std::vector<std::string> line{"`" + method + "`"};
+        bool first = true;
+        for (const auto& c : cores) {
+            for (const Row& row : rows) {
+                if (row.at("integrator") != method || row.at("core") != c || numbers_of(row) != "q32 carry") continue;
+                if (first) {
+                    line.push_back(text_of(row, "position_error_m"));
+                    line.push_back(text_of(row, "orientation_error_rad"));
+                    first = false;
+                }
+                line.push_back(text_of(row, "insn_per_step"));
+            }
+        }
+        table.rows.push_back(line);
+    }
+    return table;
+}
+
+std::string read_file(const std::filesystem::path& path) {
+    std::ifstream in{path};
+    if (!in) throw std::runtime_error{path.string() + ": cannot be read"};
+    return {std::istreambuf_iterator<char>{in}, {}};
+}
+
+std::string with_tables(const std::string& text, const std::map<std::string, std::string>& tables) {
+    std::string out;
+    std::size_t at = 0;
+    const std::string begin = "<!-- table ", end = "<!-- end -->";
+    while (true) {
+        const std::size_t mark = text.find(begin, at);
+        if (mark == std::string::npos) break;
+        const std::size_t close = text.find(" -->", mark), stop = text.find(end, mark);
+        if (close == std::string::npos || stop == std::string::npos) throw std::runtime_error{"README: a table mark without its end"};
+        const std::string name = text.substr(mark + begin.size(), close - mark - begin.size());
+        const auto found = tables.find(name);
+        if (found == tables.end()) throw std::runtime_error{"README: no rows for table '" + name + "'"};
+        out += text.substr(at, close + 4 - at) + "\n" + found->second;
+        at = stop;
+    }
+    return out + text.substr(at);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) try {
+    const bool check = argc > 1 && std::string{argv[1]} == "--check";
+    if (argc != (check ? 4 : 3)) {
+        std::cerr << "usage: tumble_tables [--check] README.md RESULTS_DIRECTORY\n";
+        return 2;
+    }
+    const std::filesystem::path readme = argv[check ? 2 : 1], results = argv[check ? 3 : 2];
+    std::map<std::string, std::string> tables;
+    const auto free = tumble::bench::read_rows(results / "free.jsonl");
+    tables["free"] = cost_table(free, {"q32 carry", "f32 plain"}).markdown();
+    tables["size"] = size_table(free, "cortex-m3").markdown();
+    tables["cube"] = cube_table(tumble::bench::read_rows(results / "cube.jsonl")).markdown();
+    const std::string now = read_file(readme), wanted = with_tables(now, tables);
+    if (now == wanted) return 0;
+    if (check) {
+        std::cerr << readme.string() << ": its tables are not what " << results.string() << " says; run `make tables`\n";
+        return 1;
+    }
+    std::ofstream{readme} << wanted;
+    return 0;
+} catch (const std::exception& error) {
+    std::cerr << "tumble_tables: " << error.what() << '\n';
+    return 1;
+}

@@ -1,0 +1,122 @@
+// A scene being replayed on the host, whatever its integrator and number system: the one interface of the command, the
+// tests and the benchmarks. Everything that it reports is in SI units and the user's body axes.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "scene_description.hpp"
+
+namespace tumble::host {
+
+// What a world of the host command can hold; bit counts of the kernel are the same whatever the capacity.
+inline constexpr int max_bodies = 64;
+inline constexpr int max_planes = 16;
+inline constexpr int max_springs = 64;
+
+// A scene that is well formed but that this build cannot replay; what() names file, key and what was expected.
+class UnsupportedScene : public std::runtime_error {
+public:
+    using std::runtime_error::runtime_error;
+};
+
+// The state of one body with all the digits that the run carries.
+struct BodySnapshot {
+    std::array<long double, 3> position{};           // m, world
+    std::array<long double, 3> velocity{};           // m/s, world
+    std::array<long double, 4> orientation{};        // w, x, y, z; user's body axes to world
+    std::array<long double, 3> angular_velocity{};   // rad/s, user's body axes
+    bool asleep = false;
+    int contacts = 0;                                // contact points in the last step
+};
+
+// J. The potential is that of gravity, springs and mutual gravitation; fixed bodies have none of gravity's.
+struct Energy {
+    long double kinetic = 0;                         // translation and rotation
+    long double potential = 0;
+    [[nodiscard]] long double total() const { return kinetic + potential; }
+};
+
+// The first occurrence of something that went wrong.
+struct Trouble {
+    std::string issue;                               // the name of a sticky status bit
+    int body = 0;
+    std::int64_t step = 0;                           // the step that met it, from 0
+};
+
+class Simulation {
+public:
+    virtual ~Simulation() = default;
+
+    // Takes one step.
+    virtual void step() = 0;
+
+    [[nodiscard]] virtual std::int64_t steps_taken() const = 0;
+    [[nodiscard]] virtual std::uint64_t hash() const = 0;
+    [[nodiscard]] virtual int body_count() const = 0;
+    [[nodiscard]] virtual BodySnapshot body(int index) const = 0;
+    [[nodiscard]] virtual Energy energy() const = 0;
+
+    // What the status bits stand for, in order of first occurrence; empty when all is well.
+    [[nodiscard]] virtual const std::vector<Trouble>& troubles() const = 0;
+
+    // All words of all bodies' states, in the order of a record; and the body and number that a word belongs to.
+    virtual void append_words(std::vector<std::uint32_t>& words) const = 0;
+    struct Place {
+        int body;
+        std::string number;                          // for example "d_w.y"
+        std::size_t first, count;                    // its words in the record, the lowest first
+    };
+    [[nodiscard]] virtual Place place_of_word(std::size_t index) const = 0;
+
+    [[nodiscard]] virtual std::string_view integrator() const = 0;
+    [[nodiscard]] virtual std::string_view numbers() const = 0;   // q32, f32 or f64
+    [[nodiscard]] virtual std::string_view range() const = 0;     // near, room, field; empty for floating point
+    [[nodiscard]] virtual bool carry() const = 0;
+
+    [[nodiscard]] std::int64_t steps() const { return steps_; }                     // of the whole run
+    [[nodiscard]] long double step_length() const { return step_length_; }          // s
+    [[nodiscard]] long double time() const { return static_cast<long double>(steps_taken()) * step_length_; }
+    [[nodiscard]] bool has_trouble(std::string_view issue) const;
+
+protected:
+    Simulation(std::int64_t steps, long double step_length) : steps_{steps}, step_length_{step_length} {}
+
+private:
+    std::int64_t steps_;
+    long double step_length_;
+};
+
+// `carry` empty: on for q32 and f32, off for f64. Throws std::invalid_argument for an unknown integrator or number
+// system, UnsupportedScene for a scene that cannot be replayed.
+[[nodiscard]] std::unique_ptr<Simulation> make_simulation(const SceneDescription& scene, std::string_view integrator = "verlet",
+                                                          std::string_view numbers = "q32", std::optional<bool> carry = {});
+
+// What can be chosen.
+struct IntegratorInfo {
+    std::string name;
+    std::string type;      // in C++, for example tumble::integrators::Rk4
+    int order = 0;
+    std::string needs;     // of sqrt, division and trigonometry, beyond what loads and contacts need
+};
+struct NumberSystemInfo {
+    std::string name;
+    std::string type;      // in C++
+    std::string range;     // near, room, field or empty
+    bool carry = false;
+};
+[[nodiscard]] const std::vector<IntegratorInfo>& integrators();
+[[nodiscard]] const std::vector<NumberSystemInfo>& number_systems();
+[[nodiscard]] const IntegratorInfo& find_integrator(std::string_view name);      // throws std::invalid_argument
+[[nodiscard]] const NumberSystemInfo& find_number_system(const SceneDescription& scene, std::string_view numbers, std::optional<bool> carry);
+
+// What of the scene is not simulated yet, one sentence each.
+[[nodiscard]] std::vector<std::string> limitations(const SceneDescription& scene);
+
+}  // namespace tumble::host

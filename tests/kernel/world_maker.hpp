@@ -1,0 +1,120 @@
+// make_world<N>: AnyWorld for every integrator of the list in one number system. Instantiated once a system.
+#pragma once
+
+#include <tumble/tumble.hpp>
+
+#include "number_systems.hpp"
+#include "worlds.hpp"
+
+namespace tumble::test {
+
+template <class N, class Method, Features f>
+struct ComposedScene : Scene {
+    using Numbers = N;
+    using Integrator = Method;
+    static constexpr int bodies = f.bodies;
+    static constexpr int planes = f.planes;
+    static constexpr int springs = f.springs;
+    static constexpr bool drag = f.drag;
+    static constexpr bool gravitation = f.gravitation;
+    static constexpr bool forces = f.forces;
+    static constexpr bool script = f.script;
+    static constexpr bool boxes = f.boxes;
+    static constexpr bool friction = f.friction;
+};
+
+template <class N, class Method, Features f>
+class WorldOf final : public AnyWorld {
+public:
+    WorldOf(Seconds step, const WorldSpec& spec) : world_{step, spec}, step_{number(step.value)} {}
+
+    bool add(const BodySpec& body) override {
+        const BodyId id = world_.add(body);
+        if (id) inertia_.push_back(principal_inertia(body.inertia));
+        return static_cast<bool>(id);
+    }
+    bool add([[maybe_unused]] const PlaneSpec& plane) override {
+        if constexpr (f.planes > 0) return world_.add(plane);
+        else return false;
+    }
+    bool add([[maybe_unused]] const SpringSpec& spring) override {
+        if constexpr (f.springs > 0) return world_.add(spring);
+        else return false;
+    }
+    void set_impulses([[maybe_unused]] const std::vector<ImpulseSpec>& impulses) override {
+        if constexpr (f.script) {
+            for (const auto& i : impulses) impulses_.push_back(world_.prepare(i));
+            world_.set_script({impulses_.data(), static_cast<int>(impulses_.size())});
+        }
+    }
+    void set_forces([[maybe_unused]] const std::vector<ForceSpec>& forces) override {
+        if constexpr (f.forces) {
+            for (const auto& force : forces) forces_.push_back(world_.prepare(force));
+            world_.set_forces({forces_.data(), static_cast<int>(forces_.size())});
+        }
+    }
+    void apply_impulse(int body, Vector impulse, Vector point) override { world_.apply_impulse(BodyId{body}, real(impulse), real(point)); }
+    Status step() override { return world_.step(); }
+    void clear_status() override { world_.clear_status(); }
+
+    Motion motion(int body) const override {
+        const auto& s = world_.state(BodyId{body});
+        const auto& [moments, principal] = inertia_.at(static_cast<std::size_t>(body));
+        const auto scale = world_.scale();
+        Motion m;
+        Vector w;
+        for (int i = 0; i < 3; ++i) {
+            m.x[i] = number(s.x_w[i].to_real());
+            m.v[i] = number(scale.metres(s.d_w[i].to_real())) / step_;
+            w[i] = 2 * number(scale.angle(s.t_b[i].to_real())) / step_;
+            if constexpr (Method::spin == Spin::angular_momentum) w[i] *= number(moments.y) / number(moments[i]);
+        }
+        const Rotation p = rotation(principal);
+        m.q = Rotation{number(s.q_wb.w.to_real()), {number(s.q_wb.x.to_real()), number(s.q_wb.y.to_real()), number(s.q_wb.z.to_real())}} * p.conjugate();
+        m.w = p.rotate(w);
+        return m;
+    }
+    Motion reported(int body) const override {
+        const BodyId id{body};
+        const auto q = world_.orientation(id);
+        return {plain(world_.position(id)), plain(world_.velocity(id)), {static_cast<double>(q.w), plain(q.v)}, plain(world_.angular_velocity(id))};
+    }
+    Status status() const override { return world_.status(); }
+    std::uint64_t hash() const override { return world_.hash(); }
+    int body_count() const override { return world_.body_count(); }
+    int contact_count(int body) const override { return world_.contact_count(BodyId{body}); }
+
+private:
+    static Vector plain(const WorkVec3<N>& v) { return {static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2])}; }
+
+    World<ComposedScene<N, Method, f>> world_;
+    Number step_;
+    std::vector<PrincipalInertia> inertia_;
+    std::vector<Impulse<N>> impulses_;
+    std::vector<Thrust<N>> forces_;
+};
+
+// Features differ only where a test compares them; other sets are rounded up to everything.
+template <class N>
+std::unique_ptr<AnyWorld> make_world(std::string_view method, const Features& features, Seconds step, const WorldSpec& spec) {
+    std::unique_ptr<AnyWorld> world;
+    const auto make = [&]<class Method, Features f>() {
+        if (world == nullptr && method == Method::name && (features == f || f == everything)) world = std::make_unique<WorldOf<N, Method, f>>(step, spec);
+    };
+    Integrators::for_each([&]<class Method>() {
+        make.template operator()<Method, nothing>();
+        make.template operator()<Method, with_drag>();
+        make.template operator()<Method, with_spring>();
+        make.template operator()<Method, with_coupling>();
+        make.template operator()<Method, with_gravitation>();
+        make.template operator()<Method, with_forces>();
+        make.template operator()<Method, with_script>();
+        make.template operator()<Method, with_plane>();
+        make.template operator()<Method, with_box>();
+        make.template operator()<Method, with_friction>();
+        make.template operator()<Method, everything>();
+    });
+    return world;
+}
+
+}  // namespace tumble::test

@@ -1,0 +1,59 @@
+#include "worlds.hpp"
+
+#include <tumble/integrators/list.hpp>
+
+#include <algorithm>
+#include <ostream>
+#include <stdexcept>
+
+namespace tumble::test {
+
+const std::vector<Method>& methods() {
+    static const std::vector<Method> all = [] {
+        std::vector<Method> list;
+        Integrators::for_each([&]<class M>() {
+            int free_order = M::order;
+            if constexpr (requires { M::free_order; }) free_order = M::free_order;
+            list.push_back({M::name, M::order, free_order, M::spin == Spin::angular_momentum});
+        });
+        return list;
+    }();
+    return all;
+}
+
+const System& number_system(std::string_view name) {
+    for (const System& s : number_systems()) if (name == s.name) return s;
+    throw std::invalid_argument{"no number system " + std::string{name}};
+}
+
+std::vector<Case> every_case() {
+    std::vector<Case> cases;
+    for (const System& s : number_systems()) for (const Method& m : methods()) cases.push_back({m, s});
+    return cases;
+}
+std::vector<Case> cases_in(std::string_view system) {
+    std::vector<Case> cases;
+    for (const Method& m : methods()) cases.push_back({m, number_system(system)});
+    return cases;
+}
+std::vector<Case> cases_of(std::string_view method) {
+    std::vector<Case> cases;
+    for (const Case& c : every_case()) if (method == c.method.name) cases.push_back(c);
+    return cases;
+}
+std::string name_of(const Case& c) { return std::string{c.method.name} + "_" + c.system.name; }
+void PrintTo(const Case& c, std::ostream* out) { *out << name_of(c); }
+
+std::unique_ptr<AnyWorld> build(const Setup& setup, std::string_view method, std::string_view system, const Features& features) {
+    auto world = number_system(system).make(method, features, setup.step, setup.world);
+    if (world == nullptr) throw std::invalid_argument{"no integrator " + std::string{method}};
+    const auto require = [&](bool added) { if (!added) throw std::invalid_argument{std::string{"no room for "} + setup.name}; };
+    for (const auto& b : setup.bodies) require(world->add(b));
+    for (const auto& p : setup.planes) require(world->add(p));
+    for (const auto& s : setup.springs) require(world->add(s));
+    if (!setup.impulses.empty()) world->set_impulses(setup.impulses);
+    if (!setup.forces.empty()) world->set_forces(setup.forces);
+    return world;
+}
+
+}  // namespace tumble::test

@@ -1,0 +1,143 @@
+// A World of any integrator, number system and set of compiled features behind one interface, so that a scene is
+// written once and run in all of them. States are read exactly, as long double, in the user's body axes.
+#pragma once
+
+#include <tumble/scene.hpp>
+#include <tumble/status.hpp>
+
+#include "../reference/trajectory.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace tumble::test {
+
+using reference::Motion;
+using reference::Number;
+using reference::Rotation;
+using reference::Vector;
+
+// Exact: a long double holds a Real.
+[[nodiscard]] inline Number number(Real value) {
+    const double high = value.to_double();
+    return static_cast<Number>(high) + static_cast<Number>((value - Real{high}).to_double());
+}
+[[nodiscard]] inline Vector vector(RealVec3 v) { return {number(v.x), number(v.y), number(v.z)}; }
+[[nodiscard]] inline Rotation rotation(RealQuat q) { return {number(q.w), vector(q.v)}; }
+[[nodiscard]] inline Real real(Number value) {
+    const auto high = static_cast<double>(value);
+    return Real{high} + Real{static_cast<double>(value - static_cast<Number>(high))};
+}
+[[nodiscard]] inline RealVec3 real(Vector v) { return {real(v.x), real(v.y), real(v.z)}; }
+[[nodiscard]] inline RealQuat real(Rotation q) { return {real(q.w), real(q.v)}; }
+
+// What is compiled into a world.
+struct Features {
+    int bodies = 1, planes = 0, springs = 0;
+    bool drag = false, gravitation = false, forces = false, script = false, boxes = false, friction = false;
+    friend constexpr bool operator==(const Features&, const Features&) = default;
+};
+inline constexpr Features everything{4, 3, 3, true, true, true, true, true, true};
+inline constexpr Features nothing{};
+inline constexpr Features with_drag{.drag = true};
+inline constexpr Features with_spring{.springs = 1};
+inline constexpr Features with_coupling{.bodies = 2, .springs = 1};
+inline constexpr Features with_gravitation{.bodies = 2, .gravitation = true};
+inline constexpr Features with_forces{.forces = true};
+inline constexpr Features with_script{.script = true};
+inline constexpr Features with_plane{.planes = 1};
+inline constexpr Features with_box{.planes = 1, .boxes = true};
+inline constexpr Features with_friction{.planes = 1, .boxes = true, .friction = true};
+
+// A scene: everything a world is built from.
+struct Setup {
+    const char* name = "";
+    Seconds step{1, 256};
+    WorldSpec world{};
+    std::vector<BodySpec> bodies{};
+    std::vector<PlaneSpec> planes{};
+    std::vector<SpringSpec> springs{};
+    std::vector<ImpulseSpec> impulses{};   // sorted by time
+    std::vector<ForceSpec> forces{};
+    Features needs{};                      // the least that runs it
+};
+
+class AnyWorld {
+public:
+    virtual ~AnyWorld() = default;
+
+    virtual bool add(const BodySpec& body) = 0;
+    virtual bool add(const PlaneSpec& plane) = 0;
+    virtual bool add(const SpringSpec& spring) = 0;
+    virtual void set_impulses(const std::vector<ImpulseSpec>& impulses) = 0;
+    virtual void set_forces(const std::vector<ForceSpec>& forces) = 0;
+    virtual void apply_impulse(int body, Vector impulse, Vector point = {}) = 0;
+    virtual Status step() = 0;
+    virtual void clear_status() = 0;
+
+    [[nodiscard]] virtual Motion motion(int body) const = 0;      // every bit of the state
+    [[nodiscard]] virtual Motion reported(int body) const = 0;    // through the world's accessors
+    [[nodiscard]] virtual Status status() const = 0;
+    [[nodiscard]] virtual std::uint64_t hash() const = 0;
+    [[nodiscard]] virtual int body_count() const = 0;
+    [[nodiscard]] virtual int contact_count(int body) const = 0;
+
+    Status run(std::int64_t steps) {
+        Status last = status();
+        for (std::int64_t i = 0; i < steps; ++i) last = step();
+        return last;
+    }
+};
+
+struct Method {
+    const char* name;
+    int order;
+    int free_order;      // of torque-free rotation, where it differs
+    bool conserves;      // angular momentum to rounding, energy error bounded
+};
+[[nodiscard]] const std::vector<Method>& methods();
+
+struct System {
+    const char* name;
+    bool fixed_point, carry;
+    int bits;            // of a number
+    std::unique_ptr<AnyWorld> (*make)(std::string_view method, const Features&, Seconds step, const WorldSpec&);
+};
+[[nodiscard]] const std::vector<System>& number_systems();
+[[nodiscard]] const System& number_system(std::string_view name);
+
+// An integrator in a number system: what most tests are instantiated over.
+struct Case {
+    Method method;
+    System system;
+};
+[[nodiscard]] std::vector<Case> every_case();
+[[nodiscard]] std::vector<Case> cases_in(std::string_view system);
+[[nodiscard]] std::vector<Case> cases_of(std::string_view method);
+[[nodiscard]] std::string name_of(const Case& c);
+void PrintTo(const Case& c, std::ostream* out);
+
+struct NameOf {
+    std::string operator()(const testing::TestParamInfo<Case>& info) const { return name_of(info.param); }
+    std::string operator()(const testing::TestParamInfo<Method>& info) const { return info.param.name; }
+};
+
+[[nodiscard]] std::unique_ptr<AnyWorld> build(const Setup& setup, std::string_view method, std::string_view system,
+                                              const Features& features = everything);
+[[nodiscard]] inline std::unique_ptr<AnyWorld> build(const Setup& setup, const Case& c, const Features& features = everything) {
+    return build(setup, c.method.name, c.system.name, features);
+}
+
+// The tolerance column of a number system.
+template <class T>
+struct PerSystem {
+    T f64, q32, f32;
+    [[nodiscard]] T of(const System& s) const { return s.bits == 64 ? f64 : s.fixed_point ? q32 : f32; }
+};
+
+}  // namespace tumble::test
