@@ -15,7 +15,7 @@
 
 namespace tumble::host {
 
-// What a world of the host command can hold; bit counts of the kernel are the same whatever the capacity.
+// What the host's worlds have room for.
 inline constexpr int max_bodies = 64;
 inline constexpr int max_planes = 16;
 inline constexpr int max_springs = 64;

@@ -1,4 +1,5 @@
-// make_world<N>: AnyWorld for every integrator of the list in one number system. Instantiated once a system.
+// make_world<N>: AnyWorld for every integrator of the list in one number system, with everything compiled in; and
+// make_world_with, for one set of features.
 #pragma once
 
 #include <tumble/tumble.hpp>
@@ -94,27 +95,17 @@ private:
     std::vector<Thrust<N>> forces_;
 };
 
-// Features differ only where a test compares them; other sets are rounded up to everything.
-template <class N>
-std::unique_ptr<AnyWorld> make_world(std::string_view method, const Features& features, Seconds step, const WorldSpec& spec) {
+template <class N, Features f>
+std::unique_ptr<AnyWorld> make_world_with(std::string_view method, Seconds step, const WorldSpec& spec) {
     std::unique_ptr<AnyWorld> world;
-    const auto make = [&]<class Method, Features f>() {
-        if (world == nullptr && method == Method::name && (features == f || f == everything)) world = std::make_unique<WorldOf<N, Method, f>>(step, spec);
-    };
     Integrators::for_each([&]<class Method>() {
-        make.template operator()<Method, nothing>();
-        make.template operator()<Method, with_drag>();
-        make.template operator()<Method, with_spring>();
-        make.template operator()<Method, with_coupling>();
-        make.template operator()<Method, with_gravitation>();
-        make.template operator()<Method, with_forces>();
-        make.template operator()<Method, with_script>();
-        make.template operator()<Method, with_plane>();
-        make.template operator()<Method, with_box>();
-        make.template operator()<Method, with_friction>();
-        make.template operator()<Method, everything>();
+        if (method == Method::name) world = std::make_unique<WorldOf<N, Method, f>>(step, spec);
     });
     return world;
+}
+template <class N>
+std::unique_ptr<AnyWorld> make_world(std::string_view method, Seconds step, const WorldSpec& spec) {
+    return make_world_with<N, everything>(method, step, spec);
 }
 
 }  // namespace tumble::test

@@ -44,16 +44,29 @@ std::vector<Case> cases_of(std::string_view method) {
 std::string name_of(const Case& c) { return std::string{c.method.name} + "_" + c.system.name; }
 void PrintTo(const Case& c, std::ostream* out) { *out << name_of(c); }
 
-std::unique_ptr<AnyWorld> build(const Setup& setup, std::string_view method, std::string_view system, const Features& features) {
-    auto world = number_system(system).make(method, features, setup.step, setup.world);
-    if (world == nullptr) throw std::invalid_argument{"no integrator " + std::string{method}};
-    const auto require = [&](bool added) { if (!added) throw std::invalid_argument{std::string{"no room for "} + setup.name}; };
+namespace {
+
+std::unique_ptr<AnyWorld> fill(std::unique_ptr<AnyWorld> world, const Setup& setup) {
+    const auto require = [&](bool done) { if (!done) throw std::invalid_argument{std::string{"cannot build "} + setup.name}; };
+    require(world != nullptr);
     for (const auto& b : setup.bodies) require(world->add(b));
     for (const auto& p : setup.planes) require(world->add(p));
     for (const auto& s : setup.springs) require(world->add(s));
     if (!setup.impulses.empty()) world->set_impulses(setup.impulses);
     if (!setup.forces.empty()) world->set_forces(setup.forces);
     return world;
+}
+
+}  // namespace
+
+std::unique_ptr<AnyWorld> build(const Setup& setup, std::string_view method, std::string_view system) {
+    return fill(number_system(system).make(method, setup.step, setup.world), setup);
+}
+std::unique_ptr<AnyWorld> build_minimal(const Setup& setup, const Case& c) {
+    for (const MinimalWorlds& m : minimal_worlds()) {
+        if (c.system.name == std::string_view{m.system} && m.features == setup.needs) return fill(m.make(c.method.name, setup.step, setup.world), setup);
+    }
+    return nullptr;
 }
 
 }  // namespace tumble::test

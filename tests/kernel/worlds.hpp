@@ -5,7 +5,7 @@
 #include <tumble/scene.hpp>
 #include <tumble/status.hpp>
 
-#include "../reference/trajectory.hpp"
+#include "../reference/motion.hpp"
 
 #include <gtest/gtest.h>
 
@@ -43,6 +43,7 @@ struct Features {
     friend constexpr bool operator==(const Features&, const Features&) = default;
 };
 inline constexpr Features everything{4, 3, 3, true, true, true, true, true, true};
+// Sets of features of minimal worlds.
 inline constexpr Features nothing{};
 inline constexpr Features with_drag{.drag = true};
 inline constexpr Features with_spring{.springs = 1};
@@ -64,7 +65,7 @@ struct Setup {
     std::vector<SpringSpec> springs{};
     std::vector<ImpulseSpec> impulses{};   // sorted by time
     std::vector<ForceSpec> forces{};
-    Features needs{};                      // the least that runs it
+    Features needs{};                      // of its minimal world: one of the sets above
 };
 
 class AnyWorld {
@@ -106,10 +107,18 @@ struct System {
     const char* name;
     bool fixed_point, carry;
     int bits;            // of a number
-    std::unique_ptr<AnyWorld> (*make)(std::string_view method, const Features&, Seconds step, const WorldSpec&);
+    std::unique_ptr<AnyWorld> (*make)(std::string_view method, Seconds step, const WorldSpec&);
 };
 [[nodiscard]] const std::vector<System>& number_systems();
 [[nodiscard]] const System& number_system(std::string_view name);
+
+// Worlds with one set of features compiled in.
+struct MinimalWorlds {
+    const char* system;
+    Features features;
+    std::unique_ptr<AnyWorld> (*make)(std::string_view method, Seconds step, const WorldSpec&);
+};
+[[nodiscard]] const std::vector<MinimalWorlds>& minimal_worlds();
 
 // An integrator in a number system: what most tests are instantiated over.
 struct Case {
@@ -127,11 +136,11 @@ struct NameOf {
     std::string operator()(const testing::TestParamInfo<Method>& info) const { return info.param.name; }
 };
 
-[[nodiscard]] std::unique_ptr<AnyWorld> build(const Setup& setup, std::string_view method, std::string_view system,
-                                              const Features& features = everything);
-[[nodiscard]] inline std::unique_ptr<AnyWorld> build(const Setup& setup, const Case& c, const Features& features = everything) {
-    return build(setup, c.method.name, c.system.name, features);
-}
+// A world with everything compiled in.
+[[nodiscard]] std::unique_ptr<AnyWorld> build(const Setup& setup, std::string_view method, std::string_view system);
+[[nodiscard]] inline std::unique_ptr<AnyWorld> build(const Setup& setup, const Case& c) { return build(setup, c.method.name, c.system.name); }
+// A world with exactly setup.needs compiled in; null for a system that has no minimal worlds.
+[[nodiscard]] std::unique_ptr<AnyWorld> build_minimal(const Setup& setup, const Case& c);
 
 // The tolerance column of a number system.
 template <class T>

@@ -3,7 +3,7 @@
 // here includes the kernel, so tests and benchmarks share it.
 #pragma once
 
-#include "algebra.hpp"
+#include "motion.hpp"
 
 #include <boost/numeric/odeint.hpp>
 
@@ -11,26 +11,6 @@
 #include <vector>
 
 namespace tumble::reference {
-
-using Number = long double;
-using Vector = Vec<Number>;
-using Rotation = Quaternion<Number>;
-
-// World frame: x (m), v (m/s). Body frame along the principal axes: w (rad/s).
-struct Motion {
-    Vector x{}, v{};
-    Rotation q{};
-    Vector w{};
-};
-
-struct Wrench {
-    Vector force_w{}, torque_b{};   // N, N m
-};
-
-struct Body {
-    Number mass = 1;                // kg
-    Vector moments{1, 1, 1};        // kg m^2
-};
 
 inline constexpr Number tolerance = 1e-17L;   // of each step, absolute and relative
 

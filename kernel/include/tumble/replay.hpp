@@ -42,7 +42,7 @@ constexpr void for_each_word_of(std::uint64_t value, F&& f) {
 template <class F>
 constexpr void for_each_word_of(double value, F&& f) { for_each_word_of(std::bit_cast<std::uint64_t>(value), f); }
 
-// The same number of the same Data list type, for what is prepared from it.
+// A list like List, of T: as many of them, or as growable.
 template <class List, class T>
 struct ListOf;
 template <template <class, std::size_t> class Array, class Spec, std::size_t size, class T>

@@ -31,10 +31,10 @@ TUMBLE_INLINE void turn(IntegratedQuat<N>& q_wb, Delta<N> delta) {
     const Quat<typename N::Unit> q = q_wb.value();
     const auto w = delta.w - norm_excess<N>(q);
     const auto& v = delta.v;
-    q_wb.w.add(mul_sub(mul_sub(mul_sub(mul(q.w, w), q.v.x(), v.x()), q.v.y(), v.y()), q.v.z(), v.z()));
-    q_wb.x.add(add_cross_component<0>(mul_add(mul(q.w, v.x()), q.v.x(), w), q.v, v));
-    q_wb.y.add(add_cross_component<1>(mul_add(mul(q.w, v.y()), q.v.y(), w), q.v, v));
-    q_wb.z.add(add_cross_component<2>(mul_add(mul(q.w, v.z()), q.v.z(), w), q.v, v));
+    q_wb.w.accumulate(q.w, w, [&](auto sum) { return mul_sub(mul_sub(mul_sub(sum, q.v.x(), v.x()), q.v.y(), v.y()), q.v.z(), v.z()); });
+    q_wb.x.accumulate(q.w, v.x(), [&](auto sum) { return add_cross_component<0>(mul_add(sum, q.v.x(), w), q.v, v); });
+    q_wb.y.accumulate(q.w, v.y(), [&](auto sum) { return add_cross_component<1>(mul_add(sum, q.v.y(), w), q.v, v); });
+    q_wb.z.accumulate(q.w, v.z(), [&](auto sum) { return add_cross_component<2>(mul_add(sum, q.v.z(), w), q.v, v); });
 }
 
 }  // namespace tumble

@@ -32,6 +32,9 @@ public:
     // Value and residual as one number with F + 32 fraction bits.
     [[nodiscard]] TUMBLE_INLINE constexpr Wide<F + 32> sum() const { return Wide<F + 32>{stored_} - Wide<F + 32>{bias}; }
     TUMBLE_INLINE constexpr void add(Wide<F + 32> increment) { stored_ = (Wide<F + 32>{stored_} + increment).raw; }
+    // Adds a * b and what `more` adds to the sum that it is given: multiplications accumulate in the state itself.
+    template <class A, class B, class More>
+    TUMBLE_INLINE constexpr void accumulate(A a, B b, More&& more) { stored_ = more(mul_add(Wide<F + 32>{stored_}, a, b)).raw; }
     [[nodiscard]] constexpr Real to_real() const { return Real::scaled(sum().raw, -(F + 32)); }
     friend constexpr bool operator==(Carried, Carried) = default;
 
@@ -53,6 +56,8 @@ public:
     [[nodiscard]] TUMBLE_INLINE constexpr Wide<F + 32> sum() const { return {static_cast<std::int64_t>(value_.raw) * (std::int64_t{1} << 32)}; }
     [[nodiscard]] static constexpr Carried from_sum(Wide<F + 32> s) { return Carried{narrow<Value>(s)}; }
     TUMBLE_INLINE constexpr void add(Wide<F + 32> increment) { value_ += narrow<Value>(increment); }
+    template <class A, class B, class More>
+    TUMBLE_INLINE constexpr void accumulate(A a, B b, More&& more) { add(more(mul(a, b))); }
     [[nodiscard]] constexpr Real to_real() const { return Real::scaled(value_.raw, -F); }
     friend constexpr bool operator==(Carried, Carried) = default;
 
@@ -100,6 +105,8 @@ public:
         residual_ = y - (t - value_);
         value_ = t;
     }
+    template <class More>
+    TUMBLE_INLINE constexpr void accumulate(T a, T b, More&& more) { add(more(a * b)); }
     [[nodiscard]] constexpr Real to_real() const { return tumble::to_real(value_) + tumble::to_real(residual_); }
     friend constexpr bool operator==(Carried, Carried) = default;
 
@@ -122,6 +129,8 @@ public:
     [[nodiscard]] TUMBLE_INLINE constexpr T value() const { return value_; }
     [[nodiscard]] TUMBLE_INLINE constexpr T residual() const { return 0; }
     TUMBLE_INLINE constexpr void add(T increment) { value_ += increment; }
+    template <class More>
+    TUMBLE_INLINE constexpr void accumulate(T a, T b, More&& more) { add(more(a * b)); }
     [[nodiscard]] constexpr Real to_real() const { return tumble::to_real(value_); }
     friend constexpr bool operator==(Carried, Carried) = default;
 

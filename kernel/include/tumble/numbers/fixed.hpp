@@ -62,26 +62,52 @@ private:
 
 namespace detail {
 
+#if defined(__ARM_ARCH_6M__)
+// A core with 32-bit products only: four of them, half as long as the library's 64 x 64 bits, and out of line.
+[[nodiscard, gnu::noinline]] inline std::int64_t multiply_halves(std::int32_t a, std::int32_t b) {
+    const std::uint32_t a_low = static_cast<std::uint16_t>(a), b_low = static_cast<std::uint16_t>(b);
+    const std::int32_t a_high = a >> 16, b_high = b >> 16;
+    const std::uint32_t low = a_low * b_low;
+    const auto middle = a_high * static_cast<std::int32_t>(b_low) + static_cast<std::int32_t>(low >> 16);
+    const auto other = static_cast<std::int32_t>(a_low) * b_high + static_cast<std::int32_t>(middle & 0xffff);
+    const auto high = static_cast<std::uint32_t>(a_high * b_high + (middle >> 16) + (other >> 16));
+    return static_cast<std::int64_t>((static_cast<std::uint64_t>(high) << 32) | (static_cast<std::uint32_t>(other) << 16) | (low & 0xffff));
+}
+#endif
+
 // a * b and sum + a * b with all 64 bits. Compilers that see a sign extension used twice make a 64 x 64 bit product of
-// it, four instructions for one; the assembly says what is meant. Cores without the instruction use plain C++.
+// it, four instructions for one; the assembly says what is meant. It names both words, which leaves registers free that
+// a 64-bit operand would bind in pairs, and is volatile, because a scheduler that moves products away from their uses
+// spills a sixth more. Other cores use plain C++; the bits are the same.
 [[nodiscard]] TUMBLE_INLINE constexpr std::int64_t multiply(std::int32_t a, std::int32_t b) {
 #if defined(__thumb2__)
     if (!std::is_constant_evaluated() && !__builtin_constant_p(a) && !__builtin_constant_p(b)) {
-        std::int64_t product = 0;
-        asm("smull %Q0, %R0, %1, %2" : "=r"(product) : "r"(a), "r"(b));
-        return product;
+        std::uint32_t low = 0, high = 0;
+        asm volatile("smull %0, %1, %2, %3" : "=r"(low), "=r"(high) : "r"(a), "r"(b));
+        return static_cast<std::int64_t>((static_cast<std::uint64_t>(high) << 32) | low);
     }
+#elif defined(__ARM_ARCH_6M__)
+    if (!std::is_constant_evaluated()) return multiply_halves(a, b);
 #endif
     return static_cast<std::int64_t>(a) * b;
 }
 [[nodiscard]] TUMBLE_INLINE constexpr std::int64_t multiply_add(std::int64_t sum, std::int32_t a, std::int32_t b) {
 #if defined(__thumb2__)
     if (!std::is_constant_evaluated()) {
-        asm("smlal %Q0, %R0, %1, %2" : "+r"(sum) : "r"(a), "r"(b));
-        return sum;
+        auto low = static_cast<std::uint32_t>(sum), high = static_cast<std::uint32_t>(static_cast<std::uint64_t>(sum) >> 32);
+        asm volatile("smlal %0, %1, %2, %3" : "+r"(low), "+r"(high) : "r"(a), "r"(b));
+        return static_cast<std::int64_t>((static_cast<std::uint64_t>(high) << 32) | low);
     }
 #endif
-    return static_cast<std::int64_t>(static_cast<std::uint64_t>(sum) + static_cast<std::uint64_t>(static_cast<std::int64_t>(a) * b));
+    return static_cast<std::int64_t>(static_cast<std::uint64_t>(sum) + static_cast<std::uint64_t>(multiply(a, b)));
+}
+
+// A constant that goes into a register whole: as an operand, compilers split it into up to four short ones.
+[[nodiscard]] TUMBLE_INLINE constexpr std::int32_t whole(std::int32_t constant) {
+#if defined(__thumb2__)
+    if (!std::is_constant_evaluated()) asm("" : "+r"(constant));
+#endif
+    return constant;
 }
 
 }  // namespace detail
@@ -107,6 +133,18 @@ template <class To, int F>
     static_assert(shift >= 1 && shift < 64, "narrow() drops at least one bit");
     const auto half = std::uint64_t{1} << (shift - 1);
     return To::from_raw(static_cast<std::int32_t>(static_cast<std::int64_t>(static_cast<std::uint64_t>(a.raw) + half) >> shift));
+}
+
+// The upper word of a product, rounded down: free on a 32-bit core. For corrections that are small against what they
+// are taken from, where half a unit of bias does not count.
+template <int F>
+[[nodiscard]] TUMBLE_INLINE constexpr Fixed<F - 32> upper_word(Wide<F> a) {
+    return {static_cast<std::int32_t>(a.raw >> 32)};
+}
+template <class T>
+    requires std::is_floating_point_v<T>
+[[nodiscard]] TUMBLE_INLINE constexpr T upper_word(T a) {
+    return a;
 }
 
 }  // namespace tumble

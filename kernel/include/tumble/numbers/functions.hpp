@@ -79,56 +79,80 @@ template <class T, class Bits, int fraction_bits, int bias>
     return detail::ieee_sqrt<double, std::uint64_t, 52, 1023>(a);
 }
 
-// The even series of a rotation by the half angle x, in z = x^2, kept relative to identity so that nothing cancels:
-// cosine = 1 - one_minus_cos(z), sine = x - x * one_minus_sinc(z).
-//
-// Fixed: for |x| <= 1/4 (z <= 1/16), truncation below 2^-33. 3 and 3 multiplications, no division, no square root.
-[[nodiscard]] constexpr Fixed<32> one_minus_sinc(Fixed<32> z) {
-    constexpr auto c1 = Fixed<32>::from(Real{1} / Real{6}), c2 = Fixed<32>::from(Real{1} / Real{120}),
-                   c3 = Fixed<32>::from(Real{1} / Real{5040});
-    return narrow<Fixed<32>>(mul(z, c1 - narrow<Fixed<32>>(mul(z, c2 - narrow<Fixed<32>>(mul(z, c3))))));
-}
-[[nodiscard]] constexpr Fixed<32> one_minus_cos(Fixed<32> z) {
-    constexpr auto c2 = Fixed<32>::from(Real{1} / Real{24}), c3 = Fixed<32>::from(Real{1} / Real{720});
-    const auto rest = narrow<Fixed<32>>(mul(z, c2 - narrow<Fixed<32>>(mul(z, c3))));
-    return narrow<Fixed<32>>(mul(z, Fixed<32>::from_raw(0x7fffffff) - rest));   // 1/2 less 2^-32, times z < 2^-4
-}
+// The even series of a rotation by the half angle x, in z = x^2, less one so that nothing cancels:
+// cosine = 1 + cos_less_one, sine = x + x * sinc_less_one. Both are needed together, from the same z.
+template <class T>
+struct SinCosSeries;
 
-namespace detail {
+// |x| <= 1/4: truncated below 2^-33. 3 and 3 multiplications; 2 and 2 for |x| <= 1/16.
+template <>
+struct SinCosSeries<Fixed<32>> {
+    using T = Fixed<32>;
+    T sinc_less_one, cos_less_one;
 
-// sum over n of (-1)^n z^n first / (...): Horner with the exact ratios of a Taylor series of sine or cosine.
-template <class T, int terms, int start>
-[[nodiscard]] TUMBLE_INLINE constexpr T alternating_series(T z) {
-    T sum = 0;
-    for (int n = terms; n >= 0; --n) {
-        const int k = start + 2 * n;
-        sum = (T(1) - sum) * z * (T(1) / static_cast<T>(k * (k + 1)));
+    [[nodiscard]] TUMBLE_INLINE static constexpr SinCosSeries of(T z) {
+        return {upper_word(mul(z, upper_word(mul(z, over<120>() - upper_word(mul(z, over<5040>())))) - over<6>())),
+                upper_word(mul(z, upper_word(mul(z, over<24>() - upper_word(mul(z, over<720>())))))) - half(z)};
     }
-    return sum;
-}
+    [[nodiscard]] TUMBLE_INLINE static constexpr SinCosSeries of_small(T z) {
+        // z^3 / 720 reaches 2^-33.5 at the end of the range and is left out.
+        return {upper_word(mul(z, upper_word(mul(z, over<120>())) - over<6>())), upper_word(mul(z, upper_word(mul(z, over<24>())))) - half(z)};
+    }
 
-}  // namespace detail
+private:
+    template <int n>
+    static constexpr T over() {
+        constexpr T constant = T::from(Real{1} / Real{n});
+        return {detail::whole(constant.raw)};
+    }
+    static constexpr T half(T z) { return {z.raw >> 1}; }
+};
 
-// float and double: to the last bits for |x| <= 1 by series; larger angles by halving and doubling back.
+// float and double, any x: the series serves |x| <= 1/4 to the last bits, larger angles are halved and doubled back.
 template <class T>
 struct SinCosSeries {
-    T one_minus_sinc, one_minus_cos;
+    T sinc_less_one, cos_less_one;
 
-    [[nodiscard]] static constexpr SinCosSeries of(T z) {
-        constexpr int terms = sizeof(T) == 4 ? 4 : 8;
-        if (z > T(1)) [[unlikely]] {
-            // sinc 2x = sinc x cos x;  1 - cos 2x = 2 sin^2 x
-            const SinCosSeries half = of(z * T(0.25));
-            const T sinc = T(1) - half.one_minus_sinc;
-            return {half.one_minus_sinc + half.one_minus_cos * sinc, sinc * sinc * z * T(0.5)};
+    [[nodiscard]] TUMBLE_INLINE static constexpr SinCosSeries of(T z) {
+        if (z > T(0.0625)) [[unlikely]] return of_large(z);
+        return series(z);
+    }
+    [[nodiscard]] TUMBLE_INLINE static constexpr SinCosSeries of_small(T z) { return of(z); }
+
+private:
+    // Out of line: copies of it would be most of a step's code.
+    [[nodiscard, gnu::noinline, gnu::cold]] static constexpr SinCosSeries of_large(T z) {
+        int doublings = 0;
+        while (z > T(0.0625)) { z *= T(0.25); ++doublings; }
+        SinCosSeries s = series(z);
+        for (; doublings > 0; --doublings) {
+            // sinc 2x = sinc x cos x;  cos 2x - 1 = -2 sin^2 x
+            const T sinc = T(1) + s.sinc_less_one;
+            s = {s.sinc_less_one + s.cos_less_one * sinc, -(sinc * sinc * z * T(2))};
+            z *= T(4);
         }
-        return {detail::alternating_series<T, terms, 2>(z), detail::alternating_series<T, terms, 1>(z)};
+        return s;
+    }
+    [[nodiscard]] TUMBLE_INLINE static constexpr SinCosSeries series(T z) { return {horner<3>(z) * z, horner<2>(z) * z}; }
+    // The sum over n of -(-z)^n / (first + 2n)!.
+    template <int first, int n = 0>
+    [[nodiscard]] TUMBLE_INLINE static constexpr T horner(T z) {
+        constexpr int last = sizeof(T) == 4 ? 2 : 6;   // the next term is below half a unit in the last place
+        constexpr T c = signed_reciprocal(first, n);
+        if constexpr (n == last) return c;
+        else return c + z * horner<first, n + 1>(z);
+    }
+    [[nodiscard]] static constexpr T signed_reciprocal(int first, int n) {
+        double product = n % 2 == 0 ? -1 : 1;
+        for (int i = 2; i <= first + 2 * n; ++i) product *= i;
+        return static_cast<T>(1 / product);
     }
 };
-[[nodiscard]] constexpr float one_minus_sinc(float z) { return SinCosSeries<float>::of(z).one_minus_sinc; }
-[[nodiscard]] constexpr float one_minus_cos(float z) { return SinCosSeries<float>::of(z).one_minus_cos; }
-[[nodiscard]] constexpr double one_minus_sinc(double z) { return SinCosSeries<double>::of(z).one_minus_sinc; }
-[[nodiscard]] constexpr double one_minus_cos(double z) { return SinCosSeries<double>::of(z).one_minus_cos; }
+
+template <class T>
+[[nodiscard]] constexpr T one_minus_sinc(T z) { return -SinCosSeries<T>::of(z).sinc_less_one; }
+template <class T>
+[[nodiscard]] constexpr T one_minus_cos(T z) { return -SinCosSeries<T>::of(z).cos_less_one; }
 
 // 1 / sqrt(a), a > 0: two roundings.
 template <class T>

@@ -42,6 +42,12 @@ namespace detail {
     return static_cast<std::int64_t>((static_cast<std::uint64_t>(static_cast<std::uint32_t>(high >> shift)) << 32) | lower);
 }
 
+// The upper word of a << shift, for 0 <= shift <= 31.
+[[nodiscard]] TUMBLE_INLINE constexpr std::int32_t upper_shifted_left(std::int64_t a, int shift) {
+    const auto high = static_cast<std::uint32_t>(static_cast<std::uint64_t>(a) >> 32), low = static_cast<std::uint32_t>(a);
+    return static_cast<std::int32_t>((high << shift) | ((low >> 1) >> (31 - shift)));
+}
+
 [[nodiscard]] constexpr int log2_of(int power_of_two) {
     int log2 = 0;
     while ((1 << log2) < power_of_two) ++log2;
@@ -82,13 +88,14 @@ struct Q32 {
     struct Scale {
         std::int8_t drift_shift = 1;   // Drift has drift_shift more fraction bits (of a metre) than Position
         std::int8_t turn_shift = 1;    // Turn is the half turn times 2^turn_shift
+        static constexpr int most_turn_shift = 14;   // squares of angles are shifted by up to 2 (14 + 1) < 32
 
         // `turn_per_spin`: the largest half turn per step that a spin of 1 rad/s can mean (h/2, h for momentum).
         [[nodiscard]] static constexpr Scale of(Real step, Real turn_per_spin) {
             const int drift_bits = 30 - (Real{R::velocity} * step).ceil_log2_bound();
             const int turn_bits = -2 - (Real{R::spin} * turn_per_spin).ceil_log2_bound();
             return {static_cast<std::int8_t>(detail::clamp(drift_bits - Position::fraction_bits, 1, 30)),
-                    static_cast<std::int8_t>(detail::clamp(turn_bits, 1, 31))};
+                    static_cast<std::int8_t>(detail::clamp(turn_bits, 1, most_turn_shift))};
         }
         // Set-up: metres per step (or per step^2) and half turns per step, as the numbers that state holds.
         [[nodiscard]] constexpr Real drift_units(Real metres) const {
@@ -99,6 +106,72 @@ struct Q32 {
             return drift * Real::scaled(1, Drift::fraction_bits - Position::fraction_bits - drift_shift);
         }
         [[nodiscard]] constexpr Real angle(Real turn) const { return turn * Real::scaled(1, -turn_shift); }
+    };
+
+    // Turns that share a power of two of their own during one step, so that a spin far below the declared range is
+    // computed with as many digits as one at its end: a block turn is a half turn times 2^shift, below 2^30 units in each component.
+    class Block {
+    public:
+        // `most_up` bounds the digits gained; z is to stay in range times 2^(z_up + 1).
+        [[nodiscard]] TUMBLE_INLINE static constexpr Block of(TurnSum x, TurnSum y, TurnSum z, int z_up, int most_up, Scale s) {
+            const auto magnitude = [](TurnSum t) {
+                const auto high = static_cast<std::int32_t>(t.raw >> 32);
+                return static_cast<std::uint32_t>(high ^ (high >> 31));
+            };
+            const int room = std::countl_zero(magnitude(x) | magnitude(y) | (magnitude(z) << z_up << 1) | 1u) - 2;
+            Block b;
+            b.up_ = room < 0 ? 0 : room > most_up ? most_up : room;
+            b.shift_ = s.turn_shift + b.up_;
+            return b;
+        }
+        [[nodiscard]] static constexpr int most_up(Scale s, int z_up) {
+            return detail::clamp(28 - z_up, 0, Scale::most_turn_shift - s.turn_shift);
+        }
+
+        // A sum of the state as a block turn, times 2^more, dithered: its mean over many steps keeps all digits.
+        [[nodiscard]] TUMBLE_INLINE constexpr Turn turn(TurnSum t, Dither d, int more = 0) const {
+            const int up = up_ + more;
+            return {detail::upper_shifted_left((t + TurnSum{static_cast<std::int64_t>(d.turn >> up)}).raw, up)};
+        }
+        [[nodiscard]] TUMBLE_INLINE static constexpr Turn down(Turn t, int n) { return {t.raw >> n}; }
+        // Products of two block turns: as the nearest block turn, half of that, and what the state's sum changes by.
+        [[nodiscard]] TUMBLE_INLINE constexpr Turn turn(TurnProduct p) const { return {(upper_word(p).raw + half()) >> shift_}; }
+        [[nodiscard]] TUMBLE_INLINE constexpr Turn turn_up(TurnProduct p, int up) const { return {(detail::upper_shifted_left(p.raw, up) + half()) >> shift_}; }
+        [[nodiscard]] TUMBLE_INLINE constexpr Turn half_turn(TurnProduct p) const { return {upper_word(p).raw >> (shift_ + 1)}; }
+        [[nodiscard]] TUMBLE_INLINE constexpr TurnSum increment(TurnProduct p) const { return {detail::shift_right(p.raw, shift_ + up_)}; }
+        // As angles: a product of two turns, a quarter of it, a turn, half a turn.
+        [[nodiscard]] TUMBLE_INLINE constexpr Angle square(TurnProduct p) const { return {upper_word(p).raw >> (2 * shift_)}; }
+        [[nodiscard]] TUMBLE_INLINE constexpr Angle quarter_square(TurnProduct p) const { return {upper_word(p).raw >> (2 * shift_ + 2)}; }
+        [[nodiscard]] TUMBLE_INLINE constexpr Angle angle(Turn t) const { return {t.raw >> shift_}; }
+        [[nodiscard]] TUMBLE_INLINE constexpr Angle half_angle(Turn t) const { return {t.raw >> (shift_ + 1)}; }
+        [[nodiscard]] TUMBLE_INLINE constexpr Angle half_angle(Turn t, Dither d) const {
+            return {(t.raw + static_cast<std::int32_t>(d.angle >> (31 - shift_))) >> (shift_ + 1)};
+        }
+        // t + p / 2 as an angle with all its digits, dithered for the rounding to come.
+        [[nodiscard]] TUMBLE_INLINE constexpr AngleSum angle_sum(Turn t, Turn p, Dither d) const {
+            const std::int32_t all = t.raw + (p.raw >> 1) + static_cast<std::int32_t>(d.angle >> (32 - shift_));
+            const auto high = static_cast<std::uint32_t>(all >> shift_), low = static_cast<std::uint32_t>(all) << (32 - shift_);
+            return {static_cast<std::int64_t>((static_cast<std::uint64_t>(high) << 32) | low)};
+        }
+        // t as the start of a sum of products with angles, whose upper word will be the nearest turn.
+        [[nodiscard]] TUMBLE_INLINE static constexpr TurnProduct widen(Turn t) {
+            return {static_cast<std::int64_t>((static_cast<std::uint64_t>(static_cast<std::uint32_t>(t.raw)) << 32) | 0x80000000u)};
+        }
+        // t (1 + c), c * t and 2 c * t, dithered.
+        [[nodiscard]] TUMBLE_INLINE static constexpr Turn stretched(Turn t, Angle c, std::uint32_t dither) {
+            const auto sum = (static_cast<std::uint64_t>(static_cast<std::uint32_t>(t.raw)) << 32) | dither;
+            return upper_word(mul_add(TurnProduct{static_cast<std::int64_t>(sum)}, t, c));
+        }
+        [[nodiscard]] TUMBLE_INLINE static constexpr Turn share(Fixed<32> c, Turn t, Dither d) {
+            return upper_word(mul_add(TurnProduct{static_cast<std::int64_t>(d.turn)}, c, t));
+        }
+        [[nodiscard]] TUMBLE_INLINE static constexpr Turn twice_share(Fixed<31> c, Turn t, Dither d) {
+            return {static_cast<std::int32_t>(mul_add(Wide<63>{static_cast<std::int64_t>(d.turn >> 2)}, c, t).raw >> 30)};
+        }
+
+    private:
+        [[nodiscard]] TUMBLE_INLINE constexpr std::int32_t half() const { return 1 << (shift_ - 1); }
+        int up_ = 0, shift_ = 1;
     };
 
     template <class T>
@@ -284,6 +357,28 @@ struct Float {
         [[nodiscard]] constexpr Real turn_units(Real angle) const { return angle; }
         [[nodiscard]] constexpr Real metres(Real drift) const { return drift; }
         [[nodiscard]] constexpr Real angle(Real turn) const { return turn; }
+    };
+
+    // Floating point carries a power of two with every number.
+    struct Block {
+        [[nodiscard]] TUMBLE_INLINE static constexpr Block of(T, T, T, int, int, Scale) { return {}; }
+        [[nodiscard]] static constexpr int most_up(Scale, int) { return 0; }
+        [[nodiscard]] TUMBLE_INLINE static constexpr T turn(T t, Dither, int = 0) { return t; }
+        [[nodiscard]] TUMBLE_INLINE static constexpr T down(T t, int) { return t; }
+        [[nodiscard]] TUMBLE_INLINE static constexpr T turn(T p) { return p; }
+        [[nodiscard]] TUMBLE_INLINE static constexpr T turn_up(T p, int) { return p; }
+        [[nodiscard]] TUMBLE_INLINE static constexpr T half_turn(T p) { return p * T(0.5); }
+        [[nodiscard]] TUMBLE_INLINE static constexpr T increment(T p) { return p; }
+        [[nodiscard]] TUMBLE_INLINE static constexpr T square(T p) { return p; }
+        [[nodiscard]] TUMBLE_INLINE static constexpr T quarter_square(T p) { return p * T(0.25); }
+        [[nodiscard]] TUMBLE_INLINE static constexpr T angle(T t) { return t; }
+        [[nodiscard]] TUMBLE_INLINE static constexpr T half_angle(T t) { return t * T(0.5); }
+        [[nodiscard]] TUMBLE_INLINE static constexpr T half_angle(T t, Dither) { return t * T(0.5); }
+        [[nodiscard]] TUMBLE_INLINE static constexpr T angle_sum(T t, T p, Dither) { return t + p * T(0.5); }
+        [[nodiscard]] TUMBLE_INLINE static constexpr T widen(T t) { return t; }
+        [[nodiscard]] TUMBLE_INLINE static constexpr T stretched(T t, T c, std::uint32_t) { return t + t * c; }
+        [[nodiscard]] TUMBLE_INLINE static constexpr T share(T c, T t, Dither) { return c * t; }
+        [[nodiscard]] TUMBLE_INLINE static constexpr T twice_share(T c, T t, Dither) { return T(2) * c * t; }
     };
 
     template <class V>

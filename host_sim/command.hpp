@@ -1,0 +1,76 @@
+// The subcommands of `tumble`, and what they share. Each returns the exit status: 0 done, 1 the run failed, 2 bad input.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "scene_description.hpp"
+#include "simulation.hpp"
+
+namespace tumble::host {
+
+inline constexpr int done = 0, failed = 1, bad_input = 2;
+
+// What is wrong with the arguments; status 2.
+class BadArgument : public std::runtime_error {
+public:
+    using std::runtime_error::runtime_error;
+};
+
+// Which scene, and how it is replayed.
+struct Choice {
+    std::string scene;                       // the file
+    std::string integrator = "verlet";
+    std::string numbers = "q32";
+    std::string carry;                       // "on", "off" or empty: the number system's default
+    std::string step;                        // empty: the file's
+    std::optional<double> duration;          // s; empty: the file's
+
+    [[nodiscard]] std::optional<bool> wants_carry() const { return carry.empty() ? std::nullopt : std::optional{carry == "on"}; }
+    // Reads the scene, applies the choice to it and warns of what is not simulated.
+    [[nodiscard]] SceneDescription read() const;
+    [[nodiscard]] std::unique_ptr<Simulation> start(const SceneDescription& scene) const;
+};
+
+struct RunOptions : Choice {
+    std::string trajectory, plot;            // files; empty: none
+    std::int64_t every = 1;                  // steps between rows of the trajectory
+    bool json = false;
+};
+int run(const RunOptions& options);
+
+struct CompileOptions : Choice {
+    std::string output;                      // empty: standard output
+};
+int compile(const CompileOptions& options);
+// The header that `compile` writes.
+[[nodiscard]] std::string compiled_scene(const SceneDescription& scene, const Choice& choice);
+// The name of the struct in it: the file's name in PascalCase.
+[[nodiscard]] std::string struct_name(const std::string& path);
+
+struct CompareOptions : Choice {
+    std::string core;
+    std::int64_t every = 1;
+    std::optional<std::int64_t> flip;        // self-test: the step whose record gets one bit flipped on the host
+    int timeout = 600;                       // s of emulation
+};
+int compare(const CompareOptions& options);
+
+int list();
+
+// Rows of port/cortex_m/boards.txt.
+struct Core {
+    std::string name, machine, flags;
+};
+[[nodiscard]] std::vector<Core> cores();
+
+// "brick at 1.25 s (step 320): range_left", with the consequence.
+[[nodiscard]] std::string message_of(const Trouble& trouble, const SceneDescription& scene);
+
+// Parses the arguments and runs a subcommand; every error becomes a message and a status.
+int command(int argc, const char* const* argv);
+
+}  // namespace tumble::host

@@ -1,0 +1,190 @@
+// `tumble compare`: builds the record firmware of a scene, runs it in QEMU, and holds every line that it writes against
+// the host's own state at the same step.
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <sstream>
+
+#include "command.hpp"
+#include "process.hpp"
+#include "text.hpp"
+
+namespace tumble::host {
+namespace {
+
+namespace fs = std::filesystem;
+
+// One comparison at a time in a build directory; the lock ends with the process.
+class DirectoryLock {
+public:
+    explicit DirectoryLock(const fs::path& directory) : file_(open((directory / "lock").c_str(), O_CREAT | O_RDWR | O_CLOEXEC, 0666)) {
+        if (file_ < 0 || flock(file_, LOCK_EX) != 0) throw std::runtime_error("cannot lock " + directory.string());
+    }
+    ~DirectoryLock() { close(file_); }
+    DirectoryLock(const DirectoryLock&) = delete;
+    DirectoryLock& operator=(const DirectoryLock&) = delete;
+
+private:
+    int file_;
+};
+
+void check_core(const std::string& name) {
+    std::string known;
+    for (const Core& core : cores()) {
+        if (core.machine == "-") continue;
+        if (core.name == name) return;
+        known += (known.empty() ? "" : ", ") + core.name;
+    }
+    throw BadArgument("--core: got \"" + name + "\", expected one of " + known);
+}
+
+// Leaves a file that says the same alone, so that nothing is built again.
+void write_if_changed(const fs::path& path, const std::string& text) {
+    std::ostringstream old;
+    if (std::ifstream file(path); file) old << file.rdbuf();
+    if (old.str() == text) return;
+    std::ofstream file(path);
+    file << text;
+    file.close();
+    if (!file) throw std::runtime_error("cannot write " + path.string());
+}
+
+void run_quietly(const std::vector<std::string>& command) {
+    std::string messages;
+    const int status = Process(command, {}, Process::Errors::merge).wait(&messages);
+    if (status == 127) throw std::runtime_error(command[0] + " not found");
+    if (status != 0) throw std::runtime_error(command[0] + " failed with status " + std::to_string(status) + ":\n" + messages);
+}
+
+fs::path build_firmware(const CompareOptions& options, const SceneDescription& scene, const fs::path& build) {
+    const fs::path source = TUMBLE_SOURCE_DIR;
+    fs::create_directories(build / "scene");
+    write_if_changed(build / "scene/scene.hpp", compiled_scene(scene, options));
+    write_if_changed(build / "scene/recording.hpp",
+                     "// What is recorded, written by `tumble compare`.\n#pragma once\n\n#include \"scene.hpp\"\n\nusing RecordedScene = tumble::scenes::" +
+                         struct_name(scene.path) + ";\ninline constexpr std::uint32_t record_every = " +
+                         std::to_string(std::min<std::int64_t>(options.every, 0xffffffff)) + "u;\n");
+    if (!fs::exists(build / "build.ninja"))
+        run_quietly({"cmake", "-S", (source / "port/record").string(), "-B", build.string(), "-G", "Ninja",
+                     "-DCMAKE_TOOLCHAIN_FILE=" + (source / "port/cortex_m/toolchain.cmake").string(), "-DTUMBLE_CORE=" + options.core,
+                     "-DTUMBLE_SCENE_DIR=" + (build / "scene").string()});
+    run_quietly({"cmake", "--build", build.string()});
+    return build / "record.elf";
+}
+
+// The host's side: the states that the firmware records, and what is said where they differ.
+class Reference {
+public:
+    Reference(const CompareOptions& options, const SceneDescription& scene) : options_(options), scene_(scene), simulation_(options.start(scene)) {}
+
+    [[nodiscard]] bool at_end() const { return simulation_->steps_taken() >= simulation_->steps() || simulation_->has_trouble("range_left"); }
+    [[nodiscard]] bool is_over() const { return is_over_; }
+    [[nodiscard]] std::int64_t states() const { return states_; }
+    [[nodiscard]] const Simulation& simulation() const { return *simulation_; }
+
+    // Compares the next recorded state with a line "step word word ...", in hex; prints what differs.
+    [[nodiscard]] bool agrees(const std::string& line) {
+        std::istringstream fields(line);
+        std::uint64_t step = 0;
+        fields >> std::hex >> step;
+        std::vector<std::uint32_t> core_words, words;
+        for (std::uint32_t word = 0; fields >> word;) core_words.push_back(word);
+        words.reserve(core_words.size());
+        simulation_->append_words(words);
+        const auto now = static_cast<std::uint64_t>(simulation_->steps_taken());
+        if (options_.flip && static_cast<std::uint64_t>(*options_.flip) == now) words[0] ^= 1u;
+        if (step != now || words.size() != core_words.size()) {
+            report("recorded step " + std::to_string(step) + " with " + std::to_string(core_words.size()) + " words, expected step " +
+                   std::to_string(now) + " with " + std::to_string(words.size()));
+            return false;
+        }
+        const auto differing = std::mismatch(words.begin(), words.end(), core_words.begin()).first;
+        if (differing != words.end()) {
+            const auto place = simulation_->place_of_word(static_cast<std::size_t>(differing - words.begin()));
+            report("body \"" + scene_.bodies[static_cast<std::size_t>(place.body)].name + "\", " + place.number + ": host " + number(words, place) + ", " +
+                   options_.core + " " + number(core_words, place));
+            return false;
+        }
+        ++states_;
+        advance();
+        return true;
+    }
+    void report(const std::string& what) const {
+        std::cout << options_.core << " differs at step " << simulation_->steps_taken() << " (" << few_digits(simulation_->time()) << " s): " << what << "; "
+                  << states_ << " states before it agree\n";
+    }
+
+private:
+    // The words of one number, the highest first.
+    [[nodiscard]] static std::string number(const std::vector<std::uint32_t>& words, const Simulation::Place& place) {
+        std::string text = "0x";
+        for (std::size_t i = place.count; i-- > 0;) text += hex(words[place.first + i]).substr(8);
+        return text;
+    }
+    // To the next step that is recorded: every K-th, and the last.
+    void advance() {
+        if (at_end()) {
+            is_over_ = true;
+            return;
+        }
+        do simulation_->step();
+        while (!at_end() && simulation_->steps_taken() % options_.every != 0);
+    }
+
+    const CompareOptions& options_;
+    const SceneDescription& scene_;
+    std::unique_ptr<Simulation> simulation_;
+    std::int64_t states_ = 0;
+    bool is_over_ = false;
+};
+
+}  // namespace
+
+int compare(const CompareOptions& options) {
+    check_core(options.core);
+    const SceneDescription scene = options.read();
+    if (options.flip && (*options.flip < 0 || *options.flip > scene.steps() || (*options.flip % options.every != 0 && *options.flip != scene.steps())))
+        throw BadArgument("--flip: expected a step that is recorded: a multiple of --every, up to " + std::to_string(scene.steps()));
+    const fs::path source = TUMBLE_SOURCE_DIR, build = source / "build/compare" / options.core;
+    fs::create_directories(build);
+    const DirectoryLock lock(build);
+    Reference reference(options, scene);
+    const fs::path firmware = build_firmware(options, scene, build);
+
+    Process core({(source / "port/qemu/run").string(), "--timeout", std::to_string(options.timeout), options.core, firmware.string()}, {},
+                 Process::Errors::merge);
+    std::string last_line;
+    for (std::string line; core.read_line(line);) {
+        if (line.starts_with("state ")) {
+            if (reference.is_over()) return reference.report("a state after the last"), failed;
+            if (!reference.agrees(line.substr(6))) return failed;
+        } else if (line.starts_with("end ")) {
+            last_line = line.substr(4);
+        } else {
+            std::cerr << options.core << ": " << line << "\n";
+        }
+    }
+    if (const int status = core.wait(); status != 0 || !reference.is_over()) {
+        std::cout << options.core << " ended with status " << status << " after " << reference.states() << " states that agree\n";
+        return failed;
+    }
+    std::string expected;
+    for (const Trouble& trouble : reference.simulation().troubles()) expected += trouble.issue + " ";
+    expected += hex(reference.simulation().hash());
+    if (last_line != expected) {
+        std::cout << options.core << " ended with \"" << last_line << "\", the host with \"" << expected << "\"\n";
+        return failed;
+    }
+    std::cout << options.core << " agrees with the host: " << reference.states() << " states, " << reference.simulation().integrator() << ", "
+              << reference.simulation().numbers() << ", hash " << hex(reference.simulation().hash()) << "\n";
+    for (const Trouble& trouble : reference.simulation().troubles()) std::cerr << message_of(trouble, scene) << "\n";
+    return reference.simulation().troubles().empty() ? done : failed;
+}
+
+}  // namespace tumble::host

@@ -1,0 +1,226 @@
+// `tumble compile`: a scene as a struct of constants, for a firmware that has room for it and for nothing else.
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <limits>
+#include <sstream>
+
+#include "command.hpp"
+#include "scene_data.hpp"
+#include "text.hpp"
+
+namespace tumble::host {
+namespace {
+
+std::string number(Real value) { return cpp_number(value.to_double()); }
+std::string vector(const RealVec3& v) { return "{" + number(v.x) + ", " + number(v.y) + ", " + number(v.z) + "}"; }
+bool is_zero(const RealVec3& v) { return v.x.is_zero() && v.y.is_zero() && v.z.is_zero(); }
+
+// The initialiser of one struct: a member a line, those that have their default left out.
+class Members {
+public:
+    explicit Members(std::string indent) : indent_(std::move(indent)) {}
+    void always(const char* name, const std::string& value, const char* comment = "") {
+        text_ += indent_ + "." + name + " = " + value + "," + (*comment != 0 ? std::string("   // ") + comment : "") + "\n";
+    }
+    void when(bool present, const char* name, const std::string& value, const char* comment = "") {
+        if (present) always(name, value, comment);
+    }
+    [[nodiscard]] const std::string& text() const { return text_; }
+
+private:
+    std::string indent_, text_;
+};
+
+std::string shape_text(const Shape& shape) {
+    const char* kind = [&] {
+        switch (shape.kind) {
+        case tumble::ShapeKind::sphere: return "sphere";
+        case tumble::ShapeKind::box: return "box";
+        case tumble::ShapeKind::cylinder: return "cylinder";
+        case tumble::ShapeKind::hoop: return "hoop";
+        case tumble::ShapeKind::capsule: return "capsule";
+        default: return "none";
+        }
+    }();
+    return std::string("{tumble::ShapeKind::") + kind + ", " + vector(shape.size) + "}";
+}
+
+std::string body_text(const BodyDescription& description, const BodySpec& body) {
+    const bool own_inertia = description.inertia || description.shape.kind == ShapeKind::points;
+    const InertiaTensor& i = body.inertia;
+    Members members("            ");
+    members.when(body.shape.kind != tumble::ShapeKind::none, "shape", shape_text(body.shape), "m");
+    members.always("mass", number(body.mass), "kg");
+    members.always("inertia", own_inertia ? "{" + number(i.xx) + ", " + number(i.yy) + ", " + number(i.zz) + ", " + number(i.xy) + ", " + number(i.xz) + ", " + number(i.yz) + "}"
+                                          : "tumble::inertia_of(" + shape_text(body.shape) + ", " + number(body.mass) + ")", "kg m^2");
+    members.when(!is_zero(body.position), "position", vector(body.position), "m");
+    members.when(!is_zero(body.velocity), "velocity", vector(body.velocity), "m/s");
+    members.when(!(body.orientation.w == Real{1}) || !is_zero(body.orientation.v), "orientation",
+                 "{" + number(body.orientation.w) + ", " + vector(body.orientation.v) + "}", "w, x, y, z");
+    members.when(!is_zero(body.angular_velocity), "angular_velocity", vector(body.angular_velocity), "rad/s");
+    members.when(!body.restitution.is_negative(), "restitution", number(body.restitution));
+    members.when(!body.friction.is_negative(), "friction", number(body.friction));
+    members.when(body.fixed, "fixed", "true");
+    return members.text();
+}
+
+std::string plane_text(const PlaneDescription&, const PlaneSpec& plane) {
+    Members members("            ");
+    members.always("normal", vector(plane.normal));
+    members.when(!plane.offset.is_zero(), "offset", number(plane.offset), "m");
+    members.when(!plane.restitution.is_negative(), "restitution", number(plane.restitution));
+    members.when(!plane.friction.is_negative(), "friction", number(plane.friction));
+    return members.text();
+}
+
+std::string spring_text(const SpringDescription&, const SpringSpec& spring) {
+    Members members("            ");
+    members.always("body", std::to_string(spring.body));
+    members.when(!is_zero(spring.point), "point", vector(spring.point), "m");
+    members.when(spring.to_body >= 0, "to_body", std::to_string(spring.to_body));
+    members.when(!is_zero(spring.to), "to", vector(spring.to), "m");
+    members.always("stiffness", number(spring.stiffness), "N/m");
+    members.when(!spring.damping.is_zero(), "damping", number(spring.damping), "N s/m");
+    members.when(!spring.rest_length.is_zero(), "rest_length", number(spring.rest_length), "m");
+    return members.text();
+}
+
+std::string impulse_text(const ImpulseDescription&, const ImpulseSpec& impulse) {
+    Members members("            ");
+    members.always("time", number(impulse.time), "s");
+    members.always("body", std::to_string(impulse.body));
+    members.when(impulse.frame == tumble::Frame::body, "frame", "tumble::Frame::body");
+    members.when(!is_zero(impulse.impulse), "impulse", vector(impulse.impulse), "N s");
+    members.when(!is_zero(impulse.point), "point", vector(impulse.point), "m");
+    members.when(!is_zero(impulse.angular_impulse), "angular_impulse", vector(impulse.angular_impulse), "N m s");
+    return members.text();
+}
+
+std::string force_text(const ForceDescription&, const ForceSpec& force) {
+    Members members("            ");
+    members.always("body", std::to_string(force.body));
+    members.when(!force.from.is_zero(), "from", number(force.from), "s");
+    members.always("until", number(force.until), "s");
+    members.when(force.frame == tumble::Frame::body, "frame", "tumble::Frame::body");
+    members.when(!is_zero(force.force), "force", vector(force.force), "N");
+    members.when(!is_zero(force.point), "point", vector(force.point), "m");
+    members.when(!is_zero(force.torque), "torque", vector(force.torque), "N m");
+    return members.text();
+}
+
+std::string comment_of(const BodyDescription& body) { return "   // " + cpp_text(body.name); }
+std::string comment_of(const PlaneDescription& plane) { return "   // " + cpp_text(plane.name); }
+std::string comment_of(const auto&) { return ""; }
+
+// A std::array of specs, each with its description's name.
+template <class Description, class Spec>
+std::string list_text(const char* type, const char* name, const std::vector<Description>& descriptions, const std::vector<Spec>& specs,
+                      std::string (*text)(const Description&, const Spec&)) {
+    std::string list = "    static constexpr std::array<tumble::" + std::string(type) + ", " + std::to_string(specs.size()) + "> " + name + "{";
+    if (specs.empty()) return list + "};\n";
+    list += "{\n";
+    for (std::size_t i = 0; i < specs.size(); ++i) {
+        list += "        {" + comment_of(descriptions[i]) + "\n" + text(descriptions[i], specs[i]) + "        },\n";
+    }
+    return list + "    }};\n";
+}
+
+std::string step_text(const StepSize& step) {
+    if (step.denominator == 0) return "{tumble::Real{" + cpp_number(step.decimal) + "}}";
+    constexpr std::int64_t largest = std::numeric_limits<std::int32_t>::max();
+    const std::string above = std::to_string(step.numerator), below = std::to_string(step.denominator);
+    if (step.numerator <= largest && step.denominator <= largest) return "{" + above + ", " + below + "}";
+    return "{tumble::Real::scaled(" + above + ", 0) / tumble::Real::scaled(" + below + ", 0)}";
+}
+
+std::string world_text(const WorldSpec& world) {
+    Members contact("            "), members("        ");
+    members.when(!is_zero(world.gravity), "gravity", vector(world.gravity), "m/s^2");
+    members.when(!world.gravitation.is_zero(), "gravitation", number(world.gravitation), "m^3/(kg s^2)");
+    members.when(!world.linear_drag.is_zero(), "linear_drag", number(world.linear_drag), "kg/s");
+    members.when(!world.angular_drag.is_zero(), "angular_drag", number(world.angular_drag), "N m s");
+    const ContactSpec& c = world.contact;
+    contact.always("response", std::string("tumble::ContactResponse::") + (c.response == tumble::ContactResponse::none ? "none" : "impulse"));
+    if (c.response != tumble::ContactResponse::none) {
+        contact.always("restitution", number(c.restitution));
+        contact.when(!c.restitution_threshold.is_zero(), "restitution_threshold", number(c.restitution_threshold), "m/s");
+        contact.when(!c.friction.is_zero(), "friction", number(c.friction));
+        contact.always("tolerance", number(c.tolerance), "m");
+    }
+    return "    static constexpr tumble::WorldSpec world{\n" + members.text() + "        .contact = {\n" + contact.text() + "        },\n    };\n";
+}
+
+std::string features_text(const SceneData& data, const NumberSystemInfo& numbers, const IntegratorInfo& integrator) {
+    std::string text = "    // What the scene needs, and nothing else. Derive from it to choose other numbers or another integrator.\n"
+                       "    struct Features : tumble::Scene {\n        using Numbers = " + numbers.type + ";\n        using Integrator = " + integrator.type + ";\n";
+    const auto capacity = [&](const char* name, std::size_t count) {
+        if (count > 0) text += "        static constexpr int " + std::string(name) + " = " + std::to_string(count) + ";\n";
+    };
+    const auto feature = [&](const char* name, bool present) {
+        if (present) text += "        static constexpr bool " + std::string(name) + " = true;\n";
+    };
+    capacity("bodies", data.bodies.size());
+    capacity("planes", data.planes.size());
+    capacity("springs", data.springs.size());
+    feature("drag", data.drags());
+    feature("gravitation", data.gravitates());
+    feature("forces", !data.forces.empty());
+    feature("script", !data.impulses.empty());
+    feature("boxes", data.has_boxes_in_touch());
+    feature("friction", data.rubs());
+    return text + "    };\n";
+}
+
+}  // namespace
+
+std::string struct_name(const std::string& path) {
+    std::string name;
+    bool starts_word = true;
+    for (const char c : std::filesystem::path(path).stem().string()) {
+        const auto code = static_cast<unsigned char>(c);
+        const bool in_name = code < 0x80 && std::isalnum(code) != 0;
+        if (in_name) name += starts_word ? static_cast<char>(std::toupper(code)) : c;
+        starts_word = !in_name;
+    }
+    if (name.empty() || std::isdigit(static_cast<unsigned char>(name[0])) != 0) name = "Scene" + name;
+    return name;
+}
+
+std::string compiled_scene(const SceneDescription& scene, const Choice& choice) {
+    const SceneData data = build_scene(scene);
+    const NumberSystemInfo& numbers = find_number_system(scene, choice.numbers, choice.wants_carry());
+    const IntegratorInfo& integrator = find_integrator(choice.integrator);
+    std::ostringstream text;
+    text << "// The scene " << cpp_text(scene.name) << ", written by `tumble compile` from " << cpp_text(std::filesystem::path(scene.path).filename().string())
+         << " for " << integrator.name << " and " << numbers.name << (numbers.range.empty() ? "" : " " + numbers.range)
+         << (numbers.carry ? "" : " without carry") << ":\n// edit the scene instead. Units are SI; vectors of a body are in the user's body axes.\n#pragma once\n\n"
+            "#include <tumble/tumble.hpp>\n#include <tumble/replay.hpp>\n\n#include <array>\n#include <cstdint>\n\nnamespace tumble::scenes {\n\nstruct "
+         << struct_name(scene.path) << " {\n    static constexpr const char* name = " << cpp_text(scene.name)
+         << ";\n    static constexpr tumble::Seconds step" << step_text(scene.step) << ";\n    static constexpr std::uint32_t steps = " << data.steps
+         << "u;\n" << world_text(data.world) << list_text("BodySpec", "bodies", scene.bodies, data.bodies, body_text)
+         << list_text("PlaneSpec", "planes", scene.planes, data.planes, plane_text)
+         << list_text("SpringSpec", "springs", scene.springs, data.springs, spring_text)
+         << list_text("ImpulseSpec", "impulses", scene.impulses, data.impulses, impulse_text)
+         << list_text("ForceSpec", "forces", scene.forces, data.forces, force_text) << "\n"
+         << features_text(data, numbers, integrator) << "};\n\n}  // namespace tumble::scenes\n";
+    return text.str();
+}
+
+int compile(const CompileOptions& options) {
+    const std::string header = compiled_scene(options.read(), options);
+    if (options.output.empty()) {
+        std::cout << header << std::flush;
+        return std::cout.good() ? done : failed;
+    }
+    std::ofstream file(options.output);
+    if (!file) throw BadArgument("--output: cannot write " + options.output);
+    file << header;
+    file.close();
+    if (!file) throw std::runtime_error("--output: writing " + options.output + " failed");
+    return done;
+}
+
+}  // namespace tumble::host

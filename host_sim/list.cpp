@@ -1,0 +1,61 @@
+// `tumble list`.
+#include <algorithm>
+#include <fstream>
+#include <iomanip>
+#include <iostream>
+#include <sstream>
+
+#include "command.hpp"
+#include "number_systems.hpp"
+
+namespace tumble::host {
+
+std::vector<Core> cores() {
+    std::ifstream boards(TUMBLE_SOURCE_DIR "/port/cortex_m/boards.txt");
+    std::vector<Core> list;
+    for (std::string line; std::getline(boards, line);) {
+        std::istringstream row(line);
+        Core core;
+        std::string skipped;
+        if (!(row >> core.name) || core.name.starts_with("#")) continue;
+        row >> core.machine >> skipped >> skipped >> skipped >> skipped >> skipped >> std::ws;
+        std::getline(row, core.flags);
+        list.push_back(core);
+    }
+    return list;
+}
+
+namespace {
+
+template <class R>
+void print_range(const char* name) {
+    std::cout << "  " << std::left << std::setw(20) << name << R::position << " m, " << R::velocity << " m/s, " << R::spin << " rad/s\n";
+}
+
+}  // namespace
+
+int list() {
+    std::cout << "integrators           order  needs, beyond what loads and contacts do\n" << std::left;
+    for (const IntegratorInfo& info : integrators()) {
+        std::cout << "  " << std::setw(20) << info.name << std::setw(7) << info.order << (info.needs.empty() ? "-" : info.needs) << "\n";
+    }
+    std::cout << "\nnumber systems        with --carry on or off\n";
+    std::string shown;
+    for (const NumberSystemInfo& info : number_systems()) {
+        if (info.name == shown) continue;
+        shown = info.name;
+        const auto what = info.name == "q32"   ? "32-bit integers only, formats from the range; carry is on by default"
+                          : info.name == "f32" ? "IEEE 754 single precision; carry is on by default"
+                                               : "IEEE 754 double precision; carry is off by default";
+        std::cout << "  " << std::setw(20) << info.name << what << "\n";
+    }
+    std::cout << "\nranges                of q32; the smallest that holds the scene's [range] is used\n";
+    print_range<NearRange>("near");
+    print_range<RoomRange>("room");
+    print_range<FieldRange>("field");
+    std::cout << "\ncores                 QEMU machine and compiler flags\n";
+    for (const Core& core : cores()) std::cout << "  " << std::setw(20) << core.name << std::setw(14) << core.machine << core.flags << "\n";
+    return std::cout.good() ? done : failed;
+}
+
+}  // namespace tumble::host

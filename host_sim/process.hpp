@@ -1,0 +1,35 @@
+// A child process whose standard output is read line by line.
+#pragma once
+
+#include <sys/types.h>
+
+#include <cstdio>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace tumble::host {
+
+class Process {
+public:
+    enum class Errors { pass, merge };   // standard error: ours, or into what is read
+
+    // Starts `command` (looked up in PATH) and gives it `input`. A command that cannot be started ends with status 127.
+    explicit Process(const std::vector<std::string>& command, std::string_view input = {}, Errors errors = Errors::pass);
+    // Ends the child if it still runs.
+    ~Process();
+    Process(const Process&) = delete;
+    Process& operator=(const Process&) = delete;
+
+    // The next line without its end; false when there are no more.
+    [[nodiscard]] bool read_line(std::string& line);
+
+    // Reads what is left, and waits. The exit status, or 128 + the signal's number.
+    [[nodiscard]] int wait(std::string* rest = nullptr);
+
+private:
+    pid_t child_ = -1;
+    std::FILE* output_ = nullptr;
+};
+
+}  // namespace tumble::host

@@ -1,0 +1,188 @@
+// `tumble run`.
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <fstream>
+#include <iomanip>
+#include <iostream>
+#include <optional>
+
+#include "command.hpp"
+#include "plot.hpp"
+#include "text.hpp"
+
+namespace tumble::host {
+namespace {
+
+// Energies of a run. The drift is relative to the energy at the start; where that is 0, to the largest kinetic energy.
+class EnergyWatch {
+public:
+    explicit EnergyWatch(const Energy& start) : start_(start), end_(start), largest_kinetic_(start.kinetic) {}
+    void see(const Energy& now) {
+        end_ = now;
+        const long double change = std::abs(now.total() - start_.total());
+        largest_change_ = largest_change_ < change || std::isnan(change) ? change : largest_change_;
+        largest_kinetic_ = std::max(largest_kinetic_, now.kinetic);
+    }
+    [[nodiscard]] long double start() const { return start_.total(); }
+    [[nodiscard]] long double end() const { return end_.total(); }
+    [[nodiscard]] long double largest_relative_drift() const {
+        const long double scale = start() != 0 ? std::abs(start()) : largest_kinetic_;
+        return scale > 0 ? largest_change_ / scale : largest_change_;
+    }
+
+private:
+    Energy start_, end_;
+    long double largest_change_ = 0, largest_kinetic_;
+};
+
+// On a terminal only, and only when the run takes longer than a moment.
+class ProgressBar {
+public:
+    explicit ProgressBar(std::int64_t steps) : steps_(steps), on_(isatty(STDERR_FILENO) == 1 && isatty(STDOUT_FILENO) == 1) {}
+    ~ProgressBar() { if (shown_) std::cerr << "\r\033[K"; }
+    ProgressBar(const ProgressBar&) = delete;
+    ProgressBar& operator=(const ProgressBar&) = delete;
+
+    void show(std::int64_t step) {
+        if (!on_ || step % 256 != 0) return;
+        const auto now = std::chrono::steady_clock::now();
+        if (now < next_) return;
+        next_ = now + std::chrono::milliseconds(100);
+        shown_ = true;
+        constexpr std::int64_t width = 40;
+        const auto filled = static_cast<std::size_t>(width * step / steps_);
+        std::cerr << "\r[" << std::string(filled, '=') << std::string(width - filled, ' ') << "] " << 100 * step / steps_ << " %" << std::flush;
+    }
+
+private:
+    std::int64_t steps_;
+    bool on_, shown_ = false;
+    std::chrono::steady_clock::time_point next_ = std::chrono::steady_clock::now() + std::chrono::milliseconds(500);
+};
+
+class Trajectory {
+public:
+    Trajectory(const std::string& path, std::int64_t every, const SceneDescription& scene) : path_(path), file_(path), every_(every) {
+        if (!file_) throw BadArgument("--trajectory: cannot write " + path);
+        for (const BodyDescription& body : scene.bodies) names_.push_back(csv_field(body.name));
+        file_ << "time_s,body,x,y,z,vx,vy,vz,qw,qx,qy,qz,wx,wy,wz\n";
+    }
+    void record(const Simulation& simulation, bool last) {
+        if (simulation.steps_taken() % every_ != 0 && !last) return;
+        const std::string time = seventeen_digits(simulation.time());
+        for (int b = 0; b < simulation.body_count(); ++b) {
+            const BodySnapshot body = simulation.body(b);
+            file_ << time << "," << names_[static_cast<std::size_t>(b)];
+            const auto add = [&](const auto& numbers) { for (const long double x : numbers) file_ << "," << seventeen_digits(x); };
+            add(body.position);
+            add(body.velocity);
+            add(body.orientation);
+            add(body.angular_velocity);
+            file_ << "\n";
+        }
+    }
+    void close() {
+        file_.close();
+        if (!file_) throw std::runtime_error("--trajectory: writing " + path_ + " failed");
+    }
+
+private:
+    std::string path_;
+    std::ofstream file_;
+    std::int64_t every_;
+    std::vector<std::string> names_;
+};
+
+template <class Numbers>
+std::string json_array(const Numbers& numbers) {
+    std::string text = "[";
+    for (std::size_t i = 0; i < numbers.size(); ++i) text += (i > 0 ? ", " : "") + json_number(numbers[i]);
+    return text + "]";
+}
+
+void print_json(const SceneDescription& scene, const Simulation& simulation, const EnergyWatch& energy) {
+    std::string status;
+    for (const Trouble& trouble : simulation.troubles()) status += (status.empty() ? "" : ", ") + json_text(trouble.issue);
+    std::cout << "{\n  \"scene\": " << json_text(scene.name) << ",\n  \"integrator\": " << json_text(simulation.integrator())
+              << ",\n  \"numbers\": " << json_text(simulation.numbers())
+              << ",\n  \"step_s\": " << json_number(simulation.step_length()) << ",\n  \"steps\": " << simulation.steps_taken()
+              << ",\n  \"time_s\": " << json_number(simulation.time()) << ",\n  \"state_hash\": " << json_text(hex(simulation.hash()))
+              << ",\n  \"energy_start_j\": " << json_number(energy.start()) << ",\n  \"energy_end_j\": " << json_number(energy.end())
+              << ",\n  \"energy_max_relative_drift\": " << json_number(energy.largest_relative_drift()) << ",\n  \"status\": [" << status
+              << "],\n  \"bodies\": [";
+    for (int b = 0; b < simulation.body_count(); ++b) {
+        const BodySnapshot body = simulation.body(b);
+        std::cout << (b > 0 ? "," : "") << "\n    {\n      \"name\": " << json_text(scene.bodies[static_cast<std::size_t>(b)].name)
+                  << ",\n      \"position_m\": " << json_array(body.position) << ",\n      \"velocity_m_s\": " << json_array(body.velocity)
+                  << ",\n      \"orientation\": " << json_array(body.orientation)
+                  << ",\n      \"angular_velocity_rad_s\": " << json_array(body.angular_velocity)
+                  << ",\n      \"asleep\": " << (body.asleep ? "true" : "false") << ",\n      \"contacts\": " << body.contacts << "\n    }";
+    }
+    std::cout << "\n  ]\n}\n";
+}
+
+template <class Numbers>
+std::string columns(const Numbers& numbers) {
+    std::string text;
+    for (const long double x : numbers) {
+        const std::string number = few_digits(x);
+        text += " " + std::string(number.size() < 12 ? 12 - number.size() : 0, ' ') + number;
+    }
+    return text;
+}
+
+void print_table(const SceneDescription& scene, const Simulation& simulation, const EnergyWatch& energy) {
+    std::cout << (scene.name.empty() ? scene.path : scene.name) << ": " << simulation.integrator() << ", " << simulation.numbers();
+    if (!simulation.range().empty()) std::cout << " " << simulation.range();
+    std::cout << (simulation.carry() ? "" : ", no carry") << ", " << simulation.steps_taken() << " steps of " << few_digits(simulation.step_length())
+              << " s, " << few_digits(simulation.time()) << " s\n";
+    for (int b = 0; b < simulation.body_count(); ++b) {
+        const BodySnapshot body = simulation.body(b);
+        std::cout << scene.bodies[static_cast<std::size_t>(b)].name << "\n"
+                  << "  position         m    " << columns(body.position) << "\n  velocity         m/s  " << columns(body.velocity)
+                  << "\n  angular velocity rad/s" << columns(body.angular_velocity) << "\n  orientation      wxyz " << columns(body.orientation) << "\n";
+        if (body.contacts > 0) std::cout << "  contact points        " << std::setw(13) << body.contacts << "\n";
+    }
+    std::cout << "energy " << few_digits(energy.start()) << " J at the start, " << few_digits(energy.end()) << " J at the end, largest relative drift "
+              << few_digits(energy.largest_relative_drift()) << "\nstate  " << hex(simulation.hash()) << "\n";
+}
+
+}  // namespace
+
+int run(const RunOptions& options) {
+    const SceneDescription scene = options.read();
+    const auto simulation = options.start(scene);
+    std::optional<Trajectory> trajectory;
+    if (!options.trajectory.empty()) trajectory.emplace(options.trajectory, options.every, scene);
+    std::optional<Plot> plot;
+    if (!options.plot.empty()) plot.emplace(*simulation);
+
+    Energy now = simulation->energy();
+    EnergyWatch energy(now);
+    {
+        ProgressBar progress(simulation->steps());
+        for (;;) {
+            // A trajectory that has left the range is wrong from there on.
+            const bool last = simulation->steps_taken() >= simulation->steps() || simulation->has_trouble("range_left");
+            if (trajectory) trajectory->record(*simulation, last);
+            if (plot) plot->sample(*simulation, now);
+            if (last) break;
+            simulation->step();
+            now = simulation->energy();
+            energy.see(now);
+            progress.show(simulation->steps_taken());
+        }
+    }
+    if (trajectory) trajectory->close();
+    if (plot) plot->write(options.plot, scene);
+    if (options.json) print_json(scene, *simulation, energy);
+    else print_table(scene, *simulation, energy);
+    std::cout.flush();
+    for (const Trouble& trouble : simulation->troubles()) std::cerr << message_of(trouble, scene) << "\n";
+    return simulation->troubles().empty() && std::cout.good() ? done : failed;
+}
+
+}  // namespace tumble::host

@@ -1,0 +1,127 @@
+#include "scene_data.hpp"
+
+#include <algorithm>
+#include <string_view>
+
+#include "simulation.hpp"
+
+namespace tumble::host {
+namespace {
+
+RealVec3 vector_of(const Triple& v) { return {v[0], v[1], v[2]}; }
+tumble::Frame frame_of(Frame frame) { return frame == Frame::world ? tumble::Frame::world : tumble::Frame::body; }
+Real or_default(const std::optional<double>& value) { return value ? Real{*value} : Real{-1}; }
+
+// The nearest double: what a header can say.
+Real rounded(Real value) { return value.to_double(); }
+InertiaTensor rounded(const InertiaTensor& i) {
+    return {rounded(i.xx), rounded(i.yy), rounded(i.zz), rounded(i.xy), rounded(i.xz), rounded(i.yz)};
+}
+
+PointCloud cloud_of(const std::vector<PointMass>& points) {
+    std::vector<tumble::PointMass> masses;
+    for (const PointMass& point : points) masses.push_back({vector_of(point.position), point.mass});
+    return point_cloud(masses.data(), static_cast<int>(masses.size()));
+}
+
+// The centre of mass is at `position` whatever the shape, a cloud of points included.
+BodySpec body_of(const BodyDescription& body) {
+    BodySpec spec;
+    spec.shape = shape_of(body.shape);
+    if (body.shape.kind == ShapeKind::points) {
+        const PointCloud cloud = cloud_of(body.shape.points);
+        spec.mass = rounded(cloud.mass);
+        spec.inertia = rounded(cloud.inertia);
+    } else {
+        spec.mass = body.mass ? Real{*body.mass} : rounded(Real{body.density.value()} * volume_of(spec.shape));
+        spec.inertia = inertia_of(spec.shape, spec.mass);
+    }
+    if (body.inertia) {
+        const auto& i = *body.inertia;
+        spec.inertia = {i[0], i[1], i[2], i[3], i[4], i[5]};
+    }
+    spec.position = vector_of(body.position);
+    spec.velocity = vector_of(body.velocity);
+    spec.orientation = {body.orientation[0], {body.orientation[1], body.orientation[2], body.orientation[3]}};
+    spec.angular_velocity = vector_of(body.angular_velocity);
+    spec.restitution = or_default(body.restitution);
+    spec.friction = or_default(body.friction);
+    spec.fixed = body.fixed;
+    return spec;
+}
+
+Seconds step_of(const StepSize& step) {
+    if (step.denominator == 0) return Seconds{Real{step.decimal}};
+    return Seconds{Real::scaled(step.numerator, 0) / Real::scaled(step.denominator, 0)};
+}
+
+void check(const SceneDescription& scene) {
+    const auto refuse = [&](const std::string& what) { throw UnsupportedScene(scene.path + ": " + what); };
+    if (scene.contact.response == ContactResponse::spring)
+        refuse("contact.response: got \"spring\", which is not simulated yet, expected \"impulse\" or \"none\"");
+    const auto fits = [&](const char* key, std::size_t count, int room) {
+        if (count > static_cast<std::size_t>(room))
+            refuse(std::string(key) + ": got " + std::to_string(count) + ", expected at most " + std::to_string(room));
+    };
+    fits("body", scene.bodies.size(), max_bodies);
+    fits("plane", scene.planes.size(), max_planes);
+    fits("spring", scene.springs.size(), max_springs);
+}
+
+}  // namespace
+
+Shape shape_of(const ShapeDescription& shape) {
+    const auto kind = [&] {
+        switch (shape.kind) {
+        case ShapeKind::sphere: return tumble::ShapeKind::sphere;
+        case ShapeKind::box: return tumble::ShapeKind::box;
+        case ShapeKind::cylinder: return tumble::ShapeKind::cylinder;
+        case ShapeKind::hoop: return tumble::ShapeKind::hoop;
+        case ShapeKind::capsule: return tumble::ShapeKind::capsule;
+        default: return tumble::ShapeKind::none;
+        }
+    }();
+    return {kind, vector_of(shape.size)};
+}
+
+SceneData build_scene(const SceneDescription& scene) {
+    check(scene);
+    SceneData data;
+    data.name = scene.name;
+    data.step = step_of(scene.step);
+    data.steps = static_cast<std::uint32_t>(scene.steps());
+    data.world.gravity = vector_of(scene.gravity);
+    data.world.gravitation = scene.gravitation;
+    data.world.linear_drag = scene.linear_drag;
+    data.world.angular_drag = scene.angular_drag;
+    const bool touches = scene.contact.response == ContactResponse::impulse;
+    data.world.contact = {touches ? tumble::ContactResponse::impulse : tumble::ContactResponse::none, scene.contact.restitution,
+                          scene.contact.restitution_threshold, scene.contact.friction, scene.contact.tolerance};
+    for (const BodyDescription& body : scene.bodies) data.bodies.push_back(body_of(body));
+    for (const PlaneDescription& plane : scene.planes) {
+        if (touches) data.planes.push_back({vector_of(plane.normal), plane.offset, or_default(plane.restitution), or_default(plane.friction)});
+    }
+    for (const SpringDescription& s : scene.springs) {
+        data.springs.push_back({s.body, vector_of(s.point), s.to_body, vector_of(s.to), s.stiffness, s.damping, s.rest_length});
+    }
+    for (const ImpulseDescription& i : scene.impulses) {
+        data.impulses.push_back({i.time, i.body, frame_of(i.frame), vector_of(i.impulse), vector_of(i.point), vector_of(i.angular_impulse)});
+    }
+    for (const ForceDescription& f : scene.forces) {
+        data.forces.push_back({f.body, f.from, f.until, frame_of(f.frame), vector_of(f.force), vector_of(f.point), vector_of(f.torque)});
+    }
+    return data;
+}
+
+bool SceneData::drags() const { return world.linear_drag > Real{} || world.angular_drag > Real{}; }
+bool SceneData::gravitates() const { return world.gravitation > Real{} && bodies.size() > 1; }
+bool SceneData::has_boxes_in_touch() const {
+    return !planes.empty() && std::any_of(bodies.begin(), bodies.end(), [](const BodySpec& b) { return b.shape.kind == tumble::ShapeKind::box; });
+}
+bool SceneData::rubs() const {
+    const auto rough = [](const auto& side) { return side.friction > Real{}; };
+    return !planes.empty() && (world.contact.friction > Real{} || std::any_of(bodies.begin(), bodies.end(), rough) ||
+                               std::any_of(planes.begin(), planes.end(), rough));
+}
+
+}  // namespace tumble::host

@@ -1,0 +1,134 @@
+#include "simulation.hpp"
+
+#include <tumble/integrators/list.hpp>
+
+#include <algorithm>
+#include <array>
+
+#include "number_systems.hpp"
+
+namespace tumble::host {
+namespace {
+
+// The type's name in C++, as the compiler spells it in this function's own name.
+template <class T>
+std::string type_name() {
+    const std::string_view name = __PRETTY_FUNCTION__;
+    const std::size_t first = name.find("T = ") + 4;
+    return std::string(name.substr(first, name.find_first_of(";]", first) - first));
+}
+
+template <class... Values>
+std::string listed(const std::vector<Values...>& values) {
+    std::string list;
+    for (const auto& value : values) {
+        if (list.find(value.name) == std::string::npos) list += (list.empty() ? "" : ", ") + value.name;
+    }
+    return list;
+}
+
+bool holds(std::string_view range, const RangeDescription& needed) {
+    const auto fits = [&](int position, int velocity, int spin) {
+        return needed.position <= position && needed.velocity <= velocity && needed.angular_velocity <= spin;
+    };
+    if (range == "near") return fits(NearRange::position, NearRange::velocity, NearRange::spin);
+    if (range == "room") return fits(RoomRange::position, RoomRange::velocity, RoomRange::spin);
+    return true;
+}
+
+std::size_t index_of(const SceneDescription& scene, std::string_view numbers, std::optional<bool> carry) {
+    const auto& systems = number_systems();
+    const bool wanted = carry.value_or(numbers != "f64");
+    for (std::size_t i = 0; i < systems.size(); ++i) {
+        if (systems[i].name == numbers && systems[i].carry == wanted && holds(systems[i].range, scene.range)) return i;
+    }
+    throw std::invalid_argument("unknown number system \"" + std::string(numbers) + "\", expected one of " + listed(systems));
+}
+
+using Maker = std::unique_ptr<Simulation> (*)(SceneData, std::string_view);
+template <std::size_t... index>
+constexpr std::array<Maker, sizeof...(index)> makers(std::index_sequence<index...>) { return {&make_in<index>...}; }
+
+}  // namespace
+
+bool Simulation::has_trouble(std::string_view issue) const {
+    return std::any_of(troubles().begin(), troubles().end(), [&](const Trouble& trouble) { return trouble.issue == issue; });
+}
+
+std::unique_ptr<Simulation> make_simulation(const SceneDescription& scene, std::string_view integrator, std::string_view numbers,
+                                            std::optional<bool> carry) {
+    static constexpr auto make = makers(std::make_index_sequence<number_system_count>{});
+    const IntegratorInfo& method = find_integrator(integrator);
+    return make[index_of(scene, numbers, carry)](build_scene(scene), method.name);
+}
+
+const std::vector<IntegratorInfo>& integrators() {
+    static const std::vector<IntegratorInfo> list = [] {
+        std::vector<IntegratorInfo> infos;
+        Integrators::for_each([&]<class Method>() {
+            std::string needs;
+            if constexpr (requires { Method::needs; }) needs = Method::needs;
+            infos.push_back({Method::name, type_name<Method>(), Method::order, needs});
+        });
+        return infos;
+    }();
+    return list;
+}
+
+const std::vector<NumberSystemInfo>& number_systems() {
+    static const std::vector<NumberSystemInfo> list = [] {
+        std::vector<NumberSystemInfo> infos;
+        const auto add = [&]<class N>(const System<N>& system) {
+            infos.push_back({N::name, std::string(system.type), std::string(system.range), N::carry});
+        };
+        std::apply([&](const auto&... systems) { (add(systems), ...); }, number_system_list);
+        return infos;
+    }();
+    return list;
+}
+
+const IntegratorInfo& find_integrator(std::string_view name) {
+    const auto& all = integrators();
+    const auto found = std::find_if(all.begin(), all.end(), [&](const IntegratorInfo& info) { return info.name == name; });
+    if (found == all.end()) throw std::invalid_argument("unknown integrator \"" + std::string(name) + "\", expected one of " + listed(all));
+    return *found;
+}
+
+const NumberSystemInfo& find_number_system(const SceneDescription& scene, std::string_view numbers, std::optional<bool> carry) {
+    return number_systems()[index_of(scene, numbers, carry)];
+}
+
+std::vector<std::string> limitations(const SceneDescription& scene) {
+    std::vector<std::string> list;
+    const auto number_of_steps = scene.steps();
+    for (std::size_t i = 0; i < scene.impulses.size(); ++i) {
+        const double step = scene.impulses[i].time / scene.step.seconds();
+        if (step >= static_cast<double>(number_of_steps) - 0.5)
+            list.push_back("impulse[" + std::to_string(i) + "] comes when the last step has been taken, so it has no effect");
+    }
+    if (scene.contact.response == ContactResponse::none) return list;
+    if (scene.contact.sleep) list.push_back("contact.sleep is not simulated yet: bodies never sleep");
+    int solid = 0;
+    bool moving = false;
+    for (const BodyDescription& body : scene.bodies) {
+        const auto name_of_shape = [&]() -> std::string_view {
+            switch (body.shape.kind) {
+            case ShapeKind::cylinder: return "a cylinder";
+            case ShapeKind::capsule: return "a capsule";
+            case ShapeKind::hoop: return "a hoop";
+            case ShapeKind::points: return "a cloud of points";
+            default: return "";
+            }
+        }();
+        if (body.shape.kind != ShapeKind::none) {
+            ++solid;
+            moving = moving || !body.fixed;
+        }
+        if (!name_of_shape.empty() && !scene.planes.empty() && !body.fixed)
+            list.push_back("body \"" + body.name + "\": contacts of " + std::string(name_of_shape) + " with planes are not simulated yet, it passes through");
+    }
+    if (solid > 1 && moving) list.push_back("contacts between bodies are not simulated yet, they pass through each other");
+    return list;
+}
+
+}  // namespace tumble::host

@@ -1,0 +1,81 @@
+#include "text.hpp"
+
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+
+namespace tumble::host {
+namespace {
+
+std::string formatted(const char* format, long double value) {
+    std::array<char, 64> text{};
+    std::snprintf(text.data(), text.size(), format, value);
+    return text.data();
+}
+
+}  // namespace
+
+std::string seventeen_digits(long double value) { return formatted("%.17Lg", value); }
+std::string few_digits(long double value) { return formatted("%.6Lg", value); }
+
+std::string cpp_number(double value) {
+    std::array<char, 32> text{};
+    const auto end = std::to_chars(text.data(), text.data() + text.size(), value).ptr;
+    std::string number(text.data(), end);
+    if (number.find_first_of(".en") == std::string::npos) number += ".0";
+    return number;
+}
+
+std::string hex(std::uint64_t value) {
+    std::string text(16, '0');
+    for (std::size_t i = 16; i-- > 0; value >>= 4) text[i] = "0123456789abcdef"[value & 15];
+    return text;
+}
+
+std::string json_number(long double value) { return std::isfinite(value) ? seventeen_digits(value) : "null"; }
+
+std::string json_text(std::string_view text) {
+    std::string quoted = "\"";
+    for (const char c : text) {
+        const auto code = static_cast<unsigned char>(c);
+        if (c == '"' || c == '\\') {
+            quoted += '\\';
+            quoted += c;
+        } else if (code < 0x20) {
+            quoted += "\\u00" + hex(code).substr(14);
+        } else {
+            quoted += c;
+        }
+    }
+    return quoted + '"';
+}
+
+std::string cpp_text(std::string_view text) {
+    std::string quoted = "\"";
+    for (const char c : text) {
+        const auto code = static_cast<unsigned char>(c);
+        if (c == '"' || c == '\\') {
+            quoted += '\\';
+            quoted += c;
+        } else if (code < 0x20 || code > 0x7e) {
+            quoted += '\\';   // always three octal digits, so that a digit may follow
+            for (const int shift : {6, 3, 0}) quoted += static_cast<char>('0' + ((code >> shift) & 7));
+        } else {
+            quoted += c;
+        }
+    }
+    return quoted + '"';
+}
+
+std::string csv_field(std::string_view text) {
+    if (text.find_first_of(",\"\r\n") == std::string_view::npos) return std::string(text);
+    std::string quoted = "\"";
+    for (const char c : text) {
+        if (c == '"') quoted += '"';
+        quoted += c;
+    }
+    return quoted + '"';
+}
+
+}  // namespace tumble::host

@@ -1,0 +1,32 @@
+// Numbers and names as text: for people, JSON, CSV and C++.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+namespace tumble::host {
+
+// 17 significant digits: enough for every bit of a double.
+[[nodiscard]] std::string seventeen_digits(long double value);
+
+// A few digits for a table.
+[[nodiscard]] std::string few_digits(long double value);
+
+// The shortest decimal that reads back as the same double, with a point or an exponent.
+[[nodiscard]] std::string cpp_number(double value);
+
+// A hash as 16 hex digits.
+[[nodiscard]] std::string hex(std::uint64_t value);
+
+// A number (null when it is not finite) or a text in JSON.
+[[nodiscard]] std::string json_number(long double value);
+[[nodiscard]] std::string json_text(std::string_view text);
+
+// A text in C++ in quotes, in ASCII whatever is in it; safe in a comment as well.
+[[nodiscard]] std::string cpp_text(std::string_view text);
+
+// A CSV field, in quotes when it needs them.
+[[nodiscard]] std::string csv_field(std::string_view text);
+
+}  // namespace tumble::host

@@ -1,0 +1,214 @@
+// A Simulation of one integrator and number system, with every feature of the kernel compiled in. Included only by the
+// translation units that the build makes from number_system.cpp.in.
+#pragma once
+
+#include <tumble/tumble.hpp>
+#include <tumble/replay.hpp>
+
+#include <cmath>
+#include <utility>
+
+#include "number_systems.hpp"
+
+namespace tumble::host {
+
+using LongVec3 = std::array<long double, 3>;
+using LongQuat = std::array<long double, 4>;
+
+[[nodiscard]] inline LongVec3 operator+(const LongVec3& a, const LongVec3& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
+[[nodiscard]] inline LongVec3 operator-(const LongVec3& a, const LongVec3& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
+[[nodiscard]] inline LongVec3 operator*(const LongVec3& a, long double s) { return {a[0] * s, a[1] * s, a[2] * s}; }
+[[nodiscard]] inline long double dot(const LongVec3& a, const LongVec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+[[nodiscard]] inline LongVec3 cross(const LongVec3& a, const LongVec3& b) {
+    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+[[nodiscard]] inline LongQuat product(const LongQuat& a, const LongQuat& b) {
+    const LongVec3 u{a[1], a[2], a[3]}, v{b[1], b[2], b[3]}, r = v * a[0] + u * b[0] + cross(u, v);
+    return {a[0] * b[0] - dot(u, v), r[0], r[1], r[2]};
+}
+[[nodiscard]] inline LongVec3 rotate(const LongQuat& q, const LongVec3& r) {
+    const LongVec3 v{q[1], q[2], q[3]}, t = cross(v, r) * 2.0L;
+    return r + t * q[0] + cross(v, t);
+}
+
+// All 64 bits of a Real, where long double has that many.
+[[nodiscard]] inline long double wide(Real value) {
+    const double upper = value.to_double();
+    return static_cast<long double>(upper) + static_cast<long double>((value - Real{upper}).to_double());
+}
+[[nodiscard]] inline LongVec3 wide(const RealVec3& v) { return {wide(v.x), wide(v.y), wide(v.z)}; }
+
+// Value and residual of a carried number; floating point may be infinite or not a number.
+template <class T, bool carry, bool biased>
+[[nodiscard]] long double wide(const Carried<T, carry, biased>& number) {
+    if constexpr (std::floating_point<T>) return static_cast<long double>(number.value()) + static_cast<long double>(number.residual());
+    else return wide(number.to_real());
+}
+
+template <class N, class Method>
+struct HostScene : Scene {
+    using Numbers = N;
+    using Integrator = Method;
+    static constexpr int bodies = max_bodies;
+    static constexpr int planes = max_planes;
+    static constexpr int springs = max_springs;
+    static constexpr bool drag = true;
+    static constexpr bool gravitation = true;
+    static constexpr bool forces = true;
+    static constexpr bool script = true;
+    static constexpr bool boxes = true;
+    static constexpr bool friction = true;
+};
+
+template <std::size_t index, class Method>
+class WorldSimulation final : public Simulation {
+    static constexpr auto system = std::get<index>(number_system_list);
+    using N = typename decltype(system)::Numbers;
+
+public:
+    explicit WorldSimulation(SceneData data)
+        : Simulation(data.steps, wide(data.step.value)), data_(std::move(data)), replay_(data_), drift_unit_(wide(world().scale().metres(Real{1}))),
+          turn_unit_(wide(world().scale().angle(Real{1}))) {
+        for (const BodySpec& spec : data_.bodies) {
+            const PrincipalInertia inertia = principal_inertia(spec.inertia);
+            bodies_.push_back({wide(spec.mass), wide(inertia.moments), {wide(inertia.principal.w), wide(inertia.principal.v.x),
+                               wide(inertia.principal.v.y), wide(inertia.principal.v.z)}});
+        }
+        note(replay_.world().status());
+    }
+
+    void step() override { note(replay_.step()); }
+
+    [[nodiscard]] std::int64_t steps_taken() const override { return world().steps_taken(); }
+    [[nodiscard]] std::uint64_t hash() const override { return world().hash(); }
+    [[nodiscard]] int body_count() const override { return world().body_count(); }
+    [[nodiscard]] const std::vector<Trouble>& troubles() const override { return troubles_; }
+
+    [[nodiscard]] BodySnapshot body(int index_of_body) const override {
+        const BodyId id{index_of_body};
+        const auto& state = world().state(id);
+        const Body& body = bodies_[static_cast<std::size_t>(index_of_body)];
+        BodySnapshot snapshot;
+        const LongQuat to_principal{body.principal[0], -body.principal[1], -body.principal[2], -body.principal[3]};
+        for (int i = 0; i < 3; ++i) {
+            const auto k = static_cast<std::size_t>(i);
+            snapshot.position[k] = wide(state.x_w[i]);
+            snapshot.velocity[k] = wide(state.d_w[i]) * drift_unit_ / step_length();
+        }
+        const LongQuat q{wide(state.q_wb.w), wide(state.q_wb.x), wide(state.q_wb.y), wide(state.q_wb.z)};
+        snapshot.orientation = product(q, to_principal);
+        snapshot.angular_velocity = rotate(body.principal, spin(index_of_body));
+        snapshot.contacts = world().contact_count(id);
+        return snapshot;
+    }
+
+    [[nodiscard]] Energy energy() const override {
+        Energy energy;
+        std::vector<BodySnapshot> now;
+        for (int b = 0; b < body_count(); ++b) {
+            now.push_back(body(b));
+            if (data_.bodies[static_cast<std::size_t>(b)].fixed) continue;
+            const Body& body = bodies_[static_cast<std::size_t>(b)];
+            const BodySnapshot& snapshot = now.back();
+            const LongVec3 w = spin(b);
+            energy.kinetic += body.mass * dot(snapshot.velocity, snapshot.velocity) / 2;
+            for (std::size_t i = 0; i < 3; ++i) energy.kinetic += body.moments[i] * w[i] * w[i] / 2;
+            energy.potential -= body.mass * dot(wide(data_.world.gravity), snapshot.position);
+        }
+        const auto point = [&](int b, const RealVec3& p) {
+            const BodySnapshot& snapshot = now[static_cast<std::size_t>(b)];
+            return snapshot.position + rotate(snapshot.orientation, wide(p));
+        };
+        for (const SpringSpec& spring : data_.springs) {
+            const LongVec3 reach = (spring.to_body < 0 ? wide(spring.to) : point(spring.to_body, spring.to)) - point(spring.body, spring.point);
+            const long double stretch = std::sqrt(dot(reach, reach)) - wide(spring.rest_length);
+            energy.potential += wide(spring.stiffness) * stretch * stretch / 2;
+        }
+        if (data_.gravitates()) {
+            for (std::size_t a = 0; a < now.size(); ++a) {
+                for (std::size_t b = a + 1; b < now.size(); ++b) {
+                    const LongVec3 r = now[b].position - now[a].position;
+                    if (data_.bodies[a].fixed && data_.bodies[b].fixed) continue;
+                    energy.potential -= wide(data_.world.gravitation) * bodies_[a].mass * bodies_[b].mass / std::sqrt(dot(r, r));
+                }
+            }
+        }
+        return energy;
+    }
+
+    void append_words(std::vector<std::uint32_t>& words) const override {
+        for (int b = 0; b < body_count(); ++b) {
+            for_each_number(world().state(BodyId{b}), [&](const char*, const auto& number) {
+                for_each_word(number, [&](std::uint32_t word) { words.push_back(word); });
+            });
+        }
+    }
+    [[nodiscard]] Place place_of_word(std::size_t word) const override {
+        Place place{};
+        std::size_t first = 0;
+        for (int b = 0; b < body_count(); ++b) {
+            for_each_number(world().state(BodyId{b}), [&](const char* name, const auto& number) {
+                std::size_t count = 0;
+                for_each_word(number, [&](std::uint32_t) { ++count; });
+                if (first <= word && word < first + count) place = {b, name, first, count};
+                first += count;
+            });
+        }
+        return place;
+    }
+
+    [[nodiscard]] std::string_view integrator() const override { return Method::name; }
+    [[nodiscard]] std::string_view numbers() const override { return N::name; }
+    [[nodiscard]] std::string_view range() const override { return system.range; }
+    [[nodiscard]] bool carry() const override { return N::carry; }
+
+private:
+    using Config = HostScene<N, Method>;
+
+    struct Body {
+        long double mass;       // kg
+        LongVec3 moments;       // kg m^2, principal
+        LongQuat principal;     // principal axes to the user's
+    };
+
+    [[nodiscard]] const World<Config>& world() const { return replay_.world(); }
+
+    // rad/s, principal axes.
+    [[nodiscard]] LongVec3 spin(int b) const {
+        const auto& turn = world().state(BodyId{b}).t_b;
+        const LongVec3& moments = bodies_[static_cast<std::size_t>(b)].moments;
+        LongVec3 w;
+        for (int i = 0; i < 3; ++i) {
+            const auto k = static_cast<std::size_t>(i);
+            w[k] = wide(turn[i]) * turn_unit_ * 2 / step_length();
+            if constexpr (Method::spin == Spin::angular_momentum) w[k] *= moments[1] / moments[k];
+        }
+        return w;
+    }
+
+    // Keeps the first occurrence of every issue; the kernel's own sticky bits remember the first of all only.
+    void note(Status status) {
+        if (status.ok()) return;
+        for (const Issue issue : all_issues) {
+            if (status.has(issue) && !has_trouble(name_of(issue))) troubles_.push_back({name_of(issue), status.first_body, status.first_step});
+        }
+        replay_.world().clear_status();
+    }
+
+    SceneData data_;
+    Replay<Config, SceneData> replay_;
+    std::vector<Body> bodies_;
+    std::vector<Trouble> troubles_;
+    long double drift_unit_, turn_unit_;   // m and rad that a state's units stand for
+};
+
+template <std::size_t index>
+std::unique_ptr<Simulation> make_in(SceneData data, std::string_view integrator) {
+    std::unique_ptr<Simulation> made;
+    Integrators::for_each([&]<class Method>() {
+        if (integrator == Method::name) made = std::make_unique<WorldSimulation<index, Method>>(std::move(data));
+    });
+    return made;
+}
+
+}  // namespace tumble::host

@@ -1,0 +1,83 @@
+// Golden trajectories: the digest of the state after so many steps, for every scene, integrator and number system. They
+// must be the same for every compiler, optimisation level and machine. After a change that means to change bits, write
+// them anew with  TUMBLE_UPDATE_GOLDEN=1 kernel_tests --gtest_filter='*Golden*'  and commit the files with the change.
+#include "scenes.hpp"
+
+#include <cinttypes>
+#include <cstdlib>
+#include <fstream>
+#include <map>
+#include <sstream>
+
+namespace tumble::test {
+namespace {
+
+constexpr int checkpoints[] = {1, 16, 128, 1024};   // steps
+
+std::string hexadecimal(std::uint64_t hash) {
+    char text[20];
+    std::snprintf(text, sizeof text, "%016" PRIx64, hash);
+    return text;
+}
+
+std::string path_of(const Setup& scene) { return std::string{TUMBLE_GOLDEN_DIR} + "/" + scene.name + ".txt"; }
+
+class Golden : public testing::TestWithParam<Setup> {};
+std::string name_of_scene(const testing::TestParamInfo<Setup>& info) { return info.param.name; }
+INSTANTIATE_TEST_SUITE_P(scene, Golden, testing::ValuesIn(scenes()), name_of_scene);
+
+void write(const Setup& scene) {
+    std::ofstream file{path_of(scene)};
+    file << "# " << scene.name << ": integrator, number system, digest of the state after";
+    for (const int steps : checkpoints) file << " " << steps;
+    file << " steps\n";
+    for (const Case& c : every_case()) {
+        const auto world = build(scene, c);
+        file << c.method.name << " " << c.system.name;
+        int done = 0;
+        for (const int steps : checkpoints) {
+            world->run(steps - done);
+            done = steps;
+            file << " " << hexadecimal(world->hash());
+        }
+        file << "\n";
+    }
+    ASSERT_TRUE(file.good()) << path_of(scene);
+}
+
+TEST_P(Golden, every_integrator_and_number_system_gives_the_recorded_bits) {
+    const Setup& scene = GetParam();
+    if (std::getenv("TUMBLE_UPDATE_GOLDEN") != nullptr) write(scene);
+
+    std::map<std::string, std::string> recorded;   // "integrator system" to digests
+    std::ifstream file{path_of(scene)};
+    ASSERT_TRUE(file.good()) << "no " << path_of(scene);
+    for (std::string line; std::getline(file, line);) {
+        std::istringstream words{line};
+        std::string method, system;
+        words >> method >> system >> std::ws;
+        std::getline(words, recorded[method + " " + system]);
+    }
+    for (const Case& c : every_case()) {
+        const auto found = recorded.find(std::string{c.method.name} + " " + c.system.name);
+        if (found == recorded.end()) {
+            ADD_FAILURE() << scene.name << ": nothing recorded for " << name_of(c);
+            continue;
+        }
+        std::istringstream digests{found->second};
+        const auto world = build(scene, c);
+        int done = 0;
+        for (const int steps : checkpoints) {
+            world->run(steps - done);
+            done = steps;
+            std::string expected;
+            digests >> expected;
+            if (hexadecimal(world->hash()) == expected) continue;
+            ADD_FAILURE() << "scene " << scene.name << ", " << name_of(c) << ", step " << steps << ": got " << hexadecimal(world->hash()) << ", expected " << expected;
+            break;
+        }
+    }
+}
+
+}  // namespace
+}  // namespace tumble::test

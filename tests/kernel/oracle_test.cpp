@@ -1,0 +1,172 @@
+// Every integrator against its textbook formula on position, velocity, quaternion and body rates: a few lines each, in
+// long double, with nothing of the kernel's in them. Not the true motion is compared, but the method's own.
+#include "references.hpp"
+#include "tolerances.hpp"
+
+#include <cmath>
+#include <functional>
+#include <map>
+
+namespace tumble::test {
+namespace {
+
+using Load = std::function<reference::Wrench(const Motion&, Number)>;
+
+struct Problem {
+    reference::Body body;
+    Load load;
+    Number h;
+
+    [[nodiscard]] Vector acceleration(const Motion& m) const { return load(m, 0).force_w * (1 / body.mass); }
+    [[nodiscard]] Vector spin_rate(const Motion& m) const { return over(load(m, 0).torque_b - cross(m.w, times(body.moments, m.w)), body.moments); }
+    // The derivative of a motion, as a motion.
+    [[nodiscard]] Motion rate(const Motion& m) const { return {m.v, acceleration(m), m.q * Rotation{0, m.w * Number(0.5)}, spin_rate(m)}; }
+};
+Motion plus(const Motion& m, Number h, const Motion& rate) {
+    return {m.x + h * rate.x, m.v + h * rate.v, m.q + rate.q * h, m.w + h * rate.w};
+}
+// The kernel's renormalisation: one Newton step towards unit length, from the length before the step.
+Motion finished(Motion end, const Motion& start) {
+    end.q = end.q + start.q * ((1 - start.q.norm2()) / 2);
+    return end;
+}
+
+Motion explicit_euler(const Problem& p, const Motion& m) { return finished(plus(m, p.h, p.rate(m)), m); }
+
+Motion semi_implicit_euler(const Problem& p, Motion m) {
+    const Motion start = m;
+    m.v = start.v + p.h * p.acceleration(start);
+    m.w = start.w + p.h * p.spin_rate(start);
+    m.x = start.x + p.h * m.v;
+    m.q = start.q + start.q * Rotation{0, m.w * (p.h / 2)};
+    return finished(m, start);
+}
+
+Motion implicit_euler(const Problem& p, const Motion& start) {
+    Motion end = start;
+    for (int i = 0; i < 60; ++i) {
+        const Vector v = start.v + p.h * p.acceleration(end), w = start.w + p.h * p.spin_rate(end);
+        end = {start.x + p.h * v, v, start.q + start.q * Rotation{0, w * (p.h / 2)}, w};
+    }
+    return finished(end, start);
+}
+
+Motion midpoint(const Problem& p, const Motion& m) { return finished(plus(m, p.h, p.rate(plus(m, p.h / 2, p.rate(m)))), m); }
+
+Motion heun(const Problem& p, const Motion& m) {
+    const Motion k1 = p.rate(m), k2 = p.rate(plus(m, p.h, k1));
+    return finished(plus(plus(m, p.h / 2, k1), p.h / 2, k2), m);
+}
+
+Motion rk4(const Problem& p, const Motion& m) {
+    const Motion k1 = p.rate(m), k2 = p.rate(plus(m, p.h / 2, k1)), k3 = p.rate(plus(m, p.h / 2, k2)), k4 = p.rate(plus(m, p.h, k3));
+    return finished(plus(plus(plus(plus(m, p.h / 6, k1), p.h / 3, k2), p.h / 3, k3), p.h / 6, k4), m);
+}
+
+// Elementary flows about the body's axes; x has the largest moment and z the smallest.
+Motion verlet(const Problem& p, Motion m) {
+    const Vector i = p.body.moments;
+    const auto turn = [](Rotation& q, Vector& l, Vector angle) {   // the body turns: its axes see l turn back
+        q = q * exponential(angle);
+        l = exponential(angle).rotate_back(l);
+    };
+    Vector l = times(i, m.w) + (p.h / 2) * p.load(m, 0).torque_b;
+    m.v = m.v + (p.h / 2) * p.acceleration(m);
+    m.x = m.x + p.h * m.v;
+    turn(m.q, l, {p.h / 2 * (1 / i.x - 1 / i.y) * l.x, 0, 0});
+    m.q = m.q * exponential(l * (p.h / i.y));
+    turn(m.q, l, {0, 0, p.h * (1 / i.z - 1 / i.y) * l.z});
+    turn(m.q, l, {p.h / 2 * (1 / i.x - 1 / i.y) * l.x, 0, 0});
+    Motion end = m;
+    end.w = over(l, i);
+    for (int n = 0; n < 60; ++n) {
+        const reference::Wrench wrench = p.load(end, 0);
+        end.v = m.v + wrench.force_w * (p.h / 2 / p.body.mass);
+        end.w = over(l + (p.h / 2) * wrench.torque_b, i);
+    }
+    return end;
+}
+
+const std::map<std::string, Motion (*)(const Problem&, Motion)>& oracles() {
+    static const std::map<std::string, Motion (*)(const Problem&, Motion)> all{
+        {"explicit_euler", [](const Problem& p, Motion m) { return explicit_euler(p, m); }},
+        {"semi_implicit_euler", semi_implicit_euler},
+        {"implicit_euler", [](const Problem& p, Motion m) { return implicit_euler(p, m); }},
+        {"midpoint", [](const Problem& p, Motion m) { return midpoint(p, m); }},
+        {"heun", [](const Problem& p, Motion m) { return heun(p, m); }},
+        {"rk4", [](const Problem& p, Motion m) { return rk4(p, m); }},
+        {"verlet", verlet},
+    };
+    return all;
+}
+
+class Oracle : public testing::TestWithParam<Case> {
+protected:
+    static void expect_agreement(const Setup& setup, Number worst) {
+        const auto oracle = oracles().find(GetParam().method.name);
+        if (oracle == oracles().end()) GTEST_SKIP() << "no oracle of " << GetParam().method.name;
+        const BodySpec& body = setup.bodies[0];
+        const Problem problem{reference_body(body), reference_load(setup), number(setup.step.value)};
+        const auto world = build(setup, GetParam());
+        Motion expected = start_of(body);
+        Number greatest = 0;
+        for (int step = 0; step < 300; ++step) {
+            world->step();
+            expected = oracle->second(problem, expected);
+            const Motion got = world->motion(0);
+            greatest = std::max(greatest, distance(got, expected));
+            ASSERT_LE(distance(got, expected), worst) << "step " << step;
+            // Lengths too: the renormalisation is part of the method.
+            ASSERT_LE(std::abs(got.q.norm2() - expected.q.norm2()), worst) << "step " << step;
+        }
+        ASSERT_TRUE(world->status().ok());
+        RecordProperty("greatest_difference", std::to_string(greatest * 1e12L) + "e-12");
+    }
+    // Moments sorted downwards: the body's axes are the principal ones.
+    static Setup sorted_top() {
+        Setup setup{.name = "top"};
+        setup.bodies = {top({3, 2, 1}, {0.5, 2, -0.25})};
+        return setup;
+    }
+};
+INSTANTIATE_TEST_SUITE_P(every, Oracle, testing::ValuesIn(every_case()), NameOf{});
+
+TEST_P(Oracle, a_free_top_moves_as_the_textbook_formula_says) {
+    expect_agreement(sorted_top(), tolerance::oracle.of(GetParam().system));
+}
+
+TEST_P(Oracle, a_free_top_in_gravity_moves_as_the_textbook_formula_says) {
+    Setup setup = sorted_top();
+    setup.world.gravity = {0.5, -10, 0.25};
+    setup.bodies[0].velocity = {1, 2, 3};
+    setup.step = Seconds{Real{0.005}};
+    expect_agreement(setup, tolerance::oracle.of(GetParam().system));
+}
+
+TEST_P(Oracle, a_body_on_a_spring_moves_as_the_textbook_formula_says) {
+    Setup setup = sorted_top();
+    setup.bodies[0].mass = 2;
+    setup.bodies[0].position = {0.5, -0.25, 0};
+    setup.bodies[0].velocity = {0.25, 1, -0.5};
+    setup.world.gravity = {0, -1, 0};
+    SpringSpec spring;
+    spring.point = {0.5, 0.25, -0.5};
+    spring.to = {0, 1, 0.5};
+    spring.stiffness = 8;
+    spring.rest_length = 0.25;
+    setup.springs = {spring};
+    expect_agreement(setup, tolerance::loaded_oracle.of(GetParam().system));
+}
+
+TEST_P(Oracle, a_body_with_damping_and_drag_moves_as_the_textbook_formula_says) {
+    Setup setup = sorted_top();
+    setup.bodies[0].mass = 2;
+    setup.bodies[0].position = {0.5, -0.25, 0};
+    setup.world.linear_drag = 0.5;
+    setup.world.angular_drag = 0.25;
+    setup.springs = {{.point = {0.5, 0.25, -0.5}, .to = {0, 1, 0.5}, .stiffness = 8, .damping = 0.5, .rest_length = 0.25}};
+    expect_agreement(setup, tolerance::loaded_oracle.of(GetParam().system));
+}
+
+}  // namespace
+}  // namespace tumble::test

@@ -1,0 +1,71 @@
+// What tests compare a world's first body with: the same scene for the reference, and what it conserves.
+#pragma once
+
+#include "worlds.hpp"
+
+#include "../reference/trajectory.hpp"
+
+#include <algorithm>
+
+namespace tumble::test {
+
+// A body of the given mass and principal moments along its own axes, without a shape.
+[[nodiscard]] inline BodySpec top(RealVec3 moments, RealVec3 spin, Real mass = 1) {
+    BodySpec body;
+    body.mass = mass;
+    body.inertia = {moments.x, moments.y, moments.z, 0, 0, 0};
+    body.angular_velocity = spin;
+    return body;
+}
+
+// Tumbles: it turns about its middle axis, which is unstable.
+[[nodiscard]] inline Setup free_top(Seconds step) {
+    Setup setup{.name = "free_top", .step = step};
+    setup.bodies = {top({1, 2, 3}, {0.1, 2, 0.1})};
+    return setup;
+}
+
+[[nodiscard]] inline reference::Body reference_body(const BodySpec& body) {
+    return {number(body.mass), {number(body.inertia.xx), number(body.inertia.yy), number(body.inertia.zz)}};
+}
+// Gravity, drag and springs to world points, on the first body.
+[[nodiscard]] inline auto reference_load(const Setup& setup) {
+    const Number mass = number(setup.bodies[0].mass);
+    return [=](const Motion& m, Number) {
+        const Number linear = number(setup.world.linear_drag), angular = number(setup.world.angular_drag);
+        reference::Wrench sum{vector(setup.world.gravity) * mass - m.v * linear, m.w * -angular};
+        for (const SpringSpec& spring : setup.springs) {
+            const Vector point = vector(spring.point), reach = vector(spring.to) - m.x - m.q.rotate(point);
+            const Number length = norm(reach), stiffness = number(spring.stiffness);
+            const Vector along = reach * (1 / length), velocity = m.v + m.q.rotate(cross(m.w, point));
+            const Vector pull = along * (stiffness * (length - number(spring.rest_length)) - number(spring.damping) * dot(velocity, along));
+            sum.force_w = sum.force_w + pull;
+            sum.torque_b = sum.torque_b + cross(point, m.q.rotate_back(pull));
+        }
+        return sum;
+    };
+}
+[[nodiscard]] inline Motion start_of(const BodySpec& body) {
+    return {vector(body.position), vector(body.velocity), rotation(body.orientation).normalized(), vector(body.angular_velocity)};
+}
+
+// The largest of the distances in m, m/s, rad and rad/s.
+[[nodiscard]] inline Number distance(const Motion& a, const Motion& b) {
+    return std::max({norm(a.x - b.x), norm(a.v - b.v), angle_between(a.q, b.q), norm(a.w - b.w)});
+}
+
+// The largest orientation error of the first body, rad, over samples every so many steps.
+[[nodiscard]] inline Number orientation_error(AnyWorld& world, const std::vector<Motion>& reference, int steps_per_sample) {
+    Number worst = 0;
+    for (const Motion& expected : reference) {
+        if (&expected != &reference.front()) world.run(steps_per_sample);
+        worst = std::max(worst, angle_between(world.motion(0).q, expected.q));
+    }
+    return worst;
+}
+
+// N m s, world axes, about the centre of mass.
+[[nodiscard]] inline Vector angular_momentum(const Motion& m, Vector moments) { return m.q.normalized().rotate(times(moments, m.w)); }
+[[nodiscard]] inline Number spin_energy(const Motion& m, Vector moments) { return dot(m.w, times(moments, m.w)) / 2; }
+
+}  // namespace tumble::test

@@ -1,0 +1,82 @@
+#include "scenes.hpp"
+
+namespace tumble::test {
+
+const std::vector<Setup>& scenes() {
+    static const std::vector<Setup> all = [] {
+        const RealVec3 gravity{0, -9.81, 0};
+        BodySpec body;                           // with axes of its own
+        body.mass = 1.5;
+        body.inertia = {2, 1.5, 1.75, 0.25, -0.125, 0.375};
+        body.position = {0.5, 4, -1};
+        body.velocity = {1, 2, -0.5};
+        body.orientation = {0.9, {0.1, -0.3, 0.2}};
+        body.angular_velocity = {0.5, -2, 1};
+        std::vector<Setup> s;
+
+        s.push_back({.name = "free_top", .needs = nothing});
+        s.back().world.gravity = {0, -1, 0};
+        s.back().bodies = {body};
+
+        s.push_back({.name = "dragged_projectile", .step = Seconds{Real{0.005}}, .needs = with_drag});
+        s.back().world = {.gravity = gravity, .linear_drag = 0.1, .angular_drag = 0.05};
+        s.back().bodies = {body};
+
+        s.push_back({.name = "body_on_a_spring", .needs = with_spring});
+        s.back().world.gravity = gravity;
+        s.back().bodies = {body};
+        s.back().springs = {{.point = {0.25, 0.5, 0}, .to = {0, 5, 0}, .stiffness = 40, .damping = 0.5, .rest_length = 0.75}};
+
+        s.push_back({.name = "bodies_on_a_spring", .needs = with_coupling});
+        s.back().bodies = {body, sphere(2, 0.25)};
+        s.back().bodies[1].velocity = {-0.5, 0.25, 1};
+        s.back().springs = {{.body = 0, .point = {0.25, 0.5, 0}, .to_body = 1, .to = {0, 0.25, 0}, .stiffness = 20, .damping = 0.25, .rest_length = 1}};
+
+        s.push_back({.name = "two_body_orbit", .step = Seconds{1, 128}, .needs = with_gravitation});
+        s.back().world.gravitation = 1;
+        s.back().bodies = {sphere(8, 0.5), body};
+        s.back().bodies[1].position = {4, 0, 0};
+        s.back().bodies[1].velocity = {0, 1.5, 0};
+
+        s.push_back({.name = "timed_forces", .needs = with_forces});
+        s.back().world.gravity = {0, -1, 0};
+        s.back().bodies = {body};
+        s.back().forces = {{.from = 0.0, .until = 0.5, .frame = Frame::body, .force = {1, 2, -1}, .point = {0.1, 0, 0.2}, .torque = {0, 0.5, 0}},
+                           {.from = 0.25, .until = 2.0, .force = {0, 3, 0}, .point = {-0.1, 0.1, 0}}};
+
+        s.push_back({.name = "timed_impulses", .step = Seconds{1, 60}, .needs = with_script});
+        s.back().world.gravity = {0, -0.5, 0};
+        s.back().bodies = {body};
+        s.back().impulses = {{.time = 0.0, .impulse = {1, 0, 0}, .point = {0, 0.25, 0}},
+                             {.time = 0.5, .frame = Frame::body, .impulse = {0, 1, 0}, .angular_impulse = {0.25, 0, -0.5}},
+                             {.time = 0.5, .impulse = {-1, 0.5, 0.25}, .point = {0.125, 0, 0}}};
+
+        s.push_back({.name = "bouncing_ball", .needs = with_plane});
+        s.back().world = {.gravity = gravity, .contact = {.restitution = 0.8}};
+        s.back().bodies = {sphere(1, 0.5)};
+        s.back().bodies[0].position = {0, 2, 0};
+        s.back().bodies[0].velocity = {1, 0, 0};
+        s.back().bodies[0].angular_velocity = {0, 1, 2};
+        s.back().planes = {{}};
+
+        s.push_back({.name = "tumbling_box", .needs = with_box});
+        s.back().world = {.gravity = gravity, .contact = {.restitution = 0.4}};
+        s.back().bodies = {box(2, {1, 0.5, 0.75})};
+        s.back().bodies[0].position = {0, 2, 0};
+        s.back().bodies[0].orientation = {0.9, {0.1, -0.3, 0.2}};
+        s.back().bodies[0].angular_velocity = {1, 0.5, -2};
+        s.back().planes = {{}};
+
+        s.push_back({.name = "sliding_box", .needs = with_friction});
+        s.back().world = {.gravity = gravity, .contact = {.restitution = 0.3, .friction = 0.4}};
+        s.back().bodies = {box(2, {1, 0.5, 0.75})};
+        s.back().bodies[0].position = {0, 1, 0};
+        s.back().bodies[0].velocity = {3, 0, 1};
+        s.back().bodies[0].orientation = {0.9, {0, 0.1, 0.2}};
+        s.back().planes = {{.normal = {0.1, 1, 0}}};
+        return s;
+    }();
+    return all;
+}
+
+}  // namespace tumble::test

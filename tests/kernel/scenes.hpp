@@ -1,0 +1,10 @@
+// The scenes that are compared bit by bit: one for each set of features. Speeds and places fit the smallest range.
+#pragma once
+
+#include "worlds.hpp"
+
+namespace tumble::test {
+
+[[nodiscard]] const std::vector<Setup>& scenes();
+
+}  // namespace tumble::test

@@ -1,0 +1,209 @@
+// What can go wrong is told, with the body and the step: ranges left, numbers that are not finite, worlds that are full.
+#include "references.hpp"
+#include "tolerances.hpp"
+
+#include <cmath>
+
+namespace tumble::test {
+namespace {
+
+class Fixed32 : public testing::TestWithParam<Case> {};
+std::vector<Case> fixed_point_cases() {
+    std::vector<Case> cases;
+    for (const Case& c : every_case()) if (c.system.name == std::string_view{"q32_near"} || c.system.name == std::string_view{"q32_plain"}) cases.push_back(c);
+    return cases;
+}
+INSTANTIATE_TEST_SUITE_P(near, Fixed32, testing::ValuesIn(fixed_point_cases()), NameOf{});
+
+// Three spheres far from each other; NearRange holds 64 m, 32 m/s, 32 rad/s.
+Setup three_spheres() {
+    Setup setup{.name = "three_spheres"};
+    setup.bodies = {sphere(1, 0.5), sphere(1, 0.5), sphere(1, 0.5)};
+    return setup;
+}
+
+TEST_P(Fixed32, a_position_that_leaves_its_range_is_held_at_the_limit_and_told) {
+    Setup setup = three_spheres();
+    setup.bodies[1].position = {0, 63, 0};
+    setup.bodies[1].velocity = {0, 16, 0};      // 1/16 m a step: out after 16 steps, at 64 m
+    setup.bodies[2].velocity = {-32, 0, 0};     // out after 512
+    const auto world = build(setup, GetParam());
+    EXPECT_TRUE(world->run(15).ok());
+    world->run(2);
+    const Status status = world->status();
+    EXPECT_TRUE(status.has(Issue::range_left));
+    EXPECT_EQ(status.first_body, 1);
+    EXPECT_EQ(status.first_step, 15u);
+    EXPECT_EQ(world->motion(1).x.y, 64);
+    world->run(600);
+    EXPECT_LE(std::abs(world->motion(1).x.y - 64), 1e-6L);
+    EXPECT_LE(std::abs(world->motion(2).x.x + 64), 1e-6L);
+    EXPECT_EQ(world->status().first_body, 1);   // sticky: the first
+    EXPECT_EQ(world->status().first_step, 15u);
+    EXPECT_GT(world->status().count, 600);
+    world->clear_status();
+    EXPECT_TRUE(world->status().ok());
+}
+
+TEST_P(Fixed32, a_velocity_that_leaves_its_range_is_held_at_the_limit_and_told) {
+    Setup setup = three_spheres();
+    setup.world.gravity = {0, -512, 0};         // 2 m/s a step
+    setup.bodies[0].fixed = setup.bodies[1].fixed = true;
+    const auto world = build(setup, GetParam());
+    EXPECT_TRUE(world->run(15).ok());
+    world->run(2);
+    EXPECT_EQ(world->status().first_body, 2);
+    EXPECT_EQ(world->status().first_step, 15u);
+    EXPECT_EQ(world->motion(2).v.y, -32);
+}
+
+TEST_P(Fixed32, an_impulse_of_any_strength_saturates_and_is_told_at_once) {
+    for (const Number strength : {40.0L, 1e3L, 1e6L, 1e12L, 1e30L}) {
+        Setup setup = three_spheres();
+        const auto world = build(setup, GetParam());
+        world->run(3);
+        world->apply_impulse(1, {0, -strength, 0});
+        EXPECT_TRUE(world->status().has(Issue::range_left)) << strength;
+        EXPECT_EQ(world->status().first_body, 1);
+        EXPECT_EQ(world->status().first_step, 3u);
+        EXPECT_LE(std::abs(world->motion(1).v.y + 32), 1e-6L) << strength;
+    }
+}
+
+TEST_P(Fixed32, a_spin_beyond_its_range_is_told_whatever_the_body) {
+    // Well above what any method's format holds, also for bodies that are easy to turn about one axis.
+    const RealVec3 inertias[] = {{1, 1, 1}, {1, 2, 3}, {1, 1, 1.99}, {1, 1, 0.25}, {1, 1, 1e-2}, {1, 1, 1e-5}};
+    for (const RealVec3& moments : inertias) {
+        for (int axis = 0; axis < 3; ++axis) {
+            for (const double spin : {130.0, 200.0, 1000.0, 3333.0}) {
+                Setup setup{.name = "spin"};
+                setup.bodies = {top(moments, {})};
+                const auto world = build(setup, GetParam());
+                Vector impulse{}, point{};
+                // A couple about the axis, as two impulses.
+                impulse[(axis + 1) % 3] = number(moments[axis]) * static_cast<Number>(spin) / 2;
+                point[(axis + 2) % 3] = -1;
+                world->apply_impulse(0, impulse, point);
+                point[(axis + 2) % 3] = 1;
+                world->apply_impulse(0, -impulse, point);
+                world->step();
+                EXPECT_TRUE(world->status().has(Issue::range_left))
+                    << "moments " << number(moments.x) << " " << number(moments.y) << " " << number(moments.z) << ", " << spin << " rad/s about axis " << axis
+                    << ", spin after a step " << world->motion(0).w[axis];
+            }
+        }
+    }
+}
+
+TEST_P(Fixed32, gravity_beyond_the_format_is_told) {
+    for (const double gravity : {1e4, 1e5, 1e6, 1e9}) {
+        Setup setup = three_spheres();
+        setup.world.gravity = {0, -gravity, 0};
+        const auto world = build(setup, GetParam());
+        EXPECT_TRUE(world->step().has(Issue::range_left)) << gravity;
+    }
+}
+
+TEST_P(Fixed32, a_start_outside_the_range_is_told_by_the_first_step) {
+    for (const Real& x : {Real{65}, Real{100}, Real{200}, Real{-1e6}}) {
+        Setup setup = three_spheres();
+        setup.bodies[0].position = {x, 0, 0};
+        EXPECT_TRUE(build(setup, GetParam())->step().has(Issue::range_left)) << number(x);
+        setup.bodies[0].position = {};
+        setup.bodies[0].velocity = {0, x, 0};
+        EXPECT_TRUE(build(setup, GetParam())->step().has(Issue::range_left)) << number(x);
+    }
+}
+
+// Floating point says when the true motion leaves the range; fixed point must have said so by then.
+TEST_P(Fixed32, a_load_that_drives_a_body_out_of_range_never_passes_silently) {
+    for (const double stiffness : {1e2, 1e4, 3e5, 1e7, 1e10, 1e15}) {
+        Setup setup{.name = "explosion"};
+        setup.bodies = {sphere(1, 0.5)};
+        setup.bodies[0].position = {1, 0, 0};
+        setup.springs = {{.stiffness = stiffness}};
+        const auto world = build(setup, GetParam());
+        const auto truth = build(setup, GetParam().method.name, "f64");
+        for (int i = 0; i < 400; ++i) {
+            world->step();
+            truth->step();
+            const Motion m = truth->motion(0);
+            if (std::abs(m.x.x) < 66 && std::abs(m.v.x) < 33) continue;
+            EXPECT_TRUE(world->status().has(Issue::range_left)) << "stiffness " << stiffness << ", step " << i << ", x " << m.x.x << " against " << world->motion(0).x.x;
+            break;
+        }
+    }
+}
+
+class Floating : public testing::TestWithParam<Case> {};
+std::vector<Case> floating_cases() {
+    std::vector<Case> cases;
+    for (const Case& c : every_case()) if (!c.system.fixed_point) cases.push_back(c);
+    return cases;
+}
+INSTANTIATE_TEST_SUITE_P(every, Floating, testing::ValuesIn(floating_cases()), NameOf{});
+
+TEST_P(Floating, a_motion_that_is_not_finite_is_told) {
+    const bool f32 = GetParam().system.bits == 32;
+    Setup setup = three_spheres();
+    setup.world.gravity = {0, f32 ? -3e38 : -1e308, 0};
+    setup.step = Seconds{4, 1};
+    setup.bodies[0].fixed = true;
+    const auto world = build(setup, GetParam());
+    world->run(8);
+    EXPECT_TRUE(world->status().has(Issue::range_left));
+    EXPECT_EQ(world->status().first_body, 1);
+}
+
+TEST_P(Floating, a_spin_that_is_not_finite_is_told_and_steps_end) {
+    const bool f32 = GetParam().system.bits == 32;
+    for (const Number spin : {1e3L, 1e10L, f32 ? 1e25L : 1e200L, f32 ? 3e38L : 1e308L}) {
+        Setup setup{.name = "spin"};
+        setup.bodies = {top({1, 2, 3}, {})};
+        const auto world = build(setup, GetParam());
+        for (int i = 0; i < 4; ++i) {
+            world->apply_impulse(0, {0, 0, spin}, {1, 1, 0});
+            world->step();
+        }
+        const Motion* m = nullptr;
+        Motion copy;
+        if (world->status().ok()) {   // said to be finite: then it is
+            copy = world->motion(0);
+            m = &copy;
+            EXPECT_TRUE(std::isfinite(norm(m->w)) && std::isfinite(m->q.norm2())) << spin;
+        }
+    }
+}
+
+TEST(status, a_full_world_adds_nothing_and_says_so) {
+    Setup setup = three_spheres();
+    for (const Case& c : every_case()) {
+        const auto world = build(setup, c);
+        EXPECT_TRUE(world->add(sphere(1, 1)));
+        EXPECT_TRUE(world->status().ok());
+        EXPECT_FALSE(world->add(sphere(1, 1)));
+        EXPECT_TRUE(world->status().has(Issue::world_full));
+        EXPECT_EQ(world->body_count(), 4);
+        for (int i = 0; i < 3; ++i) EXPECT_TRUE(world->add(PlaneSpec{}));
+        EXPECT_FALSE(world->add(PlaneSpec{}));
+        for (int i = 0; i < 3; ++i) EXPECT_TRUE(world->add(SpringSpec{}));
+        EXPECT_FALSE(world->add(SpringSpec{}));
+    }
+}
+
+TEST(status, counts_occurrences_keeps_the_first_and_never_wraps) {
+    Status status;
+    EXPECT_TRUE(status.ok());
+    status.set(Issue::contacts_full, 3, 70000);
+    status.set(Issue::range_left, 4, 70001);
+    EXPECT_TRUE(status.has(Issue::contacts_full) && status.has(Issue::range_left) && !status.has(Issue::world_full));
+    EXPECT_EQ(status.first_body, 3);
+    EXPECT_EQ(status.first_step, 70000u);
+    EXPECT_EQ(status.count, 2);
+    for (int i = 0; i < 100000; ++i) status.set(Issue::range_left, 0, 0);
+    EXPECT_EQ(status.count, 65535);
+    for (const Issue issue : all_issues) EXPECT_NE(name_of(issue), nullptr);
+}
+
+}  // namespace
+}  // namespace tumble::test

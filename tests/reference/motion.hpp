@@ -1,0 +1,28 @@
+// The motion of one rigid body and what drives it, in long double and SI units.
+#pragma once
+
+#include "algebra.hpp"
+
+namespace tumble::reference {
+
+using Number = long double;
+using Vector = Vec<Number>;
+using Rotation = Quaternion<Number>;
+
+// World frame: x (m), v (m/s). Body frame along the principal axes: w (rad/s).
+struct Motion {
+    Vector x{}, v{};
+    Rotation q{};
+    Vector w{};
+};
+
+struct Wrench {
+    Vector force_w{}, torque_b{};   // N, N m
+};
+
+struct Body {
+    Number mass = 1;                // kg
+    Vector moments{1, 1, 1};        // kg m^2
+};
+
+}  // namespace tumble::reference
