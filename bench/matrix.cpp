@@ -219,7 +219,7 @@ int main(int argc, char** argv) try {
             const Answer& answer = answers.at({job.variant.name, job.method});
             job.row["step_s"] = scene.step.seconds();
             job.row["compiler"] = TUMBLE_ARM_COMPILER;
-            job.row["flags"] = "-O2";
+            job.row["flags"] = "-O2 -fno-schedule-insns";
             add_sizes(job.row, elf);
             if (accuracy) {
                 job.row["position_error_m"] = answer.position_error;

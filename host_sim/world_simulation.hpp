@@ -39,9 +39,10 @@ using LongQuat = std::array<long double, 4>;
 [[nodiscard]] inline LongVec3 wide(const RealVec3& v) { return {wide(v.x), wide(v.y), wide(v.z)}; }
 
 // Value and residual of a carried number; floating point may be infinite or not a number.
-template <class T, bool carry, bool biased>
-[[nodiscard]] long double wide(const Carried<T, carry, biased>& number) {
-    if constexpr (std::floating_point<T>) return static_cast<long double>(number.value()) + static_cast<long double>(number.residual());
+template <class Number>
+    requires requires { typename Number::Value; }
+[[nodiscard]] long double wide(const Number& number) {
+    if constexpr (std::floating_point<typename Number::Value>) return static_cast<long double>(number.value()) + static_cast<long double>(number.residual());
     else return wide(number.to_real());
 }
 

@@ -1,1 +1,242 @@
-// placeholder
+// Contacts with planes: the impulse formula, bounce heights, rest, friction and symmetry.
+#include "references.hpp"
+#include "tolerances.hpp"
+
+#include <cmath>
+
+namespace tumble::test {
+namespace {
+
+constexpr Number g = 9.8125L;
+
+class Contacts : public testing::TestWithParam<Case> {
+protected:
+    static const System& system() { return GetParam().system; }
+    static Setup floor(Number restitution, Number friction = 0) {
+        Setup setup{.name = "floor"};
+        setup.world = {.gravity = {0, -9.8125, 0}, .contact = {.restitution = real(restitution), .friction = real(friction)}};
+        setup.planes = {{}};
+        return setup;
+    }
+};
+INSTANTIATE_TEST_SUITE_P(every, Contacts, testing::ValuesIn(every_case()), NameOf{});
+
+// The greatest relative error of the first ten apex heights of a ball dropped from 1 m. In flight the energy is the apex.
+Number worst_apex(AnyWorld& world, Number restitution) {
+    Number worst = 0, expected = 1;
+    bool falling = true;
+    for (int bounces = 0, step = 0; bounces < 10 && step < 4000; ++step) {
+        world.step();
+        const Motion m = world.motion(0);
+        if (falling && m.v.y > 0) {
+            ++bounces;
+            expected *= restitution * restitution;
+            const Number apex = m.x.y - 0.5L + m.v.y * m.v.y / 2 / g;
+            worst = std::max(worst, std::abs(apex / expected - 1));
+        }
+        falling = m.v.y <= 0;
+        if (step == 3999) return 1;
+    }
+    return worst;
+}
+
+TEST_P(Contacts, a_ball_bounces_to_its_heights) {
+    if (GetParam().method.order < 2) GTEST_SKIP() << "falls with the error of order 1";
+    for (const Number restitution : {1.0L, 0.8L}) {
+        Setup setup = floor(restitution);
+        setup.bodies = {sphere(1, 0.5)};
+        setup.bodies[0].position = {0, 1.5, 0};
+        const auto world = build(setup, GetParam());
+        const Number worst = worst_apex(*world, restitution);
+        std::printf("%s: restitution %.1Lf, worst of ten apex heights off by %.2Lg\n", name_of(GetParam()).c_str(), restitution, worst);
+        EXPECT_LE(worst, tolerance::apex.of(system())) << restitution;
+        EXPECT_TRUE(world->status().ok());
+    }
+}
+
+TEST_P(Contacts, an_elastic_ball_never_gains_energy_in_1e4_bounces) {
+    if (GetParam().method.order < 2) GTEST_SKIP() << "falls with the error of order 1";
+    Setup setup = floor(1);
+    setup.bodies = {sphere(1, 0.5)};
+    setup.bodies[0].position = {0, 0.6015625, 0};                // 0.1 m up: 0.29 s a bounce
+    const auto world = build(setup, GetParam());
+    const Number start = g * 0.1015625L;
+    Number greatest = 0, least = 1e9L;
+    int bounces = 0;
+    bool falling = true;
+    for (int step = 0; bounces < 10000 && step < 1000000; ++step) {
+        world->step();
+        const Motion m = world->motion(0);
+        if (falling && m.v.y > 0) ++bounces;
+        falling = m.v.y <= 0;
+        const Number energy = g * (m.x.y - 0.5L) + dot(m.v, m.v) / 2;
+        greatest = std::max(greatest, energy);
+        least = std::min(least, energy);
+    }
+    std::printf("%s: %d elastic bounces, energy from %+.2Lg to %+.2Lg\n", name_of(GetParam()).c_str(), bounces, least / start - 1, greatest / start - 1);
+    EXPECT_EQ(bounces, 10000);
+    EXPECT_LE(greatest / start - 1, tolerance::elastic_gain);
+}
+
+TEST_P(Contacts, a_ball_comes_to_rest_and_stays) {
+    for (const Number restitution : {0.0L, 0.5L, 0.9L}) {
+        Setup setup = floor(restitution);
+        setup.bodies = {sphere(1, 0.5)};
+        setup.bodies[0].position = {0, 1, 0};
+        const auto world = build(setup, GetParam());
+        world->run(256 * 20);
+        EXPECT_TRUE(world->status().ok()) << restitution << ": status " << static_cast<int>(world->status().bits) << " at step " << world->status().first_step;
+        Number lowest = 1, highest = 0;
+        for (int step = 0; step < 1000; ++step) {
+            world->step();
+            const Number height = world->motion(0).x.y - 0.5L;
+            lowest = std::min(lowest, height);
+            highest = std::max(highest, height);
+        }
+        EXPECT_GE(lowest, -tolerance::contact_band) << restitution;
+        EXPECT_LE(highest, tolerance::contact_band) << restitution;
+        EXPECT_LE(norm(world->motion(0).v), g / 256 * 1.01L) << restitution;
+    }
+}
+
+TEST_P(Contacts, a_tilted_box_comes_to_rest_on_a_face) {
+    Setup setup = floor(0.25L, 0.5L);
+    setup.bodies = {box(2, {1, 0.5, 0.75})};
+    setup.bodies[0].position = {0, 1.5, 0};
+    setup.bodies[0].orientation = {0.9, {0.1, -0.3, 0.2}};
+    const auto world = build(setup, GetParam());
+    world->run(256 * 15);
+    const Motion m = world->motion(0);
+    const Vector up = m.q.normalized().rotate_back({0, 1, 0});   // the plane's normal in the box's axes
+    const Number upright = std::max({std::abs(up.x), std::abs(up.y), std::abs(up.z)});
+    EXPECT_LE(norm(m.v), tolerance::rest_speed) << "height " << m.x.y;
+    EXPECT_LE(norm(m.w), tolerance::rest_speed);
+    EXPECT_LE(1 - upright, tolerance::rest_tilt);
+    const Number half = std::abs(up.x) == upright ? 0.5L : std::abs(up.y) == upright ? 0.25L : 0.375L;
+    EXPECT_LE(std::abs(m.x.y - half), 2 * tolerance::contact_band);
+    EXPECT_FALSE(world->status().has(Issue::contacts_full) || world->status().has(Issue::range_left));
+}
+
+TEST_P(Contacts, a_box_hit_off_centre_gets_the_spin_of_the_impulse_formula) {
+    struct Shape {
+        RealVec3 edges;
+        RealQuat orientation;
+    };
+    for (const Shape& shape : {Shape{{1, 0.5, 0.75}, {0.9, {0.1, -0.3, 0.2}}}, Shape{{0.03125, 2, 0.03125}, {0.95, {0.1, 0.05, 0.25}}}, Shape{{1, 1, 1}, {0.8, {0.3, 0.1, -0.4}}}}) {
+        for (const Number restitution : {0.0L, 0.5L, 1.0L}) {
+            Setup setup = floor(restitution);
+            setup.world.gravity = {};
+            setup.bodies = {box(2, shape.edges)};
+            BodySpec& body = setup.bodies[0];
+            body.position = {0, 3, 0};
+            body.velocity = {0.5, -4, 0.25};
+            body.orientation = shape.orientation;
+            const auto world = build(setup, GetParam());
+            const Motion before = start_of(body);
+            // The lowest corner.
+            const Vector n{0, 1, 0}, n_b = before.q.rotate_back(n), half = vector(shape.edges) * Number(0.5);
+            const Vector r{n_b.x > 0 ? -half.x : half.x, n_b.y > 0 ? -half.y : half.y, n_b.z > 0 ? -half.z : half.z};
+            const Vector moments{number(body.inertia.xx), number(body.inertia.yy), number(body.inertia.zz)};
+            const Number j = (1 + restitution) * 4 / (0.5L + dot(cross(r, n_b), over(cross(r, n_b), moments)));
+            const Vector v = before.v + n * (j / 2), w = over(cross(r, n_b * j), moments);
+            for (int step = 0; step < 256 && world->contact_count(0) == 0; ++step) world->step();
+            ASSERT_EQ(world->contact_count(0), 1);
+            const Motion after = world->motion(0);
+            EXPECT_LE(norm(after.v - v), tolerance::contact_impulse.of(system())) << restitution;
+            // What is left of the step after the impact turns w a little where the body is not a sphere: momentum compares.
+            EXPECT_LE(norm(angular_momentum(after, moments) - before.q.rotate(times(moments, w))), tolerance::contact_impulse.of(system()) + tolerance::method_error(GetParam().method.order, norm(w) / 256, norm(w) / 256)) << restitution;
+        }
+    }
+}
+
+TEST_P(Contacts, a_box_that_falls_flat_bounces_without_spin) {
+    Setup setup = floor(0.5L);
+    setup.bodies = {box(2, {1, 0.5, 0.75})};
+    setup.bodies[0].position = {0, 1.25, 0};
+    const auto world = build(setup, GetParam());
+    bool bounced = false;
+    for (int step = 0; step < 512; ++step) {
+        world->step();
+        bounced = bounced || world->motion(0).v.y > 1;
+        ASSERT_LE(norm(world->motion(0).w), tolerance::symmetric_spin.of(system())) << step;
+        ASSERT_LE(std::abs(world->motion(0).v.x) + std::abs(world->motion(0).v.z), tolerance::symmetric_spin.of(system())) << step;
+    }
+    EXPECT_TRUE(bounced);
+}
+
+TEST_P(Contacts, a_ball_in_a_groove_of_two_planes_stays_in_its_middle) {
+    Setup setup = floor(0.5L);
+    setup.planes = {{.normal = {1, 1, 0}}, {.normal = {-1, 1, 0}}};
+    setup.bodies = {sphere(1, 0.5)};
+    setup.bodies[0].position = {0, 2, 0};
+    const auto world = build(setup, GetParam());
+    for (int step = 0; step < 2560; ++step) {
+        world->step();
+        ASSERT_LE(std::abs(world->motion(0).x.x), tolerance::contact_band) << step;
+    }
+    EXPECT_LE(std::abs(world->motion(0).x.y - 0.5L * std::sqrt(Number(2))), 3 * tolerance::contact_band);
+    EXPECT_TRUE(world->status().ok());
+}
+
+TEST_P(Contacts, a_sliding_box_stops_where_friction_stops_it) {
+    Setup setup = floor(0, 0.5L);
+    setup.bodies = {box(2, {1, 0.25, 1})};
+    setup.bodies[0].position = {0, 0.125, 0};
+    setup.bodies[0].velocity = {3, 0, 0};
+    const auto world = build(setup, GetParam());
+    world->run(512);
+    EXPECT_LE(norm(world->motion(0).v - Vector{0, world->motion(0).v.y, 0}), tolerance::rest_speed);
+    const Number distance_exact = 9 / (2 * 0.5L * g);
+    EXPECT_LE(std::abs(world->motion(0).x.x / distance_exact - 1), tolerance::stop_distance);
+}
+
+TEST_P(Contacts, a_ball_that_slides_comes_to_roll_with_five_sevenths_of_its_speed) {
+    Setup setup = floor(0, 0.25L);
+    setup.bodies = {sphere(2, 0.5)};
+    setup.bodies[0].position = {0, 0.5, 0};
+    setup.bodies[0].velocity = {3.5, 0, 0};
+    const auto world = build(setup, GetParam());
+    world->run(512);
+    EXPECT_LE(std::abs(world->motion(0).v.x / 2.5L - 1), tolerance::roll_speed);
+    EXPECT_LE(std::abs(world->motion(0).q.rotate(world->motion(0).w).z / -5 - 1), tolerance::roll_speed);
+}
+
+TEST_P(Contacts, a_body_with_restitution_of_its_own_takes_the_larger) {
+    Setup setup = floor(0.5L);
+    setup.world.gravity = {};
+    setup.bodies = {sphere(1, 0.5)};
+    setup.bodies[0].position = {0, 1, 0};
+    setup.bodies[0].velocity = {0, -2, 0};
+    setup.bodies[0].restitution = 0.25;
+    setup.planes[0].restitution = 0.75;
+    const auto world = build(setup, GetParam());
+    world->run(128);
+    EXPECT_LE(std::abs(world->motion(0).v.y - 1.5L), tolerance::contact_impulse.of(system()));
+    setup.planes[0].restitution = -1;
+    const auto other = build(setup, GetParam());
+    other->run(128);
+    EXPECT_LE(std::abs(other->motion(0).v.y - 0.5L), tolerance::contact_impulse.of(system()));
+}
+
+TEST_P(Contacts, a_shape_without_contact_falls_through_the_floor) {
+    Setup setup = floor(0.5L);
+    setup.bodies = {top({1, 2, 3}, {})};
+    setup.bodies[0].position = {0, 1, 0};
+    const auto world = build(setup, GetParam());
+    world->run(256);
+    EXPECT_LT(world->motion(0).x.y, -3);
+    EXPECT_EQ(world->contact_count(0), 0);
+}
+
+TEST_P(Contacts, a_body_that_starts_below_the_floor_comes_out_and_rests) {
+    Setup setup = floor(0.5L);
+    setup.bodies = {sphere(1, 0.5)};
+    setup.bodies[0].position = {0, 0.25, 0};
+    const auto world = build(setup, GetParam());
+    world->run(2560);
+    EXPECT_LE(std::abs(world->motion(0).x.y - 0.5L), tolerance::contact_band);
+    EXPECT_LE(norm(world->motion(0).v), 1);
+}
+
+}  // namespace
+}  // namespace tumble::test

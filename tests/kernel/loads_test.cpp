@@ -1,1 +1,271 @@
-// placeholder
+// Loads and events through a whole world: closed forms, momentum, frames, time windows and the order of events.
+#include "references.hpp"
+#include "tolerances.hpp"
+
+#include <cmath>
+
+namespace tumble::test {
+namespace {
+
+class Loads : public testing::TestWithParam<Case> {
+protected:
+    static const System& system() { return GetParam().system; }
+    static int order() { return GetParam().method.order; }
+};
+INSTANTIATE_TEST_SUITE_P(every, Loads, testing::ValuesIn(every_case()), NameOf{});
+
+TEST_P(Loads, a_dragged_projectile_flies_its_closed_form) {
+    Setup setup{.name = "projectile"};
+    setup.bodies = {sphere(2, 0.125)};
+    setup.bodies[0].velocity = {10, 10, 0};
+    setup.bodies[0].angular_velocity = {0, 0, 4};
+    setup.world = {.gravity = {0, -9.8125, 0}, .linear_drag = 1, .angular_drag = 0.0125};
+    const auto world = build(setup, GetParam());
+    world->run(512);
+    const Number c = 0.5L, g = 9.8125L, t = 2, e = std::exp(-c * t);
+    const Vector x{10 * (1 - e) / c, (10 + g / c) * (1 - e) / c - g * t / c, 0}, v{10 * e, (10 + g / c) * e - g / c, 0};
+    const Number of_method = 20 * tolerance::method_error(order(), 1.0L / 256, 1);
+    EXPECT_LE(norm(world->motion(0).x - x), of_method + 20 * tolerance::loaded_flight.of(system()));
+    EXPECT_LE(norm(world->motion(0).v - v), of_method + 20 * tolerance::loaded_flight.of(system()));
+    EXPECT_LE(std::abs(world->motion(0).w.z - 4 * std::exp(-t)), of_method + 20 * tolerance::loaded_flight.of(system()));
+}
+
+TEST_P(Loads, a_spring_oscillates_with_its_period) {
+    Setup setup{.name = "oscillator"};
+    setup.bodies = {sphere(0.5, 0.125)};
+    setup.bodies[0].position = {3, 0, 0};
+    setup.springs = {{.to = {1, 0, 0}, .stiffness = 8, .rest_length = 1}};   // about x = 2, omega 4
+    const auto world = build(setup, GetParam());
+    world->run(1024);
+    const Number of_method = 2 * tolerance::method_error(order(), 4.0L / 256, 16);
+    EXPECT_LE(std::abs(world->motion(0).x.x - (2 + std::cos(Number(16)))), of_method + 4 * tolerance::loaded_flight.of(system()));
+    EXPECT_LE(std::abs(world->motion(0).v.x + 4 * std::sin(Number(16))), 4 * of_method + 16 * tolerance::loaded_flight.of(system()));
+}
+
+TEST_P(Loads, an_orbit_closes_after_its_period_and_keeps_its_energy) {
+    // About a fixed mass: a = 4 m, G M = 64: period 2 pi; eccentricity 1/4, from the perihelion.
+    Setup setup{.name = "orbit", .step = Seconds{1, 512}};
+    setup.world.gravitation = 0.5;
+    setup.bodies = {sphere(128, 0.125), sphere(1, 0.125)};
+    setup.bodies[0].fixed = true;
+    setup.bodies[1].position = {3, 0, 0};
+    const Number speed = std::sqrt(64 * (2 / Number(3) - 1 / Number(4)));
+    setup.bodies[1].velocity = {0, real(speed), 0};
+    const auto world = build(setup, GetParam());
+    world->run(3217);                                            // 2 pi s is 3216.99 steps
+    const Number late = 3217.0L / 512 - 2 * std::acos(Number(-1));
+    const Motion m = world->motion(1);
+    const Number of_method = 16 * tolerance::method_error(order(), 3.0L / 512, 12);
+    const Vector expected{3 - 64 / Number(9) * late * late / 2, speed * late, 0};
+    EXPECT_LE(norm(m.x - expected), of_method + 200 * tolerance::loaded_flight.of(system()));
+    const Number energy = dot(m.v, m.v) / 2 - 64 / norm(m.x);
+    EXPECT_LE(std::abs(energy / -8 - 1), of_method + 20 * tolerance::loaded_flight.of(system()));
+    EXPECT_TRUE(world->status().ok());
+}
+
+TEST_P(Loads, a_spring_between_bodies_conserves_momentum_and_angular_momentum) {
+    Setup setup{.name = "pair"};
+    setup.bodies = {top({3, 2, 1}, {0.25, 0.5, 0.125}, 2), top({2, 1.5, 1}, {0, -0.5, 0.25}, 3)};
+    setup.bodies[0].position = {1, 0, 0};
+    setup.bodies[1].position = {-1, 0.5, 0};
+    setup.bodies[0].velocity = {0, 0.5, 0.25};
+    setup.bodies[1].velocity = {0.25, 0, -0.25};
+    setup.springs = {{.body = 0, .point = {0.25, 0.5, 0}, .to_body = 1, .to = {0, -0.25, 0.5}, .stiffness = 10, .damping = 0.25, .rest_length = 0.5}};
+    const auto world = build(setup, GetParam());
+    const auto momentum = [&] { return 2 * world->motion(0).v + 3 * world->motion(1).v; };
+    const auto angular = [&] {
+        const Motion a = world->motion(0), b = world->motion(1);
+        return angular_momentum(a, {3, 2, 1}) + angular_momentum(b, {2, 1.5, 1}) + cross(a.x, a.v * Number(2)) + cross(b.x, b.v * Number(3));
+    };
+    const Vector p = momentum(), l = angular();
+    const Vector start = world->motion(0).v;
+    world->run(512);
+    EXPECT_GT(norm(world->motion(0).v - start), 0.1L);
+    EXPECT_LE(norm(momentum() - p), tolerance::pair_momentum.of(system()));
+    EXPECT_LE(norm(angular() - l), 8 * tolerance::method_error(order(), 3.0L / 256, 6) + 4 * tolerance::pair_momentum.of(system()));
+    EXPECT_TRUE(world->status().ok());
+}
+
+TEST_P(Loads, gravitation_between_bodies_conserves_momentum_and_angular_momentum) {
+    Setup setup{.name = "binary", .step = Seconds{1, 128}};
+    setup.world.gravitation = 2;
+    setup.bodies = {sphere(2, 0.125), sphere(3, 0.125), sphere(1, 0.125)};
+    setup.bodies[0].position = {2, 0, 0};
+    setup.bodies[1].position = {-2, 0, 0};
+    setup.bodies[2].position = {0, 6, 0};
+    setup.bodies[0].velocity = {0, 1, 0};
+    setup.bodies[1].velocity = {0, -1, 0.25};
+    setup.bodies[2].velocity = {1, 0, 0};
+    const Number masses[] = {2, 3, 1};
+    const auto world = build(setup, GetParam());
+    const auto sums = [&] {
+        std::pair<Vector, Vector> s;
+        for (int b = 0; b < 3; ++b) {
+            const Motion m = world->motion(b);
+            s.first = s.first + masses[b] * m.v;
+            s.second = s.second + cross(m.x, masses[b] * m.v);
+        }
+        return s;
+    };
+    const auto before = sums();
+    world->run(512);
+    const auto after = sums();
+    EXPECT_LE(norm(after.first - before.first), tolerance::pair_momentum.of(system()));
+    EXPECT_LE(norm(after.second - before.second), 32 * tolerance::method_error(order(), 1.0L / 128, 4) + 16 * tolerance::pair_momentum.of(system()));
+}
+
+TEST_P(Loads, bodies_at_the_same_place_do_not_attract_each_other) {
+    Setup setup{.name = "same_place"};
+    setup.world.gravitation = 1;
+    setup.bodies = {sphere(1, 0.5), sphere(1, 0.5)};
+    const auto world = build(setup, GetParam());
+    world->run(16);
+    EXPECT_EQ(norm(world->motion(0).x) + norm(world->motion(1).x), 0);
+    EXPECT_TRUE(world->status().ok());
+}
+
+TEST_P(Loads, a_body_frame_force_turns_with_the_body_and_a_world_frame_force_does_not) {
+    // A sphere turning at pi rad/s about z, for 2 s: a force fixed in it brings it back to rest where it was displaced.
+    Setup setup{.name = "thrust", .step = Seconds{1, 512}};
+    const Number pi = std::acos(Number(-1));
+    BodySpec body = sphere(2, 0.5);
+    body.angular_velocity = {0, 0, real(pi)};
+    setup.bodies = {body};
+    setup.forces = {{.from = 0.0, .until = 10.0, .frame = Frame::body, .force = {4, 0, 0}}};
+    const Number of_method = 2 * tolerance::method_error(order(), pi / 512, 2 * pi);
+    auto world = build(setup, GetParam());
+    world->run(1024);
+    EXPECT_LE(norm(world->motion(0).v), of_method + 2 * tolerance::loaded_flight.of(system()));
+    EXPECT_LE(norm(world->motion(0).x - Vector{0, 4 / pi, 0}), of_method + 4 * tolerance::loaded_flight.of(system()));
+    setup.forces[0].frame = Frame::world;
+    world = build(setup, GetParam());
+    world->run(1024);
+    EXPECT_LE(norm(world->motion(0).v - Vector{4, 0, 0}), tolerance::loaded_flight.of(system()));
+}
+
+TEST_P(Loads, a_force_off_centre_and_a_torque_turn_the_body) {
+    Setup setup{.name = "torque"};
+    setup.bodies = {sphere(5, 0.5)};                             // moments 0.5
+    setup.forces = {{.from = 0.0, .until = 1.0, .frame = Frame::body, .force = {0, 2, 0}, .point = {0.25, 0, 0}, .torque = {0, 0, 0.5}}};
+    const auto world = build(setup, GetParam());
+    world->run(256);
+    EXPECT_LE(norm(world->motion(0).w - Vector{0, 0, 2}), 4 * tolerance::loaded_flight.of(system()));
+    setup.forces[0].frame = Frame::world;
+    setup.forces[0].force = {};
+    setup.bodies[0].orientation = {1, {1, 0, 0}};                // a quarter turn about x: world z is the body's -y... as seen by it
+    const auto turned = build(setup, GetParam());
+    turned->run(256);
+    const Motion m = turned->motion(0);
+    EXPECT_LE(norm(m.q.rotate(m.w) - Vector{0, 0, 1}), 4 * tolerance::loaded_flight.of(system()));
+}
+
+TEST_P(Loads, a_timed_force_acts_from_its_first_step_until_before_its_last) {
+    Setup setup{.name = "window"};
+    setup.bodies = {sphere(2, 0.5)};
+    // Steps 64 to 127 and nothing before or after; an empty window; one from step 0.
+    setup.forces = {{.from = 0.25, .until = 0.5, .force = {512, 0, 0}},
+                    {.from = 0.5, .until = 0.5, .force = {0, 512, 0}},
+                    {.from = 0.0, .until = Real{1} / Real{256}, .force = {0, 0, 512}}};
+    const auto world = build(setup, GetParam());
+    for (int step = 0; step < 256; ++step) {
+        world->step();
+        const Vector v = world->motion(0).v;
+        const int pushed = std::min(std::max(step + 1 - 64, 0), 64);
+        ASSERT_LE(std::abs(v.x - static_cast<Number>(pushed)), 64 * tolerance::loaded_flight.of(system())) << step;
+        ASSERT_EQ(v.y, 0) << step;
+        ASSERT_LE(std::abs(v.z - 1), tolerance::loaded_flight.of(system())) << step;
+    }
+}
+
+TEST_P(Loads, an_impulse_of_the_script_does_what_one_applied_by_hand_does) {
+    Setup plain{.name = "impulses"};
+    plain.bodies = {top({3, 2, 1}, {0.5, 1, -0.5}, 2), sphere(1, 0.5)};
+    Setup scripted = plain;
+    // At step 0; rounded to the nearest step; two in one step; beyond the end of another body's life in range.
+    scripted.impulses = {{.time = 0.0, .body = 0, .impulse = {1, 2, 3}, .point = {0.25, 0.5, 0}},
+                         {.time = 2.4 / 256, .body = 1, .impulse = {0, 1, 0}},
+                         {.time = 2.6 / 256, .body = 0, .impulse = {0, 0, 1}, .point = {0, 0.5, 0}},
+                         {.time = 3.0 / 256, .body = 0, .impulse = {1, 0, 0}, .point = {0, 0, 0.5}}};
+    const auto script = build(scripted, GetParam()), hand = build(plain, GetParam());
+    for (int step = 0; step < 8; ++step) {
+        if (step == 0) hand->apply_impulse(0, {1, 2, 3}, {0.25L, 0.5L, 0});
+        if (step == 2) hand->apply_impulse(1, {0, 1, 0});
+        if (step == 3) {
+            hand->apply_impulse(0, {0, 0, 1}, {0, 0.5L, 0});
+            hand->apply_impulse(0, {1, 0, 0}, {0, 0, 0.5L});
+        }
+        hand->step();
+        script->step();
+        ASSERT_EQ(script->hash(), hand->hash()) << step;
+    }
+}
+
+TEST_P(Loads, impulses_in_one_step_are_applied_in_the_order_of_the_script) {
+    if (!system().fixed_point) GTEST_SKIP() << "only saturation tells the order";
+    Setup setup{.name = "order"};
+    setup.bodies = {sphere(1, 0.5)};
+    setup.impulses = {{.time = 0.0, .impulse = {3000, 0, 0}}, {.time = 0.0, .impulse = {-4, 0, 0}}};
+    const auto world = build(setup, GetParam());
+    world->step();
+    const Number saturated = world->motion(0).v.x;                // the range's end less 4
+    std::swap(setup.impulses[0], setup.impulses[1]);
+    const auto swapped = build(setup, GetParam());
+    swapped->step();
+    EXPECT_LE(std::abs(swapped->motion(0).v.x - saturated - 4), 1e-6L);
+    EXPECT_TRUE(world->status().has(Issue::range_left) && swapped->status().has(Issue::range_left));
+}
+
+TEST_P(Loads, a_body_frame_impulse_is_the_world_frame_impulse_turned) {
+    Setup setup{.name = "frames"};
+    BodySpec body = top({3, 2, 1}, {0.5, 1, -0.5}, 2);
+    body.orientation = {0.9, {0.1, -0.3, 0.2}};
+    setup.bodies = {body};
+    const Rotation q = rotation(normalized(body.orientation));
+    setup.impulses = {{.time = 0.0, .frame = Frame::body, .impulse = {1, 2, -1}, .point = {0.25, 0, 0.5}, .angular_impulse = {0.5, 0.25, 0}}};
+    const auto in_body = build(setup, GetParam());
+    setup.impulses[0].frame = Frame::world;
+    setup.impulses[0].impulse = real(q.rotate({1, 2, -1}));
+    setup.impulses[0].angular_impulse = real(q.rotate({0.5L, 0.25L, 0}));
+    const auto in_world = build(setup, GetParam());
+    in_body->step();
+    in_world->step();
+    EXPECT_LE(distance(in_body->motion(0), in_world->motion(0)), 4 * tolerance::impulse.of(system()));
+}
+
+class Stiff : public testing::TestWithParam<Case> {};
+INSTANTIATE_TEST_SUITE_P(every, Stiff, testing::ValuesIn(cases_of("implicit_euler")), NameOf{});
+
+TEST_P(Stiff, implicit_euler_is_stable_and_damps_where_k_h2_over_m_is_100) {
+    Setup setup{.name = "stiff"};
+    setup.bodies = {top({0.5, 0.5, 0.5}, {}, 1)};
+    setup.bodies[0].position = {0.0078125, 0, 0};
+    setup.springs = {{.stiffness = 6553600}};                    // k h^2 / m = 100
+    const auto world = build(setup, GetParam());
+    Number last = 1;
+    for (int step = 0; step < 20; ++step) {
+        world->step();
+        const Motion m = world->motion(0);
+        // |R| = 1 / sqrt(1 + z^2) with z^2 = 100, in the norm x^2 + v^2 / omega^2.
+        const Number size = std::sqrt(m.x.x * m.x.x + m.v.x * m.v.x / 6553600) / 0.0078125L;
+        ASSERT_LE(size, std::max(last / std::sqrt(Number(101)) * 1.01L, tolerance::stiff_floor.of(GetParam().system))) << step;
+        last = size;
+    }
+    EXPECT_TRUE(world->status().ok()) << "first at step " << world->status().first_step;
+}
+
+TEST_P(Stiff, implicit_euler_holds_a_hanging_body_on_a_stiff_damped_spring) {
+    Setup setup{.name = "hanging"};
+    setup.bodies = {top({3, 2, 1}, {0.1, 0.2, 0.1}, 2)};
+    setup.world.gravity = {0, -10, 0};
+    setup.springs = {{.point = {0, 0.5, 0}, .to = {0, 1.5, 0}, .stiffness = 1e6, .damping = 1e3, .rest_length = 1}};
+    const auto world = build(setup, GetParam());
+    world->run(2560);
+    const Motion m = world->motion(0);
+    const Vector tip = m.x + m.q.rotate({0, 0.5L, 0});
+    EXPECT_LE(std::abs(norm(tip - Vector{0, 1.5L, 0}) - 1), 1e-3L);
+    EXPECT_LE(norm(m.v), 1);
+    EXPECT_TRUE(world->status().ok()) << "first at step " << world->status().first_step;
+}
+
+}  // namespace
+}  // namespace tumble::test

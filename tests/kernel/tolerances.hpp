@@ -1,7 +1,20 @@
 // Every tolerance of the kernel's tests, with its derivation. Units: last places of the number concerned ("units"), or SI.
 #pragma once
 
+#include "worlds.hpp"
+
+#include <cmath>
+
 namespace tumble::test {
+
+// A row of the table of tolerances: a column for each kind of number. Plain: without carried residuals.
+struct PerSystem {
+    Number f64, q32, f32, q32_plain, f32_plain;
+    [[nodiscard]] Number of(const System& s) const {
+        if (s.bits == 64) return f64;
+        return s.fixed_point ? (s.carry ? q32 : q32_plain) : (s.carry ? f32 : f32_plain);
+    }
+};
 
 namespace tests {
 inline constexpr int many = 100000;   // random inputs a property is tried with
@@ -53,6 +66,42 @@ inline constexpr long double top_rk4_f32 = 5e-5L;
 inline constexpr long double top_rk4_f64 = 2e-9L;      // h^4 w^4 of the method
 inline constexpr long double top_verlet_f64 = 7e-6L;   // h^2 w^2 of the method
 inline constexpr long double top_verlet_q32_excess = 0.1L;    // rounding must not show beside it
+
+// --- laws --------------------------------------------------------------------------------------------------------
+// A method of order p after turning (or oscillating) through an angle in steps of hw: hw^p times the angle, and a margin.
+inline Number method_error(int order, Number hw, Number angle) { return 2 * std::pow(hw, static_cast<Number>(order)) * angle; }
+// |q| - 1: the renormalisation follows one step behind, so (hw / 2)^2 / 2 of a step remains; and rounding.
+
+//                                  f64     q32    f32    q32 plain  f32 plain
+inline constexpr PerSystem start{1e-15L, 1e-8L, 1e-6L, 1e-4L, 1e-6L};
+inline constexpr PerSystem reported{1e-15L, 1e-8L, 1e-6L, 1e-8L, 1e-6L};
+inline constexpr PerSystem impulse{1e-14L, 1e-7L, 1e-5L, 1e-4L, 1e-5L};
+inline constexpr PerSystem flight_rounding{1e-12L, 1e-6L, 1e-5L, 1e-3L, 1e-3L};
+inline constexpr PerSystem coasting{1e-11L, 1e-7L, 1e-5L, 1e-3L, 1e-3L};
+inline constexpr PerSystem same_flight{1e-12L, 1e-6L, 1e-4L, 1e-3L, 1e-3L};
+inline constexpr PerSystem there_and_back{1e-12L, 1e-7L, 1e-4L, 1e-3L, 1e-3L};
+inline constexpr PerSystem oracle{1e-12L, 1e-7L, 1e-5L, 1e-4L, 1e-3L};
+inline constexpr PerSystem loaded_oracle{1e-12L, 1e-7L, 1e-5L, 1e-4L, 1e-3L};
+inline constexpr PerSystem loaded_flight{1e-12L, 1e-7L, 1e-5L, 1e-3L, 1e-3L};
+inline constexpr PerSystem pair_momentum{1e-12L, 1e-7L, 1e-5L, 1e-3L, 1e-3L};
+inline constexpr PerSystem stiff_floor{1e-9L, 1e-6L, 1e-5L, 1e-4L, 1e-5L};
+inline Number momentum_norm(const System& s) { return PerSystem{1e-12L, 1e-7L, 1e-5L, 1e-3L, 1e-3L}.of(s); }
+inline constexpr Number verlet_energy = 1e-4L;
+inline Number unit_length(int order, const System& s) {
+    const Number behind = order == 1 ? std::pow(0.01L, Number(2)) : std::pow(0.01L, Number(order + 1));
+    return behind + PerSystem{1e-14L, 1e-8L, 1e-6L, 1e-8L, 1e-6L}.of(s);
+}
+
+// --- contacts ----------------------------------------------------------------------------------------------------
+inline constexpr PerSystem apex{1e-4L, 1e-3L, 1e-3L, 1e-2L, 1e-2L};
+inline constexpr Number elastic_gain = 1e-3L;
+inline constexpr Number contact_band = 0.001L;         // ContactSpec::tolerance
+inline constexpr Number rest_speed = 1e-2L;
+inline constexpr Number rest_tilt = 1e-4L;
+inline constexpr PerSystem contact_impulse{1e-10L, 1e-6L, 1e-4L, 1e-3L, 1e-3L};
+inline constexpr PerSystem symmetric_spin{1e-9L, 1e-6L, 1e-5L, 1e-4L, 1e-4L};
+inline constexpr Number stop_distance = 0.02L;
+inline constexpr Number roll_speed = 0.01L;
 
 }  // namespace tolerance
 }  // namespace tumble::test

@@ -142,11 +142,4 @@ struct NameOf {
 // A world with exactly setup.needs compiled in; null for a system that has no minimal worlds.
 [[nodiscard]] std::unique_ptr<AnyWorld> build_minimal(const Setup& setup, const Case& c);
 
-// The tolerance column of a number system.
-template <class T>
-struct PerSystem {
-    T f64, q32, f32;
-    [[nodiscard]] T of(const System& s) const { return s.bits == 64 ? f64 : s.fixed_point ? q32 : f32; }
-};
-
 }  // namespace tumble::test

@@ -36,8 +36,12 @@ public:
     }
     template <class T, bool carry>
     constexpr void add(const Shaped<T, carry>& number) {
-        add(static_cast<const Carried<T, carry>&>(number));
-        if constexpr (requires { number.left_out(); }) add(number.left_out());
+        if constexpr (requires { number.left_out(); }) {
+            add(static_cast<std::uint64_t>(number.sum().raw));
+            add(number.left_out());
+        } else {
+            add(static_cast<const Carried<T, carry>&>(number));
+        }
     }
     template <class N, Spin spin>
     constexpr void add(const BodyState<N, spin>& body) {

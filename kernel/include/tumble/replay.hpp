@@ -66,8 +66,12 @@ constexpr void for_each_word(const Carried<T, carry, biased>& number, F&& f) {
 }
 template <class T, bool carry, class F>
 constexpr void for_each_word(const Shaped<T, carry>& number, F&& f) {
-    for_each_word(static_cast<const Carried<T, carry>&>(number), f);
-    if constexpr (requires { number.left_out(); }) f(number.left_out());
+    if constexpr (requires { number.left_out(); }) {
+        detail::for_each_word_of(static_cast<std::uint64_t>(number.sum().raw), f);
+        f(number.left_out());
+    } else {
+        for_each_word(static_cast<const Carried<T, carry>&>(number), f);
+    }
 }
 
 template <class Config, class Data>

@@ -216,11 +216,10 @@ public:
         }
         const StepInfo<N> info{scale_, Dither::of_step(steps_taken_)};
         if constexpr (!has_loads && !has_contacts) {
-            for (int b = 0; b < count_; ++b) {
-                if (body_[b].fixed) continue;
-                coast(b, gravity_);
-                rotate(b, info);
-                check_range(b);
+            if constexpr (S::bodies == 1) {
+                if (count_ != 0) advance_free(0, info);   // a constant index: every address is known
+            } else {
+                for (int b = 0; b < count_; ++b) advance_free(b, info);
             }
         } else {
             step_units(info);
@@ -367,6 +366,13 @@ private:
     [[gnu::noinline]] void leave_range(int b) {
         N::saturate(state_[b]);
         status_.set(Issue::range_left, b, steps_taken_);
+    }
+
+    TUMBLE_INLINE void advance_free(int b, const StepInfo<N>& info) {
+        if (body_[b].fixed) return;
+        coast(b, gravity_);
+        rotate(b, info);
+        check_range(b);
     }
 
     // Motion under a constant acceleration, exact for methods of order two and more.

@@ -9,8 +9,13 @@ namespace tumble {
 // A rotation less the identity: the quaternion (1 + w, v). w is minus the sine-square part, so it stays accurate.
 template <class N>
 struct Delta {
-    typename N::Angle w{};
-    Vec3<typename N::Angle> v = Vec3<typename N::Angle>::Constant(typename N::Angle{});
+    typename N::Angle w;
+    Vec3<typename N::Angle> v;
+
+    [[nodiscard]] TUMBLE_INLINE static Delta identity() {
+        constexpr typename N::Angle zero{};
+        return {zero, {zero, zero, zero}};
+    }
 };
 
 // (|q|^2 - 1) / 2, the first-order excess of the norm.

@@ -41,14 +41,14 @@ TUMBLE_INLINE void unroll(F&& f) {
 }
 
 // Greatest common divisor taken out, so that 2/2 is 1.
-[[nodiscard]] consteval Rational reduced(Rational r) {
+[[nodiscard]] constexpr Rational reduced(Rational r) {
     int a = r.numerator < 0 ? -r.numerator : r.numerator, b = r.denominator;
     while (b != 0) { const int t = a % b; a = b; b = t; }
     return a == 0 ? Rational{} : Rational{r.numerator / a, r.denominator / a};
 }
 
 // 2^bits * r, nearest.
-[[nodiscard]] consteval std::int64_t scaled_rational(Rational r, int bits) {
+[[nodiscard]] constexpr std::int64_t scaled_rational(Rational r, int bits) {
     return (Real{r.numerator} / Real{r.denominator}).to_fixed(bits, 64);
 }
 

@@ -30,7 +30,7 @@ struct EulerInertia {
 // t_j t_k for each axis.
 template <class N>
 struct TurnProducts {
-    typename N::TurnProduct v[3]{};
+    typename N::TurnProduct v[3];
 
     [[nodiscard]] TUMBLE_INLINE static TurnProducts of(const Vec3<typename N::Turn>& t) {
         return {{mul(t.y(), t.z()), mul(t.z(), t.x()), mul(t.x(), t.y())}};

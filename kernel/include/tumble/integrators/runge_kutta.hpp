@@ -51,7 +51,7 @@ template <const auto& table, int s, class N, class Inertia>
 
 template <const auto& table, int s, class N>
 [[nodiscard]] TUMBLE_INLINE Delta<N> delta_before(const RotationStage<N>* stages) {
-    Delta<N> before{};
+    Delta<N> before = Delta<N>::identity();
     unroll<s>([&](auto earlier) {
         constexpr int j = earlier;
         constexpr Rational a = table.a[s][j];

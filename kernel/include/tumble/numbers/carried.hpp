@@ -156,23 +156,41 @@ protected:
     constexpr explicit Shaped(Base base) : Base{base} {}
 };
 
+// Kept as words: three of them make a spin of 36 bytes, where a 64-bit member would make it 48.
 template <int F>
-class Shaped<Fixed<F>, true> : public Carried<Fixed<F>, true> {
+class Shaped<Fixed<F>, true> {
 public:
-    using Base = Carried<Fixed<F>, true>;
+    using Value = Fixed<F>;
+    static constexpr int fraction_bits = F + 32;
+
     constexpr Shaped() = default;
-    [[nodiscard]] static constexpr Shaped from(Real value) { return Shaped{Base::from(value)}; }
-    [[nodiscard]] static constexpr Shaped from_sum(auto sum) { return Shaped{Base::from_sum(sum)}; }
-    [[nodiscard]] TUMBLE_INLINE constexpr Fixed<F> take() {
-        const Wide<F + 32> wanted = this->sum() + Wide<F + 32>{static_cast<std::int64_t>(left_out_)};
+    [[nodiscard]] static constexpr Shaped from(Real value) { return from_sum({value.to_fixed(F + 32, 64)}); }
+    [[nodiscard]] static constexpr Shaped from_sum(Wide<F + 32> sum) {
+        Shaped s;
+        s.set(sum);
+        return s;
+    }
+    [[nodiscard]] TUMBLE_INLINE constexpr Wide<F + 32> sum() const {
+        return {static_cast<std::int64_t>((static_cast<std::uint64_t>(static_cast<std::uint32_t>(upper_)) << 32) | lower_)};
+    }
+    [[nodiscard]] TUMBLE_INLINE constexpr Value value() const { return narrow<Value>(sum()); }
+    TUMBLE_INLINE constexpr void add(Wide<F + 32> increment) { set(sum() + increment); }
+    [[nodiscard]] TUMBLE_INLINE constexpr Value take() {
+        const Wide<F + 32> wanted = sum() + Wide<F + 32>{static_cast<std::int64_t>(left_out_)};
         left_out_ = static_cast<std::uint32_t>(wanted.raw);
         return {static_cast<std::int32_t>(wanted.raw >> 32)};
     }
     [[nodiscard]] constexpr std::uint32_t left_out() const { return left_out_; }
+    [[nodiscard]] constexpr Real to_real() const { return Real::scaled(sum().raw, -fraction_bits); }
     friend constexpr bool operator==(Shaped, Shaped) = default;
 
 private:
-    constexpr explicit Shaped(Base base) : Base{base} {}
+    TUMBLE_INLINE constexpr void set(Wide<F + 32> sum) {
+        lower_ = static_cast<std::uint32_t>(sum.raw);
+        upper_ = static_cast<std::int32_t>(sum.raw >> 32);
+    }
+    std::uint32_t lower_ = 0;
+    std::int32_t upper_ = 0;
     std::uint32_t left_out_ = std::uint32_t{1} << 31;   // in 2^-32 of a unit
 };
 

@@ -19,7 +19,7 @@ template <int F>
 struct Fixed {
     static constexpr int fraction_bits = F;
 
-    std::int32_t raw = 0;
+    std::int32_t raw;   // not initialised by default, so that arrays of stages cost nothing; Fixed{} is zero
 
     [[nodiscard]] static constexpr Fixed from_raw(std::int32_t raw_value) { return Fixed{raw_value}; }
     // Nearest; saturates at the format's ends.
@@ -46,7 +46,7 @@ template <int F>
 struct Wide {
     static constexpr int fraction_bits = F;
 
-    std::int64_t raw = 0;
+    std::int64_t raw;
 
     friend constexpr Wide operator+(Wide a, Wide b) { return {wrap(bits(a) + bits(b))}; }
     friend constexpr Wide operator-(Wide a, Wide b) { return {wrap(bits(a) - bits(b))}; }

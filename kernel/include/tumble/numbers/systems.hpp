@@ -290,6 +290,7 @@ struct Q32 {
         return {static_cast<std::int64_t>(static_cast<std::uint64_t>(mul_sum(t, c).raw) << (32 - F))};
     }
     [[nodiscard]] TUMBLE_INLINE static constexpr TurnSum sum(const Carried<Turn, carry>& t) { return t.sum(); }
+    [[nodiscard]] TUMBLE_INLINE static constexpr TurnSum sum(const Shaped<Turn, carry>& t) { return t.sum(); }
     // Three ways to round a sum: as a turn, plainly or dithered (what a constant spin is made of must not be rounded the
     // same way at every step), or as an angle, dithered.
     [[nodiscard]] TUMBLE_INLINE static constexpr Turn narrow_turn(TurnSum t) { return narrow<Turn>(t); }
@@ -321,7 +322,7 @@ struct Q32 {
     }
     // t += coefficient * p, to the last bit of the carried sum: 96 bits of product, of which 64 are kept.
     template <int F>
-    TUMBLE_INLINE static constexpr void add_turn(Integrated<Turn>& t, Fixed<F> c, TurnProduct p, Scale s) {
+    TUMBLE_INLINE static constexpr void add_turn(Shaped<Turn, carry>& t, Fixed<F> c, TurnProduct p, Scale s) {
         t.add({detail::shift_right(static_cast<std::int64_t>(static_cast<std::uint64_t>(mul_sum(p, c).raw) << (32 - F)), s.turn_shift)});
     }
 };
