@@ -2,6 +2,7 @@
 // compared; what a step costs printed and written as JSON lines. A row whose hash differs from the host's is marked and
 // makes the whole run fail; so does a firmware that faults or does not end.
 #include "rows.hpp"
+#include "command.hpp"
 #include "scene_reader.hpp"
 #include "simulation.hpp"
 
@@ -49,16 +50,16 @@ struct Variant {
 };
 const std::vector<Variant> variants = {{"q32", "q32", true}, {"q32_plain", "q32", false}, {"f32", "f32", true}, {"f32_plain", "f32", false}, {"f64", "f64", false}};
 
-// rk4 -> Rk4, the type's name.
+// tumble::integrators::Rk4 -> Rk4.
 std::string type_name(const std::string& method) {
-    std::string type;
-    bool upper = true;
-    for (const char c : method) {
-        if (c == '_') { upper = true; continue; }
-        type += upper ? static_cast<char>(std::toupper(static_cast<unsigned char>(c))) : c;
-        upper = false;
-    }
-    return type;
+    const std::string& type = tumble::host::find_integrator(method).type;
+    return type.substr(type.rfind(':') + 1);
+}
+
+std::vector<std::string> all_methods() {
+    std::vector<std::string> names;
+    for (const auto& integrator : tumble::host::integrators()) names.push_back(integrator.name);
+    return names;
 }
 
 std::vector<std::string> all_cores() {
@@ -147,7 +148,7 @@ void print_table(const std::vector<Job>& jobs) {
 int main(int argc, char** argv) try {
     CLI::App app{"Replays a scene on the host and on every core, compares the bits, and prints what a step costs."};
     fs::path scene_path, results = "build/results/run.jsonl", baseline;
-    std::vector<std::string> cores = all_cores(), methods = tumble::host::integrator_names();
+    std::vector<std::string> cores = all_cores(), methods = all_methods();
     bool accuracy = false;
     app.add_option("scene", scene_path, "Scene file")->required();
     app.add_option("--cores", cores, "Cores to run on")->delimiter(',');
@@ -158,7 +159,7 @@ int main(int argc, char** argv) try {
     CLI11_PARSE(app, argc, argv);
 
     const tumble::host::SceneDescription scene = tumble::host::read_scene(scene_path);
-    const std::string name = tumble::host::identifier(scene_path.stem().string());
+    const std::string name = scene_path.stem().string();
     const fs::path work = fs::path{"build/matrix"} / name;
     fs::create_directories(work);
 
@@ -175,7 +176,7 @@ int main(int argc, char** argv) try {
     in_parallel(hosts.size(), [&](std::size_t i) {
         const auto& [variant, method] = hosts[i];
         const auto simulation = tumble::host::make_simulation(scene, method, variant.numbers, variant.carry);
-        for (std::int64_t step = 0; step < scene.steps() && simulation->step().ok(); ++step) {}
+        while (simulation->steps_taken() < simulation->steps() && simulation->troubles().empty()) simulation->step();
         Answer answer{hex(simulation->hash())};
         if (accuracy) {
             const auto error = tumble::bench::flight_error(scene, method, variant.numbers, variant.carry);
@@ -196,7 +197,7 @@ int main(int argc, char** argv) try {
     for (const auto& core : cores) {
         const std::string dir = quoted((work / core).string());
         const Result configured = run("cmake -G Ninja -S " + quoted((source_dir / "bench/firmware").string()) + " -B " + dir + " -DCMAKE_TOOLCHAIN_FILE=" +
-                                      quoted((source_dir / "port/cortex_m/toolchain.cmake").string()) + " -DTUMBLE_CORE=" + core + " -DTUMBLE_SCENE=" + name +
+                                      quoted((source_dir / "port/cortex_m/toolchain.cmake").string()) + " -DTUMBLE_CORE=" + core + " -DTUMBLE_SCENE=" + tumble::host::struct_name(scene_path.string()) +
                                       " -DTUMBLE_SCENE_HEADER=" + quoted(header.string()));
         if (configured.status != 0) throw std::runtime_error{"cmake for " + core + ": " + configured.text};
         build_text[core] = run("cmake --build " + dir + " -- -k 0").text;

@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <iostream>
 
@@ -87,6 +88,10 @@ int command(int argc, const char* const* argv) {
     app.add_subcommand("list", "name the integrators, number systems, ranges and cores");
 
     try {
+        const auto all = app.get_subcommands([](const CLI::App*) { return true; });
+        const bool names_one = argc > 1 && std::any_of(all.begin(), all.end(), [&](const CLI::App* each) { return each->get_name() == argv[1]; });
+        if (argc > 1 && argv[1][0] != '-' && !names_one)
+            throw BadArgument("got \"" + std::string(argv[1]) + "\", expected run, compile, compare or list");
         app.parse(argc, argv);
         if (run_command->parsed()) return run(run_options);
         if (compile_command->parsed()) return compile(compile_options);

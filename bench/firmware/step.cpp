@@ -10,14 +10,14 @@
 
 namespace {
 
-using Scene = scenes::TUMBLE_SCENE;
+using Recorded = tumble::scenes::TUMBLE_SCENE;
 
-struct Config : Scene::Features {
-    using Numbers = tumble::variants::TUMBLE_VARIANT::Numbers<Scene::Features::Numbers::Range>;
+struct Config : Recorded::Features {
+    using Numbers = tumble::variants::TUMBLE_VARIANT::Numbers<Recorded::Features::Numbers::Range>;
     using Integrator = tumble::integrators::TUMBLE_METHOD;
 };
 
-tumble::Replay<Config, Scene> replay;
+tumble::Replay<Config, Recorded> replay;
 
 }  // namespace
 
@@ -25,9 +25,9 @@ int main() {
     using namespace tumble;
     port::init();
     std::uint64_t total = 0, largest = 0;
-    for (std::uint32_t step = 0; step < Scene::steps; ++step) {
+    for (std::uint32_t step = 0; step < Recorded::steps; ++step) {
         const port::Instant before = port::ticks();
-        const Status status = replay.step();
+        const Status status = replay.world().step();
         const port::Instant after = port::ticks();
         const std::uint64_t cost = port::elapsed(before, after);
         total += cost;
@@ -35,7 +35,7 @@ int main() {
         if (!status.ok()) break;
     }
     bench::JsonRow row;
-    row.add("scene", Scene::name);
+    row.add("scene", Recorded::name);
     row.add("core", port::core());
     row.add("numbers", Config::Numbers::name);
     row.add("carry", Config::Numbers::carry);

@@ -147,6 +147,11 @@ TEST(Run, floating_point_that_is_not_finite_leaves_the_range) {
 struct BadCall {
     std::vector<std::string> arguments;
     std::string message;
+    // How a test's name shows it.
+    friend void PrintTo(const BadCall& call, std::ostream* out) {
+        for (std::size_t i = 0; i < call.arguments.size(); ++i)
+            *out << (i > 0 ? " " : "") << std::filesystem::path(call.arguments[i]).filename().string();
+    }
 };
 class BadInput : public testing::TestWithParam<BadCall> {};
 
@@ -205,8 +210,10 @@ TEST(Limits, what_is_not_simulated_is_warned_of) {
     EXPECT_TRUE(has(output("", body_of("a", "sphere = 1.0") + body_of("b", "sphere = 1.0")), "warning: "));
     EXPECT_FALSE(has(output("", body_of("a", "sphere = 1.0")), "warning: "));
     EXPECT_FALSE(has(output("[contact]\nresponse = \"none\"\n", body_of("a", "hoop = 1.0") + body_of("b", "sphere = 1.0")), "warning: "));
-    const std::string late = "[[impulse]]\ntime = 0.1\nbody = \"a\"\nimpulse = [1.0, 0.0, 0.0]\n";
-    EXPECT_FALSE(has(output("", body_of("a", "sphere = 1.0") + late), "impulse[0]"));   // 0.1 s is within the last step
+    // 0.1 s is nearest to the end of the last step, the 26th.
+    const auto impulse_at = [](const char* time) { return body_of("a", "sphere = 1.0") + "[[impulse]]\ntime = " + time + "\nbody = \"a\"\nimpulse = [1.0, 0.0, 0.0]\n"; };
+    EXPECT_TRUE(has(output("", impulse_at("0.1")), "warning: "));
+    EXPECT_FALSE(has(output("", impulse_at("0.099")), "warning: "));
 }
 
 // --- list ------------------------------------------------------------------------------------------------------------

@@ -447,7 +447,7 @@ TEST(SceneReader, cube_scenes_differ_in_name_and_step_only) {
     const auto decimal = read_scene(source_dir() / "host_sim/scenes/cube.toml"), binary = read_scene(source_dir() / "host_sim/scenes/cube_binary.toml");
     EXPECT_EQ(decimal.steps(), 800);
     EXPECT_EQ(binary.steps(), 1024);
-    EXPECT_EQ(decimal.impulses.size(), 8u);
+    EXPECT_EQ(decimal.impulses.size(), 9u);
 }
 
 }  // namespace

@@ -9,7 +9,7 @@ constexpr int steps_per_sample = 64;   // a quarter of a second
 
 const std::vector<Motion>& reference_of_the_top() {
     static const std::vector<Motion> motions = [] {
-        const Setup setup = free_top({1, 256});
+        const SceneSetup setup = free_top({1, 256});
         return reference::free_trajectory(reference_body(setup.bodies[0]), start_of(setup.bodies[0]), reference::sample_times(0.25L, 400));
     }();
     return motions;

@@ -12,8 +12,8 @@ constexpr Number g = 9.8125L;
 class Contacts : public testing::TestWithParam<Case> {
 protected:
     static const System& system() { return GetParam().system; }
-    static Setup floor(Number restitution, Number friction = 0) {
-        Setup setup{.name = "floor"};
+    static SceneSetup floor(Number restitution, Number friction = 0) {
+        SceneSetup setup{.name = "floor"};
         setup.world = {.gravity = {0, -9.8125, 0}, .contact = {.restitution = real(restitution), .friction = real(friction)}};
         setup.planes = {{}};
         return setup;
@@ -43,7 +43,7 @@ Number worst_apex(AnyWorld& world, Number restitution) {
 TEST_P(Contacts, a_ball_bounces_to_its_heights) {
     if (GetParam().method.order < 2) GTEST_SKIP() << "falls with the error of order 1";
     for (const Number restitution : {1.0L, 0.8L}) {
-        Setup setup = floor(restitution);
+        SceneSetup setup = floor(restitution);
         setup.bodies = {sphere(1, 0.5)};
         setup.bodies[0].position = {0, 1.5, 0};
         const auto world = build(setup, GetParam());
@@ -56,7 +56,7 @@ TEST_P(Contacts, a_ball_bounces_to_its_heights) {
 
 TEST_P(Contacts, an_elastic_ball_never_gains_energy_in_1e4_bounces) {
     if (GetParam().method.order < 2) GTEST_SKIP() << "falls with the error of order 1";
-    Setup setup = floor(1);
+    SceneSetup setup = floor(1);
     setup.bodies = {sphere(1, 0.5)};
     setup.bodies[0].position = {0, 0.6015625, 0};                // 0.1 m up: 0.29 s a bounce
     const auto world = build(setup, GetParam());
@@ -80,7 +80,7 @@ TEST_P(Contacts, an_elastic_ball_never_gains_energy_in_1e4_bounces) {
 
 TEST_P(Contacts, a_ball_comes_to_rest_and_stays) {
     for (const Number restitution : {0.0L, 0.5L, 0.9L}) {
-        Setup setup = floor(restitution);
+        SceneSetup setup = floor(restitution);
         setup.bodies = {sphere(1, 0.5)};
         setup.bodies[0].position = {0, 1, 0};
         const auto world = build(setup, GetParam());
@@ -100,7 +100,7 @@ TEST_P(Contacts, a_ball_comes_to_rest_and_stays) {
 }
 
 TEST_P(Contacts, a_tilted_box_comes_to_rest_on_a_face) {
-    Setup setup = floor(0.25L, 0.5L);
+    SceneSetup setup = floor(0.25L, 0.5L);
     setup.bodies = {box(2, {1, 0.5, 0.75})};
     setup.bodies[0].position = {0, 1.5, 0};
     setup.bodies[0].orientation = {0.9, {0.1, -0.3, 0.2}};
@@ -124,7 +124,7 @@ TEST_P(Contacts, a_box_hit_off_centre_gets_the_spin_of_the_impulse_formula) {
     };
     for (const Shape& shape : {Shape{{1, 0.5, 0.75}, {0.9, {0.1, -0.3, 0.2}}}, Shape{{0.03125, 2, 0.03125}, {0.95, {0.1, 0.05, 0.25}}}, Shape{{1, 1, 1}, {0.8, {0.3, 0.1, -0.4}}}}) {
         for (const Number restitution : {0.0L, 0.5L, 1.0L}) {
-            Setup setup = floor(restitution);
+            SceneSetup setup = floor(restitution);
             setup.world.gravity = {};
             setup.bodies = {box(2, shape.edges)};
             BodySpec& body = setup.bodies[0];
@@ -150,7 +150,7 @@ TEST_P(Contacts, a_box_hit_off_centre_gets_the_spin_of_the_impulse_formula) {
 }
 
 TEST_P(Contacts, a_box_that_falls_flat_bounces_without_spin) {
-    Setup setup = floor(0.5L);
+    SceneSetup setup = floor(0.5L);
     setup.bodies = {box(2, {1, 0.5, 0.75})};
     setup.bodies[0].position = {0, 1.25, 0};
     const auto world = build(setup, GetParam());
@@ -165,7 +165,7 @@ TEST_P(Contacts, a_box_that_falls_flat_bounces_without_spin) {
 }
 
 TEST_P(Contacts, a_ball_in_a_groove_of_two_planes_stays_in_its_middle) {
-    Setup setup = floor(0.5L);
+    SceneSetup setup = floor(0.5L);
     setup.planes = {{.normal = {1, 1, 0}}, {.normal = {-1, 1, 0}}};
     setup.bodies = {sphere(1, 0.5)};
     setup.bodies[0].position = {0, 2, 0};
@@ -179,7 +179,7 @@ TEST_P(Contacts, a_ball_in_a_groove_of_two_planes_stays_in_its_middle) {
 }
 
 TEST_P(Contacts, a_sliding_box_stops_where_friction_stops_it) {
-    Setup setup = floor(0, 0.5L);
+    SceneSetup setup = floor(0, 0.5L);
     setup.bodies = {box(2, {1, 0.25, 1})};
     setup.bodies[0].position = {0, 0.125, 0};
     setup.bodies[0].velocity = {3, 0, 0};
@@ -191,7 +191,7 @@ TEST_P(Contacts, a_sliding_box_stops_where_friction_stops_it) {
 }
 
 TEST_P(Contacts, a_ball_that_slides_comes_to_roll_with_five_sevenths_of_its_speed) {
-    Setup setup = floor(0, 0.25L);
+    SceneSetup setup = floor(0, 0.25L);
     setup.bodies = {sphere(2, 0.5)};
     setup.bodies[0].position = {0, 0.5, 0};
     setup.bodies[0].velocity = {3.5, 0, 0};
@@ -202,7 +202,7 @@ TEST_P(Contacts, a_ball_that_slides_comes_to_roll_with_five_sevenths_of_its_spee
 }
 
 TEST_P(Contacts, a_body_with_restitution_of_its_own_takes_the_larger) {
-    Setup setup = floor(0.5L);
+    SceneSetup setup = floor(0.5L);
     setup.world.gravity = {};
     setup.bodies = {sphere(1, 0.5)};
     setup.bodies[0].position = {0, 1, 0};
@@ -219,7 +219,7 @@ TEST_P(Contacts, a_body_with_restitution_of_its_own_takes_the_larger) {
 }
 
 TEST_P(Contacts, a_shape_without_contact_falls_through_the_floor) {
-    Setup setup = floor(0.5L);
+    SceneSetup setup = floor(0.5L);
     setup.bodies = {top({1, 2, 3}, {})};
     setup.bodies[0].position = {0, 1, 0};
     const auto world = build(setup, GetParam());
@@ -229,7 +229,7 @@ TEST_P(Contacts, a_shape_without_contact_falls_through_the_floor) {
 }
 
 TEST_P(Contacts, a_body_that_starts_below_the_floor_comes_out_and_rests) {
-    Setup setup = floor(0.5L);
+    SceneSetup setup = floor(0.5L);
     setup.bodies = {sphere(1, 0.5)};
     setup.bodies[0].position = {0, 0.25, 0};
     const auto world = build(setup, GetParam());

@@ -13,5 +13,5 @@
 #include <type_traits>
 #include <utility>
 
-#pragma GCC poison malloc calloc realloc free new delete throw try catch printf puts abort exit
+#pragma GCC poison malloc calloc realloc free new throw try catch printf puts abort exit
 #pragma GCC poison sin cos sinf cosf sqrtf tan atan2 pow fabs floor

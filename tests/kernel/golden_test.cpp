@@ -20,13 +20,13 @@ std::string hexadecimal(std::uint64_t hash) {
     return text;
 }
 
-std::string path_of(const Setup& scene) { return std::string{TUMBLE_GOLDEN_DIR} + "/" + scene.name + ".txt"; }
+std::string path_of(const SceneSetup& scene) { return std::string{TUMBLE_GOLDEN_DIR} + "/" + scene.name + ".txt"; }
 
-class Golden : public testing::TestWithParam<Setup> {};
-std::string name_of_scene(const testing::TestParamInfo<Setup>& info) { return info.param.name; }
+class Golden : public testing::TestWithParam<SceneSetup> {};
+std::string name_of_scene(const testing::TestParamInfo<SceneSetup>& info) { return info.param.name; }
 INSTANTIATE_TEST_SUITE_P(scene, Golden, testing::ValuesIn(scenes()), name_of_scene);
 
-void write(const Setup& scene) {
+void write(const SceneSetup& scene) {
     std::ofstream file{path_of(scene)};
     file << "# " << scene.name << ": integrator, number system, digest of the state after";
     for (const int steps : checkpoints) file << " " << steps;
@@ -46,7 +46,7 @@ void write(const Setup& scene) {
 }
 
 TEST_P(Golden, every_integrator_and_number_system_gives_the_recorded_bits) {
-    const Setup& scene = GetParam();
+    const SceneSetup& scene = GetParam();
     if (std::getenv("TUMBLE_UPDATE_GOLDEN") != nullptr) write(scene);
 
     std::map<std::string, std::string> recorded;   // "integrator system" to digests

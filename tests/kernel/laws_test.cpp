@@ -31,14 +31,14 @@ Vector momentum_of(const InertiaTensor& i, Vector w) {
 }
 
 TEST_P(Laws, a_body_starts_where_it_was_put) {
-    Setup setup{.name = "start"};
+    SceneSetup setup{.name = "start"};
     setup.bodies = {skew_body()};
     const auto world = build(setup, GetParam());
     EXPECT_LE(distance(world->motion(0), start_of(setup.bodies[0])), tolerance::start.of(system()));
 }
 
 TEST_P(Laws, accessors_report_the_state_to_the_digits_of_working_numbers) {
-    Setup setup{.name = "start"};
+    SceneSetup setup{.name = "start"};
     setup.bodies = {skew_body()};
     const auto world = build(setup, GetParam());
     world->run(10);
@@ -46,7 +46,7 @@ TEST_P(Laws, accessors_report_the_state_to_the_digits_of_working_numbers) {
 }
 
 TEST_P(Laws, an_impulse_off_centre_gives_the_textbook_velocity_and_spin) {
-    Setup setup{.name = "impulse"};
+    SceneSetup setup{.name = "impulse"};
     setup.bodies = {skew_body()};
     const BodySpec& body = setup.bodies[0];
     const auto world = build(setup, GetParam());
@@ -63,7 +63,7 @@ TEST_P(Laws, an_impulse_off_centre_gives_the_textbook_velocity_and_spin) {
 }
 
 TEST_P(Laws, an_impulse_and_its_opposite_leave_the_motion_as_it_was) {
-    Setup setup{.name = "impulse"};
+    SceneSetup setup{.name = "impulse"};
     setup.bodies = {skew_body()};
     const auto world = build(setup, GetParam());
     const Motion before = world->motion(0);
@@ -73,7 +73,7 @@ TEST_P(Laws, an_impulse_and_its_opposite_leave_the_motion_as_it_was) {
 }
 
 TEST_P(Laws, an_impulse_of_zero_changes_no_bit) {
-    Setup setup{.name = "impulse"};
+    SceneSetup setup{.name = "impulse"};
     setup.bodies = {skew_body()};
     const auto world = build(setup, GetParam());
     world->run(3);
@@ -84,7 +84,7 @@ TEST_P(Laws, an_impulse_of_zero_changes_no_bit) {
 
 TEST_P(Laws, a_thousandfold_of_masses_obeys_the_same_impulse_formula) {
     for (const double mass : {1e-6, 1e-3, 1.0, 1e3, 1e6}) {
-        Setup setup{.name = "masses"};
+        SceneSetup setup{.name = "masses"};
         setup.bodies = {box(mass, {0.5, 0.25, 1})};
         const auto world = build(setup, GetParam());
         const Number m = static_cast<Number>(mass);
@@ -116,7 +116,7 @@ TEST_P(Laws, free_flight_conserves_angular_momentum_to_the_methods_order) {
 }
 
 TEST_P(Laws, momentum_is_the_same_after_a_free_flight) {
-    Setup setup{.name = "drift"};
+    SceneSetup setup{.name = "drift"};
     setup.bodies = {skew_body()};
     const auto world = build(setup, GetParam());
     const Vector before = world->motion(0).v, x = world->motion(0).x;
@@ -126,7 +126,7 @@ TEST_P(Laws, momentum_is_the_same_after_a_free_flight) {
 }
 
 TEST_P(Laws, a_body_without_spin_never_turns) {
-    Setup setup{.name = "still"};
+    SceneSetup setup{.name = "still"};
     setup.bodies = {skew_body()};
     setup.bodies[0].angular_velocity = {};
     setup.bodies[0].orientation = {0, {0, 0.6, 0.8}};   // w = 0
@@ -138,7 +138,7 @@ TEST_P(Laws, a_body_without_spin_never_turns) {
 }
 
 TEST_P(Laws, an_orientation_with_w_zero_turns_like_any_other) {
-    Setup there = free_top({1, 256}), here = there;
+    SceneSetup there = free_top({1, 256}), here = there;
     here.bodies[0].orientation = {0, {0.48, 0.6, 0.64}};
     const auto a = build(here, GetParam()), b = build(there, GetParam());
     a->run(512);
@@ -148,7 +148,7 @@ TEST_P(Laws, an_orientation_with_w_zero_turns_like_any_other) {
 }
 
 TEST_P(Laws, a_sphere_keeps_its_spin_and_turns_uniformly) {
-    Setup setup{.name = "sphere"};
+    SceneSetup setup{.name = "sphere"};
     setup.bodies = {sphere(2, 0.5)};
     setup.bodies[0].angular_velocity = {1, 2, -2};
     const auto world = build(setup, GetParam());
@@ -183,7 +183,7 @@ const Extreme extremes[] = {
 TEST_P(Laws, bodies_of_extreme_inertia_keep_momentum_energy_and_unit_length) {
     for (const Extreme& extreme : extremes) {
         for (const Seconds step : {Seconds{1, 256}, Seconds{Real{0.005}}, Seconds{1, 60}}) {
-            Setup setup{.name = extreme.name, .step = step};
+            SceneSetup setup{.name = extreme.name, .step = step};
             setup.bodies = {top(extreme.moments, extreme.spin)};
             const auto world = build(setup, GetParam());
             const Vector moments = vector(extreme.moments);
@@ -206,7 +206,7 @@ TEST_P(Laws, bodies_of_extreme_inertia_keep_momentum_energy_and_unit_length) {
 TEST_P(Laws, spins_near_the_limit_stay_in_range_and_turn_right) {
     // 30 rad/s of NearRange's 32, at 1/128 s: 0.12 rad of half turn a step.
     for (const RealVec3& spin : {RealVec3{30, 0, 0}, RealVec3{0, 30, 0}, RealVec3{0, 0, 30}, RealVec3{-17, 17, -17}}) {
-        Setup setup{.name = "fast", .step = Seconds{1, 128}};
+        SceneSetup setup{.name = "fast", .step = Seconds{1, 128}};
         setup.bodies = {top({2, 2, 2}, spin)};
         const auto world = build(setup, GetParam());
         const Vector w = vector(spin);
@@ -218,7 +218,7 @@ TEST_P(Laws, spins_near_the_limit_stay_in_range_and_turn_right) {
 }
 
 TEST_P(Laws, a_fixed_body_never_moves) {
-    Setup setup{.name = "fixed"};
+    SceneSetup setup{.name = "fixed"};
     setup.bodies = {skew_body(), sphere(1, 0.25)};
     setup.bodies[0].fixed = true;
     setup.world.gravity = {0, -10, 0};
@@ -258,7 +258,7 @@ TEST_P(Default, verlet_conserves_the_norm_of_angular_momentum_over_1e5_steps_and
 }
 
 TEST_P(Default, verlet_run_backward_returns_to_the_start) {
-    Setup setup = free_top({1, 256});
+    SceneSetup setup = free_top({1, 256});
     BodySpec& body = setup.bodies[0];
     body.inertia = {3, 2, 1, 0, 0, 0};
     body.position = {1, 2, 3};

@@ -15,7 +15,7 @@ protected:
 INSTANTIATE_TEST_SUITE_P(every, Loads, testing::ValuesIn(every_case()), NameOf{});
 
 TEST_P(Loads, a_dragged_projectile_flies_its_closed_form) {
-    Setup setup{.name = "projectile"};
+    SceneSetup setup{.name = "projectile"};
     setup.bodies = {sphere(2, 0.125)};
     setup.bodies[0].velocity = {10, 10, 0};
     setup.bodies[0].angular_velocity = {0, 0, 4};
@@ -31,7 +31,7 @@ TEST_P(Loads, a_dragged_projectile_flies_its_closed_form) {
 }
 
 TEST_P(Loads, a_spring_oscillates_with_its_period) {
-    Setup setup{.name = "oscillator"};
+    SceneSetup setup{.name = "oscillator"};
     setup.bodies = {sphere(0.5, 0.125)};
     setup.bodies[0].position = {3, 0, 0};
     setup.springs = {{.to = {1, 0, 0}, .stiffness = 8, .rest_length = 1}};   // about x = 2, omega 4
@@ -44,7 +44,7 @@ TEST_P(Loads, a_spring_oscillates_with_its_period) {
 
 TEST_P(Loads, an_orbit_closes_after_its_period_and_keeps_its_energy) {
     // About a fixed mass: a = 4 m, G M = 64: period 2 pi; eccentricity 1/4, from the perihelion.
-    Setup setup{.name = "orbit", .step = Seconds{1, 512}};
+    SceneSetup setup{.name = "orbit", .step = Seconds{1, 512}};
     setup.world.gravitation = 0.5;
     setup.bodies = {sphere(128, 0.125), sphere(1, 0.125)};
     setup.bodies[0].fixed = true;
@@ -64,7 +64,7 @@ TEST_P(Loads, an_orbit_closes_after_its_period_and_keeps_its_energy) {
 }
 
 TEST_P(Loads, a_spring_between_bodies_conserves_momentum_and_angular_momentum) {
-    Setup setup{.name = "pair"};
+    SceneSetup setup{.name = "pair"};
     setup.bodies = {top({3, 2, 1}, {0.25, 0.5, 0.125}, 2), top({2, 1.5, 1}, {0, -0.5, 0.25}, 3)};
     setup.bodies[0].position = {1, 0, 0};
     setup.bodies[1].position = {-1, 0.5, 0};
@@ -87,7 +87,7 @@ TEST_P(Loads, a_spring_between_bodies_conserves_momentum_and_angular_momentum) {
 }
 
 TEST_P(Loads, gravitation_between_bodies_conserves_momentum_and_angular_momentum) {
-    Setup setup{.name = "binary", .step = Seconds{1, 128}};
+    SceneSetup setup{.name = "binary", .step = Seconds{1, 128}};
     setup.world.gravitation = 2;
     setup.bodies = {sphere(2, 0.125), sphere(3, 0.125), sphere(1, 0.125)};
     setup.bodies[0].position = {2, 0, 0};
@@ -115,7 +115,7 @@ TEST_P(Loads, gravitation_between_bodies_conserves_momentum_and_angular_momentum
 }
 
 TEST_P(Loads, bodies_at_the_same_place_do_not_attract_each_other) {
-    Setup setup{.name = "same_place"};
+    SceneSetup setup{.name = "same_place"};
     setup.world.gravitation = 1;
     setup.bodies = {sphere(1, 0.5), sphere(1, 0.5)};
     const auto world = build(setup, GetParam());
@@ -126,7 +126,7 @@ TEST_P(Loads, bodies_at_the_same_place_do_not_attract_each_other) {
 
 TEST_P(Loads, a_body_frame_force_turns_with_the_body_and_a_world_frame_force_does_not) {
     // A sphere turning at pi rad/s about z, for 2 s: a force fixed in it brings it back to rest where it was displaced.
-    Setup setup{.name = "thrust", .step = Seconds{1, 512}};
+    SceneSetup setup{.name = "thrust", .step = Seconds{1, 512}};
     const Number pi = std::acos(Number(-1));
     BodySpec body = sphere(2, 0.5);
     body.angular_velocity = {0, 0, real(pi)};
@@ -144,7 +144,7 @@ TEST_P(Loads, a_body_frame_force_turns_with_the_body_and_a_world_frame_force_doe
 }
 
 TEST_P(Loads, a_force_off_centre_and_a_torque_turn_the_body) {
-    Setup setup{.name = "torque"};
+    SceneSetup setup{.name = "torque"};
     setup.bodies = {sphere(5, 0.5)};                             // moments 0.5
     setup.forces = {{.from = 0.0, .until = 1.0, .frame = Frame::body, .force = {0, 2, 0}, .point = {0.25, 0, 0}, .torque = {0, 0, 0.5}}};
     const auto world = build(setup, GetParam());
@@ -160,7 +160,7 @@ TEST_P(Loads, a_force_off_centre_and_a_torque_turn_the_body) {
 }
 
 TEST_P(Loads, a_timed_force_acts_from_its_first_step_until_before_its_last) {
-    Setup setup{.name = "window"};
+    SceneSetup setup{.name = "window"};
     setup.bodies = {sphere(2, 0.5)};
     // Steps 64 to 127 and nothing before or after; an empty window; one from step 0.
     setup.forces = {{.from = 0.25, .until = 0.5, .force = {512, 0, 0}},
@@ -178,9 +178,9 @@ TEST_P(Loads, a_timed_force_acts_from_its_first_step_until_before_its_last) {
 }
 
 TEST_P(Loads, an_impulse_of_the_script_does_what_one_applied_by_hand_does) {
-    Setup plain{.name = "impulses"};
+    SceneSetup plain{.name = "impulses"};
     plain.bodies = {top({3, 2, 1}, {0.5, 1, -0.5}, 2), sphere(1, 0.5)};
-    Setup scripted = plain;
+    SceneSetup scripted = plain;
     // At step 0; rounded to the nearest step; two in one step; beyond the end of another body's life in range.
     scripted.impulses = {{.time = 0.0, .body = 0, .impulse = {1, 2, 3}, .point = {0.25, 0.5, 0}},
                          {.time = 2.4 / 256, .body = 1, .impulse = {0, 1, 0}},
@@ -202,7 +202,7 @@ TEST_P(Loads, an_impulse_of_the_script_does_what_one_applied_by_hand_does) {
 
 TEST_P(Loads, impulses_in_one_step_are_applied_in_the_order_of_the_script) {
     if (!system().fixed_point) GTEST_SKIP() << "only saturation tells the order";
-    Setup setup{.name = "order"};
+    SceneSetup setup{.name = "order"};
     setup.bodies = {sphere(1, 0.5)};
     setup.impulses = {{.time = 0.0, .impulse = {3000, 0, 0}}, {.time = 0.0, .impulse = {-4, 0, 0}}};
     const auto world = build(setup, GetParam());
@@ -216,7 +216,7 @@ TEST_P(Loads, impulses_in_one_step_are_applied_in_the_order_of_the_script) {
 }
 
 TEST_P(Loads, a_body_frame_impulse_is_the_world_frame_impulse_turned) {
-    Setup setup{.name = "frames"};
+    SceneSetup setup{.name = "frames"};
     BodySpec body = top({3, 2, 1}, {0.5, 1, -0.5}, 2);
     body.orientation = {0.9, {0.1, -0.3, 0.2}};
     setup.bodies = {body};
@@ -236,7 +236,7 @@ class Stiff : public testing::TestWithParam<Case> {};
 INSTANTIATE_TEST_SUITE_P(every, Stiff, testing::ValuesIn(cases_of("implicit_euler")), NameOf{});
 
 TEST_P(Stiff, implicit_euler_is_stable_and_damps_where_k_h2_over_m_is_100) {
-    Setup setup{.name = "stiff"};
+    SceneSetup setup{.name = "stiff"};
     setup.bodies = {top({0.5, 0.5, 0.5}, {}, 1)};
     setup.bodies[0].position = {0.0078125, 0, 0};
     setup.springs = {{.stiffness = 6553600}};                    // k h^2 / m = 100
@@ -254,7 +254,7 @@ TEST_P(Stiff, implicit_euler_is_stable_and_damps_where_k_h2_over_m_is_100) {
 }
 
 TEST_P(Stiff, implicit_euler_holds_a_hanging_body_on_a_stiff_damped_spring) {
-    Setup setup{.name = "hanging"};
+    SceneSetup setup{.name = "hanging"};
     setup.bodies = {top({3, 2, 1}, {0.1, 0.2, 0.1}, 2)};
     setup.world.gravity = {0, -10, 0};
     setup.springs = {{.point = {0, 0.5, 0}, .to = {0, 1.5, 0}, .stiffness = 1e6, .damping = 1e3, .rest_length = 1}};

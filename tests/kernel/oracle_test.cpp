@@ -102,7 +102,7 @@ const std::map<std::string, Motion (*)(const Problem&, Motion)>& oracles() {
 
 class Oracle : public testing::TestWithParam<Case> {
 protected:
-    static void expect_agreement(const Setup& setup, Number worst) {
+    static void expect_agreement(const SceneSetup& setup, Number worst) {
         const auto oracle = oracles().find(GetParam().method.name);
         if (oracle == oracles().end()) GTEST_SKIP() << "no oracle of " << GetParam().method.name;
         const BodySpec& body = setup.bodies[0];
@@ -123,8 +123,8 @@ protected:
         RecordProperty("greatest_difference", std::to_string(greatest * 1e12L) + "e-12");
     }
     // Moments sorted downwards: the body's axes are the principal ones.
-    static Setup sorted_top() {
-        Setup setup{.name = "top"};
+    static SceneSetup sorted_top() {
+        SceneSetup setup{.name = "top"};
         setup.bodies = {top({3, 2, 1}, {0.5, 2, -0.25})};
         return setup;
     }
@@ -136,7 +136,7 @@ TEST_P(Oracle, a_free_top_moves_as_the_textbook_formula_says) {
 }
 
 TEST_P(Oracle, a_free_top_in_gravity_moves_as_the_textbook_formula_says) {
-    Setup setup = sorted_top();
+    SceneSetup setup = sorted_top();
     setup.world.gravity = {0.5, -10, 0.25};
     setup.bodies[0].velocity = {1, 2, 3};
     setup.step = Seconds{Real{0.005}};
@@ -144,7 +144,7 @@ TEST_P(Oracle, a_free_top_in_gravity_moves_as_the_textbook_formula_says) {
 }
 
 TEST_P(Oracle, a_body_on_a_spring_moves_as_the_textbook_formula_says) {
-    Setup setup = sorted_top();
+    SceneSetup setup = sorted_top();
     setup.bodies[0].mass = 2;
     setup.bodies[0].position = {0.5, -0.25, 0};
     setup.bodies[0].velocity = {0.25, 1, -0.5};
@@ -159,7 +159,7 @@ TEST_P(Oracle, a_body_on_a_spring_moves_as_the_textbook_formula_says) {
 }
 
 TEST_P(Oracle, a_body_with_damping_and_drag_moves_as_the_textbook_formula_says) {
-    Setup setup = sorted_top();
+    SceneSetup setup = sorted_top();
     setup.bodies[0].mass = 2;
     setup.bodies[0].position = {0.5, -0.25, 0};
     setup.world.linear_drag = 0.5;

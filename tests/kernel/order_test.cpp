@@ -10,12 +10,12 @@ namespace {
 
 class Order : public testing::TestWithParam<Method> {
 protected:
-    static Setup with_step(Setup setup, int exponent) {
+    static SceneSetup with_step(SceneSetup setup, int exponent) {
         setup.step = Seconds{Real::scaled(1, -exponent)};
         return setup;
     }
     // The error after `seconds` at two steps, and the ratio that the order asks for.
-    static void expect_order(const Setup& setup, int order, int seconds, const std::function<Number(const Motion&)>& error) {
+    static void expect_order(const SceneSetup& setup, int order, int seconds, const std::function<Number(const Motion&)>& error) {
         const int n = tests::order_step_exponent(order);
         Number errors[2];
         for (int i = 0; i < 2; ++i) {
@@ -34,7 +34,7 @@ INSTANTIATE_TEST_SUITE_P(every_integrator, Order, testing::ValuesIn(methods()), 
 
 TEST_P(Order, halving_the_step_divides_the_error_of_an_oscillator_by_2_to_the_order) {
     // x'' = -4 x from (1, 0, 0) with velocity (0, 1, 0): an ellipse.
-    Setup setup{.name = "oscillator"};
+    SceneSetup setup{.name = "oscillator"};
     BodySpec body = top({1, 1, 1}, {});
     body.mass = 0.5;
     body.position = {1, 0, 0};
@@ -49,7 +49,7 @@ TEST_P(Order, halving_the_step_divides_the_error_of_an_oscillator_by_2_to_the_or
 }
 
 TEST_P(Order, halving_the_step_divides_the_error_of_a_dragged_projectile_by_2_to_the_order) {
-    Setup setup{.name = "projectile"};
+    SceneSetup setup{.name = "projectile"};
     BodySpec body = top({1, 1, 1}, {});
     body.velocity = {10, 10, 0};
     setup.bodies = {body};
@@ -63,7 +63,7 @@ TEST_P(Order, halving_the_step_divides_the_error_of_a_dragged_projectile_by_2_to
 }
 
 TEST_P(Order, halving_the_step_divides_the_error_of_a_free_top_by_2_to_the_order) {
-    Setup setup{.name = "top"};
+    SceneSetup setup{.name = "top"};
     setup.bodies = {top({1, 2, 3}, {0.5, 1, 0.7})};
     const Motion end = reference::free_trajectory(reference_body(setup.bodies[0]), start_of(setup.bodies[0]), {2}).back();
     expect_order(setup, GetParam().free_order, 2, [&](const Motion& m) { return angle_between(m.q, end.q); });
@@ -72,7 +72,7 @@ TEST_P(Order, halving_the_step_divides_the_error_of_a_free_top_by_2_to_the_order
 
 TEST_P(Order, halving_the_step_divides_the_error_of_a_body_on_a_spring_with_drag_by_2_to_the_order) {
     // Force and torque depend on position, orientation, velocity and spin at once.
-    Setup setup{.name = "body_on_a_spring"};
+    SceneSetup setup{.name = "body_on_a_spring"};
     BodySpec body = top({1, 2, 3}, {0.5, 1, 0.7}, 2);
     body.position = {0.5, -0.25, 0};
     setup.bodies = {body};
@@ -93,7 +93,7 @@ TEST_P(Order, halving_the_step_divides_the_error_of_a_body_on_a_spring_with_drag
 
 TEST_P(Order, uniform_gravity_moves_the_centre_of_mass_exactly_from_order_two_on) {
     if (GetParam().order < 2) GTEST_SKIP() << "order 1";
-    Setup setup{.name = "fall", .step = Seconds{1, 4}};
+    SceneSetup setup{.name = "fall", .step = Seconds{1, 4}};
     setup.bodies = {top({1, 2, 3}, {1, 1, 1})};
     setup.bodies[0].velocity = {1, 2, 3};
     setup.world.gravity = {1, -10, 0.5};

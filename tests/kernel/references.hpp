@@ -19,8 +19,8 @@ namespace tumble::test {
 }
 
 // Tumbles: it turns about its middle axis, which is unstable.
-[[nodiscard]] inline Setup free_top(Seconds step) {
-    Setup setup{.name = "free_top", .step = step};
+[[nodiscard]] inline SceneSetup free_top(Seconds step) {
+    SceneSetup setup{.name = "free_top", .step = step};
     setup.bodies = {top({1, 2, 3}, {0.1, 2, 0.1})};
     return setup;
 }
@@ -29,7 +29,7 @@ namespace tumble::test {
     return {number(body.mass), {number(body.inertia.xx), number(body.inertia.yy), number(body.inertia.zz)}};
 }
 // Gravity, drag and springs to world points, on the first body.
-[[nodiscard]] inline auto reference_load(const Setup& setup) {
+[[nodiscard]] inline auto reference_load(const SceneSetup& setup) {
     const Number mass = number(setup.bodies[0].mass);
     return [=](const Motion& m, Number) {
         const Number linear = number(setup.world.linear_drag), angular = number(setup.world.angular_drag);

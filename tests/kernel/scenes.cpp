@@ -2,8 +2,8 @@
 
 namespace tumble::test {
 
-const std::vector<Setup>& scenes() {
-    static const std::vector<Setup> all = [] {
+const std::vector<SceneSetup>& scenes() {
+    static const std::vector<SceneSetup> all = [] {
         const RealVec3 gravity{0, -9.81, 0};
         BodySpec body;                           // with axes of its own
         body.mass = 1.5;
@@ -12,7 +12,7 @@ const std::vector<Setup>& scenes() {
         body.velocity = {1, 2, -0.5};
         body.orientation = {0.9, {0.1, -0.3, 0.2}};
         body.angular_velocity = {0.5, -2, 1};
-        std::vector<Setup> s;
+        std::vector<SceneSetup> s;
 
         s.push_back({.name = "free_top", .needs = nothing});
         s.back().world.gravity = {0, -1, 0};

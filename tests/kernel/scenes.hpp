@@ -5,6 +5,6 @@
 
 namespace tumble::test {
 
-[[nodiscard]] const std::vector<Setup>& scenes();
+[[nodiscard]] const std::vector<SceneSetup>& scenes();
 
 }  // namespace tumble::test

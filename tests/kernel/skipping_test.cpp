@@ -18,7 +18,7 @@ std::vector<Case> cases_with_minimal_worlds() {
 INSTANTIATE_TEST_SUITE_P(every, Skipping, testing::ValuesIn(cases_with_minimal_worlds()), NameOf{});
 
 TEST_P(Skipping, features_that_are_compiled_in_but_not_used_change_no_bit) {
-    for (const Setup& scene : scenes()) {
+    for (const SceneSetup& scene : scenes()) {
         const auto minimal = build_minimal(scene, GetParam()), full = build(scene, GetParam());
         ASSERT_NE(minimal, nullptr) << scene.name;
         for (int step = 0; step < 600; ++step) {
@@ -31,8 +31,8 @@ TEST_P(Skipping, features_that_are_compiled_in_but_not_used_change_no_bit) {
 }
 
 TEST_P(Skipping, features_that_are_present_but_do_nothing_change_no_bit) {
-    for (const Setup& scene : scenes()) {
-        Setup busy = scene;
+    for (const SceneSetup& scene : scenes()) {
+        SceneSetup busy = scene;
         const int body = static_cast<int>(busy.bodies.size());
         busy.bodies.push_back(sphere(1, 0.25));   // far away, without ties to the others
         busy.bodies.back().position = {-40, 0, 40};
@@ -54,7 +54,7 @@ TEST_P(Skipping, features_that_are_present_but_do_nothing_change_no_bit) {
 }
 
 TEST_P(Skipping, the_same_scene_run_twice_gives_the_same_bits) {
-    for (const Setup& scene : scenes()) {
+    for (const SceneSetup& scene : scenes()) {
         const auto a = build(scene, GetParam()), b = build(scene, GetParam());
         a->run(100);
         b->run(100);

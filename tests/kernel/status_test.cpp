@@ -16,14 +16,14 @@ std::vector<Case> fixed_point_cases() {
 INSTANTIATE_TEST_SUITE_P(near, Fixed32, testing::ValuesIn(fixed_point_cases()), NameOf{});
 
 // Three spheres far from each other; NearRange holds 64 m, 32 m/s, 32 rad/s.
-Setup three_spheres() {
-    Setup setup{.name = "three_spheres"};
+SceneSetup three_spheres() {
+    SceneSetup setup{.name = "three_spheres"};
     setup.bodies = {sphere(1, 0.5), sphere(1, 0.5), sphere(1, 0.5)};
     return setup;
 }
 
 TEST_P(Fixed32, a_position_that_leaves_its_range_is_held_at_the_limit_and_told) {
-    Setup setup = three_spheres();
+    SceneSetup setup = three_spheres();
     setup.bodies[1].position = {0, 63, 0};
     setup.bodies[1].velocity = {0, 16, 0};      // 1/16 m a step: out after 16 steps, at 64 m
     setup.bodies[2].velocity = {-32, 0, 0};     // out after 512
@@ -46,7 +46,7 @@ TEST_P(Fixed32, a_position_that_leaves_its_range_is_held_at_the_limit_and_told) 
 }
 
 TEST_P(Fixed32, a_velocity_that_leaves_its_range_is_held_at_the_limit_and_told) {
-    Setup setup = three_spheres();
+    SceneSetup setup = three_spheres();
     setup.world.gravity = {0, -512, 0};         // 2 m/s a step
     setup.bodies[0].fixed = setup.bodies[1].fixed = true;
     const auto world = build(setup, GetParam());
@@ -59,7 +59,7 @@ TEST_P(Fixed32, a_velocity_that_leaves_its_range_is_held_at_the_limit_and_told) 
 
 TEST_P(Fixed32, an_impulse_of_any_strength_saturates_and_is_told_at_once) {
     for (const Number strength : {40.0L, 1e3L, 1e6L, 1e12L, 1e30L}) {
-        Setup setup = three_spheres();
+        SceneSetup setup = three_spheres();
         const auto world = build(setup, GetParam());
         world->run(3);
         world->apply_impulse(1, {0, -strength, 0});
@@ -76,7 +76,7 @@ TEST_P(Fixed32, a_spin_beyond_its_range_is_told_whatever_the_body) {
     for (const RealVec3& moments : inertias) {
         for (int axis = 0; axis < 3; ++axis) {
             for (const double spin : {130.0, 200.0, 1000.0, 3333.0}) {
-                Setup setup{.name = "spin"};
+                SceneSetup setup{.name = "spin"};
                 setup.bodies = {top(moments, {})};
                 const auto world = build(setup, GetParam());
                 Vector impulse{}, point{};
@@ -97,7 +97,7 @@ TEST_P(Fixed32, a_spin_beyond_its_range_is_told_whatever_the_body) {
 
 TEST_P(Fixed32, gravity_beyond_the_format_is_told) {
     for (const double gravity : {1e4, 1e5, 1e6, 1e9}) {
-        Setup setup = three_spheres();
+        SceneSetup setup = three_spheres();
         setup.world.gravity = {0, -gravity, 0};
         const auto world = build(setup, GetParam());
         EXPECT_TRUE(world->step().has(Issue::range_left)) << gravity;
@@ -106,7 +106,7 @@ TEST_P(Fixed32, gravity_beyond_the_format_is_told) {
 
 TEST_P(Fixed32, a_start_outside_the_range_is_told_by_the_first_step) {
     for (const Real& x : {Real{65}, Real{100}, Real{200}, Real{-1e6}}) {
-        Setup setup = three_spheres();
+        SceneSetup setup = three_spheres();
         setup.bodies[0].position = {x, 0, 0};
         EXPECT_TRUE(build(setup, GetParam())->step().has(Issue::range_left)) << number(x);
         setup.bodies[0].position = {};
@@ -118,7 +118,7 @@ TEST_P(Fixed32, a_start_outside_the_range_is_told_by_the_first_step) {
 // Floating point says when the true motion leaves the range; fixed point must have said so by then.
 TEST_P(Fixed32, a_load_that_drives_a_body_out_of_range_never_passes_silently) {
     for (const double stiffness : {1e2, 1e4, 3e5, 1e7, 1e10, 1e15}) {
-        Setup setup{.name = "explosion"};
+        SceneSetup setup{.name = "explosion"};
         setup.bodies = {sphere(1, 0.5)};
         setup.bodies[0].position = {1, 0, 0};
         setup.springs = {{.stiffness = stiffness}};
@@ -145,7 +145,7 @@ INSTANTIATE_TEST_SUITE_P(every, Floating, testing::ValuesIn(floating_cases()), N
 
 TEST_P(Floating, a_motion_that_is_not_finite_is_told) {
     const bool f32 = GetParam().system.bits == 32;
-    Setup setup = three_spheres();
+    SceneSetup setup = three_spheres();
     setup.world.gravity = {0, f32 ? -3e38 : -1e308, 0};
     setup.step = Seconds{4, 1};
     setup.bodies[0].fixed = true;
@@ -158,7 +158,7 @@ TEST_P(Floating, a_motion_that_is_not_finite_is_told) {
 TEST_P(Floating, a_spin_that_is_not_finite_is_told_and_steps_end) {
     const bool f32 = GetParam().system.bits == 32;
     for (const Number spin : {1e3L, 1e10L, f32 ? 1e25L : 1e200L, f32 ? 3e38L : 1e308L}) {
-        Setup setup{.name = "spin"};
+        SceneSetup setup{.name = "spin"};
         setup.bodies = {top({1, 2, 3}, {})};
         const auto world = build(setup, GetParam());
         for (int i = 0; i < 4; ++i) {
@@ -176,7 +176,7 @@ TEST_P(Floating, a_spin_that_is_not_finite_is_told_and_steps_end) {
 }
 
 TEST(status, a_full_world_adds_nothing_and_says_so) {
-    Setup setup = three_spheres();
+    SceneSetup setup = three_spheres();
     for (const Case& c : every_case()) {
         const auto world = build(setup, c);
         EXPECT_TRUE(world->add(sphere(1, 1)));

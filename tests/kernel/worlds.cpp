@@ -46,7 +46,7 @@ void PrintTo(const Case& c, std::ostream* out) { *out << name_of(c); }
 
 namespace {
 
-std::unique_ptr<AnyWorld> fill(std::unique_ptr<AnyWorld> world, const Setup& setup) {
+std::unique_ptr<AnyWorld> fill(std::unique_ptr<AnyWorld> world, const SceneSetup& setup) {
     const auto require = [&](bool done) { if (!done) throw std::invalid_argument{std::string{"cannot build "} + setup.name}; };
     require(world != nullptr);
     for (const auto& b : setup.bodies) require(world->add(b));
@@ -59,10 +59,10 @@ std::unique_ptr<AnyWorld> fill(std::unique_ptr<AnyWorld> world, const Setup& set
 
 }  // namespace
 
-std::unique_ptr<AnyWorld> build(const Setup& setup, std::string_view method, std::string_view system) {
+std::unique_ptr<AnyWorld> build(const SceneSetup& setup, std::string_view method, std::string_view system) {
     return fill(number_system(system).make(method, setup.step, setup.world), setup);
 }
-std::unique_ptr<AnyWorld> build_minimal(const Setup& setup, const Case& c) {
+std::unique_ptr<AnyWorld> build_minimal(const SceneSetup& setup, const Case& c) {
     for (const MinimalWorlds& m : minimal_worlds()) {
         if (c.system.name == std::string_view{m.system} && m.features == setup.needs) return fill(m.make(c.method.name, setup.step, setup.world), setup);
     }

@@ -56,7 +56,7 @@ inline constexpr Features with_box{.planes = 1, .boxes = true};
 inline constexpr Features with_friction{.planes = 1, .boxes = true, .friction = true};
 
 // A scene: everything a world is built from.
-struct Setup {
+struct SceneSetup {
     const char* name = "";
     Seconds step{1, 256};
     WorldSpec world{};
@@ -137,9 +137,9 @@ struct NameOf {
 };
 
 // A world with everything compiled in.
-[[nodiscard]] std::unique_ptr<AnyWorld> build(const Setup& setup, std::string_view method, std::string_view system);
-[[nodiscard]] inline std::unique_ptr<AnyWorld> build(const Setup& setup, const Case& c) { return build(setup, c.method.name, c.system.name); }
+[[nodiscard]] std::unique_ptr<AnyWorld> build(const SceneSetup& setup, std::string_view method, std::string_view system);
+[[nodiscard]] inline std::unique_ptr<AnyWorld> build(const SceneSetup& setup, const Case& c) { return build(setup, c.method.name, c.system.name); }
 // A world with exactly setup.needs compiled in; null for a system that has no minimal worlds.
-[[nodiscard]] std::unique_ptr<AnyWorld> build_minimal(const Setup& setup, const Case& c);
+[[nodiscard]] std::unique_ptr<AnyWorld> build_minimal(const SceneSetup& setup, const Case& c);
 
 }  // namespace tumble::test
