@@ -220,7 +220,7 @@ int main(int argc, char** argv) try {
             const Answer& answer = answers.at({job.variant.name, job.method});
             job.row["step_s"] = scene.step.seconds();
             job.row["compiler"] = TUMBLE_ARM_COMPILER;
-            job.row["flags"] = "-O2 -fno-schedule-insns";
+            job.row["flags"] = job.variant.numbers == "q32" ? "-O2 -fno-schedule-insns" : "-O2";
             add_sizes(job.row, elf);
             if (accuracy) {
                 job.row["position_error_m"] = answer.position_error;

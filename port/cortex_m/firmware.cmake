@@ -5,8 +5,7 @@
 include_guard(GLOBAL)
 include(${CMAKE_CURRENT_LIST_DIR}/board.cmake)
 
-# GCC schedules before it allocates registers; on 13 registers full of 64-bit sums that spills, 4 % of a step.
-set(TUMBLE_OPTIMIZE "-O2 -fno-schedule-insns" CACHE STRING "Optimisation flags of firmware")
+set(TUMBLE_OPTIMIZE "-O2" CACHE STRING "Optimisation flags of firmware")
 set(TUMBLE_PORT_DIR ${CMAKE_CURRENT_LIST_DIR}/..)
 get_filename_component(TUMBLE_PORT_DIR ${TUMBLE_PORT_DIR} ABSOLUTE)
 

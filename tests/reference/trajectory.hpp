@@ -5,7 +5,11 @@
 
 #include "motion.hpp"
 
+// Odeint copies its steppers' scratch arrays before their first use.
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wuninitialized"
 #include <boost/numeric/odeint.hpp>
+#pragma GCC diagnostic pop
 
 #include <array>
 #include <vector>

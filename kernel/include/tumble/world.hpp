@@ -217,7 +217,7 @@ public:
         const StepInfo<N> info{scale_, Dither::of_step(steps_taken_)};
         if constexpr (!has_loads && !has_contacts) {
             if constexpr (S::bodies == 1) {
-                if (count_ != 0) advance_free(0, info);   // a constant index: every address is known
+                advance_free(0, info);   // a constant index: every address is known
             } else {
                 for (int b = 0; b < count_; ++b) advance_free(b, info);
             }
@@ -288,7 +288,7 @@ private:
         Units units{};
         Work drift_per_impulse{};                 // h / m
         Quat<typename N::Unit> principal{};       // principal axes to the user's body axes
-        bool fixed = false;
+        bool fixed = true;                        // so is a place that no body has taken yet
     };
     struct ContactSettings {
         ContactResponse response{};
