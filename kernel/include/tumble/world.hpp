@@ -379,7 +379,7 @@ private:
     TUMBLE_INLINE void coast(int b, const DriftSum (&fall)[3]) {
         State& s = state_[b];
         const auto axis = [&](auto& x, auto& d, DriftSum f) {
-            if constexpr (Integrator::coasting == Coasting::mean) N::coast(x, d, N::half(f), scale_);
+            if constexpr (Integrator::coasting == Coasting::mean) N::coast_mean(x, d, f, scale_);
             if constexpr (Integrator::coasting == Coasting::start) N::coast(x, d, {}, scale_);
             N::add(d, f);
             if constexpr (Integrator::coasting == Coasting::end) N::coast(x, d, {}, scale_);

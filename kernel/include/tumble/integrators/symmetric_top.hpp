@@ -32,25 +32,18 @@ namespace detail {
 // A turn about a body axis, by twice the half angle that its quaternion needs.
 template <class N>
 struct AxisTurn {
-    typename N::Turn twice_sine;          // of the half angle
-    typename N::Angle cosine_less_one;    // of the half angle
+    using Turn = typename N::Turn;
+    using Angle = typename N::Angle;
 
-    [[nodiscard]] TUMBLE_INLINE static AxisTurn of(typename N::Turn angle, const SinCosSeries<typename N::Angle>& series, Dither d) {
-        return {N::Block::stretched(angle, series.sinc_less_one, d.angle), series.cos_less_one};
-    }
-};
+    Turn sine;               // of the whole angle; block turns
+    Turn versine;            // 1 - cosine of the whole angle, 2 s^2 by the half angle's sine s
+    Angle half_sine;         // of the half angle
+    Angle cosine_less_one;   // of the half angle
 
-// m <- R(-angle) m about axis i, with the half angle's sine s and cosine c:  dm_j = 2s (c m_k - s m_j),
-// dm_k = -2s (c m_j + s m_k).  Written so, an error of one unit in s or c changes |m| by only s units.
-// These are the two brackets.
-template <class N>
-struct Across {
-    typename N::Turn j, k;
-
-    [[nodiscard]] TUMBLE_INLINE static Across of(typename N::Turn m_j, typename N::Turn m_k, const AxisTurn<N>& t, typename N::Block block, Dither d) {
-        const auto sine = block.half_angle(t.twice_sine, d);
-        return {upper_word(mul_add(mul_add(N::Block::widen(m_k), t.cosine_less_one, m_k), -sine, m_j)),
-                upper_word(mul_add(mul_add(N::Block::widen(m_j), t.cosine_less_one, m_j), sine, m_k))};
+    [[nodiscard]] TUMBLE_INLINE static AxisTurn of(Turn angle, const SinCosSeries<Angle>& series, typename N::Block block, Dither d) {
+        const Turn twice_sine = N::Block::stretched(angle, series.sinc_less_one, d.angle);
+        return {N::Block::stretched(twice_sine, series.cos_less_one, d.delta), block.half_product(mul(twice_sine, twice_sine), d),
+                block.half_angle(twice_sine, d), series.cos_less_one};
     }
 };
 
@@ -68,62 +61,64 @@ struct SymmetricTopFlow {
         using Block = typename N::Block;
         using Series = SinCosSeries<Angle>;
         const Dither d = step.dither;
+        const auto square_of = [](Angle a) { return upper_word(mul(a, a)); };
         const auto block = Block::of(N::sum(body.t_b.x), N::sum(body.t_b.y), N::sum(body.t_b.z), inertia.z_shift, inertia.most_up, step.scale);
         // All turns below share the block's power of two. z times 2^z_shift keeps the digits that a rod's spin needs.
         const Turn z_up = block.turn(N::sum(body.t_b.z), d, inertia.z_shift);
         const Turn x = block.turn(N::sum(body.t_b.x), d), y = block.turn(N::sum(body.t_b.y), d), z = block.down(z_up, inertia.z_shift);
 
+        // Each turn is m <- R(-angle) m:  m_j -= (1 - cos) m_j - sin m_k,  m_k -= sin m_j + (1 - cos) m_k.  The versine is
+        // the square of the sine that the sine is made of, and dithered, so |m| stays to a unit over any number of steps.
         // x for half a step, |half angle| <= 1/16 because I_x <= I_y + I_z
         const Turn angle1 = block.share(inertia.x_angle, x, d);
-        const auto x1 = AxisTurn<N>::of(angle1, Series::of_small(block.quarter_square(mul(angle1, angle1))), d);
-        const auto a1 = Across<N>::of(y, z, x1, block, d);
-        auto dz = mul(-x1.twice_sine, a1.k);
-        auto dy = mul(x1.twice_sine, a1.j);
+        const auto x1 = AxisTurn<N>::of(angle1, Series::of_small(square_of(block.half_angle(angle1))), block, d);
+        auto less_z = mul_add(mul(x1.sine, y), x1.versine, z);
+        auto less_y = mul_sub(mul(x1.versine, y), x1.sine, z);
 
         // z for a step
-        const Turn angle2 = block.twice_share(inertia.z_half_angle, z_up + block.turn_up(dz, inertia.z_shift), d);
-        const auto z1 = AxisTurn<N>::of(angle2, Series::of(block.quarter_square(mul(angle2, angle2))), d);
-        const auto a2 = Across<N>::of(x, y + block.turn(dy), z1, block, d);
-        const auto dx = mul(z1.twice_sine, a2.j);
-        dy = mul_sub(dy, z1.twice_sine, a2.k);
+        const Turn angle2 = block.twice_share(inertia.z_half_angle, z_up - block.turn_up(less_z, inertia.z_shift), d);
+        const auto z1 = AxisTurn<N>::of(angle2, Series::of(square_of(block.half_angle(angle2))), block, d);
+        const Turn y_mid = y - block.turn(less_y);
+        const auto less_x = mul_sub(mul(z1.versine, x), z1.sine, y_mid);
+        less_y = mul_add(mul_add(less_y, z1.sine, x), z1.versine, y_mid);
 
         // x for half a step
-        const Turn x_end = x + block.turn(dx);
+        const Turn x_end = x - block.turn(less_x);
+        forget_loaded();
+        block.lower(body.t_b.x, less_x);
         const Turn angle3 = block.share(inertia.x_angle, x_end, d);
-        const auto x2 = AxisTurn<N>::of(angle3, Series::of_small(block.quarter_square(mul(angle3, angle3))), d);
-        const auto a3 = Across<N>::of(y + block.turn(dy), z + block.turn(dz), x2, block, d);
-        dz = mul_sub(dz, x2.twice_sine, a3.k);
-        dy = mul_add(dy, x2.twice_sine, a3.j);
-        const Vec3<Turn> end{x_end, y + block.turn(dy), z + block.turn(dz)};
-        body.t_b.x.add(block.increment(dx));
-        body.t_b.y.add(block.increment(dy));
-        body.t_b.z.add(block.increment(dz));
+        const auto x2 = AxisTurn<N>::of(angle3, Series::of_small(square_of(block.half_angle(angle3))), block, d);
+        const Turn y_late = y - block.turn(less_y), z_late = z - block.turn(less_z);
+        less_z = mul_add(mul_add(less_z, x2.sine, y_late), x2.versine, z_late);
+        less_y = mul_sub(mul_add(less_y, x2.versine, y_late), x2.sine, z_late);
+        const Vec3<Turn> end{x_end, y - block.turn(less_y), z - block.turn(less_z)};
+        block.lower(body.t_b.y, less_y);
+        block.lower(body.t_b.z, less_z);
+        forget_loaded();
 
         // The three turns together: (cos b cos(a1 + a2), cos b sin(a1 + a2), sin b sin(a2 - a1), sin b cos(a2 - a1)) with
-        // the half angles a1, b, a2: less one, and twice the vector.
-        const Turn u1 = Block::stretched(x1.twice_sine, x2.cosine_less_one, d.delta);
-        const Turn u2 = Block::stretched(x2.twice_sine, x1.cosine_less_one, d.delta);
-        const Angle cosines = x1.cosine_less_one + x2.cosine_less_one + upper_word(mul(x1.cosine_less_one, x2.cosine_less_one));
-        const Angle sines = block.quarter_square(mul(x1.twice_sine, x2.twice_sine));
+        // the half angles a1, b, a2; the cosine less one.
+        const Angle s1 = x1.half_sine, s2 = x2.half_sine, c1 = x1.cosine_less_one, c2 = x2.cosine_less_one;
+        const Angle u1 = Block::stretched(s1, c2, d.delta), u2 = Block::stretched(s2, c1, d.delta);
+        const Angle cosines = c1 + c2 + upper_word(mul(c1, c2)), sines = upper_word(mul(s1, s2));
         const Angle cosine_of_sum = cosines - sines;
         const Angle p_w = cosine_of_sum + z1.cosine_less_one + upper_word(mul(cosine_of_sum, z1.cosine_less_one));
-        const Vec3<Turn> p{Block::stretched(u1 + u2, z1.cosine_less_one, d.turn), block.half_turn(mul(z1.twice_sine, u2 - u1)),
-                           Block::stretched(z1.twice_sine, cosines + sines, d.delta)};
+        const Vec3<Angle> p{Block::stretched(u1 + u2, z1.cosine_less_one, d.turn),
+                            upper_word(mul_add(Block::widen(Angle{}, d.turn), z1.half_sine, u2 - u1)),
+                            Block::stretched(z1.half_sine, cosines + sines, d.delta)};
 
-        // The sphere's turn, by the momentum at the end.
+        // The sphere's turn by the momentum at the end, (1 + e_w, e) with e = sinc * end:
+        // (1 + p_w, p) (1 + e_w, e) = (.., p + p e_w + sinc (1 + p_w) end + p x e), less one.
         const auto sphere = Series::of(block.square(dot(end, end)));
-        const Vec3<Turn> e{Block::stretched(end.x(), sphere.sinc_less_one, d.delta), Block::stretched(end.y(), sphere.sinc_less_one, d.delta),
-                           Block::stretched(end.z(), sphere.sinc_less_one, d.delta)};
         const Angle e_w = sphere.cos_less_one;
-
-        // (1 + p_w, p / 2) (1 + e_w, e), less one
-        const Vec3<Angle> ea{block.angle(e.x()), block.angle(e.y()), block.angle(e.z())};
-        const Vec3<Angle> pa{block.half_angle(p.x()), block.half_angle(p.y()), block.half_angle(p.z())};
+        const auto sinc = block.angle_per_turn(sphere.sinc_less_one, d);
+        const auto sinc_p = Block::times_cosine(sinc, p_w, d.turn);
+        const Vec3<Angle> e{Block::angle(end.x(), sinc), Block::angle(end.y(), sinc), Block::angle(end.z(), sinc)};
+        const Angle w = e_w + p_w + upper_word(mul_sub(mul_sub(mul_sub(mul(e_w, p_w), p.x(), e.x()), p.y(), e.y()), p.z(), e.z()));
         const auto component = [&](auto axis) {
             constexpr int i = axis;
-            return upper_word(add_cross_component<i>(mul_add(mul_add(block.angle_sum(e[i], p[i], d), pa[i], e_w), ea[i], p_w), pa, ea));
+            return upper_word(add_cross_component<i>(mul_add(Block::add_angle(Block::widen(p[i], d.angle), end[i], sinc_p), p[i], e_w), p, e));
         };
-        const Angle w = e_w + p_w + upper_word(mul_sub(mul_sub(mul_sub(mul(e_w, p_w), ea.x(), pa.x()), ea.y(), pa.y()), ea.z(), pa.z()));
         turn<N>(body.q_wb, Delta<N>{w, {component(std::integral_constant<int, 0>{}), component(std::integral_constant<int, 1>{}),
                                         component(std::integral_constant<int, 2>{})}});
     }

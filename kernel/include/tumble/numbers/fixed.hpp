@@ -105,9 +105,17 @@ namespace detail {
 // A constant that goes into a register whole: as an operand, compilers split it into up to four short ones.
 [[nodiscard]] TUMBLE_INLINE constexpr std::int32_t whole(std::int32_t constant) {
 #if defined(__thumb2__)
-    if (!std::is_constant_evaluated()) asm("" : "+r"(constant));
+    if (!std::is_constant_evaluated()) asm volatile("" : "+r"(constant));
 #endif
     return constant;
+}
+
+// What lies in memory is loaded again from here on. Compilers keep a loaded word for its later use, and where registers
+// are few that means a store and a load for one load.
+TUMBLE_INLINE constexpr void forget_loaded() {
+#if defined(__thumb2__)
+    if (!std::is_constant_evaluated()) asm volatile("" ::: "memory");
+#endif
 }
 
 }  // namespace detail

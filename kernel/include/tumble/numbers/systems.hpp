@@ -42,10 +42,11 @@ namespace detail {
     return static_cast<std::int64_t>((static_cast<std::uint64_t>(static_cast<std::uint32_t>(high >> shift)) << 32) | lower);
 }
 
-// The upper word of a << shift, for 0 <= shift <= 31.
-[[nodiscard]] TUMBLE_INLINE constexpr std::int32_t upper_shifted_left(std::int64_t a, int shift) {
+// The upper word of (a << shift) + rest, for 0 <= shift <= 31. A product moves the lower word up in one instruction.
+[[nodiscard]] TUMBLE_INLINE constexpr std::int32_t upper_shifted_left(std::int64_t a, int shift, std::uint32_t rest = 0) {
+    const std::uint32_t power = std::uint32_t{1} << shift;
     const auto high = static_cast<std::uint32_t>(static_cast<std::uint64_t>(a) >> 32), low = static_cast<std::uint32_t>(a);
-    return static_cast<std::int32_t>((high << shift) | ((low >> 1) >> (31 - shift)));
+    return static_cast<std::int32_t>(high * power + static_cast<std::uint32_t>((std::uint64_t{low} * power + rest) >> 32));
 }
 
 [[nodiscard]] constexpr int log2_of(int power_of_two) {
@@ -130,37 +131,42 @@ struct Q32 {
 
         // A sum of the state as a block turn, times 2^more, dithered: its mean over many steps keeps all digits.
         [[nodiscard]] TUMBLE_INLINE constexpr Turn turn(TurnSum t, Dither d, int more = 0) const {
-            const int up = up_ + more;
-            return {detail::upper_shifted_left((t + TurnSum{static_cast<std::int64_t>(d.turn >> up)}).raw, up)};
+            return {detail::upper_shifted_left(t.raw, up_ + more, d.turn)};
         }
         [[nodiscard]] TUMBLE_INLINE static constexpr Turn down(Turn t, int n) { return {t.raw >> n}; }
-        // Products of two block turns: as the nearest block turn, half of that, and what the state's sum changes by.
+        // Products of two block turns: as the nearest block turn, half of that, dithered.
         [[nodiscard]] TUMBLE_INLINE constexpr Turn turn(TurnProduct p) const { return {(upper_word(p).raw + half()) >> shift_}; }
         [[nodiscard]] TUMBLE_INLINE constexpr Turn turn_up(TurnProduct p, int up) const { return {(detail::upper_shifted_left(p.raw, up) + half()) >> shift_}; }
-        [[nodiscard]] TUMBLE_INLINE constexpr Turn half_turn(TurnProduct p) const { return {upper_word(p).raw >> (shift_ + 1)}; }
-        [[nodiscard]] TUMBLE_INLINE constexpr TurnSum increment(TurnProduct p) const { return {detail::shift_right(p.raw, shift_ + up_)}; }
-        // As angles: a product of two turns, a quarter of it, a turn, half a turn.
+        [[nodiscard]] TUMBLE_INLINE constexpr Turn half_product(TurnProduct p, Dither d) const { return half_angle(upper_word(p), d); }
+        // state -= p: a product puts the upper word in its place.
+        TUMBLE_INLINE constexpr void lower(auto& state, TurnProduct p) const {
+            const int down = shift_ + up_;
+            const auto low = static_cast<std::int64_t>(static_cast<std::uint32_t>(p.raw) >> down);
+            state.accumulate(upper_word(p), Fixed<32>{static_cast<std::int32_t>(0u - (0x80000000u >> (down - 1)))},
+                             [&](TurnSum sum) { return sum - TurnSum{low}; });
+        }
+        // As angles: a product of two turns, half a turn.
         [[nodiscard]] TUMBLE_INLINE constexpr Angle square(TurnProduct p) const { return {upper_word(p).raw >> (2 * shift_)}; }
-        [[nodiscard]] TUMBLE_INLINE constexpr Angle quarter_square(TurnProduct p) const { return {upper_word(p).raw >> (2 * shift_ + 2)}; }
-        [[nodiscard]] TUMBLE_INLINE constexpr Angle angle(Turn t) const { return {t.raw >> shift_}; }
         [[nodiscard]] TUMBLE_INLINE constexpr Angle half_angle(Turn t) const { return {t.raw >> (shift_ + 1)}; }
         [[nodiscard]] TUMBLE_INLINE constexpr Angle half_angle(Turn t, Dither d) const {
             return {(t.raw + static_cast<std::int32_t>(d.angle >> (31 - shift_))) >> (shift_ + 1)};
         }
-        // t + p / 2 as an angle with all its digits, dithered for the rounding to come.
-        [[nodiscard]] TUMBLE_INLINE constexpr AngleSum angle_sum(Turn t, Turn p, Dither d) const {
-            const std::int32_t all = t.raw + (p.raw >> 1) + static_cast<std::int32_t>(d.angle >> (32 - shift_));
-            const auto high = static_cast<std::uint32_t>(all >> shift_), low = static_cast<std::uint32_t>(all) << (32 - shift_);
-            return {static_cast<std::int64_t>((static_cast<std::uint64_t>(high) << 32) | low)};
+        // 1 + c, c <= 0, as the factor that makes an angle of a turn; dithered. Just below 1/2, its format's end, for 1/2.
+        [[nodiscard]] TUMBLE_INLINE constexpr Fixed<32> angle_per_turn(Angle c, Dither d) const {
+            const auto less = static_cast<std::uint32_t>((c.raw + static_cast<std::int32_t>(d.delta >> (32 - shift_))) >> shift_);
+            const std::uint32_t factor = less + (0x80000000u >> (shift_ - 1));
+            return {static_cast<std::int32_t>(factor - (factor >> 31))};
         }
-        // t as the start of a sum of products with angles, whose upper word will be the nearest turn.
-        [[nodiscard]] TUMBLE_INLINE static constexpr TurnProduct widen(Turn t) {
-            return {static_cast<std::int64_t>((static_cast<std::uint64_t>(static_cast<std::uint32_t>(t.raw)) << 32) | 0x80000000u)};
+        [[nodiscard]] TUMBLE_INLINE static constexpr Fixed<32> times_cosine(Fixed<32> factor, Angle c, std::uint32_t dither) { return stretched(factor, c, dither); }
+        [[nodiscard]] TUMBLE_INLINE static constexpr Angle angle(Turn t, Fixed<32> factor) { return upper_word(mul(t, factor)); }
+        [[nodiscard]] TUMBLE_INLINE static constexpr AngleSum add_angle(AngleSum sum, Turn t, Fixed<32> factor) { return mul_add(sum, t, factor); }
+        // a as the start of a sum of products whose upper word will be a dithered angle.
+        [[nodiscard]] TUMBLE_INLINE static constexpr AngleSum widen(Angle a, std::uint32_t dither) {
+            return {static_cast<std::int64_t>((static_cast<std::uint64_t>(static_cast<std::uint32_t>(a.raw)) << 32) | dither)};
         }
         // t (1 + c), c * t and 2 c * t, dithered.
         [[nodiscard]] TUMBLE_INLINE static constexpr Turn stretched(Turn t, Angle c, std::uint32_t dither) {
-            const auto sum = (static_cast<std::uint64_t>(static_cast<std::uint32_t>(t.raw)) << 32) | dither;
-            return upper_word(mul_add(TurnProduct{static_cast<std::int64_t>(sum)}, t, c));
+            return upper_word(mul_add(widen(t, dither), t, c));
         }
         [[nodiscard]] TUMBLE_INLINE static constexpr Turn share(Fixed<32> c, Turn t, Dither d) {
             return upper_word(mul_add(TurnProduct{static_cast<std::int64_t>(d.turn)}, c, t));
@@ -257,6 +263,15 @@ struct Q32 {
     // position += drift + extra, with all that the drift carries.
     TUMBLE_INLINE static constexpr void coast(Integrated<Position>& x, const Integrated<Drift>& d, DriftSum extra, Scale s) {
         move(x, d.sum() + extra, s);
+    }
+    // The same at the mean of the drifts before and after `fall`: what is shifted down has two bits more, so that a
+    // product does it.
+    TUMBLE_INLINE static constexpr void coast_mean(Integrated<Position>& x, const Integrated<Drift>& d, DriftSum fall, Scale s) {
+        const DriftSum twice = d.sum() + (d.sum() + fall);
+        const int down = s.drift_shift + 1;
+        const auto low = static_cast<std::int64_t>(static_cast<std::uint32_t>(twice.raw) >> down);
+        if constexpr (carry) x.accumulate(Drift{upper(twice.raw)}, Fixed<Position::fraction_bits + 2>{1 << (32 - down)}, [&](PositionSum sum) { return sum + PositionSum{low}; });
+        else x.add({detail::shift_right(twice.raw, down)});
     }
     [[nodiscard]] static constexpr PositionSum displaced(PositionSum x, DriftSum d, Scale s) {
         return x + PositionSum{detail::shift_right(d.raw, s.drift_shift)};
@@ -368,15 +383,17 @@ struct Float {
         [[nodiscard]] TUMBLE_INLINE static constexpr T down(T t, int) { return t; }
         [[nodiscard]] TUMBLE_INLINE static constexpr T turn(T p) { return p; }
         [[nodiscard]] TUMBLE_INLINE static constexpr T turn_up(T p, int) { return p; }
-        [[nodiscard]] TUMBLE_INLINE static constexpr T half_turn(T p) { return p * T(0.5); }
-        [[nodiscard]] TUMBLE_INLINE static constexpr T increment(T p) { return p; }
+        TUMBLE_INLINE static constexpr void lower(auto& state, T p) { state.add(-p); }
         [[nodiscard]] TUMBLE_INLINE static constexpr T square(T p) { return p; }
-        [[nodiscard]] TUMBLE_INLINE static constexpr T quarter_square(T p) { return p * T(0.25); }
-        [[nodiscard]] TUMBLE_INLINE static constexpr T angle(T t) { return t; }
         [[nodiscard]] TUMBLE_INLINE static constexpr T half_angle(T t) { return t * T(0.5); }
         [[nodiscard]] TUMBLE_INLINE static constexpr T half_angle(T t, Dither) { return t * T(0.5); }
-        [[nodiscard]] TUMBLE_INLINE static constexpr T angle_sum(T t, T p, Dither) { return t + p * T(0.5); }
-        [[nodiscard]] TUMBLE_INLINE static constexpr T widen(T t) { return t; }
+        [[nodiscard]] TUMBLE_INLINE static constexpr T half_product(T p, Dither) { return p * T(0.5); }
+        // Kept less one: 1 + c would lose c's digits.
+        [[nodiscard]] TUMBLE_INLINE static constexpr T angle_per_turn(T c, Dither) { return c; }
+        [[nodiscard]] TUMBLE_INLINE static constexpr T times_cosine(T factor, T c, std::uint32_t) { return factor + c + factor * c; }
+        [[nodiscard]] TUMBLE_INLINE static constexpr T angle(T t, T factor) { return t + t * factor; }
+        [[nodiscard]] TUMBLE_INLINE static constexpr T add_angle(T sum, T t, T factor) { return sum + (t + t * factor); }
+        [[nodiscard]] TUMBLE_INLINE static constexpr T widen(T a, std::uint32_t) { return a; }
         [[nodiscard]] TUMBLE_INLINE static constexpr T stretched(T t, T c, std::uint32_t) { return t + t * c; }
         [[nodiscard]] TUMBLE_INLINE static constexpr T share(T c, T t, Dither) { return c * t; }
         [[nodiscard]] TUMBLE_INLINE static constexpr T twice_share(T c, T t, Dither) { return T(2) * c * t; }
@@ -425,6 +442,7 @@ struct Float {
         if constexpr (carry) x.add(d.residual());
         x.add(d.value() + extra);
     }
+    TUMBLE_INLINE static constexpr void coast_mean(Integrated<T>& x, const Integrated<T>& d, T fall, Scale s) { coast(x, d, half(fall), s); }
     [[nodiscard]] static constexpr T displaced(T x, T d, Scale) { return x + d; }
     [[nodiscard]] TUMBLE_INLINE static constexpr T narrow_turn(T t) { return t; }
     [[nodiscard]] TUMBLE_INLINE static constexpr T half_turn_sum(T t) { return t * T(0.5); }
