@@ -33,13 +33,13 @@ TEST_P(Loads, a_dragged_projectile_flies_its_closed_form) {
 TEST_P(Loads, a_spring_oscillates_with_its_period) {
     SceneSetup setup{.name = "oscillator"};
     setup.bodies = {sphere(0.5, 0.125)};
-    setup.bodies[0].position = {3, 0, 0};
+    setup.bodies[0].position = {2.5, 0, 0};
     setup.springs = {{.to = {1, 0, 0}, .stiffness = 8, .rest_length = 1}};   // about x = 2, omega 4
     const auto world = build(setup, GetParam());
     world->run(1024);
     const Number of_method = 2 * tolerance::method_error(order(), 4.0L / 256, 16);
-    EXPECT_LE(std::abs(world->motion(0).x.x - (2 + std::cos(Number(16)))), of_method + 4 * tolerance::loaded_flight.of(system()));
-    EXPECT_LE(std::abs(world->motion(0).v.x + 4 * std::sin(Number(16))), 4 * of_method + 16 * tolerance::loaded_flight.of(system()));
+    EXPECT_LE(std::abs(world->motion(0).x.x - (2 + std::cos(Number(16)) / 2)), of_method + 4 * tolerance::loaded_flight.of(system()));
+    EXPECT_LE(std::abs(world->motion(0).v.x + 2 * std::sin(Number(16))), 4 * of_method + 16 * tolerance::loaded_flight.of(system()));
 }
 
 TEST_P(Loads, an_orbit_closes_after_its_period_and_keeps_its_energy) {
@@ -152,28 +152,28 @@ TEST_P(Loads, a_force_off_centre_and_a_torque_turn_the_body) {
     EXPECT_LE(norm(world->motion(0).w - Vector{0, 0, 2}), 4 * tolerance::loaded_flight.of(system()));
     setup.forces[0].frame = Frame::world;
     setup.forces[0].force = {};
-    setup.bodies[0].orientation = {1, {1, 0, 0}};                // a quarter turn about x: world z is the body's -y... as seen by it
+    setup.bodies[0].orientation = {1, {1, 0, 0}};                // a quarter turn about x
     const auto turned = build(setup, GetParam());
     turned->run(256);
     const Motion m = turned->motion(0);
-    EXPECT_LE(norm(m.q.rotate(m.w) - Vector{0, 0, 1}), 4 * tolerance::loaded_flight.of(system()));
+    EXPECT_LE(norm(m.q.rotate(m.w) - Vector{0, 0, 1}), tolerance::method_error(order(), 1.0L / 256, 1) + 4 * tolerance::loaded_flight.of(system()));
 }
 
 TEST_P(Loads, a_timed_force_acts_from_its_first_step_until_before_its_last) {
     SceneSetup setup{.name = "window"};
     setup.bodies = {sphere(2, 0.5)};
     // Steps 64 to 127 and nothing before or after; an empty window; one from step 0.
-    setup.forces = {{.from = 0.25, .until = 0.5, .force = {512, 0, 0}},
-                    {.from = 0.5, .until = 0.5, .force = {0, 512, 0}},
-                    {.from = 0.0, .until = Real{1} / Real{256}, .force = {0, 0, 512}}};
+    setup.forces = {{.from = 0.25, .until = 0.5, .force = {128, 0, 0}},
+                    {.from = 0.5, .until = 0.5, .force = {0, 128, 0}},
+                    {.from = 0.0, .until = Real{1} / Real{256}, .force = {0, 0, 128}}};
     const auto world = build(setup, GetParam());
     for (int step = 0; step < 256; ++step) {
         world->step();
         const Vector v = world->motion(0).v;
         const int pushed = std::min(std::max(step + 1 - 64, 0), 64);
-        ASSERT_LE(std::abs(v.x - static_cast<Number>(pushed)), 64 * tolerance::loaded_flight.of(system())) << step;
+        ASSERT_LE(std::abs(v.x - static_cast<Number>(pushed) / 4), 64 * tolerance::loaded_flight.of(system())) << step;
         ASSERT_EQ(v.y, 0) << step;
-        ASSERT_LE(std::abs(v.z - 1), tolerance::loaded_flight.of(system())) << step;
+        ASSERT_LE(std::abs(v.z - 0.25L), tolerance::loaded_flight.of(system())) << step;
     }
 }
 
@@ -201,18 +201,19 @@ TEST_P(Loads, an_impulse_of_the_script_does_what_one_applied_by_hand_does) {
 }
 
 TEST_P(Loads, impulses_in_one_step_are_applied_in_the_order_of_the_script) {
-    if (!system().fixed_point) GTEST_SKIP() << "only saturation tells the order";
+    if (system().name != std::string_view{"q32_near"}) GTEST_SKIP() << "only saturation tells the order";
     SceneSetup setup{.name = "order"};
     setup.bodies = {sphere(1, 0.5)};
-    setup.impulses = {{.time = 0.0, .impulse = {3000, 0, 0}}, {.time = 0.0, .impulse = {-4, 0, 0}}};
-    const auto world = build(setup, GetParam());
-    world->step();
-    const Number saturated = world->motion(0).v.x;                // the range's end less 4
-    std::swap(setup.impulses[0], setup.impulses[1]);
-    const auto swapped = build(setup, GetParam());
-    swapped->step();
-    EXPECT_LE(std::abs(swapped->motion(0).v.x - saturated - 4), 1e-6L);
-    EXPECT_TRUE(world->status().has(Issue::range_left) && swapped->status().has(Issue::range_left));
+    setup.impulses = {{.time = 0.0, .impulse = {24, 0, 0}}, {.time = 0.0, .impulse = {24, 0, 0}}, {.time = 0.0, .impulse = {-24, 0, 0}}};
+    const auto saturated = build(setup, GetParam());              // 24, held at 32, 8
+    saturated->step();
+    EXPECT_LE(std::abs(saturated->motion(0).v.x - 8), 1e-6L);
+    EXPECT_TRUE(saturated->status().has(Issue::range_left));
+    std::swap(setup.impulses[1], setup.impulses[2]);
+    const auto within = build(setup, GetParam());                 // 24, 0, 24
+    within->step();
+    EXPECT_LE(std::abs(within->motion(0).v.x - 24), 1e-6L);
+    EXPECT_TRUE(within->status().ok());
 }
 
 TEST_P(Loads, a_body_frame_impulse_is_the_world_frame_impulse_turned) {

@@ -51,7 +51,8 @@ inline constexpr int sweeps = 12;
 template <class N, bool friction>
 void solve_impulses(RigidMotion<N>& motion, ContactPoint<N>* points, int count) {
     using Work = typename N::Work;
-    const int rounds = count == 1 && !friction ? 1 : contact::sweeps;
+    // One point without friction is exact at once; the choice depends on the scene, not on what is compiled in.
+    const int rounds = count == 1 && !(friction && points[0].friction > Work(0)) ? 1 : contact::sweeps;
     for (int sweep = 0; sweep < rounds; ++sweep) {
         for (int c = 0; c < count; ++c) {
             ContactPoint<N>& p = points[c];
