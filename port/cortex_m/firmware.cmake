@@ -23,7 +23,7 @@ configure_file(${CMAKE_CURRENT_LIST_DIR}/firmware.ld.in ${TUMBLE_BOARD_DIR}/firm
 add_library(tumble_firmware_flags INTERFACE)
 target_compile_options(tumble_firmware_flags INTERFACE
     ${TUMBLE_BOARD_FLAGS} -masm-syntax-unified -std=c++20 -g -fno-exceptions -fno-rtti -fno-threadsafe-statics
-    -ffp-contract=off -ffunction-sections -fdata-sections -fstack-usage
+    -ffp-contract=off -fno-math-errno -ffunction-sections -fdata-sections -fstack-usage
     -Wall -Wextra -Wconversion -Wdouble-promotion -Werror)
 target_include_directories(tumble_firmware_flags INTERFACE ${TUMBLE_PORT_DIR} ${TUMBLE_PORT_DIR}/../kernel/include)
 target_include_directories(tumble_firmware_flags SYSTEM INTERFACE ${TUMBLE_EIGEN_DIR})

@@ -17,7 +17,6 @@ TEST(Compare, host_and_core_agree_in_every_recorded_state) {
 TEST(Compare, every_load_gives_the_same_bits) {
     for (const auto* scene : {"pendulum", "projectile", "satellite", "orbit"}) {
         const Outcome outcome = tumble({"compare", shipped(scene), "--core", "cortex-m4f", "--every", "64", "--duration", "4", "--integrator", "rk4"});
-        // The satellite's thrusters fire after that.
         EXPECT_EQ(outcome.status, 0) << scene << ": " << outcome.text;
     }
 }
