@@ -19,10 +19,11 @@ set(TUMBLE_BOARD_DIR ${CMAKE_CURRENT_BINARY_DIR}/board)
 configure_file(${CMAKE_CURRENT_LIST_DIR}/board.hpp.in ${TUMBLE_BOARD_DIR}/board.hpp @ONLY)
 configure_file(${CMAKE_CURRENT_LIST_DIR}/firmware.ld.in ${TUMBLE_BOARD_DIR}/firmware.ld @ONLY)
 
-# No fused multiply-add: results must have the same bits on every core.
+# No fused multiply-add: results must have the same bits on every core. Debug information would double the time to build;
+# add -g to TUMBLE_OPTIMIZE for a session with a debugger.
 add_library(tumble_firmware_flags INTERFACE)
 target_compile_options(tumble_firmware_flags INTERFACE
-    ${TUMBLE_BOARD_FLAGS} -masm-syntax-unified -std=c++20 -g -fno-exceptions -fno-rtti -fno-threadsafe-statics
+    ${TUMBLE_BOARD_FLAGS} -masm-syntax-unified -std=c++20 -fno-exceptions -fno-rtti -fno-threadsafe-statics
     -ffp-contract=off -fno-math-errno -ffunction-sections -fdata-sections -fstack-usage
     -Wall -Wextra -Wconversion -Wdouble-promotion -Werror)
 target_include_directories(tumble_firmware_flags INTERFACE ${TUMBLE_PORT_DIR} ${TUMBLE_PORT_DIR}/../kernel/include)

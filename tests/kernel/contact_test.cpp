@@ -75,7 +75,7 @@ TEST_P(Contacts, an_elastic_ball_never_gains_energy_in_1e4_bounces) {
     }
     std::printf("%s: %d elastic bounces, energy from %+.2Lg to %+.2Lg\n", name_of(GetParam()).c_str(), bounces, least / start - 1, greatest / start - 1);
     EXPECT_EQ(bounces, 10000);
-    EXPECT_LE(greatest / start - 1, tolerance::elastic_gain);
+    EXPECT_LE(greatest / start - 1, tolerance::elastic_gain.of(system()));
 }
 
 TEST_P(Contacts, a_ball_comes_to_rest_and_stays) {

@@ -171,14 +171,14 @@ TEST(scaled, becomes_a_sum_rounded_and_saturated) {
     Random random{10};
     for (int i = 0; i < tests::many; ++i) {
         const Scaled a = random_scaled(random, -90, 20);
-        const Number limit = 0x1p62L, scaled = std::ldexp(number(a), 30);
+        const Number limit = 0x1p62L - 1, scaled = std::ldexp(number(a), 30);
         const Number expected = std::min(std::max(std::floor(scaled + Number(0.5)), -limit), limit);
         ASSERT_EQ(static_cast<Number>(a.to_wide<30>().raw), expected) << static_cast<double>(a);
         const Number narrow = std::min(std::max(std::floor(std::ldexp(number(a), 20) + Number(0.5)), Number(-highest)), Number(highest));
         ASSERT_EQ(static_cast<Number>(a.to_fixed<Fixed<20>>().raw), narrow);
     }
-    EXPECT_EQ(Scaled::of(1, 500).to_wide<0>().raw, std::int64_t{1} << 62);
-    EXPECT_EQ(Scaled::of(-1, 500).to_wide<0>().raw, -(std::int64_t{1} << 62));
+    EXPECT_EQ(Scaled::of(1, 500).to_wide<0>().raw, (std::int64_t{1} << 62) - 1);
+    EXPECT_EQ(Scaled::of(-1, 500).to_wide<0>().raw, 1 - (std::int64_t{1} << 62));
     EXPECT_EQ(Scaled::of(1, -500).to_wide<0>().raw, 0);
     EXPECT_EQ(Scaled::of(-1, -500).to_wide<0>().raw, 0);
 }

@@ -7,7 +7,6 @@
 namespace tumble::test::systems {
 
 using q32_near = Q32<NearRange>;
-using q32_room = Q32<RoomRange>;
 using q32_field = Q32<FieldRange>;
 using q32_plain = Q32<NearRange, false>;
 using f32 = F32;

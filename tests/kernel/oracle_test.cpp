@@ -31,14 +31,24 @@ Motion finished(Motion end, const Motion& start) {
     return end;
 }
 
-Motion explicit_euler(const Problem& p, const Motion& m) { return finished(plus(m, p.h, p.rate(m)), m); }
+// Euler's delta of an orientation, 1 + u with u half the angle, renormalised to its second order.
+Rotation delta(Vector w, Number h) {
+    const Vector u = w * (h / 2);
+    return {-dot(u, u) / 2, u};
+}
+
+Motion explicit_euler(const Problem& p, const Motion& m) {
+    Motion end = plus(m, p.h, p.rate(m));
+    end.q = m.q + m.q * delta(m.w, p.h);
+    return finished(end, m);
+}
 
 Motion semi_implicit_euler(const Problem& p, Motion m) {
     const Motion start = m;
     m.v = start.v + p.h * p.acceleration(start);
     m.w = start.w + p.h * p.spin_rate(start);
     m.x = start.x + p.h * m.v;
-    m.q = start.q + start.q * Rotation{0, m.w * (p.h / 2)};
+    m.q = start.q + start.q * delta(m.w, p.h);
     return finished(m, start);
 }
 
@@ -46,7 +56,7 @@ Motion implicit_euler(const Problem& p, const Motion& start) {
     Motion end = start;
     for (int i = 0; i < 60; ++i) {
         const Vector v = start.v + p.h * p.acceleration(end), w = start.w + p.h * p.spin_rate(end);
-        end = {start.x + p.h * v, v, start.q + start.q * Rotation{0, w * (p.h / 2)}, w};
+        end = {start.x + p.h * v, v, start.q + start.q * delta(w, p.h), w};
     }
     return finished(end, start);
 }

@@ -73,16 +73,6 @@ TEST(real, square_root_squares_back) {
     EXPECT_EQ(sqrt(Real{0.25}).to_double(), 0.5);
 }
 
-TEST(real, exponential_agrees_with_long_double) {
-    Random random{5};
-    for (int i = 0; i < tests::many / 100; ++i) {
-        const double x = random.uniform(-30, 30);
-        const Number expected = std::exp(static_cast<Number>(x));
-        ASSERT_LE(std::abs(number(exp(Real{x})) / expected - 1), tolerance::real_exp) << x;
-    }
-    EXPECT_EQ(exp(Real{}), Real{1});
-}
-
 TEST(real, rounds_to_the_nearest_fixed_with_ties_away_from_zero_and_clamps) {
     Random random{6};
     for (int i = 0; i < tests::many; ++i) {
@@ -160,7 +150,7 @@ TEST(real, bounds_itself_by_powers_of_two) {
 }
 
 TEST(real, is_a_constant_expression_with_the_same_bits) {
-    constexpr Real third = Real{1} / Real{3}, root = sqrt(Real{2}), e = exp(Real{1});
+    constexpr Real third = Real{1} / Real{3}, root = sqrt(Real{2});
     constexpr double third_d = third.to_double();
     constexpr float root_f = root.to_float();
     static_assert(third_d == 1.0 / 3.0);
@@ -168,7 +158,6 @@ TEST(real, is_a_constant_expression_with_the_same_bits) {
     volatile int one = 1, two = 2, three = 3;
     EXPECT_EQ(Real{one} / Real{three}, third);
     EXPECT_EQ(sqrt(Real{two}), root);
-    EXPECT_EQ(exp(Real{one}), e);
     EXPECT_EQ(root_f, std::sqrt(2.0f));
 }
 

@@ -64,7 +64,9 @@ std::unique_ptr<AnyWorld> build(const SceneSetup& setup, std::string_view method
 }
 std::unique_ptr<AnyWorld> build_minimal(const SceneSetup& setup, const Case& c) {
     for (const MinimalWorlds& m : minimal_worlds()) {
-        if (c.system.name == std::string_view{m.system} && m.features == setup.needs) return fill(m.make(c.method.name, setup.step, setup.world), setup);
+        if (c.system.name != std::string_view{m.system} || m.features != setup.needs) continue;
+        auto world = m.make(c.method.name, setup.step, setup.world);
+        return world == nullptr ? nullptr : fill(std::move(world), setup);
     }
     return nullptr;
 }

@@ -139,7 +139,7 @@ struct NameOf {
 // A world with everything compiled in.
 [[nodiscard]] std::unique_ptr<AnyWorld> build(const SceneSetup& setup, std::string_view method, std::string_view system);
 [[nodiscard]] inline std::unique_ptr<AnyWorld> build(const SceneSetup& setup, const Case& c) { return build(setup, c.method.name, c.system.name); }
-// A world with exactly setup.needs compiled in; null for a system that has no minimal worlds.
+// A world with exactly setup.needs compiled in; null for a system or a method that has no minimal worlds.
 [[nodiscard]] std::unique_ptr<AnyWorld> build_minimal(const SceneSetup& setup, const Case& c);
 
 }  // namespace tumble::test

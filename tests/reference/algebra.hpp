@@ -46,8 +46,8 @@ struct Quaternion {
     [[nodiscard]] Quaternion conjugate() const { return {w, -v}; }
     [[nodiscard]] T norm2() const { return w * w + dot(v, v); }
     [[nodiscard]] Quaternion normalized() const { return *this * (T(1) / std::sqrt(norm2())); }
-    // Euler-Rodrigues: r + 2w (v x r) + 2 v x (v x r); equal to q (0, r) q* for unit q.
-    [[nodiscard]] Vec<T> rotate(Vec<T> r) const { return r + T(2) * w * cross(v, r) + T(2) * cross(v, cross(v, r)); }
+    // q (0, r) q*: for a q that is not of unit length, |q|^2 times the rotation.
+    [[nodiscard]] Vec<T> rotate(Vec<T> r) const { return (w * w - dot(v, v)) * r + T(2) * dot(v, r) * v + T(2) * w * cross(v, r); }
     [[nodiscard]] Vec<T> rotate_back(Vec<T> r) const { return conjugate().rotate(r); }
 };
 

@@ -110,11 +110,11 @@ public:
 
     // m/s^2, world frame.
     void set_gravity(RealVec3 gravity) {
+        if constexpr (has_contacts) contact_.slow = N::template constant<Work>(sqrt(dot(gravity, gravity)) * step_length_ * step_length_ * Real{2});
         const Real h2 = step_length_ * step_length_;
         for (int i = 0; i < 3; ++i) {
             const Real fall = scale_.drift_units(gravity[i] * h2);
-            if constexpr (N::fixed_point) gravity_[i] = {fall.to_fixed(N::DriftSum::fraction_bits, 64)};
-            else gravity_[i] = N::template constant<typename N::DriftSum>(fall);
+            gravity_[i] = N::fall(fall);
         }
     }
 
@@ -293,6 +293,7 @@ private:
     struct ContactSettings {
         ContactResponse response{};
         Work restitution{}, threshold{}, friction{}, tolerance{};
+        Work slow{};                              // m: twice the change of drift by gravity in a step; who moves less, rests
     };
     template <class T, int n>
     using Array = T[n > 0 ? n : 1];
@@ -355,8 +356,8 @@ private:
     // Momentum (world, N s) and angular momentum (principal axes, N m s) into the state.
     void push(int b, const WorkVec3<N>& linear_w, const WorkVec3<N>& angular_b) {
         for (int i = 0; i < 3; ++i) {
-            N::add(state_[b].d_w[i], N::drift_sum(linear_w[i] * body_[b].drift_per_impulse, scale_));
-            state_[b].t_b[i].add(N::turn_sum(angular_b[i] * body_[b].units.per_impulse(i), scale_));
+            N::add_any(state_[b].d_w[i], linear_w[i] * body_[b].drift_per_impulse, scale_);
+            N::add_any(state_[b].t_b[i], angular_b[i] * body_[b].units.per_impulse(i), scale_);
         }
     }
 
@@ -379,7 +380,7 @@ private:
     TUMBLE_INLINE void coast(int b, const DriftSum (&fall)[3]) {
         State& s = state_[b];
         const auto axis = [&](auto& x, auto& d, DriftSum f) {
-            if constexpr (Integrator::coasting == Coasting::mean) N::coast_mean(x, d, f, scale_);
+            if constexpr (Integrator::coasting == Coasting::mean) N::coast(x, d, N::half(f), scale_);
             if constexpr (Integrator::coasting == Coasting::start) N::coast(x, d, {}, scale_);
             N::add(d, f);
             if constexpr (Integrator::coasting == Coasting::end) N::coast(x, d, {}, scale_);
@@ -407,7 +408,23 @@ private:
         Work seconds, steps_per_second;           // of this portion of a step
         const DriftSum (&fall)[3];
 
-        void operator()(const StageState<N>* stages, Kick<N>* kicks) const { world.evaluate(*this, stages, kicks); }
+        void operator()(const StageState<N>* stages, Kick<N>* kicks) const {
+            world.evaluate(*this, stages, [&](int k, const WorkVec3<N>& linear, const WorkVec3<N>& angular) {
+                bool within = true;
+                for (int i = 0; i < 3; ++i) {
+                    kicks[k].linear[i] = N::limited(fall[i] + N::drift_sum(linear[i], world.scale_), within);
+                    kicks[k].angular[i] = N::limited(N::turn_sum(angular[i], world.scale_), within);
+                }
+                if (!within) world.status_.set(Issue::range_left, unit.id[k], world.steps_taken_);
+            });
+        }
+        // The same in working numbers, whose range has no end: m and rad.
+        void operator()(const StageState<N>* stages, WorkKick<N>* kicks) const {
+            world.evaluate(*this, stages, [&](int k, const WorkVec3<N>& linear, const WorkVec3<N>& angular) {
+                for (int i = 0; i < 3; ++i) kicks[k].linear[i] = linear[i] + N::metres(fall[i], world.scale_);
+                kicks[k].angular = angular;
+            });
+        }
         [[nodiscard]] bool depends_on_velocity() const {
             if constexpr (S::drag) if (world.drag_.acts()) return true;
             if constexpr (S::springs > 0) {
@@ -417,7 +434,9 @@ private:
         }
     };
 
-    void evaluate(const Evaluate& e, const StageState<N>* stages, Kick<N>* kicks) {
+    // Calls kick(place in the unit, change of drift in m, change of half turn in rad) for each body.
+    template <class F>
+    void evaluate(const Evaluate& e, const StageState<N>* stages, F&& kick) {
         if constexpr (has_loads) {
             LoadedBody<N> loaded[load_capacity];
             for (int k = 0; k < e.unit.count; ++k) load(loaded[k], e.unit.id[k], stages[k], e);
@@ -464,10 +483,9 @@ private:
             const Work part = e.seconds * e.seconds * steps_per_second_;
             for (int k = 0; k < e.unit.count; ++k) {
                 const BodyData& body = body_[e.unit.id[k]];
-                for (int i = 0; i < 3; ++i) {
-                    kicks[k].linear[i] = e.fall[i] + N::drift_sum(loaded[k].force_w[i] * (body.drift_per_impulse * part), scale_);
-                    kicks[k].angular[i] = N::turn_sum(loaded[k].torque_b[i] * (body.units.per_impulse(i) * part), scale_);
-                }
+                WorkVec3<N> angular;
+                for (int i = 0; i < 3; ++i) angular[i] = loaded[k].torque_b[i] * (body.units.per_impulse(i) * part);
+                kick(k, scaled_by(loaded[k].force_w, body.drift_per_impulse * part), angular);
             }
         }
     }
@@ -647,16 +665,17 @@ private:
             const Portion portion{impact == 0, remaining};
             fly(unit, info, portion);
             const Work gap_end = least_gap(unit);
-            const bool touched = gap_start <= contact_.tolerance;
+            // In touch: within the band, and not on the way through it, as a ball is that a step has left above the surface.
+            const bool touched = gap_start <= contact_.tolerance && !(gap_start > Work(0) && gap_start - gap_end > contact_.slow);
             const bool too_deep = gap_end < (touched ? -contact_.tolerance : Work(0));
             if (!too_deep || impact == max_impacts) {
-                resolve(unit, remaining, touched, impact == max_impacts, too_deep && touched);
+                resolve(unit, {remaining, false, touched, impact == max_impacts, too_deep && touched});
                 return;
             }
             // The surface, or halfway to the tolerance for a body that was already in the band.
             const Work level = touched ? N::half_of(gap_start < Work(0) ? gap_start - contact_.tolerance : -contact_.tolerance) : Work(0);
             const Work landed = land(unit, info, start, remaining, gap_start - level, gap_end - level, level);
-            resolve(unit, landed, false, false, false);
+            resolve(unit, {landed, true, false, false, false});
             remaining -= landed;
             if (!(remaining > min_portion())) return;
         }
@@ -696,11 +715,20 @@ private:
         return at;
     }
 
+    // How a flight has ended.
+    struct Touchdown {
+        Work portion;                             // of a step, flown
+        bool impact;                              // at the time of an impact; else at the end of the step
+        bool resting;                             // in touch since it began
+        bool stop;                                // the last: what still approaches is stopped
+        bool sunk;                                // deeper than the tolerance
+    };
+
     // Impulses at all points in touch, and the position put right where a resting body has sunk.
-    void resolve(const Unit& unit, Work portion, bool resting, bool stop, bool sunk) {
+    void resolve(const Unit& unit, const Touchdown& end) {
         for (int k = 0; k < unit.count; ++k) {
             const int b = unit.id[k];
-            if (shape_[b].kind != ShapeKind::none) resolve_body(b, portion, resting, stop, sunk);
+            if (shape_[b].kind != ShapeKind::none) resolve_body(b, end);
         }
     }
 
@@ -715,7 +743,7 @@ private:
         return x == y ? x : sqrt(x * y);
     }
 
-    void resolve_body(int b, Work portion, bool resting, bool stop, bool sunk) {
+    void resolve_body(int b, const Touchdown& end) {
         const BodyData& body = body_[b];
         const ContactShape<N>& shape = shape_[b];
         const Placement<N> place = placement(b);
@@ -723,7 +751,7 @@ private:
         WorkVec3<N> v_w, fall_w;
         for (int i = 0; i < 3; ++i) {
             v_w[i] = N::metres(N::sum(state_[b].d_w[i]), scale_) * steps_per_second_;
-            fall_w[i] = N::metres(gravity_[i], scale_) * steps_per_second_ * portion;
+            fall_w[i] = N::metres(gravity_[i], scale_) * steps_per_second_ * end.portion;
             const Work rate = body.units.rate(i, steps_per_second_);
             motion.w[i] = N::half_turn(N::sum(state_[b].t_b[i]), scale_) * rate;
             motion.inverse_moments[i] = rate * body.units.per_impulse(i);
@@ -747,6 +775,9 @@ private:
             const Work mu = combined_friction(shape.friction, plane.friction, contact_.friction);
             view.for_each_point(S::boxes, [&](Work gap, const WorkVec3<N>& arm) {
                 if (gap > contact_.tolerance) return;
+                const Work v = dot(motion.at(arm), view.normal_b());
+                // Still on its way to the surface: an impact of the next step.
+                if (!end.impact && !end.stop && gap > Work(0) && v < -(contact_.slow * steps_per_second_)) return;
                 if (count == contact::max_points) {
                     status_.set(Issue::contacts_full, b, steps_taken_);
                     return;
@@ -760,7 +791,7 @@ private:
                 c.pushed = Work(0);
                 c.dragged = zero_vector<N>();
                 c.mass = Work(1) / motion.response(c.turning);
-                c.target = target_velocity(dot(motion.at(arm), c.normal), gap, e, resting ? dot(fall_w, work_unit<N>(plane.normal)) : Work(0), stop);
+                c.target = target_velocity(v, gap, e, end.resting ? dot(fall_w, work_unit<N>(plane.normal)) : Work(0), end.stop);
             });
         }
         if (count == 0) return;
@@ -776,7 +807,7 @@ private:
         push(b, tumble::rotate(place.q_wb, linear), angular);
 
         // A resting body sinks by what gravity adds before the impulse; lift it back towards half the tolerance.
-        if (deepest_plane != nullptr && (resting || sunk)) {
+        if (deepest_plane != nullptr && (end.resting || end.sunk)) {
             const Work excess = -deepest - N::half_of(contact_.tolerance);
             if (excess > Work(0)) {
                 for (int i = 0; i < 3; ++i) {

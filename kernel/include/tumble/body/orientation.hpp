@@ -16,6 +16,10 @@ struct Delta {
         constexpr typename N::Angle zero{};
         return {zero, {zero, zero, zero}};
     }
+    // The rotation by tan(angle/2) = |half_turn|, of unit length to |half_turn|^4 / 8: Euler's, with its own renormalisation.
+    [[nodiscard]] TUMBLE_INLINE static Delta of(const Vec3<typename N::Angle>& half_turn) {
+        return {-N::half_angle(upper_word(dot(half_turn, half_turn))), half_turn};
+    }
 };
 
 // (|q|^2 - 1) / 2, the first-order excess of the norm.

@@ -41,7 +41,7 @@ struct ImplicitEuler {
         }
         const auto products = TurnProducts<N>::of(t);
         for (int i = 0; i < 3; ++i) N::add_turn(body.t_b[i], inertia.summed[i], products.v[i], step.scale);
-        turn<N>(body.q_wb, Delta<N>{{}, angles<N>(t, step)});
+        turn<N>(body.q_wb, Delta<N>::of(angles<N>(t, step)));
         return converged;
     }
 
@@ -83,9 +83,7 @@ private:
                 start[b].t_b = group.body[b]->t_b.take();
             }
             const int n = 6 * group.count;
-            right_hand_side(value);
-            for (int i = 0; i < n; ++i) z[i] = value[i];
-            bool converged = false;
+            bool converged = false;   // from z = 0: the loads' own first guess is far off where they are stiff
             for (int iteration = 0; iteration < max_iterations && !converged; ++iteration) {
                 right_hand_side(value);
                 if (iteration == 0) differentiate(n);
@@ -94,20 +92,26 @@ private:
                 converged = true;
                 for (int i = 0; i < n; ++i) {
                     z[i] += column[i];
-                    // Corrections below the rounding of the numbers themselves are noise.
-                    const Work size = magnitude(z[i]) + magnitude(i % 6 < 3 ? Work(1) : Work(0));
+                    // Corrections below the rounding of the numbers themselves are noise: of metres, or of the body's whole spin.
+                    Work size = magnitude(z[i]);
+                    if (i % 6 < 3) {
+                        size += Work(1);
+                    } else {
+                        size += N::template constant<Work>(Real::scaled(1, -8));
+                        for (int k = 0; k < 3; ++k) size += magnitude(N::half_turn(end[i / 6].t_b[k], step.scale));
+                    }
                     if (size * N::rounding_unit() < magnitude(column[i])) converged = false;
                 }
             }
-            right_hand_side(value);
+            place_ends();
             for (int b = 0; b < group.count; ++b) {
                 auto& body = *group.body[b];
                 for (int i = 0; i < 3; ++i) {
-                    N::add(body.d_w[i], N::drift_sum(value[6 * b + i], step.scale));
+                    N::add_any(body.d_w[i], z[6 * b + i], step.scale);
                     N::coast(body.x_w[i], body.d_w[i], {}, step.scale);
-                    body.t_b[i].add(N::turn_sum(value[6 * b + 3 + i], step.scale));
+                    N::add_any(body.t_b[i], z[6 * b + 3 + i], step.scale);
                 }
-                turn<N>(body.q_wb, Delta<N>{{}, angles<N>(end[b].t_b, step)});
+                turn<N>(body.q_wb, Delta<N>::of(angles<N>(end[b].t_b, step)));
             }
             return converged;
         }
@@ -115,9 +119,8 @@ private:
     private:
         [[nodiscard]] static Work magnitude(Work a) { return a < Work(0) ? -a : a; }
 
-        // The increments that the loads and the gyroscopic term make at the end of the step reached with z.
-        void right_hand_side(Work* out) {
-            Kick<N> kick[capacity];
+        // The end of the step that is reached with z.
+        void place_ends() {
             for (int b = 0; b < group.count; ++b) {
                 const StageState<N>& from = start[b];
                 StageState<N>& to = end[b];
@@ -126,15 +129,21 @@ private:
                     to.x_w[i] = N::displaced(from.x_w[i], to.d_w[i], step.scale);
                     to.t_b[i] = from.t_b[i] + N::narrow_turn(N::turn_sum(z[6 * b + 3 + i], step.scale));
                 }
-                to.q_wb = turned<N>(from.q_wb, Delta<N>{{}, angles<N>(to.t_b, step)});
+                to.q_wb = turned<N>(from.q_wb, Delta<N>::of(angles<N>(to.t_b, step)));
             }
+        }
+
+        // The increments that the loads and the gyroscopic term make at the end of the step reached with z.
+        void right_hand_side(Work* out) {
+            WorkKick<N> kick[capacity];
+            place_ends();
             evaluate(end, kick);
             for (int b = 0; b < group.count; ++b) {
                 const auto products = TurnProducts<N>::of(end[b].t_b);
                 for (int i = 0; i < 3; ++i) {
-                    out[6 * b + i] = N::metres(kick[b].linear[i], step.scale);
-                    const auto half = N::stage_turn(group.inertia[b]->kappa[i], products.v[i], step.scale);
-                    out[6 * b + 3 + i] = N::half_turn(half, step.scale) + N::half_turn(half, step.scale) + N::half_turn(kick[b].angular[i], step.scale);
+                    const Work twice_kappa = N::work(group.inertia[b]->kappa[i]) * Work(2);
+                    out[6 * b + i] = kick[b].linear[i];
+                    out[6 * b + 3 + i] = mul_add(kick[b].angular[i], twice_kappa, N::turn_product(products.v[i], step.scale));
                 }
             }
         }

@@ -40,6 +40,12 @@ struct Kick {
     typename N::TurnSum angular[3]{};
 };
 
+// The same in working numbers, m and rad: for a solver, whose trials may lie far outside a format's range.
+template <class N>
+struct WorkKick {
+    Vec3<typename N::Work> linear, angular;
+};
+
 // Bodies that must be staged together, because loads couple them; or one body alone.
 template <class N, Spin spin, class Inertia, int capacity>
 struct Group {

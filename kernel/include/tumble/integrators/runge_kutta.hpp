@@ -78,7 +78,9 @@ TUMBLE_INLINE void finish_rotation(BodyState<N, Spin::angular_velocity>& body, c
         }
     });
     const Dither d = step.dither;
-    turn<N>(body.q_wb, Delta<N>{N::round_angle(w, d), {N::round_angle(x, d), N::round_angle(y, d), N::round_angle(z, d)}});
+    const Vec3<typename N::Angle> v{N::round_angle(x, d), N::round_angle(y, d), N::round_angle(z, d)};
+    if constexpr (table.stages == 1) turn<N>(body.q_wb, Delta<N>::of(v));
+    else turn<N>(body.q_wb, Delta<N>{N::round_angle(w, d), v});
     N::add_turn(body.t_b.x, inertia.summed[0], sum.v[0], step.scale);
     N::add_turn(body.t_b.y, inertia.summed[1], sum.v[1], step.scale);
     N::add_turn(body.t_b.z, inertia.summed[2], sum.v[2], step.scale);

@@ -21,7 +21,7 @@ struct SemiImplicitEuler {
         N::add_turn(body.t_b.x, inertia.summed[0], products.v[0], step.scale);
         N::add_turn(body.t_b.y, inertia.summed[1], products.v[1], step.scale);
         N::add_turn(body.t_b.z, inertia.summed[2], products.v[2], step.scale);
-        turn<N>(body.q_wb, Delta<N>{{}, angles<N>(body.t_b.take(), step)});
+        turn<N>(body.q_wb, Delta<N>::of(angles<N>(body.t_b.take(), step)));
     }
 
     template <class N, int capacity, class Evaluate>
@@ -39,7 +39,7 @@ struct SemiImplicitEuler {
                 N::add_turn(body.t_b[i], group.inertia[b]->summed[i], products.v[i], step.scale);
                 body.t_b[i].add(kick[b].angular[i]);
             }
-            turn<N>(body.q_wb, Delta<N>{{}, angles<N>(body.t_b.take(), step)});
+            turn<N>(body.q_wb, Delta<N>::of(angles<N>(body.t_b.take(), step)));
         }
         return true;
     }

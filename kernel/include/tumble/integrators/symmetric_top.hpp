@@ -42,7 +42,7 @@ struct AxisTurn {
 
     [[nodiscard]] TUMBLE_INLINE static AxisTurn of(Turn angle, const SinCosSeries<Angle>& series, typename N::Block block, Dither d) {
         const Turn twice_sine = N::Block::stretched(angle, series.sinc_less_one, d.angle);
-        return {N::Block::stretched(twice_sine, series.cos_less_one, d.delta), block.half_product(mul(twice_sine, twice_sine), d),
+        return {N::Block::stretched(twice_sine, series.cos_less_one, d.delta), block.half_square(twice_sine, d),
                 block.half_angle(twice_sine, d), series.cos_less_one};
     }
 };
@@ -63,6 +63,7 @@ struct SymmetricTopFlow {
         const Dither d = step.dither;
         const auto square_of = [](Angle a) { return upper_word(mul(a, a)); };
         const auto block = Block::of(N::sum(body.t_b.x), N::sum(body.t_b.y), N::sum(body.t_b.z), inertia.z_shift, inertia.most_up, step.scale);
+        if (block.is_out_of_range()) [[unlikely]] return N::leave_range(body.t_b.z);
         // All turns below share the block's power of two. z times 2^z_shift keeps the digits that a rod's spin needs.
         const Turn z_up = block.turn(N::sum(body.t_b.z), d, inertia.z_shift);
         const Turn x = block.turn(N::sum(body.t_b.x), d), y = block.turn(N::sum(body.t_b.y), d), z = block.down(z_up, inertia.z_shift);

@@ -11,13 +11,14 @@ using WorkVec3 = Vec3<typename N::Work>;
 template <class N>
 [[nodiscard]] constexpr WorkVec3<N> zero_vector() { return WorkVec3<N>::Constant(typename N::Work(0)); }
 
-// v + 2 w (q x v) + 2 q x (q x v): body to world.
+// q v q*, body to world: (w^2 - |u|^2) v + 2 (u . v) u + 2 w u x v with q = (w, u). Of a q that rounding has left a little
+// off unit length it is still a rotation, times |q|^2; the form that is shorter by a product is not.
 template <class Work>
 [[nodiscard]] inline Vec3<Work> rotate(const Quat<Work>& q, const Vec3<Work>& v) {
-    Vec3<Work> t = cross<Work>(q.v, v);
-    t += t;
-    const Vec3<Work> u = cross<Work>(q.v, t);
-    return {mul_add(v.x() + u.x(), q.w, t.x()), mul_add(v.y() + u.y(), q.w, t.y()), mul_add(v.z() + u.z(), q.w, t.z())};
+    const Work along = q.w * q.w - dot(q.v, q.v), twice_dot = dot(q.v, v) * Work(2), twice_w = q.w * Work(2);
+    const Vec3<Work> c = cross<Work>(q.v, v);
+    const auto component = [&](int i) { return mul_add(mul_add(along * v[i], twice_dot, q.v[i]), twice_w, c[i]); };
+    return {component(0), component(1), component(2)};
 }
 // World to body.
 template <class Work>

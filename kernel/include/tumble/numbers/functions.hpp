@@ -113,6 +113,7 @@ template <class T>
 struct SinCosSeries {
     T sinc_less_one, cos_less_one;
 
+    // An infinite z gives NaN.
     [[nodiscard]] TUMBLE_INLINE static constexpr SinCosSeries of(T z) {
         if (z > T(0.0625)) [[unlikely]] return of_large(z);
         return series(z);
@@ -122,6 +123,7 @@ struct SinCosSeries {
 private:
     // Out of line: copies of it would be most of a step's code.
     [[nodiscard, gnu::noinline, gnu::cold]] static constexpr SinCosSeries of_large(T z) {
+        if (!(z - z == T(0))) return {z - z, z - z};
         int doublings = 0;
         while (z > T(0.0625)) { z *= T(0.25); ++doublings; }
         SinCosSeries s = series(z);

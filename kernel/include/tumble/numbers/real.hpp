@@ -172,16 +172,6 @@ private:
     return y;
 }
 
-// e^a by halving the argument and squaring back; for drag constants, |a| < 2^20.
-[[nodiscard]] constexpr Real exp(Real a) {
-    int halvings = 0;
-    while (a.ceil_log2() > -4) { a *= Real::scaled(1, -1); ++halvings; }
-    Real sum = 1, term = 1;
-    for (int i = 1; i < 16; ++i) { term = term * a / Real{i}; sum += term; }
-    for (int i = 0; i < halvings; ++i) sum *= sum;
-    return sum;
-}
-
 // A vector and a quaternion of set-up numbers; plain, so that scenes are constants.
 struct RealVec3 {
     Real x, y, z;

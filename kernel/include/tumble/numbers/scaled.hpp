@@ -37,16 +37,17 @@ public:
     template <int F>
     [[nodiscard]] static constexpr Scaled of(Wide<F> a) { return of(a.raw, -F); }
 
-    // The number as a 64-bit sum with F fraction bits, rounded; saturates at +-2^62 so that a sum of two cannot wrap.
+    // The number as a 64-bit sum with F fraction bits, rounded; saturates below 2^62, so that a sum of two cannot wrap, or
+    // at `limit`.
     template <int F>
     [[nodiscard]] constexpr Wide<F> to_wide() const { return {to_sum(F)}; }
-    [[nodiscard, gnu::noinline]] constexpr std::int64_t to_sum(int fraction_bits) const {
+    [[nodiscard, gnu::noinline]] constexpr std::int64_t to_sum(int fraction_bits, std::int64_t limit = (std::int64_t{1} << 62) - 1) const {
         const int up = exponent_ + fraction_bits;
-        constexpr std::int64_t limit = std::int64_t{1} << 62;
         if (mantissa_ == 0 || up < -31) return 0;
         if (up >= 0) {
-            if (up > 31) return mantissa_ < 0 ? -limit : limit;
-            return static_cast<std::int64_t>(mantissa_) * (std::int64_t{1} << up);
+            if (up > 32) return mantissa_ < 0 ? -limit : limit;
+            const std::int64_t sum = static_cast<std::int64_t>(mantissa_) * (std::int64_t{1} << up);
+            return sum > limit ? limit : sum < -limit ? -limit : sum;
         }
         return (static_cast<std::int64_t>(mantissa_) + (std::int64_t{1} << (-up - 1))) >> -up;
     }

@@ -87,7 +87,8 @@ struct Q32 {
 
     // Where the binary points stand, from the ranges and the step size.
     struct Scale {
-        std::int8_t drift_shift = 1;   // Drift has drift_shift more fraction bits (of a metre) than Position
+        // Drift has drift_shift more fraction bits (of a metre) than Position: a step moves by a quarter of the range at most.
+        std::int8_t drift_shift = 2;
         std::int8_t turn_shift = 1;    // Turn is the half turn times 2^turn_shift
         static constexpr int most_turn_shift = 14;   // squares of angles are shifted by up to 2 (14 + 1) < 32
 
@@ -95,7 +96,7 @@ struct Q32 {
         [[nodiscard]] static constexpr Scale of(Real step, Real turn_per_spin) {
             const int drift_bits = 30 - (Real{R::velocity} * step).ceil_log2_bound();
             const int turn_bits = -2 - (Real{R::spin} * turn_per_spin).ceil_log2_bound();
-            return {static_cast<std::int8_t>(detail::clamp(drift_bits - Position::fraction_bits, 1, 30)),
+            return {static_cast<std::int8_t>(detail::clamp(drift_bits - Position::fraction_bits, 2, 30)),
                     static_cast<std::int8_t>(detail::clamp(turn_bits, 1, most_turn_shift))};
         }
         // Set-up: metres per step (or per step^2) and half turns per step, as the numbers that state holds.
@@ -119,12 +120,17 @@ struct Q32 {
                 const auto high = static_cast<std::int32_t>(t.raw >> 32);
                 return static_cast<std::uint32_t>(high ^ (high >> 31));
             };
-            const int room = std::countl_zero(magnitude(x) | magnitude(y) | (magnitude(z) << z_up << 1) | 1u) - 2;
+            const int room_xy = std::countl_zero(magnitude(x) | magnitude(y) | 1u) - 2;
+            const int room_z = std::countl_zero(magnitude(z) | 1u) - 3 - z_up;
             Block b;
+            const int room = room_xy < room_z ? room_xy : room_z;
+            b.beyond_ = room < -1;
             b.up_ = room < 0 ? 0 : room > most_up ? most_up : room;
             b.shift_ = s.turn_shift + b.up_;
             return b;
         }
+        // The spin about z is too fast for its turn's format, though its momentum is in range.
+        [[nodiscard]] TUMBLE_INLINE constexpr bool is_out_of_range() const { return beyond_; }
         [[nodiscard]] static constexpr int most_up(Scale s, int z_up) {
             return detail::clamp(28 - z_up, 0, Scale::most_turn_shift - s.turn_shift);
         }
@@ -134,10 +140,10 @@ struct Q32 {
             return {detail::upper_shifted_left(t.raw, up_ + more, d.turn)};
         }
         [[nodiscard]] TUMBLE_INLINE static constexpr Turn down(Turn t, int n) { return {t.raw >> n}; }
-        // Products of two block turns: as the nearest block turn, half of that, dithered.
+        // Products of two block turns as the nearest block turn; half a square, dithered.
         [[nodiscard]] TUMBLE_INLINE constexpr Turn turn(TurnProduct p) const { return {(upper_word(p).raw + half()) >> shift_}; }
         [[nodiscard]] TUMBLE_INLINE constexpr Turn turn_up(TurnProduct p, int up) const { return {(detail::upper_shifted_left(p.raw, up) + half()) >> shift_}; }
-        [[nodiscard]] TUMBLE_INLINE constexpr Turn half_product(TurnProduct p, Dither d) const { return half_angle(upper_word(p), d); }
+        [[nodiscard]] TUMBLE_INLINE constexpr Turn half_square(Turn t, Dither d) const { return half_angle(upper_word(mul_add(TurnProduct{static_cast<std::int64_t>(d.delta)}, t, t)), d); }
         // state -= p: a product puts the upper word in its place.
         TUMBLE_INLINE constexpr void lower(auto& state, TurnProduct p) const {
             const int down = shift_ + up_;
@@ -178,6 +184,7 @@ struct Q32 {
     private:
         [[nodiscard]] TUMBLE_INLINE constexpr std::int32_t half() const { return 1 << (shift_ - 1); }
         int up_ = 0, shift_ = 1;
+        bool beyond_ = false;
     };
 
     template <class T>
@@ -191,23 +198,43 @@ struct Q32 {
     }
     [[nodiscard]] static constexpr Work half_turn(Turn t, Scale s) { return Work::of(t.raw, -(32 + s.turn_shift)); }
     [[nodiscard]] static constexpr Work half_turn(TurnSum t, Scale s) { return Work::of(t.raw, -(64 + s.turn_shift)); }
+    [[nodiscard]] static constexpr Work turn_product(TurnProduct p, Scale s) { return Work::of(p.raw, -(64 + 2 * s.turn_shift)); }
     [[nodiscard]] static constexpr Work work(Unit u) { return Work::of(u); }
     [[nodiscard]] static constexpr PositionSum position_sum(Work metres) {
         return metres.template to_wide<PositionSum::fraction_bits>();
     }
-    [[nodiscard]] static constexpr DriftSum drift_sum(Work metres, Scale s) {
-        return {metres.times_power_of_two(Position::fraction_bits + 32 + s.drift_shift).template to_wide<0>().raw};
+    [[nodiscard]] static constexpr DriftSum drift_sum(Work metres, Scale s) { return {metres.to_sum(Position::fraction_bits + 32 + s.drift_shift)}; }
+    [[nodiscard]] static constexpr TurnSum turn_sum(Work half_turn, Scale s) { return {half_turn.to_sum(64 + s.turn_shift)}; }
+
+    // A constant change of drift. What leaves the range in one step is held at its end: sums with it cannot wrap.
+    [[nodiscard]] static constexpr DriftSum fall(Real units) {
+        constexpr std::int64_t limit = (std::int64_t{1} << 62) + (std::int64_t{1} << 32);
+        const std::int64_t raw = units.to_fixed(DriftSum::fraction_bits, 64);
+        return {raw > limit ? limit : raw < -limit ? -limit : raw};
     }
-    [[nodiscard]] static constexpr TurnSum turn_sum(Work half_turn, Scale s) {
-        return {half_turn.times_power_of_two(64 + s.turn_shift).template to_wide<0>().raw};
+    // state += change, for changes of any size: what would wrap stops beyond the range, where it is told.
+    TUMBLE_INLINE static constexpr void add_any(Integrated<Drift>& d, Work metres, Scale s) {
+        d.add({no_wrap(d.sum().raw, metres.to_sum(Position::fraction_bits + 32 + s.drift_shift, widest))});
+    }
+    TUMBLE_INLINE static constexpr void add_any(auto& turn, Work half_turn, Scale s) {
+        turn.add({no_wrap(turn.sum().raw, half_turn.to_sum(64 + s.turn_shift, widest))});
+    }
+    // A load's change of a step, within a quarter of the range, which no stage of a method can make wrap; clears
+    // `within` where it had to be cut.
+    template <int F>
+    [[nodiscard]] TUMBLE_INLINE static constexpr Wide<F> limited(Wide<F> kick, bool& within) {
+        constexpr std::int64_t limit = std::int64_t{1} << 60;
+        if (kick.raw <= limit && kick.raw >= -limit) [[likely]] return kick;
+        within = false;
+        return {kick.raw < 0 ? -limit : limit};
     }
 
     // Is a correction to `t` only rounding? And the relative rounding of working numbers, with a margin.
     [[nodiscard]] static constexpr bool is_rounding(const auto& correction, const auto&) {
-        const auto small = [](Turn c) { return c.raw >= -1 && c.raw <= 1; };
+        const auto small = [](Turn c) { return c.raw >= -3 && c.raw <= 3; };   // three roundings make the correction
         return small(correction[0]) && small(correction[1]) && small(correction[2]);
     }
-    [[nodiscard]] static constexpr Work rounding_unit() { return Work::of(1, -26); }
+    [[nodiscard]] static constexpr Work rounding_unit() { return Work::of(1, -28); }
 
     [[nodiscard]] static constexpr Work half_of(Work w) { return w.times_power_of_two(-1); }
 
@@ -239,6 +266,11 @@ struct Q32 {
         const std::uint32_t bits = three(b.x_w) | three(b.d_w) | three(b.t_b);
         return (bits >> 31) != 0;
     }
+    // Marks a number for out_of_range().
+    static constexpr void leave_range(auto& number) {
+        constexpr std::int64_t beyond = std::int64_t{3} << 61;
+        number = std::remove_reference_t<decltype(number)>::from_sum(decltype(number.sum()){number.sum().raw < 0 ? -beyond : beyond});
+    }
     template <class Body>
     static constexpr void saturate(Body& b) {
         const auto clamp = [](auto& c) {
@@ -253,10 +285,20 @@ struct Q32 {
         }
     }
     [[nodiscard]] TUMBLE_INLINE static constexpr std::int32_t upper(std::int64_t raw) { return static_cast<std::int32_t>(raw >> 32); }
+    // `change`, cut so that sum + change stays within the widest sum.
+    static constexpr std::int64_t widest = INT64_MAX - (std::int64_t{1} << 32);
+    [[nodiscard]] static constexpr std::int64_t no_wrap(std::int64_t sum, std::int64_t change) {
+        if (sum > 0 && change > widest - sum) return widest - sum;
+        if (sum < 0 && change < -widest - sum) return -widest - sum;
+        return change;
+    }
 
-    // position += drift: the carried sums differ only in where the binary point stands.
+    // position += drift: the carried sums differ only in where the binary point stands. A product with a power of two
+    // shifts the upper word down, into the sum itself.
     TUMBLE_INLINE static constexpr void move(Integrated<Position>& x, DriftSum drift, Scale s) {
-        x.add({detail::shift_right(drift.raw, s.drift_shift)});
+        const auto low = static_cast<std::int64_t>(static_cast<std::uint32_t>(drift.raw) >> s.drift_shift);
+        if constexpr (carry) x.accumulate(Drift{upper(drift.raw)}, Fixed<Position::fraction_bits + 2>{1 << (32 - s.drift_shift)}, [&](PositionSum sum) { return sum + PositionSum{low}; });
+        else x.add({detail::shift_right(drift.raw, s.drift_shift)});
     }
     [[nodiscard]] TUMBLE_INLINE static constexpr DriftSum sum(const Integrated<Drift>& d) { return d.sum(); }
     [[nodiscard]] TUMBLE_INLINE static constexpr DriftSum half(DriftSum d) { return {d.raw >> 1}; }
@@ -264,19 +306,11 @@ struct Q32 {
     TUMBLE_INLINE static constexpr void coast(Integrated<Position>& x, const Integrated<Drift>& d, DriftSum extra, Scale s) {
         move(x, d.sum() + extra, s);
     }
-    // The same at the mean of the drifts before and after `fall`: what is shifted down has two bits more, so that a
-    // product does it.
-    TUMBLE_INLINE static constexpr void coast_mean(Integrated<Position>& x, const Integrated<Drift>& d, DriftSum fall, Scale s) {
-        const DriftSum twice = d.sum() + (d.sum() + fall);
-        const int down = s.drift_shift + 1;
-        const auto low = static_cast<std::int64_t>(static_cast<std::uint32_t>(twice.raw) >> down);
-        if constexpr (carry) x.accumulate(Drift{upper(twice.raw)}, Fixed<Position::fraction_bits + 2>{1 << (32 - down)}, [&](PositionSum sum) { return sum + PositionSum{low}; });
-        else x.add({detail::shift_right(twice.raw, down)});
-    }
     [[nodiscard]] static constexpr PositionSum displaced(PositionSum x, DriftSum d, Scale s) {
         return x + PositionSum{detail::shift_right(d.raw, s.drift_shift)};
     }
     [[nodiscard]] TUMBLE_INLINE static constexpr TurnSum half_turn_sum(TurnSum t) { return {t.raw >> 1}; }
+    [[nodiscard]] TUMBLE_INLINE static constexpr Angle half_angle(Angle a) { return {a.raw >> 1}; }
     // t * 2^shift, which the caller knows to fit.
     [[nodiscard]] TUMBLE_INLINE static constexpr TurnSum scaled_up(TurnSum t, int shift) {
         return {static_cast<std::int64_t>(static_cast<std::uint64_t>(t.raw) << shift)};
@@ -379,6 +413,7 @@ struct Float {
     struct Block {
         [[nodiscard]] TUMBLE_INLINE static constexpr Block of(T, T, T, int, int, Scale) { return {}; }
         [[nodiscard]] static constexpr int most_up(Scale, int) { return 0; }
+        [[nodiscard]] static constexpr bool is_out_of_range() { return false; }
         [[nodiscard]] TUMBLE_INLINE static constexpr T turn(T t, Dither, int = 0) { return t; }
         [[nodiscard]] TUMBLE_INLINE static constexpr T down(T t, int) { return t; }
         [[nodiscard]] TUMBLE_INLINE static constexpr T turn(T p) { return p; }
@@ -387,7 +422,7 @@ struct Float {
         [[nodiscard]] TUMBLE_INLINE static constexpr T square(T p) { return p; }
         [[nodiscard]] TUMBLE_INLINE static constexpr T half_angle(T t) { return t * T(0.5); }
         [[nodiscard]] TUMBLE_INLINE static constexpr T half_angle(T t, Dither) { return t * T(0.5); }
-        [[nodiscard]] TUMBLE_INLINE static constexpr T half_product(T p, Dither) { return p * T(0.5); }
+        [[nodiscard]] TUMBLE_INLINE static constexpr T half_square(T t, Dither) { return t * t * T(0.5); }
         // Kept less one: 1 + c would lose c's digits.
         [[nodiscard]] TUMBLE_INLINE static constexpr T angle_per_turn(T c, Dither) { return c; }
         [[nodiscard]] TUMBLE_INLINE static constexpr T times_cosine(T factor, T c, std::uint32_t) { return factor + c + factor * c; }
@@ -406,6 +441,7 @@ struct Float {
     [[nodiscard]] static constexpr T metres(T x) { return x; }
     [[nodiscard]] static constexpr T metres(T d, Scale) { return d; }
     [[nodiscard]] static constexpr T half_turn(T t, Scale) { return t; }
+    [[nodiscard]] static constexpr T turn_product(T p, Scale) { return p; }
     [[nodiscard]] static constexpr T work(T u) { return u; }
     [[nodiscard]] static constexpr T position_sum(T metres) { return metres; }
     [[nodiscard]] static constexpr T drift_sum(T metres, Scale) { return metres; }
@@ -426,26 +462,30 @@ struct Float {
 
     [[nodiscard]] static constexpr T along(const T (&x)[3], const auto& n) { return x[0] * n[0] + x[1] * n[1] + x[2] * n[2]; }
 
-    // Not finite? Zero times a finite sum is zero; infinities and NaN give NaN. Drift need not be looked at: the position
-    // takes it over within a step.
+    // Not finite? Zero times a finite sum is zero; infinities and NaN give NaN. Drift and spin need not be looked at: the
+    // position and every component of the orientation take them over within a step.
     template <class Body>
     [[nodiscard]] TUMBLE_INLINE static constexpr bool out_of_range(const Body& b) {
-        const T sum = (b.x_w.x.value() + b.x_w.y.value() + b.x_w.z.value()) + (b.t_b.x.value() + b.t_b.y.value() + b.t_b.z.value());
+        const T sum = (b.x_w.x.value() + b.x_w.y.value() + b.x_w.z.value()) + b.q_wb.w.value();
         return !(sum * T(0) == T(0));
     }
+    static constexpr void leave_range(auto&) {}
     template <class Body>
     static constexpr void saturate(Body&) {}
 
+    [[nodiscard]] static constexpr T fall(Real metres) { return constant<T>(metres); }
+    TUMBLE_INLINE static constexpr void add_any(auto& number, T change, Scale) { number.add(change); }
+    [[nodiscard]] TUMBLE_INLINE static constexpr T limited(T kick, bool&) { return kick; }
     TUMBLE_INLINE static constexpr void move(Integrated<T>& x, T drift, Scale) { x.add(drift); }
     [[nodiscard]] TUMBLE_INLINE static constexpr T half(T d) { return d * T(0.5); }
     TUMBLE_INLINE static constexpr void coast(Integrated<T>& x, const Integrated<T>& d, T extra, Scale) {
         if constexpr (carry) x.add(d.residual());
         x.add(d.value() + extra);
     }
-    TUMBLE_INLINE static constexpr void coast_mean(Integrated<T>& x, const Integrated<T>& d, T fall, Scale s) { coast(x, d, half(fall), s); }
     [[nodiscard]] static constexpr T displaced(T x, T d, Scale) { return x + d; }
     [[nodiscard]] TUMBLE_INLINE static constexpr T narrow_turn(T t) { return t; }
     [[nodiscard]] TUMBLE_INLINE static constexpr T half_turn_sum(T t) { return t * T(0.5); }
+    [[nodiscard]] TUMBLE_INLINE static constexpr T half_angle(T a) { return a * T(0.5); }
     [[nodiscard]] TUMBLE_INLINE static constexpr T scaled_up(T t, int) { return t; }
     [[nodiscard]] TUMBLE_INLINE static constexpr T mul_sum(T t, T c) { return t * c; }
     TUMBLE_INLINE static constexpr void add(Integrated<T>& d, T increment) { d.add(increment); }
