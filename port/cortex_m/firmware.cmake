@@ -32,14 +32,15 @@ target_include_directories(tumble_firmware_flags SYSTEM INTERFACE ${TUMBLE_EIGEN
 # Objects rather than an archive: the vector table is referenced by nobody. The level of optimisation is fixed, so a
 # reading of the counter costs the same in every firmware; loops stay loops, or memcpy would call itself.
 add_library(tumble_startup OBJECT
-    ${CMAKE_CURRENT_LIST_DIR}/startup.cpp ${CMAKE_CURRENT_LIST_DIR}/port.cpp ${CMAKE_CURRENT_LIST_DIR}/runtime.cpp)
+    ${CMAKE_CURRENT_LIST_DIR}/startup.cpp ${CMAKE_CURRENT_LIST_DIR}/port.cpp ${CMAKE_CURRENT_LIST_DIR}/runtime.cpp
+    ${CMAKE_CURRENT_LIST_DIR}/double_sum.cpp)
 target_link_libraries(tumble_startup PRIVATE tumble_firmware_flags)
 target_include_directories(tumble_startup PRIVATE ${TUMBLE_BOARD_DIR})
 target_compile_options(tumble_startup PRIVATE -O2 -ffreestanding -fno-tree-loop-distribute-patterns)
 
 add_library(tumble_firmware_link INTERFACE)
 target_link_options(tumble_firmware_link INTERFACE ${TUMBLE_BOARD_FLAGS} -nostdlib -T${TUMBLE_BOARD_DIR}/firmware.ld
-    -Wl,--gc-sections -Wl,--fatal-warnings)
+    -Wl,--gc-sections -Wl,--fatal-warnings -Wl,--wrap=__aeabi_dadd,--wrap=__aeabi_dsub,--wrap=__aeabi_drsub)
 target_link_libraries(tumble_firmware_link INTERFACE gcc)
 set_property(TARGET tumble_firmware_link PROPERTY INTERFACE_LINK_DEPENDS ${TUMBLE_BOARD_DIR}/firmware.ld)
 
