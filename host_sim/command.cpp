@@ -51,7 +51,7 @@ std::string message_of(const Trouble& trouble, const SceneDescription& scene) {
     const std::string body = scene.bodies.at(static_cast<std::size_t>(trouble.body)).name;
     const double time = static_cast<double>(trouble.step) * scene.step.seconds();
     std::string message = scene.path + ": body \"" + body + "\" at " + few_digits(time) + " s (step " + std::to_string(trouble.step) + "): " + trouble.issue + ": ";
-    if (trouble.issue == "range_left") message += "left what the number system holds; declare a larger [range] or take a smaller step";
+    if (trouble.issue == "range_left") message += "left what the number system holds: in fixed point the declared [range], and about a quarter of a radian in half a step; in floating point a number is not finite. Declare a larger [range] or take a smaller step";
     else if (trouble.issue == "step_bound_hit") message += "an iteration met its bound, so the result is less accurate; take a smaller step";
     else if (trouble.issue == "contacts_full") message += "more contact points than there is room for";
     else message += "no room for another body";

@@ -186,6 +186,7 @@ std::string struct_name(const std::string& path) {
         starts_word = !in_name;
     }
     if (name.empty() || std::isdigit(static_cast<unsigned char>(name[0])) != 0) name = "Scene" + name;
+    if (name == "Features") name += "Scene";   // the name of a member of the struct
     return name;
 }
 

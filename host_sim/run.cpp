@@ -158,7 +158,10 @@ int run(const RunOptions& options) {
     std::optional<Trajectory> trajectory;
     if (!options.trajectory.empty()) trajectory.emplace(options.trajectory, options.every, scene);
     std::optional<Plot> plot;
-    if (!options.plot.empty()) plot.emplace(*simulation);
+    if (!options.plot.empty()) {
+        if (!std::ofstream(options.plot, std::ios::app)) throw BadArgument("--plot: cannot write " + options.plot);
+        plot.emplace(*simulation);
+    }
 
     Energy now = simulation->energy();
     EnergyWatch energy(now);
@@ -177,10 +180,10 @@ int run(const RunOptions& options) {
         }
     }
     if (trajectory) trajectory->close();
-    if (plot) plot->write(options.plot, scene);
     if (options.json) print_json(scene, *simulation, energy);
     else print_table(scene, *simulation, energy);
     std::cout.flush();
+    if (plot) plot->write(options.plot, scene);
     for (const Trouble& trouble : simulation->troubles()) std::cerr << message_of(trouble, scene) << "\n";
     return simulation->troubles().empty() && std::cout.good() ? done : failed;
 }

@@ -56,12 +56,12 @@ Seconds step_of(const StepSize& step) {
 }
 
 void check(const SceneDescription& scene) {
-    const auto refuse = [&](const std::string& what) { throw UnsupportedScene(scene.path + ": " + what); };
+    const auto refuse = [&](const std::string& what) { throw UnsupportedScene(scene.path + ":" + what); };
     if (scene.contact.response == ContactResponse::spring)
-        refuse("contact.response: got \"spring\", which is not simulated yet, expected \"impulse\" or \"none\"");
+        refuse(std::to_string(scene.contact.response_line) + ": contact.response: got \"spring\", which is not simulated yet, expected \"impulse\" or \"none\"");
     const auto fits = [&](const char* key, std::size_t count, int room) {
         if (count > static_cast<std::size_t>(room))
-            refuse(std::string(key) + ": got " + std::to_string(count) + ", expected at most " + std::to_string(room));
+            refuse(" " + std::string(key) + ": got " + std::to_string(count) + ", expected at most " + std::to_string(room));
     };
     fits("body", scene.bodies.size(), max_bodies);
     fits("plane", scene.planes.size(), max_planes);

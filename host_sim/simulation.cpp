@@ -20,10 +20,12 @@ std::string type_name() {
 
 template <class... Values>
 std::string listed(const std::vector<Values...>& values) {
-    std::string list;
+    std::vector<std::string> names;   // systems of one name differ in range and carry
     for (const auto& value : values) {
-        if (list.find(value.name) == std::string::npos) list += (list.empty() ? "" : ", ") + value.name;
+        if (std::find(names.begin(), names.end(), value.name) == names.end()) names.emplace_back(value.name);
     }
+    std::string list;
+    for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
     return list;
 }
 

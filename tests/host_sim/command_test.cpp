@@ -191,10 +191,28 @@ std::string body_of(const std::string& name, const std::string& shape) {
     return "[[body]]\nname = \"" + name + "\"\nshape = { " + shape + " }\nmass = 1.0\n";
 }
 
+TEST(Compile, a_scene_named_after_a_member_of_its_struct_gets_another_name) {
+    const Outcome outcome = tumble({"compile", written("features.toml", scene_of("", body_of("a", "sphere = 1.0")))});
+    EXPECT_EQ(outcome.status, 0) << outcome.text;
+    EXPECT_TRUE(has(outcome.text, "struct FeaturesScene {")) << outcome.text;
+}
+
+TEST(Run, a_plot_that_cannot_be_written_is_refused_before_the_run) {
+    const Outcome outcome = tumble({"run", written("plot.toml", scene_of("", body_of("a", "sphere = 1.0"))), "--plot", "/nonexistent/a.svg"});
+    EXPECT_EQ(outcome.status, 2);
+    EXPECT_TRUE(has(outcome.text, "--plot: cannot write /nonexistent/a.svg")) << outcome.text;
+}
+
+TEST(Run, an_unknown_integrator_is_answered_with_all_names) {
+    const Outcome outcome = tumble({"run", written("names.toml", scene_of("", body_of("a", "sphere = 1.0"))), "--integrator", "foo"});
+    EXPECT_EQ(outcome.status, 2);
+    EXPECT_TRUE(has(outcome.text, ", implicit_euler,")) << outcome.text;
+}
+
 TEST(Limits, spring_response_is_refused) {
     const Outcome outcome = tumble({"run", written("soft.toml", scene_of("[contact]\nresponse = \"spring\"\n", body_of("a", "sphere = 1.0")))});
     EXPECT_EQ(outcome.status, 2);
-    EXPECT_TRUE(has(outcome.text, "soft.toml: contact.response: got \"spring\"")) << outcome.text;
+    EXPECT_TRUE(has(outcome.text, "soft.toml:6: contact.response: got \"spring\"")) << outcome.text;
 }
 
 TEST(Limits, what_is_not_simulated_is_warned_of) {

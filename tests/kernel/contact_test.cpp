@@ -101,6 +101,32 @@ TEST_P(Contacts, a_ball_comes_to_rest_and_stays) {
     }
 }
 
+TEST_P(Contacts, a_ball_pressed_down_by_a_force_rests_too) {
+    SceneSetup setup = floor(0.5L);
+    setup.bodies = {sphere(1, 0.5)};
+    setup.bodies[0].position = {0, 0.5, 0};
+    setup.forces = {{.body = 0, .from = 0.0, .until = 100.0, .force = {0, -100, 0}}};
+    const auto world = build(setup, GetParam());
+    world->run(256 * 4);
+    // A hop of order 1 adds (g + f) h to the speed, which lasts until restitution takes as much.
+    const Number step_speed = (g + 100) / 256;
+    EXPECT_LE(norm(world->motion(0).v), GetParam().method.order == 1 ? 4 * step_speed : tolerance::rest_speed);
+    EXPECT_LE(std::abs(world->motion(0).x.y - 0.5L), 2 * tolerance::contact_band);
+}
+
+TEST_P(Contacts, a_ball_that_meets_more_impacts_in_a_step_than_are_resolved_says_so) {
+    SceneSetup setup = floor(1);
+    setup.world.gravity = {};
+    setup.planes = {{}, {.normal = {0, -1, 0}, .offset = 0.25}};   // 0.05 m of room, 0.4 m a step
+    setup.bodies = {sphere(1, 0.1)};
+    setup.bodies[0].position = {0, 0.125, 0};
+    setup.bodies[0].velocity = {0, 30, 0};
+    setup.step = Seconds{1, 64};
+    const auto world = build(setup, GetParam());
+    world->run(8);
+    EXPECT_TRUE(world->status().has(Issue::step_bound_hit));
+}
+
 TEST_P(Contacts, a_tilted_box_comes_to_rest_on_a_face) {
     SceneSetup setup = floor(0.25L, 0.5L);
     setup.bodies = {box(2, {1, 0.5, 0.75})};

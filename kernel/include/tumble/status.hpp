@@ -12,10 +12,11 @@ enum class Issue : std::uint8_t {
     // A position, velocity or spin left what the number system holds. Fixed point: the value is held at the limit and
     // the trajectory is wrong from here on; declare a larger Range or take a smaller step. Floating point: not finite.
     range_left = 1,
-    // An iteration met its bound: the implicit solver did not converge, or one step had too many impacts to resolve.
+    // An iteration met its bound: the implicit solver did not converge, or one step had so many impacts that a body was
+    // stopped which would have bounced on.
     // The state is usable but less accurate; take a smaller step.
     step_bound_hit = 2,
-    // More contact points than the scene has room for; the deepest were kept. Raise Scene::contacts.
+    // More contact points of one body than contact::max_points; the first, in the order of the planes, were kept.
     contacts_full = 4,
     // add() was called on a full world; nothing was added. Raise the capacity in the scene.
     world_full = 8,

@@ -118,7 +118,8 @@ public:
         }
     }
 
-    // Adds a body; false (and Issue::world_full) when there is no room. Mass and moments must be positive.
+    // Adds a body; false (and Issue::world_full) when there is no room. Mass and moments must be positive. A start that
+    // leaves the range is told in status().
     BodyId add(const BodySpec& spec) {
         if (count_ >= S::bodies) {
             status_.set(Issue::world_full, count_, steps_taken_);
@@ -154,6 +155,7 @@ public:
                          {N::template constant<Work>(inertia.principal.w), work_vector<N>(inertia.principal.v)},
                          N::template constant<Work>(spec.restitution), N::template constant<Work>(spec.friction)};
         }
+        check_range(b);
         return BodyId{b};
     }
 
@@ -669,13 +671,13 @@ private:
             const bool touched = gap_start <= contact_.tolerance && !(gap_start > Work(0) && gap_start - gap_end > contact_.slow);
             const bool too_deep = gap_end < (touched ? -contact_.tolerance : Work(0));
             if (!too_deep || impact == max_impacts) {
-                resolve(unit, {remaining, false, touched, impact == max_impacts, too_deep && touched});
+                resolve(unit, {start.state, false, touched, impact == max_impacts, too_deep && touched});
                 return;
             }
             // The surface, or halfway to the tolerance for a body that was already in the band.
             const Work level = touched ? N::half_of(gap_start < Work(0) ? gap_start - contact_.tolerance : -contact_.tolerance) : Work(0);
             const Work landed = land(unit, info, start, remaining, gap_start - level, gap_end - level, level);
-            resolve(unit, {landed, true, false, false, false});
+            resolve(unit, {start.state, true, false, false, false});
             remaining -= landed;
             if (!(remaining > min_portion())) return;
         }
@@ -717,7 +719,7 @@ private:
 
     // How a flight has ended.
     struct Touchdown {
-        Work portion;                             // of a step, flown
+        const State* start;                       // of the unit's bodies, where the flight began
         bool impact;                              // at the time of an impact; else at the end of the step
         bool resting;                             // in touch since it began
         bool stop;                                // the last: what still approaches is stopped
@@ -728,7 +730,7 @@ private:
     void resolve(const Unit& unit, const Touchdown& end) {
         for (int k = 0; k < unit.count; ++k) {
             const int b = unit.id[k];
-            if (shape_[b].kind != ShapeKind::none) resolve_body(b, end);
+            if (shape_[b].kind != ShapeKind::none) resolve_body(b, end.start[k], end);
         }
     }
 
@@ -743,7 +745,7 @@ private:
         return x == y ? x : sqrt(x * y);
     }
 
-    void resolve_body(int b, const Touchdown& end) {
+    void resolve_body(int b, const State& start, const Touchdown& end) {
         const BodyData& body = body_[b];
         const ContactShape<N>& shape = shape_[b];
         const Placement<N> place = placement(b);
@@ -751,7 +753,7 @@ private:
         WorkVec3<N> v_w, fall_w;
         for (int i = 0; i < 3; ++i) {
             v_w[i] = N::metres(N::sum(state_[b].d_w[i]), scale_) * steps_per_second_;
-            fall_w[i] = N::metres(gravity_[i], scale_) * steps_per_second_ * end.portion;
+            fall_w[i] = N::metres(N::sum(state_[b].d_w[i]) - N::sum(start.d_w[i]), scale_) * steps_per_second_;
             const Work rate = body.units.rate(i, steps_per_second_);
             motion.w[i] = N::half_turn(N::sum(state_[b].t_b[i]), scale_) * rate;
             motion.inverse_moments[i] = rate * body.units.per_impulse(i);
@@ -791,6 +793,7 @@ private:
                 c.pushed = Work(0);
                 c.dragged = zero_vector<N>();
                 c.mass = Work(1) / motion.response(c.turning);
+                if (end.stop && e * v < -(contact_.slow * steps_per_second_)) status_.set(Issue::step_bound_hit, b, steps_taken_);
                 c.target = target_velocity(v, gap, e, end.resting ? dot(fall_w, work_unit<N>(plane.normal)) : Work(0), end.stop);
             });
         }
@@ -819,7 +822,7 @@ private:
     }
 
     // The normal velocity after the impact. A body that was in touch before the step bounces only with the speed it had
-    // then, not with what gravity (`fall`, m/s along the normal) has added since: a resting body must not hop. A point
+    // then, not with what loads (`fall`, m/s along the normal) have added since: a resting body must not hop. A point
     // still above the surface may close its gap.
     [[nodiscard]] Work target_velocity(Work v, Work gap, Work restitution, Work fall, bool stop) const {
         Work approach = fall < Work(0) ? v - fall : v;

@@ -43,7 +43,7 @@ struct RigidMotion {
 };
 
 namespace contact {
-inline constexpr int max_points = 16;   // of one body at one time; the deepest are kept
+inline constexpr int max_points = 16;   // of one body at one time
 inline constexpr int sweeps = 12;
 }  // namespace contact
 

@@ -18,6 +18,8 @@ struct IntegratorList {
     static constexpr void for_each(F&& f) { (f.template operator()<Methods>(), ...); }
 };
 
+// One a line: builds read them from here.
+// clang-format off
 using Integrators = IntegratorList<
     integrators::ExplicitEuler,
     integrators::SemiImplicitEuler,
@@ -26,5 +28,6 @@ using Integrators = IntegratorList<
     integrators::Heun,
     integrators::Rk4,
     integrators::Verlet>;
+// clang-format on
 
 }  // namespace tumble
