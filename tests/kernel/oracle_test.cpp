@@ -97,6 +97,55 @@ Motion verlet(const Problem& p, Motion m) {
     return end;
 }
 
+Motion implicit_midpoint(const Problem& p, const Motion& start) {
+    Motion end = start;
+    Vector u{};
+    for (int i = 0; i < 80; ++i) {
+        Motion middle{start.x, (start.v + end.v) * 0.5L, start.q, (start.w + end.w) * 0.5L};
+        middle.x = start.x + (p.h / 2) * middle.v;
+        u = middle.w * (p.h / 2);
+        middle.q = start.q + start.q * delta(middle.w, p.h / 2);
+        end.v = start.v + p.h * p.acceleration(middle);
+        end.w = start.w + p.h * p.spin_rate(middle);
+        end.x = start.x + (p.h / 2) * (start.v + end.v);
+    }
+    end.q = start.q * Rotation{1, u} * (1 / std::sqrt(1 + dot(u, u)));   // Cayley's map
+    return end;
+}
+
+Motion strang(const Problem& p, Motion m) {
+    const Vector i = p.body.moments;
+    Vector l = times(i, m.w) + (p.h / 2) * p.load(m, 0).torque_b;
+    m.v = m.v + (p.h / 2) * p.acceleration(m);
+    m.x = m.x + p.h * m.v;
+    const auto turn = [&](int axis, Number time) {
+        Vector angle{};
+        angle[axis] = time * l[axis] / i[axis];
+        m.q = m.q * exponential(angle);
+        l = exponential(angle).rotate_back(l);
+    };
+    turn(0, p.h / 2);
+    turn(1, p.h / 2);
+    turn(2, p.h);
+    turn(1, p.h / 2);
+    turn(0, p.h / 2);
+    Motion end = m;
+    end.w = over(l, i);
+    for (int n = 0; n < 60; ++n) {
+        const reference::Wrench wrench = p.load(end, 0);
+        end.v = m.v + wrench.force_w * (p.h / 2 / p.body.mass);
+        end.w = over(l + (p.h / 2) * wrench.torque_b, i);
+    }
+    return end;
+}
+
+// Five of verlet's steps.
+Motion suzuki4(const Problem& p, Motion m) {
+    const Number g = 1 / (4 - std::cbrt(Number(4)));
+    for (const Number part : {g, g, 1 - 4 * g, g, g}) m = verlet({p.body, p.load, part * p.h}, m);
+    return m;
+}
+
 const std::map<std::string, Motion (*)(const Problem&, Motion)>& oracles() {
     static const std::map<std::string, Motion (*)(const Problem&, Motion)> all{
         {"explicit_euler", [](const Problem& p, Motion m) { return explicit_euler(p, m); }},
@@ -105,7 +154,10 @@ const std::map<std::string, Motion (*)(const Problem&, Motion)>& oracles() {
         {"midpoint", [](const Problem& p, Motion m) { return midpoint(p, m); }},
         {"heun", [](const Problem& p, Motion m) { return heun(p, m); }},
         {"rk4", [](const Problem& p, Motion m) { return rk4(p, m); }},
+        {"implicit_midpoint", [](const Problem& p, Motion m) { return implicit_midpoint(p, m); }},
         {"verlet", verlet},
+        {"strang", strang},
+        {"suzuki4", suzuki4},
     };
     return all;
 }

@@ -60,7 +60,8 @@ inline constexpr long double order_high = 1.25L;
 inline constexpr long double rounding_of_a_flight = 1e-12L;   // 1e4 roundings of 2^-53, all one way
 inline constexpr long double reference = 1e-14L;              // 1e4 controlled steps of 1e-17, times the top's sensitivity
 // The budgets of a free top after 100 s at 1/256 s.
-inline constexpr long double top_rk4_q32 = 5e-6L;      // the method's own error is 8e-10: rounding to 2^-32 of a turn, carried
+inline constexpr long double top_pdmv6_q32 = 1e-5L;   // the same, with a rounded c whose products drive the spin
+inline constexpr long double top_rk4_q32 = 2e-6L;      // the method's own error is 8e-10: rounding to 2^-32 of a turn, carried
 inline constexpr long double top_rk4_f32 = 5e-5L;
 inline constexpr long double top_rk4_f64 = 2e-9L;      // h^4 w^4 of the method
 inline constexpr long double top_verlet_f64 = 7e-6L;   // h^2 w^2 of the method

@@ -103,9 +103,14 @@ std::unique_ptr<AnyWorld> make_world_of(std::string_view method, Seconds step, c
     });
     return world;
 }
+// Every method in the systems that differ most; elsewhere those that share no more than a coefficient table with another.
+template <class N>
+constexpr bool has_every_method = std::is_same_v<N, systems::q32_near> || std::is_same_v<N, systems::f64>;
+using DistinctIntegrators = IntegratorList<integrators::ExplicitEuler, integrators::SemiImplicitEuler, integrators::ImplicitEuler, integrators::Midpoint,
+                                           integrators::Heun, integrators::Rk4, integrators::Verlet, integrators::Suzuki4, integrators::Pdmv6>;
 template <class N>
 std::unique_ptr<AnyWorld> make_world(std::string_view method, Seconds step, const WorldSpec& spec) {
-    return make_world_of<N, everything, Integrators>(method, step, spec);
+    return make_world_of<N, everything, std::conditional_t<has_every_method<N>, Integrators, DistinctIntegrators>>(method, step, spec);
 }
 // A method of each kind is enough for what depends on the world's features; null for the others.
 template <class N, Features f>

@@ -28,12 +28,12 @@ const System& number_system(std::string_view name) {
 
 std::vector<Case> every_case() {
     std::vector<Case> cases;
-    for (const System& s : number_systems()) for (const Method& m : methods()) cases.push_back({m, s});
+    for (const System& s : number_systems()) for (const Method& m : methods()) if (s.has(m.name)) cases.push_back({m, s});
     return cases;
 }
 std::vector<Case> cases_in(std::string_view system) {
     std::vector<Case> cases;
-    for (const Method& m : methods()) cases.push_back({m, number_system(system)});
+    for (const Case& c : every_case()) if (system == c.system.name) cases.push_back(c);
     return cases;
 }
 std::vector<Case> cases_of(std::string_view method) {

@@ -107,7 +107,8 @@ struct System {
     const char* name;
     bool fixed_point, carry;
     int bits;            // of a number
-    std::unique_ptr<AnyWorld> (*make)(std::string_view method, Seconds step, const WorldSpec&);
+    std::unique_ptr<AnyWorld> (*make)(std::string_view method, Seconds step, const WorldSpec&);   // null: not in this system
+    [[nodiscard]] bool has(std::string_view method) const { return make(method, Seconds{1, 256}, {}) != nullptr; }
 };
 [[nodiscard]] const std::vector<System>& number_systems();
 [[nodiscard]] const System& number_system(std::string_view name);

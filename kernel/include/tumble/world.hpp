@@ -114,7 +114,7 @@ public:
         const Real h2 = step_length_ * step_length_;
         for (int i = 0; i < 3; ++i) {
             const Real fall = scale_.drift_units(gravity[i] * h2);
-            gravity_[i] = N::fall(fall);
+            gravity_[i] = N::fall(fall_in_halves ? fall * Real::scaled(1, -1) : fall);
         }
     }
 
@@ -146,6 +146,7 @@ public:
             assign(state.t_b[i], spec.fixed ? Real{} : scale_.turn_units(Units::turn_of(inertia.moments, w[i], i, step_length_)));
         }
         body.fixed = spec.fixed;
+        prepare_spin(b);
         if constexpr (S::gravitation) mass_[b] = N::template constant<Work>(spec.mass);
         if constexpr (has_contacts) {
             const bool touches = spec.shape.kind == ShapeKind::sphere || spec.shape.kind == ShapeKind::box;
@@ -281,6 +282,9 @@ private:
     using Units = detail::SpinUnits<N, Integrator::spin>;
     using Inertia = typename Integrator::template Inertia<N>;
     using DriftSum = typename N::DriftSum;
+    // Where sums are exact, gravity is kept and added in halves: the position moves with the mean drift between them.
+    static constexpr bool fall_in_halves = Integrator::coasting == Coasting::mean && N::fixed_point && N::carry;
+    [[nodiscard]] static constexpr DriftSum whole_fall(DriftSum f) { return fall_in_halves ? f + f : f; }
     static constexpr int load_capacity = has_loads ? S::bodies : 1;
 
     struct BodyData {
@@ -359,6 +363,11 @@ private:
             N::add_any(state_[b].d_w[i], linear_w[i] * body_[b].drift_per_impulse, scale_);
             N::add_any(state_[b].t_b[i], angular_b[i] * body_[b].units.per_impulse(i), scale_);
         }
+        prepare_spin(b);
+    }
+    // The spin has changed otherwise than by free rotation.
+    TUMBLE_INLINE void prepare_spin([[maybe_unused]] int b) {
+        if constexpr (requires(Inertia& inertia) { inertia.prepare(state_[0], scale_); }) body_[b].inertia.prepare(state_[b], scale_);
     }
 
     TUMBLE_INLINE void check_range(int b) {
@@ -380,9 +389,13 @@ private:
     TUMBLE_INLINE void coast(int b, const DriftSum (&fall)[3]) {
         State& s = state_[b];
         const auto axis = [&](auto& x, auto& d, DriftSum f) {
-            if constexpr (Integrator::coasting == Coasting::mean) N::coast(x, d, N::half(f), scale_);
+            if constexpr (Integrator::coasting == Coasting::mean && !fall_in_halves) N::coast(x, d, N::half(f), scale_);
             if constexpr (Integrator::coasting == Coasting::start) N::coast(x, d, {}, scale_);
             N::add(d, f);
+            if constexpr (fall_in_halves) {
+                N::coast(x, d, {}, scale_);
+                N::add(d, f);
+            }
             if constexpr (Integrator::coasting == Coasting::end) N::coast(x, d, {}, scale_);
         };
         axis(s.x_w.x, s.d_w.x, fall[0]);
@@ -412,7 +425,7 @@ private:
             world.evaluate(*this, stages, [&](int k, const WorkVec3<N>& linear, const WorkVec3<N>& angular) {
                 bool within = true;
                 for (int i = 0; i < 3; ++i) {
-                    kicks[k].linear[i] = N::limited(fall[i] + N::drift_sum(linear[i], world.scale_), within);
+                    kicks[k].linear[i] = N::limited(whole_fall(fall[i]) + N::drift_sum(linear[i], world.scale_), within);
                     kicks[k].angular[i] = N::limited(N::turn_sum(angular[i], world.scale_), within);
                 }
                 if (!within) world.status_.set(Issue::range_left, unit.id[k], world.steps_taken_);
@@ -421,7 +434,7 @@ private:
         // The same in working numbers, whose range has no end: m and rad.
         void operator()(const StageState<N>* stages, WorkKick<N>* kicks) const {
             world.evaluate(*this, stages, [&](int k, const WorkVec3<N>& linear, const WorkVec3<N>& angular) {
-                for (int i = 0; i < 3; ++i) kicks[k].linear[i] = linear[i] + N::metres(fall[i], world.scale_);
+                for (int i = 0; i < 3; ++i) kicks[k].linear[i] = linear[i] + N::metres(whole_fall(fall[i]), world.scale_);
                 kicks[k].angular = angular;
             });
         }
@@ -563,6 +576,7 @@ private:
                 s.t_b[i].add(N::part(N::sum(s.t_b[i]), part) - N::sum(s.t_b[i]));
             }
             kept[k].scaled = s;
+            prepare_spin(unit.id[k]);
         }
         DriftSum fall[3];
         for (int i = 0; i < 3; ++i) fall[i] = N::part(N::part(gravity_[i], part), part);
@@ -577,6 +591,7 @@ private:
                 N::add(s.d_w[i], N::drift_sum(linear, scale_));
                 s.t_b[i].add(N::turn_sum(angular, scale_));
             }
+            prepare_spin(unit.id[k]);
         }
     }
 
@@ -605,6 +620,7 @@ private:
             group.inertia[k] = &body_[unit.id[k]].inertia;
         }
         if (!Integrator::template advance<N, capacity>(group, evaluate, info)) status_.set(Issue::step_bound_hit, unit.id[0], steps_taken_);
+        for (int k = 0; k < unit.count; ++k) prepare_spin(unit.id[k]);
     }
 
     // --- contacts ------------------------------------------------------------------------------------------------
@@ -751,7 +767,7 @@ private:
         WorkVec3<N> v_w, fall_w;
         for (int i = 0; i < 3; ++i) {
             v_w[i] = N::metres(N::sum(state_[b].d_w[i]), scale_) * steps_per_second_;
-            fall_w[i] = N::metres(gravity_[i], scale_) * steps_per_second_ * end.portion;
+            fall_w[i] = N::metres(whole_fall(gravity_[i]), scale_) * steps_per_second_ * end.portion;
             const Work rate = body.units.rate(i, steps_per_second_);
             motion.w[i] = N::half_turn(N::sum(state_[b].t_b[i]), scale_) * rate;
             motion.inverse_moments[i] = rate * body.units.per_impulse(i);
@@ -830,7 +846,7 @@ private:
     }
 
     Real step_length_;                            // s
-    DriftSum gravity_[3]{};                       // change of drift a step
+    DriftSum gravity_[3]{};                       // change of drift a step, or half of it: see fall_in_halves
     State state_[S::bodies]{};
     BodyData body_[S::bodies]{};
     Status status_{};

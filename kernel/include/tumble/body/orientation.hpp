@@ -22,6 +22,25 @@ struct Delta {
     }
 };
 
+// (1 + z)^(-1/2) - 1 for 0 <= z < 1/4: what makes (1, c) a unit quaternion, z = |c|^2. Three terms of the series and a
+// Newton step in fixed point; a square root and a division in floating point.
+template <class N>
+[[nodiscard]] TUMBLE_INLINE typename N::Angle inverse_length_less_one(typename N::Angle z) {
+    using Angle = typename N::Angle;
+    if constexpr (N::fixed_point) {
+        const auto times = [](Angle a, Angle b) { return upper_word(mul(a, b)); };
+        constexpr Angle c2 = Angle::from(Real{0.375}), c3 = Angle::from(Real{0.3125});
+        const Angle r = times(z, times(z, c2 - times(z, c3))) - N::half_angle(z);
+        // (1 + z) (1 + r)^2 = 1 + excess
+        const Angle square = r + r + times(r, r), excess = z + square + times(z, square);
+        const Angle half = N::half_angle(excess);
+        return r - half - times(half, r);
+    } else {
+        const Angle root = sqrt(Angle(1) + z);
+        return -z / (root * (Angle(1) + root));
+    }
+}
+
 // (|q|^2 - 1) / 2, the first-order excess of the norm.
 template <class N>
 [[nodiscard]] TUMBLE_INLINE typename N::Angle norm_excess(const Quat<typename N::Unit>& q) {

@@ -3,8 +3,12 @@
 #pragma once
 
 #include <tumble/integrators/implicit_euler.hpp>
+#include <tumble/integrators/implicit_midpoint.hpp>
+#include <tumble/integrators/pdmv.hpp>
 #include <tumble/integrators/runge_kutta.hpp>
 #include <tumble/integrators/semi_implicit_euler.hpp>
+#include <tumble/integrators/strang.hpp>
+#include <tumble/integrators/suzuki4.hpp>
 #include <tumble/integrators/verlet.hpp>
 
 namespace tumble {
@@ -18,13 +22,23 @@ struct IntegratorList {
     static constexpr void for_each(F&& f) { (f.template operator()<Methods>(), ...); }
 };
 
+// One a line: builds read them from here.
+// clang-format off
 using Integrators = IntegratorList<
     integrators::ExplicitEuler,
     integrators::SemiImplicitEuler,
     integrators::ImplicitEuler,
+    integrators::ImplicitMidpoint,
     integrators::Midpoint,
     integrators::Heun,
     integrators::Rk4,
-    integrators::Verlet>;
+    integrators::Verlet,
+    integrators::Strang,
+    integrators::Suzuki4,
+    integrators::Pdmv4,
+    integrators::Pdmv6,
+    integrators::Pdmv8,
+    integrators::Pdmv10>;
+// clang-format on
 
 }  // namespace tumble

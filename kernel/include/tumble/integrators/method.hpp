@@ -6,6 +6,7 @@
 //   coasting                        how position advances under constant acceleration
 //   Inertia<N>::of(moments, step, scale)   the constants of a body that its rotation needs
 //   rotate<N>(body, inertia, step)         one step of torque-free rotation
+//   inertia.prepare(body, scale)           only where those constants depend on the spin: called whenever it is changed
 //   advance<N, capacity>(group, evaluate, step)   one step of bodies whose loads depend on their state
 // A new method is one such header and one line in integrators/list.hpp.
 #pragma once
@@ -51,7 +52,7 @@ template <class N, Spin spin, class Inertia, int capacity>
 struct Group {
     int count = 0;
     BodyState<N, spin>* body[capacity]{};
-    const Inertia* inertia[capacity]{};
+    Inertia* inertia[capacity]{};
 };
 
 template <class N, Spin spin>

@@ -6,55 +6,37 @@
 // Error constant: |1/I_x - 1/I_y| |1/I_z - 1/I_y|.
 #pragma once
 
-#include <tumble/integrators/method.hpp>
+#include <tumble/integrators/axis_turn.hpp>
+#include <tumble/integrators/composed.hpp>
 
 namespace tumble {
 
-template <class N>
+template <class N, template <class> class Part = WholeStep>
 struct SymmetricTopInertia {
     typename N::template CoefficientOf<32> x_angle;   // I_y/I_x - 1, in [-1/2, 0]: angle of the half step about x, per turn
     typename N::Coefficient z_half_angle;   // (I_y/I_z - 1) / 2^z_shift: half angle of the full step about z, per turn
     std::int8_t z_shift;                    // a thin rod's spin is large for its momentum: 0 up to I_y = 2 I_z
     std::int8_t most_up;                    // for N::Block
+    [[no_unique_address]] Part<N> part;
 
-    // The spin is h/2 L / I_y; moments are sorted downwards.
-    [[nodiscard]] static constexpr SymmetricTopInertia of(RealVec3 moments, typename N::Scale scale) {
+    // The spin is h/2 L / I_y; moments are sorted downwards. `step` is the part of a step, in [-1, 1].
+    [[nodiscard]] static constexpr SymmetricTopInertia of(RealVec3 moments, typename N::Scale scale, Real step = 1) {
         const Real z = moments.y / moments.z - Real{1};
         const int shift = N::fixed_point && z > Real{1} ? z.ceil_log2_bound() : 0;
-        return {N::template constant<typename N::template CoefficientOf<32>>(moments.y / moments.x - Real{1}),
-                N::template constant<typename N::Coefficient>(z * Real::scaled(1, -shift)), static_cast<std::int8_t>(shift),
-                static_cast<std::int8_t>(N::Block::most_up(scale, shift))};
+        return {N::template constant<typename N::template CoefficientOf<32>>((moments.y / moments.x - Real{1}) * step),
+                N::template constant<typename N::Coefficient>(z * step * Real::scaled(1, -shift)), static_cast<std::int8_t>(shift),
+                static_cast<std::int8_t>(N::Block::most_up(scale, shift)), Part<N>::of(step)};
     }
 };
-
-namespace detail {
-
-// A turn about a body axis, by twice the half angle that its quaternion needs.
-template <class N>
-struct AxisTurn {
-    using Turn = typename N::Turn;
-    using Angle = typename N::Angle;
-
-    Turn sine;               // of the whole angle; block turns
-    Turn versine;            // 1 - cosine of the whole angle, 2 s^2 by the half angle's sine s
-    Angle half_sine;         // of the half angle
-    Angle cosine_less_one;   // of the half angle
-
-    [[nodiscard]] TUMBLE_INLINE static AxisTurn of(Turn angle, const SinCosSeries<Angle>& series, typename N::Block block, Dither d) {
-        const Turn twice_sine = N::Block::stretched(angle, series.sinc_less_one, d.angle);
-        return {N::Block::stretched(twice_sine, series.cos_less_one, d.delta), block.half_square(twice_sine, d),
-                block.half_angle(twice_sine, d), series.cos_less_one};
-    }
-};
-
-}  // namespace detail
 
 struct SymmetricTopFlow {
     template <class N>
     using Inertia = SymmetricTopInertia<N>;
-
     template <class N>
-    TUMBLE_INLINE static void flow(BodyState<N, Spin::angular_momentum>& body, const Inertia<N>& inertia, const StepInfo<N>& step) {
+    using PartInertia = SymmetricTopInertia<N, PartOfStep>;
+
+    template <class N, template <class> class Part>
+    TUMBLE_INLINE static void flow(BodyState<N, Spin::angular_momentum>& body, const SymmetricTopInertia<N, Part>& inertia, const StepInfo<N>& step) {
         using namespace detail;
         using Turn = typename N::Turn;
         using Angle = typename N::Angle;
@@ -92,7 +74,7 @@ struct SymmetricTopFlow {
         const Turn y_late = y - block.turn(less_y), z_late = z - block.turn(less_z);
         less_z = mul_add(mul_add(less_z, x2.sine, y_late), x2.versine, z_late);
         less_y = mul_sub(mul_add(less_y, x2.versine, y_late), x2.sine, z_late);
-        const Vec3<Turn> end{x_end, y - block.turn(less_y), z - block.turn(less_z)};
+        const Vec3<Turn> end = inertia.part({x_end, y - block.turn(less_y), z - block.turn(less_z)}, d);
         block.lower(body.t_b.y, less_y);
         block.lower(body.t_b.z, less_z);
         forget_loaded();

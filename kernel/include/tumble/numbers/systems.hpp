@@ -157,6 +157,9 @@ struct Q32 {
         [[nodiscard]] TUMBLE_INLINE constexpr Angle half_angle(Turn t, Dither d) const {
             return {(t.raw + static_cast<std::int32_t>(d.angle >> (31 - shift_))) >> (shift_ + 1)};
         }
+        [[nodiscard]] TUMBLE_INLINE constexpr Angle whole_angle(Turn t, Dither d) const {
+            return {(t.raw + static_cast<std::int32_t>((d.angle >> 1) >> (31 - shift_))) >> shift_};
+        }
         // 1 + c, c <= 0, as the factor that makes an angle of a turn; dithered. Just below 1/2, its format's end, for 1/2.
         [[nodiscard]] TUMBLE_INLINE constexpr Fixed<32> angle_per_turn(Angle c, Dither d) const {
             const auto less = static_cast<std::uint32_t>((c.raw + static_cast<std::int32_t>(d.delta >> (32 - shift_))) >> shift_);
@@ -176,6 +179,22 @@ struct Q32 {
         }
         [[nodiscard]] TUMBLE_INLINE static constexpr Turn share(Fixed<32> c, Turn t, Dither d) {
             return upper_word(mul_add(TurnProduct{static_cast<std::int64_t>(d.turn)}, c, t));
+        }
+        [[nodiscard]] TUMBLE_INLINE static constexpr Turn twice(Fixed<30> c, Turn t, Dither d) {
+            return {static_cast<std::int32_t>(mul_add(Wide<62>{static_cast<std::int64_t>(d.turn >> 3)}, c, t).raw >> 29)};
+        }
+        // Would a change of c that is this change times |c| round to nothing? |c| < 2^-(1 + shift) in each component.
+        [[nodiscard]] TUMBLE_INLINE constexpr bool vanishes_times_itself(const auto& change, const auto&) const {
+            const auto size = [](Turn c) { return static_cast<std::uint32_t>(c.raw ^ (c.raw >> 31)); };
+            return ((size(change.x()) | size(change.y()) | size(change.z())) >> shift_) == 0;
+        }
+        // c * t, to nearest; and (a + d p - j c) 2^up, rounded down.
+        [[nodiscard]] TUMBLE_INLINE static constexpr Turn times(Fixed<30> c, Turn t) {
+            return {static_cast<std::int32_t>(mul_add(Wide<62>{std::int64_t{1} << 29}, c, t).raw >> 30)};
+        }
+        [[nodiscard]] TUMBLE_INLINE static constexpr Turn rest(Turn a, Fixed<30> d, Turn p, Fixed<30> j, Turn c, int up) {
+            const Wide<62> start{static_cast<std::int64_t>(a.raw) * (std::int64_t{1} << 30)};
+            return {static_cast<std::int32_t>(mul_sub(mul_add(start, d, p), j, c).raw >> (30 - up))};
         }
         [[nodiscard]] TUMBLE_INLINE static constexpr Turn twice_share(Fixed<31> c, Turn t, Dither d) {
             return {static_cast<std::int32_t>(mul_add(Wide<63>{static_cast<std::int64_t>(d.turn >> 2)}, c, t).raw >> 30)};
@@ -237,6 +256,10 @@ struct Q32 {
     [[nodiscard]] static constexpr Work rounding_unit() { return Work::of(1, -28); }
 
     [[nodiscard]] static constexpr Work half_of(Work w) { return w.times_power_of_two(-1); }
+    [[nodiscard]] static constexpr Work times_power_of_two(Work w, int n) { return w.times_power_of_two(n); }
+    // A working number as a constant of a step, nearest.
+    template <int bits>
+    [[nodiscard]] static constexpr CoefficientOf<bits> factor(Work w) { return w.template to_fixed<CoefficientOf<bits>>(); }
 
     // For part of a step: sums times a fraction in (0, 1).
     using Fraction = Fixed<31>;
@@ -301,7 +324,8 @@ struct Q32 {
         else x.add({detail::shift_right(drift.raw, s.drift_shift)});
     }
     [[nodiscard]] TUMBLE_INLINE static constexpr DriftSum sum(const Integrated<Drift>& d) { return d.sum(); }
-    [[nodiscard]] TUMBLE_INLINE static constexpr DriftSum half(DriftSum d) { return {d.raw >> 1}; }
+    template <int F>
+    [[nodiscard]] TUMBLE_INLINE static constexpr Wide<F> half(Wide<F> sum) { return {sum.raw >> 1}; }
     // position += drift + extra, with all that the drift carries.
     TUMBLE_INLINE static constexpr void coast(Integrated<Position>& x, const Integrated<Drift>& d, DriftSum extra, Scale s) {
         move(x, d.sum() + extra, s);
@@ -309,7 +333,6 @@ struct Q32 {
     [[nodiscard]] static constexpr PositionSum displaced(PositionSum x, DriftSum d, Scale s) {
         return x + PositionSum{detail::shift_right(d.raw, s.drift_shift)};
     }
-    [[nodiscard]] TUMBLE_INLINE static constexpr TurnSum half_turn_sum(TurnSum t) { return {t.raw >> 1}; }
     [[nodiscard]] TUMBLE_INLINE static constexpr Angle half_angle(Angle a) { return {a.raw >> 1}; }
     // t * 2^shift, which the caller knows to fit.
     [[nodiscard]] TUMBLE_INLINE static constexpr TurnSum scaled_up(TurnSum t, int shift) {
@@ -364,10 +387,9 @@ struct Q32 {
     }
     // coefficient * p / 2^turn_shift as a turn: for stages, where the product's upper word is enough.
     [[nodiscard]] TUMBLE_INLINE static constexpr Turn stage_turn(Coefficient c, TurnProduct p, Scale s) {
-        // The upper word is the product rounded down; c / 2 puts back the half unit that is missing on average.
-        const auto half = (std::int64_t{1} << (30 + s.turn_shift)) + (c.raw >> 1);
-        const auto upper = Turn::from_raw(static_cast<std::int32_t>(p.raw >> 32));
-        return {static_cast<std::int32_t>(detail::multiply_add(half, c.raw, upper.raw) >> 32) >> (s.turn_shift - 1)};
+        // Both upper words are rounded down by less than a unit of 2^-turn_shift turns: no more than a stage's own rounding.
+        const auto product = static_cast<std::int32_t>(detail::multiply(c.raw, static_cast<std::int32_t>(p.raw >> 32)) >> 32);
+        return {(product + (1 << s.turn_shift >> 2)) >> (s.turn_shift - 1)};
     }
     // t += coefficient * p, to the last bit of the carried sum: 96 bits of product, of which 64 are kept.
     template <int F>
@@ -432,6 +454,11 @@ struct Float {
         [[nodiscard]] TUMBLE_INLINE static constexpr T stretched(T t, T c, std::uint32_t) { return t + t * c; }
         [[nodiscard]] TUMBLE_INLINE static constexpr T share(T c, T t, Dither) { return c * t; }
         [[nodiscard]] TUMBLE_INLINE static constexpr T twice_share(T c, T t, Dither) { return T(2) * c * t; }
+        [[nodiscard]] TUMBLE_INLINE static constexpr bool vanishes_times_itself(const auto& change, const auto& c) { return is_rounding(change, c); }
+        [[nodiscard]] TUMBLE_INLINE static constexpr T twice(T c, T t, Dither) { return T(2) * c * t; }
+        [[nodiscard]] TUMBLE_INLINE static constexpr T times(T c, T t) { return c * t; }
+        [[nodiscard]] TUMBLE_INLINE static constexpr T rest(T a, T d, T p, T j, T c, int) { return a - j * c + d * p; }
+        [[nodiscard]] TUMBLE_INLINE static constexpr T whole_angle(T t, Dither) { return t; }
     };
 
     template <class V>
@@ -455,6 +482,9 @@ struct Float {
     [[nodiscard]] static constexpr T magnitude(T a) { return a < T(0) ? -a : a; }
 
     [[nodiscard]] static constexpr T half_of(T w) { return w * T(0.5); }
+    [[nodiscard]] static constexpr T times_power_of_two(T w, int) { return w; }   // formats that shift are of fixed point
+    template <int>
+    [[nodiscard]] static constexpr T factor(T w) { return w; }
 
     using Fraction = T;
     [[nodiscard]] static constexpr T fraction(T w) { return w; }
@@ -477,14 +507,13 @@ struct Float {
     TUMBLE_INLINE static constexpr void add_any(auto& number, T change, Scale) { number.add(change); }
     [[nodiscard]] TUMBLE_INLINE static constexpr T limited(T kick, bool&) { return kick; }
     TUMBLE_INLINE static constexpr void move(Integrated<T>& x, T drift, Scale) { x.add(drift); }
-    [[nodiscard]] TUMBLE_INLINE static constexpr T half(T d) { return d * T(0.5); }
+    [[nodiscard]] TUMBLE_INLINE static constexpr T half(T sum) { return sum * T(0.5); }
     TUMBLE_INLINE static constexpr void coast(Integrated<T>& x, const Integrated<T>& d, T extra, Scale) {
         if constexpr (carry) x.add(d.residual());
         x.add(d.value() + extra);
     }
     [[nodiscard]] static constexpr T displaced(T x, T d, Scale) { return x + d; }
     [[nodiscard]] TUMBLE_INLINE static constexpr T narrow_turn(T t) { return t; }
-    [[nodiscard]] TUMBLE_INLINE static constexpr T half_turn_sum(T t) { return t * T(0.5); }
     [[nodiscard]] TUMBLE_INLINE static constexpr T half_angle(T a) { return a * T(0.5); }
     [[nodiscard]] TUMBLE_INLINE static constexpr T scaled_up(T t, int) { return t; }
     [[nodiscard]] TUMBLE_INLINE static constexpr T mul_sum(T t, T c) { return t * c; }
