@@ -4,12 +4,12 @@ JOBS  := $(shell nproc)
 SCENE ?= host_sim/scenes/cube.toml
 ARGS  ?=
 
-.PHONY: run test bench firmware replay size check format tables golden build setup clean help
+.PHONY: run test bench peers work-precision firmware replay size check format tables golden build setup clean help
 .DEFAULT_GOAL := help
 
 ## help: this list
 help:
-	@awk -F': ' '/^## / { printf "  make %-10s %s\n", substr($$1, 4), $$2 }' $(MAKEFILE_LIST)
+	@awk -F': ' '/^## / { printf "  make %-14s %s\n", substr($$1, 4), $$2 }' $(MAKEFILE_LIST)
 
 ## run: the main job: replay a scene on the host and on every core, compare the bits, print what a step costs
 run: build
@@ -39,8 +39,23 @@ replay: build
 ## bench: insn per step, text, RAM and stack of the benchmark scenes on every core, into bench/results
 bench: build
 	build/host/bench/tumble_matrix host_sim/scenes/free.toml --results bench/results/free.jsonl
-	build/host/bench/tumble_matrix host_sim/scenes/cube.toml --accuracy --results bench/results/cube.jsonl
+	build/host/bench/tumble_matrix host_sim/scenes/cube.toml --accuracy \
+	    --integrators explicit_euler,implicit_euler,heun,midpoint,rk4,verlet --results bench/results/cube.jsonl
 	build/host/bench/tumble_tables README.md bench/results
+
+## work-precision: error against cost of every method on problems of rotation, as rows and pictures in bench/results
+work-precision: build
+	build/host/bench/tumble_work_precision bench/problems/generic_top.toml bench/problems/separatrix_top.toml bench/problems/nearly_symmetric_top.toml \
+	    --cost bench/results/free.jsonl --cost bench/results/peers.jsonl --results bench/results/work_precision.jsonl --pictures bench/results
+
+## peers: what a step of Boost.Odeint costs on the cores, into bench/results
+peers: build
+	@for core in cortex-m0 cortex-m3 cortex-m4f; do \
+	    cmake -G Ninja -S bench/peers -B build/peers/$$core -DCMAKE_TOOLCHAIN_FILE=$(CURDIR)/port/cortex_m/toolchain.cmake -DTUMBLE_CORE=$$core > /dev/null && \
+	    cmake --build build/peers/$$core > /dev/null || exit 1; \
+	    for elf in build/peers/$$core/*.elf; do port/qemu/run $$core $$elf || exit 1; done; \
+	done > build/results/peers.jsonl
+	@mv build/results/peers.jsonl bench/results/peers.jsonl
 
 ## size: text and RAM of the firmware just built, against the committed rows
 size: build

@@ -1,8 +1,8 @@
 // The main job: one scene, replayed on the host and on every core with every integrator and number system; the bits
 // compared; what a step costs printed and written as JSON lines. A row whose hash differs from the host's is marked and
 // makes the whole run fail; so does a firmware that faults or does not end.
-#include "rows.hpp"
 #include "command.hpp"
+#include "rows.hpp"
 #include "scene_reader.hpp"
 #include "simulation.hpp"
 
@@ -15,6 +15,7 @@
 #include <cstdio>
 #include <iostream>
 #include <mutex>
+#include <optional>
 #include <thread>
 #include <unistd.h>
 
@@ -48,7 +49,11 @@ struct Variant {
     std::string name, numbers;
     bool carry;
 };
-const std::vector<Variant> variants = {{"q32", "q32", true}, {"q32_plain", "q32", false}, {"f32", "f32", true}, {"f32_plain", "f32", false}, {"f64", "f64", false}};
+const std::vector<Variant> variants = {{"q32", "q32", true},
+                                       {"q32_plain", "q32", false},
+                                       {"f32", "f32", true},
+                                       {"f32_plain", "f32", false},
+                                       {"f64", "f64", false}};
 
 // tumble::integrators::Rk4 -> Rk4.
 std::string type_name(const std::string& method) {
@@ -96,7 +101,9 @@ void in_parallel(std::size_t count, const auto& work) {
     std::atomic<std::size_t> next{0};
     std::vector<std::thread> workers;
     for (unsigned t = 0; t < std::max(1u, std::thread::hardware_concurrency()); ++t) {
-        workers.emplace_back([&] { for (std::size_t i; (i = next++) < count;) work(i); });
+        workers.emplace_back([&] {
+            for (std::size_t i; (i = next++) < count;) work(i);
+        });
     }
     for (auto& worker : workers) worker.join();
 }
@@ -106,7 +113,7 @@ struct Job {
     Variant variant;
     std::string method;
     Row row;
-    std::string error;       // empty: the row is good
+    std::string error;  // empty: the row is good
     bool does_not_fit = false;
 };
 
@@ -122,23 +129,30 @@ void add_sizes(Row& row, const fs::path& elf) {
     if (size.status != 0 || std::sscanf(size.text.c_str(), "%*[^\n]\n%lu %lu %lu", &text, &data, &bss) != 3) {
         throw std::runtime_error{"arm-none-eabi-size: " + size.text};
     }
-    row["text_bytes"] = text + data;      // what lies in flash
+    row["text_bytes"] = text + data;  // what lies in flash
     row["ram_bytes"] = data + bss;
 }
 
 void print_table(const std::vector<Job>& jobs) {
-    std::printf("\n%-11s %-10s %-20s %10s %10s %8s %7s %7s  %-16s %s\n", "core", "numbers", "integrator", "insn/step", "worst", "text", "RAM", "stack", "state hash", "agrees");
+    std::printf("\n%-11s %-10s %-20s %10s %10s %8s %7s %7s  %-16s %s\n", "core", "numbers", "integrator", "insn/step",
+                "worst", "text", "RAM", "stack", "state hash", "agrees");
     for (const Job& job : jobs) {
-        const std::string numbers = job.variant.numbers + (job.variant.numbers == "f64" ? "" : job.variant.carry ? " carry" : " plain");
+        const std::string numbers = job.variant.numbers + (job.variant.numbers == "f64" ? ""
+                                                           : job.variant.carry          ? " carry"
+                                                                                        : " plain");
         if (job.does_not_fit) {
-            std::printf("%-11s %-10s %-20s does not fit this core's memory\n", job.core.c_str(), numbers.c_str(), job.method.c_str());
+            std::printf("%-11s %-10s %-20s does not fit this core's memory\n", job.core.c_str(), numbers.c_str(),
+                        job.method.c_str());
         } else if (!job.error.empty() && job.row.is_null()) {
-            std::printf("%-11s %-10s %-20s FAILED: %s\n", job.core.c_str(), numbers.c_str(), job.method.c_str(), job.error.c_str());
+            std::printf("%-11s %-10s %-20s FAILED: %s\n", job.core.c_str(), numbers.c_str(), job.method.c_str(),
+                        job.error.c_str());
         } else {
             const auto number = [&](const char* key) { return job.row.at(key).get<unsigned long long>(); };
-            std::printf("%-11s %-10s %-20s %10llu %10llu %8llu %7llu %7llu  %-16s %s\n", job.core.c_str(), numbers.c_str(), job.method.c_str(), number("insn_per_step"),
-                        number("insn_per_step_max"), number("text_bytes"), number("ram_bytes"), number("stack_bytes"),
-                        job.row.at("state_hash").get<std::string>().c_str(), job.error.empty() ? "yes" : job.error.c_str());
+            std::printf("%-11s %-10s %-20s %10llu %10llu %8llu %7llu %7llu  %-16s %s\n", job.core.c_str(),
+                        numbers.c_str(), job.method.c_str(), number("insn_per_step"), number("insn_per_step_max"),
+                        number("text_bytes"), number("ram_bytes"), number("stack_bytes"),
+                        job.row.at("state_hash").get<std::string>().c_str(),
+                        job.error.empty() ? "yes" : job.error.c_str());
         }
     }
 }
@@ -155,7 +169,8 @@ int main(int argc, char** argv) try {
     app.add_option("--integrators", methods, "Integrators to run")->delimiter(',');
     app.add_option("--results", results, "Where the rows go, as JSON lines");
     app.add_option("--baseline", baseline, "Rows to compare size and cost with");
-    app.add_flag("--accuracy", accuracy, "Add errors against the long-double reference, up to the scene's first contact");
+    app.add_flag("--accuracy", accuracy,
+                 "Add errors against the long-double reference, up to the scene's first contact");
     CLI11_PARSE(app, argc, argv);
 
     const tumble::host::SceneDescription scene = tumble::host::read_scene(scene_path);
@@ -164,22 +179,30 @@ int main(int argc, char** argv) try {
     fs::create_directories(work);
 
     std::vector<Job> jobs;
-    for (const auto& core : cores) for (const auto& v : variants) for (const auto& m : methods) jobs.push_back({core, v, m, {}, {}, false});
+    for (const auto& core : cores)
+        for (const auto& v : variants)
+            for (const auto& m : methods) jobs.push_back({core, v, m, {}, {}, false});
 
     // The host's answer for each integrator and number system.
-    struct Answer { std::string hash; double position_error = 0, orientation_error = 0; };
+    struct Answer {
+        std::string hash;
+        double position_error = 0, orientation_error = 0;
+    };
     std::map<std::pair<std::string, std::string>, Answer> answers;
     std::mutex answers_mutex;
     std::vector<std::pair<Variant, std::string>> hosts;
-    for (const auto& v : variants) for (const auto& m : methods) hosts.emplace_back(v, m);
+    for (const auto& v : variants)
+        for (const auto& m : methods) hosts.emplace_back(v, m);
+    std::optional<tumble::bench::Flight> flight;
+    if (accuracy) flight.emplace(scene);
     Progress progress{hosts.size() + cores.size() + jobs.size()};
     in_parallel(hosts.size(), [&](std::size_t i) {
         const auto& [variant, method] = hosts[i];
         const auto simulation = tumble::host::make_simulation(scene, method, variant.numbers, variant.carry);
         while (simulation->steps_taken() < simulation->steps() && simulation->troubles().empty()) simulation->step();
         Answer answer{hex(simulation->hash())};
-        if (accuracy) {
-            const auto error = tumble::bench::flight_error(scene, method, variant.numbers, variant.carry);
+        if (flight) {
+            const auto error = flight->error_of(method, variant.numbers, variant.carry);
             answer.position_error = error.position_m;
             answer.orientation_error = error.orientation_rad;
         }
@@ -190,17 +213,24 @@ int main(int argc, char** argv) try {
 
     // The firmware of each core; ninja uses both processors itself.
     const fs::path header = fs::absolute(work / (name + ".hpp"));
-    if (const Result r = run(quoted((source_dir / "build/host/tumble").string()) + " compile " + quoted(scene_path.string()) + " -o " + quoted(header.string())); r.status != 0) {
+    if (const Result r = run(quoted((source_dir / "build/host/tumble").string()) + " compile " +
+                             quoted(scene_path.string()) + " -o " + quoted(header.string()));
+        r.status != 0) {
         throw std::runtime_error{"tumble compile: " + r.text};
     }
+    std::string targets;
+    for (const auto& v : variants)
+        for (const auto& m : methods) targets += " " + v.name + "-" + type_name(m);
     std::map<std::string, std::string> build_text;
     for (const auto& core : cores) {
         const std::string dir = quoted((work / core).string());
-        const Result configured = run("cmake -G Ninja -S " + quoted((source_dir / "bench/firmware").string()) + " -B " + dir + " -DCMAKE_TOOLCHAIN_FILE=" +
-                                      quoted((source_dir / "port/cortex_m/toolchain.cmake").string()) + " -DTUMBLE_CORE=" + core + " -DTUMBLE_SCENE=" + tumble::host::struct_name(scene_path.string()) +
-                                      " -DTUMBLE_SCENE_HEADER=" + quoted(header.string()));
+        const Result configured =
+            run("cmake -G Ninja -S " + quoted((source_dir / "bench/firmware").string()) + " -B " + dir +
+                " -DCMAKE_TOOLCHAIN_FILE=" + quoted((source_dir / "port/cortex_m/toolchain.cmake").string()) +
+                " -DTUMBLE_CORE=" + core + " -DTUMBLE_SCENE=" + tumble::host::struct_name(scene_path.string()) +
+                " -DTUMBLE_SCENE_HEADER=" + quoted(header.string()));
         if (configured.status != 0) throw std::runtime_error{"cmake for " + core + ": " + configured.text};
-        build_text[core] = run("cmake --build " + dir + " -- -k 0").text;
+        build_text[core] = run("cmake --build " + dir + " --target" + targets + " -- -k 0").text;
         progress.step("built for " + core);
     }
 
@@ -213,14 +243,17 @@ int main(int argc, char** argv) try {
             const std::size_t at = text.find(target + ".elf");
             job.does_not_fit = at != std::string::npos && text.find("overflowed", at) != std::string::npos;
             if (!job.does_not_fit) job.error = "not built: see cmake --build " + (work / job.core).string();
-        } else if (const Result r = run(quoted((source_dir / "port/qemu/run").string()) + " --timeout 900 " + job.core + " " + quoted(elf.string())); r.status != 0) {
+        } else if (const Result r = run(quoted((source_dir / "port/qemu/run").string()) + " --timeout 900 " + job.core +
+                                        " " + quoted(elf.string()));
+                   r.status != 0) {
             job.error = "exit status " + std::to_string(r.status) + ": " + r.text;
         } else {
             job.row = Row::parse(r.text);
             const Answer& answer = answers.at({job.variant.name, job.method});
             job.row["step_s"] = scene.step.seconds();
             job.row["compiler"] = TUMBLE_ARM_COMPILER;
-            job.row["flags"] = job.variant.numbers == "q32" ? "-O2 -fno-schedule-insns" : "-O2";
+            job.row["flags"] =
+                job.variant.numbers == "q32" ? "-O2 -fno-schedule-insns -frename-registers -fno-tree-pre" : "-O2";
             add_sizes(job.row, elf);
             if (accuracy) {
                 job.row["position_error_m"] = answer.position_error;
@@ -249,10 +282,15 @@ int main(int argc, char** argv) try {
         const auto old_rows = tumble::bench::read_rows(baseline);
         for (const Row& row : rows) {
             for (const Row& old : old_rows) {
-                if (old.at("core") != row.at("core") || old.at("numbers") != row.at("numbers") || old.at("carry") != row.at("carry") || old.at("integrator") != row.at("integrator")) continue;
+                if (old.at("core") != row.at("core") || old.at("numbers") != row.at("numbers") ||
+                    old.at("carry") != row.at("carry") || old.at("integrator") != row.at("integrator"))
+                    continue;
                 for (const char* key : {"insn_per_step", "text_bytes", "ram_bytes", "stack_bytes"}) {
                     const long change = row.at(key).get<long>() - old.at(key).get<long>();
-                    if (change != 0) std::printf("%s %s %s: %s %+ld\n", row.at("core").get<std::string>().c_str(), row.at("numbers").get<std::string>().c_str(), row.at("integrator").get<std::string>().c_str(), key, change);
+                    if (change != 0)
+                        std::printf("%s %s %s: %s %+ld\n", row.at("core").get<std::string>().c_str(),
+                                    row.at("numbers").get<std::string>().c_str(),
+                                    row.at("integrator").get<std::string>().c_str(), key, change);
                 }
             }
         }

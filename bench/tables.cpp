@@ -3,6 +3,7 @@
 #include "rows.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <iostream>
 #include <map>
@@ -69,7 +70,9 @@ Table cost_table(const std::vector<Row>& rows, const std::vector<std::string>& n
         std::vector<std::string> line{"`" + m + "`"};
         for (const auto& n : numbers) {
             for (const auto& c : cores) {
-                const auto found = std::find_if(rows.begin(), rows.end(), [&](const Row& r) { return method(r) == m && core(r) == c && numbers_of(r) == n; });
+                const auto found = std::find_if(rows.begin(), rows.end(), [&](const Row& r) {
+                    return method(r) == m && core(r) == c && numbers_of(r) == n;
+                });
                 line.push_back(found == rows.end() ? "-" : text_of(*found, "insn_per_step"));
             }
         }
@@ -80,11 +83,14 @@ Table cost_table(const std::vector<Row>& rows, const std::vector<std::string>& n
 
 Table size_table(const std::vector<Row>& rows, const std::string& core) {
     Table table;
-    table.head = {core, "numbers", "text bytes", "RAM bytes", "world bytes", "stack bytes", "insn per step", "worst step"};
+    table.head = {core,          "numbers",     "text bytes",    "RAM bytes",
+                  "world bytes", "stack bytes", "insn per step", "worst step"};
     for (const Row& row : rows) {
         if (row.at("core") != core || row.at("integrator") == "implicit_euler") continue;
-        table.rows.push_back({"`" + row.at("integrator").get<std::string>() + "`", numbers_of(row), text_of(row, "text_bytes"), text_of(row, "ram_bytes"),
-                              text_of(row, "world_bytes"), text_of(row, "stack_bytes"), text_of(row, "insn_per_step"), text_of(row, "insn_per_step_max")});
+        table.rows.push_back({"`" + row.at("integrator").get<std::string>() + "`", numbers_of(row),
+                              text_of(row, "text_bytes"), text_of(row, "ram_bytes"), text_of(row, "world_bytes"),
+                              text_of(row, "stack_bytes"), text_of(row, "insn_per_step"),
+                              text_of(row, "insn_per_step_max")});
     }
     return table;
 }
@@ -114,6 +120,54 @@ Table cube_table(const std::vector<Row>& rows) {
     return table;
 }
 
+// The cheapest way to stay below an error, beside what RK4 in plain float costs for it.
+Table front_table(const std::vector<Row>& rows) {
+    Table table;
+    const std::vector<std::string> cores = {"cortex-m3", "cortex-m4f"};
+    table.head = {"problem", "error below, rad"};
+    for (const auto& core : cores) {
+        table.head.push_back("cheapest on " + core);
+        table.head.push_back("insn per simulated s");
+        table.head.push_back("`rk4`, plain float");
+    }
+    const auto scene_of = [](const Row& r) { return r.at("scene").get<std::string>(); };
+    for (const auto& scene : distinct(rows, scene_of)) {
+        for (const double tolerance : {1e-2, 1e-4, 1e-6, 1e-8}) {
+            char text[16];
+            std::snprintf(text, sizeof text, "%.0e", tolerance);
+            std::vector<std::string> line{scene, text};
+            for (const auto& core : cores) {
+                const Row *best = nullptr, *plain = nullptr;
+                const auto cost = [](const Row& r) { return r.at("insn_per_simulated_second").get<double>(); };
+                for (const Row& row : rows) {
+                    if (scene_of(row) != scene || row.at("core") != core || row.contains("failure") ||
+                        row.at("orientation_error_rad").get<double>() > tolerance)
+                        continue;
+                    if (best == nullptr || cost(row) < cost(*best)) best = &row;
+                    if (row.at("integrator") == "rk4" && numbers_of(row) == "f32 plain" &&
+                        (plain == nullptr || cost(row) < cost(*plain)))
+                        plain = &row;
+                }
+                const auto number = [&](const Row* row) {
+                    if (row == nullptr) return std::string{"not reached"};
+                    char digits[32];
+                    std::snprintf(digits, sizeof digits, "%.0f", cost(*row));
+                    return std::string{digits};
+                };
+                line.push_back(best == nullptr
+                                   ? "none"
+                                   : "`" + best->at("integrator").get<std::string>() + "` " + numbers_of(*best) +
+                                         ", 1/" + std::to_string(std::lround(1 / best->at("step_s").get<double>())) +
+                                         " s");
+                line.push_back(number(best));
+                line.push_back(number(plain));
+            }
+            table.rows.push_back(line);
+        }
+    }
+    return table;
+}
+
 std::string read_file(const std::filesystem::path& path) {
     std::ifstream in{path};
     if (!in) throw std::runtime_error{path.string() + ": cannot be read"};
@@ -128,7 +182,8 @@ std::string with_tables(const std::string& text, const std::map<std::string, std
         const std::size_t mark = text.find(begin, at);
         if (mark == std::string::npos) break;
         const std::size_t close = text.find(" -->", mark), stop = text.find(end, mark);
-        if (close == std::string::npos || stop == std::string::npos) throw std::runtime_error{"README: a table mark without its end"};
+        if (close == std::string::npos || stop == std::string::npos)
+            throw std::runtime_error{"README: a table mark without its end"};
         const std::string name = text.substr(mark + begin.size(), close - mark - begin.size());
         const auto found = tables.find(name);
         if (found == tables.end()) throw std::runtime_error{"README: no rows for table '" + name + "'"};
@@ -152,10 +207,12 @@ int main(int argc, char** argv) try {
     tables["free"] = cost_table(free, {"q32 carry", "f32 plain"}).markdown();
     tables["size"] = size_table(free, "cortex-m3").markdown();
     tables["cube"] = cube_table(tumble::bench::read_rows(results / "cube.jsonl")).markdown();
+    tables["front"] = front_table(tumble::bench::read_rows(results / "work_precision.jsonl")).markdown();
     const std::string now = read_file(readme), wanted = with_tables(now, tables);
     if (now == wanted) return 0;
     if (check) {
-        std::cerr << readme.string() << ": its tables are not what " << results.string() << " says; run `make tables`\n";
+        std::cerr << readme.string() << ": its tables are not what " << results.string()
+                  << " says; run `make tables`\n";
         return 1;
     }
     std::ofstream{readme} << wanted;

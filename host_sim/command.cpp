@@ -16,10 +16,12 @@ void add_choice(CLI::App& app, Choice& choice) {
     app.add_option("scene", choice.scene, "scene file (TOML)")->required()->type_name("SCENE.toml");
     app.add_option("--integrator", choice.integrator, "see `tumble list`")->capture_default_str()->type_name("NAME");
     app.add_option("--numbers", choice.numbers, "number system")->capture_default_str()->type_name("q32|f32|f64");
-    app.add_option("--carry", choice.carry, "carry the rounding residual of the state (default: on for q32 and f32, off for f64)")
+    app.add_option("--carry", choice.carry,
+                   "carry the rounding residual of the state (default: on for q32 and f32, off for f64)")
         ->type_name("on|off")
         ->check(CLI::IsMember({"on", "off"}));
-    app.add_option("--step", choice.step, "step length in s, as 1/256 or 0.005, instead of the scene's")->type_name("S");
+    app.add_option("--step", choice.step, "step length in s, as 1/256 or 0.005, instead of the scene's")
+        ->type_name("S");
     app.add_option("--duration", choice.duration, "length of the run in s, instead of the scene's")->type_name("T");
 }
 
@@ -30,16 +32,22 @@ SceneDescription Choice::read() const {
     SceneDescription description = read_scene(scene);
     if (!step.empty()) {
         const auto parsed = parse_step(step);
-        if (!parsed) throw BadArgument("--step: got \"" + step + "\", expected a positive number of seconds or a fraction such as 1/256");
+        if (!parsed)
+            throw BadArgument("--step: got \"" + step +
+                              "\", expected a positive number of seconds or a fraction such as 1/256");
         description.step = *parsed;
     }
     if (duration) {
-        if (!std::isfinite(*duration) || *duration < 0.0) throw BadArgument("--duration: expected a number of seconds >= 0");
+        if (!std::isfinite(*duration) || *duration < 0.0)
+            throw BadArgument("--duration: expected a number of seconds >= 0");
         description.duration = *duration;
     }
-    if (description.steps() > max_steps) throw BadArgument("--step, --duration: got more than 2^31 steps, expected at most " + std::to_string(max_steps));
+    if (description.steps() > max_steps)
+        throw BadArgument("--step, --duration: got more than 2^31 steps, expected at most " +
+                          std::to_string(max_steps));
     (void)find_number_system(description, numbers, wants_carry());
-    for (const std::string& limitation : limitations(description)) std::cerr << "warning: " << scene << ": " << limitation << "\n";
+    for (const std::string& limitation : limitations(description))
+        std::cerr << "warning: " << scene << ": " << limitation << "\n";
     return description;
 }
 
@@ -50,16 +58,22 @@ std::unique_ptr<Simulation> Choice::start(const SceneDescription& description) c
 std::string message_of(const Trouble& trouble, const SceneDescription& scene) {
     const std::string body = scene.bodies.at(static_cast<std::size_t>(trouble.body)).name;
     const double time = static_cast<double>(trouble.step) * scene.step.seconds();
-    std::string message = scene.path + ": body \"" + body + "\" at " + few_digits(time) + " s (step " + std::to_string(trouble.step) + "): " + trouble.issue + ": ";
-    if (trouble.issue == "range_left") message += "left what the number system holds: in fixed point the declared [range], and about a quarter of a radian in half a step; in floating point a number is not finite. Declare a larger [range] or take a smaller step";
-    else if (trouble.issue == "step_bound_hit") message += "an iteration met its bound, so the result is less accurate; take a smaller step";
+    std::string message = scene.path + ": body \"" + body + "\" at " + few_digits(time) + " s (step " +
+                          std::to_string(trouble.step) + "): " + trouble.issue + ": ";
+    if (trouble.issue == "range_left")
+        message +=
+            "left what the number system holds: in fixed point the declared [range], and about a quarter of a radian "
+            "in half a step; in floating point a number is not finite. Declare a larger [range] or take a smaller step";
+    else if (trouble.issue == "step_bound_hit")
+        message += "an iteration met its bound, so the result is less accurate; take a smaller step";
     else if (trouble.issue == "contacts_full") message += "more contact points than there is room for";
     else message += "no room for another body";
     return message;
 }
 
 int command(int argc, const char* const* argv) {
-    CLI::App app{"Rigid bodies on small hardware: replay scenes on the host, compile them for firmware, compare the two bit by bit."};
+    CLI::App app{"Rigid bodies on small hardware: replay scenes on the host, compile them for firmware, compare the "
+                 "two bit by bit."};
     app.name("tumble");
     app.require_subcommand(1);
     app.footer("Exit status: 0 done, 1 the run failed or a comparison differs, 2 bad input.");
@@ -68,28 +82,47 @@ int command(int argc, const char* const* argv) {
     auto* run_command = app.add_subcommand("run", "replay a scene on the host");
     add_choice(*run_command, run_options);
     run_command->add_option("--trajectory", run_options.trajectory, "write every state as CSV")->type_name("out.csv");
-    run_command->add_option("--every", run_options.every, "steps between rows of the trajectory")->capture_default_str()->type_name("K")->check(CLI::PositiveNumber);
+    run_command->add_option("--every", run_options.every, "steps between rows of the trajectory")
+        ->capture_default_str()
+        ->type_name("K")
+        ->check(CLI::PositiveNumber);
     run_command->add_flag("--json", run_options.json, "print one JSON object");
-    run_command->add_option("--plot", run_options.plot, "plot positions, spins and energy (needs gnuplot)")->type_name("out.svg");
+    run_command->add_option("--plot", run_options.plot, "plot positions, spins and energy (needs gnuplot)")
+        ->type_name("out.svg");
 
     CompileOptions compile_options;
     auto* compile_command = app.add_subcommand("compile", "write a scene as a C++ header for firmware");
     add_choice(*compile_command, compile_options);
-    compile_command->add_option("-o,--output", compile_options.output, "the header; default: standard output")->type_name("scene.hpp");
+    compile_command->add_option("-o,--output", compile_options.output, "the header; default: standard output")
+        ->type_name("scene.hpp");
 
     CompareOptions compare_options;
-    auto* compare_command = app.add_subcommand("compare", "replay a scene on a core in QEMU and on the host, and compare every recorded bit");
+    auto* compare_command = app.add_subcommand(
+        "compare", "replay a scene on a core in QEMU and on the host, and compare every recorded bit");
     add_choice(*compare_command, compare_options);
-    compare_command->add_option("--core", compare_options.core, "a core of `tumble list`")->required()->type_name("NAME");
-    compare_command->add_option("--every", compare_options.every, "steps between recorded states")->capture_default_str()->type_name("K")->check(CLI::PositiveNumber);
-    compare_command->add_option("--timeout", compare_options.timeout, "seconds that the emulation may take")->capture_default_str()->type_name("S")->check(CLI::PositiveNumber);
-    compare_command->add_option("--flip", compare_options.flip, "self-test: flip one bit of the host's record at this step; the comparison must report it")->type_name("STEP");
+    compare_command->add_option("--core", compare_options.core, "a core of `tumble list`")
+        ->required()
+        ->type_name("NAME");
+    compare_command->add_option("--every", compare_options.every, "steps between recorded states")
+        ->capture_default_str()
+        ->type_name("K")
+        ->check(CLI::PositiveNumber);
+    compare_command->add_option("--timeout", compare_options.timeout, "seconds that the emulation may take")
+        ->capture_default_str()
+        ->type_name("S")
+        ->check(CLI::PositiveNumber);
+    compare_command
+        ->add_option("--flip", compare_options.flip,
+                     "self-test: flip one bit of the host's record at this step; the comparison must report it")
+        ->type_name("STEP");
 
     app.add_subcommand("list", "name the integrators, number systems, ranges and cores");
 
     try {
         const auto all = app.get_subcommands([](const CLI::App*) { return true; });
-        const bool names_one = argc > 1 && std::any_of(all.begin(), all.end(), [&](const CLI::App* each) { return each->get_name() == argv[1]; });
+        const bool names_one = argc > 1 && std::any_of(all.begin(), all.end(), [&](const CLI::App* each) {
+                                   return each->get_name() == argv[1];
+                               });
         if (argc > 1 && argv[1][0] != '-' && !names_one)
             throw BadArgument("got \"" + std::string(argv[1]) + "\", expected run, compile, compare or list");
         app.parse(argc, argv);

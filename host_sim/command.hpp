@@ -1,4 +1,5 @@
-// The subcommands of `tumble`, and what they share. Each returns the exit status: 0 done, 1 the run failed, 2 bad input.
+// The subcommands of `tumble`, and what they share. Each returns the exit status: 0 done, 1 the run failed, 2 bad
+// input.
 #pragma once
 
 #include <cstdint>
@@ -22,28 +23,30 @@ public:
 
 // Which scene, and how it is replayed.
 struct Choice {
-    std::string scene;                       // the file
+    std::string scene;  // the file
     std::string integrator = "verlet";
     std::string numbers = "q32";
-    std::string carry;                       // "on", "off" or empty: the number system's default
-    std::string step;                        // empty: the file's
-    std::optional<double> duration;          // s; empty: the file's
+    std::string carry;               // "on", "off" or empty: the number system's default
+    std::string step;                // empty: the file's
+    std::optional<double> duration;  // s; empty: the file's
 
-    [[nodiscard]] std::optional<bool> wants_carry() const { return carry.empty() ? std::nullopt : std::optional{carry == "on"}; }
+    [[nodiscard]] std::optional<bool> wants_carry() const {
+        return carry.empty() ? std::nullopt : std::optional{carry == "on"};
+    }
     // Reads the scene, applies the choice to it and warns of what is not simulated.
     [[nodiscard]] SceneDescription read() const;
     [[nodiscard]] std::unique_ptr<Simulation> start(const SceneDescription& scene) const;
 };
 
 struct RunOptions : Choice {
-    std::string trajectory, plot;            // files; empty: none
-    std::int64_t every = 1;                  // steps between rows of the trajectory
+    std::string trajectory, plot;  // files; empty: none
+    std::int64_t every = 1;        // steps between rows of the trajectory
     bool json = false;
 };
 int run(const RunOptions& options);
 
 struct CompileOptions : Choice {
-    std::string output;                      // empty: standard output
+    std::string output;  // empty: standard output
 };
 int compile(const CompileOptions& options);
 // The header that `compile` writes.
@@ -54,8 +57,8 @@ int compile(const CompileOptions& options);
 struct CompareOptions : Choice {
     std::string core;
     std::int64_t every = 1;
-    std::optional<std::int64_t> flip;        // self-test: the step whose record gets one bit flipped on the host
-    int timeout = 600;                       // s of emulation
+    std::optional<std::int64_t> flip;  // self-test: the step whose record gets one bit flipped on the host
+    int timeout = 600;                 // s of emulation
 };
 int compare(const CompareOptions& options);
 

@@ -23,7 +23,8 @@ namespace fs = std::filesystem;
 // One comparison at a time in a build directory; the lock ends with the process.
 class DirectoryLock {
 public:
-    explicit DirectoryLock(const fs::path& directory) : file_(open((directory / "lock").c_str(), O_CREAT | O_RDWR | O_CLOEXEC, 0666)) {
+    explicit DirectoryLock(const fs::path& directory)
+        : file_(open((directory / "lock").c_str(), O_CREAT | O_RDWR | O_CLOEXEC, 0666)) {
         if (file_ < 0 || flock(file_, LOCK_EX) != 0) throw std::runtime_error("cannot lock " + directory.string());
     }
     ~DirectoryLock() { close(file_); }
@@ -59,7 +60,8 @@ void run_quietly(const std::vector<std::string>& command) {
     std::string messages;
     const int status = Process(command, {}, Process::Errors::merge).wait(&messages);
     if (status == 127) throw std::runtime_error(command[0] + " not found");
-    if (status != 0) throw std::runtime_error(command[0] + " failed with status " + std::to_string(status) + ":\n" + messages);
+    if (status != 0)
+        throw std::runtime_error(command[0] + " failed with status " + std::to_string(status) + ":\n" + messages);
 }
 
 fs::path build_firmware(const CompareOptions& options, const SceneDescription& scene, const fs::path& build) {
@@ -67,13 +69,14 @@ fs::path build_firmware(const CompareOptions& options, const SceneDescription& s
     fs::create_directories(build / "scene");
     write_if_changed(build / "scene/scene.hpp", compiled_scene(scene, options));
     write_if_changed(build / "scene/recording.hpp",
-                     "// What is recorded, written by `tumble compare`.\n#pragma once\n\n#include \"scene.hpp\"\n\nusing RecordedScene = tumble::scenes::" +
+                     "// What is recorded, written by `tumble compare`.\n#pragma once\n\n#include "
+                     "\"scene.hpp\"\n\nusing RecordedScene = tumble::scenes::" +
                          struct_name(scene.path) + ";\ninline constexpr std::uint32_t record_every = " +
                          std::to_string(std::min<std::int64_t>(options.every, 0xffffffff)) + "u;\n");
     if (!fs::exists(build / "build.ninja"))
         run_quietly({"cmake", "-S", (source / "port/record").string(), "-B", build.string(), "-G", "Ninja",
-                     "-DCMAKE_TOOLCHAIN_FILE=" + (source / "port/cortex_m/toolchain.cmake").string(), "-DTUMBLE_CORE=" + options.core,
-                     "-DTUMBLE_SCENE_DIR=" + (build / "scene").string()});
+                     "-DCMAKE_TOOLCHAIN_FILE=" + (source / "port/cortex_m/toolchain.cmake").string(),
+                     "-DTUMBLE_CORE=" + options.core, "-DTUMBLE_SCENE_DIR=" + (build / "scene").string()});
     run_quietly({"cmake", "--build", build.string()});
     return build / "record.elf";
 }
@@ -81,9 +84,12 @@ fs::path build_firmware(const CompareOptions& options, const SceneDescription& s
 // The host's side: the states that the firmware records, and what is said where they differ.
 class Reference {
 public:
-    Reference(const CompareOptions& options, const SceneDescription& scene) : options_(options), scene_(scene), simulation_(options.start(scene)) {}
+    Reference(const CompareOptions& options, const SceneDescription& scene)
+        : options_(options), scene_(scene), simulation_(options.start(scene)) {}
 
-    [[nodiscard]] bool at_end() const { return simulation_->steps_taken() >= simulation_->steps() || simulation_->has_trouble("range_left"); }
+    [[nodiscard]] bool at_end() const {
+        return simulation_->steps_taken() >= simulation_->steps() || simulation_->has_trouble("range_left");
+    }
     [[nodiscard]] bool is_over() const { return is_over_; }
     [[nodiscard]] std::int64_t states() const { return states_; }
     [[nodiscard]] const Simulation& simulation() const { return *simulation_; }
@@ -100,15 +106,15 @@ public:
         const auto now = static_cast<std::uint64_t>(simulation_->steps_taken());
         if (options_.flip && static_cast<std::uint64_t>(*options_.flip) == now) words[0] ^= 1u;
         if (step != now || words.size() != core_words.size()) {
-            report("recorded step " + std::to_string(step) + " with " + std::to_string(core_words.size()) + " words, expected step " +
-                   std::to_string(now) + " with " + std::to_string(words.size()));
+            report("recorded step " + std::to_string(step) + " with " + std::to_string(core_words.size()) +
+                   " words, expected step " + std::to_string(now) + " with " + std::to_string(words.size()));
             return false;
         }
         const auto differing = std::mismatch(words.begin(), words.end(), core_words.begin()).first;
         if (differing != words.end()) {
             const auto place = simulation_->place_of_word(static_cast<std::size_t>(differing - words.begin()));
-            report("body \"" + scene_.bodies[static_cast<std::size_t>(place.body)].name + "\", " + place.number + ": host " + number(words, place) + ", " +
-                   options_.core + " " + number(core_words, place));
+            report("body \"" + scene_.bodies[static_cast<std::size_t>(place.body)].name + "\", " + place.number +
+                   ": host " + number(words, place) + ", " + options_.core + " " + number(core_words, place));
             return false;
         }
         ++states_;
@@ -116,8 +122,9 @@ public:
         return true;
     }
     void report(const std::string& what) const {
-        std::cout << options_.core << " differs at step " << simulation_->steps_taken() << " (" << few_digits(simulation_->time()) << " s): " << what << "; "
-                  << states_ << " states before it agree\n";
+        std::cout << options_.core << " differs at step " << simulation_->steps_taken() << " ("
+                  << few_digits(simulation_->time()) << " s): " << what << "; " << states_
+                  << " states before it agree\n";
     }
 
 private:
@@ -149,16 +156,19 @@ private:
 int compare(const CompareOptions& options) {
     check_core(options.core);
     const SceneDescription scene = options.read();
-    if (options.flip && (*options.flip < 0 || *options.flip > scene.steps() || (*options.flip % options.every != 0 && *options.flip != scene.steps())))
-        throw BadArgument("--flip: expected a step that is recorded: a multiple of --every, up to " + std::to_string(scene.steps()));
+    if (options.flip && (*options.flip < 0 || *options.flip > scene.steps() ||
+                         (*options.flip % options.every != 0 && *options.flip != scene.steps())))
+        throw BadArgument("--flip: expected a step that is recorded: a multiple of --every, up to " +
+                          std::to_string(scene.steps()));
     const fs::path source = TUMBLE_SOURCE_DIR, build = source / "build/compare" / options.core;
     fs::create_directories(build);
     const DirectoryLock lock(build);
     Reference reference(options, scene);
     const fs::path firmware = build_firmware(options, scene, build);
 
-    Process core({(source / "port/qemu/run").string(), "--timeout", std::to_string(options.timeout), options.core, firmware.string()}, {},
-                 Process::Errors::merge);
+    Process core({(source / "port/qemu/run").string(), "--timeout", std::to_string(options.timeout), options.core,
+                  firmware.string()},
+                 {}, Process::Errors::merge);
     std::string last_line;
     for (std::string line; core.read_line(line);) {
         if (line.starts_with("state ")) {
@@ -171,7 +181,8 @@ int compare(const CompareOptions& options) {
         }
     }
     if (const int status = core.wait(); status != 0 || !reference.is_over()) {
-        std::cout << options.core << " ended with status " << status << " after " << reference.states() << " states that agree\n";
+        std::cout << options.core << " ended with status " << status << " after " << reference.states()
+                  << " states that agree\n";
         return failed;
     }
     std::string expected;
@@ -181,8 +192,9 @@ int compare(const CompareOptions& options) {
         std::cout << options.core << " ended with \"" << last_line << "\", the host with \"" << expected << "\"\n";
         return failed;
     }
-    std::cout << options.core << " agrees with the host: " << reference.states() << " states, " << reference.simulation().integrator() << ", "
-              << reference.simulation().numbers() << ", hash " << hex(reference.simulation().hash()) << "\n";
+    std::cout << options.core << " agrees with the host: " << reference.states() << " states, "
+              << reference.simulation().integrator() << ", " << reference.simulation().numbers() << ", hash "
+              << hex(reference.simulation().hash()) << "\n";
     for (const Trouble& trouble : reference.simulation().troubles()) std::cerr << message_of(trouble, scene) << "\n";
     return reference.simulation().troubles().empty() ? done : failed;
 }

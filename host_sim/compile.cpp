@@ -23,7 +23,8 @@ class Members {
 public:
     explicit Members(std::string indent) : indent_(std::move(indent)) {}
     void always(const char* name, const std::string& value, const char* comment = "") {
-        text_ += indent_ + "." + name + " = " + value + "," + (*comment != 0 ? std::string("   // ") + comment : "") + "\n";
+        text_ +=
+            indent_ + "." + name + " = " + value + "," + (*comment != 0 ? std::string("   // ") + comment : "") + "\n";
     }
     void when(bool present, const char* name, const std::string& value, const char* comment = "") {
         if (present) always(name, value, comment);
@@ -54,8 +55,11 @@ std::string body_text(const BodyDescription& description, const BodySpec& body) 
     Members members("            ");
     members.when(body.shape.kind != tumble::ShapeKind::none, "shape", shape_text(body.shape), "m");
     members.always("mass", number(body.mass), "kg");
-    members.always("inertia", own_inertia ? "{" + number(i.xx) + ", " + number(i.yy) + ", " + number(i.zz) + ", " + number(i.xy) + ", " + number(i.xz) + ", " + number(i.yz) + "}"
-                                          : "tumble::inertia_of(" + shape_text(body.shape) + ", " + number(body.mass) + ")", "kg m^2");
+    members.always("inertia",
+                   own_inertia ? "{" + number(i.xx) + ", " + number(i.yy) + ", " + number(i.zz) + ", " + number(i.xy) +
+                                     ", " + number(i.xz) + ", " + number(i.yz) + "}"
+                               : "tumble::inertia_of(" + shape_text(body.shape) + ", " + number(body.mass) + ")",
+                   "kg m^2");
     members.when(!is_zero(body.position), "position", vector(body.position), "m");
     members.when(!is_zero(body.velocity), "velocity", vector(body.velocity), "m/s");
     members.when(!(body.orientation.w == Real{1}) || !is_zero(body.orientation.v), "orientation",
@@ -117,9 +121,10 @@ std::string comment_of(const auto&) { return ""; }
 
 // A std::array of specs, each with its description's name.
 template <class Description, class Spec>
-std::string list_text(const char* type, const char* name, const std::vector<Description>& descriptions, const std::vector<Spec>& specs,
-                      std::string (*text)(const Description&, const Spec&)) {
-    std::string list = "    static constexpr std::array<tumble::" + std::string(type) + ", " + std::to_string(specs.size()) + "> " + name + "{";
+std::string list_text(const char* type, const char* name, const std::vector<Description>& descriptions,
+                      const std::vector<Spec>& specs, std::string (*text)(const Description&, const Spec&)) {
+    std::string list = "    static constexpr std::array<tumble::" + std::string(type) + ", " +
+                       std::to_string(specs.size()) + "> " + name + "{";
     if (specs.empty()) return list + "};\n";
     list += "{\n";
     for (std::size_t i = 0; i < specs.size(); ++i) {
@@ -143,21 +148,27 @@ std::string world_text(const WorldSpec& world) {
     members.when(!world.linear_drag.is_zero(), "linear_drag", number(world.linear_drag), "kg/s");
     members.when(!world.angular_drag.is_zero(), "angular_drag", number(world.angular_drag), "N m s");
     const ContactSpec& c = world.contact;
-    contact.always("response", std::string("tumble::ContactResponse::") + (c.response == tumble::ContactResponse::none ? "none" : "impulse"));
+    contact.always("response", std::string("tumble::ContactResponse::") +
+                                   (c.response == tumble::ContactResponse::none ? "none" : "impulse"));
     if (c.response != tumble::ContactResponse::none) {
         contact.always("restitution", number(c.restitution));
-        contact.when(!c.restitution_threshold.is_zero(), "restitution_threshold", number(c.restitution_threshold), "m/s");
+        contact.when(!c.restitution_threshold.is_zero(), "restitution_threshold", number(c.restitution_threshold),
+                     "m/s");
         contact.when(!c.friction.is_zero(), "friction", number(c.friction));
         contact.always("tolerance", number(c.tolerance), "m");
     }
-    return "    static constexpr tumble::WorldSpec world{\n" + members.text() + "        .contact = {\n" + contact.text() + "        },\n    };\n";
+    return "    static constexpr tumble::WorldSpec world{\n" + members.text() + "        .contact = {\n" +
+           contact.text() + "        },\n    };\n";
 }
 
 std::string features_text(const SceneData& data, const NumberSystemInfo& numbers, const IntegratorInfo& integrator) {
-    std::string text = "    // What the scene needs, and nothing else. Derive from it to choose other numbers or another integrator.\n"
-                       "    struct Features : tumble::Scene {\n        using Numbers = " + numbers.type + ";\n        using Integrator = " + integrator.type + ";\n";
+    std::string text =
+        "    // What the scene needs, and nothing else. Derive from it to choose other numbers or another integrator.\n"
+        "    struct Features : tumble::Scene {\n        using Numbers = " +
+        numbers.type + ";\n        using Integrator = " + integrator.type + ";\n";
     const auto capacity = [&](const char* name, std::size_t count) {
-        if (count > 0) text += "        static constexpr int " + std::string(name) + " = " + std::to_string(count) + ";\n";
+        if (count > 0)
+            text += "        static constexpr int " + std::string(name) + " = " + std::to_string(count) + ";\n";
     };
     const auto feature = [&](const char* name, bool present) {
         if (present) text += "        static constexpr bool " + std::string(name) + " = true;\n";
@@ -186,7 +197,7 @@ std::string struct_name(const std::string& path) {
         starts_word = !in_name;
     }
     if (name.empty() || std::isdigit(static_cast<unsigned char>(name[0])) != 0) name = "Scene" + name;
-    if (name == "Features") name += "Scene";   // the name of a member of the struct
+    if (name == "Features") name += "Scene";  // the name of a member of the struct
     return name;
 }
 
@@ -195,13 +206,18 @@ std::string compiled_scene(const SceneDescription& scene, const Choice& choice) 
     const NumberSystemInfo& numbers = find_number_system(scene, choice.numbers, choice.wants_carry());
     const IntegratorInfo& integrator = find_integrator(choice.integrator);
     std::ostringstream text;
-    text << "// The scene " << cpp_text(scene.name) << ", written by `tumble compile` from " << cpp_text(std::filesystem::path(scene.path).filename().string())
-         << " for " << integrator.name << " and " << numbers.name << (numbers.range.empty() ? "" : " " + numbers.range)
-         << (numbers.carry ? "" : " without carry") << ":\n// edit the scene instead. Units are SI; vectors of a body are in the user's body axes.\n#pragma once\n\n"
-            "#include <tumble/tumble.hpp>\n#include <tumble/replay.hpp>\n\n#include <array>\n#include <cstdint>\n\nnamespace tumble::scenes {\n\nstruct "
+    text << "// The scene " << cpp_text(scene.name) << ", written by `tumble compile` from "
+         << cpp_text(std::filesystem::path(scene.path).filename().string()) << " for " << integrator.name << " and "
+         << numbers.name << (numbers.range.empty() ? "" : " " + numbers.range)
+         << (numbers.carry ? "" : " without carry")
+         << ":\n// edit the scene instead. Units are SI; vectors of a body are in the user's body axes.\n#pragma "
+            "once\n\n"
+            "#include <tumble/tumble.hpp>\n#include <tumble/replay.hpp>\n\n#include <array>\n#include "
+            "<cstdint>\n\nnamespace tumble::scenes {\n\nstruct "
          << struct_name(scene.path) << " {\n    static constexpr const char* name = " << cpp_text(scene.name)
-         << ";\n    static constexpr tumble::Seconds step" << step_text(scene.step) << ";\n    static constexpr std::uint32_t steps = " << data.steps
-         << "u;\n" << world_text(data.world) << list_text("BodySpec", "bodies", scene.bodies, data.bodies, body_text)
+         << ";\n    static constexpr tumble::Seconds step" << step_text(scene.step)
+         << ";\n    static constexpr std::uint32_t steps = " << data.steps << "u;\n"
+         << world_text(data.world) << list_text("BodySpec", "bodies", scene.bodies, data.bodies, body_text)
          << list_text("PlaneSpec", "planes", scene.planes, data.planes, plane_text)
          << list_text("SpringSpec", "springs", scene.springs, data.springs, spring_text)
          << list_text("ImpulseSpec", "impulses", scene.impulses, data.impulses, impulse_text)

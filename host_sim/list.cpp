@@ -29,7 +29,8 @@ namespace {
 
 template <class R>
 void print_range(const char* name) {
-    std::cout << "  " << std::left << std::setw(20) << name << R::position << " m, " << R::velocity << " m/s, " << R::spin << " rad/s\n";
+    std::cout << "  " << std::left << std::setw(20) << name << R::position << " m, " << R::velocity << " m/s, "
+              << R::spin << " rad/s\n";
 }
 
 }  // namespace
@@ -37,7 +38,8 @@ void print_range(const char* name) {
 int list() {
     std::cout << "integrators           order  needs, beyond what loads and contacts do\n" << std::left;
     for (const IntegratorInfo& info : integrators()) {
-        std::cout << "  " << std::setw(20) << info.name << std::setw(7) << info.order << (info.needs.empty() ? "-" : info.needs) << "\n";
+        std::cout << "  " << std::setw(20) << info.name << std::setw(7) << info.order
+                  << (info.needs.empty() ? "-" : info.needs) << "\n";
     }
     std::cout << "\nnumber systems        with --carry on or off\n";
     std::string shown;
@@ -54,7 +56,8 @@ int list() {
     print_range<RoomRange>("room");
     print_range<FieldRange>("field");
     std::cout << "\ncores                 QEMU machine and compiler flags\n";
-    for (const Core& core : cores()) std::cout << "  " << std::setw(20) << core.name << std::setw(14) << core.machine << core.flags << "\n";
+    for (const Core& core : cores())
+        std::cout << "  " << std::setw(20) << core.name << std::setw(14) << core.machine << core.flags << "\n";
     return std::cout.good() ? done : failed;
 }
 

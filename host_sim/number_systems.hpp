@@ -17,8 +17,8 @@ namespace tumble::host {
 template <class N>
 struct System {
     using Numbers = N;
-    std::string_view type;          // in C++
-    std::string_view range = {};    // the preset of a fixed-point system
+    std::string_view type;        // in C++
+    std::string_view range = {};  // the preset of a fixed-point system
 };
 
 // Ranges of one kind from the smallest to the largest: the first that holds a scene's [range] is used.

@@ -17,7 +17,8 @@ std::string in_gnuplot_quotes(const std::string& text) {
 }  // namespace
 
 Plot::Plot(const Simulation& simulation)
-    : every_(std::max<std::int64_t>(1, simulation.steps() / 1000)), bodies_(simulation.body_count()), body_rows_(static_cast<std::size_t>(bodies_)) {}
+    : every_(std::max<std::int64_t>(1, simulation.steps() / 1000)), bodies_(simulation.body_count()),
+      body_rows_(static_cast<std::size_t>(bodies_)) {}
 
 void Plot::sample(const Simulation& simulation, const Energy& energy) {
     if (simulation.steps_taken() % every_ != 0 && simulation.steps_taken() != simulation.steps()) return;
@@ -31,13 +32,16 @@ void Plot::sample(const Simulation& simulation, const Energy& energy) {
         rows += "\n";
     }
     energy_rows_ += time;
-    for (const long double part : {energy.kinetic, energy.potential, energy.total()}) energy_rows_ += " " + few_digits(part);
+    for (const long double part : {energy.kinetic, energy.potential, energy.total()})
+        energy_rows_ += " " + few_digits(part);
     energy_rows_ += "\n";
 }
 
 void Plot::write(const std::string& path, const SceneDescription& scene) const {
-    std::string script = "set terminal svg size 900,1000 background 'white'\nset output " + in_gnuplot_quotes(path) + "\n";
-    for (std::size_t b = 0; b < body_rows_.size(); ++b) script += "$body" + std::to_string(b) + " << EOD\n" + body_rows_[b] + "EOD\n";
+    std::string script =
+        "set terminal svg size 900,1000 background 'white'\nset output " + in_gnuplot_quotes(path) + "\n";
+    for (std::size_t b = 0; b < body_rows_.size(); ++b)
+        script += "$body" + std::to_string(b) + " << EOD\n" + body_rows_[b] + "EOD\n";
     script += "$energy << EOD\n" + energy_rows_ + "EOD\n";
     script += "set multiplot layout 3,1 title " + in_gnuplot_quotes(scene.name.empty() ? scene.path : scene.name) +
               " noenhanced\nset key outside right noenhanced\nset grid\n";
@@ -45,8 +49,9 @@ void Plot::write(const std::string& path, const SceneDescription& scene) const {
         script += "set ylabel '" + std::string(label) + "'\nplot ";
         for (std::size_t b = 0; b < body_rows_.size(); ++b) {
             for (int i = 0; i < 3; ++i) {
-                script += (b + static_cast<std::size_t>(i) == 0 ? "" : ", ") + std::string("$body") + std::to_string(b) + " using 1:" +
-                          std::to_string(first + i) + " with lines title " + in_gnuplot_quotes(scene.bodies[b].name + " " + std::string(1, axes[i]));
+                script += (b + static_cast<std::size_t>(i) == 0 ? "" : ", ") + std::string("$body") +
+                          std::to_string(b) + " using 1:" + std::to_string(first + i) + " with lines title " +
+                          in_gnuplot_quotes(scene.bodies[b].name + " " + std::string(1, axes[i]));
             }
         }
         script += "\n";
@@ -54,11 +59,13 @@ void Plot::write(const std::string& path, const SceneDescription& scene) const {
     panel("position, m", "xyz", 2);
     panel("angular velocity, rad/s", "xyz", 5);
     script += "set xlabel 'time, s'\nset ylabel 'energy, J'\n"
-              "plot $energy using 1:2 with lines title 'kinetic', '' using 1:3 with lines title 'potential', '' using 1:4 with lines title 'total'\n"
+              "plot $energy using 1:2 with lines title 'kinetic', '' using 1:3 with lines title 'potential', '' using "
+              "1:4 with lines title 'total'\n"
               "unset multiplot\n";
     std::string messages;
     const int status = Process({"gnuplot"}, script, Process::Errors::merge).wait(&messages);
-    if (status == 127) throw std::runtime_error("--plot: gnuplot not found; install it (Debian: apt install gnuplot-nox)");
+    if (status == 127)
+        throw std::runtime_error("--plot: gnuplot not found; install it (Debian: apt install gnuplot-nox)");
     if (status != 0) throw std::runtime_error("--plot: gnuplot failed:\n" + messages);
 }
 

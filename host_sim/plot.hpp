@@ -20,7 +20,7 @@ public:
 private:
     std::int64_t every_;
     int bodies_;
-    std::vector<std::string> body_rows_;   // one a body: time, position, spin
+    std::vector<std::string> body_rows_;  // one a body: time, position, spin
     std::string energy_rows_;
 };
 

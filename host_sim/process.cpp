@@ -29,7 +29,7 @@ Process::Process(const std::vector<std::string>& command, std::string_view input
     child_ = fork();
     if (child_ < 0) throw std::system_error(errno, std::generic_category(), "fork");
     if (child_ == 0) {
-        setpgid(0, 0);   // its own group, so that it ends with all that it has started
+        setpgid(0, 0);  // its own group, so that it ends with all that it has started
         dup2(in[0], STDIN_FILENO);
         dup2(out[1], STDOUT_FILENO);
         if (errors == Errors::merge) dup2(out[1], STDERR_FILENO);

@@ -12,10 +12,11 @@ namespace tumble::host {
 
 class Process {
 public:
-    enum class Errors { pass, merge };   // standard error: ours, or into what is read
+    enum class Errors { pass, merge };  // standard error: ours, or into what is read
 
     // Starts `command` (looked up in PATH) and gives it `input`. A command that cannot be started ends with status 127.
-    explicit Process(const std::vector<std::string>& command, std::string_view input = {}, Errors errors = Errors::pass);
+    explicit Process(const std::vector<std::string>& command, std::string_view input = {},
+                     Errors errors = Errors::pass);
     // Ends the child if it still runs.
     ~Process();
     Process(const Process&) = delete;

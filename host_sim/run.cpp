@@ -41,8 +41,11 @@ private:
 // On a terminal only, and only when the run takes longer than a moment.
 class ProgressBar {
 public:
-    explicit ProgressBar(std::int64_t steps) : steps_(steps), on_(isatty(STDERR_FILENO) == 1 && isatty(STDOUT_FILENO) == 1) {}
-    ~ProgressBar() { if (shown_) std::cerr << "\r\033[K"; }
+    explicit ProgressBar(std::int64_t steps)
+        : steps_(steps), on_(isatty(STDERR_FILENO) == 1 && isatty(STDOUT_FILENO) == 1) {}
+    ~ProgressBar() {
+        if (shown_) std::cerr << "\r\033[K";
+    }
     ProgressBar(const ProgressBar&) = delete;
     ProgressBar& operator=(const ProgressBar&) = delete;
 
@@ -54,7 +57,8 @@ public:
         shown_ = true;
         constexpr std::int64_t width = 40;
         const auto filled = static_cast<std::size_t>(width * step / steps_);
-        std::cerr << "\r[" << std::string(filled, '=') << std::string(width - filled, ' ') << "] " << 100 * step / steps_ << " %" << std::flush;
+        std::cerr << "\r[" << std::string(filled, '=') << std::string(width - filled, ' ') << "] "
+                  << 100 * step / steps_ << " %" << std::flush;
     }
 
 private:
@@ -65,7 +69,8 @@ private:
 
 class Trajectory {
 public:
-    Trajectory(const std::string& path, std::int64_t every, const SceneDescription& scene) : path_(path), file_(path), every_(every) {
+    Trajectory(const std::string& path, std::int64_t every, const SceneDescription& scene)
+        : path_(path), file_(path), every_(every) {
         if (!file_) throw BadArgument("--trajectory: cannot write " + path);
         for (const BodyDescription& body : scene.bodies) names_.push_back(csv_field(body.name));
         file_ << "time_s,body,x,y,z,vx,vy,vz,qw,qx,qy,qz,wx,wy,wz\n";
@@ -76,7 +81,9 @@ public:
         for (int b = 0; b < simulation.body_count(); ++b) {
             const BodySnapshot body = simulation.body(b);
             file_ << time << "," << names_[static_cast<std::size_t>(b)];
-            const auto add = [&](const auto& numbers) { for (const long double x : numbers) file_ << "," << seventeen_digits(x); };
+            const auto add = [&](const auto& numbers) {
+                for (const long double x : numbers) file_ << "," << seventeen_digits(x);
+            };
             add(body.position);
             add(body.velocity);
             add(body.orientation);
@@ -105,21 +112,28 @@ std::string json_array(const Numbers& numbers) {
 
 void print_json(const SceneDescription& scene, const Simulation& simulation, const EnergyWatch& energy) {
     std::string status;
-    for (const Trouble& trouble : simulation.troubles()) status += (status.empty() ? "" : ", ") + json_text(trouble.issue);
-    std::cout << "{\n  \"scene\": " << json_text(scene.name) << ",\n  \"integrator\": " << json_text(simulation.integrator())
+    for (const Trouble& trouble : simulation.troubles())
+        status += (status.empty() ? "" : ", ") + json_text(trouble.issue);
+    std::cout << "{\n  \"scene\": " << json_text(scene.name)
+              << ",\n  \"integrator\": " << json_text(simulation.integrator())
               << ",\n  \"numbers\": " << json_text(simulation.numbers())
-              << ",\n  \"step_s\": " << json_number(simulation.step_length()) << ",\n  \"steps\": " << simulation.steps_taken()
-              << ",\n  \"time_s\": " << json_number(simulation.time()) << ",\n  \"state_hash\": " << json_text(hex(simulation.hash()))
-              << ",\n  \"energy_start_j\": " << json_number(energy.start()) << ",\n  \"energy_end_j\": " << json_number(energy.end())
-              << ",\n  \"energy_max_relative_drift\": " << json_number(energy.largest_relative_drift()) << ",\n  \"status\": [" << status
-              << "],\n  \"bodies\": [";
+              << ",\n  \"step_s\": " << json_number(simulation.step_length())
+              << ",\n  \"steps\": " << simulation.steps_taken() << ",\n  \"time_s\": " << json_number(simulation.time())
+              << ",\n  \"state_hash\": " << json_text(hex(simulation.hash()))
+              << ",\n  \"energy_start_j\": " << json_number(energy.start())
+              << ",\n  \"energy_end_j\": " << json_number(energy.end())
+              << ",\n  \"energy_max_relative_drift\": " << json_number(energy.largest_relative_drift())
+              << ",\n  \"status\": [" << status << "],\n  \"bodies\": [";
     for (int b = 0; b < simulation.body_count(); ++b) {
         const BodySnapshot body = simulation.body(b);
-        std::cout << (b > 0 ? "," : "") << "\n    {\n      \"name\": " << json_text(scene.bodies[static_cast<std::size_t>(b)].name)
-                  << ",\n      \"position_m\": " << json_array(body.position) << ",\n      \"velocity_m_s\": " << json_array(body.velocity)
+        std::cout << (b > 0 ? "," : "")
+                  << "\n    {\n      \"name\": " << json_text(scene.bodies[static_cast<std::size_t>(b)].name)
+                  << ",\n      \"position_m\": " << json_array(body.position)
+                  << ",\n      \"velocity_m_s\": " << json_array(body.velocity)
                   << ",\n      \"orientation\": " << json_array(body.orientation)
                   << ",\n      \"angular_velocity_rad_s\": " << json_array(body.angular_velocity)
-                  << ",\n      \"asleep\": " << (body.asleep ? "true" : "false") << ",\n      \"contacts\": " << body.contacts << "\n    }";
+                  << ",\n      \"asleep\": " << (body.asleep ? "true" : "false")
+                  << ",\n      \"contacts\": " << body.contacts << "\n    }";
     }
     std::cout << "\n  ]\n}\n";
 }
@@ -135,19 +149,22 @@ std::string columns(const Numbers& numbers) {
 }
 
 void print_table(const SceneDescription& scene, const Simulation& simulation, const EnergyWatch& energy) {
-    std::cout << (scene.name.empty() ? scene.path : scene.name) << ": " << simulation.integrator() << ", " << simulation.numbers();
+    std::cout << (scene.name.empty() ? scene.path : scene.name) << ": " << simulation.integrator() << ", "
+              << simulation.numbers();
     if (!simulation.range().empty()) std::cout << " " << simulation.range();
-    std::cout << (simulation.carry() ? "" : ", no carry") << ", " << simulation.steps_taken() << " steps of " << few_digits(simulation.step_length())
-              << " s, " << few_digits(simulation.time()) << " s\n";
+    std::cout << (simulation.carry() ? "" : ", no carry") << ", " << simulation.steps_taken() << " steps of "
+              << few_digits(simulation.step_length()) << " s, " << few_digits(simulation.time()) << " s\n";
     for (int b = 0; b < simulation.body_count(); ++b) {
         const BodySnapshot body = simulation.body(b);
         std::cout << scene.bodies[static_cast<std::size_t>(b)].name << "\n"
-                  << "  position         m    " << columns(body.position) << "\n  velocity         m/s  " << columns(body.velocity)
-                  << "\n  angular velocity rad/s" << columns(body.angular_velocity) << "\n  orientation      wxyz " << columns(body.orientation) << "\n";
+                  << "  position         m    " << columns(body.position) << "\n  velocity         m/s  "
+                  << columns(body.velocity) << "\n  angular velocity rad/s" << columns(body.angular_velocity)
+                  << "\n  orientation      wxyz " << columns(body.orientation) << "\n";
         if (body.contacts > 0) std::cout << "  contact points        " << std::setw(13) << body.contacts << "\n";
     }
-    std::cout << "energy " << few_digits(energy.start()) << " J at the start, " << few_digits(energy.end()) << " J at the end, largest relative drift "
-              << few_digits(energy.largest_relative_drift()) << "\nstate  " << hex(simulation.hash()) << "\n";
+    std::cout << "energy " << few_digits(energy.start()) << " J at the start, " << few_digits(energy.end())
+              << " J at the end, largest relative drift " << few_digits(energy.largest_relative_drift()) << "\nstate  "
+              << hex(simulation.hash()) << "\n";
 }
 
 }  // namespace

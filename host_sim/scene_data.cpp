@@ -58,10 +58,12 @@ Seconds step_of(const StepSize& step) {
 void check(const SceneDescription& scene) {
     const auto refuse = [&](const std::string& what) { throw UnsupportedScene(scene.path + ":" + what); };
     if (scene.contact.response == ContactResponse::spring)
-        refuse(std::to_string(scene.contact.response_line) + ": contact.response: got \"spring\", which is not simulated yet, expected \"impulse\" or \"none\"");
+        refuse(std::to_string(scene.contact.response_line) +
+               ": contact.response: got \"spring\", which is not simulated yet, expected \"impulse\" or \"none\"");
     const auto fits = [&](const char* key, std::size_t count, int room) {
         if (count > static_cast<std::size_t>(room))
-            refuse(" " + std::string(key) + ": got " + std::to_string(count) + ", expected at most " + std::to_string(room));
+            refuse(" " + std::string(key) + ": got " + std::to_string(count) + ", expected at most " +
+                   std::to_string(room));
     };
     fits("body", scene.bodies.size(), max_bodies);
     fits("plane", scene.planes.size(), max_planes);
@@ -95,20 +97,26 @@ SceneData build_scene(const SceneDescription& scene) {
     data.world.linear_drag = scene.linear_drag;
     data.world.angular_drag = scene.angular_drag;
     const bool touches = scene.contact.response == ContactResponse::impulse;
-    data.world.contact = {touches ? tumble::ContactResponse::impulse : tumble::ContactResponse::none, scene.contact.restitution,
-                          scene.contact.restitution_threshold, scene.contact.friction, scene.contact.tolerance};
+    data.world.contact = {touches ? tumble::ContactResponse::impulse : tumble::ContactResponse::none,
+                          scene.contact.restitution, scene.contact.restitution_threshold, scene.contact.friction,
+                          scene.contact.tolerance};
     for (const BodyDescription& body : scene.bodies) data.bodies.push_back(body_of(body));
     for (const PlaneDescription& plane : scene.planes) {
-        if (touches) data.planes.push_back({vector_of(plane.normal), plane.offset, or_default(plane.restitution), or_default(plane.friction)});
+        if (touches)
+            data.planes.push_back(
+                {vector_of(plane.normal), plane.offset, or_default(plane.restitution), or_default(plane.friction)});
     }
     for (const SpringDescription& s : scene.springs) {
-        data.springs.push_back({s.body, vector_of(s.point), s.to_body, vector_of(s.to), s.stiffness, s.damping, s.rest_length});
+        data.springs.push_back(
+            {s.body, vector_of(s.point), s.to_body, vector_of(s.to), s.stiffness, s.damping, s.rest_length});
     }
     for (const ImpulseDescription& i : scene.impulses) {
-        data.impulses.push_back({i.time, i.body, frame_of(i.frame), vector_of(i.impulse), vector_of(i.point), vector_of(i.angular_impulse)});
+        data.impulses.push_back({i.time, i.body, frame_of(i.frame), vector_of(i.impulse), vector_of(i.point),
+                                 vector_of(i.angular_impulse)});
     }
     for (const ForceDescription& f : scene.forces) {
-        data.forces.push_back({f.body, f.from, f.until, frame_of(f.frame), vector_of(f.force), vector_of(f.point), vector_of(f.torque)});
+        data.forces.push_back(
+            {f.body, f.from, f.until, frame_of(f.frame), vector_of(f.force), vector_of(f.point), vector_of(f.torque)});
     }
     return data;
 }
@@ -116,7 +124,8 @@ SceneData build_scene(const SceneDescription& scene) {
 bool SceneData::drags() const { return world.linear_drag > Real{} || world.angular_drag > Real{}; }
 bool SceneData::gravitates() const { return world.gravitation > Real{} && bodies.size() > 1; }
 bool SceneData::has_boxes_in_touch() const {
-    return !planes.empty() && std::any_of(bodies.begin(), bodies.end(), [](const BodySpec& b) { return b.shape.kind == tumble::ShapeKind::box; });
+    return !planes.empty() && std::any_of(bodies.begin(), bodies.end(),
+                                          [](const BodySpec& b) { return b.shape.kind == tumble::ShapeKind::box; });
 }
 bool SceneData::rubs() const {
     const auto rough = [](const auto& side) { return side.friction > Real{}; };

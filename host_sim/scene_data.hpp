@@ -1,5 +1,5 @@
-// The scene as the kernel takes it: the data of a Replay, with every number a double or made from doubles by the kernel's
-// own constexpr functions, so that a header written from it says exactly the same.
+// The scene as the kernel takes it: the data of a Replay, with every number a double or made from doubles by the
+// kernel's own constexpr functions, so that a header written from it says exactly the same.
 #pragma once
 
 #include <tumble/scene.hpp>
@@ -18,7 +18,7 @@ struct SceneData {
     std::uint32_t steps = 0;
     WorldSpec world;
     std::vector<BodySpec> bodies;
-    std::vector<PlaneSpec> planes;      // none without a contact response
+    std::vector<PlaneSpec> planes;  // none without a contact response
     std::vector<SpringSpec> springs;
     std::vector<ImpulseSpec> impulses;
     std::vector<ForceSpec> forces;

@@ -11,8 +11,8 @@
 
 namespace tumble::host {
 
-using Triple = std::array<double, 3>;      // x, y, z
-using Quadruple = std::array<double, 4>;   // quaternion: w, x, y, z
+using Triple = std::array<double, 3>;     // x, y, z
+using Quadruple = std::array<double, 4>;  // quaternion: w, x, y, z
 
 // A step size as it was written: an exact fraction, or a decimal (then denominator == 0 and `decimal` counts).
 struct StepSize {
@@ -27,42 +27,44 @@ struct StepSize {
 enum class ShapeKind { none, sphere, box, cylinder, hoop, capsule, points };
 
 struct PointMass {
-    Triple position{};   // m
-    double mass = 0.0;   // kg
+    Triple position{};  // m
+    double mass = 0.0;  // kg
 };
 
 struct ShapeDescription {
     ShapeKind kind = ShapeKind::none;
-    Triple size{};                    // box: full edges; sphere: {radius}; cylinder: {radius, height}; hoop: {radius}; capsule: {radius, length}
-    std::vector<PointMass> points;    // kind == points only
+    Triple size{};  // box: full edges; sphere: {radius}; cylinder: {radius, height}; hoop: {radius}; capsule: {radius,
+                    // length}
+    std::vector<PointMass> points;  // kind == points only
 };
 
 struct BodyDescription {
     std::string name;
     ShapeDescription shape;
-    std::optional<double> mass;                      // kg; exactly one of mass and density, none for `points` (their sum)
-    std::optional<double> density;                   // kg/m^3
-    std::optional<std::array<double, 6>> inertia;    // Ixx, Iyy, Izz, Ixy, Ixz, Iyz; three given numbers leave the products 0
+    std::optional<double> mass;     // kg; exactly one of mass and density, none for `points` (their sum)
+    std::optional<double> density;  // kg/m^3
+    std::optional<std::array<double, 6>>
+        inertia;  // Ixx, Iyy, Izz, Ixy, Ixz, Iyz; three given numbers leave the products 0
     bool inertia_is_diagonal = true;
     Triple position{}, velocity{};
-    Quadruple orientation{1.0, 0.0, 0.0, 0.0};       // as written; not yet normalised
-    Triple angular_velocity{};                       // body frame, user's axes
+    Quadruple orientation{1.0, 0.0, 0.0, 0.0};  // as written; not yet normalised
+    Triple angular_velocity{};                  // body frame, user's axes
     std::optional<double> restitution, friction;
     bool fixed = false;
 };
 
 struct PlaneDescription {
     std::string name;
-    Triple normal{0.0, 1.0, 0.0};   // as written; not yet normalised
-    double offset = 0.0;            // of the plane n.x + offset = 0 with n normalised
+    Triple normal{0.0, 1.0, 0.0};  // as written; not yet normalised
+    double offset = 0.0;           // of the plane n.x + offset = 0 with n normalised
     std::optional<double> restitution, friction;
 };
 
 struct SpringDescription {
-    int body = 0;                   // index into bodies
+    int body = 0;  // index into bodies
     Triple point{};
-    int to_body = -1;               // -1: the world point `to`
-    Triple to{};                    // world point, or point in to_body's frame
+    int to_body = -1;  // -1: the world point `to`
+    Triple to{};       // world point, or point in to_body's frame
     double stiffness = 0.0, damping = 0.0, rest_length = 0.0;
 };
 
@@ -72,18 +74,18 @@ struct ImpulseDescription {
     double time = 0.0;
     int body = 0;
     Frame frame = Frame::world;
-    Triple impulse{};               // N s, in `frame`
-    Triple point{};                 // body frame, user's axes
-    Triple angular_impulse{};       // N m s, in `frame`
-};                                  // `face`/`strength` is resolved by the reader: frame body, impulse inwards, point at the face's centre
+    Triple impulse{};          // N s, in `frame`
+    Triple point{};            // body frame, user's axes
+    Triple angular_impulse{};  // N m s, in `frame`
+};  // `face`/`strength` is resolved by the reader: frame body, impulse inwards, point at the face's centre
 
 struct ForceDescription {
     int body = 0;
-    double from = 0.0, until = 0.0; // s; acts while from <= t < until
+    double from = 0.0, until = 0.0;  // s; acts while from <= t < until
     Frame frame = Frame::world;
-    Triple force{};                 // N, in `frame`
-    Triple point{};                 // body frame, user's axes
-    Triple torque{};                // N m, in `frame`
+    Triple force{};   // N, in `frame`
+    Triple point{};   // body frame, user's axes
+    Triple torque{};  // N m, in `frame`
 };
 
 struct RangeDescription {
@@ -98,7 +100,7 @@ struct SleepDescription {
 
 struct ContactDescription {
     ContactResponse response = ContactResponse::impulse;
-    int response_line = 0;          // of the file; 0 where it is not given
+    int response_line = 0;  // of the file; 0 where it is not given
     double restitution = 0.5, restitution_threshold = 0.0, friction = 0.0, tolerance = 0.001;
     double stiffness = 10000.0, damping = 0.0, barrier = 0.0;
     std::optional<SleepDescription> sleep;
@@ -106,17 +108,17 @@ struct ContactDescription {
 
 struct SceneDescription {
     std::string name;
-    std::string path;               // the file it came from, as given
+    std::string path;  // the file it came from, as given
     Triple gravity{};
     StepSize step;
-    double duration = 0.0;          // s
+    double duration = 0.0;  // s
     double gravitation = 0.0, linear_drag = 0.0, angular_drag = 0.0;
     RangeDescription range;
     ContactDescription contact;
     std::vector<PlaneDescription> planes;
     std::vector<BodyDescription> bodies;
     std::vector<SpringDescription> springs;
-    std::vector<ImpulseDescription> impulses;   // file order
+    std::vector<ImpulseDescription> impulses;  // file order
     std::vector<ForceDescription> forces;
 
     // Number of steps: the last step ends at or just after `duration`.

@@ -1,5 +1,5 @@
-// A `Table` hands out the keys of one TOML table and remembers them, so that finish() can report the ones nobody asked for.
-// A `Value` is a TOML node that knows its place in the file; all messages are made from those two.
+// A `Table` hands out the keys of one TOML table and remembers them, so that finish() can report the ones nobody asked
+// for. A `Value` is a TOML node that knows its place in the file; all messages are made from those two.
 #include "scene_reader.hpp"
 
 #include <algorithm>
@@ -14,7 +14,8 @@
 #include <system_error>
 #include <utility>
 
-// toml++ 3.3 asserts (or, with NDEBUG, lets the compiler assume) that a key follows '[', although its parser reports the error "[=]" well.
+// toml++ 3.3 asserts (or, with NDEBUG, lets the compiler assume) that a key follows '[', although its parser reports
+// the error "[=]" well.
 #pragma push_macro("NDEBUG")
 #undef NDEBUG
 #define TOML_ASSERT(condition) static_assert(true)
@@ -43,12 +44,12 @@ constexpr Quantity friction{Quantity::not_negative, ""};
 constexpr Quantity stiffness{Quantity::not_negative, "N/m"};
 constexpr Quantity damping{Quantity::not_negative, "N s/m"};
 constexpr Quantity time{Quantity::not_negative, "s"};
-constexpr Quantity text_in_quotes{};   // tag: the value is a string
+constexpr Quantity text_in_quotes{};  // tag: the value is a string
 
 // The largest preset, `field`: what no [range] may exceed.
 constexpr RangeDescription field{32768.0, 2048.0, 256.0};
 
-constexpr double moment_tolerance = 1e-12;   // relative: rounding of moments computed from a tensor or from points
+constexpr double moment_tolerance = 1e-12;  // relative: rounding of moments computed from a tensor or from points
 
 std::string shown(double x) {
     std::array<char, 32> text{};
@@ -85,7 +86,9 @@ std::string shown(const toml::node& node) {
 std::string expected(const Quantity& quantity, std::size_t count = 1) {
     const bool one = count == 1;
     std::string text = one ? "a " : std::to_string(count) + " ";
-    text += quantity.bound == Quantity::positive ? "positive finite number" : quantity.bound == Quantity::zero_to_one ? "number" : "finite number";
+    text += quantity.bound == Quantity::positive      ? "positive finite number"
+            : quantity.bound == Quantity::zero_to_one ? "number"
+                                                      : "finite number";
     if (!one) text += "s";
     if (quantity.bound == Quantity::not_negative) text += " >= 0";
     if (quantity.bound == Quantity::zero_to_one) text += " from 0 to 1";
@@ -96,10 +99,10 @@ std::string expected(const Quantity& quantity, std::size_t count = 1) {
 
 bool holds(const Quantity& quantity, double x) {
     switch (quantity.bound) {
-        case Quantity::positive: return std::isfinite(x) && x > 0.0;
-        case Quantity::not_negative: return std::isfinite(x) && x >= 0.0;
-        case Quantity::zero_to_one: return x >= 0.0 && x <= 1.0;
-        case Quantity::any: break;
+    case Quantity::positive: return std::isfinite(x) && x > 0.0;
+    case Quantity::not_negative: return std::isfinite(x) && x >= 0.0;
+    case Quantity::zero_to_one: return x >= 0.0 && x <= 1.0;
+    case Quantity::any: break;
     }
     return std::isfinite(x);
 }
@@ -151,7 +154,9 @@ public:
 
     [[nodiscard]] const toml::node& node() const { return *node_; }
     [[nodiscard]] const Place& place() const { return place_; }
-    [[noreturn]] void fail(const std::string& problem, const std::string& wanted) const { place_.fail(problem, wanted); }
+    [[noreturn]] void fail(const std::string& problem, const std::string& wanted) const {
+        place_.fail(problem, wanted);
+    }
     [[noreturn]] void refuse(const std::string& wanted) const { fail("got " + shown(*node_), wanted); }
 
     // Element i of an array.
@@ -167,7 +172,8 @@ public:
     }
 
     // An array of as many numbers as one of `counts`.
-    [[nodiscard]] std::vector<double> numbers(const Quantity& quantity, std::initializer_list<std::size_t> counts) const {
+    [[nodiscard]] std::vector<double> numbers(const Quantity& quantity,
+                                              std::initializer_list<std::size_t> counts) const {
         const toml::array* array = node_->as_array();
         if (array == nullptr || std::find(counts.begin(), counts.end(), array->size()) == counts.end()) {
             std::string wanted;
@@ -208,16 +214,24 @@ const Words<ContactResponse> responses{
 // One conversion per C++ type, and what it expects of the file.
 std::string wanted(const double&, const Quantity& quantity) { return expected(quantity); }
 std::string wanted(const std::string&, const Quantity&) { return "text in quotes, not empty"; }
-std::string wanted(const StepSize&, const Quantity&) { return "a positive number or a fraction in quotes such as \"1/256\" (s)"; }
+std::string wanted(const StepSize&, const Quantity&) {
+    return "a positive number or a fraction in quotes such as \"1/256\" (s)";
+}
 std::string wanted(const bool&, const Quantity&) { return "true or false"; }
 template <std::size_t N>
-std::string wanted(const std::array<double, N>&, const Quantity& quantity) { return expected(quantity, N); }
+std::string wanted(const std::array<double, N>&, const Quantity& quantity) {
+    return expected(quantity, N);
+}
 template <class T>
-std::string wanted(const T&, const Words<T>& words) { return listed(keys_of(words)); }
+std::string wanted(const T&, const Words<T>& words) {
+    return listed(keys_of(words));
+}
 
 void convert(const Value& value, double& out, const Quantity& quantity) { out = value.number(quantity); }
 void convert(const Value& value, std::optional<double>& out, const Quantity& quantity) { out = value.number(quantity); }
-void convert(const Value& value, std::string& out, const Quantity& quantity) { out = value.text(wanted(out, quantity)); }
+void convert(const Value& value, std::string& out, const Quantity& quantity) {
+    out = value.text(wanted(out, quantity));
+}
 void convert(const Value& value, bool& out, const Quantity& quantity) {
     if (!value.node().is_boolean()) value.refuse(wanted(out, quantity));
     out = value.node().as_boolean()->get();
@@ -225,7 +239,9 @@ void convert(const Value& value, bool& out, const Quantity& quantity) {
 void convert(const Value& value, StepSize& out, const Quantity& quantity) {
     std::optional<StepSize> step;
     if (const auto* text = value.node().as_string()) step = parse_step(text->get());
-    else if (const double x = value.node().value<double>().value_or(0.0); value.node().is_number() && holds(quantity, x)) step = StepSize{0, 0, x};
+    else if (const double x = value.node().value<double>().value_or(0.0);
+             value.node().is_number() && holds(quantity, x))
+        step = StepSize{0, 0, x};
     if (!step) value.refuse(wanted(out, quantity));
     out = *step;
 }
@@ -281,9 +297,12 @@ public:
     void finish() const {
         const toml::key* unknown = nullptr;
         for (const auto& [key, value] : *table_)
-            if (!known_.contains(std::string(key.str())) && (unknown == nullptr || line_of(key.source()) < line_of(unknown->source()))) unknown = &key;
+            if (!known_.contains(std::string(key.str())) &&
+                (unknown == nullptr || line_of(key.source()) < line_of(unknown->source())))
+                unknown = &key;
         if (unknown != nullptr)
-            place_of(std::string(unknown->str()), line_of(unknown->source())).fail("unknown key" + suggestion(unknown->str(), known_), listed(known_));
+            place_of(std::string(unknown->str()), line_of(unknown->source()))
+                .fail("unknown key" + suggestion(unknown->str(), known_), listed(known_));
         if (missing_) place_of(missing_->first, place_.line).fail("missing", missing_->second);
     }
 
@@ -324,11 +343,13 @@ private:
     std::optional<std::pair<std::string, std::string>> missing_;
 };
 
-using Tensor = std::array<double, 6>;   // Ixx, Iyy, Izz, Ixy, Ixz, Iyz
+using Tensor = std::array<double, 6>;  // Ixx, Iyy, Izz, Ixy, Ixz, Iyz
 
-// Eigenvalues of a symmetric 3x3 tensor, smallest first: cyclic Jacobi rotations, which keep the accuracy where two are equal.
+// Eigenvalues of a symmetric 3x3 tensor, smallest first: cyclic Jacobi rotations, which keep the accuracy where two are
+// equal.
 Triple principal_moments(const Tensor& tensor) {
-    double a[3][3] = {{tensor[0], tensor[3], tensor[4]}, {tensor[3], tensor[1], tensor[5]}, {tensor[4], tensor[5], tensor[2]}};
+    double a[3][3] = {
+        {tensor[0], tensor[3], tensor[4]}, {tensor[3], tensor[1], tensor[5]}, {tensor[4], tensor[5], tensor[2]}};
     const auto rotate = [&a](int p, int q) {
         if (a[p][q] == 0.0) return;
         const double theta = (a[q][q] - a[p][p]) / (2.0 * a[p][q]);
@@ -342,7 +363,7 @@ Triple principal_moments(const Tensor& tensor) {
         a[r][p] = a[p][r] = c * arp - s * arq;
         a[r][q] = a[q][r] = s * arp + c * arq;
     };
-    for (int sweep = 0; sweep < 12; ++sweep) {   // convergence is quadratic: five sweeps reach rounding
+    for (int sweep = 0; sweep < 12; ++sweep) {  // convergence is quadratic: five sweeps reach rounding
         rotate(0, 1);
         rotate(0, 2);
         rotate(1, 2);
@@ -362,7 +383,8 @@ Tensor inertia_of(const std::vector<PointMass>& points) {
     }
     Tensor tensor{};
     for (const PointMass& point : points) {
-        const double x = point.position[0] - centre[0], y = point.position[1] - centre[1], z = point.position[2] - centre[2];
+        const double x = point.position[0] - centre[0], y = point.position[1] - centre[1],
+                     z = point.position[2] - centre[2];
         const Tensor unit{y * y + z * z, x * x + z * z, x * x + y * y, -x * y, -x * z, -y * z};
         for (std::size_t i = 0; i < 6; ++i) tensor[i] += point.mass * unit[i];
     }
@@ -379,22 +401,20 @@ struct ShapeRow {
 };
 
 constexpr ShapeRow shape_rows[] = {
-    {"box", ShapeKind::box, 3, "x edge, y edge, z edge", true},
-    {"sphere", ShapeKind::sphere, 1, "radius", true},
-    {"cylinder", ShapeKind::cylinder, 2, "radius, height", true},
-    {"hoop", ShapeKind::hoop, 1, "radius", false},
-    {"capsule", ShapeKind::capsule, 2, "radius, length", true},
-    {"points", ShapeKind::points, 0, "", false},
+    {"box", ShapeKind::box, 3, "x edge, y edge, z edge", true},   {"sphere", ShapeKind::sphere, 1, "radius", true},
+    {"cylinder", ShapeKind::cylinder, 2, "radius, height", true}, {"hoop", ShapeKind::hoop, 1, "radius", false},
+    {"capsule", ShapeKind::capsule, 2, "radius, length", true},   {"points", ShapeKind::points, 0, "", false},
 };
 
 bool has_volume(ShapeKind kind) {
-    return std::any_of(std::begin(shape_rows), std::end(shape_rows), [kind](const ShapeRow& row) { return row.kind == kind && row.has_volume; });
+    return std::any_of(std::begin(shape_rows), std::end(shape_rows),
+                       [kind](const ShapeRow& row) { return row.kind == kind && row.has_volume; });
 }
 
 ShapeDescription read_shape(const Value& value, const std::string& key) {
-    const std::string wanted_shape =
-        "\"none\", or a table with one of box = [x, y, z], sphere = radius, cylinder = [radius, height], hoop = radius, "
-        "capsule = [radius, length] (m) and points = [[x, y, z, mass], ...] (m, kg)";
+    const std::string wanted_shape = "\"none\", or a table with one of box = [x, y, z], sphere = radius, cylinder = "
+                                     "[radius, height], hoop = radius, "
+                                     "capsule = [radius, length] (m) and points = [[x, y, z, mass], ...] (m, kg)";
     ShapeDescription shape;
     if (const auto* text = value.node().as_string(); text != nullptr && text->get() == "none") return shape;
     if (!value.node().is_table()) value.refuse(wanted_shape);
@@ -414,25 +434,31 @@ ShapeDescription read_shape(const Value& value, const std::string& key) {
             std::copy(sizes.begin(), sizes.end(), shape.size.begin());
         } else {
             const toml::array* points = entry->node().as_array();
-            if (points == nullptr || points->empty()) entry->refuse("an array of points [[x, y, z, mass], ...] (m, kg), not empty");
+            if (points == nullptr || points->empty())
+                entry->refuse("an array of points [[x, y, z, mass], ...] (m, kg), not empty");
             for (std::size_t i = 0; i < points->size(); ++i) {
                 const Value point = (*entry)[i];
                 const auto numbers = point.numbers({Quantity::any, "m, kg", "x, y, z, mass"}, {4});
-                shape.points.push_back({{numbers[0], numbers[1], numbers[2]}, point[3].number({Quantity::positive, "kg"})});
+                shape.points.push_back(
+                    {{numbers[0], numbers[1], numbers[2]}, point[3].number({Quantity::positive, "kg"})});
             }
         }
     }
     table.finish();
-    if (found != 1) Place{value.place().file, value.place().line, key}.fail("got " + std::to_string(found) + " shapes", wanted_shape);
+    if (found != 1)
+        Place{value.place().file, value.place().line, key}.fail("got " + std::to_string(found) + " shapes",
+                                                                wanted_shape);
     return shape;
 }
 
 // Principal moments must be positive and obey the triangle inequality: no rigid body has others.
 void check_moments(const Value& value, const BodyDescription& body) {
     const Triple moments = principal_moments(*body.inertia);
-    const std::string problem = "the principal moments are " + shown(moments[0]) + ", " + shown(moments[1]) + " and " + shown(moments[2]);
+    const std::string problem =
+        "the principal moments are " + shown(moments[0]) + ", " + shown(moments[1]) + " and " + shown(moments[2]);
     const double smallest = body.inertia_is_diagonal ? 0.0 : moment_tolerance * moments[2];
-    if (!std::isfinite(moments[2]) || !(moments[0] > smallest)) value.fail(problem, "all of them positive and finite (kg m^2)");
+    if (!std::isfinite(moments[2]) || !(moments[0] > smallest))
+        value.fail(problem, "all of them positive and finite (kg m^2)");
     if (moments[2] - moments[1] - moments[0] > moment_tolerance * moments[2])
         value.fail(problem, "none of them larger than the sum of the other two: the triangle inequality (kg m^2)");
 }
@@ -445,7 +471,8 @@ void check_not_zero(const Value& value, const double* numbers, std::size_t count
 void check_inside(Table& table, const std::string& key, const Triple& numbers, double range, const char* unit) {
     for (std::size_t i = 0; i < 3; ++i)
         if (std::abs(numbers[i]) > range)
-            table.at(key)[i].refuse("a number from -" + shown(range) + " to " + shown(range) + " (" + unit + "), the range." + key + " of this scene");
+            table.at(key)[i].refuse("a number from -" + shown(range) + " to " + shown(range) + " (" + unit +
+                                    "), the range." + key + " of this scene");
 }
 
 // Mass, density and inertia must together say what the body weighs and how it turns.
@@ -453,7 +480,8 @@ void check_mass(Table& table, const BodyDescription& body) {
     const ShapeKind kind = body.shape.kind;
     if (kind == ShapeKind::points) {
         for (const char* key : {"mass", "density"})
-            if (table.has(key)) table.at(key).fail("given with shape points", "no mass or density: the points carry the mass");
+            if (table.has(key))
+                table.at(key).fail("given with shape points", "no mass or density: the points carry the mass");
     } else if (body.mass && body.density) {
         table.at("density").fail("mass and density are both given", "one of them");
     } else if (body.density && !has_volume(kind)) {
@@ -463,23 +491,29 @@ void check_mass(Table& table, const BodyDescription& body) {
     }
 
     if (body.inertia) return check_moments(table.at("inertia"), body);
-    if (kind == ShapeKind::none) table.fail("inertia", "missing", "3 or 6 numbers (kg m^2): a body without shape has no moments of its own");
+    if (kind == ShapeKind::none)
+        table.fail("inertia", "missing", "3 or 6 numbers (kg m^2): a body without shape has no moments of its own");
     if (kind == ShapeKind::points) {
         const Triple moments = principal_moments(inertia_of(body.shape.points));
-        if (!std::isfinite(moments[2])) table.at("shape").fail("the points have no finite principal moments", "smaller masses or distances (kg, m)");
+        if (!std::isfinite(moments[2]))
+            table.at("shape").fail("the points have no finite principal moments",
+                                   "smaller masses or distances (kg, m)");
         if (!(moments[0] > moment_tolerance * moments[2]))
-            table.at("shape").fail("the points lie on one line, so that a principal moment is 0", "points off that line, or inertia = [...] (kg m^2)");
+            table.at("shape").fail("the points lie on one line, so that a principal moment is 0",
+                                   "points off that line, or inertia = [...] (kg m^2)");
         return;
     }
 
     // the derived mass and moments are products of these: they must neither vanish nor overflow
     const auto& size = body.shape.size;
     const double largest = *std::max_element(size.begin(), size.end());
-    const double smallest = std::accumulate(size.begin(), size.end(), largest, [](double a, double b) { return b > 0.0 ? std::min(a, b) : a; });
+    const double smallest = std::accumulate(size.begin(), size.end(), largest,
+                                            [](double a, double b) { return b > 0.0 ? std::min(a, b) : a; });
     const double light = body.mass ? *body.mass : *body.density * smallest * smallest * smallest;
     const double heavy = body.mass ? *body.mass : *body.density * largest * largest * largest;
     if (!std::isnormal(light * smallest * smallest) || !std::isfinite(16.0 * heavy * largest * largest))
-        table.at("shape").fail("mass and moments of inertia of this shape are not representable", "sizes (m) and mass (kg) that give positive finite moments");
+        table.at("shape").fail("mass and moments of inertia of this shape are not representable",
+                               "sizes (m) and mass (kg) that give positive finite moments");
 }
 
 BodyDescription read_body(Table table, const RangeDescription& range) {
@@ -506,7 +540,9 @@ BodyDescription read_body(Table table, const RangeDescription& range) {
     table.finish();
 
     check_mass(table, body);
-    if (turned) check_not_zero(table.at("orientation"), body.orientation.data(), 4, "a quaternion [w, x, y, z] that is not zero");
+    if (turned)
+        check_not_zero(table.at("orientation"), body.orientation.data(), 4,
+                       "a quaternion [w, x, y, z] that is not zero");
     check_inside(table, "position", body.position, range.position, "m");
     check_inside(table, "velocity", body.velocity, range.velocity, "m/s");
     check_inside(table, "angular_velocity", body.angular_velocity, range.angular_velocity, "rad/s");
@@ -534,8 +570,9 @@ void read_world(Table table, SceneDescription& scene) {
     table.optional("angular_drag", scene.angular_drag, Quantity{Quantity::not_negative, "N m s"});
     table.finish();
     if (scene.steps() > max_steps)
-        table.at("duration").fail("got " + shown(scene.duration) + " s, which takes more than 2^31 steps",
-                                  "at most " + std::to_string(max_steps) + " steps of " + shown(scene.step.seconds()) + " s");
+        table.at("duration")
+            .fail("got " + shown(scene.duration) + " s, which takes more than 2^31 steps",
+                  "at most " + std::to_string(max_steps) + " steps of " + shown(scene.step.seconds()) + " s");
 }
 
 void read_range(Table table, RangeDescription& range) {
@@ -561,7 +598,8 @@ void read_contact(Table table, ContactDescription& contact) {
     table.optional("barrier", contact.barrier, Quantity{Quantity::not_negative, "N m^2"});
     if (const auto value = table.find("sleep")) {
         const auto* off = value->node().as_boolean();
-        if (!value->node().is_table() && (off == nullptr || off->get())) value->refuse("false, or a table { speed = 0.03, angular_speed = 0.05, time = 0.5 }");
+        if (!value->node().is_table() && (off == nullptr || off->get()))
+            value->refuse("false, or a table { speed = 0.03, angular_speed = 0.05, time = 0.5 }");
         if (value->node().is_table()) {
             Table sleep(value->place(), *value->node().as_table());
             contact.sleep.emplace();
@@ -579,7 +617,8 @@ int resolve(Table& table, const std::string& key, const std::string& name, const
     std::vector<std::string> names;
     for (const BodyDescription& body : scene.bodies) names.push_back(body.name);
     const auto found = std::find(names.begin(), names.end(), name);
-    if (found == names.end()) table.at(key).fail("got " + in_quotes(name) + suggestion(name, names), "the name of a body: " + listed(names));
+    if (found == names.end())
+        table.at(key).fail("got " + in_quotes(name) + suggestion(name, names), "the name of a body: " + listed(names));
     return static_cast<int>(found - names.begin());
 }
 
@@ -601,26 +640,33 @@ SpringDescription read_spring(Table table, const SceneDescription& scene) {
     const std::string ends = "either to = [x, y, z] (m, a world point) or to_body = \"name\"";
     if (to_world && to_other) table.at("to_body").fail("to and to_body are both given", ends);
     if (!to_world && !to_other) table.fail("to", "missing", ends);
-    if (has_to_point && !to_other) table.at("to_point").fail("given without to_body", "to_body = \"name\" beside it, or no to_point");
+    if (has_to_point && !to_other)
+        table.at("to_point").fail("given without to_body", "to_body = \"name\" beside it, or no to_point");
     if (to_other) {
         spring.to_body = resolve(table, "to_body", to_body, scene);
         spring.to = to_point;
-        if (spring.to_body == spring.body) table.at("to_body").fail("got " + in_quotes(to_body) + ", the spring's own body", "another body");
+        if (spring.to_body == spring.body)
+            table.at("to_body").fail("got " + in_quotes(to_body) + ", the spring's own body", "another body");
     }
     return spring;
 }
 
 void check_time(Table& table, const std::string& key, double when, const SceneDescription& scene) {
-    if (when > scene.duration) table.at(key).refuse("a time from 0 to the end of the run, " + shown(scene.duration) + " (s)");
+    if (when > scene.duration)
+        table.at(key).refuse("a time from 0 to the end of the run, " + shown(scene.duration) + " (s)");
 }
 
 // Turns `face` and `strength` into an impulse at the centre of that face of a box, pushing inwards.
-void push_face(Table& table, const std::pair<std::size_t, double>& face, double strength, const SceneDescription& scene, ImpulseDescription& impulse) {
+void push_face(Table& table, const std::pair<std::size_t, double>& face, double strength, const SceneDescription& scene,
+               ImpulseDescription& impulse) {
     const ShapeDescription& shape = scene.bodies[static_cast<std::size_t>(impulse.body)].shape;
-    if (shape.kind != ShapeKind::box) table.at("face").fail("only a box has faces", "a body whose shape is a box, or impulse and point");
+    if (shape.kind != ShapeKind::box)
+        table.at("face").fail("only a box has faces", "a body whose shape is a box, or impulse and point");
     for (const char* key : {"impulse", "point"})
-        if (table.has(key)) table.at(key).fail("given together with face", "either face and strength, or impulse and point");
-    if (table.has("frame") && impulse.frame == Frame::world) table.at("frame").refuse("\"body\" or nothing: a face is pushed along the body's axes");
+        if (table.has(key))
+            table.at(key).fail("given together with face", "either face and strength, or impulse and point");
+    if (table.has("frame") && impulse.frame == Frame::world)
+        table.at("frame").refuse("\"body\" or nothing: a face is pushed along the body's axes");
     const auto [axis, side] = face;
     impulse.frame = Frame::body;
     impulse.impulse[axis] = -side * strength;
@@ -628,7 +674,7 @@ void push_face(Table& table, const std::pair<std::size_t, double>& face, double 
 }
 
 ImpulseDescription read_impulse(Table table, const SceneDescription& scene) {
-    static const Words<std::pair<std::size_t, double>> faces{{"-x", {0, -1.0}}, {"+x", {0, 1.0}}, {"-y", {1, -1.0}},
+    static const Words<std::pair<std::size_t, double>> faces{{"-x", {0, -1.0}}, {"+x", {0, 1.0}},  {"-y", {1, -1.0}},
                                                              {"+y", {1, 1.0}},  {"-z", {2, -1.0}}, {"+z", {2, 1.0}}};
     ImpulseDescription impulse;
     std::string body;
@@ -647,10 +693,13 @@ ImpulseDescription read_impulse(Table table, const SceneDescription& scene) {
     impulse.body = resolve(table, "body", body, scene);
     check_time(table, "time", impulse.time, scene);
     if (has_face) push_face(table, face, strength, scene, impulse);
-    if (has_face && !has_strength) table.fail("strength", "missing", expected({Quantity::positive, "N s"}) + " beside face");
-    if (!has_face && has_strength) table.at("strength").fail("given without face", "face = " + listed(keys_of(faces)) + " beside it");
+    if (has_face && !has_strength)
+        table.fail("strength", "missing", expected({Quantity::positive, "N s"}) + " beside face");
+    if (!has_face && has_strength)
+        table.at("strength").fail("given without face", "face = " + listed(keys_of(faces)) + " beside it");
     if (!has_face && !has_impulse && !has_angular)
-        table.fail("impulse", "missing", "impulse = [x, y, z] (N s), face and strength (N s), or angular_impulse = [x, y, z] (N m s)");
+        table.fail("impulse", "missing",
+                   "impulse = [x, y, z] (N s), face and strength (N s), or angular_impulse = [x, y, z] (N m s)");
     return impulse;
 }
 
@@ -682,12 +731,13 @@ void add_named(std::vector<T>& list, T item, Table& table) {
     list.push_back(std::move(item));
 }
 
-// Line of the first byte outside ASCII that is in neither a string nor a comment; 0 when there is none. TOML allows none there, but
-// toml++ 3.3 takes some of them (such as a bare micro sign) for unreachable code instead of reporting them.
+// Line of the first byte outside ASCII that is in neither a string nor a comment; 0 when there is none. TOML allows
+// none there, but toml++ 3.3 takes some of them (such as a bare micro sign) for unreachable code instead of reporting
+// them.
 int line_of_bare_non_ascii(std::string_view text) {
-    if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);   // byte order mark
+    if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);  // byte order mark
     int line = 1;
-    std::string_view close;   // what ends the string or comment that is open
+    std::string_view close;  // what ends the string or comment that is open
     for (std::size_t i = 0; i < text.size(); ++i) {
         const char c = text[i];
         const bool one_line = close.size() == 1;
@@ -707,7 +757,7 @@ int line_of_bare_non_ascii(std::string_view text) {
             i += close.size() - 1;
             close = {};
         } else if (c == '\n' && one_line) {
-            close = {};   // an unfinished string: the parser reports it
+            close = {};  // an unfinished string: the parser reports it
         }
     }
     return 0;
@@ -718,7 +768,8 @@ SceneDescription read_root(Table root, const std::string& file) {
     scene.path = file;
     scene.name = std::filesystem::path(file).stem().string();
 
-    // every key of the top level is asked for before any table is read, so that a misspelt table name is the first error
+    // every key of the top level is asked for before any table is read, so that a misspelt table name is the first
+    // error
     root.optional("name", scene.name);
     const auto world = root.table("world");
     if (!world) root.missing("world", "the table [world] with step and duration (s)");
@@ -746,10 +797,9 @@ SceneDescription read_root(Table root, const std::string& file) {
 }  // namespace
 
 SceneError::SceneError(std::string file, int line, std::string key, const std::string& message)
-    : std::runtime_error(file + (line > 0 ? ":" + std::to_string(line) : "") + ": " + (key.empty() ? "" : key + ": ") + message),
-      file_(std::move(file)),
-      line_(line),
-      key_(std::move(key)) {}
+    : std::runtime_error(file + (line > 0 ? ":" + std::to_string(line) : "") + ": " + (key.empty() ? "" : key + ": ") +
+                         message),
+      file_(std::move(file)), line_(line), key_(std::move(key)) {}
 
 SceneDescription read_scene(const std::filesystem::path& path) {
     const auto refuse = [&path](const std::string& why) -> SceneError {
@@ -757,7 +807,8 @@ SceneDescription read_scene(const std::filesystem::path& path) {
     };
     std::error_code error;
     const auto status = std::filesystem::status(path, error);
-    if (!std::filesystem::exists(status)) throw refuse(status.type() == std::filesystem::file_type::not_found ? "no such file" : error.message());
+    if (!std::filesystem::exists(status))
+        throw refuse(status.type() == std::filesystem::file_type::not_found ? "no such file" : error.message());
     if (std::filesystem::is_directory(status)) throw refuse("it is a directory");
     std::ifstream stream(path, std::ios::binary);
     if (!stream) throw refuse("it cannot be opened");
@@ -769,12 +820,14 @@ SceneDescription read_scene(const std::filesystem::path& path) {
 SceneDescription read_scene_text(std::string_view toml, std::string_view name) {
     const std::string file(name);
     if (const int line = line_of_bare_non_ascii(toml); line > 0)
-        throw SceneError(file, line, "TOML syntax", "a character outside ASCII, expected such only in quotes and comments");
+        throw SceneError(file, line, "TOML syntax",
+                         "a character outside ASCII, expected such only in quotes and comments");
     try {
         const toml::table table = toml::parse(toml, name);
         return read_root(Table({file, 1, ""}, table), file);
     } catch (const toml::parse_error& error) {
-        throw SceneError(file, line_of(error.source()), "TOML syntax", std::string(error.description()) + ", expected valid TOML 1.0");
+        throw SceneError(file, line_of(error.source()), "TOML syntax",
+                         std::string(error.description()) + ", expected valid TOML 1.0");
     }
 }
 
@@ -795,11 +848,12 @@ std::optional<StepSize> parse_step(std::string_view text) {
 }
 
 std::int64_t SceneDescription::steps() const {
-    // Both operations are exact where the quotient is a whole number and the duration is; else they and the decimal in the file are
-    // wrong by a few units of 1e-16. The tolerance absorbs that, and its cap keeps it below one step in long runs.
-    const double quotient = step.denominator == 0
-                                ? duration / step.decimal
-                                : duration * static_cast<double>(step.denominator) / static_cast<double>(step.numerator);
+    // Both operations are exact where the quotient is a whole number and the duration is; else they and the decimal in
+    // the file are wrong by a few units of 1e-16. The tolerance absorbs that, and its cap keeps it below one step in
+    // long runs.
+    const double quotient =
+        step.denominator == 0 ? duration / step.decimal
+                              : duration * static_cast<double>(step.denominator) / static_cast<double>(step.numerator);
     if (!(quotient < 9e18)) return std::numeric_limits<std::int64_t>::max();
     const double tolerance = std::min(1e-9 * quotient, 1e-5);
     return static_cast<std::int64_t>(std::ceil(quotient - tolerance));

@@ -19,8 +19,8 @@ public:
     SceneError(std::string file, int line, std::string key, const std::string& message);
 
     [[nodiscard]] const std::string& file() const { return file_; }
-    [[nodiscard]] int line() const { return line_; }                  // 0: the file could not be read at all
-    [[nodiscard]] const std::string& key() const { return key_; }     // for example body[1].mass; indices start at 0
+    [[nodiscard]] int line() const { return line_; }               // 0: the file could not be read at all
+    [[nodiscard]] const std::string& key() const { return key_; }  // for example body[1].mass; indices start at 0
 
 private:
     std::string file_;

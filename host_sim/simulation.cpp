@@ -20,7 +20,7 @@ std::string type_name() {
 
 template <class... Values>
 std::string listed(const std::vector<Values...>& values) {
-    std::vector<std::string> names;   // systems of one name differ in range and carry
+    std::vector<std::string> names;  // systems of one name differ in range and carry
     for (const auto& value : values) {
         if (std::find(names.begin(), names.end(), value.name) == names.end()) names.emplace_back(value.name);
     }
@@ -44,21 +44,25 @@ std::size_t index_of(const SceneDescription& scene, std::string_view numbers, st
     for (std::size_t i = 0; i < systems.size(); ++i) {
         if (systems[i].name == numbers && systems[i].carry == wanted && holds(systems[i].range, scene.range)) return i;
     }
-    throw std::invalid_argument("unknown number system \"" + std::string(numbers) + "\", expected one of " + listed(systems));
+    throw std::invalid_argument("unknown number system \"" + std::string(numbers) + "\", expected one of " +
+                                listed(systems));
 }
 
 using Maker = std::unique_ptr<Simulation> (*)(SceneData, std::string_view);
 template <std::size_t... index>
-constexpr std::array<Maker, sizeof...(index)> makers(std::index_sequence<index...>) { return {&make_in<index>...}; }
+constexpr std::array<Maker, sizeof...(index)> makers(std::index_sequence<index...>) {
+    return {&make_in<index>...};
+}
 
 }  // namespace
 
 bool Simulation::has_trouble(std::string_view issue) const {
-    return std::any_of(troubles().begin(), troubles().end(), [&](const Trouble& trouble) { return trouble.issue == issue; });
+    return std::any_of(troubles().begin(), troubles().end(),
+                       [&](const Trouble& trouble) { return trouble.issue == issue; });
 }
 
-std::unique_ptr<Simulation> make_simulation(const SceneDescription& scene, std::string_view integrator, std::string_view numbers,
-                                            std::optional<bool> carry) {
+std::unique_ptr<Simulation> make_simulation(const SceneDescription& scene, std::string_view integrator,
+                                            std::string_view numbers, std::optional<bool> carry) {
     static constexpr auto make = makers(std::make_index_sequence<number_system_count>{});
     const IntegratorInfo& method = find_integrator(integrator);
     return make[index_of(scene, numbers, carry)](build_scene(scene), method.name);
@@ -91,12 +95,15 @@ const std::vector<NumberSystemInfo>& number_systems() {
 
 const IntegratorInfo& find_integrator(std::string_view name) {
     const auto& all = integrators();
-    const auto found = std::find_if(all.begin(), all.end(), [&](const IntegratorInfo& info) { return info.name == name; });
-    if (found == all.end()) throw std::invalid_argument("unknown integrator \"" + std::string(name) + "\", expected one of " + listed(all));
+    const auto found =
+        std::find_if(all.begin(), all.end(), [&](const IntegratorInfo& info) { return info.name == name; });
+    if (found == all.end())
+        throw std::invalid_argument("unknown integrator \"" + std::string(name) + "\", expected one of " + listed(all));
     return *found;
 }
 
-const NumberSystemInfo& find_number_system(const SceneDescription& scene, std::string_view numbers, std::optional<bool> carry) {
+const NumberSystemInfo& find_number_system(const SceneDescription& scene, std::string_view numbers,
+                                           std::optional<bool> carry) {
     return number_systems()[index_of(scene, numbers, carry)];
 }
 
@@ -106,7 +113,8 @@ std::vector<std::string> limitations(const SceneDescription& scene) {
     for (std::size_t i = 0; i < scene.impulses.size(); ++i) {
         const double step = scene.impulses[i].time / scene.step.seconds();
         if (step >= static_cast<double>(number_of_steps) - 0.5)
-            list.push_back("impulse[" + std::to_string(i) + "] comes when the last step has been taken, so it has no effect");
+            list.push_back("impulse[" + std::to_string(i) +
+                           "] comes when the last step has been taken, so it has no effect");
     }
     if (scene.contact.response == ContactResponse::none) return list;
     if (scene.contact.sleep) list.push_back("contact.sleep is not simulated yet: bodies never sleep");
@@ -127,9 +135,11 @@ std::vector<std::string> limitations(const SceneDescription& scene) {
             moving = moving || !body.fixed;
         }
         if (!name_of_shape.empty() && !scene.planes.empty() && !body.fixed)
-            list.push_back("body \"" + body.name + "\": contacts of " + std::string(name_of_shape) + " with planes are not simulated yet, it passes through");
+            list.push_back("body \"" + body.name + "\": contacts of " + std::string(name_of_shape) +
+                           " with planes are not simulated yet, it passes through");
     }
-    if (solid > 1 && moving) list.push_back("contacts between bodies are not simulated yet, they pass through each other");
+    if (solid > 1 && moving)
+        list.push_back("contacts between bodies are not simulated yet, they pass through each other");
     return list;
 }
 

@@ -28,26 +28,26 @@ public:
 
 // The state of one body with all the digits that the run carries.
 struct BodySnapshot {
-    std::array<long double, 3> position{};           // m, world
-    std::array<long double, 3> velocity{};           // m/s, world
-    std::array<long double, 4> orientation{};        // w, x, y, z; user's body axes to world
-    std::array<long double, 3> angular_velocity{};   // rad/s, user's body axes
+    std::array<long double, 3> position{};          // m, world
+    std::array<long double, 3> velocity{};          // m/s, world
+    std::array<long double, 4> orientation{};       // w, x, y, z; user's body axes to world
+    std::array<long double, 3> angular_velocity{};  // rad/s, user's body axes
     bool asleep = false;
-    int contacts = 0;                                // contact points in the last step
+    int contacts = 0;  // contact points in the last step
 };
 
 // J. The potential is that of gravity, springs and mutual gravitation; fixed bodies have none of gravity's.
 struct Energy {
-    long double kinetic = 0;                         // translation and rotation
+    long double kinetic = 0;  // translation and rotation
     long double potential = 0;
     [[nodiscard]] long double total() const { return kinetic + potential; }
 };
 
 // The first occurrence of something that went wrong.
 struct Trouble {
-    std::string issue;                               // the name of a sticky status bit
+    std::string issue;  // the name of a sticky status bit
     int body = 0;
-    std::int64_t step = 0;                           // the step that met it, from 0
+    std::int64_t step = 0;  // the step that met it, from 0
 };
 
 class Simulation {
@@ -70,18 +70,18 @@ public:
     virtual void append_words(std::vector<std::uint32_t>& words) const = 0;
     struct Place {
         int body;
-        std::string number;                          // for example "d_w.y"
-        std::size_t first, count;                    // its words in the record, the lowest first
+        std::string number;        // for example "d_w.y"
+        std::size_t first, count;  // its words in the record, the lowest first
     };
     [[nodiscard]] virtual Place place_of_word(std::size_t index) const = 0;
 
     [[nodiscard]] virtual std::string_view integrator() const = 0;
-    [[nodiscard]] virtual std::string_view numbers() const = 0;   // q32, f32 or f64
-    [[nodiscard]] virtual std::string_view range() const = 0;     // near, room, field; empty for floating point
+    [[nodiscard]] virtual std::string_view numbers() const = 0;  // q32, f32 or f64
+    [[nodiscard]] virtual std::string_view range() const = 0;    // near, room, field; empty for floating point
     [[nodiscard]] virtual bool carry() const = 0;
 
-    [[nodiscard]] std::int64_t steps() const { return steps_; }                     // of the whole run
-    [[nodiscard]] long double step_length() const { return step_length_; }          // s
+    [[nodiscard]] std::int64_t steps() const { return steps_; }             // of the whole run
+    [[nodiscard]] long double step_length() const { return step_length_; }  // s
     [[nodiscard]] long double time() const { return static_cast<long double>(steps_taken()) * step_length_; }
     [[nodiscard]] bool has_trouble(std::string_view issue) const;
 
@@ -95,26 +95,29 @@ private:
 
 // `carry` empty: on for q32 and f32, off for f64. Throws std::invalid_argument for an unknown integrator or number
 // system, UnsupportedScene for a scene that cannot be replayed.
-[[nodiscard]] std::unique_ptr<Simulation> make_simulation(const SceneDescription& scene, std::string_view integrator = "verlet",
-                                                          std::string_view numbers = "q32", std::optional<bool> carry = {});
+[[nodiscard]] std::unique_ptr<Simulation> make_simulation(const SceneDescription& scene,
+                                                          std::string_view integrator = "verlet",
+                                                          std::string_view numbers = "q32",
+                                                          std::optional<bool> carry = {});
 
 // What can be chosen.
 struct IntegratorInfo {
     std::string name;
-    std::string type;      // in C++, for example tumble::integrators::Rk4
+    std::string type;  // in C++, for example tumble::integrators::Rk4
     int order = 0;
-    std::string needs;     // of sqrt, division and trigonometry, beyond what loads and contacts need
+    std::string needs;  // of sqrt, division and trigonometry, beyond what loads and contacts need
 };
 struct NumberSystemInfo {
     std::string name;
-    std::string type;      // in C++
-    std::string range;     // near, room, field or empty
+    std::string type;   // in C++
+    std::string range;  // near, room, field or empty
     bool carry = false;
 };
 [[nodiscard]] const std::vector<IntegratorInfo>& integrators();
 [[nodiscard]] const std::vector<NumberSystemInfo>& number_systems();
-[[nodiscard]] const IntegratorInfo& find_integrator(std::string_view name);      // throws std::invalid_argument
-[[nodiscard]] const NumberSystemInfo& find_number_system(const SceneDescription& scene, std::string_view numbers, std::optional<bool> carry);
+[[nodiscard]] const IntegratorInfo& find_integrator(std::string_view name);  // throws std::invalid_argument
+[[nodiscard]] const NumberSystemInfo& find_number_system(const SceneDescription& scene, std::string_view numbers,
+                                                         std::optional<bool> carry);
 
 // What of the scene is not simulated yet, one sentence each.
 [[nodiscard]] std::vector<std::string> limitations(const SceneDescription& scene);

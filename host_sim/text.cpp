@@ -59,7 +59,7 @@ std::string cpp_text(std::string_view text) {
             quoted += '\\';
             quoted += c;
         } else if (code < 0x20 || code > 0x7e) {
-            quoted += '\\';   // always three octal digits, so that a digit may follow
+            quoted += '\\';  // always three octal digits, so that a digit may follow
             for (const int shift : {6, 3, 0}) quoted += static_cast<char>('0' + ((code >> shift) & 7));
         } else {
             quoted += c;

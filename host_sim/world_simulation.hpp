@@ -2,8 +2,8 @@
 // translation units that the build makes from number_system.cpp.in.
 #pragma once
 
-#include <tumble/tumble.hpp>
 #include <tumble/replay.hpp>
+#include <tumble/tumble.hpp>
 
 #include <cmath>
 #include <utility>
@@ -15,10 +15,16 @@ namespace tumble::host {
 using LongVec3 = std::array<long double, 3>;
 using LongQuat = std::array<long double, 4>;
 
-[[nodiscard]] inline LongVec3 operator+(const LongVec3& a, const LongVec3& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
-[[nodiscard]] inline LongVec3 operator-(const LongVec3& a, const LongVec3& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
+[[nodiscard]] inline LongVec3 operator+(const LongVec3& a, const LongVec3& b) {
+    return {a[0] + b[0], a[1] + b[1], a[2] + b[2]};
+}
+[[nodiscard]] inline LongVec3 operator-(const LongVec3& a, const LongVec3& b) {
+    return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+}
 [[nodiscard]] inline LongVec3 operator*(const LongVec3& a, long double s) { return {a[0] * s, a[1] * s, a[2] * s}; }
-[[nodiscard]] inline long double dot(const LongVec3& a, const LongVec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+[[nodiscard]] inline long double dot(const LongVec3& a, const LongVec3& b) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
 [[nodiscard]] inline LongVec3 cross(const LongVec3& a, const LongVec3& b) {
     return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
@@ -40,9 +46,10 @@ using LongQuat = std::array<long double, 4>;
 
 // Value and residual of a carried number; floating point may be infinite or not a number.
 template <class Number>
-    requires requires { typename Number::Value; }
+requires requires { typename Number::Value; }
 [[nodiscard]] long double wide(const Number& number) {
-    if constexpr (std::floating_point<typename Number::Value>) return static_cast<long double>(number.value()) + static_cast<long double>(number.residual());
+    if constexpr (std::floating_point<typename Number::Value>)
+        return static_cast<long double>(number.value()) + static_cast<long double>(number.residual());
     else return wide(number.to_real());
 }
 
@@ -68,12 +75,14 @@ class WorldSimulation final : public Simulation {
 
 public:
     explicit WorldSimulation(SceneData data)
-        : Simulation(data.steps, wide(data.step.value)), data_(std::move(data)), replay_(data_), drift_unit_(wide(world().scale().metres(Real{1}))),
-          turn_unit_(wide(world().scale().angle(Real{1}))) {
+        : Simulation(data.steps, wide(data.step.value)), data_(std::move(data)), replay_(data_),
+          drift_unit_(wide(world().scale().metres(Real{1}))), turn_unit_(wide(world().scale().angle(Real{1}))) {
         for (const BodySpec& spec : data_.bodies) {
             const PrincipalInertia inertia = principal_inertia(spec.inertia);
-            bodies_.push_back({wide(spec.mass), wide(inertia.moments), {wide(inertia.principal.w), wide(inertia.principal.v.x),
-                               wide(inertia.principal.v.y), wide(inertia.principal.v.z)}});
+            bodies_.push_back({wide(spec.mass),
+                               wide(inertia.moments),
+                               {wide(inertia.principal.w), wide(inertia.principal.v.x), wide(inertia.principal.v.y),
+                                wide(inertia.principal.v.z)}});
         }
         note(replay_.world().status());
     }
@@ -121,7 +130,8 @@ public:
             return snapshot.position + rotate(snapshot.orientation, wide(p));
         };
         for (const SpringSpec& spring : data_.springs) {
-            const LongVec3 reach = (spring.to_body < 0 ? wide(spring.to) : point(spring.to_body, spring.to)) - point(spring.body, spring.point);
+            const LongVec3 reach = (spring.to_body < 0 ? wide(spring.to) : point(spring.to_body, spring.to)) -
+                                   point(spring.body, spring.point);
             const long double stretch = std::sqrt(dot(reach, reach)) - wide(spring.rest_length);
             energy.potential += wide(spring.stiffness) * stretch * stretch / 2;
         }
@@ -130,7 +140,8 @@ public:
                 for (std::size_t b = a + 1; b < now.size(); ++b) {
                     const LongVec3 r = now[b].position - now[a].position;
                     if (data_.bodies[a].fixed && data_.bodies[b].fixed) continue;
-                    energy.potential -= wide(data_.world.gravitation) * bodies_[a].mass * bodies_[b].mass / std::sqrt(dot(r, r));
+                    energy.potential -=
+                        wide(data_.world.gravitation) * bodies_[a].mass * bodies_[b].mass / std::sqrt(dot(r, r));
                 }
             }
         }
@@ -167,9 +178,9 @@ private:
     using Config = HostScene<N, Method>;
 
     struct Body {
-        long double mass;       // kg
-        LongVec3 moments;       // kg m^2, principal
-        LongQuat principal;     // principal axes to the user's
+        long double mass;    // kg
+        LongVec3 moments;    // kg m^2, principal
+        LongQuat principal;  // principal axes to the user's
     };
 
     [[nodiscard]] const World<Config>& world() const { return replay_.world(); }
@@ -191,7 +202,8 @@ private:
     void note(Status status) {
         if (status.ok()) return;
         for (const Issue issue : all_issues) {
-            if (status.has(issue) && !has_trouble(name_of(issue))) troubles_.push_back({name_of(issue), status.first_body, status.first_step});
+            if (status.has(issue) && !has_trouble(name_of(issue)))
+                troubles_.push_back({name_of(issue), status.first_body, status.first_step});
         }
         replay_.world().clear_status();
     }
@@ -200,7 +212,7 @@ private:
     Replay<Config, SceneData> replay_;
     std::vector<Body> bodies_;
     std::vector<Trouble> troubles_;
-    long double drift_unit_, turn_unit_;   // m and rad that a state's units stand for
+    long double drift_unit_, turn_unit_;  // m and rad that a state's units stand for
 };
 
 template <std::size_t index>

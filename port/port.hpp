@@ -11,9 +11,9 @@ namespace tumble::port {
 
 // Exit statuses that the port itself produces. A fault exits with 128 + its exception number (HardFault 131, MemManage
 // 132, BusFault 133, UsageFault 134).
-inline constexpr int abort_status = 120;      // abort(), a failed assert(), integer division by zero
-inline constexpr int text_lost_status = 121;  // exit(0) after some text could not be written
-inline constexpr int no_counter_status = 122; // the board row promises a counter that does not advance
+inline constexpr int abort_status = 120;       // abort(), a failed assert(), integer division by zero
+inline constexpr int text_lost_status = 121;   // exit(0) after some text could not be written
+inline constexpr int no_counter_status = 122;  // the board row promises a counter that does not advance
 
 // A reading of the counter. Raw counts differ from tick_unit() by a rational factor, so a reading has no arithmetic:
 // elapsed() is the only way to a number.
@@ -46,13 +46,13 @@ void write(std::string_view text);
 inline void write(const char* text, std::size_t size) { write(std::string_view{text, size}); }
 
 // Bytes of stack used at the deepest point since init(), counted from the top of the stack, the caller's frames
-// included. It may hold one exception frame too much (32 bytes; 104 with an FPU) if the counter wrapped at that point, and
-// is not less than what init() itself needs (up to 132 bytes). 0 where it is not measured (host).
-// Cost: one pass over the unused stack.
+// included. It may hold one exception frame too much (32 bytes; 104 with an FPU) if the counter wrapped at that point,
+// and is not less than what init() itself needs (up to 132 bytes). 0 where it is not measured (host). Cost: one pass
+// over the unused stack.
 [[nodiscard]] std::size_t stack_peak();
 
 // Ends the program with this status. Only the low 8 bits reach the shell; a non-zero status whose low 8 bits are zero
 // becomes 255, so a failure never reads as success.
 [[noreturn]] void exit(int status);
 
-} // namespace tumble::port
+}  // namespace tumble::port

@@ -1,7 +1,7 @@
 // Replays the scene that `tumble compile` wrote, counts what every step costs, and prints one result row. The row's
 // state hash is for the host to check: no number is used whose answer is wrong.
-#include <tumble/replay.hpp>
 #include <tumble/numbers/variants.hpp>
+#include <tumble/replay.hpp>
 
 #include TUMBLE_SCENE_HEADER
 
@@ -46,7 +46,8 @@ int main() {
     row.add("steps", replay.world().steps_taken());
     // Rounded to the nearest; the largest single step beside it.
     const std::uint64_t steps = replay.world().steps_taken();
-    row.add(port::tick_unit() == "cycles" ? "cycles_per_step" : "insn_per_step", steps == 0 ? 0 : (total + steps / 2) / steps);
+    row.add(port::tick_unit() == "cycles" ? "cycles_per_step" : "insn_per_step",
+            steps == 0 ? 0 : (total + steps / 2) / steps);
     row.add(port::tick_unit() == "cycles" ? "cycles_per_step_max" : "insn_per_step_max", largest);
     row.add("stack_bytes", static_cast<std::uint64_t>(port::stack_peak()));
     row.add("world_bytes", static_cast<std::uint64_t>(sizeof(replay.world())));

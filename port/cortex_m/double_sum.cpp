@@ -33,8 +33,8 @@ double __wrap___aeabi_dadd(double a, double b) {
     const int exponent = exponent_of(large), gap = exponent - exponent_of(small);
     if (gap < 32 || exponent == 0x7ff) return __real___aeabi_dadd(a, b);
 
-    // The larger number is normal. Ten bits below the last place, the lowest of them sticky; a sum moves the leading bit
-    // by one place at most.
+    // The larger number is normal. Ten bits below the last place, the lowest of them sticky; a sum moves the leading
+    // bit by one place at most.
     constexpr int extra = 10;
     const std::uint64_t big = ((large & fraction_mask) | (fraction_mask + 1)) << extra;
     const bool is_normal = exponent_of(small) != 0;
@@ -55,7 +55,7 @@ double __wrap___aeabi_dadd(double a, double b) {
     }
     const std::uint64_t rest = sum & ((1u << extra) - 1), half = 1u << (extra - 1);
     std::uint64_t bits = (static_cast<std::uint64_t>(e) << 52) + ((sum >> extra) - (fraction_mask + 1));
-    if (rest > half || (rest == half && (bits & 1) != 0)) ++bits;   // a carry goes into the exponent, up to infinity
+    if (rest > half || (rest == half && (bits & 1) != 0)) ++bits;  // a carry goes into the exponent, up to infinity
     return std::bit_cast<double>(bits | (large & sign_bit));
 }
 double __wrap___aeabi_dsub(double a, double b) { return __wrap___aeabi_dadd(a, negated(b)); }

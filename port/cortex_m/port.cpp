@@ -61,8 +61,8 @@ std::uint64_t last_cycles = 0;
 bool text_lost = false;
 
 // The count goes down and its interrupt comes when it reaches 0, so its negative is the time since the last wrap. If a
-// wrap falls between the two reads of the high part, the low part decides which one belongs to it. No branches: the cost
-// does not depend on the values.
+// wrap falls between the two reads of the high part, the low part decides which one belongs to it. No branches: the
+// cost does not depend on the values.
 std::uint64_t read_systick() {
     const std::uint32_t before = tumble_port_wraps;
     const std::uint32_t low = (0 - *systick_value()) & systick_mask;
@@ -82,12 +82,12 @@ void start_systick() {
     tumble_port_wraps = 0;
     *systick_reload() = systick_mask;
     *systick_value() = 0;
-    *systick_control() = 7; // enable, interrupt, processor clock
+    *systick_control() = 7;  // enable, interrupt, processor clock
 }
 
 void start_dwt() {
-    *debug_exception_control() = *debug_exception_control() | (1U << 24); // TRCENA
-    *dwt_lock() = 0xC5ACCE55;                                             // Cortex-M7 locks its DWT
+    *debug_exception_control() = *debug_exception_control() | (1U << 24);  // TRCENA
+    *dwt_lock() = 0xC5ACCE55;                                              // Cortex-M7 locks its DWT
     *dwt_cycles() = 0;
     *dwt_control() = *dwt_control() | 1U;
     last_cycles = 0;
@@ -97,18 +97,21 @@ void start_dwt() {
 void measure_reading_cost() {
     std::uint32_t from_low, from_high, to_low, to_high;
     reading_cost = 0;
-    asm volatile("bl %c[ticks]\n"
-                 "mov r4, r0\n"
-                 "mov r5, r1\n"
-                 "bl %c[ticks]\n"
-                 "mov %[from_low], r4\n"
-                 "mov %[from_high], r5\n"
-                 "mov %[to_low], r0\n"
-                 "mov %[to_high], r1\n"
-                 : [from_low] "=r"(from_low), [from_high] "=r"(from_high), [to_low] "=r"(to_low), [to_high] "=r"(to_high)
-                 : [ticks] "i"(&ticks)
-                 : "r0", "r1", "r2", "r3", "r4", "r5", "ip", "lr", "cc", "memory");
-    const auto instant = [](std::uint32_t high, std::uint32_t low) { return Instant{(std::uint64_t{high} << 32) | low}; };
+    asm volatile(
+        "bl %c[ticks]\n"
+        "mov r4, r0\n"
+        "mov r5, r1\n"
+        "bl %c[ticks]\n"
+        "mov %[from_low], r4\n"
+        "mov %[from_high], r5\n"
+        "mov %[to_low], r0\n"
+        "mov %[to_high], r1\n"
+        : [from_low] "=r"(from_low), [from_high] "=r"(from_high), [to_low] "=r"(to_low), [to_high] "=r"(to_high)
+        : [ticks] "i"(&ticks)
+        : "r0", "r1", "r2", "r3", "r4", "r5", "ip", "lr", "cc", "memory");
+    const auto instant = [](std::uint32_t high, std::uint32_t low) {
+        return Instant{(std::uint64_t{high} << 32) | low};
+    };
     constexpr std::uint64_t moves = 2;
     const std::uint64_t measured = elapsed(instant(from_high, from_low), instant(to_high, to_low));
     if (measured <= moves) {
@@ -124,22 +127,18 @@ std::uint32_t* stack_pointer() {
     return sp;
 }
 
-} // namespace
+}  // namespace
 
 void init() {
     for (volatile std::uint32_t* word = __stack_limit; word < stack_pointer(); word = word + 1) *word = paint;
-    if constexpr (board::counter == Counter::dwt)
-        start_dwt();
-    else
-        start_systick();
+    if constexpr (board::counter == Counter::dwt) start_dwt();
+    else start_systick();
     measure_reading_cost();
 }
 
 Instant ticks() {
-    if constexpr (board::counter == Counter::dwt)
-        return Instant{read_dwt()};
-    else
-        return Instant{read_systick()};
+    if constexpr (board::counter == Counter::dwt) return Instant{read_dwt()};
+    else return Instant{read_systick()};
 }
 
 // A wrap within the stretch ran systick_handler, whose instructions are not the caller's.
@@ -177,10 +176,11 @@ std::size_t stack_peak() {
 }
 
 void exit(int status) {
-    constexpr std::uintptr_t application_exit = 0x20026; // ADP_Stopped_ApplicationExit
+    constexpr std::uintptr_t application_exit = 0x20026;  // ADP_Stopped_ApplicationExit
     if (status == 0 && text_lost) status = text_lost_status;
     if (status != 0 && (status & 0xFF) == 0) status = 255;
-    for (;;) semihosting::call(semihosting::Request::exit_extended, {application_exit, static_cast<std::uintptr_t>(status)});
+    for (;;)
+        semihosting::call(semihosting::Request::exit_extended, {application_exit, static_cast<std::uintptr_t>(status)});
 }
 
-} // namespace tumble::port
+}  // namespace tumble::port

@@ -19,7 +19,7 @@ bool word_aligned(const void* a, const void* b) {
     return ((reinterpret_cast<std::uintptr_t>(a) | reinterpret_cast<std::uintptr_t>(b)) & 3) == 0;
 }
 
-} // namespace
+}  // namespace
 
 extern "C" {
 
@@ -38,7 +38,8 @@ void* memmove(void* to, const void* from, std::size_t size) {
     auto* f = static_cast<const unsigned char*>(from);
     if (t <= f) {
         if (word_aligned(t, f))
-            for (; size >= 4; size -= 4, t += 4, f += 4) *reinterpret_cast<Word*>(t) = *reinterpret_cast<const Word*>(f);
+            for (; size >= 4; size -= 4, t += 4, f += 4)
+                *reinterpret_cast<Word*>(t) = *reinterpret_cast<const Word*>(f);
         for (; size != 0; --size) *t++ = *f++;
     } else
         while (size-- != 0) t[size] = f[size];

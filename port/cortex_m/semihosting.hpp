@@ -18,4 +18,4 @@ inline std::uint32_t call(Request request, const std::uintptr_t (&parameters)[co
     return r0;
 }
 
-} // namespace tumble::port::semihosting
+}  // namespace tumble::port::semihosting

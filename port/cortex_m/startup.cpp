@@ -24,22 +24,22 @@ void systick_handler();
 #if __ARM_ARCH >= 7
     auto* const configuration = reinterpret_cast<volatile std::uint32_t*>(0xE000ED14);
     auto* const system_handlers = reinterpret_cast<volatile std::uint32_t*>(0xE000ED24);
-    *configuration = *configuration | (1U << 4);      // DIV_0_TRP
-    *system_handlers = *system_handlers | (7U << 16); // own exceptions for memory, bus and usage faults
+    *configuration = *configuration | (1U << 4);       // DIV_0_TRP
+    *system_handlers = *system_handlers | (7U << 16);  // own exceptions for memory, bus and usage faults
 
 #if __ARM_ARCH == 7
     // No access to the 32 KiB below the RAM, which some machines read as zero: a stack overflow must fault at once.
     auto* const mpu = reinterpret_cast<volatile std::uint32_t*>(0xE000ED90);
-    mpu[3] = (reinterpret_cast<std::uint32_t>(__stack_limit) - 0x8000) | (1U << 4); // base address, region 0
-    mpu[4] = (14U << 1) | 1U;                                                       // 2^15 bytes, no access
-    mpu[1] = 5;                                                                     // all else as without an MPU
+    mpu[3] = (reinterpret_cast<std::uint32_t>(__stack_limit) - 0x8000) | (1U << 4);  // base address, region 0
+    mpu[4] = (14U << 1) | 1U;                                                        // 2^15 bytes, no access
+    mpu[1] = 5;                                                                      // all else as without an MPU
 #else
-    asm volatile("msr msplim, %0" : : "r"(__stack_limit)); // ARMv8-M has a stack limit of its own
+    asm volatile("msr msplim, %0" : : "r"(__stack_limit));  // ARMv8-M has a stack limit of its own
 #endif
 #endif
 #ifdef __ARM_FP
     auto* const coprocessor_access = reinterpret_cast<volatile std::uint32_t*>(0xE000ED88);
-    *coprocessor_access = *coprocessor_access | (0xFU << 20); // CP10, CP11
+    *coprocessor_access = *coprocessor_access | (0xFU << 20);  // CP10, CP11
 #endif
     asm volatile("dsb\n isb" ::: "memory");
     const volatile std::uint32_t* from = __data_load;
@@ -68,15 +68,14 @@ void systick_handler();
     }();
     write("fault: ");
     write(name);
-    constexpr int pc = 6; // word of the exception frame
+    constexpr int pc = 6;  // word of the exception frame
 #if __ARM_ARCH >= 7
     const std::uint32_t cfsr = *reinterpret_cast<volatile std::uint32_t*>(0xE000ED28);
-    const bool past_limit = (cfsr & (1U << 20)) != 0; // STKOF, ARMv8-M only
+    const bool past_limit = (cfsr & (1U << 20)) != 0;  // STKOF, ARMv8-M only
 #else
     constexpr bool past_limit = false;
 #endif
-    if (frame < __stack_limit || past_limit)
-        write(", stack overflow");
+    if (frame < __stack_limit || past_limit) write(", stack overflow");
     else if (frame + pc < __stack_top) {
         write(" at pc ");
         write_hex(frame[pc]);
@@ -107,14 +106,14 @@ namespace {
 struct VectorTable {
     std::uint32_t* stack_top;
     void (*reset)();
-    void (*handlers[14])(); // exceptions 2 to 15; no external interrupt is ever enabled
+    void (*handlers[14])();  // exceptions 2 to 15; no external interrupt is ever enabled
 };
 
 [[gnu::section(".vectors"), gnu::used]] const VectorTable vectors = {
     __stack_top,
     reset_handler,
-    {fault_handler, fault_handler, fault_handler, fault_handler, fault_handler, fault_handler, fault_handler, fault_handler,
-     fault_handler, fault_handler, fault_handler, fault_handler, fault_handler, systick_handler},
+    {fault_handler, fault_handler, fault_handler, fault_handler, fault_handler, fault_handler, fault_handler,
+     fault_handler, fault_handler, fault_handler, fault_handler, fault_handler, fault_handler, systick_handler},
 };
 
-} // namespace
+}  // namespace

@@ -15,7 +15,8 @@ void init() {}
 
 Instant ticks() {
     const auto since_epoch = std::chrono::steady_clock::now().time_since_epoch();
-    return Instant{static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::nanoseconds>(since_epoch).count())};
+    return Instant{
+        static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::nanoseconds>(since_epoch).count())};
 }
 
 // The cost of reading the clock (tens of ns, not constant) stays in.
@@ -39,4 +40,4 @@ void exit(int status) {
     std::exit(status);
 }
 
-} // namespace tumble::port
+}  // namespace tumble::port

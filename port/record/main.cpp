@@ -11,8 +11,12 @@ using Scene = tumble::Replay<RecordedScene::Features, RecordedScene>;
 // Collects text, because each write to the debugger costs a stop.
 class Writer {
 public:
-    void text(std::string_view text) { for (const char c : text) put(c); }
-    void hex(std::uint32_t word) { for (int shift = 28; shift >= 0; shift -= 4) put("0123456789abcdef"[(word >> shift) & 15]); }
+    void text(std::string_view text) {
+        for (const char c : text) put(c);
+    }
+    void hex(std::uint32_t word) {
+        for (int shift = 28; shift >= 0; shift -= 4) put("0123456789abcdef"[(word >> shift) & 15]);
+    }
     void flush() {
         tumble::port::write(buffer_, size_);
         size_ = 0;
@@ -43,7 +47,7 @@ void record() {
         });
     }
     out.text("\n");
-    out.flush();   // nothing is left half said if the next step ends in a fault
+    out.flush();  // nothing is left half said if the next step ends in a fault
 }
 
 }  // namespace

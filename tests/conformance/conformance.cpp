@@ -1,9 +1,9 @@
 // Replays every shipped scene with every integrator of TUMBLE_METHODS in the number system TUMBLE_VARIANT, and prints a
 // line each: scene, number system, integrator, steps, state hash. The same source for the host and for every core.
 // Worlds have every feature compiled in; other tests show that a minimal world gives the same bits.
+#include <tumble/numbers/variants.hpp>
 #include <tumble/replay.hpp>
 #include <tumble/tumble.hpp>
-#include <tumble/numbers/variants.hpp>
 
 #include "all_scenes.hpp"
 #include "port.hpp"
@@ -30,7 +30,8 @@ void write_number(std::uint64_t value, unsigned base, int width) {
 
 template <class Method, class Scene>
 void replay_scene(const char* variant) {
-    using Numbers = typename tumble::variants::TUMBLE_VARIANT::template Numbers<typename Scene::Features::Numbers::Range>;
+    using Numbers =
+        typename tumble::variants::TUMBLE_VARIANT::template Numbers<typename Scene::Features::Numbers::Range>;
     tumble::Replay<Everything<Numbers, Method>, Scene> replay;
     static_assert(Scene::Features::bodies <= 4 && Scene::Features::planes <= 4 && Scene::Features::springs <= 4);
     while (replay.world().steps_taken() < Scene::steps && replay.step().ok()) {}

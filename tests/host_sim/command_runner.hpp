@@ -14,7 +14,9 @@ namespace tumble::host {
 
 inline const std::filesystem::path source_directory = TUMBLE_SOURCE_DIR;
 
-[[nodiscard]] inline std::string shipped(const std::string& name) { return (source_directory / "host_sim/scenes" / (name + ".toml")).string(); }
+[[nodiscard]] inline std::string shipped(const std::string& name) {
+    return (source_directory / "host_sim/scenes" / (name + ".toml")).string();
+}
 
 // All shipped scene files.
 [[nodiscard]] inline std::vector<std::string> shipped_scenes() {
@@ -28,7 +30,8 @@ struct Outcome {
     int status;
     std::string text;
 };
-[[nodiscard]] inline Outcome tumble(std::vector<std::string> arguments, Process::Errors errors = Process::Errors::merge) {
+[[nodiscard]] inline Outcome tumble(std::vector<std::string> arguments,
+                                    Process::Errors errors = Process::Errors::merge) {
     arguments.insert(arguments.begin(), TUMBLE_COMMAND);
     Outcome outcome{};
     Process process(arguments, {}, errors);

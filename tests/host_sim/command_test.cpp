@@ -46,11 +46,13 @@ mass = 1.0
 // --- run -------------------------------------------------------------------------------------------------------------
 
 TEST(Run, json_has_the_keys_of_the_contract) {
-    const Outcome outcome = tumble({"run", shipped("orbit"), "--integrator", "rk4", "--numbers", "f64", "--json"}, Process::Errors::pass);
+    const Outcome outcome =
+        tumble({"run", shipped("orbit"), "--integrator", "rk4", "--numbers", "f64", "--json"}, Process::Errors::pass);
     ASSERT_EQ(outcome.status, 0);
     const Json json = Json::parse(outcome.text);
-    EXPECT_EQ(keys_of(json), (std::set<std::string>{"scene", "integrator", "numbers", "step_s", "steps", "time_s", "state_hash", "energy_start_j",
-                                                    "energy_end_j", "energy_max_relative_drift", "status", "bodies"}));
+    EXPECT_EQ(keys_of(json), (std::set<std::string>{"scene", "integrator", "numbers", "step_s", "steps", "time_s",
+                                                    "state_hash", "energy_start_j", "energy_end_j",
+                                                    "energy_max_relative_drift", "status", "bodies"}));
     EXPECT_EQ(json["scene"], "Kepler orbit");
     EXPECT_EQ(json["integrator"], "rk4");
     EXPECT_EQ(json["numbers"], "f64");
@@ -65,7 +67,8 @@ TEST(Run, json_has_the_keys_of_the_contract) {
     EXPECT_LT(json["energy_max_relative_drift"], 1e-9);
     ASSERT_EQ(json["bodies"].size(), 2u);
     const Json& planet = json["bodies"][1];
-    EXPECT_EQ(keys_of(planet), (std::set<std::string>{"name", "position_m", "velocity_m_s", "orientation", "angular_velocity_rad_s", "asleep", "contacts"}));
+    EXPECT_EQ(keys_of(planet), (std::set<std::string>{"name", "position_m", "velocity_m_s", "orientation",
+                                                      "angular_velocity_rad_s", "asleep", "contacts"}));
     EXPECT_EQ(planet["name"], "planet");
     EXPECT_EQ(planet["position_m"].size(), 3u);
     EXPECT_EQ(planet["orientation"].size(), 4u);
@@ -74,14 +77,16 @@ TEST(Run, json_has_the_keys_of_the_contract) {
 }
 
 TEST(Run, json_numbers_have_17_digits) {
-    const Outcome outcome = tumble({"run", shipped("brick"), "--step", "0.1", "--duration", "0.1", "--json"}, Process::Errors::pass);
+    const Outcome outcome =
+        tumble({"run", shipped("brick"), "--step", "0.1", "--duration", "0.1", "--json"}, Process::Errors::pass);
     EXPECT_TRUE(has(outcome.text, "\"step_s\": 0.10000000000000001")) << outcome.text;
 }
 
 TEST(Run, prints_a_table_and_no_progress_when_piped) {
     const Outcome outcome = tumble({"run", shipped("top")});
     ASSERT_EQ(outcome.status, 0);
-    for (const auto* part : {"free top: verlet, q32 near", "25600 steps", "position", "angular velocity", "energy", "state"})
+    for (const auto* part :
+         {"free top: verlet, q32 near", "25600 steps", "position", "angular velocity", "energy", "state"})
         EXPECT_TRUE(has(outcome.text, part)) << part << "\n" << outcome.text;
     EXPECT_FALSE(has(outcome.text, "%"));
     EXPECT_FALSE(has(outcome.text, "\r"));
@@ -100,15 +105,17 @@ TEST(Run, trajectory_has_the_columns_of_the_contract) {
 }
 
 TEST(Run, step_and_duration_replace_those_of_the_scene) {
-    const Outcome outcome = tumble({"run", shipped("brick"), "--step", "1/128", "--duration", "0.51", "--json"}, Process::Errors::pass);
+    const Outcome outcome =
+        tumble({"run", shipped("brick"), "--step", "1/128", "--duration", "0.51", "--json"}, Process::Errors::pass);
     const Json json = Json::parse(outcome.text);
-    EXPECT_EQ(json["steps"], 66);   // the last step ends at or just after the duration
+    EXPECT_EQ(json["steps"], 66);  // the last step ends at or just after the duration
     EXPECT_EQ(json["step_s"], 1.0 / 128);
 }
 
 TEST(Run, carry_changes_the_state) {
     const auto hash = [](const char* carry) {
-        return Json::parse(tumble({"run", shipped("brick"), "--carry", carry, "--json"}, Process::Errors::pass).text)["state_hash"];
+        return Json::parse(
+            tumble({"run", shipped("brick"), "--carry", carry, "--json"}, Process::Errors::pass).text)["state_hash"];
     };
     EXPECT_NE(hash("on"), hash("off"));
 }
@@ -126,18 +133,23 @@ TEST(Run, plot_is_an_svg) {
 TEST(Run, leaving_the_range_fails_with_body_time_and_status) {
     const Outcome outcome = tumble({"run", written("falling.toml", falling)});
     EXPECT_EQ(outcome.status, 1);
-    for (const auto* part : {"steel \"ball\"", "3.26", " s (step ", "range_left", "[range]"}) EXPECT_TRUE(has(outcome.text, part)) << part << "\n" << outcome.text;
-    const Json json = Json::parse(tumble({"run", written("falling.toml", falling), "--json"}, Process::Errors::pass).text);
+    for (const auto* part : {"steel \"ball\"", "3.26", " s (step ", "range_left", "[range]"})
+        EXPECT_TRUE(has(outcome.text, part)) << part << "\n" << outcome.text;
+    const Json json =
+        Json::parse(tumble({"run", written("falling.toml", falling), "--json"}, Process::Errors::pass).text);
     EXPECT_EQ(json["status"], Json::array({"range_left"}));
-    EXPECT_LT(json["steps"], 900);   // the run ends there
+    EXPECT_LT(json["steps"], 900);  // the run ends there
     EXPECT_EQ(json["bodies"][0]["name"], "steel \"ball\"");
 }
 
 TEST(Run, floating_point_that_is_not_finite_leaves_the_range) {
-    const std::string scene = written("spring.toml", "name = \"spring\"\n[world]\nstep = 0.5\nduration = 500.0\n[[body]]\nname = \"bob\"\n"
-                                                     "shape = { sphere = 0.1 }\nmass = 0.001\nposition = [1.0, 0.0, 0.0]\n[[spring]]\nbody = \"bob\"\n"
-                                                     "to = [0.0, 0.0, 0.0]\nstiffness = 10000.0\n");
-    const Outcome outcome = tumble({"run", scene, "--integrator", "explicit_euler", "--numbers", "f32", "--json"}, Process::Errors::pass);
+    const std::string scene =
+        written("spring.toml",
+                "name = \"spring\"\n[world]\nstep = 0.5\nduration = 500.0\n[[body]]\nname = \"bob\"\n"
+                "shape = { sphere = 0.1 }\nmass = 0.001\nposition = [1.0, 0.0, 0.0]\n[[spring]]\nbody = \"bob\"\n"
+                "to = [0.0, 0.0, 0.0]\nstiffness = 10000.0\n");
+    const Outcome outcome =
+        tumble({"run", scene, "--integrator", "explicit_euler", "--numbers", "f32", "--json"}, Process::Errors::pass);
     EXPECT_EQ(outcome.status, 1);
     EXPECT_EQ(Json::parse(outcome.text)["status"], Json::array({"range_left"}));
 }
@@ -166,18 +178,27 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(BadCall{{}, "subcommand"}, BadCall{{"dance"}, "dance"}, BadCall{{"run"}, "scene"},
                     BadCall{{"run", "missing.toml"}, "missing.toml: cannot be read: no such file"},
                     BadCall{{"run", TUMBLE_SOURCE_DIR "/tests/host_sim/bad_scenes/mass_negative.toml"}, "mass"},
-                    BadCall{{"run", shipped("brick"), "--integrator", "rk5"}, "unknown integrator \"rk5\", expected one of explicit_euler, "},
-                    BadCall{{"run", shipped("brick"), "--numbers", "q16"}, "unknown number system \"q16\", expected one of q32, f32, f64"},
-                    BadCall{{"run", shipped("brick"), "--carry", "maybe"}, "--carry"}, BadCall{{"run", shipped("brick"), "--step", "-1"}, "--step"},
-                    BadCall{{"run", shipped("brick"), "--step", "1/0"}, "--step"}, BadCall{{"run", shipped("brick"), "--duration", "-1"}, "--duration"},
-                    BadCall{{"run", shipped("brick"), "--duration", "nan"}, "--duration"}, BadCall{{"run", shipped("brick"), "--duration", "1e12"}, "2^31 steps"},
-                    BadCall{{"run", shipped("brick"), "--every", "0"}, "--every"}, BadCall{{"run", shipped("brick"), "--trajectory", "/no/where.csv"}, "/no/where.csv"},
+                    BadCall{{"run", shipped("brick"), "--integrator", "rk5"},
+                            "unknown integrator \"rk5\", expected one of explicit_euler, "},
+                    BadCall{{"run", shipped("brick"), "--numbers", "q16"},
+                            "unknown number system \"q16\", expected one of q32, f32, f64"},
+                    BadCall{{"run", shipped("brick"), "--carry", "maybe"}, "--carry"},
+                    BadCall{{"run", shipped("brick"), "--step", "-1"}, "--step"},
+                    BadCall{{"run", shipped("brick"), "--step", "1/0"}, "--step"},
+                    BadCall{{"run", shipped("brick"), "--duration", "-1"}, "--duration"},
+                    BadCall{{"run", shipped("brick"), "--duration", "nan"}, "--duration"},
+                    BadCall{{"run", shipped("brick"), "--duration", "1e12"}, "2^31 steps"},
+                    BadCall{{"run", shipped("brick"), "--every", "0"}, "--every"},
+                    BadCall{{"run", shipped("brick"), "--trajectory", "/no/where.csv"}, "/no/where.csv"},
                     BadCall{{"compile", shipped("brick"), "-o", "/no/where.hpp"}, "/no/where.hpp"},
-                    BadCall{{"compare", shipped("brick")}, "--core"}, BadCall{{"compare", shipped("brick"), "--core", "z80"}, "got \"z80\", expected one of cortex-m0, "},
-                    BadCall{{"compare", shipped("brick"), "--core", "cortex-m3", "--every", "16", "--flip", "17"}, "--flip"}));
+                    BadCall{{"compare", shipped("brick")}, "--core"},
+                    BadCall{{"compare", shipped("brick"), "--core", "z80"}, "got \"z80\", expected one of cortex-m0, "},
+                    BadCall{{"compare", shipped("brick"), "--core", "cortex-m3", "--every", "16", "--flip", "17"},
+                            "--flip"}));
 
 TEST(Command, help_is_not_an_error) {
-    for (const auto* topic : {"run", "compile", "compare", "list"}) EXPECT_EQ(tumble({topic, "--help"}).status, 0) << topic;
+    for (const auto* topic : {"run", "compile", "compare", "list"})
+        EXPECT_EQ(tumble({topic, "--help"}).status, 0) << topic;
     EXPECT_TRUE(has(tumble({"compare", "--help"}).text, "--flip"));
     EXPECT_TRUE(has(tumble({"--help"}).text, "Exit status"));
 }
@@ -185,7 +206,8 @@ TEST(Command, help_is_not_an_error) {
 // --- what is not simulated -------------------------------------------------------------------------------------------
 
 std::string scene_of(const std::string& contact, const std::string& bodies) {
-    return "name = \"test\"\n[world]\nstep = \"1/256\"\nduration = 0.1\n" + contact + "[[plane]]\nname = \"floor\"\nnormal = [0.0, 1.0, 0.0]\noffset = 10.0\n" + bodies;
+    return "name = \"test\"\n[world]\nstep = \"1/256\"\nduration = 0.1\n" + contact +
+           "[[plane]]\nname = \"floor\"\nnormal = [0.0, 1.0, 0.0]\noffset = 10.0\n" + bodies;
 }
 std::string body_of(const std::string& name, const std::string& shape) {
     return "[[body]]\nname = \"" + name + "\"\nshape = { " + shape + " }\nmass = 1.0\n";
@@ -198,19 +220,22 @@ TEST(Compile, a_scene_named_after_a_member_of_its_struct_gets_another_name) {
 }
 
 TEST(Run, a_plot_that_cannot_be_written_is_refused_before_the_run) {
-    const Outcome outcome = tumble({"run", written("plot.toml", scene_of("", body_of("a", "sphere = 1.0"))), "--plot", "/nonexistent/a.svg"});
+    const Outcome outcome = tumble(
+        {"run", written("plot.toml", scene_of("", body_of("a", "sphere = 1.0"))), "--plot", "/nonexistent/a.svg"});
     EXPECT_EQ(outcome.status, 2);
     EXPECT_TRUE(has(outcome.text, "--plot: cannot write /nonexistent/a.svg")) << outcome.text;
 }
 
 TEST(Run, an_unknown_integrator_is_answered_with_all_names) {
-    const Outcome outcome = tumble({"run", written("names.toml", scene_of("", body_of("a", "sphere = 1.0"))), "--integrator", "foo"});
+    const Outcome outcome =
+        tumble({"run", written("names.toml", scene_of("", body_of("a", "sphere = 1.0"))), "--integrator", "foo"});
     EXPECT_EQ(outcome.status, 2);
     EXPECT_TRUE(has(outcome.text, ", implicit_euler,")) << outcome.text;
 }
 
 TEST(Limits, spring_response_is_refused) {
-    const Outcome outcome = tumble({"run", written("soft.toml", scene_of("[contact]\nresponse = \"spring\"\n", body_of("a", "sphere = 1.0")))});
+    const Outcome outcome = tumble(
+        {"run", written("soft.toml", scene_of("[contact]\nresponse = \"spring\"\n", body_of("a", "sphere = 1.0")))});
     EXPECT_EQ(outcome.status, 2);
     EXPECT_TRUE(has(outcome.text, "soft.toml:6: contact.response: got \"spring\"")) << outcome.text;
 }
@@ -222,14 +247,20 @@ TEST(Limits, what_is_not_simulated_is_warned_of) {
         return outcome.text;
     };
     EXPECT_TRUE(has(output("[contact]\nsleep = { speed = 0.1 }\n", body_of("a", "sphere = 1.0")), "warning: "));
-    EXPECT_TRUE(has(output("", body_of("a", "hoop = 1.0")), "body \"a\": contacts of a hoop with planes are not simulated"));
+    EXPECT_TRUE(
+        has(output("", body_of("a", "hoop = 1.0")), "body \"a\": contacts of a hoop with planes are not simulated"));
     EXPECT_TRUE(has(output("", body_of("a", "cylinder = [1.0, 1.0]")), "a cylinder"));
     EXPECT_TRUE(has(output("", body_of("a", "capsule = [1.0, 1.0]")), "a capsule"));
     EXPECT_TRUE(has(output("", body_of("a", "sphere = 1.0") + body_of("b", "sphere = 1.0")), "warning: "));
     EXPECT_FALSE(has(output("", body_of("a", "sphere = 1.0")), "warning: "));
-    EXPECT_FALSE(has(output("[contact]\nresponse = \"none\"\n", body_of("a", "hoop = 1.0") + body_of("b", "sphere = 1.0")), "warning: "));
+    EXPECT_FALSE(
+        has(output("[contact]\nresponse = \"none\"\n", body_of("a", "hoop = 1.0") + body_of("b", "sphere = 1.0")),
+            "warning: "));
     // 0.1 s is nearest to the end of the last step, the 26th.
-    const auto impulse_at = [](const char* time) { return body_of("a", "sphere = 1.0") + "[[impulse]]\ntime = " + time + "\nbody = \"a\"\nimpulse = [1.0, 0.0, 0.0]\n"; };
+    const auto impulse_at = [](const char* time) {
+        return body_of("a", "sphere = 1.0") + "[[impulse]]\ntime = " + time +
+               "\nbody = \"a\"\nimpulse = [1.0, 0.0, 0.0]\n";
+    };
     EXPECT_TRUE(has(output("", impulse_at("0.1")), "warning: "));
     EXPECT_FALSE(has(output("", impulse_at("0.099")), "warning: "));
 }
@@ -250,23 +281,29 @@ TEST(Compile, header_holds_what_the_scene_needs_and_nothing_else) {
     const std::string path = temporary("scene.hpp");
     ASSERT_EQ(tumble({"compile", shipped("ball"), "-o", path}).status, 0);
     const std::string header = contents(path);
-    for (const auto* part : {"struct Ball {", "name = \"bouncing ball\"", "step{1, 256}", "steps = 1280u", ".restitution = 0.8", "using Numbers = tumble::Q32<tumble::NearRange>;",
+    for (const auto* part : {"struct Ball {", "name = \"bouncing ball\"", "step{1, 256}", "steps = 1280u",
+                             ".restitution = 0.8", "using Numbers = tumble::Q32<tumble::NearRange>;",
                              "using Integrator = tumble::integrators::Verlet;", "int bodies = 1;", "int planes = 1;"})
         EXPECT_TRUE(has(header, part)) << part << "\n" << header;
-    for (const auto* part : {"boxes = true", "friction = true", "script = true", "forces = true", "drag = true", "int springs"})
+    for (const auto* part :
+         {"boxes = true", "friction = true", "script = true", "forces = true", "drag = true", "int springs"})
         EXPECT_FALSE(has(header, part)) << part;
 }
 
 TEST(Compile, goes_to_standard_output_by_default) {
-    const Outcome outcome = tumble({"compile", shipped("cube_binary"), "--integrator", "rk4", "--numbers", "f64", "--carry", "on"});
+    const Outcome outcome =
+        tumble({"compile", shipped("cube_binary"), "--integrator", "rk4", "--numbers", "f64", "--carry", "on"});
     EXPECT_EQ(outcome.status, 0);
-    for (const auto* part : {"struct CubeBinary {", "tumble::F64Carried", "tumble::integrators::Rk4", "boxes = true", "friction = true", "script = true"})
+    for (const auto* part : {"struct CubeBinary {", "tumble::F64Carried", "tumble::integrators::Rk4", "boxes = true",
+                             "friction = true", "script = true"})
         EXPECT_TRUE(has(outcome.text, part)) << part;
 }
 
 TEST(Compile, names_cannot_break_the_header) {
-    const std::string scene = written("1 odd-name.toml", "name = \"a \\\"b\\\" \\\\\"\n[world]\nstep = 0.1\nduration = 1.0\n[[body]]\nname = \"\\u00e9\\n*/ \\\\\"\n"
-                                                         "shape = { sphere = 1.0 }\nmass = 1.0\n");
+    const std::string scene = written(
+        "1 odd-name.toml",
+        "name = \"a \\\"b\\\" \\\\\"\n[world]\nstep = 0.1\nduration = 1.0\n[[body]]\nname = \"\\u00e9\\n*/ \\\\\"\n"
+        "shape = { sphere = 1.0 }\nmass = 1.0\n");
     const Outcome outcome = tumble({"compile", scene});
     EXPECT_EQ(outcome.status, 0);
     EXPECT_TRUE(has(outcome.text, "struct Scene1OddName {")) << outcome.text;

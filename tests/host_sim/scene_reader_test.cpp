@@ -1,5 +1,5 @@
-// The scene reader: every file of bad_scenes/ is refused with the message its own first line asks for, every shipped scene is read,
-// and good values arrive as written. A file added to either directory is a test added.
+// The scene reader: every file of bad_scenes/ is refused with the message its own first line asks for, every shipped
+// scene is read, and good values arrive as written. A file added to either directory is a test added.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -83,9 +83,7 @@ TEST_P(ShippedScene, reads) {
         EXPECT_FALSE(scene.name.empty());
         EXPECT_FALSE(scene.bodies.empty());
         EXPECT_GT(scene.steps(), 0);
-    } catch (const SceneError& error) {
-        FAIL() << error.what();
-    }
+    } catch (const SceneError& error) { FAIL() << error.what(); }
 }
 
 INSTANTIATE_TEST_SUITE_P(files, ShippedScene, testing::ValuesIn(scenes_in("host_sim/scenes")), stem_of);
@@ -98,9 +96,7 @@ SceneDescription read(const std::string& toml) { return read_scene_text(toml, "t
 std::string error_of(const std::string& toml) {
     try {
         (void)read(toml);
-    } catch (const SceneError& error) {
-        return error.what();
-    }
+    } catch (const SceneError& error) { return error.what(); }
     return "no error";
 }
 
@@ -113,8 +109,10 @@ std::int64_t steps_of(const std::string& step, double duration) {
 
 TEST(SceneReader, unknown_key_names_file_line_and_key) {
     EXPECT_EQ(error_of(world + brick + "masss = 3.0\n"),
-              "text.toml:8: body[0].masss: unknown key (did you mean \"mass\"?), expected \"angular_velocity\", \"density\", \"fixed\", "
-              "\"friction\", \"inertia\", \"mass\", \"name\", \"orientation\", \"position\", \"restitution\", \"shape\" or \"velocity\"");
+              "text.toml:8: body[0].masss: unknown key (did you mean \"mass\"?), expected \"angular_velocity\", "
+              "\"density\", \"fixed\", "
+              "\"friction\", \"inertia\", \"mass\", \"name\", \"orientation\", \"position\", \"restitution\", "
+              "\"shape\" or \"velocity\"");
 }
 
 TEST(SceneReader, wrong_value_names_what_it_got_and_the_unit_expected) {
@@ -331,7 +329,8 @@ TEST(SceneReader, decimal_step_in_quotes_equals_the_number) {
 }
 
 TEST(SceneReader, step_that_is_neither_fraction_nor_decimal_is_refused) {
-    for (const char* text : {"", "/", "1/", "/256", "1/0", "0/1", "-1/256", "+1/256", " 1/256", "1 / 256", "0x10", "nan", "inf", "1e999", "1/256/2", "0"})
+    for (const char* text : {"", "/", "1/", "/256", "1/0", "0/1", "-1/256", "+1/256", " 1/256", "1 / 256", "0x10",
+                             "nan", "inf", "1e999", "1/256/2", "0"})
         EXPECT_FALSE(parse_step(text)) << text;
 }
 
@@ -368,7 +367,7 @@ TEST(SceneReader, longest_run_is_accepted) {
 }
 
 TEST(SceneReader, three_moments_are_a_diagonal_tensor) {
-    const auto scene = read(world + brick + "inertia = [1, 2, 3]\n");   // 1 + 2 = 3: equality is allowed
+    const auto scene = read(world + brick + "inertia = [1, 2, 3]\n");  // 1 + 2 = 3: equality is allowed
     EXPECT_EQ(scene.bodies.at(0).inertia, (std::array<double, 6>{1.0, 2.0, 3.0, 0.0, 0.0, 0.0}));
     EXPECT_TRUE(scene.bodies.at(0).inertia_is_diagonal);
 }
@@ -386,10 +385,14 @@ TEST(SceneReader, turned_flat_plate_passes_the_triangle_inequality_at_every_angl
         const double a = 0.1 * i, b = 0.37 * i, c = std::cos(a), s = std::sin(a), d = std::cos(b), t = std::sin(b);
         const double xx = c * c + 2.0 * s * s, yy = s * s + 2.0 * c * c, xy = -c * s;
         std::string numbers;
-        for (const double x : {xx, d * d * yy + 3.0 * t * t, t * t * yy + 3.0 * d * d, d * xy, t * xy, d * t * (yy - 3.0)}) {
+        for (const double x :
+             {xx, d * d * yy + 3.0 * t * t, t * t * yy + 3.0 * d * d, d * xy, t * xy, d * t * (yy - 3.0)}) {
             std::array<char, 64> text{};
             std::snprintf(text.data(), text.size(), "%.17g", x);
-            numbers += (numbers.empty() ? "" : ", ") + (std::string(text.data()).find_first_of(".e") == std::string::npos ? std::string(text.data()) + ".0" : std::string(text.data()));
+            numbers +=
+                (numbers.empty() ? "" : ", ") + (std::string(text.data()).find_first_of(".e") == std::string::npos
+                                                     ? std::string(text.data()) + ".0"
+                                                     : std::string(text.data()));
         }
         ASSERT_EQ(error_of(world + brick + "inertia = [" + numbers + "]\n"), "no error") << i;
     }
@@ -402,7 +405,9 @@ TEST(SceneReader, points_on_a_line_are_accepted_with_inertia) {
 }
 
 TEST(SceneReader, points_in_a_plane_are_accepted) {
-    EXPECT_EQ(error_of(world + "[[body]]\nname = \"leaf\"\nshape = { points = [[1, 1, 1, 1], [2, 1, 1, 1], [1, 2, 1, 1]] }\n"), "no error");
+    EXPECT_EQ(error_of(world +
+                       "[[body]]\nname = \"leaf\"\nshape = { points = [[1, 1, 1, 1], [2, 1, 1, 1], [1, 2, 1, 1]] }\n"),
+              "no error");
 }
 
 TEST(SceneReader, face_becomes_an_inward_impulse_at_its_centre) {
@@ -410,10 +415,14 @@ TEST(SceneReader, face_becomes_an_inward_impulse_at_its_centre) {
         const char* face;
         Triple impulse, point;
     };
-    for (const Case& c : std::initializer_list<Case>{{"-x", {5.0, 0.0, 0.0}, {-0.5, 0.0, 0.0}}, {"+x", {-5.0, 0.0, 0.0}, {0.5, 0.0, 0.0}},
-                                                     {"-y", {0.0, 5.0, 0.0}, {0.0, -2.0, 0.0}}, {"+y", {0.0, -5.0, 0.0}, {0.0, 2.0, 0.0}},
-                                                     {"-z", {0.0, 0.0, 5.0}, {0.0, 0.0, -4.5}}, {"+z", {0.0, 0.0, -5.0}, {0.0, 0.0, 4.5}}}) {
-        const auto scene = read(world + brick + "[[impulse]]\ntime = 0.5\nbody = \"brick\"\nface = \"" + c.face + "\"\nstrength = 5.0\n");
+    for (const Case& c : std::initializer_list<Case>{{"-x", {5.0, 0.0, 0.0}, {-0.5, 0.0, 0.0}},
+                                                     {"+x", {-5.0, 0.0, 0.0}, {0.5, 0.0, 0.0}},
+                                                     {"-y", {0.0, 5.0, 0.0}, {0.0, -2.0, 0.0}},
+                                                     {"+y", {0.0, -5.0, 0.0}, {0.0, 2.0, 0.0}},
+                                                     {"-z", {0.0, 0.0, 5.0}, {0.0, 0.0, -4.5}},
+                                                     {"+z", {0.0, 0.0, -5.0}, {0.0, 0.0, 4.5}}}) {
+        const auto scene = read(world + brick + "[[impulse]]\ntime = 0.5\nbody = \"brick\"\nface = \"" + c.face +
+                                "\"\nstrength = 5.0\n");
         const ImpulseDescription& impulse = scene.impulses.at(0);
         EXPECT_EQ(impulse.frame, Frame::body) << c.face;
         EXPECT_EQ(impulse.impulse, c.impulse) << c.face;
@@ -422,13 +431,17 @@ TEST(SceneReader, face_becomes_an_inward_impulse_at_its_centre) {
 }
 
 TEST(SceneReader, letters_outside_ascii_are_fine_in_quotes_and_comments) {
-    for (const char* name : {"\"\u00e9t\u00e9 # \\\" \u00b5\"", "'\u00b5 \\'", "\"\"\"\n\u00b5 \" \u00b5\"\"\"", "'''\n\u00b5 ' \u00b5'''"})
-        EXPECT_EQ(error_of(std::string("\xef\xbb\xbf") + "name = " + name + "   # \u00b5 \" \u00b5\n" + world + brick), "no error") << name;
+    for (const char* name : {"\"\u00e9t\u00e9 # \\\" \u00b5\"", "'\u00b5 \\'", "\"\"\"\n\u00b5 \" \u00b5\"\"\"",
+                             "'''\n\u00b5 ' \u00b5'''"})
+        EXPECT_EQ(error_of(std::string("\xef\xbb\xbf") + "name = " + name + "   # \u00b5 \" \u00b5\n" + world + brick),
+                  "no error")
+            << name;
 }
 
 TEST(SceneReader, events_keep_the_order_of_the_file) {
     std::string toml = world + brick;
-    for (const char* time : {"2.0", "1.0", "1.0"}) toml += std::string("[[impulse]]\ntime = ") + time + "\nbody = \"brick\"\nimpulse = [1, 0, 0]\n";
+    for (const char* time : {"2.0", "1.0", "1.0"})
+        toml += std::string("[[impulse]]\ntime = ") + time + "\nbody = \"brick\"\nimpulse = [1, 0, 0]\n";
     const auto scene = read(toml);
     ASSERT_EQ(scene.impulses.size(), 3u);
     EXPECT_EQ(scene.impulses[0].time, 2.0);
@@ -440,11 +453,14 @@ TEST(SceneReader, cube_scenes_differ_in_name_and_step_only) {
         std::ifstream stream(source_dir() / "host_sim/scenes" / (std::string(stem) + ".toml"));
         std::string kept, line;
         while (std::getline(stream, line))
-            if (!line.starts_with("#") && !line.starts_with("name     ") && !line.starts_with("step") && !line.starts_with("name = \"cube")) kept += line + "\n";
+            if (!line.starts_with("#") && !line.starts_with("name     ") && !line.starts_with("step") &&
+                !line.starts_with("name = \"cube"))
+                kept += line + "\n";
         return kept;
     };
     EXPECT_EQ(text("cube"), text("cube_binary"));
-    const auto decimal = read_scene(source_dir() / "host_sim/scenes/cube.toml"), binary = read_scene(source_dir() / "host_sim/scenes/cube_binary.toml");
+    const auto decimal = read_scene(source_dir() / "host_sim/scenes/cube.toml"),
+               binary = read_scene(source_dir() / "host_sim/scenes/cube_binary.toml");
     EXPECT_EQ(decimal.steps(), 800);
     EXPECT_EQ(binary.steps(), 1024);
     EXPECT_EQ(decimal.impulses.size(), 9u);

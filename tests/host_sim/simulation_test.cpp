@@ -31,7 +31,9 @@ TEST(SceneBuilder, density_times_volume_is_mass) {
 }
 
 TEST(SceneBuilder, points_are_a_body_about_their_centre_of_mass) {
-    const SceneData data = build_scene(scene_with("shape = { points = [[1.0, 0.0, 0.0, 2.0], [3.0, 0.0, 0.0, 2.0], [2.0, 1.0, 0.0, 1.0], [2.0, -1.0, 0.0, 1.0]] }\nposition = [5.0, 6.0, 7.0]\n"));
+    const SceneData data =
+        build_scene(scene_with("shape = { points = [[1.0, 0.0, 0.0, 2.0], [3.0, 0.0, 0.0, 2.0], [2.0, 1.0, 0.0, 1.0], "
+                               "[2.0, -1.0, 0.0, 1.0]] }\nposition = [5.0, 6.0, 7.0]\n"));
     const BodySpec& body = data.bodies[0];
     EXPECT_EQ(body.mass.to_double(), 6.0);
     EXPECT_EQ(body.position.x.to_double(), 5.0);
@@ -49,7 +51,8 @@ TEST(SceneBuilder, fraction_of_a_step_is_exact_to_64_bits) {
 TEST(SceneBuilder, planes_without_a_response_are_left_out) {
     const std::string rest = "shape = { box = [1.0, 1.0, 1.0] }\nmass = 1.0\n";
     const std::string plane = "[[plane]]\nname = \"floor\"\nnormal = [0.0, 1.0, 0.0]\noffset = 10.0\n";
-    const SceneData without = build_scene(scene_with(rest, "[contact]\nresponse = \"none\"\n" + plane)), with = build_scene(scene_with(rest, plane));
+    const SceneData without = build_scene(scene_with(rest, "[contact]\nresponse = \"none\"\n" + plane)),
+                    with = build_scene(scene_with(rest, plane));
     EXPECT_TRUE(without.planes.empty());
     EXPECT_FALSE(without.has_boxes_in_touch());
     EXPECT_EQ(with.planes.size(), 1u);
@@ -59,7 +62,8 @@ TEST(SceneBuilder, planes_without_a_response_are_left_out) {
 
 TEST(SceneBuilder, more_bodies_than_there_is_room_for_are_refused) {
     std::string text = head;
-    for (int b = 0; b <= max_bodies; ++b) text += "[[body]]\nname = \"body " + std::to_string(b) + "\"\nshape = { sphere = 1.0 }\nmass = 1.0\n";
+    for (int b = 0; b <= max_bodies; ++b)
+        text += "[[body]]\nname = \"body " + std::to_string(b) + "\"\nshape = { sphere = 1.0 }\nmass = 1.0\n";
     EXPECT_THROW((void)build_scene(read_scene_text(text, "test.toml")), UnsupportedScene);
 }
 
@@ -67,7 +71,8 @@ TEST(SceneBuilder, more_bodies_than_there_is_room_for_are_refused) {
 
 class EverySystem : public testing::TestWithParam<std::size_t> {
 protected:
-    [[nodiscard]] std::unique_ptr<Simulation> start(const SceneDescription& scene, std::string_view integrator = "verlet") const {
+    [[nodiscard]] std::unique_ptr<Simulation> start(const SceneDescription& scene,
+                                                    std::string_view integrator = "verlet") const {
         return make_simulation(scene, integrator, info().name, info().carry);
     }
     // The largest relative rounding of a set-up value.
@@ -77,19 +82,23 @@ protected:
 
 // The axes of a body whose moments are not in the kernel's order, and that is turned in the world.
 TEST_P(EverySystem, reports_the_initial_state_in_the_users_axes) {
-    const auto simulation = start(scene_with("shape = \"none\"\nmass = 2.0\ninertia = [1.0, 3.0, 2.5, 0.1, -0.2, 0.3]\nposition = [1.0, 2.0, 3.0]\n"
-                                             "velocity = [-1.0, 0.5, 0.25]\norientation = [0.5, 0.5, -0.5, 0.5]\nangular_velocity = [0.3, -0.2, 0.7]\n"));
+    const auto simulation = start(scene_with(
+        "shape = \"none\"\nmass = 2.0\ninertia = [1.0, 3.0, 2.5, 0.1, -0.2, 0.3]\nposition = [1.0, 2.0, 3.0]\n"
+        "velocity = [-1.0, 0.5, 0.25]\norientation = [0.5, 0.5, -0.5, 0.5]\nangular_velocity = [0.3, -0.2, 0.7]\n"));
     const BodySnapshot body = simulation->body(0);
     const auto near = [&](const auto& got, std::initializer_list<double> expected) {
         std::size_t i = 0;
-        for (const double x : expected) EXPECT_NEAR(static_cast<double>(got[i++]), x, tolerance()) << info().type << ", component " << i - 1;
+        for (const double x : expected)
+            EXPECT_NEAR(static_cast<double>(got[i++]), x, tolerance()) << info().type << ", component " << i - 1;
     };
     near(body.position, {1.0, 2.0, 3.0});
     near(body.velocity, {-1.0, 0.5, 0.25});
     near(body.orientation, {0.5, 0.5, -0.5, 0.5});
     near(body.angular_velocity, {0.3, -0.2, 0.7});
-    const double rotation = 0.5 * (1.0 * 0.09 + 3.0 * 0.04 + 2.5 * 0.49) + 0.1 * 0.3 * -0.2 - 0.2 * 0.3 * 0.7 + 0.3 * -0.2 * 0.7;
-    EXPECT_NEAR(static_cast<double>(simulation->energy().kinetic), rotation + 0.5 * 2.0 * (1.0 + 0.25 + 0.0625), 20 * tolerance());
+    const double rotation =
+        0.5 * (1.0 * 0.09 + 3.0 * 0.04 + 2.5 * 0.49) + 0.1 * 0.3 * -0.2 - 0.2 * 0.3 * 0.7 + 0.3 * -0.2 * 0.7;
+    EXPECT_NEAR(static_cast<double>(simulation->energy().kinetic), rotation + 0.5 * 2.0 * (1.0 + 0.25 + 0.0625),
+                20 * tolerance());
 }
 
 TEST_P(EverySystem, words_of_a_record_are_what_the_hash_digests) {
@@ -111,7 +120,8 @@ std::string name_of_system(const testing::TestParamInfo<std::size_t>& info) {
     const NumberSystemInfo& system = number_systems()[info.param];
     return system.name + system.range + (system.carry ? "" : "_plain");
 }
-INSTANTIATE_TEST_SUITE_P(Simulation, EverySystem, testing::Range<std::size_t>(0, number_systems().size()), name_of_system);
+INSTANTIATE_TEST_SUITE_P(Simulation, EverySystem, testing::Range<std::size_t>(0, number_systems().size()),
+                         name_of_system);
 
 TEST(Simulation, energy_of_a_spring_and_of_gravity_is_potential) {
     const auto simulation = make_simulation(read_scene(shipped("pendulum")), "rk4", "f64");
@@ -158,7 +168,8 @@ TEST_P(EveryScene, runs_in_every_number_system) {
             for (const Trouble& trouble : simulation->troubles()) {
                 // Explicit Euler feeds energy into a swinging pendulum until it leaves any range.
                 if (integrator == "explicit_euler" && trouble.issue == "range_left") continue;
-                ADD_FAILURE() << numbers << (carry ? "" : " without carry") << ": " << trouble.issue << " at step " << trouble.step;
+                ADD_FAILURE() << numbers << (carry ? "" : " without carry") << ": " << trouble.issue << " at step "
+                              << trouble.step;
             }
             for (int b = 0; b < simulation->body_count(); ++b) {
                 const BodySnapshot body = simulation->body(b);
@@ -176,7 +187,8 @@ std::vector<std::string> integrator_names() {
     for (const IntegratorInfo& info : integrators()) names.push_back(info.name);
     return names;
 }
-INSTANTIATE_TEST_SUITE_P(All, EveryScene, testing::Combine(testing::ValuesIn(shipped_scenes()), testing::ValuesIn(integrator_names())),
+INSTANTIATE_TEST_SUITE_P(All, EveryScene,
+                         testing::Combine(testing::ValuesIn(shipped_scenes()), testing::ValuesIn(integrator_names())),
                          [](const auto& info) { return std::get<0>(info.param) + "_" + std::get<1>(info.param); });
 
 }  // namespace

@@ -16,7 +16,7 @@ constexpr int steps = 1000000;
 TEST(carried, a_million_constant_fixed_increments_lose_nothing) {
     auto x = Carried<Fixed<24>, true>::from(Real{1});
     auto biased = Carried<Fixed<24>, true, true>::from(Real{1});
-    const std::int64_t increment = 123456789;   // 0.029 units of the value's last place
+    const std::int64_t increment = 123456789;  // 0.029 units of the value's last place
     for (int i = 0; i < steps; ++i) {
         x.add({increment});
         biased.add({increment});
@@ -46,10 +46,10 @@ TEST(carried, reads_the_nearest_value_biased_or_not) {
 
 TEST(carried, without_carry_a_fixed_sum_rounds_every_increment) {
     auto x = Carried<Fixed<24>, false>::from(Real{});
-    for (int i = 0; i < 1000; ++i) x.add({std::int64_t{3} << 30});   // 3/4 of a unit
+    for (int i = 0; i < 1000; ++i) x.add({std::int64_t{3} << 30});  // 3/4 of a unit
     EXPECT_EQ(x.value().raw, 1000);
     auto y = Carried<Fixed<24>, false>::from(Real{});
-    for (int i = 0; i < 1000; ++i) y.add({std::int64_t{1} << 30});   // 1/4
+    for (int i = 0; i < 1000; ++i) y.add({std::int64_t{1} << 30});  // 1/4
     EXPECT_EQ(y.value().raw, 0);
 }
 
@@ -96,7 +96,7 @@ TEST(shaped, the_mean_of_the_values_taken_is_the_sum_itself) {
         for (int i = 0; i < n; ++i) taken += x.take().raw;
         const Number exact = std::ldexp(static_cast<Number>(sum.raw), -32) * n;
         ASSERT_LE(std::abs(static_cast<Number>(taken) - exact), tolerance::shaped_units);
-        ASSERT_EQ(x.sum(), sum);                                    // taking does not change the state
+        ASSERT_EQ(x.sum(), sum);  // taking does not change the state
     }
 }
 
@@ -117,7 +117,8 @@ Number worst_dither_error(Number value, std::uint32_t Dither::*sequence) {
     Number worst = 0;
     std::int64_t sum = 0;
     for (std::uint32_t step = 0; step < 100000; ++step) {
-        sum += static_cast<std::int64_t>(std::floor(value + static_cast<Number>(Dither::of_step(step).*sequence) * 0x1p-32L));
+        sum += static_cast<std::int64_t>(
+            std::floor(value + static_cast<Number>(Dither::of_step(step).*sequence) * 0x1p-32L));
         worst = std::max(worst, std::abs(static_cast<Number>(sum) - value * static_cast<Number>(step + 1)));
     }
     return worst;
@@ -127,10 +128,12 @@ TEST(dither, the_sum_of_rounded_constants_stays_within_a_few_units) {
     Random random{4};
     for (int i = 0; i < 30; ++i) {
         const Number value = random.uniform(-5, 5);
-        for (const auto sequence : {&Dither::angle, &Dither::delta, &Dither::turn}) EXPECT_LE(worst_dither_error(value, sequence), tolerance::dither_units) << static_cast<double>(value);
+        for (const auto sequence : {&Dither::angle, &Dither::delta, &Dither::turn})
+            EXPECT_LE(worst_dither_error(value, sequence), tolerance::dither_units) << static_cast<double>(value);
     }
     for (const Number value : {0.5L, 0.25L, 1 / 3.0L, 0.0L}) {
-        for (const auto sequence : {&Dither::angle, &Dither::delta, &Dither::turn}) EXPECT_LE(worst_dither_error(value, sequence), tolerance::dither_units) << static_cast<double>(value);
+        for (const auto sequence : {&Dither::angle, &Dither::delta, &Dither::turn})
+            EXPECT_LE(worst_dither_error(value, sequence), tolerance::dither_units) << static_cast<double>(value);
     }
 }
 

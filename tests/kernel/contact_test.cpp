@@ -14,14 +14,16 @@ protected:
     static const System& system() { return GetParam().system; }
     static SceneSetup floor(Number restitution, Number friction = 0) {
         SceneSetup setup{.name = "floor"};
-        setup.world = {.gravity = {0, -9.8125, 0}, .contact = {.restitution = real(restitution), .friction = real(friction)}};
+        setup.world = {.gravity = {0, -9.8125, 0},
+                       .contact = {.restitution = real(restitution), .friction = real(friction)}};
         setup.planes = {{}};
         return setup;
     }
 };
 INSTANTIATE_TEST_SUITE_P(every, Contacts, testing::ValuesIn(every_case()), NameOf{});
 
-// The greatest relative error of the first ten apex heights of a ball dropped from 1 m. In flight the energy is the apex.
+// The greatest relative error of the first ten apex heights of a ball dropped from 1 m. In flight the energy is the
+// apex.
 Number worst_apex(AnyWorld& world, Number restitution) {
     Number worst = 0, expected = 1;
     bool falling = true;
@@ -48,7 +50,8 @@ TEST_P(Contacts, a_ball_bounces_to_its_heights) {
         setup.bodies[0].position = {0, 1.5, 0};
         const auto world = build(setup, GetParam());
         const Number worst = worst_apex(*world, restitution);
-        std::printf("%s: restitution %.1Lf, worst of ten apex heights off by %.2Lg\n", name_of(GetParam()).c_str(), restitution, worst);
+        std::printf("%s: restitution %.1Lf, worst of ten apex heights off by %.2Lg\n", name_of(GetParam()).c_str(),
+                    restitution, worst);
         EXPECT_LE(worst, tolerance::apex.of(system())) << restitution;
         EXPECT_TRUE(world->status().ok());
     }
@@ -58,7 +61,7 @@ TEST_P(Contacts, an_elastic_ball_never_gains_energy_in_1e4_bounces) {
     if (GetParam().method.order < 2) GTEST_SKIP() << "falls with the error of order 1";
     SceneSetup setup = floor(1);
     setup.bodies = {sphere(1, 0.5)};
-    setup.bodies[0].position = {0, 0.6015625, 0};                // 0.1 m up: 0.29 s a bounce
+    setup.bodies[0].position = {0, 0.6015625, 0};  // 0.1 m up: 0.29 s a bounce
     const auto world = build(setup, GetParam());
     const Number start = g * 0.1015625L;
     Number greatest = 0, least = 1e9L;
@@ -73,7 +76,8 @@ TEST_P(Contacts, an_elastic_ball_never_gains_energy_in_1e4_bounces) {
         greatest = std::max(greatest, energy);
         least = std::min(least, energy);
     }
-    std::printf("%s: %d elastic bounces, energy from %+.2Lg to %+.2Lg\n", name_of(GetParam()).c_str(), bounces, least / start - 1, greatest / start - 1);
+    std::printf("%s: %d elastic bounces, energy from %+.2Lg to %+.2Lg\n", name_of(GetParam()).c_str(), bounces,
+                least / start - 1, greatest / start - 1);
     EXPECT_EQ(bounces, 10000);
     EXPECT_LE(greatest / start - 1, tolerance::elastic_gain.of(system()));
 }
@@ -85,7 +89,8 @@ TEST_P(Contacts, a_ball_comes_to_rest_and_stays) {
         setup.bodies[0].position = {0, 1, 0};
         const auto world = build(setup, GetParam());
         world->run(256 * 20);
-        EXPECT_TRUE(world->status().ok()) << restitution << ": status " << static_cast<int>(world->status().bits) << " at step " << world->status().first_step;
+        EXPECT_TRUE(world->status().ok()) << restitution << ": status " << static_cast<int>(world->status().bits)
+                                          << " at step " << world->status().first_step;
         Number lowest = 1, highest = 0;
         for (int step = 0; step < 1000; ++step) {
             world->step();
@@ -117,7 +122,7 @@ TEST_P(Contacts, a_ball_pressed_down_by_a_force_rests_too) {
 TEST_P(Contacts, a_ball_that_meets_more_impacts_in_a_step_than_are_resolved_says_so) {
     SceneSetup setup = floor(1);
     setup.world.gravity = {};
-    setup.planes = {{}, {.normal = {0, -1, 0}, .offset = 0.25}};   // 0.05 m of room, 0.4 m a step
+    setup.planes = {{}, {.normal = {0, -1, 0}, .offset = 0.25}};  // 0.05 m of room, 0.4 m a step
     setup.bodies = {sphere(1, 0.1)};
     setup.bodies[0].position = {0, 0.125, 0};
     setup.bodies[0].velocity = {0, 30, 0};
@@ -135,7 +140,7 @@ TEST_P(Contacts, a_tilted_box_comes_to_rest_on_a_face) {
     const auto world = build(setup, GetParam());
     world->run(256 * 15);
     const Motion m = world->motion(0);
-    const Vector up = m.q.normalized().rotate_back({0, 1, 0});   // the plane's normal in the box's axes
+    const Vector up = m.q.normalized().rotate_back({0, 1, 0});  // the plane's normal in the box's axes
     const Number upright = std::max({std::abs(up.x), std::abs(up.y), std::abs(up.z)});
     EXPECT_LE(norm(m.v), tolerance::rest_speed) << "height " << m.x.y;
     EXPECT_LE(norm(m.w), tolerance::rest_speed);
@@ -150,7 +155,9 @@ TEST_P(Contacts, a_box_hit_off_centre_gets_the_spin_of_the_impulse_formula) {
         RealVec3 edges;
         RealQuat orientation;
     };
-    for (const Shape& shape : {Shape{{1, 0.5, 0.75}, {0.9, {0.1, -0.3, 0.2}}}, Shape{{0.25, 2, 0.25}, {0.95, {0.1, 0.05, 0.25}}}, Shape{{1, 1, 1}, {0.8, {0.3, 0.1, -0.4}}}}) {
+    for (const Shape& shape :
+         {Shape{{1, 0.5, 0.75}, {0.9, {0.1, -0.3, 0.2}}}, Shape{{0.25, 2, 0.25}, {0.95, {0.1, 0.05, 0.25}}},
+          Shape{{1, 1, 1}, {0.8, {0.3, 0.1, -0.4}}}}) {
         for (const Number restitution : {0.0L, 0.5L, 1.0L}) {
             SceneSetup setup = floor(restitution);
             setup.world.gravity = {};
@@ -172,8 +179,12 @@ TEST_P(Contacts, a_box_hit_off_centre_gets_the_spin_of_the_impulse_formula) {
             ASSERT_TRUE(world->status().ok());
             const Motion after = world->motion(0);
             EXPECT_LE(norm(after.v - v), tolerance::contact_impulse.of(system())) << restitution;
-            // What is left of the step after the impact turns w a little where the body is not a sphere: momentum compares.
-            EXPECT_LE(norm(angular_momentum(after, moments) - before.q.rotate(times(moments, w))), tolerance::contact_impulse.of(system()) + tolerance::method_error(GetParam().method.order, norm(w) / 256, norm(w) / 256)) << restitution;
+            // What is left of the step after the impact turns w a little where the body is not a sphere: momentum
+            // compares.
+            EXPECT_LE(norm(angular_momentum(after, moments) - before.q.rotate(times(moments, w))),
+                      tolerance::contact_impulse.of(system()) +
+                          tolerance::method_error(GetParam().method.order, norm(w) / 256, norm(w) / 256))
+                << restitution;
         }
     }
 }
@@ -188,7 +199,9 @@ TEST_P(Contacts, a_box_that_falls_flat_bounces_without_spin) {
         world->step();
         bounced = bounced || world->motion(0).v.y > 1;
         ASSERT_LE(norm(world->motion(0).w), tolerance::symmetric_spin.of(system())) << step;
-        ASSERT_LE(std::abs(world->motion(0).v.x) + std::abs(world->motion(0).v.z), tolerance::symmetric_spin.of(system())) << step;
+        ASSERT_LE(std::abs(world->motion(0).v.x) + std::abs(world->motion(0).v.z),
+                  tolerance::symmetric_spin.of(system()))
+            << step;
     }
     EXPECT_TRUE(bounced);
 }

@@ -12,7 +12,8 @@
 namespace tumble::test {
 namespace {
 
-constexpr std::int32_t lowest = std::numeric_limits<std::int32_t>::min(), highest = std::numeric_limits<std::int32_t>::max();
+constexpr std::int32_t lowest = std::numeric_limits<std::int32_t>::min(),
+                       highest = std::numeric_limits<std::int32_t>::max();
 
 TEST(fixed, converts_from_real_to_the_nearest_and_saturates) {
     static_assert(Fixed<8>::from(Real{1.5}).raw == 384);
@@ -38,7 +39,8 @@ TEST(fixed, converts_to_double_exactly_and_to_float_nearest) {
 }
 
 TEST(fixed, sums_wrap_at_two_to_the_32) {
-    constexpr auto top = Fixed<16>::from_raw(highest), bottom = Fixed<16>::from_raw(lowest), unit = Fixed<16>::from_raw(1);
+    constexpr auto top = Fixed<16>::from_raw(highest), bottom = Fixed<16>::from_raw(lowest),
+                   unit = Fixed<16>::from_raw(1);
     static_assert((top + unit) == bottom);
     static_assert((bottom - unit) == top);
     static_assert(-bottom == bottom);
@@ -63,16 +65,17 @@ TEST(fixed, products_are_exact_and_their_sums_wrap_at_two_to_the_64) {
             ASSERT_EQ(mul_sub(Wide<50>{s}, Fixed<30>{a}, Fixed<20>{b}).raw,
                       static_cast<std::int64_t>(static_cast<std::uint64_t>(s) - static_cast<std::uint64_t>(product)));
         }
-        ASSERT_EQ((Wide<3>{s} + Wide<3>{product}).raw, static_cast<std::int64_t>(static_cast<std::uint64_t>(s) + static_cast<std::uint64_t>(product)));
+        ASSERT_EQ((Wide<3>{s} + Wide<3>{product}).raw,
+                  static_cast<std::int64_t>(static_cast<std::uint64_t>(s) + static_cast<std::uint64_t>(product)));
         ASSERT_EQ((-Wide<3>{s}).raw, static_cast<std::int64_t>(0u - static_cast<std::uint64_t>(s)));
     }
     EXPECT_EQ(mul(Fixed<31>{lowest}, Fixed<31>{lowest}).raw, std::int64_t{1} << 62);
 }
 
 TEST(fixed, narrows_to_the_nearest_with_ties_upwards) {
-    EXPECT_EQ(narrow<Fixed<0>>(Wide<1>{1}).raw, 1);      // 0.5
-    EXPECT_EQ(narrow<Fixed<0>>(Wide<1>{-1}).raw, 0);     // -0.5
-    EXPECT_EQ(narrow<Fixed<0>>(Wide<1>{-3}).raw, -1);    // -1.5
+    EXPECT_EQ(narrow<Fixed<0>>(Wide<1>{1}).raw, 1);    // 0.5
+    EXPECT_EQ(narrow<Fixed<0>>(Wide<1>{-1}).raw, 0);   // -0.5
+    EXPECT_EQ(narrow<Fixed<0>>(Wide<1>{-3}).raw, -1);  // -1.5
     Random random{5};
     for (int i = 0; i < tests::many; ++i) {
         const std::int64_t raw = random.int64() >> 2;
@@ -84,7 +87,7 @@ TEST(fixed, narrows_to_the_nearest_with_ties_upwards) {
 TEST(fixed, mean_rounding_error_of_narrow_is_zero) {
     std::int64_t sum = 0;
     for (int i = 0; i < 1 << 16; ++i) sum += (static_cast<std::int64_t>(narrow<Fixed<16>>(Wide<24>{i}).raw) << 8) - i;
-    EXPECT_EQ(sum, (1 << 16) / 2);   // only the ties, one in 256, go half a unit (128) up
+    EXPECT_EQ(sum, (1 << 16) / 2);  // only the ties, one in 256, go half a unit (128) up
 }
 
 // Numbers of many magnitudes, with extremes among them.
@@ -92,7 +95,9 @@ Scaled random_scaled(Random& random, int least_exponent = -60, int greatest_expo
     return Scaled::of(random.int64() >> random.between(0, 62), random.between(least_exponent, greatest_exponent));
 }
 Number number(Scaled a) { return std::ldexp(static_cast<Number>(a.mantissa()), a.exponent()); }
-Number relative_error(Scaled a, Number exact) { return exact == 0 ? std::abs(number(a)) : std::abs(number(a) / exact - 1); }
+Number relative_error(Scaled a, Number exact) {
+    return exact == 0 ? std::abs(number(a)) : std::abs(number(a) / exact - 1);
+}
 
 TEST(scaled, keeps_31_bits_of_everything) {
     Random random{6};
@@ -102,19 +107,22 @@ TEST(scaled, keeps_31_bits_of_everything) {
         const Scaled a = random_scaled(random), b = random_scaled(random);
         const Number x = number(a), y = number(b);
         ASSERT_LE(relative_error(a * b, x * y), tolerance::scaled_unit);
-        if (!b.is_zero()) {
-            ASSERT_LE(relative_error(a / b, x / y), tolerance::scaled_quotient);
-        }
-        ASSERT_LE(std::abs(number(a + b) - (x + y)), tolerance::scaled_sum * std::max(std::abs(x + y), Number(0x1p-31) * std::max(std::abs(x), std::abs(y))));
-        ASSERT_LE(std::abs(number(a - b) - (x - y)), tolerance::scaled_sum * std::max(std::abs(x - y), Number(0x1p-31) * std::max(std::abs(x), std::abs(y))));
+        if (!b.is_zero()) { ASSERT_LE(relative_error(a / b, x / y), tolerance::scaled_quotient); }
+        ASSERT_LE(std::abs(number(a + b) - (x + y)),
+                  tolerance::scaled_sum *
+                      std::max(std::abs(x + y), Number(0x1p-31) * std::max(std::abs(x), std::abs(y))));
+        ASSERT_LE(std::abs(number(a - b) - (x - y)),
+                  tolerance::scaled_sum *
+                      std::max(std::abs(x - y), Number(0x1p-31) * std::max(std::abs(x), std::abs(y))));
         ASSERT_EQ(number(-a), -x);
         ASSERT_EQ(number(a.times_power_of_two(-9)), x / 512);
     }
 }
 
 TEST(scaled, stays_normalised_at_the_extremes) {
-    for (const std::int64_t raw : {std::numeric_limits<std::int64_t>::min(), std::numeric_limits<std::int64_t>::max(), std::int64_t{1}, std::int64_t{-1},
-                                   std::int64_t{0x7fffffff}, std::int64_t{0x80000000}, std::int64_t{0xffffffff}, -std::int64_t{0x80000000}}) {
+    for (const std::int64_t raw : {std::numeric_limits<std::int64_t>::min(), std::numeric_limits<std::int64_t>::max(),
+                                   std::int64_t{1}, std::int64_t{-1}, std::int64_t{0x7fffffff},
+                                   std::int64_t{0x80000000}, std::int64_t{0xffffffff}, -std::int64_t{0x80000000}}) {
         const Scaled a = Scaled::of(raw, 0);
         EXPECT_LE(relative_error(a, static_cast<Number>(raw)), tolerance::scaled_unit);
         const std::int64_t m = std::abs(static_cast<std::int64_t>(a.mantissa()));
@@ -174,7 +182,8 @@ TEST(scaled, becomes_a_sum_rounded_and_saturated) {
         const Number limit = 0x1p62L - 1, scaled = std::ldexp(number(a), 30);
         const Number expected = std::min(std::max(std::floor(scaled + Number(0.5)), -limit), limit);
         ASSERT_EQ(static_cast<Number>(a.to_wide<30>().raw), expected) << static_cast<double>(a);
-        const Number narrow = std::min(std::max(std::floor(std::ldexp(number(a), 20) + Number(0.5)), Number(-highest)), Number(highest));
+        const Number narrow =
+            std::min(std::max(std::floor(std::ldexp(number(a), 20) + Number(0.5)), Number(-highest)), Number(highest));
         ASSERT_EQ(static_cast<Number>(a.to_fixed<Fixed<20>>().raw), narrow);
     }
     EXPECT_EQ(Scaled::of(1, 500).to_wide<0>().raw, (std::int64_t{1} << 62) - 1);
@@ -188,9 +197,7 @@ TEST(scaled, rounding_is_the_same_for_both_signs) {
     for (int i = 0; i < tests::many; ++i) {
         const Scaled a = random_scaled(random), b = random_scaled(random);
         ASSERT_EQ((-a) * b, -(a * b));
-        if (!b.is_zero()) {
-            ASSERT_EQ((-a) / b, -(a / b));
-        }
+        if (!b.is_zero()) { ASSERT_EQ((-a) / b, -(a / b)); }
     }
 }
 
@@ -200,13 +207,15 @@ TEST(eigen, stores_fixed_numbers_and_sums_them_element_by_element) {
     for (int i = 0; i < 1000; ++i) {
         const auto component = [&] { return F::from_raw(random.int32() >> 2); };
         const Vec3<F> a{component(), component(), component()}, b{component(), component(), component()};
-        const Eigen::Vector3d sum = a.cast<double>() + b.cast<double>(), difference = a.cast<double>() - b.cast<double>();
+        const Eigen::Vector3d sum = a.cast<double>() + b.cast<double>(),
+                              difference = a.cast<double>() - b.cast<double>();
         ASSERT_EQ((a + b).cast<double>(), sum);
         ASSERT_EQ((a - b).cast<double>(), difference);
         ASSERT_EQ((-a).cast<double>(), -a.cast<double>());
         ASSERT_EQ(a.cast<float>()[1], static_cast<float>(a[1]));
         // A dot product is exact, and rounded once.
-        const __int128 exact = static_cast<__int128>(a[0].raw) * b[0].raw + static_cast<__int128>(a[1].raw) * b[1].raw + static_cast<__int128>(a[2].raw) * b[2].raw;
+        const __int128 exact = static_cast<__int128>(a[0].raw) * b[0].raw + static_cast<__int128>(a[1].raw) * b[1].raw +
+                               static_cast<__int128>(a[2].raw) * b[2].raw;
         ASSERT_EQ(dot(a, b).raw, static_cast<std::int64_t>(exact));
         const Vec3<F> c = cross<F>(a, b);
         ASSERT_EQ(c[0], narrow<F>(mul(a[1], b[2]) - mul(a[2], b[1])));

@@ -17,7 +17,9 @@ void expect_root_of_every_pattern(std::uint64_t seed) {
     Random random{seed};
     const auto check = [](T a) {
         const T expected = a > T(0) ? std::sqrt(a) : T(0);
-        ASSERT_EQ(std::bit_cast<Bits>(detail::ieee_sqrt<T, Bits, fraction_bits, bias>(a) + T(0)), std::bit_cast<Bits>(expected)) << a;
+        ASSERT_EQ(std::bit_cast<Bits>(detail::ieee_sqrt<T, Bits, fraction_bits, bias>(a) + T(0)),
+                  std::bit_cast<Bits>(expected))
+            << a;
         ASSERT_EQ(std::bit_cast<Bits>(tumble::sqrt(a) + T(0)), std::bit_cast<Bits>(expected)) << a;
     };
     for (int i = 0; i < tests::many; ++i) {
@@ -25,22 +27,27 @@ void expect_root_of_every_pattern(std::uint64_t seed) {
         if (std::isnan(a)) continue;
         check(a);
         check(std::abs(a));
-        const T r = std::abs(std::bit_cast<T>(static_cast<Bits>(random.bits() >> 2)));   // squares and their neighbours
+        const T r = std::abs(std::bit_cast<T>(static_cast<Bits>(random.bits() >> 2)));  // squares and their neighbours
         if (std::isfinite(r * r)) {
             check(r * r);
             check(std::nextafter(r * r, T(0)));
             check(std::nextafter(r * r, std::numeric_limits<T>::max()));
         }
         check(std::ldexp(T(1), random.between(-bias - fraction_bits, bias)));
-        check(std::ldexp(T(random.between(1, 4095)), -bias - fraction_bits + 1));          // subnormal
+        check(std::ldexp(T(random.between(1, 4095)), -bias - fraction_bits + 1));  // subnormal
     }
-    for (const T a : {T(0), -T(0), T(-1), std::numeric_limits<T>::denorm_min(), std::numeric_limits<T>::min(), std::numeric_limits<T>::max(),
-                      std::numeric_limits<T>::infinity(), -std::numeric_limits<T>::infinity(), T(1), T(2), T(4)})
+    for (const T a : {T(0), -T(0), T(-1), std::numeric_limits<T>::denorm_min(), std::numeric_limits<T>::min(),
+                      std::numeric_limits<T>::max(), std::numeric_limits<T>::infinity(),
+                      -std::numeric_limits<T>::infinity(), T(1), T(2), T(4)})
         check(a);
 }
 
-TEST(functions, square_root_of_a_float_is_the_processors) { expect_root_of_every_pattern<float, std::uint32_t, 23, 127>(1); }
-TEST(functions, square_root_of_a_double_is_the_processors) { expect_root_of_every_pattern<double, std::uint64_t, 52, 1023>(2); }
+TEST(functions, square_root_of_a_float_is_the_processors) {
+    expect_root_of_every_pattern<float, std::uint32_t, 23, 127>(1);
+}
+TEST(functions, square_root_of_a_double_is_the_processors) {
+    expect_root_of_every_pattern<double, std::uint64_t, 52, 1023>(2);
+}
 
 TEST(functions, square_root_is_a_constant_expression) {
     static_assert(tumble::sqrt(2.0f) == 1.41421354f);
@@ -61,10 +68,15 @@ TEST(functions, integer_square_root_is_the_floor) {
 template <class T>
 void expect_series(T z, long double worst) {
     const long double x = std::sqrt(static_cast<long double>(z));
-    const long double one_minus_sinc_exact = x < 1e-3L ? x * x / 6 * (1 - x * x / 20 * (1 - x * x / 42)) : 1 - std::sin(x) / x;
+    const long double one_minus_sinc_exact =
+        x < 1e-3L ? x * x / 6 * (1 - x * x / 20 * (1 - x * x / 42)) : 1 - std::sin(x) / x;
     const long double s = std::sin(x / 2);
-    ASSERT_NEAR(static_cast<double>(static_cast<long double>(one_minus_sinc(z)) - one_minus_sinc_exact), 0, static_cast<double>(worst)) << z;
-    ASSERT_NEAR(static_cast<double>(static_cast<long double>(one_minus_cos(z)) - 2 * s * s), 0, static_cast<double>(worst)) << z;
+    ASSERT_NEAR(static_cast<double>(static_cast<long double>(one_minus_sinc(z)) - one_minus_sinc_exact), 0,
+                static_cast<double>(worst))
+        << z;
+    ASSERT_NEAR(static_cast<double>(static_cast<long double>(one_minus_cos(z)) - 2 * s * s), 0,
+                static_cast<double>(worst))
+        << z;
 }
 
 TEST(functions, rotation_series_of_floats_agree_with_long_double) {
@@ -84,8 +96,11 @@ TEST(functions, rotation_series_of_fixed_numbers_agree_with_long_double) {
     const auto check = [](Fixed<32> z) {
         const long double exact = static_cast<long double>(z.raw) * 0x1p-32L, x = std::sqrt(exact);
         const long double sinc = exact == 0 ? 0 : 1 - std::sin(x) / x, s = std::sin(x / 2);
-        ASSERT_LE(std::abs(static_cast<long double>(one_minus_sinc(z).raw) * 0x1p-32L - sinc), tolerance::series_q32) << z.raw;
-        ASSERT_LE(std::abs(static_cast<long double>(one_minus_cos(z).raw) * 0x1p-32L - 2 * s * s), tolerance::series_q32) << z.raw;
+        ASSERT_LE(std::abs(static_cast<long double>(one_minus_sinc(z).raw) * 0x1p-32L - sinc), tolerance::series_q32)
+            << z.raw;
+        ASSERT_LE(std::abs(static_cast<long double>(one_minus_cos(z).raw) * 0x1p-32L - 2 * s * s),
+                  tolerance::series_q32)
+            << z.raw;
     };
     for (int i = 0; i < tests::many / 10; ++i) check(Fixed<32>::from_raw(random.between(0, 1 << 28)));
     for (int raw = 0; raw < 1000; ++raw) check(Fixed<32>::from_raw(raw));

@@ -12,7 +12,7 @@
 namespace tumble::test {
 namespace {
 
-constexpr int checkpoints[] = {1, 16, 128, 1024};   // steps
+constexpr int checkpoints[] = {1, 16, 128, 1024};  // steps
 
 std::string hexadecimal(std::uint64_t hash) {
     char text[20];
@@ -20,7 +20,12 @@ std::string hexadecimal(std::uint64_t hash) {
     return text;
 }
 
-std::string path_of(const SceneSetup& scene) { return std::string{TUMBLE_GOLDEN_DIR} + "/" + scene.name + ".txt"; }
+std::string path_of(const SceneSetup& scene) {
+    std::string path = TUMBLE_GOLDEN_DIR "/";
+    path += scene.name;
+    path += ".txt";
+    return path;
+}
 
 class Golden : public testing::TestWithParam<SceneSetup> {};
 std::string name_of_scene(const testing::TestParamInfo<SceneSetup>& info) { return info.param.name; }
@@ -49,7 +54,7 @@ TEST_P(Golden, every_integrator_and_number_system_gives_the_recorded_bits) {
     const SceneSetup& scene = GetParam();
     if (std::getenv("TUMBLE_UPDATE_GOLDEN") != nullptr) write(scene);
 
-    std::map<std::string, std::string> recorded;   // "integrator system" to digests
+    std::map<std::string, std::string> recorded;  // "integrator system" to digests
     std::ifstream file{path_of(scene)};
     ASSERT_TRUE(file.good()) << "no " << path_of(scene);
     for (std::string line; std::getline(file, line);) {
@@ -73,7 +78,8 @@ TEST_P(Golden, every_integrator_and_number_system_gives_the_recorded_bits) {
             std::string expected;
             digests >> expected;
             if (hexadecimal(world->hash()) == expected) continue;
-            ADD_FAILURE() << "scene " << scene.name << ", " << name_of(c) << ", step " << steps << ": got " << hexadecimal(world->hash()) << ", expected " << expected;
+            ADD_FAILURE() << "scene " << scene.name << ", " << name_of(c) << ", step " << steps << ": got "
+                          << hexadecimal(world->hash()) << ", expected " << expected;
             break;
         }
     }

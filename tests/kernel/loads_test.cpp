@@ -27,19 +27,22 @@ TEST_P(Loads, a_dragged_projectile_flies_its_closed_form) {
     const Number of_method = 20 * tolerance::method_error(order(), 1.0L / 256, 1);
     EXPECT_LE(norm(world->motion(0).x - x), of_method + 20 * tolerance::loaded_flight.of(system()));
     EXPECT_LE(norm(world->motion(0).v - v), of_method + 20 * tolerance::loaded_flight.of(system()));
-    EXPECT_LE(std::abs(world->motion(0).w.z - 4 * std::exp(-t)), of_method + 20 * tolerance::loaded_flight.of(system()));
+    EXPECT_LE(std::abs(world->motion(0).w.z - 4 * std::exp(-t)),
+              of_method + 20 * tolerance::loaded_flight.of(system()));
 }
 
 TEST_P(Loads, a_spring_oscillates_with_its_period) {
     SceneSetup setup{.name = "oscillator"};
     setup.bodies = {sphere(0.5, 0.125)};
     setup.bodies[0].position = {2.5, 0, 0};
-    setup.springs = {{.to = {1, 0, 0}, .stiffness = 8, .rest_length = 1}};   // about x = 2, omega 4
+    setup.springs = {{.to = {1, 0, 0}, .stiffness = 8, .rest_length = 1}};  // about x = 2, omega 4
     const auto world = build(setup, GetParam());
     world->run(1024);
     const Number of_method = 2 * tolerance::method_error(order(), 4.0L / 256, 16);
-    EXPECT_LE(std::abs(world->motion(0).x.x - (2 + std::cos(Number(16)) / 2)), of_method + 4 * tolerance::loaded_flight.of(system()));
-    EXPECT_LE(std::abs(world->motion(0).v.x + 2 * std::sin(Number(16))), 4 * of_method + 16 * tolerance::loaded_flight.of(system()));
+    EXPECT_LE(std::abs(world->motion(0).x.x - (2 + std::cos(Number(16)) / 2)),
+              of_method + 4 * tolerance::loaded_flight.of(system()));
+    EXPECT_LE(std::abs(world->motion(0).v.x + 2 * std::sin(Number(16))),
+              4 * of_method + 16 * tolerance::loaded_flight.of(system()));
 }
 
 TEST_P(Loads, an_orbit_closes_after_its_period_and_keeps_its_energy) {
@@ -52,7 +55,7 @@ TEST_P(Loads, an_orbit_closes_after_its_period_and_keeps_its_energy) {
     const Number speed = std::sqrt(64 * (2 / Number(3) - 1 / Number(4)));
     setup.bodies[1].velocity = {0, real(speed), 0};
     const auto world = build(setup, GetParam());
-    world->run(3217);                                            // 2 pi s is 3216.99 steps
+    world->run(3217);  // 2 pi s is 3216.99 steps
     const Number late = 3217.0L / 512 - 2 * std::acos(Number(-1));
     const Motion m = world->motion(1);
     const Number of_method = 16 * tolerance::method_error(order(), 3.0L / 512, 12);
@@ -70,19 +73,27 @@ TEST_P(Loads, a_spring_between_bodies_conserves_momentum_and_angular_momentum) {
     setup.bodies[1].position = {-1, 0.5, 0};
     setup.bodies[0].velocity = {0, 0.5, 0.25};
     setup.bodies[1].velocity = {0.25, 0, -0.25};
-    setup.springs = {{.body = 0, .point = {0.25, 0.5, 0}, .to_body = 1, .to = {0, -0.25, 0.5}, .stiffness = 10, .damping = 0.25, .rest_length = 0.5}};
+    setup.springs = {{.body = 0,
+                      .point = {0.25, 0.5, 0},
+                      .to_body = 1,
+                      .to = {0, -0.25, 0.5},
+                      .stiffness = 10,
+                      .damping = 0.25,
+                      .rest_length = 0.5}};
     const auto world = build(setup, GetParam());
     const auto momentum = [&] { return 2 * world->motion(0).v + 3 * world->motion(1).v; };
     const auto angular = [&] {
         const Motion a = world->motion(0), b = world->motion(1);
-        return angular_momentum(a, {3, 2, 1}) + angular_momentum(b, {2, 1.5, 1}) + cross(a.x, a.v * Number(2)) + cross(b.x, b.v * Number(3));
+        return angular_momentum(a, {3, 2, 1}) + angular_momentum(b, {2, 1.5, 1}) + cross(a.x, a.v * Number(2)) +
+               cross(b.x, b.v * Number(3));
     };
     const Vector p = momentum(), l = angular();
     const Vector start = world->motion(0).v;
     world->run(512);
     EXPECT_GT(norm(world->motion(0).v - start), 0.1L);
     EXPECT_LE(norm(momentum() - p), tolerance::pair_momentum.of(system()));
-    EXPECT_LE(norm(angular() - l), 8 * tolerance::method_error(order(), 3.0L / 256, 6) + 4 * tolerance::pair_momentum.of(system()));
+    EXPECT_LE(norm(angular() - l),
+              8 * tolerance::method_error(order(), 3.0L / 256, 6) + 4 * tolerance::pair_momentum.of(system()));
     EXPECT_TRUE(world->status().ok());
 }
 
@@ -111,7 +122,8 @@ TEST_P(Loads, gravitation_between_bodies_conserves_momentum_and_angular_momentum
     world->run(512);
     const auto after = sums();
     EXPECT_LE(norm(after.first - before.first), tolerance::pair_momentum.of(system()));
-    EXPECT_LE(norm(after.second - before.second), 32 * tolerance::method_error(order(), 1.0L / 128, 4) + 16 * tolerance::pair_momentum.of(system()));
+    EXPECT_LE(norm(after.second - before.second),
+              32 * tolerance::method_error(order(), 1.0L / 128, 4) + 16 * tolerance::pair_momentum.of(system()));
 }
 
 TEST_P(Loads, bodies_at_the_same_place_do_not_attract_each_other) {
@@ -145,18 +157,24 @@ TEST_P(Loads, a_body_frame_force_turns_with_the_body_and_a_world_frame_force_doe
 
 TEST_P(Loads, a_force_off_centre_and_a_torque_turn_the_body) {
     SceneSetup setup{.name = "torque"};
-    setup.bodies = {sphere(5, 0.5)};                             // moments 0.5
-    setup.forces = {{.from = 0.0, .until = 1.0, .frame = Frame::body, .force = {0, 2, 0}, .point = {0.25, 0, 0}, .torque = {0, 0, 0.5}}};
+    setup.bodies = {sphere(5, 0.5)};  // moments 0.5
+    setup.forces = {{.from = 0.0,
+                     .until = 1.0,
+                     .frame = Frame::body,
+                     .force = {0, 2, 0},
+                     .point = {0.25, 0, 0},
+                     .torque = {0, 0, 0.5}}};
     const auto world = build(setup, GetParam());
     world->run(256);
     EXPECT_LE(norm(world->motion(0).w - Vector{0, 0, 2}), 4 * tolerance::loaded_flight.of(system()));
     setup.forces[0].frame = Frame::world;
     setup.forces[0].force = {};
-    setup.bodies[0].orientation = {1, {1, 0, 0}};                // a quarter turn about x
+    setup.bodies[0].orientation = {1, {1, 0, 0}};  // a quarter turn about x
     const auto turned = build(setup, GetParam());
     turned->run(256);
     const Motion m = turned->motion(0);
-    EXPECT_LE(norm(m.q.rotate(m.w) - Vector{0, 0, 1}), tolerance::method_error(order(), 1.0L / 256, 1) + 4 * tolerance::loaded_flight.of(system()));
+    EXPECT_LE(norm(m.q.rotate(m.w) - Vector{0, 0, 1}),
+              tolerance::method_error(order(), 1.0L / 256, 1) + 4 * tolerance::loaded_flight.of(system()));
 }
 
 TEST_P(Loads, a_timed_force_acts_from_its_first_step_until_before_its_last) {
@@ -204,13 +222,15 @@ TEST_P(Loads, impulses_in_one_step_are_applied_in_the_order_of_the_script) {
     if (system().name != std::string_view{"q32_near"}) GTEST_SKIP() << "only saturation tells the order";
     SceneSetup setup{.name = "order"};
     setup.bodies = {sphere(1, 0.5)};
-    setup.impulses = {{.time = 0.0, .impulse = {24, 0, 0}}, {.time = 0.0, .impulse = {24, 0, 0}}, {.time = 0.0, .impulse = {-24, 0, 0}}};
-    const auto saturated = build(setup, GetParam());              // 24, held at 32, 8
+    setup.impulses = {{.time = 0.0, .impulse = {24, 0, 0}},
+                      {.time = 0.0, .impulse = {24, 0, 0}},
+                      {.time = 0.0, .impulse = {-24, 0, 0}}};
+    const auto saturated = build(setup, GetParam());  // 24, held at 32, 8
     saturated->step();
     EXPECT_LE(std::abs(saturated->motion(0).v.x - 8), 1e-6L);
     EXPECT_TRUE(saturated->status().has(Issue::range_left));
     std::swap(setup.impulses[1], setup.impulses[2]);
-    const auto within = build(setup, GetParam());                 // 24, 0, 24
+    const auto within = build(setup, GetParam());  // 24, 0, 24
     within->step();
     EXPECT_LE(std::abs(within->motion(0).v.x - 24), 1e-6L);
     EXPECT_TRUE(within->status().ok());
@@ -222,7 +242,11 @@ TEST_P(Loads, a_body_frame_impulse_is_the_world_frame_impulse_turned) {
     body.orientation = {0.9, {0.1, -0.3, 0.2}};
     setup.bodies = {body};
     const Rotation q = rotation(normalized(body.orientation));
-    setup.impulses = {{.time = 0.0, .frame = Frame::body, .impulse = {1, 2, -1}, .point = {0.25, 0, 0.5}, .angular_impulse = {0.5, 0.25, 0}}};
+    setup.impulses = {{.time = 0.0,
+                       .frame = Frame::body,
+                       .impulse = {1, 2, -1},
+                       .point = {0.25, 0, 0.5},
+                       .angular_impulse = {0.5, 0.25, 0}}};
     const auto in_body = build(setup, GetParam());
     setup.impulses[0].frame = Frame::world;
     setup.impulses[0].impulse = real(q.rotate({1, 2, -1}));
@@ -240,7 +264,7 @@ TEST_P(Stiff, implicit_euler_is_stable_and_damps_where_k_h2_over_m_is_100) {
     SceneSetup setup{.name = "stiff"};
     setup.bodies = {top({0.5, 0.5, 0.5}, {}, 1)};
     setup.bodies[0].position = {0.0078125, 0, 0};
-    setup.springs = {{.stiffness = 6553600}};                    // k h^2 / m = 100
+    setup.springs = {{.stiffness = 6553600}};  // k h^2 / m = 100
     const auto world = build(setup, GetParam());
     Number last = 1;
     for (int step = 0; step < 20; ++step) {
@@ -248,7 +272,8 @@ TEST_P(Stiff, implicit_euler_is_stable_and_damps_where_k_h2_over_m_is_100) {
         const Motion m = world->motion(0);
         // |R| = 1 / sqrt(1 + z^2) with z^2 = 100, in the norm x^2 + v^2 / omega^2.
         const Number size = std::sqrt(m.x.x * m.x.x + m.v.x * m.v.x / 6553600) / 0.0078125L;
-        ASSERT_LE(size, std::max(last / std::sqrt(Number(101)) * 1.01L, tolerance::stiff_floor.of(GetParam().system))) << step;
+        ASSERT_LE(size, std::max(last / std::sqrt(Number(101)) * 1.01L, tolerance::stiff_floor.of(GetParam().system)))
+            << step;
         last = size;
     }
     EXPECT_TRUE(world->status().ok()) << "first at step " << world->status().first_step;

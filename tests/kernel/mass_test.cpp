@@ -16,23 +16,29 @@ struct Matrix {
     Number e[3][3]{};
 };
 Matrix matrix(const InertiaTensor& i) {
-    return {{{number(i.xx), number(i.xy), number(i.xz)}, {number(i.xy), number(i.yy), number(i.yz)}, {number(i.xz), number(i.yz), number(i.zz)}}};
+    return {{{number(i.xx), number(i.xy), number(i.xz)},
+             {number(i.xy), number(i.yy), number(i.yz)},
+             {number(i.xz), number(i.yz), number(i.zz)}}};
 }
 Number largest(const Matrix& m) {
     Number l = 0;
-    for (const auto& row : m.e) for (const Number x : row) l = std::max(l, std::abs(x));
+    for (const auto& row : m.e)
+        for (const Number x : row) l = std::max(l, std::abs(x));
     return l;
 }
 Number difference(const Matrix& a, const Matrix& b) {
     Number l = 0;
-    for (int i = 0; i < 3; ++i) for (int j = 0; j < 3; ++j) l = std::max(l, std::abs(a.e[i][j] - b.e[i][j]));
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) l = std::max(l, std::abs(a.e[i][j] - b.e[i][j]));
     return l;
 }
 // R diag(d) R^T
 Matrix turned(Rotation q, Vector d) {
     const Vector columns[3] = {q.rotate({1, 0, 0}), q.rotate({0, 1, 0}), q.rotate({0, 0, 1})};
     Matrix m;
-    for (int i = 0; i < 3; ++i) for (int j = 0; j < 3; ++j) for (int k = 0; k < 3; ++k) m.e[i][j] += columns[k][i] * d[k] * columns[k][j];
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j)
+            for (int k = 0; k < 3; ++k) m.e[i][j] += columns[k][i] * d[k] * columns[k][j];
     return m;
 }
 
@@ -64,7 +70,9 @@ void expect_revolution(const Shape& shape, const Revolution& expected) {
 }
 
 TEST(mass, sphere_has_the_moments_and_volume_of_its_slices) {
-    expect_revolution({ShapeKind::sphere, {0.3, 0, 0}}, slices(0.3L, [](Number z) { return std::sqrt(std::max(Number(0), Number(0.3) * Number(0.3) - z * z)); }));
+    expect_revolution({ShapeKind::sphere, {0.3, 0, 0}}, slices(0.3L, [](Number z) {
+                          return std::sqrt(std::max(Number(0), Number(0.3) * Number(0.3) - z * z));
+                      }));
 }
 TEST(mass, cylinder_has_the_moments_and_volume_of_its_slices) {
     expect_revolution({ShapeKind::cylinder, {0.2, 0.7, 0}}, slices(0.35L, [](Number) { return Number(0.2); }));
@@ -73,9 +81,9 @@ TEST(mass, capsule_has_the_moments_and_volume_of_its_slices) {
     for (const double length : {0.7, 0.01, 30.0}) {
         const Number half = static_cast<Number>(length) / 2;
         expect_revolution({ShapeKind::capsule, {0.2, length, 0}}, slices(half + 0.2L, [&](Number z) {
-            const Number beyond = std::max(Number(0), std::abs(z) - half);
-            return std::sqrt(std::max(Number(0), 0.04L - beyond * beyond));
-        }));
+                              const Number beyond = std::max(Number(0), std::abs(z) - half);
+                              return std::sqrt(std::max(Number(0), 0.04L - beyond * beyond));
+                          }));
     }
 }
 
@@ -101,8 +109,10 @@ TEST(mass, hoop_has_the_moments_of_its_points) {
 }
 
 TEST(mass, moments_of_shapes_are_proportional_to_mass) {
-    for (const Shape& shape : {Shape{ShapeKind::box, {1, 2, 3}}, Shape{ShapeKind::sphere, {2, 0, 0}}, Shape{ShapeKind::capsule, {1, 1, 0}}}) {
-        const Matrix one = matrix(inertia_of(shape, Real{1})), heavy = matrix(inertia_of(shape, Real{1e6})), light = matrix(inertia_of(shape, Real{1e-6}));
+    for (const Shape& shape : {Shape{ShapeKind::box, {1, 2, 3}}, Shape{ShapeKind::sphere, {2, 0, 0}},
+                               Shape{ShapeKind::capsule, {1, 1, 0}}}) {
+        const Matrix one = matrix(inertia_of(shape, Real{1})), heavy = matrix(inertia_of(shape, Real{1e6})),
+                     light = matrix(inertia_of(shape, Real{1e-6}));
         for (int k = 0; k < 3; ++k) {
             EXPECT_LE(std::abs(heavy.e[k][k] / one.e[k][k] / 1e6L - 1), tolerance::closed_form);
             EXPECT_LE(std::abs(light.e[k][k] / one.e[k][k] / static_cast<Number>(1e-6) - 1), tolerance::closed_form);
@@ -115,13 +125,18 @@ TEST(mass, a_cloud_of_points_filling_a_box_tends_to_the_box) {
     const int n = 8;
     const Number edges[3] = {1, 2, 3};
     std::vector<PointMass> points;
-    const auto at = [&](int i, int axis) { return real(10 + edges[axis] * ((static_cast<Number>(i) + 0.5L) / n - 0.5L)); };
-    for (int i = 0; i < n; ++i) for (int j = 0; j < n; ++j) for (int k = 0; k < n; ++k) points.push_back({{at(i, 0), at(j, 1), at(k, 2)}, Real{6} / Real{n * n * n}});
+    const auto at = [&](int i, int axis) {
+        return real(10 + edges[axis] * ((static_cast<Number>(i) + 0.5L) / n - 0.5L));
+    };
+    for (int i = 0; i < n; ++i)
+        for (int j = 0; j < n; ++j)
+            for (int k = 0; k < n; ++k) points.push_back({{at(i, 0), at(j, 1), at(k, 2)}, Real{6} / Real{n * n * n}});
     const PointCloud cloud = point_cloud(points.data(), n * n * n);
     EXPECT_LE(std::abs(number(cloud.mass) - 6), 6 * 512 * tolerance::closed_form);
     for (int i = 0; i < 3; ++i) EXPECT_LE(std::abs(number(cloud.centre[i]) - 10), 512 * tolerance::closed_form);
     const Matrix got = matrix(cloud.inertia), box_tensor = matrix(inertia_of({ShapeKind::box, {1, 2, 3}}, Real{6}));
-    for (int i = 0; i < 3; ++i) EXPECT_LE(std::abs(got.e[i][i] / box_tensor.e[i][i] / (1 - 1 / Number(n * n)) - 1), 1e-12L);
+    for (int i = 0; i < 3; ++i)
+        EXPECT_LE(std::abs(got.e[i][i] / box_tensor.e[i][i] / (1 - 1 / Number(n * n)) - 1), 1e-12L);
     EXPECT_LE(std::abs(got.e[0][1]) + std::abs(got.e[0][2]) + std::abs(got.e[1][2]), 1e-12L);
 }
 
@@ -136,7 +151,8 @@ void expect_principal(const InertiaTensor& tensor) {
     const PrincipalInertia p = principal_inertia(tensor);
     const Matrix m = matrix(tensor);
     const Rotation q = rotation(p.principal);
-    EXPECT_LE(difference(turned(q, vector(p.moments)), m), largest(m) * tolerance::jacobi);   // a rotation: right-handed by construction
+    EXPECT_LE(difference(turned(q, vector(p.moments)), m),
+              largest(m) * tolerance::jacobi);  // a rotation: right-handed by construction
     EXPECT_LE(std::abs(q.norm2() - 1), tolerance::jacobi);
     EXPECT_TRUE(p.moments.x >= p.moments.y && p.moments.y >= p.moments.z);
 }
@@ -146,17 +162,19 @@ TEST(mass, principal_axes_give_back_random_tensors) {
     for (int i = 0; i < 2000; ++i) {
         const auto component = [&] { return static_cast<Number>(random.uniform(-1, 1)); };
         const Rotation q = Rotation{component(), {component(), component(), component()}}.normalized();
-        Vector d{static_cast<Number>(random.uniform(0.1, 1)), static_cast<Number>(random.uniform(0.1, 1)), static_cast<Number>(random.uniform(0.1, 1))};
+        Vector d{static_cast<Number>(random.uniform(0.1, 1)), static_cast<Number>(random.uniform(0.1, 1)),
+                 static_cast<Number>(random.uniform(0.1, 1))};
         const int kind = random.between(0, 6);
-        if (kind == 1) d.y = d.x;                                // symmetric tops, of both kinds
+        if (kind == 1) d.y = d.x;  // symmetric tops, of both kinds
         if (kind == 2) d.z = d.y;
-        if (kind == 3) d.y = d.z = d.x;                          // sphere
-        if (kind == 4) d.x = d.y * 1e-5L;                        // rod
-        if (kind == 5) d.x = d.y + d.z;                          // plate
-        if (kind == 6) d.y = d.x * (1 + static_cast<Number>(std::ldexp(1, -random.between(10, 60))));   // nearly equal
+        if (kind == 3) d.y = d.z = d.x;                                                                // sphere
+        if (kind == 4) d.x = d.y * 1e-5L;                                                              // rod
+        if (kind == 5) d.x = d.y + d.z;                                                                // plate
+        if (kind == 6) d.y = d.x * (1 + static_cast<Number>(std::ldexp(1, -random.between(10, 60))));  // nearly equal
         const Matrix m = turned(q, d);
         const Real scale = Real::scaled(1, random.between(-60, 60));
-        expect_principal({real(m.e[0][0]) * scale, real(m.e[1][1]) * scale, real(m.e[2][2]) * scale, real(m.e[0][1]) * scale, real(m.e[0][2]) * scale, real(m.e[1][2]) * scale});
+        expect_principal({real(m.e[0][0]) * scale, real(m.e[1][1]) * scale, real(m.e[2][2]) * scale,
+                          real(m.e[0][1]) * scale, real(m.e[0][2]) * scale, real(m.e[1][2]) * scale});
     }
 }
 
@@ -170,8 +188,9 @@ TEST(mass, principal_axes_of_every_diagonal_order_are_a_permutation) {
         EXPECT_EQ(p.moments.z, Real{1});
         expect_principal(tensor);
     } while (std::next_permutation(order, order + 3));
-    const PrincipalInertia sorted = principal_inertia({3, 2, 1, 0, 0, 0}), equal = principal_inertia({2, 2, 2, 0, 0, 0});
-    EXPECT_LE(std::abs(number(sorted.principal.w) - 1), tolerance::jacobi);   // the user's own axes
+    const PrincipalInertia sorted = principal_inertia({3, 2, 1, 0, 0, 0}),
+                           equal = principal_inertia({2, 2, 2, 0, 0, 0});
+    EXPECT_LE(std::abs(number(sorted.principal.w) - 1), tolerance::jacobi);  // the user's own axes
     EXPECT_LE(std::abs(number(equal.principal.w) - 1), tolerance::jacobi);
 }
 

@@ -18,9 +18,13 @@ struct Problem {
     Number h;
 
     [[nodiscard]] Vector acceleration(const Motion& m) const { return load(m, 0).force_w * (1 / body.mass); }
-    [[nodiscard]] Vector spin_rate(const Motion& m) const { return over(load(m, 0).torque_b - cross(m.w, times(body.moments, m.w)), body.moments); }
+    [[nodiscard]] Vector spin_rate(const Motion& m) const {
+        return over(load(m, 0).torque_b - cross(m.w, times(body.moments, m.w)), body.moments);
+    }
     // The derivative of a motion, as a motion.
-    [[nodiscard]] Motion rate(const Motion& m) const { return {m.v, acceleration(m), m.q * Rotation{0, m.w * Number(0.5)}, spin_rate(m)}; }
+    [[nodiscard]] Motion rate(const Motion& m) const {
+        return {m.v, acceleration(m), m.q * Rotation{0, m.w * Number(0.5)}, spin_rate(m)};
+    }
 };
 Motion plus(const Motion& m, Number h, const Motion& rate) {
     return {m.x + h * rate.x, m.v + h * rate.v, m.q + rate.q * h, m.w + h * rate.w};
@@ -61,7 +65,9 @@ Motion implicit_euler(const Problem& p, const Motion& start) {
     return finished(end, start);
 }
 
-Motion midpoint(const Problem& p, const Motion& m) { return finished(plus(m, p.h, p.rate(plus(m, p.h / 2, p.rate(m)))), m); }
+Motion midpoint(const Problem& p, const Motion& m) {
+    return finished(plus(m, p.h, p.rate(plus(m, p.h / 2, p.rate(m)))), m);
+}
 
 Motion heun(const Problem& p, const Motion& m) {
     const Motion k1 = p.rate(m), k2 = p.rate(plus(m, p.h, k1));
@@ -69,14 +75,15 @@ Motion heun(const Problem& p, const Motion& m) {
 }
 
 Motion rk4(const Problem& p, const Motion& m) {
-    const Motion k1 = p.rate(m), k2 = p.rate(plus(m, p.h / 2, k1)), k3 = p.rate(plus(m, p.h / 2, k2)), k4 = p.rate(plus(m, p.h, k3));
+    const Motion k1 = p.rate(m), k2 = p.rate(plus(m, p.h / 2, k1)), k3 = p.rate(plus(m, p.h / 2, k2)),
+                 k4 = p.rate(plus(m, p.h, k3));
     return finished(plus(plus(plus(plus(m, p.h / 6, k1), p.h / 3, k2), p.h / 3, k3), p.h / 6, k4), m);
 }
 
 // Elementary flows about the body's axes; x has the largest moment and z the smallest.
 Motion verlet(const Problem& p, Motion m) {
     const Vector i = p.body.moments;
-    const auto turn = [](Rotation& q, Vector& l, Vector angle) {   // the body turns: its axes see l turn back
+    const auto turn = [](Rotation& q, Vector& l, Vector angle) {  // the body turns: its axes see l turn back
         q = q * exponential(angle);
         l = exponential(angle).rotate_back(l);
     };
@@ -97,6 +104,55 @@ Motion verlet(const Problem& p, Motion m) {
     return end;
 }
 
+Motion implicit_midpoint(const Problem& p, const Motion& start) {
+    Motion end = start;
+    Vector u{};
+    for (int i = 0; i < 80; ++i) {
+        Motion middle{start.x, (start.v + end.v) * 0.5L, start.q, (start.w + end.w) * 0.5L};
+        middle.x = start.x + (p.h / 2) * middle.v;
+        u = middle.w * (p.h / 2);
+        middle.q = start.q + start.q * delta(middle.w, p.h / 2);
+        end.v = start.v + p.h * p.acceleration(middle);
+        end.w = start.w + p.h * p.spin_rate(middle);
+        end.x = start.x + (p.h / 2) * (start.v + end.v);
+    }
+    end.q = start.q * Rotation{1, u} * (1 / std::sqrt(1 + dot(u, u)));  // Cayley's map
+    return end;
+}
+
+Motion strang(const Problem& p, Motion m) {
+    const Vector i = p.body.moments;
+    Vector l = times(i, m.w) + (p.h / 2) * p.load(m, 0).torque_b;
+    m.v = m.v + (p.h / 2) * p.acceleration(m);
+    m.x = m.x + p.h * m.v;
+    const auto turn = [&](int axis, Number time) {
+        Vector angle{};
+        angle[axis] = time * l[axis] / i[axis];
+        m.q = m.q * exponential(angle);
+        l = exponential(angle).rotate_back(l);
+    };
+    turn(0, p.h / 2);
+    turn(1, p.h / 2);
+    turn(2, p.h);
+    turn(1, p.h / 2);
+    turn(0, p.h / 2);
+    Motion end = m;
+    end.w = over(l, i);
+    for (int n = 0; n < 60; ++n) {
+        const reference::Wrench wrench = p.load(end, 0);
+        end.v = m.v + wrench.force_w * (p.h / 2 / p.body.mass);
+        end.w = over(l + (p.h / 2) * wrench.torque_b, i);
+    }
+    return end;
+}
+
+// Five of verlet's steps.
+Motion suzuki4(const Problem& p, Motion m) {
+    const Number g = 1 / (4 - std::cbrt(Number(4)));
+    for (const Number part : {g, g, 1 - 4 * g, g, g}) m = verlet({p.body, p.load, part * p.h}, m);
+    return m;
+}
+
 const std::map<std::string, Motion (*)(const Problem&, Motion)>& oracles() {
     static const std::map<std::string, Motion (*)(const Problem&, Motion)> all{
         {"explicit_euler", [](const Problem& p, Motion m) { return explicit_euler(p, m); }},
@@ -105,7 +161,10 @@ const std::map<std::string, Motion (*)(const Problem&, Motion)>& oracles() {
         {"midpoint", [](const Problem& p, Motion m) { return midpoint(p, m); }},
         {"heun", [](const Problem& p, Motion m) { return heun(p, m); }},
         {"rk4", [](const Problem& p, Motion m) { return rk4(p, m); }},
+        {"implicit_midpoint", [](const Problem& p, Motion m) { return implicit_midpoint(p, m); }},
         {"verlet", verlet},
+        {"strang", strang},
+        {"suzuki4", suzuki4},
     };
     return all;
 }
@@ -174,7 +233,8 @@ TEST_P(Oracle, a_body_with_damping_and_drag_moves_as_the_textbook_formula_says) 
     setup.bodies[0].position = {0.5, -0.25, 0};
     setup.world.linear_drag = 0.5;
     setup.world.angular_drag = 0.25;
-    setup.springs = {{.point = {0.5, 0.25, -0.5}, .to = {0, 1, 0.5}, .stiffness = 8, .damping = 0.5, .rest_length = 0.25}};
+    setup.springs = {
+        {.point = {0.5, 0.25, -0.5}, .to = {0, 1, 0.5}, .stiffness = 8, .damping = 0.5, .rest_length = 0.25}};
     expect_agreement(setup, tolerance::loaded_oracle.of(GetParam().system));
 }
 

@@ -15,7 +15,8 @@ protected:
         return setup;
     }
     // The error after `seconds` at two steps, and the ratio that the order asks for.
-    static void expect_order(const SceneSetup& setup, int order, int seconds, const std::function<Number(const Motion&)>& error) {
+    static void expect_order(const SceneSetup& setup, int order, int seconds,
+                             const std::function<Number(const Motion&)>& error) {
         const int n = tests::order_step_exponent(order);
         Number errors[2];
         for (int i = 0; i < 2; ++i) {
@@ -24,10 +25,13 @@ protected:
             ASSERT_TRUE(world->status().ok());
             errors[i] = error(world->motion(0));
         }
-        if (errors[0] < tolerance::rounding_of_a_flight && errors[1] < tolerance::rounding_of_a_flight) return;   // exact for this load
+        if (errors[0] < tolerance::rounding_of_a_flight && errors[1] < tolerance::rounding_of_a_flight)
+            return;  // exact for this load
         const Number ratio = errors[0] / errors[1] / std::exp2(static_cast<Number>(order));
-        EXPECT_GE(ratio, tolerance::order_low) << "errors " << errors[0] << " " << errors[1] << " at 2^-" << n << " s and half of it";
-        EXPECT_LE(ratio, tolerance::order_high) << "errors " << errors[0] << " " << errors[1] << " at 2^-" << n << " s and half of it";
+        EXPECT_GE(ratio, tolerance::order_low)
+            << "errors " << errors[0] << " " << errors[1] << " at 2^-" << n << " s and half of it";
+        EXPECT_LE(ratio, tolerance::order_high)
+            << "errors " << errors[0] << " " << errors[1] << " at 2^-" << n << " s and half of it";
     }
 };
 INSTANTIATE_TEST_SUITE_P(every_integrator, Order, testing::ValuesIn(methods()), NameOf{});
@@ -65,7 +69,8 @@ TEST_P(Order, halving_the_step_divides_the_error_of_a_dragged_projectile_by_2_to
 TEST_P(Order, halving_the_step_divides_the_error_of_a_free_top_by_2_to_the_order) {
     SceneSetup setup{.name = "top"};
     setup.bodies = {top({1, 2, 3}, {0.5, 1, 0.7})};
-    const Motion end = reference::free_trajectory(reference_body(setup.bodies[0]), start_of(setup.bodies[0]), {2}).back();
+    const Motion end =
+        reference::free_trajectory(reference_body(setup.bodies[0]), start_of(setup.bodies[0]), {2}).back();
     expect_order(setup, GetParam().free_order, 2, [&](const Motion& m) { return angle_between(m.q, end.q); });
     expect_order(setup, GetParam().free_order, 2, [&](const Motion& m) { return norm(m.w - end.w); });
 }
@@ -88,7 +93,8 @@ TEST_P(Order, halving_the_step_divides_the_error_of_a_body_on_a_spring_with_drag
     setup.world.gravity = {0, -1, 0};
     const Motion end = reference::trajectory(reference_body(body), start_of(body), {2}, reference_load(setup)).back();
     expect_order(setup, GetParam().order, 2, [&](const Motion& m) { return norm(m.x - end.x) + norm(m.v - end.v); });
-    expect_order(setup, GetParam().order, 2, [&](const Motion& m) { return angle_between(m.q, end.q) + norm(m.w - end.w); });
+    expect_order(setup, GetParam().order, 2,
+                 [&](const Motion& m) { return angle_between(m.q, end.q) + norm(m.w - end.w); });
 }
 
 TEST_P(Order, uniform_gravity_moves_the_centre_of_mass_exactly_from_order_two_on) {

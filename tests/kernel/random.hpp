@@ -20,9 +20,13 @@ public:
     constexpr std::int32_t int32() { return static_cast<std::int32_t>(bits()); }
     constexpr std::int64_t int64() { return static_cast<std::int64_t>(bits()); }
     // low <= n <= high
-    constexpr int between(int low, int high) { return low + static_cast<int>(bits() % static_cast<std::uint64_t>(high - low + 1)); }
+    constexpr int between(int low, int high) {
+        return low + static_cast<int>(bits() % static_cast<std::uint64_t>(high - low + 1));
+    }
     // low <= x < high
-    constexpr double uniform(double low, double high) { return low + (high - low) * static_cast<double>(bits() >> 11) * 0x1p-53; }
+    constexpr double uniform(double low, double high) {
+        return low + (high - low) * static_cast<double>(bits() >> 11) * 0x1p-53;
+    }
 
 private:
     std::uint64_t state_;

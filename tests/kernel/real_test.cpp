@@ -33,7 +33,8 @@ TEST(real, holds_every_double_exactly) {
         if (!std::isfinite(d)) continue;
         ASSERT_EQ(std::bit_cast<std::uint64_t>(Real{d}.to_double() + 0.0), std::bit_cast<std::uint64_t>(d + 0.0)) << d;
     }
-    for (const double d : {0.0, 1.0, -1.0, 4.9e-324, -2.2e-308, std::numeric_limits<double>::max(), std::numeric_limits<double>::min()})
+    for (const double d :
+         {0.0, 1.0, -1.0, 4.9e-324, -2.2e-308, std::numeric_limits<double>::max(), std::numeric_limits<double>::min()})
         EXPECT_EQ(Real{d}.to_double(), d);
 }
 
@@ -110,11 +111,12 @@ TEST(real, rounds_to_double_and_float_like_the_processor) {
         const auto f = random_real(random, -220, 80);
         ASSERT_EQ(f.real.to_float(), static_cast<float>(f.value)) << static_cast<double>(f.value);
         // Ties and their neighbours, down to the last subnormal.
-        const std::int64_t tie = (static_cast<std::int64_t>(random.bits() >> 41) << 1 | 1) * 128 + random.between(-1, 1);
+        const std::int64_t tie =
+            (static_cast<std::int64_t>(random.bits() >> 41) << 1 | 1) * 128 + random.between(-1, 1);
         const int e = random.between(-200, 60);
         ASSERT_EQ(Real::scaled(tie, e).to_float(), static_cast<float>(std::ldexp(static_cast<Number>(tie), e)));
     }
-    EXPECT_EQ(Real::scaled(1, -150).to_float(), 0.0f);                              // a tie with zero: to even
+    EXPECT_EQ(Real::scaled(1, -150).to_float(), 0.0f);  // a tie with zero: to even
     EXPECT_EQ(Real::scaled(3, -151).to_float(), std::numeric_limits<float>::denorm_min());
     EXPECT_EQ(Real::scaled(1, -1075).to_double(), 0.0);
     EXPECT_EQ(Real::scaled(3, -1076).to_double(), std::numeric_limits<double>::denorm_min());

@@ -38,7 +38,8 @@ namespace tumble::test {
             const Vector point = vector(spring.point), reach = vector(spring.to) - m.x - m.q.rotate(point);
             const Number length = norm(reach), stiffness = number(spring.stiffness);
             const Vector along = reach * (1 / length), velocity = m.v + m.q.rotate(cross(m.w, point));
-            const Vector pull = along * (stiffness * (length - number(spring.rest_length)) - number(spring.damping) * dot(velocity, along));
+            const Vector pull = along * (stiffness * (length - number(spring.rest_length)) -
+                                         number(spring.damping) * dot(velocity, along));
             sum.force_w = sum.force_w + pull;
             sum.torque_b = sum.torque_b + cross(point, m.q.rotate_back(pull));
         }
@@ -46,7 +47,8 @@ namespace tumble::test {
     };
 }
 [[nodiscard]] inline Motion start_of(const BodySpec& body) {
-    return {vector(body.position), vector(body.velocity), rotation(body.orientation).normalized(), vector(body.angular_velocity)};
+    return {vector(body.position), vector(body.velocity), rotation(body.orientation).normalized(),
+            vector(body.angular_velocity)};
 }
 
 // The largest of the distances in m, m/s, rad and rad/s.
@@ -55,7 +57,8 @@ namespace tumble::test {
 }
 
 // The largest orientation error of the first body, rad, over samples every so many steps.
-[[nodiscard]] inline Number orientation_error(AnyWorld& world, const std::vector<Motion>& reference, int steps_per_sample) {
+[[nodiscard]] inline Number orientation_error(AnyWorld& world, const std::vector<Motion>& reference,
+                                              int steps_per_sample) {
     Number worst = 0;
     for (const Motion& expected : reference) {
         if (&expected != &reference.front()) world.run(steps_per_sample);
@@ -65,7 +68,9 @@ namespace tumble::test {
 }
 
 // N m s, world axes, about the centre of mass.
-[[nodiscard]] inline Vector angular_momentum(const Motion& m, Vector moments) { return m.q.normalized().rotate(times(moments, m.w)); }
+[[nodiscard]] inline Vector angular_momentum(const Motion& m, Vector moments) {
+    return m.q.normalized().rotate(times(moments, m.w));
+}
 [[nodiscard]] inline Number spin_energy(const Motion& m, Vector moments) { return dot(m.w, times(moments, m.w)) / 2; }
 
 }  // namespace tumble::test

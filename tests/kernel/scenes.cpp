@@ -5,7 +5,7 @@ namespace tumble::test {
 const std::vector<SceneSetup>& scenes() {
     static const std::vector<SceneSetup> all = [] {
         const RealVec3 gravity{0, -9.81, 0};
-        BodySpec body;                           // with axes of its own
+        BodySpec body;  // with axes of its own
         body.mass = 1.5;
         body.inertia = {2, 1.5, 1.75, 0.25, -0.125, 0.375};
         body.position = {0.5, 4, -1};
@@ -25,12 +25,19 @@ const std::vector<SceneSetup>& scenes() {
         s.push_back({.name = "body_on_a_spring", .needs = with_spring});
         s.back().world.gravity = gravity;
         s.back().bodies = {body};
-        s.back().springs = {{.point = {0.25, 0.5, 0}, .to = {0, 5, 0}, .stiffness = 40, .damping = 0.5, .rest_length = 0.75}};
+        s.back().springs = {
+            {.point = {0.25, 0.5, 0}, .to = {0, 5, 0}, .stiffness = 40, .damping = 0.5, .rest_length = 0.75}};
 
         s.push_back({.name = "bodies_on_a_spring", .needs = with_coupling});
         s.back().bodies = {body, sphere(2, 0.25)};
         s.back().bodies[1].velocity = {-0.5, 0.25, 1};
-        s.back().springs = {{.body = 0, .point = {0.25, 0.5, 0}, .to_body = 1, .to = {0, 0.25, 0}, .stiffness = 20, .damping = 0.25, .rest_length = 1}};
+        s.back().springs = {{.body = 0,
+                             .point = {0.25, 0.5, 0},
+                             .to_body = 1,
+                             .to = {0, 0.25, 0},
+                             .stiffness = 20,
+                             .damping = 0.25,
+                             .rest_length = 1}};
 
         s.push_back({.name = "two_body_orbit", .step = Seconds{1, 128}, .needs = with_gravitation});
         s.back().world.gravitation = 1;
@@ -41,15 +48,21 @@ const std::vector<SceneSetup>& scenes() {
         s.push_back({.name = "timed_forces", .needs = with_forces});
         s.back().world.gravity = {0, -1, 0};
         s.back().bodies = {body};
-        s.back().forces = {{.from = 0.0, .until = 0.5, .frame = Frame::body, .force = {1, 2, -1}, .point = {0.1, 0, 0.2}, .torque = {0, 0.5, 0}},
+        s.back().forces = {{.from = 0.0,
+                            .until = 0.5,
+                            .frame = Frame::body,
+                            .force = {1, 2, -1},
+                            .point = {0.1, 0, 0.2},
+                            .torque = {0, 0.5, 0}},
                            {.from = 0.25, .until = 2.0, .force = {0, 3, 0}, .point = {-0.1, 0.1, 0}}};
 
         s.push_back({.name = "timed_impulses", .step = Seconds{1, 60}, .needs = with_script});
         s.back().world.gravity = {0, -0.5, 0};
         s.back().bodies = {body};
-        s.back().impulses = {{.time = 0.0, .impulse = {1, 0, 0}, .point = {0, 0.25, 0}},
-                             {.time = 0.5, .frame = Frame::body, .impulse = {0, 1, 0}, .angular_impulse = {0.25, 0, -0.5}},
-                             {.time = 0.5, .impulse = {-1, 0.5, 0.25}, .point = {0.125, 0, 0}}};
+        s.back().impulses = {
+            {.time = 0.0, .impulse = {1, 0, 0}, .point = {0, 0.25, 0}},
+            {.time = 0.5, .frame = Frame::body, .impulse = {0, 1, 0}, .angular_impulse = {0.25, 0, -0.5}},
+            {.time = 0.5, .impulse = {-1, 0.5, 0.25}, .point = {0.125, 0, 0}}};
 
         s.push_back({.name = "bouncing_ball", .needs = with_plane});
         s.back().world = {.gravity = gravity, .contact = {.restitution = 0.8}};

@@ -1,4 +1,5 @@
-// What a scene does not use changes no bit: a world with only the features that a scene needs, and one with all of them.
+// What a scene does not use changes no bit: a world with only the features that a scene needs, and one with all of
+// them.
 #include "scenes.hpp"
 
 namespace tumble::test {
@@ -8,7 +9,8 @@ class Skipping : public testing::TestWithParam<Case> {};
 
 std::vector<Case> cases_with_minimal_worlds() {
     std::vector<Case> cases;
-    for (const Case& c : every_case()) if (build_minimal({}, c) != nullptr) cases.push_back(c);
+    for (const Case& c : every_case())
+        if (build_minimal({}, c) != nullptr) cases.push_back(c);
     return cases;
 }
 INSTANTIATE_TEST_SUITE_P(every, Skipping, testing::ValuesIn(cases_with_minimal_worlds()), NameOf{});
@@ -30,20 +32,21 @@ TEST_P(Skipping, features_that_are_present_but_do_nothing_change_no_bit) {
     for (const SceneSetup& scene : scenes()) {
         SceneSetup busy = scene;
         const int body = static_cast<int>(busy.bodies.size());
-        busy.bodies.push_back(sphere(1, 0.25));   // far away, without ties to the others
+        busy.bodies.push_back(sphere(1, 0.25));  // far away, without ties to the others
         busy.bodies.back().position = {-40, 0, 40};
         busy.bodies.back().fixed = true;
         busy.forces.push_back({.body = body, .from = 0.0, .until = 100.0, .force = {1, 0, 0}});
         busy.impulses.push_back({.time = 0.5, .body = body, .impulse = {1, 0, 0}});
         if (!scene.planes.empty()) busy.planes.push_back({.normal = {1, 0, 0}, .offset = 50});
-        if (scene.needs.gravitation) continue;    // nothing is without ties there
+        if (scene.needs.gravitation) continue;  // nothing is without ties there
         const auto plain = build(scene, GetParam()), other = build(busy, GetParam());
         for (int step = 0; step < 200; ++step) {
             plain->step();
             other->step();
             for (int b = 0; b < body; ++b) {
                 const Motion x = plain->motion(b), y = other->motion(b);
-                ASSERT_TRUE(x.x == y.x && x.v == y.v && x.q == y.q && x.w == y.w) << scene.name << " differs after step " << step;
+                ASSERT_TRUE(x.x == y.x && x.v == y.v && x.q == y.q && x.w == y.w)
+                    << scene.name << " differs after step " << step;
             }
         }
     }

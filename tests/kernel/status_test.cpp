@@ -1,4 +1,5 @@
-// What can go wrong is told, with the body and the step: ranges left, numbers that are not finite, worlds that are full.
+// What can go wrong is told, with the body and the step: ranges left, numbers that are not finite, worlds that are
+// full.
 #include "references.hpp"
 #include "tolerances.hpp"
 
@@ -13,7 +14,9 @@ namespace {
 class Fixed32 : public testing::TestWithParam<Case> {};
 std::vector<Case> fixed_point_cases() {
     std::vector<Case> cases;
-    for (const Case& c : every_case()) if (c.system.name == std::string_view{"q32_near"} || c.system.name == std::string_view{"q32_plain"}) cases.push_back(c);
+    for (const Case& c : every_case())
+        if (c.system.name == std::string_view{"q32_near"} || c.system.name == std::string_view{"q32_plain"})
+            cases.push_back(c);
     return cases;
 }
 INSTANTIATE_TEST_SUITE_P(near, Fixed32, testing::ValuesIn(fixed_point_cases()), NameOf{});
@@ -28,8 +31,8 @@ SceneSetup three_spheres() {
 TEST_P(Fixed32, a_position_that_leaves_its_range_is_held_at_the_limit_and_told) {
     SceneSetup setup = three_spheres();
     setup.bodies[1].position = {0, 63, 0};
-    setup.bodies[1].velocity = {0, 16, 0};      // 1/16 m a step: out after 16 steps, at 64 m
-    setup.bodies[2].velocity = {-32, 0, 0};     // out after 512
+    setup.bodies[1].velocity = {0, 16, 0};   // 1/16 m a step: out after 16 steps, at 64 m
+    setup.bodies[2].velocity = {-32, 0, 0};  // out after 512
     const auto world = build(setup, GetParam());
     EXPECT_TRUE(world->run(15).ok());
     world->run(2);
@@ -40,7 +43,7 @@ TEST_P(Fixed32, a_position_that_leaves_its_range_is_held_at_the_limit_and_told) 
     world->run(600);
     EXPECT_LE(std::abs(world->motion(1).x.y - 64), 1e-6L);
     EXPECT_LE(std::abs(world->motion(2).x.x + 64), 1e-6L);
-    EXPECT_EQ(world->status().first_body, 1);   // sticky: the first
+    EXPECT_EQ(world->status().first_body, 1);  // sticky: the first
     EXPECT_EQ(world->status().first_step, 15u);
     EXPECT_GT(world->status().count, 600);
     world->clear_status();
@@ -49,11 +52,11 @@ TEST_P(Fixed32, a_position_that_leaves_its_range_is_held_at_the_limit_and_told) 
 
 TEST_P(Fixed32, a_velocity_that_leaves_its_range_is_held_at_the_limit_and_told) {
     SceneSetup setup = three_spheres();
-    setup.world.gravity = {0, -512, 0};         // 2 m/s a step
+    setup.world.gravity = {0, -512, 0};  // 2 m/s a step
     setup.bodies[0].fixed = setup.bodies[1].fixed = true;
     const auto world = build(setup, GetParam());
-    EXPECT_TRUE(world->run(15).ok());           // 30 m/s
-    world->run(2);                              // 32 m/s is the end of the range, 34 is out
+    EXPECT_TRUE(world->run(15).ok());  // 30 m/s
+    world->run(2);                     // 32 m/s is the end of the range, 34 is out
     EXPECT_EQ(world->status().first_body, 2);
     EXPECT_EQ(world->status().first_step, 16u);
     EXPECT_LE(std::abs(world->motion(2).v.y + 32), 1e-6L);
@@ -80,8 +83,12 @@ TEST_P(Fixed32, an_impulse_that_would_leave_the_range_is_told_in_both_directions
             const auto world = build(setup, GetParam());
             world->apply_impulse(0, {0, impulse, 0});
             const Number exact = before + impulse, got = world->motion(0).v.y;
-            if (std::abs(exact) > 32) EXPECT_TRUE(world->status().has(Issue::range_left)) << before << " m/s and " << impulse << " N s give " << got;
-            else EXPECT_TRUE(std::abs(got - exact) < 1e-3L || !world->status().ok()) << before << " m/s and " << impulse << " N s give " << got;
+            if (std::abs(exact) > 32)
+                EXPECT_TRUE(world->status().has(Issue::range_left))
+                    << before << " m/s and " << impulse << " N s give " << got;
+            else
+                EXPECT_TRUE(std::abs(got - exact) < 1e-3L || !world->status().ok())
+                    << before << " m/s and " << impulse << " N s give " << got;
         }
     }
 }
@@ -107,11 +114,13 @@ TEST_P(Fixed32, a_spin_beyond_its_range_is_told_or_still_right_whatever_the_body
                 Vector w{};
                 w[axis] = spin;
                 const Motion m = world->motion(0);
-                EXPECT_LE(norm(m.w - w), 1e-3L * spin) << "moments " << number(moments.x) << " " << number(moments.y) << " " << number(moments.z) << ", axis " << axis;
+                EXPECT_LE(norm(m.w - w), 1e-3L * spin) << "moments " << number(moments.x) << " " << number(moments.y)
+                                                       << " " << number(moments.z) << ", axis " << axis;
                 // A first-order method turns by the tangent of the angle; a wrapped sine is far from either.
                 const Number angle = spin / 256;
                 EXPECT_LE(angle_between(m.q, exponential(w * (1.0L / 256))), 0.5L * std::min(angle, 6.0L) + 1e-3L)
-                    << "moments " << number(moments.x) << " " << number(moments.y) << " " << number(moments.z) << ", " << spin << " rad/s about axis " << axis;
+                    << "moments " << number(moments.x) << " " << number(moments.y) << " " << number(moments.z) << ", "
+                    << spin << " rad/s about axis " << axis;
             }
         }
     }
@@ -151,7 +160,8 @@ TEST_P(Fixed32, a_load_that_drives_a_body_out_of_range_never_passes_silently) {
             truth->step();
             const Motion m = truth->motion(0);
             if (std::abs(m.x.x) < 66 && std::abs(m.v.x) < 33) continue;
-            EXPECT_TRUE(world->status().has(Issue::range_left)) << "stiffness " << stiffness << ", step " << i << ", x " << m.x.x << " against " << world->motion(0).x.x;
+            EXPECT_TRUE(world->status().has(Issue::range_left)) << "stiffness " << stiffness << ", step " << i << ", x "
+                                                                << m.x.x << " against " << world->motion(0).x.x;
             break;
         }
     }
@@ -160,7 +170,8 @@ TEST_P(Fixed32, a_load_that_drives_a_body_out_of_range_never_passes_silently) {
 class Floating : public testing::TestWithParam<Case> {};
 std::vector<Case> floating_cases() {
     std::vector<Case> cases;
-    for (const Case& c : every_case()) if (!c.system.fixed_point) cases.push_back(c);
+    for (const Case& c : every_case())
+        if (!c.system.fixed_point) cases.push_back(c);
     return cases;
 }
 INSTANTIATE_TEST_SUITE_P(every, Floating, testing::ValuesIn(floating_cases()), NameOf{});
@@ -183,7 +194,7 @@ TEST_P(Floating, a_spin_without_measure_is_told_and_its_step_ends) {
         SceneSetup setup{.name = "spin"};
         setup.bodies = {top({1, 2, 3}, {})};
         const auto steps = [&] {
-            alarm(10);                          // a step that does not end fails here
+            alarm(10);  // a step that does not end fails here
             const auto world = build(setup, GetParam());
             for (int i = 0; i < 4; ++i) {
                 world->apply_impulse(0, {0, 0, spin}, {1, 1, 0});

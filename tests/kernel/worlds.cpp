@@ -14,31 +14,40 @@ const std::vector<Method>& methods() {
         Integrators::for_each([&]<class M>() {
             int free_order = M::order;
             if constexpr (requires { M::free_order; }) free_order = M::free_order;
-            list.push_back({M::name, M::order, free_order, M::spin == Spin::angular_momentum});
-        });
-        return list;
-    }();
-    return all;
+            bool keeps = true;
+            if constexpr (requires { M::keeps_the_spin_of_spheres; }) keeps = M::keeps_the_spin_of_spheres;
+            list.push_back({M::name, M::order, free_order, M::spin == Spin::angular_momentum,
+                            requires { M::exact_for_spheres; }, keeps});
+});
+return list;
+}
+();
+return all;
 }
 
 const System& number_system(std::string_view name) {
-    for (const System& s : number_systems()) if (name == s.name) return s;
+    for (const System& s : number_systems())
+        if (name == s.name) return s;
     throw std::invalid_argument{"no number system " + std::string{name}};
 }
 
 std::vector<Case> every_case() {
     std::vector<Case> cases;
-    for (const System& s : number_systems()) for (const Method& m : methods()) cases.push_back({m, s});
+    for (const System& s : number_systems())
+        for (const Method& m : methods())
+            if (s.has(m.name)) cases.push_back({m, s});
     return cases;
 }
 std::vector<Case> cases_in(std::string_view system) {
     std::vector<Case> cases;
-    for (const Method& m : methods()) cases.push_back({m, number_system(system)});
+    for (const Case& c : every_case())
+        if (system == c.system.name) cases.push_back(c);
     return cases;
 }
 std::vector<Case> cases_of(std::string_view method) {
     std::vector<Case> cases;
-    for (const Case& c : every_case()) if (method == c.method.name) cases.push_back(c);
+    for (const Case& c : every_case())
+        if (method == c.method.name) cases.push_back(c);
     return cases;
 }
 std::string name_of(const Case& c) { return std::string{c.method.name} + "_" + c.system.name; }
@@ -47,7 +56,9 @@ void PrintTo(const Case& c, std::ostream* out) { *out << name_of(c); }
 namespace {
 
 std::unique_ptr<AnyWorld> fill(std::unique_ptr<AnyWorld> world, const SceneSetup& setup) {
-    const auto require = [&](bool done) { if (!done) throw std::invalid_argument{std::string{"cannot build "} + setup.name}; };
+    const auto require = [&](bool done) {
+        if (!done) throw std::invalid_argument{std::string{"cannot build "} + setup.name};
+    };
     require(world != nullptr);
     for (const auto& b : setup.bodies) require(world->add(b));
     for (const auto& p : setup.planes) require(world->add(p));

@@ -63,9 +63,9 @@ struct SceneSetup {
     std::vector<BodySpec> bodies{};
     std::vector<PlaneSpec> planes{};
     std::vector<SpringSpec> springs{};
-    std::vector<ImpulseSpec> impulses{};   // sorted by time
+    std::vector<ImpulseSpec> impulses{};  // sorted by time
     std::vector<ForceSpec> forces{};
-    Features needs{};                      // of its minimal world: one of the sets above
+    Features needs{};  // of its minimal world: one of the sets above
 };
 
 class AnyWorld {
@@ -81,8 +81,8 @@ public:
     virtual Status step() = 0;
     virtual void clear_status() = 0;
 
-    [[nodiscard]] virtual Motion motion(int body) const = 0;      // every bit of the state
-    [[nodiscard]] virtual Motion reported(int body) const = 0;    // through the world's accessors
+    [[nodiscard]] virtual Motion motion(int body) const = 0;    // every bit of the state
+    [[nodiscard]] virtual Motion reported(int body) const = 0;  // through the world's accessors
     [[nodiscard]] virtual Status status() const = 0;
     [[nodiscard]] virtual std::uint64_t hash() const = 0;
     [[nodiscard]] virtual int body_count() const = 0;
@@ -98,16 +98,19 @@ public:
 struct Method {
     const char* name;
     int order;
-    int free_order;      // of torque-free rotation, where it differs
-    bool conserves;      // angular momentum to rounding, energy error bounded
+    int free_order;  // of torque-free rotation, where it differs
+    bool conserves;  // angular momentum to rounding, energy error bounded
+    bool exact_for_spheres, keeps_the_spin_of_spheres;
 };
 [[nodiscard]] const std::vector<Method>& methods();
 
 struct System {
     const char* name;
     bool fixed_point, carry;
-    int bits;            // of a number
-    std::unique_ptr<AnyWorld> (*make)(std::string_view method, Seconds step, const WorldSpec&);
+    int bits;  // of a number
+    std::unique_ptr<AnyWorld> (*make)(std::string_view method, Seconds step,
+                                      const WorldSpec&);  // null: not in this system
+    [[nodiscard]] bool has(std::string_view method) const { return make(method, Seconds{1, 256}, {}) != nullptr; }
 };
 [[nodiscard]] const std::vector<System>& number_systems();
 [[nodiscard]] const System& number_system(std::string_view name);
@@ -137,8 +140,11 @@ struct NameOf {
 };
 
 // A world with everything compiled in.
-[[nodiscard]] std::unique_ptr<AnyWorld> build(const SceneSetup& setup, std::string_view method, std::string_view system);
-[[nodiscard]] inline std::unique_ptr<AnyWorld> build(const SceneSetup& setup, const Case& c) { return build(setup, c.method.name, c.system.name); }
+[[nodiscard]] std::unique_ptr<AnyWorld> build(const SceneSetup& setup, std::string_view method,
+                                              std::string_view system);
+[[nodiscard]] inline std::unique_ptr<AnyWorld> build(const SceneSetup& setup, const Case& c) {
+    return build(setup, c.method.name, c.system.name);
+}
 // A world with exactly setup.needs compiled in; null for a system or a method that has no minimal worlds.
 [[nodiscard]] std::unique_ptr<AnyWorld> build_minimal(const SceneSetup& setup, const Case& c);
 

@@ -53,7 +53,7 @@ bool exact(std::uint32_t rounds) {
     return false;
 }
 
-} // namespace
+}  // namespace
 
 int main() {
     init();

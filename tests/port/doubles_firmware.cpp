@@ -40,7 +40,7 @@ int main() {
         digest = (digest ^ static_cast<std::uint32_t>(bits >> 32)) * 16777619u;
     };
     for (int i = 0; i < 20000; ++i) {
-        volatile double a = random_double(), b = random_double();   // volatile: at run time
+        volatile double a = random_double(), b = random_double();  // volatile: at run time
         add(a + b);
         add(a - b);
         add(b - a);

@@ -5,18 +5,27 @@
 
 namespace {
 
-[[gnu::noinline]] std::uint32_t overflow_stack(std::uint32_t depth) { // NOLINT: endless on purpose
+[[gnu::noinline]] std::uint32_t overflow_stack(std::uint32_t depth) {  // NOLINT: endless on purpose
     volatile std::uint32_t frame[32] = {depth};
     return overflow_stack(depth + 1) + frame[depth % 32];
 }
 
-volatile std::uintptr_t nowhere = 0x9F00'0000; // external memory that no board has
+volatile std::uintptr_t nowhere = 0x9F00'0000;  // external memory that no board has
 volatile std::uint32_t zero = 0;
 volatile std::uint32_t sink;
 
-enum class Failure { bad_read, bad_write, bad_jump, stack_overflow, undefined_instruction, divide_by_zero, abort, forever };
+enum class Failure {
+    bad_read,
+    bad_write,
+    bad_jump,
+    stack_overflow,
+    undefined_instruction,
+    divide_by_zero,
+    abort,
+    forever
+};
 
-} // namespace
+}  // namespace
 
 int main() {
     tumble::port::init();

@@ -18,7 +18,7 @@ bool same(const Bytes& a, const Bytes& b) {
     return true;
 }
 
-} // namespace
+}  // namespace
 
 int main() {
     alignas(4) static Bytes got, expected, source;

@@ -11,7 +11,7 @@ constexpr std::size_t deep = 1024;
     if (bytes[deep / 2] != 1) tumble::port::exit(5);
 }
 
-} // namespace
+}  // namespace
 
 int main() {
     using namespace tumble::port;

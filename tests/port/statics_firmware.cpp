@@ -15,7 +15,7 @@ volatile unsigned char copied_byte = 0x9A;
 std::array<volatile std::uint32_t, 100> zeroed;
 Constructed constructed;
 
-} // namespace
+}  // namespace
 
 int main() {
     if (copied != 0x12345678 || copied_byte != 0x9A) return 1;

@@ -21,16 +21,26 @@ struct Vec {
 };
 
 template <class T>
-[[nodiscard]] T dot(Vec<T> a, Vec<T> b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+[[nodiscard]] T dot(Vec<T> a, Vec<T> b) {
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
 template <class T>
-[[nodiscard]] Vec<T> cross(Vec<T> a, Vec<T> b) { return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x}; }
+[[nodiscard]] Vec<T> cross(Vec<T> a, Vec<T> b) {
+    return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
 template <class T>
-[[nodiscard]] T norm(Vec<T> a) { return std::sqrt(dot(a, a)); }
+[[nodiscard]] T norm(Vec<T> a) {
+    return std::sqrt(dot(a, a));
+}
 // Element by element: a diagonal matrix times a vector.
 template <class T>
-[[nodiscard]] Vec<T> times(Vec<T> d, Vec<T> a) { return {d.x * a.x, d.y * a.y, d.z * a.z}; }
+[[nodiscard]] Vec<T> times(Vec<T> d, Vec<T> a) {
+    return {d.x * a.x, d.y * a.y, d.z * a.z};
+}
 template <class T>
-[[nodiscard]] Vec<T> over(Vec<T> a, Vec<T> d) { return {a.x / d.x, a.y / d.y, a.z / d.z}; }
+[[nodiscard]] Vec<T> over(Vec<T> a, Vec<T> d) {
+    return {a.x / d.x, a.y / d.y, a.z / d.z};
+}
 
 template <class T>
 struct Quaternion {
@@ -47,7 +57,9 @@ struct Quaternion {
     [[nodiscard]] T norm2() const { return w * w + dot(v, v); }
     [[nodiscard]] Quaternion normalized() const { return *this * (T(1) / std::sqrt(norm2())); }
     // q (0, r) q*: for a q that is not of unit length, |q|^2 times the rotation.
-    [[nodiscard]] Vec<T> rotate(Vec<T> r) const { return (w * w - dot(v, v)) * r + T(2) * dot(v, r) * v + T(2) * w * cross(v, r); }
+    [[nodiscard]] Vec<T> rotate(Vec<T> r) const {
+        return (w * w - dot(v, v)) * r + T(2) * dot(v, r) * v + T(2) * w * cross(v, r);
+    }
     [[nodiscard]] Vec<T> rotate_back(Vec<T> r) const { return conjugate().rotate(r); }
 };
 

@@ -17,12 +17,12 @@ struct Motion {
 };
 
 struct Wrench {
-    Vector force_w{}, torque_b{};   // N, N m
+    Vector force_w{}, torque_b{};  // N, N m
 };
 
 struct Body {
-    Number mass = 1;                // kg
-    Vector moments{1, 1, 1};        // kg m^2
+    Number mass = 1;          // kg
+    Vector moments{1, 1, 1};  // kg m^2
 };
 
 }  // namespace tumble::reference

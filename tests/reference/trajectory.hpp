@@ -16,7 +16,7 @@
 
 namespace tumble::reference {
 
-inline constexpr Number tolerance = 1e-17L;   // of each step, absolute and relative
+inline constexpr Number tolerance = 1e-17L;  // of each step, absolute and relative
 
 namespace detail {
 
@@ -33,7 +33,8 @@ inline Motion unpack(const Packed& p) {
 
 // The motion at each of the times (s, ascending, from 0), under load(motion, time) -> Wrench.
 template <class Load>
-[[nodiscard]] std::vector<Motion> trajectory(const Body& body, const Motion& start, const std::vector<Number>& at, Load&& load) {
+[[nodiscard]] std::vector<Motion> trajectory(const Body& body, const Motion& start, const std::vector<Number>& at,
+                                             Load&& load) {
     namespace odeint = boost::numeric::odeint;
     const auto equations = [&](const detail::Packed& state, detail::Packed& rate, Number t) {
         const Motion m = detail::unpack(state);
@@ -56,7 +57,8 @@ template <class Load>
 }
 
 // Without loads.
-[[nodiscard]] inline std::vector<Motion> free_trajectory(const Body& body, const Motion& start, const std::vector<Number>& times) {
+[[nodiscard]] inline std::vector<Motion> free_trajectory(const Body& body, const Motion& start,
+                                                         const std::vector<Number>& times) {
     return trajectory(body, start, times, [](const Motion&, Number) { return Wrench{}; });
 }
 

@@ -7,7 +7,8 @@
 #pragma once
 
 #ifdef EIGEN_CORE_H
-#error "include <tumble/tumble.hpp> before Eigen, or define EIGEN_DONT_VECTORIZE and EIGEN_NO_MALLOC for the whole program"
+#error                                                                                                                 \
+    "include <tumble/tumble.hpp> before Eigen, or define EIGEN_DONT_VECTORIZE and EIGEN_NO_MALLOC for the whole program"
 #endif
 #ifndef EIGEN_NO_MALLOC
 #define EIGEN_NO_MALLOC

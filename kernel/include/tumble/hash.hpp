@@ -9,7 +9,7 @@ namespace tumble {
 class Hash {
 public:
     constexpr void add(std::uint32_t word) {
-        for (int i = 0; i < 2; ++i) {   // 16 bits at a time keeps FNV's mixing and halves its multiplications
+        for (int i = 0; i < 2; ++i) {  // 16 bits at a time keeps FNV's mixing and halves its multiplications
             value_ ^= word & 0xffffu;
             value_ *= 0x100000001b3u;
             word >>= 16;
@@ -22,7 +22,9 @@ public:
     constexpr void add(float value) { add(std::bit_cast<std::uint32_t>(value)); }
     constexpr void add(double value) { add(std::bit_cast<std::uint64_t>(value)); }
     template <int F>
-    constexpr void add(Fixed<F> value) { add(static_cast<std::uint32_t>(value.raw)); }
+    constexpr void add(Fixed<F> value) {
+        add(static_cast<std::uint32_t>(value.raw));
+    }
     template <class T, bool carry, bool biased>
     constexpr void add(const Carried<T, carry, biased>& number) {
         if constexpr (std::floating_point<T>) {

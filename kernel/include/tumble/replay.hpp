@@ -33,22 +33,30 @@ constexpr void for_each_number(const BodyState<N, spin>& body, F&& f) {
 namespace detail {
 
 template <class F>
-constexpr void for_each_word_of(float value, F&& f) { f(std::bit_cast<std::uint32_t>(value)); }
+constexpr void for_each_word_of(float value, F&& f) {
+    f(std::bit_cast<std::uint32_t>(value));
+}
 template <class F>
 constexpr void for_each_word_of(std::uint64_t value, F&& f) {
     f(static_cast<std::uint32_t>(value));
     f(static_cast<std::uint32_t>(value >> 32));
 }
 template <class F>
-constexpr void for_each_word_of(double value, F&& f) { for_each_word_of(std::bit_cast<std::uint64_t>(value), f); }
+constexpr void for_each_word_of(double value, F&& f) {
+    for_each_word_of(std::bit_cast<std::uint64_t>(value), f);
+}
 
 // A list like List, of T: as many of them, or as growable.
 template <class List, class T>
 struct ListOf;
 template <template <class, std::size_t> class Array, class Spec, std::size_t size, class T>
-struct ListOf<Array<Spec, size>, T> { using type = Array<T, size>; };
+struct ListOf<Array<Spec, size>, T> {
+    using type = Array<T, size>;
+};
 template <template <class...> class List, class Spec, class... Rest, class T>
-struct ListOf<List<Spec, Rest...>, T> { using type = List<T>; };
+struct ListOf<List<Spec, Rest...>, T> {
+    using type = List<T>;
+};
 
 }  // namespace detail
 
@@ -85,8 +93,10 @@ public:
     // what is too much: check Config against the data first.
     explicit Replay(const Data& data = Data{}) : world_{data.step, data.world} {
         for (const BodySpec& body : data.bodies) (void)world_.add(body);
-        if constexpr (Config::planes > 0) for (const PlaneSpec& plane : data.planes) (void)world_.add(plane);
-        if constexpr (Config::springs > 0) for (const SpringSpec& spring : data.springs) (void)world_.add(spring);
+        if constexpr (Config::planes > 0)
+            for (const PlaneSpec& plane : data.planes) (void)world_.add(plane);
+        if constexpr (Config::springs > 0)
+            for (const SpringSpec& spring : data.springs) (void)world_.add(spring);
         if constexpr (Config::script) world_.set_script(prepare(impulses_, data.impulses));
         if constexpr (Config::forces) world_.set_forces(prepare(forces_, data.forces));
     }
@@ -110,7 +120,8 @@ private:
         for (const auto& spec : specs) {
             auto event = world_.prepare(spec);
             std::size_t place = count++;
-            for (; place > 0 && start_of(event) < start_of(events[place - 1]); --place) events[place] = events[place - 1];
+            for (; place > 0 && start_of(event) < start_of(events[place - 1]); --place)
+                events[place] = events[place - 1];
             events[place] = event;
         }
         return Span<std::remove_cvref_t<decltype(events[0])>>{events.data(), static_cast<int>(count)};

@@ -12,14 +12,14 @@ namespace tumble {
 struct Scene {
     using Numbers = Q32<>;
     using Integrator = integrators::Verlet;
-    static constexpr int bodies = 1;        // capacities
+    static constexpr int bodies = 1;  // capacities
     static constexpr int planes = 0;
     static constexpr int springs = 0;
-    static constexpr bool drag = false;           // world-wide linear and angular drag
-    static constexpr bool gravitation = false;    // between all bodies
-    static constexpr bool forces = false;         // timed forces and torques
-    static constexpr bool script = false;         // timed impulses
-    static constexpr bool boxes = false;          // boxes touch planes (spheres always do where there are planes)
+    static constexpr bool drag = false;         // world-wide linear and angular drag
+    static constexpr bool gravitation = false;  // between all bodies
+    static constexpr bool forces = false;       // timed forces and torques
+    static constexpr bool script = false;       // timed impulses
+    static constexpr bool boxes = false;        // boxes touch planes (spheres always do where there are planes)
     static constexpr bool friction = false;
 };
 
@@ -33,51 +33,51 @@ struct Seconds {
 // Everything about a body but its place in the world's arrays.
 struct BodySpec {
     Shape shape{};
-    Real mass = 1;                         // kg
-    InertiaTensor inertia{};               // kg m^2, about the centre of mass, user's axes
-    RealVec3 position{};                   // m, world
-    RealVec3 velocity{};                   // m/s, world
-    RealQuat orientation{};                // user's body axes to world; normalised when added
-    RealVec3 angular_velocity{};           // rad/s, user's body axes
-    Real restitution = -1;                 // negative: the world's default
+    Real mass = 1;                // kg
+    InertiaTensor inertia{};      // kg m^2, about the centre of mass, user's axes
+    RealVec3 position{};          // m, world
+    RealVec3 velocity{};          // m/s, world
+    RealQuat orientation{};       // user's body axes to world; normalised when added
+    RealVec3 angular_velocity{};  // rad/s, user's body axes
+    Real restitution = -1;        // negative: the world's default
     Real friction = -1;
-    bool fixed = false;                    // never moves
+    bool fixed = false;  // never moves
 };
 
 struct PlaneSpec {
-    RealVec3 normal{0, 1, 0};              // normalised when added; the free side is where normal . x + offset > 0
-    Real offset = 0;                       // m
-    Real restitution = -1;                 // negative: the world's default
+    RealVec3 normal{0, 1, 0};  // normalised when added; the free side is where normal . x + offset > 0
+    Real offset = 0;           // m
+    Real restitution = -1;     // negative: the world's default
     Real friction = -1;
 };
 
 // F = -k (length - rest_length) - c (rate of length), between a point of `body` and a world point or another body's.
 struct SpringSpec {
     int body = 0;
-    RealVec3 point{};                      // m, user's body axes, from the centre of mass
-    int to_body = -1;                      // -1: `to` is a world point
-    RealVec3 to{};                         // m, world; or to_body's axes
-    Real stiffness = 0, damping = 0, rest_length = 0;   // N/m, N s/m, m
+    RealVec3 point{};                                  // m, user's body axes, from the centre of mass
+    int to_body = -1;                                  // -1: `to` is a world point
+    RealVec3 to{};                                     // m, world; or to_body's axes
+    Real stiffness = 0, damping = 0, rest_length = 0;  // N/m, N s/m, m
 };
 
 // An instantaneous change of momentum before the step that begins at `time` (rounded to the nearest step).
 struct ImpulseSpec {
-    Real time = 0;                         // s
+    Real time = 0;  // s
     int body = 0;
     Frame frame = Frame::world;
-    RealVec3 impulse{};                    // N s, in `frame`
-    RealVec3 point{};                      // m, user's body axes, from the centre of mass
-    RealVec3 angular_impulse{};            // N m s, in `frame`
+    RealVec3 impulse{};          // N s, in `frame`
+    RealVec3 point{};            // m, user's body axes, from the centre of mass
+    RealVec3 angular_impulse{};  // N m s, in `frame`
 };
 
 // A constant force and torque while from <= t < until (both rounded to the nearest step).
 struct ForceSpec {
     int body = 0;
-    Real from = 0, until = 0;              // s
+    Real from = 0, until = 0;  // s
     Frame frame = Frame::world;
-    RealVec3 force{};                      // N, in `frame`
-    RealVec3 point{};                      // m, user's body axes
-    RealVec3 torque{};                     // N m, in `frame`
+    RealVec3 force{};   // N, in `frame`
+    RealVec3 point{};   // m, user's body axes
+    RealVec3 torque{};  // N m, in `frame`
 };
 
 enum class ContactResponse : std::uint8_t { none, impulse };
@@ -85,14 +85,14 @@ enum class ContactResponse : std::uint8_t { none, impulse };
 struct ContactSpec {
     ContactResponse response = ContactResponse::impulse;
     Real restitution = 0.5, restitution_threshold = 0, friction = 0;
-    Real tolerance = 0.001;                // m: the band in which bodies touch, and the depth at which a step is redone
+    Real tolerance = 0.001;  // m: the band in which bodies touch, and the depth at which a step is redone
 };
 
 struct WorldSpec {
-    RealVec3 gravity{};                    // m/s^2
-    Real gravitation = 0;                  // m^3/(kg s^2)
-    Real linear_drag = 0;                  // kg/s
-    Real angular_drag = 0;                 // N m s
+    RealVec3 gravity{};     // m/s^2
+    Real gravitation = 0;   // m^3/(kg s^2)
+    Real linear_drag = 0;   // kg/s
+    Real angular_drag = 0;  // N m s
     ContactSpec contact{};
 };
 
@@ -106,10 +106,18 @@ struct WorldSpec {
     return spec;
 }
 [[nodiscard]] constexpr BodySpec box(Real mass, RealVec3 edges) { return body_of({ShapeKind::box, edges}, mass); }
-[[nodiscard]] constexpr BodySpec sphere(Real mass, Real radius) { return body_of({ShapeKind::sphere, {radius, 0, 0}}, mass); }
-[[nodiscard]] constexpr BodySpec cylinder(Real mass, Real radius, Real height) { return body_of({ShapeKind::cylinder, {radius, height, 0}}, mass); }
-[[nodiscard]] constexpr BodySpec hoop(Real mass, Real radius) { return body_of({ShapeKind::hoop, {radius, 0, 0}}, mass); }
-[[nodiscard]] constexpr BodySpec capsule(Real mass, Real radius, Real length) { return body_of({ShapeKind::capsule, {radius, length, 0}}, mass); }
+[[nodiscard]] constexpr BodySpec sphere(Real mass, Real radius) {
+    return body_of({ShapeKind::sphere, {radius, 0, 0}}, mass);
+}
+[[nodiscard]] constexpr BodySpec cylinder(Real mass, Real radius, Real height) {
+    return body_of({ShapeKind::cylinder, {radius, height, 0}}, mass);
+}
+[[nodiscard]] constexpr BodySpec hoop(Real mass, Real radius) {
+    return body_of({ShapeKind::hoop, {radius, 0, 0}}, mass);
+}
+[[nodiscard]] constexpr BodySpec capsule(Real mass, Real radius, Real length) {
+    return body_of({ShapeKind::capsule, {radius, length, 0}}, mass);
+}
 
 inline namespace literals {
 consteval Real operator""_kg(long double v) { return Real{static_cast<double>(v)}; }

@@ -8,12 +8,12 @@ namespace tumble {
 
 template <class N>
 struct Impulse {
-    std::uint32_t step = 0;                       // applied before this step is taken
+    std::uint32_t step = 0;  // applied before this step is taken
     std::int16_t body = 0;
     Frame frame = Frame::world;
-    WorkVec3<N> impulse = zero_vector<N>();       // N s, in `frame` (body: principal axes)
-    WorkVec3<N> angular = zero_vector<N>();       // N m s, in `frame`
-    WorkVec3<N> point_b = zero_vector<N>();       // m, principal axes
+    WorkVec3<N> impulse = zero_vector<N>();  // N s, in `frame` (body: principal axes)
+    WorkVec3<N> angular = zero_vector<N>();  // N m s, in `frame`
+    WorkVec3<N> point_b = zero_vector<N>();  // m, principal axes
 };
 
 // Constant arrays that outlive the world: flash in a firmware.

@@ -21,7 +21,8 @@ enum class Issue : std::uint8_t {
     // add() was called on a full world; nothing was added. Raise the capacity in the scene.
     world_full = 8,
 };
-inline constexpr Issue all_issues[] = {Issue::range_left, Issue::step_bound_hit, Issue::contacts_full, Issue::world_full};
+inline constexpr Issue all_issues[] = {Issue::range_left, Issue::step_bound_hit, Issue::contacts_full,
+                                       Issue::world_full};
 
 [[nodiscard]] constexpr const char* name_of(Issue issue) {
     switch (issue) {
@@ -33,9 +34,9 @@ inline constexpr Issue all_issues[] = {Issue::range_left, Issue::step_bound_hit,
 }
 
 struct Status {
-    std::uint32_t first_step = 0;    // number of the step that set the first bit, from 0; meaningful when !ok()
-    std::uint16_t count = 0;         // occurrences, held at 65535
-    std::uint8_t first_body = 0;     // meaningful when !ok()
+    std::uint32_t first_step = 0;  // number of the step that set the first bit, from 0; meaningful when !ok()
+    std::uint16_t count = 0;       // occurrences, held at 65535
+    std::uint8_t first_body = 0;   // meaningful when !ok()
     std::uint8_t bits = 0;
 
     [[nodiscard]] constexpr bool ok() const { return bits == 0; }

@@ -36,21 +36,24 @@ namespace detail {
 template <int tag>
 struct Nothing {};
 
-// How spin relates to angular velocity and momentum: half_turn_i = turn_per_impulse_i * L_i;  w_i = rate_i * half_turn_i.
+// How spin relates to angular velocity and momentum: half_turn_i = turn_per_impulse_i * L_i;  w_i = rate_i *
+// half_turn_i.
 template <class N, Spin spin>
 struct SpinUnits;
 
 template <class N>
 struct SpinUnits<N, Spin::angular_velocity> {
     using Work = typename N::Work;
-    Work turn_per_impulse[3]{};                   // h / 2 I_i, rad/(N m s)
+    Work turn_per_impulse[3]{};  // h / 2 I_i, rad/(N m s)
 
     [[nodiscard]] static constexpr SpinUnits of(RealVec3 moments, Real step) {
         SpinUnits u;
         for (int i = 0; i < 3; ++i) u.turn_per_impulse[i] = N::template constant<Work>(step / (moments[i] * Real{2}));
         return u;
     }
-    [[nodiscard]] static constexpr Real turn_of(RealVec3, Real spin, int, Real step) { return spin * step * Real::scaled(1, -1); }
+    [[nodiscard]] static constexpr Real turn_of(RealVec3, Real spin, int, Real step) {
+        return spin * step * Real::scaled(1, -1);
+    }
     [[nodiscard]] Work per_impulse(int i) const { return turn_per_impulse[i]; }
     [[nodiscard]] Work rate(int, Work steps_per_second) const { return steps_per_second + steps_per_second; }
 };
@@ -58,8 +61,8 @@ struct SpinUnits<N, Spin::angular_velocity> {
 template <class N>
 struct SpinUnits<N, Spin::angular_momentum> {
     using Work = typename N::Work;
-    Work turn_per_impulse{};                      // h / 2 I_y
-    Work rate_ratio[3]{};                         // 2 I_y / I_i
+    Work turn_per_impulse{};  // h / 2 I_y
+    Work rate_ratio[3]{};     // 2 I_y / I_i
 
     [[nodiscard]] static constexpr SpinUnits of(RealVec3 moments, Real step) {
         SpinUnits u;
@@ -88,8 +91,8 @@ public:
     static constexpr bool has_loads = S::drag || S::gravitation || S::forces || S::springs > 0;
 
     // Bounds of one step of one body (or of one group of coupled bodies).
-    static constexpr int max_impacts = 8;         // impacts resolved at their own time within one step
-    static constexpr int max_resteps = 12;        // flights redone to find one impact
+    static constexpr int max_impacts = 8;   // impacts resolved at their own time within one step
+    static constexpr int max_resteps = 12;  // flights redone to find one impact
 
     // A world without bodies. `step` is the length of every step.
     explicit World(Seconds step, const WorldSpec& spec = {})
@@ -97,7 +100,8 @@ public:
         if constexpr (has_loads || has_contacts) steps_per_second_ = N::template constant<Work>(Real{1} / step.value);
         if constexpr (has_loads) seconds_ = N::template constant<Work>(step.value);
         set_gravity(spec.gravity);
-        if constexpr (S::drag) drag_ = {N::template constant<Work>(spec.linear_drag), N::template constant<Work>(spec.angular_drag)};
+        if constexpr (S::drag)
+            drag_ = {N::template constant<Work>(spec.linear_drag), N::template constant<Work>(spec.angular_drag)};
         if constexpr (S::gravitation) gravitation_ = {N::template constant<Work>(spec.gravitation)};
         if constexpr (has_contacts) {
             contact_.response = spec.contact.response;
@@ -110,11 +114,13 @@ public:
 
     // m/s^2, world frame.
     void set_gravity(RealVec3 gravity) {
-        if constexpr (has_contacts) contact_.slow = N::template constant<Work>(sqrt(dot(gravity, gravity)) * step_length_ * step_length_ * Real{2});
+        if constexpr (has_contacts)
+            contact_.slow =
+                N::template constant<Work>(sqrt(dot(gravity, gravity)) * step_length_ * step_length_ * Real{2});
         const Real h2 = step_length_ * step_length_;
         for (int i = 0; i < 3; ++i) {
             const Real fall = scale_.drift_units(gravity[i] * h2);
-            gravity_[i] = N::fall(fall);
+            gravity_[i] = N::fall(fall_in_halves ? fall * Real::scaled(1, -1) : fall);
         }
     }
 
@@ -144,16 +150,20 @@ public:
         for (int i = 0; i < 3; ++i) {
             assign(state.x_w[i], spec.position[i]);
             assign(state.d_w[i], spec.fixed ? Real{} : scale_.drift_units(spec.velocity[i] * step_length_));
-            assign(state.t_b[i], spec.fixed ? Real{} : scale_.turn_units(Units::turn_of(inertia.moments, w[i], i, step_length_)));
+            assign(state.t_b[i],
+                   spec.fixed ? Real{} : scale_.turn_units(Units::turn_of(inertia.moments, w[i], i, step_length_)));
         }
         body.fixed = spec.fixed;
+        prepare_spin(b);
         if constexpr (S::gravitation) mass_[b] = N::template constant<Work>(spec.mass);
         if constexpr (has_contacts) {
             const bool touches = spec.shape.kind == ShapeKind::sphere || spec.shape.kind == ShapeKind::box;
             const Real half = spec.shape.kind == ShapeKind::box ? Real::scaled(1, -1) : Real{1};
-            shape_[b] = {touches ? spec.shape.kind : ShapeKind::none, work_vector<N>(spec.shape.size * half),
+            shape_[b] = {touches ? spec.shape.kind : ShapeKind::none,
+                         work_vector<N>(spec.shape.size * half),
                          {N::template constant<Work>(inertia.principal.w), work_vector<N>(inertia.principal.v)},
-                         N::template constant<Work>(spec.restitution), N::template constant<Work>(spec.friction)};
+                         N::template constant<Work>(spec.restitution),
+                         N::template constant<Work>(spec.friction)};
         }
         check_range(b);
         return BodyId{b};
@@ -172,14 +182,15 @@ public:
     }
 
     // Adds a spring between bodies already added; false when there is no room.
-    bool add(const SpringSpec& spec) requires (S::springs > 0) {
+    bool add(const SpringSpec& spec) requires(S::springs > 0) {
         if (spring_count_ >= S::springs) return false;
         Spring<N>& spring = spring_[spring_count_++];
         spring.body = static_cast<std::int16_t>(spec.body);
         spring.to_body = static_cast<std::int16_t>(spec.to_body);
         spring.point_b = principal_vector(spec.body, spec.point);
         if (spec.to_body >= 0) spring.to = principal_vector(spec.to_body, spec.to);
-        else for (int i = 0; i < 3; ++i) spring.anchor_w[i] = position_sum(spec.to[i]);
+        else
+            for (int i = 0; i < 3; ++i) spring.anchor_w[i] = position_sum(spec.to[i]);
         spring.stiffness = N::template constant<Work>(spec.stiffness);
         spring.damping = N::template constant<Work>(spec.damping);
         spring.rest_length = N::template constant<Work>(spec.rest_length);
@@ -189,14 +200,19 @@ public:
     // Set-up values as this world's numbers, for arrays of events that outlive it.
     [[nodiscard]] Impulse<N> prepare(const ImpulseSpec& spec) const {
         const bool in_body = spec.frame == Frame::body;
-        return {step_of(spec.time), static_cast<std::int16_t>(spec.body), spec.frame,
+        return {step_of(spec.time),
+                static_cast<std::int16_t>(spec.body),
+                spec.frame,
                 in_body ? principal_vector(spec.body, spec.impulse) : work_vector<N>(spec.impulse),
                 in_body ? principal_vector(spec.body, spec.angular_impulse) : work_vector<N>(spec.angular_impulse),
                 principal_vector(spec.body, spec.point)};
     }
     [[nodiscard]] Thrust<N> prepare(const ForceSpec& spec) const {
         const bool in_body = spec.frame == Frame::body;
-        return {static_cast<std::int16_t>(spec.body), spec.frame, step_of(spec.from), step_of(spec.until),
+        return {static_cast<std::int16_t>(spec.body),
+                spec.frame,
+                step_of(spec.from),
+                step_of(spec.until),
                 in_body ? principal_vector(spec.body, spec.force) : work_vector<N>(spec.force),
                 in_body ? principal_vector(spec.body, spec.torque) : work_vector<N>(spec.torque),
                 principal_vector(spec.body, spec.point)};
@@ -208,18 +224,20 @@ public:
     // Changes the body's momentum by `impulse` (N s, world frame) at a point of it (m, user's body axes); at once, and
     // once. The position is unchanged. About 2000 instructions on a Cortex-M3.
     void apply_impulse(BodyId id, RealVec3 impulse, RealVec3 point = {}) {
-        apply({0, static_cast<std::int16_t>(id.index()), Frame::world, work_vector<N>(impulse), zero_vector<N>(), principal_vector(id.index(), point)});
+        apply({0, static_cast<std::int16_t>(id.index()), Frame::world, work_vector<N>(impulse), zero_vector<N>(),
+               principal_vector(id.index(), point)});
     }
 
     // Takes one step of every body: events that are due, loads, motion, contacts. Returns the sticky status.
     Status step() {
         if constexpr (S::script) {
-            while (next_event_ < script_.count && script_.first[next_event_].step <= steps_taken_) apply(script_.first[next_event_++]);
+            while (next_event_ < script_.count && script_.first[next_event_].step <= steps_taken_)
+                apply(script_.first[next_event_++]);
         }
         const StepInfo<N> info{scale_, Dither::of_step(steps_taken_)};
         if constexpr (!has_loads && !has_contacts) {
             if constexpr (S::bodies == 1) {
-                advance_free(0, info);   // a constant index: every address is known
+                advance_free(0, info);  // a constant index: every address is known
             } else {
                 for (int b = 0; b < count_; ++b) advance_free(b, info);
             }
@@ -252,12 +270,14 @@ public:
     [[nodiscard]] WorkVec3<N> angular_velocity(BodyId id) const {
         const BodyData& body = body_[id.index()];
         WorkVec3<N> w;
-        for (int i = 0; i < 3; ++i) w[i] = N::half_turn(state_[id.index()].t_b[i].value(), scale_) * body.units.rate(i, steps_per_second());
+        for (int i = 0; i < 3; ++i)
+            w[i] = N::half_turn(state_[id.index()].t_b[i].value(), scale_) * body.units.rate(i, steps_per_second());
         return rotate_quat(body.principal, w);
     }
     // User's body axes to world; of unit length to rounding.
     [[nodiscard]] Quat<Work> orientation(BodyId id) const {
-        const Quat<Work> q = work_quaternion<N>(state_[id.index()].q_wb.value()), p = work_quaternion<N>(body_[id.index()].principal).conjugate();
+        const Quat<Work> q = work_quaternion<N>(state_[id.index()].q_wb.value()),
+                         p = work_quaternion<N>(body_[id.index()].principal).conjugate();
         const WorkVec3<N> v = scaled_by(p.v, q.w) + scaled_by(q.v, p.w) + cross<Work>(q.v, p.v);
         return {q.w * p.w - dot(q.v, p.v), v};
     }
@@ -283,19 +303,22 @@ private:
     using Units = detail::SpinUnits<N, Integrator::spin>;
     using Inertia = typename Integrator::template Inertia<N>;
     using DriftSum = typename N::DriftSum;
+    // Where sums are exact, gravity is kept and added in halves: the position moves with the mean drift between them.
+    static constexpr bool fall_in_halves = Integrator::coasting == Coasting::mean && N::fixed_point && N::carry;
+    [[nodiscard]] static constexpr DriftSum whole_fall(DriftSum f) { return fall_in_halves ? f + f : f; }
     static constexpr int load_capacity = has_loads ? S::bodies : 1;
 
     struct BodyData {
         Inertia inertia{};
         Units units{};
-        Work drift_per_impulse{};                 // h / m
-        Quat<typename N::Unit> principal{};       // principal axes to the user's body axes
-        bool fixed = true;                        // so is a place that no body has taken yet
+        Work drift_per_impulse{};            // h / m
+        Quat<typename N::Unit> principal{};  // principal axes to the user's body axes
+        bool fixed = true;                   // so is a place that no body has taken yet
     };
     struct ContactSettings {
         ContactResponse response{};
         Work restitution{}, threshold{}, friction{}, tolerance{};
-        Work slow{};                              // m: twice the change of drift by gravity in a step; who moves less, rests
+        Work slow{};  // m: twice the change of drift by gravity in a step; who moves less, rests
     };
     template <class T, int n>
     using Array = T[n > 0 ? n : 1];
@@ -305,7 +328,7 @@ private:
     // Part of a step, for steps that an impact interrupts; whole steps cost nothing extra.
     struct Portion {
         bool whole = true;
-        Work length = Work(1);                    // of the step, (0, 1]
+        Work length = Work(1);  // of the step, (0, 1]
     };
 
     // Bodies that a step advances together.
@@ -322,7 +345,9 @@ private:
         return Integrator::spin == Spin::angular_velocity ? step * Real::scaled(1, -1) : step;
     }
     template <class Number>
-    static void assign(Number& number, Real value) { number = Number::from(value); }
+    static void assign(Number& number, Real value) {
+        number = Number::from(value);
+    }
     static void set_unit(Quat<typename N::Unit>& q, const RealQuat& value) {
         q.w = N::template constant<typename N::Unit>(value.w);
         for (int i = 0; i < 3; ++i) q.v[i] = N::template constant<typename N::Unit>(value.v[i]);
@@ -335,7 +360,9 @@ private:
         const std::int64_t n = (time / step_length_).to_fixed(0, 64);
         return n < 0 ? 0 : static_cast<std::uint32_t>(n);
     }
-    [[nodiscard]] static WorkVec3<N> rotate_quat(const Quat<typename N::Unit>& q, const WorkVec3<N>& v) { return tumble::rotate(work_quaternion<N>(q), v); }
+    [[nodiscard]] static WorkVec3<N> rotate_quat(const Quat<typename N::Unit>& q, const WorkVec3<N>& v) {
+        return tumble::rotate(work_quaternion<N>(q), v);
+    }
     // User's body axes to principal axes.
     [[nodiscard]] WorkVec3<N> principal_vector(int b, RealVec3 v) const {
         return rotate_quat(body_[b].principal.conjugate(), work_vector<N>(v));
@@ -361,10 +388,17 @@ private:
             N::add_any(state_[b].d_w[i], linear_w[i] * body_[b].drift_per_impulse, scale_);
             N::add_any(state_[b].t_b[i], angular_b[i] * body_[b].units.per_impulse(i), scale_);
         }
+        prepare_spin(b);
+    }
+    // The spin has changed otherwise than by free rotation.
+    TUMBLE_INLINE void prepare_spin([[maybe_unused]] int b) {
+        if constexpr (requires(Inertia & inertia) { inertia.prepare(state_[0], scale_); })
+            body_[b].inertia.prepare(state_[b], scale_);
     }
 
     TUMBLE_INLINE void check_range(int b) {
-        if (N::out_of_range(state_[b])) [[unlikely]] leave_range(b);
+        if (N::out_of_range(state_[b])) [[unlikely]]
+            leave_range(b);
     }
     [[gnu::noinline]] void leave_range(int b) {
         N::saturate(state_[b]);
@@ -382,9 +416,13 @@ private:
     TUMBLE_INLINE void coast(int b, const DriftSum (&fall)[3]) {
         State& s = state_[b];
         const auto axis = [&](auto& x, auto& d, DriftSum f) {
-            if constexpr (Integrator::coasting == Coasting::mean) N::coast(x, d, N::half(f), scale_);
+            if constexpr (Integrator::coasting == Coasting::mean && !fall_in_halves) N::coast(x, d, N::half(f), scale_);
             if constexpr (Integrator::coasting == Coasting::start) N::coast(x, d, {}, scale_);
             N::add(d, f);
+            if constexpr (fall_in_halves) {
+                N::coast(x, d, {}, scale_);
+                N::add(d, f);
+            }
             if constexpr (Integrator::coasting == Coasting::end) N::coast(x, d, {}, scale_);
         };
         axis(s.x_w.x, s.d_w.x, fall[0]);
@@ -395,7 +433,8 @@ private:
         if constexpr (std::is_void_v<decltype(Integrator::template rotate<N>(state_[b], body_[b].inertia, info))>) {
             Integrator::template rotate<N>(state_[b], body_[b].inertia, info);
         } else {
-            if (!Integrator::template rotate<N>(state_[b], body_[b].inertia, info)) status_.set(Issue::step_bound_hit, b, steps_taken_);
+            if (!Integrator::template rotate<N>(state_[b], body_[b].inertia, info))
+                status_.set(Issue::step_bound_hit, b, steps_taken_);
         }
     }
 
@@ -407,14 +446,15 @@ private:
 
         World& world;
         const Unit& unit;
-        Work seconds, steps_per_second;           // of this portion of a step
+        Work seconds, steps_per_second;  // of this portion of a step
         const DriftSum (&fall)[3];
 
         void operator()(const StageState<N>* stages, Kick<N>* kicks) const {
             world.evaluate(*this, stages, [&](int k, const WorkVec3<N>& linear, const WorkVec3<N>& angular) {
                 bool within = true;
                 for (int i = 0; i < 3; ++i) {
-                    kicks[k].linear[i] = N::limited(fall[i] + N::drift_sum(linear[i], world.scale_), within);
+                    kicks[k].linear[i] =
+                        N::limited(whole_fall(fall[i]) + N::drift_sum(linear[i], world.scale_), within);
                     kicks[k].angular[i] = N::limited(N::turn_sum(angular[i], world.scale_), within);
                 }
                 if (!within) world.status_.set(Issue::range_left, unit.id[k], world.steps_taken_);
@@ -423,14 +463,17 @@ private:
         // The same in working numbers, whose range has no end: m and rad.
         void operator()(const StageState<N>* stages, WorkKick<N>* kicks) const {
             world.evaluate(*this, stages, [&](int k, const WorkVec3<N>& linear, const WorkVec3<N>& angular) {
-                for (int i = 0; i < 3; ++i) kicks[k].linear[i] = linear[i] + N::metres(fall[i], world.scale_);
+                for (int i = 0; i < 3; ++i)
+                    kicks[k].linear[i] = linear[i] + N::metres(whole_fall(fall[i]), world.scale_);
                 kicks[k].angular = angular;
             });
         }
         [[nodiscard]] bool depends_on_velocity() const {
-            if constexpr (S::drag) if (world.drag_.acts()) return true;
+            if constexpr (S::drag)
+                if (world.drag_.acts()) return true;
             if constexpr (S::springs > 0) {
-                for (int s = 0; s < world.spring_count_; ++s) if (world.spring_[s].damping > Work(0)) return true;
+                for (int s = 0; s < world.spring_count_; ++s)
+                    if (world.spring_[s].damping > Work(0)) return true;
             }
             return false;
         }
@@ -443,10 +486,11 @@ private:
             LoadedBody<N> loaded[load_capacity];
             for (int k = 0; k < e.unit.count; ++k) load(loaded[k], e.unit.id[k], stages[k], e);
             const auto find = [&](int b) -> LoadedBody<N>* {
-                for (int k = 0; k < e.unit.count; ++k) if (e.unit.id[k] == b) return &loaded[k];
+                for (int k = 0; k < e.unit.count; ++k)
+                    if (e.unit.id[k] == b) return &loaded[k];
                 return nullptr;
             };
-            StageState<N> still_stage;            // a fixed body at the other end of a load
+            StageState<N> still_stage;  // a fixed body at the other end of a load
             LoadedBody<N> still;
             const auto other_end = [&](int b) -> LoadedBody<N>* {
                 if (LoadedBody<N>* found = find(b)) return found;
@@ -454,7 +498,8 @@ private:
                 load(still, b, still_stage, e);
                 return &still;
             };
-            if constexpr (S::drag) for (int k = 0; k < e.unit.count; ++k) drag_.apply(loaded[k]);
+            if constexpr (S::drag)
+                for (int k = 0; k < e.unit.count; ++k) drag_.apply(loaded[k]);
             if constexpr (S::springs > 0) {
                 for (int s = 0; s < spring_count_; ++s) {
                     const Spring<N>& spring = spring_[s];
@@ -470,7 +515,7 @@ private:
                 for (int k = 0; k < e.unit.count && gravitation_.constant > Work(0); ++k) {
                     const int a = e.unit.id[k];
                     for (int b = 0; b < count_; ++b) {
-                        if (b == a || (b < a && !body_[b].fixed)) continue;   // each pair once, fixed partners always
+                        if (b == a || (b < a && !body_[b].fixed)) continue;  // each pair once, fixed partners always
                         gravitation_.apply(loaded[k], mass_[a], *other_end(b), mass_[b]);
                     }
                 }
@@ -506,19 +551,24 @@ private:
 
     // Does the body feel anything but gravity in this step?
     [[nodiscard]] bool is_loaded(int b) const {
-        if constexpr (S::drag) if (drag_.acts()) return true;
-        if constexpr (S::gravitation) if (gravitation_.constant > Work(0) && count_ > 1) return true;
+        if constexpr (S::drag)
+            if (drag_.acts()) return true;
+        if constexpr (S::gravitation)
+            if (gravitation_.constant > Work(0) && count_ > 1) return true;
         if constexpr (S::springs > 0) {
-            for (int s = 0; s < spring_count_; ++s) if (spring_[s].body == b || spring_[s].to_body == b) return true;
+            for (int s = 0; s < spring_count_; ++s)
+                if (spring_[s].body == b || spring_[s].to_body == b) return true;
         }
         if constexpr (S::forces) {
-            for (const Thrust<N>& thrust : forces_) if (thrust.body == b && thrust.is_on(steps_taken_)) return true;
+            for (const Thrust<N>& thrust : forces_)
+                if (thrust.body == b && thrust.is_on(steps_taken_)) return true;
         }
         return false;
     }
     // Does it feel another moving body?
     [[nodiscard]] bool is_coupled(int b) const {
-        if constexpr (S::gravitation) if (gravitation_.constant > Work(0)) return true;
+        if constexpr (S::gravitation)
+            if (gravitation_.constant > Work(0)) return true;
         if constexpr (S::springs > 0) {
             for (int s = 0; s < spring_count_; ++s) {
                 if (spring_[s].to_body >= 0 && (spring_[s].body == b || spring_[s].to_body == b)) return true;
@@ -555,7 +605,9 @@ private:
         // steps over the portion. Only the changes are scaled back, so that what did not change stays exact.
         const auto part = N::fraction(portion.length);
         const Work inverse = Work(1) / portion.length;
-        struct Kept { State whole, scaled; };
+        struct Kept {
+            State whole, scaled;
+        };
         Kept kept[load_capacity];
         for (int k = 0; k < unit.count; ++k) {
             State& s = state_[unit.id[k]];
@@ -565,6 +617,7 @@ private:
                 s.t_b[i].add(N::part(N::sum(s.t_b[i]), part) - N::sum(s.t_b[i]));
             }
             kept[k].scaled = s;
+            prepare_spin(unit.id[k]);
         }
         DriftSum fall[3];
         for (int i = 0; i < 3; ++i) fall[i] = N::part(N::part(gravity_[i], part), part);
@@ -579,13 +632,15 @@ private:
                 N::add(s.d_w[i], N::drift_sum(linear, scale_));
                 s.t_b[i].add(N::turn_sum(angular, scale_));
             }
+            prepare_spin(unit.id[k]);
         }
     }
 
     void fly_scaled(const Unit& unit, const StepInfo<N>& info, const DriftSum (&fall)[3], Work length) {
         if constexpr (has_loads) {
             if (unit.count > 1 || is_loaded(unit.id[0])) {
-                const Evaluate evaluate{*this, unit, seconds_ * length, length == Work(1) ? steps_per_second_ : steps_per_second_ / length, fall};
+                const Evaluate evaluate{*this, unit, seconds_ * length,
+                                        length == Work(1) ? steps_per_second_ : steps_per_second_ / length, fall};
                 if (unit.count == 1) {
                     advance_loaded<1>(unit, evaluate, info);
                 } else {
@@ -606,14 +661,17 @@ private:
             group.body[k] = &state_[unit.id[k]];
             group.inertia[k] = &body_[unit.id[k]].inertia;
         }
-        if (!Integrator::template advance<N, capacity>(group, evaluate, info)) status_.set(Issue::step_bound_hit, unit.id[0], steps_taken_);
+        if (!Integrator::template advance<N, capacity>(group, evaluate, info))
+            status_.set(Issue::step_bound_hit, unit.id[0], steps_taken_);
+        for (int k = 0; k < unit.count; ++k) prepare_spin(unit.id[k]);
     }
 
     // --- contacts ------------------------------------------------------------------------------------------------
 
     void advance_unit(const Unit& unit, const StepInfo<N>& info) {
         if constexpr (has_contacts) {
-            if (contact_.response == ContactResponse::impulse && plane_count_ > 0 && touches_anything(unit)) fly_with_contacts(unit, info);
+            if (contact_.response == ContactResponse::impulse && plane_count_ > 0 && touches_anything(unit))
+                fly_with_contacts(unit, info);
             else fly(unit, info, {});
         } else {
             fly(unit, info, {});
@@ -622,7 +680,8 @@ private:
     }
 
     [[nodiscard]] bool touches_anything(const Unit& unit) const {
-        for (int k = 0; k < unit.count; ++k) if (shape_[unit.id[k]].kind != ShapeKind::none) return true;
+        for (int k = 0; k < unit.count; ++k)
+            if (shape_[unit.id[k]].kind != ShapeKind::none) return true;
         return false;
     }
 
@@ -650,13 +709,17 @@ private:
     struct Saved {
         State state[load_capacity];
     };
-    void save(const Unit& unit, Saved& saved) const { for (int k = 0; k < unit.count; ++k) saved.state[k] = state_[unit.id[k]]; }
-    void restore(const Unit& unit, const Saved& saved) { for (int k = 0; k < unit.count; ++k) state_[unit.id[k]] = saved.state[k]; }
+    void save(const Unit& unit, Saved& saved) const {
+        for (int k = 0; k < unit.count; ++k) saved.state[k] = state_[unit.id[k]];
+    }
+    void restore(const Unit& unit, const Saved& saved) {
+        for (int k = 0; k < unit.count; ++k) state_[unit.id[k]] = saved.state[k];
+    }
 
-    // One step with impacts. A flight that starts clear of the tolerance band and ends below the surface, or ends deeper
-    // than the tolerance, is discarded and redone to the impact, found by a bracketed root finder on the gap; then the
-    // rest of the step follows. After max_impacts (a ball coming to rest bounces without end in finite time) the rest of
-    // the step is taken without another search and what still approaches is stopped.
+    // One step with impacts. A flight that starts clear of the tolerance band and ends below the surface, or ends
+    // deeper than the tolerance, is discarded and redone to the impact, found by a bracketed root finder on the gap;
+    // then the rest of the step follows. After max_impacts (a ball coming to rest bounces without end in finite time)
+    // the rest of the step is taken without another search and what still approaches is stopped.
     void fly_with_contacts(const Unit& unit, const StepInfo<N>& info) {
         for (int k = 0; k < unit.count; ++k) touching_[unit.id[k]] = 0;
         Work remaining(1);
@@ -667,15 +730,19 @@ private:
             const Portion portion{impact == 0, remaining};
             fly(unit, info, portion);
             const Work gap_end = least_gap(unit);
-            // In touch: within the band, and not on the way through it, as a ball is that a step has left above the surface.
-            const bool touched = gap_start <= contact_.tolerance && !(gap_start > Work(0) && gap_start - gap_end > contact_.slow);
+            // In touch: within the band, and not on the way through it, as a ball is that a step has left above the
+            // surface.
+            const bool touched =
+                gap_start <= contact_.tolerance && !(gap_start > Work(0) && gap_start - gap_end > contact_.slow);
             const bool too_deep = gap_end < (touched ? -contact_.tolerance : Work(0));
             if (!too_deep || impact == max_impacts) {
                 resolve(unit, {start.state, false, touched, impact == max_impacts, too_deep && touched});
                 return;
             }
             // The surface, or halfway to the tolerance for a body that was already in the band.
-            const Work level = touched ? N::half_of(gap_start < Work(0) ? gap_start - contact_.tolerance : -contact_.tolerance) : Work(0);
+            const Work level =
+                touched ? N::half_of(gap_start < Work(0) ? gap_start - contact_.tolerance : -contact_.tolerance)
+                        : Work(0);
             const Work landed = land(unit, info, start, remaining, gap_start - level, gap_end - level, level);
             resolve(unit, {start.state, true, false, false, false});
             remaining -= landed;
@@ -687,7 +754,8 @@ private:
 
     // Redoes the flight from `start` until the gap is at `level`; returns the portion of the step flown. Illinois'
     // variant of the secant method: the bracket [0, remaining] has gaps of opposite sign and never loses the root.
-    Work land(const Unit& unit, const StepInfo<N>& info, const Saved& start, Work remaining, Work gap_low, Work gap_high, Work level) {
+    Work land(const Unit& unit, const StepInfo<N>& info, const Saved& start, Work remaining, Work gap_low,
+              Work gap_high, Work level) {
         Work low(0), high = remaining;
         if (!(gap_low > Work(0))) gap_low = N::half_of(contact_.tolerance);
         const Work close_enough = contact_.tolerance * N::template constant<Work>(Real::scaled(1, -16));
@@ -719,11 +787,11 @@ private:
 
     // How a flight has ended.
     struct Touchdown {
-        const State* start;                       // of the unit's bodies, where the flight began
-        bool impact;                              // at the time of an impact; else at the end of the step
-        bool resting;                             // in touch since it began
-        bool stop;                                // the last: what still approaches is stopped
-        bool sunk;                                // deeper than the tolerance
+        const State* start;  // of the unit's bodies, where the flight began
+        bool impact;         // at the time of an impact; else at the end of the step
+        bool resting;        // in touch since it began
+        bool stop;           // the last: what still approaches is stopped
+        bool sunk;           // deeper than the tolerance
     };
 
     // Impulses at all points in touch, and the position put right where a resting body has sunk.
@@ -737,7 +805,7 @@ private:
     [[nodiscard]] static Work combined_restitution(Work a, Work b, Work otherwise) {
         const Work none(0);
         if (a < none && b < none) return otherwise;
-        return a < b ? b : a;                      // the larger of what is named
+        return a < b ? b : a;  // the larger of what is named
     }
     // The geometric mean; a side that names none takes the world's.
     [[nodiscard]] static Work combined_friction(Work a, Work b, Work otherwise) {
@@ -793,8 +861,10 @@ private:
                 c.pushed = Work(0);
                 c.dragged = zero_vector<N>();
                 c.mass = Work(1) / motion.response(c.turning);
-                if (end.stop && e * v < -(contact_.slow * steps_per_second_)) status_.set(Issue::step_bound_hit, b, steps_taken_);
-                c.target = target_velocity(v, gap, e, end.resting ? dot(fall_w, work_unit<N>(plane.normal)) : Work(0), end.stop);
+                if (end.stop && e * v < -(contact_.slow * steps_per_second_))
+                    status_.set(Issue::step_bound_hit, b, steps_taken_);
+                c.target = target_velocity(v, gap, e, end.resting ? dot(fall_w, work_unit<N>(plane.normal)) : Work(0),
+                                           end.stop);
             });
         }
         if (count == 0) return;
@@ -832,8 +902,8 @@ private:
         return -(gap * steps_per_second_);
     }
 
-    Real step_length_;                            // s
-    DriftSum gravity_[3]{};                       // change of drift a step
+    Real step_length_;       // s
+    DriftSum gravity_[3]{};  // change of drift a step, or half of it: see fall_in_halves
     State state_[S::bodies]{};
     BodyData body_[S::bodies]{};
     Status status_{};

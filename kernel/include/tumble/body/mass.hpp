@@ -13,8 +13,8 @@ struct InertiaTensor {
 };
 
 struct PrincipalInertia {
-    RealVec3 moments;      // kg m^2, sorted downwards
-    RealQuat principal;    // rotates principal-frame vectors into the user's body frame
+    RealVec3 moments;    // kg m^2, sorted downwards
+    RealQuat principal;  // rotates principal-frame vectors into the user's body frame
 };
 
 enum class ShapeKind : std::uint8_t { none, sphere, box, cylinder, hoop, capsule, points };
@@ -79,16 +79,21 @@ constexpr void jacobi_rotate(Real (&a)[3][3], Real (&v)[3][3], int p, int q) {
         detail::jacobi_rotate(a, v, 0, 2);
         detail::jacobi_rotate(a, v, 1, 2);
     }
-    int order[3] = {0, 1, 2};   // stable: equal moments keep the user's order
+    int order[3] = {0, 1, 2};  // stable: equal moments keep the user's order
     const auto swap_if_less = [&](int m, int n) {
-        if (a[order[m]][order[m]] < a[order[n]][order[n]]) { const int t = order[m]; order[m] = order[n]; order[n] = t; }
+        if (a[order[m]][order[m]] < a[order[n]][order[n]]) {
+            const int t = order[m];
+            order[m] = order[n];
+            order[n] = t;
+        }
     };
     swap_if_less(0, 1);
     swap_if_less(1, 2);
     swap_if_less(0, 1);
     const auto column = [&](int n) { return RealVec3{v[0][order[n]], v[1][order[n]], v[2][order[n]]}; };
     const RealVec3 x = column(0), y = column(1);
-    return {{a[order[0]][order[0]], a[order[1]][order[1]], a[order[2]][order[2]]}, detail::quaternion_of(x, y, cross(x, y))};
+    return {{a[order[0]][order[0]], a[order[1]][order[1]], a[order[2]][order[2]]},
+            detail::quaternion_of(x, y, cross(x, y))};
 }
 
 // The tensor of a homogeneous solid (hoop: a thin ring) of the given mass, kg m^2. `none` has none: zero.
@@ -97,13 +102,24 @@ constexpr void jacobi_rotate(Real (&a)[3][3], Real (&v)[3][3], int p, int q) {
     const auto diagonal = [&](Real x, Real y, Real z) { return InertiaTensor{mass * x, mass * y, mass * z, 0, 0, 0}; };
     const Real twelfth = Real{1} / Real{12};
     switch (shape.kind) {
-    case ShapeKind::sphere: { const Real i = a * a * Real{2} / Real{5}; return diagonal(i, i, i); }
-    case ShapeKind::box: return diagonal((b * b + c * c) * twelfth, (a * a + c * c) * twelfth, (a * a + b * b) * twelfth);
-    case ShapeKind::cylinder: { const Real t = (a * a * Real{3} + b * b) * twelfth; return diagonal(t, t, a * a / Real{2}); }
-    case ShapeKind::hoop: { const Real t = a * a / Real{2}; return diagonal(t, t, a * a); }
+    case ShapeKind::sphere: {
+        const Real i = a * a * Real{2} / Real{5};
+        return diagonal(i, i, i);
+    }
+    case ShapeKind::box:
+        return diagonal((b * b + c * c) * twelfth, (a * a + c * c) * twelfth, (a * a + b * b) * twelfth);
+    case ShapeKind::cylinder: {
+        const Real t = (a * a * Real{3} + b * b) * twelfth;
+        return diagonal(t, t, a * a / Real{2});
+    }
+    case ShapeKind::hoop: {
+        const Real t = a * a / Real{2};
+        return diagonal(t, t, a * a);
+    }
     case ShapeKind::capsule: {
         // Straight part and the two caps share the mass as their volumes, length : 4/3 radius.
-        const Real caps_length = a * Real{4} / Real{3}, straight = b / (b + caps_length), caps = caps_length / (b + caps_length);
+        const Real caps_length = a * Real{4} / Real{3}, straight = b / (b + caps_length),
+                   caps = caps_length / (b + caps_length);
         const Real axial = straight * a * a / Real{2} + caps * a * a * Real{2} / Real{5};
         const Real transverse = straight * (b * b * twelfth + a * a / Real{4}) +
                                 caps * (a * a * Real{2} / Real{5} + b * b / Real{4} + a * b * Real{3} / Real{8});
@@ -128,8 +144,8 @@ constexpr void jacobi_rotate(Real (&a)[3][3], Real (&v)[3][3], int p, int q) {
 
 // Point masses: total mass, centre of mass, and the tensor about that centre.
 struct PointMass {
-    RealVec3 position;   // m
-    Real mass;           // kg
+    RealVec3 position;  // m
+    Real mass;          // kg
 };
 struct PointCloud {
     Real mass;

@@ -16,11 +16,31 @@ struct Delta {
         constexpr typename N::Angle zero{};
         return {zero, {zero, zero, zero}};
     }
-    // The rotation by tan(angle/2) = |half_turn|, of unit length to |half_turn|^4 / 8: Euler's, with its own renormalisation.
+    // The rotation by tan(angle/2) = |half_turn|, of unit length to |half_turn|^4 / 8: Euler's, with its own
+    // renormalisation.
     [[nodiscard]] TUMBLE_INLINE static Delta of(const Vec3<typename N::Angle>& half_turn) {
         return {-N::half_angle(upper_word(dot(half_turn, half_turn))), half_turn};
     }
 };
+
+// (1 + z)^(-1/2) - 1 for 0 <= z < 1/4: what makes (1, c) a unit quaternion, z = |c|^2. Three terms of the series and a
+// Newton step in fixed point; a square root and a division in floating point.
+template <class N>
+[[nodiscard]] TUMBLE_INLINE typename N::Angle inverse_length_less_one(typename N::Angle z) {
+    using Angle = typename N::Angle;
+    if constexpr (N::fixed_point) {
+        const auto times = [](Angle a, Angle b) { return upper_word(mul(a, b)); };
+        constexpr Angle c2 = Angle::from(Real{0.375}), c3 = Angle::from(Real{0.3125});
+        const Angle r = times(z, times(z, c2 - times(z, c3))) - N::half_angle(z);
+        // (1 + z) (1 + r)^2 = 1 + excess
+        const Angle square = r + r + times(r, r), excess = z + square + times(z, square);
+        const Angle half = N::half_angle(excess);
+        return r - half - times(half, r);
+    } else {
+        const Angle root = sqrt(Angle(1) + z);
+        return -z / (root * (Angle(1) + root));
+    }
+}
 
 // (|q|^2 - 1) / 2, the first-order excess of the norm.
 template <class N>
@@ -40,7 +60,9 @@ TUMBLE_INLINE void turn(IntegratedQuat<N>& q_wb, Delta<N> delta) {
     const Quat<typename N::Unit> q = q_wb.value();
     const auto w = delta.w - norm_excess<N>(q);
     const auto& v = delta.v;
-    q_wb.w.accumulate(q.w, w, [&](auto sum) { return mul_sub(mul_sub(mul_sub(sum, q.v.x(), v.x()), q.v.y(), v.y()), q.v.z(), v.z()); });
+    q_wb.w.accumulate(q.w, w, [&](auto sum) {
+        return mul_sub(mul_sub(mul_sub(sum, q.v.x(), v.x()), q.v.y(), v.y()), q.v.z(), v.z());
+    });
     q_wb.x.accumulate(q.w, v.x(), [&](auto sum) { return add_cross_component<0>(mul_add(sum, q.v.x(), w), q.v, v); });
     q_wb.y.accumulate(q.w, v.y(), [&](auto sum) { return add_cross_component<1>(mul_add(sum, q.v.y(), w), q.v, v); });
     q_wb.z.accumulate(q.w, v.z(), [&](auto sum) { return add_cross_component<2>(mul_add(sum, q.v.z(), w), q.v, v); });

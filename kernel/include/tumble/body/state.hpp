@@ -22,7 +22,9 @@ template <class N>
 struct IntegratedQuat {
     typename N::IntegratedUnit w, x, y, z;
 
-    [[nodiscard]] TUMBLE_INLINE Quat<typename N::Unit> value() const { return {w.value(), {x.value(), y.value(), z.value()}}; }
+    [[nodiscard]] TUMBLE_INLINE Quat<typename N::Unit> value() const {
+        return {w.value(), {x.value(), y.value(), z.value()}};
+    }
     friend constexpr bool operator==(const IntegratedQuat&, const IntegratedQuat&) = default;
 };
 
@@ -35,7 +37,8 @@ enum class Spin : std::uint8_t { angular_velocity, angular_momentum };
 
 // Spin about the three body axes. Angular velocity drives its own change by its rounded value, so that value is shaped.
 template <class N, Spin spin>
-using SpinNumber = std::conditional_t<spin == Spin::angular_velocity, Shaped<typename N::Turn, N::carry>, Carried<typename N::Turn, N::carry>>;
+using SpinNumber = std::conditional_t<spin == Spin::angular_velocity, Shaped<typename N::Turn, N::carry>,
+                                      Carried<typename N::Turn, N::carry>>;
 
 template <class N, Spin spin>
 struct SpinVec3 {
@@ -50,10 +53,10 @@ struct SpinVec3 {
 
 template <class N, Spin spin>
 struct BodyState {
-    IntegratedVec3<N, typename N::Position> x_w;   // m, of the centre of mass
-    IntegratedVec3<N, typename N::Drift> d_w;      // velocity, as displacement per step
-    IntegratedQuat<N> q_wb;                        // unit; body (principal axes) to world
-    SpinVec3<N, spin> t_b;                         // half the angle per step, rad: h/2 omega, or h/2 L / I_y
+    IntegratedVec3<N, typename N::Position> x_w;  // m, of the centre of mass
+    IntegratedVec3<N, typename N::Drift> d_w;     // velocity, as displacement per step
+    IntegratedQuat<N> q_wb;                       // unit; body (principal axes) to world
+    SpinVec3<N, spin> t_b;                        // half the angle per step, rad: h/2 omega, or h/2 L / I_y
 
     friend constexpr bool operator==(const BodyState&, const BodyState&) = default;
 };

@@ -11,17 +11,18 @@ template <class N>
 struct Plane {
     using Work = typename N::Work;
 
-    Vec3<typename N::Unit> normal = Vec3<typename N::Unit>::Constant(typename N::Unit{});   // unit; towards the free side
-    Work offset{};                        // m
-    Work restitution{}, friction{};       // negative: the world's default
+    Vec3<typename N::Unit> normal =
+        Vec3<typename N::Unit>::Constant(typename N::Unit{});  // unit; towards the free side
+    Work offset{};                                             // m
+    Work restitution{}, friction{};                            // negative: the world's default
 };
 
 // What touches planes. half: the sphere's radius in the first component; the box's half edges, m.
 template <class N>
 struct ContactShape {
-    ShapeKind kind = ShapeKind::none;     // sphere, box, or none: nothing touches
+    ShapeKind kind = ShapeKind::none;  // sphere, box, or none: nothing touches
     WorkVec3<N> half = zero_vector<N>();
-    Quat<typename N::Work> principal{};   // principal axes to the box's own
+    Quat<typename N::Work> principal{};  // principal axes to the box's own
     typename N::Work restitution{}, friction{};
 };
 
@@ -37,7 +38,9 @@ template <class N>
     return {N::work(q.w), {N::work(q.v.x()), N::work(q.v.y()), N::work(q.v.z())}};
 }
 template <class N>
-[[nodiscard]] inline WorkVec3<N> work_unit(const Vec3<typename N::Unit>& n) { return {N::work(n.x()), N::work(n.y()), N::work(n.z())}; }
+[[nodiscard]] inline WorkVec3<N> work_unit(const Vec3<typename N::Unit>& n) {
+    return {N::work(n.x()), N::work(n.y()), N::work(n.z())};
+}
 
 template <class N>
 class PlaneView {

@@ -11,20 +11,20 @@ template <class N>
 struct ContactPoint {
     using Work = typename N::Work;
 
-    WorkVec3<N> arm, normal, turning;     // r, n, r x n
-    Work gap{};                           // m
-    Work target{};                        // normal velocity that the impulse must reach, m/s
-    Work mass{};                          // effective mass along the normal, kg
+    WorkVec3<N> arm, normal, turning;  // r, n, r x n
+    Work gap{};                        // m
+    Work target{};                     // normal velocity that the impulse must reach, m/s
+    Work mass{};                       // effective mass along the normal, kg
     Work friction{};
-    Work pushed{};                        // normal impulse so far, N s: never negative
-    WorkVec3<N> dragged = zero_vector<N>();   // tangential impulse so far, N s
+    Work pushed{};                           // normal impulse so far, N s: never negative
+    WorkVec3<N> dragged = zero_vector<N>();  // tangential impulse so far, N s
 };
 
 template <class N>
 struct RigidMotion {
     using Work = typename N::Work;
 
-    WorkVec3<N> v, w;                     // m/s, rad/s, both in principal axes
+    WorkVec3<N> v, w;  // m/s, rad/s, both in principal axes
     Work inverse_mass{};
     WorkVec3<N> inverse_moments;
 
@@ -43,7 +43,7 @@ struct RigidMotion {
 };
 
 namespace contact {
-inline constexpr int max_points = 16;   // of one body at one time
+inline constexpr int max_points = 16;  // of one body at one time
 inline constexpr int sweeps = 12;
 }  // namespace contact
 
@@ -71,7 +71,8 @@ void solve_impulses(RigidMotion<N>& motion, ContactPoint<N>* points, int count) 
                 if (!(speed2 > Work(0))) continue;
                 const Work speed = sqrt(speed2);
                 const WorkVec3<N> along = scaled_by(slip, Work(1) / speed);
-                const WorkVec3<N> wanted = p.dragged - scaled_by(along, speed / motion.response(cross<Work>(p.arm, along)));
+                const WorkVec3<N> wanted =
+                    p.dragged - scaled_by(along, speed / motion.response(cross<Work>(p.arm, along)));
                 const Work size = sqrt(dot(wanted, wanted)), limit = p.friction * p.pushed;
                 const WorkVec3<N> dragged = size > limit ? scaled_by(wanted, limit / size) : wanted;
                 motion.apply(dragged - p.dragged, p.arm);

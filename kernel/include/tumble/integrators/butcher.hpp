@@ -12,7 +12,7 @@ namespace tumble {
 template <int S>
 struct ButcherTable {
     static constexpr int stages = S;
-    Rational a[S][S];   // strictly lower triangular
+    Rational a[S][S];  // strictly lower triangular
     Rational b[S];
 
     // The least common denominator of the weights; b[i] is weight(i) / denominator().
@@ -27,23 +27,27 @@ struct ButcherTable {
 inline constexpr ButcherTable<1> euler_table{{{{}}}, {{1, 1}}};
 inline constexpr ButcherTable<2> midpoint_table{{{{}, {}}, {{1, 2}, {}}}, {{}, {1, 1}}};
 inline constexpr ButcherTable<2> heun_table{{{{}, {}}, {{1, 1}, {}}}, {{1, 2}, {1, 2}}};
-inline constexpr ButcherTable<4> rk4_table{{{{}, {}, {}, {}}, {{1, 2}, {}, {}, {}}, {{}, {1, 2}, {}, {}}, {{}, {}, {1, 1}, {}}},
-                                           {{1, 6}, {1, 3}, {1, 3}, {1, 6}}};
+inline constexpr ButcherTable<4> rk4_table{
+    {{{}, {}, {}, {}}, {{1, 2}, {}, {}, {}}, {{}, {1, 2}, {}, {}}, {{}, {}, {1, 1}, {}}},
+    {{1, 6}, {1, 3}, {1, 3}, {1, 6}}};
 
 namespace detail {
 
 // Calls f with std::integral_constant 0 .. N-1, so that table entries are constants in each call.
 template <int N, class F>
 TUMBLE_INLINE void unroll(F&& f) {
-    [&]<int... i>(std::integer_sequence<int, i...>) {
-        (f(std::integral_constant<int, i>{}), ...);
-    }(std::make_integer_sequence<int, N>{});
+    [&]<int... i>(std::integer_sequence<int, i...>) { (f(std::integral_constant<int, i>{}), ...); }
+    (std::make_integer_sequence<int, N>{});
 }
 
 // Greatest common divisor taken out, so that 2/2 is 1.
 [[nodiscard]] constexpr Rational reduced(Rational r) {
     int a = r.numerator < 0 ? -r.numerator : r.numerator, b = r.denominator;
-    while (b != 0) { const int t = a % b; a = b; b = t; }
+    while (b != 0) {
+        const int t = a % b;
+        a = b;
+        b = t;
+    }
     return a == 0 ? Rational{} : Rational{r.numerator / a, r.denominator / a};
 }
 
@@ -56,7 +60,10 @@ TUMBLE_INLINE void unroll(F&& f) {
 template <Rational r, int F>
 [[nodiscard]] TUMBLE_INLINE Wide<F> times(Wide<F> a) {
     if constexpr (r == Rational{1, 1}) return a;
-    else if constexpr (r.is_dyadic()) return {static_cast<std::int64_t>(static_cast<std::uint64_t>(a.raw) * static_cast<std::uint64_t>(r.numerator)) >> log2_of(r.denominator)};
+    else if constexpr (r.is_dyadic())
+        return {
+            static_cast<std::int64_t>(static_cast<std::uint64_t>(a.raw) * static_cast<std::uint64_t>(r.numerator)) >>
+            log2_of(r.denominator)};
     else return {a.raw / r.denominator * r.numerator};
 }
 // r * a as an accumulator with 32 more fraction bits.
@@ -66,7 +73,7 @@ template <Rational r, int F>
         constexpr std::int64_t factor = scaled_rational(r, 32);
         return {static_cast<std::int64_t>(a.raw) * factor};
     } else {
-        return mul(a, Fixed<32>::from_raw(static_cast<std::int32_t>(scaled_rational(r, 32))));   // |r| < 1/2
+        return mul(a, Fixed<32>::from_raw(static_cast<std::int32_t>(scaled_rational(r, 32))));  // |r| < 1/2
     }
 }
 template <Rational r, int F>
@@ -81,7 +88,9 @@ template <Rational r, class T>
     else return a * (static_cast<T>(r.numerator) / static_cast<T>(r.denominator));
 }
 template <Rational r, class T>
-[[nodiscard]] TUMBLE_INLINE T weighted(T a) { return times<r>(a); }
+[[nodiscard]] TUMBLE_INLINE T weighted(T a) {
+    return times<r>(a);
+}
 
 }  // namespace detail
 }  // namespace tumble

@@ -1,6 +1,7 @@
 // Rotation by Euler's equations in the body frame, for methods whose spin is the angular velocity.
 // With t the half turn per step, the equations lose the step size:  dt_i/dn = 2 kappa_i t_j t_k,  (i, j, k) cyclic,
-// kappa_i = (I_j - I_k) / I_i, and the triangle inequality of moments puts every kappa in [-1, 1]: one format for all bodies.
+// kappa_i = (I_j - I_k) / I_i, and the triangle inequality of moments puts every kappa in [-1, 1]: one format for all
+// bodies.
 #pragma once
 
 #include <tumble/integrators/method.hpp>

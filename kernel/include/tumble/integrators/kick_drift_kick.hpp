@@ -1,14 +1,47 @@
 // Kick-drift-kick: half a kick by forces and torques, a drift of the centre of mass with a torque-free rotation, and
-// half a kick. Order 2, reversible in time. RotationFlow supplies the rotation; with no loads only it and the drift run.
-// Velocity-dependent loads (drag, damping) keep the symmetry: the first half kick is explicit Euler's, the second is
-// implicit Euler's, its adjoint, solved by fixed-point iteration.
+// half a kick. Order 2, reversible in time. RotationFlow supplies the rotation; with no loads only it and the drift
+// run. Velocity-dependent loads (drag, damping) keep the symmetry: the first half kick is explicit Euler's, the second
+// is implicit Euler's, its adjoint, solved by fixed-point iteration.
+//
+// Composed<RotationFlow, Parts> takes several such steps, of parts of a step that cancel the leading errors. Loads that
+// depend on position alone are evaluated once between two parts, because both kick with the same force.
 #pragma once
 
 #include <tumble/integrators/method.hpp>
 
-namespace tumble::integrators {
+namespace tumble {
 
-template <class RotationFlow>
+namespace detail {
+
+// A whole step, as a composition of one.
+struct OnePart {
+    static constexpr int count = 1;
+    [[nodiscard]] static constexpr Real of(int) { return 1; }
+};
+
+// The half kick that ends a part, where loads depend on velocity: kick = the loads at the velocity that it leads to.
+template <class N, int capacity, class Evaluate, class HalfOf>
+void solve_end_kick(const StageState<N> (&state)[capacity], int count, Kick<N> (&kick)[capacity], Evaluate& evaluate,
+                    HalfOf&& half) {
+    constexpr int iterations = 6;
+    for (int iteration = 0; iteration < iterations; ++iteration) {
+        StageState<N> end[capacity];
+        for (int b = 0; b < count; ++b) {
+            end[b] = state[b];
+            for (int i = 0; i < 3; ++i) {
+                end[b].d_w[i] += half(kick[b].linear[i]);
+                end[b].t_b[i] += N::narrow_turn(half(kick[b].angular[i]));
+            }
+        }
+        evaluate(end, kick);
+    }
+}
+
+}  // namespace detail
+
+namespace integrators {
+
+template <class RotationFlow, class Parts = tumble::detail::OnePart>
 struct KickDriftKick {
     static constexpr Spin spin = Spin::angular_momentum;
     static constexpr Coasting coasting = Coasting::mean;
@@ -17,49 +50,86 @@ struct KickDriftKick {
     using Inertia = typename RotationFlow::template Inertia<N>;
 
     template <class N>
-    TUMBLE_INLINE static void rotate(BodyState<N, Spin::angular_momentum>& body, const Inertia<N>& inertia, const StepInfo<N>& step) {
-        RotationFlow::template flow<N>(body, inertia, step);
+    TUMBLE_INLINE static auto rotate(BodyState<N, Spin::angular_momentum>& body, const Inertia<N>& inertia,
+                                     const StepInfo<N>& step) {
+        return RotationFlow::template flow<N>(body, inertia, step);
     }
 
+    // Do the constants of a flow depend on the spin? Then whoever changes it calls prepare.
+    template <class N>
+    static constexpr bool needs_preparation = requires(Inertia<N>& inertia, const BodyState<N, spin>& body,
+                                                       typename N::Scale scale) {
+        inertia.prepare(body, scale);
+    };
+
     template <class N, int capacity, class Evaluate>
-    static bool advance(const Group<N, spin, Inertia<N>, capacity>& group, Evaluate&& evaluate, const StepInfo<N>& step) {
+    static bool advance(const Group<N, spin, Inertia<N>, capacity>& group, Evaluate&& evaluate,
+                        const StepInfo<N>& step) {
         StageState<N> state[capacity];
         Kick<N> kick[capacity];
-        const auto kick_bodies = [&] {
+        // Loads at the present state, and the drifts and spins that a half kick of theirs makes.
+        const auto look = [&] {
+            for (int b = 0; b < group.count; ++b) state[b] = stage_of(*group.body[b]);
+            evaluate(state, kick);
+        };
+        const auto kick_bodies = [&](auto&& share) {
             for (int b = 0; b < group.count; ++b) {
                 for (int i = 0; i < 3; ++i) {
-                    N::add(group.body[b]->d_w[i], N::half(kick[b].linear[i]));
-                    group.body[b]->t_b[i].add(N::half_turn_sum(kick[b].angular[i]));
+                    N::add(group.body[b]->d_w[i], share(kick[b].linear[i]));
+                    group.body[b]->t_b[i].add(share(kick[b].angular[i]));
                 }
             }
         };
-        for (int b = 0; b < group.count; ++b) state[b] = stage_of(*group.body[b]);
-        evaluate(state, kick);
-        kick_bodies();
-        for (int b = 0; b < group.count; ++b) {
-            BodyState<N, Spin::angular_momentum>& body = *group.body[b];
-            for (int i = 0; i < 3; ++i) N::coast(body.x_w[i], body.d_w[i], {}, step.scale);
-            RotationFlow::template flow<N>(body, *group.inertia[b], step);
-            state[b] = stage_of(body);
-        }
-        evaluate(state, kick);
-        if (evaluate.depends_on_velocity()) {
-            constexpr int iterations = 6;
-            for (int iteration = 0; iteration < iterations; ++iteration) {
-                StageState<N> end[capacity];
-                for (int b = 0; b < group.count; ++b) {
-                    end[b] = state[b];
-                    for (int i = 0; i < 3; ++i) {
-                        end[b].d_w[i] += N::half(kick[b].linear[i]);
-                        end[b].t_b[i] += N::narrow_turn(N::half_turn_sum(kick[b].angular[i]));
-                    }
-                }
-                evaluate(end, kick);
+        const bool velocity_matters = evaluate.depends_on_velocity();
+        bool converged = true;
+        look();
+        for (int part = 0; part < Parts::count; ++part) {
+            const auto half = [&](auto sum) { return half_of_part<N>(sum, part); };
+            if (part > 0 && velocity_matters) look();
+            kick_bodies(half);
+            for (int b = 0; b < group.count; ++b) {
+                BodyState<N, Spin::angular_momentum>& body = *group.body[b];
+                for (int i = 0; i < 3; ++i) drift<N>(body.x_w[i], body.d_w[i], part, step.scale);
+                if constexpr (needs_preparation<N>) group.inertia[b]->prepare(body, step.scale);
+                converged = turn_part<N>(body, *group.inertia[b], part, step) && converged;
             }
+            look();
+            if (velocity_matters) tumble::detail::solve_end_kick<N>(state, group.count, kick, evaluate, half);
+            kick_bodies(half);
         }
-        kick_bodies();
-        return true;
+        return converged;
+    }
+
+private:
+    template <class N>
+    [[nodiscard]] static auto half_of_part(auto sum, int part) {
+        if constexpr (Parts::count == 1) return N::half(sum);
+        else return N::half(N::part(sum, N::template constant<typename N::Fraction>(Parts::of(part))));
+    }
+    template <class N>
+    TUMBLE_INLINE static void drift(typename N::template Integrated<typename N::Position>& x,
+                                    const typename N::template Integrated<typename N::Drift>& d, int part,
+                                    typename N::Scale scale) {
+        if constexpr (Parts::count == 1) N::coast(x, d, {}, scale);
+        else N::move(x, N::part(N::sum(d), N::template constant<typename N::Fraction>(Parts::of(part))), scale);
+    }
+    // A flow of one part has no number; flows that cannot fail return nothing.
+    template <class N>
+    [[nodiscard]] TUMBLE_INLINE static bool turn_part(BodyState<N, Spin::angular_momentum>& body,
+                                                      const Inertia<N>& inertia, [[maybe_unused]] int part,
+                                                      const StepInfo<N>& step) {
+        const auto run = [&] {
+            if constexpr (Parts::count == 1) return RotationFlow::template flow<N>(body, inertia, step);
+            else return RotationFlow::template flow_part<N>(body, inertia, part, step);
+        };
+        if constexpr (std::is_void_v<decltype(run())>) {
+            run();
+            return true;
+        } else {
+            return run();
+        }
     }
 };
 
-}  // namespace tumble::integrators
+}  // namespace integrators
+}  // namespace tumble

@@ -3,8 +3,12 @@
 #pragma once
 
 #include <tumble/integrators/implicit_euler.hpp>
+#include <tumble/integrators/implicit_midpoint.hpp>
+#include <tumble/integrators/pdmv.hpp>
 #include <tumble/integrators/runge_kutta.hpp>
 #include <tumble/integrators/semi_implicit_euler.hpp>
+#include <tumble/integrators/strang.hpp>
+#include <tumble/integrators/suzuki4.hpp>
 #include <tumble/integrators/verlet.hpp>
 
 namespace tumble {
@@ -15,7 +19,9 @@ struct IntegratorList {
 
     // Calls f.template operator()<Method>() for each.
     template <class F>
-    static constexpr void for_each(F&& f) { (f.template operator()<Methods>(), ...); }
+    static constexpr void for_each(F&& f) {
+        (f.template operator()<Methods>(), ...);
+    }
 };
 
 // One a line: builds read them from here.
@@ -24,10 +30,17 @@ using Integrators = IntegratorList<
     integrators::ExplicitEuler,
     integrators::SemiImplicitEuler,
     integrators::ImplicitEuler,
+    integrators::ImplicitMidpoint,
     integrators::Midpoint,
     integrators::Heun,
     integrators::Rk4,
-    integrators::Verlet>;
+    integrators::Verlet,
+    integrators::Strang,
+    integrators::Suzuki4,
+    integrators::Pdmv4,
+    integrators::Pdmv6,
+    integrators::Pdmv8,
+    integrators::Pdmv10>;
 // clang-format on
 
 }  // namespace tumble

@@ -6,6 +6,7 @@
 //   coasting                        how position advances under constant acceleration
 //   Inertia<N>::of(moments, step, scale)   the constants of a body that its rotation needs
 //   rotate<N>(body, inertia, step)         one step of torque-free rotation
+//   inertia.prepare(body, scale)           only where those constants depend on the spin: called whenever it is changed
 //   advance<N, capacity>(group, evaluate, step)   one step of bodies whose loads depend on their state
 // A new method is one such header and one line in integrators/list.hpp.
 #pragma once
@@ -51,7 +52,7 @@ template <class N, Spin spin, class Inertia, int capacity>
 struct Group {
     int count = 0;
     BodyState<N, spin>* body[capacity]{};
-    const Inertia* inertia[capacity]{};
+    Inertia* inertia[capacity]{};
 };
 
 template <class N, Spin spin>
@@ -70,16 +71,19 @@ template <class N, Spin spin>
 template <class N>
 [[nodiscard]] TUMBLE_INLINE Quat<typename N::Unit> turned(const Quat<typename N::Unit>& q, const Delta<N>& delta) {
     using Unit = typename N::Unit;
-    return {q.w + narrow<Unit>(mul(q.w, delta.w) - dot(q.v, delta.v)),
-            {q.v.x() + narrow<Unit>(add_cross_component<0>(mul_add(mul(q.w, delta.v.x()), q.v.x(), delta.w), q.v, delta.v)),
-             q.v.y() + narrow<Unit>(add_cross_component<1>(mul_add(mul(q.w, delta.v.y()), q.v.y(), delta.w), q.v, delta.v)),
-             q.v.z() + narrow<Unit>(add_cross_component<2>(mul_add(mul(q.w, delta.v.z()), q.v.z(), delta.w), q.v, delta.v))}};
+    return {
+        q.w + narrow<Unit>(mul(q.w, delta.w) - dot(q.v, delta.v)),
+        {q.v.x() + narrow<Unit>(add_cross_component<0>(mul_add(mul(q.w, delta.v.x()), q.v.x(), delta.w), q.v, delta.v)),
+         q.v.y() + narrow<Unit>(add_cross_component<1>(mul_add(mul(q.w, delta.v.y()), q.v.y(), delta.w), q.v, delta.v)),
+         q.v.z() +
+             narrow<Unit>(add_cross_component<2>(mul_add(mul(q.w, delta.v.z()), q.v.z(), delta.w), q.v, delta.v))}};
 }
 
 // The angles of three turns.
 template <class N>
 [[nodiscard]] TUMBLE_INLINE Vec3<typename N::Angle> angles(const Vec3<typename N::Turn>& t, const StepInfo<N>& step) {
-    return {N::angle(t.x(), step.scale, step.dither), N::angle(t.y(), step.scale, step.dither), N::angle(t.z(), step.scale, step.dither)};
+    return {N::angle(t.x(), step.scale, step.dither), N::angle(t.y(), step.scale, step.dither),
+            N::angle(t.z(), step.scale, step.dither)};
 }
 
 }  // namespace tumble

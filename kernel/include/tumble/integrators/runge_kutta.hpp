@@ -1,7 +1,8 @@
 // Explicit Runge-Kutta methods: one stepping function for every Butcher table, on translation and rotation.
 // Rotation is integrated as a delta quaternion relative to identity: stage s has K_s = (1 + sum_j a_sj K_j) u_s with
-// u_s the stage's half turn, which is the method applied to q' = q u because that equation is linear in q from the left.
-// Cost: per stage 3 multiplications for spin and 12 for the delta (the first stage none), 20 to turn the quaternion.
+// u_s the stage's half turn, which is the method applied to q' = q u because that equation is linear in q from the
+// left. Cost: per stage 3 multiplications for spin and 12 for the delta (the first stage none), 20 to turn the
+// quaternion.
 #pragma once
 
 #include <tumble/integrators/butcher.hpp>
@@ -43,7 +44,10 @@ template <const auto& table, int s, class N, class Inertia>
         constexpr Rational a = table.a[s][j];
         if constexpr (!a.is_zero()) {
             constexpr Rational twice = reduced({2 * a.numerator, a.denominator});
-            unroll<3>([&](auto axis) { constexpr int i = axis; t[i] += times<twice>(N::stage_turn(inertia.kappa[i], stages[j].products.v[i], scale)); });
+            unroll<3>([&](auto axis) {
+                constexpr int i = axis;
+                t[i] += times<twice>(N::stage_turn(inertia.kappa[i], stages[j].products.v[i], scale));
+            });
         }
     });
     return t;
@@ -62,7 +66,8 @@ template <const auto& table, int s, class N>
 
 // Applies the weighted sums of all stages to the body.
 template <const auto& table, class N, class Inertia>
-TUMBLE_INLINE void finish_rotation(BodyState<N, Spin::angular_velocity>& body, const RotationStage<N>* stages, const Inertia& inertia, const StepInfo<N>& step) {
+TUMBLE_INLINE void finish_rotation(BodyState<N, Spin::angular_velocity>& body, const RotationStage<N>* stages,
+                                   const Inertia& inertia, const StepInfo<N>& step) {
     typename N::AngleSum w{}, x{}, y{}, z{};
     TurnProducts<N> sum{};
     unroll<table.stages>([&](auto stage) {
@@ -74,7 +79,10 @@ TUMBLE_INLINE void finish_rotation(BodyState<N, Spin::angular_velocity>& body, c
             y += weighted<b>(stages[s].delta.v.y());
             z += weighted<b>(stages[s].delta.v.z());
             constexpr Rational weight{table.weight(s), 1};
-            unroll<3>([&](auto axis) { constexpr int i = axis; sum.v[i] += times<weight>(stages[s].products.v[i]); });
+            unroll<3>([&](auto axis) {
+                constexpr int i = axis;
+                sum.v[i] += times<weight>(stages[s].products.v[i]);
+            });
         }
     });
     const Dither d = step.dither;
@@ -99,7 +107,8 @@ struct RungeKutta {
     using Inertia = EulerInertia<N, table.denominator()>;
 
     template <class N>
-    TUMBLE_INLINE static void rotate(BodyState<N, Spin::angular_velocity>& body, const Inertia<N>& inertia, const StepInfo<N>& step) {
+    TUMBLE_INLINE static void rotate(BodyState<N, Spin::angular_velocity>& body, const Inertia<N>& inertia,
+                                     const StepInfo<N>& step) {
         detail::RotationStage<N> stages[table.stages];
         const Vec3<typename N::Turn> start = body.t_b.take();
         detail::unroll<table.stages>([&](auto stage) {
@@ -115,7 +124,8 @@ struct RungeKutta {
 
     // All bodies of the group stage by stage; `evaluate(stage states, kicks)` is called once a stage.
     template <class N, int capacity, class Evaluate>
-    static bool advance(const Group<N, spin, Inertia<N>, capacity>& group, Evaluate&& evaluate, const StepInfo<N>& step) {
+    static bool advance(const Group<N, spin, Inertia<N>, capacity>& group, Evaluate&& evaluate,
+                        const StepInfo<N>& step) {
         detail::RotationStage<N> rotation[capacity][table.stages];
         Kick<N> kick[table.stages][capacity];
         typename N::DriftSum drift[table.stages][capacity][3];

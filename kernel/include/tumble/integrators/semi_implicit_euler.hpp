@@ -16,7 +16,8 @@ struct SemiImplicitEuler {
     using Inertia = EulerInertia<N, 1>;
 
     template <class N>
-    TUMBLE_INLINE static void rotate(BodyState<N, Spin::angular_velocity>& body, const Inertia<N>& inertia, const StepInfo<N>& step) {
+    TUMBLE_INLINE static void rotate(BodyState<N, Spin::angular_velocity>& body, const Inertia<N>& inertia,
+                                     const StepInfo<N>& step) {
         const auto products = TurnProducts<N>::of(body.t_b.value());
         N::add_turn(body.t_b.x, inertia.summed[0], products.v[0], step.scale);
         N::add_turn(body.t_b.y, inertia.summed[1], products.v[1], step.scale);
@@ -25,7 +26,8 @@ struct SemiImplicitEuler {
     }
 
     template <class N, int capacity, class Evaluate>
-    static bool advance(const Group<N, spin, Inertia<N>, capacity>& group, Evaluate&& evaluate, const StepInfo<N>& step) {
+    static bool advance(const Group<N, spin, Inertia<N>, capacity>& group, Evaluate&& evaluate,
+                        const StepInfo<N>& step) {
         StageState<N> state[capacity];
         Kick<N> kick[capacity];
         for (int b = 0; b < group.count; ++b) state[b] = stage_of(*group.body[b]);

@@ -1,60 +1,45 @@
-// Free rotation by splitting off a symmetric top (Touma & Wisdom 1994; McLachlan 1993). The Hamiltonian |m|^2 / 2I_y of a
-// sphere with the middle moment is exact and common to all axes; what is left turns about the x axis (largest moment)
-// and the z axis (smallest):  sphere for h, x for h/2, z for h, x for h/2.  |m|^2 commutes with everything, so where the
-// sphere's turn stands does not matter: the map is symmetric in time. Order 2, |m| and the world's angular momentum exact
-// to rounding, exact for spheres and symmetric tops. No division, no square root.
-// Error constant: |1/I_x - 1/I_y| |1/I_z - 1/I_y|.
+// Free rotation by splitting off a symmetric top (Touma & Wisdom 1994; McLachlan 1993). The Hamiltonian |m|^2 / 2I_y of
+// a sphere with the middle moment is exact and common to all axes; what is left turns about the x axis (largest moment)
+// and the z axis (smallest):  sphere for h, x for h/2, z for h, x for h/2.  |m|^2 commutes with everything, so where
+// the sphere's turn stands does not matter: the map is symmetric in time. Order 2, |m| and the world's angular momentum
+// exact to rounding, exact for spheres and symmetric tops. No division, no square root. Error constant: |1/I_x - 1/I_y|
+// |1/I_z - 1/I_y|.
 #pragma once
 
-#include <tumble/integrators/method.hpp>
+#include <tumble/integrators/axis_turn.hpp>
+#include <tumble/integrators/composed.hpp>
 
 namespace tumble {
 
-template <class N>
+template <class N, template <class> class Part = WholeStep>
 struct SymmetricTopInertia {
-    typename N::template CoefficientOf<32> x_angle;   // I_y/I_x - 1, in [-1/2, 0]: angle of the half step about x, per turn
-    typename N::Coefficient z_half_angle;   // (I_y/I_z - 1) / 2^z_shift: half angle of the full step about z, per turn
-    std::int8_t z_shift;                    // a thin rod's spin is large for its momentum: 0 up to I_y = 2 I_z
-    std::int8_t most_up;                    // for N::Block
+    typename N::template CoefficientOf<32>
+        x_angle;                           // I_y/I_x - 1, in [-1/2, 0]: angle of the half step about x, per turn
+    typename N::Coefficient z_half_angle;  // (I_y/I_z - 1) / 2^z_shift: half angle of the full step about z, per turn
+    std::int8_t z_shift;                   // a thin rod's spin is large for its momentum: 0 up to I_y = 2 I_z
+    std::int8_t most_up;                   // for N::Block
+    [[no_unique_address]] Part<N> part;
 
-    // The spin is h/2 L / I_y; moments are sorted downwards.
-    [[nodiscard]] static constexpr SymmetricTopInertia of(RealVec3 moments, typename N::Scale scale) {
+    // The spin is h/2 L / I_y; moments are sorted downwards. `step` is the part of a step, in [-1, 1].
+    [[nodiscard]] static constexpr SymmetricTopInertia of(RealVec3 moments, typename N::Scale scale, Real step = 1) {
         const Real z = moments.y / moments.z - Real{1};
         const int shift = N::fixed_point && z > Real{1} ? z.ceil_log2_bound() : 0;
-        return {N::template constant<typename N::template CoefficientOf<32>>(moments.y / moments.x - Real{1}),
-                N::template constant<typename N::Coefficient>(z * Real::scaled(1, -shift)), static_cast<std::int8_t>(shift),
-                static_cast<std::int8_t>(N::Block::most_up(scale, shift))};
+        return {N::template constant<typename N::template CoefficientOf<32>>((moments.y / moments.x - Real{1}) * step),
+                N::template constant<typename N::Coefficient>(z * step * Real::scaled(1, -shift)),
+                static_cast<std::int8_t>(shift), static_cast<std::int8_t>(N::Block::most_up(scale, shift)),
+                Part<N>::of(step)};
     }
 };
-
-namespace detail {
-
-// A turn about a body axis, by twice the half angle that its quaternion needs.
-template <class N>
-struct AxisTurn {
-    using Turn = typename N::Turn;
-    using Angle = typename N::Angle;
-
-    Turn sine;               // of the whole angle; block turns
-    Turn versine;            // 1 - cosine of the whole angle, 2 s^2 by the half angle's sine s
-    Angle half_sine;         // of the half angle
-    Angle cosine_less_one;   // of the half angle
-
-    [[nodiscard]] TUMBLE_INLINE static AxisTurn of(Turn angle, const SinCosSeries<Angle>& series, typename N::Block block, Dither d) {
-        const Turn twice_sine = N::Block::stretched(angle, series.sinc_less_one, d.angle);
-        return {N::Block::stretched(twice_sine, series.cos_less_one, d.delta), block.half_square(twice_sine, d),
-                block.half_angle(twice_sine, d), series.cos_less_one};
-    }
-};
-
-}  // namespace detail
 
 struct SymmetricTopFlow {
     template <class N>
     using Inertia = SymmetricTopInertia<N>;
-
     template <class N>
-    TUMBLE_INLINE static void flow(BodyState<N, Spin::angular_momentum>& body, const Inertia<N>& inertia, const StepInfo<N>& step) {
+    using PartInertia = SymmetricTopInertia<N, PartOfStep>;
+
+    template <class N, template <class> class Part>
+    TUMBLE_INLINE static void flow(BodyState<N, Spin::angular_momentum>& body,
+                                   const SymmetricTopInertia<N, Part>& inertia, const StepInfo<N>& step) {
         using namespace detail;
         using Turn = typename N::Turn;
         using Angle = typename N::Angle;
@@ -62,15 +47,18 @@ struct SymmetricTopFlow {
         using Series = SinCosSeries<Angle>;
         const Dither d = step.dither;
         const auto square_of = [](Angle a) { return upper_word(mul(a, a)); };
-        const auto block = Block::of(N::sum(body.t_b.x), N::sum(body.t_b.y), N::sum(body.t_b.z), inertia.z_shift, inertia.most_up, step.scale);
-        if (block.is_out_of_range()) [[unlikely]] return N::leave_range(body.t_b.z);
+        const auto block = Block::of(N::sum(body.t_b.x), N::sum(body.t_b.y), N::sum(body.t_b.z), inertia.z_shift,
+                                     inertia.most_up, step.scale);
+        if (block.is_out_of_range()) [[unlikely]]
+            return N::leave_range(body.t_b.z);
         // All turns below share the block's power of two. z times 2^z_shift keeps the digits that a rod's spin needs.
         const Turn z_up = block.turn(N::sum(body.t_b.z), d, inertia.z_shift);
-        const Turn x = block.turn(N::sum(body.t_b.x), d), y = block.turn(N::sum(body.t_b.y), d), z = block.down(z_up, inertia.z_shift);
+        const Turn x = block.turn(N::sum(body.t_b.x), d), y = block.turn(N::sum(body.t_b.y), d),
+                   z = block.down(z_up, inertia.z_shift);
 
-        // Each turn is m <- R(-angle) m:  m_j -= (1 - cos) m_j - sin m_k,  m_k -= sin m_j + (1 - cos) m_k.  The versine is
-        // the square of the sine that the sine is made of, and dithered, so |m| stays to a unit over any number of steps.
-        // x for half a step, |half angle| <= 1/16 because I_x <= I_y + I_z
+        // Each turn is m <- R(-angle) m:  m_j -= (1 - cos) m_j - sin m_k,  m_k -= sin m_j + (1 - cos) m_k.  The versine
+        // is the square of the sine that the sine is made of, and dithered, so |m| stays to a unit over any number of
+        // steps. x for half a step, |half angle| <= 1/16 because I_x <= I_y + I_z
         const Turn angle1 = block.share(inertia.x_angle, x, d);
         const auto x1 = AxisTurn<N>::of(angle1, Series::of_small(square_of(block.half_angle(angle1))), block, d);
         auto less_z = mul_add(mul(x1.sine, y), x1.versine, z);
@@ -92,13 +80,13 @@ struct SymmetricTopFlow {
         const Turn y_late = y - block.turn(less_y), z_late = z - block.turn(less_z);
         less_z = mul_add(mul_add(less_z, x2.sine, y_late), x2.versine, z_late);
         less_y = mul_sub(mul_add(less_y, x2.versine, y_late), x2.sine, z_late);
-        const Vec3<Turn> end{x_end, y - block.turn(less_y), z - block.turn(less_z)};
+        const Vec3<Turn> end = inertia.part({x_end, y - block.turn(less_y), z - block.turn(less_z)}, d);
         block.lower(body.t_b.y, less_y);
         block.lower(body.t_b.z, less_z);
         forget_loaded();
 
-        // The three turns together: (cos b cos(a1 + a2), cos b sin(a1 + a2), sin b sin(a2 - a1), sin b cos(a2 - a1)) with
-        // the half angles a1, b, a2; the cosine less one.
+        // The three turns together: (cos b cos(a1 + a2), cos b sin(a1 + a2), sin b sin(a2 - a1), sin b cos(a2 - a1))
+        // with the half angles a1, b, a2; the cosine less one.
         const Angle s1 = x1.half_sine, s2 = x2.half_sine, c1 = x1.cosine_less_one, c2 = x2.cosine_less_one;
         const Angle u1 = Block::stretched(s1, c2, d.delta), u2 = Block::stretched(s2, c1, d.delta);
         const Angle cosines = c1 + c2 + upper_word(mul(c1, c2)), sines = upper_word(mul(s1, s2));
@@ -115,13 +103,17 @@ struct SymmetricTopFlow {
         const auto sinc = block.angle_per_turn(sphere.sinc_less_one, d);
         const auto sinc_p = Block::times_cosine(sinc, p_w, d.turn);
         const Vec3<Angle> e{Block::angle(end.x(), sinc), Block::angle(end.y(), sinc), Block::angle(end.z(), sinc)};
-        const Angle w = e_w + p_w + upper_word(mul_sub(mul_sub(mul_sub(mul(e_w, p_w), p.x(), e.x()), p.y(), e.y()), p.z(), e.z()));
+        const Angle w =
+            e_w + p_w + upper_word(mul_sub(mul_sub(mul_sub(mul(e_w, p_w), p.x(), e.x()), p.y(), e.y()), p.z(), e.z()));
         const auto component = [&](auto axis) {
             constexpr int i = axis;
-            return upper_word(add_cross_component<i>(mul_add(Block::add_angle(Block::widen(p[i], d.angle), end[i], sinc_p), p[i], e_w), p, e));
+            return upper_word(add_cross_component<i>(
+                mul_add(Block::add_angle(Block::widen(p[i], d.angle), end[i], sinc_p), p[i], e_w), p, e));
         };
-        turn<N>(body.q_wb, Delta<N>{w, {component(std::integral_constant<int, 0>{}), component(std::integral_constant<int, 1>{}),
-                                        component(std::integral_constant<int, 2>{})}});
+        turn<N>(body.q_wb,
+                Delta<N>{w,
+                         {component(std::integral_constant<int, 0>{}), component(std::integral_constant<int, 1>{}),
+                          component(std::integral_constant<int, 2>{})}});
     }
 };
 

@@ -2,7 +2,6 @@
 // momentum norm exact to rounding, energy error bounded for ever. No division, no square root.
 #pragma once
 
-#include <tumble/integrators/kick_drift_kick.hpp>
 #include <tumble/integrators/symmetric_top.hpp>
 
 namespace tumble::integrators {
@@ -10,6 +9,7 @@ namespace tumble::integrators {
 struct Verlet : KickDriftKick<SymmetricTopFlow> {
     static constexpr const char* name = "verlet";
     static constexpr int order = 2;
+    static constexpr bool exact_for_spheres = true;
 };
 
 }  // namespace tumble::integrators

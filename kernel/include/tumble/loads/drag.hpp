@@ -9,7 +9,7 @@ template <class N>
 struct Drag {
     using Work = typename N::Work;
 
-    Work linear{}, angular{};   // kg/s, N m s
+    Work linear{}, angular{};  // kg/s, N m s
 
     [[nodiscard]] bool acts() const { return linear > Work(0) || angular > Work(0); }
     void apply(LoadedBody<N>& body) const {

@@ -9,7 +9,7 @@ template <class N>
 struct Gravitation {
     using Work = typename N::Work;
 
-    Work constant{};   // m^3/(kg s^2)
+    Work constant{};  // m^3/(kg s^2)
 
     // Bodies at the same place exert no force: there is no direction.
     void apply(LoadedBody<N>& a, Work mass_a, LoadedBody<N>& b, Work mass_b) const {

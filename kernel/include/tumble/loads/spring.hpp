@@ -11,10 +11,10 @@ struct Spring {
     using Work = typename N::Work;
 
     std::int16_t body = 0, to_body = -1;
-    WorkVec3<N> point_b = zero_vector<N>();       // m, principal axes of `body`
-    WorkVec3<N> to = zero_vector<N>();            // m, principal axes of `to_body`; unused for a world point
-    typename N::PositionSum anchor_w[3]{};        // the world point
-    Work stiffness{}, damping{}, rest_length{};   // N/m, N s/m, m
+    WorkVec3<N> point_b = zero_vector<N>();      // m, principal axes of `body`
+    WorkVec3<N> to = zero_vector<N>();           // m, principal axes of `to_body`; unused for a world point
+    typename N::PositionSum anchor_w[3]{};       // the world point
+    Work stiffness{}, damping{}, rest_length{};  // N/m, N s/m, m
 
     // `other` is null for a world point.
     void apply(LoadedBody<N>& a, LoadedBody<N>* other) const {
@@ -32,7 +32,7 @@ struct Spring {
         WorkVec3<N> force = scaled_by(reach, stiffness);
         if (rest_length > Work(0) || damping > Work(0)) {
             const Work length = sqrt(dot(reach, reach));
-            if (!(length > Work(0))) return;      // no direction: no force
+            if (!(length > Work(0))) return;  // no direction: no force
             const WorkVec3<N> along = scaled_by(reach, Work(1) / length);
             Work strength = stiffness * (length - rest_length);
             if (damping > Work(0)) {

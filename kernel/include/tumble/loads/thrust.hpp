@@ -9,10 +9,10 @@ template <class N>
 struct Thrust {
     std::int16_t body = 0;
     Frame frame = Frame::world;
-    std::uint32_t from = 0, until = 0;            // steps: on while from <= step < until
-    WorkVec3<N> force = zero_vector<N>();         // N, in `frame` (body: principal axes)
-    WorkVec3<N> torque = zero_vector<N>();        // N m, in `frame`
-    WorkVec3<N> point_b = zero_vector<N>();       // m, principal axes
+    std::uint32_t from = 0, until = 0;       // steps: on while from <= step < until
+    WorkVec3<N> force = zero_vector<N>();    // N, in `frame` (body: principal axes)
+    WorkVec3<N> torque = zero_vector<N>();   // N m, in `frame`
+    WorkVec3<N> point_b = zero_vector<N>();  // m, principal axes
 
     [[nodiscard]] bool is_on(std::uint32_t step) const { return from <= step && step < until; }
     void apply(LoadedBody<N>& b) const {

@@ -9,10 +9,12 @@ template <class N>
 using WorkVec3 = Vec3<typename N::Work>;
 
 template <class N>
-[[nodiscard]] constexpr WorkVec3<N> zero_vector() { return WorkVec3<N>::Constant(typename N::Work(0)); }
+[[nodiscard]] constexpr WorkVec3<N> zero_vector() {
+    return WorkVec3<N>::Constant(typename N::Work(0));
+}
 
-// q v q*, body to world: (w^2 - |u|^2) v + 2 (u . v) u + 2 w u x v with q = (w, u). Of a q that rounding has left a little
-// off unit length it is still a rotation, times |q|^2; the form that is shorter by a product is not.
+// q v q*, body to world: (w^2 - |u|^2) v + 2 (u . v) u + 2 w u x v with q = (w, u). Of a q that rounding has left a
+// little off unit length it is still a rotation, times |q|^2; the form that is shorter by a product is not.
 template <class Work>
 [[nodiscard]] inline Vec3<Work> rotate(const Quat<Work>& q, const Vec3<Work>& v) {
     const Work along = q.w * q.w - dot(q.v, q.v), twice_dot = dot(q.v, v) * Work(2), twice_w = q.w * Work(2);
@@ -22,10 +24,14 @@ template <class Work>
 }
 // World to body.
 template <class Work>
-[[nodiscard]] inline Vec3<Work> rotate_back(const Quat<Work>& q, const Vec3<Work>& v) { return rotate(q.conjugate(), v); }
+[[nodiscard]] inline Vec3<Work> rotate_back(const Quat<Work>& q, const Vec3<Work>& v) {
+    return rotate(q.conjugate(), v);
+}
 
 template <class Work>
-[[nodiscard]] inline Vec3<Work> scaled_by(const Vec3<Work>& v, Work s) { return {v.x() * s, v.y() * s, v.z() * s}; }
+[[nodiscard]] inline Vec3<Work> scaled_by(const Vec3<Work>& v, Work s) {
+    return {v.x() * s, v.y() * s, v.z() * s};
+}
 
 template <class N>
 [[nodiscard]] constexpr WorkVec3<N> work_vector(RealVec3 v) {
@@ -39,9 +45,9 @@ struct LoadedBody {
     using Work = typename N::Work;
 
     const StageState<N>* stage = nullptr;
-    Quat<Work> q_wb;                              // principal axes to world
-    WorkVec3<N> v_w, w_b;                         // m/s, rad/s
-    WorkVec3<N> force_w, torque_b;                // N, N m about the centre of mass
+    Quat<Work> q_wb;                // principal axes to world
+    WorkVec3<N> v_w, w_b;           // m/s, rad/s
+    WorkVec3<N> force_w, torque_b;  // N, N m about the centre of mass
 
     // A force at a point of the body (principal axes, m).
     void push(const WorkVec3<N>& f_w, const WorkVec3<N>& r_b) {

@@ -16,7 +16,7 @@ template <int F, bool biased>
 class Carried<Fixed<F>, true, biased> {
 public:
     using Value = Fixed<F>;
-    static constexpr int fraction_bits = F + 32;   // of the 64-bit sum
+    static constexpr int fraction_bits = F + 32;  // of the 64-bit sum
 
     constexpr Carried() = default;
     [[nodiscard]] static constexpr Carried from(Real value) { return from_sum({value.to_fixed(F + 32, 64)}); }
@@ -30,11 +30,15 @@ public:
         return {static_cast<std::int32_t>((Wide<F + 32>{stored_} + Wide<F + 32>{half - bias}).raw >> 32)};
     }
     // Value and residual as one number with F + 32 fraction bits.
-    [[nodiscard]] TUMBLE_INLINE constexpr Wide<F + 32> sum() const { return Wide<F + 32>{stored_} - Wide<F + 32>{bias}; }
+    [[nodiscard]] TUMBLE_INLINE constexpr Wide<F + 32> sum() const {
+        return Wide<F + 32>{stored_} - Wide<F + 32>{bias};
+    }
     TUMBLE_INLINE constexpr void add(Wide<F + 32> increment) { stored_ = (Wide<F + 32>{stored_} + increment).raw; }
     // Adds a * b and what `more` adds to the sum that it is given: multiplications accumulate in the state itself.
     template <class A, class B, class More>
-    TUMBLE_INLINE constexpr void accumulate(A a, B b, More&& more) { stored_ = more(mul_add(Wide<F + 32>{stored_}, a, b)).raw; }
+    TUMBLE_INLINE constexpr void accumulate(A a, B b, More&& more) {
+        stored_ = more(mul_add(Wide<F + 32>{stored_}, a, b)).raw;
+    }
     [[nodiscard]] constexpr Real to_real() const { return Real::scaled(sum().raw, -(F + 32)); }
     friend constexpr bool operator==(Carried, Carried) = default;
 
@@ -53,11 +57,15 @@ public:
     constexpr Carried() = default;
     [[nodiscard]] static constexpr Carried from(Real value) { return Carried{Value::from(value)}; }
     [[nodiscard]] TUMBLE_INLINE constexpr Value value() const { return value_; }
-    [[nodiscard]] TUMBLE_INLINE constexpr Wide<F + 32> sum() const { return {static_cast<std::int64_t>(value_.raw) * (std::int64_t{1} << 32)}; }
+    [[nodiscard]] TUMBLE_INLINE constexpr Wide<F + 32> sum() const {
+        return {static_cast<std::int64_t>(value_.raw) * (std::int64_t{1} << 32)};
+    }
     [[nodiscard]] static constexpr Carried from_sum(Wide<F + 32> s) { return Carried{narrow<Value>(s)}; }
     TUMBLE_INLINE constexpr void add(Wide<F + 32> increment) { value_ += narrow<Value>(increment); }
     template <class A, class B, class More>
-    TUMBLE_INLINE constexpr void accumulate(A a, B b, More&& more) { add(more(mul(a, b))); }
+    TUMBLE_INLINE constexpr void accumulate(A a, B b, More&& more) {
+        add(more(mul(a, b)));
+    }
     [[nodiscard]] constexpr Real to_real() const { return Real::scaled(value_.raw, -F); }
     friend constexpr bool operator==(Carried, Carried) = default;
 
@@ -70,9 +78,13 @@ private:
 template <class T>
 [[nodiscard]] constexpr T from_real(Real value);
 template <>
-[[nodiscard]] constexpr float from_real<float>(Real value) { return value.to_float(); }
+[[nodiscard]] constexpr float from_real<float>(Real value) {
+    return value.to_float();
+}
 template <>
-[[nodiscard]] constexpr double from_real<double>(Real value) { return value.to_double(); }
+[[nodiscard]] constexpr double from_real<double>(Real value) {
+    return value.to_double();
+}
 
 // Exact for every finite value.
 [[nodiscard]] constexpr Real to_real(double value) { return Real{value}; }
@@ -80,7 +92,8 @@ template <>
     const auto bits = std::bit_cast<std::uint32_t>(value);
     const int exponent = static_cast<int>((bits >> 23) & 0xff);
     const auto fraction = static_cast<std::int64_t>(bits & 0x7fffff);
-    const Real magnitude = Real::scaled(exponent == 0 ? fraction : fraction | 0x800000, (exponent == 0 ? 1 : exponent) - 150);
+    const Real magnitude =
+        Real::scaled(exponent == 0 ? fraction : fraction | 0x800000, (exponent == 0 ? 1 : exponent) - 150);
     return (bits >> 31) != 0 ? -magnitude : magnitude;
 }
 
@@ -106,7 +119,9 @@ public:
         value_ = t;
     }
     template <class More>
-    TUMBLE_INLINE constexpr void accumulate(T a, T b, More&& more) { add(more(a * b)); }
+    TUMBLE_INLINE constexpr void accumulate(T a, T b, More&& more) {
+        add(more(a * b));
+    }
     [[nodiscard]] constexpr Real to_real() const { return tumble::to_real(value_) + tumble::to_real(residual_); }
     friend constexpr bool operator==(Carried, Carried) = default;
 
@@ -130,7 +145,9 @@ public:
     [[nodiscard]] TUMBLE_INLINE constexpr T residual() const { return 0; }
     TUMBLE_INLINE constexpr void add(T increment) { value_ += increment; }
     template <class More>
-    TUMBLE_INLINE constexpr void accumulate(T a, T b, More&& more) { add(more(a * b)); }
+    TUMBLE_INLINE constexpr void accumulate(T a, T b, More&& more) {
+        add(more(a * b));
+    }
     [[nodiscard]] constexpr Real to_real() const { return tumble::to_real(value_); }
     friend constexpr bool operator==(Carried, Carried) = default;
 
@@ -171,7 +188,8 @@ public:
         return s;
     }
     [[nodiscard]] TUMBLE_INLINE constexpr Wide<F + 32> sum() const {
-        return {static_cast<std::int64_t>((static_cast<std::uint64_t>(static_cast<std::uint32_t>(upper_)) << 32) | lower_)};
+        return {
+            static_cast<std::int64_t>((static_cast<std::uint64_t>(static_cast<std::uint32_t>(upper_)) << 32) | lower_)};
     }
     [[nodiscard]] TUMBLE_INLINE constexpr Value value() const { return narrow<Value>(sum()); }
     TUMBLE_INLINE constexpr void add(Wide<F + 32> increment) { set(sum() + increment); }
@@ -191,7 +209,7 @@ private:
     }
     std::uint32_t lower_ = 0;
     std::int32_t upper_ = 0;
-    std::uint32_t left_out_ = std::uint32_t{1} << 31;   // in 2^-32 of a unit
+    std::uint32_t left_out_ = std::uint32_t{1} << 31;  // in 2^-32 of a unit
 };
 
 }  // namespace tumble

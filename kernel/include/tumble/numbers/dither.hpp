@@ -12,7 +12,7 @@
 namespace tumble {
 
 struct Dither {
-    std::uint32_t angle, delta, turn;   // fractions of a unit, in 2^-32
+    std::uint32_t angle, delta, turn;  // fractions of a unit, in 2^-32
 
     [[nodiscard]] static constexpr Dither of_step(std::uint32_t step) {
         return {step * 0xd1b54a33u, step * 0xabc98389u, step * 0x8cb92ba7u};

@@ -17,7 +17,15 @@ struct NumTraits<tumble::Fixed<F>> : GenericNumTraits<tumble::Fixed<F>> {
     using NonInteger = tumble::Fixed<F>;
     using Nested = tumble::Fixed<F>;
     using Literal = tumble::Fixed<F>;
-    enum { IsComplex = 0, IsInteger = 0, IsSigned = 1, RequireInitialization = 0, ReadCost = 1, AddCost = 1, MulCost = 4 };
+    enum {
+        IsComplex = 0,
+        IsInteger = 0,
+        IsSigned = 1,
+        RequireInitialization = 0,
+        ReadCost = 1,
+        AddCost = 1,
+        MulCost = 4
+    };
 };
 
 }  // namespace Eigen
@@ -38,15 +46,23 @@ struct Quat {
 
 // Products of the other numbers, so that one formula serves all systems.
 template <class T>
-concept SelfContained = std::floating_point<T> || std::same_as<T, Scaled>;   // its products are of its own type
+concept SelfContained = std::floating_point<T> || std::same_as<T, Scaled>;  // its products are of its own type
 template <SelfContained T>
-[[nodiscard]] TUMBLE_INLINE constexpr T mul(T a, T b) { return a * b; }
+[[nodiscard]] TUMBLE_INLINE constexpr T mul(T a, T b) {
+    return a * b;
+}
 template <SelfContained T>
-[[nodiscard]] TUMBLE_INLINE constexpr T mul_add(T sum, T a, T b) { return sum + a * b; }
+[[nodiscard]] TUMBLE_INLINE constexpr T mul_add(T sum, T a, T b) {
+    return sum + a * b;
+}
 template <SelfContained T>
-[[nodiscard]] TUMBLE_INLINE constexpr T mul_sub(T sum, T a, T b) { return sum - a * b; }
+[[nodiscard]] TUMBLE_INLINE constexpr T mul_sub(T sum, T a, T b) {
+    return sum - a * b;
+}
 template <SelfContained To>
-[[nodiscard]] TUMBLE_INLINE constexpr To narrow(To a) { return a; }
+[[nodiscard]] TUMBLE_INLINE constexpr To narrow(To a) {
+    return a;
+}
 
 // a . b, exact in fixed point; left to right in floating point.
 template <class A, class B>
@@ -69,7 +85,8 @@ template <int i, class Sum, class A, class B>
 // a x b, rounded once a component to To.
 template <class To, class A, class B>
 [[nodiscard]] TUMBLE_INLINE Vec3<To> cross(const Vec3<A>& a, const Vec3<B>& b) {
-    return {narrow<To>(cross_component<0>(a, b)), narrow<To>(cross_component<1>(a, b)), narrow<To>(cross_component<2>(a, b))};
+    return {narrow<To>(cross_component<0>(a, b)), narrow<To>(cross_component<1>(a, b)),
+            narrow<To>(cross_component<2>(a, b))};
 }
 
 }  // namespace tumble

@@ -19,11 +19,13 @@ template <int F>
 struct Fixed {
     static constexpr int fraction_bits = F;
 
-    std::int32_t raw;   // not initialised by default, so that arrays of stages cost nothing; Fixed{} is zero
+    std::int32_t raw;  // not initialised by default, so that arrays of stages cost nothing; Fixed{} is zero
 
     [[nodiscard]] static constexpr Fixed from_raw(std::int32_t raw_value) { return Fixed{raw_value}; }
     // Nearest; saturates at the format's ends.
-    [[nodiscard]] static constexpr Fixed from(Real value) { return Fixed{static_cast<std::int32_t>(value.to_fixed(F))}; }
+    [[nodiscard]] static constexpr Fixed from(Real value) {
+        return Fixed{static_cast<std::int32_t>(value.to_fixed(F))};
+    }
     // Exact: a double holds every Fixed. For hosts and tests; a firmware that calls it pulls in double arithmetic.
     [[nodiscard]] explicit constexpr operator double() const { return Real::scaled(raw, -F).to_double(); }
     [[nodiscard]] explicit constexpr operator float() const { return Real::scaled(raw, -F).to_float(); }
@@ -71,7 +73,8 @@ namespace detail {
     const auto middle = a_high * static_cast<std::int32_t>(b_low) + static_cast<std::int32_t>(low >> 16);
     const auto other = static_cast<std::int32_t>(a_low) * b_high + static_cast<std::int32_t>(middle & 0xffff);
     const auto high = static_cast<std::uint32_t>(a_high * b_high + (middle >> 16) + (other >> 16));
-    return static_cast<std::int64_t>((static_cast<std::uint64_t>(high) << 32) | (static_cast<std::uint32_t>(other) << 16) | (low & 0xffff));
+    return static_cast<std::int64_t>((static_cast<std::uint64_t>(high) << 32) |
+                                     (static_cast<std::uint32_t>(other) << 16) | (low & 0xffff));
 }
 #endif
 
@@ -94,7 +97,8 @@ namespace detail {
 [[nodiscard]] TUMBLE_INLINE constexpr std::int64_t multiply_add(std::int64_t sum, std::int32_t a, std::int32_t b) {
 #if defined(__thumb2__)
     if (!std::is_constant_evaluated()) {
-        auto low = static_cast<std::uint32_t>(sum), high = static_cast<std::uint32_t>(static_cast<std::uint64_t>(sum) >> 32);
+        auto low = static_cast<std::uint32_t>(sum),
+             high = static_cast<std::uint32_t>(static_cast<std::uint64_t>(sum) >> 32);
         asm volatile("smlal %0, %1, %2, %3" : "+r"(low), "+r"(high) : "r"(a), "r"(b));
         return static_cast<std::int64_t>((static_cast<std::uint64_t>(high) << 32) | low);
     }
@@ -140,7 +144,8 @@ template <class To, int F>
     constexpr int shift = F - To::fraction_bits;
     static_assert(shift >= 1 && shift < 64, "narrow() drops at least one bit");
     const auto half = std::uint64_t{1} << (shift - 1);
-    return To::from_raw(static_cast<std::int32_t>(static_cast<std::int64_t>(static_cast<std::uint64_t>(a.raw) + half) >> shift));
+    return To::from_raw(
+        static_cast<std::int32_t>(static_cast<std::int64_t>(static_cast<std::uint64_t>(a.raw) + half) >> shift));
 }
 
 // The upper word of a product, rounded down: free on a 32-bit core. For corrections that are small against what they
@@ -150,9 +155,7 @@ template <int F>
     return {static_cast<std::int32_t>(a.raw >> 32)};
 }
 template <class T>
-    requires std::is_floating_point_v<T>
-[[nodiscard]] TUMBLE_INLINE constexpr T upper_word(T a) {
-    return a;
-}
+requires std::is_floating_point_v<T>
+[[nodiscard]] TUMBLE_INLINE constexpr T upper_word(T a) { return a; }
 
 }  // namespace tumble

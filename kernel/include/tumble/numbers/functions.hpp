@@ -42,21 +42,30 @@ template <class T, class Bits, int fraction_bits, int bias>
     int exponent = field;
     if (field == 0) {
         exponent = 1;
-        while ((mantissa >> fraction_bits) == 0) { mantissa <<= 1; --exponent; }
+        while ((mantissa >> fraction_bits) == 0) {
+            mantissa <<= 1;
+            --exponent;
+        }
     } else {
         mantissa |= one << fraction_bits;
     }
     exponent -= bias;
-    if ((exponent & 1) != 0) { mantissa <<= 1; --exponent; }
+    if ((exponent & 1) != 0) {
+        mantissa <<= 1;
+        --exponent;
+    }
     // Digit by digit: fraction_bits + 2 result bits, the last of them for rounding.
     Bits root = 0, rest = 0;
     for (int i = fraction_bits + 1; i >= 0; --i) {
-        const int position = 2 * i - (fraction_bits + 2);   // of the next two radicand bits within the mantissa
+        const int position = 2 * i - (fraction_bits + 2);  // of the next two radicand bits within the mantissa
         const Bits next = position >= 0 ? (mantissa >> position) & 3 : position == -1 ? (mantissa << 1) & 3 : 0;
         rest = (rest << 2) | next;
         const Bits trial = (root << 2) | 1;
         root <<= 1;
-        if (rest >= trial) { rest -= trial; root |= 1; }
+        if (rest >= trial) {
+            rest -= trial;
+            root |= 1;
+        }
     }
     // A root is never halfway: the last bit decides, whatever the rest.
     const Bits rounded = (root >> 1) + (root & 1);
@@ -96,7 +105,8 @@ struct SinCosSeries<Fixed<32>> {
     }
     [[nodiscard]] TUMBLE_INLINE static constexpr SinCosSeries of_small(T z) {
         // z^3 / 720 reaches 2^-33.5 at the end of the range and is left out.
-        return {upper_word(mul(z, upper_word(mul(z, over<120>())) - over<6>())), upper_word(mul(z, upper_word(mul(z, over<24>())))) - half(z)};
+        return {upper_word(mul(z, upper_word(mul(z, over<120>())) - over<6>())),
+                upper_word(mul(z, upper_word(mul(z, over<24>())))) - half(z)};
     }
 
 private:
@@ -115,7 +125,8 @@ struct SinCosSeries {
 
     // An infinite z gives NaN.
     [[nodiscard]] TUMBLE_INLINE static constexpr SinCosSeries of(T z) {
-        if (z > T(0.0625)) [[unlikely]] return of_large(z);
+        if (z > T(0.0625)) [[unlikely]]
+            return of_large(z);
         return series(z);
     }
     [[nodiscard]] TUMBLE_INLINE static constexpr SinCosSeries of_small(T z) { return of(z); }
@@ -125,7 +136,10 @@ private:
     [[nodiscard, gnu::noinline, gnu::cold]] static constexpr SinCosSeries of_large(T z) {
         if (!(z - z == T(0))) return {z - z, z - z};
         int doublings = 0;
-        while (z > T(0.0625)) { z *= T(0.25); ++doublings; }
+        while (z > T(0.0625)) {
+            z *= T(0.25);
+            ++doublings;
+        }
         SinCosSeries s = series(z);
         for (; doublings > 0; --doublings) {
             // sinc 2x = sinc x cos x;  cos 2x - 1 = -2 sin^2 x
@@ -135,11 +149,13 @@ private:
         }
         return s;
     }
-    [[nodiscard]] TUMBLE_INLINE static constexpr SinCosSeries series(T z) { return {horner<3>(z) * z, horner<2>(z) * z}; }
+    [[nodiscard]] TUMBLE_INLINE static constexpr SinCosSeries series(T z) {
+        return {horner<3>(z) * z, horner<2>(z) * z};
+    }
     // The sum over n of -(-z)^n / (first + 2n)!.
     template <int first, int n = 0>
     [[nodiscard]] TUMBLE_INLINE static constexpr T horner(T z) {
-        constexpr int last = sizeof(T) == 4 ? 2 : 6;   // the next term is below half a unit in the last place
+        constexpr int last = sizeof(T) == 4 ? 2 : 6;  // the next term is below half a unit in the last place
         constexpr T c = signed_reciprocal(first, n);
         if constexpr (n == last) return c;
         else return c + z * horner<first, n + 1>(z);
@@ -152,12 +168,18 @@ private:
 };
 
 template <class T>
-[[nodiscard]] constexpr T one_minus_sinc(T z) { return -SinCosSeries<T>::of(z).sinc_less_one; }
+[[nodiscard]] constexpr T one_minus_sinc(T z) {
+    return -SinCosSeries<T>::of(z).sinc_less_one;
+}
 template <class T>
-[[nodiscard]] constexpr T one_minus_cos(T z) { return -SinCosSeries<T>::of(z).cos_less_one; }
+[[nodiscard]] constexpr T one_minus_cos(T z) {
+    return -SinCosSeries<T>::of(z).cos_less_one;
+}
 
 // 1 / sqrt(a), a > 0: two roundings.
 template <class T>
-[[nodiscard]] constexpr T rsqrt(T a) { return T(1) / sqrt(a); }
+[[nodiscard]] constexpr T rsqrt(T a) {
+    return T(1) / sqrt(a);
+}
 
 }  // namespace tumble

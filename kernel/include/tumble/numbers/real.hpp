@@ -6,8 +6,8 @@
 #include <tumble/config.hpp>
 
 #include <bit>
-#include <type_traits>
 #include <cstdint>
+#include <type_traits>
 
 namespace tumble {
 
@@ -25,7 +25,8 @@ public:
                      (exponent == 0 ? 1 : exponent) - 1075);
     }
     constexpr Real(int value)  // NOLINT(google-explicit-constructor)
-        : Real{make(value < 0, value < 0 ? 0u - static_cast<std::uint32_t>(value) : static_cast<std::uint32_t>(value), 0)} {}
+        : Real{make(value < 0, value < 0 ? 0u - static_cast<std::uint32_t>(value) : static_cast<std::uint32_t>(value),
+                    0)} {}
 
     // mantissa * 2^exponent, exact.
     [[nodiscard]] static constexpr Real scaled(std::int64_t mantissa, int exponent) {
@@ -45,7 +46,11 @@ public:
     [[gnu::noinline]] friend constexpr Real operator+(Real a, Real b) {
         if (a.mantissa_ == 0) return b;
         if (b.mantissa_ == 0) return a;
-        if (a.exponent_ < b.exponent_) { const Real t = a; a = b; b = t; }
+        if (a.exponent_ < b.exponent_) {
+            const Real t = a;
+            a = b;
+            b = t;
+        }
         const int gap = a.exponent_ - b.exponent_;
         if (gap > 64) return a;
         // One bit of headroom for the carry: both mantissas move down by one.
@@ -80,10 +85,17 @@ public:
         int exponent = a.exponent_ - b.exponent_ - 63;
         std::uint64_t remainder = a.mantissa_, quotient = 0;
         bool carry = false;
-        if (remainder < b.mantissa_) { carry = (remainder >> 63) != 0; remainder <<= 1; --exponent; }
+        if (remainder < b.mantissa_) {
+            carry = (remainder >> 63) != 0;
+            remainder <<= 1;
+            --exponent;
+        }
         for (int i = 0; i < 64; ++i) {
             quotient <<= 1;
-            if (carry || remainder >= b.mantissa_) { remainder -= b.mantissa_; quotient |= 1; }
+            if (carry || remainder >= b.mantissa_) {
+                remainder -= b.mantissa_;
+                quotient |= 1;
+            }
             carry = (remainder >> 63) != 0;
             remainder <<= 1;
         }
@@ -121,7 +133,9 @@ public:
 
     // Nearest float and double, ties to even; written bit by bit so that no floating-point code is needed.
     [[nodiscard]] constexpr double to_double() const { return std::bit_cast<double>(ieee(52, 1023)); }
-    [[nodiscard]] constexpr float to_float() const { return std::bit_cast<float>(static_cast<std::uint32_t>(ieee(23, 127))); }
+    [[nodiscard]] constexpr float to_float() const {
+        return std::bit_cast<float>(static_cast<std::uint32_t>(ieee(23, 127)));
+    }
 
 private:
     static constexpr Real make(bool negative, std::uint64_t mantissa, int exponent) {
@@ -134,15 +148,21 @@ private:
         return r;
     }
     static constexpr Real rounded(bool negative, std::uint64_t mantissa, bool up, int exponent) {
-        if (up && ++mantissa == 0) { mantissa = std::uint64_t{1} << 63; ++exponent; }
+        if (up && ++mantissa == 0) {
+            mantissa = std::uint64_t{1} << 63;
+            ++exponent;
+        }
         return make(negative, mantissa, exponent);
     }
     [[nodiscard]] constexpr std::uint64_t ieee(int fraction_bits, int bias) const {
         const std::uint64_t sign = static_cast<std::uint64_t>(negative_) << (bias == 1023 ? 63 : 31);
         if (mantissa_ == 0) return sign;
-        int exponent = exponent_ + 63 + bias;       // biased exponent of the leading bit
-        int drop = 63 - fraction_bits;              // bits below the fraction
-        if (exponent <= 0) { drop += 1 - exponent; exponent = 0; }
+        int exponent = exponent_ + 63 + bias;  // biased exponent of the leading bit
+        int drop = 63 - fraction_bits;         // bits below the fraction
+        if (exponent <= 0) {
+            drop += 1 - exponent;
+            exponent = 0;
+        }
         if (drop > 64) return sign;
         const std::uint64_t kept = drop == 64 ? 0 : mantissa_ >> drop;
         const std::uint64_t half = std::uint64_t{1} << (drop - 1);

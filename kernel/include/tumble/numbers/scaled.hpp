@@ -10,7 +10,8 @@ namespace tumble {
 class Scaled {
 public:
     constexpr Scaled() = default;
-    constexpr Scaled(int value) : Scaled{of(value, 0)} {}  // NOLINT(google-explicit-constructor): 0, 1, -1 read as numbers
+    constexpr Scaled(int value)
+        : Scaled{of(value, 0)} {}  // NOLINT(google-explicit-constructor): 0, 1, -1 read as numbers
     [[nodiscard]] static constexpr Scaled from(Real value) {
         // Nearest at 31 bits: place the leading bit at 2^30, round, and let `of` renormalise a carry.
         if (value.is_zero()) return {};
@@ -25,7 +26,10 @@ public:
         int drop = 33 - std::countl_zero(magnitude);
         if (drop > 0) {
             magnitude = (magnitude + (std::uint64_t{1} << (drop - 1))) >> drop;
-            if (magnitude == std::uint64_t{1} << 31) { magnitude >>= 1; ++drop; }
+            if (magnitude == std::uint64_t{1} << 31) {
+                magnitude >>= 1;
+                ++drop;
+            }
         } else {
             magnitude <<= -drop;
         }
@@ -33,15 +37,22 @@ public:
         return Scaled{negative ? -m : m, exponent + drop};
     }
     template <int F>
-    [[nodiscard]] static constexpr Scaled of(Fixed<F> a) { return of(a.raw, -F); }
+    [[nodiscard]] static constexpr Scaled of(Fixed<F> a) {
+        return of(a.raw, -F);
+    }
     template <int F>
-    [[nodiscard]] static constexpr Scaled of(Wide<F> a) { return of(a.raw, -F); }
+    [[nodiscard]] static constexpr Scaled of(Wide<F> a) {
+        return of(a.raw, -F);
+    }
 
-    // The number as a 64-bit sum with F fraction bits, rounded; saturates below 2^62, so that a sum of two cannot wrap, or
-    // at `limit`.
+    // The number as a 64-bit sum with F fraction bits, rounded; saturates below 2^62, so that a sum of two cannot wrap,
+    // or at `limit`.
     template <int F>
-    [[nodiscard]] constexpr Wide<F> to_wide() const { return {to_sum(F)}; }
-    [[nodiscard, gnu::noinline]] constexpr std::int64_t to_sum(int fraction_bits, std::int64_t limit = (std::int64_t{1} << 62) - 1) const {
+    [[nodiscard]] constexpr Wide<F> to_wide() const {
+        return {to_sum(F)};
+    }
+    [[nodiscard, gnu::noinline]] constexpr std::int64_t to_sum(int fraction_bits,
+                                                               std::int64_t limit = (std::int64_t{1} << 62) - 1) const {
         const int up = exponent_ + fraction_bits;
         if (mantissa_ == 0 || up < -31) return 0;
         if (up >= 0) {
@@ -65,13 +76,19 @@ public:
     [[nodiscard]] constexpr int exponent() const { return exponent_; }
     [[nodiscard]] constexpr bool is_zero() const { return mantissa_ == 0; }
     // value * 2^n, exact.
-    [[nodiscard]] constexpr Scaled times_power_of_two(int n) const { return mantissa_ == 0 ? Scaled{} : Scaled{mantissa_, exponent_ + n}; }
+    [[nodiscard]] constexpr Scaled times_power_of_two(int n) const {
+        return mantissa_ == 0 ? Scaled{} : Scaled{mantissa_, exponent_ + n};
+    }
 
     constexpr Scaled operator-() const { return Scaled{-mantissa_, exponent_}; }
     [[gnu::noinline]] friend constexpr Scaled operator+(Scaled a, Scaled b) {
         if (a.mantissa_ == 0) return b;
         if (b.mantissa_ == 0) return a;
-        if (a.exponent_ < b.exponent_) { const Scaled t = a; a = b; b = t; }
+        if (a.exponent_ < b.exponent_) {
+            const Scaled t = a;
+            a = b;
+            b = t;
+        }
         const int gap = a.exponent_ - b.exponent_;
         if (gap > 32) return a;
         const std::int64_t sum = static_cast<std::int64_t>(a.mantissa_) * (std::int64_t{1} << 31) +
@@ -85,12 +102,13 @@ public:
     // b must not be zero.
     [[gnu::noinline]] friend constexpr Scaled operator/(Scaled a, Scaled b) {
         TUMBLE_ASSERT(b.mantissa_ != 0);
-        return of((static_cast<std::int64_t>(a.mantissa_) * (std::int64_t{1} << 32)) / b.mantissa_, a.exponent_ - b.exponent_ - 32);
+        return of((static_cast<std::int64_t>(a.mantissa_) * (std::int64_t{1} << 32)) / b.mantissa_,
+                  a.exponent_ - b.exponent_ - 32);
     }
     constexpr Scaled& operator+=(Scaled b) { return *this = *this + b; }
     constexpr Scaled& operator-=(Scaled b) { return *this = *this - b; }
     constexpr Scaled& operator*=(Scaled b) { return *this = *this * b; }
-    friend constexpr bool operator==(Scaled, Scaled) = default;   // numbers are kept normalised
+    friend constexpr bool operator==(Scaled, Scaled) = default;  // numbers are kept normalised
     friend constexpr bool operator<(Scaled a, Scaled b) {
         if ((a.mantissa_ < 0) != (b.mantissa_ < 0)) return a.mantissa_ < 0;
         if (a.mantissa_ == 0 || b.mantissa_ == 0 || a.exponent_ == b.exponent_) return a.mantissa_ < b.mantissa_;
@@ -103,7 +121,7 @@ public:
 private:
     constexpr Scaled(std::int32_t mantissa, int exponent) : mantissa_{mantissa}, exponent_{exponent} {}
 
-    std::int32_t mantissa_ = 0;   // 2^30 <= |mantissa| < 2^31, or zero with exponent 0
+    std::int32_t mantissa_ = 0;  // 2^30 <= |mantissa| < 2^31, or zero with exponent 0
     std::int32_t exponent_ = 0;
 };
 

@@ -39,14 +39,18 @@ namespace detail {
     const auto high = static_cast<std::int32_t>(a >> 32);
     const auto low = static_cast<std::uint32_t>(a);
     const std::uint32_t lower = (low >> shift) | (static_cast<std::uint32_t>(high) << (32 - shift));
-    return static_cast<std::int64_t>((static_cast<std::uint64_t>(static_cast<std::uint32_t>(high >> shift)) << 32) | lower);
+    return static_cast<std::int64_t>((static_cast<std::uint64_t>(static_cast<std::uint32_t>(high >> shift)) << 32) |
+                                     lower);
 }
 
 // The upper word of (a << shift) + rest, for 0 <= shift <= 31. A product moves the lower word up in one instruction.
-[[nodiscard]] TUMBLE_INLINE constexpr std::int32_t upper_shifted_left(std::int64_t a, int shift, std::uint32_t rest = 0) {
+[[nodiscard]] TUMBLE_INLINE constexpr std::int32_t upper_shifted_left(std::int64_t a, int shift,
+                                                                      std::uint32_t rest = 0) {
     const std::uint32_t power = std::uint32_t{1} << shift;
-    const auto high = static_cast<std::uint32_t>(static_cast<std::uint64_t>(a) >> 32), low = static_cast<std::uint32_t>(a);
-    return static_cast<std::int32_t>(high * power + static_cast<std::uint32_t>((std::uint64_t{low} * power + rest) >> 32));
+    const auto high = static_cast<std::uint32_t>(static_cast<std::uint64_t>(a) >> 32),
+               low = static_cast<std::uint32_t>(a);
+    return static_cast<std::int32_t>(high * power +
+                                     static_cast<std::uint32_t>((std::uint64_t{low} * power + rest) >> 32));
 }
 
 [[nodiscard]] constexpr int log2_of(int power_of_two) {
@@ -55,7 +59,9 @@ namespace detail {
     return log2;
 }
 
-[[nodiscard]] constexpr int clamp(int value, int low, int high) { return value < low ? low : value > high ? high : value; }
+[[nodiscard]] constexpr int clamp(int value, int low, int high) {
+    return value < low ? low : value > high ? high : value;
+}
 
 }  // namespace detail
 
@@ -67,30 +73,31 @@ struct Q32 {
     static constexpr bool carry = with_carry;
     static constexpr bool fixed_point = true;
 
-    using Position = Fixed<30 - detail::log2_of(R::position)>;   // m; one bit above the range
-    using Drift = Fixed<30>;    // displacement per step / Scale's unit; +-1 is the range
-    using Turn = Fixed<32>;     // half turn per step, rad, times 2^turn_shift; +-1/4 is the range
-    using Angle = Fixed<32>;    // rad, |angle| < 1/2: half turns and what is computed from them
-    using Unit = Fixed<30>;     // components of unit quaternions and unit vectors
-    using Coefficient = Fixed<31>;   // dimensionless constants in [-1, 1]
+    using Position = Fixed<30 - detail::log2_of(R::position)>;  // m; one bit above the range
+    using Drift = Fixed<30>;        // displacement per step / Scale's unit; +-1 is the range
+    using Turn = Fixed<32>;         // half turn per step, rad, times 2^turn_shift; +-1/4 is the range
+    using Angle = Fixed<32>;        // rad, |angle| < 1/2: half turns and what is computed from them
+    using Unit = Fixed<30>;         // components of unit quaternions and unit vectors
+    using Coefficient = Fixed<31>;  // dimensionless constants in [-1, 1]
     template <int bits>
-    using CoefficientOf = Fixed<bits>;   // dimensionless constants below 2^(31 - bits)
+    using CoefficientOf = Fixed<bits>;  // dimensionless constants below 2^(31 - bits)
     using TurnProduct = Wide<64>;
     using AngleSum = Wide<64>;
     using PositionSum = Wide<Position::fraction_bits + 32>;
     using DriftSum = Wide<62>;
     using TurnSum = Wide<64>;
-    using Work = Scaled;             // loads and contacts: any magnitude, 31 digits
+    using Work = Scaled;  // loads and contacts: any magnitude, 31 digits
     template <class T>
     using Integrated = Carried<T, carry>;
     using IntegratedUnit = Carried<Unit, carry, true>;
 
     // Where the binary points stand, from the ranges and the step size.
     struct Scale {
-        // Drift has drift_shift more fraction bits (of a metre) than Position: a step moves by a quarter of the range at most.
+        // Drift has drift_shift more fraction bits (of a metre) than Position: a step moves by a quarter of the range
+        // at most.
         std::int8_t drift_shift = 2;
-        std::int8_t turn_shift = 1;    // Turn is the half turn times 2^turn_shift
-        static constexpr int most_turn_shift = 14;   // squares of angles are shifted by up to 2 (14 + 1) < 32
+        std::int8_t turn_shift = 1;                 // Turn is the half turn times 2^turn_shift
+        static constexpr int most_turn_shift = 14;  // squares of angles are shifted by up to 2 (14 + 1) < 32
 
         // `turn_per_spin`: the largest half turn per step that a spin of 1 rad/s can mean (h/2, h for momentum).
         [[nodiscard]] static constexpr Scale of(Real step, Real turn_per_spin) {
@@ -111,11 +118,13 @@ struct Q32 {
     };
 
     // Turns that share a power of two of their own during one step, so that a spin far below the declared range is
-    // computed with as many digits as one at its end: a block turn is a half turn times 2^shift, below 2^30 units in each component.
+    // computed with as many digits as one at its end: a block turn is a half turn times 2^shift, below 2^30 units in
+    // each component.
     class Block {
     public:
         // `most_up` bounds the digits gained; z is to stay in range times 2^(z_up + 1).
-        [[nodiscard]] TUMBLE_INLINE static constexpr Block of(TurnSum x, TurnSum y, TurnSum z, int z_up, int most_up, Scale s) {
+        [[nodiscard]] TUMBLE_INLINE static constexpr Block of(TurnSum x, TurnSum y, TurnSum z, int z_up, int most_up,
+                                                              Scale s) {
             const auto magnitude = [](TurnSum t) {
                 const auto high = static_cast<std::int32_t>(t.raw >> 32);
                 return static_cast<std::uint32_t>(high ^ (high >> 31));
@@ -141,9 +150,15 @@ struct Q32 {
         }
         [[nodiscard]] TUMBLE_INLINE static constexpr Turn down(Turn t, int n) { return {t.raw >> n}; }
         // Products of two block turns as the nearest block turn; half a square, dithered.
-        [[nodiscard]] TUMBLE_INLINE constexpr Turn turn(TurnProduct p) const { return {(upper_word(p).raw + half()) >> shift_}; }
-        [[nodiscard]] TUMBLE_INLINE constexpr Turn turn_up(TurnProduct p, int up) const { return {(detail::upper_shifted_left(p.raw, up) + half()) >> shift_}; }
-        [[nodiscard]] TUMBLE_INLINE constexpr Turn half_square(Turn t, Dither d) const { return half_angle(upper_word(mul_add(TurnProduct{static_cast<std::int64_t>(d.delta)}, t, t)), d); }
+        [[nodiscard]] TUMBLE_INLINE constexpr Turn turn(TurnProduct p) const {
+            return {(upper_word(p).raw + half()) >> shift_};
+        }
+        [[nodiscard]] TUMBLE_INLINE constexpr Turn turn_up(TurnProduct p, int up) const {
+            return {(detail::upper_shifted_left(p.raw, up) + half()) >> shift_};
+        }
+        [[nodiscard]] TUMBLE_INLINE constexpr Turn half_square(Turn t, Dither d) const {
+            return half_angle(upper_word(mul_add(TurnProduct{static_cast<std::int64_t>(d.delta)}, t, t)), d);
+        }
         // state -= p: a product puts the upper word in its place.
         TUMBLE_INLINE constexpr void lower(auto& state, TurnProduct p) const {
             const int down = shift_ + up_;
@@ -152,23 +167,38 @@ struct Q32 {
                              [&](TurnSum sum) { return sum - TurnSum{low}; });
         }
         // As angles: a product of two turns, half a turn.
-        [[nodiscard]] TUMBLE_INLINE constexpr Angle square(TurnProduct p) const { return {upper_word(p).raw >> (2 * shift_)}; }
+        [[nodiscard]] TUMBLE_INLINE constexpr Angle square(TurnProduct p) const {
+            return {upper_word(p).raw >> (2 * shift_)};
+        }
         [[nodiscard]] TUMBLE_INLINE constexpr Angle half_angle(Turn t) const { return {t.raw >> (shift_ + 1)}; }
         [[nodiscard]] TUMBLE_INLINE constexpr Angle half_angle(Turn t, Dither d) const {
             return {(t.raw + static_cast<std::int32_t>(d.angle >> (31 - shift_))) >> (shift_ + 1)};
         }
-        // 1 + c, c <= 0, as the factor that makes an angle of a turn; dithered. Just below 1/2, its format's end, for 1/2.
+        [[nodiscard]] TUMBLE_INLINE constexpr Angle whole_angle(Turn t, Dither d) const {
+            return {(t.raw + static_cast<std::int32_t>((d.angle >> 1) >> (31 - shift_))) >> shift_};
+        }
+        // 1 + c, c <= 0, as the factor that makes an angle of a turn; dithered. Just below 1/2, its format's end, for
+        // 1/2.
         [[nodiscard]] TUMBLE_INLINE constexpr Fixed<32> angle_per_turn(Angle c, Dither d) const {
-            const auto less = static_cast<std::uint32_t>((c.raw + static_cast<std::int32_t>(d.delta >> (32 - shift_))) >> shift_);
+            const auto less =
+                static_cast<std::uint32_t>((c.raw + static_cast<std::int32_t>(d.delta >> (32 - shift_))) >> shift_);
             const std::uint32_t factor = less + (0x80000000u >> (shift_ - 1));
             return {static_cast<std::int32_t>(factor - (factor >> 31))};
         }
-        [[nodiscard]] TUMBLE_INLINE static constexpr Fixed<32> times_cosine(Fixed<32> factor, Angle c, std::uint32_t dither) { return stretched(factor, c, dither); }
-        [[nodiscard]] TUMBLE_INLINE static constexpr Angle angle(Turn t, Fixed<32> factor) { return upper_word(mul(t, factor)); }
-        [[nodiscard]] TUMBLE_INLINE static constexpr AngleSum add_angle(AngleSum sum, Turn t, Fixed<32> factor) { return mul_add(sum, t, factor); }
+        [[nodiscard]] TUMBLE_INLINE static constexpr Fixed<32> times_cosine(Fixed<32> factor, Angle c,
+                                                                            std::uint32_t dither) {
+            return stretched(factor, c, dither);
+        }
+        [[nodiscard]] TUMBLE_INLINE static constexpr Angle angle(Turn t, Fixed<32> factor) {
+            return upper_word(mul(t, factor));
+        }
+        [[nodiscard]] TUMBLE_INLINE static constexpr AngleSum add_angle(AngleSum sum, Turn t, Fixed<32> factor) {
+            return mul_add(sum, t, factor);
+        }
         // a as the start of a sum of products whose upper word will be a dithered angle.
         [[nodiscard]] TUMBLE_INLINE static constexpr AngleSum widen(Angle a, std::uint32_t dither) {
-            return {static_cast<std::int64_t>((static_cast<std::uint64_t>(static_cast<std::uint32_t>(a.raw)) << 32) | dither)};
+            return {static_cast<std::int64_t>((static_cast<std::uint64_t>(static_cast<std::uint32_t>(a.raw)) << 32) |
+                                              dither)};
         }
         // t (1 + c), c * t and 2 c * t, dithered.
         [[nodiscard]] TUMBLE_INLINE static constexpr Turn stretched(Turn t, Angle c, std::uint32_t dither) {
@@ -177,8 +207,27 @@ struct Q32 {
         [[nodiscard]] TUMBLE_INLINE static constexpr Turn share(Fixed<32> c, Turn t, Dither d) {
             return upper_word(mul_add(TurnProduct{static_cast<std::int64_t>(d.turn)}, c, t));
         }
+        [[nodiscard]] TUMBLE_INLINE static constexpr Turn twice(Fixed<30> c, Turn t, Dither d) {
+            return {
+                static_cast<std::int32_t>(mul_add(Wide<62>{static_cast<std::int64_t>(d.turn >> 3)}, c, t).raw >> 29)};
+        }
+        // Would a change of c that is this change times |c| round to nothing? |c| < 2^-(1 + shift) in each component.
+        [[nodiscard]] TUMBLE_INLINE constexpr bool vanishes_times_itself(const auto& change, const auto&) const {
+            const auto size = [](Turn c) { return static_cast<std::uint32_t>(c.raw ^ (c.raw >> 31)); };
+            return ((size(change.x()) | size(change.y()) | size(change.z())) >> shift_) == 0;
+        }
+        // c * t, to nearest; and (a + d p - j c) 2^up, rounded down.
+        [[nodiscard]] TUMBLE_INLINE static constexpr Turn times(Fixed<30> c, Turn t) {
+            return {static_cast<std::int32_t>(mul_add(Wide<62>{std::int64_t{1} << 29}, c, t).raw >> 30)};
+        }
+        [[nodiscard]] TUMBLE_INLINE static constexpr Turn rest(Turn a, Fixed<30> d, Turn p, Fixed<30> j, Turn c,
+                                                               int up) {
+            const Wide<62> start{static_cast<std::int64_t>(a.raw) * (std::int64_t{1} << 30)};
+            return {static_cast<std::int32_t>(mul_sub(mul_add(start, d, p), j, c).raw >> (30 - up))};
+        }
         [[nodiscard]] TUMBLE_INLINE static constexpr Turn twice_share(Fixed<31> c, Turn t, Dither d) {
-            return {static_cast<std::int32_t>(mul_add(Wide<63>{static_cast<std::int64_t>(d.turn >> 2)}, c, t).raw >> 30)};
+            return {
+                static_cast<std::int32_t>(mul_add(Wide<63>{static_cast<std::int64_t>(d.turn >> 2)}, c, t).raw >> 30)};
         }
 
     private:
@@ -188,7 +237,9 @@ struct Q32 {
     };
 
     template <class T>
-    [[nodiscard]] static constexpr T constant(Real value) { return T::from(value); }
+    [[nodiscard]] static constexpr T constant(Real value) {
+        return T::from(value);
+    }
 
     // Between state and working numbers: metres, metres per step, half turns per step.
     [[nodiscard]] static constexpr PositionSum sum(const Integrated<Position>& x) { return x.sum(); }
@@ -198,13 +249,19 @@ struct Q32 {
     }
     [[nodiscard]] static constexpr Work half_turn(Turn t, Scale s) { return Work::of(t.raw, -(32 + s.turn_shift)); }
     [[nodiscard]] static constexpr Work half_turn(TurnSum t, Scale s) { return Work::of(t.raw, -(64 + s.turn_shift)); }
-    [[nodiscard]] static constexpr Work turn_product(TurnProduct p, Scale s) { return Work::of(p.raw, -(64 + 2 * s.turn_shift)); }
+    [[nodiscard]] static constexpr Work turn_product(TurnProduct p, Scale s) {
+        return Work::of(p.raw, -(64 + 2 * s.turn_shift));
+    }
     [[nodiscard]] static constexpr Work work(Unit u) { return Work::of(u); }
     [[nodiscard]] static constexpr PositionSum position_sum(Work metres) {
         return metres.template to_wide<PositionSum::fraction_bits>();
     }
-    [[nodiscard]] static constexpr DriftSum drift_sum(Work metres, Scale s) { return {metres.to_sum(Position::fraction_bits + 32 + s.drift_shift)}; }
-    [[nodiscard]] static constexpr TurnSum turn_sum(Work half_turn, Scale s) { return {half_turn.to_sum(64 + s.turn_shift)}; }
+    [[nodiscard]] static constexpr DriftSum drift_sum(Work metres, Scale s) {
+        return {metres.to_sum(Position::fraction_bits + 32 + s.drift_shift)};
+    }
+    [[nodiscard]] static constexpr TurnSum turn_sum(Work half_turn, Scale s) {
+        return {half_turn.to_sum(64 + s.turn_shift)};
+    }
 
     // A constant change of drift. What leaves the range in one step is held at its end: sums with it cannot wrap.
     [[nodiscard]] static constexpr DriftSum fall(Real units) {
@@ -224,19 +281,26 @@ struct Q32 {
     template <int F>
     [[nodiscard]] TUMBLE_INLINE static constexpr Wide<F> limited(Wide<F> kick, bool& within) {
         constexpr std::int64_t limit = std::int64_t{1} << 60;
-        if (kick.raw <= limit && kick.raw >= -limit) [[likely]] return kick;
+        if (kick.raw <= limit && kick.raw >= -limit) [[likely]]
+            return kick;
         within = false;
         return {kick.raw < 0 ? -limit : limit};
     }
 
     // Is a correction to `t` only rounding? And the relative rounding of working numbers, with a margin.
     [[nodiscard]] static constexpr bool is_rounding(const auto& correction, const auto&) {
-        const auto small = [](Turn c) { return c.raw >= -3 && c.raw <= 3; };   // three roundings make the correction
+        const auto small = [](Turn c) { return c.raw >= -3 && c.raw <= 3; };  // three roundings make the correction
         return small(correction[0]) && small(correction[1]) && small(correction[2]);
     }
     [[nodiscard]] static constexpr Work rounding_unit() { return Work::of(1, -28); }
 
     [[nodiscard]] static constexpr Work half_of(Work w) { return w.times_power_of_two(-1); }
+    [[nodiscard]] static constexpr Work times_power_of_two(Work w, int n) { return w.times_power_of_two(n); }
+    // A working number as a constant of a step, nearest.
+    template <int bits>
+    [[nodiscard]] static constexpr CoefficientOf<bits> factor(Work w) {
+        return w.template to_fixed<CoefficientOf<bits>>();
+    }
 
     // For part of a step: sums times a fraction in (0, 1).
     using Fraction = Fixed<31>;
@@ -261,7 +325,8 @@ struct Q32 {
     template <class Body>
     [[nodiscard]] TUMBLE_INLINE static constexpr bool out_of_range(const Body& b) {
         const auto three = [](const auto& v) {
-            return range_bits(upper(v.x.sum().raw)) | range_bits(upper(v.y.sum().raw)) | range_bits(upper(v.z.sum().raw));
+            return range_bits(upper(v.x.sum().raw)) | range_bits(upper(v.y.sum().raw)) |
+                   range_bits(upper(v.z.sum().raw));
         };
         const std::uint32_t bits = three(b.x_w) | three(b.d_w) | three(b.t_b);
         return (bits >> 31) != 0;
@@ -269,14 +334,16 @@ struct Q32 {
     // Marks a number for out_of_range().
     static constexpr void leave_range(auto& number) {
         constexpr std::int64_t beyond = std::int64_t{3} << 61;
-        number = std::remove_reference_t<decltype(number)>::from_sum(decltype(number.sum()){number.sum().raw < 0 ? -beyond : beyond});
+        number = std::remove_reference_t<decltype(number)>::from_sum(
+            decltype(number.sum()){number.sum().raw < 0 ? -beyond : beyond});
     }
     template <class Body>
     static constexpr void saturate(Body& b) {
         const auto clamp = [](auto& c) {
             constexpr std::int64_t limit = (std::int64_t{1} << 62) - 1;
             const std::int64_t raw = c.sum().raw;
-            if ((range_bits(upper(raw)) >> 31) != 0) c = std::remove_reference_t<decltype(c)>::from_sum(decltype(c.sum()){raw < 0 ? -limit : limit});
+            if ((range_bits(upper(raw)) >> 31) != 0)
+                c = std::remove_reference_t<decltype(c)>::from_sum(decltype(c.sum()){raw < 0 ? -limit : limit});
         };
         for (int i = 0; i < 3; ++i) {
             clamp(b.x_w[i]);
@@ -284,7 +351,9 @@ struct Q32 {
             clamp(b.t_b[i]);
         }
     }
-    [[nodiscard]] TUMBLE_INLINE static constexpr std::int32_t upper(std::int64_t raw) { return static_cast<std::int32_t>(raw >> 32); }
+    [[nodiscard]] TUMBLE_INLINE static constexpr std::int32_t upper(std::int64_t raw) {
+        return static_cast<std::int32_t>(raw >> 32);
+    }
     // `change`, cut so that sum + change stays within the widest sum.
     static constexpr std::int64_t widest = INT64_MAX - (std::int64_t{1} << 32);
     [[nodiscard]] static constexpr std::int64_t no_wrap(std::int64_t sum, std::int64_t change) {
@@ -297,19 +366,24 @@ struct Q32 {
     // shifts the upper word down, into the sum itself.
     TUMBLE_INLINE static constexpr void move(Integrated<Position>& x, DriftSum drift, Scale s) {
         const auto low = static_cast<std::int64_t>(static_cast<std::uint32_t>(drift.raw) >> s.drift_shift);
-        if constexpr (carry) x.accumulate(Drift{upper(drift.raw)}, Fixed<Position::fraction_bits + 2>{1 << (32 - s.drift_shift)}, [&](PositionSum sum) { return sum + PositionSum{low}; });
+        if constexpr (carry)
+            x.accumulate(Drift{upper(drift.raw)}, Fixed<Position::fraction_bits + 2>{1 << (32 - s.drift_shift)},
+                         [&](PositionSum sum) { return sum + PositionSum{low}; });
         else x.add({detail::shift_right(drift.raw, s.drift_shift)});
     }
     [[nodiscard]] TUMBLE_INLINE static constexpr DriftSum sum(const Integrated<Drift>& d) { return d.sum(); }
-    [[nodiscard]] TUMBLE_INLINE static constexpr DriftSum half(DriftSum d) { return {d.raw >> 1}; }
+    template <int F>
+    [[nodiscard]] TUMBLE_INLINE static constexpr Wide<F> half(Wide<F> sum) {
+        return {sum.raw >> 1};
+    }
     // position += drift + extra, with all that the drift carries.
-    TUMBLE_INLINE static constexpr void coast(Integrated<Position>& x, const Integrated<Drift>& d, DriftSum extra, Scale s) {
+    TUMBLE_INLINE static constexpr void coast(Integrated<Position>& x, const Integrated<Drift>& d, DriftSum extra,
+                                              Scale s) {
         move(x, d.sum() + extra, s);
     }
     [[nodiscard]] static constexpr PositionSum displaced(PositionSum x, DriftSum d, Scale s) {
         return x + PositionSum{detail::shift_right(d.raw, s.drift_shift)};
     }
-    [[nodiscard]] TUMBLE_INLINE static constexpr TurnSum half_turn_sum(TurnSum t) { return {t.raw >> 1}; }
     [[nodiscard]] TUMBLE_INLINE static constexpr Angle half_angle(Angle a) { return {a.raw >> 1}; }
     // t * 2^shift, which the caller knows to fit.
     [[nodiscard]] TUMBLE_INLINE static constexpr TurnSum scaled_up(TurnSum t, int shift) {
@@ -340,8 +414,8 @@ struct Q32 {
     }
     [[nodiscard]] TUMBLE_INLINE static constexpr TurnSum sum(const Carried<Turn, carry>& t) { return t.sum(); }
     [[nodiscard]] TUMBLE_INLINE static constexpr TurnSum sum(const Shaped<Turn, carry>& t) { return t.sum(); }
-    // Three ways to round a sum: as a turn, plainly or dithered (what a constant spin is made of must not be rounded the
-    // same way at every step), or as an angle, dithered.
+    // Three ways to round a sum: as a turn, plainly or dithered (what a constant spin is made of must not be rounded
+    // the same way at every step), or as an angle, dithered.
     [[nodiscard]] TUMBLE_INLINE static constexpr Turn narrow_turn(TurnSum t) { return narrow<Turn>(t); }
     [[nodiscard]] TUMBLE_INLINE static constexpr Turn round_turn(TurnSum t, Dither d) {
         return {static_cast<std::int32_t>((t + TurnSum{static_cast<std::int64_t>(d.turn)}).raw >> 32)};
@@ -352,7 +426,8 @@ struct Q32 {
     }
     // A sum of products of turns as a turn; and as an increment of the state, to its last bit.
     [[nodiscard]] TUMBLE_INLINE static constexpr Turn turn(TurnProduct p, Scale s) {
-        return {static_cast<std::int32_t>((p + TurnProduct{std::int64_t{1} << (31 + s.turn_shift)}).raw >> 32) >> s.turn_shift};
+        return {static_cast<std::int32_t>((p + TurnProduct{std::int64_t{1} << (31 + s.turn_shift)}).raw >> 32) >>
+                s.turn_shift};
     }
     [[nodiscard]] TUMBLE_INLINE static constexpr TurnSum turn_increment(TurnProduct p, Scale s) {
         return {detail::shift_right(p.raw, s.turn_shift)};
@@ -364,15 +439,17 @@ struct Q32 {
     }
     // coefficient * p / 2^turn_shift as a turn: for stages, where the product's upper word is enough.
     [[nodiscard]] TUMBLE_INLINE static constexpr Turn stage_turn(Coefficient c, TurnProduct p, Scale s) {
-        // The upper word is the product rounded down; c / 2 puts back the half unit that is missing on average.
-        const auto half = (std::int64_t{1} << (30 + s.turn_shift)) + (c.raw >> 1);
-        const auto upper = Turn::from_raw(static_cast<std::int32_t>(p.raw >> 32));
-        return {static_cast<std::int32_t>(detail::multiply_add(half, c.raw, upper.raw) >> 32) >> (s.turn_shift - 1)};
+        // The upper word is the product rounded down; c / 2 puts back the half unit that is missing on average: a bias
+        // would drive the spin like a torque.
+        const auto upper = static_cast<std::int32_t>(p.raw >> 32);
+        const auto product = static_cast<std::int32_t>(detail::multiply(c.raw, 2 * upper + 1) >> 32);
+        return {(product + (1 << s.turn_shift >> 1)) >> s.turn_shift};
     }
     // t += coefficient * p, to the last bit of the carried sum: 96 bits of product, of which 64 are kept.
     template <int F>
     TUMBLE_INLINE static constexpr void add_turn(Shaped<Turn, carry>& t, Fixed<F> c, TurnProduct p, Scale s) {
-        t.add({detail::shift_right(static_cast<std::int64_t>(static_cast<std::uint64_t>(mul_sum(p, c).raw) << (32 - F)), s.turn_shift)});
+        t.add({detail::shift_right(static_cast<std::int64_t>(static_cast<std::uint64_t>(mul_sum(p, c).raw) << (32 - F)),
+                                   s.turn_shift)});
     }
 };
 
@@ -425,17 +502,30 @@ struct Float {
         [[nodiscard]] TUMBLE_INLINE static constexpr T half_square(T t, Dither) { return t * t * T(0.5); }
         // Kept less one: 1 + c would lose c's digits.
         [[nodiscard]] TUMBLE_INLINE static constexpr T angle_per_turn(T c, Dither) { return c; }
-        [[nodiscard]] TUMBLE_INLINE static constexpr T times_cosine(T factor, T c, std::uint32_t) { return factor + c + factor * c; }
+        [[nodiscard]] TUMBLE_INLINE static constexpr T times_cosine(T factor, T c, std::uint32_t) {
+            return factor + c + factor * c;
+        }
         [[nodiscard]] TUMBLE_INLINE static constexpr T angle(T t, T factor) { return t + t * factor; }
-        [[nodiscard]] TUMBLE_INLINE static constexpr T add_angle(T sum, T t, T factor) { return sum + (t + t * factor); }
+        [[nodiscard]] TUMBLE_INLINE static constexpr T add_angle(T sum, T t, T factor) {
+            return sum + (t + t * factor);
+        }
         [[nodiscard]] TUMBLE_INLINE static constexpr T widen(T a, std::uint32_t) { return a; }
         [[nodiscard]] TUMBLE_INLINE static constexpr T stretched(T t, T c, std::uint32_t) { return t + t * c; }
         [[nodiscard]] TUMBLE_INLINE static constexpr T share(T c, T t, Dither) { return c * t; }
         [[nodiscard]] TUMBLE_INLINE static constexpr T twice_share(T c, T t, Dither) { return T(2) * c * t; }
+        [[nodiscard]] TUMBLE_INLINE static constexpr bool vanishes_times_itself(const auto& change, const auto& c) {
+            return is_rounding(change, c);
+        }
+        [[nodiscard]] TUMBLE_INLINE static constexpr T twice(T c, T t, Dither) { return T(2) * c * t; }
+        [[nodiscard]] TUMBLE_INLINE static constexpr T times(T c, T t) { return c * t; }
+        [[nodiscard]] TUMBLE_INLINE static constexpr T rest(T a, T d, T p, T j, T c, int) { return a - j * c + d * p; }
+        [[nodiscard]] TUMBLE_INLINE static constexpr T whole_angle(T t, Dither) { return t; }
     };
 
     template <class V>
-    [[nodiscard]] static constexpr V constant(Real value) { return from_real<V>(value); }
+    [[nodiscard]] static constexpr V constant(Real value) {
+        return from_real<V>(value);
+    }
 
     [[nodiscard]] static constexpr T sum(const Integrated<T>& x) { return x.value(); }
     [[nodiscard]] static constexpr T metres(T x) { return x; }
@@ -455,15 +545,24 @@ struct Float {
     [[nodiscard]] static constexpr T magnitude(T a) { return a < T(0) ? -a : a; }
 
     [[nodiscard]] static constexpr T half_of(T w) { return w * T(0.5); }
+    [[nodiscard]] static constexpr T times_power_of_two(T w, int) {
+        return w;
+    }  // formats that shift are of fixed point
+    template <int>
+    [[nodiscard]] static constexpr T factor(T w) {
+        return w;
+    }
 
     using Fraction = T;
     [[nodiscard]] static constexpr T fraction(T w) { return w; }
     [[nodiscard]] static constexpr T part(T a, T f) { return a * f; }
 
-    [[nodiscard]] static constexpr T along(const T (&x)[3], const auto& n) { return x[0] * n[0] + x[1] * n[1] + x[2] * n[2]; }
+    [[nodiscard]] static constexpr T along(const T (&x)[3], const auto& n) {
+        return x[0] * n[0] + x[1] * n[1] + x[2] * n[2];
+    }
 
-    // Not finite? Zero times a finite sum is zero; infinities and NaN give NaN. Drift and spin need not be looked at: the
-    // position and every component of the orientation take them over within a step.
+    // Not finite? Zero times a finite sum is zero; infinities and NaN give NaN. Drift and spin need not be looked at:
+    // the position and every component of the orientation take them over within a step.
     template <class Body>
     [[nodiscard]] TUMBLE_INLINE static constexpr bool out_of_range(const Body& b) {
         const T sum = (b.x_w.x.value() + b.x_w.y.value() + b.x_w.z.value()) + b.q_wb.w.value();
@@ -477,14 +576,13 @@ struct Float {
     TUMBLE_INLINE static constexpr void add_any(auto& number, T change, Scale) { number.add(change); }
     [[nodiscard]] TUMBLE_INLINE static constexpr T limited(T kick, bool&) { return kick; }
     TUMBLE_INLINE static constexpr void move(Integrated<T>& x, T drift, Scale) { x.add(drift); }
-    [[nodiscard]] TUMBLE_INLINE static constexpr T half(T d) { return d * T(0.5); }
+    [[nodiscard]] TUMBLE_INLINE static constexpr T half(T sum) { return sum * T(0.5); }
     TUMBLE_INLINE static constexpr void coast(Integrated<T>& x, const Integrated<T>& d, T extra, Scale) {
         if constexpr (carry) x.add(d.residual());
         x.add(d.value() + extra);
     }
     [[nodiscard]] static constexpr T displaced(T x, T d, Scale) { return x + d; }
     [[nodiscard]] TUMBLE_INLINE static constexpr T narrow_turn(T t) { return t; }
-    [[nodiscard]] TUMBLE_INLINE static constexpr T half_turn_sum(T t) { return t * T(0.5); }
     [[nodiscard]] TUMBLE_INLINE static constexpr T half_angle(T a) { return a * T(0.5); }
     [[nodiscard]] TUMBLE_INLINE static constexpr T scaled_up(T t, int) { return t; }
     [[nodiscard]] TUMBLE_INLINE static constexpr T mul_sum(T t, T c) { return t * c; }

@@ -1,0 +1,59 @@
+// Compositions: a symmetric rotation of order 2, taken in parts of a step whose leading errors cancel.
+#pragma once
+
+#include <tumble/integrators/kick_drift_kick.hpp>
+
+namespace tumble {
+
+// How much of a step a flow takes: all of it, or a part that a composition asks for.
+template <class N>
+struct WholeStep {
+    [[nodiscard]] static constexpr WholeStep of(Real) { return {}; }
+    [[nodiscard]] TUMBLE_INLINE constexpr Vec3<typename N::Turn> operator()(const Vec3<typename N::Turn>& turns,
+                                                                            Dither) const {
+        return turns;
+    }
+};
+template <class N>
+struct PartOfStep {
+    typename N::Coefficient half;  // of the part, which may be negative; |part| < 1
+
+    [[nodiscard]] static constexpr PartOfStep of(Real part) {
+        return {N::template constant<typename N::Coefficient>(part * Real::scaled(1, -1))};
+    }
+    [[nodiscard]] TUMBLE_INLINE constexpr Vec3<typename N::Turn> operator()(const Vec3<typename N::Turn>& turns,
+                                                                            Dither d) const {
+        using Block = typename N::Block;
+        return {Block::twice_share(half, turns.x(), d), Block::twice_share(half, turns.y(), d),
+                Block::twice_share(half, turns.z(), d)};
+    }
+};
+
+// Parts: count, of(i) in order; kinds of different length, kind(i) and of_kind(k).
+template <class Flow, class Parts>
+struct Composed {
+    template <class N>
+    struct Inertia {
+        typename Flow::template PartInertia<N> part[Parts::kinds];
+
+        [[nodiscard]] static constexpr Inertia of(RealVec3 moments, typename N::Scale scale) {
+            Inertia inertia{};
+            for (int k = 0; k < Parts::kinds; ++k)
+                inertia.part[k] = Flow::template PartInertia<N>::of(moments, scale, Parts::of_kind(k));
+            return inertia;
+        }
+    };
+
+    template <class N>
+    static void flow(BodyState<N, Spin::angular_momentum>& body, const Inertia<N>& inertia, const StepInfo<N>& step) {
+        for (int part = 0; part < Parts::count; ++part) flow_part<N>(body, inertia, part, step);
+    }
+    // Out of line: copies of it would cost more flash than calls cost time.
+    template <class N>
+    [[gnu::noinline]] static void flow_part(BodyState<N, Spin::angular_momentum>& body, const Inertia<N>& inertia,
+                                            int part, const StepInfo<N>& step) {
+        Flow::template flow<N>(body, inertia.part[Parts::kind(part)], step);
+    }
+};
+
+}  // namespace tumble
