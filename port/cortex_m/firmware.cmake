@@ -58,18 +58,6 @@ function(tumble_add_firmware name)
     target_link_options(${name} PRIVATE -Wl,-Map=$<TARGET_FILE_DIR:${name}>/${name}.map)
 endfunction()
 
-# tumble_precompile_kernel(<name> <group>): the kernel's headers are read once for all firmware of a group, whose compiler
-# options must be the same; that is half of the time to build a small one.
-function(tumble_precompile_kernel name group)
-    get_property(first GLOBAL PROPERTY tumble_precompiled_${group})
-    if(first)
-        target_precompile_headers(${name} REUSE_FROM ${first})
-    else()
-        target_precompile_headers(${name} PRIVATE <tumble/tumble.hpp> <tumble/replay.hpp> <tumble/numbers/variants.hpp>)
-        set_property(GLOBAL PROPERTY tumble_precompiled_${group} ${name})
-    endif()
-endfunction()
-
 function(tumble_add_firmware_test test)
     cmake_parse_arguments(PARSE_ARGV 1 arg "" "FIRMWARE;STATUS;OUTPUT;TIMEOUT" "")
     if("${arg_STATUS}" STREQUAL "")
