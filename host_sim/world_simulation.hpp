@@ -68,15 +68,17 @@ struct HostScene : Scene {
     static constexpr bool friction = true;
 };
 
-template <std::size_t index, class Method>
-class WorldSimulation final : public Simulation {
-    static constexpr auto system = std::get<index>(number_system_list);
-    using N = typename decltype(system)::Numbers;
+// What a Simulation tells of its bodies, whatever the method.
+template <class N, Spin spin_is>
+class BodiesSimulation : public Simulation {
+protected:
+    using Bodies = tumble::Bodies<N, spin_is, max_bodies>;
+    using State = typename Bodies::State;
 
-public:
-    explicit WorldSimulation(SceneData data)
-        : Simulation(data.steps, wide(data.step.value)), data_(std::move(data)), replay_(data_),
-          drift_unit_(wide(world().scale().metres(Real{1}))), turn_unit_(wide(world().scale().angle(Real{1}))) {
+    // Both must outlive this.
+    BodiesSimulation(const SceneData& data, const Bodies& bodies)
+        : Simulation(data.steps, wide(data.step.value)), data_(data), now_(bodies),
+          drift_unit_(wide(bodies.scale.metres(Real{1}))), turn_unit_(wide(bodies.scale.angle(Real{1}))) {
         for (const BodySpec& spec : data_.bodies) {
             const PrincipalInertia inertia = principal_inertia(spec.inertia);
             bodies_.push_back({wide(spec.mass),
@@ -84,19 +86,26 @@ public:
                                {wide(inertia.principal.w), wide(inertia.principal.v.x), wide(inertia.principal.v.y),
                                 wide(inertia.principal.v.z)}});
         }
-        note(replay_.world().status());
+        note(bodies.status);
     }
 
-    void step() override { note(replay_.step()); }
+    // Keeps the first occurrence of every issue; the kernel's own sticky bits remember the first of all only.
+    void note(Status status) {
+        if (status.ok()) return;
+        for (const Issue issue : all_issues) {
+            if (status.has(issue) && !has_trouble(name_of(issue)))
+                troubles_.push_back({name_of(issue), status.first_body, status.first_step});
+        }
+    }
 
-    [[nodiscard]] std::int64_t steps_taken() const override { return world().steps_taken(); }
-    [[nodiscard]] std::uint64_t hash() const override { return world().hash(); }
-    [[nodiscard]] int body_count() const override { return world().body_count(); }
+public:
+    [[nodiscard]] std::int64_t steps_taken() const override { return now_.steps_taken; }
+    [[nodiscard]] std::uint64_t hash() const override { return now_.hash(); }
+    [[nodiscard]] int body_count() const override { return now_.count; }
     [[nodiscard]] const std::vector<Trouble>& troubles() const override { return troubles_; }
 
     [[nodiscard]] BodySnapshot body(int index_of_body) const override {
-        const BodyId id{index_of_body};
-        const auto& state = world().state(id);
+        const State& state = now_.state[index_of_body];
         const Body& body = bodies_[static_cast<std::size_t>(index_of_body)];
         BodySnapshot snapshot;
         const LongQuat to_principal{body.principal[0], -body.principal[1], -body.principal[2], -body.principal[3]};
@@ -108,7 +117,7 @@ public:
         const LongQuat q{wide(state.q_wb.w), wide(state.q_wb.x), wide(state.q_wb.y), wide(state.q_wb.z)};
         snapshot.orientation = product(q, to_principal);
         snapshot.angular_velocity = rotate(body.principal, spin(index_of_body));
-        snapshot.contacts = world().contact_count(id);
+        snapshot.contacts = contact_count(index_of_body);
         return snapshot;
     }
 
@@ -150,7 +159,7 @@ public:
 
     void append_words(std::vector<std::uint32_t>& words) const override {
         for (int b = 0; b < body_count(); ++b) {
-            for_each_number(world().state(BodyId{b}), [&](const char*, const auto& number) {
+            for_each_number(now_.state[b], [&](const char*, const auto& number) {
                 for_each_word(number, [&](std::uint32_t word) { words.push_back(word); });
             });
         }
@@ -159,7 +168,7 @@ public:
         Place place{};
         std::size_t first = 0;
         for (int b = 0; b < body_count(); ++b) {
-            for_each_number(world().state(BodyId{b}), [&](const char* name, const auto& number) {
+            for_each_number(now_.state[b], [&](const char* name, const auto& number) {
                 std::size_t count = 0;
                 for_each_word(number, [&](std::uint32_t) { ++count; });
                 if (first <= word && word < first + count) place = {b, name, first, count};
@@ -169,50 +178,74 @@ public:
         return place;
     }
 
-    [[nodiscard]] std::string_view integrator() const override { return Method::name; }
-    [[nodiscard]] std::string_view numbers() const override { return N::name; }
-    [[nodiscard]] std::string_view range() const override { return system.range; }
-    [[nodiscard]] bool carry() const override { return N::carry; }
-
 private:
-    using Config = HostScene<N, Method>;
-
     struct Body {
         long double mass;    // kg
         LongVec3 moments;    // kg m^2, principal
         LongQuat principal;  // principal axes to the user's
     };
 
-    [[nodiscard]] const World<Config>& world() const { return replay_.world(); }
+    [[nodiscard]] virtual int contact_count(int b) const = 0;
 
     // rad/s, principal axes.
     [[nodiscard]] LongVec3 spin(int b) const {
-        const auto& turn = world().state(BodyId{b}).t_b;
+        const auto& turn = now_.state[b].t_b;
         const LongVec3& moments = bodies_[static_cast<std::size_t>(b)].moments;
         LongVec3 w;
         for (int i = 0; i < 3; ++i) {
             const auto k = static_cast<std::size_t>(i);
             w[k] = wide(turn[i]) * turn_unit_ * 2 / step_length();
-            if constexpr (Method::spin == Spin::angular_momentum) w[k] *= moments[1] / moments[k];
+            if constexpr (spin_is == Spin::angular_momentum) w[k] *= moments[1] / moments[k];
         }
         return w;
     }
 
-    // Keeps the first occurrence of every issue; the kernel's own sticky bits remember the first of all only.
-    void note(Status status) {
-        if (status.ok()) return;
-        for (const Issue issue : all_issues) {
-            if (status.has(issue) && !has_trouble(name_of(issue)))
-                troubles_.push_back({name_of(issue), status.first_body, status.first_step});
-        }
-        replay_.world().clear_status();
-    }
-
-    SceneData data_;
-    Replay<Config, SceneData> replay_;
+    const SceneData& data_;
+    const Bodies& now_;
     std::vector<Body> bodies_;
     std::vector<Trouble> troubles_;
     long double drift_unit_, turn_unit_;  // m and rad that a state's units stand for
+};
+
+// What must be there before BodiesSimulation is.
+template <class Config>
+struct OwnedReplay {
+    explicit OwnedReplay(SceneData scene) : data(std::move(scene)), replay(data) {}
+
+    SceneData data;
+    Replay<Config, SceneData> replay;
+};
+
+template <std::size_t index, class Method>
+class WorldSimulation final
+    : OwnedReplay<HostScene<typename std::tuple_element_t<index, decltype(number_system_list)>::Numbers, Method>>,
+      public BodiesSimulation<typename std::tuple_element_t<index, decltype(number_system_list)>::Numbers,
+                              Method::spin> {
+    static constexpr auto system = std::get<index>(number_system_list);
+    using N = typename decltype(system)::Numbers;
+    using Owned = OwnedReplay<HostScene<N, Method>>;
+    using Told = BodiesSimulation<N, Method::spin>;
+
+public:
+    explicit WorldSimulation(SceneData data) : Owned(std::move(data)), Told(Owned::data, world().bodies()) {
+        world().clear_status();
+    }
+
+    void step() override {
+        const Status status = world().step();
+        if (status.ok()) return;
+        Told::note(status);
+        world().clear_status();
+    }
+
+    [[nodiscard]] std::string_view integrator() const override { return Method::name; }
+    [[nodiscard]] std::string_view numbers() const override { return N::name; }
+    [[nodiscard]] std::string_view range() const override { return system.range; }
+    [[nodiscard]] bool carry() const override { return N::carry; }
+
+private:
+    [[nodiscard]] auto& world() { return Owned::replay.world(); }
+    [[nodiscard]] int contact_count(int b) const override { return Owned::replay.world().contact_count(BodyId{b}); }
 };
 
 template <std::size_t index>

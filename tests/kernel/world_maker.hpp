@@ -24,10 +24,33 @@ struct ComposedScene : Scene {
     static constexpr bool friction = f.friction;
 };
 
+// The state in SI units and the user's axes.
+template <class N, Spin spin, int capacity>
+Motion motion_of(const Bodies<N, spin, capacity>& bodies, const PrincipalInertia& inertia, int body) {
+    const auto& s = bodies.state[body];
+    const auto& [moments, principal] = inertia;
+    const auto scale = bodies.scale;
+    const Number step = number(bodies.step_length);
+    Motion m;
+    Vector w;
+    for (int i = 0; i < 3; ++i) {
+        m.x[i] = number(s.x_w[i].to_real());
+        m.v[i] = number(scale.metres(s.d_w[i].to_real())) / step;
+        w[i] = 2 * number(scale.angle(s.t_b[i].to_real())) / step;
+        if constexpr (spin == Spin::angular_momentum) w[i] *= number(moments.y) / number(moments[i]);
+    }
+    const Rotation p = rotation(principal);
+    m.q = Rotation{number(s.q_wb.w.to_real()),
+                   {number(s.q_wb.x.to_real()), number(s.q_wb.y.to_real()), number(s.q_wb.z.to_real())}} *
+          p.conjugate();
+    m.w = p.rotate(w);
+    return m;
+}
+
 template <class N, class Method, Features f>
 class WorldOf final : public AnyWorld {
 public:
-    WorldOf(Seconds step, const WorldSpec& spec) : world_{step, spec}, step_{number(step.value)} {}
+    WorldOf(Seconds step, const WorldSpec& spec) : world_{step, spec} {}
 
     bool add(const BodySpec& body) override {
         const BodyId id = world_.add(body);
@@ -61,23 +84,7 @@ public:
     void clear_status() override { world_.clear_status(); }
 
     Motion motion(int body) const override {
-        const auto& s = world_.state(BodyId{body});
-        const auto& [moments, principal] = inertia_.at(static_cast<std::size_t>(body));
-        const auto scale = world_.scale();
-        Motion m;
-        Vector w;
-        for (int i = 0; i < 3; ++i) {
-            m.x[i] = number(s.x_w[i].to_real());
-            m.v[i] = number(scale.metres(s.d_w[i].to_real())) / step_;
-            w[i] = 2 * number(scale.angle(s.t_b[i].to_real())) / step_;
-            if constexpr (Method::spin == Spin::angular_momentum) w[i] *= number(moments.y) / number(moments[i]);
-        }
-        const Rotation p = rotation(principal);
-        m.q = Rotation{number(s.q_wb.w.to_real()),
-                       {number(s.q_wb.x.to_real()), number(s.q_wb.y.to_real()), number(s.q_wb.z.to_real())}} *
-              p.conjugate();
-        m.w = p.rotate(w);
-        return m;
+        return motion_of(world_.bodies(), inertia_.at(static_cast<std::size_t>(body)), body);
     }
     Motion reported(int body) const override {
         const BodyId id{body};
@@ -98,7 +105,6 @@ private:
     }
 
     World<ComposedScene<N, Method, f>> world_;
-    Number step_;
     std::vector<PrincipalInertia> inertia_;
     std::vector<Impulse<N>> impulses_;
     std::vector<Thrust<N>> forces_;

@@ -46,6 +46,29 @@ constexpr void for_each_word_of(double value, F&& f) {
     for_each_word_of(std::bit_cast<std::uint64_t>(value), f);
 }
 
+template <class N>
+[[nodiscard]] constexpr std::uint32_t start_of(const Impulse<N>& impulse) {
+    return impulse.step;
+}
+template <class N>
+[[nodiscard]] constexpr std::uint32_t start_of(const Thrust<N>& thrust) {
+    return thrust.from;
+}
+
+// The world's own numbers, sorted by their first step; what starts together keeps its order.
+template <class Events, class Specs, class Bodies>
+[[nodiscard]] auto prepare(Events& events, const Specs& specs, const Bodies& bodies) {
+    if constexpr (requires { events.resize(specs.size()); }) events.resize(specs.size());
+    std::size_t count = 0;
+    for (const auto& spec : specs) {
+        const auto event = bodies.prepare(spec);
+        std::size_t place = count++;
+        for (; place > 0 && start_of(event) < start_of(events[place - 1]); --place) events[place] = events[place - 1];
+        events[place] = event;
+    }
+    return Span<std::remove_cvref_t<decltype(events[0])>>{events.data(), static_cast<int>(count)};
+}
+
 // A list like List, of T: as many of them, or as growable.
 template <class List, class T>
 struct ListOf;
@@ -97,8 +120,8 @@ public:
             for (const PlaneSpec& plane : data.planes) (void)world_.add(plane);
         if constexpr (Config::springs > 0)
             for (const SpringSpec& spring : data.springs) (void)world_.add(spring);
-        if constexpr (Config::script) world_.set_script(prepare(impulses_, data.impulses));
-        if constexpr (Config::forces) world_.set_forces(prepare(forces_, data.forces));
+        if constexpr (Config::script) world_.set_script(detail::prepare(impulses_, data.impulses, world_.bodies()));
+        if constexpr (Config::forces) world_.set_forces(detail::prepare(forces_, data.forces, world_.bodies()));
     }
     // The world points into the prepared arrays.
     Replay(const Replay&) = delete;
@@ -109,24 +132,6 @@ public:
     [[nodiscard]] const World<Config>& world() const { return world_; }
 
 private:
-    [[nodiscard]] static std::uint32_t start_of(const Impulse<N>& impulse) { return impulse.step; }
-    [[nodiscard]] static std::uint32_t start_of(const Thrust<N>& thrust) { return thrust.from; }
-
-    // The world's own numbers, sorted by their first step; what starts together keeps its order.
-    template <class Events, class Specs>
-    [[nodiscard]] auto prepare(Events& events, const Specs& specs) const {
-        if constexpr (requires { events.resize(specs.size()); }) events.resize(specs.size());
-        std::size_t count = 0;
-        for (const auto& spec : specs) {
-            auto event = world_.prepare(spec);
-            std::size_t place = count++;
-            for (; place > 0 && start_of(event) < start_of(events[place - 1]); --place)
-                events[place] = events[place - 1];
-            events[place] = event;
-        }
-        return Span<std::remove_cvref_t<decltype(events[0])>>{events.data(), static_cast<int>(count)};
-    }
-
     World<Config> world_;
     [[no_unique_address]] Prepared<decltype(Data::impulses), Impulse<N>> impulses_{};
     [[no_unique_address]] Prepared<decltype(Data::forces), Thrust<N>> forces_{};

@@ -23,6 +23,34 @@ struct Scene {
     static constexpr bool friction = false;
 };
 
+// What of a scene shapes the bodies, loads and contacts of its world; the method and the script do not.
+struct Capacity {
+    int bodies, planes, springs;
+    bool drag, gravitation, forces, boxes, friction;
+
+    [[nodiscard]] constexpr bool loads() const { return drag || gravitation || forces || springs > 0; }
+    [[nodiscard]] constexpr bool contacts() const { return planes > 0; }
+};
+template <class S>
+inline constexpr Capacity capacity_of{S::bodies,      S::planes, S::springs, S::drag,
+                                      S::gravitation, S::forces, S::boxes,   S::friction};
+
+namespace detail {
+
+// Takes no room where a feature is absent; the tag keeps two of them at one address.
+template <int tag>
+struct Nothing {
+    constexpr Nothing() = default;
+    template <class... Setup>
+    constexpr explicit Nothing(const Setup&...) {}
+};
+
+}  // namespace detail
+
+// A member that is there only where a scene needs it; the tag tells it from others of its class.
+template <bool present, class T, int tag>
+using If = std::conditional_t<present, T, detail::Nothing<tag>>;
+
 // A step or a moment, seconds; exact for fractions.
 struct Seconds {
     Real value;

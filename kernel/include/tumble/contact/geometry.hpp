@@ -34,15 +34,6 @@ struct Placement {
 };
 
 template <class N>
-[[nodiscard]] inline Quat<typename N::Work> work_quaternion(const Quat<typename N::Unit>& q) {
-    return {N::work(q.w), {N::work(q.v.x()), N::work(q.v.y()), N::work(q.v.z())}};
-}
-template <class N>
-[[nodiscard]] inline WorkVec3<N> work_unit(const Vec3<typename N::Unit>& n) {
-    return {N::work(n.x()), N::work(n.y()), N::work(n.z())};
-}
-
-template <class N>
 class PlaneView {
 public:
     using Work = typename N::Work;

@@ -39,6 +39,15 @@ template <class N>
     return {N::template constant<Work>(v.x), N::template constant<Work>(v.y), N::template constant<Work>(v.z)};
 }
 
+template <class N>
+[[nodiscard]] inline Quat<typename N::Work> work_quaternion(const Quat<typename N::Unit>& q) {
+    return {N::work(q.w), {N::work(q.v.x()), N::work(q.v.y()), N::work(q.v.z())}};
+}
+template <class N>
+[[nodiscard]] inline WorkVec3<N> work_unit(const Vec3<typename N::Unit>& n) {
+    return {N::work(n.x()), N::work(n.y()), N::work(n.z())};
+}
+
 // A body as loads see it: the stage's state in SI units, and the sums they add to.
 template <class N>
 struct LoadedBody {

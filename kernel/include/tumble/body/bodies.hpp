@@ -1,0 +1,236 @@
+// The bodies of a world in fixed-size arrays: their state, what is constant about them, and what has gone wrong. Knows
+// nothing of the method of integration, so worlds that differ in it alone share this code, the loads' and the
+// contacts'.
+#pragma once
+
+#include <tumble/hash.hpp>
+#include <tumble/loads/wrench.hpp>
+#include <tumble/scene.hpp>
+#include <tumble/script.hpp>
+#include <tumble/status.hpp>
+
+namespace tumble {
+
+// A body's number in its world. False where add() found no room.
+class BodyId {
+public:
+    constexpr BodyId() = default;
+    constexpr explicit BodyId(int index) : index_{static_cast<std::int16_t>(index)} {}
+    [[nodiscard]] constexpr explicit operator bool() const { return index_ >= 0; }
+    [[nodiscard]] constexpr BodyId operator*() const { return *this; }
+    [[nodiscard]] constexpr int index() const { return index_; }
+
+private:
+    std::int16_t index_ = -1;
+};
+
+// Bodies that a step advances together, because loads couple them; or one body alone.
+template <int capacity>
+struct Unit {
+    int count = 0;
+    std::int16_t id[capacity]{};
+};
+
+// How spin relates to angular velocity and momentum: half_turn_i = turn_per_impulse_i * L_i;  w_i = rate_i *
+// half_turn_i.
+template <class N, Spin spin>
+struct SpinUnits;
+
+template <class N>
+struct SpinUnits<N, Spin::angular_velocity> {
+    using Work = typename N::Work;
+    Work turn_per_impulse[3]{};  // h / 2 I_i, rad/(N m s)
+
+    [[nodiscard]] static constexpr SpinUnits of(RealVec3 moments, Real step) {
+        SpinUnits u;
+        for (int i = 0; i < 3; ++i) u.turn_per_impulse[i] = N::template constant<Work>(step / (moments[i] * Real{2}));
+        return u;
+    }
+    [[nodiscard]] static constexpr Real turn_of(RealVec3, Real spin, int, Real step) {
+        return spin * step * Real::scaled(1, -1);
+    }
+    [[nodiscard]] Work per_impulse(int i) const { return turn_per_impulse[i]; }
+    [[nodiscard]] Work rate(int, Work steps_per_second) const { return steps_per_second + steps_per_second; }
+};
+
+template <class N>
+struct SpinUnits<N, Spin::angular_momentum> {
+    using Work = typename N::Work;
+    Work turn_per_impulse{};  // h / 2 I_y
+    Work rate_ratio[3]{};     // 2 I_y / I_i
+
+    [[nodiscard]] static constexpr SpinUnits of(RealVec3 moments, Real step) {
+        SpinUnits u;
+        u.turn_per_impulse = N::template constant<Work>(step / (moments.y * Real{2}));
+        for (int i = 0; i < 3; ++i) u.rate_ratio[i] = N::template constant<Work>(Real{2} * moments.y / moments[i]);
+        return u;
+    }
+    [[nodiscard]] static constexpr Real turn_of(RealVec3 moments, Real spin, int i, Real step) {
+        return spin * moments[i] / moments.y * step * Real::scaled(1, -1);
+    }
+    [[nodiscard]] Work per_impulse(int) const { return turn_per_impulse; }
+    [[nodiscard]] Work rate(int i, Work steps_per_second) const { return rate_ratio[i] * steps_per_second; }
+};
+
+template <class N, Spin spin, int capacity>
+class Bodies {
+public:
+    using Work = typename N::Work;
+    using State = BodyState<N, spin>;
+    using Units = SpinUnits<N, spin>;
+
+    // What is constant about a body.
+    struct Constants {
+        Units units{};
+        Work drift_per_impulse{};            // h / m
+        Quat<typename N::Unit> principal{};  // principal axes to the user's body axes
+        bool fixed = true;                   // so is a place that no body has taken yet
+    };
+
+    explicit Bodies(Seconds step)
+        : step_length{step.value}, scale{N::Scale::of(step.value, turn_per_spin(step.value))} {}
+
+    // Places a body at the first free place, which there must be.
+    [[gnu::noinline]] int add(const BodySpec& spec, const PrincipalInertia& inertia) {
+        TUMBLE_ASSERT(spec.mass > Real{});
+        TUMBLE_ASSERT(inertia.moments.z > Real{});
+        const int b = count++;
+        Constants& body = constants[b];
+        body.units = Units::of(inertia.moments, step_length);
+        body.drift_per_impulse = N::template constant<Work>(step_length / spec.mass);
+        set_unit(body.principal, inertia.principal);
+        State& s = state[b];
+        const RealQuat q = normalized(normalized(spec.orientation) * inertia.principal);
+        s.q_wb.w = N::IntegratedUnit::from(q.w);
+        s.q_wb.x = N::IntegratedUnit::from(q.v.x);
+        s.q_wb.y = N::IntegratedUnit::from(q.v.y);
+        s.q_wb.z = N::IntegratedUnit::from(q.v.z);
+        const RealVec3 w = inertia.principal.conjugate().rotate(spec.angular_velocity);
+        for (int i = 0; i < 3; ++i) {
+            assign(s.x_w[i], spec.position[i]);
+            assign(s.d_w[i], spec.fixed ? Real{} : scale.drift_units(spec.velocity[i] * step_length));
+            assign(s.t_b[i],
+                   spec.fixed ? Real{} : scale.turn_units(Units::turn_of(inertia.moments, w[i], i, step_length)));
+        }
+        body.fixed = spec.fixed;
+        check_range(b);
+        return b;
+    }
+
+    // Set-up values as this world's numbers.
+    [[gnu::noinline, nodiscard]] Impulse<N> prepare(const ImpulseSpec& spec) const {
+        const bool in_body = spec.frame == Frame::body;
+        return {step_of(spec.time),
+                static_cast<std::int16_t>(spec.body),
+                spec.frame,
+                in_body ? principal_vector(spec.body, spec.impulse) : work_vector<N>(spec.impulse),
+                in_body ? principal_vector(spec.body, spec.angular_impulse) : work_vector<N>(spec.angular_impulse),
+                principal_vector(spec.body, spec.point)};
+    }
+    [[gnu::noinline, nodiscard]] Thrust<N> prepare(const ForceSpec& spec) const {
+        const bool in_body = spec.frame == Frame::body;
+        return {static_cast<std::int16_t>(spec.body),
+                spec.frame,
+                step_of(spec.from),
+                step_of(spec.until),
+                in_body ? principal_vector(spec.body, spec.force) : work_vector<N>(spec.force),
+                in_body ? principal_vector(spec.body, spec.torque) : work_vector<N>(spec.torque),
+                principal_vector(spec.body, spec.point)};
+    }
+    // User's body axes to principal axes.
+    [[nodiscard]] WorkVec3<N> principal_vector(int b, RealVec3 v) const {
+        return rotate(work_quaternion<N>(constants[b].principal.conjugate()), work_vector<N>(v));
+    }
+
+    // An event's change of momentum, at once.
+    void apply(const Impulse<N>& event) {
+        const int b = event.body;
+        if (constants[b].fixed) return;
+        const Quat<Work> q = work_quaternion<N>(state[b].q_wb.value());
+        WorkVec3<N> linear_w = event.impulse, linear_b = event.impulse, angular_b = event.angular;
+        if (event.frame == Frame::world) {
+            linear_b = rotate_back(q, event.impulse);
+            angular_b = rotate_back(q, event.angular);
+        } else {
+            linear_w = rotate(q, event.impulse);
+        }
+        push(b, linear_w, angular_b + cross<Work>(event.point_b, linear_b));
+        check_range(b);
+    }
+    // Momentum (world, N s) and angular momentum (principal axes, N m s) into the state.
+    void push(int b, const WorkVec3<N>& linear_w, const WorkVec3<N>& angular_b) {
+        for (int i = 0; i < 3; ++i) {
+            N::add_any(state[b].d_w[i], linear_w[i] * constants[b].drift_per_impulse, scale);
+            N::add_any(state[b].t_b[i], angular_b[i] * constants[b].units.per_impulse(i), scale);
+        }
+    }
+
+    TUMBLE_INLINE void check_range(int b) {
+        if (N::out_of_range(state[b])) [[unlikely]]
+            leave_range(b);
+    }
+    [[gnu::noinline]] void leave_range(int b) {
+        N::saturate(state[b]);
+        report(Issue::range_left, b);
+    }
+    void report(Issue issue, int b) { status.set(issue, b, steps_taken); }
+
+    [[nodiscard]] Work steps_per_second() const { return N::template constant<Work>(Real{1} / step_length); }
+    [[nodiscard]] std::uint64_t hash() const {
+        Hash h;
+        for (int b = 0; b < count; ++b) h.add(state[b]);
+        return h.value();
+    }
+
+    // The state in SI units; see World.
+    [[nodiscard]] WorkVec3<N> position(int b) const {
+        const State& s = state[b];
+        return {N::metres(N::sum(s.x_w.x)), N::metres(N::sum(s.x_w.y)), N::metres(N::sum(s.x_w.z))};
+    }
+    [[nodiscard]] WorkVec3<N> velocity(int b) const {
+        const Work rate = steps_per_second();
+        WorkVec3<N> v;
+        for (int i = 0; i < 3; ++i) v[i] = N::metres(N::sum(state[b].d_w[i]), scale) * rate;
+        return v;
+    }
+    [[nodiscard]] WorkVec3<N> angular_velocity(int b) const {
+        const Work rate = steps_per_second();
+        WorkVec3<N> w;
+        for (int i = 0; i < 3; ++i)
+            w[i] = N::half_turn(state[b].t_b[i].value(), scale) * constants[b].units.rate(i, rate);
+        return rotate(work_quaternion<N>(constants[b].principal), w);
+    }
+    [[nodiscard]] Quat<Work> orientation(int b) const {
+        const Quat<Work> q = work_quaternion<N>(state[b].q_wb.value()),
+                         p = work_quaternion<N>(constants[b].principal).conjugate();
+        const WorkVec3<N> v = scaled_by(p.v, q.w) + scaled_by(q.v, p.w) + cross<Work>(q.v, p.v);
+        return {q.w * p.w - dot(q.v, p.v), v};
+    }
+
+    Real step_length;  // s
+    State state[capacity]{};
+    Constants constants[capacity]{};
+    Status status{};
+    std::uint32_t steps_taken = 0;
+    std::int16_t count = 0;
+    typename N::Scale scale;
+
+private:
+    [[nodiscard]] static constexpr Real turn_per_spin(Real step) {
+        return spin == Spin::angular_velocity ? step * Real::scaled(1, -1) : step;
+    }
+    template <class Number>
+    static void assign(Number& number, Real value) {
+        number = Number::from(value);
+    }
+    static void set_unit(Quat<typename N::Unit>& q, const RealQuat& value) {
+        q.w = N::template constant<typename N::Unit>(value.w);
+        for (int i = 0; i < 3; ++i) q.v[i] = N::template constant<typename N::Unit>(value.v[i]);
+    }
+    [[nodiscard]] std::uint32_t step_of(Real time) const {
+        const std::int64_t n = (time / step_length).to_fixed(0, 64);
+        return n < 0 ? 0 : static_cast<std::uint32_t>(n);
+    }
+};
+
+}  // namespace tumble

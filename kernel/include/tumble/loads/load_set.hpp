@@ -1,0 +1,210 @@
+// The loads of a world: drag, springs, gravitation and timed forces on its bodies, and their sum at a stage of a step.
+// Gravity is not one of them: it is constant, and needs no stages.
+#pragma once
+
+#include <tumble/body/bodies.hpp>
+#include <tumble/loads/drag.hpp>
+#include <tumble/loads/gravitation.hpp>
+#include <tumble/loads/spring.hpp>
+#include <tumble/loads/thrust.hpp>
+
+namespace tumble {
+
+template <class N, Spin spin, Capacity capacity>
+class LoadSet {
+public:
+    using Work = typename N::Work;
+    using DriftSum = typename N::DriftSum;
+    using Bodies = tumble::Bodies<N, spin, capacity.bodies>;
+    using Unit = tumble::Unit<capacity.bodies>;
+
+    LoadSet(Real step, const WorldSpec& spec)
+        : seconds_{N::template constant<Work>(step)}, steps_per_second_{N::template constant<Work>(Real{1} / step)} {
+        if constexpr (capacity.drag)
+            drag_ = {N::template constant<Work>(spec.linear_drag), N::template constant<Work>(spec.angular_drag)};
+        if constexpr (capacity.gravitation) gravitation_ = {N::template constant<Work>(spec.gravitation)};
+    }
+
+    void set_mass([[maybe_unused]] int b, [[maybe_unused]] Real kilograms) {
+        if constexpr (capacity.gravitation) mass_[b] = N::template constant<Work>(kilograms);
+    }
+    // False when there is no room.
+    [[gnu::noinline]] bool add(const SpringSpec& spec, const Bodies& bodies) requires(capacity.springs > 0) {
+        if (spring_count_ >= capacity.springs) return false;
+        Spring<N>& spring = spring_[spring_count_++];
+        spring.body = static_cast<std::int16_t>(spec.body);
+        spring.to_body = static_cast<std::int16_t>(spec.to_body);
+        spring.point_b = bodies.principal_vector(spec.body, spec.point);
+        if (spec.to_body >= 0) spring.to = bodies.principal_vector(spec.to_body, spec.to);
+        else
+            for (int i = 0; i < 3; ++i) spring.anchor_w[i] = position_sum(spec.to[i]);
+        spring.stiffness = N::template constant<Work>(spec.stiffness);
+        spring.damping = N::template constant<Work>(spec.damping);
+        spring.rest_length = N::template constant<Work>(spec.rest_length);
+        return true;
+    }
+    void set_forces(Span<Thrust<N>> forces) requires(capacity.forces) { forces_ = forces; }
+
+    // Does the body feel anything but gravity in this step?
+    [[nodiscard]] bool is_loaded(const Bodies& bodies, int b) const {
+        if constexpr (capacity.drag)
+            if (drag_.acts()) return true;
+        if constexpr (capacity.gravitation)
+            if (gravitation_.constant > Work(0) && bodies.count > 1) return true;
+        if constexpr (capacity.springs > 0) {
+            for (int s = 0; s < spring_count_; ++s)
+                if (spring_[s].body == b || spring_[s].to_body == b) return true;
+        }
+        if constexpr (capacity.forces) {
+            for (const Thrust<N>& thrust : forces_)
+                if (thrust.body == b && thrust.is_on(bodies.steps_taken)) return true;
+        }
+        return false;
+    }
+    // Does it feel another moving body?
+    [[nodiscard]] bool is_coupled(int b) const {
+        if constexpr (capacity.gravitation)
+            if (gravitation_.constant > Work(0)) return true;
+        if constexpr (capacity.springs > 0) {
+            for (int s = 0; s < spring_count_; ++s) {
+                if (spring_[s].to_body >= 0 && (spring_[s].body == b || spring_[s].to_body == b)) return true;
+            }
+        }
+        return false;
+    }
+
+    // The loads of one unit of bodies, as the methods call them.
+    struct Evaluate {
+        static constexpr bool may_depend_on_velocity = capacity.drag || capacity.springs > 0;
+
+        Bodies& bodies;
+        const LoadSet& loads;
+        const Unit& unit;
+        Work seconds, steps_per_second;  // of this portion of a step
+        DriftSum fall[3];                // gravity's change of drift in it
+
+        void operator()(const StageState<N>* stages, Kick<N>* kicks) const {
+            loads.evaluate(*this, stages, [&](int k, const WorkVec3<N>& linear, const WorkVec3<N>& angular) {
+                bool within = true;
+                for (int i = 0; i < 3; ++i) {
+                    kicks[k].linear[i] = N::limited(fall[i] + N::drift_sum(linear[i], bodies.scale), within);
+                    kicks[k].angular[i] = N::limited(N::turn_sum(angular[i], bodies.scale), within);
+                }
+                if (!within) bodies.report(Issue::range_left, unit.id[k]);
+            });
+        }
+        // The same in working numbers, whose range has no end: m and rad.
+        void operator()(const StageState<N>* stages, WorkKick<N>* kicks) const {
+            loads.evaluate(*this, stages, [&](int k, const WorkVec3<N>& linear, const WorkVec3<N>& angular) {
+                for (int i = 0; i < 3; ++i) kicks[k].linear[i] = linear[i] + N::metres(fall[i], bodies.scale);
+                kicks[k].angular = angular;
+            });
+        }
+        [[nodiscard]] bool depends_on_velocity() const {
+            if constexpr (capacity.drag)
+                if (loads.drag_.acts()) return true;
+            if constexpr (capacity.springs > 0) {
+                for (int s = 0; s < loads.spring_count_; ++s)
+                    if (loads.spring_[s].damping > Work(0)) return true;
+            }
+            return false;
+        }
+    };
+    // `length` is the portion's, of a step; `fall` gravity's change of drift in it.
+    [[nodiscard]] Evaluate evaluation(Bodies& bodies, const Unit& unit, Work length, const DriftSum (&fall)[3]) const {
+        return {bodies,
+                *this,
+                unit,
+                seconds_ * length,
+                length == Work(1) ? steps_per_second_ : steps_per_second_ / length,
+                {fall[0], fall[1], fall[2]}};
+    }
+
+private:
+    template <class T, int n>
+    using Array = T[n > 0 ? n : 1];
+
+    [[nodiscard]] static typename N::PositionSum position_sum(Real metres) {
+        if constexpr (N::fixed_point) return {metres.to_fixed(N::PositionSum::fraction_bits, 64)};
+        else return N::template constant<typename N::PositionSum>(metres);
+    }
+
+    // Calls kick(place in the unit, change of drift in m, change of half turn in rad) for each body.
+    template <class F>
+    void evaluate(const Evaluate& e, const StageState<N>* stages, F&& kick) const {
+        LoadedBody<N> loaded[capacity.bodies];
+        for (int k = 0; k < e.unit.count; ++k) load(loaded[k], e.unit.id[k], stages[k], e);
+        const auto find = [&](int b) -> LoadedBody<N>* {
+            for (int k = 0; k < e.unit.count; ++k)
+                if (e.unit.id[k] == b) return &loaded[k];
+            return nullptr;
+        };
+        StageState<N> still_stage;  // a fixed body at the other end of a load
+        LoadedBody<N> still;
+        const auto other_end = [&](int b) -> LoadedBody<N>* {
+            if (LoadedBody<N>* found = find(b)) return found;
+            still_stage = stage_of(e.bodies.state[b]);
+            load(still, b, still_stage, e);
+            return &still;
+        };
+        if constexpr (capacity.drag)
+            for (int k = 0; k < e.unit.count; ++k) drag_.apply(loaded[k]);
+        if constexpr (capacity.springs > 0) {
+            for (int s = 0; s < spring_count_; ++s) {
+                const Spring<N>& spring = spring_[s];
+                LoadedBody<N>* a = find(spring.body);
+                if (a != nullptr) {
+                    spring.apply(*a, spring.to_body < 0 ? nullptr : other_end(spring.to_body));
+                } else if (spring.to_body >= 0 && find(spring.to_body) != nullptr) {
+                    spring.apply(*other_end(spring.body), find(spring.to_body));
+                }
+            }
+        }
+        if constexpr (capacity.gravitation) {
+            for (int k = 0; k < e.unit.count && gravitation_.constant > Work(0); ++k) {
+                const int a = e.unit.id[k];
+                for (int b = 0; b < e.bodies.count; ++b) {
+                    if (b == a || (b < a && !e.bodies.constants[b].fixed)) continue;  // a pair once, fixed ones always
+                    gravitation_.apply(loaded[k], mass_[a], *other_end(b), mass_[b]);
+                }
+            }
+        }
+        if constexpr (capacity.forces) {
+            for (const Thrust<N>& thrust : forces_) {
+                if (!thrust.is_on(e.bodies.steps_taken)) continue;
+                if (LoadedBody<N>* b = find(thrust.body)) thrust.apply(*b);
+            }
+        }
+        // Force to change of drift: F h^2 / m. The portion's own length enters squared.
+        const Work part = e.seconds * e.seconds * steps_per_second_;
+        for (int k = 0; k < e.unit.count; ++k) {
+            const auto& body = e.bodies.constants[e.unit.id[k]];
+            WorkVec3<N> angular;
+            for (int i = 0; i < 3; ++i) angular[i] = loaded[k].torque_b[i] * (body.units.per_impulse(i) * part);
+            kick(k, scaled_by(loaded[k].force_w, body.drift_per_impulse * part), angular);
+        }
+    }
+
+    static void load(LoadedBody<N>& loaded, int b, const StageState<N>& stage, const Evaluate& e) {
+        loaded.stage = &stage;
+        loaded.q_wb = work_quaternion<N>(stage.q_wb);
+        loaded.force_w = loaded.torque_b = zero_vector<N>();
+        if constexpr (Evaluate::may_depend_on_velocity) {
+            for (int i = 0; i < 3; ++i) {
+                loaded.v_w[i] = N::metres(stage.d_w[i], e.bodies.scale) * e.steps_per_second;
+                loaded.w_b[i] = N::half_turn(stage.t_b[i], e.bodies.scale) *
+                                e.bodies.constants[b].units.rate(i, e.steps_per_second);
+            }
+        }
+    }
+
+    Work seconds_, steps_per_second_;
+    [[no_unique_address]] If<capacity.drag, Drag<N>, 0> drag_{};
+    [[no_unique_address]] If<capacity.gravitation, Gravitation<N>, 1> gravitation_{};
+    [[no_unique_address]] If<capacity.gravitation, Array<Work, capacity.bodies>, 2> mass_{};
+    [[no_unique_address]] If<(capacity.springs > 0), Array<Spring<N>, capacity.springs>, 3> spring_{};
+    [[no_unique_address]] If<(capacity.springs > 0), int, 4> spring_count_{};
+    [[no_unique_address]] If<capacity.forces, Span<Thrust<N>>, 5> forces_{};
+};
+
+}  // namespace tumble
