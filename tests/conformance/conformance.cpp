@@ -28,8 +28,9 @@ void write_number(std::uint64_t value, unsigned base, int width) {
     tumble::port::write(digits + first, static_cast<std::size_t>(20 - first));
 }
 
+// Not inlined: the stack holds the worlds of one scene at a time.
 template <class Method, class Scene>
-void replay_scene(const char* variant) {
+[[gnu::noinline]] void replay_scene(const char* variant) {
     using Numbers =
         typename tumble::variants::TUMBLE_VARIANT::template Numbers<typename Scene::Features::Numbers::Range>;
     tumble::Replay<Everything<Numbers, Method>, Scene> replay;
