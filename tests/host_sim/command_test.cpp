@@ -56,8 +56,8 @@ TEST(Run, json_has_the_keys_of_the_contract) {
     EXPECT_EQ(json["scene"], "Kepler orbit");
     EXPECT_EQ(json["integrator"], "rk4");
     EXPECT_EQ(json["numbers"], "f64");
-    EXPECT_EQ(json["step_s"], 1.0 / 256);
-    EXPECT_EQ(json["steps"], 18432);
+    EXPECT_EQ(json["step_s"], 1.0 / 64);
+    EXPECT_EQ(json["steps"], 4608);
     EXPECT_EQ(json["time_s"], 72.0);
     EXPECT_TRUE(json["status"].empty());
     const std::string hash = json["state_hash"];
