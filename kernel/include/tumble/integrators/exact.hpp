@@ -12,7 +12,7 @@
 // addition theorems (DLMF 22.8), where f, p, q are taken,
 //   m (1 - alpha beta f^2 m_y^2) = (q m_x + beta f p m_y m_z, p q m_y - gamma f m_z m_x, p m_z + alpha f q m_x m_y).
 // The whole step turns the body by a quaternion along (w, x m_x, y m_y, z m_z) with this m of its middle, where
-//   w = R cos t,  y = p x + alpha f w,  R^2 = 1 - (gamma X Z f / |m|)^2,
+//   w = R cos t,  y = p x + alpha f w = q z - beta f w,  R^2 = 1 - (gamma X Z f / |m|)^2,
 //   x = (q sin t - gamma Z^2 f p cos t / |m|) / (R |m|),  z = (p sin t + gamma X^2 f q cos t / |m|) / (R |m|)
 // are constants of the motion too, and only t needs an integral of the third kind: |m| times that of
 // 1 - D / (|m|^2 - m_y^2) over half a step from m_y = 0. It is the half angle by which the middle axis precesses about
@@ -140,8 +140,13 @@ private:
         h.w = r * cosine;
         h.x = (h.q * sine - m.gamma_z2 * slope * h.p) * scale;
         h.z = (h.p * sine + m.gamma_x2 * slope * h.q) * scale;
-        h.y = h.p * h.x + alpha_ * h.f * h.w;
+        h.y = middle(h, m);
         return h;
+    }
+
+    // y from x or from z, whichever has more digits: x is as good as it matters, which is little where X is small.
+    [[nodiscard]] T middle(const HalfStep& h, const Motion& m) const {
+        return m.x2 > m.z2 ? h.p * h.x + alpha_ * h.f * h.w : h.q * h.z - beta_ * h.f * h.w;
     }
 
     // Twice the half step: the turns of two steps composed, and the double argument. Both are scaled to where they
@@ -160,7 +165,7 @@ private:
         twice.f = f2 * scale;
         twice.p = p2 * scale;
         twice.q = q2 * scale;
-        twice.y = twice.p * twice.x + alpha_ * twice.f * twice.w;
+        twice.y = middle(twice, m);
         return twice;
     }
 
@@ -206,8 +211,8 @@ struct Exact : KickDriftKick<ExactFlow> {
     static constexpr bool exact_for_spheres = true;
     static constexpr const char* needs = "sqrt and division a step; several, sine and cosine when the spin changes";
     static constexpr const char* not_in_fixed_point =
-        "it takes a square root and a division every step, and sine and cosine when the spin changes, for what pdmv10 "
-        "reaches without them: the rounding of q32";
+        "its constants take several square roots, divisions, sine and cosine whenever the spin changes, for what "
+        "pdmv10 reaches without them: the rounding of q32";
 };
 
 }  // namespace integrators
