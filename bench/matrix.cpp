@@ -178,10 +178,16 @@ int main(int argc, char** argv) try {
     const fs::path work = fs::path{"build/matrix"} / name;
     fs::create_directories(work);
 
+    // Every number system with every integrator that runs in it.
+    std::vector<std::pair<Variant, std::string>> choices;
+    for (const auto& v : variants) {
+        for (const auto& m : methods) {
+            if (tumble::host::runs_in(tumble::host::find_integrator(m), v.numbers)) choices.emplace_back(v, m);
+        }
+    }
     std::vector<Job> jobs;
     for (const auto& core : cores)
-        for (const auto& v : variants)
-            for (const auto& m : methods) jobs.push_back({core, v, m, {}, {}, false});
+        for (const auto& [v, m] : choices) jobs.push_back({core, v, m, {}, {}, false});
 
     // The host's answer for each integrator and number system.
     struct Answer {
@@ -190,14 +196,11 @@ int main(int argc, char** argv) try {
     };
     std::map<std::pair<std::string, std::string>, Answer> answers;
     std::mutex answers_mutex;
-    std::vector<std::pair<Variant, std::string>> hosts;
-    for (const auto& v : variants)
-        for (const auto& m : methods) hosts.emplace_back(v, m);
     std::optional<tumble::bench::Flight> flight;
     if (accuracy) flight.emplace(scene);
-    Progress progress{hosts.size() + cores.size() + jobs.size()};
-    in_parallel(hosts.size(), [&](std::size_t i) {
-        const auto& [variant, method] = hosts[i];
+    Progress progress{choices.size() + cores.size() + jobs.size()};
+    in_parallel(choices.size(), [&](std::size_t i) {
+        const auto& [variant, method] = choices[i];
         const auto simulation = tumble::host::make_simulation(scene, method, variant.numbers, variant.carry);
         while (simulation->steps_taken() < simulation->steps() && simulation->troubles().empty()) simulation->step();
         Answer answer{hex(simulation->hash())};
@@ -219,8 +222,7 @@ int main(int argc, char** argv) try {
         throw std::runtime_error{"tumble compile: " + r.text};
     }
     std::string targets;
-    for (const auto& v : variants)
-        for (const auto& m : methods) targets += " " + v.name + "-" + type_name(m);
+    for (const auto& [v, m] : choices) targets += " " + v.name + "-" + type_name(m);
     std::map<std::string, std::string> build_text;
     for (const auto& core : cores) {
         const std::string dir = quoted((work / core).string());

@@ -215,7 +215,8 @@ int main(int argc, char** argv) try {
         const auto reference = tumble::bench::reference_orientations(scene, samples);
         std::vector<Curve> curves;
         for (const Variant& v : variants)
-            for (const auto& integrator : host::integrators()) curves.push_back({v, integrator.name, {}});
+            for (const auto& integrator : host::integrators())
+                if (host::runs_in(integrator, v.numbers)) curves.push_back({v, integrator.name, {}});
         if (scene.forces.empty()) {
             for (const char* name : {"odeint_euler", "odeint_midpoint", "odeint_rk4"}) {
                 for (const Variant& v : {Variant{"f32_plain", "f32", false}, Variant{"f64", "f64", false}})

@@ -28,7 +28,7 @@ void add_choice(CLI::App& app, Choice& choice) {
 }  // namespace
 
 SceneDescription Choice::read() const {
-    (void)find_integrator(integrator);
+    const IntegratorInfo& method = find_integrator(integrator);
     SceneDescription description = read_scene(scene);
     if (!step.empty()) {
         const auto parsed = parse_step(step);
@@ -46,6 +46,7 @@ SceneDescription Choice::read() const {
         throw BadArgument("--step, --duration: got more than 2^31 steps, expected at most " +
                           std::to_string(max_steps));
     (void)find_number_system(description, numbers, wants_carry());
+    require_runs_in(method, numbers);
     for (const std::string& limitation : limitations(description))
         std::cerr << "warning: " << scene << ": " << limitation << "\n";
     return description;

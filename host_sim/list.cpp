@@ -40,6 +40,9 @@ int list() {
     for (const IntegratorInfo& info : integrators()) {
         std::cout << "  " << std::setw(20) << info.name << std::setw(7) << info.order
                   << (info.needs.empty() ? "-" : info.needs) << "\n";
+        if (!info.not_in_fixed_point.empty())
+            std::cout << "  " << std::setw(27) << ""
+                      << "not in q32, because " << info.not_in_fixed_point << "\n";
     }
     std::cout << "\nnumber systems        with --carry on or off\n";
     std::string shown;

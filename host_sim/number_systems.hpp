@@ -36,7 +36,7 @@ inline constexpr std::tuple number_system_list{
 };
 inline constexpr std::size_t number_system_count = std::tuple_size_v<decltype(number_system_list)>;
 
-// A simulation in the index-th number system; null for an integrator that is not in the kernel's list.
+// A simulation in the index-th number system; null for an integrator that does not run in it.
 template <std::size_t index>
 [[nodiscard]] std::unique_ptr<Simulation> make_in(SceneData data, std::string_view integrator);
 

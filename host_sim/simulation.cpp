@@ -65,7 +65,9 @@ std::unique_ptr<Simulation> make_simulation(const SceneDescription& scene, std::
                                             std::string_view numbers, std::optional<bool> carry) {
     static constexpr auto make = makers(std::make_index_sequence<number_system_count>{});
     const IntegratorInfo& method = find_integrator(integrator);
-    return make[index_of(scene, numbers, carry)](build_scene(scene), method.name);
+    const std::size_t system = index_of(scene, numbers, carry);
+    require_runs_in(method, numbers);
+    return make[system](build_scene(scene), method.name);
 }
 
 const std::vector<IntegratorInfo>& integrators() {
@@ -74,7 +76,9 @@ const std::vector<IntegratorInfo>& integrators() {
         Integrators::for_each([&]<class Method>() {
             std::string needs;
             if constexpr (requires { Method::needs; }) needs = Method::needs;
-            infos.push_back({Method::name, type_name<Method>(), Method::order, needs});
+            std::string not_in_fixed_point;
+            if constexpr (requires { Method::not_in_fixed_point; }) not_in_fixed_point = Method::not_in_fixed_point;
+            infos.push_back({Method::name, type_name<Method>(), Method::order, needs, not_in_fixed_point});
         });
         return infos;
     }();
@@ -85,7 +89,7 @@ const std::vector<NumberSystemInfo>& number_systems() {
     static const std::vector<NumberSystemInfo> list = [] {
         std::vector<NumberSystemInfo> infos;
         const auto add = [&]<class N>(const System<N>& system) {
-            infos.push_back({N::name, std::string(system.type), std::string(system.range), N::carry});
+            infos.push_back({N::name, std::string(system.type), std::string(system.range), N::carry, N::fixed_point});
         };
         std::apply([&](const auto&... systems) { (add(systems), ...); }, number_system_list);
         return infos;
@@ -100,6 +104,22 @@ const IntegratorInfo& find_integrator(std::string_view name) {
     if (found == all.end())
         throw std::invalid_argument("unknown integrator \"" + std::string(name) + "\", expected one of " + listed(all));
     return *found;
+}
+
+bool runs_in(const IntegratorInfo& integrator, std::string_view numbers) {
+    const auto& all = number_systems();
+    return integrator.not_in_fixed_point.empty() || std::none_of(all.begin(), all.end(), [&](const auto& info) {
+               return info.name == numbers && info.fixed_point;
+           });
+}
+
+void require_runs_in(const IntegratorInfo& integrator, std::string_view numbers) {
+    if (runs_in(integrator, numbers)) return;
+    std::vector<NumberSystemInfo> systems = number_systems();
+    std::erase_if(systems, [&](const auto& info) { return !runs_in(integrator, info.name); });
+    throw std::invalid_argument("integrator \"" + integrator.name + "\" does not run in " + std::string(numbers) +
+                                ", because " + integrator.not_in_fixed_point + "; expected --numbers to be one of " +
+                                listed(systems));
 }
 
 const NumberSystemInfo& find_number_system(const SceneDescription& scene, std::string_view numbers,

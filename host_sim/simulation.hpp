@@ -94,7 +94,7 @@ private:
 };
 
 // `carry` empty: on for q32 and f32, off for f64. Throws std::invalid_argument for an unknown integrator or number
-// system, UnsupportedScene for a scene that cannot be replayed.
+// system and for an integrator that does not run in it, UnsupportedScene for a scene that cannot be replayed.
 [[nodiscard]] std::unique_ptr<Simulation> make_simulation(const SceneDescription& scene,
                                                           std::string_view integrator = "verlet",
                                                           std::string_view numbers = "q32",
@@ -105,17 +105,23 @@ struct IntegratorInfo {
     std::string name;
     std::string type;  // in C++, for example tumble::integrators::Rk4
     int order = 0;
-    std::string needs;  // of sqrt, division and trigonometry, beyond what loads and contacts need
+    std::string needs;               // of sqrt, division and trigonometry, beyond what loads and contacts need
+    std::string not_in_fixed_point;  // why not; empty where it runs in every number system
 };
 struct NumberSystemInfo {
     std::string name;
     std::string type;   // in C++
     std::string range;  // near, room, field or empty
     bool carry = false;
+    bool fixed_point = false;
 };
 [[nodiscard]] const std::vector<IntegratorInfo>& integrators();
 [[nodiscard]] const std::vector<NumberSystemInfo>& number_systems();
 [[nodiscard]] const IntegratorInfo& find_integrator(std::string_view name);  // throws std::invalid_argument
+// Is the integrator there in the number system (q32, f32 or f64)? Where it is not, require_runs_in throws
+// std::invalid_argument that says why and what to choose.
+[[nodiscard]] bool runs_in(const IntegratorInfo& integrator, std::string_view numbers);
+void require_runs_in(const IntegratorInfo& integrator, std::string_view numbers);
 [[nodiscard]] const NumberSystemInfo& find_number_system(const SceneDescription& scene, std::string_view numbers,
                                                          std::optional<bool> carry);
 

@@ -251,9 +251,10 @@ private:
 template <std::size_t index>
 std::unique_ptr<Simulation> make_in(SceneData data, std::string_view integrator) {
     std::unique_ptr<Simulation> made;
-    Integrators::for_each([&]<class Method>() {
-        if (integrator == Method::name) made = std::make_unique<WorldSimulation<index, Method>>(std::move(data));
-    });
+    Integrators::for_each_in<typename std::tuple_element_t<index, decltype(number_system_list)>::Numbers>(
+        [&]<class Method>() {
+            if (integrator == Method::name) made = std::make_unique<WorldSimulation<index, Method>>(std::move(data));
+        });
     return made;
 }
 

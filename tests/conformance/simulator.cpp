@@ -1,5 +1,5 @@
-// What the host simulator makes of every shipped scene with every integrator and number system: the lines that
-// conformance.cpp prints. Arguments: the scene files.
+// What the host simulator makes of every shipped scene with every integrator and the number systems it runs in: the
+// lines that conformance.cpp prints. Arguments: the scene files.
 #include <cstdio>
 #include <exception>
 #include <vector>
@@ -28,6 +28,7 @@ int main(int count, char** paths) try {
     for (int i = 1; i < count; ++i) scenes.push_back(read_scene(paths[i]));
     for (const Variant& variant : variants) {
         for (const IntegratorInfo& integrator : integrators()) {
+            if (!runs_in(integrator, variant.numbers)) continue;
             for (const SceneDescription& scene : scenes) {
                 const auto run = make_simulation(scene, integrator.name, variant.numbers, variant.carry);
                 while (run->steps_taken() < run->steps() && run->troubles().empty()) run->step();

@@ -175,26 +175,29 @@ TEST_P(BadInput, ends_with_status_2_and_says_what_was_expected) {
 
 INSTANTIATE_TEST_SUITE_P(
     Command, BadInput,
-    testing::Values(BadCall{{}, "subcommand"}, BadCall{{"dance"}, "dance"}, BadCall{{"run"}, "scene"},
-                    BadCall{{"run", "missing.toml"}, "missing.toml: cannot be read: no such file"},
-                    BadCall{{"run", TUMBLE_SOURCE_DIR "/tests/host_sim/bad_scenes/mass_negative.toml"}, "mass"},
-                    BadCall{{"run", shipped("brick"), "--integrator", "rk5"},
-                            "unknown integrator \"rk5\", expected one of explicit_euler, "},
-                    BadCall{{"run", shipped("brick"), "--numbers", "q16"},
-                            "unknown number system \"q16\", expected one of q32, f32, f64"},
-                    BadCall{{"run", shipped("brick"), "--carry", "maybe"}, "--carry"},
-                    BadCall{{"run", shipped("brick"), "--step", "-1"}, "--step"},
-                    BadCall{{"run", shipped("brick"), "--step", "1/0"}, "--step"},
-                    BadCall{{"run", shipped("brick"), "--duration", "-1"}, "--duration"},
-                    BadCall{{"run", shipped("brick"), "--duration", "nan"}, "--duration"},
-                    BadCall{{"run", shipped("brick"), "--duration", "1e12"}, "2^31 steps"},
-                    BadCall{{"run", shipped("brick"), "--every", "0"}, "--every"},
-                    BadCall{{"run", shipped("brick"), "--trajectory", "/no/where.csv"}, "/no/where.csv"},
-                    BadCall{{"compile", shipped("brick"), "-o", "/no/where.hpp"}, "/no/where.hpp"},
-                    BadCall{{"compare", shipped("brick")}, "--core"},
-                    BadCall{{"compare", shipped("brick"), "--core", "z80"}, "got \"z80\", expected one of cortex-m0, "},
-                    BadCall{{"compare", shipped("brick"), "--core", "cortex-m3", "--every", "16", "--flip", "17"},
-                            "--flip"}));
+    testing::Values(
+        BadCall{{}, "subcommand"}, BadCall{{"dance"}, "dance"}, BadCall{{"run"}, "scene"},
+        BadCall{{"run", "missing.toml"}, "missing.toml: cannot be read: no such file"},
+        BadCall{{"run", TUMBLE_SOURCE_DIR "/tests/host_sim/bad_scenes/mass_negative.toml"}, "mass"},
+        BadCall{{"run", shipped("brick"), "--integrator", "rk5"},
+                "unknown integrator \"rk5\", expected one of explicit_euler, "},
+        BadCall{{"run", shipped("brick"), "--integrator", "exact"}, "expected --numbers to be one of f32, f64"},
+        BadCall{{"compile", shipped("brick"), "--integrator", "exact", "--numbers", "q32"},
+                "integrator \"exact\" does not run in q32, because "},
+        BadCall{{"run", shipped("brick"), "--numbers", "q16"},
+                "unknown number system \"q16\", expected one of q32, f32, f64"},
+        BadCall{{"run", shipped("brick"), "--carry", "maybe"}, "--carry"},
+        BadCall{{"run", shipped("brick"), "--step", "-1"}, "--step"},
+        BadCall{{"run", shipped("brick"), "--step", "1/0"}, "--step"},
+        BadCall{{"run", shipped("brick"), "--duration", "-1"}, "--duration"},
+        BadCall{{"run", shipped("brick"), "--duration", "nan"}, "--duration"},
+        BadCall{{"run", shipped("brick"), "--duration", "1e12"}, "2^31 steps"},
+        BadCall{{"run", shipped("brick"), "--every", "0"}, "--every"},
+        BadCall{{"run", shipped("brick"), "--trajectory", "/no/where.csv"}, "/no/where.csv"},
+        BadCall{{"compile", shipped("brick"), "-o", "/no/where.hpp"}, "/no/where.hpp"},
+        BadCall{{"compare", shipped("brick")}, "--core"},
+        BadCall{{"compare", shipped("brick"), "--core", "z80"}, "got \"z80\", expected one of cortex-m0, "},
+        BadCall{{"compare", shipped("brick"), "--core", "cortex-m3", "--every", "16", "--flip", "17"}, "--flip"}));
 
 TEST(Command, help_is_not_an_error) {
     for (const auto* topic : {"run", "compile", "compare", "list"})
@@ -271,6 +274,7 @@ TEST(List, names_integrators_number_systems_ranges_and_cores) {
     const Outcome outcome = tumble({"list"});
     EXPECT_EQ(outcome.status, 0);
     for (const IntegratorInfo& info : integrators()) EXPECT_TRUE(has(outcome.text, info.name)) << info.name;
+    EXPECT_TRUE(has(outcome.text, "not in q32, because " + find_integrator("exact").not_in_fixed_point));
     for (const auto* part : {"q32", "f32", "f64", "near", "room", "field", "32768 m", "cortex-m0", "mps2-an385"})
         EXPECT_TRUE(has(outcome.text, part)) << part;
 }

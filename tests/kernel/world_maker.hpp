@@ -113,7 +113,7 @@ private:
 template <class N, Features f, class Methods>
 std::unique_ptr<AnyWorld> make_world_of(std::string_view method, Seconds step, const WorldSpec& spec) {
     std::unique_ptr<AnyWorld> world;
-    Methods::for_each([&]<class Method>() {
+    Methods::template for_each_in<N>([&]<class Method>() {
         if (method == Method::name) world = std::make_unique<WorldOf<N, Method, f>>(step, spec);
     });
     return world;
@@ -125,7 +125,7 @@ constexpr bool has_every_method = std::is_same_v<N, systems::q32_near> || std::i
 using DistinctIntegrators =
     IntegratorList<integrators::ExplicitEuler, integrators::SemiImplicitEuler, integrators::ImplicitEuler,
                    integrators::Midpoint, integrators::Heun, integrators::Rk4, integrators::Verlet,
-                   integrators::Suzuki4, integrators::Pdmv6>;
+                   integrators::Suzuki4, integrators::Pdmv6, integrators::Exact>;
 template <class N>
 std::unique_ptr<AnyWorld> make_world(std::string_view method, Seconds step, const WorldSpec& spec) {
     return make_world_of<N, everything, std::conditional_t<has_every_method<N>, Integrators, DistinctIntegrators>>(

@@ -2,6 +2,7 @@
 // benchmarks go through this list.
 #pragma once
 
+#include <tumble/integrators/exact.hpp>
 #include <tumble/integrators/implicit_euler.hpp>
 #include <tumble/integrators/implicit_midpoint.hpp>
 #include <tumble/integrators/pdmv.hpp>
@@ -22,6 +23,13 @@ struct IntegratorList {
     static constexpr void for_each(F&& f) {
         (f.template operator()<Methods>(), ...);
     }
+    // The same, for those that run in the number system N.
+    template <class N, class F>
+    static constexpr void for_each_in(F&& f) {
+        for_each([&]<class Method>() {
+            if constexpr (runs_in<Method, N>) f.template operator()<Method>();
+        });
+    }
 };
 
 // One a line: builds read them from here.
@@ -40,7 +48,8 @@ using Integrators = IntegratorList<
     integrators::Pdmv4,
     integrators::Pdmv6,
     integrators::Pdmv8,
-    integrators::Pdmv10>;
+    integrators::Pdmv10,
+    integrators::Exact>;
 // clang-format on
 
 }  // namespace tumble

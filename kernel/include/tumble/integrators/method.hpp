@@ -7,6 +7,9 @@
 //   Inertia<N>::of(moments, step, scale)   the constants of a body that its rotation needs
 //   rotate<N>(body, inertia, step)         one step of torque-free rotation
 //   inertia.prepare(body, scale)           only where those constants depend on the spin: called whenever it is changed
+//   free_order                      only where torque-free rotation has another order than the rest
+//   needs                           only where a step needs sqrt, division or trigonometry: says so to the user
+//   not_in_fixed_point              only where it is for floating point alone: says why to the user; see runs_in
 //   advance<N, capacity>(group, evaluate, step)   one step of bodies whose loads depend on their state
 // A new method is one such header and one line in integrators/list.hpp.
 #pragma once
@@ -17,6 +20,14 @@ namespace tumble {
 
 // position += the velocity at the step's start, at its end, or their mean (exact for a constant acceleration).
 enum class Coasting : std::uint8_t { start, end, mean };
+
+// The free_order of a rotation without truncation error.
+inline constexpr int no_truncation = 0x7fffffff;
+
+// Does a method run in a number system? All loops over methods and number systems ask this, and builds ask the same
+// member of the headers (lists.cmake).
+template <class Method, class N>
+inline constexpr bool runs_in = !(N::fixed_point && requires { Method::not_in_fixed_point; });
 
 // What a step needs besides the bodies.
 template <class N>
