@@ -181,7 +181,7 @@ std::optional<Attempt> longest_step_within(double tolerance, const SampledScene&
     for (int step = scene.longest(); step >= scene.shortest(); --step) {
         const auto run = run_sampled(scene, method, step);
         if (!run) return std::nullopt;
-        Attempt attempt{method, step, scene.with_step(step).step.seconds(), {}, run->failure};
+        Attempt attempt{method, step, scene.with_step(step).step, {}, run->failure};
         if (run->failure.empty()) attempt.errors = largest_errors(run->samples, truth.samples);
         if (!best || attempt.error() < best->error()) best = attempt;
         if (attempt.error() <= tolerance) break;

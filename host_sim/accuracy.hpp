@@ -83,8 +83,8 @@ struct Truth {
 // What a method reaches at one step.
 struct Attempt {
     Method method;
-    int step = 0;  // number
-    double step_s = 0;
+    int step = 0;  // its number
+    StepSize length;
     Errors errors;
     std::string failure;  // of the run; then the errors are infinite
     [[nodiscard]] double error() const {

@@ -41,7 +41,6 @@ std::string numbers_text(const Method& method) {
 struct Candidate {
     Attempt attempt;
     NumberVariant variant;
-    StepSize step;
     Json row;  // of the firmware; null until it is measured
     double insn_per_simulated_second = 0;
     std::string not_measured;  // why
@@ -55,7 +54,7 @@ Json json_of(const Attempt& attempt) {
     json["integrator"] = attempt.method.integrator;
     json["numbers"] = attempt.method.numbers;
     json["carry"] = attempt.method.carry;
-    json["step_s"] = attempt.step_s;
+    json["step_s"] = attempt.length.seconds();
     json["position_error_m"] = attempt.failure.empty() ? Json(attempt.errors.position_m) : Json();
     json["orientation_error_rad"] = attempt.failure.empty() ? Json(attempt.errors.orientation_rad) : Json();
     if (!attempt.failure.empty()) json["failure"] = attempt.failure;
@@ -143,10 +142,11 @@ private:
             return "carry only adds work, and without it the tolerance is met at no shorter step";
         if (bound(candidate) < best_) return {};
         const auto floor = floors_.find(candidate.attempt.method.numbers);
-        return "costs more than the best even at " +
-               (floor == floors_.end() ? std::to_string(least_insn_)
-                                       : "half of the " + few_digits(floor->second) + " of semi_implicit_euler's") +
-               " instructions a step";
+        return "costs more than the best even in " +
+               (floor == floors_.end()
+                    ? std::to_string(least_insn_)
+                    : "half of the " + few_digits(floor->second) + " " + candidate.attempt.method.numbers) +
+               " instructions of a step" + (floor == floors_.end() ? "" : " of semi_implicit_euler");
     }
 
     // No step costs less than half of what one of semi-implicit Euler without carry does: that evaluates every load
@@ -179,7 +179,7 @@ private:
     [[nodiscard]] double bound(const Candidate& candidate) const {
         const auto floor = floors_.find(candidate.attempt.method.numbers);
         const double insn = floor == floors_.end() ? 0.0 : floor->second / 2;
-        return std::max(insn, static_cast<double>(least_insn_)) / candidate.attempt.step_s;
+        return std::max(insn, static_cast<double>(least_insn_)) / candidate.attempt.length.seconds();
     }
 
     // The run that is measured.
@@ -208,7 +208,7 @@ private:
             throw std::runtime_error(options_.core + ", " + name + ": ends with another state than the host");
         candidate.row = std::move(outcome.row);
         candidate.insn_per_simulated_second =
-            candidate.row.at("insn_per_step").get<double>() / candidate.attempt.step_s;
+            candidate.row.at("insn_per_step").get<double>() / candidate.attempt.length.seconds();
     }
 
     const AdviseOptions& options_;
@@ -287,7 +287,22 @@ std::string name_of(const Attempt& attempt) { return attempt.method.integrator +
 std::string closest_text(const Attempt& attempt) {
     std::array<char, 32> error{};
     std::snprintf(error.data(), error.size(), "%.2g", attempt.error());
-    return attempt.failure.empty() ? error.data() + (" at " + few_digits(attempt.step_s)) + " s" : attempt.failure;
+    return attempt.failure.empty() ? error.data() + (" at " + step_text(attempt.length)) + " s" : attempt.failure;
+}
+
+// A title and, under it, names in lines of a terminal's width.
+void print_list(const std::string& title, const std::vector<std::string>& names) {
+    std::cout << "\n" << title << "\n";
+    std::string line;
+    for (std::size_t i = 0; i < names.size(); ++i) {
+        const std::string name = names[i] + (i + 1 < names.size() ? "," : "");
+        if (line.size() + name.size() > 110) {
+            std::cout << " " << line << "\n";
+            line.clear();
+        }
+        line += " " + name;
+    }
+    std::cout << " " << line << "\n";
 }
 
 void print_table(const AdviseOptions& options, const SceneDescription& scene, const Advice& advice) {
@@ -296,8 +311,8 @@ void print_table(const AdviseOptions& options, const SceneDescription& scene, co
         const std::string limit = few_digits(options.tolerance);
         std::cout << options.core << ": " << best.attempt.method.integrator << " in " << best.attempt.method.numbers
                   << (best.attempt.method.carry ? " with carry" : " without carry") << " at a step of "
-                  << step_text(best.step) << " s keeps \"" << scene.name << "\" within " << limit << " m and " << limit
-                  << " rad for " << std::llround(best.insn_per_simulated_second)
+                  << step_text(best.attempt.length) << " s keeps \"" << scene.name << "\" within " << limit << " m and "
+                  << limit << " rad for " << std::llround(best.insn_per_simulated_second)
                   << " instructions a simulated second.\n";
         std::printf("\n%-20s %-9s %9s %10s %10s %10s %12s %7s %7s\n", "integrator", "numbers", "step s", "error m",
                     "error rad", "insn/step", "insn/s", "text", "RAM");
@@ -305,17 +320,25 @@ void print_table(const AdviseOptions& options, const SceneDescription& scene, co
     for (const Candidate& c : advice.ranking) {
         const auto number = [&](const char* key) { return c.row.at(key).get<unsigned long long>(); };
         std::printf("%-20s %-9s %9s %10.2g %10.2g %10llu %12.0f %7llu %7llu\n", c.attempt.method.integrator.c_str(),
-                    numbers_text(c.attempt.method).c_str(), step_text(c.step).c_str(), c.attempt.errors.position_m,
-                    c.attempt.errors.orientation_rad, number("insn_per_step"), c.insn_per_simulated_second,
-                    number("text_bytes"), number("ram_bytes"));
+                    numbers_text(c.attempt.method).c_str(), step_text(c.attempt.length).c_str(),
+                    c.attempt.errors.position_m, c.attempt.errors.orientation_rad, number("insn_per_step"),
+                    c.insn_per_simulated_second, number("text_bytes"), number("ram_bytes"));
     }
     std::fflush(stdout);
-    if (!advice.not_measured.empty()) std::cout << "\nnot measured:\n";
+    std::vector<std::string> reasons;
     for (const Candidate& c : advice.not_measured)
-        std::cout << "  " << name_of(c.attempt) << " at " << step_text(c.step) << " s: " << c.not_measured << "\n";
-    if (!advice.unreached.empty()) std::cout << "\nnot within the tolerance; the smallest error:\n";
-    for (const Attempt& attempt : advice.unreached)
-        std::cout << "  " << name_of(attempt) << ": " << closest_text(attempt) << "\n";
+        if (std::find(reasons.begin(), reasons.end(), c.not_measured) == reasons.end())
+            reasons.push_back(c.not_measured);
+    for (const std::string& reason : reasons) {
+        std::vector<std::string> names;
+        for (const Candidate& c : advice.not_measured)
+            if (c.not_measured == reason)
+                names.push_back(name_of(c.attempt) + " at " + step_text(c.attempt.length) + " s");
+        print_list("not measured: " + reason, names);
+    }
+    std::vector<std::string> names;
+    for (const Attempt& attempt : advice.unreached) names.push_back(name_of(attempt) + " " + closest_text(attempt));
+    if (!names.empty()) print_list("not within the tolerance, with the smallest error", names);
 }
 
 }  // namespace
@@ -350,7 +373,7 @@ int advise(const AdviseOptions& options) {
                 std::find_if(number_variants().begin(), number_variants().end(), [&](const NumberVariant& v) {
                     return v.numbers == attempt.method.numbers && v.carry == attempt.method.carry;
                 });
-            candidates.push_back({attempt, *variant, sampled.with_step(attempt.step).step, {}, 0, {}});
+            candidates.push_back({attempt, *variant, {}, 0, {}});
         }
         std::sort(advice.unreached.begin(), advice.unreached.end(),
                   [](const Attempt& a, const Attempt& b) { return a.error() < b.error(); });

@@ -118,8 +118,7 @@ int command(int argc, const char* const* argv) {
 
     AdviseOptions advise_options;
     auto* advise_command = app.add_subcommand(
-        "advise",
-        "find the cheapest integrator, number system and step for a scene and an error on a core, by measuring");
+        "advise", "measure which integrator, number system and step keep an error at the least cost on a core");
     advise_command->footer(
         "The error is the largest over 20 equally spaced times and all bodies, of positions in m and of orientations "
         "in "
