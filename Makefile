@@ -2,9 +2,11 @@
 CORES := $(shell awk '/^[^\#]/ { print $$1 }' port/cortex_m/boards.txt)
 JOBS  := $(shell nproc)
 SCENE ?= host_sim/scenes/cube.toml
+CORE  ?= cortex-m3
+TOLERANCE ?= 0.1
 ARGS  ?=
 
-.PHONY: run test bench peers work-precision firmware replay size check format tables golden build setup clean help
+.PHONY: run test bench peers work-precision firmware replay advise size check format tables golden build setup clean help
 .DEFAULT_GOAL := help
 
 ## help: this list
@@ -35,6 +37,10 @@ $(CORES:%=firmware-%): firmware-%: build
 ## replay: run a scene on the host: make replay SCENE=path ARGS="--integrator rk4 --json"
 replay: build
 	build/host/tumble run $(SCENE) $(ARGS)
+
+## advise: the cheapest integrator, numbers and step that keep an error, with SCENE=path CORE=cortex-m3 TOLERANCE=1e-3
+advise: build
+	build/host/tumble advise $(SCENE) --core $(CORE) --tolerance $(TOLERANCE) $(ARGS)
 
 ## bench: insn per step, text, RAM and stack of the benchmark scenes on every core, into bench/results
 bench: build

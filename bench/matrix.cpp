@@ -2,64 +2,28 @@
 // compared; what a step costs printed and written as JSON lines. A row whose hash differs from the host's is marked and
 // makes the whole run fail; so does a firmware that faults or does not end.
 #include "command.hpp"
+#include "firmware.hpp"
+#include "parallel.hpp"
 #include "rows.hpp"
 #include "scene_reader.hpp"
 #include "simulation.hpp"
+#include "text.hpp"
 
 #include "reference.hpp"
 
 #include <CLI/CLI.hpp>
 
-#include <array>
-#include <atomic>
 #include <cstdio>
 #include <iostream>
 #include <mutex>
 #include <optional>
-#include <thread>
 #include <unistd.h>
 
 namespace {
 
 using tumble::bench::Row;
+using tumble::host::in_parallel, tumble::host::NumberVariant, tumble::host::StepFirmware;
 namespace fs = std::filesystem;
-
-const fs::path source_dir = TUMBLE_SOURCE_DIR;
-
-struct Result {
-    int status = 0;
-    std::string text;
-};
-
-Result run(const std::string& command) {
-    Result result;
-    FILE* pipe = popen((command + " 2>&1").c_str(), "r");
-    if (pipe == nullptr) throw std::runtime_error{"cannot run: " + command};
-    std::array<char, 4096> part{};
-    while (const std::size_t n = std::fread(part.data(), 1, part.size(), pipe)) result.text.append(part.data(), n);
-    const int status = pclose(pipe);
-    result.status = WIFEXITED(status) ? WEXITSTATUS(status) : 128;
-    return result;
-}
-
-std::string quoted(const std::string& text) { return "'" + text + "'"; }
-
-// The number systems under the names of kernel/include/tumble/numbers/variants.hpp.
-struct Variant {
-    std::string name, numbers;
-    bool carry;
-};
-const std::vector<Variant> variants = {{"q32", "q32", true},
-                                       {"q32_plain", "q32", false},
-                                       {"f32", "f32", true},
-                                       {"f32_plain", "f32", false},
-                                       {"f64", "f64", false}};
-
-// tumble::integrators::Rk4 -> Rk4.
-std::string type_name(const std::string& method) {
-    const std::string& type = tumble::host::find_integrator(method).type;
-    return type.substr(type.rfind(':') + 1);
-}
 
 std::vector<std::string> all_methods() {
     std::vector<std::string> names;
@@ -68,12 +32,9 @@ std::vector<std::string> all_methods() {
 }
 
 std::vector<std::string> all_cores() {
-    std::ifstream boards{source_dir / "port/cortex_m/boards.txt"};
-    std::vector<std::string> cores;
-    for (std::string line; std::getline(boards, line);) {
-        if (!line.empty() && line[0] != '#') cores.push_back(line.substr(0, line.find(' ')));
-    }
-    return cores;
+    std::vector<std::string> names;
+    for (const auto& core : tumble::host::cores()) names.push_back(core.name);
+    return names;
 }
 
 // One line that is rewritten on a terminal; plain lines elsewhere, one for each tenth.
@@ -96,42 +57,14 @@ private:
     std::mutex mutex_;
 };
 
-// Calls work(i) for all i < count on both processors.
-void in_parallel(std::size_t count, const auto& work) {
-    std::atomic<std::size_t> next{0};
-    std::vector<std::thread> workers;
-    for (unsigned t = 0; t < std::max(1u, std::thread::hardware_concurrency()); ++t) {
-        workers.emplace_back([&] {
-            for (std::size_t i; (i = next++) < count;) work(i);
-        });
-    }
-    for (auto& worker : workers) worker.join();
-}
-
 struct Job {
     std::string core;
-    Variant variant;
+    NumberVariant variant;
     std::string method;
     Row row;
     std::string error;  // empty: the row is good
     bool does_not_fit = false;
 };
-
-std::string hex(std::uint64_t hash) {
-    char text[17];
-    std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(hash));
-    return text;
-}
-
-void add_sizes(Row& row, const fs::path& elf) {
-    const Result size = run("arm-none-eabi-size " + quoted(elf.string()));
-    unsigned long text = 0, data = 0, bss = 0;
-    if (size.status != 0 || std::sscanf(size.text.c_str(), "%*[^\n]\n%lu %lu %lu", &text, &data, &bss) != 3) {
-        throw std::runtime_error{"arm-none-eabi-size: " + size.text};
-    }
-    row["text_bytes"] = text + data;  // what lies in flash
-    row["ram_bytes"] = data + bss;
-}
 
 void print_table(const std::vector<Job>& jobs) {
     std::printf("\n%-11s %-10s %-20s %10s %10s %8s %7s %7s  %-16s %s\n", "core", "numbers", "integrator", "insn/step",
@@ -179,8 +112,8 @@ int main(int argc, char** argv) try {
     fs::create_directories(work);
 
     // Every number system with every integrator that runs in it.
-    std::vector<std::pair<Variant, std::string>> choices;
-    for (const auto& v : variants) {
+    std::vector<std::pair<NumberVariant, std::string>> choices;
+    for (const auto& v : tumble::host::number_variants()) {
         for (const auto& m : methods) {
             if (tumble::host::runs_in(tumble::host::find_integrator(m), v.numbers)) choices.emplace_back(v, m);
         }
@@ -203,7 +136,7 @@ int main(int argc, char** argv) try {
         const auto& [variant, method] = choices[i];
         const auto simulation = tumble::host::make_simulation(scene, method, variant.numbers, variant.carry);
         while (simulation->steps_taken() < simulation->steps() && simulation->troubles().empty()) simulation->step();
-        Answer answer{hex(simulation->hash())};
+        Answer answer{tumble::host::hex(simulation->hash())};
         if (flight) {
             const auto error = flight->error_of(method, variant.numbers, variant.carry);
             answer.position_error = error.position_m;
@@ -216,47 +149,29 @@ int main(int argc, char** argv) try {
 
     // The firmware of each core; ninja uses both processors itself.
     const fs::path header = fs::absolute(work / (name + ".hpp"));
-    if (const Result r = run(quoted((source_dir / "build/host/tumble").string()) + " compile " +
-                             quoted(scene_path.string()) + " -o " + quoted(header.string()));
-        r.status != 0) {
-        throw std::runtime_error{"tumble compile: " + r.text};
-    }
-    std::string targets;
-    for (const auto& [v, m] : choices) targets += " " + v.name + "-" + type_name(m);
-    std::map<std::string, std::string> build_text;
+    tumble::host::write_if_changed(header, tumble::host::compiled_scene(scene, {}));
+    std::vector<std::string> programs;
+    for (const auto& [v, m] : choices) programs.push_back(StepFirmware::name_of(v, m));
+    std::map<std::string, StepFirmware> firmware;
     for (const auto& core : cores) {
-        const std::string dir = quoted((work / core).string());
-        const Result configured =
-            run("cmake -G Ninja -S " + quoted((source_dir / "bench/firmware").string()) + " -B " + dir +
-                " -DCMAKE_TOOLCHAIN_FILE=" + quoted((source_dir / "port/cortex_m/toolchain.cmake").string()) +
-                " -DTUMBLE_CORE=" + core + " -DTUMBLE_SCENE=" + tumble::host::struct_name(scene_path.string()) +
-                " -DTUMBLE_SCENE_HEADER=" + quoted(header.string()));
-        if (configured.status != 0) throw std::runtime_error{"cmake for " + core + ": " + configured.text};
-        build_text[core] = run("cmake --build " + dir + " --target" + targets + " -- -k 0").text;
+        const auto at =
+            firmware.try_emplace(core, work / core, core, tumble::host::struct_name(scene_path.string()), header).first;
+        at->second.build(programs);
         progress.step("built for " + core);
     }
 
     in_parallel(jobs.size(), [&](std::size_t i) {
         Job& job = jobs[i];
-        const std::string target = job.variant.name + "-" + type_name(job.method);
-        const fs::path elf = work / job.core / (target + ".elf");
-        if (!fs::exists(elf)) {
-            const std::string& text = build_text[job.core];
-            const std::size_t at = text.find(target + ".elf");
-            job.does_not_fit = at != std::string::npos && text.find("overflowed", at) != std::string::npos;
-            if (!job.does_not_fit) job.error = "not built: see cmake --build " + (work / job.core).string();
-        } else if (const Result r = run(quoted((source_dir / "port/qemu/run").string()) + " --timeout 900 " + job.core +
-                                        " " + quoted(elf.string()));
-                   r.status != 0) {
-            job.error = "exit status " + std::to_string(r.status) + ": " + r.text;
-        } else {
-            job.row = Row::parse(r.text);
+        StepFirmware::Outcome outcome = firmware.at(job.core).run(StepFirmware::name_of(job.variant, job.method));
+        job.error = outcome.error;
+        job.does_not_fit = outcome.does_not_fit;
+        if (!outcome.row.is_null()) {
+            job.row = std::move(outcome.row);
             const Answer& answer = answers.at({job.variant.name, job.method});
             job.row["step_s"] = scene.step.seconds();
             job.row["compiler"] = TUMBLE_ARM_COMPILER;
             job.row["flags"] =
                 job.variant.numbers == "q32" ? "-O2 -fno-schedule-insns -frename-registers -fno-tree-pre" : "-O2";
-            add_sizes(job.row, elf);
             if (accuracy) {
                 job.row["position_error_m"] = answer.position_error;
                 job.row["orientation_error_rad"] = answer.orientation_error;

@@ -62,6 +62,16 @@ struct CompareOptions : Choice {
 };
 int compare(const CompareOptions& options);
 
+struct AdviseOptions {
+    std::string scene, core;
+    double tolerance = 0;                           // of positions in m and of orientations in rad
+    std::optional<double> duration;                 // s; empty: the file's
+    std::vector<std::string> integrators, numbers;  // to search; empty: all
+    bool all = false;                               // measure also what cannot be the cheapest
+    bool json = false;
+};
+int advise(const AdviseOptions& options);
+
 int list();
 
 // Rows of port/cortex_m/boards.txt.

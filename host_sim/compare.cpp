@@ -1,17 +1,12 @@
 // `tumble compare`: builds the record firmware of a scene, runs it in QEMU, and holds every line that it writes against
 // the host's own state at the same step.
-#include <fcntl.h>
-#include <sys/file.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <sstream>
 
 #include "command.hpp"
+#include "firmware.hpp"
 #include "process.hpp"
 #include "text.hpp"
 
@@ -19,50 +14,6 @@ namespace tumble::host {
 namespace {
 
 namespace fs = std::filesystem;
-
-// One comparison at a time in a build directory; the lock ends with the process.
-class DirectoryLock {
-public:
-    explicit DirectoryLock(const fs::path& directory)
-        : file_(open((directory / "lock").c_str(), O_CREAT | O_RDWR | O_CLOEXEC, 0666)) {
-        if (file_ < 0 || flock(file_, LOCK_EX) != 0) throw std::runtime_error("cannot lock " + directory.string());
-    }
-    ~DirectoryLock() { close(file_); }
-    DirectoryLock(const DirectoryLock&) = delete;
-    DirectoryLock& operator=(const DirectoryLock&) = delete;
-
-private:
-    int file_;
-};
-
-void check_core(const std::string& name) {
-    std::string known;
-    for (const Core& core : cores()) {
-        if (core.machine == "-") continue;
-        if (core.name == name) return;
-        known += (known.empty() ? "" : ", ") + core.name;
-    }
-    throw BadArgument("--core: got \"" + name + "\", expected one of " + known);
-}
-
-// Leaves a file that says the same alone, so that nothing is built again.
-void write_if_changed(const fs::path& path, const std::string& text) {
-    std::ostringstream old;
-    if (std::ifstream file(path); file) old << file.rdbuf();
-    if (old.str() == text) return;
-    std::ofstream file(path);
-    file << text;
-    file.close();
-    if (!file) throw std::runtime_error("cannot write " + path.string());
-}
-
-void run_quietly(const std::vector<std::string>& command) {
-    std::string messages;
-    const int status = Process(command, {}, Process::Errors::merge).wait(&messages);
-    if (status == 127) throw std::runtime_error(command[0] + " not found");
-    if (status != 0)
-        throw std::runtime_error(command[0] + " failed with status " + std::to_string(status) + ":\n" + messages);
-}
 
 fs::path build_firmware(const CompareOptions& options, const SceneDescription& scene, const fs::path& build) {
     const fs::path source = TUMBLE_SOURCE_DIR;

@@ -13,8 +13,7 @@ namespace {
 
 std::array<int, 2> make_pipe() {
     std::array<int, 2> ends{};
-    if (pipe(ends.data()) != 0) throw std::system_error(errno, std::generic_category(), "pipe");
-    for (const int end : ends) fcntl(end, F_SETFD, FD_CLOEXEC);
+    if (pipe2(ends.data(), O_CLOEXEC) != 0) throw std::system_error(errno, std::generic_category(), "pipe");
     return ends;
 }
 

@@ -1,8 +1,5 @@
 // `tumble run`.
-#include <unistd.h>
-
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <fstream>
 #include <iomanip>
@@ -11,6 +8,7 @@
 
 #include "command.hpp"
 #include "plot.hpp"
+#include "progress.hpp"
 #include "text.hpp"
 
 namespace tumble::host {
@@ -36,35 +34,6 @@ public:
 private:
     Energy start_, end_;
     long double largest_change_ = 0, largest_kinetic_;
-};
-
-// On a terminal only, and only when the run takes longer than a moment.
-class ProgressBar {
-public:
-    explicit ProgressBar(std::int64_t steps)
-        : steps_(steps), on_(isatty(STDERR_FILENO) == 1 && isatty(STDOUT_FILENO) == 1) {}
-    ~ProgressBar() {
-        if (shown_) std::cerr << "\r\033[K";
-    }
-    ProgressBar(const ProgressBar&) = delete;
-    ProgressBar& operator=(const ProgressBar&) = delete;
-
-    void show(std::int64_t step) {
-        if (!on_ || step % 256 != 0) return;
-        const auto now = std::chrono::steady_clock::now();
-        if (now < next_) return;
-        next_ = now + std::chrono::milliseconds(100);
-        shown_ = true;
-        constexpr std::int64_t width = 40;
-        const auto filled = static_cast<std::size_t>(width * step / steps_);
-        std::cerr << "\r[" << std::string(filled, '=') << std::string(width - filled, ' ') << "] "
-                  << 100 * step / steps_ << " %" << std::flush;
-    }
-
-private:
-    std::int64_t steps_;
-    bool on_, shown_ = false;
-    std::chrono::steady_clock::time_point next_ = std::chrono::steady_clock::now() + std::chrono::milliseconds(500);
 };
 
 class Trajectory {
@@ -193,7 +162,7 @@ int run(const RunOptions& options) {
             simulation->step();
             now = simulation->energy();
             energy.see(now);
-            progress.show(simulation->steps_taken());
+            if (simulation->steps_taken() % 256 == 0) progress.show(simulation->steps_taken());
         }
     }
     if (trajectory) trajectory->close();

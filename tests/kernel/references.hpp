@@ -3,7 +3,7 @@
 
 #include "worlds.hpp"
 
-#include "../reference/trajectory.hpp"
+#include "../../host_sim/reference/trajectory.hpp"
 
 #include <algorithm>
 

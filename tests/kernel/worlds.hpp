@@ -5,7 +5,7 @@
 #include <tumble/scene.hpp>
 #include <tumble/status.hpp>
 
-#include "../reference/motion.hpp"
+#include "../../host_sim/reference/motion.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
-// The reference that accuracy is measured against: the equations of motion of one rigid body in long double, integrated
-// by Boost.Odeint's Runge-Kutta-Fehlberg 7(8) with error control far below anything a kernel method can reach. Nothing
-// here includes the kernel, so tests and benchmarks share it.
+// The reference that accuracy is measured against: equations of motion in long double, integrated by Boost.Odeint's
+// Runge-Kutta-Fehlberg 7(8) with error control far below anything a kernel method can reach. Nothing here includes the
+// kernel, so the host command, tests and benchmarks share it.
 #pragma once
 
 #include "motion.hpp"
@@ -12,11 +12,31 @@
 #pragma GCC diagnostic pop
 
 #include <array>
+#include <stdexcept>
 #include <vector>
 
 namespace tumble::reference {
 
 inline constexpr Number tolerance = 1e-17L;  // of each step, absolute and relative
+inline constexpr long most_steps = 10'000'000;
+
+// Advances a state (an array or a vector of Number) from one time to another, s. The right side must be smooth between
+// them. equations(state, rate, time) sets the rate. Throws std::runtime_error where the motion is singular (bodies that
+// fall into each other) or takes more than most_steps.
+template <class State, class Equations>
+void integrate(const Equations& equations, State& state, Number from, Number to) {
+    namespace odeint = boost::numeric::odeint;
+    if (!(to > from)) return;
+    using Stepper = odeint::runge_kutta_fehlberg78<State, Number, State, Number>;
+    long steps = 0;
+    const auto watch = [&](const State& now, Number) {
+        bool finite = true;
+        for (const Number x : now) finite = finite && std::isfinite(x);
+        if (!finite || ++steps > most_steps) throw std::runtime_error{"the motion is singular or too stiff"};
+    };
+    odeint::integrate_adaptive(odeint::make_controlled<Stepper>(tolerance, tolerance), equations, state, from, to,
+                               Number(1) / 256, watch);
+}
 
 namespace detail {
 
@@ -31,11 +51,10 @@ inline Motion unpack(const Packed& p) {
 
 }  // namespace detail
 
-// The motion at each of the times (s, ascending, from 0), under load(motion, time) -> Wrench.
+// The motion of one body at each of the times (s, ascending, from 0), under load(motion, time) -> Wrench.
 template <class Load>
 [[nodiscard]] std::vector<Motion> trajectory(const Body& body, const Motion& start, const std::vector<Number>& at,
                                              Load&& load) {
-    namespace odeint = boost::numeric::odeint;
     const auto equations = [&](const detail::Packed& state, detail::Packed& rate, Number t) {
         const Motion m = detail::unpack(state);
         const Wrench wrench = load(m, t);
@@ -43,13 +62,11 @@ template <class Load>
         rate = detail::pack({m.v, wrench.force_w * (1 / body.mass), m.q * Rotation{0, m.w} * Number(0.5),
                              over(wrench.torque_b - gyroscopic, body.moments)});
     };
-    using Stepper = odeint::runge_kutta_fehlberg78<detail::Packed, Number, detail::Packed, Number>;
-    const auto stepper = odeint::make_controlled<Stepper>(tolerance, tolerance);
     detail::Packed state = detail::pack(start);
     std::vector<Motion> motions;
     Number now = 0;
     for (const Number until : at) {
-        if (until > now) odeint::integrate_adaptive(stepper, equations, state, now, until, Number(1) / 256);
+        integrate(equations, state, now, until);
         now = until;
         motions.push_back(detail::unpack(state));
     }

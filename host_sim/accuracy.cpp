@@ -1,0 +1,192 @@
+#include "accuracy.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "reference/algebra.hpp"
+#include "smooth_motion.hpp"
+
+namespace tumble::host {
+namespace {
+
+constexpr std::int64_t most_steps_of_a_run = std::int64_t{1} << 20;
+constexpr double fewest_steps_of_the_shortest = 4096;
+
+// The step times 2^doublings; exact.
+StepSize scaled(StepSize step, int doublings) {
+    for (; doublings > 0 && step.denominator != 0; --doublings) {
+        if (step.denominator % 2 == 0) step.denominator /= 2;
+        else if (step.numerator < std::numeric_limits<std::int64_t>::max() / 2) step.numerator *= 2;
+        else break;
+    }
+    for (; doublings < 0 && step.denominator != 0; ++doublings) {
+        if (step.numerator % 2 == 0) step.numerator /= 2;
+        else if (step.denominator < std::numeric_limits<std::int64_t>::max() / 2) step.denominator *= 2;
+        else break;
+    }
+    if (doublings != 0) step = {1, 0, std::ldexp(step.seconds(), doublings)};
+    return step;
+}
+
+// The time at which a step starts, s.
+double time_of(std::int64_t step, const StepSize& length) {
+    return static_cast<double>(static_cast<long double>(step) * long_seconds(length));
+}
+
+bool is_finite(const reference::Motion& m) {
+    return std::isfinite(norm(m.x)) && std::isfinite(m.q.norm2()) && m.q.norm2() > 0;
+}
+
+reference::Motion motion_of(const BodySnapshot& body) {
+    const auto vector = [](const auto& v) { return reference::Vector{v[0], v[1], v[2]}; };
+    const auto& q = body.orientation;
+    return {vector(body.position), vector(body.velocity), {q[0], {q[1], q[2], q[3]}}, vector(body.angular_velocity)};
+}
+
+SampledRun sampled(Simulation& simulation, const SampledScene& scene, int step) {
+    SampledRun run;
+    for (std::size_t sample = 0; sample < run.samples.size(); ++sample) {
+        const std::int64_t until = scene.sample_steps()[sample] << (scene.longest() - step);
+        while (simulation.steps_taken() < until && simulation.troubles().empty()) simulation.step();
+        if (!simulation.troubles().empty()) {
+            run.failure = simulation.troubles().front().issue;
+            return run;
+        }
+        for (int b = 0; b < simulation.body_count(); ++b) {
+            run.samples[sample].push_back(motion_of(simulation.body(b)));
+            if (!is_finite(run.samples[sample].back())) {
+                run.failure = "not finite";
+                return run;
+            }
+        }
+    }
+    return run;
+}
+
+// The motion without contacts; empty when a body comes so near a plane that it may touch.
+std::optional<Samples> smooth_samples(const SampledScene& scene) {
+    // No longer than the scene's own step, so that a body cannot dive through a plane between two looks.
+    const int number = std::min(0, scene.longest());
+    const SceneDescription description = scene.with_step(number);
+    const reference::Number length = long_seconds(description.step), band = description.contact.tolerance;
+    const bool looks = description.contact.response != ContactResponse::none && !description.planes.empty();
+    SmoothMotion motion(description);
+    Samples samples;
+    std::int64_t now = 0;
+    for (std::size_t sample = 0; sample < samples.size(); ++sample) {
+        const std::int64_t until = scene.sample_steps()[sample] << (scene.longest() - number);
+        if (looks) {
+            for (; now < until; ++now) {
+                motion.advance_to(now);
+                if (motion.clearance() < band + motion.surface_speed() * length) return std::nullopt;
+            }
+        }
+        motion.advance_to(until);
+        samples[sample] = motion.bodies();
+    }
+    return samples;
+}
+
+Samples fine_samples(const SampledScene& scene, const char* integrator, int step) {
+    const auto run = run_sampled(scene, {integrator, "f64", true}, step);
+    if (!run) throw std::runtime_error(std::string(integrator) + " does not run in f64");
+    if (!run->failure.empty())
+        throw std::runtime_error(std::string("no reference: ") + integrator + " in f64 at " +
+                                 std::to_string(scene.with_step(step).step.seconds()) + " s: " + run->failure);
+    return run->samples;
+}
+
+}  // namespace
+
+Errors largest_errors(const Samples& a, const Samples& b) {
+    Errors errors;
+    for (std::size_t sample = 0; sample < a.size(); ++sample) {
+        for (std::size_t body = 0; body < a[sample].size(); ++body) {
+            const reference::Motion &one = a[sample][body], &other = b[sample][body];
+            errors.position_m = std::max(errors.position_m, static_cast<double>(norm(one.x - other.x)));
+            errors.orientation_rad =
+                std::max(errors.orientation_rad, static_cast<double>(angle_between(one.q, other.q)));
+        }
+    }
+    return errors;
+}
+
+SampledScene::SampledScene(SceneDescription scene) : scene_(std::move(scene)) {
+    const std::int64_t steps = scene_.steps();
+    if (steps == 0) throw std::invalid_argument(scene_.path + ": duration: got 0 s, expected a scene that lasts");
+    // Events to whole steps; those that act within the run must be at whole longer steps, too.
+    std::vector<std::int64_t> event_steps;
+    const auto snap = [&](double& time) {
+        const std::int64_t step = nearest_step(time, scene_.step);
+        if (step < steps) event_steps.push_back(step);
+        time = time_of(step, scene_.step);
+    };
+    for (ImpulseDescription& impulse : scene_.impulses) snap(impulse.time);
+    for (ForceDescription& force : scene_.forces) {
+        snap(force.from);
+        snap(force.until);
+    }
+    while ((steps >> (longest_ + 1)) >= sample_count &&
+           std::all_of(event_steps.begin(), event_steps.end(),
+                       [&](std::int64_t step) { return step % (std::int64_t{2} << longest_) == 0; }))
+        ++longest_;
+    while (longest_ <= 0 && (steps << -longest_) < sample_count) --longest_;
+
+    const double own = scene_.step.seconds();
+    const auto number_of = [&](double seconds) {
+        return static_cast<int>(std::floor(std::log2(seconds / own) + 1e-9));
+    };
+    shortest_ = std::min({-2, number_of(1.0 / 4096), number_of(scene_.duration / fewest_steps_of_the_shortest)});
+    const std::int64_t runs = longest_ >= 0 ? steps >> longest_ : steps << -longest_;  // of the longest step
+    while (shortest_ < longest_ && (runs << (longest_ - shortest_)) > most_steps_of_a_run) ++shortest_;
+    for (int sample = 1; sample <= sample_count; ++sample) {
+        sample_steps_[static_cast<std::size_t>(sample - 1)] =
+            (runs * sample + sample_count / 2) / sample_count;  // to the nearest
+    }
+}
+
+SceneDescription SampledScene::with_step(int number) const {
+    SceneDescription scene = scene_;
+    scene.step = scaled(scene_.step, number);
+    scene.duration = time_of(sample_steps_.back(), scaled(scene_.step, longest_));
+    return scene;
+}
+
+std::optional<SampledRun> run_sampled(const SampledScene& scene, const Method& method, int step) {
+    std::unique_ptr<Simulation> simulation;
+    try {
+        simulation = make_simulation(scene.with_step(step), method.integrator, method.numbers, method.carry);
+    } catch (const std::invalid_argument&) {
+        (void)find_integrator(method.integrator);  // an unknown name is the caller's mistake
+    }
+    if (!simulation) return std::nullopt;
+    return sampled(*simulation, scene, step);
+}
+
+Truth truth_of(const SampledScene& scene) {
+    Truth truth;
+    if (auto smooth = smooth_samples(scene)) {
+        truth.samples = std::move(*smooth);
+        return truth;
+    }
+    truth.has_contacts = true;
+    truth.samples = fine_samples(scene, "rk4", scene.shortest() - 2);
+    truth.doubt = largest_errors(truth.samples, fine_samples(scene, "suzuki4", scene.shortest() - 1));
+    return truth;
+}
+
+std::optional<Attempt> longest_step_within(double tolerance, const SampledScene& scene, const Truth& truth,
+                                           const Method& method) {
+    std::optional<Attempt> best;
+    for (int step = scene.longest(); step >= scene.shortest(); --step) {
+        const auto run = run_sampled(scene, method, step);
+        if (!run) return std::nullopt;
+        Attempt attempt{method, step, scene.with_step(step).step, {}, run->failure};
+        if (run->failure.empty()) attempt.errors = largest_errors(run->samples, truth.samples);
+        if (!best || attempt.error() < best->error()) best = attempt;
+        if (attempt.error() <= tolerance) break;
+    }
+    return best;
+}
+
+}  // namespace tumble::host

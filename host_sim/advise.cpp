@@ -1,0 +1,405 @@
+// `tumble advise`: the cheapest integrator, number system and step that keep a scene's error under a tolerance on a
+// core. Errors are measured on the host, whose bits are the core's; instructions are counted on the core in QEMU.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <iostream>
+#include <map>
+#include <mutex>
+
+#include "accuracy.hpp"
+#include "command.hpp"
+#include "firmware.hpp"
+#include "parallel.hpp"
+#include "progress.hpp"
+#include "text.hpp"
+
+namespace tumble::host {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+// Longer runs are measured up to here: the mean of a step has settled, and an emulation takes seconds.
+constexpr std::int64_t most_measured_steps = 16384;
+
+// A step changes the three numbers of a place and the four of an orientation, each by an instruction at least.
+constexpr int least_insn_per_body = 7;
+
+std::string step_text(const StepSize& step) {
+    if (step.denominator == 0) return few_digits(step.decimal);
+    return std::to_string(step.numerator) + (step.denominator == 1 ? "" : "/" + std::to_string(step.denominator));
+}
+
+std::string numbers_text(const Method& method) {
+    return method.numbers + (method.numbers == "f64" && !method.carry ? "" : method.carry ? " carry" : " plain");
+}
+
+// A method that reaches the tolerance, at its longest step that does.
+struct Candidate {
+    Attempt attempt;
+    NumberVariant variant;
+    Json row;  // of the firmware; null until it is measured
+    double insn_per_simulated_second = 0;
+    std::string not_measured;  // why
+
+    [[nodiscard]] bool waits() const { return row.is_null() && not_measured.empty(); }
+    [[nodiscard]] bool is_measured() const { return !row.is_null(); }
+};
+
+Json json_of(const Attempt& attempt) {
+    Json json;
+    json["integrator"] = attempt.method.integrator;
+    json["numbers"] = attempt.method.numbers;
+    json["carry"] = attempt.method.carry;
+    json["step_s"] = attempt.length.seconds();
+    json["position_error_m"] = attempt.failure.empty() ? Json(attempt.errors.position_m) : Json();
+    json["orientation_error_rad"] = attempt.failure.empty() ? Json(attempt.errors.orientation_rad) : Json();
+    if (!attempt.failure.empty()) json["failure"] = attempt.failure;
+    return json;
+}
+
+Json json_of(const Candidate& candidate) {
+    Json json = json_of(candidate.attempt);
+    if (!candidate.is_measured()) {
+        json["reason"] = candidate.not_measured;
+        return json;
+    }
+    json["insn_per_simulated_second"] = candidate.insn_per_simulated_second;
+    json["measured_steps"] = candidate.row.at("steps");
+    for (const char* key :
+         {"insn_per_step", "insn_per_step_max", "text_bytes", "ram_bytes", "stack_bytes", "state_hash"})
+        json[key] = candidate.row.at(key);
+    return json;
+}
+
+// Instructions of the candidates on the core, cheapest first as far as it can be told without measuring.
+class Measurement {
+public:
+    Measurement(const AdviseOptions& options, const SceneDescription& scene, const SampledScene& sampled)
+        : options_(options), sampled_(sampled),
+          build_(fs::path(TUMBLE_SOURCE_DIR) / "build/advise" / options.core / struct_name(scene.path)),
+          least_insn_(least_insn_per_body *
+                      std::count_if(scene.bodies.begin(), scene.bodies.end(), [](const auto& b) { return !b.fixed; })) {
+        fs::create_directories(build_ / "scenes");
+    }
+
+    // Fills in the rows. What cannot be the cheapest is not measured, unless all are asked for.
+    void run(std::vector<Candidate>& candidates) {
+        const DirectoryLock lock(build_);
+        StepFirmware firmware(build_, options_.core, struct_name(sampled_.with_step(0).path), build_ / "scenes");
+        if (!options_.all) measure_floors(candidates, firmware);
+        // The lowest bound first; where it is the same, without carry first.
+        std::sort(candidates.begin(), candidates.end(), [&](const Candidate& a, const Candidate& b) {
+            if (bound(a) != bound(b)) return bound(a) < bound(b);
+            return !a.attempt.method.carry && b.attempt.method.carry;
+        });
+        ProgressBar progress(static_cast<std::int64_t>(candidates.size()));
+        const auto shown = [&] {
+            const auto is_done = [](const Candidate& c) { return !c.waits(); };
+            progress.show(std::count_if(candidates.begin(), candidates.end(), is_done),
+                          "instructions on " + options_.core);
+        };
+        for (;;) {
+            shown();
+            std::vector<Candidate*> wave;
+            std::vector<std::string> names;
+            for (Candidate& candidate : candidates) {
+                if (!candidate.waits() || wave.size() >= processors_) continue;
+                if (!options_.all) candidate.not_measured = reason_to_skip(candidate, candidates);
+                if (!candidate.waits() || (!options_.all && waits_for_twin(candidate, candidates))) continue;
+                wave.push_back(&candidate);
+                names.push_back(StepFirmware::name_of(candidate.variant, candidate.attempt.method.integrator));
+                write_scene(names.back(), candidate);
+            }
+            if (wave.empty()) break;
+            firmware.build(names);
+            in_parallel(wave.size(), [&](std::size_t i) { measure(*wave[i], firmware, names[i]); });
+            for (const Candidate* candidate : wave)
+                if (candidate->is_measured()) best_ = std::min(best_, candidate->insn_per_simulated_second);
+        }
+    }
+
+private:
+    // The same method without carry, where that reaches the tolerance at the same step.
+    [[nodiscard]] static const Candidate* twin_of(const Candidate& candidate, const std::vector<Candidate>& all) {
+        if (!candidate.attempt.method.carry) return nullptr;
+        const auto twin = std::find_if(all.begin(), all.end(), [&](const Candidate& other) {
+            return !other.attempt.method.carry && other.attempt.step >= candidate.attempt.step &&
+                   other.attempt.method.integrator == candidate.attempt.method.integrator &&
+                   other.attempt.method.numbers == candidate.attempt.method.numbers;
+        });
+        return twin == all.end() ? nullptr : &*twin;
+    }
+    [[nodiscard]] static bool waits_for_twin(const Candidate& candidate, const std::vector<Candidate>& all) {
+        const Candidate* twin = twin_of(candidate, all);
+        return twin != nullptr && twin->waits();
+    }
+    [[nodiscard]] std::string reason_to_skip(const Candidate& candidate, const std::vector<Candidate>& all) const {
+        if (const Candidate* twin = twin_of(candidate, all); twin != nullptr && twin->is_measured())
+            return "carry only adds work, and without it the tolerance is met at no shorter step";
+        if (bound(candidate) < best_) return {};
+        const auto floor = floors_.find(candidate.attempt.method.numbers);
+        return "costs more than the best even in " +
+               (floor == floors_.end()
+                    ? std::to_string(least_insn_)
+                    : "half of the " + few_digits(floor->second) + " " + candidate.attempt.method.numbers) +
+               " instructions of a step" + (floor == floors_.end() ? "" : " of semi_implicit_euler");
+    }
+
+    // No step costs less than half of what one of semi-implicit Euler without carry does: that evaluates every load
+    // once and adds to every number once, which all methods do. It is measured in each number system that has many
+    // candidates, at the shortest of their steps, at which contacts cost the least for a step.
+    void measure_floors(const std::vector<Candidate>& candidates, StepFirmware& firmware) {
+        std::vector<Candidate> cheapest;
+        std::vector<std::string> names;
+        for (const NumberVariant& variant : number_variants()) {
+            const auto shares = [&](const Candidate& c) { return c.variant.numbers == variant.numbers; };
+            const auto first = std::find_if(candidates.begin(), candidates.end(), shares);
+            const auto is_single = [&](const Candidate& c) { return shares(c) && twin_of(c, candidates) == nullptr; };
+            if (variant.carry || std::count_if(candidates.begin(), candidates.end(), is_single) <= 2) continue;
+            Candidate floor = *first;
+            for (const Candidate& c : candidates)
+                if (shares(c) && c.attempt.step < floor.attempt.step) floor = c;
+            floor.variant = variant;
+            floor.attempt.method = {"semi_implicit_euler", variant.numbers, variant.carry};
+            cheapest.push_back(floor);
+            names.push_back(StepFirmware::name_of(variant, floor.attempt.method.integrator));
+            write_scene(names.back(), floor);
+        }
+        if (cheapest.empty()) return;
+        firmware.build(names);
+        in_parallel(cheapest.size(), [&](std::size_t i) { measure(cheapest[i], firmware, names[i]); });
+        for (const Candidate& floor : cheapest)
+            if (floor.is_measured()) floors_[floor.variant.numbers] = floor.row.at("insn_per_step").get<double>();
+    }
+    // Instructions of a simulated second that the candidate needs at least.
+    [[nodiscard]] double bound(const Candidate& candidate) const {
+        const auto floor = floors_.find(candidate.attempt.method.numbers);
+        const double insn = floor == floors_.end() ? 0.0 : floor->second / 2;
+        return std::max(insn, static_cast<double>(least_insn_)) / candidate.attempt.length.seconds();
+    }
+
+    // The run that is measured.
+    [[nodiscard]] SceneDescription scene_of(const Candidate& candidate) const {
+        SceneDescription scene = sampled_.with_step(candidate.attempt.step);
+        if (scene.steps() > most_measured_steps)
+            scene.duration = static_cast<double>(most_measured_steps) * scene.step.seconds();
+        return scene;
+    }
+    void write_scene(const std::string& name, const Candidate& candidate) const {
+        const std::string header = compiled_scene(scene_of(candidate), Choice{});  // the firmware has its own method
+        write_if_changed(build_ / "scenes" / (name + ".hpp"), header);
+    }
+
+    void measure(Candidate& candidate, const StepFirmware& firmware, const std::string& name) const {
+        const Method& method = candidate.attempt.method;
+        StepFirmware::Outcome outcome = firmware.run(name);
+        if (outcome.does_not_fit) {
+            candidate.not_measured = "does not fit the core's memory";
+            return;
+        }
+        if (!outcome.error.empty()) throw std::runtime_error(options_.core + ", " + name + ": " + outcome.error);
+        const auto simulation = make_simulation(scene_of(candidate), method.integrator, method.numbers, method.carry);
+        while (simulation->steps_taken() < simulation->steps() && simulation->troubles().empty()) simulation->step();
+        if (outcome.row.at("state_hash") != hex(simulation->hash()))
+            throw std::runtime_error(options_.core + ", " + name + ": ends with another state than the host");
+        candidate.row = std::move(outcome.row);
+        candidate.insn_per_simulated_second =
+            candidate.row.at("insn_per_step").get<double>() / candidate.attempt.length.seconds();
+    }
+
+    const AdviseOptions& options_;
+    const SampledScene& sampled_;
+    fs::path build_;
+    std::int64_t least_insn_;
+    std::map<std::string, double> floors_;  // a number system's cheapest step, insn
+    std::size_t processors_ = std::max(1u, std::thread::hardware_concurrency());
+    double best_ = std::numeric_limits<double>::infinity();
+};
+
+std::vector<Method> chosen_methods(const AdviseOptions& options, const SceneDescription& scene) {
+    for (const std::string& integrator : options.integrators) (void)find_integrator(integrator);
+    for (const std::string& numbers : options.numbers) (void)find_number_system(scene, numbers, {});
+    const auto is_chosen = [](const std::vector<std::string>& list, const std::string& name) {
+        return list.empty() || std::find(list.begin(), list.end(), name) != list.end();
+    };
+    std::vector<Method> methods;
+    for (const IntegratorInfo& integrator : integrators()) {
+        for (const NumberVariant& variant : number_variants()) {
+            if (is_chosen(options.integrators, integrator.name) && is_chosen(options.numbers, variant.numbers) &&
+                runs_in(integrator, variant.numbers))
+                methods.push_back({integrator.name, variant.numbers, variant.carry});
+        }
+    }
+    if (methods.empty())
+        throw std::invalid_argument("none of these integrators runs in these number systems; `tumble list` says why");
+    return methods;
+}
+
+std::vector<Attempt> search(const std::vector<Method>& methods, double tolerance, const SampledScene& scene,
+                            const Truth& truth) {
+    std::vector<std::optional<Attempt>> found(methods.size());
+    ProgressBar progress(static_cast<std::int64_t>(methods.size()));
+    std::mutex mutex;
+    std::int64_t ended = 0;
+    in_parallel(methods.size(), [&](std::size_t i) {
+        found[i] = longest_step_within(tolerance, scene, truth, methods[i]);
+        const std::lock_guard lock(mutex);
+        progress.show(++ended, "errors on the host");
+    });
+    std::vector<Attempt> attempts;
+    for (const auto& attempt : found)
+        if (attempt) attempts.push_back(*attempt);
+    return attempts;
+}
+
+// Everything that is found out.
+struct Advice {
+    Truth truth;
+    std::vector<Candidate> ranking, not_measured;
+    std::vector<Attempt> unreached;  // the closest first
+    std::string message;             // why there is no recommendation
+};
+
+void print_json(const AdviseOptions& options, const SampledScene& sampled, const Advice& advice) {
+    Json json;
+    const SceneDescription scene = sampled.with_step(sampled.longest());
+    json["scene"] = scene.name;
+    json["core"] = options.core;
+    json["tolerance_m"] = options.tolerance;
+    json["tolerance_rad"] = options.tolerance;
+    json["samples"] = sample_count;
+    json["duration_s"] = scene.duration;
+    json["reference"] = advice.truth.has_contacts ? "two fine runs" : "long double";
+    json["reference_doubt_m"] = advice.truth.doubt.position_m;
+    json["reference_doubt_rad"] = advice.truth.doubt.orientation_rad;
+    json["recommendation"] = advice.ranking.empty() ? Json() : json_of(advice.ranking.front());
+    if (!advice.message.empty()) json["message"] = advice.message;
+    for (const char* key : {"ranking", "not_measured", "unreached"}) json[key] = Json::array();
+    for (const Candidate& candidate : advice.ranking) json["ranking"].push_back(json_of(candidate));
+    for (const Candidate& candidate : advice.not_measured) json["not_measured"].push_back(json_of(candidate));
+    for (const Attempt& attempt : advice.unreached) json["unreached"].push_back(json_of(attempt));
+    std::cout << json.dump(2) << "\n";
+}
+
+std::string name_of(const Attempt& attempt) { return attempt.method.integrator + " " + numbers_text(attempt.method); }
+// Its error, with the digits that matter, and its step; or what ended it.
+std::string closest_text(const Attempt& attempt) {
+    std::array<char, 32> error{};
+    std::snprintf(error.data(), error.size(), "%.2g", attempt.error());
+    return attempt.failure.empty() ? error.data() + (" at " + step_text(attempt.length)) + " s" : attempt.failure;
+}
+
+// A title and, under it, names in lines of a terminal's width.
+void print_list(const std::string& title, const std::vector<std::string>& names) {
+    std::cout << "\n" << title << "\n";
+    std::string line;
+    for (std::size_t i = 0; i < names.size(); ++i) {
+        const std::string name = names[i] + (i + 1 < names.size() ? "," : "");
+        if (line.size() + name.size() > 110) {
+            std::cout << " " << line << "\n";
+            line.clear();
+        }
+        line += " " + name;
+    }
+    std::cout << " " << line << "\n";
+}
+
+void print_table(const AdviseOptions& options, const SceneDescription& scene, const Advice& advice) {
+    if (!advice.ranking.empty()) {
+        const Candidate& best = advice.ranking.front();
+        const std::string limit = few_digits(options.tolerance);
+        std::cout << options.core << ": " << best.attempt.method.integrator << " in " << best.attempt.method.numbers
+                  << (best.attempt.method.carry ? " with carry" : " without carry") << " at a step of "
+                  << step_text(best.attempt.length) << " s keeps \"" << scene.name << "\" within " << limit << " m and "
+                  << limit << " rad for " << std::llround(best.insn_per_simulated_second)
+                  << " instructions a simulated second.\n";
+        std::printf("\n%-20s %-9s %9s %10s %10s %10s %12s %7s %7s\n", "integrator", "numbers", "step s", "error m",
+                    "error rad", "insn/step", "insn/s", "text", "RAM");
+    }
+    for (const Candidate& c : advice.ranking) {
+        const auto number = [&](const char* key) { return c.row.at(key).get<unsigned long long>(); };
+        std::printf("%-20s %-9s %9s %10.2g %10.2g %10llu %12.0f %7llu %7llu\n", c.attempt.method.integrator.c_str(),
+                    numbers_text(c.attempt.method).c_str(), step_text(c.attempt.length).c_str(),
+                    c.attempt.errors.position_m, c.attempt.errors.orientation_rad, number("insn_per_step"),
+                    c.insn_per_simulated_second, number("text_bytes"), number("ram_bytes"));
+    }
+    std::fflush(stdout);
+    std::vector<std::string> reasons;
+    for (const Candidate& c : advice.not_measured)
+        if (std::find(reasons.begin(), reasons.end(), c.not_measured) == reasons.end())
+            reasons.push_back(c.not_measured);
+    for (const std::string& reason : reasons) {
+        std::vector<std::string> names;
+        for (const Candidate& c : advice.not_measured)
+            if (c.not_measured == reason)
+                names.push_back(name_of(c.attempt) + " at " + step_text(c.attempt.length) + " s");
+        print_list("not measured: " + reason, names);
+    }
+    std::vector<std::string> names;
+    for (const Attempt& attempt : advice.unreached) names.push_back(name_of(attempt) + " " + closest_text(attempt));
+    if (!names.empty()) print_list("not within the tolerance, with the smallest error", names);
+}
+
+}  // namespace
+
+int advise(const AdviseOptions& options) {
+    check_core(options.core);
+    if (!(options.tolerance > 0.0) || !std::isfinite(options.tolerance))
+        throw BadArgument("--tolerance: got " + few_digits(options.tolerance) +
+                          ", expected a positive number, of metres and of radians");
+    Choice choice;
+    choice.scene = options.scene;
+    choice.duration = options.duration;
+    const SceneDescription scene = choice.read();
+    const SampledScene sampled(scene);
+    const std::vector<Method> methods = chosen_methods(options, scene);
+
+    Advice advice;
+    advice.truth = truth_of(sampled);
+    const double doubt = advice.truth.doubt.largest();
+    if (doubt > options.tolerance / 10) {
+        advice.message = "the scene is chaotic: there is no reference for an error of " +
+                         few_digits(options.tolerance) + ", since two fine runs differ by " + few_digits(doubt) +
+                         ", expected at most a tenth of the tolerance; take a larger one or a shorter --duration";
+    } else {
+        std::vector<Candidate> candidates;
+        for (const Attempt& attempt : search(methods, options.tolerance, sampled, advice.truth)) {
+            if (attempt.error() > options.tolerance) {
+                advice.unreached.push_back(attempt);
+                continue;
+            }
+            const auto variant =
+                std::find_if(number_variants().begin(), number_variants().end(), [&](const NumberVariant& v) {
+                    return v.numbers == attempt.method.numbers && v.carry == attempt.method.carry;
+                });
+            candidates.push_back({attempt, *variant, {}, 0, {}});
+        }
+        std::sort(advice.unreached.begin(), advice.unreached.end(),
+                  [](const Attempt& a, const Attempt& b) { return a.error() < b.error(); });
+        if (!candidates.empty()) Measurement(options, scene, sampled).run(candidates);
+        for (Candidate& candidate : candidates)
+            (candidate.is_measured() ? advice.ranking : advice.not_measured).push_back(std::move(candidate));
+        std::stable_sort(advice.ranking.begin(), advice.ranking.end(), [](const Candidate& a, const Candidate& b) {
+            return a.insn_per_simulated_second < b.insn_per_simulated_second;
+        });
+        if (advice.ranking.empty() && !advice.not_measured.empty())
+            advice.message = "what keeps the error under " + few_digits(options.tolerance) + " does not fit " +
+                             options.core + "'s memory";
+        else if (advice.ranking.empty())
+            advice.message = "nothing keeps the error under " + few_digits(options.tolerance) +
+                             (advice.unreached.empty() ? std::string()
+                                                       : "; the closest is " + name_of(advice.unreached.front()) +
+                                                             " with " + closest_text(advice.unreached.front()));
+    }
+    if (options.json) print_json(options, sampled, advice);
+    else print_table(options, scene, advice);
+    std::cout.flush();
+    if (!advice.message.empty()) std::cerr << scene.path << ": " << advice.message << "\n";
+    return advice.message.empty() && std::cout.good() ? done : failed;
+}
+
+}  // namespace tumble::host

@@ -1,0 +1,127 @@
+#include "firmware.hpp"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <fstream>
+#include <sstream>
+#include <stdexcept>
+
+#include "command.hpp"
+#include "process.hpp"
+
+namespace tumble::host {
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path source_directory = TUMBLE_SOURCE_DIR;
+
+void add_sizes(nlohmann::ordered_json& row, const fs::path& elf) {
+    std::string text;
+    const int status = Process({"arm-none-eabi-size", elf.string()}, {}, Process::Errors::merge).wait(&text);
+    unsigned long code = 0, data = 0, zeros = 0;
+    if (status != 0 || std::sscanf(text.c_str(), "%*[^\n]\n%lu %lu %lu", &code, &data, &zeros) != 3)
+        throw std::runtime_error("arm-none-eabi-size: " + text);
+    row["text_bytes"] = code + data;
+    row["ram_bytes"] = data + zeros;
+}
+
+}  // namespace
+
+void check_core(const std::string& name) {
+    std::string known;
+    for (const Core& core : cores()) {
+        if (core.machine == "-") continue;
+        if (core.name == name) return;
+        known += (known.empty() ? "" : ", ") + core.name;
+    }
+    throw BadArgument("--core: got \"" + name + "\", expected one of " + known);
+}
+
+void write_if_changed(const fs::path& path, const std::string& text) {
+    std::ostringstream old;
+    if (std::ifstream file(path); file) old << file.rdbuf();
+    if (old.str() == text) return;
+    std::ofstream file(path);
+    file << text;
+    file.close();
+    if (!file) throw std::runtime_error("cannot write " + path.string());
+}
+
+void run_quietly(const std::vector<std::string>& command) {
+    std::string messages;
+    const int status = Process(command, {}, Process::Errors::merge).wait(&messages);
+    if (status == 127) throw std::runtime_error(command[0] + " not found");
+    if (status != 0)
+        throw std::runtime_error(command[0] + " failed with status " + std::to_string(status) + ":\n" + messages);
+}
+
+DirectoryLock::DirectoryLock(const fs::path& directory)
+    : file_(open((directory / "lock").c_str(), O_CREAT | O_RDWR | O_CLOEXEC, 0666)) {
+    if (file_ < 0 || flock(file_, LOCK_EX) != 0) throw std::runtime_error("cannot lock " + directory.string());
+}
+DirectoryLock::~DirectoryLock() { close(file_); }
+
+const std::vector<NumberVariant>& number_variants() {
+    static const std::vector<NumberVariant> list = {{"q32", "q32", true},
+                                                    {"q32_plain", "q32", false},
+                                                    {"f32", "f32", true},
+                                                    {"f32_plain", "f32", false},
+                                                    {"f64", "f64", false}};
+    return list;
+}
+
+// tumble::integrators::Rk4 -> Rk4.
+std::string StepFirmware::name_of(const NumberVariant& variant, const std::string& integrator) {
+    const std::string& type = find_integrator(integrator).type;
+    return variant.name + "-" + type.substr(type.rfind(':') + 1);
+}
+
+StepFirmware::StepFirmware(fs::path build, std::string core, const std::string& scene, const fs::path& scenes)
+    : build_(std::move(build)), core_(std::move(core)) {
+    run_quietly({"cmake", "-G", "Ninja", "-S", (source_directory / "bench/firmware").string(), "-B", build_.string(),
+                 "-DCMAKE_TOOLCHAIN_FILE=" + (source_directory / "port/cortex_m/toolchain.cmake").string(),
+                 "-DTUMBLE_CORE=" + core_, "-DTUMBLE_SCENE=" + scene,
+                 (fs::is_directory(scenes) ? "-DTUMBLE_SCENE_DIR=" : "-DTUMBLE_SCENE_HEADER=") + scenes.string()});
+}
+
+void StepFirmware::build(const std::vector<std::string>& names) {
+    std::vector<std::string> command = {"cmake", "--build", build_.string(), "--target"};
+    command.insert(command.end(), names.begin(), names.end());
+    for (const char* option : {"--", "-k", "0"}) command.emplace_back(option);
+    messages_.clear();
+    if (Process(command, {}, Process::Errors::merge).wait(&messages_) == 127)
+        throw std::runtime_error("cmake not found");
+}
+
+StepFirmware::Outcome StepFirmware::run(const std::string& name, int timeout) const {
+    Outcome outcome;
+    const fs::path elf = build_ / (name + ".elf");
+    const std::size_t not_linked = messages_.find("FAILED: " + name + ".elf");
+    // What the linker says stands between this failure and the next.
+    const std::size_t overflow = messages_.find("overflowed", not_linked);
+    if (not_linked != std::string::npos && overflow < messages_.find("FAILED: ", not_linked + 1)) {
+        outcome.does_not_fit = true;
+    } else if (not_linked != std::string::npos || !fs::exists(elf) ||
+               messages_.find("FAILED: CMakeFiles/" + name + ".dir") != std::string::npos) {
+        outcome.error = "not built: see cmake --build " + build_.string() + " --target " + name;
+    } else {
+        std::string text;
+        const int status = Process({(source_directory / "port/qemu/run").string(), "--timeout", std::to_string(timeout),
+                                    core_, elf.string()},
+                                   {}, Process::Errors::merge)
+                               .wait(&text);
+        if (status != 0) {
+            outcome.error = "exit status " + std::to_string(status) + ": " + text;
+        } else {
+            outcome.row = nlohmann::ordered_json::parse(text);
+            add_sizes(outcome.row, elf);
+        }
+    }
+    return outcome;
+}
+
+}  // namespace tumble::host

@@ -1,0 +1,288 @@
+#include "smooth_motion.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "reference/trajectory.hpp"
+
+namespace tumble::host {
+namespace {
+
+using namespace tumble::reference;
+
+constexpr Number pi = std::numbers::pi_v<Number>;
+
+Vector vector_of(const Triple& t) { return {t[0], t[1], t[2]}; }
+
+Number volume_of(const ShapeDescription& shape) {
+    const Number a = shape.size[0], b = shape.size[1], c = shape.size[2];
+    switch (shape.kind) {
+    case ShapeKind::sphere: return 4 * pi * a * a * a / 3;
+    case ShapeKind::box: return a * b * c;
+    case ShapeKind::cylinder: return pi * a * a * b;
+    case ShapeKind::capsule: return pi * a * a * b + 4 * pi * a * a * a / 3;
+    default: return 0;
+    }
+}
+
+Number mass_of(const BodyDescription& body) {
+    if (body.shape.kind == ShapeKind::points) {
+        Number sum = 0;
+        for (const PointMass& point : body.shape.points) sum += point.mass;
+        return sum;
+    }
+    return body.mass ? Number(*body.mass) : Number(body.density.value()) * volume_of(body.shape);
+}
+
+// Principal moments of a solid of uniform density about its centre of mass; of a hoop, along its rim.
+Vector moments_of(const ShapeDescription& shape, Number mass) {
+    const Number a = shape.size[0], b = shape.size[1], c = shape.size[2];
+    switch (shape.kind) {
+    case ShapeKind::sphere: {
+        const Number moment = 2 * mass * a * a / 5;
+        return {moment, moment, moment};
+    }
+    case ShapeKind::box: return Vector{b * b + c * c, a * a + c * c, a * a + b * b} * (mass / 12);
+    case ShapeKind::cylinder: {
+        const Number across = mass * (3 * a * a + b * b) / 12;
+        return {across, across, mass * a * a / 2};
+    }
+    case ShapeKind::hoop: return {mass * a * a / 2, mass * a * a / 2, mass * a * a};
+    case ShapeKind::capsule: {
+        // A cylinder and two half balls, whose centres of mass are 3/8 of the radius outside the cylinder's ends.
+        const Number balls = mass * (4 * a / 3) / (b + 4 * a / 3), middle = mass - balls;
+        const Number across = middle * (3 * a * a + b * b) / 12 + balls * (2 * a * a / 5 + b * b / 4 + 3 * a * b / 8);
+        return {across, across, middle * a * a / 2 + 2 * balls * a * a / 5};
+    }
+    default: return {};
+    }
+}
+
+}  // namespace
+
+Number long_seconds(const StepSize& step) {
+    return step.denominator == 0 ? Number(step.decimal) : Number(step.numerator) / Number(step.denominator);
+}
+std::int64_t nearest_step(double time, const StepSize& step) { return std::llround(Number(time) / long_seconds(step)); }
+
+Vector SmoothMotion::Tensor::operator*(const Vector& v) const { return {dot(x, v), dot(y, v), dot(z, v)}; }
+
+// The adjugate over the determinant; symmetric.
+SmoothMotion::Tensor SmoothMotion::Tensor::inverse() const {
+    const Vector a = cross(y, z), b = cross(z, x), c = cross(x, y);
+    const Number scale = 1 / dot(x, a);
+    return {a * scale, b * scale, c * scale};
+}
+
+SmoothMotion::Tensor SmoothMotion::tensor_of(const BodyDescription& body, Number mass) {
+    if (body.inertia) {
+        const auto& i = *body.inertia;
+        return {{i[0], i[3], i[4]}, {i[3], i[1], i[5]}, {i[4], i[5], i[2]}};
+    }
+    if (body.shape.kind != ShapeKind::points) {
+        const Vector m = moments_of(body.shape, mass);
+        return {{m.x, 0, 0}, {0, m.y, 0}, {0, 0, m.z}};
+    }
+    Vector centre;
+    for (const PointMass& point : body.shape.points) centre = centre + vector_of(point.position) * (point.mass / mass);
+    Tensor sum;
+    for (const PointMass& point : body.shape.points) {
+        const Vector r = vector_of(point.position) - centre;
+        const Number r2 = dot(r, r);
+        sum.x = sum.x + (Vector{r2, 0, 0} - r * r.x) * point.mass;
+        sum.y = sum.y + (Vector{0, r2, 0} - r * r.y) * point.mass;
+        sum.z = sum.z + (Vector{0, 0, r2} - r * r.z) * point.mass;
+    }
+    return sum;
+}
+
+SmoothMotion::Body SmoothMotion::body_of(const BodyDescription& description) {
+    Body body;
+    body.mass = mass_of(description);
+    body.inertia = tensor_of(description, body.mass);
+    body.inverse = body.inertia.inverse();
+    body.fixed = description.fixed;
+    const ShapeDescription& shape = description.shape;
+    body.round = shape.kind == ShapeKind::sphere;
+    body.touches = !body.fixed && (body.round || shape.kind == ShapeKind::box);
+    if (body.touches) {
+        const Number radius = shape.size[0];
+        body.half = body.round ? Vector{radius, radius, radius} : vector_of(shape.size) * Number(0.5);
+    }
+    return body;
+}
+
+SmoothMotion::SmoothMotion(const SceneDescription& scene) : scene_{scene}, step_length_{long_seconds(scene.step)} {
+    for (const BodyDescription& description : scene.bodies) {
+        bodies_.push_back(body_of(description));
+        const auto& q = description.orientation;
+        Motion start{vector_of(description.position), {}, Rotation{q[0], {q[1], q[2], q[3]}}.normalized(), {}};
+        if (!description.fixed) {
+            start.v = vector_of(description.velocity);
+            start.w = vector_of(description.angular_velocity);
+        }
+        now_.push_back(start);
+    }
+    if (scene.contact.response != ContactResponse::none) {
+        for (const PlaneDescription& plane : scene.planes) {
+            const Vector normal = vector_of(plane.normal);
+            planes_.push_back({normal * (1 / norm(normal)), plane.offset});
+        }
+    }
+    for (const ImpulseDescription& impulse : scene.impulses)
+        kicks_.push_back({nearest_step(impulse.time, scene.step), impulse});
+    std::stable_sort(kicks_.begin(), kicks_.end(), [](const Kick& a, const Kick& b) { return a.step < b.step; });
+    for (const Kick& kick : kicks_) breaks_.push_back(kick.step);
+    for (const ForceDescription& force : scene.forces) {
+        thrusts_.push_back({nearest_step(force.from, scene.step), nearest_step(force.until, scene.step), force});
+        breaks_.push_back(thrusts_.back().from);
+        breaks_.push_back(thrusts_.back().until);
+    }
+    std::sort(breaks_.begin(), breaks_.end());
+}
+
+void SmoothMotion::advance_to(std::int64_t step) {
+    while (step_ < step) {
+        for (; next_kick_ < kicks_.size() && kicks_[next_kick_].step <= step_; ++next_kick_)
+            kick(kicks_[next_kick_].impulse);
+        const auto next = std::upper_bound(breaks_.begin(), breaks_.end(), step_);
+        const std::int64_t until = next == breaks_.end() ? step : std::min(step, *next);
+        flow(step_, until);
+        step_ = until;
+    }
+}
+
+void SmoothMotion::kick(const ImpulseDescription& impulse) {
+    const auto index = static_cast<std::size_t>(impulse.body);
+    const Body& body = bodies_[index];
+    if (body.fixed) return;
+    Motion& now = now_[index];
+    const bool in_body = impulse.frame == Frame::body;
+    const Vector j = vector_of(impulse.impulse), l = vector_of(impulse.angular_impulse);
+    const Vector j_b = in_body ? j : now.q.rotate_back(j), l_b = in_body ? l : now.q.rotate_back(l);
+    now.v = now.v + (in_body ? now.q.rotate(j) : j) * (1 / body.mass);
+    now.w = now.w + body.inverse * (cross(vector_of(impulse.point), j_b) + l_b);
+}
+
+void SmoothMotion::add_spring(const SpringDescription& spring, const std::vector<Motion>& motions,
+                              Wrenches& sums) const {
+    const auto one = static_cast<std::size_t>(spring.body);
+    const Motion& a = motions[one];
+    const Motion* b = spring.to_body < 0 ? nullptr : &motions[static_cast<std::size_t>(spring.to_body)];
+    const Vector point = vector_of(spring.point), to = vector_of(spring.to);
+    const auto place = [](const Motion& m, const Vector& r) { return m.x + m.q.rotate(r); };
+    const auto velocity = [](const Motion& m, const Vector& r) { return m.v + m.q.rotate(cross(m.w, r)); };
+    const Vector reach = (b == nullptr ? to : place(*b, to)) - place(a, point);
+    const Number length = norm(reach), stiffness = spring.stiffness;
+    Vector force = reach * stiffness;
+    if (spring.rest_length > 0 || spring.damping > 0) {
+        if (!(length > 0)) return;  // no direction: no force
+        const Vector along = reach * (1 / length);
+        const Vector rate = (b == nullptr ? Vector{} : velocity(*b, to)) - velocity(a, point);
+        force = along * (stiffness * (length - spring.rest_length) + spring.damping * dot(rate, along));
+    }
+    const auto push = [&](std::size_t index, const Vector& f_w, const Vector& r) {
+        sums[index].force_w = sums[index].force_w + f_w;
+        sums[index].torque_b = sums[index].torque_b + cross(r, motions[index].q.rotate_back(f_w));
+    };
+    push(one, force, point);
+    if (b != nullptr) push(static_cast<std::size_t>(spring.to_body), -force, to);
+}
+
+void SmoothMotion::add_loads(const std::vector<Motion>& motions, std::int64_t step, Wrenches& sums) const {
+    const Vector gravity = vector_of(scene_.gravity);
+    const Number linear = scene_.linear_drag, angular = scene_.angular_drag, constant = scene_.gravitation;
+    for (std::size_t i = 0; i < bodies_.size(); ++i)
+        sums[i] = {gravity * bodies_[i].mass - motions[i].v * linear, motions[i].w * -angular};
+    for (const SpringDescription& spring : scene_.springs) add_spring(spring, motions, sums);
+    for (std::size_t i = 0; constant > 0 && i < bodies_.size(); ++i) {
+        for (std::size_t j = i + 1; j < bodies_.size(); ++j) {
+            const Vector r = motions[j].x - motions[i].x;
+            const Number distance = norm(r);
+            if (!(distance > 0)) continue;
+            const Vector force = r * (constant * bodies_[i].mass * bodies_[j].mass / (distance * distance * distance));
+            sums[i].force_w = sums[i].force_w + force;
+            sums[j].force_w = sums[j].force_w - force;
+        }
+    }
+    for (const Thrust& thrust : thrusts_) {
+        if (step < thrust.from || step >= thrust.until) continue;
+        const ForceDescription& force = thrust.force;
+        const auto index = static_cast<std::size_t>(force.body);
+        const Rotation& q = motions[index].q;
+        const Vector f = vector_of(force.force), t = vector_of(force.torque);
+        const bool in_body = force.frame == Frame::body;
+        const Vector f_b = in_body ? f : q.rotate_back(f), t_b = in_body ? t : q.rotate_back(t);
+        sums[index].force_w = sums[index].force_w + (in_body ? q.rotate(f) : f);
+        sums[index].torque_b = sums[index].torque_b + cross(vector_of(force.point), f_b) + t_b;
+    }
+}
+
+// Newton's and Euler's equations of all bodies, while the same timed loads act. Only bodies that move have a part in
+// the state.
+void SmoothMotion::flow(std::int64_t from, std::int64_t to) {
+    std::vector<Number> state;
+    for (std::size_t i = 0; i < bodies_.size(); ++i) {
+        if (bodies_[i].fixed) continue;
+        const auto part = detail::pack(now_[i]);
+        state.insert(state.end(), part.begin(), part.end());
+    }
+    std::vector<Motion> motions = now_;
+    const auto unpack = [&](const std::vector<Number>& packed) {
+        auto next = packed.begin();
+        for (std::size_t i = 0; i < bodies_.size(); ++i) {
+            if (bodies_[i].fixed) continue;
+            detail::Packed part;
+            std::copy_n(next, part.size(), part.begin());
+            next += static_cast<std::ptrdiff_t>(part.size());
+            motions[i] = detail::unpack(part);
+        }
+    };
+    Wrenches sums(bodies_.size());
+    const auto equations = [&](const std::vector<Number>& packed, std::vector<Number>& rates, Number) {
+        unpack(packed);
+        add_loads(motions, from, sums);
+        auto next = rates.begin();
+        for (std::size_t i = 0; i < bodies_.size(); ++i) {
+            const Body& body = bodies_[i];
+            if (body.fixed) continue;
+            const Motion& m = motions[i];
+            const Vector spin_up = body.inverse * (sums[i].torque_b - cross(m.w, body.inertia * m.w));
+            const auto part =
+                detail::pack({m.v, sums[i].force_w * (1 / body.mass), m.q * Rotation{0, m.w} * Number(0.5), spin_up});
+            next = std::copy(part.begin(), part.end(), next);
+        }
+    };
+    if (!state.empty()) integrate(equations, state, 0, Number(to - from) * step_length_);
+    unpack(state);
+    for (Motion& motion : motions) motion.q = motion.q.normalized();
+    now_ = motions;
+}
+
+Number SmoothMotion::clearance() const {
+    Number least = 1e30L;
+    for (std::size_t i = 0; i < bodies_.size(); ++i) {
+        const Body& body = bodies_[i];
+        if (!body.touches) continue;
+        for (const Plane& plane : planes_) {
+            const Vector n_b = now_[i].q.rotate_back(plane.normal);
+            const Number reach = body.round ? body.half.x
+                                            : std::abs(n_b.x) * body.half.x + std::abs(n_b.y) * body.half.y +
+                                                  std::abs(n_b.z) * body.half.z;
+            least = std::min(least, dot(plane.normal, now_[i].x) + plane.offset - reach);
+        }
+    }
+    return least;
+}
+
+Number SmoothMotion::surface_speed() const {
+    Number most = 0;
+    for (std::size_t i = 0; i < bodies_.size(); ++i) {
+        if (bodies_[i].touches)
+            most = std::max(most, norm(now_[i].v) + (bodies_[i].round ? 0 : norm(now_[i].w) * norm(bodies_[i].half)));
+    }
+    return most;
+}
+
+}  // namespace tumble::host

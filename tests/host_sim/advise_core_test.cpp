@@ -1,0 +1,51 @@
+// `tumble advise` on a core in QEMU, on a search of two methods.
+#include <nlohmann/json.hpp>
+
+#include "accuracy.hpp"
+#include "command_runner.hpp"
+#include "scene_reader.hpp"
+
+namespace tumble::host {
+namespace {
+
+using Json = nlohmann::json;
+
+TEST(Advise, cheapest_method_on_a_core_keeps_the_tolerance) {
+    constexpr double tolerance = 1e-4;
+    const std::vector<std::string> arguments = {"advise",      shipped("free"), "--core",        "cortex-m3",
+                                                "--tolerance", "1e-4",          "--integrators", "verlet,rk4",
+                                                "--numbers",   "q32",           "--json"};
+    const Outcome outcome = tumble(arguments, Process::Errors::pass);
+    ASSERT_EQ(outcome.status, 0) << outcome.text;
+    const Json json = Json::parse(outcome.text);
+    EXPECT_EQ(json["ranking"].size() + json["not_measured"].size() + json["unreached"].size(), 4u);
+    ASSERT_FALSE(json["ranking"].empty());
+    EXPECT_EQ(json["recommendation"], json["ranking"][0]);
+    double last = 0;
+    for (const Json& row : json["ranking"]) {
+        const double cost = row["insn_per_simulated_second"];
+        EXPECT_GE(cost, last);
+        last = cost;
+        EXPECT_EQ(cost, row["insn_per_step"].get<double>() / row["step_s"].get<double>());
+        EXPECT_GT(row["insn_per_step"], 100);
+        EXPECT_GT(row["text_bytes"], 1000);
+        EXPECT_GT(row["ram_bytes"], 100);
+    }
+
+    // Run again, by the library, the recommended method is within the tolerance.
+    const Json& best = json["recommendation"];
+    const SampledScene scene(read_scene(shipped("free")));
+    int step = scene.longest();
+    while (scene.with_step(step).step.seconds() > best["step_s"].get<double>()) --step;
+    const auto run = run_sampled(
+        scene, {best["integrator"].get<std::string>(), best["numbers"].get<std::string>(), best["carry"].get<bool>()},
+        step);
+    ASSERT_TRUE(run && run->failure.empty());
+    const Errors errors = largest_errors(run->samples, truth_of(scene).samples);
+    EXPECT_LE(errors.largest(), tolerance);
+    EXPECT_EQ(errors.position_m, best["position_error_m"]);
+    EXPECT_EQ(errors.orientation_rad, best["orientation_error_rad"]);
+}
+
+}  // namespace
+}  // namespace tumble::host

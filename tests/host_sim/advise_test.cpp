@@ -1,0 +1,269 @@
+// `tumble advise` without a core: which steps are compared, what an error is, and what is said when there is nothing to
+// recommend.
+#include <cmath>
+
+#include <nlohmann/json.hpp>
+
+#include "accuracy.hpp"
+#include "command_runner.hpp"
+#include "scene_reader.hpp"
+
+namespace tumble::host {
+namespace {
+
+using Json = nlohmann::json;
+
+bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+SampledScene sampled(const char* name) { return SampledScene(read_scene(shipped(name))); }
+
+constexpr const char* swing = R"(name = "swing"
+[world]
+step = "1/128"
+duration = 2.0
+[[body]]
+name = "bob"
+shape = "none"
+mass = 1.0
+inertia = [1.0, 2.0, 3.0]
+position = [1.0, 0.0, 0.0]
+angular_velocity = [0.1, 2.0, 0.1]
+[[spring]]
+body = "bob"
+to = [0.0, 0.0, 0.0]
+stiffness = 9.0
+)";
+
+// A ball that is dropped half a metre on the floor.
+constexpr const char* bounce = R"(name = "bounce"
+[world]
+gravity = [0.0, -10.0, 0.0]
+step = "1/64"
+duration = 0.5
+[[plane]]
+name = "floor"
+normal = [0.0, 1.0, 0.0]
+[[body]]
+name = "ball"
+shape = { sphere = 0.5 }
+mass = 1.0
+position = [0.0, 1.0, 0.0]
+)";
+
+// --- steps -----------------------------------------------------------------------------------------------------------
+
+TEST(SampledScene, samples_are_whole_longest_steps_up_to_the_end) {
+    const SampledScene scene = sampled("orbit");  // 72 s at 1/256 s: 20 steps of 2 s are the fewest
+    EXPECT_EQ(scene.with_step(scene.longest()).step.seconds(), 2.0);
+    EXPECT_EQ(scene.sample_steps().back(), 36);
+    for (std::size_t i = 1; i < scene.sample_steps().size(); ++i)
+        EXPECT_GT(scene.sample_steps()[i], scene.sample_steps()[i - 1]);
+    EXPECT_EQ(scene.with_step(scene.shortest()).step.seconds(), 1.0 / 4096);
+}
+
+TEST(SampledScene, steps_are_the_scenes_times_powers_of_two) {
+    const SampledScene scene = sampled("pendulum");
+    EXPECT_EQ(scene.with_step(-2).step.seconds(), 1.0 / 1024);
+    EXPECT_EQ(scene.with_step(3).step.seconds(), 1.0 / 32);
+    EXPECT_EQ(scene.with_step(3).steps() * 8, scene.with_step(0).steps());
+    SceneDescription decimal = read_scene(shipped("pendulum"));
+    decimal.step = parse_step("0.005").value();
+    EXPECT_EQ(SampledScene(decimal).with_step(1).step.seconds(), 0.01);
+    EXPECT_EQ(SampledScene(decimal).with_step(1).steps() * 2, SampledScene(decimal).with_step(0).steps());
+}
+
+TEST(SampledScene, no_step_moves_an_event) {
+    for (const std::string& name : shipped_scenes()) {
+        const SceneDescription original = read_scene(shipped(name));
+        const SampledScene scene(original);
+        for (int step = scene.shortest(); step <= scene.longest(); ++step) {
+            const SceneDescription other = scene.with_step(step);
+            const double length = other.step.seconds();
+            for (std::size_t i = 0; i < other.impulses.size(); ++i) {
+                EXPECT_NEAR(std::round(other.impulses[i].time / length) * length,
+                            std::round(original.impulses[i].time / original.step.seconds()) * original.step.seconds(),
+                            1e-12)
+                    << name << ", impulse " << i << " at a step of " << length << " s";
+            }
+        }
+    }
+    EXPECT_EQ(sampled("cube").longest(), 0);       // its first hit is at the odd step 25
+    EXPECT_EQ(sampled("satellite").longest(), 7);  // half a second divides all its times
+}
+
+TEST(SampledScene, short_scenes_are_sampled_between_their_steps) {
+    SceneDescription scene = read_scene(shipped("pendulum"));
+    scene.duration = 0.03;  // 8 steps
+    const SampledScene sampled(scene);
+    EXPECT_EQ(sampled.longest(), -2);
+    EXPECT_LE(sampled.shortest(), -10);
+    scene.duration = 0.0;
+    EXPECT_THROW(SampledScene{scene}, std::invalid_argument);
+}
+
+// --- errors ----------------------------------------------------------------------------------------------------------
+
+TEST(Accuracy, spring_has_the_error_of_the_closed_form) {
+    const SampledScene scene(read_scene_text(swing, "swing.toml"));
+    const Truth truth = truth_of(scene);
+    EXPECT_FALSE(truth.has_contacts);
+    EXPECT_EQ(truth.doubt.largest(), 0.0);
+    const auto run = run_sampled(scene, {"verlet", "f64", false}, 0);
+    ASSERT_TRUE(run && run->failure.empty());
+    double expected = 0;
+    for (std::size_t i = 0; i < truth.samples.size(); ++i) {
+        const double t = static_cast<double>(scene.sample_steps()[i]) * scene.with_step(scene.longest()).step.seconds();
+        expected = std::max(expected, std::abs(static_cast<double>(run->samples[i][0].x.x) - std::cos(3 * t)));
+    }
+    const Errors errors = largest_errors(run->samples, truth.samples);
+    EXPECT_NEAR(errors.position_m, expected, 1e-13);
+    EXPECT_GT(errors.orientation_rad, 1e-6);
+}
+
+TEST(Accuracy, longest_step_keeps_the_tolerance_and_twice_the_step_does_not) {
+    const SampledScene scene(read_scene_text(swing, "swing.toml"));
+    const Truth truth = truth_of(scene);
+    for (const char* numbers : {"q32", "f32", "f64"}) {
+        const Method method{"rk4", numbers, false};
+        const auto found = longest_step_within(1e-3, scene, truth, method);
+        ASSERT_TRUE(found);
+        ASSERT_LE(found->error(), 1e-3) << numbers;
+        for (int step = found->step; step <= scene.longest(); ++step) {
+            const auto again = run_sampled(scene, method, step);
+            ASSERT_TRUE(again);
+            const bool is_within =
+                again->failure.empty() && largest_errors(again->samples, truth.samples).largest() <= 1e-3;
+            EXPECT_EQ(is_within, step == found->step) << numbers << " " << step;
+        }
+    }
+}
+
+TEST(Accuracy, floor_of_rounding_is_not_reached_at_the_shortest_step) {
+    const SampledScene scene(read_scene_text(swing, "swing.toml"));
+    const auto closest = longest_step_within(1e-12, scene, truth_of(scene), {"rk4", "f32", false});
+    ASSERT_TRUE(closest);
+    EXPECT_GT(closest->error(), 1e-12);
+    EXPECT_LT(closest->error(), 1e-4);
+    EXPECT_GT(closest->step, scene.shortest());
+}
+
+TEST(Accuracy, range_left_is_a_failure) {
+    SceneDescription scene = read_scene_text(swing, "swing.toml");
+    scene.bodies[0].velocity = {31.0, 0.0, 0.0};
+    scene.range = {64.0, 32.0, 32.0};
+    scene.springs[0].stiffness = 1000.0;
+    scene.bodies[0].position = {10.0, 0.0, 0.0};
+    const auto run = run_sampled(SampledScene(scene), {"rk4", "q32", true}, 0);
+    ASSERT_TRUE(run);
+    EXPECT_EQ(run->failure, "range_left");
+}
+
+TEST(Accuracy, contacts_have_two_fine_runs_for_a_reference) {
+    const SampledScene scene(read_scene_text(bounce, "bounce.toml"));
+    const Truth truth = truth_of(scene);
+    EXPECT_TRUE(truth.has_contacts);
+    EXPECT_LT(truth.doubt.largest(), 1e-6);
+    // It falls for sqrt(0.1) s and leaves with half of sqrt(10) m/s.
+    const double up = 0.5 - std::sqrt(0.1);
+    EXPECT_NEAR(static_cast<double>(truth.samples.back()[0].x.y), 0.5 + 0.5 * std::sqrt(10.0) * up - 5.0 * up * up,
+                1e-6);
+}
+
+TEST(Accuracy, planes_that_nothing_comes_near_leave_the_motion_smooth) {
+    SceneDescription scene = read_scene_text(bounce, "bounce.toml");
+    scene.bodies[0].position[1] = 20.0;
+    EXPECT_FALSE(truth_of(SampledScene(scene)).has_contacts);
+}
+
+// --- the command -----------------------------------------------------------------------------------------------------
+
+TEST(Advise, bad_input_names_the_option_and_what_was_expected) {
+    const std::string scene = shipped("brick");
+    const auto expect = [](const std::vector<std::string>& arguments, const char* message) {
+        const Outcome outcome = tumble(arguments);
+        EXPECT_EQ(outcome.status, 2) << outcome.text;
+        EXPECT_TRUE(has(outcome.text, message)) << outcome.text;
+    };
+    expect({"advise", scene, "--core", "cortex-m9", "--tolerance", "1e-3"},
+           "--core: got \"cortex-m9\", expected one of cortex-m0, cortex-m3");
+    expect({"advise", scene, "--core", "cortex-m3", "--tolerance", "0"}, "--tolerance: got 0, expected a positive");
+    expect({"advise", scene, "--core", "cortex-m3", "--tolerance", "-1"}, "--tolerance: got -1, expected a positive");
+    expect({"advise", scene, "--core", "cortex-m3", "--tolerance", "inf"}, "--tolerance: got inf, expected a positive");
+    expect({"advise", scene, "--core", "cortex-m3", "--tolerance", "small"}, "--tolerance");
+    expect({"advise", scene, "--core", "cortex-m3"}, "--tolerance is required");
+    expect({"advise", scene, "--tolerance", "1e-3"}, "--core is required");
+    expect({"advise", scene, "--core", "cortex-m3", "--tolerance", "1", "--integrators", "rk4,rk5"},
+           "unknown integrator \"rk5\", expected one of explicit_euler");
+    expect({"advise", scene, "--core", "cortex-m3", "--tolerance", "1", "--numbers", "q31"},
+           "unknown number system \"q31\", expected one of q32, f32, f64");
+    expect({"advise", scene, "--core", "cortex-m3", "--tolerance", "1", "--duration", "-1"}, "--duration: expected");
+    expect({"advise", scene, "--core", "cortex-m3", "--tolerance", "1", "--duration", "0"}, "duration: got 0 s");
+    expect({"advise", "missing.toml", "--core", "cortex-m3", "--tolerance", "1"}, "missing.toml");
+    expect({"advise", written("bad.toml", "name = 3\n"), "--core", "cortex-m3", "--tolerance", "1"},
+           "bad.toml:1: name");
+}
+
+TEST(Advise, nothing_within_the_tolerance_is_status_1_with_the_closest) {
+    const std::string scene = written("swing.toml", swing);
+    const std::vector<std::string> arguments = {"advise",      scene,  "--core",        "cortex-m3",
+                                                "--tolerance", "1e-9", "--integrators", "explicit_euler,rk4",
+                                                "--numbers",   "q32"};
+    const Outcome outcome = tumble(arguments);
+    EXPECT_EQ(outcome.status, 1) << outcome.text;
+    EXPECT_TRUE(has(outcome.text, "nothing keeps the error under 1e-09; the closest is rk4 q32 carry with "))
+        << outcome.text;
+    EXPECT_FALSE(has(outcome.text, "%")) << outcome.text;
+
+    auto with_json = arguments;
+    with_json.emplace_back("--json");
+    const Outcome printed = tumble(with_json, Process::Errors::pass);
+    EXPECT_EQ(printed.status, 1);
+    const Json json = Json::parse(printed.text);
+    EXPECT_EQ(json["scene"], "swing");
+    EXPECT_EQ(json["core"], "cortex-m3");
+    EXPECT_EQ(json["tolerance_m"], 1e-9);
+    EXPECT_EQ(json["tolerance_rad"], 1e-9);
+    EXPECT_EQ(json["samples"], 20);
+    EXPECT_EQ(json["reference"], "long double");
+    EXPECT_TRUE(json["recommendation"].is_null());
+    EXPECT_TRUE(json["ranking"].empty());
+    ASSERT_EQ(json["unreached"].size(), 4u);
+    double last = 0;
+    for (const Json& row : json["unreached"]) {
+        EXPECT_EQ(row["numbers"], "q32");
+        const double error =
+            std::max(row["position_error_m"].get<double>(), row["orientation_error_rad"].get<double>());
+        EXPECT_GE(error, last);
+        last = error;
+    }
+    EXPECT_EQ(json["unreached"][0]["integrator"], "rk4");
+}
+
+// A long flat brick that lands on an edge: a rounding decides how it topples.
+TEST(Advise, chaotic_scene_has_no_reference) {
+    const std::string scene = written("tumble.toml", R"(name = "chaos"
+[world]
+gravity = [0.0, -9.81, 0.0]
+step = "1/64"
+duration = 6.0
+[contact]
+restitution = 0.95
+friction = 0.4
+[[plane]]
+name = "floor"
+normal = [0.0, 1.0, 0.0]
+[[body]]
+name = "brick"
+shape = { box = [1.0, 0.3, 2.0] }
+mass = 1.0
+position = [0.0, 6.0, 0.0]
+angular_velocity = [3.0, 1.0, 2.0]
+)");
+    const Outcome outcome = tumble(
+        {"advise", scene, "--core", "cortex-m3", "--tolerance", "1e-9", "--integrators", "verlet", "--numbers", "f64"});
+    EXPECT_EQ(outcome.status, 1) << outcome.text;
+    EXPECT_TRUE(has(outcome.text, "the scene is chaotic: there is no reference for an error of 1e-09")) << outcome.text;
+}
+
+}  // namespace
+}  // namespace tumble::host
