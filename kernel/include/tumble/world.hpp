@@ -329,8 +329,7 @@ private:
         }
     }
     void resolve(const Unit& unit, const Touchdown<State>& end) {
-        contacts_.resolve(bodies_, unit, end);
-        prepare_spins(unit);
+        contacts_.resolve(bodies_, unit, end, [&](int b) { prepare_spin(b); });
     }
     // Below this fraction of a step the rest is not worth a flight.
     [[nodiscard]] static constexpr Work min_portion() { return N::template constant<Work>(Real::scaled(1, -20)); }

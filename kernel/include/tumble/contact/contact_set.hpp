@@ -93,12 +93,13 @@ public:
         return least;
     }
 
-    // Impulses at all points in touch, and the position put right where a resting body has sunk.
-    template <class Unit>
-    void resolve(Bodies& bodies, const Unit& unit, const Touchdown<State>& end) {
+    // Impulses at all points in touch, and the position put right where a resting body has sunk. Calls pushed(b) for
+    // each body whose motion has changed.
+    template <class Unit, class F>
+    void resolve(Bodies& bodies, const Unit& unit, const Touchdown<State>& end, F&& pushed) {
         for (int k = 0; k < unit.count; ++k) {
             const int b = unit.id[k];
-            if (shape_[b].kind != ShapeKind::none) resolve_body(bodies, b, end.start[k], end);
+            if (shape_[b].kind != ShapeKind::none && resolve_body(bodies, b, end.start[k], end)) pushed(b);
         }
     }
 
@@ -117,7 +118,8 @@ private:
         return x == y ? x : sqrt(x * y);
     }
 
-    void resolve_body(Bodies& bodies, int b, const State& start, const Touchdown<State>& end) {
+    // False where nothing is in touch.
+    bool resolve_body(Bodies& bodies, int b, const State& start, const Touchdown<State>& end) {
         const auto& body = bodies.constants[b];
         const ContactShape<N>& shape = shape_[b];
         const Placement<N> place = placement(bodies.state[b]);
@@ -171,7 +173,7 @@ private:
                                            end.stop);
             });
         }
-        if (count == 0) return;
+        if (count == 0) return false;
         touching_[b] = static_cast<std::uint8_t>(count);
         solve_impulses<N, capacity.friction>(motion, points, count);
 
@@ -193,6 +195,7 @@ private:
                 }
             }
         }
+        return true;
     }
 
     // The normal velocity after the impact. A body that was in touch before the step bounces only with the speed it had
