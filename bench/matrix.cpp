@@ -1,27 +1,28 @@
 // The main job: one scene, replayed on the host and on every core with every integrator and number system; the bits
 // compared; what a step costs printed and written as JSON lines. A row whose hash differs from the host's is marked and
 // makes the whole run fail; so does a firmware that faults or does not end.
+#include "callgrind.hpp"
 #include "command.hpp"
 #include "rows.hpp"
 #include "scene_reader.hpp"
-#include "simulation.hpp"
+#include "variants.hpp"
 
 #include "reference.hpp"
 
 #include <CLI/CLI.hpp>
 
 #include <array>
-#include <atomic>
 #include <cstdio>
 #include <iostream>
 #include <mutex>
 #include <optional>
-#include <thread>
 #include <unistd.h>
 
 namespace {
 
+using tumble::bench::in_parallel;
 using tumble::bench::Row;
+using tumble::bench::Variant;
 namespace fs = std::filesystem;
 
 const fs::path source_dir = TUMBLE_SOURCE_DIR;
@@ -44,27 +45,13 @@ Result run(const std::string& command) {
 
 std::string quoted(const std::string& text) { return "'" + text + "'"; }
 
-// The number systems under the names of kernel/include/tumble/numbers/variants.hpp.
-struct Variant {
-    std::string name, numbers;
-    bool carry;
-};
-const std::vector<Variant> variants = {{"q32", "q32", true},
-                                       {"q32_plain", "q32", false},
-                                       {"f32", "f32", true},
-                                       {"f32_plain", "f32", false},
-                                       {"f64", "f64", false}};
+// The core whose programs run natively, under valgrind when their instructions are counted.
+const std::string host_core = "host";
 
 // tumble::integrators::Rk4 -> Rk4.
 std::string type_name(const std::string& method) {
     const std::string& type = tumble::host::find_integrator(method).type;
     return type.substr(type.rfind(':') + 1);
-}
-
-std::vector<std::string> all_methods() {
-    std::vector<std::string> names;
-    for (const auto& integrator : tumble::host::integrators()) names.push_back(integrator.name);
-    return names;
 }
 
 std::vector<std::string> all_cores() {
@@ -96,18 +83,6 @@ private:
     std::mutex mutex_;
 };
 
-// Calls work(i) for all i < count on both processors.
-void in_parallel(std::size_t count, const auto& work) {
-    std::atomic<std::size_t> next{0};
-    std::vector<std::thread> workers;
-    for (unsigned t = 0; t < std::max(1u, std::thread::hardware_concurrency()); ++t) {
-        workers.emplace_back([&] {
-            for (std::size_t i; (i = next++) < count;) work(i);
-        });
-    }
-    for (auto& worker : workers) worker.join();
-}
-
 struct Job {
     std::string core;
     Variant variant;
@@ -117,6 +92,22 @@ struct Job {
     bool does_not_fit = false;
 };
 
+// Runs a program for the emulator, or one for the host with its row's cost replaced by what valgrind has counted.
+Result on_target(const std::string& core, const fs::path& elf) {
+    return run(quoted((source_dir / "port/qemu/run").string()) + " --timeout 900 " + core + " " + quoted(elf.string()));
+}
+Result counted(const fs::path& program) try {
+    const auto counted = tumble::bench::instructions_in("*step_world*", quoted(program.string()));
+    Row row = Row::parse(counted.text);
+    const std::uint64_t steps = row.at("steps");
+    Row with_count;
+    for (const auto& [key, value] : row.items()) {
+        if (key == "ns_per_step") with_count["insn_per_step"] = steps == 0 ? 0 : (counted.count + steps / 2) / steps;
+        else if (key != "ns_per_step_max" && key != "stack_bytes") with_count[key] = value;
+    }
+    return {0, with_count.dump()};
+} catch (const std::exception& error) { return {1, error.what()}; }
+
 std::string hex(std::uint64_t hash) {
     char text[17];
     std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(hash));
@@ -124,10 +115,10 @@ std::string hex(std::uint64_t hash) {
 }
 
 void add_sizes(Row& row, const fs::path& elf) {
-    const Result size = run("arm-none-eabi-size " + quoted(elf.string()));
+    const Result size = run((row.at("core") == host_core ? "size " : "arm-none-eabi-size ") + quoted(elf.string()));
     unsigned long text = 0, data = 0, bss = 0;
     if (size.status != 0 || std::sscanf(size.text.c_str(), "%*[^\n]\n%lu %lu %lu", &text, &data, &bss) != 3) {
-        throw std::runtime_error{"arm-none-eabi-size: " + size.text};
+        throw std::runtime_error{"size: " + size.text};
     }
     row["text_bytes"] = text + data;  // what lies in flash
     row["ram_bytes"] = data + bss;
@@ -147,10 +138,12 @@ void print_table(const std::vector<Job>& jobs) {
             std::printf("%-11s %-10s %-20s FAILED: %s\n", job.core.c_str(), numbers.c_str(), job.method.c_str(),
                         job.error.c_str());
         } else {
-            const auto number = [&](const char* key) { return job.row.at(key).get<unsigned long long>(); };
-            std::printf("%-11s %-10s %-20s %10llu %10llu %8llu %7llu %7llu  %-16s %s\n", job.core.c_str(),
-                        numbers.c_str(), job.method.c_str(), number("insn_per_step"), number("insn_per_step_max"),
-                        number("text_bytes"), number("ram_bytes"), number("stack_bytes"),
+            const auto number = [&](const char* key) {
+                return job.row.contains(key) ? std::to_string(job.row.at(key).get<unsigned long long>()) : "-";
+            };
+            std::printf("%-11s %-10s %-20s %10s %10s %8s %7s %7s  %-16s %s\n", job.core.c_str(), numbers.c_str(),
+                        job.method.c_str(), number("insn_per_step").c_str(), number("insn_per_step_max").c_str(),
+                        number("text_bytes").c_str(), number("ram_bytes").c_str(), number("stack_bytes").c_str(),
                         job.row.at("state_hash").get<std::string>().c_str(),
                         job.error.empty() ? "yes" : job.error.c_str());
         }
@@ -162,11 +155,13 @@ void print_table(const std::vector<Job>& jobs) {
 int main(int argc, char** argv) try {
     CLI::App app{"Replays a scene on the host and on every core, compares the bits, and prints what a step costs."};
     fs::path scene_path, results = "build/results/run.jsonl", baseline;
-    std::vector<std::string> cores = all_cores(), methods = all_methods();
+    std::vector<std::string> cores = all_cores(), methods = tumble::bench::integrator_names(),
+                             numbers = tumble::bench::variant_names();
     bool accuracy = false;
     app.add_option("scene", scene_path, "Scene file")->required();
-    app.add_option("--cores", cores, "Cores to run on")->delimiter(',');
+    app.add_option("--cores", cores, "Cores to run on, or " + host_core + ", which needs valgrind")->delimiter(',');
     app.add_option("--integrators", methods, "Integrators to run")->delimiter(',');
+    app.add_option("--numbers", numbers, "Number systems to run, as q32, q32_plain, ...")->delimiter(',');
     app.add_option("--results", results, "Where the rows go, as JSON lines");
     app.add_option("--baseline", baseline, "Rows to compare size and cost with");
     app.add_flag("--accuracy", accuracy,
@@ -174,6 +169,7 @@ int main(int argc, char** argv) try {
     CLI11_PARSE(app, argc, argv);
 
     const tumble::host::SceneDescription scene = tumble::host::read_scene(scene_path);
+    const std::vector<Variant> variants = tumble::bench::variants_named(numbers);
     const std::string name = scene_path.stem().string();
     const fs::path work = fs::path{"build/matrix"} / name;
     fs::create_directories(work);
@@ -226,7 +222,9 @@ int main(int argc, char** argv) try {
         const std::string dir = quoted((work / core).string());
         const Result configured =
             run("cmake -G Ninja -S " + quoted((source_dir / "bench/firmware").string()) + " -B " + dir +
-                " -DCMAKE_TOOLCHAIN_FILE=" + quoted((source_dir / "port/cortex_m/toolchain.cmake").string()) +
+                (core == host_core
+                     ? ""
+                     : " -DCMAKE_TOOLCHAIN_FILE=" + quoted((source_dir / "port/cortex_m/toolchain.cmake").string())) +
                 " -DTUMBLE_CORE=" + core + " -DTUMBLE_SCENE=" + tumble::host::struct_name(scene_path.string()) +
                 " -DTUMBLE_SCENE_HEADER=" + quoted(header.string()));
         if (configured.status != 0) throw std::runtime_error{"cmake for " + core + ": " + configured.text};
@@ -243,17 +241,16 @@ int main(int argc, char** argv) try {
             const std::size_t at = text.find(target + ".elf");
             job.does_not_fit = at != std::string::npos && text.find("overflowed", at) != std::string::npos;
             if (!job.does_not_fit) job.error = "not built: see cmake --build " + (work / job.core).string();
-        } else if (const Result r = run(quoted((source_dir / "port/qemu/run").string()) + " --timeout 900 " + job.core +
-                                        " " + quoted(elf.string()));
-                   r.status != 0) {
+        } else if (const Result r = job.core == host_core ? counted(elf) : on_target(job.core, elf); r.status != 0) {
             job.error = "exit status " + std::to_string(r.status) + ": " + r.text;
         } else {
             job.row = Row::parse(r.text);
             const Answer& answer = answers.at({job.variant.name, job.method});
             job.row["step_s"] = scene.step.seconds();
-            job.row["compiler"] = TUMBLE_ARM_COMPILER;
-            job.row["flags"] =
-                job.variant.numbers == "q32" ? "-O2 -fno-schedule-insns -frename-registers -fno-tree-pre" : "-O2";
+            job.row["compiler"] = job.core == host_core ? TUMBLE_HOST_COMPILER : TUMBLE_ARM_COMPILER;
+            job.row["flags"] = job.core != host_core && job.variant.numbers == "q32"
+                                   ? "-O2 -fno-schedule-insns -frename-registers -fno-tree-pre"
+                                   : "-O2";
             add_sizes(job.row, elf);
             if (accuracy) {
                 job.row["position_error_m"] = answer.position_error;
@@ -286,6 +283,7 @@ int main(int argc, char** argv) try {
                     old.at("carry") != row.at("carry") || old.at("integrator") != row.at("integrator"))
                     continue;
                 for (const char* key : {"insn_per_step", "text_bytes", "ram_bytes", "stack_bytes"}) {
+                    if (!row.contains(key) || !old.contains(key)) continue;
                     const long change = row.at(key).get<long>() - old.at(key).get<long>();
                     if (change != 0)
                         std::printf("%s %s %s: %s %+ld\n", row.at("core").get<std::string>().c_str(),

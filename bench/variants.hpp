@@ -1,0 +1,70 @@
+// What the programs that measure loop over: number systems, integrators, and both processors.
+#pragma once
+
+#include "simulation.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <thread>
+#include <vector>
+
+namespace tumble::bench {
+
+// The number systems under the names of kernel/include/tumble/numbers/variants.hpp.
+struct Variant {
+    std::string name, numbers;
+    bool carry;
+};
+inline const std::vector<Variant> variants = {{"q32", "q32", true},
+                                              {"q32_plain", "q32", false},
+                                              {"f32", "f32", true},
+                                              {"f32_plain", "f32", false},
+                                              {"f64", "f64", false}};
+
+[[nodiscard]] inline std::vector<std::string> variant_names() {
+    std::vector<std::string> names;
+    for (const Variant& v : variants) names.push_back(v.name);
+    return names;
+}
+[[nodiscard]] inline std::vector<std::string> integrator_names() {
+    std::vector<std::string> names;
+    for (const auto& integrator : host::integrators()) names.push_back(integrator.name);
+    return names;
+}
+// The variants of these names, in this order; throws std::invalid_argument for a name that is none.
+[[nodiscard]] inline std::vector<Variant> variants_named(const std::vector<std::string>& names) {
+    std::vector<Variant> chosen;
+    for (const std::string& name : names) {
+        const auto found =
+            std::find_if(variants.begin(), variants.end(), [&](const Variant& v) { return v.name == name; });
+        if (found == variants.end()) throw std::invalid_argument{"no number system '" + name + "'"};
+        chosen.push_back(*found);
+    }
+    return chosen;
+}
+
+// Null where the method does not exist in the number system.
+[[nodiscard]] inline std::unique_ptr<host::Simulation>
+simulation_or_null(const host::SceneDescription& scene, const std::string& method, const Variant& variant) {
+    try {
+        return host::make_simulation(scene, method, variant.numbers, variant.carry);
+    } catch (const std::invalid_argument&) { return nullptr; }
+}
+
+// Calls work(i) for all i < count, on all processors.
+inline void in_parallel(std::size_t count, const auto& work) {
+    std::atomic<std::size_t> next{0};
+    std::vector<std::thread> workers;
+    for (unsigned t = 0; t < std::max(1u, std::thread::hardware_concurrency()); ++t) {
+        workers.emplace_back([&] {
+            for (std::size_t i; (i = next++) < count;) work(i);
+        });
+    }
+    for (auto& worker : workers) worker.join();
+}
+
+}  // namespace tumble::bench
