@@ -1,6 +1,8 @@
 # What a person types. CMake does the building; this file only drives it.
 CORES := $(shell awk '/^[^\#]/ { print $$1 }' port/cortex_m/boards.txt)
 JOBS  := $(shell nproc)
+comma := ,
+space := $(subst ,, )
 SCENE ?= host_sim/scenes/cube.toml
 CORE  ?= cortex-m3
 TOLERANCE ?= 0.1
@@ -38,13 +40,18 @@ $(CORES:%=firmware-%): firmware-%: build
 replay: build
 	build/host/tumble run $(SCENE) $(ARGS)
 
+<<<<<<< HEAD
 ## advise: the cheapest integrator, numbers and step that keep an error, with SCENE=path CORE=cortex-m3 TOLERANCE=1e-3
 advise: build
 	build/host/tumble advise $(SCENE) --core $(CORE) --tolerance $(TOLERANCE) $(ARGS)
 
 ## bench: insn per step, text, RAM and stack of the benchmark scenes on every core, into bench/results
+=======
+## bench: insn per step, text, RAM and stack of the benchmark scenes on every core and the host, into bench/results
+>>>>>>> 6db606c2631398aa891a1d64a201f480c28281af
 bench: build
-	build/host/bench/tumble_matrix host_sim/scenes/free.toml --results bench/results/free.jsonl
+	@port/setup bench
+	build/host/bench/tumble_matrix host_sim/scenes/free.toml --cores $(subst $(space),$(comma),host $(CORES)) --results bench/results/free.jsonl
 	build/host/bench/tumble_matrix host_sim/scenes/cube.toml --accuracy \
 	    --integrators explicit_euler,implicit_euler,heun,midpoint,rk4,verlet --results bench/results/cube.jsonl
 	build/host/bench/tumble_tables README.md bench/results

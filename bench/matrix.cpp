@@ -3,11 +3,10 @@
 // makes the whole run fail; so does a firmware that faults or does not end.
 #include "command.hpp"
 #include "firmware.hpp"
-#include "parallel.hpp"
 #include "rows.hpp"
 #include "scene_reader.hpp"
-#include "simulation.hpp"
 #include "text.hpp"
+#include "variants.hpp"
 
 #include "reference.hpp"
 
@@ -21,15 +20,11 @@
 
 namespace {
 
+using tumble::bench::in_parallel;
 using tumble::bench::Row;
-using tumble::host::in_parallel, tumble::host::NumberVariant, tumble::host::StepFirmware;
+using tumble::bench::Variant;
+using tumble::host::StepFirmware;
 namespace fs = std::filesystem;
-
-std::vector<std::string> all_methods() {
-    std::vector<std::string> names;
-    for (const auto& integrator : tumble::host::integrators()) names.push_back(integrator.name);
-    return names;
-}
 
 std::vector<std::string> all_cores() {
     std::vector<std::string> names;
@@ -59,7 +54,7 @@ private:
 
 struct Job {
     std::string core;
-    NumberVariant variant;
+    Variant variant;
     std::string method;
     Row row;
     std::string error;  // empty: the row is good
@@ -80,10 +75,12 @@ void print_table(const std::vector<Job>& jobs) {
             std::printf("%-11s %-10s %-20s FAILED: %s\n", job.core.c_str(), numbers.c_str(), job.method.c_str(),
                         job.error.c_str());
         } else {
-            const auto number = [&](const char* key) { return job.row.at(key).get<unsigned long long>(); };
-            std::printf("%-11s %-10s %-20s %10llu %10llu %8llu %7llu %7llu  %-16s %s\n", job.core.c_str(),
-                        numbers.c_str(), job.method.c_str(), number("insn_per_step"), number("insn_per_step_max"),
-                        number("text_bytes"), number("ram_bytes"), number("stack_bytes"),
+            const auto number = [&](const char* key) {
+                return job.row.contains(key) ? std::to_string(job.row.at(key).get<unsigned long long>()) : "-";
+            };
+            std::printf("%-11s %-10s %-20s %10s %10s %8s %7s %7s  %-16s %s\n", job.core.c_str(), numbers.c_str(),
+                        job.method.c_str(), number("insn_per_step").c_str(), number("insn_per_step_max").c_str(),
+                        number("text_bytes").c_str(), number("ram_bytes").c_str(), number("stack_bytes").c_str(),
                         job.row.at("state_hash").get<std::string>().c_str(),
                         job.error.empty() ? "yes" : job.error.c_str());
         }
@@ -95,11 +92,13 @@ void print_table(const std::vector<Job>& jobs) {
 int main(int argc, char** argv) try {
     CLI::App app{"Replays a scene on the host and on every core, compares the bits, and prints what a step costs."};
     fs::path scene_path, results = "build/results/run.jsonl", baseline;
-    std::vector<std::string> cores = all_cores(), methods = all_methods();
+    std::vector<std::string> cores = all_cores(), methods = tumble::bench::integrator_names(),
+                             numbers = tumble::bench::variant_names();
     bool accuracy = false;
     app.add_option("scene", scene_path, "Scene file")->required();
-    app.add_option("--cores", cores, "Cores to run on")->delimiter(',');
+    app.add_option("--cores", cores, "Cores to run on, or host, which needs valgrind")->delimiter(',');
     app.add_option("--integrators", methods, "Integrators to run")->delimiter(',');
+    app.add_option("--numbers", numbers, "Number systems to run, as q32, q32_plain, ...")->delimiter(',');
     app.add_option("--results", results, "Where the rows go, as JSON lines");
     app.add_option("--baseline", baseline, "Rows to compare size and cost with");
     app.add_flag("--accuracy", accuracy,
@@ -112,8 +111,8 @@ int main(int argc, char** argv) try {
     fs::create_directories(work);
 
     // Every number system with every integrator that runs in it.
-    std::vector<std::pair<NumberVariant, std::string>> choices;
-    for (const auto& v : tumble::host::number_variants()) {
+    std::vector<std::pair<Variant, std::string>> choices;
+    for (const auto& v : tumble::bench::variants_named(numbers)) {
         for (const auto& m : methods) {
             if (tumble::host::runs_in(tumble::host::find_integrator(m), v.numbers)) choices.emplace_back(v, m);
         }
@@ -168,10 +167,12 @@ int main(int argc, char** argv) try {
         if (!outcome.row.is_null()) {
             job.row = std::move(outcome.row);
             const Answer& answer = answers.at({job.variant.name, job.method});
+            const bool on_host = job.core == StepFirmware::host;
             job.row["step_s"] = scene.step.seconds();
-            job.row["compiler"] = TUMBLE_ARM_COMPILER;
-            job.row["flags"] =
-                job.variant.numbers == "q32" ? "-O2 -fno-schedule-insns -frename-registers -fno-tree-pre" : "-O2";
+            job.row["compiler"] = on_host ? TUMBLE_HOST_COMPILER : TUMBLE_ARM_COMPILER;
+            job.row["flags"] = !on_host && job.variant.numbers == "q32"
+                                   ? "-O2 -fno-schedule-insns -frename-registers -fno-tree-pre"
+                                   : "-O2";
             if (accuracy) {
                 job.row["position_error_m"] = answer.position_error;
                 job.row["orientation_error_rad"] = answer.orientation_error;
@@ -203,6 +204,7 @@ int main(int argc, char** argv) try {
                     old.at("carry") != row.at("carry") || old.at("integrator") != row.at("integrator"))
                     continue;
                 for (const char* key : {"insn_per_step", "text_bytes", "ram_bytes", "stack_bytes"}) {
+                    if (!row.contains(key) || !old.contains(key)) continue;
                     const long change = row.at(key).get<long>() - old.at(key).get<long>();
                     if (change != 0)
                         std::printf("%s %s %s: %s %+ld\n", row.at("core").get<std::string>().c_str(),

@@ -9,6 +9,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "callgrind.hpp"
 #include "command.hpp"
 #include "process.hpp"
 
@@ -21,12 +22,26 @@ const fs::path source_directory = TUMBLE_SOURCE_DIR;
 
 void add_sizes(nlohmann::ordered_json& row, const fs::path& elf) {
     std::string text;
-    const int status = Process({"arm-none-eabi-size", elf.string()}, {}, Process::Errors::merge).wait(&text);
+    const char* size = row.at("core") == StepFirmware::host ? "size" : "arm-none-eabi-size";
+    const int status = Process({size, elf.string()}, {}, Process::Errors::merge).wait(&text);
     unsigned long code = 0, data = 0, zeros = 0;
     if (status != 0 || std::sscanf(text.c_str(), "%*[^\n]\n%lu %lu %lu", &code, &data, &zeros) != 3)
-        throw std::runtime_error("arm-none-eabi-size: " + text);
+        throw std::runtime_error(size + (": " + text));
     row["text_bytes"] = code + data;
     row["ram_bytes"] = data + zeros;
+}
+
+// The row that a program for the host prints, with its times replaced by what valgrind has counted.
+nlohmann::ordered_json counted(const fs::path& program) {
+    const Counted counted = instructions_in("*step_world*", "'" + program.string() + "'");
+    const auto row = nlohmann::ordered_json::parse(counted.text);
+    const std::uint64_t steps = row.at("steps");
+    nlohmann::ordered_json with_count;
+    for (const auto& [key, value] : row.items()) {
+        if (key == "ns_per_step") with_count["insn_per_step"] = steps == 0 ? 0 : (counted.count + steps / 2) / steps;
+        else if (key != "ns_per_step_max" && key != "stack_bytes") with_count[key] = value;
+    }
+    return with_count;
 }
 
 }  // namespace
@@ -82,10 +97,20 @@ std::string StepFirmware::name_of(const NumberVariant& variant, const std::strin
 
 StepFirmware::StepFirmware(fs::path build, std::string core, const std::string& scene, const fs::path& scenes)
     : build_(std::move(build)), core_(std::move(core)) {
-    run_quietly({"cmake", "-G", "Ninja", "-S", (source_directory / "bench/firmware").string(), "-B", build_.string(),
-                 "-DCMAKE_TOOLCHAIN_FILE=" + (source_directory / "port/cortex_m/toolchain.cmake").string(),
-                 "-DTUMBLE_CORE=" + core_, "-DTUMBLE_SCENE=" + scene,
-                 (fs::is_directory(scenes) ? "-DTUMBLE_SCENE_DIR=" : "-DTUMBLE_SCENE_HEADER=") + scenes.string()});
+    std::vector<std::string> configure = {
+        "cmake",
+        "-G",
+        "Ninja",
+        "-S",
+        (source_directory / "bench/firmware").string(),
+        "-B",
+        build_.string(),
+        "-DTUMBLE_CORE=" + core_,
+        "-DTUMBLE_SCENE=" + scene,
+        (fs::is_directory(scenes) ? "-DTUMBLE_SCENE_DIR=" : "-DTUMBLE_SCENE_HEADER=") + scenes.string()};
+    if (core_ != host)
+        configure.push_back("-DCMAKE_TOOLCHAIN_FILE=" + (source_directory / "port/cortex_m/toolchain.cmake").string());
+    run_quietly(configure);
 }
 
 void StepFirmware::build(const std::vector<std::string>& names) {
@@ -108,6 +133,9 @@ StepFirmware::Outcome StepFirmware::run(const std::string& name, int timeout) co
     } else if (not_linked != std::string::npos || !fs::exists(elf) ||
                messages_.find("FAILED: CMakeFiles/" + name + ".dir") != std::string::npos) {
         outcome.error = "not built: see cmake --build " + build_.string() + " --target " + name;
+    } else if (core_ == host) {
+        outcome.row = counted(elf);
+        add_sizes(outcome.row, elf);
     } else {
         std::string text;
         const int status = Process({(source_directory / "port/qemu/run").string(), "--timeout", std::to_string(timeout),

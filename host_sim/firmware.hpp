@@ -41,6 +41,9 @@ struct NumberVariant {
 // Firmware that replays a scene and counts the instructions of every step: bench/firmware, for one core.
 class StepFirmware {
 public:
+    // The core whose programs run natively, under valgrind, which counts the instructions of a mean step only.
+    static constexpr const char* host = "host";
+
     // A program's name: "q32-Rk4".
     [[nodiscard]] static std::string name_of(const NumberVariant& variant, const std::string& integrator);
 

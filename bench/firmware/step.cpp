@@ -46,9 +46,12 @@ int main() {
     row.add("steps", replay.world().steps_taken());
     // Rounded to the nearest; the largest single step beside it.
     const std::uint64_t steps = replay.world().steps_taken();
-    row.add(port::tick_unit() == "cycles" ? "cycles_per_step" : "insn_per_step",
-            steps == 0 ? 0 : (total + steps / 2) / steps);
-    row.add(port::tick_unit() == "cycles" ? "cycles_per_step_max" : "insn_per_step_max", largest);
+    const auto unit = port::tick_unit();
+    const auto pick = [&](const char* cycles, const char* insn, const char* ns) {
+        return unit == "cycles" ? cycles : unit == "insn" ? insn : ns;
+    };
+    row.add(pick("cycles_per_step", "insn_per_step", "ns_per_step"), steps == 0 ? 0 : (total + steps / 2) / steps);
+    row.add(pick("cycles_per_step_max", "insn_per_step_max", "ns_per_step_max"), largest);
     row.add("stack_bytes", static_cast<std::uint64_t>(port::stack_peak()));
     row.add("world_bytes", static_cast<std::uint64_t>(sizeof(replay.world())));
     row.add("status_bits", static_cast<std::uint64_t>(replay.world().status().bits));
