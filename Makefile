@@ -6,12 +6,12 @@ space := $(subst ,, )
 SCENE ?= host_sim/scenes/cube.toml
 ARGS  ?=
 
-.PHONY: run test bench peers work-precision firmware replay size check format tables golden build setup clean help
+.PHONY: run test bench peers work-precision engines firmware replay size check format tables golden build setup clean help
 .DEFAULT_GOAL := help
 
 ## help: this list
 help:
-	@awk -F': ' '/^## / { printf "  make %-14s %s\n", substr($$1, 4), $$2 }' $(MAKEFILE_LIST)
+	@awk -F': ' '/^## / { printf "  make %-20s %s\n", substr($$1, 4), $$2 }' $(MAKEFILE_LIST)
 
 ## run: the main job: replay a scene on the host and on every core, compare the bits, print what a step costs
 run: build
@@ -41,7 +41,7 @@ replay: build
 ## bench: insn per step, text, RAM and stack of the benchmark scenes on every core and the host, into bench/results
 bench: build
 	@port/setup bench
-	build/host/bench/tumble_matrix host_sim/scenes/free.toml --cores $(subst $(space),$(comma),host $(CORES)) --results bench/results/free.jsonl
+	build/host/bench/tumble_matrix host_sim/scenes/free.toml --cores $(subst $(space),$(comma),$(CORES) host) --results bench/results/free.jsonl
 	build/host/bench/tumble_matrix host_sim/scenes/cube.toml --accuracy \
 	    --integrators explicit_euler,implicit_euler,heun,midpoint,rk4,verlet --results bench/results/cube.jsonl
 	build/host/bench/tumble_tables README.md bench/results
@@ -50,6 +50,15 @@ bench: build
 work-precision: build
 	build/host/bench/tumble_work_precision bench/problems/generic_top.toml bench/problems/separatrix_top.toml bench/problems/nearly_symmetric_top.toml \
 	    --cost bench/results/free.jsonl --cost bench/results/peers.jsonl --results bench/results/work_precision.jsonl --pictures bench/results
+
+## engines: Bullet, ODE and MuJoCo on the tests' free top beside this kernel, into bench/results; installs their packages
+engines:
+	@port/setup engines
+	@cmake -G Ninja -S bench/engines -B build/engines > /dev/null
+	@cmake --build build/engines
+	@for engine in tumble bullet_f32 bullet_f64 ode mujoco; do build/engines/$$engine || exit 1; done > build/engines/engines.jsonl
+	@mv build/engines/engines.jsonl bench/results/engines.jsonl
+	@$(MAKE) tables
 
 ## peers: what a step of Boost.Odeint costs on the cores, into bench/results
 peers: build
