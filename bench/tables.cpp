@@ -184,6 +184,36 @@ std::string few_digits(const Row& row, const char* key) {
 
 std::string integrator_of(const Row& row) { return row.at("integrator").get<std::string>(); }
 
+// The largest error of a system of equations at some steps.
+Table ordinary_table(const std::vector<Row>& rows, const std::string& scene, const std::vector<int>& exponents) {
+    Table table;
+    table.head = {scene};
+    for (const int n : exponents) table.head.push_back("1/" + std::to_string(1 << n) + " s");
+    table.head.push_back("order");
+    for (const auto& system : {"q32 carry", "f32 plain", "f64"}) {
+        for (const auto& m : distinct(rows, integrator_of)) {
+            std::vector<std::string> line{"`" + m + "` " + system};
+            std::vector<double> orders;
+            for (const Row& row : rows) {
+                if (row.at("scene") != scene || integrator_of(row) != m || numbers_of(row) != system) continue;
+                for (const int n : exponents) {
+                    if (row.at("step_s").get<double>() == std::ldexp(1.0, -n))
+                        line.push_back(row.contains("failure") ? "fails" : few_digits(row, "state_error"));
+                }
+                // Where halving the step has gained something: neither too large a step nor rounding.
+                if (row.contains("observed_order") && row.at("observed_order").get<double>() > 0.5)
+                    orders.push_back(row.at("observed_order"));
+            }
+            std::sort(orders.begin(), orders.end());
+            char text[16] = "-";
+            if (!orders.empty()) std::snprintf(text, sizeof text, "%.1f", orders[orders.size() / 2]);
+            line.emplace_back(text);
+            table.rows.push_back(line);
+        }
+    }
+    return table;
+}
+
 // All engines with all their ways to step; of this kernel the methods that a reader would choose between.
 Table engines_table(const std::vector<Row>& rows) {
     Table table;
@@ -248,6 +278,9 @@ int main(int argc, char** argv) try {
     tables["cube"] = cube_table(tumble::bench::read_rows(results / "cube.jsonl")).markdown();
     tables["front"] =
         front_table(tumble::bench::read_rows(results / "work_precision.jsonl"), "error below, rad").markdown();
+    const auto ordinary = tumble::bench::read_rows(results / "ordinary.jsonl");
+    tables["oscillator"] = ordinary_table(ordinary, "harmonic oscillator", {2, 4, 6, 8, 10}).markdown();
+    tables["lorenz"] = ordinary_table(ordinary, "Lorenz system", {6, 8, 10, 12}).markdown();
     tables["engines"] = engines_table(tumble::bench::read_rows(results / "engines.jsonl")).markdown();
     const std::string now = read_file(readme), wanted = with_tables(now, tables);
     if (now == wanted) return 0;
