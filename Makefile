@@ -6,7 +6,7 @@ space := $(subst ,, )
 SCENE ?= host_sim/scenes/cube.toml
 ARGS  ?=
 
-.PHONY: run test bench peers work-precision ordinary engines firmware replay size check format tables golden build setup clean help
+.PHONY: run test bench peers work-precision long-run ordinary engines firmware replay size check format tables golden build setup clean help
 .DEFAULT_GOAL := help
 
 ## help: this list
@@ -50,6 +50,11 @@ bench: build
 work-precision: build
 	build/host/bench/tumble_work_precision bench/problems/generic_top.toml bench/problems/separatrix_top.toml bench/problems/nearly_symmetric_top.toml \
 	    --cost bench/results/free.jsonl --cost bench/results/peers.jsonl --results bench/results/work_precision.jsonl --pictures bench/results
+
+## long-run: what a million steps do to energy and momentum, for every method and number system, into bench/results
+long-run: build
+	build/host/bench/tumble_long_run bench/problems/generic_top.toml --results bench/results/long_run.jsonl
+	build/host/bench/tumble_tables README.md bench/results
 
 ## ordinary: the kernel's Butcher tables on a harmonic oscillator and the Lorenz system, into bench/results
 ordinary: build

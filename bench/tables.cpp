@@ -184,6 +184,32 @@ std::string few_digits(const Row& row, const char* key) {
 
 std::string integrator_of(const Row& row) { return row.at("integrator").get<std::string>(); }
 
+// What a method does to what its problem conserves: a line an integrator, columns for each number system.
+Table long_run_table(const std::vector<Row>& rows, const std::string& scene,
+                     const std::vector<std::pair<const char*, const char*>>& columns) {
+    const std::vector<std::string> systems = {"q32 carry", "f32 plain", "f64"};
+    Table table;
+    table.head = {scene};
+    for (const auto& [key, name] : columns)
+        for (const auto& n : systems) table.head.push_back(std::string{name} + ", " + n);
+    for (const auto& m : distinct(rows, integrator_of)) {
+        std::vector<std::string> line{"`" + m + "`"};
+        for (const auto& [key, name] : columns) {
+            for (const auto& n : systems) {
+                const auto found = std::find_if(rows.begin(), rows.end(), [&](const Row& r) {
+                    return r.at("scene") == scene && integrator_of(r) == m && numbers_of(r) == n;
+                });
+                if (found == rows.end()) line.push_back("-");
+                else if (found->contains("failure"))
+                    line.push_back("fails at step " + std::to_string(found->at("failure_step").get<long>()));
+                else line.push_back(few_digits(*found, key));
+            }
+        }
+        table.rows.push_back(line);
+    }
+    return table;
+}
+
 // The largest error of a system of equations at some steps.
 Table ordinary_table(const std::vector<Row>& rows, const std::string& scene, const std::vector<int>& exponents) {
     Table table;
@@ -278,6 +304,11 @@ int main(int argc, char** argv) try {
     tables["cube"] = cube_table(tumble::bench::read_rows(results / "cube.jsonl")).markdown();
     tables["front"] =
         front_table(tumble::bench::read_rows(results / "work_precision.jsonl"), "error below, rad").markdown();
+    const auto long_run = tumble::bench::read_rows(results / "long_run.jsonl");
+    tables["long_run_free"] =
+        long_run_table(long_run, "generic top",
+                       {{"energy_max_relative_drift", "energy"}, {"world_momentum_max_relative_drift", "momentum"}})
+            .markdown();
     const auto ordinary = tumble::bench::read_rows(results / "ordinary.jsonl");
     tables["oscillator"] = ordinary_table(ordinary, "harmonic oscillator", {2, 4, 6, 8, 10}).markdown();
     tables["lorenz"] = ordinary_table(ordinary, "Lorenz system", {6, 8, 10, 12}).markdown();
