@@ -8,12 +8,12 @@ CORE  ?= cortex-m3
 TOLERANCE ?= 0.1
 ARGS  ?=
 
-.PHONY: run test bench peers work-precision firmware replay advise size check format tables golden build setup clean help
+.PHONY: run test bench peers work-precision long-run ordinary engines firmware replay advise size check format tables golden build setup clean help
 .DEFAULT_GOAL := help
 
 ## help: this list
 help:
-	@awk -F': ' '/^## / { printf "  make %-14s %s\n", substr($$1, 4), $$2 }' $(MAKEFILE_LIST)
+	@awk -F': ' '/^## / { printf "  make %-20s %s\n", substr($$1, 4), $$2 }' $(MAKEFILE_LIST)
 
 ## run: the main job: replay a scene on the host and on every core, compare the bits, print what a step costs
 run: build
@@ -40,18 +40,14 @@ $(CORES:%=firmware-%): firmware-%: build
 replay: build
 	build/host/tumble run $(SCENE) $(ARGS)
 
-<<<<<<< HEAD
 ## advise: the cheapest integrator, numbers and step that keep an error, with SCENE=path CORE=cortex-m3 TOLERANCE=1e-3
 advise: build
 	build/host/tumble advise $(SCENE) --core $(CORE) --tolerance $(TOLERANCE) $(ARGS)
 
-## bench: insn per step, text, RAM and stack of the benchmark scenes on every core, into bench/results
-=======
 ## bench: insn per step, text, RAM and stack of the benchmark scenes on every core and the host, into bench/results
->>>>>>> 6db606c2631398aa891a1d64a201f480c28281af
 bench: build
 	@port/setup bench
-	build/host/bench/tumble_matrix host_sim/scenes/free.toml --cores $(subst $(space),$(comma),host $(CORES)) --results bench/results/free.jsonl
+	build/host/bench/tumble_matrix host_sim/scenes/free.toml --cores $(subst $(space),$(comma),$(CORES) host) --results bench/results/free.jsonl
 	build/host/bench/tumble_matrix host_sim/scenes/cube.toml --accuracy \
 	    --integrators explicit_euler,implicit_euler,heun,midpoint,rk4,verlet --results bench/results/cube.jsonl
 	build/host/bench/tumble_tables README.md bench/results
@@ -60,6 +56,25 @@ bench: build
 work-precision: build
 	build/host/bench/tumble_work_precision bench/problems/generic_top.toml bench/problems/separatrix_top.toml bench/problems/nearly_symmetric_top.toml \
 	    --cost bench/results/free.jsonl --cost bench/results/peers.jsonl --results bench/results/work_precision.jsonl --pictures bench/results
+
+## long-run: what a million steps do to energy and momentum, for every method and number system, into bench/results
+long-run: build
+	build/host/bench/tumble_long_run bench/problems/generic_top.toml --results bench/results/long_run.jsonl
+	build/host/bench/tumble_tables README.md bench/results
+
+## ordinary: the kernel's Butcher tables on a harmonic oscillator and the Lorenz system, into bench/results
+ordinary: build
+	build/host/bench/tumble_ordinary bench/results/ordinary.jsonl
+	build/host/bench/tumble_tables README.md bench/results
+
+## engines: Bullet, ODE and MuJoCo on the tests' free top beside this kernel, into bench/results; installs their packages
+engines:
+	@port/setup engines
+	@cmake -G Ninja -S bench/engines -B build/engines > /dev/null
+	@cmake --build build/engines
+	@for engine in tumble bullet_f32 bullet_f64 ode mujoco; do build/engines/$$engine || exit 1; done > build/engines/engines.jsonl
+	@mv build/engines/engines.jsonl bench/results/engines.jsonl
+	@$(MAKE) tables
 
 ## peers: what a step of Boost.Odeint costs on the cores, into bench/results
 peers: build

@@ -120,11 +120,18 @@ Table cube_table(const std::vector<Row>& rows) {
     return table;
 }
 
+// The error of a row of work against precision, in its problem's own unit.
+double error_of(const Row& row) {
+    return row.at(row.contains("position_error_m") ? "position_error_m" : "orientation_error_rad").get<double>();
+}
+
 // The cheapest way to stay below an error, beside what RK4 in plain float costs for it.
-Table front_table(const std::vector<Row>& rows) {
+Table front_table(const std::vector<Row>& rows, const char* error_name) {
     Table table;
-    const std::vector<std::string> cores = {"cortex-m3", "cortex-m4f"};
-    table.head = {"problem", "error below, rad"};
+    std::vector<std::string> cores;
+    for (const auto& core : distinct(rows, [](const Row& r) { return r.at("core").get<std::string>(); }))
+        if (core == "cortex-m3" || core == "cortex-m4f") cores.push_back(core);
+    table.head = {"problem", error_name};
     for (const auto& core : cores) {
         table.head.push_back("cheapest on " + core);
         table.head.push_back("insn per simulated s");
@@ -141,7 +148,7 @@ Table front_table(const std::vector<Row>& rows) {
                 const auto cost = [](const Row& r) { return r.at("insn_per_simulated_second").get<double>(); };
                 for (const Row& row : rows) {
                     if (scene_of(row) != scene || row.at("core") != core || row.contains("failure") ||
-                        row.at("orientation_error_rad").get<double>() > tolerance)
+                        error_of(row) > tolerance)
                         continue;
                     if (best == nullptr || cost(row) < cost(*best)) best = &row;
                     if (row.at("integrator") == "rk4" && numbers_of(row) == "f32 plain" &&
@@ -164,6 +171,94 @@ Table front_table(const std::vector<Row>& rows) {
             }
             table.rows.push_back(line);
         }
+    }
+    return table;
+}
+
+// Two digits.
+std::string few_digits(const Row& row, const char* key) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.1e", row.at(key).get<double>());
+    return text;
+}
+
+std::string integrator_of(const Row& row) { return row.at("integrator").get<std::string>(); }
+
+// What a method does to what its problem conserves: a line an integrator, columns for each number system.
+Table long_run_table(const std::vector<Row>& rows, const std::string& scene,
+                     const std::vector<std::pair<const char*, const char*>>& columns) {
+    const std::vector<std::string> systems = {"q32 carry", "f32 plain", "f64"};
+    Table table;
+    table.head = {scene};
+    for (const auto& [key, name] : columns)
+        for (const auto& n : systems) table.head.push_back(std::string{name} + ", " + n);
+    for (const auto& m : distinct(rows, integrator_of)) {
+        std::vector<std::string> line{"`" + m + "`"};
+        for (const auto& [key, name] : columns) {
+            for (const auto& n : systems) {
+                const auto found = std::find_if(rows.begin(), rows.end(), [&](const Row& r) {
+                    return r.at("scene") == scene && integrator_of(r) == m && numbers_of(r) == n;
+                });
+                if (found == rows.end()) line.push_back("-");
+                else if (found->contains("failure"))
+                    line.push_back("fails at step " + std::to_string(found->at("failure_step").get<long>()));
+                else line.push_back(few_digits(*found, key));
+            }
+        }
+        table.rows.push_back(line);
+    }
+    return table;
+}
+
+// The largest error of a system of equations at some steps.
+Table ordinary_table(const std::vector<Row>& rows, const std::string& scene, const std::vector<int>& exponents) {
+    Table table;
+    table.head = {scene};
+    for (const int n : exponents) table.head.push_back("1/" + std::to_string(1 << n) + " s");
+    table.head.push_back("order");
+    for (const auto& system : {"q32 carry", "f32 plain", "f64"}) {
+        for (const auto& m : distinct(rows, integrator_of)) {
+            std::vector<std::string> line{"`" + m + "` " + system};
+            std::vector<double> orders;
+            for (const Row& row : rows) {
+                if (row.at("scene") != scene || integrator_of(row) != m || numbers_of(row) != system) continue;
+                for (const int n : exponents) {
+                    if (row.at("step_s").get<double>() == std::ldexp(1.0, -n))
+                        line.push_back(row.contains("failure") ? "fails" : few_digits(row, "state_error"));
+                }
+                // Where halving the step has gained something: neither too large a step nor rounding.
+                if (row.contains("observed_order") && row.at("observed_order").get<double>() > 0.5)
+                    orders.push_back(row.at("observed_order"));
+            }
+            std::sort(orders.begin(), orders.end());
+            char text[16] = "-";
+            if (!orders.empty()) std::snprintf(text, sizeof text, "%.1f", orders[orders.size() / 2]);
+            line.emplace_back(text);
+            table.rows.push_back(line);
+        }
+    }
+    return table;
+}
+
+// All engines with all their ways to step; of this kernel the methods that a reader would choose between.
+Table engines_table(const std::vector<Row>& rows) {
+    Table table;
+    table.head = {"engine",
+                  "method",
+                  "numbers",
+                  "orientation error, rad",
+                  "within 0.1 rad for, s",
+                  "energy drift",
+                  "insn per step, x86-64"};
+    const std::vector<std::string> own = {"semi_implicit_euler", "rk4", "verlet", "suzuki4", "pdmv6", "exact"};
+    for (const Row& row : rows) {
+        const std::string engine = row.at("engine"), version = row.at("version"), method = integrator_of(row);
+        if (engine == "tumble" && std::find(own.begin(), own.end(), method) == own.end()) continue;
+        table.rows.push_back({engine + (version.empty() ? "" : " " + version),
+                              engine == "tumble" ? "`" + method + "`" : method, numbers_of(row),
+                              few_digits(row, "orientation_error_rad"),
+                              std::to_string(std::lround(row.at("within_100_mrad_s").get<double>())),
+                              few_digits(row, "energy_max_relative_drift"), text_of(row, "insn_per_step")});
     }
     return table;
 }
@@ -207,7 +302,17 @@ int main(int argc, char** argv) try {
     tables["free"] = cost_table(free, {"q32 carry", "f32 plain"}).markdown();
     tables["size"] = size_table(free, "cortex-m3").markdown();
     tables["cube"] = cube_table(tumble::bench::read_rows(results / "cube.jsonl")).markdown();
-    tables["front"] = front_table(tumble::bench::read_rows(results / "work_precision.jsonl")).markdown();
+    tables["front"] =
+        front_table(tumble::bench::read_rows(results / "work_precision.jsonl"), "error below, rad").markdown();
+    const auto long_run = tumble::bench::read_rows(results / "long_run.jsonl");
+    tables["long_run_free"] =
+        long_run_table(long_run, "generic top",
+                       {{"energy_max_relative_drift", "energy"}, {"world_momentum_max_relative_drift", "momentum"}})
+            .markdown();
+    const auto ordinary = tumble::bench::read_rows(results / "ordinary.jsonl");
+    tables["oscillator"] = ordinary_table(ordinary, "harmonic oscillator", {2, 4, 6, 8, 10}).markdown();
+    tables["lorenz"] = ordinary_table(ordinary, "Lorenz system", {6, 8, 10, 12}).markdown();
+    tables["engines"] = engines_table(tumble::bench::read_rows(results / "engines.jsonl")).markdown();
     const std::string now = read_file(readme), wanted = with_tables(now, tables);
     if (now == wanted) return 0;
     if (check) {
