@@ -5,7 +5,7 @@ comma := ,
 space := $(subst ,, )
 SCENE ?= host_sim/scenes/cube.toml
 CORE  ?= cortex-m3
-TOLERANCE ?= 0.1
+TOLERANCE ?= 1e-3
 ARGS  ?=
 
 .PHONY: run test bench peers work-precision long-run ordinary engines firmware replay advise size check format tables golden build setup clean help
@@ -40,7 +40,8 @@ $(CORES:%=firmware-%): firmware-%: build
 replay: build
 	build/host/tumble run $(SCENE) $(ARGS)
 
-## advise: the cheapest integrator, numbers and step that keep an error, with SCENE=path CORE=cortex-m3 TOLERANCE=1e-3
+## advise: the cheapest integrator, numbers and step that keep an error: SCENE=path CORE=cortex-m3 TOLERANCE=1e-3
+advise: SCENE = host_sim/scenes/brick.toml
 advise: build
 	build/host/tumble advise $(SCENE) --core $(CORE) --tolerance $(TOLERANCE) $(ARGS)
 

@@ -5,7 +5,7 @@
 #include "scene_reader.hpp"
 #include "variants.hpp"
 
-#include "algebra.hpp"
+#include "reference/algebra.hpp"
 
 #include <CLI/CLI.hpp>
 

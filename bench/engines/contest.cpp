@@ -2,7 +2,7 @@
 
 #include "callgrind.hpp"
 #include "rows.hpp"
-#include "trajectory.hpp"
+#include "reference/trajectory.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -69,7 +69,7 @@ int contest(int argc, char** argv, const std::vector<Contender>& contenders) try
         const auto runner = c.make();
         const Errors errors = errors_of(*runner);
         const auto counted =
-            instructions_in("counted_step", std::string{argv[0]} + " --count " + std::to_string(i)).count;
+            host::instructions_in("counted_step", std::string{argv[0]} + " --count " + std::to_string(i)).count;
         Row row;
         row["scene"] = "free top";
         row["core"] = "host";
