@@ -1,8 +1,8 @@
 #include "contender.hpp"
 
 #include "callgrind.hpp"
-#include "rows.hpp"
 #include "reference/trajectory.hpp"
+#include "rows.hpp"
 
 #include <algorithm>
 #include <cmath>
