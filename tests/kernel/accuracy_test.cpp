@@ -101,8 +101,9 @@ TEST(accuracy, integers_and_carried_floats_beat_plain_float) {
         if (c.method.order < 2) continue;
         // A method's own error hides both.
         const Number own = error_of(c.method.name, "f64"), plain = error_of(c.method.name, "f32_plain");
-        if (number_system("q32_near").has(c.method.name))
+        if (number_system("q32_near").has(c.method.name)) {
             EXPECT_LE(error_of(c.method.name, "q32_near"), std::max(plain / 100, 1.5L * own)) << c.method.name;
+        }
         EXPECT_LE(error_of(c.method.name, "f32"), std::max(plain / 3, 1.5L * own)) << c.method.name;
     }
 }
