@@ -8,7 +8,7 @@ CORE  ?= cortex-m3
 TOLERANCE ?= 1e-3
 ARGS  ?=
 
-.PHONY: run test bench peers work-precision long-run ordinary engines firmware replay advise size check format tables golden build setup clean help
+.PHONY: run test bench peers work-precision work-precision-loads pictures long-run ordinary engines firmware replay advise size check format tables golden build setup clean help
 .DEFAULT_GOAL := help
 
 ## help: this list
@@ -53,10 +53,31 @@ bench: build
 	    --integrators explicit_euler,implicit_euler,heun,midpoint,rk4,verlet --results bench/results/cube.jsonl
 	build/host/bench/tumble_tables README.md bench/results
 
-## work-precision: error against cost of every method on problems of rotation, as rows and pictures in bench/results
+## work-precision: error against cost of every method on problems of free rotation, as rows and pictures in bench/results
 work-precision: build
 	build/host/bench/tumble_work_precision bench/problems/generic_top.toml bench/problems/separatrix_top.toml bench/problems/nearly_symmetric_top.toml \
-	    --cost bench/results/free.jsonl --cost bench/results/peers.jsonl --results bench/results/work_precision.jsonl --pictures bench/results
+	    --cost bench/results/free.jsonl --cost bench/results/peers.jsonl --results bench/results/work_precision.jsonl
+	build/host/bench/tumble_pictures bench/results/work_precision.jsonl --directory bench/results
+
+## work-precision-loads: the same on problems with loads and contacts, with the cost of a step of each problem
+LOADS := heavy_top kepler stiff_spring projectile_drag ball_elastic ball_inelastic
+LOADS_CORES := cortex-m0,cortex-m3,cortex-m4f
+# Three number systems; of the methods, those that differ in translation: the others are verlet with another rotation.
+LOADS_COLUMNS := --numbers q32,f32_plain,f64 \
+    --integrators explicit_euler,semi_implicit_euler,implicit_euler,implicit_midpoint,heun,rk4,verlet,suzuki4
+.PHONY: $(LOADS:%=cost-of-%)
+$(LOADS:%=cost-of-%): cost-of-%: build
+	build/host/bench/tumble_matrix bench/problems/$*.toml --cores $(LOADS_CORES) $(LOADS_COLUMNS) --results build/results/cost_of_$*.jsonl
+work-precision-loads: $(LOADS:%=cost-of-%)
+	cat $(LOADS:%=build/results/cost_of_%.jsonl) > bench/results/loads.jsonl
+	build/host/bench/tumble_work_precision $(LOADS:%=bench/problems/%.toml) --cores $(LOADS_CORES) --coarsest 0 \
+	    --cost-of-problem bench/results/loads.jsonl --results bench/results/work_precision_loads.jsonl
+	build/host/bench/tumble_pictures bench/results/work_precision_loads.jsonl --directory bench/results
+	build/host/bench/tumble_tables README.md bench/results
+
+## pictures: draw the pictures of work against precision again from the committed rows
+pictures: build
+	build/host/bench/tumble_pictures $(wildcard bench/results/work_precision*.jsonl) --directory bench/results
 
 ## long-run: what a million steps do to energy and momentum, for every method and number system, into bench/results
 long-run: build

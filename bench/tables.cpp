@@ -304,6 +304,8 @@ int main(int argc, char** argv) try {
     tables["cube"] = cube_table(tumble::bench::read_rows(results / "cube.jsonl")).markdown();
     tables["front"] =
         front_table(tumble::bench::read_rows(results / "work_precision.jsonl"), "error below, rad").markdown();
+    if (const auto loads = results / "work_precision_loads.jsonl"; std::filesystem::exists(loads))
+        tables["front_loads"] = front_table(tumble::bench::read_rows(loads), "error below, m or rad").markdown();
     const auto long_run = tumble::bench::read_rows(results / "long_run.jsonl");
     tables["long_run_free"] =
         long_run_table(long_run, "generic top",

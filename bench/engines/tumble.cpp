@@ -1,4 +1,4 @@
-// This kernel on the same top: every integrator in its list, in integers and in plain float and double.
+// This kernel on the same top: every integrator of its list, in integers and in plain float and double.
 #include "contender.hpp"
 
 #include <tumble/integrators/list.hpp>
@@ -32,7 +32,7 @@ public:
     [[gnu::flatten]] void step() override { (void)world_.step(); }
     [[nodiscard]] std::array<double, 4> orientation() const override {
         const auto& q = world_.state(top_).q_wb;
-        const auto& p = world_.principal(top_);
+        const auto& p = world_.bodies().constants[top_.index()].principal;
         const std::array<double, 4> a{number(q.w), number(q.x), number(q.y), number(q.z)},
             b{number(p.w), -number(p.v.x()), -number(p.v.y()), -number(p.v.z())};
         return {a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
@@ -62,7 +62,7 @@ private:
 int main(int argc, char** argv) {
     std::vector<Contender> contenders;
     const auto add = [&]<class N>() {
-        tumble::Integrators::for_each([&]<class Method>() {
+        tumble::Integrators::for_each_in<N>([&]<class Method>() {
             contenders.push_back({"tumble", "", Method::name, N::name, N::carry,
                                   [] { return std::make_unique<TumbleTop<N, Method>>(); }});
         });
