@@ -13,21 +13,21 @@ struct Flight {
     RealVec3 moments, spin;
     Real step = Real::scaled(1, -4);
     int steps = 320;
-    Number growth = 1;  // of a small error over the flight: what instability makes of rounding, and the angle turned
+    Number growth = 1;  // of a small error over the flight: by instability, a rod's fast spin, many turns
 };
 
 const Flight flights[] = {
     {"generic", {1, 2, 3}, {1, 1, 1}},
     {"other_order_of_axes", {2, 3, 1}, {0.5, -1, 0.7}},
-    {"near_unstable_axis", {1, 2, 3}, {0.01, 5, 0.01}, Real::scaled(1, -4), 160, 3e5L},
-    {"beside_the_separatrix", {1, 2, 3}, {1, 1, 0.5773502691896258}, Real::scaled(1, -4), 160, 1e4L},
+    {"near_unstable_axis", {1, 2, 3}, {0.01, 5, 0.01}, Real::scaled(1, -4), 160, 1000},
+    {"beside_the_separatrix", {1, 2, 3}, {1, 1, 0.5773502691896258}, Real::scaled(1, -4), 160, 10},
     {"nearly_symmetric", {1, 1.05, 1.6}, {1, 1, 4}},
     {"almost_symmetric", {1, 1.000000001, 1.6}, {1, 1, 4}},
     {"oblate", {1, 1, 1.75}, {1, -1, 3}},
     {"prolate", {0.25, 1, 1}, {4, 1, 0.5}},
     {"sphere", {2, 2, 2}, {1, 2, -3}},
     {"almost_a_sphere", {1, 1.0000001, 1.0000002}, {1, 2, -3}},
-    {"rod", {0.0078125, 1, 1.00390625}, {3, 1, 0.125}, Real::scaled(1, -4), 320, 100},
+    {"rod", {0.0078125, 1, 1.00390625}, {3, 1, 0.125}, Real::scaled(1, -4), 320, 10},
     {"plate", {1, 2, 3}, {0, 1, 2}},
     {"about_the_least_moment", {1, 2, 3}, {3, 0, 0}},
     {"about_the_middle_moment", {1, 2, 3}, {0, 3, 0}},
@@ -36,12 +36,12 @@ const Flight flights[] = {
     {"hardly", {1, 2, 3}, {1e-15, 2e-15, 1e-20}},
     {"at_rest", {1, 2, 3}, {0, 0, 0}},
     // Up to 20 rad in one step, and a step from one side of the unstable axis to the other.
-    {"one_step_of_10_s", {1, 2, 3}, {1, 1.25, 0.75}, 10, 1, 10},
-    {"steps_of_10_s", {1, 2, 3}, {1.5, 0.25, 0.75}, 10, 4, 100},
-    {"one_step_over_a_flip", {1, 2, 3}, {0.015625, 2, 0.015625}, 8, 1, 300},
-    {"one_step_of_100_s", {1, 2, 3}, {1, 1.25, 0.75}, 100, 1, 100},
-    {"a_sphere_in_one_step", {1, 1, 1}, {1, 1.25, 0.75}, 10, 1, 10},
-    {"a_rod_in_one_step", {0.0078125, 1, 1.00390625}, {3, 1, 0.125}, 10, 1, 300},
+    {"one_step_of_10_s", {1, 2, 3}, {1, 1.25, 0.75}, 10, 1},
+    {"steps_of_10_s", {1, 2, 3}, {1.5, 0.25, 0.75}, 10, 4},
+    {"one_step_over_a_flip", {1, 2, 3}, {0.015625, 2, 0.015625}, 8, 1},
+    {"one_step_of_100_s", {1, 2, 3}, {1, 1.25, 0.75}, 100, 1, 10},
+    {"a_sphere_in_one_step", {1, 1, 1}, {1, 1.25, 0.75}, 10, 1},
+    {"a_rod_in_one_step", {0.0078125, 1, 1.00390625}, {3, 1, 0.125}, 10, 1, 10},
 };
 
 class ExactRotation : public testing::TestWithParam<std::tuple<Flight, const char*>> {};
@@ -65,7 +65,8 @@ TEST_P(ExactRotation, has_no_error_but_rounding) {
     const Motion start = world->motion(0);
     const Number allowed = tolerance::exact_rotation.of(system) * flight.growth;
     for (const Motion& expected : reference) {
-        if (&expected != &reference.front()) EXPECT_TRUE(world->run(flight.steps / samples).ok());
+        if (&expected != &reference.front()) world->run(flight.steps / samples);
+        ASSERT_TRUE(world->status().ok());
         const Motion m = world->motion(0);
         EXPECT_LE(angle_between(m.q, expected.q), allowed);
         EXPECT_LE(norm(m.w - expected.w), allowed * std::max(Number(1), norm(start.w)));
@@ -92,7 +93,8 @@ TEST(exact, keeps_energy_and_momentum_over_a_million_steps) {
         }
         std::printf("exact f64, %Lg s: energy off by %.2Lg, |m| by %.2Lg at most in 1e6 steps\n", number(step.value),
                     worst, worst_momentum);
-        EXPECT_LE(worst, tolerance::million_exact_steps);
+        const bool is_long = step.value > Real{1};
+        EXPECT_LE(worst, is_long ? tolerance::million_long_steps : tolerance::million_exact_steps);
         EXPECT_LE(worst_momentum, tolerance::million_exact_steps);
     }
 }
@@ -106,8 +108,7 @@ TEST(exact, many_steps_are_one_step) {
         setup.step = Seconds{10, 1};
         const auto large = build(setup, "exact", system);
         large->step();
-        EXPECT_LE(distance(small->motion(0), large->motion(0)),
-                  10 * tolerance::exact_rotation.of(number_system(system)));
+        EXPECT_LE(distance(small->motion(0), large->motion(0)), tolerance::exact_rotation.of(number_system(system)));
     }
 }
 

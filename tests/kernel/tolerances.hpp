@@ -73,10 +73,11 @@ inline constexpr long double top_rk4_f64 = 2e-9L;           // h^4 w^4 of the me
 inline constexpr long double top_verlet_f64 = 7e-6L;        // h^2 w^2 of the method
 inline constexpr long double top_verlet_q32_excess = 0.1L;  // rounding must not show beside it
 
-// The exact rotation after 20 s: a thousand roundings, none of which the method adds to; times the growth of the
+// The exact rotation after 20 s: hundreds of roundings, to which the method adds nothing; times the growth of the
 // flight.
-inline constexpr PerSystem exact_rotation{1e-12L, 0, 1e-4L, 0, 1e-3L};
-inline constexpr long double million_exact_steps = 5e-12L;  // a random walk of 1e-16 a step, at 10 s 2e-15
+inline constexpr PerSystem exact_rotation{2e-13L, 0, 5e-5L, 0, 1e-3L};
+// A random walk of 1e-16 a step (and what a constant rounded once adds up to), of 1e-14 in steps of many turns.
+inline constexpr long double million_exact_steps = 1e-12L, million_long_steps = 2e-11L;
 
 // --- laws --------------------------------------------------------------------------------------------------------
 // A method of order p after turning (or oscillating) through an angle in steps of hw: hw^p times the angle, and a
