@@ -16,7 +16,8 @@ help:
 	@awk -F': ' '/^## / { printf "  make %-20s %s\n", substr($$1, 4), $$2 }' $(MAKEFILE_LIST)
 
 ## run: the main job: replay a scene on the host and on every core, compare the bits, print what a step costs
-run: build
+run: build/host/build.ninja
+	@cmake --build build/host --target tumble tumble_matrix
 	build/host/tumble run $(SCENE)
 	build/host/bench/tumble_matrix $(SCENE) $(ARGS)
 
