@@ -24,7 +24,7 @@ tumble::Replay<Config, Recorded> replay;
 // would double the text and treble the stack, and gain nothing.
 [[gnu::noinline, gnu::flatten, maybe_unused]] tumble::Status step_world_inlined() { return replay.world().step(); }
 [[gnu::noinline, maybe_unused]] tumble::Status step_world_called() { return replay.world().step(); }
-tumble::Status step_world() {
+tumble::Status measured_step() {
     using World = std::remove_cvref_t<decltype(replay.world())>;
     if constexpr (World::has_loads || World::has_contacts) return step_world_called();
     else return step_world_inlined();
@@ -38,7 +38,7 @@ int main() {
     std::uint64_t total = 0, largest = 0;
     for (std::uint32_t step = 0; step < Recorded::steps; ++step) {
         const port::Instant before = port::ticks();
-        const Status status = step_world();
+        const Status status = measured_step();
         const port::Instant after = port::ticks();
         const std::uint64_t cost = port::elapsed(before, after);
         total += cost;
