@@ -2,7 +2,6 @@
 // quaternion's norm within a million steps, for every method and number system. On the host alone, whose bits are the
 // cores'. A run that leaves its range, blows up or does not converge is a row too, with the step at which it did.
 #include "rows.hpp"
-#include "scene_reader.hpp"
 #include "variants.hpp"
 
 #include "reference/algebra.hpp"
@@ -11,9 +10,6 @@
 
 #include <cmath>
 #include <cstdio>
-#include <iostream>
-#include <mutex>
-#include <optional>
 
 namespace {
 
@@ -66,11 +62,10 @@ struct Drift {
     Number energy = 0, energy_early = 0, body_momentum = 0, world_momentum = 0, vertical_momentum = 0, quaternion = 0;
 };
 
-// A row without its names; empty where the method does not exist in the number system.
-std::optional<Row> measure(const host::SceneDescription& scene, const Variant& variant, const std::string& method,
-                           std::int64_t steps, std::int64_t every) {
-    const auto simulation = tumble::bench::simulation_or_null(scene, method, variant);
-    if (simulation == nullptr) return {};
+// A row without its names.
+Row measure(const host::SceneDescription& scene, const Variant& variant, const std::string& method, std::int64_t steps,
+            std::int64_t every) {
+    const auto simulation = host::make_simulation(scene, method, variant.numbers, variant.carry);
     const Constants start = constants_of(scene, *simulation);
     const Number size = norm(start.world_momentum);
     Drift drift;
@@ -133,21 +128,16 @@ int main(int argc, char** argv) try {
         struct Job {
             Variant variant;
             std::string method;
-            std::optional<Row> row;
+            Row row;
         };
         std::vector<Job> jobs;
-        for (const auto& m : tumble::bench::integrator_names())
-            for (const auto& v : tumble::bench::variants) jobs.push_back({v, m, {}});
-        std::mutex mutex;
-        std::size_t done = 0;
-        tumble::bench::in_parallel(jobs.size(), [&](std::size_t i) {
+        for (const auto& integrator : host::integrators())
+            for (const auto& v : tumble::bench::variants)
+                if (host::runs_in(integrator, v.numbers)) jobs.push_back({v, integrator.name, {}});
+        tumble::bench::in_parallel_counted(path.stem().string(), jobs.size(), [&](std::size_t i) {
             jobs[i].row = measure(scene, jobs[i].variant, jobs[i].method, steps, every);
-            const std::lock_guard lock{mutex};
-            std::fprintf(stderr, "\r%s: %zu/%zu ", path.stem().c_str(), ++done, jobs.size());
         });
-        std::fputc('\n', stderr);
         for (const Job& job : jobs) {
-            if (!job.row) continue;
             Row row;
             row["scene"] = scene.name;
             row["core"] = "host";
@@ -156,17 +146,11 @@ int main(int argc, char** argv) try {
             row["integrator"] = job.method;
             row["step_s"] = scene.step.seconds();
             row["steps"] = steps;
-            row.update(*job.row);
+            row.update(job.row);
             rows.push_back(row);
         }
     }
     tumble::bench::write_rows(results, rows);
     std::printf("%zu rows in %s\n", rows.size(), results.c_str());
     return 0;
-} catch (const host::SceneError& error) {
-    std::cerr << error.what() << '\n';
-    return 2;
-} catch (const std::exception& error) {
-    std::cerr << "tumble_long_run: " << error.what() << '\n';
-    return 1;
-}
+} catch (...) { return tumble::bench::report_failure("tumble_long_run"); }

@@ -4,7 +4,6 @@
 #include "command.hpp"
 #include "firmware.hpp"
 #include "rows.hpp"
-#include "scene_reader.hpp"
 #include "text.hpp"
 #include "variants.hpp"
 
@@ -65,9 +64,7 @@ void print_table(const std::vector<Job>& jobs) {
     std::printf("\n%-11s %-10s %-20s %10s %10s %8s %7s %7s  %-16s %s\n", "core", "numbers", "integrator", "insn/step",
                 "worst", "text", "RAM", "stack", "state hash", "agrees");
     for (const Job& job : jobs) {
-        const std::string numbers = job.variant.numbers + (job.variant.numbers == "f64" ? ""
-                                                           : job.variant.carry          ? " carry"
-                                                                                        : " plain");
+        const std::string numbers = tumble::bench::numbers_text(job.variant.numbers, job.variant.carry);
         if (job.does_not_fit) {
             std::printf("%-11s %-10s %-20s does not fit this core's memory\n", job.core.c_str(), numbers.c_str(),
                         job.method.c_str());
@@ -215,10 +212,4 @@ int main(int argc, char** argv) try {
         }
     }
     return failed == 0 ? 0 : 1;
-} catch (const tumble::host::SceneError& error) {
-    std::cerr << error.what() << '\n';
-    return 2;
-} catch (const std::exception& error) {
-    std::cerr << "tumble_matrix: " << error.what() << '\n';
-    return 1;
-}
+} catch (...) { return tumble::bench::report_failure("tumble_matrix"); }

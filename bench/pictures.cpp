@@ -17,15 +17,10 @@
 
 namespace {
 
-using tumble::bench::Row;
+using tumble::bench::numbers_of, tumble::bench::Row;
 namespace fs = std::filesystem;
 
 const std::array<const char*, 2> error_keys = {"orientation_error_rad", "position_error_m"};
-
-std::string numbers_of(const Row& row) {
-    const std::string name = row.at("numbers");
-    return name + (name == "f64" ? "" : row.at("carry").get<bool>() ? " carry" : " plain");
-}
 
 struct Series {
     std::string method, numbers;
@@ -34,12 +29,10 @@ struct Series {
 
     // Empty where halving the step has never helped.
     [[nodiscard]] std::string order() const {
-        std::vector<double> gains;
-        std::copy_if(orders.begin(), orders.end(), std::back_inserter(gains), [](double o) { return o > 0.5; });
-        if (gains.empty()) return {};
-        std::sort(gains.begin(), gains.end());
+        const auto median = tumble::bench::median_order(orders);
+        if (!median) return {};
         char text[32];
-        std::snprintf(text, sizeof text, ", order %.1f", gains[gains.size() / 2]);
+        std::snprintf(text, sizeof text, ", order %.1f", *median);
         return text;
     }
 };

@@ -3,12 +3,11 @@
 #include "simulation.hpp"
 #include "smooth_motion.hpp"
 
-#include <algorithm>
 #include <stdexcept>
 
 namespace tumble::bench {
 
-using reference::Rotation, reference::Vector;
+using reference::Rotation;
 
 Flight::Flight(const host::SceneDescription& scene) : scene_{scene} {
     host::SmoothMotion truth{scene};
@@ -19,21 +18,15 @@ Flight::Flight(const host::SceneDescription& scene) : scene_{scene} {
     }
 }
 
-FlightError Flight::error_of(const std::string& integrator, const std::string& numbers, bool carry) const {
+host::Errors Flight::error_of(const std::string& integrator, const std::string& numbers, bool carry) const {
     const auto simulation = host::make_simulation(scene_, integrator, numbers, carry);
-    FlightError error;
+    host::Errors errors;
     for (const auto& expected : after_step_) {
         simulation->step();
-        for (std::size_t b = 0; b < expected.size(); ++b) {
-            const host::BodySnapshot seen = simulation->body(static_cast<int>(b));
-            const Vector x{seen.position[0], seen.position[1], seen.position[2]};
-            const Rotation p{seen.orientation[0], {seen.orientation[1], seen.orientation[2], seen.orientation[3]}};
-            error.position_m = std::max(error.position_m, static_cast<double>(norm(x - expected[b].x)));
-            error.orientation_rad =
-                std::max(error.orientation_rad, static_cast<double>(angle_between(expected[b].q, p)));
-        }
+        for (std::size_t b = 0; b < expected.size(); ++b)
+            errors.see(expected[b], host::motion_of(simulation->body(static_cast<int>(b))));
     }
-    return error;
+    return errors;
 }
 
 std::vector<Quaternion> reference_orientations(const host::SceneDescription& scene, int samples) {

@@ -1,7 +1,7 @@
 // What a method gets wrong, against the host's reference in long double, which shares no code with the kernel.
 #pragma once
 
-#include "reference/motion.hpp"
+#include "accuracy.hpp"
 #include "scene_description.hpp"
 
 #include <array>
@@ -10,16 +10,13 @@
 
 namespace tumble::bench {
 
-struct FlightError {
-    double position_m = 0, orientation_rad = 0;  // the largest over all steps of the flight and all bodies
-};
-
 // The true flight of a scene's bodies, step by step, until one first touches a plane or the scene ends.
 class Flight {
 public:
     explicit Flight(const host::SceneDescription& scene);
 
-    [[nodiscard]] FlightError error_of(const std::string& integrator, const std::string& numbers, bool carry) const;
+    // The largest over all steps of the flight and all bodies.
+    [[nodiscard]] host::Errors error_of(const std::string& integrator, const std::string& numbers, bool carry) const;
 
 private:
     const host::SceneDescription& scene_;

@@ -3,8 +3,10 @@
 
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -28,6 +30,20 @@ inline void write_rows(const std::filesystem::path& path, const std::vector<Row>
     std::ofstream out{path};
     for (const Row& row : rows) out << row.dump() << '\n';
     if (!out) throw std::runtime_error{path.string() + ": cannot be written"};
+}
+
+// "q32 carry", "f32 plain", "f64".
+[[nodiscard]] inline std::string numbers_text(const std::string& numbers, bool carry) {
+    return numbers + (numbers == "f64" ? "" : carry ? " carry" : " plain");
+}
+[[nodiscard]] inline std::string numbers_of(const Row& row) { return numbers_text(row.at("numbers"), row.at("carry")); }
+
+// The median of observed orders, where halving the step has gained something: neither too large a step nor rounding.
+[[nodiscard]] inline std::optional<double> median_order(std::vector<double> orders) {
+    std::erase_if(orders, [](double order) { return !(order > 0.5); });
+    if (orders.empty()) return {};
+    std::sort(orders.begin(), orders.end());
+    return orders[orders.size() / 2];
 }
 
 }  // namespace tumble::bench

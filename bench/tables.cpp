@@ -11,7 +11,7 @@
 
 namespace {
 
-using tumble::bench::Row;
+using tumble::bench::numbers_of, tumble::bench::Row;
 
 struct Table {
     std::vector<std::string> head;
@@ -30,12 +30,6 @@ struct Table {
         return out.str();
     }
 };
-
-std::string numbers_of(const Row& row) {
-    const std::string name = row.at("numbers");
-    if (name == "f64") return name;
-    return name + (row.at("carry").get<bool>() ? " carry" : " plain");
-}
 
 std::string text_of(const Row& row, const char* key) {
     if (!row.contains(key) || row.at(key).is_null()) return "-";
@@ -175,13 +169,6 @@ Table front_table(const std::vector<Row>& rows, const char* error_name) {
     return table;
 }
 
-// Two digits.
-std::string few_digits(const Row& row, const char* key) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.1e", row.at(key).get<double>());
-    return text;
-}
-
 std::string integrator_of(const Row& row) { return row.at("integrator").get<std::string>(); }
 
 // What a method does to what its problem conserves: a line an integrator, columns for each number system.
@@ -202,7 +189,7 @@ Table long_run_table(const std::vector<Row>& rows, const std::string& scene,
                 if (found == rows.end()) line.push_back("-");
                 else if (found->contains("failure"))
                     line.push_back("fails at step " + std::to_string(found->at("failure_step").get<long>()));
-                else line.push_back(few_digits(*found, key));
+                else line.push_back(text_of(*found, key));
             }
         }
         table.rows.push_back(line);
@@ -224,15 +211,13 @@ Table ordinary_table(const std::vector<Row>& rows, const std::string& scene, con
                 if (row.at("scene") != scene || integrator_of(row) != m || numbers_of(row) != system) continue;
                 for (const int n : exponents) {
                     if (row.at("step_s").get<double>() == std::ldexp(1.0, -n))
-                        line.push_back(row.contains("failure") ? "fails" : few_digits(row, "state_error"));
+                        line.push_back(row.contains("failure") ? "fails" : text_of(row, "state_error"));
                 }
-                // Where halving the step has gained something: neither too large a step nor rounding.
-                if (row.contains("observed_order") && row.at("observed_order").get<double>() > 0.5)
-                    orders.push_back(row.at("observed_order"));
+                if (row.contains("observed_order")) orders.push_back(row.at("observed_order"));
             }
-            std::sort(orders.begin(), orders.end());
             char text[16] = "-";
-            if (!orders.empty()) std::snprintf(text, sizeof text, "%.1f", orders[orders.size() / 2]);
+            if (const auto order = tumble::bench::median_order(orders))
+                std::snprintf(text, sizeof text, "%.1f", *order);
             line.emplace_back(text);
             table.rows.push_back(line);
         }
@@ -256,9 +241,9 @@ Table engines_table(const std::vector<Row>& rows) {
         if (engine == "tumble" && std::find(own.begin(), own.end(), method) == own.end()) continue;
         table.rows.push_back({engine + (version.empty() ? "" : " " + version),
                               engine == "tumble" ? "`" + method + "`" : method, numbers_of(row),
-                              few_digits(row, "orientation_error_rad"),
+                              text_of(row, "orientation_error_rad"),
                               std::to_string(std::lround(row.at("within_100_mrad_s").get<double>())),
-                              few_digits(row, "energy_max_relative_drift"), text_of(row, "insn_per_step")});
+                              text_of(row, "energy_max_relative_drift"), text_of(row, "insn_per_step")});
     }
     return table;
 }

@@ -1,15 +1,17 @@
-// What the programs that measure loop over: number systems, integrators, and both processors.
+// What the programs that measure share: number systems, integrators and processors to loop over, and how they end.
 #pragma once
 
 #include "firmware.hpp"
 #include "parallel.hpp"
+#include "scene_reader.hpp"
 #include "simulation.hpp"
 
 #include <algorithm>
-#include <memory>
+#include <cstdio>
+#include <iostream>
+#include <mutex>
 #include <stdexcept>
 #include <string>
-#include <string_view>
 #include <vector>
 
 namespace tumble::bench {
@@ -40,12 +42,29 @@ inline const std::vector<Variant>& variants = host::number_variants();
     return chosen;
 }
 
-// Null where the method does not exist in the number system.
-[[nodiscard]] inline std::unique_ptr<host::Simulation>
-simulation_or_null(const host::SceneDescription& scene, const std::string& method, const Variant& variant) {
+// in_parallel, with a count of what is done on standard error.
+inline void in_parallel_counted(const std::string& what, std::size_t count, const auto& work) {
+    std::mutex mutex;
+    std::size_t done = 0;
+    in_parallel(count, [&](std::size_t i) {
+        work(i);
+        const std::lock_guard lock{mutex};
+        std::fprintf(stderr, "\r%s: %zu/%zu ", what.c_str(), ++done, count);
+    });
+    std::fputc('\n', stderr);
+}
+
+// For the handler of a main: says on standard error what went wrong, and returns the exit status.
+[[nodiscard]] inline int report_failure(const char* program) {
     try {
-        return host::make_simulation(scene, method, variant.numbers, variant.carry);
-    } catch (const std::invalid_argument&) { return nullptr; }
+        throw;
+    } catch (const host::SceneError& error) {
+        std::cerr << error.what() << '\n';
+        return 2;
+    } catch (const std::exception& error) {
+        std::cerr << program << ": " << error.what() << '\n';
+        return 1;
+    }
 }
 
 }  // namespace tumble::bench

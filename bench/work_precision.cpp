@@ -7,7 +7,6 @@
 #include "peers/odeint_top.hpp"
 #include "reference.hpp"
 #include "rows.hpp"
-#include "scene_reader.hpp"
 #include "variants.hpp"
 
 #include <CLI/CLI.hpp>
@@ -15,9 +14,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <iostream>
 #include <map>
-#include <mutex>
 
 namespace {
 
@@ -224,14 +221,8 @@ int main(int argc, char** argv) try {
         });
         if (curves.empty()) throw std::runtime_error{"no cost of any method on " + scene.name};
         const int largest = std::max(coarsest, static_cast<int>(std::ceil(-std::log2(truth.interval))));
-        std::mutex mutex;
-        std::size_t done = 0;
-        tumble::bench::in_parallel(curves.size(), [&](std::size_t i) {
-            fill(curves[i], scene, truth, largest, finest);
-            const std::lock_guard lock{mutex};
-            std::fprintf(stderr, "\r%s: %zu/%zu ", path.stem().c_str(), ++done, curves.size());
-        });
-        std::fputc('\n', stderr);
+        tumble::bench::in_parallel_counted(path.stem().string(), curves.size(),
+                                           [&](std::size_t i) { fill(curves[i], scene, truth, largest, finest); });
         for (const Curve& curve : curves) {
             for (std::size_t i = 0; i < curve.points.size(); ++i) {
                 const Point& p = curve.points[i];
@@ -263,10 +254,4 @@ int main(int argc, char** argv) try {
     tumble::bench::write_rows(results, rows);
     std::printf("%zu rows in %s\n", rows.size(), results.c_str());
     return 0;
-} catch (const host::SceneError& error) {
-    std::cerr << error.what() << '\n';
-    return 2;
-} catch (const std::exception& error) {
-    std::cerr << "tumble_work_precision: " << error.what() << '\n';
-    return 1;
-}
+} catch (...) { return tumble::bench::report_failure("tumble_work_precision"); }

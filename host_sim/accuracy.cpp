@@ -37,12 +37,6 @@ bool is_finite(const reference::Motion& m) {
     return std::isfinite(norm(m.x)) && std::isfinite(m.q.norm2()) && m.q.norm2() > 0;
 }
 
-reference::Motion motion_of(const BodySnapshot& body) {
-    const auto vector = [](const auto& v) { return reference::Vector{v[0], v[1], v[2]}; };
-    const auto& q = body.orientation;
-    return {vector(body.position), vector(body.velocity), {q[0], {q[1], q[2], q[3]}}, vector(body.angular_velocity)};
-}
-
 SampledRun sampled(Simulation& simulation, const SampledScene& scene, int step) {
     SampledRun run;
     for (std::size_t sample = 0; sample < run.samples.size(); ++sample) {
@@ -98,15 +92,21 @@ Samples fine_samples(const SampledScene& scene, const char* integrator, int step
 
 }  // namespace
 
+reference::Motion motion_of(const BodySnapshot& body) {
+    const auto vector = [](const auto& v) { return reference::Vector{v[0], v[1], v[2]}; };
+    const auto& q = body.orientation;
+    return {vector(body.position), vector(body.velocity), {q[0], {q[1], q[2], q[3]}}, vector(body.angular_velocity)};
+}
+
+void Errors::see(const reference::Motion& one, const reference::Motion& other) {
+    position_m = std::max(position_m, static_cast<double>(norm(one.x - other.x)));
+    orientation_rad = std::max(orientation_rad, static_cast<double>(angle_between(one.q, other.q)));
+}
+
 Errors largest_errors(const Samples& a, const Samples& b) {
     Errors errors;
     for (std::size_t sample = 0; sample < a.size(); ++sample) {
-        for (std::size_t body = 0; body < a[sample].size(); ++body) {
-            const reference::Motion &one = a[sample][body], &other = b[sample][body];
-            errors.position_m = std::max(errors.position_m, static_cast<double>(norm(one.x - other.x)));
-            errors.orientation_rad =
-                std::max(errors.orientation_rad, static_cast<double>(angle_between(one.q, other.q)));
-        }
+        for (std::size_t body = 0; body < a[sample].size(); ++body) { errors.see(a[sample][body], b[sample][body]); }
     }
     return errors;
 }
@@ -153,13 +153,8 @@ SceneDescription SampledScene::with_step(int number) const {
 }
 
 std::optional<SampledRun> run_sampled(const SampledScene& scene, const Method& method, int step) {
-    std::unique_ptr<Simulation> simulation;
-    try {
-        simulation = make_simulation(scene.with_step(step), method.integrator, method.numbers, method.carry);
-    } catch (const std::invalid_argument&) {
-        (void)find_integrator(method.integrator);  // an unknown name is the caller's mistake
-    }
-    if (!simulation) return std::nullopt;
+    if (!runs_in(find_integrator(method.integrator), method.numbers)) return std::nullopt;
+    const auto simulation = make_simulation(scene.with_step(step), method.integrator, method.numbers, method.carry);
     return sampled(*simulation, scene, step);
 }
 

@@ -28,8 +28,12 @@ struct Method {
     bool carry = false;
 };
 
+[[nodiscard]] reference::Motion motion_of(const BodySnapshot& body);
+
+// The largest seen.
 struct Errors {
     double position_m = 0, orientation_rad = 0;
+    void see(const reference::Motion& one, const reference::Motion& other);
     [[nodiscard]] double largest() const { return position_m > orientation_rad ? position_m : orientation_rad; }
 };
 
