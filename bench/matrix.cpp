@@ -151,7 +151,9 @@ int main(int argc, char** argv) try {
     std::map<std::string, StepFirmware> firmware;
     for (const auto& core : cores) {
         const auto at =
-            firmware.try_emplace(core, work / core, core, tumble::host::struct_name(scene_path.string()), header).first;
+            firmware
+                .try_emplace(core, work / core, core, tumble::host::struct_name(scene_path.string()), header, methods)
+                .first;
         at->second.build(programs);
         progress.step("built for " + core);
     }

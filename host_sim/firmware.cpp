@@ -44,6 +44,12 @@ nlohmann::ordered_json counted(const fs::path& program) {
     return with_count;
 }
 
+// tumble::integrators::Rk4 -> Rk4.
+std::string method_of(const std::string& integrator) {
+    const std::string& type = find_integrator(integrator).type;
+    return type.substr(type.rfind(':') + 1);
+}
+
 }  // namespace
 
 void check_core(const std::string& name) {
@@ -89,14 +95,15 @@ const std::vector<NumberVariant>& number_variants() {
     return list;
 }
 
-// tumble::integrators::Rk4 -> Rk4.
 std::string StepFirmware::name_of(const NumberVariant& variant, const std::string& integrator) {
-    const std::string& type = find_integrator(integrator).type;
-    return variant.name + "-" + type.substr(type.rfind(':') + 1);
+    return variant.name + "-" + method_of(integrator);
 }
 
-StepFirmware::StepFirmware(fs::path build, std::string core, const std::string& scene, const fs::path& scenes)
+StepFirmware::StepFirmware(fs::path build, std::string core, const std::string& scene, const fs::path& scenes,
+                           const std::vector<std::string>& integrators)
     : build_(std::move(build)), core_(std::move(core)) {
+    std::string methods;
+    for (const std::string& integrator : integrators) methods += (methods.empty() ? "" : "|") + method_of(integrator);
     std::vector<std::string> configure = {
         "cmake",
         "-G",
@@ -107,6 +114,7 @@ StepFirmware::StepFirmware(fs::path build, std::string core, const std::string& 
         build_.string(),
         "-DTUMBLE_CORE=" + core_,
         "-DTUMBLE_SCENE=" + scene,
+        "-DTUMBLE_METHODS=" + methods,
         (fs::is_directory(scenes) ? "-DTUMBLE_SCENE_DIR=" : "-DTUMBLE_SCENE_HEADER=") + scenes.string()};
     if (core_ != host)
         configure.push_back("-DCMAKE_TOOLCHAIN_FILE=" + (source_directory / "port/cortex_m/toolchain.cmake").string());
@@ -125,13 +133,16 @@ void StepFirmware::build(const std::vector<std::string>& names) {
 StepFirmware::Outcome StepFirmware::run(const std::string& name, int timeout) const {
     Outcome outcome;
     const fs::path elf = build_ / (name + ".elf");
+    const auto not_compiled = [&](const std::string& group) {
+        return messages_.find("FAILED: CMakeFiles/steps-" + group + ".dir") != std::string::npos;
+    };
     const std::size_t not_linked = messages_.find("FAILED: " + name + ".elf");
     // What the linker says stands between this failure and the next.
     const std::size_t overflow = messages_.find("overflowed", not_linked);
     if (not_linked != std::string::npos && overflow < messages_.find("FAILED: ", not_linked + 1)) {
         outcome.does_not_fit = true;
-    } else if (not_linked != std::string::npos || !fs::exists(elf) ||
-               messages_.find("FAILED: CMakeFiles/" + name + ".dir") != std::string::npos) {
+    } else if (not_linked != std::string::npos || !fs::exists(elf) || not_compiled(name) ||
+               not_compiled(name.substr(0, name.find('-')))) {
         outcome.error = "not built: see cmake --build " + build_.string() + " --target " + name;
     } else if (core_ == host) {
         outcome.row = counted(elf);

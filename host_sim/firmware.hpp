@@ -48,11 +48,13 @@ public:
     [[nodiscard]] static std::string name_of(const NumberVariant& variant, const std::string& integrator);
 
     // Configures the build directory. `scenes` is one header, which all programs replay, or a directory with a header
-    // for each program, named after it; `scene` is the name of the struct in them.
+    // for each program, named after it; `scene` is the name of the struct in them. `integrators`: those that programs
+    // are made of; all if there are none.
     StepFirmware(std::filesystem::path build, std::string core, const std::string& scene,
-                 const std::filesystem::path& scenes);
+                 const std::filesystem::path& scenes, const std::vector<std::string>& integrators = {});
 
-    // Builds programs, on all processors; about 8 s each. What cannot be built is reported by run().
+    // Builds programs, on all processors: about 20 s for all of a number system that replay one scene, and 4 s for each
+    // that has a scene of its own. What cannot be built is reported by run().
     void build(const std::vector<std::string>& names);
 
     // The row that a program of the last build() prints, with text_bytes (all that lies in flash) and ram_bytes added.

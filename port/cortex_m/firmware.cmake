@@ -1,5 +1,7 @@
 # tumble_add_firmware(<name> SOURCES <file>... [DEFINES <definition>...] [OPTIONS <compiler option>...])
 #   makes <name>.elf and <name>.map for the current core (TUMBLE_CORE), linked with the start-up code, libgcc and no libc.
+# tumble_add_firmware_objects(<name> ...)
+#   compiles the same arguments only, for SOURCES $<TARGET_OBJECTS:<name>> of several firmware.
 # tumble_add_firmware_test(<test> FIRMWARE <name> [STATUS <n>] [OUTPUT <regex>] [TIMEOUT <seconds>])
 #   runs it in QEMU under ctest; exit status n or n|m (default 0), and the text must match the regex.
 include_guard(GLOBAL)
@@ -56,6 +58,15 @@ function(tumble_add_firmware name)
     separate_arguments(optimize UNIX_COMMAND "${TUMBLE_OPTIMIZE}")
     target_compile_options(${name} PRIVATE ${optimize} ${arg_OPTIONS})
     target_link_options(${name} PRIVATE -Wl,-Map=$<TARGET_FILE_DIR:${name}>/${name}.map)
+endfunction()
+
+function(tumble_add_firmware_objects name)
+    cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;DEFINES;OPTIONS")
+    add_library(${name} OBJECT ${arg_SOURCES})
+    target_link_libraries(${name} PRIVATE tumble_firmware_flags)
+    target_compile_definitions(${name} PRIVATE ${arg_DEFINES})
+    separate_arguments(optimize UNIX_COMMAND "${TUMBLE_OPTIMIZE}")
+    target_compile_options(${name} PRIVATE ${optimize} ${arg_OPTIONS})
 endfunction()
 
 function(tumble_add_firmware_test test)

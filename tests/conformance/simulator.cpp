@@ -1,5 +1,5 @@
 // What the host simulator makes of every shipped scene with every integrator and the number systems it runs in: the
-// lines that conformance.cpp prints. Arguments: the scene files.
+// lines that conformance.hpp prints. Arguments: the scene files.
 #include <algorithm>
 #include <cstdio>
 #include <exception>

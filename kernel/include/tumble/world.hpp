@@ -224,18 +224,15 @@ private:
         // steps over the portion. Only the changes are scaled back, so that what did not change stays exact.
         const auto part = N::fraction(portion.length);
         const Work inverse = Work(1) / portion.length;
-        struct Kept {
-            State whole, scaled;
-        };
-        Kept kept[S::bodies];
+        StateCopies<State, S::bodies> whole, scaled;
         for (int k = 0; k < unit.count; ++k) {
             State& s = bodies_.state[unit.id[k]];
-            kept[k].whole = s;
+            whole.keep(k, s);
             for (int i = 0; i < 3; ++i) {
                 N::add(s.d_w[i], N::part(N::sum(s.d_w[i]), part) - N::sum(s.d_w[i]));
                 s.t_b[i].add(N::part(N::sum(s.t_b[i]), part) - N::sum(s.t_b[i]));
             }
-            kept[k].scaled = s;
+            scaled.keep(k, s);
         }
         prepare_spins(unit);
         DriftSum fall[3];
@@ -244,12 +241,10 @@ private:
         for (int k = 0; k < unit.count; ++k) {
             State& s = bodies_.state[unit.id[k]];
             for (int i = 0; i < 3; ++i) {
-                const Work linear =
-                    N::metres(N::sum(s.d_w[i]) - N::sum(kept[k].scaled.d_w[i]), bodies_.scale) * inverse;
-                const Work angular =
-                    N::half_turn(N::sum(s.t_b[i]) - N::sum(kept[k].scaled.t_b[i]), bodies_.scale) * inverse;
-                s.d_w[i] = kept[k].whole.d_w[i];
-                s.t_b[i] = kept[k].whole.t_b[i];
+                const Work linear = N::metres(N::sum(s.d_w[i]) - N::sum(scaled[k].d_w[i]), bodies_.scale) * inverse;
+                const Work angular = N::half_turn(N::sum(s.t_b[i]) - N::sum(scaled[k].t_b[i]), bodies_.scale) * inverse;
+                s.d_w[i] = whole[k].d_w[i];
+                s.t_b[i] = whole[k].t_b[i];
                 N::add(s.d_w[i], N::drift_sum(linear, bodies_.scale));
                 s.t_b[i].add(N::turn_sum(angular, bodies_.scale));
             }
@@ -286,14 +281,12 @@ private:
 
     // --- contacts ------------------------------------------------------------------------------------------------
 
-    struct Saved {
-        State state[S::bodies];
-    };
+    using Saved = StateCopies<State, S::bodies>;
     void save(const Unit& unit, Saved& saved) const {
-        for (int k = 0; k < unit.count; ++k) saved.state[k] = bodies_.state[unit.id[k]];
+        for (int k = 0; k < unit.count; ++k) saved.keep(k, bodies_.state[unit.id[k]]);
     }
     void restore(const Unit& unit, const Saved& saved) {
-        for (int k = 0; k < unit.count; ++k) bodies_.state[unit.id[k]] = saved.state[k];
+        for (int k = 0; k < unit.count; ++k) bodies_.state[unit.id[k]] = saved[k];
     }
 
     // One step with impacts. A flight that starts clear of the tolerance band and ends below the surface, or ends
@@ -317,13 +310,13 @@ private:
                 gap_start <= tolerance && !(gap_start > Work(0) && gap_start - gap_end > contacts_.slow());
             const bool too_deep = gap_end < (touched ? -tolerance : Work(0));
             if (!too_deep || impact == max_impacts) {
-                resolve(unit, {start.state, false, touched, impact == max_impacts, too_deep && touched});
+                resolve(unit, {start.first(), false, touched, impact == max_impacts, too_deep && touched});
                 return;
             }
             // The surface, or halfway to the tolerance for a body that was already in the band.
             const Work level = touched ? N::half_of(gap_start < Work(0) ? gap_start - tolerance : -tolerance) : Work(0);
             const Work landed = land(unit, info, start, remaining, gap_start - level, gap_end - level, level);
-            resolve(unit, {start.state, true, false, false, false});
+            resolve(unit, {start.first(), true, false, false, false});
             remaining -= landed;
             if (!(remaining > min_portion())) return;
         }

@@ -5,6 +5,8 @@
 
 #include <tumble/numbers/eigen.hpp>
 
+#include <new>
+
 namespace tumble {
 
 // Three carried numbers, seen as a vector.
@@ -59,6 +61,21 @@ struct BodyState {
     SpinVec3<N, spin> t_b;                        // half the angle per step, rad: h/2 omega, or h/2 L / I_y
 
     friend constexpr bool operator==(const BodyState&, const BodyState&) = default;
+};
+
+// Copies of up to `capacity` states; a place that nothing was kept in is not initialised, which costs nothing.
+template <class State, int capacity>
+class StateCopies {
+public:
+    StateCopies() {}
+    void keep(int k, const State& state) { new (&state_[k]) State{state}; }
+    [[nodiscard]] const State& operator[](int k) const { return state_[k]; }
+    [[nodiscard]] const State* first() const { return state_; }
+
+private:
+    union {
+        State state_[capacity];
+    };
 };
 
 }  // namespace tumble

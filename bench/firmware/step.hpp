@@ -1,0 +1,106 @@
+// Replays the scene that `tumble compile` wrote, counts what every step costs, and prints one result row. The row's
+// state hash is for the host to check: no number is used whose answer is wrong.
+//
+// A source that includes this defines TUMBLE_SCENE_HEADER, TUMBLE_SCENE (the struct in it) and TUMBLE_VARIANT, and
+// calls measure<Method>() from a function of its own for each method. What methods share is then compiled once; the
+// linker takes into a program what its one method needs.
+#pragma once
+
+#include <tumble/numbers/variants.hpp>
+#include <tumble/replay.hpp>
+
+#include TUMBLE_SCENE_HEADER
+
+#include "json_row.hpp"
+#include "port.hpp"
+
+namespace {
+
+using Recorded = tumble::scenes::TUMBLE_SCENE;
+
+template <class Method>
+struct Config : Recorded::Features {
+    using Numbers = tumble::variants::TUMBLE_VARIANT::Numbers<Recorded::Features::Numbers::Range>;
+    using Integrator = Method;
+};
+
+// Set up when its program starts: a constructor of a global would be in every program.
+template <class Method>
+union Place {
+    constexpr Place() : empty{} {}
+    char empty;
+    tumble::Replay<Config<Method>, Recorded> replay;
+};
+template <class Method>
+constinit Place<Method> place{};
+
+// Out of line: the step is measured as a function of its own, with its call, not with this program's registers. That of
+// free bodies is inlined whole, as a firmware would have it that has nothing else to do; with loads and contacts that
+// would double the text and treble the stack, and gain nothing.
+template <class Method>
+[[gnu::noinline, gnu::flatten]] tumble::Status step_world_inlined() {
+    return place<Method>.replay.step();
+}
+template <class Method>
+[[gnu::noinline]] tumble::Status step_world_called() {
+    return place<Method>.replay.step();
+}
+template <class Method>
+tumble::Status measured_step() {
+    using World = tumble::World<Config<Method>>;
+    if constexpr (World::has_loads || World::has_contacts) return step_world_called<Method>();
+    else return step_world_inlined<Method>();
+}
+
+// Out of line, so that neither's stack counts as the step's.
+template <class Method>
+[[gnu::noinline]] void set_up() {
+    new (&place<Method>.replay) tumble::Replay<Config<Method>, Recorded>;
+}
+template <class Method>
+[[gnu::noinline]] void print_row(std::uint64_t total, std::uint64_t largest) {
+    using namespace tumble;
+    const World<Config<Method>>& world = place<Method>.replay.world();
+    const std::uint64_t steps = world.steps_taken();
+    const auto unit = port::tick_unit();
+    const auto pick = [&](const char* cycles, const char* insn, const char* ns) {
+        return unit == "cycles" ? cycles : unit == "insn" ? insn : ns;
+    };
+    bench::JsonRow row;
+    row.add("scene", Recorded::name);
+    row.add("core", port::core());
+    row.add("numbers", Config<Method>::Numbers::name);
+    row.add("carry", Config<Method>::Numbers::carry);
+    row.add("integrator", Method::name);
+    row.add("steps", steps);
+    // Rounded to the nearest; the largest single step beside it.
+    row.add(pick("cycles_per_step", "insn_per_step", "ns_per_step"), steps == 0 ? 0 : (total + steps / 2) / steps);
+    row.add(pick("cycles_per_step_max", "insn_per_step_max", "ns_per_step_max"), largest);
+    row.add("stack_bytes", static_cast<std::uint64_t>(port::stack_peak()));
+    row.add("world_bytes", static_cast<std::uint64_t>(sizeof(world)));
+    row.add("status_bits", static_cast<std::uint64_t>(world.status().bits));
+    row.add_hex("state_hash", world.hash());
+    row.write();
+}
+
+// The whole program.
+template <class Method>
+int measure() {
+    using namespace tumble;
+    set_up<Method>();
+    port::init();
+    std::uint64_t total = 0, largest = 0;
+    for (std::uint32_t step = 0; step < Recorded::steps; ++step) {
+        const port::Instant before = port::ticks();
+        const Status status = measured_step<Method>();
+        const port::Instant after = port::ticks();
+        const std::uint64_t cost = port::elapsed(before, after);
+        total += cost;
+        if (cost > largest) largest = cost;
+        if (!status.ok()) break;
+    }
+    print_row<Method>(total, largest);
+    return 0;
+}
+
+}  // namespace
