@@ -57,22 +57,26 @@ bench: build
 ## work-precision: error against cost of every method on problems of free rotation, as rows and pictures in bench/results
 work-precision: build
 	build/host/bench/tumble_work_precision bench/problems/generic_top.toml bench/problems/separatrix_top.toml bench/problems/nearly_symmetric_top.toml \
-	    --cost bench/results/free.jsonl --cost bench/results/peers.jsonl --results bench/results/work_precision.jsonl
+	    --cost bench/results/free.jsonl --cost-of-problem bench/results/peers.jsonl --results bench/results/work_precision.jsonl
 	build/host/bench/tumble_pictures bench/results/work_precision.jsonl --directory bench/results
+	build/host/bench/tumble_tables README.md bench/results
 
 ## work-precision-loads: the same on problems with loads and contacts, with the cost of a step of each problem
 LOADS := heavy_top kepler stiff_spring projectile_drag ball_elastic ball_inelastic
-LOADS_CORES := cortex-m0,cortex-m3,cortex-m4f
-# Three number systems; of the methods, those that differ in translation: the others are verlet with another rotation.
-LOADS_COLUMNS := --numbers q32,f32_plain,f64 \
-    --integrators explicit_euler,semi_implicit_euler,implicit_euler,implicit_midpoint,heun,rk4,verlet,suzuki4
+LOADS_CORES := cortex-m0,cortex-m3,cortex-m4f,host
+LOADS_NUMBERS := q32,f32_plain,f64
+# Where the error is a position, the methods that differ in translation: the others are verlet with another rotation.
+LOADS_METHODS := --integrators explicit_euler,semi_implicit_euler,implicit_euler,implicit_midpoint,midpoint,heun,rk4,verlet,suzuki4
+cost-of-heavy_top: LOADS_METHODS :=
 .PHONY: $(LOADS:%=cost-of-%)
 $(LOADS:%=cost-of-%): cost-of-%: build
-	build/host/bench/tumble_matrix bench/problems/$*.toml --cores $(LOADS_CORES) $(LOADS_COLUMNS) --results build/results/cost_of_$*.jsonl
+	@port/setup bench
+	build/host/bench/tumble_matrix bench/problems/$*.toml --cores $(LOADS_CORES) --numbers $(LOADS_NUMBERS) $(LOADS_METHODS) --results build/results/cost_of_$*.jsonl
 work-precision-loads: $(LOADS:%=cost-of-%)
 	cat $(LOADS:%=build/results/cost_of_%.jsonl) > bench/results/loads.jsonl
 	build/host/bench/tumble_work_precision $(LOADS:%=bench/problems/%.toml) --cores $(LOADS_CORES) --coarsest 0 \
-	    --cost-of-problem bench/results/loads.jsonl --results bench/results/work_precision_loads.jsonl
+	    --cost-of-problem bench/results/loads.jsonl --cost-of-problem bench/results/peers.jsonl \
+	    --results bench/results/work_precision_loads.jsonl
 	build/host/bench/tumble_pictures bench/results/work_precision_loads.jsonl --directory bench/results
 	build/host/bench/tumble_tables README.md bench/results
 
@@ -82,7 +86,7 @@ pictures: build
 
 ## long-run: what a million steps do to energy and momentum, for every method and number system, into bench/results
 long-run: build
-	build/host/bench/tumble_long_run bench/problems/generic_top.toml --results bench/results/long_run.jsonl
+	build/host/bench/tumble_long_run bench/problems/generic_top.toml bench/problems/heavy_top.toml --results bench/results/long_run.jsonl
 	build/host/bench/tumble_tables README.md bench/results
 
 ## ordinary: the kernel's Butcher tables on a harmonic oscillator and the Lorenz system, into bench/results
@@ -101,8 +105,10 @@ engines:
 
 ## peers: what a step of Boost.Odeint costs on the cores, into bench/results
 peers: build
+	@mkdir -p build/results
 	@for core in cortex-m0 cortex-m3 cortex-m4f; do \
-	    cmake -G Ninja -S bench/peers -B build/peers/$$core -DCMAKE_TOOLCHAIN_FILE=$(CURDIR)/port/cortex_m/toolchain.cmake -DTUMBLE_CORE=$$core > /dev/null && \
+	    cmake -G Ninja -S bench/peers -B build/peers/$$core -DCMAKE_TOOLCHAIN_FILE=$(CURDIR)/port/cortex_m/toolchain.cmake -DTUMBLE_CORE=$$core \
+	        -DTUMBLE_COMMAND=$(CURDIR)/build/host/tumble > /dev/null && \
 	    cmake --build build/peers/$$core > /dev/null || exit 1; \
 	    for elf in build/peers/$$core/*.elf; do port/qemu/run $$core $$elf || exit 1; done; \
 	done > build/results/peers.jsonl
@@ -120,7 +126,7 @@ tables: build
 golden: build
 	tests/conformance/update_golden
 
-## check: what CI runs: format, the sanitizers, every test, and that the README's tables are what the rows say
+## check: format, every test, the sanitizers, and that the README's tables are what the rows say
 check: setup
 	port/setup format
 	$(MAKE) test

@@ -77,14 +77,18 @@ Row measure(const host::SceneDescription& scene, const Variant& variant, const s
             break;
         }
         const Constants now = constants_of(scene, *simulation);
-        const auto note = [](Number& largest, Number error) { largest = std::max(largest, std::abs(error)); };
+        // NaN is the largest of all.
+        const auto note = [](Number& largest, Number error) {
+            if (!(std::abs(error) <= largest)) largest = std::abs(error);
+        };
         note(drift.energy, now.energy / start.energy - 1);
         if (simulation->steps_taken() <= steps / 10) drift.energy_early = drift.energy;
         note(drift.body_momentum, now.body_momentum_norm / start.body_momentum_norm - 1);
         note(drift.world_momentum, norm(now.world_momentum - start.world_momentum) / size);
         note(drift.vertical_momentum, (now.world_momentum.z - start.world_momentum.z) / size);
         note(drift.quaternion, now.quaternion_norm - 1);
-        if (!std::isfinite(now.energy) || now.energy > 1e6L * std::abs(start.energy))
+        if (!std::isfinite(now.energy) || !std::isfinite(now.quaternion_norm) ||
+            now.energy > 1e6L * std::abs(start.energy))
             failure = "energy grows without end";
     }
     Row row;

@@ -169,9 +169,7 @@ int main(int argc, char** argv) try {
             const bool on_host = job.core == StepFirmware::host;
             job.row["step_s"] = scene.step.seconds();
             job.row["compiler"] = on_host ? TUMBLE_HOST_COMPILER : TUMBLE_ARM_COMPILER;
-            job.row["flags"] = !on_host && job.variant.numbers == "q32"
-                                   ? "-O2 -fno-schedule-insns -frename-registers -fno-tree-pre"
-                                   : "-O2";
+            job.row["flags"] = !on_host && job.variant.numbers == "q32" ? TUMBLE_Q32_FLAGS : "-O2";
             if (accuracy) {
                 job.row["position_error_m"] = answer.position_error;
                 job.row["orientation_error_rad"] = answer.orientation_error;

@@ -4,9 +4,11 @@
 // instructions of a step in QEMU, from the rows of the problem itself or of a scene that does the same work a step. A
 // run that leaves its range, blows up or does not converge is a row too.
 #include "closed_form.hpp"
-#include "peers/odeint_top.hpp"
+#include "peers/odeint.hpp"
 #include "reference.hpp"
 #include "rows.hpp"
+#include "scene_data.hpp"
+#include "text.hpp"
 #include "variants.hpp"
 
 #include <CLI/CLI.hpp>
@@ -77,22 +79,15 @@ struct Curve {
     std::vector<Point> points;
 };
 
-// The largest error at a step of 2^-exponent s.
-Point measure(host::SceneDescription scene, const Truth& truth, const Variant& variant, const std::string& method,
-              int exponent) {
-    scene.step = {1, std::int64_t{1} << exponent, 0};
+// The largest error at the samples of a run that advance(sample) takes to each of them; it returns what has gone wrong,
+// if anything has. snapshot() is the moving body then.
+template <class Advance, class Snapshot>
+Point largest_error(const Truth& truth, int exponent, Advance&& advance, Snapshot&& snapshot) {
     Point point{exponent, 0, {}};
-    const auto simulation = host::make_simulation(scene, method, variant.numbers, variant.carry);
-    const int body = moving_body(scene);
-    const std::int64_t total = simulation->steps();
     for (int sample = 1; sample <= truth.samples; ++sample) {
-        while (simulation->steps_taken() < total * sample / truth.samples && simulation->troubles().empty())
-            simulation->step();
-        if (!simulation->troubles().empty()) {
-            point.failure = simulation->troubles().front().issue;
-            return point;
-        }
-        const double error = truth.error(sample, simulation->body(body));
+        point.failure = advance(sample);
+        if (!point.failure.empty()) return point;
+        const double error = truth.error(sample, snapshot());
         if (!(error < truth.blown_up)) {
             point.failure = "blown up";
             return point;
@@ -102,42 +97,93 @@ Point measure(host::SceneDescription scene, const Truth& truth, const Variant& v
     return point;
 }
 
-// The same of Boost.Odeint in T, on a free top.
-template <template <class> class Stepper, class T>
-Point measure_peer(const host::SceneDescription& scene, const Truth& truth, int exponent) {
-    const auto& body = scene.bodies.at(0);
-    const auto three = [](double a, double b, double c) {
-        return std::array<T, 3>{static_cast<T>(a), static_cast<T>(b), static_cast<T>(c)};
+// At a step of 2^-exponent s.
+Point measure(host::SceneDescription scene, const Truth& truth, const Variant& variant, const std::string& method,
+              int exponent) {
+    scene.step = {1, std::int64_t{1} << exponent, 0};
+    const auto simulation = host::make_simulation(scene, method, variant.numbers, variant.carry);
+    const int body = moving_body(scene);
+    const std::int64_t total = simulation->steps();
+    const auto advance = [&](int sample) -> std::string {
+        while (simulation->steps_taken() < total * sample / truth.samples && simulation->troubles().empty())
+            simulation->step();
+        return simulation->troubles().empty() ? "" : simulation->troubles().front().issue;
     };
-    tumble::bench::OdeintTop<Stepper, T> top{
-        three((*body.inertia)[0], (*body.inertia)[1], (*body.inertia)[2]),
-        three(body.angular_velocity[0], body.angular_velocity[1], body.angular_velocity[2]),
-        std::ldexp(T(1), -exponent)};
-    Point point{exponent, 0, {}};
-    const std::int64_t total = std::llround(std::ldexp(scene.duration, exponent));
-    std::int64_t step = 0;
-    for (int sample = 1; sample <= truth.samples; ++sample) {
-        for (; step < total * sample / truth.samples; ++step) top.step();
-        const auto& q = top.state();
-        const double error = tumble::bench::angle_between_orientations(
-            truth.orientations[static_cast<std::size_t>(sample)], {q[0], q[1], q[2], q[3]});
-        if (!std::isfinite(error)) {
-            point.failure = "not finite";
-            return point;
-        }
-        point.error = std::max(point.error, error);
-    }
-    return point;
+    return largest_error(truth, exponent, advance, [&] { return simulation->body(body); });
 }
 
-const std::map<std::string, Point (*)(const host::SceneDescription&, const Truth&, int)> peers = {
-    {"odeint_euler f32", measure_peer<tumble::bench::OdeintEuler, float>},
-    {"odeint_euler f64", measure_peer<tumble::bench::OdeintEuler, double>},
-    {"odeint_midpoint f32", measure_peer<tumble::bench::OdeintMidpoint, float>},
-    {"odeint_midpoint f64", measure_peer<tumble::bench::OdeintMidpoint, double>},
-    {"odeint_rk4 f32", measure_peer<tumble::bench::OdeintRk4, float>},
-    {"odeint_rk4 f64", measure_peer<tumble::bench::OdeintRk4, double>},
+// The same of Boost.Odeint.
+template <template <class> class Stepper, class Equations>
+Point measure_peer(const host::SceneDescription& scene, const Truth& truth, int exponent) {
+    using T = typename Equations::T;
+    tumble::bench::OdeintRun<Stepper, Equations> run{host::build_scene(scene), std::ldexp(T(1), -exponent)};
+    const std::int64_t total = std::llround(std::ldexp(scene.duration, exponent));
+    std::int64_t step = 0;
+    const auto advance = [&](int sample) -> std::string {
+        for (; step < total * sample / truth.samples; ++step) run.step();
+        return {};
+    };
+    const auto snapshot = [&] {
+        const auto& s = run.state();
+        host::BodySnapshot body;
+        if constexpr (Equations::has_orientation) body.orientation = {s[0], s[1], s[2], s[3]};
+        else body.position = {s[0], s[1], s[2]};
+        return body;
+    };
+    return largest_error(truth, exponent, advance, snapshot);
+}
+// Calls f with the equations that the scene asks for, in T.
+template <class T>
+auto with_equations(const host::SceneDescription& scene, const Truth& truth, auto&& f) {
+    using namespace tumble::bench;
+    if (!truth.positions.empty()) return f.template operator()<PointEquations<T>>();
+    if (!scene.forces.empty()) return f.template operator()<TopEquations<T, true>>();
+    return f.template operator()<TopEquations<T, false>>();
+}
+
+struct Peer {
+    Point (*measure)(const host::SceneDescription&, const Truth&, int exponent);
+    // The hash of the state after some steps of the scene's own length.
+    std::uint64_t (*hash)(const host::SceneDescription&, const Truth&, std::int64_t steps);
 };
+template <template <class> class Stepper, class T>
+Peer peer_of() {
+    return {[](const host::SceneDescription& scene, const Truth& truth, int exponent) {
+                return with_equations<T>(scene, truth, [&]<class Equations>() {
+                    return measure_peer<Stepper, Equations>(scene, truth, exponent);
+                });
+            },
+            [](const host::SceneDescription& scene, const Truth& truth, std::int64_t steps) {
+                return with_equations<T>(scene, truth, [&]<class Equations>() {
+                    tumble::bench::OdeintRun<Stepper, Equations> run{host::build_scene(scene),
+                                                                     static_cast<T>(scene.step.seconds())};
+                    for (std::int64_t i = 0; i < steps; ++i) run.step();
+                    return run.hash();
+                });
+            }};
+}
+
+const std::map<std::string, Peer> peers = {
+    {"odeint_euler f32", peer_of<tumble::bench::OdeintEuler, float>()},
+    {"odeint_euler f64", peer_of<tumble::bench::OdeintEuler, double>()},
+    {"odeint_midpoint f32", peer_of<tumble::bench::OdeintMidpoint, float>()},
+    {"odeint_midpoint f64", peer_of<tumble::bench::OdeintMidpoint, double>()},
+    {"odeint_rk4 f32", peer_of<tumble::bench::OdeintRk4, float>()},
+    {"odeint_rk4 f64", peer_of<tumble::bench::OdeintRk4, double>()},
+};
+
+// Throws std::runtime_error where a core's run of a peer has not given the host's bits: its cost is then of another
+// answer.
+void check_answer(const host::SceneDescription& scene, const Truth& truth, const Row& row) {
+    const std::string name = row.at("integrator").get<std::string>() + " " + row.at("numbers").get<std::string>();
+    const auto peer = peers.find(name);
+    if (peer == peers.end() || row.at("scene") != scene.name) return;
+    const std::string expected = host::hex(peer->second.hash(scene, truth, row.at("steps")));
+    if (row.at("state_hash") != expected)
+        throw std::runtime_error{name + " on " + row.at("core").get<std::string>() + ", " + scene.name +
+                                 ": its state hash is " + row.at("state_hash").get<std::string>() + ", the host's " +
+                                 expected};
+}
 
 // From the coarsest step that the samples allow to the round-off floor: halving stops when it has not helped three
 // times.
@@ -146,7 +192,7 @@ void fill(Curve& curve, const host::SceneDescription& scene, const Truth& truth,
     int since_best = 0;
     for (int exponent = coarsest; exponent <= finest; ++exponent) {
         const auto peer = peers.find(curve.method + " " + curve.variant.numbers);
-        const Point point = peer != peers.end() ? peer->second(scene, truth, exponent)
+        const Point point = peer != peers.end() ? peer->second.measure(scene, truth, exponent)
                                                 : measure(scene, truth, curve.variant, curve.method, exponent);
         curve.points.push_back(point);
         if (!point.failure.empty()) continue;
@@ -174,12 +220,13 @@ int main(int argc, char** argv) try {
     app.add_option("--cost-of-problem", own,
                    "Rows with insn_per_step of the problems themselves, found by their names");
     app.add_option("--cores", cores, "Cores whose cost counts")->delimiter(',');
-    app.add_option("--coarsest", coarsest,
-                   "Largest step, 2^-N s; not longer than the time between samples in any case");
-    app.add_option("--finest", finest, "Smallest step, 2^-N s");
+    app.add_option("--coarsest", coarsest, "Largest step, 2^-N s; not longer than the time between samples in any case")
+        ->check(CLI::Range(0, 30));
+    app.add_option("--finest", finest, "Smallest step, 2^-N s")->check(CLI::Range(0, 30));
     app.add_option("--results", results, "Where the rows go, as JSON lines");
     CLI11_PARSE(app, argc, argv);
 
+    std::vector<Row> measured;
     std::map<std::string, double> cost;  // "problem core numbers carry integrator" to instructions a step
     const auto key = [](const std::string& problem, const std::string& core, const std::string& numbers, bool carry,
                         const std::string& method) {
@@ -187,6 +234,7 @@ int main(int argc, char** argv) try {
     };
     const auto read_costs = [&](const fs::path& path, bool of_problem) {
         for (const Row& row : tumble::bench::read_rows(path)) {
+            measured.push_back(row);
             cost[key(of_problem ? row.at("scene").get<std::string>() : "", row.at("core"), row.at("numbers"),
                      row.at("carry"), row.at("integrator"))] = row.at("insn_per_step").get<double>();
         }
@@ -198,6 +246,7 @@ int main(int argc, char** argv) try {
     for (const fs::path& path : problems) {
         const host::SceneDescription scene = host::read_scene(path);
         const Truth truth = truth_of(scene);
+        for (const Row& row : measured) check_answer(scene, truth, row);
         const auto cost_of = [&](const Curve& curve, const std::string& core) -> const double* {
             for (const std::string& problem : {scene.name, std::string{}}) {
                 const auto found =
@@ -210,7 +259,7 @@ int main(int argc, char** argv) try {
         for (const Variant& v : tumble::bench::variants)
             for (const auto& integrator : host::integrators())
                 if (host::runs_in(integrator, v.numbers)) curves.push_back({v, integrator.name, {}});
-        if (scene.forces.empty() && truth.positions.empty()) {
+        if (scene.planes.empty()) {
             for (const char* name : {"odeint_euler", "odeint_midpoint", "odeint_rk4"}) {
                 for (const Variant& v : {Variant{"f32_plain", "f32", false}, Variant{"f64", "f64", false}})
                     curves.push_back({v, name, {}});
@@ -220,9 +269,9 @@ int main(int argc, char** argv) try {
             return std::none_of(cores.begin(), cores.end(), [&](const auto& core) { return cost_of(curve, core); });
         });
         if (curves.empty()) throw std::runtime_error{"no cost of any method on " + scene.name};
-        const int largest = std::max(coarsest, static_cast<int>(std::ceil(-std::log2(truth.interval))));
+        const int first = std::max(coarsest, static_cast<int>(std::ceil(-std::log2(truth.interval))));
         tumble::bench::in_parallel_counted(path.stem().string(), curves.size(),
-                                           [&](std::size_t i) { fill(curves[i], scene, truth, largest, finest); });
+                                           [&](std::size_t i) { fill(curves[i], scene, truth, first, finest); });
         for (const Curve& curve : curves) {
             for (std::size_t i = 0; i < curve.points.size(); ++i) {
                 const Point& p = curve.points[i];

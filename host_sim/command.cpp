@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <iostream>
 
@@ -12,6 +13,35 @@
 namespace tumble::host {
 namespace {
 
+// Refuses what an option got unless `holds` is true of it; CLI11 puts the option's name before the message.
+template <class Test>
+CLI::Validator expect(const std::string& wanted, const Test& holds) {
+    return {[=](std::string& text) { return holds(text) ? std::string() : "got \"" + text + "\", expected " + wanted; },
+            ""};
+}
+template <class Number, class Test>
+CLI::Validator expect_number(const std::string& wanted, const Test& holds) {
+    return expect(wanted, [=](const std::string& text) {
+        Number number{};
+        const char* const end = text.data() + text.size();
+        const auto [last, code] = std::from_chars(text.data(), end, number);
+        return code == std::errc{} && last == end && holds(number);
+    });
+}
+
+CLI::Validator expect_file() {
+    return expect("the name of a file", [](const std::string& text) { return !text.empty(); });
+}
+CLI::Validator expect_duration() {
+    return expect_number<double>("a number of seconds >= 0",
+                                 [](double seconds) { return std::isfinite(seconds) && seconds >= 0; });
+}
+template <class Number>
+CLI::Validator expect_at_least(Number least, const std::string& of_what) {
+    return expect_number<Number>("a whole number of " + of_what + " >= " + std::to_string(least),
+                                 [=](Number number) { return number >= least; });
+}
+
 void add_choice(CLI::App& app, Choice& choice) {
     app.add_option("scene", choice.scene, "scene file (TOML)")->required()->type_name("SCENE.toml");
     app.add_option("--integrator", choice.integrator, "see `tumble list`")->capture_default_str()->type_name("NAME");
@@ -19,10 +49,14 @@ void add_choice(CLI::App& app, Choice& choice) {
     app.add_option("--carry", choice.carry,
                    "carry the rounding residual of the state (default: on for q32 and f32, off for f64)")
         ->type_name("on|off")
-        ->check(CLI::IsMember({"on", "off"}));
+        ->check(expect("on or off", [](const std::string& text) { return text == "on" || text == "off"; }));
     app.add_option("--step", choice.step, "step length in s, as 1/256 or 0.005, instead of the scene's")
-        ->type_name("S");
-    app.add_option("--duration", choice.duration, "length of the run in s, instead of the scene's")->type_name("T");
+        ->type_name("S")
+        ->check(expect("a positive number of seconds or a fraction such as 1/256",
+                       [](const std::string& text) { return parse_step(text).has_value(); }));
+    app.add_option("--duration", choice.duration, "length of the run in s, instead of the scene's")
+        ->type_name("T")
+        ->check(expect_duration());
 }
 
 }  // namespace
@@ -30,18 +64,8 @@ void add_choice(CLI::App& app, Choice& choice) {
 SceneDescription Choice::read() const {
     const IntegratorInfo& method = find_integrator(integrator);
     SceneDescription description = read_scene(scene);
-    if (!step.empty()) {
-        const auto parsed = parse_step(step);
-        if (!parsed)
-            throw BadArgument("--step: got \"" + step +
-                              "\", expected a positive number of seconds or a fraction such as 1/256");
-        description.step = *parsed;
-    }
-    if (duration) {
-        if (!std::isfinite(*duration) || *duration < 0.0)
-            throw BadArgument("--duration: expected a number of seconds >= 0");
-        description.duration = *duration;
-    }
+    if (!step.empty()) description.step = parse_step(step).value();
+    if (duration) description.duration = *duration;
     if (description.steps() > max_steps)
         throw BadArgument("--step, --duration: got more than 2^31 steps, expected at most " +
                           std::to_string(max_steps));
@@ -82,20 +106,24 @@ int command(int argc, const char* const* argv) {
     RunOptions run_options;
     auto* run_command = app.add_subcommand("run", "replay a scene on the host");
     add_choice(*run_command, run_options);
-    run_command->add_option("--trajectory", run_options.trajectory, "write every state as CSV")->type_name("out.csv");
+    run_command->add_option("--trajectory", run_options.trajectory, "write every state as CSV")
+        ->type_name("out.csv")
+        ->check(expect_file());
     run_command->add_option("--every", run_options.every, "steps between rows of the trajectory")
         ->capture_default_str()
         ->type_name("K")
-        ->check(CLI::PositiveNumber);
+        ->check(expect_at_least<std::int64_t>(1, "steps"));
     run_command->add_flag("--json", run_options.json, "print one JSON object");
     run_command->add_option("--plot", run_options.plot, "plot positions, spins and energy (needs gnuplot)")
-        ->type_name("out.svg");
+        ->type_name("out.svg")
+        ->check(expect_file());
 
     CompileOptions compile_options;
     auto* compile_command = app.add_subcommand("compile", "write a scene as a C++ header for firmware");
     add_choice(*compile_command, compile_options);
     compile_command->add_option("-o,--output", compile_options.output, "the header; default: standard output")
-        ->type_name("scene.hpp");
+        ->type_name("scene.hpp")
+        ->check(expect_file());
 
     CompareOptions compare_options;
     auto* compare_command = app.add_subcommand(
@@ -107,15 +135,16 @@ int command(int argc, const char* const* argv) {
     compare_command->add_option("--every", compare_options.every, "steps between recorded states")
         ->capture_default_str()
         ->type_name("K")
-        ->check(CLI::PositiveNumber);
+        ->check(expect_at_least<std::int64_t>(1, "steps"));
     compare_command->add_option("--timeout", compare_options.timeout, "seconds that the emulation may take")
         ->capture_default_str()
         ->type_name("S")
-        ->check(CLI::PositiveNumber);
+        ->check(expect_at_least<int>(1, "seconds"));
     compare_command
         ->add_option("--flip", compare_options.flip,
                      "self-test: flip one bit of the host's record at this step; the comparison must report it")
-        ->type_name("STEP");
+        ->type_name("STEP")
+        ->check(expect_at_least<std::int64_t>(0, "steps"));
 
     AdviseOptions advise_options;
     auto* advise_command = app.add_subcommand(
@@ -126,13 +155,16 @@ int command(int argc, const char* const* argv) {
         "rad, against\nan integration in long double; with contacts, against two fine runs in double precision that "
         "must agree to a tenth of E.\nThe cost is in instructions of the core in QEMU for a simulated second. Steps "
         "are "
-        "the scene's times powers of two, at which\nevery event keeps its time. About 8 s of building for each method "
-        "measured; narrow the search to shorten it.\nExit status: 0 something reaches E, 1 nothing does, 2 bad input.");
+        "the scene's times powers of two, at which\nevery event keeps its time. Each method that is measured is "
+        "built for the core; narrow the search to shorten that.\nExit status: 0 something reaches E, 1 nothing does, 2 "
+        "bad input.");
     advise_command->add_option("scene", advise_options.scene, "scene file (TOML)")->required()->type_name("SCENE.toml");
     advise_command->add_option("--core", advise_options.core, "a core of `tumble list`")->required()->type_name("NAME");
     advise_command->add_option("--tolerance", advise_options.tolerance, "the largest error, in m and in rad")
         ->required()
-        ->type_name("E");
+        ->type_name("E")
+        ->check(expect_number<double>("a positive number, of metres and of radians",
+                                      [](double error) { return std::isfinite(error) && error > 0; }));
     advise_command->add_option("--integrators", advise_options.integrators, "search only these; see `tumble list`")
         ->delimiter(',')
         ->type_name("NAME,...");
@@ -140,7 +172,8 @@ int command(int argc, const char* const* argv) {
         ->delimiter(',')
         ->type_name("q32,f32,f64");
     advise_command->add_option("--duration", advise_options.duration, "length of the run in s, instead of the scene's")
-        ->type_name("T");
+        ->type_name("T")
+        ->check(expect_duration());
     advise_command->add_flag("--all", advise_options.all, "measure also what cannot be the cheapest");
     advise_command->add_flag("--json", advise_options.json, "print one JSON object");
 

@@ -109,7 +109,8 @@ int compare(const CompareOptions& options) {
     const SceneDescription scene = options.read();
     if (options.flip && (*options.flip < 0 || *options.flip > scene.steps() ||
                          (*options.flip % options.every != 0 && *options.flip != scene.steps())))
-        throw BadArgument("--flip: expected a step that is recorded: a multiple of --every, up to " +
+        throw BadArgument("--flip: got " + std::to_string(*options.flip) +
+                          ", expected a step that is recorded: a multiple of --every, up to " +
                           std::to_string(scene.steps()));
     const fs::path source = TUMBLE_SOURCE_DIR, build = source / "build/compare" / options.core;
     fs::create_directories(build);

@@ -233,7 +233,7 @@ int compile(const CompileOptions& options) {
         return std::cout.good() ? done : failed;
     }
     std::ofstream file(options.output);
-    if (!file) throw BadArgument("--output: cannot write " + options.output);
+    if (!file) throw BadArgument("--output: cannot write " + options.output + ", expected a file that can be written");
     file << header;
     file.close();
     if (!file) throw std::runtime_error("--output: writing " + options.output + " failed");

@@ -1,4 +1,6 @@
 // `tumble list`.
+#include <tumble/integrators/method.hpp>
+
 #include <algorithm>
 #include <fstream>
 #include <iomanip>
@@ -33,15 +35,24 @@ void print_range(const char* name) {
               << R::spin << " rad/s\n";
 }
 
+// "2", and where rotation without torques has another order, "2 (free 6)".
+std::string order_of(const IntegratorInfo& info) {
+    std::string order = std::to_string(info.order);
+    if (info.free_order == no_truncation) order += " (free exact)";
+    else if (info.free_order != info.order) order += " (free " + std::to_string(info.free_order) + ")";
+    return order;
+}
+
 }  // namespace
 
 int list() {
-    std::cout << "integrators           order  needs, beyond what loads and contacts do\n" << std::left;
+    std::cout << std::left << std::setw(22) << "integrators" << std::setw(16) << "order"
+              << "needs, beyond what loads and contacts do; free: without torques\n";
     for (const IntegratorInfo& info : integrators()) {
-        std::cout << "  " << std::setw(20) << info.name << std::setw(7) << info.order
+        std::cout << "  " << std::setw(20) << info.name << std::setw(16) << order_of(info)
                   << (info.needs.empty() ? "-" : info.needs) << "\n";
         if (!info.not_in_fixed_point.empty())
-            std::cout << "  " << std::setw(27) << ""
+            std::cout << std::setw(38) << ""
                       << "not in q32, because " << info.not_in_fixed_point << "\n";
     }
     std::cout << "\nnumber systems        with --carry on or off\n";

@@ -1,6 +1,7 @@
 #include "plot.hpp"
 
 #include <algorithm>
+#include <fstream>
 
 #include "process.hpp"
 #include "text.hpp"
@@ -38,8 +39,7 @@ void Plot::sample(const Simulation& simulation, const Energy& energy) {
 }
 
 void Plot::write(const std::string& path, const SceneDescription& scene) const {
-    std::string script =
-        "set terminal svg size 900,1000 background 'white'\nset output " + in_gnuplot_quotes(path) + "\n";
+    std::string script = "set terminal svg size 900,1000 background 'white'\n";
     for (std::size_t b = 0; b < body_rows_.size(); ++b)
         script += "$body" + std::to_string(b) + " << EOD\n" + body_rows_[b] + "EOD\n";
     script += "$energy << EOD\n" + energy_rows_ + "EOD\n";
@@ -62,11 +62,17 @@ void Plot::write(const std::string& path, const SceneDescription& scene) const {
               "plot $energy using 1:2 with lines title 'kinetic', '' using 1:3 with lines title 'potential', '' using "
               "1:4 with lines title 'total'\n"
               "unset multiplot\n";
-    std::string messages;
-    const int status = Process({"gnuplot"}, script, Process::Errors::merge).wait(&messages);
+    Process gnuplot({"gnuplot"}, script, Process::Errors::keep);
+    std::string svg;
+    const int status = gnuplot.wait(&svg);
     if (status == 127)
         throw std::runtime_error("--plot: gnuplot not found; install it (Debian: apt install gnuplot-nox)");
-    if (status != 0) throw std::runtime_error("--plot: gnuplot failed:\n" + messages);
+    if (status != 0) throw std::runtime_error("--plot: gnuplot failed:\n" + gnuplot.errors());
+    // Gnuplot itself would not say that its file could not be written.
+    std::ofstream file(path);
+    file << svg;
+    file.close();
+    if (!file) throw std::runtime_error("--plot: writing " + path + " failed");
 }
 
 }  // namespace tumble::host

@@ -14,7 +14,7 @@ public:
     explicit Plot(const Simulation& simulation);
     void sample(const Simulation& simulation, const Energy& energy);
 
-    // Draws with gnuplot; throws std::runtime_error when that fails.
+    // Draws with gnuplot; throws std::runtime_error when that or writing the file fails.
     void write(const std::string& path, const SceneDescription& scene) const;
 
 private:

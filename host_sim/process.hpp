@@ -12,9 +12,10 @@ namespace tumble::host {
 
 class Process {
 public:
-    enum class Errors { pass, merge };  // standard error: ours, or into what is read
+    enum class Errors { pass, merge, keep };  // standard error: ours, into what is read, or for errors()
 
     // Starts `command` (looked up in PATH) and gives it `input`. A command that cannot be started ends with status 127.
+    // A signal that ends this program (not SIGKILL) ends the child first, with all that it has started.
     explicit Process(const std::vector<std::string>& command, std::string_view input = {},
                      Errors errors = Errors::pass);
     // Ends the child if it still runs.
@@ -28,8 +29,12 @@ public:
     // Reads what is left, and waits. The exit status, or 128 + the signal's number.
     [[nodiscard]] int wait(std::string* rest = nullptr);
 
+    // What has come from standard error so far, if it is kept.
+    [[nodiscard]] std::string errors() const;
+
 private:
     pid_t child_ = -1;
+    int errors_ = -1;
     std::FILE* output_ = nullptr;
 };
 

@@ -40,7 +40,7 @@ class Trajectory {
 public:
     Trajectory(const std::string& path, std::int64_t every, const SceneDescription& scene)
         : path_(path), file_(path), every_(every) {
-        if (!file_) throw BadArgument("--trajectory: cannot write " + path);
+        if (!file_) throw BadArgument("--trajectory: cannot write " + path + ", expected a file that can be written");
         for (const BodyDescription& body : scene.bodies) names_.push_back(csv_field(body.name));
         file_ << "time_s,body,x,y,z,vx,vy,vz,qw,qx,qy,qz,wx,wy,wz\n";
     }
@@ -145,7 +145,8 @@ int run(const RunOptions& options) {
     if (!options.trajectory.empty()) trajectory.emplace(options.trajectory, options.every, scene);
     std::optional<Plot> plot;
     if (!options.plot.empty()) {
-        if (!std::ofstream(options.plot, std::ios::app)) throw BadArgument("--plot: cannot write " + options.plot);
+        if (!std::ofstream(options.plot, std::ios::app))
+            throw BadArgument("--plot: cannot write " + options.plot + ", expected a file that can be written");
         plot.emplace(*simulation);
     }
 

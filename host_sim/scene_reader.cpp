@@ -723,10 +723,10 @@ ForceDescription read_force(Table table, const SceneDescription& scene) {
     return force;
 }
 
-// Adds a named thing to a list in which names are unique.
+// Adds a named thing to its list; no other may have its name, whatever it is.
 template <class T>
-void add_named(std::vector<T>& list, T item, Table& table) {
-    if (std::any_of(list.begin(), list.end(), [&item](const T& other) { return other.name == item.name; }))
+void add_named(std::vector<T>& list, T item, Table& table, std::set<std::string>& names) {
+    if (!names.insert(item.name).second)
         table.at("name").fail("the name " + in_quotes(item.name) + " is taken", "a name of its own");
     list.push_back(std::move(item));
 }
@@ -786,8 +786,9 @@ SceneDescription read_root(Table root, const std::string& file) {
     read_world(*world, scene);
     if (range) read_range(*range, scene.range);
     if (contact) read_contact(*contact, scene.contact);
-    for (Table table : planes) add_named(scene.planes, read_plane(table), table);
-    for (Table table : bodies) add_named(scene.bodies, read_body(table, scene.range), table);
+    std::set<std::string> names;
+    for (Table table : planes) add_named(scene.planes, read_plane(table), table, names);
+    for (Table table : bodies) add_named(scene.bodies, read_body(table, scene.range), table, names);
     for (const Table& table : springs) scene.springs.push_back(read_spring(table, scene));
     for (const Table& table : impulses) scene.impulses.push_back(read_impulse(table, scene));
     for (const Table& table : forces) scene.forces.push_back(read_force(table, scene));

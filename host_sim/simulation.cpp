@@ -48,6 +48,10 @@ std::size_t index_of(const SceneDescription& scene, std::string_view numbers, st
                                 listed(systems));
 }
 
+std::string acts_on_fixed(const BodyDescription& body) {
+    return "acts on body \"" + body.name + "\", which is fixed, so it has no effect";
+}
+
 using Maker = std::unique_ptr<Simulation> (*)(SceneData, std::string_view);
 template <std::size_t... index>
 constexpr std::array<Maker, sizeof...(index)> makers(std::index_sequence<index...>) {
@@ -78,7 +82,9 @@ const std::vector<IntegratorInfo>& integrators() {
             if constexpr (requires { Method::needs; }) needs = Method::needs;
             std::string not_in_fixed_point;
             if constexpr (requires { Method::not_in_fixed_point; }) not_in_fixed_point = Method::not_in_fixed_point;
-            infos.push_back({Method::name, type_name<Method>(), Method::order, needs, not_in_fixed_point});
+            int free_order = Method::order;
+            if constexpr (requires { Method::free_order; }) free_order = Method::free_order;
+            infos.push_back({Method::name, type_name<Method>(), Method::order, free_order, needs, not_in_fixed_point});
         });
         return infos;
     }();
@@ -132,9 +138,15 @@ std::vector<std::string> limitations(const SceneDescription& scene) {
     const auto number_of_steps = scene.steps();
     for (std::size_t i = 0; i < scene.impulses.size(); ++i) {
         const double step = scene.impulses[i].time / scene.step.seconds();
-        if (step >= static_cast<double>(number_of_steps) - 0.5)
-            list.push_back("impulse[" + std::to_string(i) +
-                           "] comes when the last step has been taken, so it has no effect");
+        const BodyDescription& body = scene.bodies[static_cast<std::size_t>(scene.impulses[i].body)];
+        const std::string impulse = "impulse[" + std::to_string(i) + "] ";
+        if (body.fixed) list.push_back(impulse + acts_on_fixed(body));
+        else if (step >= static_cast<double>(number_of_steps) - 0.5)
+            list.push_back(impulse + "comes when the last step has been taken, so it has no effect");
+    }
+    for (std::size_t i = 0; i < scene.forces.size(); ++i) {
+        const BodyDescription& body = scene.bodies[static_cast<std::size_t>(scene.forces[i].body)];
+        if (body.fixed) list.push_back("force[" + std::to_string(i) + "] " + acts_on_fixed(body));
     }
     if (scene.contact.response == ContactResponse::none) return list;
     if (scene.contact.sleep) list.push_back("contact.sleep is not simulated yet: bodies never sleep");

@@ -103,8 +103,8 @@ private:
 // What can be chosen.
 struct IntegratorInfo {
     std::string name;
-    std::string type;  // in C++, for example tumble::integrators::Rk4
-    int order = 0;
+    std::string type;                // in C++, for example tumble::integrators::Rk4
+    int order = 0, free_order = 0;   // with loads, and of torque-free rotation; no_truncation: exact
     std::string needs;               // of sqrt, division and trigonometry, beyond what loads and contacts need
     std::string not_in_fixed_point;  // why not; empty where it runs in every number system
 };

@@ -11,10 +11,19 @@ namespace tumble::bench {
 
 class JsonRow {
 public:
+    // Quotes, backslashes and control characters of the text are escaped.
     [[gnu::noinline]] void add(std::string_view key, std::string_view text) {
         name(key);
         port::write("\"");
-        port::write(text);
+        for (const char& c : text) {
+            if (c == '"' || c == '\\') port::write("\\");
+            if (static_cast<unsigned char>(c) < 0x20) {
+                const char escape[] = {'\\', 'u', '0', '0', hex_digits[c >> 4], hex_digits[c & 15]};
+                port::write(escape, sizeof escape);
+            } else {
+                port::write(&c, 1);
+            }
+        }
         port::write("\"");
     }
     [[gnu::noinline]] void add(std::string_view key, bool value) {
@@ -37,7 +46,7 @@ public:
     [[gnu::noinline]] void add_hex(std::string_view key, std::uint64_t value) {
         char digits[16];
         for (int i = 15; i >= 0; --i) {
-            digits[i] = "0123456789abcdef"[value & 15];
+            digits[i] = hex_digits[value & 15];
             value >>= 4;
         }
         add(key, std::string_view{digits, 16});
@@ -45,6 +54,7 @@ public:
     void write() { port::write("}\n"); }
 
 private:
+    static constexpr char hex_digits[] = "0123456789abcdef";
     [[gnu::noinline]] void name(std::string_view key) {
         port::write(first_ ? "{\"" : ", \"");
         first_ = false;

@@ -14,6 +14,8 @@
 #include "json_row.hpp"
 #include "port.hpp"
 
+#include <new>
+
 namespace {
 
 using Recorded = tumble::scenes::TUMBLE_SCENE;

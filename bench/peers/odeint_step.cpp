@@ -1,5 +1,10 @@
-// What a step of the peer costs on this core: one row, as the kernel's own firmware prints it.
-#include "odeint_top.hpp"
+// What a step of the peer costs on this core: one row, as the kernel's own firmware prints it. Its state hash is for
+// the host to check.
+#include <tumble/tumble.hpp>
+
+#include "odeint.hpp"
+
+#include TUMBLE_SCENE_HEADER
 
 #include "json_row.hpp"
 #include "port.hpp"
@@ -14,33 +19,44 @@ void throw_exception(const std::exception&, const source_location&) { __builtin_
 std::ios_base::Init::Init() = default;
 std::ios_base::Init::~Init() = default;
 
+// Where the C library's square root of a negative number would be reported.
+extern "C" int* __errno() {
+    static int number;
+    return &number;
+}
+
 namespace {
 
+using Recorded = tumble::scenes::TUMBLE_SCENE;
 using Number = TUMBLE_PEER_NUMBER;
-tumble::bench::OdeintTop<tumble::bench::TUMBLE_PEER_STEPPER, Number> top{{1, 2, 3}, {1, 1, 1}, Number(1) / 256};
+using Equations = tumble::bench::TUMBLE_PEER_EQUATIONS;
+using Run = tumble::bench::OdeintRun<tumble::bench::TUMBLE_PEER_STEPPER, Equations>;
 
-[[gnu::noinline]] void step_top() { top.step(); }
+Run run{Recorded{}, tumble::bench::as<Number>(Recorded::step.value)};
+
+[[gnu::noinline]] void step_run() { run.step(); }
 
 }  // namespace
 
 int main() {
     using namespace tumble;
     port::init();
-    constexpr std::uint32_t steps = 256;
+    constexpr std::uint32_t steps = Recorded::steps < 256 ? Recorded::steps : 256;
     std::uint64_t total = 0;
     for (std::uint32_t i = 0; i < steps; ++i) {
         const port::Instant before = port::ticks();
-        step_top();
+        step_run();
         total += port::elapsed(before, port::ticks());
     }
     bench::JsonRow row;
-    row.add("scene", "generic top");
+    row.add("scene", Recorded::name);
     row.add("core", port::core());
     row.add("numbers", sizeof(Number) == 4 ? "f32" : "f64");
     row.add("carry", false);
     row.add("integrator", TUMBLE_PEER_NAME);
     row.add("steps", steps);
     row.add("insn_per_step", (total + steps / 2) / steps);
+    row.add_hex("state_hash", run.hash());
     row.write();
     return 0;
 }

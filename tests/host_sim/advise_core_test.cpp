@@ -47,5 +47,17 @@ TEST(Advise, cheapest_method_on_a_core_keeps_the_tolerance) {
     EXPECT_EQ(errors.orientation_rad, best["orientation_error_rad"]);
 }
 
+// Carry adds work, yet a core may take less for it.
+TEST(Advise, twin_with_carry_of_the_cheapest_is_measured_too) {
+    const Outcome outcome = tumble({"advise", shipped("free"), "--core", "cortex-m3", "--tolerance", "1e-4",
+                                    "--integrators", "pdmv4", "--numbers", "q32", "--json"},
+                                   Process::Errors::pass);
+    ASSERT_EQ(outcome.status, 0) << outcome.text;
+    const Json json = Json::parse(outcome.text);
+    ASSERT_EQ(json["ranking"].size(), 2u) << outcome.text;
+    EXPECT_NE(json["ranking"][0]["carry"], json["ranking"][1]["carry"]);
+    EXPECT_LE(json["ranking"][0]["insn_per_simulated_second"], json["ranking"][1]["insn_per_simulated_second"]);
+}
+
 }  // namespace
 }  // namespace tumble::host

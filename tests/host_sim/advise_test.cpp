@@ -186,17 +186,21 @@ TEST(Advise, bad_input_names_the_option_and_what_was_expected) {
     };
     expect({"advise", scene, "--core", "cortex-m9", "--tolerance", "1e-3"},
            "--core: got \"cortex-m9\", expected one of cortex-m0, cortex-m3");
-    expect({"advise", scene, "--core", "cortex-m3", "--tolerance", "0"}, "--tolerance: got 0, expected a positive");
-    expect({"advise", scene, "--core", "cortex-m3", "--tolerance", "-1"}, "--tolerance: got -1, expected a positive");
-    expect({"advise", scene, "--core", "cortex-m3", "--tolerance", "inf"}, "--tolerance: got inf, expected a positive");
-    expect({"advise", scene, "--core", "cortex-m3", "--tolerance", "small"}, "--tolerance");
+    expect({"advise", scene, "--core", "cortex-m3", "--tolerance", "0"}, "--tolerance: got \"0\", expected a positive");
+    expect({"advise", scene, "--core", "cortex-m3", "--tolerance", "-1"},
+           "--tolerance: got \"-1\", expected a positive");
+    expect({"advise", scene, "--core", "cortex-m3", "--tolerance", "inf"},
+           "--tolerance: got \"inf\", expected a positive");
+    expect({"advise", scene, "--core", "cortex-m3", "--tolerance", "small"},
+           "--tolerance: got \"small\", expected a positive");
     expect({"advise", scene, "--core", "cortex-m3"}, "--tolerance is required");
     expect({"advise", scene, "--tolerance", "1e-3"}, "--core is required");
     expect({"advise", scene, "--core", "cortex-m3", "--tolerance", "1", "--integrators", "rk4,rk5"},
            "unknown integrator \"rk5\", expected one of explicit_euler");
     expect({"advise", scene, "--core", "cortex-m3", "--tolerance", "1", "--numbers", "q31"},
            "unknown number system \"q31\", expected one of q32, f32, f64");
-    expect({"advise", scene, "--core", "cortex-m3", "--tolerance", "1", "--duration", "-1"}, "--duration: expected");
+    expect({"advise", scene, "--core", "cortex-m3", "--tolerance", "1", "--duration", "-1"},
+           "--duration: got \"-1\", expected");
     expect({"advise", scene, "--core", "cortex-m3", "--tolerance", "1", "--duration", "0"}, "duration: got 0 s");
     expect({"advise", "missing.toml", "--core", "cortex-m3", "--tolerance", "1"}, "missing.toml");
     expect({"advise", written("bad.toml", "name = 3\n"), "--core", "cortex-m3", "--tolerance", "1"},

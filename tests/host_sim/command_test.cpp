@@ -1,5 +1,11 @@
 // The command `tumble` as its contract says: options, output, and the exit statuses 0 done, 1 failed, 2 bad input.
+#include <poll.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
 #include <algorithm>
+#include <array>
 #include <set>
 #include <sstream>
 
@@ -130,6 +136,16 @@ TEST(Run, plot_is_an_svg) {
     EXPECT_TRUE(has(svg, "planet x"));
 }
 
+TEST(Run, a_file_that_cannot_be_written_to_the_end_is_a_failure) {
+    if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "no /dev/full";
+    for (const std::string option : {"--trajectory", "--plot"}) {
+        const Outcome outcome = tumble({"run", shipped("orbit"), option, "/dev/full"});
+        if (has(outcome.text, "gnuplot not found")) GTEST_SKIP() << outcome.text;
+        EXPECT_EQ(outcome.status, 1) << outcome.text;
+        EXPECT_TRUE(has(outcome.text, option + ": writing /dev/full failed")) << outcome.text;
+    }
+}
+
 TEST(Run, leaving_the_range_fails_with_body_time_and_status) {
     const Outcome outcome = tumble({"run", written("falling.toml", falling)});
     EXPECT_EQ(outcome.status, 1);
@@ -186,24 +202,39 @@ INSTANTIATE_TEST_SUITE_P(
                 "integrator \"exact\" does not run in q32, because "},
         BadCall{{"run", shipped("brick"), "--numbers", "q16"},
                 "unknown number system \"q16\", expected one of q32, f32, f64"},
-        BadCall{{"run", shipped("brick"), "--carry", "maybe"}, "--carry"},
-        BadCall{{"run", shipped("brick"), "--step", "-1"}, "--step"},
-        BadCall{{"run", shipped("brick"), "--step", "1/0"}, "--step"},
-        BadCall{{"run", shipped("brick"), "--duration", "-1"}, "--duration"},
-        BadCall{{"run", shipped("brick"), "--duration", "nan"}, "--duration"},
+        BadCall{{"run", shipped("brick"), "--carry", "maybe"}, "--carry: got \"maybe\", expected on or off"},
+        BadCall{{"run", shipped("brick"), "--step", "-1"}, "--step: got \"-1\", expected a positive number"},
+        BadCall{{"run", shipped("brick"), "--step", "1/0"}, "--step: got \"1/0\", expected a positive number"},
+        BadCall{{"run", shipped("brick"), "--step", ""}, "--step: got \"\", expected a positive number"},
+        BadCall{{"run", shipped("brick"), "--duration", "-1"}, "--duration: got \"-1\", expected a number of seconds"},
+        BadCall{{"run", shipped("brick"), "--duration", "nan"},
+                "--duration: got \"nan\", expected a number of seconds"},
+        BadCall{{"run", shipped("brick"), "--duration", "2s"}, "--duration: got \"2s\", expected a number of seconds"},
         BadCall{{"run", shipped("brick"), "--duration", "1e12"}, "2^31 steps"},
-        BadCall{{"run", shipped("brick"), "--every", "0"}, "--every"},
+        BadCall{{"run", shipped("brick"), "--every", "0"},
+                "--every: got \"0\", expected a whole number of steps >= 1\n"},
+        BadCall{{"run", shipped("brick"), "--every", "1.5"}, "--every: got \"1.5\", expected a whole number of steps"},
+        BadCall{{"run", shipped("brick"), "--trajectory", ""}, "--trajectory: got \"\", expected the name of a file"},
+        BadCall{{"run", shipped("brick"), "--plot", ""}, "--plot: got \"\", expected the name of a file"},
         BadCall{{"run", shipped("brick"), "--trajectory", "/no/where.csv"}, "/no/where.csv"},
         BadCall{{"compile", shipped("brick"), "-o", "/no/where.hpp"}, "/no/where.hpp"},
+        BadCall{{"compile", shipped("brick"), "-o", ""}, "--output: got \"\", expected the name of a file"},
         BadCall{{"compare", shipped("brick")}, "--core"},
         BadCall{{"compare", shipped("brick"), "--core", "z80"}, "got \"z80\", expected one of cortex-m0, "},
-        BadCall{{"compare", shipped("brick"), "--core", "cortex-m3", "--every", "16", "--flip", "17"}, "--flip"}));
+        BadCall{{"compare", shipped("brick"), "--core", "cortex-m3", "--every", "16", "--flip", "17"},
+                "--flip: got 17, expected a step that is recorded"},
+        BadCall{{"compare", shipped("brick"), "--core", "cortex-m3", "--flip", "-1"}, "--flip: got \"-1\", expected"},
+        BadCall{{"compare", shipped("brick"), "--core", "cortex-m3", "--every", "0"},
+                "--every: got \"0\", expected a whole number of steps >= 1\n"},
+        BadCall{{"compare", shipped("brick"), "--core", "cortex-m3", "--timeout", "0"},
+                "--timeout: got \"0\", expected a whole number of seconds >= 1\n"}));
 
 TEST(Command, help_is_not_an_error) {
     for (const auto* topic : {"run", "compile", "compare", "list"})
         EXPECT_EQ(tumble({topic, "--help"}).status, 0) << topic;
     EXPECT_TRUE(has(tumble({"compare", "--help"}).text, "--flip"));
     EXPECT_TRUE(has(tumble({"--help"}).text, "Exit status"));
+    EXPECT_FALSE(has(tumble({"run", "--help"}).text, "00000000"));  // the limits of a double, digit by digit
 }
 
 // --- what is not simulated -------------------------------------------------------------------------------------------
@@ -266,6 +297,12 @@ TEST(Limits, what_is_not_simulated_is_warned_of) {
     };
     EXPECT_TRUE(has(output("", impulse_at("0.1")), "warning: "));
     EXPECT_FALSE(has(output("", impulse_at("0.099")), "warning: "));
+    const std::string fixed = body_of("a", "sphere = 1.0") + "fixed = true\n";
+    const std::string force = "[[force]]\nbody = \"a\"\nuntil = 0.1\nforce = [1.0, 0.0, 0.0]\n";
+    EXPECT_TRUE(has(output("", fixed + "[[impulse]]\ntime = 0.0\nbody = \"a\"\nimpulse = [1.0, 0.0, 0.0]\n"),
+                    "impulse[0] acts on body \"a\", which is fixed, so it has no effect"));
+    EXPECT_TRUE(has(output("", fixed + force), "force[0] acts on body \"a\", which is fixed"));
+    EXPECT_FALSE(has(output("", body_of("a", "sphere = 1.0") + force), "warning: "));
 }
 
 // --- list ------------------------------------------------------------------------------------------------------------
@@ -277,6 +314,57 @@ TEST(List, names_integrators_number_systems_ranges_and_cores) {
     EXPECT_TRUE(has(outcome.text, "not in q32, because " + find_integrator("exact").not_in_fixed_point));
     for (const auto* part : {"q32", "f32", "f64", "near", "room", "field", "32768 m", "cortex-m0", "mps2-an385"})
         EXPECT_TRUE(has(outcome.text, part)) << part;
+}
+
+TEST(List, shows_the_order_of_free_rotation_where_it_differs) {
+    const auto lines = lines_of(tumble({"list"}).text);
+    const std::size_t column = lines.at(0).find("needs");
+    std::size_t rows = 0;
+    for (const std::string& line : lines) {
+        for (const IntegratorInfo& info : integrators()) {
+            if (!line.starts_with("  " + info.name + " ")) continue;
+            ++rows;
+            ASSERT_GT(line.size(), column);
+            EXPECT_EQ(line.substr(column - 1, 1), " ") << line;
+            EXPECT_NE(line.substr(column, 1), " ") << line;
+            EXPECT_EQ(has(line, " 2 (free 6) "), info.name == "pdmv6") << line;
+            EXPECT_EQ(has(line, " 2 (free exact) "), info.name == "exact") << line;
+            EXPECT_EQ(has(line, "(free "), info.free_order != info.order) << line;
+        }
+    }
+    EXPECT_EQ(rows, integrators().size());
+}
+
+// --- processes -------------------------------------------------------------------------------------------------------
+
+TEST(Process, a_signal_that_ends_this_program_ends_its_children_and_theirs) {
+    std::array<int, 2> held{};  // its writing end stays open for as long as one of them runs
+    ASSERT_EQ(pipe(held.data()), 0);
+    const pid_t program = fork();
+    ASSERT_GE(program, 0);
+    if (program == 0) {
+        Process child({"sh", "-c", "sleep 60 & echo started; wait"});
+        std::string line;
+        (void)child.read_line(line);
+        raise(SIGTERM);
+        _exit(0);
+    }
+    close(held[1]);
+    int status = 0;
+    ASSERT_EQ(waitpid(program, &status, 0), program);
+    EXPECT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == SIGTERM) << status;
+    pollfd end{held[0], POLLIN, 0};
+    EXPECT_EQ(poll(&end, 1, 10000), 1) << "something runs on";
+    close(held[0]);
+}
+
+TEST(Process, input_and_output_larger_than_a_pipe_pass_through) {
+    std::string input, output;
+    for (int i = 0; i < 100000; ++i) input += "line " + std::to_string(i) + "\n";
+    Process child({"sh", "-c", "cat; echo done >&2"}, input, Process::Errors::keep);
+    EXPECT_EQ(child.wait(&output), 0);
+    EXPECT_EQ(output, input);
+    EXPECT_EQ(child.errors(), "done\n");
 }
 
 // --- compile ---------------------------------------------------------------------------------------------------------

@@ -2,6 +2,8 @@
 #include "references.hpp"
 #include "tolerances.hpp"
 
+#include <utility>
+
 namespace tumble::test {
 namespace {
 
@@ -16,9 +18,10 @@ const std::vector<Motion>& reference_of_the_top() {
     return motions;
 }
 
-Number error_of(std::string_view method, std::string_view system) {
-    const auto world = build(free_top({1, 256}), method, system);
-    const Number error = orientation_error(*world, reference_of_the_top(), steps_per_sample);
+Number error_of(std::string_view method, std::string_view system, Seconds step = {1, 256},
+                int steps = steps_per_sample) {
+    const auto world = build(free_top(step), method, system);
+    const Number error = orientation_error(*world, reference_of_the_top(), steps);
     EXPECT_TRUE(world->status().ok());
     testing::Test::RecordProperty("orientation_error_rad", std::to_string(error * 1e9L) + "e-9");
     std::printf("%.*s %.*s: orientation error %.3Lg rad\n", static_cast<int>(method.size()), method.data(),
@@ -64,6 +67,18 @@ TEST(accuracy, verlet_q32_orients_the_top_as_well_as_verlet_f64) {
     const Number exact_arithmetic = error_of("verlet", "f64");
     EXPECT_LE(exact_arithmetic, tolerance::top_verlet_f64);
     EXPECT_LE(std::abs(error_of("verlet", "q32_near") / exact_arithmetic - 1), tolerance::top_verlet_q32_excess);
+}
+
+// 0.005 s has no end in binary digits.
+Number error_at_5_ms(std::string_view method, std::string_view system) {
+    return error_of(method, system, Seconds{Real{0.005}}, 50);
+}
+TEST(accuracy, verlet_q32_orients_the_top_as_well_as_verlet_f64_at_a_decimal_step) {
+    EXPECT_LE(std::abs(error_at_5_ms("verlet", "q32_near") / error_at_5_ms("verlet", "f64") - 1),
+              tolerance::decimal_step_verlet_q32_excess);
+}
+TEST(accuracy, rk4_q32_orients_the_top_at_a_decimal_step_as_at_a_binary_one) {
+    EXPECT_LE(error_at_5_ms("rk4", "q32_near"), tolerance::decimal_step_rk4_q32_growth * error_of("rk4", "q32_near"));
 }
 
 // The generic top, rates (1, 1, 1), 20 s.
@@ -117,18 +132,19 @@ TEST(accuracy, rk4_q32_orients_the_top_to_1e_4_rad_after_1000_s) {
 }
 
 TEST(accuracy, pdmv_keeps_energy_over_a_million_steps) {
-    for (const char* system : {"q32_near", "f64"}) {
-        SceneSetup setup = free_top(Seconds{1, 256});
+    const std::pair<const char*, const char*> cases[] = {
+        {"pdmv6", "q32_near"}, {"pdmv4", "f64"}, {"pdmv6", "f64"}, {"pdmv8", "f64"}, {"pdmv10", "f64"}};
+    for (const auto& [method, system] : cases) {
         const Vector moments{1, 2, 3};
-        const auto world = build(setup, "pdmv6", system);
+        const auto world = build(free_top({1, 256}), method, system);
         const Number start = spin_energy(world->motion(0), moments);
         Number worst = 0;
         for (int i = 0; i < 100; ++i) {
             world->run(10000);
             worst = std::max(worst, std::abs(spin_energy(world->motion(0), moments) / start - 1));
         }
-        std::printf("pdmv6 %s: energy off by %.2Lg at most in 1e6 steps\n", system, worst);
-        EXPECT_LE(worst, system == std::string_view{"f64"} ? 1e-12L : 1e-6L) << system;
+        std::printf("%s %s: energy off by %.2Lg at most in 1e6 steps\n", method, system, worst);
+        EXPECT_LE(worst, system == std::string_view{"f64"} ? 1e-12L : 1e-6L) << method << " " << system;
         EXPECT_TRUE(world->status().ok());
     }
 }

@@ -72,7 +72,7 @@ public:
     void set_forces(Span<Thrust<N>> forces) requires S::forces { loads_.set_forces(forces); }
 
     // Changes the body's momentum by `impulse` (N s, world frame) at a point of it (m, user's body axes); at once, and
-    // once. The position is unchanged. About 2000 instructions on a Cortex-M3.
+    // once. The position is unchanged.
     void apply_impulse(BodyId id, RealVec3 impulse, RealVec3 point = {}) {
         apply({0, static_cast<std::int16_t>(id.index()), Frame::world, work_vector<N>(impulse), zero_vector<N>(),
                bodies_.principal_vector(id.index(), point)});
@@ -328,7 +328,9 @@ private:
     [[nodiscard]] static constexpr Work min_portion() { return N::template constant<Work>(Real::scaled(1, -20)); }
 
     // Redoes the flight from `start` until the gap is at `level`; returns the portion of the step flown. Illinois'
-    // variant of the secant method: the bracket [0, remaining] has gaps of opposite sign and never loses the root.
+    // variant of the secant method: the bracket [0, remaining] has gaps of opposite sign and never loses the root. A
+    // body that starts at the level or below it has no such bracket: half the tolerance stands for its gap, so that the
+    // search begins near the start.
     Work land(const Unit& unit, const StepInfo<N>& info, const Saved& start, Work remaining, Work gap_low,
               Work gap_high, Work level) {
         Work low(0), high = remaining;

@@ -5,7 +5,9 @@
 
 #include <tumble/numbers/eigen.hpp>
 
+#include <cstddef>
 #include <new>
+#include <type_traits>
 
 namespace tumble {
 
@@ -67,15 +69,14 @@ struct BodyState {
 template <class State, int capacity>
 class StateCopies {
 public:
-    StateCopies() {}
-    void keep(int k, const State& state) { new (&state_[k]) State{state}; }
-    [[nodiscard]] const State& operator[](int k) const { return state_[k]; }
-    [[nodiscard]] const State* first() const { return state_; }
+    void keep(int k, const State& state) { first()[k] = state; }
+    [[nodiscard]] const State& operator[](int k) const { return first()[k]; }
+    [[nodiscard]] State* first() { return std::launder(reinterpret_cast<State*>(storage_)); }
+    [[nodiscard]] const State* first() const { return std::launder(reinterpret_cast<const State*>(storage_)); }
 
 private:
-    union {
-        State state_[capacity];
-    };
+    static_assert(std::is_aggregate_v<State> && std::is_trivially_copyable_v<State>);  // lives where it is assigned
+    alignas(State) std::byte storage_[sizeof(State) * capacity];
 };
 
 }  // namespace tumble

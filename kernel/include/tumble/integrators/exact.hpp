@@ -51,7 +51,7 @@ public:
         return inertia;
     }
 
-    // Finds the constants of the motion for a body's spin. Five square roots and four divisions, and two of each for
+    // Finds the constants of the motion for a body's spin. Five square roots and three divisions, and two of each for
     // every doubling: one for each factor of two by which half a step turns the body by more than about 1/16 rad.
     [[gnu::noinline]] void prepare(const BodyState<N, Spin::angular_momentum>& body, typename N::Scale) {
         const T m_x = N::sum(body.t_b.x), m_y = N::sum(body.t_b.y), m_z = N::sum(body.t_b.z);
