@@ -47,8 +47,7 @@ advise: build
 	build/host/tumble advise $(SCENE) --core $(CORE) --tolerance $(TOLERANCE) $(ARGS)
 
 ## bench: insn per step, text, RAM and stack of the benchmark scenes on every core and the host, into bench/results
-bench: build
-	@port/setup bench
+bench: build valgrind
 	build/host/bench/tumble_matrix host_sim/scenes/free.toml --cores $(subst $(space),$(comma),$(CORES) host) --results bench/results/free.jsonl
 	build/host/bench/tumble_matrix host_sim/scenes/cube.toml --accuracy \
 	    --integrators explicit_euler,implicit_euler,heun,midpoint,rk4,verlet --results bench/results/cube.jsonl
@@ -69,8 +68,7 @@ LOADS_NUMBERS := q32,f32_plain,f64
 LOADS_METHODS := --integrators explicit_euler,semi_implicit_euler,implicit_euler,implicit_midpoint,midpoint,heun,rk4,verlet,suzuki4
 cost-of-heavy_top: LOADS_METHODS :=
 .PHONY: $(LOADS:%=cost-of-%)
-$(LOADS:%=cost-of-%): cost-of-%: build
-	@port/setup bench
+$(LOADS:%=cost-of-%): cost-of-%: build valgrind
 	build/host/bench/tumble_matrix bench/problems/$*.toml --cores $(LOADS_CORES) --numbers $(LOADS_NUMBERS) $(LOADS_METHODS) --results build/results/cost_of_$*.jsonl
 work-precision-loads: $(LOADS:%=cost-of-%)
 	cat $(LOADS:%=build/results/cost_of_%.jsonl) > bench/results/loads.jsonl
@@ -139,6 +137,11 @@ sanitize: setup
 	@test -f build/sanitize/build.ninja || cmake --preset host-debug-sanitize > /dev/null
 	@cmake --build build/sanitize
 	ctest --test-dir build/sanitize --output-on-failure --no-tests=error -j $(JOBS) -LE "qemu|compilers"
+
+# What counts the host's instructions.
+.PHONY: valgrind
+valgrind:
+	@port/setup bench
 
 ## setup: install what is missing (Debian packages, with sudo when not root)
 setup:

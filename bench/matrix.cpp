@@ -3,6 +3,7 @@
 // makes the whole run fail; so does a firmware that faults or does not end.
 #include "command.hpp"
 #include "firmware.hpp"
+#include "progress.hpp"
 #include "rows.hpp"
 #include "text.hpp"
 #include "variants.hpp"
@@ -15,7 +16,6 @@
 #include <iostream>
 #include <mutex>
 #include <optional>
-#include <unistd.h>
 
 namespace {
 
@@ -30,26 +30,6 @@ std::vector<std::string> all_cores() {
     for (const auto& core : tumble::host::cores()) names.push_back(core.name);
     return names;
 }
-
-// One line that is rewritten on a terminal; plain lines elsewhere, one for each tenth.
-class Progress {
-public:
-    explicit Progress(std::size_t total) : total_{total} {}
-    void step(const std::string& what) {
-        const std::lock_guard lock{mutex_};
-        ++done_;
-        if (isatty(2) != 0) {
-            std::fprintf(stderr, "\r[%zu/%zu] %-60.60s", done_, total_, what.c_str());
-            if (done_ == total_) std::fputc('\n', stderr);
-        } else if (done_ * 10 / total_ != (done_ - 1) * 10 / total_) {
-            std::fprintf(stderr, "[%zu/%zu] %s\n", done_, total_, what.c_str());
-        }
-    }
-
-private:
-    std::size_t total_, done_ = 0;
-    std::mutex mutex_;
-};
 
 struct Job {
     std::string core;
@@ -127,7 +107,7 @@ int main(int argc, char** argv) try {
     std::mutex answers_mutex;
     std::optional<tumble::bench::Flight> flight;
     if (accuracy) flight.emplace(scene);
-    Progress progress{choices.size() + cores.size() + jobs.size()};
+    tumble::bench::Progress progress{choices.size() + cores.size() + jobs.size()};
     in_parallel(choices.size(), [&](std::size_t i) {
         const auto& [variant, method] = choices[i];
         const auto simulation = tumble::host::make_simulation(scene, method, variant.numbers, variant.carry);

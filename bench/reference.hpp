@@ -15,7 +15,7 @@ class Flight {
 public:
     explicit Flight(const host::SceneDescription& scene);
 
-    // The largest over all bodies and all steps before the method itself has a body touch a plane.
+    // The largest over all bodies and steps until the method itself has a body touch a plane.
     [[nodiscard]] host::Errors error_of(const std::string& integrator, const std::string& numbers, bool carry) const;
 
 private:

@@ -3,13 +3,12 @@
 
 #include "firmware.hpp"
 #include "parallel.hpp"
+#include "progress.hpp"
 #include "scene_reader.hpp"
 #include "simulation.hpp"
 
 #include <algorithm>
-#include <cstdio>
 #include <iostream>
-#include <mutex>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -42,16 +41,13 @@ inline const std::vector<Variant>& variants = host::number_variants();
     return chosen;
 }
 
-// in_parallel, with a count of what is done on standard error.
+// in_parallel, telling how far it has come.
 inline void in_parallel_counted(const std::string& what, std::size_t count, const auto& work) {
-    std::mutex mutex;
-    std::size_t done = 0;
+    Progress progress{count};
     in_parallel(count, [&](std::size_t i) {
         work(i);
-        const std::lock_guard lock{mutex};
-        std::fprintf(stderr, "\r%s: %zu/%zu ", what.c_str(), ++done, count);
+        progress.step(what);
     });
-    std::fputc('\n', stderr);
 }
 
 // For the handler of a main: says on standard error what went wrong, and returns the exit status.

@@ -22,9 +22,6 @@ function(tumble_add_step_firmware prefix)
     tumble_add_firmware_objects(steps-${group} SOURCES ${CMAKE_CURRENT_BINARY_DIR}/${group}.cpp OPTIONS ${options})
     target_include_directories(steps-${group} PRIVATE ${TUMBLE_STEP_DIR})
     foreach(method IN LISTS arg_METHODS)
-        file(CONFIGURE OUTPUT main_${method}.cpp @ONLY CONTENT
-            "int measure_@method@();\nint main() { return measure_@method@(); }\n")
-        tumble_add_firmware(${prefix}-${method}
-            SOURCES ${CMAKE_CURRENT_BINARY_DIR}/main_${method}.cpp $<TARGET_OBJECTS:steps-${group}>)
+        tumble_add_firmware_calling(${prefix}-${method} measure_${method} steps-${group})
     endforeach()
 endfunction()

@@ -1,0 +1,9 @@
+# tumble_add_firmware_calling(<name> <function> <objects>)
+#   makes the firmware <name> whose main is `int <function>()` of what tumble_add_firmware_objects(<objects> ...) has
+#   compiled: programs that share a compilation differ in the function only, and the linker drops the rest.
+include_guard(GLOBAL)
+
+function(tumble_add_firmware_calling name function objects)
+    file(CONFIGURE OUTPUT ${function}.cpp @ONLY CONTENT "int @function@();\nint main() { return @function@(); }\n")
+    tumble_add_firmware(${name} SOURCES ${CMAKE_CURRENT_BINARY_DIR}/${function}.cpp $<TARGET_OBJECTS:${objects}>)
+endfunction()
