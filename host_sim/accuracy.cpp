@@ -57,22 +57,25 @@ SampledRun sampled(Simulation& simulation, const SampledScene& scene, int step) 
     return run;
 }
 
-// The motion without contacts; empty when a body comes so near a plane that it may touch.
+// The motion without contacts; empty when a body comes so near a plane or another body that it may touch, or where a
+// barrier acts at any distance.
 std::optional<Samples> smooth_samples(const SampledScene& scene) {
-    // No longer than the scene's own step, so that a body cannot dive through a plane between two looks.
+    // No longer than the scene's own step, so that a body cannot dive through what it touches between two looks.
     const int number = std::min(0, scene.longest());
     const SceneDescription description = scene.with_step(number);
     const reference::Number length = long_seconds(description.step), band = description.contact.tolerance;
-    const bool looks = description.contact.response != ContactResponse::none && !description.planes.empty();
     SmoothMotion motion(description);
+    if (motion.can_touch() && description.contact.response == ContactResponse::spring &&
+        description.contact.barrier > 0)
+        return std::nullopt;
     Samples samples;
     std::int64_t now = 0;
     for (std::size_t sample = 0; sample < samples.size(); ++sample) {
         const std::int64_t until = scene.sample_steps()[sample] << (scene.longest() - number);
-        if (looks) {
+        if (motion.can_touch()) {
             for (; now < until; ++now) {
                 motion.advance_to(now);
-                if (motion.clearance() < band + motion.surface_speed() * length) return std::nullopt;
+                if (motion.clearance() < band + motion.closing_speed() * length) return std::nullopt;
             }
         }
         motion.advance_to(until);

@@ -59,6 +59,13 @@ void add_choice(CLI::App& app, Choice& choice) {
         ->check(expect_duration());
 }
 
+// Rounded down, so that a step of what is printed is safe.
+std::string four_digits_down(long double value) {
+    if (!(value > 0)) return few_digits(value);
+    const long double unit = std::pow(10.0L, std::floor(std::log10(value)) - 3);
+    return few_digits(std::floor(value / unit) * unit);
+}
+
 }  // namespace
 
 SceneDescription Choice::read() const {
@@ -80,7 +87,7 @@ std::unique_ptr<Simulation> Choice::start(const SceneDescription& description) c
     return make_simulation(description, integrator, numbers, wants_carry());
 }
 
-std::string message_of(const Trouble& trouble, const SceneDescription& scene) {
+std::string message_of(const Trouble& trouble, const SceneDescription& scene, const Simulation& simulation) {
     const std::string body = scene.bodies.at(static_cast<std::size_t>(trouble.body)).name;
     const double time = static_cast<double>(trouble.step) * scene.step.seconds();
     std::string message = scene.path + ": body \"" + body + "\" at " + few_digits(time) + " s (step " +
@@ -91,7 +98,11 @@ std::string message_of(const Trouble& trouble, const SceneDescription& scene) {
             "in half a step; in floating point a number is not finite. Declare a larger [range] or take a smaller step";
     else if (trouble.issue == "step_bound_hit")
         message += "an iteration met its bound, so the result is less accurate; take a smaller step";
-    else if (trouble.issue == "contacts_full") message += "more contact points than there is room for";
+    else if (trouble.issue == "contacts_full")
+        message += "more pairs of bodies near each other than there is room for, so some pass through each other";
+    else if (trouble.issue == "step_too_long")
+        message += "contact spring too stiff for the step of " + few_digits(simulation.step_length()) +
+                   " s: the largest safe step is " + four_digits_down(0.999 * simulation.largest_safe_step()) + " s";
     else message += "no room for another body";
     return message;
 }

@@ -81,7 +81,8 @@ struct Core {
 [[nodiscard]] std::vector<Core> cores();
 
 // "brick at 1.25 s (step 320): range_left", with the consequence.
-[[nodiscard]] std::string message_of(const Trouble& trouble, const SceneDescription& scene);
+[[nodiscard]] std::string message_of(const Trouble& trouble, const SceneDescription& scene,
+                                     const Simulation& simulation);
 
 // Parses the arguments and runs a subcommand; every error becomes a message and a status.
 int command(int argc, const char* const* argv);

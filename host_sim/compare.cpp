@@ -1,5 +1,7 @@
 // `tumble compare`: builds the record firmware of a scene, runs it in QEMU, and holds every line that it writes against
 // the host's own state at the same step.
+#include <tumble/status.hpp>
+
 #include <algorithm>
 #include <filesystem>
 #include <iostream>
@@ -138,7 +140,8 @@ int compare(const CompareOptions& options) {
         return failed;
     }
     std::string expected;
-    for (const Trouble& trouble : reference.simulation().troubles()) expected += trouble.issue + " ";
+    for (const Issue issue : all_issues)
+        if (reference.simulation().has_trouble(name_of(issue))) expected += std::string(name_of(issue)) + " ";
     expected += hex(reference.simulation().hash());
     if (last_line != expected) {
         std::cout << options.core << " ended with \"" << last_line << "\", the host with \"" << expected << "\"\n";
@@ -147,7 +150,8 @@ int compare(const CompareOptions& options) {
     std::cout << options.core << " agrees with the host: " << reference.states() << " states, "
               << reference.simulation().integrator() << ", " << reference.simulation().numbers() << ", hash "
               << hex(reference.simulation().hash()) << "\n";
-    for (const Trouble& trouble : reference.simulation().troubles()) std::cerr << message_of(trouble, scene) << "\n";
+    for (const Trouble& trouble : reference.simulation().troubles())
+        std::cerr << message_of(trouble, scene, reference.simulation()) << "\n";
     return reference.simulation().troubles().empty() ? done : failed;
 }
 

@@ -6,6 +6,7 @@
 #include <iostream>
 #include <limits>
 #include <sstream>
+#include <string_view>
 
 #include "command.hpp"
 #include "scene_data.hpp"
@@ -141,6 +142,14 @@ std::string step_text(const StepSize& step) {
     return "{tumble::Real::scaled(" + above + ", 0) / tumble::Real::scaled(" + below + ", 0)}";
 }
 
+std::string_view name_of(tumble::ContactResponse response) {
+    switch (response) {
+    case tumble::ContactResponse::impulse: return "impulse";
+    case tumble::ContactResponse::spring: return "spring";
+    default: return "none";
+    }
+}
+
 std::string world_text(const WorldSpec& world) {
     Members contact("            "), members("        ");
     members.when(!is_zero(world.gravity), "gravity", vector(world.gravity), "m/s^2");
@@ -148,14 +157,22 @@ std::string world_text(const WorldSpec& world) {
     members.when(!world.linear_drag.is_zero(), "linear_drag", number(world.linear_drag), "kg/s");
     members.when(!world.angular_drag.is_zero(), "angular_drag", number(world.angular_drag), "N m s");
     const ContactSpec& c = world.contact;
-    contact.always("response", std::string("tumble::ContactResponse::") +
-                                   (c.response == tumble::ContactResponse::none ? "none" : "impulse"));
-    if (c.response != tumble::ContactResponse::none) {
+    contact.always("response", "tumble::ContactResponse::" + std::string(name_of(c.response)));
+    if (c.response == tumble::ContactResponse::impulse) {
         contact.always("restitution", number(c.restitution));
         contact.when(!c.restitution_threshold.is_zero(), "restitution_threshold", number(c.restitution_threshold),
                      "m/s");
         contact.when(!c.friction.is_zero(), "friction", number(c.friction));
         contact.always("tolerance", number(c.tolerance), "m");
+        contact.when(c.sleep.on, "sleep",
+                     "{.on = true, .speed = " + number(c.sleep.speed) + ", .angular_speed = " +
+                         number(c.sleep.angular_speed) + ", .time = " + number(c.sleep.time) + "}",
+                     "m/s, rad/s, s");
+    } else if (c.response == tumble::ContactResponse::spring) {
+        contact.always("tolerance", number(c.tolerance), "m");
+        contact.always("stiffness", number(c.stiffness), "N/m");
+        contact.when(!c.damping.is_zero(), "damping", number(c.damping), "N s/m");
+        contact.when(!c.barrier.is_zero(), "barrier", number(c.barrier), "N m^2");
     }
     return "    static constexpr tumble::WorldSpec world{\n" + members.text() + "        .contact = {\n" +
            contact.text() + "        },\n    };\n";
@@ -170,8 +187,8 @@ std::string features_text(const SceneData& data, const NumberSystemInfo& numbers
         if (count > 0)
             text += "        static constexpr int " + std::string(name) + " = " + std::to_string(count) + ";\n";
     };
-    const auto feature = [&](const char* name, bool present) {
-        if (present) text += "        static constexpr bool " + std::string(name) + " = true;\n";
+    const auto feature = [&](const char* name, bool differs, const char* value = "true") {
+        if (differs) text += "        static constexpr bool " + std::string(name) + " = " + value + ";\n";
     };
     capacity("bodies", data.bodies.size());
     capacity("planes", data.planes.size());
@@ -180,8 +197,14 @@ std::string features_text(const SceneData& data, const NumberSystemInfo& numbers
     feature("gravitation", data.gravitates());
     feature("forces", !data.forces.empty());
     feature("script", !data.impulses.empty());
+    feature("pairs", data.has_pairs_in_touch());
     feature("boxes", data.has_boxes_in_touch());
+    feature("cylinders", data.has_cylinders_in_touch());
     feature("friction", data.rubs());
+    feature("sleep", data.sleeps());
+    feature("turntables", data.turns());
+    feature("contact_impulses", data.has_contact_springs(), "false");
+    feature("contact_springs", data.has_contact_springs());
     return text + "    };\n";
 }
 

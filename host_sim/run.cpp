@@ -171,7 +171,7 @@ int run(const RunOptions& options) {
     else print_table(scene, *simulation, energy);
     std::cout.flush();
     if (plot) plot->write(options.plot, scene);
-    for (const Trouble& trouble : simulation->troubles()) std::cerr << message_of(trouble, scene) << "\n";
+    for (const Trouble& trouble : simulation->troubles()) std::cerr << message_of(trouble, scene, *simulation) << "\n";
     return simulation->troubles().empty() && std::cout.good() ? done : failed;
 }
 

@@ -10,6 +10,13 @@ namespace {
 
 RealVec3 vector_of(const Triple& v) { return {v[0], v[1], v[2]}; }
 tumble::Frame frame_of(Frame frame) { return frame == Frame::world ? tumble::Frame::world : tumble::Frame::body; }
+tumble::ContactResponse response_of(ContactResponse response) {
+    switch (response) {
+    case ContactResponse::impulse: return tumble::ContactResponse::impulse;
+    case ContactResponse::spring: return tumble::ContactResponse::spring;
+    default: return tumble::ContactResponse::none;
+    }
+}
 Real or_default(const std::optional<double>& value) { return value ? Real{*value} : Real{-1}; }
 
 // The nearest double: what a header can say.
@@ -56,18 +63,24 @@ Seconds step_of(const StepSize& step) {
 }
 
 void check(const SceneDescription& scene) {
-    const auto refuse = [&](const std::string& what) { throw UnsupportedScene(scene.path + ":" + what); };
-    if (scene.contact.response == ContactResponse::spring)
-        refuse(std::to_string(scene.contact.response_line) +
-               ": contact.response: got \"spring\", which is not simulated yet, expected \"impulse\" or \"none\"");
     const auto fits = [&](const char* key, std::size_t count, int room) {
         if (count > static_cast<std::size_t>(room))
-            refuse(" " + std::string(key) + ": got " + std::to_string(count) + ", expected at most " +
-                   std::to_string(room));
+            throw UnsupportedScene(scene.path + ": " + key + ": got " + std::to_string(count) + ", expected at most " +
+                                   std::to_string(room));
     };
     fits("body", scene.bodies.size(), max_bodies);
     fits("plane", scene.planes.size(), max_planes);
     fits("spring", scene.springs.size(), max_springs);
+}
+
+// Contacts by springs know no sleep.
+SleepSpec sleep_of(const ContactDescription& contact) {
+    if (!contact.sleep || contact.response != ContactResponse::impulse) return {};
+    return {true, contact.sleep->speed, contact.sleep->angular_speed, contact.sleep->time};
+}
+
+bool touches_bodies(const BodySpec& body) {
+    return body.shape.kind == tumble::ShapeKind::sphere || body.shape.kind == tumble::ShapeKind::box;
 }
 
 }  // namespace
@@ -96,13 +109,19 @@ SceneData build_scene(const SceneDescription& scene) {
     data.world.gravitation = scene.gravitation;
     data.world.linear_drag = scene.linear_drag;
     data.world.angular_drag = scene.angular_drag;
-    const bool touches = scene.contact.response == ContactResponse::impulse;
-    data.world.contact = {touches ? tumble::ContactResponse::impulse : tumble::ContactResponse::none,
-                          scene.contact.restitution, scene.contact.restitution_threshold, scene.contact.friction,
-                          scene.contact.tolerance};
+    const ContactDescription& contact = scene.contact;
+    data.world.contact = {response_of(contact.response),
+                          contact.restitution,
+                          contact.restitution_threshold,
+                          contact.friction,
+                          contact.tolerance,
+                          contact.stiffness,
+                          contact.damping,
+                          contact.barrier,
+                          sleep_of(contact)};
     for (const BodyDescription& body : scene.bodies) data.bodies.push_back(body_of(body));
     for (const PlaneDescription& plane : scene.planes) {
-        if (touches)
+        if (contact.response != ContactResponse::none)
             data.planes.push_back(
                 {vector_of(plane.normal), plane.offset, or_default(plane.restitution), or_default(plane.friction)});
     }
@@ -123,14 +142,44 @@ SceneData build_scene(const SceneDescription& scene) {
 
 bool SceneData::drags() const { return world.linear_drag > Real{} || world.angular_drag > Real{}; }
 bool SceneData::gravitates() const { return world.gravitation > Real{} && bodies.size() > 1; }
+bool SceneData::has_pairs_in_touch() const {
+    if (world.contact.response == tumble::ContactResponse::none) return false;
+    const auto moves = [](const BodySpec& body) { return touches_bodies(body) && !body.fixed; };
+    return std::count_if(bodies.begin(), bodies.end(), touches_bodies) > 1 &&
+           std::any_of(bodies.begin(), bodies.end(), moves);
+}
 bool SceneData::has_boxes_in_touch() const {
-    return !planes.empty() && std::any_of(bodies.begin(), bodies.end(),
-                                          [](const BodySpec& b) { return b.shape.kind == tumble::ShapeKind::box; });
+    const auto is_box = [](const BodySpec& body) { return body.shape.kind == tumble::ShapeKind::box; };
+    return touches(world.contact.response) && std::any_of(bodies.begin(), bodies.end(), is_box);
+}
+bool SceneData::has_cylinders_in_touch() const {
+    const auto moves = [](const BodySpec& body) {
+        const tumble::ShapeKind kind = body.shape.kind;
+        return !body.fixed && (kind == tumble::ShapeKind::cylinder || kind == tumble::ShapeKind::capsule ||
+                               kind == tumble::ShapeKind::hoop);
+    };
+    return !planes.empty() && std::any_of(bodies.begin(), bodies.end(), moves);
 }
 bool SceneData::rubs() const {
     const auto rough = [](const auto& side) { return side.friction > Real{}; };
-    return !planes.empty() && (world.contact.friction > Real{} || std::any_of(bodies.begin(), bodies.end(), rough) ||
-                               std::any_of(planes.begin(), planes.end(), rough));
+    return has_contact_impulses() &&
+           (world.contact.friction > Real{} || std::any_of(bodies.begin(), bodies.end(), rough) ||
+            std::any_of(planes.begin(), planes.end(), rough));
+}
+bool SceneData::sleeps() const {
+    return world.contact.sleep.on && world.contact.response == tumble::ContactResponse::impulse;
+}
+bool SceneData::turns() const {
+    return std::any_of(bodies.begin(), bodies.end(), [](const BodySpec& body) {
+        const RealVec3& w = body.angular_velocity;
+        return body.fixed && !(w.x.is_zero() && w.y.is_zero() && w.z.is_zero());
+    });
+}
+bool SceneData::has_contact_springs() const { return touches(tumble::ContactResponse::spring); }
+bool SceneData::has_contact_impulses() const { return touches(tumble::ContactResponse::impulse); }
+// Planes are there only with a response.
+bool SceneData::touches(tumble::ContactResponse response) const {
+    return world.contact.response == response && (!planes.empty() || has_pairs_in_touch());
 }
 
 }  // namespace tumble::host

@@ -26,11 +26,20 @@ struct SceneData {
     // Features that the scene needs, as in a minimal tumble::Scene.
     [[nodiscard]] bool drags() const;
     [[nodiscard]] bool gravitates() const;
-    [[nodiscard]] bool has_boxes_in_touch() const;
+    [[nodiscard]] bool has_pairs_in_touch() const;      // bodies that may touch each other
+    [[nodiscard]] bool has_boxes_in_touch() const;      // that may touch planes or bodies
+    [[nodiscard]] bool has_cylinders_in_touch() const;  // cylinders, capsules and hoops, that may touch planes
     [[nodiscard]] bool rubs() const;
+    [[nodiscard]] bool sleeps() const;
+    [[nodiscard]] bool turns() const;  // a fixed body does
+    [[nodiscard]] bool has_contact_springs() const;
+    [[nodiscard]] bool has_contact_impulses() const;
+
+private:
+    [[nodiscard]] bool touches(tumble::ContactResponse response) const;
 };
 
-// Throws UnsupportedScene for what no kernel can replay yet, and for what exceeds the host's capacities.
+// Throws UnsupportedScene for what exceeds the host's capacities.
 [[nodiscard]] SceneData build_scene(const SceneDescription& scene);
 
 // The kernel's shape; `points` become a body without one, whose mass properties are the cloud's.

@@ -100,7 +100,6 @@ struct SleepDescription {
 
 struct ContactDescription {
     ContactResponse response = ContactResponse::impulse;
-    int response_line = 0;  // of the file; 0 where it is not given
     double restitution = 0.5, restitution_threshold = 0.0, friction = 0.0, tolerance = 0.001;
     double stiffness = 10000.0, damping = 0.0, barrier = 0.0;
     std::optional<SleepDescription> sleep;

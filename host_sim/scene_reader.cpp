@@ -588,7 +588,6 @@ void read_range(Table table, RangeDescription& range) {
 
 void read_contact(Table table, ContactDescription& contact) {
     table.optional("response", contact.response, responses);
-    if (const auto value = table.find("response")) contact.response_line = value->place().line;
     table.optional("restitution", contact.restitution, restitution);
     table.optional("restitution_threshold", contact.restitution_threshold, Quantity{Quantity::not_negative, "m/s"});
     table.optional("friction", contact.friction, friction);

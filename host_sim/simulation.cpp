@@ -52,6 +52,26 @@ std::string acts_on_fixed(const BodyDescription& body) {
     return "acts on body \"" + body.name + "\", which is fixed, so it has no effect";
 }
 
+// The shapes that touch no bodies; empty for all others.
+std::string_view passing_shape(ShapeKind shape) {
+    switch (shape) {
+    case ShapeKind::cylinder: return "a cylinder";
+    case ShapeKind::hoop: return "a hoop";
+    case ShapeKind::capsule: return "a capsule";
+    case ShapeKind::points: return "a cloud of points";
+    default: return "";
+    }
+}
+
+// What a body of such a shape may pass through; empty: there is nothing.
+std::string passed_by(const BodyDescription& body, const SceneDescription& scene) {
+    const bool planes = body.shape.kind == ShapeKind::points && !body.fixed && !scene.planes.empty();
+    const bool others = std::any_of(scene.bodies.begin(), scene.bodies.end(), [&](const BodyDescription& other) {
+        return &other != &body && other.shape.kind != ShapeKind::none && !(body.fixed && other.fixed);
+    });
+    return std::string(planes ? "planes" : "") + (planes && others ? " and " : "") + (others ? "other bodies" : "");
+}
+
 using Maker = std::unique_ptr<Simulation> (*)(SceneData, std::string_view);
 template <std::size_t... index>
 constexpr std::array<Maker, sizeof...(index)> makers(std::index_sequence<index...>) {
@@ -149,29 +169,19 @@ std::vector<std::string> limitations(const SceneDescription& scene) {
         if (body.fixed) list.push_back("force[" + std::to_string(i) + "] " + acts_on_fixed(body));
     }
     if (scene.contact.response == ContactResponse::none) return list;
-    if (scene.contact.sleep) list.push_back("contact.sleep is not simulated yet: bodies never sleep");
-    int solid = 0;
-    bool moving = false;
-    for (const BodyDescription& body : scene.bodies) {
-        const auto name_of_shape = [&]() -> std::string_view {
-            switch (body.shape.kind) {
-            case ShapeKind::cylinder: return "a cylinder";
-            case ShapeKind::capsule: return "a capsule";
-            case ShapeKind::hoop: return "a hoop";
-            case ShapeKind::points: return "a cloud of points";
-            default: return "";
-            }
-        }();
-        if (body.shape.kind != ShapeKind::none) {
-            ++solid;
-            moving = moving || !body.fixed;
-        }
-        if (!name_of_shape.empty() && !scene.planes.empty() && !body.fixed)
-            list.push_back("body \"" + body.name + "\": contacts of " + std::string(name_of_shape) +
-                           " with planes are not simulated yet, it passes through");
+    if (scene.contact.response == ContactResponse::spring) {
+        const auto rough = [](const auto& side) { return side.friction.value_or(0.0) > 0; };
+        if (scene.contact.friction > 0 || std::any_of(scene.bodies.begin(), scene.bodies.end(), rough) ||
+            std::any_of(scene.planes.begin(), scene.planes.end(), rough))
+            list.emplace_back("friction is not simulated with contact.response = \"spring\"");
+        if (scene.contact.sleep) list.emplace_back("contact.sleep has no effect with contact.response = \"spring\"");
     }
-    if (solid > 1 && moving)
-        list.push_back("contacts between bodies are not simulated yet, they pass through each other");
+    for (const BodyDescription& body : scene.bodies) {
+        const std::string shape(passing_shape(body.shape.kind)), passed = passed_by(body, scene);
+        if (!shape.empty() && !passed.empty())
+            list.push_back("body \"" + body.name + "\": contacts of " + shape + " with " + passed +
+                           " are not simulated, it passes through");
+    }
     return list;
 }
 

@@ -36,7 +36,8 @@ struct BodySnapshot {
     int contacts = 0;  // contact points in the last step
 };
 
-// J. The potential is that of gravity, springs and mutual gravitation; fixed bodies have none of gravity's.
+// J. The potential is that of gravity, springs, mutual gravitation and, as far as world_simulation.hpp tells, of
+// contacts by springs; fixed bodies have none of gravity's, and no kinetic energy.
 struct Energy {
     long double kinetic = 0;  // translation and rotation
     long double potential = 0;
@@ -65,6 +66,9 @@ public:
 
     // What the status bits stand for, in order of first occurrence; empty when all is well.
     [[nodiscard]] virtual const std::vector<Trouble>& troubles() const = 0;
+
+    // s; contacts by springs gain energy at longer ones. 0: none of them limits the step.
+    [[nodiscard]] virtual long double largest_safe_step() const = 0;
 
     // All words of all bodies' states, in the order of a record; and the body and number that a word belongs to.
     virtual void append_words(std::vector<std::uint32_t>& words) const = 0;

@@ -103,13 +103,9 @@ SmoothMotion::Body SmoothMotion::body_of(const BodyDescription& description) {
     body.inertia = tensor_of(description, body.mass);
     body.inverse = body.inertia.inverse();
     body.fixed = description.fixed;
-    const ShapeDescription& shape = description.shape;
-    body.round = shape.kind == ShapeKind::sphere;
-    body.touches = !body.fixed && (body.round || shape.kind == ShapeKind::box);
-    if (body.touches) {
-        const Number radius = shape.size[0];
-        body.half = body.round ? Vector{radius, radius, radius} : vector_of(shape.size) * Number(0.5);
-    }
+    body.turns = body.fixed && norm(vector_of(description.angular_velocity)) > 0;
+    body.kind = description.shape.kind;
+    body.size = vector_of(description.shape.size);
     return body;
 }
 
@@ -118,17 +114,19 @@ SmoothMotion::SmoothMotion(const SceneDescription& scene) : scene_{scene}, step_
         bodies_.push_back(body_of(description));
         const auto& q = description.orientation;
         Motion start{vector_of(description.position), {}, Rotation{q[0], {q[1], q[2], q[3]}}.normalized(), {}};
-        if (!description.fixed) {
-            start.v = vector_of(description.velocity);
-            start.w = vector_of(description.angular_velocity);
-        }
+        if (!description.fixed) start.v = vector_of(description.velocity);
+        start.w = vector_of(description.angular_velocity);
         now_.push_back(start);
     }
     if (scene.contact.response != ContactResponse::none) {
-        for (const PlaneDescription& plane : scene.planes) {
-            const Vector normal = vector_of(plane.normal);
-            planes_.push_back({normal * (1 / norm(normal)), plane.offset});
+        if (std::any_of(bodies_.begin(), bodies_.end(), [](const Body& body) { return body.touches_planes(); })) {
+            for (const PlaneDescription& plane : scene.planes) {
+                const Vector normal = vector_of(plane.normal);
+                planes_.push_back({normal * (1 / norm(normal)), plane.offset});
+            }
         }
+        for (std::size_t i = 0; i < bodies_.size(); ++i)
+            for (std::size_t j = 0; j < i; ++j) has_pairs_ = has_pairs_ || may_touch(i, j);
     }
     for (const ImpulseDescription& impulse : scene.impulses)
         kicks_.push_back({nearest_step(impulse.time, scene.step), impulse});
@@ -224,7 +222,7 @@ void SmoothMotion::add_loads(const std::vector<Motion>& motions, std::int64_t st
 void SmoothMotion::flow(std::int64_t from, std::int64_t to) {
     std::vector<Number> state;
     for (std::size_t i = 0; i < bodies_.size(); ++i) {
-        if (bodies_[i].fixed) continue;
+        if (!bodies_[i].moves()) continue;
         const auto part = detail::pack(now_[i]);
         state.insert(state.end(), part.begin(), part.end());
     }
@@ -232,7 +230,7 @@ void SmoothMotion::flow(std::int64_t from, std::int64_t to) {
     const auto unpack = [&](const std::vector<Number>& packed) {
         auto next = packed.begin();
         for (std::size_t i = 0; i < bodies_.size(); ++i) {
-            if (bodies_[i].fixed) continue;
+            if (!bodies_[i].moves()) continue;
             detail::Packed part;
             std::copy_n(next, part.size(), part.begin());
             next += static_cast<std::ptrdiff_t>(part.size());
@@ -246,11 +244,14 @@ void SmoothMotion::flow(std::int64_t from, std::int64_t to) {
         auto next = rates.begin();
         for (std::size_t i = 0; i < bodies_.size(); ++i) {
             const Body& body = bodies_[i];
-            if (body.fixed) continue;
+            if (!body.moves()) continue;
             const Motion& m = motions[i];
-            const Vector spin_up = body.inverse * (sums[i].torque_b - cross(m.w, body.inertia * m.w));
-            const auto part =
-                detail::pack({m.v, sums[i].force_w * (1 / body.mass), m.q * Rotation{0, m.w} * Number(0.5), spin_up});
+            Motion rate{m.v, {}, m.q * Rotation{0, m.w} * Number(0.5), {}};
+            if (!body.fixed) {
+                rate.v = sums[i].force_w * (1 / body.mass);
+                rate.w = body.inverse * (sums[i].torque_b - cross(m.w, body.inertia * m.w));
+            }
+            const auto part = detail::pack(rate);
             next = std::copy(part.begin(), part.end(), next);
         }
     };
@@ -260,29 +261,69 @@ void SmoothMotion::flow(std::int64_t from, std::int64_t to) {
     now_ = motions;
 }
 
+Number SmoothMotion::Body::reach(const Vector& n) const {
+    const Number across = std::sqrt(std::max(Number(0), 1 - n.z * n.z));
+    switch (kind) {
+    case ShapeKind::sphere: return size.x;
+    case ShapeKind::box: return (std::abs(n.x) * size.x + std::abs(n.y) * size.y + std::abs(n.z) * size.z) / 2;
+    case ShapeKind::cylinder: return size.x * across + std::abs(n.z) * size.y / 2;
+    case ShapeKind::hoop: return size.x * across;
+    case ShapeKind::capsule: return size.x + std::abs(n.z) * size.y / 2;
+    default: return 0;
+    }
+}
+
+Number SmoothMotion::Body::swept() const {
+    switch (kind) {
+    case ShapeKind::box: return norm(size) / 2;
+    case ShapeKind::cylinder: return std::hypot(size.x, size.y / 2);
+    case ShapeKind::hoop: return size.x;
+    case ShapeKind::capsule: return size.y / 2;
+    default: return 0;
+    }
+}
+
+bool SmoothMotion::may_touch(std::size_t i, std::size_t j) const {
+    const Body &a = bodies_[i], &b = bodies_[j];
+    return i != j && a.touches_bodies() && b.touches_bodies() && !(a.fixed && b.fixed);
+}
+
+// The widest gap that a plane across the line of centres or along a face leaves between them.
+Number SmoothMotion::distance_bound(std::size_t i, std::size_t j) const {
+    const Motion &a = now_[i], &b = now_[j];
+    const Vector line = b.x - a.x;
+    const auto gap_along = [&](const Vector& n) {
+        return std::abs(dot(line, n)) - bodies_[i].reach(a.q.rotate_back(n)) - bodies_[j].reach(b.q.rotate_back(n));
+    };
+    const Number length = norm(line);
+    const Vector axes[] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    Number widest = gap_along(length > 0 ? line * (1 / length) : axes[0]);
+    for (const Vector& axis : axes)
+        widest = std::max({widest, gap_along(a.q.rotate(axis)), gap_along(b.q.rotate(axis))});
+    return widest;
+}
+
 Number SmoothMotion::clearance() const {
     Number least = 1e30L;
     for (std::size_t i = 0; i < bodies_.size(); ++i) {
-        const Body& body = bodies_[i];
-        if (!body.touches) continue;
         for (const Plane& plane : planes_) {
-            const Vector n_b = now_[i].q.rotate_back(plane.normal);
-            const Number reach = body.round ? body.half.x
-                                            : std::abs(n_b.x) * body.half.x + std::abs(n_b.y) * body.half.y +
-                                                  std::abs(n_b.z) * body.half.z;
+            if (!bodies_[i].touches_planes()) continue;
+            const Number reach = bodies_[i].reach(now_[i].q.rotate_back(plane.normal));
             least = std::min(least, dot(plane.normal, now_[i].x) + plane.offset - reach);
         }
+        for (std::size_t j = 0; j < i && has_pairs_; ++j)
+            if (may_touch(i, j)) least = std::min(least, distance_bound(i, j));
     }
     return least;
 }
 
-Number SmoothMotion::surface_speed() const {
+Number SmoothMotion::closing_speed() const {
     Number most = 0;
     for (std::size_t i = 0; i < bodies_.size(); ++i) {
-        if (bodies_[i].touches)
-            most = std::max(most, norm(now_[i].v) + (bodies_[i].round ? 0 : norm(now_[i].w) * norm(bodies_[i].half)));
+        if (bodies_[i].touches_planes() || bodies_[i].touches_bodies())
+            most = std::max(most, norm(now_[i].v) + norm(now_[i].w) * bodies_[i].swept());
     }
-    return most;
+    return has_pairs_ ? 2 * most : most;
 }
 
 }  // namespace tumble::host

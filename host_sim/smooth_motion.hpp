@@ -1,6 +1,7 @@
 // The true motion of a scene between contacts: every load and event of the scene format in long double, integrated far
 // below the error of any kernel method. Its formulas are written apart from the kernel's and share no code with it.
-// Contacts are left out: ask clearance() whether the motion is still the scene's.
+// Contacts are left out: ask clearance() whether the motion is still the scene's. A fixed body that turns does so at a
+// constant angular velocity.
 #pragma once
 
 #include <array>
@@ -21,14 +22,17 @@ public:
     // bodies fall into each other, or the loads are so stiff that a run would not end.
     void advance_to(std::int64_t step);
 
-    // x_w and v_w in the world; w in the user's body axes, which q turns into the world. Fixed bodies stay.
+    // x_w and v_w in the world; w in the user's body axes, which q turns into the world. Fixed bodies stay where they
+    // are.
     [[nodiscard]] const std::vector<reference::Motion>& bodies() const { return now_; }
 
-    // The height of the lowest point of a sphere or box that moves over a plane, m: negative where they overlap. Very
-    // large without planes or a contact response.
+    // Is there anything that may touch?
+    [[nodiscard]] bool can_touch() const { return !planes_.empty() || has_pairs_; }
+    // The least distance of what may touch, m: the height of a body's lowest point over a plane, and of two bodies no
+    // more than their distance. Negative where they overlap; very large where nothing can touch.
     [[nodiscard]] reference::Number clearance() const;
-    // A bound of the speed of any such point, m/s.
-    [[nodiscard]] reference::Number surface_speed() const;
+    // A bound of the speed at which it shrinks, m/s.
+    [[nodiscard]] reference::Number closing_speed() const;
 
 private:
     struct Tensor {
@@ -37,11 +41,20 @@ private:
         [[nodiscard]] Tensor inverse() const;
     };
     struct Body {
-        reference::Number mass = 0;  // kg
-        Tensor inertia, inverse;     // kg m^2, user's axes
-        bool fixed = false, touches = false;
-        reference::Vector half;  // m: half edges of a box, radius of a sphere in each
-        bool round = false;
+        reference::Number mass = 0;         // kg
+        Tensor inertia, inverse;            // kg m^2, user's axes
+        bool fixed = false, turns = false;  // turns: though fixed
+        ShapeKind kind = ShapeKind::none;
+        reference::Vector size;  // m, as in ShapeDescription
+
+        [[nodiscard]] bool moves() const { return !fixed || turns; }
+        [[nodiscard]] bool touches_planes() const {
+            return !fixed && kind != ShapeKind::none && kind != ShapeKind::points;
+        }
+        [[nodiscard]] bool touches_bodies() const { return kind == ShapeKind::sphere || kind == ShapeKind::box; }
+        // How far it reaches along a unit vector, user's axes; and the farthest point that its spin moves, m.
+        [[nodiscard]] reference::Number reach(const reference::Vector& n) const;
+        [[nodiscard]] reference::Number swept() const;
     };
     struct Thrust {
         std::int64_t from, until;  // steps
@@ -62,6 +75,8 @@ private:
     void kick(const ImpulseDescription& impulse);
     void flow(std::int64_t from, std::int64_t to);
     void add_loads(const std::vector<reference::Motion>& motions, std::int64_t step, Wrenches& sums) const;
+    [[nodiscard]] bool may_touch(std::size_t i, std::size_t j) const;
+    [[nodiscard]] reference::Number distance_bound(std::size_t i, std::size_t j) const;
     void add_spring(const SpringDescription& spring, const std::vector<reference::Motion>& motions,
                     Wrenches& sums) const;
 
@@ -69,6 +84,7 @@ private:
     reference::Number step_length_ = 0;  // s
     std::vector<Body> bodies_;
     std::vector<Plane> planes_;  // none where nothing can touch them
+    bool has_pairs_ = false;     // of bodies that may touch
     std::vector<Kick> kicks_;    // by step, then in file order
     std::vector<Thrust> thrusts_;
     std::vector<std::int64_t> breaks_;  // steps at which a load goes on or off or an impulse acts, ascending

@@ -64,8 +64,15 @@ struct HostScene : Scene {
     static constexpr bool gravitation = true;
     static constexpr bool forces = true;
     static constexpr bool script = true;
+    static constexpr bool pairs = true;
+    static constexpr int near_pairs = 512;
     static constexpr bool boxes = true;
+    static constexpr bool cylinders = true;
     static constexpr bool friction = true;
+    static constexpr bool sleep = true;
+    static constexpr bool turntables = true;
+    static constexpr bool contact_impulses = true;
+    static constexpr bool contact_springs = true;
 };
 
 // What a Simulation tells of its bodies, whatever the method.
@@ -86,6 +93,8 @@ protected:
                                {wide(inertia.principal.w), wide(inertia.principal.v.x), wide(inertia.principal.v.y),
                                 wide(inertia.principal.v.z)}});
         }
+        for (const PlaneSpec& plane : data_.planes)
+            planes_.push_back({wide(normalized(plane.normal)), wide(plane.offset)});
         note(bodies.status);
     }
 
@@ -117,6 +126,7 @@ public:
         const LongQuat q{wide(state.q_wb.w), wide(state.q_wb.x), wide(state.q_wb.y), wide(state.q_wb.z)};
         snapshot.orientation = product(q, to_principal);
         snapshot.angular_velocity = rotate(body.principal, spin(index_of_body));
+        snapshot.asleep = is_asleep(index_of_body);
         snapshot.contacts = contact_count(index_of_body);
         return snapshot;
     }
@@ -154,6 +164,7 @@ public:
                 }
             }
         }
+        if (data_.has_contact_springs()) energy.potential += contact_potential(now);
         return energy;
     }
 
@@ -185,7 +196,48 @@ private:
         LongQuat principal;  // principal axes to the user's
     };
 
+    struct Plane {
+        LongVec3 normal;     // unit
+        long double offset;  // m
+    };
+
     [[nodiscard]] virtual int contact_count(int b) const = 0;
+    [[nodiscard]] virtual bool is_asleep(int b) const = 0;
+
+    // Of contacts by springs: of spheres and boxes, by their vertices, with planes, and of spheres with each other.
+    // Left out are pairs with a box, and cylinders, capsules and hoops.
+    [[nodiscard]] long double contact_potential(const std::vector<BodySnapshot>& now) const {
+        const long double stiffness = wide(data_.world.contact.stiffness), barrier = wide(data_.world.contact.barrier);
+        long double sum = 0;
+        const auto add_point = [&](long double gap) {
+            if (gap < 0) sum += stiffness * gap * gap / 2;
+            else if (gap > 0) sum += barrier / gap;
+        };
+        for (std::size_t b = 0; b < now.size(); ++b) {
+            const BodySpec& spec = data_.bodies[b];
+            const LongVec3 size = wide(spec.shape.size);
+            for (const Plane& plane : planes_) {
+                if (spec.fixed) continue;
+                const long double height = dot(plane.normal, now[b].position) + plane.offset;
+                if (spec.shape.kind == tumble::ShapeKind::sphere) add_point(height - size[0]);
+                if (spec.shape.kind != tumble::ShapeKind::box) continue;
+                for (unsigned corner = 0; corner < 8; ++corner) {
+                    LongVec3 arm;
+                    for (unsigned i = 0; i < 3; ++i) arm[i] = ((corner >> i) & 1) != 0 ? size[i] / 2 : -size[i] / 2;
+                    add_point(height + dot(plane.normal, rotate(now[b].orientation, arm)));
+                }
+            }
+            for (std::size_t a = 0; a < b; ++a) {
+                const BodySpec& other = data_.bodies[a];
+                if (spec.shape.kind != tumble::ShapeKind::sphere || other.shape.kind != tumble::ShapeKind::sphere ||
+                    (spec.fixed && other.fixed))
+                    continue;
+                const LongVec3 r = now[b].position - now[a].position;
+                add_point(std::sqrt(dot(r, r)) - size[0] - wide(other.shape.size.x));
+            }
+        }
+        return sum;
+    }
 
     // rad/s, principal axes.
     [[nodiscard]] LongVec3 spin(int b) const {
@@ -203,6 +255,7 @@ private:
     const SceneData& data_;
     const Bodies& now_;
     std::vector<Body> bodies_;
+    std::vector<Plane> planes_;
     std::vector<Trouble> troubles_;
     long double drift_unit_, turn_unit_;  // m and rad that a state's units stand for
 };
@@ -238,6 +291,10 @@ public:
         world().clear_status();
     }
 
+    [[nodiscard]] long double largest_safe_step() const override {
+        return wide(Owned::replay.world().largest_safe_step());
+    }
+
     [[nodiscard]] std::string_view integrator() const override { return Method::name; }
     [[nodiscard]] std::string_view numbers() const override { return N::name; }
     [[nodiscard]] std::string_view range() const override { return system.range; }
@@ -246,6 +303,7 @@ public:
 private:
     [[nodiscard]] auto& world() { return Owned::replay.world(); }
     [[nodiscard]] int contact_count(int b) const override { return Owned::replay.world().contact_count(BodyId{b}); }
+    [[nodiscard]] bool is_asleep(int b) const override { return Owned::replay.world().asleep(BodyId{b}); }
 };
 
 template <std::size_t index>

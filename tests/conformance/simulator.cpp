@@ -1,8 +1,10 @@
 // What the host simulator makes of every shipped scene with every integrator and the number systems it runs in: the
-// lines that conformance.hpp prints. Arguments: the scene files.
+// lines that conformance.hpp prints. Arguments: the scene files; or --contacts and those of the contact scenes, of
+// which the first steps are replayed with the default integrator.
 #include <algorithm>
 #include <cstdio>
 #include <exception>
+#include <string_view>
 #include <vector>
 
 #include "firmware.hpp"
@@ -11,16 +13,19 @@
 
 int main(int count, char** paths) try {
     using namespace tumble::host;
+    const bool contacts = count > 1 && std::string_view{paths[1]} == "--contacts";
     std::vector<SceneDescription> scenes;
-    for (int i = 1; i < count; ++i) scenes.push_back(read_scene(paths[i]));
+    for (int i = contacts ? 2 : 1; i < count; ++i) scenes.push_back(read_scene(paths[i]));
     std::vector<NumberVariant> variants = number_variants();
     std::sort(variants.begin(), variants.end(), [](const auto& a, const auto& b) { return a.name < b.name; });
     for (const NumberVariant& variant : variants) {
+        if (contacts && variant.name != "q32" && variant.name != "f32" && variant.name != "f64") continue;
         for (const IntegratorInfo& integrator : integrators()) {
-            if (!runs_in(integrator, variant.numbers)) continue;
+            if (!runs_in(integrator, variant.numbers) || (contacts && integrator.name != "verlet")) continue;
             for (const SceneDescription& scene : scenes) {
                 const auto run = make_simulation(scene, integrator.name, variant.numbers, variant.carry);
-                while (run->steps_taken() < run->steps() && run->troubles().empty()) run->step();
+                const auto most = contacts ? 4096 / static_cast<std::int64_t>(scene.bodies.size()) : run->steps();
+                while (run->steps_taken() < std::min(run->steps(), most) && run->troubles().empty()) run->step();
                 std::printf("%s %s %s %lld %016llx\n", scene.name.c_str(), variant.name.c_str(),
                             integrator.name.c_str(), static_cast<long long>(run->steps_taken()),
                             static_cast<unsigned long long>(run->hash()));

@@ -169,6 +169,30 @@ TEST(Accuracy, contacts_have_two_fine_runs_for_a_reference) {
                 1e-6);
 }
 
+TEST(Accuracy, bodies_that_meet_have_two_fine_runs_for_a_reference) {
+    const auto ball = [](const char* name, const char* start) {
+        return std::string("[[body]]\nname = \"") + name + "\"\nshape = { sphere = 0.5 }\nmass = 1.0\n" + start;
+    };
+    const auto truth = [&](const std::string& contact, const char* other) {
+        return truth_of(SampledScene(read_scene_text(
+            "name = \"meeting\"\n[world]\nstep = \"1/64\"\nduration = 1.0\n" + contact +
+                ball("left", "position = [-1.0, 0.0, 0.0]\nvelocity = [1.0, 0.0, 0.0]\n") + ball("right", other),
+            "meeting.toml")));
+    };
+    const char *towards = "position = [1.0, 0.0, 0.0]\nvelocity = [-1.0, 0.0, 0.0]\n",
+               *past = "position = [1.0, 5.0, 0.0]\nvelocity = [-1.0, 0.0, 0.0]\n";
+    const Truth meeting = truth("[contact]\nrestitution = 0.5\n", towards);
+    EXPECT_TRUE(meeting.has_contacts);
+    EXPECT_LT(meeting.doubt.largest(), 1e-6);
+    // They meet after half a second and part with half the speed.
+    EXPECT_NEAR(static_cast<double>(meeting.samples.back()[1].x.x), 0.5 + 0.25, 1e-6);
+    EXPECT_FALSE(truth("", past).has_contacts);
+    EXPECT_FALSE(truth("[contact]\nresponse = \"none\"\n", towards).has_contacts);
+    const std::string spring = "[contact]\nresponse = \"spring\"\nstiffness = 100.0\n";
+    EXPECT_FALSE(truth(spring, past).has_contacts);
+    EXPECT_TRUE(truth(spring + "barrier = 0.001\n", past).has_contacts);
+}
+
 TEST(Accuracy, planes_that_nothing_comes_near_leave_the_motion_smooth) {
     SceneDescription scene = read_scene_text(bounce, "bounce.toml");
     scene.bodies[0].position[1] = 20.0;

@@ -25,6 +25,38 @@ TEST(Compare, every_load_gives_the_same_bits) {
     }
 }
 
+// The host has every feature compiled in, the core what the scene needs.
+TEST(Compare, every_contact_gives_the_same_bits) {
+    const std::string head = "[world]\ngravity = [0.0, -9.81, 0.0]\nstep = \"1/256\"\nduration = 2.0\n",
+                      floor = "[[plane]]\nname = \"floor\"\nnormal = [0.0, 1.0, 0.0]\n",
+                      soft = "[contact]\nresponse = \"spring\"\nstiffness = 2000.0\ndamping = 2.0\n";
+    const auto body = [](const char* name, const char* shape, const char* position) {
+        return std::string("[[body]]\nname = \"") + name + "\"\nshape = { " + shape +
+               " }\nmass = 1.0\nposition = " + position + "\n";
+    };
+    const std::string balls = body("low", "sphere = 0.25", "[0.0, 0.5, 0.0]") +
+                              body("high", "sphere = 0.25", "[0.1, 1.5, 0.0]"),
+                      table = body("table", "box = [4.0, 1.0, 4.0]", "[0.0, -0.5, 0.0]") +
+                              "angular_velocity = [0.0, 1.0, 0.0]\nfixed = true\n",
+                      crate = body("crate", "box = [0.5, 0.5, 0.5]", "[1.0, 0.3, 0.0]");
+    const std::vector<std::pair<const char*, std::string>> scenes = {
+        {"pairs", head + floor + balls},
+        {"turntable", head + "[contact]\nfriction = 0.5\n" + table + crate},
+        {"sleep", head + "[contact]\nrestitution = 0.0\nfriction = 0.5\nsleep = { time = 0.25 }\n" + floor + crate},
+        {"round", head + "[contact]\nfriction = 0.5\n" + floor +
+                      body("can", "cylinder = [0.25, 0.5]", "[0.0, 1.0, 0.0]") +
+                      "angular_velocity = [1.0, 2.0, 0.5]\n"},
+        {"soft", head + soft + floor + balls},
+        {"soft_boxes", head + soft + floor + crate + "angular_velocity = [1.0, 0.0, 0.5]\n"},
+        {"barrier", head + soft + "barrier = 0.5\n" + floor + balls}};
+    for (const auto& [name, scene] : scenes) {
+        const Outcome outcome =
+            tumble({"compare", written(std::string(name) + ".toml", scene), "--core", "cortex-m3", "--every", "16"});
+        EXPECT_TRUE(has(outcome.text, "cortex-m3 agrees with the host: 33 states")) << name << ": " << outcome.text;
+        EXPECT_FALSE(has(outcome.text, "range_left")) << name << ": " << outcome.text;
+    }
+}
+
 TEST(Compare, a_flipped_bit_is_reported_with_its_step_body_and_number) {
     const Outcome outcome = tumble(
         {"compare", shipped("brick"), "--core", "cortex-m3", "--every", "10", "--duration", "1", "--flip", "120"});

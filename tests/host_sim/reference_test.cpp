@@ -159,6 +159,63 @@ TEST(SmoothMotion, clearance_is_that_of_the_lowest_vertex) {
     EXPECT_GT(static_cast<double>(SmoothMotion(scene_of("", box)).clearance()), 1e29);
 }
 
+TEST(SmoothMotion, clearance_is_that_of_every_shape_that_touches_planes) {
+    // Above the floor y = 0; the axis is turned by `angle` from z towards the vertical.
+    const auto clearance = [](const std::string& shape, double angle, const std::string& contact = "") {
+        return static_cast<double>(
+            SmoothMotion(scene_of("", contact +
+                                          "[[plane]]\nname = \"floor\"\nnormal = [0.0, 1.0, 0.0]\n[[body]]\nname "
+                                          "= \"body\"\nshape = { " +
+                                          shape + " }\nmass = 1.0\nposition = [0.0, 5.0, 0.0]\norientation = [" +
+                                          std::to_string(std::cos(angle / 2)) + ", " +
+                                          std::to_string(-std::sin(angle / 2)) + ", 0.0, 0.0]\n"))
+                .clearance());
+    };
+    const double quarter = std::numbers::pi / 2, eighth = quarter / 2, diagonal = std::sqrt(0.5);
+    const double rounding = 1e-5;  // of the orientation's text
+    EXPECT_NEAR(clearance("cylinder = [1.0, 3.0]", 0), 4.0, rounding);
+    EXPECT_NEAR(clearance("cylinder = [1.0, 3.0]", quarter), 3.5, rounding);
+    EXPECT_NEAR(clearance("cylinder = [1.0, 3.0]", eighth), 5.0 - 2.5 * diagonal, rounding);
+    EXPECT_NEAR(clearance("hoop = 1.0", 0), 4.0, rounding);
+    EXPECT_NEAR(clearance("hoop = 1.0", quarter), 5.0, rounding);
+    EXPECT_NEAR(clearance("capsule = [1.0, 3.0]", 0), 4.0, rounding);
+    EXPECT_NEAR(clearance("capsule = [1.0, 3.0]", quarter), 2.5, rounding);
+    EXPECT_GT(clearance("hoop = 1.0", 0, "[contact]\nresponse = \"none\"\n"), 1e29);
+}
+
+TEST(SmoothMotion, clearance_of_two_bodies_is_their_distance_or_less) {
+    const auto clearance = [](const std::string& bodies, const std::string& contact = "") {
+        return static_cast<double>(SmoothMotion(scene_of("", contact + bodies)).clearance());
+    };
+    const auto other = [](const char* shape, const char* place) {
+        return std::string("[[body]]\nname = \"other\"\nshape = { ") + shape + " }\nmass = 1.0\nposition = " + place +
+               "\n";
+    };
+    const std::string far_ball = other("sphere = 1.0", "[3.0, 4.0, 0.0]"),
+                      table = other("box = [20.0, 2.0, 20.0]", "[5.0, -4.0, 5.0]");
+    EXPECT_NEAR(clearance(ball + far_ball), 3.5, 1e-15);
+    EXPECT_NEAR(clearance(ball + table + "fixed = true\n"), 2.5, 1e-15);
+    // Corner to corner: sqrt(3) apart, of which a face shows 1.
+    const double corners = clearance(other("box = [2.0, 2.0, 2.0]", "[2.5, 2.5, 2.5]") +
+                                     "[[body]]\nname = \"cube\"\nshape = { box = [1.0, 1.0, 1.0] }\nmass = 1.0\n");
+    EXPECT_LE(corners, std::sqrt(3.0) + 1e-15);
+    EXPECT_GE(corners, 1.0);
+    EXPECT_NEAR(clearance(ball + other("sphere = 1.0", "[0.0, 0.0, 0.0]")), -1.5, 1e-15);
+    EXPECT_GT(clearance(ball + "fixed = true\n" + table + "fixed = true\n"), 1e29);
+    EXPECT_GT(clearance(ball + other("hoop = 1.0", "[3.0, 4.0, 0.0]")), 1e29);
+    EXPECT_GT(clearance(ball + far_ball, "[contact]\nresponse = \"none\"\n"), 1e29);
+}
+
+TEST(SmoothMotion, fixed_body_turns_at_a_constant_angular_velocity) {
+    const std::string table = "[[body]]\nname = \"table\"\nshape = { box = [1.0, 2.0, 3.0] }\nmass = 1.0\nposition = "
+                              "[1.0, 0.0, 0.0]\nvelocity = [1.0, 0.0, 0.0]\nangular_velocity = [0.5, 0.0, 1.0]\nfixed "
+                              "= true\n";
+    const Motion end = at_two_seconds(scene_of("gravity = [0.0, -10.0, 0.0]\nangular_drag = 0.5\n", table));
+    expect_near(end.x, {1, 0, 0});
+    expect_near(end.w, {0.5L, 0, 1});
+    expect_near(end.q, exponential<Number>({1, 0, 2}));
+}
+
 // Every load of the format is in one of them; a method of order 4 at a short step is right to 1e-9.
 TEST(SmoothMotion, kernel_agrees_on_every_scene_without_contacts) {
     for (const auto* name : {"brick", "free", "orbit", "pendulum", "projectile", "satellite"}) {

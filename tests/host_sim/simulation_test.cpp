@@ -60,6 +60,33 @@ TEST(SceneBuilder, planes_without_a_response_are_left_out) {
     EXPECT_FALSE(with.rubs());
 }
 
+TEST(SceneBuilder, contact_is_as_written) {
+    const std::string rest = "shape = { sphere = 1.0 }\nmass = 1.0\n", sleep = "sleep = { speed = 0.1, time = 2.0 }\n",
+                      constants = "stiffness = 500.0\ndamping = 3.0\nbarrier = 0.5\ntolerance = 0.01\n";
+    const SceneData soft =
+        build_scene(scene_with(rest, "[contact]\nresponse = \"spring\"\n" + constants + sleep +
+                                         "[[plane]]\nname = \"floor\"\nnormal = [0.0, 1.0, 0.0]\noffset = 10.0\n"));
+    const ContactSpec& contact = soft.world.contact;
+    EXPECT_EQ(contact.response, tumble::ContactResponse::spring);
+    EXPECT_EQ(contact.stiffness.to_double(), 500.0);
+    EXPECT_EQ(contact.damping.to_double(), 3.0);
+    EXPECT_EQ(contact.barrier.to_double(), 0.5);
+    EXPECT_EQ(contact.tolerance.to_double(), 0.01);
+    EXPECT_FALSE(contact.sleep.on);  // only impulses let a body sleep
+    EXPECT_FALSE(soft.sleeps());
+    EXPECT_EQ(soft.planes.size(), 1u);
+    EXPECT_TRUE(soft.has_contact_springs());
+    EXPECT_FALSE(soft.has_contact_impulses());
+
+    const SceneData hard = build_scene(scene_with(rest, "[contact]\n" + sleep));
+    EXPECT_TRUE(hard.sleeps());
+    EXPECT_EQ(hard.world.contact.sleep.speed.to_double(), 0.1);
+    EXPECT_EQ(hard.world.contact.sleep.angular_speed.to_double(), 0.05);
+    EXPECT_EQ(hard.world.contact.sleep.time.to_double(), 2.0);
+    EXPECT_FALSE(hard.has_contact_impulses());  // one body, and no plane
+    EXPECT_FALSE(build_scene(scene_with(rest)).sleeps());
+}
+
 TEST(SceneBuilder, more_bodies_than_there_is_room_for_are_refused) {
     std::string text = head;
     for (int b = 0; b <= max_bodies; ++b)
@@ -135,6 +162,31 @@ TEST(Simulation, energy_of_an_orbit_is_constant) {
     EXPECT_NEAR(static_cast<double>(simulation->energy().total()), -1.82, 1e-12);
     finish(*simulation);
     EXPECT_NEAR(static_cast<double>(simulation->energy().total()), -1.82, 1e-10);
+}
+
+TEST(Simulation, energy_of_contact_springs_is_potential) {
+    const auto potential = [](const std::string& bodies, const char* barrier) {
+        const SceneDescription scene =
+            read_scene_text(head + std::string("[contact]\nresponse = \"spring\"\nstiffness = 1000.0\nbarrier = ") +
+                                barrier + "\n[[plane]]\nname = \"floor\"\nnormal = [0.0, 2.0, 0.0]\n" + bodies,
+                            "test.toml");
+        return static_cast<double>(make_simulation(scene, "verlet", "f64")->energy().potential);
+    };
+    const auto body = [](const char* name, const char* shape, const char* position) {
+        return std::string("[[body]]\nname = \"") + name + "\"\nshape = { " + shape +
+               " }\nmass = 1.0\nposition = " + position + "\n";
+    };
+    const std::string ball = body("ball", "sphere = 0.5", "[0.0, 0.4, 0.0]"),
+                      other = body("other", "sphere = 0.25", "[0.0, 0.95, 0.0]"), fixed = "fixed = true\n";
+    EXPECT_NEAR(potential(ball, "2.0"), 5.0, 1e-9);         // 0.1 m deep
+    EXPECT_NEAR(potential(other, "2.0"), 2.0 / 0.7, 1e-9);  // 0.7 m above
+    EXPECT_EQ(potential(other, "0.0"), 0.0);
+    EXPECT_EQ(potential(ball + fixed, "2.0"), 0.0);
+    EXPECT_NEAR(potential(ball + other, "2.0"), 5.0 + 2.0 / 0.7 + 20.0, 1e-9);  // 0.2 m deep in each other
+    EXPECT_NEAR(potential(ball + fixed + other, "2.0"), 2.0 / 0.7 + 20.0, 1e-9);
+    EXPECT_EQ(potential(ball + fixed + other + fixed, "2.0"), 0.0);
+    // Four vertices at -0.1 m, four at 0.9 m.
+    EXPECT_NEAR(potential(body("box", "box = [1.0, 1.0, 2.0]", "[0.0, 0.4, 0.0]"), "0.0"), 4 * 5.0, 1e-9);
 }
 
 TEST(Simulation, smallest_range_that_holds_the_scene_is_used) {

@@ -87,6 +87,65 @@ const std::vector<SceneSetup>& scenes() {
         s.back().bodies[0].velocity = {3, 0, 1};
         s.back().bodies[0].orientation = {0.9, {0, 0.1, 0.2}};
         s.back().planes = {{.normal = {0.1, 1, 0}}};
+
+        s.push_back({.name = "rolling_cylinder", .needs = with_cylinders});
+        s.back().world = {.gravity = gravity, .contact = {.restitution = 0.3, .friction = 0.4}};
+        s.back().bodies = {cylinder(2, 0.25, 1)};
+        s.back().bodies[0].position = {0, 1.25, 0};
+        s.back().bodies[0].velocity = {1, 0, 0.5};
+        s.back().bodies[0].orientation = {0.9, {0.1, -0.3, 0.2}};
+        s.back().planes = {{}};
+
+        s.push_back({.name = "spheres_that_meet", .needs = with_pairs});
+        s.back().world = {.contact = {.restitution = 0.9}};
+        s.back().bodies = {sphere(1, 0.5), sphere(3, 0.25)};
+        s.back().bodies[0].position = {-1, 0.25, 0};
+        s.back().bodies[0].velocity = {1.5, 0, 0.25};
+        s.back().bodies[0].angular_velocity = {1, 2, 3};
+        s.back().bodies[1].position = {1, 0, 0.5};
+        s.back().bodies[1].velocity = {-1, 0, 0};
+
+        s.push_back({.name = "box_falls_on_a_box", .needs = with_box_pairs});
+        s.back().world = {.gravity = gravity, .contact = {.restitution = 0.3, .friction = 0.4}};
+        s.back().bodies = {box(100, {8, 1, 8}), box(2, {1, 0.5, 0.75})};
+        s.back().bodies[0].position = {0, -0.5, 0};
+        s.back().bodies[0].fixed = true;
+        s.back().bodies[1].position = {0, 1.25, 0};
+        s.back().bodies[1].velocity = {1, 0, 0.5};
+        s.back().bodies[1].orientation = {0.9, {0.1, -0.3, 0.2}};
+
+        s.push_back({.name = "ball_on_a_turntable", .needs = with_turntable});
+        s.back().world = {.gravity = gravity, .contact = {.restitution = 0.25, .friction = 0.5}};
+        s.back().bodies = {box(100, {8, 0.5, 8}), sphere(1, 0.25)};
+        s.back().bodies[0].position = {0, -0.25, 0};
+        s.back().bodies[0].angular_velocity = {0, 2, 0};
+        s.back().bodies[0].fixed = true;
+        s.back().bodies[1].position = {1, 0.5, 0};
+        s.back().bodies[1].velocity = {0.5, 0, 0};
+
+        s.push_back({.name = "box_falls_asleep", .needs = with_sleep});
+        s.back().world = {.gravity = gravity,
+                          .contact = {.restitution = 0.2, .friction = 0.5, .sleep = {.on = true, .time = 0.25}}};
+        s.back().bodies = {box(2, {1, 0.25, 0.75})};
+        s.back().bodies[0].position = {0, 0.75, 0};
+        s.back().bodies[0].orientation = {0.99, {0.1, 0, 0.05}};
+        s.back().planes = {{}};
+
+        s.push_back({.name = "balls_on_contact_springs", .needs = with_contact_springs});
+        s.back().world = {.gravity = gravity,
+                          .contact = {.response = ContactResponse::spring, .stiffness = 2000, .damping = 4}};
+        s.back().bodies = {sphere(1, 0.5), sphere(0.5, 0.25)};
+        s.back().bodies[0].position = {0, 0.75, 0};
+        s.back().bodies[1].position = {0.0625, 2, 0};
+        s.back().planes = {{}};
+
+        s.push_back({.name = "balls_behind_barriers", .needs = with_contact_springs});
+        s.back().world = {.gravity = gravity,
+                          .contact = {.response = ContactResponse::spring, .stiffness = 2000, .barrier = 0.5}};
+        s.back().bodies = {sphere(1, 0.5), sphere(0.5, 0.25)};
+        s.back().bodies[0].position = {0, 1.25, 0};
+        s.back().bodies[1].position = {0.0625, 3, 0};
+        s.back().planes = {{}};
         return s;
     }();
     return all;

@@ -121,10 +121,50 @@ inline constexpr Number contact_band = 0.001L;  // ContactSpec::tolerance
 inline constexpr Number rest_speed = 1e-2L;
 inline constexpr Number rest_tilt = 1e-4L;
 inline constexpr PerSystem contact_impulse{1e-10L, 1e-6L, 1e-4L, 1e-3L, 1e-3L};
-// What twelve sweeps over four corners leave of a symmetric solution, and dozens of bounces add up.
-inline constexpr PerSystem symmetric_spin{1e-9L, 1e-5L, 1e-4L, 1e-4L, 1e-3L};
+// What rounding leaves of a symmetric solution. At the end a corner may close its gap within a step, and corners whose
+// gaps rounding has made differ by 5e-7 m then close by 1e-4 rad/s; with the method of order 1, whose last hops are
+// higher, by four times that.
+inline constexpr PerSystem symmetric_spin{1e-9L, 5e-4L, 5e-4L, 5e-4L, 1e-3L};
 inline constexpr Number stop_distance = 0.02L;
 inline constexpr Number roll_speed = 0.01L;
+
+// Pairs: relative to the largest speed (momentum) there, and to it times an arm. A dozen roundings: of speeds that
+// contacts keep with 27 bits of the largest in fixed point, twice that where dozens of sweeps change them, and with 24
+// in float; of levers, with 24 bits in both.
+inline constexpr PerSystem exchange{1e-13L, 2e-7L, 1e-6L, 1e-4L, 1e-5L};
+inline constexpr PerSystem levered{1e-12L, 1e-6L, 4e-6L, 1e-4L, 1e-4L};
+// The same where the normal depends on the place of the impact: a gap of 2^-16 of the contact band is 1.5e-8 m, over
+// half a metre between the centres, six times as much across as along, and the factor 2 of the law; and a position's
+// rounding of 6e-8 m where it is a float.
+inline constexpr PerSystem oblique{1e-6L, 2e-6L, 1e-5L, 1e-4L, 1e-4L};
+// 200 m/s between spheres of 0.1 m: a tenth of the band, over 0.2 m, and the three-fold of a glancing impact.
+inline constexpr Number bullet = 2e-3L;
+// Four exchanges, and the row's own gaps: what rounding leaves of them lets a sphere move for so long.
+inline constexpr Number cradle = 1e-4L;
+
+// Rest. A tenth of the contact band in seconds of holding on: a law would say 0.
+inline constexpr Number creep = 1e-4L;
+inline constexpr Number still = 1e-6L;        // m and rad over 100 steps
+inline constexpr Number stack_shift = 1e-2L;  // of a box's edge, the issue's
+inline constexpr Number sliding = 1e-2L;      // distances, speeds and times, relative: the issue's
+// Of an orbit's radius: order 1 in W h = 3.5 / 1024, for 2 pi.
+inline constexpr Number turntable_orbit = 2e-2L;
+
+// Springs. A contact that begins or ends within a step is felt from the next stage on: a kick of k x h / 2 is wrong by
+// up to (w h)^2 v / 8, and the frequency of verlet by (w h)^2 / 24.
+inline Number spring_speed(Number wh) { return 0.2L * wh * wh; }
+inline Number spring_time(Number wh) { return 0.1L * wh * wh; }
+// With damping the force jumps to c v at touch: up to a step late or early, half of it at the most: 2 z w h / 2.
+inline Number damped_speed(Number damping_ratio, Number wh) { return 1.5L * damping_ratio * wh + spring_speed(wh); }
+inline constexpr PerSystem spring_rounding{1e-9L, 1e-6L, 1e-5L, 1e-3L, 1e-3L};
+// Nearest sample to the turning point, B / (m d^2) h^2 / 8 of d, and the method's error, (w h)^2 / 24 with w^2 = 2 B /
+// (m d^3): 2e-3 at w h = 0.13; half as much again.
+inline constexpr Number closest_approach = 3e-3L;
+// The largest safe step against 2 / w, where verlet and every symplectic method of order 2 become unstable: never more,
+// and not less than half. A lower bound is what a bouncing ball needs, because it also gains by touching down late.
+inline constexpr Number safe_step_least = 0.5L, safe_step_most = 1 + 1e-6L;
+// A stable oscillator of verlet at 0.9 of the limit keeps to an ellipse 1 / sqrt(1 - 0.81) = 2.3 times as long as wide.
+inline constexpr Number stable_growth = 3;
 
 }  // namespace tolerance
 }  // namespace tumble::test

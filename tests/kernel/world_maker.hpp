@@ -7,6 +7,8 @@
 #include "number_systems.hpp"
 #include "worlds.hpp"
 
+#include <limits>
+
 namespace tumble::test {
 
 template <class N, class Method, Features f>
@@ -16,12 +18,19 @@ struct ComposedScene : Scene {
     static constexpr int bodies = f.bodies;
     static constexpr int planes = f.planes;
     static constexpr int springs = f.springs;
+    static constexpr int near_pairs = f.near_pairs;
     static constexpr bool drag = f.drag;
     static constexpr bool gravitation = f.gravitation;
     static constexpr bool forces = f.forces;
     static constexpr bool script = f.script;
+    static constexpr bool pairs = f.pairs;
     static constexpr bool boxes = f.boxes;
+    static constexpr bool cylinders = f.cylinders;
     static constexpr bool friction = f.friction;
+    static constexpr bool sleep = f.sleep;
+    static constexpr bool turntables = f.turntables;
+    static constexpr bool contact_impulses = f.contact_impulses;
+    static constexpr bool contact_springs = f.contact_springs;
 };
 
 // The state in SI units and the user's axes.
@@ -98,6 +107,14 @@ public:
     std::uint64_t hash() const override { return world_.hash(); }
     int body_count() const override { return world_.body_count(); }
     int contact_count(int body) const override { return world_.contact_count(BodyId{body}); }
+    bool asleep([[maybe_unused]] int body) const override {
+        if constexpr (f.sleep) return world_.asleep(BodyId{body});
+        else return false;
+    }
+    Number largest_safe_step() const override {
+        if constexpr (f.contact_springs) return number(world_.largest_safe_step());
+        else return std::numeric_limits<Number>::infinity();
+    }
 
 private:
     static Vector plain(const WorkVec3<N>& v) {

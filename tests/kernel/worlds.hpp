@@ -38,11 +38,26 @@ using reference::Vector;
 
 // What is compiled into a world.
 struct Features {
-    int bodies = 1, planes = 0, springs = 0;
-    bool drag = false, gravitation = false, forces = false, script = false, boxes = false, friction = false;
+    int bodies = 1, planes = 0, springs = 0, near_pairs = 0;
+    bool drag = false, gravitation = false, forces = false, script = false;
+    bool pairs = false, boxes = false, cylinders = false, friction = false, sleep = false, turntables = false;
+    bool contact_impulses = true, contact_springs = false;
     friend constexpr bool operator==(const Features&, const Features&) = default;
 };
-inline constexpr Features everything{4, 3, 3, true, true, true, true, true, true};
+inline constexpr Features everything{.bodies = 12,
+                                     .planes = 6,
+                                     .springs = 3,
+                                     .drag = true,
+                                     .gravitation = true,
+                                     .forces = true,
+                                     .script = true,
+                                     .pairs = true,
+                                     .boxes = true,
+                                     .cylinders = true,
+                                     .friction = true,
+                                     .sleep = true,
+                                     .turntables = true,
+                                     .contact_springs = true};
 // Sets of features of minimal worlds.
 inline constexpr Features nothing{};
 inline constexpr Features with_drag{.drag = true};
@@ -54,6 +69,15 @@ inline constexpr Features with_script{.script = true};
 inline constexpr Features with_plane{.planes = 1};
 inline constexpr Features with_box{.planes = 1, .boxes = true};
 inline constexpr Features with_friction{.planes = 1, .boxes = true, .friction = true};
+inline constexpr Features with_cylinders{.planes = 1, .cylinders = true, .friction = true};
+inline constexpr Features with_pairs{.bodies = 2, .pairs = true};
+inline constexpr Features with_few_pairs{.bodies = 3, .near_pairs = 1, .pairs = true};
+inline constexpr Features with_box_pairs{.bodies = 2, .pairs = true, .boxes = true, .friction = true};
+inline constexpr Features with_turntable{
+    .bodies = 2, .pairs = true, .boxes = true, .friction = true, .turntables = true};
+inline constexpr Features with_sleep{.planes = 1, .boxes = true, .friction = true, .sleep = true};
+inline constexpr Features with_contact_springs{
+    .bodies = 2, .planes = 1, .pairs = true, .contact_impulses = false, .contact_springs = true};
 
 // A scene: everything a world is built from.
 struct SceneSetup {
@@ -87,6 +111,8 @@ public:
     [[nodiscard]] virtual std::uint64_t hash() const = 0;
     [[nodiscard]] virtual int body_count() const = 0;
     [[nodiscard]] virtual int contact_count(int body) const = 0;
+    [[nodiscard]] virtual bool asleep(int body) const = 0;
+    [[nodiscard]] virtual Number largest_safe_step() const = 0;  // s; without contact springs any step is
 
     Status run(std::int64_t steps) {
         Status last = status();

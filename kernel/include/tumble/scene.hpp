@@ -19,21 +19,41 @@ struct Scene {
     static constexpr bool gravitation = false;  // between all bodies
     static constexpr bool forces = false;       // timed forces and torques
     static constexpr bool script = false;       // timed impulses
-    static constexpr bool boxes = false;        // boxes touch planes (spheres always do where there are planes)
+    static constexpr bool pairs = false;        // bodies touch bodies
+    static constexpr int near_pairs = 0;        // pairs near at one time, of a body and a plane or another; 0: as usual
+    static constexpr bool boxes = false;        // boxes touch (spheres always do where there are planes or pairs)
+    static constexpr bool cylinders = false;    // cylinders, capsules and hoops touch planes
     static constexpr bool friction = false;
+    static constexpr bool sleep = false;            // what rests falls asleep
+    static constexpr bool turntables = false;       // fixed bodies may turn
+    static constexpr bool contact_impulses = true;  // ContactResponse::impulse
+    static constexpr bool contact_springs = false;  // ContactResponse::spring
 };
 
 // What of a scene shapes the bodies, loads and contacts of its world; the method and the script do not.
 struct Capacity {
-    int bodies, planes, springs;
-    bool drag, gravitation, forces, boxes, friction;
+    int bodies, planes, springs, near_pairs;
+    bool drag, gravitation, forces, pairs, boxes, cylinders, friction, sleep, turntables, contact_impulses,
+        contact_springs;
 
-    [[nodiscard]] constexpr bool loads() const { return drag || gravitation || forces || springs > 0; }
-    [[nodiscard]] constexpr bool contacts() const { return planes > 0; }
+    [[nodiscard]] constexpr bool touches() const { return planes > 0 || pairs; }
+    [[nodiscard]] constexpr bool contacts() const { return touches() && contact_impulses; }
+    [[nodiscard]] constexpr bool springs_touch() const { return touches() && contact_springs; }
+    [[nodiscard]] constexpr bool loads() const {
+        return drag || gravitation || forces || springs > 0 || springs_touch();
+    }
+    // Every pair of a few bodies; of many, as many as a heap of them has.
+    [[nodiscard]] constexpr int room_for_pairs() const {
+        if (near_pairs > 0) return near_pairs;
+        const int all = bodies * planes + (pairs ? bodies * (bodies - 1) / 2 : 0), usual = 3 * bodies + planes;
+        return pairs && all > usual ? usual : all;
+    }
 };
 template <class S>
-inline constexpr Capacity capacity_of{S::bodies,      S::planes, S::springs, S::drag,
-                                      S::gravitation, S::forces, S::boxes,   S::friction};
+inline constexpr Capacity capacity_of{S::bodies,     S::planes,           S::springs,        S::near_pairs,
+                                      S::drag,       S::gravitation,      S::forces,         S::pairs,
+                                      S::boxes,      S::cylinders,        S::friction,       S::sleep,
+                                      S::turntables, S::contact_impulses, S::contact_springs};
 
 namespace detail {
 
@@ -69,7 +89,7 @@ struct BodySpec {
     RealVec3 angular_velocity{};  // rad/s, user's body axes
     Real restitution = -1;        // negative: the world's default
     Real friction = -1;
-    bool fixed = false;  // never moves
+    bool fixed = false;  // its place never changes; it may turn
 };
 
 struct PlaneSpec {
@@ -108,12 +128,21 @@ struct ForceSpec {
     RealVec3 torque{};  // N m, in `frame`
 };
 
-enum class ContactResponse : std::uint8_t { none, impulse };
+enum class ContactResponse : std::uint8_t { none, impulse, spring };
+
+// A group of bodies in touch falls asleep when all of them have been slower than this for so long.
+struct SleepSpec {
+    bool on = false;
+    Real speed = 0.03, angular_speed = 0.05;  // m/s, rad/s
+    Real time = 0.5;                          // s
+};
 
 struct ContactSpec {
     ContactResponse response = ContactResponse::impulse;
     Real restitution = 0.5, restitution_threshold = 0, friction = 0;
     Real tolerance = 0.001;  // m: the band in which bodies touch, and the depth at which a step is redone
+    Real stiffness = 10000, damping = 0, barrier = 0;  // ContactResponse::spring: N/m, N s/m of a point; N m^2
+    SleepSpec sleep{};
 };
 
 struct WorldSpec {

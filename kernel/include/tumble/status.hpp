@@ -16,19 +16,23 @@ enum class Issue : std::uint8_t {
     // stopped which would have bounced on.
     // The state is usable but less accurate; take a smaller step.
     step_bound_hit = 2,
-    // More contact points of one body than contact::max_points; the first, in the order of the planes, were kept.
+    // More pairs near each other than the scene has room for; some bodies pass through others. Raise near_pairs.
     contacts_full = 4,
     // add() was called on a full world; nothing was added. Raise the capacity in the scene.
     world_full = 8,
+    // A contact by springs is too stiff for the step: it would gain energy. World::largest_safe_step() tells which step
+    // is short enough.
+    step_too_long = 16,
 };
 inline constexpr Issue all_issues[] = {Issue::range_left, Issue::step_bound_hit, Issue::contacts_full,
-                                       Issue::world_full};
+                                       Issue::world_full, Issue::step_too_long};
 
 [[nodiscard]] constexpr const char* name_of(Issue issue) {
     switch (issue) {
     case Issue::range_left: return "range_left";
     case Issue::step_bound_hit: return "step_bound_hit";
     case Issue::contacts_full: return "contacts_full";
+    case Issue::step_too_long: return "step_too_long";
     default: return "world_full";
     }
 }

@@ -5,7 +5,8 @@
 // is compiled in, so a minimal firmware and a host with every feature give the same bits.
 #pragma once
 
-#include <tumble/contact/contact_set.hpp>
+#include <tumble/contact/island_step.hpp>
+#include <tumble/contact/sleepers.hpp>
 #include <tumble/loads/load_set.hpp>
 
 namespace tumble {
@@ -22,20 +23,20 @@ public:
     static constexpr bool has_contacts = capacity.contacts();
     static constexpr bool has_loads = capacity.loads();
 
-    // Bounds of one step of one body (or of one group of coupled bodies).
-    static constexpr int max_impacts = 8;   // impacts resolved at their own time within one step
-    static constexpr int max_resteps = 12;  // flights redone to find one impact
-
     // A world without bodies. `step` is the length of every step.
     explicit World(Seconds step, const WorldSpec& spec = {})
-        : bodies_{step}, loads_{step.value, spec}, contacts_{step.value, spec.contact} {
+        : bodies_{step}, loads_{step.value, spec}, contacts_{step.value, spec.contact}, sleepers_{step.value,
+                                                                                                  spec.contact.sleep} {
         set_gravity(spec.gravity);
     }
 
     // m/s^2, world frame.
     void set_gravity(RealVec3 gravity) {
         const Real h2 = bodies_.step_length * bodies_.step_length;
-        if constexpr (has_contacts) contacts_.set_gravity(sqrt(dot(gravity, gravity)) * h2);
+        if constexpr (has_contacts) {
+            contacts_.set_gravity(gravity * h2);
+            for (int b = 0; b < bodies_.count; ++b) disturb(b);
+        }
         for (int i = 0; i < 3; ++i) {
             const Real fall = bodies_.scale.drift_units(gravity[i] * h2);
             gravity_[i] = N::fall(fall_in_halves ? fall * Real::scaled(1, -1) : fall);
@@ -53,13 +54,21 @@ public:
         const int b = bodies_.add(spec, inertia);
         inertia_[b] = Inertia::of(inertia.moments, bodies_.scale);
         prepare_spin(b);
-        if constexpr (has_loads) loads_.set_mass(b, spec.mass);
-        if constexpr (has_contacts) contacts_.set_shape(b, spec, inertia.principal);
+        if constexpr (has_loads) loads_.set_body(b, spec, inertia, bodies_);
+        if constexpr (has_contacts) {
+            contacts_.set_shape(b, spec, inertia, bodies_.constants[b].units);
+            if (!spec.fixed) sleepers_.add(b);
+        }
         return BodyId{b};
     }
 
     // Adds a plane; false when there is no room.
-    bool add(const PlaneSpec& spec) requires has_contacts { return contacts_.add(spec); }
+    bool add(const PlaneSpec& spec) requires(capacity.planes > 0) {
+        bool added = true;
+        if constexpr (has_contacts) added = contacts_.add(spec);
+        if constexpr (capacity.springs_touch()) added = loads_.add(spec, bodies_) && added;
+        return added;
+    }
 
     // Adds a spring between bodies already added; false when there is no room.
     bool add(const SpringSpec& spec) requires(S::springs > 0) { return loads_.add(spec, bodies_); }
@@ -85,14 +94,14 @@ public:
                 apply(script_.first[next_event_++]);
         }
         const StepInfo<N> info{bodies_.scale, Dither::of_step(bodies_.steps_taken)};
-        if constexpr (!has_loads && !has_contacts) {
-            if constexpr (S::bodies == 1) {
-                advance_free(0, info);  // a constant index: every address is known
-            } else {
-                for (int b = 0; b < bodies_.count; ++b) advance_free(b, info);
-            }
-        } else {
+        if constexpr (has_contacts) {
+            step_islands(info);
+        } else if constexpr (has_loads) {
             step_units(info);
+        } else if constexpr (S::bodies == 1) {
+            advance_free(0, info);  // a constant index: every address is known
+        } else {
+            for (int b = 0; b < bodies_.count; ++b) advance_free(b, info);
         }
         ++bodies_.steps_taken;
         return bodies_.status;
@@ -120,7 +129,17 @@ public:
     using Bodies = tumble::Bodies<N, Integrator::spin, S::bodies>;
     [[nodiscard]] const Bodies& bodies() const { return bodies_; }
 
-    // Contact points of the body in the last step, at most contact::max_points.
+    // Does the body rest, at no cost, until something touches or pushes it?
+    [[nodiscard]] bool asleep([[maybe_unused]] BodyId id) const {
+        if constexpr (has_contacts) return sleepers_.is_asleep(id.index());
+        else return false;
+    }
+    // The largest step at which contacts by springs are stable, s; zero where none of them limits the step.
+    [[nodiscard]] Real largest_safe_step() const {
+        if constexpr (capacity.springs_touch()) return loads_.largest_safe_step();
+        else return {};
+    }
+    // Contact points of the body in the last step.
     [[nodiscard]] int contact_count(BodyId id) const {
         if constexpr (has_contacts) return contacts_.count(id.index());
         else return 0;
@@ -132,19 +151,25 @@ private:
     using Unit = tumble::Unit<S::bodies>;
     using Loads = LoadSet<N, Integrator::spin, capacity>;
     using Contacts = ContactSet<N, Integrator::spin, capacity>;
+    using Island = typename Contacts::Island;
+    using Sleepers = tumble::Sleepers<N, Integrator::spin, capacity>;
     // Where sums are exact, gravity is kept and added in halves: the position moves with the mean drift between them.
     static constexpr bool fall_in_halves = Integrator::coasting == Coasting::mean && N::fixed_point && N::carry;
     [[nodiscard]] static constexpr DriftSum whole_fall(DriftSum f) { return fall_in_halves ? f + f : f; }
 
-    // Part of a step, for steps that an impact interrupts; whole steps cost nothing extra.
-    struct Portion {
-        bool whole = true;
-        Work length = Work(1);  // of the step, (0, 1]
-    };
+    using Portion = tumble::Portion<Work>;
 
     void apply(const Impulse<N>& event) {
         bodies_.apply(event);
         prepare_spin(event.body);
+        disturb(event.body);
+    }
+    // The body's motion has changed, or will, otherwise than by flying and touching.
+    void disturb([[maybe_unused]] int b) {
+        if constexpr (has_contacts) {
+            contacts_.startle(b, bodies_.steps_taken);
+            wake(b);
+        }
     }
     // The spin has changed otherwise than by free rotation.
     TUMBLE_INLINE void prepare_spin([[maybe_unused]] int b) {
@@ -156,7 +181,11 @@ private:
     }
 
     TUMBLE_INLINE void advance_free(int b, const StepInfo<N>& info) {
-        if (bodies_.constants[b].fixed) return;
+        if (bodies_.constants[b].fixed) {
+            if constexpr (S::turntables)
+                if (bodies_.is_turning(b)) rotate(b, info);
+            return;
+        }
         coast(b, gravity_);
         rotate(b, info);
         bodies_.check_range(b);
@@ -189,28 +218,31 @@ private:
     void step_units(const StepInfo<N>& info) {
         Unit coupled;
         for (int b = 0; b < bodies_.count; ++b) {
-            if (bodies_.constants[b].fixed) continue;
-            if constexpr (has_loads) {
-                if (loads_.is_coupled(b)) {
-                    coupled.id[coupled.count++] = static_cast<std::int16_t>(b);
-                    continue;
-                }
+            if (turns_in_place(b, info)) continue;
+            if (loads_.is_coupled(b)) {
+                coupled.add(b);
+                continue;
             }
-            Unit alone;
-            alone.count = 1;
-            alone.id[0] = static_cast<std::int16_t>(b);
-            advance_unit(alone, info);
+            advance_alone(b, info);
         }
         if (coupled.count > 0) advance_unit(coupled, info);
     }
-
+    bool turns_in_place(int b, [[maybe_unused]] const StepInfo<N>& info) {
+        if (!bodies_.constants[b].fixed) return false;
+        if constexpr (S::turntables)
+            if (bodies_.is_turning(b)) rotate(b, info);
+        return true;
+    }
+    void advance_alone(int b, const StepInfo<N>& info) {
+        Unit alone;
+        alone.add(b);
+        advance_unit(alone, info);
+    }
     void advance_unit(const Unit& unit, const StepInfo<N>& info) {
-        if constexpr (has_contacts) {
-            if (contacts_.concerns(unit)) fly_with_contacts(unit, info);
-            else fly(unit, info, {});
-        } else {
-            fly(unit, info, {});
-        }
+        fly(unit, info, {});
+        check_range(unit);
+    }
+    void check_range(const Unit& unit) {
         for (int k = 0; k < unit.count; ++k) bodies_.check_range(unit.id[k]);
     }
 
@@ -254,16 +286,28 @@ private:
 
     void fly_scaled(const Unit& unit, const StepInfo<N>& info, const DriftSum (&fall)[3], Work length) {
         if constexpr (has_loads) {
-            if (unit.count > 1 || loads_.is_loaded(bodies_, unit.id[0])) {
-                const DriftSum whole[3]{whole_fall(fall[0]), whole_fall(fall[1]), whole_fall(fall[2])};
-                const auto evaluate = loads_.evaluation(bodies_, unit, length, whole);
-                if (unit.count == 1) advance_loaded<1>(unit, evaluate, info);
-                else advance_loaded<S::bodies>(unit, evaluate, info);
-                return;
+            Unit coupled;
+            for (int k = 0; k < unit.count; ++k) {
+                const int b = unit.id[k];
+                if (loads_.is_coupled(b)) coupled.add(b);
+                else if (loads_.is_loaded(bodies_, b)) fly_loaded(Unit::of(b), info, fall, length);
+                else fly_free(b, info, fall);
             }
+            if (coupled.count > 0) fly_loaded(coupled, info, fall, length);
+        } else {
+            for (int k = 0; k < unit.count; ++k) fly_free(unit.id[k], info, fall);
         }
-        coast(unit.id[0], fall);
-        rotate(unit.id[0], info);
+    }
+    void fly_free(int b, const StepInfo<N>& info, const DriftSum (&fall)[3]) {
+        coast(b, fall);
+        rotate(b, info);
+    }
+    void fly_loaded(const Unit& unit, const StepInfo<N>& info, const DriftSum (&fall)[3],
+                    Work length) requires has_loads {
+        const DriftSum whole[3]{whole_fall(fall[0]), whole_fall(fall[1]), whole_fall(fall[2])};
+        const auto evaluate = loads_.evaluation(bodies_, unit, length, whole);
+        if (unit.count == 1) advance_loaded<1>(unit, evaluate, info);
+        else advance_loaded<S::bodies>(unit, evaluate, info);
     }
 
     template <int group_capacity, class Evaluate>
@@ -281,85 +325,141 @@ private:
 
     // --- contacts ------------------------------------------------------------------------------------------------
 
-    using Saved = StateCopies<State, S::bodies>;
-    void save(const Unit& unit, Saved& saved) const {
-        for (int k = 0; k < unit.count; ++k) saved.keep(k, bodies_.state[unit.id[k]]);
-    }
-    void restore(const Unit& unit, const Saved& saved) {
-        for (int k = 0; k < unit.count; ++k) bodies_.state[unit.id[k]] = saved[k];
-    }
-
-    // One step with impacts. A flight that starts clear of the tolerance band and ends below the surface, or ends
-    // deeper than the tolerance, is discarded and redone to the impact, found by a bracketed root finder on the gap;
-    // then the rest of the step follows. After max_impacts (a ball coming to rest bounces without end in finite time)
-    // the rest of the step is taken without another search and what still approaches is stopped.
-    void fly_with_contacts(const Unit& unit, const StepInfo<N>& info) {
-        contacts_.forget(unit);
-        const Work tolerance = contacts_.tolerance();
-        Work remaining(1);
-        for (int impact = 0;; ++impact) {
-            Saved start;
-            save(unit, start);
-            const Work gap_start = contacts_.least_gap(bodies_, unit);
-            const Portion portion{impact == 0, remaining};
-            fly(unit, info, portion);
-            const Work gap_end = contacts_.least_gap(bodies_, unit);
-            // In touch: within the band, and not on the way through it, as a ball is that a step has left above the
-            // surface.
-            const bool touched =
-                gap_start <= tolerance && !(gap_start > Work(0) && gap_start - gap_end > contacts_.slow());
-            const bool too_deep = gap_end < (touched ? -tolerance : Work(0));
-            if (!too_deep || impact == max_impacts) {
-                resolve(unit, {start.first(), false, touched, impact == max_impacts, too_deep && touched});
-                return;
-            }
-            // The surface, or halfway to the tolerance for a body that was already in the band.
-            const Work level = touched ? N::half_of(gap_start < Work(0) ? gap_start - tolerance : -tolerance) : Work(0);
-            const Work landed = land(unit, info, start, remaining, gap_start - level, gap_end - level, level);
-            resolve(unit, {start.first(), true, false, false, false});
-            remaining -= landed;
-            if (!(remaining > min_portion())) return;
+    // One step of a world with contacts. Bodies that can touch nothing in it fly freely; the others advance together
+    // with those they may touch.
+    void step_islands(const StepInfo<N>& info) {
+        const std::uint32_t now = bodies_.steps_taken;
+        if constexpr (S::turntables) {
+            for (int b = 0; b < bodies_.count; ++b) (void)turns_in_place(b, info);
         }
-    }
-    void resolve(const Unit& unit, const Touchdown<State>& end) {
-        contacts_.resolve(bodies_, unit, end, [&](int b) { prepare_spin(b); });
-    }
-    // Below this fraction of a step the rest is not worth a flight.
-    [[nodiscard]] static constexpr Work min_portion() { return N::template constant<Work>(Real::scaled(1, -20)); }
-
-    // Redoes the flight from `start` until the gap is at `level`; returns the portion of the step flown. Illinois'
-    // variant of the secant method: the bracket [0, remaining] has gaps of opposite sign and never loses the root. A
-    // body that starts at the level or below it has no such bracket: half the tolerance stands for its gap, so that the
-    // search begins near the start.
-    Work land(const Unit& unit, const StepInfo<N>& info, const Saved& start, Work remaining, Work gap_low,
-              Work gap_high, Work level) {
-        Work low(0), high = remaining;
-        if (!(gap_low > Work(0))) gap_low = N::half_of(contacts_.tolerance());
-        const Work close_enough = contacts_.tolerance() * N::template constant<Work>(Real::scaled(1, -16));
-        const Work shortest = min_portion();
-        Work at = high;
-        int side = 0;
-        for (int i = 0; i < max_resteps; ++i) {
-            at = low + (high - low) * (gap_low / (gap_low - gap_high));
-            if (at < low + shortest) at = low + shortest;
-            if (at > high) at = high;
-            restore(unit, start);
-            fly(unit, info, {false, at});
-            const Work gap = contacts_.least_gap(bodies_, unit) - level;
-            if ((gap < close_enough && -close_enough < gap) || high - low < shortest) break;
-            if (gap > Work(0)) {
-                low = at;
-                gap_low = gap;
-                if (side > 0) gap_high = N::half_of(gap_high);
-                side = 1;
+        if constexpr (S::forces && S::sleep) {
+            loads_.for_each_change(now, [&](int b) { disturb(b); });
+        }
+        // Waking appends to the list.
+        for (int k = 0; k < sleepers_.awake_count(); ++k) {
+            const int b = sleepers_.awake(k);
+            if (!contacts_.is_foreseen(b, now)) look_around(b);
+        }
+        bool islands = false;
+        for (int k = 0; k < sleepers_.awake_count(); ++k) {
+            const int b = sleepers_.awake(k);
+            if (contacts_.is_near(b) || is_coupled(b)) {
+                islands = true;
+            } else if (is_loaded(b)) {
+                advance_alone(b, info);
             } else {
-                high = at;
-                gap_high = gap;
-                if (side < 0) gap_low = N::half_of(gap_low);
-                side = -1;
+                advance_free(b, info);
             }
         }
-        return at;
+        if (islands) [[unlikely]]
+            advance_islands(info);
+    }
+    [[gnu::noinline]] void look_around(int b) {
+        contacts_.look_around(
+            bodies_, b, is_loaded(b),
+            [&](int other) { return bodies_.constants[other].fixed || sleepers_.is_asleep(other); },
+            [&](int other) { wake(other); });
+    }
+    [[nodiscard]] bool is_loaded([[maybe_unused]] int b) const {
+        if constexpr (has_loads) return loads_.is_loaded(bodies_, b);
+        else return false;
+    }
+    [[nodiscard]] bool is_coupled([[maybe_unused]] int b) const {
+        if constexpr (has_loads) return loads_.is_coupled(b);
+        else return false;
+    }
+    // Wakes the body and all that rest on each other with it.
+    void wake([[maybe_unused]] int b) {
+        if constexpr (S::sleep) {
+            if (!sleepers_.is_asleep(b)) return;
+            sleepers_.wake(b);
+            contacts_.startle(b, bodies_.steps_taken);
+            contacts_.for_each_touching([&](int p, int q) {
+                if (p == b) wake(q);
+                if (q == b) wake(p);
+            });
+            if constexpr (has_loads) loads_.for_each_coupled(b, [&](int other) { wake(other); });
+        }
+    }
+
+    [[gnu::noinline]] void advance_islands(const StepInfo<N>& info) {
+        Islands<S::bodies> islands;
+        islands.clear(bodies_.count);
+        int coupled = -1;
+        for (int k = 0; k < sleepers_.awake_count(); ++k) {
+            const int b = sleepers_.awake(k);
+            if (!is_coupled(b)) continue;
+            if (coupled >= 0) islands.connect(coupled, b);
+            coupled = b;
+        }
+        contacts_.connect(islands, [&](int b) { return !sleepers_.is_asleep(b); });
+        Asked asked{*this, info};
+        IslandStep<N, Integrator::spin, capacity> step{bodies_, contacts_, islands, flyer(asked)};
+        // Sleeping changes the list of those awake: first all islands fly.
+        Unit to_sleep;
+        for (int root = 0; root < bodies_.count; ++root) {
+            if (bodies_.constants[root].fixed || sleepers_.is_asleep(root) || islands.root(root) != root) continue;
+            if (!contacts_.is_near(root) && !is_coupled(root)) continue;
+            Unit unit;
+            for (int b = root; b < bodies_.count; ++b)
+                if (islands.root(b) == root && !bodies_.constants[b].fixed && !sleepers_.is_asleep(b)) unit.add(b);
+            Island island{unit, root, contacts_.list(islands, root)};
+            if (island.first_pair < 0) fly(unit, info, {});
+            else step.take(island);
+            check_range(unit);
+            if constexpr (S::sleep) {
+                if (sleepers_.may_sleep(bodies_, unit, contacts_.presses(island)))
+                    for (int k = 0; k < unit.count; ++k) to_sleep.add(unit.id[k]);
+            }
+        }
+        if constexpr (S::sleep) {
+            for (int k = 0; k < to_sleep.count; ++k) {
+                sleepers_.put_to_sleep(bodies_, to_sleep.id[k]);
+                prepare_spin(to_sleep.id[k]);
+            }
+        }
+    }
+
+    // What an island's step asks of the world.
+    struct Asked {
+        World& world;
+        const StepInfo<N>& info;
+
+        static Asked& of(void* asked) { return *static_cast<Asked*>(asked); }
+    };
+    [[nodiscard]] static constexpr auto flyer(Asked& asked) {
+        return Flyer<Work, S::bodies>{
+            &asked,
+            Integrator::coasting,
+            [](void* to, const Unit& unit, const Portion& portion) {
+                Asked::of(to).world.fly(unit, Asked::of(to).info, portion);
+            },
+            [](void* to, const Unit& unit) { Asked::of(to).world.prepare_spins(unit); },
+            [](void* to, const Unit& unit) { Asked::of(to).world.foresee_loads(unit); },
+            [](void* to, int b) { Asked::of(to).world.look_around(b); },
+        };
+    }
+
+    // What loads will change in the whole step, into the contacts' kick(): gravity, and what else acts at its present
+    // strength.
+    void foresee_loads(const Unit& unit) {
+        Unit loaded;
+        for (int k = 0; k < unit.count; ++k) {
+            const int b = unit.id[k];
+            Kick<N>& kick = contacts_.kick(b);
+            kick = {};
+            for (int i = 0; i < 3; ++i) kick.linear[i] = whole_fall(gravity_[i]);
+            if (is_loaded(b)) loaded.add(b);
+        }
+        if constexpr (has_loads) {
+            if (loaded.count == 0) return;
+            const DriftSum whole[3]{whole_fall(gravity_[0]), whole_fall(gravity_[1]), whole_fall(gravity_[2])};
+            StageState<N> stages[S::bodies];
+            Kick<N> kicks[S::bodies];
+            for (int k = 0; k < loaded.count; ++k) stages[k] = stage_of(bodies_.state[loaded.id[k]]);
+            loads_.evaluation(bodies_, loaded, Work(1), whole)(stages, kicks);
+            for (int k = 0; k < loaded.count; ++k) contacts_.kick(loaded.id[k]) = kicks[k];
+        }
     }
 
     DriftSum gravity_[3]{};  // change of drift a step, or half of it: see fall_in_halves
@@ -367,6 +467,7 @@ private:
     Bodies bodies_;
     [[no_unique_address]] If<has_loads, Loads, 0> loads_;
     [[no_unique_address]] If<has_contacts, Contacts, 1> contacts_;
+    [[no_unique_address]] If<has_contacts, Sleepers, 4> sleepers_;
     [[no_unique_address]] If<S::script, Span<Impulse<N>>, 2> script_{};
     [[no_unique_address]] If<S::script, int, 3> next_event_{};
 };

@@ -29,6 +29,13 @@ template <int capacity>
 struct Unit {
     int count = 0;
     std::int16_t id[capacity]{};
+
+    [[nodiscard]] static Unit of(int body) {
+        Unit alone;
+        alone.add(body);
+        return alone;
+    }
+    void add(int body) { id[count++] = static_cast<std::int16_t>(body); }
 };
 
 // How spin relates to angular velocity and momentum: half_turn_i = turn_per_impulse_i * L_i;  w_i = rate_i *
@@ -109,8 +116,7 @@ public:
         for (int i = 0; i < 3; ++i) {
             assign(s.x_w[i], spec.position[i]);
             assign(s.d_w[i], spec.fixed ? Real{} : scale.drift_units(spec.velocity[i] * step_length));
-            assign(s.t_b[i],
-                   spec.fixed ? Real{} : scale.turn_units(Units::turn_of(inertia.moments, w[i], i, step_length)));
+            assign(s.t_b[i], scale.turn_units(Units::turn_of(inertia.moments, w[i], i, step_length)));
         }
         body.fixed = spec.fixed;
         check_range(b);
@@ -172,6 +178,12 @@ public:
     [[gnu::noinline]] void leave_range(int b) {
         N::saturate(state[b]);
         report(Issue::range_left, b);
+    }
+    // Has it any spin? Only fixed bodies are asked.
+    [[nodiscard]] bool is_turning(int b) const {
+        for (int i = 0; i < 3; ++i)
+            if (!(state[b].t_b[i].value() == typename N::Turn{})) return true;
+        return false;
     }
     void report(Issue issue, int b) { status.set(issue, b, steps_taken); }
 

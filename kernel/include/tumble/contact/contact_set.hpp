@@ -1,221 +1,460 @@
-// The contacts of a world: its planes, what of its bodies touches them, and the impulses where they do.
+// The contacts of a world by impulses. A step with contacts: pairs that could touch within it are found (look_around);
+// what is in touch already is given the forces that keep it apart, which act through the whole step as gravity does
+// (press); after the flight the pairs are measured, and where one has come too deep the flight is redone to the moment
+// of its impact, which is resolved there (resolve). World does the flying.
 #pragma once
 
-#include <tumble/body/bodies.hpp>
-#include <tumble/contact/impulse.hpp>
+#include <tumble/contact/solver.hpp>
+#include <tumble/contact/surroundings.hpp>
 
 namespace tumble {
 
-// How the flight of a unit of bodies has ended.
-template <class State>
-struct Touchdown {
-    const State* start;  // of the unit's bodies, where the flight began
-    bool impact;         // at the time of an impact; else at the end of the step
-    bool resting;        // in touch since it began
-    bool stop;           // the last: what still approaches is stopped
-    bool sunk;           // deeper than the tolerance
-};
-
 template <class N, Spin spin, Capacity capacity>
-class ContactSet {
+class ContactSet : public Surroundings<N, spin, capacity> {
+    using Base = Surroundings<N, spin, capacity>;
+
 public:
-    using Work = typename N::Work;
-    using Bodies = tumble::Bodies<N, spin, capacity.bodies>;
-    using State = typename Bodies::State;
+    using typename Base::Bodies;
+    using typename Base::Length;
+    using typename Base::Numbers;
+    using typename Base::Pair;
+    using typename Base::Speed;
+    using typename Base::State;
+    using typename Base::Work;
+    using Unit = tumble::Unit<capacity.bodies>;
 
     ContactSet(Real step, const ContactSpec& spec)
-        : steps_per_second_{N::template constant<Work>(Real{1} / step)}, response_{spec.response},
-          restitution_{N::template constant<Work>(spec.restitution)}, threshold_{N::template constant<Work>(
-                                                                          spec.restitution_threshold)},
-          friction_{N::template constant<Work>(spec.friction)}, tolerance_{N::template constant<Work>(spec.tolerance)} {
-    }
+        : Base(step, spec), threshold_{N::template constant<Work>(spec.restitution_threshold * step)} {}
 
-    // `change` is the size of gravity's change of drift in a step, m.
-    void set_gravity(Real change) { slow_ = N::template constant<Work>(change * Real{2}); }
-
-    // What of body b touches.
-    [[gnu::noinline]] void set_shape(int b, const BodySpec& spec, const RealQuat& principal) {
-        const bool touches = spec.shape.kind == ShapeKind::sphere || spec.shape.kind == ShapeKind::box;
-        const Real half = spec.shape.kind == ShapeKind::box ? Real::scaled(1, -1) : Real{1};
-        shape_[b] = {touches ? spec.shape.kind : ShapeKind::none,
-                     work_vector<N>(spec.shape.size * half),
-                     {N::template constant<Work>(principal.w), work_vector<N>(principal.v)},
-                     N::template constant<Work>(spec.restitution),
-                     N::template constant<Work>(spec.friction)};
-    }
-    // False when there is no room.
-    [[gnu::noinline]] bool add(const PlaneSpec& spec) {
-        if (plane_count_ >= capacity.planes) return false;
-        Plane<N>& plane = plane_[plane_count_++];
-        const RealVec3 n = normalized(spec.normal);
-        for (int i = 0; i < 3; ++i) plane.normal[i] = N::template constant<typename N::Unit>(n[i]);
-        plane.offset = N::template constant<Work>(spec.offset);
-        plane.restitution = N::template constant<Work>(spec.restitution);
-        plane.friction = N::template constant<Work>(spec.friction);
-        return true;
-    }
-
-    // m: the band in which bodies touch, and the depth at which a step is redone.
-    [[nodiscard]] Work tolerance() const { return tolerance_; }
-    // m: twice the change of drift by gravity in a step; who moves less, rests.
-    [[nodiscard]] Work slow() const { return slow_; }
     // Contact points of the body in the last step.
     [[nodiscard]] int count(int b) const { return touching_[b]; }
-    template <class Unit>
-    void forget(const Unit& unit) {
+
+    // One island's part of a step.
+    struct Island {
+        const Unit& unit;
+        int root;        // its first body
+        int first_pair;  // -1: none is near
+    };
+    void forget_touching(const Unit& unit) {
         for (int k = 0; k < unit.count; ++k) touching_[unit.id[k]] = 0;
     }
 
-    // Can any body of the unit touch anything?
-    template <class Unit>
-    [[nodiscard]] bool concerns(const Unit& unit) const {
-        if (response_ != ContactResponse::impulse || plane_count_ == 0) return false;
-        for (int k = 0; k < unit.count; ++k)
-            if (shape_[unit.id[k]].kind != ShapeKind::none) return true;
-        return false;
-    }
+    // What the loads will change in the whole step, foreseen; press() replaces it by what the contacts push.
+    [[nodiscard]] Kick<N>& kick(int b) { return kick_[b]; }
 
-    // The least gap between the unit's bodies and the planes, m.
-    template <class Unit>
-    [[nodiscard]] Work least_gap(const Bodies& bodies, const Unit& unit) const {
-        Work least{};
+    // The forces of the points in touch over a part of the step, such that at its end nothing approaches that touches:
+    // as changes of motion in that part, in kick(). Where a point strikes (it is below the surface and comes faster
+    // than what rests may), nothing is pressed unless `struck`: that is an impact, to be resolved first.
+    enum class Touch : std::uint8_t { nothing, presses, strikes };
+    Touch press(const Bodies& bodies, const Island& island, Work part, bool whole, bool struck) {
         bool any = false;
-        for (int k = 0; k < unit.count; ++k) {
-            const int b = unit.id[k];
-            if (shape_[b].kind == ShapeKind::none) continue;
-            const Placement<N> place = placement(bodies.state[b]);
-            for (int p = 0; p < plane_count_; ++p) {
-                const Work gap = PlaneView<N>{place, shape_[b], plane_[p], capacity.boxes}.gap();
-                if (!any || gap < least) least = gap;
-                any = true;
+        for_each_pair(island, [&](Pair& pair) {
+            pair.touched = pair.passed = false;
+            pair.start_gap = pair.gap;
+            if constexpr (capacity.pairs) pair.start_normal = pair.normal;
+            any = any || pair.count > 0;
+        });
+        if (!any) return Touch::nothing;
+        weigh(bodies, island.unit, part, whole);
+        int active = 0;
+        bool strikes = false;
+        for_each_pair(island, [&](Pair& pair) {
+            if (pair.count == 0) return;
+            const Speed slow = pair_speed(pair, slow_);
+            make_rows(bodies, pair);
+            for (int i = 0; i < pair.count; ++i) {
+                auto& point = pair.point[i];
+                const Speed approach = -velocity(start_, pair, point), closing = speed(pair, point, point.gap);
+                const bool fast = approach > along(point, slow), above = point.gap > Length{};
+                point.active = !(above && fast && approach > closing);
+                if (!point.active) {
+                    for (Speed& pushed : point.pushed) pushed = Speed{};
+                    continue;
+                }
+                strikes = strikes || (!above && fast);
+                point.target = above ? -closing : correction(pair, point);
+                for (Speed& pushed : point.pushed) pushed = speeds_.from(pushed, pair.scale);
+                pair.touched = true;
+                ++active;
+            }
+            pair.scale = speeds_;
+        });
+        if (active == 0) return Touch::nothing;
+        if (strikes && !struck) return Touch::strikes;
+        for_each_active(island, [&](Pair& pair, auto& point) { push_all(pair, point); });
+        sweep(island, speeds_.quiet());
+        for (int k = 0; k < island.unit.count; ++k) {
+            const int b = island.unit.id[k];
+            const ContactShape<N>& shape = shape_[b];
+            Kick<N>& kick = kick_[b];
+            for (int i = 0; i < 3; ++i) {
+                kick.linear[i] = Numbers::template as<typename N::DriftSum>(
+                    speeds_.sum(motion_[b].linear[i] - loaded_[b].linear[i], Numbers::drift_bits(bodies.scale),
+                                shape.per_root_mass));
+                kick.angular[i] = Numbers::template as<typename N::TurnSum>(
+                    speeds_.sum(motion_[b].angular[i] - loaded_[b].angular[i], Numbers::turn_bits(bodies.scale),
+                                shape.per_weight[i]));
             }
         }
-        return least;
+        count_points(island);
+        return Touch::presses;
     }
 
-    // Impulses at all points in touch, and the position put right where a resting body has sunk. Calls pushed(b) for
-    // each body whose motion has changed.
-    template <class Unit, class F>
-    void resolve(Bodies& bodies, const Unit& unit, const Touchdown<State>& end, F&& pushed) {
-        for (int k = 0; k < unit.count; ++k) {
-            const int b = unit.id[k];
-            if (shape_[b].kind != ShapeKind::none && resolve_body(bodies, b, end.start[k], end)) pushed(b);
+    // Where the bodies of the island and its pairs are now.
+    void measure(const Bodies& bodies, const Island& island) {
+        for (int k = 0; k < island.unit.count; ++k) place(bodies, island.unit.id[k]);
+        for_each_pair(island, [&](Pair& pair) { measure(bodies, pair); });
+    }
+    // The points of the pairs as they are measured.
+    void find(const Bodies& bodies, const Island& island) {
+        for_each_pair(island, [&](Pair& pair) { find(bodies, pair); });
+    }
+    // The least of the gaps, each above the level at which a flight ends: the surface, or halfway to the tolerance
+    // below for a pair that touched when the flight began. Metres.
+    [[nodiscard]] Work least_gap(const Island& island, bool at_start) const {
+        bool any = false;
+        Length least{};
+        for_each_pair(island, [&](const Pair& pair) {
+            const Length gap = (at_start ? pair.start_gap : pair.gap) - level(pair);
+            if (!any || gap < least) least = gap;
+            any = true;
+        });
+        return scale_.metres(least);
+    }
+    // Has a pair come deeper than is allowed at the end of a flight?
+    [[nodiscard]] bool is_too_deep(const Island& island) const {
+        bool deep = false;
+        for_each_pair(island, [&](const Pair& pair) {
+            Length limit{};
+            if (pair.touched) limit = pair.start_gap < Length{} ? pair.start_gap - tolerance_ : -tolerance_;
+            deep = deep || pair.gap < limit;
+        });
+        return deep;
+    }
+    // Does the island rest on something?
+    [[nodiscard]] bool presses(const Island& island) const {
+        bool any = false;
+        for_each_pair(island, [&](const Pair& pair) { any = any || pair.count > 0; });
+        return any;
+    }
+
+    // A pair that is apart at both ends of the flight but no longer along the direction in which it was apart at the
+    // start: it may have passed through. Null when there is none, or when pairs never do (planes have no other side).
+    struct Crossing {
+        Pair* pair = nullptr;
+        Vec3<Length> reach;  // at the end of the flight
+        Axes<N> a, b;
+
+        void at_start() const {
+            if constexpr (capacity.pairs) {
+                pair->gap = pair->start_gap;
+                pair->normal = pair->start_normal;
+            }
         }
+    };
+    [[nodiscard]] Crossing find_crossing([[maybe_unused]] const Bodies& bodies, [[maybe_unused]] const Island& island) {
+        Crossing found;
+        if constexpr (capacity.pairs) {
+            for_each_pair(island, [&](Pair& pair) {
+                if (found.pair != nullptr || pair.with_plane() || pair.touched || pair.passed || pair.gap < Length{})
+                    return;
+                const PairView<N> view = view_of(bodies, pair);
+                if (!(view.separation(pair.start_normal, capacity.boxes) < Length{})) return;
+                found = {&pair, view.reach, axes_[pair.a], axes_[pair.b]};
+            });
+        }
+        return found;
+    }
+    // Of the flight from now to its end, the part that surely leaves the pair apart: until the separation along the
+    // direction of now runs out. Negative: all of it.
+    [[nodiscard]] Work part_apart(const Crossing& crossing) const {
+        const Pair& pair = *crossing.pair;
+        const PairView<N> end{shape_[pair.a], shape_[pair.b], crossing.a, crossing.b, crossing.reach};
+        const Length left = end.separation(pair.normal, capacity.boxes);
+        if (!(left < Length{})) return Work(-1);
+        const Work gap = scale_.metres(pair.gap);
+        return gap / (gap - scale_.metres(left));
+    }
+    // Near enough to its impact, at the least.
+    [[nodiscard]] bool is_close(const Crossing& crossing) const {
+        return !(crossing.pair->gap > Numbers::sixteenth(Numbers::sixteenth(tolerance_)));
+    }
+    [[nodiscard]] bool is_apart(const Crossing& crossing) const {
+        return crossing.pair->gap > Numbers::half(Numbers::half(tolerance_));
+    }
+
+    // Impulses at the points of the island as they are measured. Where an impact comes with restitution, pair after
+    // pair bounces by itself, as it passes through a row of balls; then what still approaches is stopped by all
+    // together. `stop`: nothing bounces.
+    void resolve(Bodies& bodies, const Island& island, bool stop) {
+        find(bodies, island);
+        weigh(bodies, island.unit, Work(1), true);
+        int active = 0;
+        const Length hit = Numbers::half(Numbers::half(tolerance_));
+        for_each_pair(island, [&](Pair& pair) {
+            // What is above the surface is on its way, to an impact of its own.
+            pair.touched = pair.count > 0 && !(pair.gap > hit);
+            for (int i = 0; i < pair.count; ++i) pair.point[i].active = pair.touched;
+            if (!pair.touched) return;
+            pair.scale = speeds_;
+            make_rows(bodies, pair);
+            for (int i = 0; i < pair.count; ++i) {
+                auto& point = pair.point[i];
+                // Held here until the pair's turn: what loads change in a step.
+                point.loads = magnitude_of(velocity(motion_, pair, point) - velocity(start_, pair, point));
+                ++active;
+            }
+        });
+        if (active == 0) return;
+        for (int k = 0; k < island.unit.count; ++k) motion_[island.unit.id[k]] = start_[island.unit.id[k]];
+        bool bounced = !stop;
+        for (int round = 0; bounced && round < contact::max_rounds; ++round) {
+            bounced = false;
+            for_each_pair(island, [&](Pair& pair) {
+                if (pair.touched && collide(pair)) bounced = true;
+            });
+        }
+        for_each_active(island, [&](Pair& pair, auto& point) {
+            point.target = point.gap > Length{} ? -speed(pair, point, point.gap) : Speed{};
+            if (stop && bounces(pair, point, -velocity(motion_, pair, point), point.loads) &&
+                narrow<Speed>(mul(-velocity(motion_, pair, point), pair.restitution)) >
+                    along(point, pair_speed(pair, slow_)))
+                bodies.report(Issue::step_bound_hit, pair.a);
+            for (Speed& p : point.pushed) p = Speed{};
+        });
+        for (int k = 0; k < island.unit.count; ++k) loaded_[island.unit.id[k]] = motion_[island.unit.id[k]];
+        sweep(island, speeds_.rounding());
+        // Each impulse once instead of in as many parts as there were sweeps: so much less is rounded.
+        for (int k = 0; k < island.unit.count; ++k) motion_[island.unit.id[k]] = loaded_[island.unit.id[k]];
+        for_each_active(island, [&](Pair& pair, auto& point) { push_all(pair, point); });
+        for (int k = 0; k < island.unit.count; ++k) {
+            const int b = island.unit.id[k];
+            const ContactShape<N>& shape = shape_[b];
+            for (int i = 0; i < 3; ++i) {
+                const Speed linear = motion_[b].linear[i] - start_[b].linear[i],
+                            angular = motion_[b].angular[i] - start_[b].angular[i];
+                N::add_any(bodies.state[b].d_w[i], speeds_.work(linear) * shape.per_root_mass, bodies.scale);
+                N::add_any(bodies.state[b].t_b[i], speeds_.work(angular) * shape.per_weight[i], bodies.scale);
+            }
+        }
+        count_points(island);
+        // The impulses of an impact are no guess for the forces of the next step.
+        for_each_active(island, [&](Pair&, auto& point) {
+            for (Speed& p : point.pushed) p = Speed{};
+        });
     }
 
 private:
-    [[nodiscard]] static Placement<N> placement(const State& s) {
-        return {{N::sum(s.x_w.x), N::sum(s.x_w.y), N::sum(s.x_w.z)}, work_quaternion<N>(s.q_wb.value())};
+    using Rows = Solver<N, capacity>;
+    using Motion = WeightedMotion<N>;
+    using Point = ContactPoint<N, capacity>;
+    using Base::axes_;
+    using Base::find;
+    using Base::measure;
+    using Base::moves_b;
+    using Base::pair_;
+    using Base::place;
+    using Base::scale_;
+    using Base::shape_;
+    using Base::slow_;
+    using Base::tolerance_;
+    using Base::view_of;
+
+    // Where the search for an impact ends.
+    [[nodiscard]] Length level(const Pair& pair) const {
+        if (!pair.touched) return Length{};
+        const Length half = Numbers::half(tolerance_);
+        return pair.start_gap < Length{} ? pair.start_gap - half : -half;
     }
-    [[nodiscard]] static Work combined_restitution(Work a, Work b, Work otherwise) {
-        const Work none(0);
-        if (a < none && b < none) return otherwise;
-        return a < b ? b : a;  // the larger of what is named
+
+    template <class F>
+    void for_each_pair(const Island& island, F&& f) {
+        for (int i = island.first_pair; i >= 0; i = pair_[i].next) f(pair_[i]);
     }
-    // The geometric mean; a side that names none takes the world's.
-    [[nodiscard]] static Work combined_friction(Work a, Work b, Work otherwise) {
-        const Work x = a < Work(0) ? otherwise : a, y = b < Work(0) ? otherwise : b;
-        return x == y ? x : sqrt(x * y);
+    template <class F>
+    void for_each_pair(const Island& island, F&& f) const {
+        for (int i = island.first_pair; i >= 0; i = pair_[i].next) f(pair_[i]);
+    }
+    template <class F>
+    void for_each_active(const Island& island, F&& f) {
+        for_each_pair(island, [&](Pair& pair) {
+            for (int i = 0; i < pair.count; ++i)
+                if (pair.point[i].active) f(pair, pair.point[i]);
+        });
     }
 
-    // False where nothing is in touch.
-    bool resolve_body(Bodies& bodies, int b, const State& start, const Touchdown<State>& end) {
-        const auto& body = bodies.constants[b];
-        const ContactShape<N>& shape = shape_[b];
-        const Placement<N> place = placement(bodies.state[b]);
-        RigidMotion<N> motion;
-        WorkVec3<N> v_w, fall_w;
-        for (int i = 0; i < 3; ++i) {
-            v_w[i] = N::metres(N::sum(bodies.state[b].d_w[i]), bodies.scale) * steps_per_second_;
-            fall_w[i] =
-                N::metres(N::sum(bodies.state[b].d_w[i]) - N::sum(start.d_w[i]), bodies.scale) * steps_per_second_;
-            const Work rate = body.units.rate(i, steps_per_second_);
-            motion.w[i] = N::half_turn(N::sum(bodies.state[b].t_b[i]), bodies.scale) * rate;
-            motion.inverse_moments[i] = rate * body.units.per_impulse(i);
-        }
-        motion.v = rotate_back(place.q_wb, v_w);
-        motion.inverse_mass = body.drift_per_impulse * steps_per_second_;
-
-        ContactPoint<N> points[contact::max_points];
-        int count = 0;
-        Work deepest(0);
-        const Plane<N>* deepest_plane = nullptr;
-        for (int p = 0; p < plane_count_; ++p) {
-            const Plane<N>& plane = plane_[p];
-            const PlaneView<N> view{place, shape, plane, capacity.boxes};
-            if (view.gap() > tolerance_) continue;
-            if (view.gap() < deepest) {
-                deepest = view.gap();
-                deepest_plane = &plane;
-            }
-            const Work e = combined_restitution(shape.restitution, plane.restitution, restitution_);
-            const Work mu = combined_friction(shape.friction, plane.friction, friction_);
-            view.for_each_point(capacity.boxes, [&](Work gap, const WorkVec3<N>& arm) {
-                if (gap > tolerance_) return;
-                const Work v = dot(motion.at(arm), view.normal_b());
-                // Still on its way to the surface: an impact of the next step.
-                if (!end.impact && !end.stop && gap > Work(0) && v < -(slow_ * steps_per_second_)) return;
-                if (count == contact::max_points) {
-                    bodies.report(Issue::contacts_full, b);
-                    return;
-                }
-                ContactPoint<N>& c = points[count++];
-                c.arm = arm;
-                c.normal = view.normal_b();
-                c.turning = cross<Work>(arm, c.normal);
-                c.gap = gap;
-                c.friction = mu;
-                c.pushed = Work(0);
-                c.dragged = zero_vector<N>();
-                c.mass = Work(1) / motion.response(c.turning);
-                if (end.stop && e * v < -(slow_ * steps_per_second_)) bodies.report(Issue::step_bound_hit, b);
-                c.target = target_velocity(v, gap, e, end.resting ? dot(fall_w, work_unit<N>(plane.normal)) : Work(0),
-                                           end.stop);
-            });
-        }
-        if (count == 0) return false;
-        touching_[b] = static_cast<std::uint8_t>(count);
-        solve_impulses<N, capacity.friction>(motion, points, count);
-
-        WorkVec3<N> linear = zero_vector<N>(), angular = zero_vector<N>();
-        for (int c = 0; c < count; ++c) {
-            const WorkVec3<N> j = scaled_by(points[c].normal, points[c].pushed) + points[c].dragged;
-            linear += j;
-            angular += cross<Work>(points[c].arm, j);
-        }
-        bodies.push(b, rotate(place.q_wb, linear), angular);
-
-        // A resting body sinks by what gravity adds before the impulse; lift it back towards half the tolerance.
-        if (deepest_plane != nullptr && (end.resting || end.sunk)) {
-            const Work excess = -deepest - N::half_of(tolerance_);
-            if (excess > Work(0)) {
+    // The bodies' weighted motions: start_ as they are, motion_ and loaded_ with the part of the loads' change that is
+    // in kick(). All in one scale.
+    void weigh(const Bodies& bodies, const Unit& unit, Work part, bool whole) {
+        const int drift_bits = Numbers::drift_bits(bodies.scale), turn_bits = Numbers::turn_bits(bodies.scale);
+        auto largest = Numbers::nothing();
+        // Calls f(now, with loads, the sum now, the loads' change, its fraction bits, its weight) for each component.
+        const auto for_each_component = [&](auto&& f) {
+            for (int k = 0; k < unit.count; ++k) {
+                const int b = unit.id[k];
+                const ContactShape<N>& shape = shape_[b];
+                const State& s = bodies.state[b];
                 for (int i = 0; i < 3; ++i) {
-                    const Work lift = N::work(deepest_plane->normal[i]) * excess;
-                    bodies.state[b].x_w[i].add(N::position_sum(lift));
+                    f(start_[b].linear[i], motion_[b].linear[i], Numbers::raw(N::sum(s.d_w[i])),
+                      Numbers::raw(kick_[b].linear[i]), drift_bits, shape.root_mass);
+                    f(start_[b].angular[i], motion_[b].angular[i], Numbers::raw(N::sum(s.t_b[i])),
+                      Numbers::raw(kick_[b].angular[i]), turn_bits, shape.weight[i]);
                 }
             }
+        };
+        for_each_component([&](Speed&, Speed&, auto now, auto load, int bits, Work weight) {
+            const auto note = [&](auto size) {
+                if (size > largest) largest = size;
+            };
+            note(Numbers::size(now, bits, weight));
+            note(Numbers::size(load, bits, weight));
+        });
+        // Root of a mass over another's: as a power of two, and one more for many bodies.
+        int heaviest = Numbers::log2(shape_[unit.id[0]].root_mass), lightest = heaviest;
+        for (int k = 1; k < unit.count; ++k) {
+            const int log2 = Numbers::log2(shape_[unit.id[k]].root_mass);
+            if (log2 > heaviest) heaviest = log2;
+            if (log2 < lightest) lightest = log2;
         }
+        speeds_ = Numbers::SpeedScale::of(largest, unit.count, heaviest - lightest + (unit.count > 1 ? 2 : 0));
+        const typename N::Unit fraction = whole ? Numbers::one() : Numbers::unit(part);
+        for_each_component([&](Speed& start, Speed& end, auto now, auto load, int bits, Work weight) {
+            start = speeds_.speed(now, bits, weight);
+            end = speeds_.speed(load, bits, weight);
+            if (!whole) end = narrow<Speed>(mul(end, fraction));
+            end += start;
+        });
+        for (int k = 0; k < unit.count; ++k) loaded_[unit.id[k]] = motion_[unit.id[k]];
+    }
+    [[nodiscard]] Motion* other_motion(const Pair& pair) { return moves_b(pair) ? &motion_[pair.b] : nullptr; }
+    // The rows of a pair's points, where they do not hold any more.
+    void make_rows([[maybe_unused]] const Bodies& bodies, Pair& pair) {
+        bool hold = true;
+        for (int i = 0; i < pair.count; ++i) hold = hold && pair.point[i].rows_hold;
+        if (!hold) {
+            const typename Rows::Directions directions{pair, axes_[pair.a], moves_b(pair) ? &axes_[pair.b] : nullptr};
+            for (int i = 0; i < pair.count; ++i) {
+                Point& point = pair.point[i];
+                if (point.rows_hold) continue;
+                for (int k = 0; k < Rows::rows(pair); ++k)
+                    Rows::make_row(point.row[k], point, directions, k, shape_[pair.a],
+                                   moves_b(pair) ? &shape_[pair.b] : nullptr);
+                point.rows_hold = true;
+            }
+        }
+        if constexpr (capacity.turntables && capacity.friction) {
+            for (int i = 0; i < pair.count; ++i)
+                for (int k = 1; k < Rows::rows(pair); ++k)
+                    pair.point[i].carried[k] = surface_speed(bodies, pair, pair.point[i], k);
+        }
+    }
+    [[nodiscard]] Speed velocity(const Motion (&motion)[capacity.bodies], const Pair& pair, const Point& point) const {
+        return Rows::velocity(point.row[0], motion[pair.a], moves_b(pair) ? &motion[pair.b] : nullptr);
+    }
+    // A length of a step along the pair's normal as a speed along the point's row.
+    [[nodiscard]] Speed speed(const Pair& pair, const Point& point, Length per_step) const {
+        return narrow<Speed>(mul(speeds_.speed(per_step, pair.weight, scale_), point.row[0].inverse));
+    }
+    // A distance of a step along the pair's normal, m.
+    [[nodiscard]] Speed pair_speed(const Pair& pair, Work per_step) const {
+        return speeds_.speed(per_step * pair.weight);
+    }
+    [[nodiscard]] static Speed along(const Point& point, Speed of_pair) {
+        return narrow<Speed>(mul(of_pair, point.row[0].inverse));
+    }
+    // The velocity of a turning fixed body's surface along direction k of a point.
+    [[nodiscard]] Speed surface_speed([[maybe_unused]] const Bodies& bodies, [[maybe_unused]] const Pair& pair,
+                                      [[maybe_unused]] const Point& point, [[maybe_unused]] int k) const {
+        if constexpr (capacity.turntables && capacity.pairs && capacity.friction) {
+            if (!pair.turns) return Speed{};
+            const int b = pair.b;
+            WorkVec3<N> turn, arm, direction;
+            const Vec3<typename N::Unit> direction_b = axes_[b].to_body(pair.tangent[k - 1]);
+            for (int i = 0; i < 3; ++i) {
+                turn[i] = N::half_turn(N::sum(bodies.state[b].t_b[i]), bodies.scale) *
+                          bodies.constants[b].units.rate(i, Work(1));
+                arm[i] = scale_.metres(point.arm_b[i]);
+                direction[i] = N::work(direction_b[i]);
+            }
+            return narrow<Speed>(
+                mul(speeds_.speed(dot(cross<Work>(turn, arm), direction) * pair.weight), point.row[k].inverse));
+        }
+        return Speed{};
+    }
+    // A speed at which a point below the surface leaves it by and by: a fifth of what it is deeper than a quarter of
+    // the tolerance in each step, at most an eighth of the tolerance.
+    [[nodiscard]] Speed correction(const Pair& pair, const Point& point) const {
+        const Length excess = -point.gap - Numbers::half(Numbers::half(tolerance_));
+        if (!(excess > Length{})) return Speed{};
+        Length lift = Numbers::half(Numbers::half(Numbers::half(excess)));
+        const Length most = Numbers::half(Numbers::half(Numbers::half(tolerance_)));
+        if (lift > most) lift = most;
+        return speed(pair, point, lift);
+    }
+    // Does an approach bounce? Unless the scene's threshold forbids it, or the bounce would be over within an eighth of
+    // a step, because the loads bring it back that soon.
+    [[nodiscard]] bool bounces(const Pair& pair, const Point& point, Speed approach, Speed loads) const {
+        if (!(approach > speeds_.quiet())) return false;
+        const Speed bounce = narrow<Speed>(mul(approach, pair.restitution));
+        if (!(bounce + bounce > Numbers::half(Numbers::half(Numbers::half(loads))))) return false;
+        if (!(threshold_ > Work(0))) return true;
+        return !(approach < along(point, pair_speed(pair, threshold_)));
+    }
+    void push_all(const Pair& pair, const Point& point) {
+        for (int k = 0; k < Rows::rows(pair); ++k)
+            if (!(point.pushed[k] == Speed{}))
+                Rows::push(point.row[k], point.pushed[k], motion_[pair.a], other_motion(pair));
+    }
+    // The impact of one pair by itself; false when nothing of it bounces.
+    bool collide(Pair& pair) {
+        bool any = false;
+        for (int i = 0; i < pair.count; ++i) {
+            const Point& point = pair.point[i];
+            any = any || bounces(pair, point, -velocity(motion_, pair, point), point.loads);
+        }
+        if (!any) return false;
+        // Where one point bounces, all do: a body that lands flat must not be turned by rounding.
+        for (int i = 0; i < pair.count; ++i) {
+            Point& point = pair.point[i];
+            const Speed approach = -velocity(motion_, pair, point);
+            for (Speed& p : point.pushed) p = Speed{};
+            point.target = point.gap > Length{} ? -speed(pair, point, point.gap) : Speed{};
+            if (approach > Speed{}) point.target = narrow<Speed>(mul(approach, pair.restitution));
+        }
+        const Motion a = motion_[pair.a], b = moves_b(pair) ? motion_[pair.b] : a;
+        for (int sweep = 0; sweep < contact::max_sweeps; ++sweep) {
+            Speed most{};
+            for (int i = 0; i < pair.count; ++i)
+                Rows::visit(pair, pair.point[i], motion_[pair.a], other_motion(pair), most);
+            if (!(most > speeds_.rounding())) break;
+        }
+        motion_[pair.a] = a;
+        if (moves_b(pair)) motion_[pair.b] = b;
+        for (int i = 0; i < pair.count; ++i) push_all(pair, pair.point[i]);
         return true;
     }
-
-    // The normal velocity after the impact. A body that was in touch before the step bounces only with the speed it had
-    // then, not with what loads (`fall`, m/s along the normal) have added since: a resting body must not hop. A point
-    // still above the surface may close its gap.
-    [[nodiscard]] Work target_velocity(Work v, Work gap, Work restitution, Work fall, bool stop) const {
-        Work approach = fall < Work(0) ? v - fall : v;
-        if (approach > Work(0) || stop || -approach < threshold_) approach = Work(0);
-        const Work bounce = -(restitution * approach);
-        if (bounce > Work(0) || !(gap > Work(0))) return bounce;
-        return -(gap * steps_per_second_);
+    // Until nothing changes any more, or the bound.
+    void sweep(const Island& island, Speed enough) {
+        for (int sweep = 0; sweep < contact::max_sweeps; ++sweep) {
+            Speed most{};
+            for_each_active(island, [&](Pair& pair, Point& point) {
+                Rows::visit(pair, point, motion_[pair.a], other_motion(pair), most);
+            });
+            if (!(most > enough)) break;
+        }
+    }
+    void count_points(const Island& island) {
+        for (int k = 0; k < island.unit.count; ++k) touching_[island.unit.id[k]] = 0;
+        for_each_active(island, [&](Pair& pair, Point&) {
+            ++touching_[pair.a];
+            if (moves_b(pair)) ++touching_[pair.b];
+        });
     }
 
-    Work steps_per_second_;
-    ContactResponse response_;
-    Work restitution_, threshold_, friction_, tolerance_;
-    Work slow_{};
-    Plane<N> plane_[capacity.planes]{};
-    int plane_count_ = 0;
-    ContactShape<N> shape_[capacity.bodies]{};
+    Work threshold_;  // of restitution, m a step
+    typename Numbers::SpeedScale speeds_{};
+    Motion start_[capacity.bodies]{}, motion_[capacity.bodies]{}, loaded_[capacity.bodies]{};
+    Kick<N> kick_[capacity.bodies]{};
     std::uint8_t touching_[capacity.bodies]{};
 };
 

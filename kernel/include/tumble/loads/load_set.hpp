@@ -1,8 +1,9 @@
-// The loads of a world: drag, springs, gravitation and timed forces on its bodies, and their sum at a stage of a step.
-// Gravity is not one of them: it is constant, and needs no stages.
+// The loads of a world: drag, springs, gravitation, timed forces and contacts by springs, and their sum at a stage of a
+// step. Gravity is not one of them: it is constant, and needs no stages.
 #pragma once
 
 #include <tumble/body/bodies.hpp>
+#include <tumble/loads/contact_springs.hpp>
 #include <tumble/loads/drag.hpp>
 #include <tumble/loads/gravitation.hpp>
 #include <tumble/loads/spring.hpp>
@@ -19,14 +20,25 @@ public:
     using Unit = tumble::Unit<capacity.bodies>;
 
     LoadSet(Real step, const WorldSpec& spec)
-        : seconds_{N::template constant<Work>(step)}, steps_per_second_{N::template constant<Work>(Real{1} / step)} {
+        : seconds_{N::template constant<Work>(step)},
+          steps_per_second_{N::template constant<Work>(Real{1} / step)}, contacts_{step, spec.contact} {
         if constexpr (capacity.drag)
             drag_ = {N::template constant<Work>(spec.linear_drag), N::template constant<Work>(spec.angular_drag)};
         if constexpr (capacity.gravitation) gravitation_ = {N::template constant<Work>(spec.gravitation)};
     }
 
-    void set_mass([[maybe_unused]] int b, [[maybe_unused]] Real kilograms) {
-        if constexpr (capacity.gravitation) mass_[b] = N::template constant<Work>(kilograms);
+    // A body has been added.
+    void set_body([[maybe_unused]] int b, [[maybe_unused]] const BodySpec& spec,
+                  [[maybe_unused]] const PrincipalInertia& inertia, [[maybe_unused]] Bodies& bodies) {
+        if constexpr (capacity.gravitation) mass_[b] = N::template constant<Work>(spec.mass);
+        if constexpr (capacity.springs_touch()) contacts_.set_body(b, spec, inertia, bodies);
+    }
+    // False when there is no room.
+    bool add(const PlaneSpec& spec, Bodies& bodies) requires(capacity.springs_touch()) {
+        return contacts_.add(spec, bodies);
+    }
+    [[nodiscard]] Real largest_safe_step() const requires(capacity.springs_touch()) {
+        return contacts_.largest_safe_step();
     }
     // False when there is no room.
     [[gnu::noinline]] bool add(const SpringSpec& spec, const Bodies& bodies) requires(capacity.springs > 0) {
@@ -59,6 +71,8 @@ public:
             for (const Thrust<N>& thrust : forces_)
                 if (thrust.body == b && thrust.is_on(bodies.steps_taken)) return true;
         }
+        if constexpr (capacity.springs_touch())
+            if (contacts_.concerns(b)) return true;
         return false;
     }
     // Does it feel another moving body?
@@ -70,12 +84,32 @@ public:
                 if (spring_[s].to_body >= 0 && (spring_[s].body == b || spring_[s].to_body == b)) return true;
             }
         }
+        if constexpr (capacity.springs_touch())
+            if (contacts_.couples(b)) return true;
         return false;
+    }
+    // Calls f(other) for every body that a spring ties to b.
+    template <class F>
+    void for_each_coupled([[maybe_unused]] int b, [[maybe_unused]] F&& f) const {
+        if constexpr (capacity.springs > 0) {
+            for (int s = 0; s < spring_count_; ++s) {
+                if (spring_[s].to_body < 0) continue;
+                if (spring_[s].body == b) f(spring_[s].to_body);
+                if (spring_[s].to_body == b) f(spring_[s].body);
+            }
+        }
+    }
+    // Calls f(body) for every timed force that begins or ends at the step.
+    template <class F>
+    void for_each_change(std::uint32_t step, F&& f) const requires(capacity.forces) {
+        for (const Thrust<N>& thrust : forces_)
+            if (thrust.from == step || thrust.until == step) f(thrust.body);
     }
 
     // The loads of one unit of bodies, as the methods call them.
     struct Evaluate {
-        static constexpr bool may_depend_on_velocity = capacity.drag || capacity.springs > 0;
+        static constexpr bool may_depend_on_velocity = capacity.drag || capacity.springs > 0 ||
+                                                       capacity.springs_touch();
 
         Bodies& bodies;
         const LoadSet& loads;
@@ -107,6 +141,8 @@ public:
                 for (int s = 0; s < loads.spring_count_; ++s)
                     if (loads.spring_[s].damping > Work(0)) return true;
             }
+            if constexpr (capacity.springs_touch())
+                if (loads.contacts_.depends_on_velocity()) return true;
             return false;
         }
     };
@@ -175,6 +211,16 @@ private:
                 if (LoadedBody<N>* b = find(thrust.body)) thrust.apply(*b);
             }
         }
+        if constexpr (capacity.springs_touch()) {
+            for (int k = 0; k < e.unit.count; ++k) {
+                const int a = e.unit.id[k];
+                contacts_.apply(loaded[k], a, e.bodies);
+                for (int b = 0; capacity.pairs && b < e.bodies.count; ++b) {
+                    if (b == a || (b < a && !e.bodies.constants[b].fixed)) continue;
+                    contacts_.apply(loaded[k], a, *other_end(b), b, e.bodies);
+                }
+            }
+        }
         // Force to change of drift: F h^2 / m. The portion's own length enters squared.
         const Work part = e.seconds * e.seconds * steps_per_second_;
         for (int k = 0; k < e.unit.count; ++k) {
@@ -205,6 +251,7 @@ private:
     [[no_unique_address]] If<(capacity.springs > 0), Array<Spring<N>, capacity.springs>, 3> spring_{};
     [[no_unique_address]] If<(capacity.springs > 0), int, 4> spring_count_{};
     [[no_unique_address]] If<capacity.forces, Span<Thrust<N>>, 5> forces_{};
+    [[no_unique_address]] If<capacity.springs_touch(), ContactSprings<N, spin, capacity>, 6> contacts_;
 };
 
 }  // namespace tumble

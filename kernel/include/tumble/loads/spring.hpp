@@ -36,19 +36,14 @@ struct Spring {
             const WorkVec3<N> along = scaled_by(reach, Work(1) / length);
             Work strength = stiffness * (length - rest_length);
             if (damping > Work(0)) {
-                WorkVec3<N> rate = -velocity_at(a, point_b);
-                if (other != nullptr) rate += velocity_at(*other, to);
+                WorkVec3<N> rate = -a.velocity_at(point_b);
+                if (other != nullptr) rate += other->velocity_at(to);
                 strength = mul_add(strength, damping, dot(rate, along));
             }
             force = scaled_by(along, strength);
         }
         a.push(force, point_b);
         if (other != nullptr) other->push(-force, to);
-    }
-
-private:
-    [[nodiscard]] static WorkVec3<N> velocity_at(const LoadedBody<N>& body, const WorkVec3<N>& r_b) {
-        return body.v_w + rotate(body.q_wb, cross<Work>(body.w_b, r_b));
     }
 };
 

@@ -58,6 +58,10 @@ struct LoadedBody {
     WorkVec3<N> v_w, w_b;           // m/s, rad/s
     WorkVec3<N> force_w, torque_b;  // N, N m about the centre of mass
 
+    // m/s, world, of a point of the body (principal axes, m).
+    [[nodiscard]] WorkVec3<N> velocity_at(const WorkVec3<N>& r_b) const {
+        return v_w + rotate(q_wb, cross<Work>(w_b, r_b));
+    }
     // A force at a point of the body (principal axes, m).
     void push(const WorkVec3<N>& f_w, const WorkVec3<N>& r_b) {
         force_w += f_w;

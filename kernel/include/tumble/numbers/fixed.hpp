@@ -56,6 +56,7 @@ struct Wide {
     constexpr Wide& operator+=(Wide b) { return *this = *this + b; }
     constexpr Wide& operator-=(Wide b) { return *this = *this - b; }
     friend constexpr bool operator==(Wide, Wide) = default;
+    friend constexpr auto operator<=>(Wide a, Wide b) { return a.raw <=> b.raw; }
 
 private:
     static constexpr std::uint64_t bits(Wide a) { return static_cast<std::uint64_t>(a.raw); }

@@ -311,12 +311,13 @@ struct Q32 {
         return {static_cast<std::int64_t>(static_cast<std::uint64_t>(mul_sum({a.raw}, f).raw) << 1)};
     }
 
-    // n . x + offset in m, exact but for the rounding to a working number.
-    [[nodiscard]] static constexpr Work along(const PositionSum (&x)[3], const auto& n) {
-        constexpr int bits = Position::fraction_bits + Unit::fraction_bits;
-        const auto term = [&](int i) { return mul_sum({x[i].raw}, n[i]).raw; };
-        return Work::of(term(0) + term(1) + term(2), -bits);
+    // n . x in m, for unit n.
+    using AlongSum = Wide<Position::fraction_bits + Unit::fraction_bits>;
+    [[nodiscard]] static constexpr AlongSum along(const PositionSum (&x)[3], const auto& n) {
+        const auto term = [&](int i) { return AlongSum{mul_sum({x[i].raw}, n[i]).raw}; };
+        return term(0) + term(1) + term(2);
     }
+    [[nodiscard]] static constexpr Work metres_along(AlongSum x) { return Work::of(x); }
 
     // Is the value outside the declared range? One bit of headroom tells before anything can wrap.
     [[nodiscard]] TUMBLE_INLINE static constexpr std::uint32_t range_bits(std::int32_t raw) {
@@ -557,6 +558,8 @@ struct Float {
     [[nodiscard]] static constexpr T fraction(T w) { return w; }
     [[nodiscard]] static constexpr T part(T a, T f) { return a * f; }
 
+    using AlongSum = T;
+    [[nodiscard]] static constexpr T metres_along(T x) { return x; }
     [[nodiscard]] static constexpr T along(const T (&x)[3], const auto& n) {
         return x[0] * n[0] + x[1] * n[1] + x[2] * n[2];
     }

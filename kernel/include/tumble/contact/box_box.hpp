@@ -1,0 +1,225 @@
+// Two boxes: the separating axis test over their 15 axes (Gottschalk, Lin and Manocha 1996), and the contact points: a
+// face clipped against a face, of which four points are kept, or the nearest points of two edges.
+#pragma once
+
+#include <tumble/contact/pair_contacts.hpp>
+
+namespace tumble {
+
+template <class N>
+class BoxBox {
+public:
+    using Numbers = ContactNumbers<N>;
+    using Length = typename Numbers::Length;
+    using Unit = typename Numbers::Unit;
+
+    Vec3<Unit> normal;  // world, from b to a
+    Length gap;
+
+    // `bias`: by how much an edge pair must be farther apart than the best faces to be taken, so that the choice does
+    // not flicker.
+    BoxBox(const PairView<N>& view, Length bias)
+        : view_{view}, axes_{view.a.axes(view.axes_a), view.b.axes(view.axes_b)} {
+        // Everything in the axes of a; r takes b's axes to a's. t goes from a to b.
+        const Vec3<Length>&h = view.a.half, &k = view.b.half;
+        const Vec3<Length> t = -axes_[0].to_body(view.reach);
+        Vec3<Unit> r[3], size[3];
+        for (int i = 0; i < 3; ++i) {
+            for (int j = 0; j < 3; ++j) {
+                r[i][j] = narrow<Unit>(dot(axes_[0].axis(i), axes_[1].axis(j)));
+                size[i][j] = magnitude_of(r[i][j]);
+            }
+        }
+        const auto column = [](const Vec3<Unit>(&m)[3], int j) { return Vec3<Unit>{m[0][j], m[1][j], m[2][j]}; };
+        bool first = true;
+        const auto take = [&](Length separation, int axis, bool negative) {
+            if (!first && !(separation > gap)) return;
+            first = false;
+            gap = separation;
+            axis_ = axis;
+            negative_ = negative;
+        };
+        for (int i = 0; i < 3; ++i)
+            take(magnitude_of(t[i]) - h[i] - narrow<Length>(dot(size[i], k)), i, t[i] < Length{});
+        for (int j = 0; j < 3; ++j) {
+            const Length along = narrow<Length>(dot(column(r, j), t));
+            take(magnitude_of(along) - k[j] - narrow<Length>(dot(column(size, j), h)), 3 + j, along < Length{});
+        }
+        const Length faces = gap;
+        for (int i = 0; i < 3; ++i) {
+            const int i1 = (i + 1) % 3, i2 = (i + 2) % 3;
+            for (int j = 0; j < 3; ++j) {
+                const int j1 = (j + 1) % 3, j2 = (j + 2) % 3;
+                if (size[i][j] > Numbers::nearly_parallel()) continue;
+                // a_i x b_j has the components (-r[i2][j], r[i1][j]) along a_i1, a_i2.
+                const Length along = narrow<Length>(mul_sub(mul(r[i1][j], t[i2]), r[i2][j], t[i1]));
+                const Length reach = narrow<Length>(mul_add(mul(size[i2][j], h[i1]), size[i1][j], h[i2])) +
+                                     narrow<Length>(mul_add(mul(size[i][j2], k[j1]), size[i][j1], k[j2]));
+                const Length separation = Numbers::over_sine(magnitude_of(along) - reach, r[i][j]);
+                if (separation > faces + bias) take(separation, 6 + 3 * i + j, along < Length{});
+            }
+        }
+        if (axis_ < 3) {
+            normal = axes_[0].axis(axis_);
+        } else if (axis_ < 6) {
+            normal = axes_[1].axis(axis_ - 3);
+        } else {
+            normal = Numbers::direction(cross<Unit>(axes_[0].axis((axis_ - 6) / 3), axes_[1].axis((axis_ - 6) % 3)));
+        }
+        if (!negative_) normal = -normal;
+    }
+
+    void find(FoundPoints<N>& found, Length band) const {
+        if (axis_ >= 6) find_on_edges(found);
+        else find_on_faces(found, band);
+    }
+
+private:
+    struct Vertex {
+        Length u, v, gap;  // in the face's plane, and above it
+    };
+    // A face clipped against the four sides of another has at most eight vertices.
+    struct Polygon {
+        Vertex vertex[8];
+        int count = 0;
+    };
+
+    [[nodiscard]] const ContactShape<N>& shape(int side) const { return side == 0 ? view_.a : view_.b; }
+
+    // The incident face (of the other box, most against the reference face's normal), clipped against the sides of the
+    // reference face. Both bodies get the same points: those of the incident face.
+    void find_on_faces(FoundPoints<N>& found, Length band) const {
+        const int side = axis_ < 3 ? 0 : 1, other = 1 - side, face = axis_ % 3, iu = (face + 1) % 3,
+                  iv = (face + 2) % 3;
+        const Axes<N>&axes = axes_[side], &incident = axes_[other];
+        // Outwards from the reference box: against `normal` for a, along it for b.
+        const Vec3<Unit> outward = side == 0 ? Vec3<Unit>(-normal) : normal;
+        const bool flipped = negative_ == (side == 0);
+        const Vec3<Unit> n = incident.to_body(outward);
+        int k = 0;
+        for (int i = 1; i < 3; ++i)
+            if (magnitude_of(n[i]) > magnitude_of(n[k])) k = i;
+        const int k1 = (k + 1) % 3, k2 = (k + 2) % 3;
+        const bool up = n[k] < Unit{};  // the face at +k looks against the normal
+        const ContactShape<N>&reference_shape = shape(side), &incident_shape = shape(other);
+        // From the reference box to the incident one, in the reference's axes.
+        const Vec3<Length> to_incident = axes.to_body(side == 0 ? Vec3<Length>(-view_.reach) : view_.reach);
+        Vec3<Length> centre = to_incident, edge[2];
+        {
+            const auto along = [&](int i, Length l) {
+                return axes.to_body(SphereSphere<N>::along(incident.axis(i), l));
+            };
+            centre += along(k, up ? incident_shape.half[k] : -incident_shape.half[k]);
+            edge[0] = along(k1, incident_shape.half[k1]);
+            edge[1] = along(k2, incident_shape.half[k2]);
+        }
+        Polygon polygon;
+        const Length top = reference_shape.half[face];
+        for (int corner = 0; corner < 4; ++corner) {
+            const bool plus_first = corner == 1 || corner == 2, plus_second = corner >= 2;
+            const Vec3<Length> p = centre + (plus_first ? edge[0] : Vec3<Length>(-edge[0])) +
+                                   (plus_second ? edge[1] : Vec3<Length>(-edge[1]));
+            polygon.vertex[polygon.count++] = {p[iu], p[iv], (flipped ? -p[face] : p[face]) - top};
+        }
+        for (int s = 0; s < 4; ++s) clip(polygon, s, reference_shape.half[s < 2 ? iu : iv]);
+        reduce(polygon, band);
+        for (int i = 0; i < polygon.count; ++i) {
+            const Vertex& vertex = polygon.vertex[i];
+            if (vertex.gap > band) continue;
+            Vec3<Length> p;  // reference axes
+            p[iu] = vertex.u;
+            p[iv] = vertex.v;
+            p[face] = flipped ? -(vertex.gap + top) : vertex.gap + top;
+            const Vec3<Length> q = incident.to_body(axes.to_world(Vec3<Length>(p - to_incident)));
+            const Vec3<Length> of_reference = reference_shape.principal(p), of_incident = incident_shape.principal(q);
+            found.add() = {side == 0 ? of_reference : of_incident, side == 0 ? of_incident : of_reference, vertex.gap};
+        }
+    }
+
+    // Side s of the reference face: u <= half, -u <= half, v <= half, -v <= half.
+    static void clip(Polygon& polygon, int s, Length half) {
+        const auto beyond = [&](const Vertex& p) {
+            const Length x = s < 2 ? p.u : p.v;
+            return (s & 1) == 0 ? x - half : -x - half;
+        };
+        Polygon clipped;
+        for (int i = 0; i < polygon.count; ++i) {
+            const Vertex &p = polygon.vertex[i], &q = polygon.vertex[i + 1 < polygon.count ? i + 1 : 0];
+            const Length p_beyond = beyond(p), q_beyond = beyond(q);
+            const bool p_in = !(p_beyond > Length{}), q_in = !(q_beyond > Length{});
+            if (p_in && clipped.count < 8) clipped.vertex[clipped.count++] = p;
+            if (p_in == q_in || clipped.count == 8) continue;
+            const Unit part = Numbers::ratio(magnitude_of(p_beyond), magnitude_of(p_beyond) + magnitude_of(q_beyond));
+            const auto between = [&](Length from, Length to) { return from + narrow<Length>(mul(part, to - from)); };
+            clipped.vertex[clipped.count++] = {between(p.u, q.u), between(p.v, q.v), between(p.gap, q.gap)};
+        }
+        polygon = clipped;
+    }
+
+    // At most four: the lowest, the farthest from it, the farthest from their line on either side.
+    static void reduce(Polygon& polygon, Length band) {
+        int count = 0;
+        for (int i = 0; i < polygon.count; ++i)
+            if (!(polygon.vertex[i].gap > band)) polygon.vertex[count++] = polygon.vertex[i];
+        polygon.count = count;
+        if (count <= contact::max_points) return;
+        int chosen[4] = {0, 0, 0, 0};
+        for (int i = 1; i < count; ++i)
+            if (polygon.vertex[i].gap < polygon.vertex[chosen[0]].gap) chosen[0] = i;
+        const Vertex& a = polygon.vertex[chosen[0]];
+        const auto distance2 = [&](const Vertex& p) {
+            return mul_add(mul(p.u - a.u, p.u - a.u), p.v - a.v, p.v - a.v);
+        };
+        chosen[1] = chosen[0] == 0 ? 1 : 0;
+        for (int i = 0; i < count; ++i)
+            if (distance2(polygon.vertex[i]) > distance2(polygon.vertex[chosen[1]])) chosen[1] = i;
+        const Vertex& b = polygon.vertex[chosen[1]];
+        const auto area = [&](const Vertex& p) { return mul_sub(mul(b.u - a.u, p.v - a.v), b.v - a.v, p.u - a.u); };
+        auto most = area(a), least = area(a);
+        chosen[2] = chosen[3] = -1;
+        for (int i = 0; i < count; ++i) {
+            const auto here = area(polygon.vertex[i]);
+            if (here > most) {
+                most = here;
+                chosen[2] = i;
+            }
+            if (here < least) {
+                least = here;
+                chosen[3] = i;
+            }
+        }
+        Polygon kept;
+        for (const int i : chosen)
+            if (i >= 0) kept.vertex[kept.count++] = polygon.vertex[i];
+        polygon = kept;
+    }
+
+    // The point of a's edge that is nearest to the line along b's.
+    void find_on_edges(FoundPoints<N>& found) const {
+        const int i = (axis_ - 6) / 3, j = (axis_ - 6) % 3;
+        const Vec3<Unit> na = axes_[0].to_body(normal), nb = axes_[1].to_body(normal);
+        Vec3<Length> on_a, on_b;
+        for (int m = 0; m < 3; ++m) {
+            on_a[m] = m == i ? Length{} : na[m] > Unit{} ? -view_.a.half[m] : view_.a.half[m];
+            on_b[m] = m == j ? Length{} : nb[m] > Unit{} ? view_.b.half[m] : -view_.b.half[m];
+        }
+        const Vec3<Unit> a = axes_[0].axis(i), b = axes_[1].axis(j);
+        const Vec3<Length> apart = axes_[1].to_world(on_b) - view_.reach - axes_[0].to_world(on_a);
+        const Unit c = narrow<Unit>(dot(a, b));
+        const Length along_a = narrow<Length>(dot(a, apart)), along_b = narrow<Length>(dot(b, apart));
+        const auto part = [&](Length l, Length less, Length most) {
+            const Length s = Numbers::over_sine(Numbers::over_sine(l - less, c), c);
+            return s > most ? most : s < -most ? -most : s;
+        };
+        on_a[i] = part(along_a, narrow<Length>(mul(c, along_b)), view_.a.half[i]);
+        on_b = axes_[1].to_body(Vec3<Length>(axes_[0].to_world(on_a) + view_.reach));  // the same point
+        found.add() = {view_.a.principal(on_a), view_.b.principal(on_b), gap};
+    }
+
+    const PairView<N>& view_;
+    Axes<N> axes_[2];
+    int axis_ = 0;  // 0-2 a face of a, 3-5 of b, then edges
+    bool negative_ = false;
+};
+
+}  // namespace tumble

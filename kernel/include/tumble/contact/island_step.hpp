@@ -1,0 +1,226 @@
+// One step of an island of bodies that may touch each other or planes, with its impacts. Knows the method only by what
+// it asks of the world through Flyer, so that worlds which differ in the method share this code.
+#pragma once
+
+#include <tumble/contact/contact_set.hpp>
+
+namespace tumble {
+
+// Part of a step, for steps that an impact interrupts; whole steps cost nothing extra.
+template <class Work>
+struct Portion {
+    bool whole = true;
+    Work length = Work(1);  // of the step, (0, 1]
+};
+
+template <class Work, int bodies>
+struct Flyer {
+    using Unit = tumble::Unit<bodies>;
+
+    void* world;
+    Coasting coasting;
+    void (*fly)(void* world, const Unit& unit, const Portion<Work>& portion);  // free motion and loads
+    void (*spins_changed)(void* world, const Unit& unit);                      // otherwise than by flying
+    void (*foresee_loads)(void* world, const Unit& unit);                      // into the contacts' kick()
+    void (*look_around)(void* world, int body);
+};
+
+template <class N, Spin spin, Capacity capacity>
+class IslandStep {
+public:
+    using Contacts = ContactSet<N, spin, capacity>;
+    using Bodies = typename Contacts::Bodies;
+    using Island = typename Contacts::Island;
+    using Unit = typename Contacts::Unit;
+    using Work = typename N::Work;
+    using State = typename Bodies::State;
+
+    // Bounds of one step.
+    static constexpr int max_impacts = 8;    // impacts resolved at their own time
+    static constexpr int max_crossings = 4;  // pairs that are looked at because they may have passed through each other
+    static constexpr int max_resteps = 12;   // flights redone to find one impact, or for one such pair
+
+    IslandStep(Bodies& bodies, Contacts& contacts, Islands<capacity.bodies>& islands,
+               const Flyer<Work, capacity.bodies>& flyer)
+        : bodies_{bodies}, contacts_{contacts}, islands_{islands}, flyer_{flyer} {}
+
+    // One step of an island, with its impacts. A flight in which a pair comes deeper than it may, or passes through, is
+    // discarded and redone to the impact; then the rest of the step follows. After max_impacts (a ball coming to rest
+    // bounces without end in finite time) the rest of the step is taken without another search and what still
+    // approaches is stopped.
+    [[gnu::noinline]] void take(Island& island) {
+        const Unit& unit = island.unit;
+        contacts_.forget_touching(unit);
+        Work span(1);
+        for (int impact = 0;; ++impact) {
+            const bool whole = impact == 0;
+            flyer_.foresee_loads(flyer_.world, unit);
+            auto touch = contacts_.press(bodies_, island, span, whole, false);
+            if (touch == Contacts::Touch::strikes) {
+                resolve(island, false);
+                look_again(island);
+                touch = contacts_.press(bodies_, island, span, whole, true);
+            }
+            Saved start;
+            save(unit, start);
+            const Flight flight{island, start, span, whole, touch == Contacts::Touch::presses};
+            fly(flight, span, false);
+            contacts_.measure(bodies_, island);
+            if (impact == max_impacts) {
+                if (contacts_.is_too_deep(island)) resolve(island, true);
+                else contacts_.find(bodies_, island);
+                break;
+            }
+            const Work length = stop_before_crossing(flight);
+            const bool crossed = length < span;
+            Work landed = length;
+            if (contacts_.is_too_deep(island)) landed = land(flight, length);
+            else if (!crossed) {
+                contacts_.find(bodies_, island);
+                break;
+            }
+            resolve(island, false);
+            span -= landed;
+            if (!(span > min_portion())) break;
+            look_again(island);
+        }
+    }
+
+private:
+    // After an impact bodies move otherwise than was foreseen, and may be near others.
+    void look_again(Island& island) {
+        for (int k = 0; k < island.unit.count; ++k) {
+            contacts_.startle(island.unit.id[k], bodies_.steps_taken);
+            flyer_.look_around(flyer_.world, island.unit.id[k]);
+        }
+        island.first_pair = contacts_.list(islands_, island.root);
+    }
+
+    using Saved = StateCopies<State, capacity.bodies>;
+    void save(const Unit& unit, Saved& saved) const {
+        for (int k = 0; k < unit.count; ++k) saved.keep(k, bodies_.state[unit.id[k]]);
+    }
+    void restore(const Unit& unit, const Saved& saved) {
+        for (int k = 0; k < unit.count; ++k) bodies_.state[unit.id[k]] = saved[k];
+    }
+
+    // A flight of an island from `start` through `length` of the step, under the forces of contacts that kick() holds
+    // for the first `span` of it.
+    struct Flight {
+        const Island& island;
+        const Saved& start;
+        Work span;   // what is left of the step
+        bool whole;  // nothing has interrupted the step so far
+        bool pressed;
+    };
+    void fly(const Flight& flight, Work length, bool restart) {
+        const Unit& unit = flight.island.unit;
+        if (restart) restore(unit, flight.start);
+        const bool all = length == flight.span;
+        const Work part = all ? Work(1) : length / flight.span;
+        // Forces of contacts act as gravity does on a method: before the drift, after it, or half and half.
+        if (flight.pressed && flyer_.coasting != Coasting::start) push(unit, part, all, false);
+        flyer_.fly(flyer_.world, unit, {flight.whole && all, length});
+        if (flight.pressed && flyer_.coasting != Coasting::end) push(unit, part, all, true);
+    }
+    void push(const Unit& unit, Work part, bool all, bool second) {
+        for (int k = 0; k < unit.count; ++k) {
+            const int b = unit.id[k];
+            const Kick<N>& kick = contacts_.kick(b);
+            const auto share = [&](auto sum) {
+                if (!all) sum = N::part(sum, N::fraction(part));
+                if (flyer_.coasting != Coasting::mean) return sum;
+                return second ? sum - N::half(sum) : N::half(sum);
+            };
+            for (int i = 0; i < 3; ++i) {
+                N::add(bodies_.state[b].d_w[i], share(kick.linear[i]));
+                bodies_.state[b].t_b[i].add(share(kick.angular[i]));
+            }
+        }
+        flyer_.spins_changed(flyer_.world, unit);
+    }
+
+    // Below this fraction of a step the rest is not worth a flight.
+    [[nodiscard]] static constexpr Work min_portion() { return N::template constant<Work>(Real::scaled(1, -20)); }
+
+    // Conservative advancement (Mirtich 1996): where a pair may have passed through, the flight is redone up to the
+    // moment at which the separation along the direction in which it was apart runs out, and from there on, until it
+    // touches or has gone past. Returns how far the bodies have flown: less than the span where a pair is stopped at
+    // its surface.
+    Work stop_before_crossing(const Flight& flight) {
+        Work end = flight.span;
+        for (int pair = 0; pair < max_crossings; ++pair) {
+            auto crossing = contacts_.find_crossing(bodies_, flight.island);
+            if (crossing.pair == nullptr) return end;
+            Work from(0);
+            bool touches = false;
+            crossing.at_start();
+            for (int i = 0; i < max_resteps; ++i) {
+                const Work part = contacts_.part_apart(crossing);
+                touches = touches && !(part < Work(0));
+                if (part < Work(0)) break;
+                from += (end - from) * part;
+                fly(flight, from, true);
+                contacts_.measure(bodies_, flight.island);
+                touches = !contacts_.is_apart(crossing);
+                if (contacts_.is_close(crossing)) break;
+            }
+            if (!touches) {
+                crossing.pair->passed = true;
+                fly(flight, end, true);
+                contacts_.measure(bodies_, flight.island);
+                continue;
+            }
+            end = from;
+        }
+        return end;
+    }
+
+    // Redoes the flight until the least gap is at its level; returns the portion of the step flown. Illinois' variant
+    // of the secant method: the bracket [0, longest] has gaps of opposite sign and never loses the root. A pair that
+    // starts at the level or below it has no such bracket: half the tolerance stands for its gap, so that the search
+    // begins near the start.
+    Work land(const Flight& flight, Work longest) {
+        Work low(0), high = longest;
+        Work gap_low = contacts_.least_gap(flight.island, true), gap_high = contacts_.least_gap(flight.island, false);
+        if (!(gap_low > Work(0))) gap_low = N::half_of(contacts_.tolerance());
+        const Work close_enough = contacts_.tolerance() * N::template constant<Work>(Real::scaled(1, -16));
+        const Work shortest = min_portion();
+        Work at = high;
+        int side = 0;
+        for (int i = 0; i < max_resteps; ++i) {
+            at = low + (high - low) * (gap_low / (gap_low - gap_high));
+            if (at < low + shortest) at = low + shortest;
+            if (at > high) at = high;
+            fly(flight, at, true);
+            contacts_.measure(bodies_, flight.island);
+            const Work gap = contacts_.least_gap(flight.island, false);
+            if ((gap < close_enough && -close_enough < gap) || high - low < shortest) break;
+            if (gap > Work(0)) {
+                low = at;
+                gap_low = gap;
+                if (side > 0) gap_high = N::half_of(gap_high);
+                side = 1;
+            } else {
+                high = at;
+                gap_high = gap;
+                if (side < 0) gap_low = N::half_of(gap_low);
+                side = -1;
+            }
+        }
+        return at;
+    }
+
+    void resolve(const Island& island, bool stop) {
+        flyer_.foresee_loads(flyer_.world, island.unit);
+        contacts_.resolve(bodies_, island, stop);
+        flyer_.spins_changed(flyer_.world, island.unit);
+    }
+
+    Bodies& bodies_;
+    Contacts& contacts_;
+    Islands<capacity.bodies>& islands_;
+    Flyer<Work, capacity.bodies> flyer_;
+};
+
+}  // namespace tumble

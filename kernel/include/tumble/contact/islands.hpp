@@ -1,0 +1,31 @@
+// Which bodies a step must advance together: those that near pairs or loads between bodies connect.
+#pragma once
+
+#include <cstdint>
+
+namespace tumble {
+
+template <int capacity>
+class Islands {
+public:
+    void clear(int bodies) {
+        for (int b = 0; b < bodies; ++b) parent_[b] = static_cast<std::int16_t>(b);
+    }
+    // The first of the bodies of b's island.
+    [[nodiscard]] int root(int b) {
+        while (parent_[b] != b) b = parent_[b] = parent_[parent_[b]];
+        return b;
+    }
+    void connect(int a, int b) {
+        a = root(a);
+        b = root(b);
+        if (a == b) return;
+        if (a < b) parent_[b] = static_cast<std::int16_t>(a);
+        else parent_[a] = static_cast<std::int16_t>(b);
+    }
+
+private:
+    std::int16_t parent_[capacity]{};
+};
+
+}  // namespace tumble

@@ -1,0 +1,403 @@
+// The numbers of contacts. A Length is a 32-bit distance with a binary point that the largest body decides; a Lever is
+// an arm over a radius of gyration; a Unit is a component of a direction or of a unit row; a Speed is a velocity
+// weighted by the root of the mass, relative to the fastest thing in its island. Floating point needs no scales: all
+// are plain numbers.
+#pragma once
+
+#include <tumble/loads/wrench.hpp>
+
+namespace tumble {
+
+namespace detail {
+
+// raw * 2^exponent, with raw in (2^29, 2^30].
+struct ScaledRoot {
+    std::int32_t raw;
+    int exponent;
+};
+
+// 1 / sqrt(s) for s > 0, to 2^-29: a line through the middle of the curve, and four of Newton's steps. No division.
+[[nodiscard]] constexpr ScaledRoot inverse_root(std::uint64_t s) {
+    const auto upper = [](std::uint32_t a, std::uint32_t b) {
+        return static_cast<std::uint32_t>((static_cast<std::uint64_t>(a) * b) >> 32);
+    };
+    const int up = std::countl_zero(s) & ~1;
+    const auto x = static_cast<std::uint32_t>((s << up) >> 32);  // [1/4, 1) with 32 bits
+    // h = 1 / (2 sqrt(x)) with 31 bits: h <- h (3/2 - 2 x h^2)
+    std::uint32_t h = 0x883126e9u - upper(x, 0x4d70a3d7u);
+    for (int i = 0; i < 4; ++i) {
+        const std::uint32_t t = 0x60000000u - 2u * upper(x, upper(h, h));
+        h = static_cast<std::uint32_t>((static_cast<std::uint64_t>(h) * t) >> 30);
+    }
+    return {static_cast<std::int32_t>((h + 1u) >> 1), (up >> 1) - 61};
+}
+
+// (a * b) >> shift to nearest, held at +-(2^31 - 1). shift in 0 .. 62.
+[[nodiscard]] TUMBLE_INLINE constexpr std::int32_t scaled_product(std::int32_t a, std::int32_t b, int shift) {
+    const std::int64_t half = (std::int64_t{1} << shift) >> 1;
+    const std::int64_t product = (multiply(a, b) + half) >> shift;
+    const auto low = static_cast<std::int32_t>(product);
+    if (low == product) [[likely]]
+        return low;
+    return product < 0 ? -0x7fffffff : 0x7fffffff;
+}
+
+}  // namespace detail
+
+template <class T>
+[[nodiscard]] TUMBLE_INLINE constexpr T magnitude_of(T a) {
+    return a < T{} ? -a : a;
+}
+
+template <class N>
+struct ContactNumbers;
+
+template <class N>
+requires(N::fixed_point) struct ContactNumbers<N> {
+    using Work = typename N::Work;
+    using Unit = Fixed<30>;
+    using Length = Fixed<24>;  // by name: the scale says where the binary point is
+    using Lever = Fixed<24>;
+    using Speed = Fixed<30>;  // by name: the island says where the binary point is
+    using Friction = Fixed<24>;
+
+    // Metres to Lengths. The largest length stays below 2^27 units, so that sums of a few cannot wrap; what is farther
+    // away is held at 2^30.
+    class Scale {
+    public:
+        static constexpr int room = 27;
+        [[nodiscard]] static constexpr Scale of(Real largest) {
+            Scale s;
+            const int bits = room - largest.ceil_log2_bound();
+            s.bits_ = detail::clamp(bits, 0, N::PositionSum::fraction_bits - 4);
+            return s;
+        }
+        [[nodiscard]] constexpr int bits() const { return bits_; }
+        [[nodiscard]] constexpr Length length(Real metres) const {
+            return {static_cast<std::int32_t>(metres.to_fixed(bits_, 31))};
+        }
+        template <int F>
+        [[nodiscard]] constexpr Length length(Wide<F> metres) const {
+            return cut((metres.raw + (std::int64_t{1} << (F - bits_ - 1))) >> (F - bits_));
+        }
+        [[nodiscard]] Length length(Work metres) const { return cut(metres.to_sum(bits_)); }
+        [[nodiscard]] Work metres(Length l) const { return Work::of(l.raw, -bits_); }
+        // A drift, rounded down.
+        [[nodiscard]] Length drift(typename N::DriftSum d, typename N::Scale s) const {
+            return cut(d.raw >> (N::PositionSum::fraction_bits + s.drift_shift - bits_));
+        }
+        // The same length when a larger body has come.
+        [[nodiscard]] constexpr Length coarser(Length l, Scale finer) const { return {l.raw >> (finer.bits_ - bits_)}; }
+
+    private:
+        [[nodiscard]] static constexpr Length cut(std::int64_t raw) {
+            constexpr std::int64_t far = std::int64_t{1} << 30;
+            return {static_cast<std::int32_t>(raw > far ? far : raw < -far ? -far : raw)};
+        }
+        int bits_ = 24;
+    };
+
+    // One over a length, as what a length is multiplied by to give a lever.
+    class PerLength {
+    public:
+        [[nodiscard]] static constexpr PerLength of(Real length, Scale scale) {
+            const Real inverse = Real{1} / length;
+            const int bits = 30 - inverse.ceil_log2();  // of the mantissa's fraction
+            return {static_cast<std::int32_t>(inverse.to_fixed(bits, 31)),
+                    static_cast<std::int8_t>(detail::clamp(bits + scale.bits() - Lever::fraction_bits, 1, 62))};
+        }
+        [[nodiscard]] TUMBLE_INLINE constexpr Lever operator()(Length l) const {
+            return {detail::scaled_product(l.raw, mantissa_, shift_)};
+        }
+        void rescale(Scale from, Scale to) {
+            shift_ = static_cast<std::int8_t>(detail::clamp(shift_ + to.bits() - from.bits(), 1, 62));
+        }
+
+        constexpr PerLength() = default;
+
+    private:
+        constexpr PerLength(std::int32_t mantissa, std::int8_t shift) : mantissa_{mantissa}, shift_{shift} {}
+        std::int32_t mantissa_ = 0;
+        std::int8_t shift_ = 1;
+    };
+
+    // Weighted velocities of one island: where their binary point is.
+    class SpeedScale {
+    public:
+        // For speeds whose largest component is below 2^log2, of so many bodies whose masses differ by a factor of
+        // 4^spread: their norm, which no solution exceeds by much, and the impulses then stay below 2^29 units.
+        [[nodiscard]] static SpeedScale of(int log2, int bodies, int spread) {
+            const int norm = (std::bit_width(static_cast<std::uint32_t>(6 * bodies - 1)) + 1) / 2;
+            return SpeedScale{29 - log2 - norm - spread};
+        }
+        [[nodiscard]] Speed speed(Work w) const { return {static_cast<std::int32_t>(w.to_sum(bits_, 0x3fffffff))}; }
+        // A sum of the state with so many fraction bits, times a weight.
+        [[nodiscard]] Speed speed(std::int64_t sum, int fraction_bits, Work weight) const {
+            if (sum == 0) return {0};
+            const int room = std::countl_zero(static_cast<std::uint64_t>(sum < 0 ? -sum : sum)) - 1;
+            const auto top = static_cast<std::int32_t>((sum << room) >> 32);
+            return shifted(top, weight.mantissa(), fraction_bits + room - 32 - weight.exponent() - bits_);
+        }
+        // A length times a weight.
+        [[nodiscard]] Speed speed(Length l, Work weight, const Scale& scale) const {
+            return shifted(l.raw, weight.mantissa(), scale.bits() - weight.exponent() - bits_);
+        }
+        // A speed times a weight, as a sum of the state.
+        [[nodiscard]] std::int64_t sum(Speed s, int fraction_bits, Work weight) const {
+            const std::int64_t product = detail::multiply(s.raw, weight.mantissa());
+            const int down = bits_ - weight.exponent() - fraction_bits;
+            if (down > 0) return down > 62 ? 0 : (product + (std::int64_t{1} << (down - 1))) >> down;
+            constexpr std::int64_t most = (std::int64_t{1} << 62) - 1;
+            const int room = std::countl_zero(static_cast<std::uint64_t>(product < 0 ? -product : product)) - 2;
+            return product == 0   ? 0
+                   : -down > room ? (product < 0 ? -most : most)
+                                  : product * (std::int64_t{1} << -down);
+        }
+        [[nodiscard]] Work work(Speed s) const { return Work::of(s.raw, -bits_); }
+        // A speed of another scale as one of this.
+        [[nodiscard]] Speed from(Speed s, SpeedScale other) const {
+            const int up = bits_ - other.bits_;
+            if (up <= 0) return {up < -31 ? 0 : s.raw >> -up};
+            // What would be too large was another step's; it is no guess for this one.
+            if (up > 30 || ((s.raw ^ (s.raw >> 31)) >> (30 - up)) != 0) return {0};
+            return {s.raw << up};
+        }
+        // Changes below these are not worth another sweep: 2^-22 of the norm where sweeps go on in the next step, and
+        // rounding where they do not, because an impact is solved once.
+        [[nodiscard]] static constexpr Speed quiet() { return {128}; }
+        [[nodiscard]] static constexpr Speed rounding() { return {2}; }
+
+        constexpr SpeedScale() = default;
+
+    private:
+        constexpr explicit SpeedScale(int bits) : bits_{bits > 120 ? 120 : bits} {}
+        [[nodiscard]] static Speed shifted(std::int32_t a, std::int32_t b, int down) {
+            if (down > 62) return {0};
+            const std::int32_t product = detail::scaled_product(a, b, down < 1 ? 1 : down);
+            constexpr std::int32_t most = 0x3fffffff;
+            return {product > most ? most : product < -most ? -most : product};
+        }
+        int bits_ = 0;
+    };
+    // The size of a sum of the state times a weight, as SpeedScale::of takes it: a power of two that it is below.
+    [[nodiscard]] static int size(std::int64_t sum, int fraction_bits, Work weight) {
+        if (sum == 0) return nothing();
+        return 64 - std::countl_zero(static_cast<std::uint64_t>(sum < 0 ? -sum : sum)) - fraction_bits + 31 +
+               weight.exponent();
+    }
+    [[nodiscard]] static constexpr int nothing() { return -1000; }
+    [[nodiscard]] static int log2(Work w) { return w.exponent(); }
+    [[nodiscard]] static int drift_bits(typename N::Scale s) { return N::PositionSum::fraction_bits + s.drift_shift; }
+    [[nodiscard]] static int turn_bits(typename N::Scale s) { return 64 + s.turn_shift; }
+    template <int F>
+    [[nodiscard]] static std::int64_t raw(Wide<F> sum) {
+        return sum.raw;
+    }
+    template <class Sum>
+    [[nodiscard]] static Sum as(std::int64_t raw) {
+        return {raw};
+    }
+
+    // A bound of what is moved in k steps, and whether it is more than a gap, or than what is left of a distance.
+    [[nodiscard]] static std::int64_t travel(Length speed, Length fall, int k) {
+        return (static_cast<std::int64_t>(speed.raw) + static_cast<std::int64_t>(fall.raw) * k) * k;
+    }
+    [[nodiscard]] static bool exceeds(std::int64_t travel, Length gap) { return travel >= gap.raw; }
+    [[nodiscard]] static bool reaches(std::int64_t travel, Length touch, Wide<48> distance2) {
+        const std::int64_t sum = travel + touch.raw;
+        return sum >= std::int64_t{1} << 30 || sum * sum >= distance2.raw;
+    }
+    [[nodiscard]] static Length rounded_up(Length l) { return {l.raw + 4}; }
+
+    [[nodiscard]] static constexpr Unit one() { return {1 << 30}; }
+    // v / |v|, and |v|; v must not be zero.
+    [[nodiscard]] static Vec3<Unit> direction(const Vec3<Length>& v) {
+        const auto root = detail::inverse_root(static_cast<std::uint64_t>(dot(v, v).raw));
+        const int shift = -(root.exponent + 30);
+        return {Unit{detail::scaled_product(v.x().raw, root.raw, shift)},
+                Unit{detail::scaled_product(v.y().raw, root.raw, shift)},
+                Unit{detail::scaled_product(v.z().raw, root.raw, shift)}};
+    }
+    [[nodiscard]] static Vec3<Unit> direction(const Vec3<Unit>& v) {
+        return direction(Vec3<Length>{Length{v.x().raw}, Length{v.y().raw}, Length{v.z().raw}});
+    }
+    // 1 / sqrt(1 + q . q) of levers, at most 1; and a lever times it.
+    [[nodiscard]] TUMBLE_INLINE static Unit inverse_root_of_one_and(Wide<48> squares) {
+        const auto root = detail::inverse_root(static_cast<std::uint64_t>(squares.raw + (std::int64_t{1} << 48)));
+        return {detail::scaled_product(root.raw, 1 << 30, -(root.exponent + 24))};
+    }
+    [[nodiscard]] TUMBLE_INLINE static Unit unit(Lever q, Unit factor) {
+        return narrow<Unit>(Wide<60>{detail::multiply(q.raw, factor.raw) * 64});
+    }
+    [[nodiscard]] TUMBLE_INLINE static Unit product(Unit a, Unit b) { return narrow<Unit>(mul(a, b)); }
+    [[nodiscard]] TUMBLE_INLINE static Speed speed(Wide<60> sum) { return narrow<Speed>(sum); }
+    template <class T>
+    [[nodiscard]] TUMBLE_INLINE static T half(T a) {
+        return {a.raw >> 1};
+    }
+    // mu * pushed.
+    [[nodiscard]] static Speed rubbed(Friction mu, Speed pushed) {
+        return {detail::scaled_product(mu.raw, pushed.raw, 24)};
+    }
+    [[nodiscard]] static Friction friction(Work mu) { return mu.template to_fixed<Friction>(); }
+    [[nodiscard]] static Unit unit(Work w) { return w.template to_fixed<Unit>(); }
+    // limit / sqrt(squares), less than one.
+    [[nodiscard]] static Unit share(Speed limit, Wide<60> squares) {
+        const auto root = detail::inverse_root(static_cast<std::uint64_t>(squares.raw));
+        return {detail::scaled_product(limit.raw, root.raw, -(root.exponent + 30))};
+    }
+    // s / u^2 for 0 < u <= 1, where that is at most as large as what s was before it was multiplied by less than u^2.
+    [[nodiscard]] static Speed over_square(Speed s, Unit u) {
+        const auto root = detail::inverse_root(static_cast<std::uint64_t>(mul(u, u).raw));
+        const int shift = -(root.exponent + 30);
+        return {detail::scaled_product(detail::scaled_product(s.raw, root.raw, shift), root.raw, shift)};
+    }
+    // a / b in [0, 1] for 0 <= a <= b, b > 0.
+    [[nodiscard]] static Unit ratio(Length a, Length b) {
+        return {static_cast<std::int32_t>((static_cast<std::int64_t>(a.raw) << 30) / b.raw)};
+    }
+    // Axes with a larger cosine are taken as parallel, 2^-10 rad.
+    [[nodiscard]] static constexpr Unit nearly_parallel() { return {(1 << 30) - (1 << 9)}; }
+    // l / sqrt(1 - c^2) for c below that.
+    [[nodiscard]] static Length over_sine(Length l, Unit c) {
+        const auto root = detail::inverse_root(static_cast<std::uint64_t>((std::int64_t{1} << 60) - mul(c, c).raw));
+        return {detail::scaled_product(l.raw, root.raw, -(root.exponent + 30))};
+    }
+    // A length that is only rounding beside `l`; the norm of a part of a unit vector, and one that is only rounding.
+    [[nodiscard]] static Length hair(Length l) { return {(l.raw >> 16) + 1}; }
+    [[nodiscard]] static Length sixteenth(Length l) { return {l.raw >> 4}; }
+    [[nodiscard]] static Unit unit_norm(const Vec3<Unit>& v) {
+        return {static_cast<std::int32_t>(integer_sqrt(static_cast<std::uint64_t>(dot(v, v).raw)))};
+    }
+    [[nodiscard]] static constexpr Unit flat() { return {1 << 14}; }
+};
+
+template <class N>
+requires(!N::fixed_point) struct ContactNumbers<N> {
+    using T = typename N::Work;
+    using Work = T;
+    using Unit = T;
+    using Length = T;
+    using Lever = T;
+    using Speed = T;
+    using Friction = T;
+
+    struct Scale {
+        [[nodiscard]] static constexpr Scale of(Real) { return {}; }
+        [[nodiscard]] static constexpr int bits() { return 0; }
+        [[nodiscard]] static constexpr T length(Real metres) { return N::template constant<T>(metres); }
+        [[nodiscard]] static constexpr T length(T metres) { return metres; }
+        [[nodiscard]] static constexpr T metres(T l) { return l; }
+        [[nodiscard]] static constexpr T drift(T d, typename N::Scale) { return d; }
+        [[nodiscard]] static constexpr T coarser(T l, Scale) { return l; }
+    };
+    struct PerLength {
+        T inverse{};
+        [[nodiscard]] static constexpr PerLength of(Real length, Scale) {
+            return {N::template constant<T>(Real{1} / length)};
+        }
+        [[nodiscard]] TUMBLE_INLINE constexpr T operator()(T l) const { return l * inverse; }
+        void rescale(Scale, Scale) {}
+    };
+    class SpeedScale {
+    public:
+        [[nodiscard]] static SpeedScale of(T largest, int, int) {
+            SpeedScale s;
+            s.quiet_ = largest * (sizeof(T) == 4 ? T(0x1p-21) : T(0x1p-44));
+            s.rounding_ = largest * (sizeof(T) == 4 ? T(0x1p-23) : T(0x1p-51));
+            return s;
+        }
+        [[nodiscard]] static T speed(T w) { return w; }
+        [[nodiscard]] static T speed(T sum, int, T weight) { return sum * weight; }
+        [[nodiscard]] static T sum(T s, int, T weight) { return s * weight; }
+        [[nodiscard]] static T work(T s) { return s; }
+        [[nodiscard]] static T speed(T l, T weight, Scale) { return l * weight; }
+        [[nodiscard]] static T from(T s, SpeedScale) { return s; }
+        [[nodiscard]] T quiet() const { return quiet_; }
+        [[nodiscard]] T rounding() const { return rounding_; }
+
+    private:
+        T quiet_ = 0, rounding_ = 0;
+    };
+    [[nodiscard]] static T size(T sum, int, T weight) { return (sum < T(0) ? -sum : sum) * weight; }
+    [[nodiscard]] static constexpr T nothing() { return T(0); }
+    [[nodiscard]] static constexpr int log2(T) { return 0; }
+    [[nodiscard]] static constexpr int drift_bits(typename N::Scale) { return 0; }
+    [[nodiscard]] static constexpr int turn_bits(typename N::Scale) { return 0; }
+    [[nodiscard]] static T raw(T sum) { return sum; }
+    template <class Sum>
+    [[nodiscard]] static T as(T sum) {
+        return sum;
+    }
+
+    [[nodiscard]] static T travel(T speed, T fall, int k) { return (speed + fall * T(k)) * T(k); }
+    [[nodiscard]] static bool exceeds(T travel, T gap) { return travel >= gap; }
+    [[nodiscard]] static bool reaches(T travel, T touch, T distance2) {
+        return (travel + touch) * (travel + touch) >= distance2;
+    }
+    [[nodiscard]] static T rounded_up(T l) { return l * T(1.001) + T(1e-6); }
+
+    [[nodiscard]] static constexpr T one() { return T(1); }
+    [[nodiscard]] static Vec3<T> direction(const Vec3<T>& v) { return scaled_by(v, T(1) / sqrt(dot(v, v))); }
+    [[nodiscard]] static T inverse_root_of_one_and(T squares) { return T(1) / sqrt(T(1) + squares); }
+    [[nodiscard]] static T unit(T q, T factor) { return q * factor; }
+    [[nodiscard]] static T unit(T w) { return w; }
+    [[nodiscard]] static T product(T a, T b) { return a * b; }
+    [[nodiscard]] static T speed(T sum) { return sum; }
+    [[nodiscard]] static T half(T a) { return a * T(0.5); }
+    [[nodiscard]] static T rubbed(T mu, T pushed) { return mu * pushed; }
+    [[nodiscard]] static T friction(T mu) { return mu; }
+    [[nodiscard]] static T share(T limit, T squares) { return limit / sqrt(squares); }
+    [[nodiscard]] static T over_square(T s, T u) { return s / (u * u); }
+    [[nodiscard]] static T ratio(T a, T b) { return a / b; }
+    [[nodiscard]] static constexpr T nearly_parallel() { return T(1) - T(0x1p-21); }
+    [[nodiscard]] static T over_sine(T l, T c) { return l / sqrt(T(1) - c * c); }
+    [[nodiscard]] static T hair(T l) { return l * T(0x1p-16); }
+    [[nodiscard]] static T sixteenth(T l) { return l * T(0.0625); }
+    [[nodiscard]] static T unit_norm(const Vec3<T>& v) { return sqrt(dot(v, v)); }
+    [[nodiscard]] static constexpr T flat() { return T(0x1p-16); }
+};
+
+// A rotation as a matrix: columns are a body's axes in the world.
+template <class N>
+struct Axes {
+    using Numbers = ContactNumbers<N>;
+    using Unit = typename Numbers::Unit;
+    using Length = typename Numbers::Length;
+
+    Vec3<Unit> row[3];  // row[i][j]: component i (world) of axis j
+
+    // Times |q|^2, which rounding has left a little off 1.
+    [[nodiscard]] static Axes of(const Quat<Unit>& q) {
+        const auto ww = mul(q.w, q.w), xx = mul(q.v.x(), q.v.x()), yy = mul(q.v.y(), q.v.y()),
+                   zz = mul(q.v.z(), q.v.z());
+        const auto xy = mul(q.v.x(), q.v.y()), xz = mul(q.v.x(), q.v.z()), yz = mul(q.v.y(), q.v.z());
+        const auto wx = mul(q.w, q.v.x()), wy = mul(q.w, q.v.y()), wz = mul(q.w, q.v.z());
+        const auto twice = [](auto a) { return narrow<Unit>(a + a); };
+        const auto p = ww - zz, r = xx - yy, s = ww + zz, t = xx + yy;
+        return {{{narrow<Unit>(p + r), twice(xy - wz), twice(xz + wy)},
+                 {twice(xy + wz), narrow<Unit>(p - r), twice(yz - wx)},
+                 {twice(xz - wy), twice(yz + wx), narrow<Unit>(s - t)}}};
+    }
+    [[nodiscard]] Vec3<Unit> axis(int j) const { return {row[0][j], row[1][j], row[2][j]}; }
+    template <class T>
+    [[nodiscard]] Vec3<T> to_world(const Vec3<T>& v) const {
+        return {narrow<T>(dot(row[0], v)), narrow<T>(dot(row[1], v)), narrow<T>(dot(row[2], v))};
+    }
+    template <class T>
+    [[nodiscard]] Vec3<T> to_body(const Vec3<T>& v) const {
+        return {narrow<T>(dot(axis(0), v)), narrow<T>(dot(axis(1), v)), narrow<T>(dot(axis(2), v))};
+    }
+    friend bool operator==(const Axes& a, const Axes& b) {
+        return a.row[0] == b.row[0] && a.row[1] == b.row[1] && a.row[2] == b.row[2];
+    }
+    // This rotation after another.
+    [[nodiscard]] Axes times(const Axes& first) const {
+        Axes product;
+        for (int i = 0; i < 3; ++i)
+            for (int j = 0; j < 3; ++j) product.row[i][j] = narrow<Unit>(dot(row[i], first.axis(j)));
+        return product;
+    }
+};
+
+}  // namespace tumble

@@ -1,0 +1,93 @@
+// A pair that may touch: a body and a plane, or two bodies. It keeps the impulses of its points from step to step,
+// which is where the next step's solution starts.
+#pragma once
+
+#include <tumble/contact/shapes.hpp>
+
+namespace tumble {
+
+namespace contact {
+inline constexpr int max_points = 4;   // of a pair
+inline constexpr int max_sweeps = 40;  // over the points of an island
+inline constexpr int max_rounds = 8;   // of impacts that pass from pair to pair at one moment
+}  // namespace contact
+
+// One of the directions of a point (the normal, two tangents) as a row of the weighted constraint matrix, of unit
+// length: with velocities weighted by the roots of mass and moments, its product with them is the velocity, and what is
+// pushed adds up along it.
+template <class N, bool pairs>
+struct ContactRow {
+    using Unit = typename ContactNumbers<N>::Unit;
+
+    Vec3<Unit> linear, angular;  // of body a
+    [[no_unique_address]] If<pairs, Vec3<Unit>, 0> linear_b, angular_b;
+    Unit inverse;  // one over the row's length before it was divided by it, of which 1 is a push through the centres
+};
+
+template <class N, Capacity capacity>
+struct ContactPoint {
+    using Numbers = ContactNumbers<N>;
+    using Length = typename Numbers::Length;
+    using Speed = typename Numbers::Speed;
+    static constexpr int directions = capacity.friction ? 3 : 1;
+
+    Vec3<Length> arm;  // from the centre of mass of body a, its principal axes
+    [[no_unique_address]] If<capacity.pairs, Vec3<Length>, 0> arm_b;
+    Length gap;
+    bool active;             // part of the present solution
+    bool rows_hold = false;  // for where the bodies are
+    Speed target;            // what the velocity along the normal must not be below
+    Speed loads;             // what loads change of it in a step
+    Speed pushed[directions];
+    [[no_unique_address]] If<capacity.turntables, Speed[directions], 1> carried;  // the surface's own velocity
+    ContactRow<N, capacity.pairs> row[directions];
+};
+
+template <class N, Capacity capacity>
+struct NearPair {
+    using Numbers = ContactNumbers<N>;
+    using Length = typename Numbers::Length;
+    using Unit = typename Numbers::Unit;
+    using Point = ContactPoint<N, capacity>;
+    // Spheres touch in a point.
+    static constexpr int max_points = capacity.boxes || capacity.cylinders ? contact::max_points : 1;
+
+    std::int16_t a = 0, b = 0;  // a moves; b < 0: plane -1 - b
+    std::int16_t next = -1;     // of the same island
+    std::uint8_t count = 0;     // points within the tolerance
+    bool moved = true;          // other than sideways since its points were found
+    bool touched = false;       // it pressed, or was hit, at the start of the flight
+    bool passed = false;        // its crossing has been looked at: it went past
+    bool rubs = false, turns = false;
+    Length gap{};                                      // least distance; of boxes apart a lower bound
+    Length start_gap{};                                // where the flight began
+    Vec3<Unit> normal = Vec3<Unit>::Constant(Unit{});  // world, from b to a
+    Vec3<Unit> tangent[2] = {normal, normal};          // world
+    [[no_unique_address]] If<capacity.pairs, Vec3<Unit>, 0> start_normal{};  // where the flight began
+    Unit share_a{}, share_b{};  // roots of the parts of the motion that each takes: shares of the inverse mass
+    typename N::Work weight{};  // root of the reduced mass
+    Unit restitution{};
+    typename Numbers::Friction friction{};
+    typename Numbers::SpeedScale scale{};  // of what the points have pushed
+    Point point[max_points];
+
+    // Another pair in this place.
+    void begin(int first, int second) {
+        a = static_cast<std::int16_t>(first);
+        b = static_cast<std::int16_t>(second);
+        count = 0;
+        moved = true;
+        touched = passed = rubs = turns = false;
+        share_b = {};
+    }
+    [[nodiscard]] bool with_plane() const { return b < 0; }
+    [[nodiscard]] int plane() const { return -1 - b; }
+    // In the order in which pairs are looked at.
+    [[nodiscard]] std::uint32_t key() const { return key_of(a, b); }
+    [[nodiscard]] static std::uint32_t key_of(int a, int b) {
+        return static_cast<std::uint32_t>(a) << 16 |
+               (b < 0 ? static_cast<std::uint32_t>(-1 - b) : 0x8000u | static_cast<std::uint32_t>(b));
+    }
+};
+
+}  // namespace tumble

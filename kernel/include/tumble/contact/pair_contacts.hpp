@@ -1,0 +1,112 @@
+// Where two bodies are relative to each other: spheres and boxes. The gap is the distance of the surfaces along
+// `normal`, which points from the second to the first; of boxes apart it is the widest separation along an axis, never
+// more than the distance.
+#pragma once
+
+#include <tumble/contact/plane_contacts.hpp>
+
+namespace tumble {
+
+// Two shapes in place.
+template <class N>
+struct PairView {
+    using Numbers = ContactNumbers<N>;
+    using Length = typename Numbers::Length;
+    using Unit = typename Numbers::Unit;
+
+    const ContactShape<N>&a, &b;
+    const Axes<N>&axes_a, &axes_b;  // principal
+    Vec3<Length> reach;             // from the centre of b to that of a, world
+
+    [[nodiscard]] PairView reversed() const { return {b, a, axes_b, axes_a, -reach}; }
+
+    // Along a direction: how far the surfaces are apart.
+    [[nodiscard]] Length separation(const Vec3<Unit>& normal, bool boxes) const {
+        return narrow<Length>(dot(normal, reach)) - extent(a, axes_a, normal, boxes) - extent(b, axes_b, normal, boxes);
+    }
+
+private:
+    [[nodiscard]] static Length extent(const ContactShape<N>& shape, const Axes<N>& axes, const Vec3<Unit>& normal,
+                                       bool boxes) {
+        if (!(boxes && shape.is(ShapeKind::box))) return shape.half.x();
+        const Vec3<Unit> n = shape.axes(axes).to_body(normal);
+        Length sum{};
+        for (int i = 0; i < 3; ++i) sum += magnitude_of(narrow<Length>(mul(n[i], shape.half[i])));
+        return sum;
+    }
+};
+
+template <class N>
+struct SphereSphere {
+    using Numbers = ContactNumbers<N>;
+    using Length = typename Numbers::Length;
+    using Unit = typename Numbers::Unit;
+
+    Vec3<Unit> normal;
+    Length gap;
+
+    explicit SphereSphere(const PairView<N>& view) {
+        if (view.reach == Vec3<Length>::Constant(Length{})) normal = {Unit{}, Numbers::one(), Unit{}};  // any
+        else normal = Numbers::direction(view.reach);
+        gap = narrow<Length>(dot(normal, view.reach)) - view.a.half.x() - view.b.half.x();
+    }
+    // The same point for both bodies, that of b, so that what one gets the other loses.
+    void find(const PairView<N>& view, FoundPoints<N>& found) const {
+        found.add() = {along(view.axes_a.to_body(normal), -(view.a.half.x() + gap)),
+                       along(view.axes_b.to_body(normal), view.b.half.x()), gap};
+    }
+    [[nodiscard]] static Vec3<Length> along(const Vec3<Unit>& u, Length l) {
+        return {narrow<Length>(mul(u.x(), l)), narrow<Length>(mul(u.y(), l)), narrow<Length>(mul(u.z(), l))};
+    }
+};
+
+// a is the sphere, b the box.
+template <class N>
+struct SphereBox {
+    using Numbers = ContactNumbers<N>;
+    using Length = typename Numbers::Length;
+    using Unit = typename Numbers::Unit;
+
+    Vec3<Unit> normal;
+    Length gap;
+    Vec3<Length> nearest;  // point of the box, its own axes
+
+    explicit SphereBox(const PairView<N>& view) {
+        const Axes<N> axes = view.b.axes(view.axes_b);
+        const Vec3<Length> centre = axes.to_body(view.reach);
+        const Length radius = view.a.half.x();
+        Vec3<Length> apart;
+        for (int i = 0; i < 3; ++i) {
+            const Length h = view.b.half[i];
+            nearest[i] = centre[i] > h ? h : centre[i] < -h ? -h : centre[i];
+            apart[i] = centre[i] - nearest[i];
+        }
+        Vec3<Unit> n = Vec3<Unit>::Constant(Unit{});
+        if (dot(apart, apart) > mul(Numbers::hair(radius), Numbers::hair(radius))) {
+            n = Numbers::direction(apart);
+            gap = narrow<Length>(dot(n, apart)) - radius;
+        } else {
+            // The centre is in the box: out through the nearest face.
+            int face = 0;
+            Length depth = view.b.half[0] - magnitude_of(centre[0]);
+            for (int i = 1; i < 3; ++i) {
+                const Length d = view.b.half[i] - magnitude_of(centre[i]);
+                if (d < depth) {
+                    depth = d;
+                    face = i;
+                }
+            }
+            const bool negative = centre[face] < Length{};
+            n[face] = negative ? -Numbers::one() : Numbers::one();
+            nearest[face] = negative ? -view.b.half[face] : view.b.half[face];
+            gap = -depth - radius;
+        }
+        normal = axes.to_world(n);
+    }
+    void find(const PairView<N>& view, FoundPoints<N>& found) const {
+        found.add() = {SphereSphere<N>::along(view.axes_a.to_body(normal), -(view.a.half.x() + gap)),
+                       view.b.principal(nearest), gap};
+    }
+};
+
+}  // namespace tumble

@@ -1,0 +1,150 @@
+// Where a body is relative to a plane: the gap of its nearest point, and the points that may touch. A box touches with
+// its vertices, a capsule with its two round ends, a cylinder or hoop with points of its rims: the lowest of each, and
+// three more of the rim that it stands on.
+#pragma once
+
+#include <tumble/contact/near_pair.hpp>
+
+namespace tumble {
+
+// A point that has been found: from the centres of mass, in principal axes of either body.
+template <class N>
+struct FoundPoint {
+    using Length = typename ContactNumbers<N>::Length;
+    Vec3<Length> arm, arm_b;
+    Length gap;
+};
+
+// The lowest of the points added: at most as many as a pair has.
+template <class N>
+struct FoundPoints {
+    FoundPoint<N> point[contact::max_points];
+    int count = 0;
+
+    [[nodiscard]] FoundPoint<N>& add() { return point[count++]; }
+    void add_lowest(const FoundPoint<N>& p) {
+        if (count < contact::max_points) {
+            point[count++] = p;
+            return;
+        }
+        int highest = 0;
+        for (int i = 1; i < count; ++i)
+            if (point[i].gap > point[highest].gap) highest = i;
+        if (p.gap < point[highest].gap) point[highest] = p;
+    }
+};
+
+template <class N, Capacity capacity>
+class PlaneView {
+public:
+    using Numbers = ContactNumbers<N>;
+    using Length = typename Numbers::Length;
+    using Unit = typename Numbers::Unit;
+
+    // `height` is the centre's; `principal` are the body's principal axes.
+    PlaneView(const ContactShape<N>& shape, const Axes<N>& principal, const Vec3<Unit>& normal, Length height)
+        : shape_{shape}, normal_{principal.to_body(normal)}, height_{height} {
+        if (capacity.boxes && shape.is(ShapeKind::box)) {
+            const Vec3<Unit> n = shape.turned ? shape.edges.to_body(normal_) : normal_;
+            for (int i = 0; i < 3; ++i) reach_[i] = narrow<Length>(mul(n[i], shape.half[i]));
+        } else if (capacity.cylinders && !shape.is(ShapeKind::sphere)) {
+            const Unit along = narrow<Unit>(dot(normal_, shape.axis));
+            reach_[1] = narrow<Length>(mul(along, shape.half.y()));
+            reach_[0] = shape.half.x();
+            if (shape.is_round()) {
+                // Down the slope of the end face, from its centre: the part of -n across the axis.
+                for (int i = 0; i < 3; ++i) down_[i] = narrow<Unit>(mul(along, shape.axis[i])) - normal_[i];
+                const Unit slope = slope_of(along);
+                flat_ = slope == Unit{};
+                if (!flat_) down_ = Numbers::direction(down_);
+                reach_[0] = narrow<Length>(mul(shape.half.x(), slope));
+            }
+        } else {
+            reach_[0] = shape.half.x();
+        }
+    }
+
+    // Signed distance of the nearest point.
+    [[nodiscard]] Length gap() const {
+        Length g = height_;
+        for (int i = 0; i < 3; ++i) g -= magnitude_of(reach_[i]);
+        return g;
+    }
+
+    // The points no higher than `band`.
+    void find(FoundPoints<N>& found, Length band) const {
+        const auto add = [&](Length gap, const Vec3<Length>& arm) {
+            if (!(gap > band)) found.add_lowest({arm, Vec3<Length>::Constant(Length{}), gap});
+        };
+        if constexpr (capacity.boxes) {
+            if (shape_.is(ShapeKind::box)) {
+                for (int corner = 0; corner < 8; ++corner) {
+                    Length gap = height_;
+                    for (int i = 0; i < 3; ++i) gap += ((corner >> i) & 1) != 0 ? reach_[i] : -reach_[i];
+                    if (gap > band) continue;
+                    Vec3<Length> arm;
+                    for (int i = 0; i < 3; ++i) arm[i] = ((corner >> i) & 1) != 0 ? shape_.half[i] : -shape_.half[i];
+                    add(gap, shape_.principal(arm));
+                }
+                return;
+            }
+        }
+        if constexpr (capacity.cylinders) {
+            if (shape_.is(ShapeKind::capsule)) {
+                for (int end = 0; end < 2; ++end) {
+                    const Length up = end == 0 ? shape_.half.y() : -shape_.half.y();
+                    const Length rise = end == 0 ? reach_[1] : -reach_[1];
+                    add(height_ + rise - shape_.half.x(), along(shape_.axis, up) - along(normal_, shape_.half.x()));
+                }
+                return;
+            }
+            if (shape_.is_round()) {
+                find_on_rims(add);
+                return;
+            }
+        }
+        add(gap(), -along(normal_, shape_.half.x()));
+    }
+
+private:
+    [[nodiscard]] static Vec3<Length> along(const Vec3<Unit>& u, Length l) {
+        return {narrow<Length>(mul(u.x(), l)), narrow<Length>(mul(u.y(), l)), narrow<Length>(mul(u.z(), l))};
+    }
+    // sqrt(1 - along^2), or zero where the direction down the slope would be rounding.
+    [[nodiscard]] Unit slope_of(Unit) const {
+        const Unit slope = Numbers::unit_norm(down_);
+        return slope > Numbers::flat() ? slope : Unit{};
+    }
+    template <class Add>
+    void find_on_rims(Add&& add) const {
+        // e and f span the end faces; e points down the slope.
+        Vec3<Unit> e = down_;
+        if (flat_) {
+            Vec3<Unit> pair[2];
+            set_tangents<N>(shape_.axis, pair);
+            e = pair[0];
+        }
+        const Vec3<Unit> f = cross<Unit>(shape_.axis, e);
+        const Vec3<Length> radius_e = along(e, shape_.half.x()), radius_f = along(f, shape_.half.x());
+        const Length fall = flat_ ? Length{} : reach_[0];
+        for (int end = 0; end < 2; ++end) {
+            const Vec3<Length> centre = along(shape_.axis, end == 0 ? shape_.half.y() : -shape_.half.y());
+            const Length height = height_ + (end == 0 ? reach_[1] : -reach_[1]);
+            add(height - fall, centre + radius_e);
+            const bool stands_on = end == 0 ? reach_[1] < Length{} : !(reach_[1] < Length{});
+            if (!stands_on) continue;
+            add(height, centre + radius_f);
+            add(height, centre - radius_f);
+            add(height + fall, centre - radius_e);
+        }
+    }
+
+    const ContactShape<N>& shape_;
+    Vec3<Unit> normal_;  // principal axes
+    Length height_;
+    Vec3<Length> reach_ = Vec3<Length>::Constant(Length{});
+    Vec3<Unit> down_ = Vec3<Unit>::Constant(Unit{});
+    bool flat_ = false;
+};
+
+}  // namespace tumble

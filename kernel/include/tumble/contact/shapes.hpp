@@ -1,0 +1,132 @@
+// What touches: planes, and spheres, boxes, capsules, cylinders and hoops, with the constants of a body that contacts
+// need. Lengths are in units of ContactNumbers::Scale.
+#pragma once
+
+#include <tumble/body/bodies.hpp>
+#include <tumble/contact/lengths.hpp>
+
+namespace tumble {
+
+template <class N>
+struct Plane {
+    using Work = typename N::Work;
+
+    Vec3<typename N::Unit> normal = Vec3<typename N::Unit>::Constant(typename N::Unit{});  // unit; to the free side
+    Vec3<typename N::Unit> tangent[2] = {normal, normal};  // with it a right-handed frame
+    typename N::AlongSum offset{};                         // m
+    Work restitution{}, friction{};                        // negative: the world's default
+};
+
+// Two directions that make a right-handed frame with n.
+template <class N>
+void set_tangents(const Vec3<typename N::Unit>& n, Vec3<typename N::Unit> (&tangent)[2]) {
+    using Numbers = ContactNumbers<N>;
+    using Unit = typename N::Unit;
+    const auto size = [&](int i) { return n[i] < Unit{} ? -n[i] : n[i]; };
+    // Across the axis that n is least along, the first of equals.
+    const int k = size(0) <= size(1) && size(0) <= size(2) ? 0 : size(1) <= size(2) ? 1 : 2;
+    Vec3<Unit> axis = Vec3<Unit>::Constant(Unit{});
+    axis[k] = Numbers::one();
+    tangent[0] = Numbers::direction(cross<Unit>(n, axis));
+    tangent[1] = cross<Unit>(n, tangent[0]);
+}
+
+template <class N>
+struct ContactShape {
+    using Numbers = ContactNumbers<N>;
+    using Work = typename N::Work;
+    using Unit = typename Numbers::Unit;
+    using Length = typename Numbers::Length;
+
+    ShapeKind kind = ShapeKind::none;
+    bool turned = false;  // are a box's edges along other than principal axes? `edges` are then its axes among them
+    // Half edges of a box (along principal axes unless it is turned); a sphere's radius; radius and half the length of
+    // what is round about an axis.
+    Vec3<Length> half = Vec3<Length>::Constant(Length{});
+    Length radius{};                                 // of the sphere about the centre of mass that holds all of it
+    Vec3<Unit> axis = Vec3<Unit>::Constant(Unit{});  // of a cylinder, capsule or hoop, among principal axes
+    Axes<N> edges{};
+    typename Numbers::PerLength per_gyration[3]{};  // one over the radii of gyration
+    Work root_mass{};                               // sqrt(m)
+    Work weight[3]{}, per_weight[3]{};              // sqrt(I_i) w_i h from half turns, and back
+    Work per_root_mass{};
+    Work restitution{}, friction{};
+
+    // To lengths of a coarser scale.
+    void rescale(typename Numbers::Scale from, typename Numbers::Scale to) {
+        for (int i = 0; i < 3; ++i) {
+            half[i] = to.coarser(half[i], from);
+            per_gyration[i].rescale(from, to);
+        }
+        radius = to.coarser(radius, from);
+    }
+    [[nodiscard]] bool is(ShapeKind k) const { return kind == k; }
+    [[nodiscard]] bool is_round() const { return kind == ShapeKind::cylinder || kind == ShapeKind::hoop; }
+
+    [[nodiscard]] Axes<N> axes(const Axes<N>& principal) const { return turned ? principal.times(edges) : principal; }
+    // From the axes of the shape to principal axes.
+    [[nodiscard]] Vec3<Length> principal(const Vec3<Length>& arm) const { return turned ? edges.to_world(arm) : arm; }
+};
+
+// How far the shape reaches from its centre of mass, m.
+[[nodiscard]] constexpr Real reach_of(const Shape& shape) {
+    const auto [a, b, c] = shape.size;
+    switch (shape.kind) {
+    case ShapeKind::sphere:
+    case ShapeKind::hoop: return a;
+    case ShapeKind::box: return sqrt(a * a + b * b + c * c) * Real::scaled(1, -1);
+    case ShapeKind::cylinder: return sqrt(a * a + b * b * Real::scaled(1, -2));
+    case ShapeKind::capsule: return a + b * Real::scaled(1, -1);
+    default: return {};
+    }
+}
+
+template <class N, Spin spin>
+[[gnu::noinline]] void set_contact_shape(ContactShape<N>& shape, const BodySpec& spec, const PrincipalInertia& inertia,
+                                         typename ContactNumbers<N>::Scale scale, const SpinUnits<N, spin>& units) {
+    using Numbers = ContactNumbers<N>;
+    using Work = typename N::Work;
+    using Unit = typename Numbers::Unit;
+    const auto unit = [](Real v) { return N::template constant<Unit>(v); };
+    shape.kind = reach_of(spec.shape) > Real{} ? spec.shape.kind : ShapeKind::none;
+    shape.radius = scale.length(reach_of(spec.shape));
+    shape.restitution = N::template constant<Work>(spec.restitution);
+    shape.friction = N::template constant<Work>(spec.friction);
+    const Real half = Real::scaled(1, -1), root_mass = sqrt(spec.mass);
+    const RealVec3 size = spec.shape.size;
+    const RealQuat back = inertia.principal.conjugate();
+    const RealVec3 axis[3] = {back.rotate({1, 0, 0}), back.rotate({0, 1, 0}), back.rotate({0, 0, 1})};
+    if (shape.kind == ShapeKind::box) {
+        // Which principal axis is an edge along? To 2^-40 of a right angle.
+        shape.turned = false;
+        for (int j = 0; j < 3; ++j) {
+            bool along_one = false;
+            for (int i = 0; i < 3; ++i) {
+                if (Real{1} - abs(axis[j][i]) < Real::scaled(1, -40)) {
+                    shape.half[i] = scale.length(size[j] * half);
+                    along_one = true;
+                }
+            }
+            if (!along_one) shape.turned = true;
+        }
+        if (shape.turned) {
+            for (int j = 0; j < 3; ++j) {
+                shape.half[j] = scale.length(size[j] * half);
+                for (int i = 0; i < 3; ++i) shape.edges.row[i][j] = unit(axis[j][i]);
+            }
+        }
+    } else {
+        shape.half = {scale.length(size.x), scale.length(shape.kind == ShapeKind::hoop ? Real{} : size.y * half), {}};
+        for (int i = 0; i < 3; ++i) shape.axis[i] = unit(axis[2][i]);
+    }
+    shape.root_mass = N::template constant<Work>(root_mass);
+    shape.per_root_mass = N::template constant<Work>(Real{1} / root_mass);
+    for (int i = 0; i < 3; ++i) {
+        const Real root_moment = sqrt(inertia.moments[i]);
+        shape.per_gyration[i] = Numbers::PerLength::of(root_moment / root_mass, scale);
+        shape.weight[i] = N::template constant<Work>(root_moment) * units.rate(i, Work(1));
+        shape.per_weight[i] = Work(1) / shape.weight[i];
+    }
+}
+
+}  // namespace tumble

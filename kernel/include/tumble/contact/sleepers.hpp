@@ -1,0 +1,101 @@
+// Who is awake. An island that has been slow for long enough, and rests on something, falls asleep as a whole: its
+// bodies are held where they are, and a step does not visit them.
+#pragma once
+
+#include <tumble/contact/contact_set.hpp>
+
+namespace tumble {
+
+template <class N, Spin spin, Capacity capacity>
+class Sleepers {
+public:
+    using Work = typename N::Work;
+    using Bodies = tumble::Bodies<N, spin, capacity.bodies>;
+    using Unit = tumble::Unit<capacity.bodies>;
+
+    Sleepers(Real step, const SleepSpec& spec) {
+        if constexpr (capacity.sleep) {
+            rules_.on = spec.on;
+            const Real speed = spec.speed * step, spin_speed = spec.angular_speed * step, steps = spec.time / step;
+            rules_.speed2 = N::template constant<Work>(speed * speed);
+            rules_.spin2 = N::template constant<Work>(spin_speed * spin_speed);
+            const std::int64_t count = steps.to_fixed(0, 64);
+            rules_.steps = static_cast<std::uint16_t>(count > 0xfffe ? 0xfffe : count < 1 ? 1 : count);
+        }
+    }
+
+    void add(int b) { insert(b); }
+    // Bodies that move, in the order of their numbers; one that wakes during a step's look around comes last until the
+    // next.
+    [[nodiscard]] TUMBLE_INLINE int awake_count() const { return awake_count_; }
+    [[nodiscard]] TUMBLE_INLINE int awake(int k) const {
+        if constexpr (capacity.bodies == 1) return 0;
+        else return awake_[k];
+    }
+    [[nodiscard]] bool is_asleep([[maybe_unused]] int b) const {
+        if constexpr (capacity.sleep) return asleep_[b];
+        else return false;
+    }
+
+    void wake(int b) requires(capacity.sleep) {
+        asleep_[b] = false;
+        quiet_[b] = 0;
+        awake_[awake_count_++] = static_cast<std::int16_t>(b);
+    }
+    // Have all bodies of the island been slow for the time? Counts the step.
+    [[nodiscard]] bool may_sleep(const Bodies& bodies, const Unit& unit, bool rests) requires(capacity.sleep) {
+        if (!rules_.on) return false;
+        bool all = rests;
+        for (int k = 0; k < unit.count; ++k) {
+            const int b = unit.id[k];
+            if (!rests || !is_slow(bodies, b)) quiet_[b] = 0;
+            else if (quiet_[b] < rules_.steps) ++quiet_[b];
+            all = all && quiet_[b] >= rules_.steps;
+        }
+        return all;
+    }
+    // Stops the body.
+    void put_to_sleep(Bodies& bodies, int b) requires(capacity.sleep) {
+        asleep_[b] = true;
+        auto& state = bodies.state[b];
+        for (int i = 0; i < 3; ++i) {
+            state.d_w[i] = {};
+            state.t_b[i] = {};
+        }
+        int kept = 0;
+        for (int k = 0; k < awake_count_; ++k)
+            if (awake_[k] != b) awake_[kept++] = awake_[k];
+        awake_count_ = kept;
+    }
+
+private:
+    void insert(int b) { awake_[awake_count_++] = static_cast<std::int16_t>(b); }
+    [[nodiscard]] bool is_slow(const Bodies& bodies, int b) const requires(capacity.sleep) {
+        const auto& state = bodies.state[b];
+        Work speed2(0), spin2(0);
+        for (int i = 0; i < 3; ++i) {
+            const Work v = N::metres(N::sum(state.d_w[i]), bodies.scale);
+            speed2 = mul_add(speed2, v, v);
+        }
+        if (speed2 > rules_.speed2) return false;
+        for (int i = 0; i < 3; ++i) {
+            const Work w =
+                N::half_turn(N::sum(state.t_b[i]), bodies.scale) * bodies.constants[b].units.rate(i, Work(1));
+            spin2 = mul_add(spin2, w, w);
+        }
+        return !(spin2 > rules_.spin2);
+    }
+
+    struct Rules {
+        bool on = false;
+        Work speed2{}, spin2{};  // (m a step)^2, (rad a step)^2
+        std::uint16_t steps = 0;
+    };
+    int awake_count_ = 0;
+    std::int16_t awake_[capacity.bodies]{};
+    [[no_unique_address]] If<capacity.sleep, Rules, 0> rules_{};
+    [[no_unique_address]] If<capacity.sleep, bool[capacity.bodies], 1> asleep_{};
+    [[no_unique_address]] If<capacity.sleep, std::uint16_t[capacity.bodies], 2> quiet_{};
+};
+
+}  // namespace tumble

@@ -1,0 +1,262 @@
+// What touches and where it is: the shapes of a world's bodies, its planes, and what is measured of a pair of them.
+#pragma once
+
+#include <tumble/contact/box_box.hpp>
+
+namespace tumble {
+
+template <class N, Spin spin, Capacity capacity>
+class Solids {
+public:
+    using Work = typename N::Work;
+    using Bodies = tumble::Bodies<N, spin, capacity.bodies>;
+    using State = typename Bodies::State;
+    using Numbers = ContactNumbers<N>;
+    using Length = typename Numbers::Length;
+    using Speed = typename Numbers::Speed;
+    using Pair = NearPair<N, capacity>;
+    using Point = ContactPoint<N, capacity>;
+
+    Solids(Real step, const ContactSpec& spec)
+        : restitution_{N::template constant<Work>(spec.restitution)},
+          friction_{N::template constant<Work>(spec.friction)}, tolerance_metres_{spec.tolerance} {
+        if constexpr (N::fixed_point) set_scale(Real{N::Range::velocity} * step);
+        set_scale(spec.tolerance);
+    }
+
+    // Gravity's change of drift in a step, m.
+    void set_gravity(const RealVec3& change) {
+        for (int i = 0; i < 3; ++i) fall_metres_[i] = change[i];
+        set_fall();
+    }
+
+    // What of body b touches.
+    [[gnu::noinline]] void set_shape(int b, const BodySpec& spec, const PrincipalInertia& inertia,
+                                     const SpinUnits<N, spin>& units) {
+        set_scale(reach_of(spec.shape));
+        set_contact_shape<N, spin>(shape_[b], spec, inertia, scale_, units);
+    }
+    // False when there is no room.
+    [[gnu::noinline]] bool add(const PlaneSpec& spec) {
+        if (plane_count_ >= capacity.planes) return false;
+        Plane<N>& plane = plane_[plane_count_++];
+        const RealVec3 n = normalized(spec.normal);
+        for (int i = 0; i < 3; ++i) plane.normal[i] = N::template constant<typename N::Unit>(n[i]);
+        set_tangents<N>(plane.normal, plane.tangent);
+        if constexpr (N::fixed_point) plane.offset = {spec.offset.to_fixed(N::AlongSum::fraction_bits, 64)};
+        else plane.offset = N::template constant<Work>(spec.offset);
+        plane.restitution = N::template constant<Work>(spec.restitution);
+        plane.friction = N::template constant<Work>(spec.friction);
+        return true;
+    }
+    // m: the band in which bodies touch, and the depth at which a step is redone.
+    [[nodiscard]] Work tolerance() const { return scale_.metres(tolerance_); }
+
+protected:
+    [[nodiscard]] bool moves_b(const Pair& pair) const {
+        return capacity.pairs && pair.b >= 0 && !(pair.share_b == typename N::Unit{});
+    }
+
+    [[nodiscard]] static Work combined_restitution(Work a, Work b, Work otherwise) {
+        const Work none(0);
+        if (a < none && b < none) return otherwise;
+        return a < b ? b : a;  // the larger of what is named
+    }
+    // The geometric mean; a side that names none takes the world's.
+    [[nodiscard]] static Work combined_friction(Work a, Work b, Work otherwise) {
+        const Work x = a < Work(0) ? otherwise : a, y = b < Work(0) ? otherwise : b;
+        return x == y ? x : sqrt(x * y);
+    }
+    // What does not change while a pair is near.
+    void set_up(Pair& pair, [[maybe_unused]] const Bodies& bodies) {
+        const ContactShape<N>& a = shape_[pair.a];
+        Work restitution, friction;
+        pair.share_a = Numbers::one();
+        pair.weight = a.root_mass;
+        if (pair.with_plane()) {
+            const Plane<N>& plane = plane_[pair.plane()];
+            restitution = combined_restitution(a.restitution, plane.restitution, restitution_);
+            friction = combined_friction(a.friction, plane.friction, friction_);
+            pair.normal = plane.normal;
+            if constexpr (capacity.friction) {
+                pair.tangent[0] = plane.tangent[0];
+                pair.tangent[1] = plane.tangent[1];
+            }
+        } else {
+            const ContactShape<N>& b = shape_[pair.b];
+            restitution = combined_restitution(a.restitution, b.restitution, restitution_);
+            friction = combined_friction(a.friction, b.friction, friction_);
+            if constexpr (capacity.pairs) {
+                if (!bodies.constants[pair.b].fixed) {
+                    const Work ratio = a.root_mass * b.per_root_mass, share = Work(1) / sqrt(Work(1) + ratio * ratio);
+                    pair.share_a = Numbers::unit(share);
+                    pair.share_b = Numbers::unit(ratio * share);
+                    pair.weight = a.root_mass * share;
+                }
+                if constexpr (capacity.turntables)
+                    pair.turns = bodies.constants[pair.b].fixed && bodies.is_turning(pair.b);
+            }
+        }
+        pair.restitution = Numbers::unit(restitution);
+        pair.friction = Numbers::friction(friction);
+        if constexpr (capacity.friction) pair.rubs = friction > Work(0);
+    }
+    // --- where they are ----------------------------------------------------------------------------------------------
+
+    void place(const Bodies& bodies, int b) {
+        const Axes<N> axes = Axes<N>::of(bodies.state[b].q_wb.value());
+        turned_[b] = !(axes == axes_[b]);
+        if (turned_[b]) axes_[b] = axes;
+    }
+    [[nodiscard]] Length height(const Bodies& bodies, int b, const Plane<N>& plane) const {
+        const State& s = bodies.state[b];
+        const typename N::PositionSum x[3] = {N::sum(s.x_w.x), N::sum(s.x_w.y), N::sum(s.x_w.z)};
+        return scale_.length(N::along(x, plane.normal) + plane.offset);
+    }
+    // From the centre of b to that of a.
+    [[nodiscard]] Vec3<Length> reach_between(const Bodies& bodies, int a, int b) const {
+        Vec3<Length> reach;
+        for (int i = 0; i < 3; ++i)
+            reach[i] = scale_.length(N::sum(bodies.state[a].x_w[i]) - N::sum(bodies.state[b].x_w[i]));
+        return reach;
+    }
+    [[nodiscard]] PlaneView<N, capacity> view_of_plane(const Bodies& bodies, const Pair& pair) const {
+        const Plane<N>& plane = plane_[pair.plane()];
+        return {shape_[pair.a], axes_[pair.a], plane.normal, height(bodies, pair.a, plane)};
+    }
+    [[nodiscard]] PairView<N> view_of(const Bodies& bodies, const Pair& pair) const {
+        return {shape_[pair.a], shape_[pair.b], axes_[pair.a], axes_[pair.b], reach_between(bodies, pair.a, pair.b)};
+    }
+    // Calls f(what is known of two shapes, the view in its order, whether that is reversed).
+    template <class F>
+    void with_pair(const Bodies& bodies, const Pair& pair, F&& f) const {
+        const PairView<N> view = view_of(bodies, pair);
+        if constexpr (capacity.boxes) {
+            const bool box_a = view.a.is(ShapeKind::box), box_b = view.b.is(ShapeKind::box);
+            if (box_a && box_b) return f(BoxBox<N>{view, Numbers::half(Numbers::half(tolerance_))}, view, false);
+            if (box_b) return f(SphereBox<N>{view}, view, false);
+            if (box_a) {
+                const PairView<N> reversed = view.reversed();
+                return f(SphereBox<N>{reversed}, reversed, true);
+            }
+        }
+        f(SphereSphere<N>{view}, view, false);
+    }
+    void measure(const Bodies& bodies, Pair& pair) {
+        pair.moved = pair.moved || turned_[pair.a];
+        if (pair.with_plane()) {
+            pair.gap = view_of_plane(bodies, pair).gap();
+            return;
+        }
+        if constexpr (capacity.pairs) {
+            if constexpr (capacity.turntables)
+                if (pair.turns) place(bodies, pair.b);
+            pair.moved = pair.moved || turned_[pair.b];
+            with_pair(bodies, pair, [&](const auto& contact, const auto&, bool reversed) {
+                pair.gap = contact.gap;
+                const Vec3<typename N::Unit> normal =
+                    reversed ? Vec3<typename N::Unit>(-contact.normal) : contact.normal;
+                pair.moved = pair.moved || !(normal == pair.normal);
+                pair.normal = normal;
+            });
+        }
+    }
+    // The pair's points within the tolerance; those of the step before keep their impulses.
+    void find(const Bodies& bodies, Pair& pair) {
+        if (pair.gap > tolerance_) {
+            pair.count = 0;
+            return;
+        }
+        FoundPoints<N> found;
+        if (pair.with_plane()) {
+            view_of_plane(bodies, pair).find(found, tolerance_);
+        } else if constexpr (capacity.pairs) {
+            with_pair(bodies, pair, [&](const auto& contact, const auto& view, bool reversed) {
+                contact_points(contact, view, found);
+                if (reversed) {
+                    for (int i = 0; i < found.count; ++i) {
+                        const Vec3<Length> arm = found.point[i].arm;
+                        found.point[i].arm = found.point[i].arm_b;
+                        found.point[i].arm_b = arm;
+                    }
+                }
+            });
+            if constexpr (capacity.friction)
+                if (pair.rubs) set_tangents<N>(pair.normal, pair.tangent);
+        }
+        take(pair, found);
+    }
+    template <class Contact>
+    void contact_points(const Contact& contact, const PairView<N>& view, FoundPoints<N>& found) const {
+        if constexpr (requires { contact.find(view, found); }) contact.find(view, found);
+        else contact.find(found, tolerance_);
+    }
+    // A point inherits the impulses of the one that was where it is now.
+    void take(Pair& pair, const FoundPoints<N>& found) const {
+        const Length near = Numbers::sixteenth(shape_[pair.a].radius);
+        const auto is_same = [&](const Vec3<Length>& p, const Vec3<Length>& q) {
+            return !(magnitude_of(p.x() - q.x()) > near) && !(magnitude_of(p.y() - q.y()) > near) &&
+                   !(magnitude_of(p.z() - q.z()) > near);
+        };
+        const int count = found.count < Pair::max_points ? found.count : Pair::max_points;
+        const bool only = count == 1 && pair.count == 1;
+        Speed pushed[Pair::max_points][Point::directions];
+        for (int i = 0; i < count; ++i) {
+            int before = -1;
+            for (int j = 0; j < pair.count && before < 0; ++j)
+                if (only || is_same(pair.point[j].arm, found.point[i].arm)) before = j;
+            for (int k = 0; k < Point::directions; ++k)
+                pushed[i][k] = before < 0 ? Speed{} : pair.point[before].pushed[k];
+        }
+        for (int i = 0; i < count; ++i) {
+            Point& point = pair.point[i];
+            if (pair.moved || i >= pair.count || !(point.arm == found.point[i].arm)) point.rows_hold = false;
+            point.arm = found.point[i].arm;
+            if constexpr (capacity.pairs) {
+                if (!(point.arm_b == found.point[i].arm_b)) point.rows_hold = false;
+                point.arm_b = found.point[i].arm_b;
+            }
+            point.gap = found.point[i].gap;
+            for (int k = 0; k < Point::directions; ++k) point.pushed[k] = pushed[i][k];
+        }
+        pair.count = static_cast<std::uint8_t>(count);
+        pair.moved = false;
+    }
+
+    template <class T, int n>
+    using Array = T[n > 0 ? n : 1];
+
+    typename Numbers::Scale scale_{};
+    Length tolerance_{}, fall_bound_{};
+    Vec3<Length> fall_ = Vec3<Length>::Constant(Length{});  // gravity's change of drift in a step
+    Work slow_{};                                           // m: twice that; who moves less in a step, rests
+    Array<Plane<N>, capacity.planes> plane_{};
+    int plane_count_ = 0;
+    ContactShape<N> shape_[capacity.bodies]{};
+    Axes<N> axes_[capacity.bodies]{};
+
+private:
+    // Makes room for a length; what has been set before becomes coarser.
+    void set_scale(Real largest) {
+        if (!(largest > largest_)) return;
+        largest_ = largest;
+        const typename Numbers::Scale finer = scale_;
+        scale_ = Numbers::Scale::of(largest_);
+        tolerance_ = scale_.length(tolerance_metres_);
+        set_fall();
+        for (ContactShape<N>& shape : shape_)
+            if (!shape.is(ShapeKind::none)) shape.rescale(finer, scale_);
+    }
+    void set_fall() {
+        for (int i = 0; i < 3; ++i) fall_[i] = scale_.length(fall_metres_[i]);
+        slow_ = N::template constant<Work>(sqrt(dot(fall_metres_, fall_metres_)) * Real{2});
+        fall_bound_ = magnitude_of(fall_[0]) + magnitude_of(fall_[1]) + magnitude_of(fall_[2]);
+    }
+
+    Work restitution_, friction_;  // where neither side names its own
+    Real tolerance_metres_, largest_{};
+    RealVec3 fall_metres_{};
+    bool turned_[capacity.bodies]{};  // when it was last placed
+};
+
+}  // namespace tumble

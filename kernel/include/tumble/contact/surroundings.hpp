@@ -1,0 +1,264 @@
+// Who is near whom: the pairs that may touch within a step, found without testing those that surely do not. For every
+// other pair a lower bound on the time to contact says in which step it must be looked at again.
+#pragma once
+
+#include <tumble/contact/islands.hpp>
+#include <tumble/contact/solids.hpp>
+
+namespace tumble {
+
+template <class N, Spin spin, Capacity capacity>
+class Surroundings : public Solids<N, spin, capacity> {
+    using Base = Solids<N, spin, capacity>;
+
+public:
+    using typename Base::Bodies;
+    using typename Base::Length;
+    using typename Base::Numbers;
+    using typename Base::Pair;
+    using typename Base::Speed;
+    using typename Base::State;
+    using typename Base::Work;
+
+    Surroundings(Real step, const ContactSpec& spec) : Base(step, spec), response_{spec.response} {}
+
+    // Need the body's surroundings not be looked at before this step? And after that: may it touch something in the
+    // step?
+    [[nodiscard]] TUMBLE_INLINE bool is_foreseen(int b, std::uint32_t now) const {
+        return static_cast<std::int32_t>(foreseen_until_[b] - now) > 0;
+    }
+    [[nodiscard]] TUMBLE_INLINE bool is_near(int b) const { return pairs_of_[b] != 0; }
+    // The body's motion has been changed from outside: what was foreseen of it no longer holds.
+    void startle(int b, std::uint32_t now) {
+        foreseen_until_[b] = now;
+        for (int p = 0; p < plane_count_; ++p) due_[plane_slot(b, p)] = static_cast<std::uint16_t>(now);
+        if constexpr (capacity.pairs) {
+            for (int other = 0; other < capacity.bodies; ++other) {
+                if (other == b) continue;
+                due_[body_slot(b, other)] = static_cast<std::uint16_t>(now);
+                foreseen_until_[other] = now;
+            }
+        }
+    }
+
+    // Looks at the surroundings of body b where its time to contact may have run out. `loaded`: does it feel anything
+    // but gravity? wake(b) is called for a sleeping body that it may touch; is_still(b) tells fixed and sleeping ones.
+    template <class IsStill, class Wake>
+    [[gnu::noinline]] void look_around(Bodies& bodies, int b, bool loaded, IsStill&& is_still, Wake&& wake) {
+        const std::uint32_t now = bodies.steps_taken;
+        if (response_ != ContactResponse::impulse || shape_[b].is(ShapeKind::none)) {
+            foreseen_until_[b] = now + longest_look;
+            return;
+        }
+        int until = longest_look;
+        // Looks at a pair if it is due; near() and apart() take it up and drop it.
+        const auto meet = [&](int slot, auto&& clear_steps, auto&& near, auto&& apart) {
+            int steps =
+                static_cast<std::int16_t>(static_cast<std::uint16_t>(due_[slot] - static_cast<std::uint16_t>(now)));
+            if (steps <= 0 || steps > longest_look) {
+                steps = clear_steps();
+                if (steps == 0) steps = near();
+                else apart();
+                due_[slot] = static_cast<std::uint16_t>(now + static_cast<std::uint32_t>(steps));
+            }
+            if (steps < until) until = steps;
+        };
+        for (int p = 0; p < plane_count_; ++p) {
+            meet(
+                plane_slot(b, p), [&] { return steps_to_plane(bodies, b, p, loaded); },
+                [&] {
+                    (void)pair_of(bodies, b, -1 - p);
+                    return near_look;
+                },
+                [&] { forget(b, -1 - p); });
+        }
+        if constexpr (capacity.pairs) {
+            for (int other = 0; other < bodies.count && touches_bodies(b); ++other) {
+                if (other == b || !touches_bodies(other)) continue;
+                const bool other_moves = !bodies.constants[other].fixed;
+                const int first = other_moves && other < b ? other : b, second = first == b ? other : b;
+                const bool still = is_still(other);
+                meet(
+                    body_slot(b, other), [&] { return steps_to_body(bodies, b, other, loaded, still); },
+                    [&] {
+                        Pair* pair = pair_of(bodies, first, second);
+                        if (pair == nullptr || !still || !other_moves) return near_look;
+                        place(bodies, b);
+                        measure(bodies, *pair);
+                        if (!(pair->gap > reach_in_step(bodies, b))) wake(other);
+                        return 1;
+                    },
+                    [&] { forget(first, second); });
+            }
+        }
+        foreseen_until_[b] = now + static_cast<std::uint32_t>(until);
+    }
+
+    // Connects the bodies of every pair that is awake: a pair sleeps with the bodies of it that move.
+    template <class Islands, class IsAwake>
+    void connect(Islands& islands, IsAwake&& is_awake) const {
+        for (int i = 0; i < pair_count_; ++i) {
+            const Pair& pair = pair_[i];
+            if (moves_b(pair) && is_awake(pair.a) && is_awake(pair.b)) islands.connect(pair.a, pair.b);
+        }
+    }
+    // Lists the pairs of an island, by its root. Two bodies that have come near each other since the islands were
+    // connected are left to the next step.
+    template <class Islands>
+    [[nodiscard]] int list(Islands& islands, int root) {
+        int first = -1;
+        for (int i = pair_count_ - 1; i >= 0; --i) {
+            Pair& pair = pair_[i];
+            if (islands.root(pair.a) != root || (moves_b(pair) && islands.root(pair.b) != root)) continue;
+            pair.next = static_cast<std::int16_t>(first);
+            first = i;
+        }
+        return first;
+    }
+    // Calls f(a, b) for every two bodies that were within the tolerance.
+    template <class F>
+    void for_each_touching(F&& f) const {
+        for (int i = 0; i < pair_count_; ++i)
+            if (pair_[i].b >= 0 && pair_[i].count > 0) f(pair_[i].a, pair_[i].b);
+    }
+
+protected:
+    using Base::axes_;
+    using Base::fall_;
+    using Base::fall_bound_;
+    using Base::find;
+    using Base::height;
+    using Base::measure;
+    using Base::moves_b;
+    using Base::place;
+    using Base::plane_;
+    using Base::plane_count_;
+    using Base::reach_between;
+    using Base::scale_;
+    using Base::set_up;
+    using Base::shape_;
+    using Base::tolerance_;
+    template <class T, int n>
+    using Array = typename Base::template Array<T, n>;
+    static constexpr int room = capacity.room_for_pairs();
+
+    Array<Pair, room> pair_{};  // in the order of their keys
+    int pair_count_ = 0;
+
+private:
+    static constexpr int longest_look = 128;  // steps foreseen
+    static constexpr int near_look = 8;       // steps that a pair which is near stays so
+    static constexpr int slots =
+        capacity.bodies * capacity.planes + (capacity.pairs ? capacity.bodies * (capacity.bodies - 1) / 2 : 0);
+
+    // --- time to contact ---------------------------------------------------------------------------------------------
+
+    // Only spheres and boxes touch other bodies.
+    [[nodiscard]] bool touches_bodies(int b) const {
+        return shape_[b].is(ShapeKind::sphere) || shape_[b].is(ShapeKind::box);
+    }
+
+    [[nodiscard]] Vec3<Length> drift(const Bodies& bodies, int b) const {
+        const State& s = bodies.state[b];
+        return {scale_.drift(N::sum(s.d_w.x), bodies.scale), scale_.drift(N::sum(s.d_w.y), bodies.scale),
+                scale_.drift(N::sum(s.d_w.z), bodies.scale)};
+    }
+    // The largest power of two of steps, up to the longest look, in which `reaches(travel)` stays false, with
+    // travel >= speed k + fall k^2; 0 when one step is too long. Loads may double the speed, not more.
+    template <class Reaches>
+    [[nodiscard]] static int clear_steps(Length speed, Length fall, bool loaded, Reaches&& reaches) {
+        int steps = 0;
+        for (int k = 1; k <= longest_look; k *= 2) {
+            if (reaches(Numbers::travel(speed, fall, k))) break;
+            steps = k;
+            if (loaded) break;
+        }
+        return steps;
+    }
+    [[nodiscard]] int steps_to_plane(const Bodies& bodies, int b, int p, bool loaded) const {
+        const Plane<N>& plane = plane_[p];
+        const Vec3<Length> d = drift(bodies, b);
+        Length closing = Numbers::rounded_up(-narrow<Length>(dot(plane.normal, d)));
+        if (loaded) closing = Numbers::rounded_up(magnitude_of(d.x()) + magnitude_of(d.y()) + magnitude_of(d.z()));
+        if (loaded) closing = closing + closing;
+        Length fall = Numbers::rounded_up(-narrow<Length>(dot(plane.normal, fall_)));
+        if (fall < Length{}) fall = Length{};
+        const Length gap = height(bodies, b, plane) - shape_[b].radius - tolerance_;
+        return clear_steps(closing, fall, loaded, [&](auto travel) { return Numbers::exceeds(travel, gap); });
+    }
+    [[nodiscard]] int steps_to_body(const Bodies& bodies, int a, int b, bool loaded, bool still) const {
+        const Vec3<Length> reach = reach_between(bodies, a, b);
+        Vec3<Length> d = drift(bodies, a);
+        if (!still) d -= drift(bodies, b);
+        Length closing = Numbers::rounded_up(magnitude_of(d.x()) + magnitude_of(d.y()) + magnitude_of(d.z()));
+        if (loaded) closing = closing + closing;
+        const Length touch = shape_[a].radius + shape_[b].radius + tolerance_;
+        const auto distance2 = dot(reach, reach);
+        // Two that fall, fall together; where loads act on one of them, that is its own affair.
+        const Length fall = still || loaded ? Numbers::rounded_up(fall_bound_) : Length{};
+        return clear_steps(closing, fall, loaded,
+                           [&](auto travel) { return Numbers::reaches(travel, touch, distance2); });
+    }
+    // How far a point of the body may move in one step.
+    [[nodiscard]] Length reach_in_step(const Bodies& bodies, int b) const {
+        const Vec3<Length> d = drift(bodies, b);
+        Work turn(0);
+        for (int i = 0; i < 3; ++i) {
+            const Work w =
+                N::half_turn(N::sum(bodies.state[b].t_b[i]), bodies.scale) * bodies.constants[b].units.rate(i, Work(1));
+            turn += w < Work(0) ? -w : w;
+        }
+        return Numbers::rounded_up(magnitude_of(d.x()) + magnitude_of(d.y()) + magnitude_of(d.z())) + fall_bound_ +
+               tolerance_ + scale_.length(turn * scale_.metres(shape_[b].radius));
+    }
+    [[nodiscard]] static constexpr int plane_slot(int b, int p) { return b * capacity.planes + p; }
+    [[nodiscard]] static constexpr int body_slot(int a, int b) {
+        const int high = a < b ? b : a, low = a < b ? a : b;
+        return capacity.bodies * capacity.planes + high * (high - 1) / 2 + low;
+    }
+
+    // --- the list of near pairs --------------------------------------------------------------------------------------
+
+    // The pair, made where it is new; null (and told) when there is no room. Pairs are kept in the order of their keys,
+    // so that the order of the solution does not depend on who met first.
+    Pair* pair_of(Bodies& bodies, int a, int b) {
+        const std::uint32_t key = Pair::key_of(a, b);
+        int place = 0;
+        while (place < pair_count_ && pair_[place].key() < key) ++place;
+        if (place < pair_count_ && pair_[place].key() == key) return &pair_[place];
+        if (pair_count_ == room) {
+            bodies.report(Issue::contacts_full, a);
+            return nullptr;
+        }
+        for (int i = room - 1; i > place; --i)
+            if (i <= pair_count_) pair_[i] = pair_[i - 1];
+        ++pair_count_;
+        Pair& pair = pair_[place];
+        pair.begin(a, b);
+        ++pairs_of_[a];
+        if (b >= 0) ++pairs_of_[b];
+        set_up(pair, bodies);
+        this->place(bodies, a);
+        if (b >= 0) this->place(bodies, b);
+        measure(bodies, pair);
+        find(bodies, pair);
+        return &pair;
+    }
+    void forget(int a, int b) {
+        for (int i = 0; i < pair_count_; ++i) {
+            if (pair_[i].a != a || pair_[i].b != b) continue;
+            --pairs_of_[a];
+            if (b >= 0) --pairs_of_[b];
+            --pair_count_;
+            for (int k = i + 1; k < room && k <= pair_count_; ++k) pair_[k - 1] = pair_[k];
+            return;
+        }
+    }
+
+    ContactResponse response_;
+    std::uint32_t foreseen_until_[capacity.bodies]{};  // the step before which its surroundings are looked at again
+    std::uint8_t pairs_of_[capacity.bodies]{};
+    Array<std::uint16_t, slots> due_{};  // the lower half of the step when a pair must be looked at again
+};
+
+}  // namespace tumble

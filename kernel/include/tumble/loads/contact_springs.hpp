@@ -1,0 +1,256 @@
+// Contacts by springs: at every point below a surface a force k d along the normal, less c times the speed at which it
+// leaves, never pulling; and, where the scene asks for it, the first text's barrier B / d^2 at the distance d outside.
+// No friction. Spheres, boxes, cylinders and capsules on planes, spheres and boxes on each other.
+//
+// An explicit method is stable for h < 2 / sqrt(lambda), with lambda the largest eigenvalue of M^-1 K, as long as the
+// contact lasts. One that begins and ends in the middle of a step gains energy near that limit, so half of it is the
+// largest safe step. Per body: k / m
+// for a sphere on a plane; for a box on a face 4 k max(1 / m, h_j^2 / I_i), for its four springs lift and tilt it.
+// Between bodies the lighter's is taken four times, which is what a long row of them has. A barrier's stiffness 2 B /
+// d^3 is known only on the way.
+#pragma once
+
+#include <tumble/body/bodies.hpp>
+#include <tumble/contact/box_box.hpp>
+
+namespace tumble {
+
+template <class N, Spin spin, Capacity capacity>
+class ContactSprings {
+public:
+    using Work = typename N::Work;
+    using Numbers = ContactNumbers<N>;
+    using Length = typename Numbers::Length;
+    using Bodies = tumble::Bodies<N, spin, capacity.bodies>;
+
+    ContactSprings(Real step, const ContactSpec& spec)
+        : on_{spec.response == ContactResponse::spring}, has_barrier_{on_ && spec.barrier > Real{}},
+          stiffness_{N::template constant<Work>(spec.stiffness)}, damping_{N::template constant<Work>(spec.damping)},
+          barrier_{N::template constant<Work>(spec.barrier)}, step2_{N::template constant<Work>(step * step)},
+          stiffness_real_{spec.stiffness}, damping_real_{spec.damping}, step_{step} {}
+
+    // The body at place b of `bodies` has been added.
+    [[gnu::noinline]] void set_body(int b, const BodySpec& spec, const PrincipalInertia& inertia, Bodies& bodies) {
+        if (!on_) return;
+        const Real reach = reach_of(spec.shape);
+        if (reach > largest_) {
+            const typename Numbers::Scale finer = scale_;
+            largest_ = reach;
+            scale_ = Numbers::Scale::of(reach);
+            for (ContactShape<N>& shape : shape_)
+                if (!shape.is(ShapeKind::none)) shape.rescale(finer, scale_);
+        }
+        set_contact_shape<N, spin>(shape_[b], spec, inertia, scale_, bodies.constants[b].units);
+        radius_[b] = N::template constant<Work>(reach);
+        per_mass_[b] = spec.fixed ? Work(0) : N::template constant<Work>(Real{1} / spec.mass);
+        compliance_[b] = spec.fixed || shape_[b].is(ShapeKind::none) ? Real{} : compliance(spec, inertia);
+        if (plane_count_ > 0) require(compliance_[b], b, bodies);
+        if constexpr (capacity.pairs) {
+            if (!touches_bodies(b)) return;
+            int others = 0;
+            for (int other = 0; other < b; ++other) others += touches_bodies(other) ? 1 : 0;
+            for (int other = 0; other < b; ++other) {
+                const Real both = compliance_[b] + compliance_[other];
+                if (touches_bodies(other)) require(others > 1 ? both * Real{2} : both, b, bodies);
+            }
+        }
+    }
+    // False when there is no room.
+    [[gnu::noinline]] bool add(const PlaneSpec& spec, Bodies& bodies) {
+        if (!on_) return true;
+        if (plane_count_ >= capacity.planes) return false;
+        Plane& plane = plane_[plane_count_++];
+        const RealVec3 n = normalized(spec.normal);
+        for (int i = 0; i < 3; ++i) plane.normal[i] = N::template constant<typename N::Unit>(n[i]);
+        if constexpr (N::fixed_point) plane.offset = {spec.offset.to_fixed(N::AlongSum::fraction_bits, 64)};
+        else plane.offset = N::template constant<Work>(spec.offset);
+        for (int b = 0; b < bodies.count; ++b) require(compliance_[b], b, bodies);
+        return true;
+    }
+
+    // Does the body feel a plane or another body, if it comes near enough? And may that be a body that moves?
+    [[nodiscard]] bool concerns(int b) const {
+        return on_ && !shape_[b].is(ShapeKind::none) && (plane_count_ > 0 || couples(b));
+    }
+    [[nodiscard]] bool couples(int b) const {
+        if constexpr (capacity.pairs) {
+            if (!on_ || !touches_bodies(b)) return false;
+            for (int other = 0; other < capacity.bodies; ++other)
+                if (other != b && touches_bodies(other)) return true;
+        }
+        return false;
+    }
+    [[nodiscard]] bool depends_on_velocity() const { return on_ && damping_ > Work(0); }
+
+    // s; zero where nothing limits it.
+    [[nodiscard]] Real largest_safe_step() const {
+        Real most = most_compliance_;
+        const Real met = to_real(stiffest_);
+        if (met > most) most = met;
+        Real step = most > Real{} ? Real{1} / sqrt(most) : Real{};
+        if (most_damping_ > Real{} && (step.is_zero() || Real{1} / most_damping_ < step))
+            step = Real{1} / most_damping_;
+        return step;
+    }
+
+    // A body against every plane.
+    void apply(LoadedBody<N>& body, int b, Bodies& bodies) const {
+        if (!on_ || shape_[b].is(ShapeKind::none)) return;
+        const ContactShape<N>& shape = shape_[b];
+        for (int p = 0; p < plane_count_; ++p) {
+            const Plane& plane = plane_[p];
+            const auto height = N::along(body.stage->x_w, plane.normal) + plane.offset;
+            const WorkVec3<N> normal = work_unit<N>(plane.normal);
+            if (shape.is(ShapeKind::sphere)) {
+                const Work gap = N::metres_along(height) - radius_[b];
+                if (gap < Work(0) || has_barrier_)
+                    push(body, nullptr, b, b, gap, normal, scaled_by(rotate_back(body.q_wb, normal), -radius_[b]),
+                         zero_vector<N>(), bodies);
+                continue;
+            }
+            const Axes<N> axes = Axes<N>::of(body.stage->q_wb);
+            FoundPoints<N> found;
+            PlaneView<N, capacity>{shape, axes, plane.normal, scale_.length(height)}.find(found, band());
+            push_all(found, body, nullptr, b, b, normal, bodies);
+        }
+    }
+    // Two bodies.
+    void apply(LoadedBody<N>& a, int index_a, LoadedBody<N>& b, int index_b, Bodies& bodies) const {
+        if (!on_ || !touches_bodies(index_a) || !touches_bodies(index_b)) return;
+        const ContactShape<N>&shape_a = shape_[index_a], &shape_b = shape_[index_b];
+        WorkVec3<N> apart;
+        for (int i = 0; i < 3; ++i) apart[i] = N::metres(a.stage->x_w[i] - b.stage->x_w[i]);
+        const Work distance = sqrt(dot(apart, apart)), touch = radius_[index_a] + radius_[index_b];
+        if (!(distance < touch) && !has_barrier_) return;
+        if (shape_a.is(ShapeKind::sphere) && shape_b.is(ShapeKind::sphere)) {
+            if (!(distance > Work(0))) return;  // no direction: no force
+            const WorkVec3<N> normal = scaled_by(apart, Work(1) / distance);
+            push(a, &b, index_a, index_b, distance - touch, normal,
+                 scaled_by(rotate_back(a.q_wb, normal), -radius_[index_a]),
+                 scaled_by(rotate_back(b.q_wb, normal), radius_[index_b]), bodies);
+            return;
+        }
+        if constexpr (capacity.boxes) {
+            const Axes<N> axes_a = Axes<N>::of(a.stage->q_wb), axes_b = Axes<N>::of(b.stage->q_wb);
+            Vec3<Length> reach;
+            for (int i = 0; i < 3; ++i) reach[i] = scale_.length(apart[i]);
+            const PairView<N> view{shape_a, shape_b, axes_a, axes_b, reach};
+            FoundPoints<N> found;
+            if (shape_a.is(ShapeKind::box) && shape_b.is(ShapeKind::box)) {
+                const BoxBox<N> contact{view, Length{}};
+                if (contact.gap > band()) return;
+                contact.find(found, band());
+                push_all(found, a, &b, index_a, index_b, work_unit<N>(contact.normal), bodies);
+            } else if (shape_b.is(ShapeKind::box)) {
+                const SphereBox<N> contact{view};
+                contact.find(view, found);
+                push_all(found, a, &b, index_a, index_b, work_unit<N>(contact.normal), bodies);
+            } else {
+                const PairView<N> reversed = view.reversed();
+                const SphereBox<N> contact{reversed};
+                contact.find(reversed, found);
+                push_all(found, b, &a, index_b, index_a, work_unit<N>(contact.normal), bodies);
+            }
+        }
+    }
+
+private:
+    struct Plane {
+        Vec3<typename N::Unit> normal = Vec3<typename N::Unit>::Constant(typename N::Unit{});
+        typename N::AlongSum offset{};
+    };
+
+    [[nodiscard]] bool touches_bodies(int b) const {
+        return shape_[b].is(ShapeKind::sphere) || shape_[b].is(ShapeKind::box);
+    }
+    // Points up to here are asked for.
+    [[nodiscard]] Length band() const { return has_barrier_ ? scale_.length(largest_ * Real{8}) : Length{}; }
+
+    void push_all(const FoundPoints<N>& found, LoadedBody<N>& a, LoadedBody<N>* b, int index_a, int index_b,
+                  const WorkVec3<N>& normal, Bodies& bodies) const {
+        for (int i = 0; i < found.count; ++i) {
+            const FoundPoint<N>& point = found.point[i];
+            WorkVec3<N> arm, arm_b;
+            for (int k = 0; k < 3; ++k) {
+                arm[k] = scale_.metres(point.arm[k]);
+                arm_b[k] = scale_.metres(point.arm_b[k]);
+            }
+            push(a, b, index_a, index_b, scale_.metres(point.gap), normal, arm, arm_b, bodies);
+        }
+    }
+    // At one point: `normal` in the world, from b to a; arms in principal axes.
+    void push(LoadedBody<N>& a, LoadedBody<N>* b, int index_a, int index_b, Work gap, const WorkVec3<N>& normal,
+              const WorkVec3<N>& arm, const WorkVec3<N>& arm_b, Bodies& bodies) const {
+        Work strength(0);
+        if (gap < Work(0)) {
+            strength = -(stiffness_ * gap);
+            if (damping_ > Work(0)) {
+                WorkVec3<N> rate = a.velocity_at(arm);
+                if (b != nullptr) rate -= b->velocity_at(arm_b);
+                strength -= damping_ * dot(rate, normal);
+                if (strength < Work(0)) return;
+            }
+        } else if (has_barrier_ && gap > Work(0)) {
+            strength = barrier_ / (gap * gap);
+            const Work per_mass = b == nullptr ? per_mass_[index_a] : per_mass_[index_a] + per_mass_[index_b];
+            const Work stiffness = (strength + strength) / gap * per_mass;
+            if (stiffest_ < stiffness) stiffest_ = stiffness;
+            if (stiffness * step2_ > Work(1)) bodies.report(Issue::step_too_long, index_a);
+        } else {
+            return;
+        }
+        const WorkVec3<N> force = scaled_by(normal, strength);
+        a.push(force, arm);
+        if (b != nullptr) b->push(-force, arm_b);
+    }
+
+    // The largest eigenvalue of M^-1 K / k for the body on a plane.
+    [[nodiscard]] static Real compliance(const BodySpec& spec, const PrincipalInertia& inertia) {
+        const Real lift = Real{1} / spec.mass;
+        if (spec.shape.kind == ShapeKind::sphere) return lift;
+        const Real half_reach = reach_of(spec.shape);
+        Real most = lift;
+        if (spec.shape.kind == ShapeKind::box) {
+            // Tilting about edge i by springs that are half an edge j away. Own tensors have other axes: then any of
+            // them.
+            const RealVec3 moments = inertia.moments;
+            const InertiaTensor& t = spec.inertia;
+            const bool own = !(t.xy.is_zero() && t.xz.is_zero() && t.yz.is_zero());
+            const Real moment[3] = {own ? moments.z : t.xx, own ? moments.z : t.yy, own ? moments.z : t.zz};
+            for (int i = 0; i < 3; ++i) {
+                for (int j = 0; j < 3; ++j) {
+                    const Real half = spec.shape.size[j] * Real::scaled(1, -1), tilt = half * half / moment[i];
+                    if (i != j && tilt > most) most = tilt;
+                }
+            }
+        } else {
+            const Real tilt = half_reach * half_reach / inertia.moments.y;
+            if (tilt > most) most = tilt;
+        }
+        return most * Real{4};
+    }
+    void require(Real compliance, int b, Bodies& bodies) {
+        const Real stiffness = compliance * stiffness_real_, damping = compliance * damping_real_;
+        if (stiffness > most_compliance_) most_compliance_ = stiffness;
+        if (damping > most_damping_) most_damping_ = damping;
+        if (stiffness * step_ * step_ > Real{1} || damping * step_ > Real{1}) bodies.report(Issue::step_too_long, b);
+    }
+    [[nodiscard]] static Real to_real(Work w) {
+        if constexpr (N::fixed_point) return w.to_real();
+        else return Real{static_cast<double>(w)};
+    }
+
+    bool on_, has_barrier_;
+    Work stiffness_, damping_, barrier_, step2_;
+    mutable Work stiffest_{};  // 1/s^2: of the barriers met so far
+    Real stiffness_real_, damping_real_, step_, largest_{};
+    Real most_compliance_{}, most_damping_{};
+    typename Numbers::Scale scale_{};
+    ContactShape<N> shape_[capacity.bodies]{};
+    Work radius_[capacity.bodies]{}, per_mass_[capacity.bodies]{};
+    Real compliance_[capacity.bodies]{};
+    Plane plane_[capacity.planes > 0 ? capacity.planes : 1]{};
+    int plane_count_ = 0;
+};
+
+}  // namespace tumble

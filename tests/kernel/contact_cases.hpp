@@ -1,0 +1,101 @@
+// What the tests of contacts share: their cases, what impacts conserve, and the impulse formula in long double.
+#pragma once
+
+#include "references.hpp"
+#include "tolerances.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tumble::test {
+
+inline constexpr Number g = 9.8125L;  // m/s^2, exact in binary
+inline constexpr RealVec3 gravity{0, -9.8125, 0};
+
+// The default method and one whose stages lie within a step, in a number system of each kind.
+[[nodiscard]] inline std::vector<Case> contact_cases(std::string_view fixed_point = "q32_near") {
+    std::vector<Case> cases;
+    for (const char* method : {"verlet", "rk4"})
+        for (const Case& c : cases_of(method))
+            if (c.system.name == fixed_point || std::string_view{c.system.name} == "f32" ||
+                std::string_view{c.system.name} == "f64")
+                cases.push_back(c);
+    return cases;
+}
+
+// Of a body whose tensor is diagonal in its own axes.
+[[nodiscard]] inline Vector moments_of(const BodySpec& body) {
+    return {number(body.inertia.xx), number(body.inertia.yy), number(body.inertia.zz)};
+}
+[[nodiscard]] inline Vector world_spin(const Motion& m) { return m.q.normalized().rotate(m.w); }
+
+// Over the bodies that are free.
+struct Sums {
+    Vector linear{}, angular{};  // N s; N m s about the origin
+    Number energy = 0;           // J, kinetic
+};
+[[nodiscard]] inline Sums sums_of(const AnyWorld& world, const std::vector<BodySpec>& bodies) {
+    Sums sums;
+    for (int b = 0; b < world.body_count(); ++b) {
+        const BodySpec& body = bodies[static_cast<std::size_t>(b)];
+        if (body.fixed) continue;
+        const Motion m = world.motion(b);
+        const Vector p = m.v * number(body.mass), moments = moments_of(body);
+        sums.linear = sums.linear + p;
+        sums.angular = sums.angular + cross(m.x, p) + angular_momentum(m, moments);
+        sums.energy += dot(p, m.v) / 2 + spin_energy(m, moments);
+    }
+    return sums;
+}
+
+// A body where it is hit: `arm` from its centre of mass, world axes.
+struct Struck {
+    Motion motion;
+    const BodySpec& body;
+    Vector arm;
+
+    [[nodiscard]] Vector velocity() const { return motion.v + cross(motion.q.rotate(motion.w), arm); }
+    // What a unit impulse along d changes of the velocity along d there.
+    [[nodiscard]] Number response(Vector d) const {
+        if (body.fixed) return 0;
+        const Vector turning = motion.q.rotate_back(cross(arm, d));
+        return 1 / number(body.mass) + dot(turning, over(turning, moments_of(body)));
+    }
+    void push(Vector impulse) {
+        if (body.fixed) return;
+        motion.v = motion.v + impulse * (1 / number(body.mass));
+        motion.w = motion.w + over(motion.q.rotate_back(cross(arm, impulse)), moments_of(body));
+    }
+};
+// The impulse formula, J = -(1 + e) v_n / (sum of responses), and Coulomb's law beside it: what stops the slip, or mu J
+// against it. n points from b to a. With friction it is exact where a push along n causes no slip, as on spheres.
+// Returns whether they stick.
+inline bool collide(Struck& a, Struck& b, Vector n, Number restitution, Number friction) {
+    const auto response = [&](Vector d) { return a.response(d) + b.response(d); };
+    const Vector v = a.velocity() - b.velocity();
+    const Number approach = dot(v, n), pushed = -(1 + restitution) * approach / response(n);
+    const Vector slip = v - n * approach;
+    Vector impulse = n * pushed;
+    bool sticks = true;
+    if (friction > 0 && norm(slip) > 0) {
+        const Vector along = slip * (1 / norm(slip));
+        const Number stop = norm(slip) / response(along);
+        sticks = stop <= friction * pushed;
+        impulse = impulse - along * (sticks ? stop : friction * pushed);
+    }
+    a.push(impulse);
+    b.push(-impulse);
+    return sticks;
+}
+
+// Steps until an impulse has changed the body's velocity; for scenes without loads.
+[[nodiscard]] inline bool step_to_impact(AnyWorld& world, int body, int most = 1024) {
+    const Vector before = world.motion(body).v;
+    for (int step = 0; step < most; ++step) {
+        world.step();
+        if (norm(world.motion(body).v - before) > 1e-3L) return true;
+    }
+    return false;
+}
+
+}  // namespace tumble::test

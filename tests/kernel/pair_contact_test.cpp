@@ -1,0 +1,641 @@
+// Impacts of bodies with each other: the closed forms of two spheres, Coulomb's law, the impulse formula off centre,
+// what is conserved, and that nothing passes through anything however fast it is.
+#include "contact_cases.hpp"
+#include "random.hpp"
+
+namespace tumble::test {
+namespace {
+
+SceneSetup space(Number restitution, Number friction = 0) {
+    SceneSetup setup{.name = "space"};
+    setup.world.contact = {.restitution = real(restitution), .friction = real(friction)};
+    return setup;
+}
+BodySpec placed(BodySpec body, Vector position, Vector velocity = {}, Vector spin = {}) {
+    body.position = real(position);
+    body.velocity = real(velocity);
+    body.angular_velocity = real(spin);
+    return body;
+}
+Vector direction(Random& random) {
+    for (;;) {
+        const Vector v{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
+        if (norm(v) > 0.1L && norm(v) < 1) return v * (1 / norm(v));
+    }
+}
+// Of unit length, at right angles to n.
+Vector across(Vector n, Random& random) {
+    const Vector c = cross(n, direction(random));
+    return norm(c) > 0.1L ? c * (1 / norm(c)) : across(n, random);
+}
+
+class Pairs : public testing::TestWithParam<Case> {
+protected:
+    static const System& system() { return GetParam().system; }
+};
+INSTANTIATE_TEST_SUITE_P(every, Pairs, testing::ValuesIn(contact_cases()), NameOf{});
+
+const Vector directions[] = {{1, 0, 0}, {0, 0, -1}, {1 / 3.0L, 2 / 3.0L, 2 / 3.0L}, {2 / 7.0L, -3 / 7.0L, 6 / 7.0L}};
+
+TEST_P(Pairs, equal_elastic_spheres_exchange_their_velocities) {
+    for (const Vector& along : directions) {
+        SceneSetup setup = space(1);
+        setup.bodies = {placed(sphere(2, 0.25), -along, 3 * along), placed(sphere(2, 0.25), along, -along)};
+        const auto world = build(setup, GetParam());
+        world->run(256);
+        const Number allowed = 4 * tolerance::exchange.of(system());
+        EXPECT_LE(norm(world->motion(0).v + along), allowed);
+        EXPECT_LE(norm(world->motion(1).v - 3 * along), allowed);
+        EXPECT_LE(norm(world->motion(0).w) + norm(world->motion(1).w), 16 * allowed);
+        EXPECT_TRUE(world->status().ok());
+    }
+}
+
+TEST_P(Pairs, unequal_spheres_part_as_mass_and_restitution_say) {
+    for (const Vector& along : directions) {
+        for (const Number restitution : {0.0L, 0.5L, 1.0L}) {
+            SceneSetup setup = space(restitution);
+            setup.bodies = {placed(sphere(3, 0.5), -along, 2 * along), placed(sphere(0.5, 0.125), along, -3 * along)};
+            const auto world = build(setup, GetParam());
+            world->run(256);
+            const Number centre = (3 * 2 - 0.5L * 3) / 3.5L;  // of mass, m/s
+            const Number a = centre - restitution * 5 * 0.5L / 3.5L, b = centre + restitution * 5 * 3 / 3.5L;
+            const Number allowed = 8 * tolerance::exchange.of(system());
+            EXPECT_LE(norm(world->motion(0).v - a * along), allowed) << restitution;
+            EXPECT_LE(norm(world->motion(1).v - b * along), allowed) << restitution;
+        }
+    }
+}
+
+TEST_P(Pairs, an_elastic_ball_off_a_resting_one_leaves_at_right_angles_to_it) {
+    for (const double offset : {0.125, 0.25, 0.375}) {
+        SceneSetup setup = space(1);
+        setup.bodies = {placed(sphere(1, 0.25), {-1, offset, 0}, {4, 0, 0}), sphere(1, 0.25)};
+        const auto world = build(setup, GetParam());
+        world->run(256);
+        const Vector a = world->motion(0).v, b = world->motion(1).v;
+        EXPECT_GT(norm(a), 0.5L);
+        EXPECT_GT(norm(b), 0.5L);
+        EXPECT_LE(std::abs(dot(a, b)), 16 * tolerance::exchange.of(system())) << offset;
+        // Along the line of centres at touch: sin = offset / 2 r.
+        const Number sine = 2 * static_cast<Number>(offset), cosine = std::sqrt(1 - sine * sine);
+        EXPECT_LE(norm(b - Vector{4 * cosine * cosine, -4 * sine * cosine, 0}), 4 * tolerance::oblique.of(system()))
+            << offset;
+    }
+}
+
+TEST_P(Pairs, spheres_that_meet_anyhow_follow_the_impulse_formula_and_coulombs_law) {
+    Random random{4};
+    int stuck = 0, slid = 0;
+    for (int i = 0; i < 40; ++i) {
+        const Number restitution = random.uniform(0.125, 1), friction = i % 4 == 0 ? 0.0 : random.uniform(0.05, 0.6);
+        SceneSetup setup = space(restitution, friction);
+        const auto any_sphere = [&] {
+            const Real mass = random.uniform(0.5, 4), radius = random.uniform(0.25, 0.5);
+            return sphere(mass, radius);
+        };
+        BodySpec a = any_sphere(), b = any_sphere();
+        // Meets after a random time with the line of centres along n.
+        const Vector n = direction(random), tangent = across(n, random), common = direction(random);
+        const Number cosine = random.uniform(0.5, 1), speed = random.uniform(2, 6), time = random.uniform(0.0625, 0.25);
+        const Vector relative = (n * -cosine + tangent * std::sqrt(1 - cosine * cosine)) * speed;
+        const Number distance = number(a.shape.size.x) + number(b.shape.size.x);
+        const Vector spin_a = direction(random) * 4, spin_b = direction(random) * 4;
+        a = placed(a, n * distance - (relative + common) * time, relative + common, spin_a);
+        b = placed(b, -common * time, common, spin_b);
+        setup.bodies = {a, b};
+        const auto world = build(setup, GetParam());
+        world->run(128);
+        Struck first{start_of(a), a, n * -number(a.shape.size.x)}, second{start_of(b), b, n * number(b.shape.size.x)};
+        (collide(first, second, n, restitution, friction) ? stuck : slid) += friction > 0 ? 1 : 0;
+        const Number allowed = 16 * tolerance::oblique.of(system());
+        EXPECT_LE(norm(world->motion(0).v - first.motion.v), allowed) << "meeting " << i;
+        EXPECT_LE(norm(world->motion(1).v - second.motion.v), allowed) << "meeting " << i;
+        // The least radius turns speed to spin.
+        EXPECT_LE(norm(world_spin(world->motion(0)) - first.motion.w), 10 * allowed) << "meeting " << i;
+        EXPECT_LE(norm(world_spin(world->motion(1)) - second.motion.w), 10 * allowed) << "meeting " << i;
+    }
+    EXPECT_GE(std::min(stuck, slid), 5) << stuck << " stick, " << slid << " slide";
+}
+
+TEST_P(Pairs, a_sphere_that_hits_a_plane_askew_sticks_or_slides_as_coulomb_says) {
+    struct Throw {
+        Vector velocity, spin;
+    };
+    const Vector n{0, 1, 0};
+    BodySpec wall = sphere(1, 1);  // stands for the plane in the formula
+    wall.fixed = true;
+    int stuck = 0, slid = 0;
+    for (const Throw& thrown :
+         {Throw{{1, -4, 0}, {}}, Throw{{6, -2, 1}, {}}, Throw{{2, -3, 0}, {0, 0, 8}}, Throw{{2, -3, 0}, {0, 0, -8}},
+          Throw{{0, -2, 0}, {4, 2, -12}}, Throw{{3, -1, -2}, {-4, 6, 1}}, Throw{{-1, -4, 0.5L}, {0, 5, 0}}}) {
+        for (const Number friction : {0.125L, 0.5L}) {
+            for (const Number restitution : {0.0L, 0.5L, 1.0L}) {
+                SceneSetup setup = space(restitution, friction);
+                setup.planes = {{}};
+                BodySpec ball = placed(sphere(2, 0.25), Vector{0, 0.25L, 0} - thrown.velocity * 0.201L, thrown.velocity,
+                                       thrown.spin);
+                setup.bodies = {ball};
+                const auto world = build(setup, GetParam());
+                world->run(64);
+                Struck struck{start_of(ball), ball, n * -0.25L}, still{Motion{}, wall, Vector{}};
+                (collide(struck, still, n, restitution, friction) ? stuck : slid) += 1;
+                const Number allowed = 16 * tolerance::levered.of(system());
+                EXPECT_LE(norm(world->motion(0).v - struck.motion.v), allowed)
+                    << "v " << thrown.velocity.x << " " << thrown.velocity.y << ", mu " << friction << ", e "
+                    << restitution;
+                EXPECT_LE(norm(world_spin(world->motion(0)) - struck.motion.w), 10 * allowed)
+                    << "v " << thrown.velocity.x << " " << thrown.velocity.y << ", mu " << friction << ", e "
+                    << restitution;
+            }
+        }
+    }
+    EXPECT_GE(std::min(stuck, slid), 6) << stuck << " stick, " << slid << " slide";
+}
+
+TEST_P(Pairs, a_rod_hit_off_its_centre_by_a_sphere_gets_the_spin_of_the_impulse_formula) {
+    const RealQuat orientations[] = {{}, {0.9, {0.1, -0.3, 0.2}}, {0.25, {-0.5, 0.75, 0.125}}};
+    for (const RealQuat& orientation : orientations) {
+        for (const Vector offset : {Vector{0, 0, 0}, Vector{0.75L, 0, 0}, Vector{-0.875L, 0.03125L, 0}}) {
+            for (const Number restitution : {0.5L, 1.0L}) {
+                SceneSetup setup = space(restitution);
+                BodySpec rod = box(2, {2, 0.125, 0.25});
+                rod.orientation = orientation;
+                const Rotation q = start_of(rod).q;
+                const Vector n = q.rotate({0, 0, 1}), start = q.rotate(offset + Vector{0, 0, 0.25L + 0.7L});
+                const BodySpec ball = placed(sphere(0.5, 0.125), start, n * -4);
+                setup.bodies = {ball, rod};
+                const auto world = build(setup, GetParam());
+                ASSERT_TRUE(step_to_impact(*world, 0));
+                Struck hits{start_of(ball), ball, n * -0.125L},
+                    hit{start_of(rod), rod, q.rotate(offset + Vector{0, 0, 0.125L})};
+                collide(hits, hit, n, restitution, 0);
+                const Number allowed = 8 * tolerance::levered.of(system());
+                EXPECT_LE(norm(world->motion(0).v - hits.motion.v), allowed) << offset.x << ", e " << restitution;
+                EXPECT_LE(norm(world->motion(1).v - hit.motion.v), allowed) << offset.x << ", e " << restitution;
+                // The rest of the step turns w where the body is not a sphere: momentum compares.
+                const Vector moments = moments_of(rod), expected = angular_momentum(hit.motion, moments);
+                const Number angle = norm(hit.motion.w) / 256;
+                EXPECT_LE(norm(angular_momentum(world->motion(1), moments) - expected),
+                          2 * allowed + tolerance::method_error(GetParam().method.order, angle, angle) * norm(expected))
+                    << offset.x << ", e " << restitution;
+                EXPECT_LE(norm(world->motion(0).w), allowed);
+                EXPECT_EQ(norm(offset) > 0, norm(expected) > 0.1L);
+            }
+        }
+    }
+}
+
+TEST_P(Pairs, a_corner_of_a_box_on_the_face_of_another_gives_both_the_spin_of_the_impulse_formula) {
+    for (const Number restitution : {0.5L, 1.0L}) {
+        SceneSetup setup = space(restitution);
+        BodySpec falls = placed(box(2, {1, 0.5, 0.75}), {0.5L, 1.5L, -0.25L}, {0, -4, 0});
+        falls.orientation = {0.9, {0.1, -0.3, 0.2}};
+        const BodySpec table = box(5, {3, 0.5, 3});
+        setup.bodies = {falls, table};
+        const Rotation q = start_of(falls).q;
+        const Vector n{0, 1, 0}, n_b = q.rotate_back(n);
+        const Vector corner = q.rotate(
+            {n_b.x > 0 ? -0.5L : 0.5L, n_b.y > 0 ? -0.25L : 0.25L, n_b.z > 0 ? -0.375L : 0.375L});  // the lowest
+        const Vector touches = Vector{0.5L, 0, -0.25L} + Vector{corner.x, 0.25L, corner.z};
+        Struck a{start_of(falls), falls, corner}, b{start_of(table), table, touches};
+        collide(a, b, n, restitution, 0);
+        const auto world = build(setup, GetParam());
+        ASSERT_TRUE(step_to_impact(*world, 0));
+        const Number allowed = 8 * tolerance::levered.of(system());
+        const Struck* expected[] = {&a, &b};
+        for (int i = 0; i < 2; ++i) {
+            const Motion& right = expected[i]->motion;
+            const Vector moments = moments_of(expected[i]->body), l = angular_momentum(right, moments);
+            const Number angle = norm(right.w) / 256;
+            EXPECT_LE(norm(world->motion(i).v - right.v), allowed) << "body " << i << ", e " << restitution;
+            EXPECT_LE(norm(angular_momentum(world->motion(i), moments) - l),
+                      2 * allowed + tolerance::method_error(GetParam().method.order, angle, angle) * norm(l))
+                << "body " << i << ", e " << restitution;
+        }
+    }
+}
+
+TEST_P(Pairs, an_edge_and_a_corner_of_a_box_send_a_sphere_back_the_way_it_came) {
+    for (const Vector towards : {Vector{1, 1, 0}, Vector{0, -1, 1}, Vector{1, -1, 1}, Vector{-1, -1, -1}}) {
+        const Vector n = towards * (1 / norm(towards));
+        SceneSetup setup = space(1);
+        BodySpec block = box(1, {1, 1, 1});
+        block.fixed = true;
+        setup.bodies = {placed(sphere(1, 0.25), n * 3, n * -4), block};
+        const auto world = build(setup, GetParam());
+        ASSERT_TRUE(step_to_impact(*world, 0));
+        EXPECT_LE(norm(world->motion(0).v - n * 4), 4 * tolerance::oblique.of(system()));
+        // It turned where its surface met the edge or the corner, at sqrt(2) / 2 or sqrt(3) / 2.
+        world->run(64);
+        const Number turn = norm(towards) / 2 + 0.25L;
+        const Number flown = (world->motion(0).x.x / n.x - turn) + (3 - turn);
+        if (towards.x != 0) {
+            const Number steps = flown * 64;
+            EXPECT_LE(std::abs(steps - std::round(steps)), 64 * tolerance::contact_band) << steps;
+        }
+    }
+}
+
+TEST_P(Pairs, the_larger_restitution_and_the_geometric_mean_of_friction_count) {
+    SceneSetup setup = space(0.5L, 0.5L);
+    setup.bodies = {placed(sphere(1, 0.25), {-1, 0, 0}, {2, 0, 0}), placed(sphere(1, 0.25), {1, 0, 0}, {-2, 0, 0})};
+    const auto rebound = [&] {
+        const auto world = build(setup, GetParam());
+        world->run(192);
+        return world->motion(1).v.x;
+    };
+    const Number allowed = 4 * tolerance::exchange.of(system());
+    EXPECT_LE(std::abs(rebound() - 1), allowed);  // the world's
+    setup.bodies[0].restitution = 0.25;
+    EXPECT_LE(std::abs(rebound() - 0.5L), allowed);  // the only one named
+    setup.bodies[1].restitution = 0.75;
+    EXPECT_LE(std::abs(rebound() - 1.5L), allowed);
+
+    // Spinning about the line's normal: friction slides, J = mu m v, and turns the speed across.
+    setup.bodies[0].angular_velocity = {0, 0, 30};
+    setup.bodies[0].friction = 0.5;
+    setup.bodies[1].friction = 0.02;
+    const auto world = build(setup, GetParam());
+    world->run(192);
+    EXPECT_LE(std::abs(world->motion(1).v.y - 0.1L * 1.75L * 2), 4 * tolerance::oblique.of(system()));
+}
+
+TEST_P(Pairs, without_a_response_bodies_pass_through_each_other) {
+    SceneSetup setup = space(1);
+    setup.world.contact.response = ContactResponse::none;
+    setup.bodies = {placed(sphere(1, 0.25), {-1, 0, 0}, {2, 0, 0}), placed(box(1, {1, 1, 1}), {1, 0, 0}, {-2, 0, 0})};
+    const auto world = build(setup, GetParam());
+    world->run(256);
+    EXPECT_LE(std::abs(world->motion(0).x.x - 1) + std::abs(world->motion(1).x.x + 1), 1e-5L);
+    EXPECT_EQ(world->contact_count(0), 0);
+}
+
+// The momenta before and after each step, through the whole of a meeting.
+void expect_conserved(const SceneSetup& setup, const Case& c, const std::string& what) {
+    const auto world = build(setup, c);
+    const Vector start = world->motion(0).v;
+    for (int step = 0; step < 160; ++step) {
+        const Sums before = sums_of(*world, setup.bodies);
+        Number speed = 0, momentum = 0, angular = 0, spin = 0, method = 0;
+        for (int b = 0; b < world->body_count(); ++b) {
+            const BodySpec& body = setup.bodies[static_cast<std::size_t>(b)];
+            const Motion m = world->motion(b);
+            const Number l = norm(angular_momentum(m, moments_of(body)));
+            speed = std::max(speed, norm(m.v));
+            momentum += number(body.mass) * norm(m.v);
+            angular += number(body.mass) * norm(m.v) * (norm(m.x) + 1) + l;
+            spin = std::max(spin, norm(m.w));
+            method += l;
+        }
+        const Motion a = world->motion(0), b = world->motion(1);
+        const bool lasts = world->contact_count(0) > 0;
+        world->step();
+        const Sums after = sums_of(*world, setup.bodies);
+        for (int i = 0; i < world->body_count(); ++i) spin = std::max(spin, norm(world->motion(i).w));
+        ASSERT_LE(norm(after.linear - before.linear), tolerance::exchange.of(c.system) * 2 * momentum)
+            << what << ", step " << step;
+        const Number of_method =
+            c.method.conserves ? 0 : 2 * tolerance::method_error(c.method.order, spin / 256, spin / 256) * method;
+        // A contact that lasts pushes at both ends of the step, at points that slide apart meanwhile.
+        const Number slid = (norm(a.v - b.v) + 2 * spin) / 256,
+                     pushed = number(setup.bodies[0].mass) * norm(world->motion(0).v - a.v) / 2;
+        const Number of_sliding = lasts && world->contact_count(0) > 0 ? slid * pushed : 0;
+        ASSERT_LE(norm(after.angular - before.angular),
+                  tolerance::levered.of(c.system) * 2 * angular + of_method + of_sliding)
+            << what << ", step " << step;
+    }
+    EXPECT_GT(norm(world->motion(0).v - start), 0.1L) << what << ": they never met";
+}
+enum class Kind { sphere, box };
+void expect_meetings_conserve(Kind kind_a, Kind kind_b, const Case& c) {
+    Random random{17};
+    for (int i = 0; i < 12; ++i) {
+        SceneSetup setup = space(random.uniform(0, 1), i % 2 == 0 ? 0.0L : 0.4L);
+        const auto body = [&](Kind kind) {
+            const Real mass = random.uniform(0.5, 4), x = random.uniform(0.5, 1), y = random.uniform(0.5, 1);
+            BodySpec b = kind == Kind::sphere ? sphere(mass, x * y) : box(mass, {x, y, 0.75});
+            b.orientation = {1, {random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)}};
+            return b;
+        };
+        const BodySpec a = body(kind_a), b = body(kind_b);
+        const Vector along = direction(random), beside = across(along, random) * 0.125L;
+        const Vector spin_a = direction(random) * 2, spin_b = direction(random) * 2;
+        setup.bodies = {placed(a, along * 2 + beside, along * -3, spin_a), placed(b, along * -0.25L, along, spin_b)};
+        expect_conserved(setup, c, "meeting " + std::to_string(i) + (i % 2 == 0 ? "" : " with friction"));
+    }
+}
+
+TEST_P(Pairs, two_spheres_keep_their_momentum_and_angular_momentum) {
+    expect_meetings_conserve(Kind::sphere, Kind::sphere, GetParam());
+}
+TEST_P(Pairs, a_sphere_and_a_box_keep_their_momentum_and_angular_momentum) {
+    expect_meetings_conserve(Kind::sphere, Kind::box, GetParam());
+}
+TEST_P(Pairs, two_boxes_keep_their_momentum_and_angular_momentum) {
+    expect_meetings_conserve(Kind::box, Kind::box, GetParam());
+}
+
+// Five equal spheres on a floor without friction; those that move come from the left with 2 m/s, in touch, and have a
+// metre to go.
+SceneSetup cradle(int moving) {
+    SceneSetup setup = space(1);
+    setup.world.gravity = gravity;
+    setup.planes = {{}};
+    for (int i = 0; i < 5; ++i) {
+        const bool moves = i < moving;
+        setup.bodies.push_back(placed(sphere(1, 0.25), {(moves ? -2 : -1) + 0.5L * static_cast<Number>(i), 0.25L, 0},
+                                      {moves ? 2.0L : 0.0L, 0, 0}));
+    }
+    return setup;
+}
+
+TEST_P(Pairs, a_cradle_sends_as_many_spheres_away_as_come) {
+    for (const int moving : {1, 2}) {
+        const SceneSetup setup = cradle(moving);
+        const auto world = build(setup, GetParam());
+        world->run(256);  // half a second to the row, half a second from it
+        for (int i = 0; i < 5; ++i) {
+            const bool leaves = i >= 5 - moving;
+            const Motion m = world->motion(i);
+            EXPECT_LE(norm(m.v - Vector{leaves ? 2.0L : 0.0L, 0, 0}), 2 * tolerance::cradle)
+                << "sphere " << i << " of " << moving << " moving";
+            EXPECT_LE(std::abs(m.x.x - (-1 + 0.5L * static_cast<Number>(i) + (leaves ? 1.0L : 0.0L))),
+                      2 * tolerance::contact_band)
+                << "sphere " << i << " of " << moving << " moving";
+        }
+        EXPECT_TRUE(world->status().ok());
+    }
+}
+
+TEST_P(Pairs, a_cradle_between_walls_passes_its_momentum_to_and_fro) {
+    SceneSetup setup = cradle(1);
+    setup.planes.push_back({.normal = {1, 0, 0}, .offset = 2.25});
+    setup.planes.push_back({.normal = {-1, 0, 0}, .offset = 2.25});
+    const auto world = build(setup, GetParam());
+    for (int half_second = 1; half_second <= 16; ++half_second) {
+        world->run(64);  // 0.25 s, in the middle of a flight
+        int moving = 0;
+        for (int i = 0; i < 5; ++i) {
+            const Number speed = std::abs(world->motion(i).v.x);
+            if (speed > 1) {
+                ++moving;
+                EXPECT_LE(std::abs(speed - 2), 2 * static_cast<Number>(half_second) * tolerance::cradle);
+            } else {
+                EXPECT_LE(speed, 2 * static_cast<Number>(half_second) * tolerance::cradle);
+            }
+        }
+        EXPECT_EQ(moving, 1) << "at " << 0.5 * half_second - 0.25 << " s";
+        world->run(64);
+    }
+}
+
+TEST_P(Pairs, elastic_spheres_in_a_box_of_planes_keep_their_energy_and_stay_inside) {
+    Random random{8};
+    SceneSetup setup = space(1);
+    for (int axis = 0; axis < 3; ++axis) {
+        for (const int side : {-1, 1}) {
+            PlaneSpec plane{.normal = {}, .offset = 1.5};
+            plane.normal[axis] = side;
+            setup.planes.push_back(plane);
+        }
+    }
+    for (int i = 0; i < 8; ++i) {
+        const Vector corner{(i & 1) != 0 ? 0.75L : -0.75L, (i & 2) != 0 ? 0.75L : -0.75L,
+                            (i & 4) != 0 ? 0.75L : -0.75L};
+        const Vector along = direction(random);
+        setup.bodies.push_back(placed(sphere(1 + 0.25 * i, 0.25), corner, along * Number(random.uniform(1, 4))));
+    }
+    const auto world = build(setup, GetParam());
+    const Number start = sums_of(*world, setup.bodies).energy;
+    std::vector<Vector> first;
+    for (int b = 0; b < 8; ++b) first.push_back(world->motion(b).v);
+    Number greatest = 0, least = 2, farthest = 0, nearest = 2;
+    for (int step = 0; step < 2560; ++step) {
+        world->step();
+        const Number energy = sums_of(*world, setup.bodies).energy / start;
+        greatest = std::max(greatest, energy);
+        least = std::min(least, energy);
+        for (int a = 0; a < 8; ++a) {
+            const Vector x = world->motion(a).x;
+            farthest = std::max({farthest, std::abs(x.x), std::abs(x.y), std::abs(x.z)});
+            for (int b = 0; b < a; ++b) nearest = std::min(nearest, norm(x - world->motion(b).x));
+        }
+    }
+    std::printf("%s: energy from %+.2Lg to %+.2Lg, deepest %.2Lg m in a wall, %.2Lg m in each other\n",
+                name_of(GetParam()).c_str(), least - 1, greatest - 1, farthest - 1.25L, 0.5L - nearest);
+    EXPECT_LE(greatest - 1, tolerance::elastic_gain.of(system()));
+    EXPECT_GE(least - 1, -tolerance::elastic_gain.of(system()));
+    EXPECT_LE(farthest, 1.25L + tolerance::contact_band);
+    EXPECT_GE(nearest, 0.5L - tolerance::contact_band);
+    EXPECT_TRUE(world->status().ok());
+    for (int b = 0; b < 8; ++b)
+        EXPECT_GT(norm(world->motion(b).v - first[static_cast<std::size_t>(b)]), 1e-3L) << "sphere " << b;
+}
+
+TEST(pairs, more_pairs_near_each_other_than_there_is_room_for_are_told) {
+    for (const char* name : {"q32_near", "f32"}) {
+        SceneSetup setup = space(0.5L);
+        setup.needs = with_few_pairs;
+        for (const Vector& at : {Vector{0.375L, 0, 0}, Vector{-0.375L, 0, 0}, Vector{0, 0.625L, 0}})
+            setup.bodies.push_back(placed(sphere(1, 0.25), at, at * -2));
+        const Case c = [&] {
+            for (const Case& one : cases_of("verlet"))
+                if (std::string_view{one.system.name} == name) return one;
+            throw std::invalid_argument{name};
+        }();
+        const auto few = build_minimal(setup, c), enough = build(setup, c);
+        ASSERT_NE(few, nullptr);
+        few->run(256);
+        enough->run(256);
+        EXPECT_TRUE(few->status().has(Issue::contacts_full)) << name;
+        EXPECT_TRUE(enough->status().ok()) << name;
+        // Two alone are as many as there is room for.
+        setup.bodies.pop_back();
+        const auto pair = build_minimal(setup, c);
+        pair->run(256);
+        EXPECT_TRUE(pair->status().ok()) << name;
+        EXPECT_GT(pair->motion(0).v.x, 0.3L) << name;
+    }
+}
+
+// --- nothing tunnels: 3 m in a step ------------------------------------------------------------------------------
+
+class Bullets : public testing::TestWithParam<Case> {
+protected:
+    static constexpr Number speed = 200, radius = 0.1L;
+    static constexpr int shots = 200;
+    static const System& system() { return GetParam().system; }
+    static SceneSetup range(Number restitution = 0.5L) {
+        SceneSetup setup = space(restitution);
+        setup.step = Seconds{1, 64};
+        return setup;
+    }
+    // Against n, askew by as much as 70 degrees.
+    static Vector askew(Vector n, Random& random) {
+        const Number cosine = random.uniform(0.34, 1);
+        return n * -cosine + across(n, random) * std::sqrt(1 - cosine * cosine);
+    }
+    // A shot that reaches `at` with the direction `along`, after `flight` metres, and leaves as off a wall.
+    static void expect_rebound(const SceneSetup& setup, Vector n, Vector at, Vector along, Number flight, int shot) {
+        const auto world = build(setup, GetParam());
+        constexpr int steps = 5;
+        Number deepest = 1;
+        for (int step = 0; step < steps; ++step) {
+            world->step();
+            deepest = std::min(deepest, dot(world->motion(0).x - at, n));
+        }
+        EXPECT_GE(deepest, -tolerance::contact_band) << "shot " << shot;
+        const Vector v = (along - n * (1.5L * dot(along, n))) * speed;
+        EXPECT_LE(norm(world->motion(0).v - v), 2 * speed * tolerance::levered.of(system())) << "shot " << shot;
+        EXPECT_LE(norm(world->motion(0).x - (at + v * (steps / 64.0L - flight / speed))), 4 * tolerance::contact_band)
+            << "shot " << shot;
+        EXPECT_TRUE(world->status().ok()) << "shot " << shot;
+    }
+};
+INSTANTIATE_TEST_SUITE_P(every, Bullets, testing::ValuesIn(contact_cases("q32_field")), NameOf{});
+
+TEST_P(Bullets, bounce_off_a_plane_from_every_side) {
+    Random random{1};
+    for (int shot = 0; shot < shots; ++shot) {
+        const Vector n = direction(random), at = direction(random), along = askew(n, random);
+        const Number flight = random.uniform(0.5, 9);
+        SceneSetup setup = range();
+        setup.planes = {{.normal = real(n), .offset = real(radius - dot(n, at))}};
+        setup.bodies = {placed(sphere(0.05, real(radius)), at - along * flight, along * speed)};
+        expect_rebound(setup, n, at, along, flight, shot);
+    }
+}
+
+// A fixed wall of 0.05 m, two metres square, in any place.
+BodySpec thin_wall(Random& random) {
+    BodySpec wall = box(100, {2, 2, 0.05});
+    wall.position = {random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
+    wall.orientation = {random.uniform(-1, 1), {random.uniform(-1, 1), random.uniform(-1, 1), 0.5}};
+    wall.fixed = true;
+    return wall;
+}
+
+TEST_P(Bullets, bounce_off_the_faces_of_a_thin_box) {
+    Random random{2};
+    for (int shot = 0; shot < shots; ++shot) {
+        SceneSetup setup = range();
+        const BodySpec wall = thin_wall(random);
+        const Motion place = start_of(wall);
+        const Number side = shot % 2 == 0 ? 1 : -1;
+        const Vector n = place.q.rotate({0, 0, side});
+        const Vector at =
+            place.x + place.q.rotate({random.uniform(-0.8, 0.8), random.uniform(-0.8, 0.8), side * (0.025L + radius)});
+        const Vector along = askew(n, random);
+        const Number flight = random.uniform(0.5, 9);
+        setup.bodies = {placed(sphere(0.05, real(radius)), at - along * flight, along * speed), wall};
+        expect_rebound(setup, n, at, along, flight, shot);
+    }
+}
+
+// From a point to a box in its own axes.
+Number distance_to_box(Vector p, Vector half) {
+    const auto beyond = [](Number x, Number h) { return std::max(std::abs(x) - h, Number(0)); };
+    return norm(Vector{beyond(p.x, half.x), beyond(p.y, half.y), beyond(p.z, half.z)});
+}
+
+TEST_P(Bullets, hit_a_thin_box_where_their_path_does_and_nowhere_else) {
+    Random random{3};
+    const Vector half{1, 1, 0.025L};
+    int hits = 0, misses = 0;
+    for (int shot = 0; shot < 2 * shots; ++shot) {
+        SceneSetup setup = range();
+        const BodySpec wall = thin_wall(random);
+        const Motion place = start_of(wall);
+        // Through some point in or beside the wall.
+        const Vector through{random.uniform(-1.3, 1.3), random.uniform(-1.3, 1.3), random.uniform(-0.2, 0.2)};
+        const Vector along_b = direction(random), start_b = through - along_b * Number(random.uniform(4, 8));
+        if (distance_to_box(start_b, half) < 2 * radius) continue;
+        // The distance from a convex body is convex along a line: its least by golden section.
+        const auto at = [&](Number s) { return distance_to_box(start_b + along_b * s, half); };
+        Number low = 0, high = 16;
+        for (int i = 0; i < 100; ++i) {
+            const Number a = low + 0.381966L * (high - low), b = low + 0.618034L * (high - low);
+            (at(a) < at(b) ? high : low) = at(a) < at(b) ? b : a;
+        }
+        const Number nearest = at((low + high) / 2);
+        if (std::abs(nearest - radius) < 5 * tolerance::contact_band) continue;  // too close to call
+        const bool hit = nearest < radius;
+        const Vector velocity = place.q.rotate(along_b) * speed;
+        setup.bodies = {placed(sphere(0.05, real(radius)), place.x + place.q.rotate(start_b), velocity), wall};
+        const auto world = build(setup, GetParam());
+        for (int step = 0; step < 6; ++step) {
+            world->step();
+            const Vector x = place.q.rotate_back(world->motion(0).x - place.x);
+            EXPECT_GE(distance_to_box(x, half), radius - tolerance::contact_band) << "shot " << shot;
+        }
+        EXPECT_EQ(norm(world->motion(0).v - velocity) > 0.1L, hit)
+            << "shot " << shot << ", " << nearest << " m from the wall at the nearest";
+        (hit ? hits : misses) += 1;
+    }
+    EXPECT_GT(std::min(hits, misses), 40) << hits << " hits, " << misses << " misses";
+}
+
+TEST_P(Bullets, hit_each_other_where_their_paths_cross) {
+    Random random{5};
+    int hits = 0, misses = 0;
+    for (int shot = 0; shot < shots; ++shot) {
+        SceneSetup setup = range(1);
+        const Vector meet = direction(random), along = direction(random), other = direction(random);
+        const Vector relative = (along - other) * speed;
+        if (norm(relative) < speed) continue;
+        // When the first is at `meet` the second is beside it, at right angles to their relative velocity.
+        const Number time = random.uniform(0.005, 0.04), beside = random.uniform(0, 0.3);
+        if (std::abs(beside - 2 * radius) < 5 * tolerance::contact_band) continue;  // too close to call
+        const Vector gap = across(relative * (1 / norm(relative)), random) * beside;
+        const BodySpec a = placed(sphere(0.05, real(radius)), meet - along * speed * time, along * speed),
+                       b = placed(sphere(0.1, real(radius)), meet + gap - other * speed * time, other * speed);
+        if (norm(vector(a.position) - vector(b.position)) < 3 * radius) continue;
+        setup.bodies = {a, b};
+        const auto world = build(setup, GetParam());
+        world->run(5);
+        Struck first{start_of(a), a, {}}, second{start_of(b), b, {}};
+        if (beside < 2 * radius) {
+            ++hits;
+            const Number back = std::sqrt(4 * radius * radius - beside * beside);
+            const Vector n = (gap + relative * (back / norm(relative))) * (-1 / (2 * radius));  // from b to a
+            first.arm = n * -radius;
+            second.arm = n * radius;
+            collide(first, second, n, 1, 0);
+        } else {
+            ++misses;
+        }
+        // Glancing, the normal is as many times less certain.
+        const Number glance =
+            beside < 2 * radius ? 1 / std::sqrt(1 - beside * beside / (4 * radius * radius)) : Number(1);
+        EXPECT_LE(norm(world->motion(0).v - first.motion.v), speed * tolerance::bullet * glance) << "shot " << shot;
+        EXPECT_LE(norm(world->motion(1).v - second.motion.v), speed * tolerance::bullet * glance) << "shot " << shot;
+    }
+    EXPECT_GT(std::min(hits, misses), 20) << hits << " hits, " << misses << " misses";
+}
+
+TEST_P(Bullets, do_not_pass_a_free_box_either) {
+    Random random{6};
+    for (int shot = 0; shot < shots / 2; ++shot) {
+        SceneSetup setup = range();
+        BodySpec wall = thin_wall(random);
+        wall.fixed = false;
+        const Motion place = start_of(wall);
+        const Vector n = place.q.rotate({0, 0, 1});
+        const Vector offset = place.q.rotate({random.uniform(-0.8, 0.8), random.uniform(-0.8, 0.8), 0.025});
+        const Vector along = askew(n, random);
+        const BodySpec ball =
+            placed(sphere(0.05, real(radius)), place.x + offset + n * radius - along * Number(random.uniform(0.5, 9)),
+                   along * speed);
+        setup.bodies = {ball, wall};
+        const auto world = build(setup, GetParam());
+        Struck hits{start_of(ball), ball, n * -radius}, hit{place, wall, offset};
+        collide(hits, hit, n, 0.5L, 0);
+        world->run(5);
+        EXPECT_LE(norm(world->motion(0).v - hits.motion.v), speed * tolerance::bullet) << "shot " << shot;
+        EXPECT_LE(norm(world->motion(1).v - hit.motion.v), tolerance::bullet) << "shot " << shot;
+    }
+}
+
+}  // namespace
+}  // namespace tumble::test

@@ -1,0 +1,605 @@
+// Bodies that rest, slide, roll and sleep: stacks, inclines, a bowling ball, cylinders, turntables, and what wakes
+// whom.
+#include "contact_cases.hpp"
+
+#include <utility>
+
+namespace tumble::test {
+namespace {
+
+constexpr int second = 256;  // steps
+
+SceneSetup floor(Number restitution, Number friction) {
+    SceneSetup setup{.name = "floor"};
+    setup.world = {.gravity = gravity, .contact = {.restitution = real(restitution), .friction = real(friction)}};
+    setup.planes = {{}};
+    return setup;
+}
+SceneSetup sleepy_floor(Number friction = 0.5L) {
+    SceneSetup setup = floor(0, friction);
+    setup.world.contact.sleep.on = true;  // 0.03 m/s and 0.05 rad/s for 0.5 s
+    return setup;
+}
+// An incline of tan = 3/4 that falls towards -x, and how a body stands on it at the origin.
+const Vector uphill{0.8L, 0.6L, 0}, off_incline{-0.6L, 0.8L, 0};
+constexpr Number slope_sine = 0.6L, slope_cosine = 0.8L;
+SceneSetup incline(Number friction) {
+    SceneSetup setup = floor(0, friction);
+    setup.planes[0].normal = {-3, 4, 0};
+    return setup;
+}
+BodySpec on_incline(BodySpec body, Number height) {
+    body.position = real(off_incline * height);
+    body.orientation = {3, {0, 0, 1}};
+    return body;
+}
+BodySpec standing(BodySpec body, Number x, Number height) {
+    body.position = {real(x), real(height), 0};
+    return body;
+}
+// Body z upwards.
+constexpr RealQuat upright{1, {-1, 0, 0}};
+
+class Resting : public testing::TestWithParam<Case> {
+protected:
+    static const System& system() { return GetParam().system; }
+    // Whether nothing of the body moves by more than `still` for 100 steps.
+    static void expect_still(AnyWorld& world, int body) {
+        const Motion start = world.motion(body);
+        for (int step = 0; step < 100; ++step) {
+            world.step();
+            const Motion m = world.motion(body);
+            ASSERT_LE(norm(m.x - start.x), tolerance::still) << "body " << body << ", step " << step;
+            ASSERT_LE(angle_between(m.q, start.q), tolerance::still) << "body " << body << ", step " << step;
+        }
+    }
+};
+INSTANTIATE_TEST_SUITE_P(every, Resting, testing::ValuesIn(contact_cases()), NameOf{});
+
+// --- stacks ------------------------------------------------------------------------------------------------------
+
+// Ten boxes of a metre, every second one shifted to a side.
+SceneSetup stack(bool sleep, Number shift = 0) {
+    SceneSetup setup = sleep ? sleepy_floor() : floor(0, 0.5L);
+    for (int i = 0; i < 10; ++i) {
+        BodySpec body = standing(box(1, {1, 1, 1}), i % 2 == 0 ? shift : -shift, i + 0.5L);
+        if (i % 3 == 0) body.position.z = real(shift);
+        setup.bodies.push_back(body);
+    }
+    return setup;
+}
+// The largest distance of a box from where it was put.
+Number largest_shift(const AnyWorld& world, const SceneSetup& setup) {
+    Number largest = 0;
+    for (int b = 0; b < world.body_count(); ++b)
+        largest =
+            std::max(largest, norm(world.motion(b).x - vector(setup.bodies[static_cast<std::size_t>(b)].position)));
+    return largest;
+}
+void expect_stack_stands(AnyWorld& world, const SceneSetup& setup, int seconds) {
+    Number largest = 0;
+    for (int i = 0; i < 4 * seconds; ++i) {
+        world.run(second / 4);
+        largest = std::max(largest, largest_shift(world, setup));
+        ASSERT_LE(largest, tolerance::stack_shift) << "after " << 0.25 * (i + 1) << " s";
+    }
+    std::printf("%d s: moved by %.2Lg m at most\n", seconds, largest);
+    const Motion top = world.motion(9);
+    EXPECT_LE(norm(top.v), tolerance::rest_speed);
+    EXPECT_LE(norm(top.w), tolerance::rest_speed);
+    EXPECT_TRUE(world.status().ok()) << "status " << static_cast<int>(world.status().bits) << " at step "
+                                     << world.status().first_step;
+}
+
+TEST_P(Resting, a_stack_of_ten_boxes_stands_for_a_minute_without_sleeping) {
+    const SceneSetup setup = stack(false);
+    const auto world = build(setup, GetParam());
+    expect_stack_stands(*world, setup, 60);
+    for (int b = 0; b < 10; ++b) EXPECT_FALSE(world->asleep(b));
+}
+
+TEST_P(Resting, a_stack_of_ten_boxes_stands_for_a_minute_and_sleeps_without_a_bit_moving) {
+    const SceneSetup setup = stack(true);
+    const auto world = build(setup, GetParam());
+    for (int b = 0; b < 10; ++b) EXPECT_FALSE(world->asleep(b));
+    world->run(second / 4);
+    for (int b = 0; b < 10; ++b) EXPECT_FALSE(world->asleep(b)) << "sooner than in 0.5 s";
+    expect_stack_stands(*world, setup, 5);
+    for (int b = 0; b < 10; ++b) EXPECT_TRUE(world->asleep(b)) << "box " << b;
+    const std::uint64_t asleep = world->hash();
+    for (int step = 0; step < 55 * second; ++step) {
+        world->step();
+        ASSERT_EQ(world->hash(), asleep) << "step " << step << " of sleep";
+    }
+}
+
+TEST_P(Resting, a_stack_whose_boxes_are_shifted_stands_too) {
+    const SceneSetup setup = stack(false, 0.03125L);
+    const auto world = build(setup, GetParam());
+    expect_stack_stands(*world, setup, 10);
+}
+
+TEST_P(Resting, a_box_rests_on_a_fixed_box_and_on_two_others) {
+    SceneSetup setup = floor(0, 0.5L);
+    setup.bodies = {standing(box(1, {4, 1, 4}), 0, 0.5L), standing(box(1, {1, 1, 1}), -0.5625L, 1.5L),
+                    standing(box(1, {1, 1, 1}), 0.5625L, 1.5L), standing(box(1, {1, 1, 1}), 0, 2.5L)};
+    setup.bodies[0].fixed = true;
+    const auto world = build(setup, GetParam());
+    world->run(4 * second);
+    EXPECT_LE(largest_shift(*world, setup), tolerance::stack_shift);
+    for (int b = 1; b < 4; ++b) expect_still(*world, b);
+}
+
+TEST_P(Resting, a_sphere_rests_between_two_others_that_walls_hold) {
+    SceneSetup setup = floor(0, 0);
+    setup.planes.push_back({.normal = {1, 0, 0}, .offset = 0.75});
+    setup.planes.push_back({.normal = {-1, 0, 0}, .offset = 0.75});
+    // Centres on a triangle of sides 0.5, 0.5 and 0.5: the walls at 0.25 m from the centres below.
+    setup.bodies = {standing(sphere(1, 0.25), -0.5L, 0.25L), standing(sphere(1, 0.25), 0.5L, 0.25L),
+                    standing(sphere(2, 0.75), 0, 0.25L + std::sqrt(Number(0.75L)))};
+    const auto world = build(setup, GetParam());
+    world->run(4 * second);
+    EXPECT_LE(largest_shift(*world, setup), 2 * tolerance::contact_band);
+    for (int b = 0; b < 3; ++b) expect_still(*world, b);
+}
+
+// --- a box that drops --------------------------------------------------------------------------------------------
+
+TEST_P(Resting, a_dropped_cube_comes_to_rest_on_a_face_and_does_not_jitter) {
+    struct Drop {
+        RealQuat orientation;
+        RealVec3 spin;
+    };
+    for (const Drop& drop : {Drop{{}, {}}, Drop{{0.9, {0.1, -0.3, 0.2}}, {}}, Drop{{1, {0, 0, 0.25}}, {0.5, 0, 0}},
+                             Drop{{0.8, {0.3, 0.1, -0.4}}, {3, -2, 5}}}) {
+        SceneSetup setup = floor(0.4L, 0.3L);
+        setup.bodies = {standing(box(10, {1, 1, 1}), 0, 2)};  // the dissertation's
+        setup.bodies[0].orientation = drop.orientation;
+        setup.bodies[0].angular_velocity = drop.spin;
+        const auto world = build(setup, GetParam());
+        world->run(15 * second);
+        expect_still(*world, 0);
+        const Motion m = world->motion(0);
+        const Vector up = m.q.normalized().rotate_back({0, 1, 0});
+        EXPECT_LE(1 - std::max({std::abs(up.x), std::abs(up.y), std::abs(up.z)}), tolerance::rest_tilt);
+        EXPECT_LE(std::abs(m.x.y - 0.5L), tolerance::contact_band);
+        EXPECT_LE(norm(m.v) + norm(m.w), tolerance::creep);
+        EXPECT_EQ(world->contact_count(0), 4);
+        EXPECT_FALSE(world->status().has(Issue::contacts_full) || world->status().has(Issue::range_left));
+    }
+}
+
+TEST_P(Resting, a_box_that_is_put_down_stays_where_it_is) {
+    SceneSetup setup = floor(0.5L, 0.5L);
+    setup.bodies = {standing(box(2, {1, 0.5, 0.75}), 0, 0.25L)};
+    const auto world = build(setup, GetParam());
+    world->run(4 * second);
+    EXPECT_LE(largest_shift(*world, setup), tolerance::creep);
+    EXPECT_LE(angle_between(world->motion(0).q, Rotation{}), tolerance::creep);
+}
+
+// --- sliding and rolling -----------------------------------------------------------------------------------------
+
+TEST_P(Resting, a_sliding_box_stops_at_its_distance_and_stays_there) {
+    SceneSetup setup = floor(0, 0.5L);
+    setup.bodies = {standing(box(2, {1, 0.25, 1}), 0, 0.125L)};
+    setup.bodies[0].velocity = {2.4, 0, 1.8};  // 3 m/s
+    const auto world = build(setup, GetParam());
+    world->run(2 * second);
+    const Vector stop = Vector{0.8L, 0, 0.6L} * (9 / (2 * 0.5L * g));
+    EXPECT_LE(norm(world->motion(0).x - (vector(setup.bodies[0].position) + stop)), tolerance::sliding * norm(stop));
+    expect_still(*world, 0);
+}
+
+// Two sides combine by the geometric mean: the plane has 0.8, the boxes as much as gives 0.8, 0.7 and 0.5.
+TEST_P(Resting, a_box_on_an_incline_sticks_below_the_friction_angle) {
+    SceneSetup setup = incline(0.125L);
+    setup.planes[0].friction = 0.8;
+    setup.bodies = {on_incline(box(2, {0.5, 0.25, 0.5}), 0.125L)};
+    setup.bodies[0].friction = 0.8;
+    const auto world = build(setup, GetParam());
+    world->run(4 * second);
+    EXPECT_LE(largest_shift(*world, setup), tolerance::creep);
+    expect_still(*world, 0);
+}
+
+TEST_P(Resting, a_box_on_an_incline_slides_with_the_closed_form_above_the_friction_angle) {
+    for (const auto& [own, combined] : {std::pair{0.6125L, 0.7L}, std::pair{0.3125L, 0.5L}}) {
+        SceneSetup setup = incline(0.125L);
+        setup.planes[0].friction = 0.8;
+        setup.bodies = {on_incline(box(2, {0.5, 0.25, 0.5}), 0.125L)};
+        setup.bodies[0].friction = real(own);
+        const auto world = build(setup, GetParam());
+        world->run(2 * second);
+        const Number acceleration = g * (slope_sine - combined * slope_cosine);
+        const Motion m = world->motion(0);
+        const Vector moved = m.x - vector(setup.bodies[0].position);
+        EXPECT_LE(std::abs(-dot(moved, uphill) / (2 * acceleration) - 1), tolerance::sliding) << combined;
+        EXPECT_LE(std::abs(-dot(m.v, uphill) / (2 * acceleration) - 1), tolerance::sliding) << combined;
+        EXPECT_LE(std::abs(dot(moved, off_incline)) + std::abs(moved.z), tolerance::contact_band) << combined;
+        EXPECT_LE(angle_between(m.q, start_of(setup.bodies[0]).q), tolerance::contact_band) << combined;
+    }
+}
+
+TEST_P(Resting, a_bowling_ball_slides_until_it_rolls_and_then_rolls_for_ever) {
+    constexpr Number speed = 3.5L, friction = 0.25L, radius = 0.5L;
+    SceneSetup setup = floor(0, friction);
+    setup.step = Seconds{1, 1024};
+    setup.bodies = {standing(sphere(2, 0.5), 0, radius)};
+    setup.bodies[0].velocity = {3.5, 0, 0};
+    const auto world = build(setup, GetParam());
+    const auto slip = [&] { return world->motion(0).v.x + radius * world_spin(world->motion(0)).z; };
+    const Number onset = 2 * speed / (7 * friction * g);  // 0.41 s; until then slip falls evenly
+    int steps = 0;
+    Number middle = 0, distance = 0;
+    for (; slip() > 0.01L * speed && steps < 1024; ++steps) {
+        world->step();
+        if (steps + 1 == 200) middle = slip();
+        distance = world->motion(0).x.x;
+    }
+    const Number time = static_cast<Number>(steps) / 1024;
+    EXPECT_LE(std::abs(middle / (speed * (1 - 200 / 1024.0L / onset)) - 1), tolerance::sliding);
+    EXPECT_LE(std::abs(time - 0.99L * onset), tolerance::sliding * onset);
+    EXPECT_LE(std::abs(distance - (speed * time - friction * g * time * time / 2)), tolerance::sliding * distance);
+    world->run(1024);
+    for (int i = 0; i < 4; ++i) {
+        world->run(1024);
+        EXPECT_LE(std::abs(world->motion(0).v.x / (speed * 5 / 7) - 1), tolerance::sliding) << i + 2 << " s";
+        EXPECT_LE(std::abs(slip()), 1e-3L * speed) << i + 2 << " s";
+    }
+}
+
+// Lies with its axis along z, which it rolls about: what it has of m r^2 in moment.
+struct Roller {
+    BodySpec body;
+    Number radius;
+    const char* name;
+    [[nodiscard]] Number moment() const { return moments_of(body).z / (number(body.mass) * radius * radius); }
+};
+std::vector<Roller> rollers() {
+    return {{cylinder(2, 0.25, 0.5), 0.25L, "cylinder"},
+            {capsule(2, 0.25, 0.5), 0.25L, "capsule"},
+            {hoop(2, 0.25), 0.25L, "hoop"}};
+}
+
+TEST_P(Resting, what_is_round_slides_until_it_rolls) {
+    for (const Roller& roller : rollers()) {
+        SceneSetup setup = floor(0, 0.5L);
+        setup.bodies = {standing(roller.body, 0, roller.radius)};
+        setup.bodies[0].velocity = {3, 0, 0};
+        const auto world = build(setup, GetParam());
+        world->run(second);
+        const Number rolls = 3 / (1 + roller.moment());
+        EXPECT_LE(std::abs(world->motion(0).v.x / rolls - 1), tolerance::sliding) << roller.name;
+        EXPECT_LE(std::abs(world_spin(world->motion(0)).z * roller.radius / -rolls - 1), tolerance::sliding)
+            << roller.name;
+        EXPECT_LE(std::abs(world->motion(0).x.y - roller.radius), tolerance::contact_band) << roller.name;
+    }
+}
+
+TEST_P(Resting, what_is_round_rolls_down_an_incline_with_the_closed_form) {
+    for (const Roller& roller : rollers()) {
+        SceneSetup setup = incline(0.625L);
+        setup.bodies = {standing(roller.body, 0, 0)};
+        setup.bodies[0].position = real(off_incline * roller.radius);
+        const auto world = build(setup, GetParam());
+        world->run(second);
+        const Number acceleration = g * slope_sine / (1 + roller.moment());
+        const Vector moved = world->motion(0).x - vector(setup.bodies[0].position);
+        EXPECT_LE(std::abs(-dot(moved, uphill) / (acceleration / 2) - 1), tolerance::sliding) << roller.name;
+        EXPECT_LE(std::abs(-dot(world->motion(0).v, uphill) / acceleration - 1), tolerance::sliding) << roller.name;
+        EXPECT_LE(std::abs(dot(moved, off_incline)), tolerance::contact_band) << roller.name;
+    }
+}
+
+TEST_P(Resting, cylinders_and_capsules_rest_lying_and_a_cylinder_stands) {
+    for (const bool stands : {false, true}) {
+        SceneSetup setup = floor(0, 0.5L);
+        setup.bodies = {standing(cylinder(2, 0.25, 0.75), 0, stands ? 0.375L : 0.25L)};
+        if (stands) setup.bodies[0].orientation = upright;
+        else setup.bodies.push_back(standing(capsule(2, 0.25, 0.75), 2, 0.25L));
+        const auto world = build(setup, GetParam());
+        world->run(2 * second);
+        EXPECT_LE(largest_shift(*world, setup), tolerance::creep);
+        for (int b = 0; b < world->body_count(); ++b) {
+            expect_still(*world, b);
+            EXPECT_GE(world->contact_count(b), stands ? 3 : 2);
+        }
+    }
+}
+
+TEST_P(Resting, a_standing_cylinder_slides_to_its_distance_without_falling_over) {
+    SceneSetup setup = floor(0, 0.25L);
+    setup.bodies = {standing(cylinder(2, 0.25, 0.5), 0, 0.25L)};
+    setup.bodies[0].orientation = upright;
+    setup.bodies[0].velocity = {1.2, 0, 0.9};  // 1.5 m/s
+    const auto world = build(setup, GetParam());
+    world->run(2 * second);
+    const Vector stop = Vector{0.8L, 0, 0.6L} * (2.25L / (2 * 0.25L * g));
+    EXPECT_LE(norm(world->motion(0).x - (vector(setup.bodies[0].position) + stop)),
+              2 * tolerance::sliding * norm(stop));
+    EXPECT_LE(std::abs(world->motion(0).q.normalized().rotate({0, 0, 1}).y - 1), tolerance::rest_tilt);
+}
+
+TEST_P(Resting, a_dropped_cylinder_never_sinks_into_the_floor) {
+    const Number radius = 0.25L, half = 0.5L;
+    for (const RealQuat& orientation : {RealQuat{0.9, {0.1, -0.3, 0.2}}, RealQuat{1, {0.25, 0.5, 0}}}) {
+        SceneSetup setup = floor(0.3L, 0.4L);
+        setup.bodies = {standing(cylinder(2, 0.25, 1), 0, 1.5L)};
+        setup.bodies[0].orientation = orientation;
+        setup.bodies[0].angular_velocity = {1, 0, -2};
+        const auto world = build(setup, GetParam());
+        Number deepest = 0;
+        for (int step = 0; step < 8 * second; ++step) {
+            world->step();
+            const Motion m = world->motion(0);
+            const Number axis = std::abs(m.q.normalized().rotate({0, 0, 1}).y);
+            deepest = std::min(deepest, m.x.y - half * axis - radius * std::sqrt(std::max(1 - axis * axis, Number(0))));
+        }
+        EXPECT_GE(deepest, -2 * tolerance::contact_band);
+        EXPECT_LE(world->motion(0).x.y, half + tolerance::contact_band);
+        EXPECT_LE(std::abs(world->motion(0).v.y), 0.1L);
+    }
+}
+
+// --- turntables --------------------------------------------------------------------------------------------------
+
+// A fixed box that turns about the vertical; its top is at y = 0. Steps of 1/1024 s.
+SceneSetup turntable(Number turns) {
+    SceneSetup setup{.name = "turntable", .step = Seconds{1, 1024}};
+    setup.world = {.gravity = gravity, .contact = {.restitution = 0, .friction = 1}};
+    BodySpec table = standing(box(100, {8, 0.5, 8}), 0, -0.25L);
+    table.fixed = true;
+    table.angular_velocity = {0, real(turns), 0};
+    setup.bodies = {table};
+    return setup;
+}
+Vector turned(Vector v, Number angle) { return exponential(Vector{0, angle, 0}).rotate(v); }
+
+TEST_P(Resting, a_fixed_body_keeps_turning_where_it_is) {
+    const auto world = build(turntable(3.5L), GetParam());
+    for (int i = 1; i <= 4; ++i) {
+        world->run(512);
+        const Motion m = world->motion(0);
+        EXPECT_EQ(norm(m.x - Vector{0, -0.25L, 0}) + norm(m.v), 0);
+        EXPECT_LE(
+            angle_between(m.q, exponential(Vector{0, 1.75L * static_cast<Number>(i), 0})),
+            1e-6L + 2 * tolerance::method_error(GetParam().method.order, 3.5L / 1024, 1.75L * static_cast<Number>(i)));
+        EXPECT_LE(norm(m.w - Vector{0, 3.5L, 0}), 1e-5L);
+    }
+}
+
+// v' = 2/7 W x v without slip: a circle, at 2/7 of the table's turns, in the world's frame.
+TEST_P(Resting, a_ball_on_a_turntable_rolls_in_a_circle_at_two_sevenths_of_its_turns) {
+    SceneSetup setup = turntable(3.5L);
+    BodySpec ball = standing(sphere(1, 0.25), 1, 0.25L);
+    ball.velocity = {0, 0, 0.5};
+    ball.angular_velocity = {16, 0, 0};  // no slip: v + w x (0, -r, 0) = W x x
+    setup.bodies.push_back(ball);
+    const auto world = build(setup, GetParam());
+    const Vector centre{1.5L, 0.25L, 0};
+    for (int step = 1; step <= 6434; ++step) {  // 2 pi s
+        world->step();
+        if (step % 512 != 0 && step != 6434) continue;
+        const Vector expected = centre + turned({-0.5L, 0, 0}, step / 1024.0L);
+        EXPECT_LE(norm(world->motion(1).x - expected), 0.5L * tolerance::turntable_orbit)
+            << "at " << step / 1024.0 << " s";
+    }
+    EXPECT_TRUE(world->status().ok());
+}
+
+TEST_P(Resting, a_ball_that_spins_as_the_turntable_below_it_stays_where_it_is) {
+    SceneSetup setup = turntable(3.5L);
+    setup.bodies.push_back(standing(sphere(1, 0.25), -2, 0.25L));
+    setup.bodies[1].angular_velocity = {-28, 0, 0};
+    const auto world = build(setup, GetParam());
+    world->run(2048);
+    EXPECT_LE(norm(world->motion(1).x - Vector{-2, 0.25L, 0}), tolerance::turntable_orbit);
+}
+
+TEST_P(Resting, a_box_is_carried_round_by_a_turntable) {
+    SceneSetup setup = turntable(2);
+    setup.bodies.push_back(standing(box(1, {0.5, 0.25, 0.5}), 1, 0.125L));
+    setup.bodies[1].velocity = {0, 0, -2};  // W x x
+    setup.bodies[1].angular_velocity = {0, 2, 0};
+    const auto world = build(setup, GetParam());
+    world->run(2048);
+    EXPECT_LE(norm(world->motion(1).x - turned({1, 0.125L, 0}, 4)), tolerance::turntable_orbit);
+    EXPECT_LE(angle_between(world->motion(1).q, exponential(Vector{0, 4, 0})), tolerance::turntable_orbit);
+}
+
+TEST_P(Resting, a_box_at_rest_is_spun_up_by_a_turntable) {
+    SceneSetup setup = turntable(2);
+    setup.bodies.push_back(standing(box(1, {0.5, 0.25, 0.5}), 0, 0.125L));
+    const auto world = build(setup, GetParam());
+    // Four corners sqrt(2)/4 m from the axis rub: mu g r / (I / m) with I / m = 1/24 m^2.
+    world->run(16);
+    EXPECT_LE(std::abs(world->motion(1).w.y / (g * std::sqrt(Number(2)) / 4 * 24 * 16 / 1024) - 1), tolerance::sliding);
+    world->run(2032);
+    EXPECT_LE(std::abs(world->motion(1).w.y / 2 - 1), tolerance::sliding);
+    EXPECT_LE(norm(world->motion(1).x - Vector{0, 0.125L, 0}), tolerance::contact_band);
+}
+
+// --- sleep -------------------------------------------------------------------------------------------------------
+
+// A box of 2 kg that has lain still for a second.
+BodySpec sleeper() { return standing(box(2, {1, 0.5, 1}), 0, 0.25L); }
+void expect_falls_asleep(AnyWorld& world, int body = 0) {
+    world.run(second);
+    ASSERT_TRUE(world.asleep(body));
+    const std::uint64_t hash = world.hash();
+    world.run(second / 2);
+    ASSERT_EQ(world.hash(), hash);
+}
+
+TEST_P(Resting, nothing_sleeps_in_a_scene_that_does_not_ask_for_it) {
+    SceneSetup setup = floor(0, 0.5L);
+    setup.bodies = {sleeper()};
+    const auto world = build(setup, GetParam());
+    world->run(4 * second);
+    EXPECT_FALSE(world->asleep(0));
+}
+
+TEST_P(Resting, an_impulse_wakes_a_sleeper_at_once_and_it_sleeps_again) {
+    SceneSetup setup = sleepy_floor();
+    setup.bodies = {sleeper()};
+    const auto world = build(setup, GetParam());
+    expect_falls_asleep(*world);
+    const Vector start = world->motion(0).x;
+    world->apply_impulse(0, {4, 0, 0});  // 2 m/s
+    EXPECT_FALSE(world->asleep(0));
+    world->run(second / 16);
+    EXPECT_FALSE(world->asleep(0));
+    EXPECT_GT(world->motion(0).v.x, 1);
+    world->run(2 * second);
+    EXPECT_TRUE(world->asleep(0));
+    EXPECT_GT(world->motion(0).x.x - start.x, 0.2L);
+}
+
+TEST_P(Resting, a_sleeper_that_is_pushed_slides_as_far_as_one_that_never_slept) {
+    Number distance[2]{};
+    for (const bool sleep : {false, true}) {
+        SceneSetup setup = sleep ? sleepy_floor() : floor(0, 0.5L);
+        setup.bodies = {sleeper()};
+        const auto world = build(setup, GetParam());
+        world->run(2 * second);
+        EXPECT_EQ(world->asleep(0), sleep);
+        const Vector start = world->motion(0).x;
+        world->apply_impulse(0, {4, 0, 0});
+        world->run(second);
+        distance[sleep ? 1 : 0] = world->motion(0).x.x - start.x;
+        EXPECT_LE(std::abs(distance[sleep ? 1 : 0] / (4 / g) - 1), tolerance::sliding);  // v^2 / (2 mu g)
+    }
+    EXPECT_LE(std::abs(distance[1] - distance[0]), tolerance::creep);
+}
+
+TEST_P(Resting, a_timed_force_wakes_a_sleeper_when_it_begins) {
+    SceneSetup setup = sleepy_floor();
+    setup.bodies = {sleeper()};
+    setup.forces = {{.body = 0, .from = 2.0, .until = 3.0, .force = {30, 0, 0}}};
+    const auto world = build(setup, GetParam());
+    expect_falls_asleep(*world);
+    world->run(second / 2);
+    EXPECT_TRUE(world->asleep(0));  // up to the moment that the force begins
+    const Vector start = world->motion(0).x;
+    world->run(second);
+    EXPECT_FALSE(world->asleep(0));
+    // (F - mu m g) / m, for a second.
+    const Number distance = (30 - 0.5L * 2 * g) / 2 / 2;
+    EXPECT_LE(std::abs((world->motion(0).x.x - start.x) / distance - 1), tolerance::sliding);
+    world->run(4 * second);
+    EXPECT_TRUE(world->asleep(0));
+}
+
+TEST_P(Resting, a_sleeper_wakes_when_the_force_that_held_it_ends) {
+    SceneSetup setup = sleepy_floor();
+    setup.planes[0] = {.normal = {0, -1, 0}, .offset = 3};  // a ceiling
+    setup.bodies = {standing(box(2, {1, 0.5, 1}), 0, 2.75L)};
+    setup.forces = {{.body = 0, .from = 0.0, .until = 2.0, .force = {0, 40, 0}}};
+    const auto world = build(setup, GetParam());
+    expect_falls_asleep(*world);
+    world->run(second / 2);
+    EXPECT_LE(std::abs(world->motion(0).x.y - 2.75L), tolerance::creep);
+    world->run(second);
+    EXPECT_FALSE(world->asleep(0));
+    EXPECT_LE(std::abs((2.75L - world->motion(0).x.y) / (g / 2) - 1), tolerance::sliding);
+}
+
+TEST_P(Resting, a_force_that_does_not_move_a_sleeper_moves_nothing) {
+    SceneSetup setup = sleepy_floor();
+    setup.bodies = {sleeper()};
+    setup.forces = {{.body = 0, .from = 2.0, .until = 4.0, .force = {5, 0, 0}}};  // friction holds 9.8 N
+    const auto world = build(setup, GetParam());
+    world->run(5 * second);
+    EXPECT_LE(largest_shift(*world, setup), tolerance::creep);
+    EXPECT_TRUE(world->asleep(0));
+}
+
+TEST_P(Resting, the_touch_of_a_moving_body_wakes_a_sleeper_and_a_passing_one_does_not) {
+    for (const bool touches : {true, false}) {
+        SceneSetup setup = sleepy_floor();
+        setup.bodies = {sleeper(), standing(sphere(2, 0.25), -8, 0.25L)};
+        setup.bodies[1].position.z = touches ? 0 : 1;
+        setup.bodies[1].friction = 0;
+        setup.bodies[1].velocity = {4, 0, 0};  // 7.25 m to go: at 1.8125 s
+        const auto world = build(setup, GetParam());
+        world->run(second);
+        EXPECT_TRUE(world->asleep(0));
+        const Motion before = world->motion(0);
+        world->run(second / 2 + second / 4);
+        EXPECT_TRUE(world->asleep(0));
+        EXPECT_FALSE(world->asleep(1));
+        EXPECT_EQ(norm(world->motion(0).x - before.x), 0);
+        world->run(second / 8);
+        EXPECT_EQ(world->asleep(0), !touches);
+        world->run(second);
+        const Number moved = norm(world->motion(0).x - before.x);
+        if (touches) {
+            // The sphere's 8 N s; both then go at most at 2 m/s together.
+            EXPECT_GT(moved, 0.1L);
+            EXPECT_LE(std::abs(world->motion(1).v.x), 2 + tolerance::rest_speed);
+        } else {
+            EXPECT_EQ(moved, 0);
+            EXPECT_LE(std::abs(world->motion(1).v.x - 4), tolerance::creep);
+        }
+    }
+}
+
+TEST_P(Resting, who_is_pushed_wakes_those_that_rest_on_it) {
+    SceneSetup setup = sleepy_floor();
+    setup.bodies = {sleeper(), standing(box(1, {0.5, 0.5, 0.5}), 0.125L, 0.75L), standing(box(1, {1, 1, 1}), 4, 0.5L)};
+    const auto world = build(setup, GetParam());
+    expect_falls_asleep(*world);
+    for (int b = 0; b < 3; ++b) EXPECT_TRUE(world->asleep(b)) << b;
+    world->apply_impulse(0, {12, 0, 0});
+    world->step();
+    EXPECT_FALSE(world->asleep(0));
+    EXPECT_FALSE(world->asleep(1));
+    EXPECT_TRUE(world->asleep(2));  // touches neither
+    const Vector far = world->motion(2).x;
+    world->run(second / 4);
+    EXPECT_GT(world->motion(1).x.x, 0.15L);  // dragged along by friction
+    world->run(5 * second);
+    EXPECT_EQ(norm(world->motion(2).x - far), 0);
+    for (int b = 0; b < 3; ++b) EXPECT_TRUE(world->asleep(b)) << b;
+}
+
+TEST_P(Resting, who_loses_what_it_lay_on_falls) {
+    SceneSetup setup = sleepy_floor(0);
+    setup.bodies = {sleeper(), standing(box(1, {0.5, 0.5, 0.5}), 0, 0.75L)};
+    const auto world = build(setup, GetParam());
+    expect_falls_asleep(*world, 1);
+    world->apply_impulse(0, {16, 0, 0});  // 8 m/s: away after 0.1 s, and without friction
+    world->run(second);
+    EXPECT_LE(std::abs(world->motion(0).v.x - 8), 0.5L);
+    EXPECT_LT(world->motion(1).x.y, 0.5L);
+    EXPECT_GT(world->motion(1).x.y, 0.2L);
+}
+
+TEST_P(Resting, who_moves_a_little_faster_than_the_limit_never_sleeps) {
+    SceneSetup setup = sleepy_floor(0);
+    setup.bodies = {standing(sphere(1, 0.25), 0, 0.25L), standing(sphere(1, 0.25), 2, 0.25L)};
+    setup.bodies[0].velocity = {0.0625, 0, 0};          // slides
+    setup.bodies[1].angular_velocity = {0, 0.0625, 0};  // spins where it stands
+    const auto world = build(setup, GetParam());
+    world->run(4 * second);
+    EXPECT_FALSE(world->asleep(0));
+    EXPECT_FALSE(world->asleep(1));
+    EXPECT_LE(std::abs(world->motion(0).x.x - 0.25L), tolerance::creep);
+    EXPECT_LE(norm(world->motion(1).w - Vector{0, 0.0625L, 0}), tolerance::creep);
+}
+
+TEST_P(Resting, nothing_sleeps_in_the_air) {
+    SceneSetup setup = sleepy_floor();
+    setup.world.gravity = {0, -0.0078125, 0};
+    setup.bodies = {standing(sphere(1, 0.25), 0, 2)};
+    setup.bodies[0].velocity = {0, 0.015625, 0};  // slower than the limit for 5.8 s, at its height after 2 s
+    const auto world = build(setup, GetParam());
+    world->run(4 * second);
+    EXPECT_FALSE(world->asleep(0));
+    EXPECT_LE(std::abs(world->motion(0).x.y - 2), tolerance::creep);
+    EXPECT_LE(std::abs(world->motion(0).v.y + 0.015625L), tolerance::creep);
+}
+
+}  // namespace
+}  // namespace tumble::test
