@@ -58,6 +58,7 @@ public:
         if constexpr (has_contacts) {
             contacts_.set_shape(b, spec, inertia, bodies_.constants[b].units);
             if (!spec.fixed) sleepers_.add(b);
+            for (int other = 0; other <= b; ++other) disturb(other);
         }
         return BodyId{b};
     }
@@ -65,7 +66,10 @@ public:
     // Adds a plane; false when there is no room.
     bool add(const PlaneSpec& spec) requires(capacity.planes > 0) {
         bool added = true;
-        if constexpr (has_contacts) added = contacts_.add(spec);
+        if constexpr (has_contacts) {
+            added = contacts_.add(spec);
+            for (int b = 0; b < bodies_.count; ++b) disturb(b);
+        }
         if constexpr (capacity.springs_touch()) added = loads_.add(spec, bodies_) && added;
         return added;
     }
@@ -332,7 +336,7 @@ private:
         if constexpr (S::turntables) {
             for (int b = 0; b < bodies_.count; ++b) (void)turns_in_place(b, info);
         }
-        if constexpr (S::forces && S::sleep) {
+        if constexpr (S::forces) {
             loads_.for_each_change(now, [&](int b) { disturb(b); });
         }
         // Waking appends to the list.
@@ -356,7 +360,7 @@ private:
     }
     [[gnu::noinline]] void look_around(int b) {
         contacts_.look_around(
-            bodies_, b, is_loaded(b),
+            bodies_, b, [&](int other) { return is_loaded(other); },
             [&](int other) { return bodies_.constants[other].fixed || sleepers_.is_asleep(other); },
             [&](int other) { wake(other); });
     }
@@ -392,7 +396,7 @@ private:
             if (coupled >= 0) islands.connect(coupled, b);
             coupled = b;
         }
-        contacts_.connect(islands, [&](int b) { return !sleepers_.is_asleep(b); });
+        contacts_.connect(islands, bodies_, [&](int b) { return !sleepers_.is_asleep(b); });
         Asked asked{*this, info};
         IslandStep<N, Integrator::spin, capacity> step{bodies_, contacts_, islands, flyer(asked)};
         // Sleeping changes the list of those awake: first all islands fly.

@@ -126,20 +126,24 @@ public:
         bool deep = false;
         for_each_pair(island, [&](const Pair& pair) {
             Length limit{};
-            if (pair.touched) limit = pair.start_gap < Length{} ? pair.start_gap - tolerance_ : -tolerance_;
+            if (pair.start_gap < Length{}) limit = pair.start_gap - tolerance_;
+            else if (pair.touched) limit = -tolerance_;
             deep = deep || pair.gap < limit;
         });
         return deep;
     }
-    // Does the island rest on something?
+    // Does the island rest on something, which does not turn?
     [[nodiscard]] bool presses(const Island& island) const {
-        bool any = false;
-        for_each_pair(island, [&](const Pair& pair) { any = any || pair.count > 0; });
-        return any;
+        bool any = false, turns = false;
+        for_each_pair(island, [&](const Pair& pair) {
+            any = any || pair.count > 0;
+            turns = turns || (pair.count > 0 && pair.turns);
+        });
+        return any && !turns;
     }
 
-    // A pair that is apart at both ends of the flight but no longer along the direction in which it was apart at the
-    // start: it may have passed through. Null when there is none, or when pairs never do (planes have no other side).
+    // A pair that is apart at both ends of the flight, but along the direction in which it was apart at the start it is
+    // now deeper than the tolerance: it may have passed through. Null when there is none, or when pairs never do (planes have no other side).
     struct Crossing {
         Pair* pair = nullptr;
         Vec3<Length> reach;  // at the end of the flight
@@ -159,7 +163,7 @@ public:
                 if (found.pair != nullptr || pair.with_plane() || pair.touched || pair.passed || pair.gap < Length{})
                     return;
                 const PairView<N> view = view_of(bodies, pair);
-                if (!(view.separation(pair.start_normal, capacity.boxes) < Length{})) return;
+                if (!(view.separation(pair.start_normal, capacity.boxes) < -tolerance_)) return;
                 found = {&pair, view.reach, axes_[pair.a], axes_[pair.b]};
             });
         }
@@ -171,7 +175,8 @@ public:
         const Pair& pair = *crossing.pair;
         const PairView<N> end{shape_[pair.a], shape_[pair.b], crossing.a, crossing.b, crossing.reach};
         const Length left = end.separation(pair.normal, capacity.boxes);
-        if (!(left < Length{})) return Work(-1);
+        if (!(left < -tolerance_)) return Work(-1);
+        if (!(pair.gap > Length{})) return Work(0);
         const Work gap = scale_.metres(pair.gap);
         return gap / (gap - scale_.metres(left));
     }
@@ -214,6 +219,7 @@ public:
                 if (pair.touched && collide(pair)) bounced = true;
             });
         }
+        if (bounced && !stop) bodies.report(Issue::step_bound_hit, island.root);
         for_each_active(island, [&](Pair& pair, auto& point) {
             point.target = point.gap > Length{} ? -speed(pair, point, point.gap) : Speed{};
             if (stop && bounces(pair, point, -velocity(motion_, pair, point), point.loads) &&
@@ -258,13 +264,14 @@ private:
     using Base::shape_;
     using Base::slow_;
     using Base::tolerance_;
+    using Base::touching_;
     using Base::view_of;
 
     // Where the search for an impact ends.
     [[nodiscard]] Length level(const Pair& pair) const {
-        if (!pair.touched) return Length{};
         const Length half = Numbers::half(tolerance_);
-        return pair.start_gap < Length{} ? pair.start_gap - half : -half;
+        if (pair.start_gap < Length{}) return pair.start_gap - half;
+        return pair.touched ? -half : Length{};
     }
 
     template <class F>
@@ -455,7 +462,6 @@ private:
     typename Numbers::SpeedScale speeds_{};
     Motion start_[capacity.bodies]{}, motion_[capacity.bodies]{}, loaded_[capacity.bodies]{};
     Kick<N> kick_[capacity.bodies]{};
-    std::uint8_t touching_[capacity.bodies]{};
 };
 
 }  // namespace tumble

@@ -66,13 +66,15 @@ public:
             const Flight flight{island, start, span, whole, touch == Contacts::Touch::presses};
             fly(flight, span, false);
             contacts_.measure(bodies_, island);
+            const Work length = stop_before_crossing(flight);
+            const bool crossed = length < span;
             if (impact == max_impacts) {
-                if (contacts_.is_too_deep(island)) resolve(island, true);
+                // What is left of a step that ends at the surface of something is lost.
+                if (crossed) bodies_.report(Issue::step_bound_hit, island.root);
+                if (crossed || contacts_.is_too_deep(island)) resolve(island, true);
                 else contacts_.find(bodies_, island);
                 break;
             }
-            const Work length = stop_before_crossing(flight);
-            const bool crossed = length < span;
             Work landed = length;
             if (contacts_.is_too_deep(island)) landed = land(flight, length);
             else if (!crossed) {
@@ -115,7 +117,10 @@ private:
     };
     void fly(const Flight& flight, Work length, bool restart) {
         const Unit& unit = flight.island.unit;
-        if (restart) restore(unit, flight.start);
+        if (restart) {
+            restore(unit, flight.start);
+            flyer_.spins_changed(flyer_.world, unit);
+        }
         const bool all = length == flight.span;
         const Work part = all ? Work(1) : length / flight.span;
         // Forces of contacts act as gravity does on a method: before the drift, after it, or half and half.
@@ -153,26 +158,28 @@ private:
             auto crossing = contacts_.find_crossing(bodies_, flight.island);
             if (crossing.pair == nullptr) return end;
             Work from(0);
-            bool touches = false;
+            bool passes = false;
             crossing.at_start();
             for (int i = 0; i < max_resteps; ++i) {
                 const Work part = contacts_.part_apart(crossing);
-                touches = touches && !(part < Work(0));
-                if (part < Work(0)) break;
+                passes = part < Work(0);
+                if (passes) break;
                 from += (end - from) * part;
+                if (from < min_portion()) from = min_portion();
                 fly(flight, from, true);
                 contacts_.measure(bodies_, flight.island);
-                touches = !contacts_.is_apart(crossing);
                 if (contacts_.is_close(crossing)) break;
             }
-            if (!touches) {
+            if (passes) {
                 crossing.pair->passed = true;
                 fly(flight, end, true);
                 contacts_.measure(bodies_, flight.island);
-                continue;
+            } else {
+                end = from;  // at the surface, or where it surely has not been reached
             }
-            end = from;
         }
+        if (contacts_.find_crossing(bodies_, flight.island).pair != nullptr)
+            bodies_.report(Issue::step_bound_hit, flight.island.root);
         return end;
     }
 

@@ -9,7 +9,7 @@ namespace tumble {
 namespace contact {
 inline constexpr int max_points = 4;   // of a pair
 inline constexpr int max_sweeps = 40;  // over the points of an island
-inline constexpr int max_rounds = 8;   // of impacts that pass from pair to pair at one moment
+inline constexpr int max_rounds = 16;  // of impacts that pass from pair to pair at one moment
 }  // namespace contact
 
 // One of the directions of a point (the normal, two tangents) as a row of the weighted constraint matrix, of unit
@@ -57,6 +57,7 @@ struct NearPair {
     std::uint8_t count = 0;     // points within the tolerance
     bool moved = true;          // other than sideways since its points were found
     bool touched = false;       // it pressed, or was hit, at the start of the flight
+    bool left_out = false;      // of the step that it came near in, between two islands
     bool passed = false;        // its crossing has been looked at: it went past
     bool rubs = false, turns = false;
     Length gap{};                                      // least distance; of boxes apart a lower bound
@@ -77,7 +78,7 @@ struct NearPair {
         b = static_cast<std::int16_t>(second);
         count = 0;
         moved = true;
-        touched = passed = rubs = turns = false;
+        touched = left_out = passed = rubs = turns = false;
         share_b = {};
     }
     [[nodiscard]] bool with_plane() const { return b < 0; }

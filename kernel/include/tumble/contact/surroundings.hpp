@@ -41,15 +41,18 @@ public:
         }
     }
 
-    // Looks at the surroundings of body b where its time to contact may have run out. `loaded`: does it feel anything
-    // but gravity? wake(b) is called for a sleeping body that it may touch; is_still(b) tells fixed and sleeping ones.
-    template <class IsStill, class Wake>
-    [[gnu::noinline]] void look_around(Bodies& bodies, int b, bool loaded, IsStill&& is_still, Wake&& wake) {
+    // Looks at the surroundings of body b where its time to contact may have run out. is_loaded(b) tells bodies that
+    // feel anything but gravity, is_still(b) fixed and sleeping ones; wake(b) is called for a sleeping body that it may
+    // touch.
+    template <class IsLoaded, class IsStill, class Wake>
+    [[gnu::noinline]] void look_around(Bodies& bodies, int b, IsLoaded&& is_loaded, IsStill&& is_still, Wake&& wake) {
         const std::uint32_t now = bodies.steps_taken;
         if (response_ != ContactResponse::impulse || shape_[b].is(ShapeKind::none)) {
             foreseen_until_[b] = now + longest_look;
             return;
         }
+        const bool loaded = is_loaded(b), was_near = is_near(b);
+        if (!was_near) touching_[b] = 0;
         int until = longest_look;
         // Looks at a pair if it is due; near() and apart() take it up and drop it.
         const auto meet = [&](int slot, auto&& clear_steps, auto&& near, auto&& apart) {
@@ -79,7 +82,8 @@ public:
                 const int first = other_moves && other < b ? other : b, second = first == b ? other : b;
                 const bool still = is_still(other);
                 meet(
-                    body_slot(b, other), [&] { return steps_to_body(bodies, b, other, loaded, still); },
+                    body_slot(b, other),
+                    [&] { return steps_to_body(bodies, b, other, loaded || (!still && is_loaded(other)), still); },
                     [&] {
                         Pair* pair = pair_of(bodies, first, second);
                         if (pair == nullptr || !still || !other_moves) return near_look;
@@ -91,14 +95,25 @@ public:
                     [&] { forget(first, second); });
             }
         }
+        // Who has just come near something is no longer foreseen for long; who has left everything touches nothing in
+        // the next step.
+        if (was_near != is_near(b)) until = 1;
         foreseen_until_[b] = now + static_cast<std::uint32_t>(until);
     }
 
     // Connects the bodies of every pair that is awake: a pair sleeps with the bodies of it that move.
     template <class Islands, class IsAwake>
-    void connect(Islands& islands, IsAwake&& is_awake) const {
+    void connect(Islands& islands, const Bodies& bodies, IsAwake&& is_awake) {
         for (int i = 0; i < pair_count_; ++i) {
-            const Pair& pair = pair_[i];
+            Pair& pair = pair_[i];
+            if (pair.left_out && is_awake(pair.a) && is_awake(pair.b)) {
+                pair.left_out = false;
+                place(bodies, pair.a);
+                place(bodies, pair.b);
+                measure(bodies, pair);
+                pair.moved = true;
+                find(bodies, pair);
+            }
             if (moves_b(pair) && is_awake(pair.a) && is_awake(pair.b)) islands.connect(pair.a, pair.b);
         }
     }
@@ -109,7 +124,9 @@ public:
         int first = -1;
         for (int i = pair_count_ - 1; i >= 0; --i) {
             Pair& pair = pair_[i];
-            if (islands.root(pair.a) != root || (moves_b(pair) && islands.root(pair.b) != root)) continue;
+            const bool has_a = islands.root(pair.a) == root, has_b = moves_b(pair) && islands.root(pair.b) == root;
+            if (moves_b(pair) && has_a != has_b) pair.left_out = true;
+            if (!has_a || (moves_b(pair) && !has_b)) continue;
             pair.next = static_cast<std::int16_t>(first);
             first = i;
         }
@@ -144,6 +161,7 @@ protected:
 
     Array<Pair, room> pair_{};  // in the order of their keys
     int pair_count_ = 0;
+    std::uint8_t touching_[capacity.bodies]{};  // contact points in the last step
 
 private:
     static constexpr int longest_look = 128;  // steps foreseen
@@ -163,18 +181,20 @@ private:
         return {scale_.drift(N::sum(s.d_w.x), bodies.scale), scale_.drift(N::sum(s.d_w.y), bodies.scale),
                 scale_.drift(N::sum(s.d_w.z), bodies.scale)};
     }
-    // The largest power of two of steps, up to the longest look, in which `reaches(travel)` stays false, with
-    // travel >= speed k + fall k^2; 0 when one step is too long. Loads may double the speed, not more.
+    // The largest power of two of steps, up to `longest`, in which `reaches(travel)` stays false, with
+    // travel >= speed k + fall k^2; 0 when one step is too long.
     template <class Reaches>
-    [[nodiscard]] static int clear_steps(Length speed, Length fall, bool loaded, Reaches&& reaches) {
+    [[nodiscard]] static int clear_steps(Length speed, Length fall, int longest, Reaches&& reaches) {
         int steps = 0;
-        for (int k = 1; k <= longest_look; k *= 2) {
+        for (int k = 1; k <= longest; k *= 2) {
             if (reaches(Numbers::travel(speed, fall, k))) break;
             steps = k;
-            if (loaded) break;
         }
         return steps;
     }
+    // How far a pair is foreseen. Loads may double a speed within a step, not more; what is near something may be
+    // pushed.
+    [[nodiscard]] static int foresight(bool loaded, bool near) { return loaded ? 1 : near ? near_look : longest_look; }
     [[nodiscard]] int steps_to_plane(const Bodies& bodies, int b, int p, bool loaded) const {
         const Plane<N>& plane = plane_[p];
         const Vec3<Length> d = drift(bodies, b);
@@ -183,8 +203,11 @@ private:
         if (loaded) closing = closing + closing;
         Length fall = Numbers::rounded_up(-narrow<Length>(dot(plane.normal, fall_)));
         if (fall < Length{}) fall = Length{};
+        const bool near = is_near(b);
+        if (near) fall = Numbers::rounded_up(fall_bound_ + fall_bound_);
         const Length gap = height(bodies, b, plane) - shape_[b].radius - tolerance_;
-        return clear_steps(closing, fall, loaded, [&](auto travel) { return Numbers::exceeds(travel, gap); });
+        return clear_steps(closing, fall, foresight(loaded, near),
+                           [&](auto travel) { return Numbers::exceeds(travel, gap); });
     }
     [[nodiscard]] int steps_to_body(const Bodies& bodies, int a, int b, bool loaded, bool still) const {
         const Vec3<Length> reach = reach_between(bodies, a, b);
@@ -194,9 +217,10 @@ private:
         if (loaded) closing = closing + closing;
         const Length touch = shape_[a].radius + shape_[b].radius + tolerance_;
         const auto distance2 = dot(reach, reach);
-        // Two that fall, fall together; where loads act on one of them, that is its own affair.
-        const Length fall = still || loaded ? Numbers::rounded_up(fall_bound_) : Length{};
-        return clear_steps(closing, fall, loaded,
+        // Two that fall freely, fall together; but one of them may be held up.
+        const bool near = is_near(a) || is_near(b);
+        const Length fall = Numbers::rounded_up(near ? fall_bound_ + fall_bound_ : fall_bound_);
+        return clear_steps(closing, fall, foresight(loaded, near),
                            [&](auto travel) { return Numbers::reaches(travel, touch, distance2); });
     }
     // How far a point of the body may move in one step.
@@ -235,8 +259,8 @@ private:
         ++pair_count_;
         Pair& pair = pair_[place];
         pair.begin(a, b);
-        ++pairs_of_[a];
-        if (b >= 0) ++pairs_of_[b];
+        if (pairs_of_[a]++ == 0) startle(a, bodies.steps_taken);
+        if (b >= 0 && pairs_of_[b]++ == 0) startle(b, bodies.steps_taken);
         set_up(pair, bodies);
         this->place(bodies, a);
         if (b >= 0) this->place(bodies, b);

@@ -4,10 +4,10 @@
 //
 // An explicit method is stable for h < 2 / sqrt(lambda), with lambda the largest eigenvalue of M^-1 K, as long as the
 // contact lasts. One that begins and ends in the middle of a step gains energy near that limit, so half of it is the
-// largest safe step. Per body: k / m
-// for a sphere on a plane; for a box on a face 4 k max(1 / m, h_j^2 / I_i), for its four springs lift and tilt it.
-// Between bodies the lighter's is taken four times, which is what a long row of them has. A barrier's stiffness 2 B /
-// d^3 is known only on the way.
+// largest safe step. Per body: k / m for a sphere on a plane; for a box on a face 4 k max(1 / m, h_j^2 / I_i), for its
+// four springs lift and tilt it. Of two bodies the sum; where more than two touch each other, twice that, which is what
+// a long row of them has. A barrier's stiffness 2 B / d^3 is known only on the way; whoever jumps over one is told,
+// too.
 #pragma once
 
 #include <tumble/body/bodies.hpp>
@@ -46,12 +46,14 @@ public:
         compliance_[b] = spec.fixed || shape_[b].is(ShapeKind::none) ? Real{} : compliance(spec, inertia);
         if (plane_count_ > 0) require(compliance_[b], b, bodies);
         if constexpr (capacity.pairs) {
-            if (!touches_bodies(b)) return;
-            int others = 0;
-            for (int other = 0; other < b; ++other) others += touches_bodies(other) ? 1 : 0;
-            for (int other = 0; other < b; ++other) {
-                const Real both = compliance_[b] + compliance_[other];
-                if (touches_bodies(other)) require(others > 1 ? both * Real{2} : both, b, bodies);
+            int touching = 0;
+            for (int other = 0; other <= b; ++other) touching += touches_bodies(other) ? 1 : 0;
+            for (int i = 0; i <= b && touching > 1; ++i) {
+                for (int k = i + 1; k <= b; ++k) {
+                    const Real both = compliance_[i] + compliance_[k];
+                    if (touches_bodies(i) && touches_bodies(k))
+                        require(touching > 2 ? both * Real{2} : both, k, bodies);
+                }
             }
         }
     }
@@ -183,6 +185,7 @@ private:
               const WorkVec3<N>& arm, const WorkVec3<N>& arm_b, Bodies& bodies) const {
         Work strength(0);
         if (gap < Work(0)) {
+            if (has_barrier_) bodies.report(Issue::step_too_long, index_a);  // it was jumped over
             strength = -(stiffness_ * gap);
             if (damping_ > Work(0)) {
                 WorkVec3<N> rate = a.velocity_at(arm);

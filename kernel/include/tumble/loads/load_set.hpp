@@ -30,7 +30,10 @@ public:
     // A body has been added.
     void set_body([[maybe_unused]] int b, [[maybe_unused]] const BodySpec& spec,
                   [[maybe_unused]] const PrincipalInertia& inertia, [[maybe_unused]] Bodies& bodies) {
-        if constexpr (capacity.gravitation) mass_[b] = N::template constant<Work>(spec.mass);
+        if constexpr (capacity.gravitation) {
+            mass_[b] = N::template constant<Work>(spec.mass);
+            body_count_ = b + 1;
+        }
         if constexpr (capacity.springs_touch()) contacts_.set_body(b, spec, inertia, bodies);
     }
     // False when there is no room.
@@ -78,7 +81,7 @@ public:
     // Does it feel another moving body?
     [[nodiscard]] bool is_coupled(int b) const {
         if constexpr (capacity.gravitation)
-            if (gravitation_.constant > Work(0)) return true;
+            if (gravitation_.constant > Work(0) && body_count_ > 1) return true;
         if constexpr (capacity.springs > 0) {
             for (int s = 0; s < spring_count_; ++s) {
                 if (spring_[s].to_body >= 0 && (spring_[s].body == b || spring_[s].to_body == b)) return true;
@@ -88,7 +91,7 @@ public:
             if (contacts_.couples(b)) return true;
         return false;
     }
-    // Calls f(other) for every body that a spring ties to b.
+    // Calls f(other) for every body that a spring or gravitation ties to b.
     template <class F>
     void for_each_coupled([[maybe_unused]] int b, [[maybe_unused]] F&& f) const {
         if constexpr (capacity.springs > 0) {
@@ -97,6 +100,10 @@ public:
                 if (spring_[s].body == b) f(spring_[s].to_body);
                 if (spring_[s].to_body == b) f(spring_[s].body);
             }
+        }
+        if constexpr (capacity.gravitation) {
+            for (int other = 0; gravitation_.constant > Work(0) && other < body_count_; ++other)
+                if (other != b) f(other);
         }
     }
     // Calls f(body) for every timed force that begins or ends at the step.
@@ -200,7 +207,7 @@ private:
             for (int k = 0; k < e.unit.count && gravitation_.constant > Work(0); ++k) {
                 const int a = e.unit.id[k];
                 for (int b = 0; b < e.bodies.count; ++b) {
-                    if (b == a || (b < a && !e.bodies.constants[b].fixed)) continue;  // a pair once, fixed ones always
+                    if (b == a || (b < a && find(b) != nullptr)) continue;  // a pair of the unit once
                     gravitation_.apply(loaded[k], mass_[a], *other_end(b), mass_[b]);
                 }
             }
@@ -216,7 +223,7 @@ private:
                 const int a = e.unit.id[k];
                 contacts_.apply(loaded[k], a, e.bodies);
                 for (int b = 0; capacity.pairs && b < e.bodies.count; ++b) {
-                    if (b == a || (b < a && !e.bodies.constants[b].fixed)) continue;
+                    if (b == a || (b < a && find(b) != nullptr)) continue;
                     contacts_.apply(loaded[k], a, *other_end(b), b, e.bodies);
                 }
             }
@@ -248,6 +255,7 @@ private:
     [[no_unique_address]] If<capacity.drag, Drag<N>, 0> drag_{};
     [[no_unique_address]] If<capacity.gravitation, Gravitation<N>, 1> gravitation_{};
     [[no_unique_address]] If<capacity.gravitation, Array<Work, capacity.bodies>, 2> mass_{};
+    [[no_unique_address]] If<capacity.gravitation, int, 7> body_count_{};
     [[no_unique_address]] If<(capacity.springs > 0), Array<Spring<N>, capacity.springs>, 3> spring_{};
     [[no_unique_address]] If<(capacity.springs > 0), int, 4> spring_count_{};
     [[no_unique_address]] If<capacity.forces, Span<Thrust<N>>, 5> forces_{};
