@@ -8,7 +8,7 @@ CORE  ?= cortex-m3
 TOLERANCE ?= 1e-3
 ARGS  ?=
 
-.PHONY: run test bench peers work-precision work-precision-loads pictures long-run ordinary engines firmware replay advise size check format tables golden build setup clean help
+.PHONY: run test bench bench-contacts peers work-precision work-precision-loads pictures long-run ordinary engines firmware replay advise size check format tables golden build setup clean help
 .DEFAULT_GOAL := help
 
 ## help: this list
@@ -51,6 +51,20 @@ bench: build valgrind
 	build/host/bench/tumble_matrix host_sim/scenes/free.toml --cores $(subst $(space),$(comma),$(CORES) host) --results bench/results/free.jsonl
 	build/host/bench/tumble_matrix host_sim/scenes/cube.toml --accuracy \
 	    --integrators explicit_euler,implicit_euler,heun,midpoint,rk4,verlet --results bench/results/cube.jsonl
+	build/host/bench/tumble_tables README.md bench/results
+
+## bench-contacts: what contacts cost a step, at rest, asleep, out of reach and at worst, on an M3 and an M4F
+CONTACTS := bench/contacts/plane_out_of_reach bench/contacts/resting_box bench/contacts/resting_box_rough \
+    bench/contacts/sleepers_0 bench/contacts/sleepers_1 bench/contacts/sleepers_16 host_sim/scenes/contacts/cradle \
+    host_sim/scenes/contacts/stack bench/contacts/worst_case
+bench-contacts: build
+	rm -f build/results/contacts.jsonl
+	for scene in host_sim/scenes/free $(CONTACTS); do \
+	    build/host/bench/tumble_matrix $$scene.toml --cores cortex-m3,cortex-m4f --numbers q32,f32_plain --integrators verlet \
+	        --results build/results/contacts_scene.jsonl || exit 1; \
+	    cat build/results/contacts_scene.jsonl >> build/results/contacts.jsonl; \
+	done
+	@mv build/results/contacts.jsonl bench/results/contacts.jsonl
 	build/host/bench/tumble_tables README.md bench/results
 
 ## work-precision: error against cost of every method on problems of free rotation, as rows and pictures in bench/results

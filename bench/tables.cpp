@@ -114,6 +114,19 @@ Table cube_table(const std::vector<Row>& rows) {
     return table;
 }
 
+// What a contact scene costs, core by core.
+Table contacts_table(const std::vector<Row>& rows) {
+    Table table;
+    table.head = {"scene", "core", "numbers", "insn per step", "last step", "worst step", "text bytes", "RAM bytes"};
+    for (const Row& row : rows) {
+        table.rows.push_back({row.at("scene").get<std::string>(), row.at("core").get<std::string>(), numbers_of(row),
+                              text_of(row, "insn_per_step"), text_of(row, "insn_per_step_last"),
+                              text_of(row, "insn_per_step_max"), text_of(row, "text_bytes"),
+                              text_of(row, "ram_bytes")});
+    }
+    return table;
+}
+
 // The error of a row of work against precision, in its problem's own unit.
 double error_of(const Row& row) {
     return row.at(row.contains("position_error_m") ? "position_error_m" : "orientation_error_rad").get<double>();
@@ -292,6 +305,8 @@ int main(int argc, char** argv) try {
         front_table(tumble::bench::read_rows(results / "work_precision.jsonl"), "error below, rad").markdown();
     if (const auto loads = results / "work_precision_loads.jsonl"; std::filesystem::exists(loads))
         tables["front_loads"] = front_table(tumble::bench::read_rows(loads), "error below, m or rad").markdown();
+    if (const auto contacts = results / "contacts.jsonl"; std::filesystem::exists(contacts))
+        tables["contacts"] = contacts_table(tumble::bench::read_rows(contacts)).markdown();
     const auto long_run = tumble::bench::read_rows(results / "long_run.jsonl");
     tables["long_run_free"] =
         long_run_table(long_run, "generic top",

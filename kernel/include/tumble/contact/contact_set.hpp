@@ -143,7 +143,8 @@ public:
     }
 
     // A pair that is apart at both ends of the flight, but along the direction in which it was apart at the start it is
-    // now deeper than the tolerance: it may have passed through. Null when there is none, or when pairs never do (planes have no other side).
+    // now deeper than the tolerance: it may have passed through. Null when there is none, or when pairs never do
+    // (planes have no other side).
     struct Crossing {
         Pair* pair = nullptr;
         Vec3<Length> reach;  // at the end of the flight
