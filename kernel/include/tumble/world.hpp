@@ -185,11 +185,7 @@ private:
     }
 
     TUMBLE_INLINE void advance_free(int b, const StepInfo<N>& info) {
-        if (bodies_.constants[b].fixed) {
-            if constexpr (S::turntables)
-                if (bodies_.is_turning(b)) rotate(b, info);
-            return;
-        }
+        if (turns_in_place(b, info)) return;
         coast(b, gravity_);
         rotate(b, info);
         bodies_.check_range(b);
@@ -227,20 +223,16 @@ private:
                 coupled.add(b);
                 continue;
             }
-            advance_alone(b, info);
+            advance_unit(Unit::of(b), info);
         }
         if (coupled.count > 0) advance_unit(coupled, info);
     }
-    bool turns_in_place(int b, [[maybe_unused]] const StepInfo<N>& info) {
+    // Is the body fixed? Then it moves no further than that.
+    TUMBLE_INLINE bool turns_in_place(int b, [[maybe_unused]] const StepInfo<N>& info) {
         if (!bodies_.constants[b].fixed) return false;
         if constexpr (S::turntables)
             if (bodies_.is_turning(b)) rotate(b, info);
         return true;
-    }
-    void advance_alone(int b, const StepInfo<N>& info) {
-        Unit alone;
-        alone.add(b);
-        advance_unit(alone, info);
     }
     void advance_unit(const Unit& unit, const StepInfo<N>& info) {
         fly(unit, info, {});
@@ -350,7 +342,7 @@ private:
             if (contacts_.is_near(b) || is_coupled(b)) {
                 islands = true;
             } else if (is_loaded(b)) {
-                advance_alone(b, info);
+                advance_unit(Unit::of(b), info);
             } else {
                 advance_free(b, info);
             }
@@ -447,17 +439,17 @@ private:
     // What loads will change in the whole step, into the contacts' kick(): gravity, and what else acts at its present
     // strength.
     void foresee_loads(const Unit& unit) {
+        const DriftSum whole[3]{whole_fall(gravity_[0]), whole_fall(gravity_[1]), whole_fall(gravity_[2])};
         Unit loaded;
         for (int k = 0; k < unit.count; ++k) {
             const int b = unit.id[k];
             Kick<N>& kick = contacts_.kick(b);
             kick = {};
-            for (int i = 0; i < 3; ++i) kick.linear[i] = whole_fall(gravity_[i]);
+            for (int i = 0; i < 3; ++i) kick.linear[i] = whole[i];
             if (is_loaded(b)) loaded.add(b);
         }
         if constexpr (has_loads) {
             if (loaded.count == 0) return;
-            const DriftSum whole[3]{whole_fall(gravity_[0]), whole_fall(gravity_[1]), whole_fall(gravity_[2])};
             StageState<N> stages[S::bodies];
             Kick<N> kicks[S::bodies];
             for (int k = 0; k < loaded.count; ++k) stages[k] = stage_of(bodies_.state[loaded.id[k]]);

@@ -205,6 +205,10 @@ public:
         for (int i = 0; i < 3; ++i) v[i] = N::metres(N::sum(state[b].d_w[i]), scale) * rate;
         return v;
     }
+    // Angle turned in a step about principal axis i, rad.
+    [[nodiscard]] Work turn(int b, int i) const {
+        return N::half_turn(N::sum(state[b].t_b[i]), scale) * constants[b].units.rate(i, Work(1));
+    }
     [[nodiscard]] WorkVec3<N> angular_velocity(int b) const {
         const Work rate = steps_per_second();
         WorkVec3<N> w;

@@ -16,10 +16,10 @@ public:
     Vec3<Unit> normal;  // world, from b to a
     Length gap;
 
-    // `bias`: by how much an edge pair must be farther apart than the best faces to be taken, so that the choice does
+    // `bias`, >= 0: by how much an edge pair must be farther apart than the best faces to be taken, so that the choice does
     // not flicker.
     BoxBox(const PairView<N>& view, Length bias)
-        : view_{view}, axes_{view.a.axes(view.axes_a), view.b.axes(view.axes_b)} {
+        : axes_{view.a.axes(view.axes_a), view.b.axes(view.axes_b)} {
         // Everything in the axes of a; r takes b's axes to a's. t goes from a to b.
         const Vec3<Length>&h = view.a.half, &k = view.b.half;
         const Vec3<Length> t = -axes_[0].to_body(view.reach);
@@ -69,9 +69,9 @@ public:
         if (!negative_) normal = -normal;
     }
 
-    void find(FoundPoints<N>& found, Length band) const {
-        if (axis_ >= 6) find_on_edges(found);
-        else find_on_faces(found, band);
+    void find(const PairView<N>& view, FoundPoints<N>& found, Length band) const {
+        if (axis_ >= 6) find_on_edges(view, found);
+        else find_on_faces(view, found, band);
     }
 
 private:
@@ -84,11 +84,9 @@ private:
         int count = 0;
     };
 
-    [[nodiscard]] const ContactShape<N>& shape(int side) const { return side == 0 ? view_.a : view_.b; }
-
     // The incident face (of the other box, most against the reference face's normal), clipped against the sides of the
     // reference face. Both bodies get the same points: those of the incident face.
-    void find_on_faces(FoundPoints<N>& found, Length band) const {
+    void find_on_faces(const PairView<N>& view, FoundPoints<N>& found, Length band) const {
         const int side = axis_ < 3 ? 0 : 1, other = 1 - side, face = axis_ % 3, iu = (face + 1) % 3,
                   iv = (face + 2) % 3;
         const Axes<N>&axes = axes_[side], &incident = axes_[other];
@@ -101,17 +99,15 @@ private:
             if (magnitude_of(n[i]) > magnitude_of(n[k])) k = i;
         const int k1 = (k + 1) % 3, k2 = (k + 2) % 3;
         const bool up = n[k] < Unit{};  // the face at +k looks against the normal
-        const ContactShape<N>&reference_shape = shape(side), &incident_shape = shape(other);
+        const ContactShape<N>&reference_shape = side == 0 ? view.a : view.b, &incident_shape = side == 0 ? view.b : view.a;
         // From the reference box to the incident one, in the reference's axes.
-        const Vec3<Length> to_incident = axes.to_body(side == 0 ? Vec3<Length>(-view_.reach) : view_.reach);
+        const Vec3<Length> to_incident = axes.to_body(side == 0 ? Vec3<Length>(-view.reach) : view.reach);
         Vec3<Length> centre = to_incident, edge[2];
         {
-            const auto along = [&](int i, Length l) {
-                return axes.to_body(SphereSphere<N>::along(incident.axis(i), l));
-            };
-            centre += along(k, up ? incident_shape.half[k] : -incident_shape.half[k]);
-            edge[0] = along(k1, incident_shape.half[k1]);
-            edge[1] = along(k2, incident_shape.half[k2]);
+            const auto along_axis = [&](int i, Length l) { return axes.to_body(along(incident.axis(i), l)); };
+            centre += along_axis(k, up ? incident_shape.half[k] : -incident_shape.half[k]);
+            edge[0] = along_axis(k1, incident_shape.half[k1]);
+            edge[1] = along_axis(k2, incident_shape.half[k2]);
         }
         Polygon polygon;
         const Length top = reference_shape.half[face];
@@ -195,28 +191,27 @@ private:
     }
 
     // The point of a's edge that is nearest to the line along b's.
-    void find_on_edges(FoundPoints<N>& found) const {
+    void find_on_edges(const PairView<N>& view, FoundPoints<N>& found) const {
         const int i = (axis_ - 6) / 3, j = (axis_ - 6) % 3;
         const Vec3<Unit> na = axes_[0].to_body(normal), nb = axes_[1].to_body(normal);
         Vec3<Length> on_a, on_b;
         for (int m = 0; m < 3; ++m) {
-            on_a[m] = m == i ? Length{} : na[m] > Unit{} ? -view_.a.half[m] : view_.a.half[m];
-            on_b[m] = m == j ? Length{} : nb[m] > Unit{} ? view_.b.half[m] : -view_.b.half[m];
+            on_a[m] = m == i ? Length{} : na[m] > Unit{} ? -view.a.half[m] : view.a.half[m];
+            on_b[m] = m == j ? Length{} : nb[m] > Unit{} ? view.b.half[m] : -view.b.half[m];
         }
         const Vec3<Unit> a = axes_[0].axis(i), b = axes_[1].axis(j);
-        const Vec3<Length> apart = axes_[1].to_world(on_b) - view_.reach - axes_[0].to_world(on_a);
+        const Vec3<Length> apart = axes_[1].to_world(on_b) - view.reach - axes_[0].to_world(on_a);
         const Unit c = narrow<Unit>(dot(a, b));
         const Length along_a = narrow<Length>(dot(a, apart)), along_b = narrow<Length>(dot(b, apart));
         const auto part = [&](Length l, Length less, Length most) {
             const Length s = Numbers::over_sine(Numbers::over_sine(l - less, c), c);
             return s > most ? most : s < -most ? -most : s;
         };
-        on_a[i] = part(along_a, narrow<Length>(mul(c, along_b)), view_.a.half[i]);
-        on_b = axes_[1].to_body(Vec3<Length>(axes_[0].to_world(on_a) + view_.reach));  // the same point
-        found.add() = {view_.a.principal(on_a), view_.b.principal(on_b), gap};
+        on_a[i] = part(along_a, narrow<Length>(mul(c, along_b)), view.a.half[i]);
+        on_b = axes_[1].to_body(Vec3<Length>(axes_[0].to_world(on_a) + view.reach));  // the same point
+        found.add() = {view.a.principal(on_a), view.b.principal(on_b), gap};
     }
 
-    const PairView<N>& view_;
     Axes<N> axes_[2];
     int axis_ = 0;  // 0-2 a face of a, 3-5 of b, then edges
     bool negative_ = false;

@@ -119,7 +119,7 @@ public:
             if (!any || gap < least) least = gap;
             any = true;
         });
-        return scale_.metres(least);
+        return scale().metres(least);
     }
     // Has a pair come deeper than is allowed at the end of a flight?
     [[nodiscard]] bool is_too_deep(const Island& island) const {
@@ -178,15 +178,12 @@ public:
         const Length left = end.separation(pair.normal, capacity.boxes);
         if (!(left < -tolerance_)) return Work(-1);
         if (!(pair.gap > Length{})) return Work(0);
-        const Work gap = scale_.metres(pair.gap);
-        return gap / (gap - scale_.metres(left));
+        const Work gap = scale().metres(pair.gap);
+        return gap / (gap - scale().metres(left));
     }
     // Near enough to its impact, at the least.
     [[nodiscard]] bool is_close(const Crossing& crossing) const {
         return !(crossing.pair->gap > Numbers::sixteenth(Numbers::sixteenth(tolerance_)));
-    }
-    [[nodiscard]] bool is_apart(const Crossing& crossing) const {
-        return crossing.pair->gap > Numbers::half(Numbers::half(tolerance_));
     }
 
     // Impulses at the points of the island as they are measured. Where an impact comes with restitution, pair after
@@ -261,7 +258,7 @@ private:
     using Base::moves_b;
     using Base::pair_;
     using Base::place;
-    using Base::scale_;
+    using Base::scale;
     using Base::shape_;
     using Base::slow_;
     using Base::tolerance_;
@@ -361,7 +358,7 @@ private:
     }
     // A length of a step along the pair's normal as a speed along the point's row.
     [[nodiscard]] Speed speed(const Pair& pair, const Point& point, Length per_step) const {
-        return narrow<Speed>(mul(speeds_.speed(per_step, pair.weight, scale_), point.row[0].inverse));
+        return narrow<Speed>(mul(speeds_.speed(per_step, pair.weight, scale()), point.row[0].inverse));
     }
     // A distance of a step along the pair's normal, m.
     [[nodiscard]] Speed pair_speed(const Pair& pair, Work per_step) const {
@@ -379,9 +376,8 @@ private:
             WorkVec3<N> turn, arm, direction;
             const Vec3<typename N::Unit> direction_b = axes_[b].to_body(pair.tangent[k - 1]);
             for (int i = 0; i < 3; ++i) {
-                turn[i] = N::half_turn(N::sum(bodies.state[b].t_b[i]), bodies.scale) *
-                          bodies.constants[b].units.rate(i, Work(1));
-                arm[i] = scale_.metres(point.arm_b[i]);
+                turn[i] = bodies.turn(b, i);
+                arm[i] = scale().metres(point.arm_b[i]);
                 direction[i] = N::work(direction_b[i]);
             }
             return narrow<Speed>(

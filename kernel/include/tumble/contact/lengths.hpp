@@ -49,6 +49,18 @@ template <class T>
     return a < T{} ? -a : a;
 }
 
+// A bound of |v| that needs no root.
+template <class T>
+[[nodiscard]] TUMBLE_INLINE constexpr T sum_of_magnitudes(const Vec3<T>& v) {
+    return magnitude_of(v.x()) + magnitude_of(v.y()) + magnitude_of(v.z());
+}
+
+// A length along a direction.
+template <class Unit, class Length>
+[[nodiscard]] Vec3<Length> along(const Vec3<Unit>& u, Length l) {
+    return {narrow<Length>(mul(u.x(), l)), narrow<Length>(mul(u.y(), l)), narrow<Length>(mul(u.z(), l))};
+}
+
 template <class N>
 struct ContactNumbers;
 
@@ -319,7 +331,7 @@ requires(!N::fixed_point) struct ContactNumbers<N> {
     private:
         T quiet_ = 0, rounding_ = 0;
     };
-    [[nodiscard]] static T size(T sum, int, T weight) { return (sum < T(0) ? -sum : sum) * weight; }
+    [[nodiscard]] static T size(T sum, int, T weight) { return magnitude_of(sum) * weight; }
     [[nodiscard]] static constexpr T nothing() { return T(0); }
     [[nodiscard]] static constexpr int log2(T) { return 0; }
     [[nodiscard]] static constexpr int drift_bits(typename N::Scale) { return 0; }
@@ -363,7 +375,6 @@ template <class N>
 struct Axes {
     using Numbers = ContactNumbers<N>;
     using Unit = typename Numbers::Unit;
-    using Length = typename Numbers::Length;
 
     Vec3<Unit> row[3];  // row[i][j]: component i (world) of axis j
 

@@ -1,6 +1,6 @@
 // Where two bodies are relative to each other: spheres and boxes. The gap is the distance of the surfaces along
 // `normal`, which points from the second to the first; of boxes apart it is the widest separation along an axis, never
-// more than the distance.
+// more than the distance. find() gives the points of a pair that is nearer than `band`, those of boxes up to it.
 #pragma once
 
 #include <tumble/contact/plane_contacts.hpp>
@@ -51,12 +51,9 @@ struct SphereSphere {
         gap = narrow<Length>(dot(normal, view.reach)) - view.a.half.x() - view.b.half.x();
     }
     // The same point for both bodies, that of b, so that what one gets the other loses.
-    void find(const PairView<N>& view, FoundPoints<N>& found) const {
+    void find(const PairView<N>& view, FoundPoints<N>& found, Length) const {
         found.add() = {along(view.axes_a.to_body(normal), -(view.a.half.x() + gap)),
                        along(view.axes_b.to_body(normal), view.b.half.x()), gap};
-    }
-    [[nodiscard]] static Vec3<Length> along(const Vec3<Unit>& u, Length l) {
-        return {narrow<Length>(mul(u.x(), l)), narrow<Length>(mul(u.y(), l)), narrow<Length>(mul(u.z(), l))};
     }
 };
 
@@ -103,8 +100,8 @@ struct SphereBox {
         }
         normal = axes.to_world(n);
     }
-    void find(const PairView<N>& view, FoundPoints<N>& found) const {
-        found.add() = {SphereSphere<N>::along(view.axes_a.to_body(normal), -(view.a.half.x() + gap)),
+    void find(const PairView<N>& view, FoundPoints<N>& found, Length) const {
+        found.add() = {along(view.axes_a.to_body(normal), -(view.a.half.x() + gap)),
                        view.b.principal(nearest), gap};
     }
 };

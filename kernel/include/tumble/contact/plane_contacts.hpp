@@ -48,13 +48,13 @@ public:
             const Vec3<Unit> n = shape.turned ? shape.edges.to_body(normal_) : normal_;
             for (int i = 0; i < 3; ++i) reach_[i] = narrow<Length>(mul(n[i], shape.half[i]));
         } else if (capacity.cylinders && !shape.is(ShapeKind::sphere)) {
-            const Unit along = narrow<Unit>(dot(normal_, shape.axis));
-            reach_[1] = narrow<Length>(mul(along, shape.half.y()));
+            const Unit upright = narrow<Unit>(dot(normal_, shape.axis));
+            reach_[1] = narrow<Length>(mul(upright, shape.half.y()));
             reach_[0] = shape.half.x();
             if (shape.is_round()) {
                 // Down the slope of the end face, from its centre: the part of -n across the axis.
-                for (int i = 0; i < 3; ++i) down_[i] = narrow<Unit>(mul(along, shape.axis[i])) - normal_[i];
-                const Unit slope = slope_of(along);
+                for (int i = 0; i < 3; ++i) down_[i] = narrow<Unit>(mul(upright, shape.axis[i])) - normal_[i];
+                const Unit slope = this->slope();
                 flat_ = slope == Unit{};
                 if (!flat_) down_ = Numbers::direction(down_);
                 reach_[0] = narrow<Length>(mul(shape.half.x(), slope));
@@ -107,11 +107,8 @@ public:
     }
 
 private:
-    [[nodiscard]] static Vec3<Length> along(const Vec3<Unit>& u, Length l) {
-        return {narrow<Length>(mul(u.x(), l)), narrow<Length>(mul(u.y(), l)), narrow<Length>(mul(u.z(), l))};
-    }
-    // sqrt(1 - along^2), or zero where the direction down the slope would be rounding.
-    [[nodiscard]] Unit slope_of(Unit) const {
+    // The sine of the angle between axis and normal, or zero where the direction down the slope would be rounding.
+    [[nodiscard]] Unit slope() const {
         const Unit slope = Numbers::unit_norm(down_);
         return slope > Numbers::flat() ? slope : Unit{};
     }

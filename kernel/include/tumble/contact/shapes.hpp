@@ -7,14 +7,19 @@
 
 namespace tumble {
 
+// The points x with normal . x + offset >= 0.
 template <class N>
-struct Plane {
-    using Work = typename N::Work;
-
+struct HalfSpace {
     Vec3<typename N::Unit> normal = Vec3<typename N::Unit>::Constant(typename N::Unit{});  // unit; to the free side
-    Vec3<typename N::Unit> tangent[2] = {normal, normal};  // with it a right-handed frame
-    typename N::AlongSum offset{};                         // m
-    Work restitution{}, friction{};                        // negative: the world's default
+    typename N::AlongSum offset{};                                                         // m
+
+    HalfSpace() = default;
+    explicit HalfSpace(const PlaneSpec& spec) {
+        const RealVec3 n = normalized(spec.normal);
+        for (int i = 0; i < 3; ++i) normal[i] = N::template constant<typename N::Unit>(n[i]);
+        if constexpr (N::fixed_point) offset = {spec.offset.to_fixed(N::AlongSum::fraction_bits, 64)};
+        else offset = N::template constant<typename N::Work>(spec.offset);
+    }
 };
 
 // Two directions that make a right-handed frame with n.
@@ -22,7 +27,7 @@ template <class N>
 void set_tangents(const Vec3<typename N::Unit>& n, Vec3<typename N::Unit> (&tangent)[2]) {
     using Numbers = ContactNumbers<N>;
     using Unit = typename N::Unit;
-    const auto size = [&](int i) { return n[i] < Unit{} ? -n[i] : n[i]; };
+    const auto size = [&](int i) { return magnitude_of(n[i]); };
     // Across the axis that n is least along, the first of equals.
     const int k = size(0) <= size(1) && size(0) <= size(2) ? 0 : size(1) <= size(2) ? 1 : 2;
     Vec3<Unit> axis = Vec3<Unit>::Constant(Unit{});
@@ -30,6 +35,21 @@ void set_tangents(const Vec3<typename N::Unit>& n, Vec3<typename N::Unit> (&tang
     tangent[0] = Numbers::direction(cross<Unit>(n, axis));
     tangent[1] = cross<Unit>(n, tangent[0]);
 }
+
+template <class N>
+struct Plane : HalfSpace<N> {
+    using Work = typename N::Work;
+
+    Vec3<typename N::Unit> tangent[2] = {this->normal, this->normal};  // with the normal a right-handed frame
+    Work restitution{}, friction{};                                    // negative: the world's default
+
+    Plane() = default;
+    explicit Plane(const PlaneSpec& spec)
+        : HalfSpace<N>{spec}, restitution{N::template constant<Work>(spec.restitution)},
+          friction{N::template constant<Work>(spec.friction)} {
+        set_tangents<N>(this->normal, tangent);
+    }
+};
 
 template <class N>
 struct ContactShape {
@@ -61,11 +81,40 @@ struct ContactShape {
         radius = to.coarser(radius, from);
     }
     [[nodiscard]] bool is(ShapeKind k) const { return kind == k; }
+    // Only spheres and boxes touch other bodies.
+    [[nodiscard]] bool touches_bodies() const { return is(ShapeKind::sphere) || is(ShapeKind::box); }
     [[nodiscard]] bool is_round() const { return kind == ShapeKind::cylinder || kind == ShapeKind::hoop; }
 
     [[nodiscard]] Axes<N> axes(const Axes<N>& principal) const { return turned ? principal.times(edges) : principal; }
     // From the axes of the shape to principal axes.
     [[nodiscard]] Vec3<Length> principal(const Vec3<Length>& arm) const { return turned ? edges.to_world(arm) : arm; }
+};
+
+// The shapes of a world's bodies, in one scale of lengths: that of the largest.
+template <class N, int bodies>
+class Shapes {
+public:
+    using Scale = typename ContactNumbers<N>::Scale;
+
+    // Makes room for a length, m; what has been set before becomes coarser. False when there was room.
+    bool make_room(Real length) {
+        if (!(length > largest_)) return false;
+        largest_ = length;
+        const Scale finer = scale_;
+        scale_ = Scale::of(largest_);
+        for (ContactShape<N>& shape : shape_)
+            if (!shape.is(ShapeKind::none)) shape.rescale(finer, scale_);
+        return true;
+    }
+    [[nodiscard]] const Scale& scale() const { return scale_; }
+    [[nodiscard]] Real largest() const { return largest_; }
+    [[nodiscard]] ContactShape<N>& operator[](int b) { return shape_[b]; }
+    [[nodiscard]] const ContactShape<N>& operator[](int b) const { return shape_[b]; }
+
+private:
+    ContactShape<N> shape_[bodies]{};
+    Scale scale_{};
+    Real largest_{};
 };
 
 // How far the shape reaches from its centre of mass, m.

@@ -24,9 +24,9 @@ public:
         }
     }
 
-    void add(int b) { insert(b); }
-    // Bodies that move, in the order of their numbers; one that wakes during a step's look around comes last until the
-    // next.
+    // A body that moves: awake.
+    void add(int b) { awake_[awake_count_++] = static_cast<std::int16_t>(b); }
+    // Bodies that move, in the order in which they were added or woke.
     [[nodiscard]] TUMBLE_INLINE int awake_count() const { return awake_count_; }
     [[nodiscard]] TUMBLE_INLINE int awake(int k) const {
         if constexpr (capacity.bodies == 1) return 0;
@@ -40,7 +40,7 @@ public:
     void wake(int b) requires(capacity.sleep) {
         asleep_[b] = false;
         quiet_[b] = 0;
-        awake_[awake_count_++] = static_cast<std::int16_t>(b);
+        add(b);
     }
     // Have all bodies of the island been slow for the time? Counts the step.
     [[nodiscard]] bool may_sleep(const Bodies& bodies, const Unit& unit, bool rests) requires(capacity.sleep) {
@@ -69,7 +69,6 @@ public:
     }
 
 private:
-    void insert(int b) { awake_[awake_count_++] = static_cast<std::int16_t>(b); }
     [[nodiscard]] bool is_slow(const Bodies& bodies, int b) const requires(capacity.sleep) {
         const auto& state = bodies.state[b];
         Work speed2(0), spin2(0);
@@ -79,8 +78,7 @@ private:
         }
         if (speed2 > rules_.speed2) return false;
         for (int i = 0; i < 3; ++i) {
-            const Work w =
-                N::half_turn(N::sum(state.t_b[i]), bodies.scale) * bodies.constants[b].units.rate(i, Work(1));
+            const Work w = bodies.turn(b, i);
             spin2 = mul_add(spin2, w, w);
         }
         return !(spin2 > rules_.spin2);

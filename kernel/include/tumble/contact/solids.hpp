@@ -1,7 +1,7 @@
 // What touches and where it is: the shapes of a world's bodies, its planes, and what is measured of a pair of them.
 #pragma once
 
-#include <tumble/contact/box_box.hpp>
+#include <tumble/contact/with_contact.hpp>
 
 namespace tumble {
 
@@ -20,8 +20,8 @@ public:
     Solids(Real step, const ContactSpec& spec)
         : restitution_{N::template constant<Work>(spec.restitution)},
           friction_{N::template constant<Work>(spec.friction)}, tolerance_metres_{spec.tolerance} {
-        if constexpr (N::fixed_point) set_scale(Real{N::Range::velocity} * step);
-        set_scale(spec.tolerance);
+        if constexpr (N::fixed_point) (void)make_room(Real{N::Range::velocity} * step);
+        (void)make_room(spec.tolerance);
     }
 
     // Gravity's change of drift in a step, m.
@@ -30,29 +30,24 @@ public:
         set_fall();
     }
 
-    // What of body b touches.
-    [[gnu::noinline]] void set_shape(int b, const BodySpec& spec, const PrincipalInertia& inertia,
-                                     const SpinUnits<N, spin>& units) {
-        set_scale(reach_of(spec.shape));
-        set_contact_shape<N, spin>(shape_[b], spec, inertia, scale_, units);
-    }
     // False when there is no room.
     [[gnu::noinline]] bool add(const PlaneSpec& spec) {
         if (plane_count_ >= capacity.planes) return false;
-        Plane<N>& plane = plane_[plane_count_++];
-        const RealVec3 n = normalized(spec.normal);
-        for (int i = 0; i < 3; ++i) plane.normal[i] = N::template constant<typename N::Unit>(n[i]);
-        set_tangents<N>(plane.normal, plane.tangent);
-        if constexpr (N::fixed_point) plane.offset = {spec.offset.to_fixed(N::AlongSum::fraction_bits, 64)};
-        else plane.offset = N::template constant<Work>(spec.offset);
-        plane.restitution = N::template constant<Work>(spec.restitution);
-        plane.friction = N::template constant<Work>(spec.friction);
+        plane_[plane_count_++] = Plane<N>{spec};
         return true;
     }
     // m: the band in which bodies touch, and the depth at which a step is redone.
-    [[nodiscard]] Work tolerance() const { return scale_.metres(tolerance_); }
+    [[nodiscard]] Work tolerance() const { return scale().metres(tolerance_); }
 
 protected:
+    [[nodiscard]] const typename Numbers::Scale& scale() const { return shape_.scale(); }
+    // Makes room for a length, m. Lengths that have been taken before are those of another scale when this is true.
+    bool make_room(Real largest) {
+        if (!shape_.make_room(largest)) return false;
+        tolerance_ = scale().length(tolerance_metres_);
+        set_fall();
+        return true;
+    }
     [[nodiscard]] bool moves_b(const Pair& pair) const {
         return capacity.pairs && pair.b >= 0 && !(pair.share_b == typename N::Unit{});
     }
@@ -111,13 +106,13 @@ protected:
     [[nodiscard]] Length height(const Bodies& bodies, int b, const Plane<N>& plane) const {
         const State& s = bodies.state[b];
         const typename N::PositionSum x[3] = {N::sum(s.x_w.x), N::sum(s.x_w.y), N::sum(s.x_w.z)};
-        return scale_.length(N::along(x, plane.normal) + plane.offset);
+        return scale().length(N::along(x, plane.normal) + plane.offset);
     }
     // From the centre of b to that of a.
     [[nodiscard]] Vec3<Length> reach_between(const Bodies& bodies, int a, int b) const {
         Vec3<Length> reach;
         for (int i = 0; i < 3; ++i)
-            reach[i] = scale_.length(N::sum(bodies.state[a].x_w[i]) - N::sum(bodies.state[b].x_w[i]));
+            reach[i] = scale().length(N::sum(bodies.state[a].x_w[i]) - N::sum(bodies.state[b].x_w[i]));
         return reach;
     }
     [[nodiscard]] PlaneView<N, capacity> view_of_plane(const Bodies& bodies, const Pair& pair) const {
@@ -127,20 +122,9 @@ protected:
     [[nodiscard]] PairView<N> view_of(const Bodies& bodies, const Pair& pair) const {
         return {shape_[pair.a], shape_[pair.b], axes_[pair.a], axes_[pair.b], reach_between(bodies, pair.a, pair.b)};
     }
-    // Calls f(what is known of two shapes, the view in its order, whether that is reversed).
     template <class F>
     void with_pair(const Bodies& bodies, const Pair& pair, F&& f) const {
-        const PairView<N> view = view_of(bodies, pair);
-        if constexpr (capacity.boxes) {
-            const bool box_a = view.a.is(ShapeKind::box), box_b = view.b.is(ShapeKind::box);
-            if (box_a && box_b) return f(BoxBox<N>{view, Numbers::half(Numbers::half(tolerance_))}, view, false);
-            if (box_b) return f(SphereBox<N>{view}, view, false);
-            if (box_a) {
-                const PairView<N> reversed = view.reversed();
-                return f(SphereBox<N>{reversed}, reversed, true);
-            }
-        }
-        f(SphereSphere<N>{view}, view, false);
+        with_contact<capacity>(view_of(bodies, pair), Numbers::half(Numbers::half(tolerance_)), f);
     }
     void measure(const Bodies& bodies, Pair& pair) {
         pair.moved = pair.moved || turned_[pair.a];
@@ -151,7 +135,8 @@ protected:
         if constexpr (capacity.pairs) {
             if constexpr (capacity.turntables)
                 if (pair.turns) place(bodies, pair.b);
-            pair.moved = pair.moved || turned_[pair.b];
+            // Others that are fixed have not turned since they were placed first.
+            pair.moved = pair.moved || (turned_[pair.b] && (pair.turns || moves_b(pair)));
             with_pair(bodies, pair, [&](const auto& contact, const auto&, bool reversed) {
                 pair.gap = contact.gap;
                 const Vec3<typename N::Unit> normal =
@@ -172,7 +157,7 @@ protected:
             view_of_plane(bodies, pair).find(found, tolerance_);
         } else if constexpr (capacity.pairs) {
             with_pair(bodies, pair, [&](const auto& contact, const auto& view, bool reversed) {
-                contact_points(contact, view, found);
+                contact.find(view, found, tolerance_);
                 if (reversed) {
                     for (int i = 0; i < found.count; ++i) {
                         const Vec3<Length> arm = found.point[i].arm;
@@ -185,11 +170,6 @@ protected:
                 if (pair.rubs) set_tangents<N>(pair.normal, pair.tangent);
         }
         take(pair, found);
-    }
-    template <class Contact>
-    void contact_points(const Contact& contact, const PairView<N>& view, FoundPoints<N>& found) const {
-        if constexpr (requires { contact.find(view, found); }) contact.find(view, found);
-        else contact.find(found, tolerance_);
     }
     // A point inherits the impulses of the one that was where it is now.
     void take(Pair& pair, const FoundPoints<N>& found) const {
@@ -226,35 +206,23 @@ protected:
     template <class T, int n>
     using Array = T[n > 0 ? n : 1];
 
-    typename Numbers::Scale scale_{};
     Length tolerance_{}, fall_bound_{};
     Vec3<Length> fall_ = Vec3<Length>::Constant(Length{});  // gravity's change of drift in a step
     Work slow_{};                                           // m: twice that; who moves less in a step, rests
     Array<Plane<N>, capacity.planes> plane_{};
     int plane_count_ = 0;
-    ContactShape<N> shape_[capacity.bodies]{};
+    Shapes<N, capacity.bodies> shape_{};
     Axes<N> axes_[capacity.bodies]{};
 
 private:
-    // Makes room for a length; what has been set before becomes coarser.
-    void set_scale(Real largest) {
-        if (!(largest > largest_)) return;
-        largest_ = largest;
-        const typename Numbers::Scale finer = scale_;
-        scale_ = Numbers::Scale::of(largest_);
-        tolerance_ = scale_.length(tolerance_metres_);
-        set_fall();
-        for (ContactShape<N>& shape : shape_)
-            if (!shape.is(ShapeKind::none)) shape.rescale(finer, scale_);
-    }
     void set_fall() {
-        for (int i = 0; i < 3; ++i) fall_[i] = scale_.length(fall_metres_[i]);
+        for (int i = 0; i < 3; ++i) fall_[i] = scale().length(fall_metres_[i]);
         slow_ = N::template constant<Work>(sqrt(dot(fall_metres_, fall_metres_)) * Real{2});
-        fall_bound_ = magnitude_of(fall_[0]) + magnitude_of(fall_[1]) + magnitude_of(fall_[2]);
+        fall_bound_ = sum_of_magnitudes(fall_);
     }
 
     Work restitution_, friction_;  // where neither side names its own
-    Real tolerance_metres_, largest_{};
+    Real tolerance_metres_;
     RealVec3 fall_metres_{};
     bool turned_[capacity.bodies]{};  // when it was last placed
 };

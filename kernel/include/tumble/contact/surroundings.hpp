@@ -16,11 +16,17 @@ public:
     using typename Base::Length;
     using typename Base::Numbers;
     using typename Base::Pair;
-    using typename Base::Speed;
     using typename Base::State;
     using typename Base::Work;
 
     Surroundings(Real step, const ContactSpec& spec) : Base(step, spec), response_{spec.response} {}
+
+    // What of body b touches.
+    [[gnu::noinline]] void set_shape(int b, const BodySpec& spec, const PrincipalInertia& inertia,
+                                     const SpinUnits<N, spin>& units) {
+        if (make_room(reach_of(spec.shape))) forget_all();
+        set_contact_shape<N, spin>(shape_[b], spec, inertia, scale(), units);
+    }
 
     // Need the body's surroundings not be looked at before this step? And after that: may it touch something in the
     // step?
@@ -76,8 +82,8 @@ public:
                 [&] { forget(b, -1 - p); });
         }
         if constexpr (capacity.pairs) {
-            for (int other = 0; other < bodies.count && touches_bodies(b); ++other) {
-                if (other == b || !touches_bodies(other)) continue;
+            for (int other = 0; other < bodies.count && shape_[b].touches_bodies(); ++other) {
+                if (other == b || !shape_[other].touches_bodies()) continue;
                 const bool other_moves = !bodies.constants[other].fixed;
                 const int first = other_moves && other < b ? other : b, second = first == b ? other : b;
                 const bool still = is_still(other);
@@ -102,8 +108,8 @@ public:
     }
 
     // Connects the bodies of every pair that is awake: a pair sleeps with the bodies of it that move.
-    template <class Islands, class IsAwake>
-    void connect(Islands& islands, const Bodies& bodies, IsAwake&& is_awake) {
+    template <class IsAwake>
+    void connect(Islands<capacity.bodies>& islands, const Bodies& bodies, IsAwake&& is_awake) {
         for (int i = 0; i < pair_count_; ++i) {
             Pair& pair = pair_[i];
             if (pair.left_out && is_awake(pair.a) && is_awake(pair.b)) {
@@ -119,8 +125,7 @@ public:
     }
     // Lists the pairs of an island, by its root. Two bodies that have come near each other since the islands were
     // connected are left to the next step.
-    template <class Islands>
-    [[nodiscard]] int list(Islands& islands, int root) {
+    [[nodiscard]] int list(Islands<capacity.bodies>& islands, int root) {
         int first = -1;
         for (int i = pair_count_ - 1; i >= 0; --i) {
             Pair& pair = pair_[i];
@@ -145,13 +150,14 @@ protected:
     using Base::fall_bound_;
     using Base::find;
     using Base::height;
+    using Base::make_room;
     using Base::measure;
     using Base::moves_b;
     using Base::place;
     using Base::plane_;
     using Base::plane_count_;
     using Base::reach_between;
-    using Base::scale_;
+    using Base::scale;
     using Base::set_up;
     using Base::shape_;
     using Base::tolerance_;
@@ -171,15 +177,10 @@ private:
 
     // --- time to contact ---------------------------------------------------------------------------------------------
 
-    // Only spheres and boxes touch other bodies.
-    [[nodiscard]] bool touches_bodies(int b) const {
-        return shape_[b].is(ShapeKind::sphere) || shape_[b].is(ShapeKind::box);
-    }
-
     [[nodiscard]] Vec3<Length> drift(const Bodies& bodies, int b) const {
         const State& s = bodies.state[b];
-        return {scale_.drift(N::sum(s.d_w.x), bodies.scale), scale_.drift(N::sum(s.d_w.y), bodies.scale),
-                scale_.drift(N::sum(s.d_w.z), bodies.scale)};
+        return {scale().drift(N::sum(s.d_w.x), bodies.scale), scale().drift(N::sum(s.d_w.y), bodies.scale),
+                scale().drift(N::sum(s.d_w.z), bodies.scale)};
     }
     // The largest power of two of steps, up to `longest`, in which `reaches(travel)` stays false, with
     // travel >= speed k + fall k^2; 0 when one step is too long.
@@ -199,7 +200,7 @@ private:
         const Plane<N>& plane = plane_[p];
         const Vec3<Length> d = drift(bodies, b);
         Length closing = Numbers::rounded_up(-narrow<Length>(dot(plane.normal, d)));
-        if (loaded) closing = Numbers::rounded_up(magnitude_of(d.x()) + magnitude_of(d.y()) + magnitude_of(d.z()));
+        if (loaded) closing = Numbers::rounded_up(sum_of_magnitudes(d));
         if (loaded) closing = closing + closing;
         Length fall = Numbers::rounded_up(-narrow<Length>(dot(plane.normal, fall_)));
         if (fall < Length{}) fall = Length{};
@@ -213,7 +214,7 @@ private:
         const Vec3<Length> reach = reach_between(bodies, a, b);
         Vec3<Length> d = drift(bodies, a);
         if (!still) d -= drift(bodies, b);
-        Length closing = Numbers::rounded_up(magnitude_of(d.x()) + magnitude_of(d.y()) + magnitude_of(d.z()));
+        Length closing = Numbers::rounded_up(sum_of_magnitudes(d));
         if (loaded) closing = closing + closing;
         const Length touch = shape_[a].radius + shape_[b].radius + tolerance_;
         const auto distance2 = dot(reach, reach);
@@ -225,15 +226,10 @@ private:
     }
     // How far a point of the body may move in one step.
     [[nodiscard]] Length reach_in_step(const Bodies& bodies, int b) const {
-        const Vec3<Length> d = drift(bodies, b);
         Work turn(0);
-        for (int i = 0; i < 3; ++i) {
-            const Work w =
-                N::half_turn(N::sum(bodies.state[b].t_b[i]), bodies.scale) * bodies.constants[b].units.rate(i, Work(1));
-            turn += w < Work(0) ? -w : w;
-        }
-        return Numbers::rounded_up(magnitude_of(d.x()) + magnitude_of(d.y()) + magnitude_of(d.z())) + fall_bound_ +
-               tolerance_ + scale_.length(turn * scale_.metres(shape_[b].radius));
+        for (int i = 0; i < 3; ++i) turn += magnitude_of(bodies.turn(b, i));
+        return Numbers::rounded_up(sum_of_magnitudes(drift(bodies, b))) + fall_bound_ + tolerance_ +
+               scale().length(turn * scale().metres(shape_[b].radius));
     }
     [[nodiscard]] static constexpr int plane_slot(int b, int p) { return b * capacity.planes + p; }
     [[nodiscard]] static constexpr int body_slot(int a, int b) {
@@ -267,6 +263,10 @@ private:
         measure(bodies, pair);
         find(bodies, pair);
         return &pair;
+    }
+    void forget_all() {
+        pair_count_ = 0;
+        for (auto& count : pairs_of_) count = 0;
     }
     void forget(int a, int b) {
         for (int i = 0; i < pair_count_; ++i) {

@@ -11,7 +11,7 @@
 #pragma once
 
 #include <tumble/body/bodies.hpp>
-#include <tumble/contact/box_box.hpp>
+#include <tumble/contact/with_contact.hpp>
 
 namespace tumble {
 
@@ -33,25 +33,19 @@ public:
     [[gnu::noinline]] void set_body(int b, const BodySpec& spec, const PrincipalInertia& inertia, Bodies& bodies) {
         if (!on_) return;
         const Real reach = reach_of(spec.shape);
-        if (reach > largest_) {
-            const typename Numbers::Scale finer = scale_;
-            largest_ = reach;
-            scale_ = Numbers::Scale::of(reach);
-            for (ContactShape<N>& shape : shape_)
-                if (!shape.is(ShapeKind::none)) shape.rescale(finer, scale_);
-        }
-        set_contact_shape<N, spin>(shape_[b], spec, inertia, scale_, bodies.constants[b].units);
+        (void)shape_.make_room(reach);
+        set_contact_shape<N, spin>(shape_[b], spec, inertia, shape_.scale(), bodies.constants[b].units);
         radius_[b] = N::template constant<Work>(reach);
         per_mass_[b] = spec.fixed ? Work(0) : N::template constant<Work>(Real{1} / spec.mass);
         compliance_[b] = spec.fixed || shape_[b].is(ShapeKind::none) ? Real{} : compliance(spec, inertia);
         if (plane_count_ > 0) require(compliance_[b], b, bodies);
         if constexpr (capacity.pairs) {
             int touching = 0;
-            for (int other = 0; other <= b; ++other) touching += touches_bodies(other) ? 1 : 0;
+            for (int other = 0; other <= b; ++other) touching += shape_[other].touches_bodies() ? 1 : 0;
             for (int i = 0; i <= b && touching > 1; ++i) {
                 for (int k = i + 1; k <= b; ++k) {
                     const Real both = compliance_[i] + compliance_[k];
-                    if (touches_bodies(i) && touches_bodies(k))
+                    if (shape_[i].touches_bodies() && shape_[k].touches_bodies())
                         require(touching > 2 ? both * Real{2} : both, k, bodies);
                 }
             }
@@ -61,11 +55,7 @@ public:
     [[gnu::noinline]] bool add(const PlaneSpec& spec, Bodies& bodies) {
         if (!on_) return true;
         if (plane_count_ >= capacity.planes) return false;
-        Plane& plane = plane_[plane_count_++];
-        const RealVec3 n = normalized(spec.normal);
-        for (int i = 0; i < 3; ++i) plane.normal[i] = N::template constant<typename N::Unit>(n[i]);
-        if constexpr (N::fixed_point) plane.offset = {spec.offset.to_fixed(N::AlongSum::fraction_bits, 64)};
-        else plane.offset = N::template constant<Work>(spec.offset);
+        plane_[plane_count_++] = HalfSpace<N>{spec};
         for (int b = 0; b < bodies.count; ++b) require(compliance_[b], b, bodies);
         return true;
     }
@@ -76,9 +66,9 @@ public:
     }
     [[nodiscard]] bool couples(int b) const {
         if constexpr (capacity.pairs) {
-            if (!on_ || !touches_bodies(b)) return false;
+            if (!on_ || !shape_[b].touches_bodies()) return false;
             for (int other = 0; other < capacity.bodies; ++other)
-                if (other != b && touches_bodies(other)) return true;
+                if (other != b && shape_[other].touches_bodies()) return true;
         }
         return false;
     }
@@ -100,7 +90,7 @@ public:
         if (!on_ || shape_[b].is(ShapeKind::none)) return;
         const ContactShape<N>& shape = shape_[b];
         for (int p = 0; p < plane_count_; ++p) {
-            const Plane& plane = plane_[p];
+            const HalfSpace<N>& plane = plane_[p];
             const auto height = N::along(body.stage->x_w, plane.normal) + plane.offset;
             const WorkVec3<N> normal = work_unit<N>(plane.normal);
             if (shape.is(ShapeKind::sphere)) {
@@ -112,13 +102,13 @@ public:
             }
             const Axes<N> axes = Axes<N>::of(body.stage->q_wb);
             FoundPoints<N> found;
-            PlaneView<N, capacity>{shape, axes, plane.normal, scale_.length(height)}.find(found, band());
+            PlaneView<N, capacity>{shape, axes, plane.normal, shape_.scale().length(height)}.find(found, band());
             push_all(found, body, nullptr, b, b, normal, bodies);
         }
     }
     // Two bodies.
     void apply(LoadedBody<N>& a, int index_a, LoadedBody<N>& b, int index_b, Bodies& bodies) const {
-        if (!on_ || !touches_bodies(index_a) || !touches_bodies(index_b)) return;
+        if (!on_ || !shape_[index_a].touches_bodies() || !shape_[index_b].touches_bodies()) return;
         const ContactShape<N>&shape_a = shape_[index_a], &shape_b = shape_[index_b];
         WorkVec3<N> apart;
         for (int i = 0; i < 3; ++i) apart[i] = N::metres(a.stage->x_w[i] - b.stage->x_w[i]);
@@ -135,38 +125,22 @@ public:
         if constexpr (capacity.boxes) {
             const Axes<N> axes_a = Axes<N>::of(a.stage->q_wb), axes_b = Axes<N>::of(b.stage->q_wb);
             Vec3<Length> reach;
-            for (int i = 0; i < 3; ++i) reach[i] = scale_.length(apart[i]);
-            const PairView<N> view{shape_a, shape_b, axes_a, axes_b, reach};
-            FoundPoints<N> found;
-            if (shape_a.is(ShapeKind::box) && shape_b.is(ShapeKind::box)) {
-                const BoxBox<N> contact{view, Length{}};
+            for (int i = 0; i < 3; ++i) reach[i] = shape_.scale().length(apart[i]);
+            const PairView<N> both{shape_a, shape_b, axes_a, axes_b, reach};
+            with_contact<capacity>(both, Length{}, [&](const auto& contact, const auto& view, bool reversed) {
                 if (contact.gap > band()) return;
-                contact.find(found, band());
-                push_all(found, a, &b, index_a, index_b, work_unit<N>(contact.normal), bodies);
-            } else if (shape_b.is(ShapeKind::box)) {
-                const SphereBox<N> contact{view};
-                contact.find(view, found);
-                push_all(found, a, &b, index_a, index_b, work_unit<N>(contact.normal), bodies);
-            } else {
-                const PairView<N> reversed = view.reversed();
-                const SphereBox<N> contact{reversed};
-                contact.find(reversed, found);
-                push_all(found, b, &a, index_b, index_a, work_unit<N>(contact.normal), bodies);
-            }
+                FoundPoints<N> found;
+                contact.find(view, found, band());
+                const WorkVec3<N> normal = work_unit<N>(contact.normal);
+                if (reversed) push_all(found, b, &a, index_b, index_a, normal, bodies);
+                else push_all(found, a, &b, index_a, index_b, normal, bodies);
+            });
         }
     }
 
 private:
-    struct Plane {
-        Vec3<typename N::Unit> normal = Vec3<typename N::Unit>::Constant(typename N::Unit{});
-        typename N::AlongSum offset{};
-    };
-
-    [[nodiscard]] bool touches_bodies(int b) const {
-        return shape_[b].is(ShapeKind::sphere) || shape_[b].is(ShapeKind::box);
-    }
     // Points up to here are asked for.
-    [[nodiscard]] Length band() const { return has_barrier_ ? scale_.length(largest_ * Real{8}) : Length{}; }
+    [[nodiscard]] Length band() const { return has_barrier_ ? shape_.scale().length(shape_.largest() * Real{8}) : Length{}; }
 
     void push_all(const FoundPoints<N>& found, LoadedBody<N>& a, LoadedBody<N>* b, int index_a, int index_b,
                   const WorkVec3<N>& normal, Bodies& bodies) const {
@@ -174,10 +148,10 @@ private:
             const FoundPoint<N>& point = found.point[i];
             WorkVec3<N> arm, arm_b;
             for (int k = 0; k < 3; ++k) {
-                arm[k] = scale_.metres(point.arm[k]);
-                arm_b[k] = scale_.metres(point.arm_b[k]);
+                arm[k] = shape_.scale().metres(point.arm[k]);
+                arm_b[k] = shape_.scale().metres(point.arm_b[k]);
             }
-            push(a, b, index_a, index_b, scale_.metres(point.gap), normal, arm, arm_b, bodies);
+            push(a, b, index_a, index_b, shape_.scale().metres(point.gap), normal, arm, arm_b, bodies);
         }
     }
     // At one point: `normal` in the world, from b to a; arms in principal axes.
@@ -246,13 +220,12 @@ private:
     bool on_, has_barrier_;
     Work stiffness_, damping_, barrier_, step2_;
     mutable Work stiffest_{};  // 1/s^2: of the barriers met so far
-    Real stiffness_real_, damping_real_, step_, largest_{};
+    Real stiffness_real_, damping_real_, step_;
     Real most_compliance_{}, most_damping_{};
-    typename Numbers::Scale scale_{};
-    ContactShape<N> shape_[capacity.bodies]{};
+    Shapes<N, capacity.bodies> shape_{};
     Work radius_[capacity.bodies]{}, per_mass_[capacity.bodies]{};
     Real compliance_[capacity.bodies]{};
-    Plane plane_[capacity.planes > 0 ? capacity.planes : 1]{};
+    HalfSpace<N> plane_[capacity.planes > 0 ? capacity.planes : 1]{};
     int plane_count_ = 0;
 };
 

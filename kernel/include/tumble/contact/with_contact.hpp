@@ -1,0 +1,23 @@
+// Which of SphereSphere, SphereBox and BoxBox knows a pair of shapes.
+#pragma once
+
+#include <tumble/contact/box_box.hpp>
+
+namespace tumble {
+
+// Calls f(what is known of two shapes, the view in its order, whether that is reversed). `bias` is that of BoxBox.
+template <Capacity capacity, class N, class F>
+void with_contact(const PairView<N>& view, typename ContactNumbers<N>::Length bias, F&& f) {
+    if constexpr (capacity.boxes) {
+        const bool box_a = view.a.is(ShapeKind::box), box_b = view.b.is(ShapeKind::box);
+        if (box_a && box_b) return f(BoxBox<N>{view, bias}, view, false);
+        if (box_b) return f(SphereBox<N>{view}, view, false);
+        if (box_a) {
+            const PairView<N> reversed = view.reversed();
+            return f(SphereBox<N>{reversed}, reversed, true);
+        }
+    }
+    f(SphereSphere<N>{view}, view, false);
+}
+
+}  // namespace tumble
