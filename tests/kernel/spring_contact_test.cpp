@@ -189,6 +189,24 @@ TEST_P(Springs, a_barrier_keeps_two_spheres_apart_by_their_reduced_mass) {
     EXPECT_LE(std::abs(nearest / (barrier / energy) - 1), tolerance::closest_approach);
 }
 
+// Far beyond the size of both, where lengths of contacts are coarse.
+TEST_P(Springs, a_barrier_reaches_from_a_box_to_a_ball_far_away) {
+    constexpr Number barrier = 4;
+    for (const Number gap : {0.5L, 3.0L, 12.0L}) {
+        SceneSetup setup = soft_floor(0, 0, barrier);
+        setup.planes.clear();
+        setup.bodies = {sphere(1, 0.25), box(1, {0.5, 0.5, 0.5})};
+        setup.bodies[0].position = {real(gap + 0.5L), 0, 0};
+        setup.bodies[1].fixed = true;
+        const auto world = build(setup, GetParam());
+        world->run(1024);
+        const Motion m = world->motion(0);
+        const Number gained = barrier / gap - barrier / (m.x.x - 0.5L);
+        EXPECT_LE(std::abs(m.v.x * m.v.x / 2 / gained - 1), 1e-4L + 64 * rounding()) << gap;
+        EXPECT_TRUE(world->status().ok());
+    }
+}
+
 TEST_P(Springs, a_ball_hovers_where_the_barrier_carries_its_weight) {
     SceneSetup setup = soft_floor(0, 0, 0.5L);
     setup.world.gravity = gravity;

@@ -42,7 +42,7 @@ struct Capacity {
     [[nodiscard]] constexpr bool loads() const {
         return drag || gravitation || forces || springs > 0 || springs_touch();
     }
-    // Every pair of a few bodies; of many, as many as a heap of them has.
+    // Every pair of a few bodies; of many, as many as a heap of spheres has. Boxes packed side by side have more.
     [[nodiscard]] constexpr int room_for_pairs() const {
         if (near_pairs > 0) return near_pairs;
         const int all = bodies * planes + (pairs ? bodies * (bodies - 1) / 2 : 0), usual = 3 * bodies + planes;

@@ -381,9 +381,13 @@ private:
     [[gnu::noinline]] void advance_islands(const StepInfo<N>& info) {
         Islands<S::bodies> islands;
         islands.clear(bodies_.count);
+        // Those that have not flown freely. Who comes near something because of an impact in this step, or is woken by
+        // it, joins in the next.
+        bool joins[S::bodies]{};
         int coupled = -1;
         for (int k = 0; k < sleepers_.awake_count(); ++k) {
             const int b = sleepers_.awake(k);
+            joins[b] = contacts_.is_near(b) || is_coupled(b);
             if (!is_coupled(b)) continue;
             if (coupled >= 0) islands.connect(coupled, b);
             coupled = b;
@@ -394,11 +398,10 @@ private:
         // Sleeping changes the list of those awake: first all islands fly.
         Unit to_sleep;
         for (int root = 0; root < bodies_.count; ++root) {
-            if (bodies_.constants[root].fixed || sleepers_.is_asleep(root) || islands.root(root) != root) continue;
-            if (!contacts_.is_near(root) && !is_coupled(root)) continue;
+            if (!joins[root] || islands.root(root) != root) continue;
             Unit unit;
             for (int b = root; b < bodies_.count; ++b)
-                if (islands.root(b) == root && !bodies_.constants[b].fixed && !sleepers_.is_asleep(b)) unit.add(b);
+                if (joins[b] && islands.root(b) == root) unit.add(b);
             Island island{unit, root, contacts_.list(islands, root)};
             if (island.first_pair < 0) fly(unit, info, {});
             else step.take(island);

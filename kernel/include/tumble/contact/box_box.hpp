@@ -15,11 +15,11 @@ public:
 
     Vec3<Unit> normal;  // world, from b to a
     Length gap;
+    BoxAxis axis;
 
-    // `bias`, >= 0: by how much an edge pair must be farther apart than the best faces to be taken, so that the choice does
-    // not flicker.
-    BoxBox(const PairView<N>& view, Length bias)
-        : axes_{view.a.axes(view.axes_a), view.b.axes(view.axes_b)} {
+    // `bias`, >= 0: by how much an edge pair must be farther apart than the best faces to be taken, so that the choice
+    // does not flicker.
+    BoxBox(const PairView<N>& view, Length bias) : axes_{view.a.axes(view.axes_a), view.b.axes(view.axes_b)} {
         // Everything in the axes of a; r takes b's axes to a's. t goes from a to b.
         const Vec3<Length>&h = view.a.half, &k = view.b.half;
         const Vec3<Length> t = -axes_[0].to_body(view.reach);
@@ -32,12 +32,11 @@ public:
         }
         const auto column = [](const Vec3<Unit>(&m)[3], int j) { return Vec3<Unit>{m[0][j], m[1][j], m[2][j]}; };
         bool first = true;
-        const auto take = [&](Length separation, int axis, bool negative) {
+        const auto take = [&](Length separation, int index, bool negative) {
             if (!first && !(separation > gap)) return;
             first = false;
             gap = separation;
-            axis_ = axis;
-            negative_ = negative;
+            axis = {static_cast<std::int8_t>(index), negative};
         };
         for (int i = 0; i < 3; ++i)
             take(magnitude_of(t[i]) - h[i] - narrow<Length>(dot(size[i], k)), i, t[i] < Length{});
@@ -59,18 +58,22 @@ public:
                 if (separation > faces + bias) take(separation, 6 + 3 * i + j, along < Length{});
             }
         }
-        if (axis_ < 3) {
-            normal = axes_[0].axis(axis_);
-        } else if (axis_ < 6) {
-            normal = axes_[1].axis(axis_ - 3);
+        if (axis.index < 3) {
+            normal = axes_[0].axis(axis.index);
+        } else if (axis.index < 6) {
+            normal = axes_[1].axis(axis.index - 3);
         } else {
-            normal = Numbers::direction(cross<Unit>(axes_[0].axis((axis_ - 6) / 3), axes_[1].axis((axis_ - 6) % 3)));
+            normal = Numbers::direction(
+                cross<Unit>(axes_[0].axis((axis.index - 6) / 3), axes_[1].axis((axis.index - 6) % 3)));
         }
-        if (!negative_) normal = -normal;
+        if (!axis.negative) normal = -normal;
     }
+    // What the test has found of boxes that have not moved since.
+    BoxBox(const PairView<N>& view, const BoxAxis& found, const Vec3<Unit>& along, Length apart)
+        : normal{along}, gap{apart}, axis{found}, axes_{view.a.axes(view.axes_a), view.b.axes(view.axes_b)} {}
 
     void find(const PairView<N>& view, FoundPoints<N>& found, Length band) const {
-        if (axis_ >= 6) find_on_edges(view, found);
+        if (axis.index >= 6) find_on_edges(view, found);
         else find_on_faces(view, found, band);
     }
 
@@ -87,19 +90,20 @@ private:
     // The incident face (of the other box, most against the reference face's normal), clipped against the sides of the
     // reference face. Both bodies get the same points: those of the incident face.
     void find_on_faces(const PairView<N>& view, FoundPoints<N>& found, Length band) const {
-        const int side = axis_ < 3 ? 0 : 1, other = 1 - side, face = axis_ % 3, iu = (face + 1) % 3,
+        const int side = axis.index < 3 ? 0 : 1, other = 1 - side, face = axis.index % 3, iu = (face + 1) % 3,
                   iv = (face + 2) % 3;
         const Axes<N>&axes = axes_[side], &incident = axes_[other];
         // Outwards from the reference box: against `normal` for a, along it for b.
         const Vec3<Unit> outward = side == 0 ? Vec3<Unit>(-normal) : normal;
-        const bool flipped = negative_ == (side == 0);
+        const bool flipped = axis.negative == (side == 0);
         const Vec3<Unit> n = incident.to_body(outward);
         int k = 0;
         for (int i = 1; i < 3; ++i)
             if (magnitude_of(n[i]) > magnitude_of(n[k])) k = i;
         const int k1 = (k + 1) % 3, k2 = (k + 2) % 3;
         const bool up = n[k] < Unit{};  // the face at +k looks against the normal
-        const ContactShape<N>&reference_shape = side == 0 ? view.a : view.b, &incident_shape = side == 0 ? view.b : view.a;
+        const ContactShape<N>&reference_shape = side == 0 ? view.a : view.b,
+              &incident_shape = side == 0 ? view.b : view.a;
         // From the reference box to the incident one, in the reference's axes.
         const Vec3<Length> to_incident = axes.to_body(side == 0 ? Vec3<Length>(-view.reach) : view.reach);
         Vec3<Length> centre = to_incident, edge[2];
@@ -192,7 +196,7 @@ private:
 
     // The point of a's edge that is nearest to the line along b's.
     void find_on_edges(const PairView<N>& view, FoundPoints<N>& found) const {
-        const int i = (axis_ - 6) / 3, j = (axis_ - 6) % 3;
+        const int i = (axis.index - 6) / 3, j = (axis.index - 6) % 3;
         const Vec3<Unit> na = axes_[0].to_body(normal), nb = axes_[1].to_body(normal);
         Vec3<Length> on_a, on_b;
         for (int m = 0; m < 3; ++m) {
@@ -213,8 +217,6 @@ private:
     }
 
     Axes<N> axes_[2];
-    int axis_ = 0;  // 0-2 a face of a, 3-5 of b, then edges
-    bool negative_ = false;
 };
 
 }  // namespace tumble

@@ -82,7 +82,7 @@ public:
         if (active == 0) return Touch::nothing;
         if (strikes && !struck) return Touch::strikes;
         for_each_active(island, [&](Pair& pair, auto& point) { push_all(pair, point); });
-        sweep(island, speeds_.quiet());
+        sweep(island, speeds_.quiet(), contact::max_sweeps);
         for (int k = 0; k < island.unit.count; ++k) {
             const int b = island.unit.id[k];
             const ContactShape<N>& shape = shape_[b];
@@ -109,17 +109,23 @@ public:
     void find(const Bodies& bodies, const Island& island) {
         for_each_pair(island, [&](Pair& pair) { find(bodies, pair); });
     }
-    // The least of the gaps, each above the level at which a flight ends: the surface, or halfway to the tolerance
-    // below for a pair that touched when the flight began. Metres.
+    // The least gap of the pairs that are sought, each above the level at which a flight ends: the surface, or halfway
+    // to the tolerance below for a pair that touched when the flight began. Metres.
     [[nodiscard]] Work least_gap(const Island& island, bool at_start) const {
         bool any = false;
         Length least{};
         for_each_pair(island, [&](const Pair& pair) {
+            if (!pair.sought) return;
             const Length gap = (at_start ? pair.start_gap : pair.gap) - level(pair);
             if (!any || gap < least) least = gap;
             any = true;
         });
         return scale().metres(least);
+    }
+    // Seeks the impacts of the pairs that have come below their level: others, which rest beside them, would mislead
+    // the search.
+    void seek(const Island& island) {
+        for_each_pair(island, [&](Pair& pair) { pair.sought = pair.gap < level(pair); });
     }
     // Has a pair come deeper than is allowed at the end of a flight?
     [[nodiscard]] bool is_too_deep(const Island& island) const {
@@ -227,7 +233,7 @@ public:
             for (Speed& p : point.pushed) p = Speed{};
         });
         for (int k = 0; k < island.unit.count; ++k) loaded_[island.unit.id[k]] = motion_[island.unit.id[k]];
-        sweep(island, speeds_.rounding());
+        sweep(island, speeds_.rounding(), contact::max_impact_sweeps);
         // Each impulse once instead of in as many parts as there were sweeps: so much less is rounded.
         for (int k = 0; k < island.unit.count; ++k) motion_[island.unit.id[k]] = loaded_[island.unit.id[k]];
         for_each_active(island, [&](Pair& pair, auto& point) { push_all(pair, point); });
@@ -385,13 +391,13 @@ private:
         }
         return Speed{};
     }
-    // A speed at which a point below the surface leaves it by and by: a fifth of what it is deeper than a quarter of
+    // A speed at which a point below the surface leaves it by and by: an eighth of what it is deeper than a quarter of
     // the tolerance in each step, at most an eighth of the tolerance.
     [[nodiscard]] Speed correction(const Pair& pair, const Point& point) const {
         const Length excess = -point.gap - Numbers::half(Numbers::half(tolerance_));
         if (!(excess > Length{})) return Speed{};
-        Length lift = Numbers::half(Numbers::half(Numbers::half(excess)));
-        const Length most = Numbers::half(Numbers::half(Numbers::half(tolerance_)));
+        Length lift = Numbers::eighth(excess);
+        const Length most = Numbers::eighth(tolerance_);
         if (lift > most) lift = most;
         return speed(pair, point, lift);
     }
@@ -400,7 +406,7 @@ private:
     [[nodiscard]] bool bounces(const Pair& pair, const Point& point, Speed approach, Speed loads) const {
         if (!(approach > speeds_.quiet())) return false;
         const Speed bounce = narrow<Speed>(mul(approach, pair.restitution));
-        if (!(bounce + bounce > Numbers::half(Numbers::half(Numbers::half(loads))))) return false;
+        if (!(bounce + bounce > Numbers::eighth(loads))) return false;
         if (!(threshold_ > Work(0))) return true;
         return !(approach < along(point, pair_speed(pair, threshold_)));
     }
@@ -426,7 +432,7 @@ private:
             if (approach > Speed{}) point.target = narrow<Speed>(mul(approach, pair.restitution));
         }
         const Motion a = motion_[pair.a], b = moves_b(pair) ? motion_[pair.b] : a;
-        for (int sweep = 0; sweep < contact::max_sweeps; ++sweep) {
+        for (int sweep = 0; sweep < contact::max_impact_sweeps; ++sweep) {
             Speed most{};
             for (int i = 0; i < pair.count; ++i)
                 Rows::visit(pair, pair.point[i], motion_[pair.a], other_motion(pair), most);
@@ -437,15 +443,42 @@ private:
         for (int i = 0; i < pair.count; ++i) push_all(pair, pair.point[i]);
         return true;
     }
-    // Until nothing changes any more, or the bound.
-    void sweep(const Island& island, Speed enough) {
-        for (int sweep = 0; sweep < contact::max_sweeps; ++sweep) {
+    // Until nothing changes any more, or the bound. What a sweep changes is taken for the gradient of a function that
+    // is least at the solution, and the next sweep begins by going on along it as conjugate gradients do (Silcowitz,
+    // Niebe and Erleben 2010): sweeps alone would carry a load through a stack by one box in each. The momentum is the
+    // ratio of the squares of the largest changes, at most 1, and is lost when these grow by more than an eighth.
+    void sweep(const Island& island, Speed enough, int bound) {
+        Speed last{};
+        typename N::Unit momentum{};
+        for (int sweep = 0; sweep < bound; ++sweep) {
+            if (sweep > 0) go_on(island, momentum);
             Speed most{};
             for_each_active(island, [&](Pair& pair, Point& point) {
+                for (int k = 0; k < Rows::rows(pair); ++k) point.before[k] = point.pushed[k];
                 Rows::visit(pair, point, motion_[pair.a], other_motion(pair), most);
             });
             if (!(most > enough)) break;
+            if (sweep == 0 || most > last + Numbers::eighth(last)) {
+                momentum = {};
+            } else {
+                const typename N::Unit ratio = most < last ? Numbers::ratio(most, last) : Numbers::one();
+                momentum = Numbers::product(ratio, ratio);
+            }
+            last = most;
         }
+    }
+    void go_on(const Island& island, typename N::Unit momentum) {
+        for_each_active(island, [&](Pair& pair, Point& point) {
+            for (int k = 0; k < Rows::rows(pair); ++k) {
+                const Speed changed = point.pushed[k] - point.before[k];
+                const Speed further =
+                    momentum == typename N::Unit{} ? Speed{} : narrow<Speed>(mul(point.course[k], momentum));
+                point.course[k] = changed + further;
+                if (further == Speed{}) continue;
+                point.pushed[k] += further;
+                Rows::push(point.row[k], further, motion_[pair.a], other_motion(pair));
+            }
+        });
     }
     void count_points(const Island& island) {
         for (int k = 0; k < island.unit.count; ++k) touching_[island.unit.id[k]] = 0;

@@ -188,6 +188,7 @@ private:
     // starts at the level or below it has no such bracket: half the tolerance stands for its gap, so that the search
     // begins near the start.
     Work land(const Flight& flight, Work longest) {
+        contacts_.seek(flight.island);
         Work low(0), high = longest;
         Work gap_low = contacts_.least_gap(flight.island, true), gap_high = contacts_.least_gap(flight.island, false);
         if (!(gap_low > Work(0))) gap_low = N::half_of(contacts_.tolerance());

@@ -6,6 +6,8 @@
 
 #include <tumble/loads/wrench.hpp>
 
+#include <limits>
+
 namespace tumble {
 
 namespace detail {
@@ -174,9 +176,10 @@ requires(N::fixed_point) struct ContactNumbers<N> {
             if (up > 30 || ((s.raw ^ (s.raw >> 31)) >> (30 - up)) != 0) return {0};
             return {s.raw << up};
         }
-        // Changes below these are not worth another sweep: 2^-22 of the norm where sweeps go on in the next step, and
+        // Changes below these are not worth another sweep: 2^-21 of the norm, and more of
+        // one that leaves room for unequal masses, where sweeps go on in the next step, and
         // rounding where they do not, because an impact is solved once.
-        [[nodiscard]] static constexpr Speed quiet() { return {128}; }
+        [[nodiscard]] static constexpr Speed quiet() { return {256}; }
         [[nodiscard]] static constexpr Speed rounding() { return {2}; }
 
         constexpr SpeedScale() = default;
@@ -222,6 +225,7 @@ requires(N::fixed_point) struct ContactNumbers<N> {
     [[nodiscard]] static Length rounded_up(Length l) { return {l.raw + 4}; }
 
     [[nodiscard]] static constexpr Unit one() { return {1 << 30}; }
+    [[nodiscard]] static constexpr Length longest() { return {1 << 30}; }
     // v / |v|, and |v|; v must not be zero.
     [[nodiscard]] static Vec3<Unit> direction(const Vec3<Length>& v) {
         const auto root = detail::inverse_root(static_cast<std::uint64_t>(dot(v, v).raw));
@@ -247,6 +251,10 @@ requires(N::fixed_point) struct ContactNumbers<N> {
     [[nodiscard]] TUMBLE_INLINE static T half(T a) {
         return {a.raw >> 1};
     }
+    template <class T>
+    [[nodiscard]] TUMBLE_INLINE static T eighth(T a) {
+        return {a.raw >> 3};
+    }
     // mu * pushed.
     [[nodiscard]] static Speed rubbed(Friction mu, Speed pushed) {
         return {detail::scaled_product(mu.raw, pushed.raw, 24)};
@@ -265,7 +273,8 @@ requires(N::fixed_point) struct ContactNumbers<N> {
         return {detail::scaled_product(detail::scaled_product(s.raw, root.raw, shift), root.raw, shift)};
     }
     // a / b in [0, 1] for 0 <= a <= b, b > 0.
-    [[nodiscard]] static Unit ratio(Length a, Length b) {
+    template <class T>
+    [[nodiscard]] static Unit ratio(T a, T b) {
         return {static_cast<std::int32_t>((static_cast<std::int64_t>(a.raw) << 30) / b.raw)};
     }
     // Axes with a larger cosine are taken as parallel, 2^-10 rad.
@@ -313,9 +322,9 @@ requires(!N::fixed_point) struct ContactNumbers<N> {
     };
     class SpeedScale {
     public:
-        [[nodiscard]] static SpeedScale of(T largest, int, int) {
+        [[nodiscard]] static SpeedScale of(T largest, int bodies, int) {
             SpeedScale s;
-            s.quiet_ = largest * (sizeof(T) == 4 ? T(0x1p-21) : T(0x1p-44));
+            s.quiet_ = largest * sqrt(T(6 * bodies)) * (sizeof(T) == 4 ? T(0x1p-20) : T(0x1p-40));
             s.rounding_ = largest * (sizeof(T) == 4 ? T(0x1p-23) : T(0x1p-51));
             return s;
         }
@@ -350,6 +359,7 @@ requires(!N::fixed_point) struct ContactNumbers<N> {
     [[nodiscard]] static T rounded_up(T l) { return l * T(1.001) + T(1e-6); }
 
     [[nodiscard]] static constexpr T one() { return T(1); }
+    [[nodiscard]] static constexpr T longest() { return std::numeric_limits<T>::max(); }
     [[nodiscard]] static Vec3<T> direction(const Vec3<T>& v) { return scaled_by(v, T(1) / sqrt(dot(v, v))); }
     [[nodiscard]] static T inverse_root_of_one_and(T squares) { return T(1) / sqrt(T(1) + squares); }
     [[nodiscard]] static T unit(T q, T factor) { return q * factor; }
@@ -357,6 +367,7 @@ requires(!N::fixed_point) struct ContactNumbers<N> {
     [[nodiscard]] static T product(T a, T b) { return a * b; }
     [[nodiscard]] static T speed(T sum) { return sum; }
     [[nodiscard]] static T half(T a) { return a * T(0.5); }
+    [[nodiscard]] static T eighth(T a) { return a * T(0.125); }
     [[nodiscard]] static T rubbed(T mu, T pushed) { return mu * pushed; }
     [[nodiscard]] static T friction(T mu) { return mu; }
     [[nodiscard]] static T share(T limit, T squares) { return limit / sqrt(squares); }

@@ -7,9 +7,10 @@
 namespace tumble {
 
 namespace contact {
-inline constexpr int max_points = 4;   // of a pair
-inline constexpr int max_sweeps = 40;  // over the points of an island
-inline constexpr int max_rounds = 16;  // of impacts that pass from pair to pair at one moment
+inline constexpr int max_points = 4;          // of a pair
+inline constexpr int max_sweeps = 32;         // over the points of an island, for the forces of a step
+inline constexpr int max_impact_sweeps = 40;  // over the points of an impact
+inline constexpr int max_rounds = 16;         // of impacts that pass from pair to pair at one moment
 }  // namespace contact
 
 // One of the directions of a point (the normal, two tangents) as a row of the weighted constraint matrix, of unit
@@ -39,8 +40,16 @@ struct ContactPoint {
     Speed target;            // what the velocity along the normal must not be below
     Speed loads;             // what loads change of it in a step
     Speed pushed[directions];
+    Speed before[directions], course[directions];  // of the sweeps: when visited last, and where it has been going
     [[no_unique_address]] If<capacity.turntables, Speed[directions], 1> carried;  // the surface's own velocity
     ContactRow<N, capacity.pairs> row[directions];
+};
+
+// The axis along which two boxes are farthest apart: 0-2 across a face of a, 3-5 of b, then across an edge of each; and
+// whether b is on its negative side.
+struct BoxAxis {
+    std::int8_t index = 0;
+    bool negative = false;
 };
 
 template <class N, Capacity capacity>
@@ -59,11 +68,13 @@ struct NearPair {
     bool touched = false;       // it pressed, or was hit, at the start of the flight
     bool left_out = false;      // of the step that it came near in, between two islands
     bool passed = false;        // its crossing has been looked at: it went past
+    bool sought = false;        // it is one of those whose impact is searched for
     bool rubs = false, turns = false;
     Length gap{};                                      // least distance; of boxes apart a lower bound
     Length start_gap{};                                // where the flight began
     Vec3<Unit> normal = Vec3<Unit>::Constant(Unit{});  // world, from b to a
     Vec3<Unit> tangent[2] = {normal, normal};          // world
+    [[no_unique_address]] If<capacity.pairs && capacity.boxes, BoxAxis, 1> axis{};
     [[no_unique_address]] If<capacity.pairs, Vec3<Unit>, 0> start_normal{};  // where the flight began
     Unit share_a{}, share_b{};  // roots of the parts of the motion that each takes: shares of the inverse mass
     typename N::Work weight{};  // root of the reduced mass
@@ -78,7 +89,7 @@ struct NearPair {
         b = static_cast<std::int16_t>(second);
         count = 0;
         moved = true;
-        touched = left_out = passed = rubs = turns = false;
+        touched = left_out = passed = sought = rubs = turns = false;
         share_b = {};
     }
     [[nodiscard]] bool with_plane() const { return b < 0; }

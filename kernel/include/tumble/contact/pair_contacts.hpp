@@ -101,8 +101,7 @@ struct SphereBox {
         normal = axes.to_world(n);
     }
     void find(const PairView<N>& view, FoundPoints<N>& found, Length) const {
-        found.add() = {along(view.axes_a.to_body(normal), -(view.a.half.x() + gap)),
-                       view.b.principal(nearest), gap};
+        found.add() = {along(view.axes_a.to_body(normal), -(view.a.half.x() + gap)), view.b.principal(nearest), gap};
     }
 };
 

@@ -124,7 +124,8 @@ private:
         const Vec3<Unit> f = cross<Unit>(shape_.axis, e);
         const Vec3<Length> radius_e = along(e, shape_.half.x()), radius_f = along(f, shape_.half.x());
         const Length fall = flat_ ? Length{} : reach_[0];
-        for (int end = 0; end < 2; ++end) {
+        // A hoop has one rim, not two.
+        for (int end = shape_.is(ShapeKind::hoop) ? 1 : 0; end < 2; ++end) {
             const Vec3<Length> centre = along(shape_.axis, end == 0 ? shape_.half.y() : -shape_.half.y());
             const Length height = height_ + (end == 0 ? reach_[1] : -reach_[1]);
             add(height - fall, centre + radius_e);

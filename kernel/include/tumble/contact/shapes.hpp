@@ -44,10 +44,10 @@ struct Plane : HalfSpace<N> {
     Work restitution{}, friction{};                                    // negative: the world's default
 
     Plane() = default;
-    explicit Plane(const PlaneSpec& spec)
-        : HalfSpace<N>{spec}, restitution{N::template constant<Work>(spec.restitution)},
-          friction{N::template constant<Work>(spec.friction)} {
+    explicit Plane(const PlaneSpec& spec) : HalfSpace<N>{spec} {
         set_tangents<N>(this->normal, tangent);
+        restitution = N::template constant<Work>(spec.restitution);
+        friction = N::template constant<Work>(spec.friction);
     }
 };
 
@@ -96,7 +96,8 @@ class Shapes {
 public:
     using Scale = typename ContactNumbers<N>::Scale;
 
-    // Makes room for a length, m; what has been set before becomes coarser. False when there was room.
+    // Makes room for a length, m; shapes that have been set before are brought to the new scale. False when that is the
+    // old one.
     bool make_room(Real length) {
         if (!(length > largest_)) return false;
         largest_ = length;
@@ -104,10 +105,9 @@ public:
         scale_ = Scale::of(largest_);
         for (ContactShape<N>& shape : shape_)
             if (!shape.is(ShapeKind::none)) shape.rescale(finer, scale_);
-        return true;
+        return scale_.bits() != finer.bits();
     }
     [[nodiscard]] const Scale& scale() const { return scale_; }
-    [[nodiscard]] Real largest() const { return largest_; }
     [[nodiscard]] ContactShape<N>& operator[](int b) { return shape_[b]; }
     [[nodiscard]] const ContactShape<N>& operator[](int b) const { return shape_[b]; }
 

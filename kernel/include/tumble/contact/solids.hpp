@@ -43,10 +43,10 @@ protected:
     [[nodiscard]] const typename Numbers::Scale& scale() const { return shape_.scale(); }
     // Makes room for a length, m. Lengths that have been taken before are those of another scale when this is true.
     bool make_room(Real largest) {
-        if (!shape_.make_room(largest)) return false;
+        const bool rescaled = shape_.make_room(largest);
         tolerance_ = scale().length(tolerance_metres_);
         set_fall();
-        return true;
+        return rescaled;
     }
     [[nodiscard]] bool moves_b(const Pair& pair) const {
         return capacity.pairs && pair.b >= 0 && !(pair.share_b == typename N::Unit{});
@@ -122,9 +122,14 @@ protected:
     [[nodiscard]] PairView<N> view_of(const Bodies& bodies, const Pair& pair) const {
         return {shape_[pair.a], shape_[pair.b], axes_[pair.a], axes_[pair.b], reach_between(bodies, pair.a, pair.b)};
     }
+    // `measured`: neither body has moved since.
     template <class F>
-    void with_pair(const Bodies& bodies, const Pair& pair, F&& f) const {
-        with_contact<capacity>(view_of(bodies, pair), Numbers::half(Numbers::half(tolerance_)), f);
+    void with_pair(const Bodies& bodies, const Pair& pair, [[maybe_unused]] bool measured, F&& f) const {
+        const auto box_box = [&](const auto& view) {
+            return measured ? BoxBox<N>{view, pair.axis, pair.normal, pair.gap}
+                            : BoxBox<N>{view, Numbers::half(Numbers::half(tolerance_))};
+        };
+        with_contact<capacity>(view_of(bodies, pair), box_box, f);
     }
     void measure(const Bodies& bodies, Pair& pair) {
         pair.moved = pair.moved || turned_[pair.a];
@@ -133,12 +138,11 @@ protected:
             return;
         }
         if constexpr (capacity.pairs) {
-            if constexpr (capacity.turntables)
-                if (pair.turns) place(bodies, pair.b);
-            // Others that are fixed have not turned since they were placed first.
-            pair.moved = pair.moved || (turned_[pair.b] && (pair.turns || moves_b(pair)));
-            with_pair(bodies, pair, [&](const auto& contact, const auto&, bool reversed) {
+            // Rows depend on a body that does not move through the normal alone.
+            pair.moved = pair.moved || (moves_b(pair) && turned_[pair.b]);
+            with_pair(bodies, pair, false, [&](const auto& contact, const auto&, bool reversed) {
                 pair.gap = contact.gap;
+                if constexpr (requires { contact.axis; }) pair.axis = contact.axis;
                 const Vec3<typename N::Unit> normal =
                     reversed ? Vec3<typename N::Unit>(-contact.normal) : contact.normal;
                 pair.moved = pair.moved || !(normal == pair.normal);
@@ -146,7 +150,7 @@ protected:
             });
         }
     }
-    // The pair's points within the tolerance; those of the step before keep their impulses.
+    // The points within the tolerance of a pair that has been measured; those of the step before keep their impulses.
     void find(const Bodies& bodies, Pair& pair) {
         if (pair.gap > tolerance_) {
             pair.count = 0;
@@ -156,7 +160,7 @@ protected:
         if (pair.with_plane()) {
             view_of_plane(bodies, pair).find(found, tolerance_);
         } else if constexpr (capacity.pairs) {
-            with_pair(bodies, pair, [&](const auto& contact, const auto& view, bool reversed) {
+            with_pair(bodies, pair, true, [&](const auto& contact, const auto& view, bool reversed) {
                 contact.find(view, found, tolerance_);
                 if (reversed) {
                     for (int i = 0; i < found.count; ++i) {

@@ -107,7 +107,9 @@ public:
         foreseen_until_[b] = now + static_cast<std::uint32_t>(until);
     }
 
-    // Connects the bodies of every pair that is awake: a pair sleeps with the bodies of it that move.
+    // Connects the bodies of every pair that is awake: a pair sleeps with the bodies of it that move. Measures the
+    // pairs that are not as they were at the end of the last step: those left out of it, and those with a body that
+    // turns.
     template <class IsAwake>
     void connect(Islands<capacity.bodies>& islands, const Bodies& bodies, IsAwake&& is_awake) {
         for (int i = 0; i < pair_count_; ++i) {
@@ -118,6 +120,10 @@ public:
                 place(bodies, pair.b);
                 measure(bodies, pair);
                 pair.moved = true;
+                find(bodies, pair);
+            } else if (pair.turns && is_awake(pair.a)) {
+                place(bodies, pair.b);
+                measure(bodies, pair);
                 find(bodies, pair);
             }
             if (moves_b(pair) && is_awake(pair.a) && is_awake(pair.b)) islands.connect(pair.a, pair.b);

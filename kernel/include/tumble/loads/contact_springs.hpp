@@ -27,7 +27,11 @@ public:
         : on_{spec.response == ContactResponse::spring}, has_barrier_{on_ && spec.barrier > Real{}},
           stiffness_{N::template constant<Work>(spec.stiffness)}, damping_{N::template constant<Work>(spec.damping)},
           barrier_{N::template constant<Work>(spec.barrier)}, step2_{N::template constant<Work>(step * step)},
-          stiffness_real_{spec.stiffness}, damping_real_{spec.damping}, step_{step} {}
+          stiffness_real_{spec.stiffness}, damping_real_{spec.damping}, step_{step} {
+        // A barrier reaches as far as bodies can be apart, twice the range: eight of the largest length.
+        if constexpr (N::fixed_point)
+            if (has_barrier_) (void)shape_.make_room(Real{N::Range::position} * Real::scaled(1, -2));
+    }
 
     // The body at place b of `bodies` has been added.
     [[gnu::noinline]] void set_body(int b, const BodySpec& spec, const PrincipalInertia& inertia, Bodies& bodies) {
@@ -127,7 +131,8 @@ public:
             Vec3<Length> reach;
             for (int i = 0; i < 3; ++i) reach[i] = shape_.scale().length(apart[i]);
             const PairView<N> both{shape_a, shape_b, axes_a, axes_b, reach};
-            with_contact<capacity>(both, Length{}, [&](const auto& contact, const auto& view, bool reversed) {
+            const auto box_box = [](const PairView<N>& view) { return BoxBox<N>{view, Length{}}; };
+            with_contact<capacity>(both, box_box, [&](const auto& contact, const auto& view, bool reversed) {
                 if (contact.gap > band()) return;
                 FoundPoints<N> found;
                 contact.find(view, found, band());
@@ -140,7 +145,7 @@ public:
 
 private:
     // Points up to here are asked for.
-    [[nodiscard]] Length band() const { return has_barrier_ ? shape_.scale().length(shape_.largest() * Real{8}) : Length{}; }
+    [[nodiscard]] Length band() const { return has_barrier_ ? Numbers::longest() : Length{}; }
 
     void push_all(const FoundPoints<N>& found, LoadedBody<N>& a, LoadedBody<N>* b, int index_a, int index_b,
                   const WorkVec3<N>& normal, Bodies& bodies) const {
