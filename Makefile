@@ -54,7 +54,8 @@ bench: build valgrind
 	build/host/bench/tumble_tables README.md bench/results
 
 ## bench-contacts: what contacts cost a step, at rest, asleep, out of reach and at worst, on an M3 and an M4F
-CONTACTS := bench/contacts/plane_out_of_reach bench/contacts/resting_box bench/contacts/resting_box_rough \
+CONTACTS := bench/contacts/plane_out_of_reach bench/contacts/plane_within_reach bench/contacts/ball_and_ball \
+    bench/contacts/ball_and_box bench/contacts/resting_box bench/contacts/resting_box_rough \
     bench/contacts/sleepers_0 bench/contacts/sleepers_1 bench/contacts/sleepers_16 host_sim/scenes/contacts/cradle \
     host_sim/scenes/contacts/stack bench/contacts/worst_case
 bench-contacts: build

@@ -127,6 +127,38 @@ Table contacts_table(const std::vector<Row>& rows) {
     return table;
 }
 
+// What the last step and the text of one scene take less than those of another that differs in one thing, in integers.
+Table skipped_table(const std::vector<Row>& rows) {
+    struct Pair {
+        const char *what, *without, *with;
+    };
+    constexpr Pair pairs[] = {
+        {"all code of contacts, without planes and pairs", "free body", "plane out of reach"},
+        {"the test of a plane that is out of reach", "plane out of reach", "plane within reach"},
+        {"code of boxes, among spheres", "ball and ball", "ball and box"},
+        {"code of friction, without friction", "resting box", "resting box, rough"},
+    };
+    const auto find = [&](const char* scene, const std::string& core) {
+        const auto row = std::find_if(rows.begin(), rows.end(), [&](const Row& r) {
+            return r.at("scene") == scene && r.at("core") == core && r.at("numbers") == "q32";
+        });
+        if (row == rows.end()) throw std::runtime_error{std::string{"no row of \""} + scene + "\" on " + core};
+        return *row;
+    };
+    Table table;
+    table.head = {"not paid for", "core", "insn per step", "text bytes"};
+    for (const Pair& pair : pairs) {
+        for (const auto& core : distinct(rows, [](const Row& r) { return r.at("core").get<std::string>(); })) {
+            const Row without = find(pair.without, core), with = find(pair.with, core);
+            const auto saved = [&](const char* key) {
+                return std::to_string(with.at(key).get<long>() - without.at(key).get<long>());
+            };
+            table.rows.push_back({pair.what, core, saved("insn_per_step_last"), saved("text_bytes")});
+        }
+    }
+    return table;
+}
+
 // The error of a row of work against precision, in its problem's own unit.
 double error_of(const Row& row) {
     return row.at(row.contains("position_error_m") ? "position_error_m" : "orientation_error_rad").get<double>();
@@ -305,8 +337,11 @@ int main(int argc, char** argv) try {
         front_table(tumble::bench::read_rows(results / "work_precision.jsonl"), "error below, rad").markdown();
     if (const auto loads = results / "work_precision_loads.jsonl"; std::filesystem::exists(loads))
         tables["front_loads"] = front_table(tumble::bench::read_rows(loads), "error below, m or rad").markdown();
-    if (const auto contacts = results / "contacts.jsonl"; std::filesystem::exists(contacts))
-        tables["contacts"] = contacts_table(tumble::bench::read_rows(contacts)).markdown();
+    if (const auto contacts = results / "contacts.jsonl"; std::filesystem::exists(contacts)) {
+        const auto rows = tumble::bench::read_rows(contacts);
+        tables["contacts"] = contacts_table(rows).markdown();
+        tables["skipped"] = skipped_table(rows).markdown();
+    }
     const auto long_run = tumble::bench::read_rows(results / "long_run.jsonl");
     tables["long_run_free"] =
         long_run_table(long_run, "generic top",
