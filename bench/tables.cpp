@@ -50,13 +50,16 @@ std::vector<std::string> distinct(const std::vector<Row>& rows, const auto& name
     return names;
 }
 
+std::vector<std::string> cores_of(const std::vector<Row>& rows) {
+    return distinct(rows, [](const Row& r) { return r.at("core").get<std::string>(); });
+}
+
 // One line an integrator; a column for each core and number system.
 Table cost_table(const std::vector<Row>& rows, const std::vector<std::string>& numbers) {
-    const auto core = [](const Row& r) { return r.at("core").get<std::string>(); };
     const auto method = [](const Row& r) { return r.at("integrator").get<std::string>(); };
     Table table;
     table.head = {"insn per step"};
-    const auto cores = distinct(rows, core);
+    const auto cores = cores_of(rows);
     for (const auto& n : numbers) {
         for (const auto& c : cores) table.head.push_back(c + " " + n);
     }
@@ -65,7 +68,7 @@ Table cost_table(const std::vector<Row>& rows, const std::vector<std::string>& n
         for (const auto& n : numbers) {
             for (const auto& c : cores) {
                 const auto found = std::find_if(rows.begin(), rows.end(), [&](const Row& r) {
-                    return method(r) == m && core(r) == c && numbers_of(r) == n;
+                    return method(r) == m && r.at("core") == c && numbers_of(r) == n;
                 });
                 line.push_back(found == rows.end() ? "-" : text_of(*found, "insn_per_step"));
             }
@@ -92,7 +95,7 @@ Table size_table(const std::vector<Row>& rows, const std::string& core) {
 // The dissertation's cube: what each of its methods costs beside what it gets wrong.
 Table cube_table(const std::vector<Row>& rows) {
     Table table;
-    const auto cores = distinct(rows, [](const Row& r) { return r.at("core").get<std::string>(); });
+    const auto cores = cores_of(rows);
     table.head = {"cube, q32 carry", "position error, m", "orientation error, rad"};
     for (const auto& c : cores) table.head.push_back("insn, " + c);
     for (const std::string method : {"explicit_euler", "implicit_euler", "heun", "midpoint", "rk4", "verlet"}) {
@@ -148,7 +151,7 @@ Table skipped_table(const std::vector<Row>& rows) {
     Table table;
     table.head = {"not paid for", "core", "insn per step", "text bytes"};
     for (const Pair& pair : pairs) {
-        for (const auto& core : distinct(rows, [](const Row& r) { return r.at("core").get<std::string>(); })) {
+        for (const auto& core : cores_of(rows)) {
             const Row without = find(pair.without, core), with = find(pair.with, core);
             const auto saved = [&](const char* key) {
                 return std::to_string(with.at(key).get<long>() - without.at(key).get<long>());
@@ -168,7 +171,7 @@ double error_of(const Row& row) {
 Table front_table(const std::vector<Row>& rows, const char* error_name) {
     Table table;
     std::vector<std::string> cores;
-    for (const auto& core : distinct(rows, [](const Row& r) { return r.at("core").get<std::string>(); }))
+    for (const auto& core : cores_of(rows))
         if (core == "cortex-m3" || core == "cortex-m4f") cores.push_back(core);
     table.head = {"problem", error_name};
     for (const auto& core : cores) {

@@ -219,7 +219,7 @@ private:
         Unit coupled;
         for (int b = 0; b < bodies_.count; ++b) {
             if (turns_in_place(b, info)) continue;
-            if (loads_.is_coupled(b)) {
+            if (is_coupled(b)) {
                 coupled.add(b);
                 continue;
             }
@@ -285,7 +285,7 @@ private:
             Unit coupled;
             for (int k = 0; k < unit.count; ++k) {
                 const int b = unit.id[k];
-                if (loads_.is_coupled(b)) coupled.add(b);
+                if (is_coupled(b)) coupled.add(b);
                 else if (loads_.is_loaded(bodies_, b)) fly_loaded(Unit::of(b), info, fall, length);
                 else fly_free(b, info, fall);
             }
@@ -361,7 +361,7 @@ private:
         else return false;
     }
     [[nodiscard]] bool is_coupled([[maybe_unused]] int b) const {
-        if constexpr (has_loads) return loads_.is_coupled(b);
+        if constexpr (has_loads) return loads_.is_coupled(bodies_, b);
         else return false;
     }
     // Wakes the body and all that rest on each other with it.
@@ -374,7 +374,7 @@ private:
                 if (p == b) wake(q);
                 if (q == b) wake(p);
             });
-            if constexpr (has_loads) loads_.for_each_coupled(b, [&](int other) { wake(other); });
+            if constexpr (has_loads) loads_.for_each_coupled(bodies_, b, [&](int other) { wake(other); });
         }
     }
 
@@ -387,8 +387,9 @@ private:
         int coupled = -1;
         for (int k = 0; k < sleepers_.awake_count(); ++k) {
             const int b = sleepers_.awake(k);
-            joins[b] = contacts_.is_near(b) || is_coupled(b);
-            if (!is_coupled(b)) continue;
+            const bool is_tied = is_coupled(b);
+            joins[b] = contacts_.is_near(b) || is_tied;
+            if (!is_tied) continue;
             if (coupled >= 0) islands.connect(coupled, b);
             coupled = b;
         }

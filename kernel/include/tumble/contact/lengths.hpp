@@ -176,9 +176,9 @@ requires(N::fixed_point) struct ContactNumbers<N> {
             if (up > 30 || ((s.raw ^ (s.raw >> 31)) >> (30 - up)) != 0) return {0};
             return {s.raw << up};
         }
-        // Changes below these are not worth another sweep: 2^-21 of the norm, and more of
-        // one that leaves room for unequal masses, where sweeps go on in the next step, and
-        // rounding where they do not, because an impact is solved once.
+        // Changes below these are not worth another sweep: 2^-21 of the norm, and more of one that leaves room for
+        // unequal masses, where sweeps go on in the next step, and rounding where they do not, because an impact is
+        // solved once.
         [[nodiscard]] static constexpr Speed quiet() { return {256}; }
         [[nodiscard]] static constexpr Speed rounding() { return {2}; }
 

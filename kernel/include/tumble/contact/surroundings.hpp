@@ -114,17 +114,10 @@ public:
     void connect(Islands<capacity.bodies>& islands, const Bodies& bodies, IsAwake&& is_awake) {
         for (int i = 0; i < pair_count_; ++i) {
             Pair& pair = pair_[i];
-            if (pair.left_out && is_awake(pair.a) && is_awake(pair.b)) {
+            if ((pair.left_out || pair.turns) && is_awake(pair.a) && is_awake(pair.b)) {
+                pair.moved = pair.moved || pair.left_out;
                 pair.left_out = false;
-                place(bodies, pair.a);
-                place(bodies, pair.b);
-                measure(bodies, pair);
-                pair.moved = true;
-                find(bodies, pair);
-            } else if (pair.turns && is_awake(pair.a)) {
-                place(bodies, pair.b);
-                measure(bodies, pair);
-                find(bodies, pair);
+                look_at(bodies, pair);
             }
             if (moves_b(pair) && is_awake(pair.a) && is_awake(pair.b)) islands.connect(pair.a, pair.b);
         }
@@ -264,11 +257,15 @@ private:
         if (pairs_of_[a]++ == 0) startle(a, bodies.steps_taken);
         if (b >= 0 && pairs_of_[b]++ == 0) startle(b, bodies.steps_taken);
         set_up(pair, bodies);
-        this->place(bodies, a);
-        if (b >= 0) this->place(bodies, b);
+        look_at(bodies, pair);
+        return &pair;
+    }
+    // Places, measures and finds what touches, from nothing that was known.
+    void look_at(const Bodies& bodies, Pair& pair) {
+        place(bodies, pair.a);
+        if (!pair.with_plane()) place(bodies, pair.b);
         measure(bodies, pair);
         find(bodies, pair);
-        return &pair;
     }
     void forget_all() {
         pair_count_ = 0;

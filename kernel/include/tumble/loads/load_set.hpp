@@ -30,10 +30,7 @@ public:
     // A body has been added.
     void set_body([[maybe_unused]] int b, [[maybe_unused]] const BodySpec& spec,
                   [[maybe_unused]] const PrincipalInertia& inertia, [[maybe_unused]] Bodies& bodies) {
-        if constexpr (capacity.gravitation) {
-            mass_[b] = N::template constant<Work>(spec.mass);
-            body_count_ = b + 1;
-        }
+        if constexpr (capacity.gravitation) mass_[b] = N::template constant<Work>(spec.mass);
         if constexpr (capacity.springs_touch()) contacts_.set_body(b, spec, inertia, bodies);
     }
     // False when there is no room.
@@ -79,9 +76,9 @@ public:
         return false;
     }
     // Does it feel another moving body?
-    [[nodiscard]] bool is_coupled(int b) const {
+    [[nodiscard]] bool is_coupled([[maybe_unused]] const Bodies& bodies, int b) const {
         if constexpr (capacity.gravitation)
-            if (gravitation_.constant > Work(0) && body_count_ > 1) return true;
+            if (gravitation_.constant > Work(0) && bodies.count > 1) return true;
         if constexpr (capacity.springs > 0) {
             for (int s = 0; s < spring_count_; ++s) {
                 if (spring_[s].to_body >= 0 && (spring_[s].body == b || spring_[s].to_body == b)) return true;
@@ -93,7 +90,7 @@ public:
     }
     // Calls f(other) for every body that a spring or gravitation ties to b.
     template <class F>
-    void for_each_coupled([[maybe_unused]] int b, [[maybe_unused]] F&& f) const {
+    void for_each_coupled([[maybe_unused]] const Bodies& bodies, [[maybe_unused]] int b, [[maybe_unused]] F&& f) const {
         if constexpr (capacity.springs > 0) {
             for (int s = 0; s < spring_count_; ++s) {
                 if (spring_[s].to_body < 0) continue;
@@ -102,7 +99,7 @@ public:
             }
         }
         if constexpr (capacity.gravitation) {
-            for (int other = 0; gravitation_.constant > Work(0) && other < body_count_; ++other)
+            for (int other = 0; gravitation_.constant > Work(0) && other < bodies.count; ++other)
                 if (other != b) f(other);
         }
     }
@@ -255,7 +252,6 @@ private:
     [[no_unique_address]] If<capacity.drag, Drag<N>, 0> drag_{};
     [[no_unique_address]] If<capacity.gravitation, Gravitation<N>, 1> gravitation_{};
     [[no_unique_address]] If<capacity.gravitation, Array<Work, capacity.bodies>, 2> mass_{};
-    [[no_unique_address]] If<capacity.gravitation, int, 7> body_count_{};
     [[no_unique_address]] If<(capacity.springs > 0), Array<Spring<N>, capacity.springs>, 3> spring_{};
     [[no_unique_address]] If<(capacity.springs > 0), int, 4> spring_count_{};
     [[no_unique_address]] If<capacity.forces, Span<Thrust<N>>, 5> forces_{};
