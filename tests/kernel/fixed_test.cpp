@@ -1,5 +1,5 @@
 // Fixed, Wide, Scaled and Eigen's storage of them against exact integers and long double.
-#include <tumble/numbers/eigen.hpp>
+#include <tumble/numbers/vectors.hpp>
 #include <tumble/numbers/scaled.hpp>
 
 #include "random.hpp"

@@ -3,7 +3,7 @@
 // metres per second and radians per second.
 #pragma once
 
-#include <tumble/numbers/eigen.hpp>
+#include <tumble/numbers/vectors.hpp>
 
 #include <cstddef>
 #include <new>

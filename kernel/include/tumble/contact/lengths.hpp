@@ -4,7 +4,7 @@
 // are plain numbers.
 #pragma once
 
-#include <tumble/loads/wrench.hpp>
+#include <tumble/numbers/vectors.hpp>
 
 #include <limits>
 

@@ -2,7 +2,7 @@
 // zero entries cost nothing, powers of two a shift. One stepping function (runge_kutta.hpp) runs every table.
 #pragma once
 
-#include <tumble/numbers/eigen.hpp>
+#include <tumble/numbers/vectors.hpp>
 
 #include <cstddef>
 #include <utility>
