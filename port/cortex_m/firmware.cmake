@@ -11,9 +11,9 @@ set(TUMBLE_OPTIMIZE "-O2" CACHE STRING "Optimisation flags of firmware")
 set(TUMBLE_PORT_DIR ${CMAKE_CURRENT_LIST_DIR}/..)
 get_filename_component(TUMBLE_PORT_DIR ${TUMBLE_PORT_DIR} ABSOLUTE)
 
-# Headers only, so those of the workstation serve every core.
-find_path(TUMBLE_EIGEN_DIR Eigen/Core PATHS /usr/include /usr/local/include /opt/homebrew/include
-    PATH_SUFFIXES eigen3 NO_CMAKE_FIND_ROOT_PATH REQUIRED DOC "Directory that holds Eigen/Core")
+if(NOT TARGET tumble::tumble)
+    add_subdirectory(${TUMBLE_PORT_DIR}/../kernel kernel)
+endif()
 
 tumble_read_board(${TUMBLE_CORE})
 set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${TUMBLE_BOARDS_FILE})
@@ -21,34 +21,34 @@ set(TUMBLE_BOARD_DIR ${CMAKE_CURRENT_BINARY_DIR}/board)
 configure_file(${CMAKE_CURRENT_LIST_DIR}/board.hpp.in ${TUMBLE_BOARD_DIR}/board.hpp @ONLY)
 configure_file(${CMAKE_CURRENT_LIST_DIR}/firmware.ld.in ${TUMBLE_BOARD_DIR}/firmware.ld @ONLY)
 
-# No fused multiply-add: results must have the same bits on every core. Debug information would double the time to build;
-# add -g to TUMBLE_OPTIMIZE for a session with a debugger.
+# Debug information would double the time to build; add -g to TUMBLE_OPTIMIZE for a session with a debugger.
 add_library(tumble_firmware_flags INTERFACE)
+target_link_libraries(tumble_firmware_flags INTERFACE tumble::tumble)
 target_compile_options(tumble_firmware_flags INTERFACE
-    ${TUMBLE_BOARD_FLAGS} -masm-syntax-unified -std=c++20 -fno-exceptions -fno-rtti -fno-threadsafe-statics
-    -ffp-contract=off -fno-math-errno -ffunction-sections -fdata-sections -fstack-usage
+    ${TUMBLE_BOARD_FLAGS} -masm-syntax-unified -fno-exceptions -fno-rtti -fno-threadsafe-statics
+    -fno-math-errno -ffunction-sections -fdata-sections -fstack-usage
     -Wall -Wextra -Wconversion -Wdouble-promotion -Werror)
-target_include_directories(tumble_firmware_flags INTERFACE ${TUMBLE_PORT_DIR} ${TUMBLE_PORT_DIR}/../kernel/include)
-target_include_directories(tumble_firmware_flags SYSTEM INTERFACE ${TUMBLE_EIGEN_DIR})
+target_include_directories(tumble_firmware_flags INTERFACE ${TUMBLE_PORT_DIR})
 
 # Objects rather than an archive: the vector table is referenced by nobody. The level of optimisation is fixed, so a
 # reading of the counter costs the same in every firmware; loops stay loops, or memcpy would call itself.
 add_library(tumble_startup OBJECT
-    ${CMAKE_CURRENT_LIST_DIR}/startup.cpp ${CMAKE_CURRENT_LIST_DIR}/port.cpp ${CMAKE_CURRENT_LIST_DIR}/runtime.cpp
-    ${CMAKE_CURRENT_LIST_DIR}/double_sum.cpp)
-target_link_libraries(tumble_startup PRIVATE tumble_firmware_flags)
+    ${CMAKE_CURRENT_LIST_DIR}/startup.cpp ${CMAKE_CURRENT_LIST_DIR}/port.cpp ${CMAKE_CURRENT_LIST_DIR}/runtime.cpp)
+target_link_libraries(tumble_startup PRIVATE tumble_firmware_flags tumble::f64)
 target_include_directories(tumble_startup PRIVATE ${TUMBLE_BOARD_DIR})
+set_target_properties(tumble_startup PROPERTIES CXX_EXTENSIONS OFF)
 target_compile_options(tumble_startup PRIVATE -O2 -ffreestanding -fno-tree-loop-distribute-patterns)
 
 add_library(tumble_firmware_link INTERFACE)
 target_link_options(tumble_firmware_link INTERFACE ${TUMBLE_BOARD_FLAGS} -nostdlib -T${TUMBLE_BOARD_DIR}/firmware.ld
-    -Wl,--gc-sections -Wl,--fatal-warnings -Wl,--wrap=__aeabi_dadd,--wrap=__aeabi_dsub,--wrap=__aeabi_drsub)
+    -Wl,--gc-sections -Wl,--fatal-warnings $<TARGET_PROPERTY:tumble::f64,INTERFACE_LINK_OPTIONS>)
 target_link_libraries(tumble_firmware_link INTERFACE gcc)
 set_property(TARGET tumble_firmware_link PROPERTY INTERFACE_LINK_DEPENDS ${TUMBLE_BOARD_DIR}/firmware.ld)
 
 # With the caller's arg_DEFINES and arg_OPTIONS.
 function(tumble_compile_as_firmware name)
     target_link_libraries(${name} PRIVATE tumble_firmware_flags)
+    set_target_properties(${name} PROPERTIES CXX_EXTENSIONS OFF)
     target_compile_definitions(${name} PRIVATE ${arg_DEFINES})
     separate_arguments(optimize UNIX_COMMAND "${TUMBLE_OPTIMIZE}")
     target_compile_options(${name} PRIVATE ${optimize} ${arg_OPTIONS})

@@ -1,14 +1,13 @@
 # tumble_add_firmware() and tumble_add_firmware_objects() for a build without a cross compiler: the same programs for the
 # workstation, with the host's port. Options are those of a core's compiler and are left out.
 include_guard(GLOBAL)
-find_path(TUMBLE_EIGEN_DIR Eigen/Core PATH_SUFFIXES eigen3 REQUIRED DOC "Directory that holds Eigen/Core")
+if(NOT TARGET tumble::tumble)
+    add_subdirectory(${CMAKE_CURRENT_LIST_DIR}/../../kernel kernel)
+endif()
 
-# No fused multiply-add: results have the same bits everywhere.
 add_library(tumble_program_flags INTERFACE)
-target_link_libraries(tumble_program_flags INTERFACE tumble_port_host)
-target_include_directories(tumble_program_flags INTERFACE ${CMAKE_CURRENT_LIST_DIR}/../../kernel/include)
-target_include_directories(tumble_program_flags SYSTEM INTERFACE ${TUMBLE_EIGEN_DIR})
-target_compile_options(tumble_program_flags INTERFACE -O2 -ffp-contract=off -fno-math-errno -fno-exceptions -fno-rtti
+target_link_libraries(tumble_program_flags INTERFACE tumble_port_host tumble::tumble)
+target_compile_options(tumble_program_flags INTERFACE -O2 -fno-math-errno -fno-exceptions -fno-rtti
     -Wall -Wextra -Wconversion -Wdouble-promotion -Werror)
 
 function(tumble_add_firmware name)

@@ -2,4 +2,5 @@
 #pragma once
 
 #include <tumble/integrators/list.hpp>
+#include <tumble/version.hpp>
 #include <tumble/world.hpp>

@@ -2,6 +2,8 @@
 // what is shifted out when the exponents differ by 32 or more, and so round a few differences wrongly (measured: 14 of
 // 60000 with sparse mantissas, for example 0x403000000007ffff + 0xbe200000000003ff); the bits would not be the host's.
 // The linker puts these in their place (--wrap); what is nearer than 32 binary places goes to GCC's routine.
+// Empty for every other machine: tumble::f64 compiles it wherever it is linked.
+#if defined(__ARM_EABI__) && !(defined(__ARM_FP) && (__ARM_FP & 8) != 0)
 #include <bit>
 #include <cstdint>
 
@@ -60,3 +62,4 @@ double __wrap___aeabi_dadd(double a, double b) {
 }
 double __wrap___aeabi_dsub(double a, double b) { return __wrap___aeabi_dadd(a, negated(b)); }
 double __wrap___aeabi_drsub(double a, double b) { return __wrap___aeabi_dadd(b, negated(a)); }
+#endif
