@@ -1,6 +1,6 @@
 #include "closed_form.hpp"
 
-#include "reference/algebra.hpp"
+#include "truth/algebra.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 // The true motion of problems that have a formula, in long double. Nothing here is the kernel's.
 #pragma once
 
-#include "scene_description.hpp"
+#include "scene/description.hpp"
 
 #include <array>
 #include <optional>

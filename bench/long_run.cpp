@@ -4,7 +4,7 @@
 #include "rows.hpp"
 #include "variants.hpp"
 
-#include "reference/algebra.hpp"
+#include "truth/algebra.hpp"
 
 #include <CLI/CLI.hpp>
 

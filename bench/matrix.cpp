@@ -1,11 +1,11 @@
 // The main job: one scene, replayed on the host and on every core with every integrator and number system; the bits
 // compared; what a step costs printed and written as JSON lines. A row whose hash differs from the host's is marked and
 // makes the whole run fail; so does a firmware that faults or does not end.
-#include "command.hpp"
-#include "firmware.hpp"
+#include "command/command.hpp"
 #include "progress.hpp"
 #include "rows.hpp"
-#include "text.hpp"
+#include "tools/firmware.hpp"
+#include "tools/text.hpp"
 #include "variants.hpp"
 
 #include "reference.hpp"

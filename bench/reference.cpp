@@ -1,7 +1,7 @@
 #include "reference.hpp"
 
-#include "simulation.hpp"
-#include "smooth_motion.hpp"
+#include "simulation/simulation.hpp"
+#include "truth/smooth_motion.hpp"
 
 #include <stdexcept>
 

@@ -1,8 +1,8 @@
 // What a method gets wrong, against the host's reference in long double, which shares no code with the kernel.
 #pragma once
 
-#include "accuracy.hpp"
-#include "scene_description.hpp"
+#include "scene/description.hpp"
+#include "truth/accuracy.hpp"
 
 #include <array>
 #include <string>

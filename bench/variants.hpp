@@ -1,11 +1,11 @@
 // What the programs that measure share: number systems, integrators and processors to loop over, and how they end.
 #pragma once
 
-#include "firmware.hpp"
-#include "parallel.hpp"
 #include "progress.hpp"
-#include "scene_reader.hpp"
-#include "simulation.hpp"
+#include "scene/reader.hpp"
+#include "simulation/simulation.hpp"
+#include "tools/firmware.hpp"
+#include "tools/parallel.hpp"
 
 #include <algorithm>
 #include <iostream>

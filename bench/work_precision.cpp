@@ -7,8 +7,8 @@
 #include "peers/odeint.hpp"
 #include "reference.hpp"
 #include "rows.hpp"
-#include "scene_data.hpp"
-#include "text.hpp"
+#include "scene/data.hpp"
+#include "tools/text.hpp"
 #include "variants.hpp"
 
 #include <CLI/CLI.hpp>

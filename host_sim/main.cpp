@@ -1,4 +1,4 @@
 // The command `tumble`.
-#include "command.hpp"
+#include "command/command.hpp"
 
 int main(int argc, char** argv) { return tumble::host::command(argc, argv); }

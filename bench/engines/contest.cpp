@@ -1,8 +1,8 @@
 #include "contender.hpp"
 
-#include "callgrind.hpp"
-#include "reference/trajectory.hpp"
 #include "rows.hpp"
+#include "tools/callgrind.hpp"
+#include "truth/trajectory.hpp"
 
 #include <algorithm>
 #include <cmath>

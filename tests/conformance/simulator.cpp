@@ -7,9 +7,9 @@
 #include <string_view>
 #include <vector>
 
-#include "firmware.hpp"
-#include "scene_reader.hpp"
-#include "simulation.hpp"
+#include "scene/reader.hpp"
+#include "simulation/simulation.hpp"
+#include "tools/firmware.hpp"
 
 int main(int count, char** paths) try {
     using namespace tumble::host;

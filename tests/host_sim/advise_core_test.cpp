@@ -1,9 +1,9 @@
 // `tumble advise` on a core in QEMU, on a search of two methods.
 #include <nlohmann/json.hpp>
 
-#include "accuracy.hpp"
 #include "command_runner.hpp"
-#include "scene_reader.hpp"
+#include "scene/reader.hpp"
+#include "truth/accuracy.hpp"
 
 namespace tumble::host {
 namespace {

@@ -4,9 +4,9 @@
 
 #include <nlohmann/json.hpp>
 
-#include "accuracy.hpp"
 #include "command_runner.hpp"
-#include "scene_reader.hpp"
+#include "scene/reader.hpp"
+#include "truth/accuracy.hpp"
 
 namespace tumble::host {
 namespace {

@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "process.hpp"
+#include "tools/process.hpp"
 
 namespace tumble::host {
 

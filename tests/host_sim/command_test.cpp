@@ -12,7 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "command_runner.hpp"
-#include "simulation.hpp"
+#include "simulation/simulation.hpp"
 
 namespace tumble::host {
 namespace {

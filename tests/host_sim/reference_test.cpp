@@ -4,10 +4,10 @@
 #include <numbers>
 
 #include "command_runner.hpp"
-#include "reference/algebra.hpp"
-#include "scene_reader.hpp"
-#include "simulation.hpp"
-#include "smooth_motion.hpp"
+#include "scene/reader.hpp"
+#include "simulation/simulation.hpp"
+#include "truth/algebra.hpp"
+#include "truth/smooth_motion.hpp"
 
 namespace tumble::host {
 namespace {

@@ -16,7 +16,7 @@
 
 #include <gtest/gtest.h>
 
-#include "../../host_sim/scene_reader.hpp"
+#include "scene/reader.hpp"
 
 namespace tumble::host {
 namespace {

@@ -6,9 +6,9 @@
 #include <numbers>
 
 #include "command_runner.hpp"
-#include "scene_data.hpp"
-#include "scene_reader.hpp"
-#include "simulation.hpp"
+#include "scene/data.hpp"
+#include "scene/reader.hpp"
+#include "simulation/simulation.hpp"
 
 namespace tumble::host {
 namespace {

@@ -3,7 +3,7 @@
 
 #include "worlds.hpp"
 
-#include "../../host_sim/reference/trajectory.hpp"
+#include "truth/trajectory.hpp"
 
 #include <algorithm>
 

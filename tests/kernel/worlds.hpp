@@ -5,7 +5,7 @@
 #include <tumble/scene.hpp>
 #include <tumble/status.hpp>
 
-#include "../../host_sim/reference/motion.hpp"
+#include "truth/motion.hpp"
 
 #include <gtest/gtest.h>
 

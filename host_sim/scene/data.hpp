@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "scene_description.hpp"
+#include "scene/description.hpp"
 
 namespace tumble::host {
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "simulation.hpp"
+#include "simulation/simulation.hpp"
 
 namespace tumble::host {
 

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <utility>
 
-#include "number_systems.hpp"
+#include "simulation/number_systems.hpp"
 
 namespace tumble::host {
 

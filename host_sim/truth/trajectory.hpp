@@ -3,7 +3,7 @@
 // kernel, so the host command, tests and benchmarks share it.
 #pragma once
 
-#include "motion.hpp"
+#include "truth/motion.hpp"
 
 // Odeint copies its steppers' scratch arrays before their first use.
 #pragma GCC diagnostic push

@@ -7,10 +7,10 @@
 #include <iostream>
 #include <sstream>
 
-#include "command.hpp"
-#include "firmware.hpp"
-#include "process.hpp"
-#include "text.hpp"
+#include "command/command.hpp"
+#include "tools/firmware.hpp"
+#include "tools/process.hpp"
+#include "tools/text.hpp"
 
 namespace tumble::host {
 namespace {

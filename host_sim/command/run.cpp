@@ -6,10 +6,10 @@
 #include <iostream>
 #include <optional>
 
-#include "command.hpp"
-#include "plot.hpp"
-#include "progress.hpp"
-#include "text.hpp"
+#include "command/command.hpp"
+#include "command/plot.hpp"
+#include "tools/progress.hpp"
+#include "tools/text.hpp"
 
 namespace tumble::host {
 namespace {

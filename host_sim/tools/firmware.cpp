@@ -1,4 +1,4 @@
-#include "firmware.hpp"
+#include "tools/firmware.hpp"
 
 #include <fcntl.h>
 #include <sys/file.h>
@@ -9,9 +9,9 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "callgrind.hpp"
-#include "command.hpp"
-#include "process.hpp"
+#include "command/command.hpp"
+#include "tools/callgrind.hpp"
+#include "tools/process.hpp"
 
 namespace tumble::host {
 namespace {

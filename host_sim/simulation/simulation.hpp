@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-#include "scene_description.hpp"
+#include "scene/description.hpp"
 
 namespace tumble::host {
 

@@ -1,9 +1,9 @@
-#include "scene_data.hpp"
+#include "scene/data.hpp"
 
 #include <algorithm>
 #include <string_view>
 
-#include "simulation.hpp"
+#include "simulation/simulation.hpp"
 
 namespace tumble::host {
 namespace {

@@ -9,8 +9,8 @@
 #include <string_view>
 #include <tuple>
 
-#include "scene_data.hpp"
-#include "simulation.hpp"
+#include "scene/data.hpp"
+#include "simulation/simulation.hpp"
 
 namespace tumble::host {
 

@@ -1,4 +1,4 @@
-#include "command.hpp"
+#include "command/command.hpp"
 
 #include <CLI/CLI.hpp>
 
@@ -7,8 +7,8 @@
 #include <cmath>
 #include <iostream>
 
-#include "scene_reader.hpp"
-#include "text.hpp"
+#include "scene/reader.hpp"
+#include "tools/text.hpp"
 
 namespace tumble::host {
 namespace {

@@ -8,8 +8,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "reference/motion.hpp"
-#include "scene_description.hpp"
+#include "scene/description.hpp"
+#include "truth/motion.hpp"
 
 namespace tumble::host {
 

@@ -7,8 +7,8 @@
 #include <iostream>
 #include <sstream>
 
-#include "command.hpp"
-#include "number_systems.hpp"
+#include "command/command.hpp"
+#include "simulation/number_systems.hpp"
 
 namespace tumble::host {
 

@@ -9,7 +9,7 @@
 #include <string>
 #include <string_view>
 
-#include "scene_description.hpp"
+#include "scene/description.hpp"
 
 namespace tumble::host {
 

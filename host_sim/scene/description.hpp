@@ -1,6 +1,6 @@
 // What a scene file says, in the user's words: SI units, the user's body axes, names instead of indices.
 // The reader fills it and checks it; the builder turns it into a World; the compiler prints it as a firmware header.
-// Every value here has been checked, by the rules of scene_reader.cpp, once read_scene() has returned it.
+// Every value here has been checked, by the rules of reader.cpp, once read_scene() has returned it.
 #pragma once
 
 #include <array>

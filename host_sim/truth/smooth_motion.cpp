@@ -1,10 +1,10 @@
-#include "smooth_motion.hpp"
+#include "truth/smooth_motion.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "reference/trajectory.hpp"
+#include "truth/trajectory.hpp"
 
 namespace tumble::host {
 namespace {

@@ -1,10 +1,10 @@
-#include "accuracy.hpp"
+#include "truth/accuracy.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "reference/algebra.hpp"
-#include "smooth_motion.hpp"
+#include "truth/algebra.hpp"
+#include "truth/smooth_motion.hpp"
 
 namespace tumble::host {
 namespace {

@@ -1,6 +1,6 @@
 // A `Table` hands out the keys of one TOML table and remembers them, so that finish() can report the ones nobody asked
 // for. A `Value` is a TOML node that knows its place in the file; all messages are made from those two.
-#include "scene_reader.hpp"
+#include "scene/reader.hpp"
 
 #include <algorithm>
 #include <charconv>

@@ -1,7 +1,7 @@
 // The motion of one rigid body and what drives it, in long double and SI units.
 #pragma once
 
-#include "algebra.hpp"
+#include "truth/algebra.hpp"
 
 namespace tumble::reference {
 

@@ -1,4 +1,4 @@
-#include "text.hpp"
+#include "tools/text.hpp"
 
 #include <array>
 #include <charconv>

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "scene_description.hpp"
-#include "simulation.hpp"
+#include "scene/description.hpp"
+#include "simulation/simulation.hpp"
 
 namespace tumble::host {
 

@@ -9,12 +9,12 @@
 #include <map>
 #include <mutex>
 
-#include "accuracy.hpp"
-#include "command.hpp"
-#include "firmware.hpp"
-#include "parallel.hpp"
-#include "progress.hpp"
-#include "text.hpp"
+#include "command/command.hpp"
+#include "tools/firmware.hpp"
+#include "tools/parallel.hpp"
+#include "tools/progress.hpp"
+#include "tools/text.hpp"
+#include "truth/accuracy.hpp"
 
 namespace tumble::host {
 namespace {

@@ -8,9 +8,9 @@
 #include <sstream>
 #include <string_view>
 
-#include "command.hpp"
-#include "scene_data.hpp"
-#include "text.hpp"
+#include "command/command.hpp"
+#include "scene/data.hpp"
+#include "tools/text.hpp"
 
 namespace tumble::host {
 namespace {

@@ -14,9 +14,9 @@
 #include <string>
 #include <vector>
 
-#include "reference/motion.hpp"
-#include "scene_description.hpp"
-#include "simulation.hpp"
+#include "scene/description.hpp"
+#include "simulation/simulation.hpp"
+#include "truth/motion.hpp"
 
 namespace tumble::host {
 

@@ -1,10 +1,10 @@
-#include "plot.hpp"
+#include "command/plot.hpp"
 
 #include <algorithm>
 #include <fstream>
 
-#include "process.hpp"
-#include "text.hpp"
+#include "tools/process.hpp"
+#include "tools/text.hpp"
 
 namespace tumble::host {
 namespace {

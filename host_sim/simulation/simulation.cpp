@@ -1,11 +1,11 @@
-#include "simulation.hpp"
+#include "simulation/simulation.hpp"
 
 #include <tumble/integrators/list.hpp>
 
 #include <algorithm>
 #include <array>
 
-#include "number_systems.hpp"
+#include "simulation/number_systems.hpp"
 
 namespace tumble::host {
 namespace {
