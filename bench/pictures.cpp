@@ -1,6 +1,8 @@
-// Draws rows of work against precision: one picture a problem, with a panel for each core and one for the legend, so
-// that integers, float and double of all methods are seen together. A run that failed is a mark on the left edge. The
-// order in the legend is the median of what halving the step has gained, over the steps where it gained something.
+// Draws rows of work against precision: one picture a problem, one panel a core, all panels on the same axes. The front
+// is colored: at each error the run that is cheapest over all methods and number systems. A panel labels the eight
+// curves that hold most of it, at their ends, in one color a number system; all others are grey. A curve keeps only
+// runs that gain accuracy for their cost: where rounding stops a method, its curve ends.
+#include "labels.hpp"
 #include "rows.hpp"
 
 #include <CLI/CLI.hpp>
@@ -12,137 +14,368 @@
 #include <cstdio>
 #include <iostream>
 #include <limits>
-#include <map>
+#include <regex>
+#include <sstream>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace {
 
-using tumble::bench::numbers_of, tumble::bench::Row;
+using tumble::bench::numbers_of, tumble::bench::Row, tumble::bench::Point, tumble::bench::Box;
 namespace fs = std::filesystem;
 
-const std::array<const char*, 2> error_keys = {"orientation_error_rad", "position_error_m"};
+// An orientation wrong by a radian, or a position by a metre, is no answer to any of the problems.
+constexpr double useless_error = 1;
+constexpr std::size_t most_labels = 8;
 
-struct Series {
-    std::string method, numbers;
-    std::map<std::string, std::string> points, failures;  // by core, as gnuplot reads them
-    std::vector<double> orders;                           // of one core: they are the same on all
-
-    // Empty where halving the step has never helped.
-    [[nodiscard]] std::string order() const {
-        const auto median = tumble::bench::median_order(orders);
-        if (!median) return {};
-        char text[32];
-        std::snprintf(text, sizeof text, ", order %.1f", *median);
-        return text;
-    }
+struct ErrorKind {
+    const char *key, *axis;
 };
+constexpr std::array<ErrorKind, 2> error_kinds{
+    {{"orientation_error_rad", "largest orientation error, rad"}, {"position_error_m", "largest position error, m"}}};
+
+// Colors of Okabe and Ito, which color-blind readers tell apart, and for text a darker shade of the light ones. Each
+// has a mark of its own too (gnuplot's point types), and the light ones a word in their labels.
+struct NumberStyle {
+    const char *numbers, *color, *text_color;
+    int mark;
+    const char* word;
+};
+constexpr std::array<NumberStyle, 5> number_styles{{{"q32 carry", "#0072b2", "#0072b2", 7, ""},
+                                                    {"q32 plain", "#56b4e9", "#2f83b5", 6, " plain"},
+                                                    {"f32 plain", "#d55e00", "#c25500", 5, ""},
+                                                    {"f32 carry", "#e69f00", "#a06e00", 4, " carry"},
+                                                    {"f64", "#009e73", "#00835f", 9, ""}}};
+
+const NumberStyle& style_of(const std::string& numbers) {
+    const auto* found = std::find_if(number_styles.begin(), number_styles.end(),
+                                     [&](const NumberStyle& style) { return style.numbers == numbers; });
+    if (found == number_styles.end()) throw std::runtime_error{"no color for number system '" + numbers + "'"};
+    return *found;
+}
+
+struct Run {
+    double error, cost;
+};
+struct Curve {
+    std::string method, numbers;
+    std::vector<Run> runs;   // each more accurate than any cheaper one
+    std::vector<Run> front;  // those of them that are the cheapest of all methods at some error
+    double decades_on_front = 0;
+
+    [[nodiscard]] std::string name() const { return method + " " + numbers; }
+    [[nodiscard]] std::string label() const { return method + style_of(numbers).word; }
+};
+struct Panel {
+    std::string core;
+    std::vector<Curve> curves;  // first those with a label
+    std::size_t labelled = 0;
+};
+
+std::string text(const char* format, auto... values) {
+    char buffer[256];
+    std::snprintf(buffer, sizeof buffer, format, values...);
+    return buffer;
+}
+
+bool cheaper(const Run& a, const Run& b) { return a.cost != b.cost ? a.cost < b.cost : a.error < b.error; }
+
+// Leaves runs that are more accurate than any cheaper one.
+void keep_what_gains(std::vector<Run>& runs) {
+    std::sort(runs.begin(), runs.end(), cheaper);
+    double best = std::numeric_limits<double>::infinity();
+    std::erase_if(runs, [&](const Run& run) {
+        if (!(run.error < best)) return true;
+        best = run.error;
+        return false;
+    });
+}
+
+// Ends a curve where rounding does: at the last run that is on the front, or that gains the square root of what it
+// costs.
+void end_at_rounding(Curve& curve) {
+    std::vector<Run>& runs = curve.runs;
+    while (runs.size() > 1 && (curve.front.empty() || runs.back().error < curve.front.back().error)) {
+        const Run &last = runs.back(), &before = runs[runs.size() - 2];
+        if (before.error / last.error > std::sqrt(last.cost / before.cost)) break;
+        runs.pop_back();
+    }
+}
+
+// Finds the front of a panel, and moves the curves that are labelled to the beginning.
+void find_front(Panel& panel) {
+    struct Entry {
+        Run run;
+        Curve* curve;
+    };
+    std::vector<Entry> entries;
+    for (Curve& curve : panel.curves) {
+        keep_what_gains(curve.runs);
+        for (const Run& run : curve.runs) entries.push_back({run, &curve});
+    }
+    std::stable_sort(entries.begin(), entries.end(),
+                     [](const Entry& a, const Entry& b) { return cheaper(a.run, b.run); });
+    double best = useless_error;
+    for (const auto& [run, curve] : entries) {
+        if (!(run.error < best)) continue;
+        curve->front.push_back(run);
+        curve->decades_on_front += std::log10(best / run.error);
+        best = run.error;
+    }
+    std::stable_sort(panel.curves.begin(), panel.curves.end(),
+                     [](const Curve& a, const Curve& b) { return a.decades_on_front > b.decades_on_front; });
+    for (Curve& curve : panel.curves) end_at_rounding(curve);
+    while (panel.labelled < std::min(most_labels, panel.curves.size()) && !panel.curves[panel.labelled].front.empty())
+        ++panel.labelled;
+}
 
 std::string file_name(std::string scene) {
     for (char& c : scene) c = std::isalnum(static_cast<unsigned char>(c)) ? static_cast<char>(std::tolower(c)) : '_';
     return "work_precision_" + scene + ".svg";
 }
 
-void draw(const fs::path& svg, const std::string& scene, const std::vector<Row>& rows,
-          const std::vector<std::string>& numbers) {
-    std::vector<std::string> cores, methods;
-    std::vector<Series> all;
-    std::string error_key;
-    double largest = 0, smallest = std::numeric_limits<double>::infinity();
-    const auto note = [](std::vector<std::string>& names, const std::string& name) {
-        if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
-    };
-    for (const Row& row : rows) {
-        if (row.at("scene") != scene) continue;
-        const std::string n = numbers_of(row), method = row.at("integrator"), core = row.at("core");
-        if (std::find(numbers.begin(), numbers.end(), n) == numbers.end()) continue;
-        note(cores, core);
-        note(methods, method);
-        auto found =
-            std::find_if(all.begin(), all.end(), [&](const Series& s) { return s.method == method && s.numbers == n; });
-        if (found == all.end()) found = all.insert(all.end(), Series{method, n, {}, {}, {}});
-        char text[64];
-        const double cost = row.at("insn_per_simulated_second");
-        if (row.contains("failure")) {
-            std::snprintf(text, sizeof text, "%.6g\n", cost);
-            found->failures[core] += text;
-            continue;
-        }
-        for (const char* key : error_keys)
-            if (row.contains(key)) error_key = key;
-        const double error = row.at(error_key);
-        if (!(error > 0)) continue;  // exact: no place on a logarithmic axis
-        if (error < 100) largest = std::max(largest, error);
-        smallest = std::min(smallest, error);
-        std::snprintf(text, sizeof text, "%.6g %.6g\n", error, cost);
-        found->points[core] += text;
-        if (core == cores.front() && row.contains("observed_order")) found->orders.push_back(row.at("observed_order"));
-    }
-    if (all.empty()) return;
-    const double left = std::pow(10.0, std::ceil(std::log10(largest)) + 1),
-                 right = std::pow(10.0, std::floor(std::log10(smallest)));
-
-    const std::size_t panel_rows = (cores.size() + 2) / 2;  // two panels a row, and one more for the legend
-    std::string script = "set terminal svg size 1500," + std::to_string(575 * panel_rows) +
-                         " font 'sans,11' background 'white'\nset output '" + svg.string() +
-                         "'\nset multiplot layout " + std::to_string(panel_rows) + ",2 title '" + scene +
-                         "' noenhanced\nset logscale xy\nset format '10^{%L}'\nset grid\nunset key\n";
-    char range[96];
-    std::snprintf(range, sizeof range, "set xrange [%g:%g]\n", left, right);
-    script += range;
-    // A color is a method, a line style a number system.
-    const auto style = [&](const Series& s) {
-        const auto color = std::find(methods.begin(), methods.end(), s.method) - methods.begin();
-        const auto dash = std::find(numbers.begin(), numbers.end(), s.numbers) - numbers.begin();
-        char text[128];
-        // Around the color wheel, every other color darker.
-        std::snprintf(text, sizeof text, "dashtype %d pointtype %d pointsize 0.6 linecolor rgb hsv2rgb(%.3f, 1, %.2f)",
-                      static_cast<int>(dash) + 1, static_cast<int>(dash) * 2 + 5,
-                      static_cast<double>(color) / static_cast<double>(methods.size()), color % 2 == 0 ? 0.9 : 0.55);
-        return std::string{text};
-    };
-    const auto curves = [&](const auto& write) {
-        std::string plot = "plot ", data;
-        for (const Series& s : all) write(s, plot, data);
-        script += plot.substr(0, plot.size() - 2) + "\n" + data;
-    };
-    for (const std::string& core : cores) {
-        script += "set title '" + core + "'\nset xlabel '" +
-                  (error_key == error_keys[0] ? "orientation error, rad" : "position error, m") +
-                  "'\nset ylabel 'instructions per simulated second'\n";
-        curves([&](const Series& s, std::string& plot, std::string& data) {
-            if (const auto found = s.points.find(core); found != s.points.end()) {
-                plot += "'-' with linespoints " + style(s) + ", ";
-                data += found->second + "e\n";
-            }
-            if (const auto found = s.failures.find(core); found != s.failures.end()) {
-                plot += "'-' using (" + std::to_string(left) + "):1 with points " + style(s) + ", ";
-                data += found->second + "e\n";
-            }
-        });
-    }
-    script += "set title 'failed runs stand on the left edge'\nunset xlabel\nunset ylabel\nunset border\nunset tics\n"
-              "unset grid\nset key center center maxcols 2 maxrows 40 samplen 3\n";
-    script += "set yrange [1:10]\n";
-    curves([&](const Series& s, std::string& plot, std::string&) {
-        plot += "1/0 with linespoints " + style(s) + " title '" + s.method + ", " + s.numbers + s.order() +
-                "' noenhanced, ";
-    });
-    script += "unset multiplot\n";
-    FILE* gnuplot = popen("gnuplot", "w");
-    if (gnuplot == nullptr) throw std::runtime_error{"cannot run gnuplot"};
-    std::fputs(script.c_str(), gnuplot);
-    if (pclose(gnuplot) != 0) throw std::runtime_error{"gnuplot failed for " + svg.string()};
+std::string read(const fs::path& path) {
+    std::ifstream file{path};
+    std::ostringstream all;
+    all << file.rdbuf();
+    return all.str();
 }
+
+// The same drawing in fewer characters: tenths of a pixel, and no groups of nothing.
+std::string compact(std::string svg) {
+    const auto replace = [&](const char* pattern, const char* by) {
+        svg = std::regex_replace(svg, std::regex{pattern}, by);
+    };
+    replace(R"((\.\d)\d+)", "$1");
+    replace(R"(([ ,ML]\d+)\.0\b)", "$1");
+    replace(R"([ \t\n]+)", " ");
+    replace(R"(rgb\( ?(\d+), ?(\d+), ?(\d+)\))", "rgb($1,$2,$3)");
+    replace(R"( (/?>|'|"))", "$1");
+    replace(R"(> <)", ">\n<");
+    const std::string filters_end = "</filter>\n";
+    if (const auto from = svg.find("<filter"), to = svg.rfind(filters_end); to != std::string::npos)
+        svg.erase(from, to + filters_end.size() - from);
+    replace(R"(<tspan font-size="13.0" dy="6.5"></tspan>)", "");
+    // What most groups say alike is said once, around them.
+    const std::string font = R"( font-family="sans-serif")",
+                      usual = R"( fill="none" color="black" stroke="currentColor" stroke-width="1.0")"
+                              R"( stroke-linecap="butt" stroke-linejoin="miter")";
+    replace(font.c_str(), "");
+    replace((usual + ">").c_str(), ">");
+    replace(R"(<g id="gnuplot_canvas">)", ("<g" + font + usual + ">").c_str());
+    replace(R"(<rect x=)", R"(<rect stroke="none" x=)");
+    replace(R"(<g transform[^>]*>\n<text></text>\n</g>\n)", "");
+    replace(R"(<g[^>]*>\n</g>\n)", "");
+    replace(R"(<g>\n(<path [^>]*/>)\n?</g>)", "$1");
+    replace(R"(<title>gnuplot_plot_\d+[a-z]?</title>\n)", "");
+    return svg;
+}
+
+class Picture {
+public:
+    Picture(const std::string& scene, const std::vector<Row>& rows) : scene_(scene) {
+        for (const Row& row : rows)
+            if (row.at("scene") == scene) add(row);
+        for (Panel& panel : panels_) {
+            find_front(panel);
+            for (std::size_t i = 0; i < panel.labelled; ++i) {
+                for (const Run& run : panel.curves[i].runs) {
+                    if (!(run.error < useless_error)) continue;
+                    least_ = {std::min(least_.error, run.error), std::min(least_.cost, run.cost)};
+                    largest_cost_ = std::max(largest_cost_, run.cost);
+                }
+            }
+        }
+        // Room for labels beyond the last run.
+        least_.error = std::pow(10, std::floor(std::log10(least_.error)) - 2);
+        least_.cost = std::pow(10, std::floor(std::log10(least_.cost / 1.5)));
+        largest_cost_ = std::pow(10, std::ceil(std::log10(largest_cost_ * 1.5)));
+    }
+
+    void draw(const fs::path& svg) const {
+        const std::string drawing = script(svg);
+        FILE* gnuplot = popen("gnuplot", "w");
+        if (gnuplot == nullptr) throw std::runtime_error{"cannot run gnuplot"};
+        std::fputs(drawing.c_str(), gnuplot);
+        if (pclose(gnuplot) != 0) throw std::runtime_error{"gnuplot failed for " + svg.string()};
+        const std::string drawn = compact(read(svg));
+        std::ofstream file{svg};
+        file << drawn;
+        if (!file.flush()) throw std::runtime_error{svg.string() + ": cannot be written"};
+    }
+
+private:
+    void add(const Row& row) {
+        if (row.contains("failure")) return;
+        for (const ErrorKind& kind : error_kinds)
+            if (row.contains(kind.key)) kind_ = &kind;
+        const Run run{row.at(kind_->key), row.at("insn_per_simulated_second")};
+        if (!(run.error > 0)) return;  // exact: no place on a logarithmic axis
+        const std::string core = row.at("core"), method = row.at("integrator"), numbers = numbers_of(row);
+        auto panel = std::find_if(panels_.begin(), panels_.end(), [&](const Panel& p) { return p.core == core; });
+        if (panel == panels_.end()) panel = panels_.insert(panel, Panel{core, {}});
+        auto& curves = panel->curves;
+        auto curve = std::find_if(curves.begin(), curves.end(),
+                                  [&](const Curve& c) { return c.method == method && c.numbers == numbers; });
+        if (curve == curves.end()) curve = curves.insert(curve, Curve{method, numbers, {}, {}});
+        curve->runs.push_back(run);
+    }
+
+    static constexpr double panel_width = 490, panel_height = 330, left = 75, right = 28, top = 90, bottom = 60,
+                            gap = 32;
+    static constexpr double font_size = 13, character = 0.62 * font_size;
+    [[nodiscard]] std::size_t panel_rows() const { return (panels_.size() + 1) / 2; }
+    [[nodiscard]] double width() const { return left + 2 * panel_width + gap + right; }
+    [[nodiscard]] double height() const {
+        return top + static_cast<double>(panel_rows()) * (panel_height + gap) - gap + bottom;
+    }
+    // Where a run stands in its panel, in pixels from the lower left corner.
+    [[nodiscard]] Point place(const Run& run) const {
+        return {panel_width * std::log10(run.error / useless_error) / std::log10(least_.error / useless_error),
+                panel_height * std::log10(run.cost / least_.cost) / std::log10(largest_cost_ / least_.cost)};
+    }
+
+    // Without runs that stand within half a pixel of the line between their neighbours.
+    [[nodiscard]] std::vector<Run> simplified(const std::vector<Run>& runs) const {
+        std::vector<Run> kept;
+        std::size_t last = 0;
+        for (std::size_t i = 0; i < runs.size(); ++i) {
+            bool straight = i > 0 && i + 1 < runs.size();
+            for (std::size_t k = last + 1; straight && k <= i; ++k) {
+                const Point a = place(runs[last]), b = place(runs[i + 1]), p = place(runs[k]);
+                const double across = (b.x - a.x) * (p.y - a.y) - (b.y - a.y) * (p.x - a.x);
+                straight = std::abs(across) < 0.5 * distance_between(a, b);
+            }
+            if (straight) continue;
+            kept.push_back(runs[i]);
+            last = i;
+        }
+        return kept;
+    }
+
+    [[nodiscard]] std::string script(const fs::path& svg) const {
+        std::string out =
+            text("set terminal svg size %g,%g font 'sans-serif,%g' background 'white'\nset output ", width(), height(),
+                 font_size) +
+            "'" + svg.string() + "'\nset multiplot\nunset key\nset logscale xy\nset format '10^{%L}'\n" +
+            "set mxtics 1\nset mytics 1\nset grid linecolor '#e4e4e4' linetype 1\nset tics scale 0\n" +
+            "set border linecolor '#808080'\nset tics textcolor 'black'\n" +
+            text("set xrange [%g:%g]\nset yrange [%g:%g]\n", useless_error, least_.error, least_.cost, largest_cost_) +
+            "set xtics (1";
+        for (double tick = 0.01 * useless_error; tick > 0.9 * least_.error; tick /= 100) out += text(", %g", tick);
+        out += ")\n";
+        legend(out);
+        for (std::size_t i = 0; i < panels_.size(); ++i) panel(out, i);
+        return out + "unset multiplot\n";
+    }
+
+    // The title, and what colors and marks mean.
+    void legend(std::string& out) const {
+        double x = left;
+        const auto add = [&](const std::string& what, double from_top, const std::string& more) {
+            out += text("set label '%s' noenhanced at screen %g,%g %s\n", what.c_str(), x / width(),
+                        1 - from_top / height(), more.c_str());
+            x += character * static_cast<double>(what.size()) + 12;
+        };
+        add(scene_, 22, "font ',18'");
+        x = left;
+        for (const NumberStyle& style : number_styles) {
+            if (!is_labelled(style)) continue;
+            x += 5;
+            add("", 48, text("point pointtype %d pointsize 0.7 linecolor '%s'", style.mark, style.color));
+            add(style.numbers, 48, text("textcolor '%s'", style.text_color));
+            x += 10;
+        }
+        add("marks: cheapest at some error; at most eight curves a panel, all others grey", 48, "textcolor '#606060'");
+    }
+    [[nodiscard]] bool is_labelled(const NumberStyle& style) const {
+        for (const Panel& panel : panels_)
+            for (std::size_t i = 0; i < panel.labelled; ++i)
+                if (panel.curves[i].numbers == style.numbers) return true;
+        return false;
+    }
+
+    void panel(std::string& out, std::size_t index) const {
+        const Panel& panel = panels_[index];
+        const std::size_t row = index / 2;
+        const double x = left + static_cast<double>(index % 2) * (panel_width + gap),
+                     y = height() - top - static_cast<double>(row) * (panel_height + gap) - panel_height;
+        out += text(
+            "set lmargin at screen %g\nset rmargin at screen %g\nset bmargin at screen %g\nset tmargin at screen %g\n",
+            x / width(), (x + panel_width) / width(), y / height(), (y + panel_height) / height());
+        out += "set title '" + panel.core + "' offset 0,-0.6\n";
+        // The axes are the same: they are written once a row and once a column.
+        out += index % 2 == 0 ? "set ylabel 'instructions per simulated second'\nset format y '10^{%L}'\n"
+                              : "unset ylabel\nset format y ''\n";
+        out += index + 2 >= panels_.size() ? std::string("set xlabel '") + kind_->axis + "'\nset format x '10^{%L}'\n"
+                                           : "unset xlabel\nset format x ''\n";
+
+        std::string grey, lines, marks, data, marks_data;
+        for (std::size_t i = 0; i < panel.curves.size(); ++i) {
+            const Curve& curve = panel.curves[i];
+            const std::string points = lines_of(simplified(curve.runs));
+            if (i >= panel.labelled) {
+                grey += points + "\n";
+                continue;
+            }
+            const NumberStyle& style = style_of(curve.numbers);
+            lines += text(", '-' with lines linewidth 1.5 linecolor '%s' title '%s' noenhanced", style.color,
+                          curve.name().c_str());
+            data += points + "e\n";
+            marks +=
+                text(", '-' with points pointtype %d pointsize 0.7 linecolor '%s' notitle", style.mark, style.color);
+            marks_data += lines_of(curve.front) + "e\n";
+        }
+        label_ends(out, panel);
+        out += "plot '-' with lines linecolor '#cfcfcf' notitle" + lines + marks + "\n" + grey + "e\n" + data +
+               marks_data + "unset label\nunset arrow\n";
+    }
+
+    static std::string lines_of(const std::vector<Run>& runs) {
+        std::string lines;
+        for (const Run& run : runs) lines += text("%.4g %.4g\n", run.error, run.cost);
+        return lines;
+    }
+
+    void label_ends(std::string& out, const Panel& panel) const {
+        std::vector<tumble::bench::LabelledPath> paths;
+        for (std::size_t i = 0; i < panel.curves.size(); ++i) {
+            tumble::bench::LabelledPath path;
+            for (const Run& run : panel.curves[i].runs) path.points.push_back(place(run));
+            if (i < panel.labelled)
+                path.size = {character * static_cast<double>(panel.curves[i].label().size()) + 4, font_size * 1.2};
+            paths.push_back(std::move(path));
+        }
+        const auto boxes = place_labels(paths, panel.labelled, Box{{3, 3}, {panel_width - 3, panel_height - 3}});
+        for (std::size_t i = 0; i < boxes.size(); ++i) {
+            const Box& box = boxes[i];
+            const Point end = paths[i].points.back(), tip = box.nearest(end);
+            const NumberStyle& style = style_of(panel.curves[i].numbers);
+            if (distance_between(tip, end) > 11)
+                out += text("set arrow from graph %.4f,%.4f to graph %.4f,%.4f nohead linewidth 0.7 linecolor '%s'\n",
+                            end.x / panel_width, end.y / panel_height, tip.x / panel_width, tip.y / panel_height,
+                            style.color);
+            out += text("set label '%s' noenhanced center textcolor '%s' at graph %.4f,%.4f\n",
+                        panel.curves[i].label().c_str(), style.text_color, (box.low.x + box.high.x) / 2 / panel_width,
+                        (box.low.y + box.high.y) / 2 / panel_height);
+        }
+    }
+
+    std::string scene_;
+    std::vector<Panel> panels_;
+    const ErrorKind* kind_ = &error_kinds.front();
+    Run least_{useless_error, std::numeric_limits<double>::infinity()};
+    double largest_cost_ = 0;
+};
 
 }  // namespace
 
 int main(int argc, char** argv) try {
     CLI::App app{"Draws rows of work against precision, a picture a problem."};
     std::vector<fs::path> files;
-    std::vector<std::string> numbers = {"q32 carry", "f32 plain", "f64"};
     fs::path directory = "build/results";
     app.add_option("rows", files, "Files of rows")->required();
-    app.add_option("--numbers", numbers, "Number systems to draw, as \"q32 carry\"")->delimiter(',');
     app.add_option("--directory", directory, "Where the pictures go");
     CLI11_PARSE(app, argc, argv);
     fs::create_directories(directory);
@@ -153,7 +386,7 @@ int main(int argc, char** argv) try {
             const std::string scene = row.at("scene");
             if (std::find(scenes.begin(), scenes.end(), scene) != scenes.end()) continue;
             scenes.push_back(scene);
-            draw(directory / file_name(scene), scene, rows, numbers);
+            Picture{scene, rows}.draw(directory / file_name(scene));
         }
     }
     return 0;
