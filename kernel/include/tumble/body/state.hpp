@@ -3,7 +3,7 @@
 // metres per second and radians per second.
 #pragma once
 
-#include <tumble/numbers/vectors.hpp>
+#include <tumble/numbers/systems.hpp>
 
 #include <cstddef>
 #include <new>

@@ -4,7 +4,7 @@
 // are plain numbers.
 #pragma once
 
-#include <tumble/numbers/vectors.hpp>
+#include <tumble/numbers/systems.hpp>
 
 #include <limits>
 

@@ -2,12 +2,21 @@
 // zero entries cost nothing, powers of two a shift. One stepping function (runge_kutta.hpp) runs every table.
 #pragma once
 
-#include <tumble/numbers/vectors.hpp>
+#include <tumble/numbers/systems.hpp>
 
 #include <cstddef>
 #include <utility>
 
 namespace tumble {
+
+// A fraction known at compile time, such as an entry of a Butcher table.
+struct Rational {
+    int numerator = 0;
+    int denominator = 1;
+    [[nodiscard]] constexpr bool is_zero() const { return numerator == 0; }
+    [[nodiscard]] constexpr bool is_dyadic() const { return (denominator & (denominator - 1)) == 0; }
+    friend constexpr bool operator==(Rational, Rational) = default;
+};
 
 template <int S>
 struct ButcherTable {

@@ -3,7 +3,7 @@
 // maps and .cast<double>() are Eigen's.
 #pragma once
 
-#include <tumble/numbers/systems.hpp>
+#include <tumble/numbers/scaled.hpp>
 
 #include <Eigen/Core>
 

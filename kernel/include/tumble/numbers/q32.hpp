@@ -1,0 +1,326 @@
+// Q32<Range, carry>: a number system of integers only. Every quantity is a 32-bit Fixed in a format that the declared
+// range decides; sums and products are 64 bits wide and rounded once. Block (q32_block.hpp) serves free rotation,
+// ContactNumbers (q32_contact.hpp) contacts; Float of ieee.hpp has the same functions under the same names.
+#pragma once
+
+#include <tumble/numbers/carried.hpp>
+#include <tumble/numbers/dither.hpp>
+#include <tumble/numbers/scaled.hpp>
+
+namespace tumble {
+
+// What fixed point must be able to hold: metres from the origin, m/s, rad/s. Formats round each up to a power of two.
+template <int position_m = 1024, int velocity_m_s = 128, int spin_rad_s = 64>
+struct Range {
+    static constexpr int position = position_m;
+    static constexpr int velocity = velocity_m_s;
+    static constexpr int spin = spin_rad_s;
+};
+
+namespace detail {
+
+// a >> shift for 1 <= shift <= 31, rounding down: four instructions on a 32-bit core.
+[[nodiscard]] TUMBLE_INLINE constexpr std::int64_t shift_right(std::int64_t a, int shift) {
+    const auto high = static_cast<std::int32_t>(a >> 32);
+    const auto low = static_cast<std::uint32_t>(a);
+    const std::uint32_t lower = (low >> shift) | (static_cast<std::uint32_t>(high) << (32 - shift));
+    return static_cast<std::int64_t>((static_cast<std::uint64_t>(static_cast<std::uint32_t>(high >> shift)) << 32) |
+                                     lower);
+}
+
+// The upper word of (a << shift) + rest, for 0 <= shift <= 31. A product moves the lower word up in one instruction.
+[[nodiscard]] TUMBLE_INLINE constexpr std::int32_t upper_shifted_left(std::int64_t a, int shift,
+                                                                      std::uint32_t rest = 0) {
+    const std::uint32_t power = std::uint32_t{1} << shift;
+    const auto high = static_cast<std::uint32_t>(static_cast<std::uint64_t>(a) >> 32),
+               low = static_cast<std::uint32_t>(a);
+    return static_cast<std::int32_t>(high * power +
+                                     static_cast<std::uint32_t>((std::uint64_t{low} * power + rest) >> 32));
+}
+
+[[nodiscard]] constexpr int log2_of(int power_of_two) {
+    int log2 = 0;
+    while ((1 << log2) < power_of_two) ++log2;
+    return log2;
+}
+
+[[nodiscard]] constexpr int clamp(int value, int low, int high) {
+    return value < low ? low : value > high ? high : value;
+}
+
+}  // namespace detail
+
+// 32-bit integers with 64-bit accumulation. Ranges decide the formats; see Scale for what the step decides.
+template <class R = Range<>, bool with_carry = true>
+struct Q32 {
+    using Range = R;
+    static constexpr const char* name = "q32";
+    static constexpr bool carry = with_carry;
+    static constexpr bool fixed_point = true;
+
+    using Position = Fixed<30 - detail::log2_of(R::position)>;  // m; one bit above the range
+    using Drift = Fixed<30>;        // displacement per step / Scale's unit; +-1 is the range
+    using Turn = Fixed<32>;         // half turn per step, rad, times 2^turn_shift; +-1/4 is the range
+    using Angle = Fixed<32>;        // rad, |angle| < 1/2: half turns and what is computed from them
+    using Unit = Fixed<30>;         // components of unit quaternions and unit vectors
+    using Coefficient = Fixed<31>;  // dimensionless constants in [-1, 1]
+    template <int bits>
+    using CoefficientOf = Fixed<bits>;  // dimensionless constants below 2^(31 - bits)
+    using TurnProduct = Wide<64>;
+    using AngleSum = Wide<64>;
+    using PositionSum = Wide<Position::fraction_bits + 32>;
+    using DriftSum = Wide<62>;
+    using TurnSum = Wide<64>;
+    using Work = Scaled;  // loads and contacts: any magnitude, 31 digits
+    template <class T>
+    using Integrated = Carried<T, carry>;
+    using IntegratedUnit = Carried<Unit, carry, true>;
+
+    // Where the binary points stand, from the ranges and the step size.
+    struct Scale {
+        // Drift has drift_shift more fraction bits (of a metre) than Position: a step moves by a quarter of the range
+        // at most.
+        std::int8_t drift_shift = 2;
+        std::int8_t turn_shift = 1;                 // Turn is the half turn times 2^turn_shift
+        static constexpr int most_turn_shift = 14;  // squares of angles are shifted by up to 2 (14 + 1) < 32
+
+        // `turn_per_spin`: the largest half turn per step that a spin of 1 rad/s can mean (h/2, h for momentum).
+        [[nodiscard]] static constexpr Scale of(Real step, Real turn_per_spin) {
+            const int drift_bits = 30 - (Real{R::velocity} * step).ceil_log2_bound();
+            const int turn_bits = -2 - (Real{R::spin} * turn_per_spin).ceil_log2_bound();
+            return {static_cast<std::int8_t>(detail::clamp(drift_bits - Position::fraction_bits, 2, 30)),
+                    static_cast<std::int8_t>(detail::clamp(turn_bits, 1, most_turn_shift))};
+        }
+        // Set-up: metres per step (or per step^2) and half turns per step, as the numbers that state holds.
+        [[nodiscard]] constexpr Real drift_units(Real metres) const {
+            return metres * Real::scaled(1, Position::fraction_bits + drift_shift - Drift::fraction_bits);
+        }
+        [[nodiscard]] constexpr Real turn_units(Real angle) const { return angle * Real::scaled(1, turn_shift); }
+        [[nodiscard]] constexpr Real metres(Real drift) const {
+            return drift * Real::scaled(1, Drift::fraction_bits - Position::fraction_bits - drift_shift);
+        }
+        [[nodiscard]] constexpr Real angle(Real turn) const { return turn * Real::scaled(1, -turn_shift); }
+    };
+
+    // Turns for one step of a free rotation: q32_block.hpp.
+    class Block;
+
+    template <class T>
+    [[nodiscard]] static constexpr T constant(Real value) {
+        return T::from(value);
+    }
+
+    // Between state and working numbers: metres, metres per step, half turns per step.
+    [[nodiscard]] static constexpr PositionSum sum(const Integrated<Position>& x) { return x.sum(); }
+    [[nodiscard]] static constexpr Work metres(PositionSum x) { return Work::of(x); }
+    [[nodiscard]] static constexpr Work metres(DriftSum d, Scale s) {
+        return Work::of(d.raw, -(Position::fraction_bits + 32 + s.drift_shift));
+    }
+    [[nodiscard]] static constexpr Work half_turn(Turn t, Scale s) { return Work::of(t.raw, -(32 + s.turn_shift)); }
+    [[nodiscard]] static constexpr Work half_turn(TurnSum t, Scale s) { return Work::of(t.raw, -(64 + s.turn_shift)); }
+    [[nodiscard]] static constexpr Work turn_product(TurnProduct p, Scale s) {
+        return Work::of(p.raw, -(64 + 2 * s.turn_shift));
+    }
+    [[nodiscard]] static constexpr Work work(Unit u) { return Work::of(u); }
+    [[nodiscard]] static constexpr PositionSum position_sum(Work metres) {
+        return metres.template to_wide<PositionSum::fraction_bits>();
+    }
+    [[nodiscard]] static constexpr DriftSum drift_sum(Work metres, Scale s) {
+        return {metres.to_sum(Position::fraction_bits + 32 + s.drift_shift)};
+    }
+    [[nodiscard]] static constexpr TurnSum turn_sum(Work half_turn, Scale s) {
+        return {half_turn.to_sum(64 + s.turn_shift)};
+    }
+
+    // A constant change of drift. What leaves the range in one step is held at its end: sums with it cannot wrap.
+    [[nodiscard]] static constexpr DriftSum fall(Real units) {
+        constexpr std::int64_t limit = (std::int64_t{1} << 62) + (std::int64_t{1} << 32);
+        const std::int64_t raw = units.to_fixed(DriftSum::fraction_bits, 64);
+        return {raw > limit ? limit : raw < -limit ? -limit : raw};
+    }
+    // state += change, for changes of any size: what would wrap stops beyond the range, where it is told.
+    TUMBLE_INLINE static constexpr void add_any(Integrated<Drift>& d, Work metres, Scale s) {
+        d.add({no_wrap(d.sum().raw, metres.to_sum(Position::fraction_bits + 32 + s.drift_shift, widest))});
+    }
+    TUMBLE_INLINE static constexpr void add_any(auto& turn, Work half_turn, Scale s) {
+        turn.add({no_wrap(turn.sum().raw, half_turn.to_sum(64 + s.turn_shift, widest))});
+    }
+    // A load's change of a step, within a quarter of the range, which no stage of a method can make wrap; clears
+    // `within` where it had to be cut.
+    template <int F>
+    [[nodiscard]] TUMBLE_INLINE static constexpr Wide<F> limited(Wide<F> kick, bool& within) {
+        constexpr std::int64_t limit = std::int64_t{1} << 60;
+        if (kick.raw <= limit && kick.raw >= -limit) [[likely]]
+            return kick;
+        within = false;
+        return {kick.raw < 0 ? -limit : limit};
+    }
+
+    // Is a correction to `t` only rounding? And the relative rounding of working numbers, with a margin.
+    [[nodiscard]] static constexpr bool is_rounding(const auto& correction, const auto&) {
+        const auto small = [](Turn c) { return c.raw >= -3 && c.raw <= 3; };  // three roundings make the correction
+        return small(correction[0]) && small(correction[1]) && small(correction[2]);
+    }
+    [[nodiscard]] static constexpr Work rounding_unit() { return Work::of(1, -28); }
+
+    [[nodiscard]] static constexpr Work half_of(Work w) { return w.times_power_of_two(-1); }
+    [[nodiscard]] static constexpr Work times_power_of_two(Work w, int n) { return w.times_power_of_two(n); }
+    // A working number as a constant of a step, nearest.
+    template <int bits>
+    [[nodiscard]] static constexpr CoefficientOf<bits> factor(Work w) {
+        return w.template to_fixed<CoefficientOf<bits>>();
+    }
+
+    // For part of a step: sums times a fraction in (0, 1).
+    using Fraction = Fixed<31>;
+    [[nodiscard]] static constexpr Fraction fraction(Work w) { return w.template to_fixed<Fraction>(); }
+    [[nodiscard]] static constexpr Work work(Fraction f) { return Work::of(f); }
+    template <int F>
+    [[nodiscard]] static constexpr Wide<F> part(Wide<F> a, Fraction f) {
+        return {static_cast<std::int64_t>(static_cast<std::uint64_t>(mul_sum({a.raw}, f).raw) << 1)};
+    }
+
+    // n . x in m, for unit n.
+    using AlongSum = Wide<Position::fraction_bits + Unit::fraction_bits>;
+    [[nodiscard]] static constexpr AlongSum along(const PositionSum (&x)[3], const auto& n) {
+        const auto term = [&](int i) { return AlongSum{mul_sum({x[i].raw}, n[i]).raw}; };
+        return term(0) + term(1) + term(2);
+    }
+    [[nodiscard]] static constexpr Work metres_along(AlongSum x) { return Work::of(x); }
+
+    // Is the value outside the declared range? One bit of headroom tells before anything can wrap.
+    [[nodiscard]] TUMBLE_INLINE static constexpr std::uint32_t range_bits(std::int32_t raw) {
+        return static_cast<std::uint32_t>(raw) ^ (static_cast<std::uint32_t>(raw) << 1);
+    }
+    template <class Body>
+    [[nodiscard]] TUMBLE_INLINE static constexpr bool out_of_range(const Body& b) {
+        const auto three = [](const auto& v) {
+            return range_bits(upper(v.x.sum().raw)) | range_bits(upper(v.y.sum().raw)) |
+                   range_bits(upper(v.z.sum().raw));
+        };
+        const std::uint32_t bits = three(b.x_w) | three(b.d_w) | three(b.t_b);
+        return (bits >> 31) != 0;
+    }
+    // Marks a number for out_of_range().
+    static constexpr void leave_range(auto& number) {
+        constexpr std::int64_t beyond = std::int64_t{3} << 61;
+        number = std::remove_reference_t<decltype(number)>::from_sum(
+            decltype(number.sum()){number.sum().raw < 0 ? -beyond : beyond});
+    }
+    template <class Body>
+    static constexpr void saturate(Body& b) {
+        const auto clamp = [](auto& c) {
+            constexpr std::int64_t limit = (std::int64_t{1} << 62) - 1;
+            const std::int64_t raw = c.sum().raw;
+            if ((range_bits(upper(raw)) >> 31) != 0)
+                c = std::remove_reference_t<decltype(c)>::from_sum(decltype(c.sum()){raw < 0 ? -limit : limit});
+        };
+        for (int i = 0; i < 3; ++i) {
+            clamp(b.x_w[i]);
+            clamp(b.d_w[i]);
+            clamp(b.t_b[i]);
+        }
+    }
+    [[nodiscard]] TUMBLE_INLINE static constexpr std::int32_t upper(std::int64_t raw) {
+        return static_cast<std::int32_t>(raw >> 32);
+    }
+    // `change`, cut so that sum + change stays within the widest sum.
+    static constexpr std::int64_t widest = INT64_MAX - (std::int64_t{1} << 32);
+    [[nodiscard]] static constexpr std::int64_t no_wrap(std::int64_t sum, std::int64_t change) {
+        if (sum > 0 && change > widest - sum) return widest - sum;
+        if (sum < 0 && change < -widest - sum) return -widest - sum;
+        return change;
+    }
+
+    // position += drift: the carried sums differ only in where the binary point stands. A product with a power of two
+    // shifts the upper word down, into the sum itself.
+    TUMBLE_INLINE static constexpr void move(Integrated<Position>& x, DriftSum drift, Scale s) {
+        const auto low = static_cast<std::int64_t>(static_cast<std::uint32_t>(drift.raw) >> s.drift_shift);
+        if constexpr (carry)
+            x.accumulate(Drift{upper(drift.raw)}, Fixed<Position::fraction_bits + 2>{1 << (32 - s.drift_shift)},
+                         [&](PositionSum sum) { return sum + PositionSum{low}; });
+        else x.add({detail::shift_right(drift.raw, s.drift_shift)});
+    }
+    [[nodiscard]] TUMBLE_INLINE static constexpr DriftSum sum(const Integrated<Drift>& d) { return d.sum(); }
+    template <int F>
+    [[nodiscard]] TUMBLE_INLINE static constexpr Wide<F> half(Wide<F> sum) {
+        return {sum.raw >> 1};
+    }
+    // position += drift + extra, with all that the drift carries.
+    TUMBLE_INLINE static constexpr void coast(Integrated<Position>& x, const Integrated<Drift>& d, DriftSum extra,
+                                              Scale s) {
+        move(x, d.sum() + extra, s);
+    }
+    [[nodiscard]] static constexpr PositionSum displaced(PositionSum x, DriftSum d, Scale s) {
+        return x + PositionSum{detail::shift_right(d.raw, s.drift_shift)};
+    }
+    [[nodiscard]] TUMBLE_INLINE static constexpr Angle half_angle(Angle a) { return {a.raw >> 1}; }
+    // t * 2^shift, which the caller knows to fit.
+    [[nodiscard]] TUMBLE_INLINE static constexpr TurnSum scaled_up(TurnSum t, int shift) {
+        return {static_cast<std::int64_t>(static_cast<std::uint64_t>(t.raw) << shift)};
+    }
+    TUMBLE_INLINE static constexpr void add(Integrated<Drift>& d, Wide<62> increment) { d.add(increment); }
+
+    // The angle of a turn, unscaled and dithered.
+    [[nodiscard]] TUMBLE_INLINE static constexpr Angle angle(Turn t, Scale s, Dither d) {
+        const auto fraction = static_cast<std::int32_t>((d.angle >> 1) >> (31 - s.turn_shift));
+        return {(t.raw + fraction) >> s.turn_shift};
+    }
+    // The upper word of an exact sum of products, dithered.
+    [[nodiscard]] TUMBLE_INLINE static constexpr Angle round_angle(AngleSum a, Dither d) {
+        return {static_cast<std::int32_t>((a + AngleSum{static_cast<std::int64_t>(d.delta)}).raw >> 32)};
+    }
+    // A turn's sum times a 32-bit number, both words of it: what drives the spin is not rounded to 32 bits, because
+    // white noise there grows as time^1.5 in the orientation.
+    template <int F>
+    [[nodiscard]] TUMBLE_INLINE static constexpr Wide<32 + F> mul_sum(TurnSum t, Fixed<F> c) {
+        const auto upper = static_cast<std::int32_t>(t.raw >> 32);
+        const auto lower = static_cast<std::int32_t>(static_cast<std::uint32_t>(t.raw) >> 1);
+        return {detail::multiply_add(detail::multiply(lower, c.raw) >> 31, upper, c.raw)};
+    }
+    template <int F>
+    [[nodiscard]] TUMBLE_INLINE static constexpr TurnSum share(Fixed<F> c, TurnSum t) {
+        return {static_cast<std::int64_t>(static_cast<std::uint64_t>(mul_sum(t, c).raw) << (32 - F))};
+    }
+    [[nodiscard]] TUMBLE_INLINE static constexpr TurnSum sum(const Carried<Turn, carry>& t) { return t.sum(); }
+    [[nodiscard]] TUMBLE_INLINE static constexpr TurnSum sum(const Shaped<Turn, carry>& t) { return t.sum(); }
+    // Three ways to round a sum: as a turn, plainly or dithered (what a constant spin is made of must not be rounded
+    // the same way at every step), or as an angle, dithered.
+    [[nodiscard]] TUMBLE_INLINE static constexpr Turn narrow_turn(TurnSum t) { return narrow<Turn>(t); }
+    [[nodiscard]] TUMBLE_INLINE static constexpr Turn round_turn(TurnSum t, Dither d) {
+        return {static_cast<std::int32_t>((t + TurnSum{static_cast<std::int64_t>(d.turn)}).raw >> 32)};
+    }
+    [[nodiscard]] TUMBLE_INLINE static constexpr Angle angle(TurnSum t, Scale s, Dither d) {
+        const auto fraction = static_cast<std::int64_t>(static_cast<std::uint64_t>(d.angle) << s.turn_shift);
+        return {static_cast<std::int32_t>((t + TurnSum{fraction}).raw >> 32) >> s.turn_shift};
+    }
+    // A sum of products of turns as a turn; and as an increment of the state, to its last bit.
+    [[nodiscard]] TUMBLE_INLINE static constexpr Turn turn(TurnProduct p, Scale s) {
+        return {static_cast<std::int32_t>((p + TurnProduct{std::int64_t{1} << (31 + s.turn_shift)}).raw >> 32) >>
+                s.turn_shift};
+    }
+    [[nodiscard]] TUMBLE_INLINE static constexpr TurnSum turn_increment(TurnProduct p, Scale s) {
+        return {detail::shift_right(p.raw, s.turn_shift)};
+    }
+    // The square of a turn's angle (of the three turns' length), as an angle; and a square scaled like a turn.
+    [[nodiscard]] TUMBLE_INLINE static constexpr Angle square(TurnProduct p, Scale s) {
+        const int shift = s.turn_shift > 15 ? 31 : 2 * s.turn_shift;
+        return {narrow<Angle>(p).raw >> shift};
+    }
+    // coefficient * p / 2^turn_shift as a turn: for stages, where the product's upper word is enough.
+    [[nodiscard]] TUMBLE_INLINE static constexpr Turn stage_turn(Coefficient c, TurnProduct p, Scale s) {
+        // The upper word is the product rounded down; c / 2 puts back the half unit that is missing on average: a bias
+        // would drive the spin like a torque.
+        const auto upper = static_cast<std::int32_t>(p.raw >> 32);
+        const auto product = static_cast<std::int32_t>(detail::multiply(c.raw, 2 * upper + 1) >> 32);
+        return {(product + (1 << s.turn_shift >> 1)) >> s.turn_shift};
+    }
+    // t += coefficient * p, to the last bit of the carried sum: 96 bits of product, of which 64 are kept.
+    template <int F>
+    TUMBLE_INLINE static constexpr void add_turn(Shaped<Turn, carry>& t, Fixed<F> c, TurnProduct p, Scale s) {
+        t.add({detail::shift_right(static_cast<std::int64_t>(static_cast<std::uint64_t>(mul_sum(p, c).raw) << (32 - F)),
+                                   s.turn_shift)});
+    }
+};
+
+}  // namespace tumble
