@@ -119,8 +119,8 @@ struct Float {
         return x[0] * n[0] + x[1] * n[1] + x[2] * n[2];
     }
 
-    // Not finite? Zero times a finite sum is zero; infinities and NaN give NaN. Drift and spin need not be looked at:
-    // the position and every component of the orientation take them over within a step.
+    // True if a number is not finite: zero times a finite sum is zero; infinities and NaN give NaN. Drift and spin need
+    // not be looked at: the position and every component of the orientation take them over within a step.
     template <class Body>
     [[nodiscard]] TUMBLE_INLINE static constexpr bool out_of_range(const Body& b) {
         const T sum = (b.x_w.x.value() + b.x_w.y.value() + b.x_w.z.value()) + b.q_wb.w.value();

@@ -156,7 +156,7 @@ struct Q32 {
         return {kick.raw < 0 ? -limit : limit};
     }
 
-    // Is a correction to `t` only rounding? And the relative rounding of working numbers, with a margin.
+    // True if a correction to `t` is only rounding; and the relative rounding of working numbers, with a margin.
     [[nodiscard]] static constexpr bool is_rounding(const auto& correction, const auto&) {
         const auto small = [](Turn c) { return c.raw >= -3 && c.raw <= 3; };  // three roundings make the correction
         return small(correction[0]) && small(correction[1]) && small(correction[2]);
@@ -188,7 +188,8 @@ struct Q32 {
     }
     [[nodiscard]] static constexpr Work metres_along(AlongSum x) { return Work::of(x); }
 
-    // Is the value outside the declared range? One bit of headroom tells before anything can wrap.
+    // The top bit is set if the value is outside the declared range: one bit of headroom tells before anything can
+    // wrap.
     [[nodiscard]] TUMBLE_INLINE static constexpr std::uint32_t range_bits(std::int32_t raw) {
         return static_cast<std::uint32_t>(raw) ^ (static_cast<std::uint32_t>(raw) << 1);
     }

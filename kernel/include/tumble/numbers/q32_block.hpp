@@ -26,10 +26,10 @@
 // in 2^-32, add a fraction that differs from step to step (dither.hpp) in place of the one half and round down, so the
 // mean of what they return is exact. Sums of the state and products with constants take Dither::turn, angles
 // Dither::angle, squares and series Dither::delta, so that roundings of unlike kind do not correlate; callers of widen
-// and stretched choose. The fraction is shifted to the digits that are dropped: shift + 1 of them for (d.angle >> (31 -
-// shift)). Not dithered: products as turns, which are corrections and differ from step to step (to nearest); times, in
-// an implicit equation whose next sweep mends it (to nearest); down, square, angle and rest, where what is dropped is
-// far below what is kept (down).
+// and stretched choose. The fraction is shifted to the digits that are dropped.
+// Not dithered: products as turns, which are corrections and differ from step to step (to nearest); times, in an
+// implicit equation whose next sweep mends it (to nearest); down, square, angle and rest, where what is dropped is far
+// below what is kept (down).
 #pragma once
 
 #include <tumble/numbers/q32.hpp>
@@ -127,7 +127,8 @@ public:
     [[nodiscard]] TUMBLE_INLINE static constexpr Turn twice(Fixed<30> c, Turn t, Dither d) {
         return {static_cast<std::int32_t>(mul_add(Wide<62>{static_cast<std::int64_t>(d.turn >> 3)}, c, t).raw >> 29)};
     }
-    // Would a change of c that is this change times |c| round to nothing? |c| < 2^-(1 + shift) in each component.
+    // True if a change of c that is this change times |c| would round to nothing: |c| < 2^-(1 + shift) in each
+    // component.
     [[nodiscard]] TUMBLE_INLINE constexpr bool vanishes_times_itself(const auto& change, const auto&) const {
         const auto size = [](Turn c) { return static_cast<std::uint32_t>(c.raw ^ (c.raw >> 31)); };
         return ((size(change.x()) | size(change.y()) | size(change.z())) >> shift_) == 0;
