@@ -4,6 +4,7 @@
 #include "command/command.hpp"
 #include "progress.hpp"
 #include "rows.hpp"
+#include "tools/files.hpp"
 #include "tools/firmware.hpp"
 #include "tools/text.hpp"
 #include "variants.hpp"

@@ -48,7 +48,7 @@ int main() {
         step_run();
         total += port::elapsed(before, port::ticks());
     }
-    bench::JsonRow row;
+    port::JsonRow row;
     row.add("scene", Recorded::name);
     row.add("core", port::core());
     row.add("numbers", sizeof(Number) == 4 ? "f32" : "f64");

@@ -10,6 +10,7 @@
 #include <mutex>
 
 #include "command/command.hpp"
+#include "tools/files.hpp"
 #include "tools/firmware.hpp"
 #include "tools/parallel.hpp"
 #include "tools/progress.hpp"

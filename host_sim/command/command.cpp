@@ -8,6 +8,7 @@
 #include <iostream>
 
 #include "scene/reader.hpp"
+#include "tools/firmware.hpp"
 #include "tools/text.hpp"
 
 namespace tumble::host {
@@ -85,6 +86,16 @@ SceneDescription Choice::read() const {
 
 std::unique_ptr<Simulation> Choice::start(const SceneDescription& description) const {
     return make_simulation(description, integrator, numbers, wants_carry());
+}
+
+void check_core(const std::string& name) {
+    std::string known;
+    for (const Core& core : cores()) {
+        if (core.machine == "-") continue;
+        if (core.name == name) return;
+        known += (known.empty() ? "" : ", ") + core.name;
+    }
+    throw BadArgument("--core: got \"" + name + "\", expected one of " + known);
 }
 
 std::string message_of(const Trouble& trouble, const SceneDescription& scene, const Simulation& simulation) {

@@ -74,11 +74,8 @@ int advise(const AdviseOptions& options);
 
 int list();
 
-// Rows of port/cortex_m/boards.txt.
-struct Core {
-    std::string name, machine, flags;
-};
-[[nodiscard]] std::vector<Core> cores();
+// Throws BadArgument unless the name is that of a core that QEMU emulates.
+void check_core(const std::string& name);
 
 // "brick at 1.25 s (step 320): range_left", with the consequence.
 [[nodiscard]] std::string message_of(const Trouble& trouble, const SceneDescription& scene,

@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "command/command.hpp"
+#include "tools/files.hpp"
 #include "tools/firmware.hpp"
 #include "tools/process.hpp"
 #include "tools/text.hpp"
@@ -18,7 +19,6 @@ namespace {
 namespace fs = std::filesystem;
 
 fs::path build_firmware(const CompareOptions& options, const SceneDescription& scene, const fs::path& build) {
-    const fs::path source = TUMBLE_SOURCE_DIR;
     fs::create_directories(build / "scene");
     write_if_changed(build / "scene/scene.hpp", compiled_scene(scene, options));
     write_if_changed(build / "scene/recording.hpp",
@@ -26,12 +26,7 @@ fs::path build_firmware(const CompareOptions& options, const SceneDescription& s
                      "\"scene.hpp\"\n\nusing RecordedScene = tumble::scenes::" +
                          struct_name(scene.path) + ";\ninline constexpr std::uint32_t record_every = " +
                          std::to_string(std::min<std::int64_t>(options.every, 0xffffffff)) + "u;\n");
-    if (!fs::exists(build / "build.ninja"))
-        run_quietly({"cmake", "-S", (source / "port/record").string(), "-B", build.string(), "-G", "Ninja",
-                     "-DCMAKE_TOOLCHAIN_FILE=" + (source / "port/cortex_m/toolchain.cmake").string(),
-                     "-DTUMBLE_CORE=" + options.core, "-DTUMBLE_SCENE_DIR=" + (build / "scene").string()});
-    run_quietly({"cmake", "--build", build.string()});
-    return build / "record.elf";
+    return build_record_firmware(build, options.core, build / "scene");
 }
 
 // The host's side: the states that the firmware records, and what is said where they differ.
@@ -114,15 +109,13 @@ int compare(const CompareOptions& options) {
         throw BadArgument("--flip: got " + std::to_string(*options.flip) +
                           ", expected a step that is recorded: a multiple of --every, up to " +
                           std::to_string(scene.steps()));
-    const fs::path source = TUMBLE_SOURCE_DIR, build = source / "build/compare" / options.core;
+    const fs::path build = fs::path(TUMBLE_SOURCE_DIR) / "build/compare" / options.core;
     fs::create_directories(build);
     const DirectoryLock lock(build);
     Reference reference(options, scene);
     const fs::path firmware = build_firmware(options, scene, build);
 
-    Process core({(source / "port/qemu/run").string(), "--timeout", std::to_string(options.timeout), options.core,
-                  firmware.string()},
-                 {}, Process::Errors::merge);
+    Process core = run_in_qemu(options.core, firmware, options.timeout);
     std::string last_line;
     for (std::string line; core.read_line(line);) {
         if (line.starts_with("state ")) {

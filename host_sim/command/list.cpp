@@ -2,31 +2,14 @@
 #include <tumble/integrators/method.hpp>
 
 #include <algorithm>
-#include <fstream>
 #include <iomanip>
 #include <iostream>
-#include <sstream>
 
 #include "command/command.hpp"
 #include "simulation/number_systems.hpp"
+#include "tools/firmware.hpp"
 
 namespace tumble::host {
-
-std::vector<Core> cores() {
-    std::ifstream boards(TUMBLE_SOURCE_DIR "/port/cortex_m/boards.txt");
-    std::vector<Core> list;
-    for (std::string line; std::getline(boards, line);) {
-        std::istringstream row(line);
-        Core core;
-        std::string skipped;
-        if (!(row >> core.name) || core.name.starts_with("#")) continue;
-        row >> core.machine >> skipped >> skipped >> skipped >> skipped >> skipped >> std::ws;
-        std::getline(row, core.flags);
-        list.push_back(core);
-    }
-    return list;
-}
-
 namespace {
 
 template <class R>

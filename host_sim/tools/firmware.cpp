@@ -1,16 +1,13 @@
 #include "tools/firmware.hpp"
 
-#include <fcntl.h>
-#include <sys/file.h>
-#include <unistd.h>
-
 #include <cstdio>
 #include <fstream>
 #include <sstream>
 #include <stdexcept>
 
-#include "command/command.hpp"
+#include "simulation/simulation.hpp"
 #include "tools/callgrind.hpp"
+#include "tools/files.hpp"
 #include "tools/process.hpp"
 
 namespace tumble::host {
@@ -19,6 +16,30 @@ namespace {
 namespace fs = std::filesystem;
 
 const fs::path source_directory = TUMBLE_SOURCE_DIR;
+
+// A project of port/programs, "step" or "record".
+std::string source_of(const char* program) { return (source_directory / "port/programs" / program).string(); }
+
+// Has the build directory been configured for this program, of this checkout?
+bool is_configured(const char* program, const fs::path& build) {
+    const std::string line = "\nCMAKE_HOME_DIRECTORY:INTERNAL=" + source_of(program) + "\n";
+    return contents_of(build / "CMakeCache.txt").find(line) != std::string::npos && fs::exists(build / "build.ninja");
+}
+
+// CMake refuses a build directory of another source: what that has left there goes.
+void configure(const char* program, const fs::path& build, const std::string& core,
+               const std::vector<std::string>& settings) {
+    if (!is_configured(program, build)) {
+        fs::remove(build / "CMakeCache.txt");
+        fs::remove_all(build / "CMakeFiles");
+    }
+    std::vector<std::string> command = {
+        "cmake", "-G", "Ninja", "-S", source_of(program), "-B", build.string(), "-DTUMBLE_CORE=" + core};
+    if (core != StepFirmware::host)
+        command.push_back("-DCMAKE_TOOLCHAIN_FILE=" + (source_directory / "port/cortex_m/toolchain.cmake").string());
+    command.insert(command.end(), settings.begin(), settings.end());
+    run_quietly(command);
+}
 
 void add_sizes(nlohmann::ordered_json& row, const fs::path& elf) {
     std::string text;
@@ -52,39 +73,32 @@ std::string method_of(const std::string& integrator) {
 
 }  // namespace
 
-void check_core(const std::string& name) {
-    std::string known;
-    for (const Core& core : cores()) {
-        if (core.machine == "-") continue;
-        if (core.name == name) return;
-        known += (known.empty() ? "" : ", ") + core.name;
+std::vector<Core> cores() {
+    std::ifstream boards(source_directory / "port/cortex_m/boards.txt");
+    std::vector<Core> list;
+    for (std::string line; std::getline(boards, line);) {
+        std::istringstream row(line);
+        Core core;
+        std::string skipped;
+        if (!(row >> core.name) || core.name.starts_with("#")) continue;
+        row >> core.machine >> skipped >> skipped >> skipped >> skipped >> skipped >> std::ws;
+        std::getline(row, core.flags);
+        list.push_back(core);
     }
-    throw BadArgument("--core: got \"" + name + "\", expected one of " + known);
+    return list;
 }
 
-void write_if_changed(const fs::path& path, const std::string& text) {
-    std::ostringstream old;
-    if (std::ifstream file(path); file) old << file.rdbuf();
-    if (old.str() == text) return;
-    std::ofstream file(path);
-    file << text;
-    file.close();
-    if (!file) throw std::runtime_error("cannot write " + path.string());
+fs::path build_record_firmware(const fs::path& build, const std::string& core, const fs::path& scene) {
+    if (!is_configured("record", build)) configure("record", build, core, {"-DTUMBLE_SCENE_DIR=" + scene.string()});
+    run_quietly({"cmake", "--build", build.string()});
+    return build / "record.elf";
 }
 
-void run_quietly(const std::vector<std::string>& command) {
-    std::string messages;
-    const int status = Process(command, {}, Process::Errors::merge).wait(&messages);
-    if (status == 127) throw std::runtime_error(command[0] + " not found");
-    if (status != 0)
-        throw std::runtime_error(command[0] + " failed with status " + std::to_string(status) + ":\n" + messages);
+Process run_in_qemu(const std::string& core, const fs::path& elf, int timeout) {
+    return Process(
+        {(source_directory / "port/qemu/run").string(), "--timeout", std::to_string(timeout), core, elf.string()}, {},
+        Process::Errors::merge);
 }
-
-DirectoryLock::DirectoryLock(const fs::path& directory)
-    : file_(open((directory / "lock").c_str(), O_CREAT | O_RDWR | O_CLOEXEC, 0666)) {
-    if (file_ < 0 || flock(file_, LOCK_EX) != 0) throw std::runtime_error("cannot lock " + directory.string());
-}
-DirectoryLock::~DirectoryLock() { close(file_); }
 
 const std::vector<NumberVariant>& number_variants() {
     static const std::vector<NumberVariant> list = {{"q32", "q32", true},
@@ -104,21 +118,9 @@ StepFirmware::StepFirmware(fs::path build, std::string core, const std::string& 
     : build_(std::move(build)), core_(std::move(core)) {
     std::string methods;
     for (const std::string& integrator : integrators) methods += (methods.empty() ? "" : "|") + method_of(integrator);
-    std::vector<std::string> configure = {
-        "cmake",
-        "-G",
-        "Ninja",
-        "-S",
-        (source_directory / "bench/firmware").string(),
-        "-B",
-        build_.string(),
-        "-DTUMBLE_CORE=" + core_,
-        "-DTUMBLE_SCENE=" + scene,
-        "-DTUMBLE_METHODS=" + methods,
-        (fs::is_directory(scenes) ? "-DTUMBLE_SCENE_DIR=" : "-DTUMBLE_SCENE_HEADER=") + scenes.string()};
-    if (core_ != host)
-        configure.push_back("-DCMAKE_TOOLCHAIN_FILE=" + (source_directory / "port/cortex_m/toolchain.cmake").string());
-    run_quietly(configure);
+    configure("step", build_, core_,
+              {"-DTUMBLE_SCENE=" + scene, "-DTUMBLE_METHODS=" + methods,
+               (fs::is_directory(scenes) ? "-DTUMBLE_SCENE_DIR=" : "-DTUMBLE_SCENE_HEADER=") + scenes.string()});
 }
 
 void StepFirmware::build(const std::vector<std::string>& names) {
@@ -149,10 +151,7 @@ StepFirmware::Outcome StepFirmware::run(const std::string& name, int timeout) co
         add_sizes(outcome.row, elf);
     } else {
         std::string text;
-        const int status = Process({(source_directory / "port/qemu/run").string(), "--timeout", std::to_string(timeout),
-                                    core_, elf.string()},
-                                   {}, Process::Errors::merge)
-                               .wait(&text);
+        const int status = run_in_qemu(core_, elf, timeout).wait(&text);
         if (status != 0) {
             outcome.error = "exit status " + std::to_string(status) + ": " + text;
         } else {

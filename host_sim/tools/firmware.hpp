@@ -8,28 +8,23 @@
 #include <string>
 #include <vector>
 
+#include "tools/process.hpp"
+
 namespace tumble::host {
 
-// Throws BadArgument unless the name is that of a core that QEMU emulates.
-void check_core(const std::string& name);
-
-// Leaves a file that says the same alone, so that nothing is built again.
-void write_if_changed(const std::filesystem::path& path, const std::string& text);
-
-// Runs a command; its output is shown only in the exception that is thrown when it fails.
-void run_quietly(const std::vector<std::string>& command);
-
-// One user of a build directory at a time; the lock ends with the process.
-class DirectoryLock {
-public:
-    explicit DirectoryLock(const std::filesystem::path& directory);
-    ~DirectoryLock();
-    DirectoryLock(const DirectoryLock&) = delete;
-    DirectoryLock& operator=(const DirectoryLock&) = delete;
-
-private:
-    int file_;
+// Rows of port/cortex_m/boards.txt.
+struct Core {
+    std::string name, machine, flags;
 };
+[[nodiscard]] std::vector<Core> cores();
+
+// Firmware that replays a scene and writes its states: port/programs/record. `scene` is the directory of scene.hpp and
+// recording.hpp, the same one whenever a build directory is used.
+[[nodiscard]] std::filesystem::path build_record_firmware(const std::filesystem::path& build, const std::string& core,
+                                                          const std::filesystem::path& scene);
+
+// A program in emulation, which ends after `timeout` s.
+[[nodiscard]] Process run_in_qemu(const std::string& core, const std::filesystem::path& elf, int timeout);
 
 // The number systems of firmware, under the names of kernel/include/tumble/numbers/variants.hpp.
 struct NumberVariant {
@@ -38,7 +33,7 @@ struct NumberVariant {
 };
 [[nodiscard]] const std::vector<NumberVariant>& number_variants();
 
-// Firmware that replays a scene and counts the instructions of every step: bench/firmware, for one core.
+// Firmware that replays a scene and counts the instructions of every step: port/programs/step, for one core.
 class StepFirmware {
 public:
     // The core whose programs run natively, under valgrind, which counts the instructions of a mean step only.

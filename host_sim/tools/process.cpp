@@ -9,6 +9,7 @@
 #include <array>
 #include <atomic>
 #include <mutex>
+#include <stdexcept>
 #include <system_error>
 
 namespace tumble::host {
@@ -131,6 +132,14 @@ std::string Process::errors() const {
     for (ssize_t count; (count = pread(errors_, part.data(), part.size(), static_cast<off_t>(text.size()))) > 0;)
         text.append(part.data(), static_cast<std::size_t>(count));
     return text;
+}
+
+void run_quietly(const std::vector<std::string>& command) {
+    std::string messages;
+    const int status = Process(command, {}, Process::Errors::merge).wait(&messages);
+    if (status == 127) throw std::runtime_error(command[0] + " not found");
+    if (status != 0)
+        throw std::runtime_error(command[0] + " failed with status " + std::to_string(status) + ":\n" + messages);
 }
 
 }  // namespace tumble::host

@@ -38,4 +38,7 @@ private:
     std::FILE* output_ = nullptr;
 };
 
+// Runs a command; its output is shown only in the std::runtime_error that is thrown when it fails.
+void run_quietly(const std::vector<std::string>& command);
+
 }  // namespace tumble::host

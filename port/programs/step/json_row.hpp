@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <string_view>
 
-namespace tumble::bench {
+namespace tumble::port {
 
 class JsonRow {
 public:
@@ -64,4 +64,4 @@ private:
     bool first_ = true;
 };
 
-}  // namespace tumble::bench
+}  // namespace tumble::port

@@ -68,7 +68,7 @@ template <class Method>
     const auto pick = [&](const char* cycles, const char* insn, const char* ns) {
         return unit == "cycles" ? cycles : unit == "insn" ? insn : ns;
     };
-    bench::JsonRow row;
+    port::JsonRow row;
     row.add("scene", Recorded::name);
     row.add("core", port::core());
     row.add("numbers", Config<Method>::Numbers::name);
