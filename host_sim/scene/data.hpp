@@ -2,7 +2,7 @@
 // kernel's own constexpr functions, so that a header written from it says exactly the same.
 #pragma once
 
-#include <tumble/scene.hpp>
+#include <tumble/body/setup.hpp>
 
 #include <cstdint>
 #include <string>

@@ -1,6 +1,6 @@
 // The builder and the type-erased simulation: what a scene file says is what the kernel gets, and what it reports is in
 // the user's units and axes.
-#include <tumble/hash.hpp>
+#include <tumble/body/words.hpp>
 
 #include <cmath>
 #include <numbers>

@@ -124,7 +124,7 @@ private:
     World<ComposedScene<N, Method, f>> world_;
     std::vector<PrincipalInertia> inertia_;
     std::vector<Impulse<N>> impulses_;
-    std::vector<Thrust<N>> forces_;
+    std::vector<TimedForce<N>> forces_;
 };
 
 template <class N, Features f, class Methods>

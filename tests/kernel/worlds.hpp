@@ -2,7 +2,7 @@
 // written once and run in all of them. States are read exactly, as long double, in the user's body axes.
 #pragma once
 
-#include <tumble/scene.hpp>
+#include <tumble/body/setup.hpp>
 #include <tumble/status.hpp>
 
 #include "truth/motion.hpp"

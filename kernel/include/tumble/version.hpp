@@ -6,8 +6,8 @@
 #define TUMBLE_VERSION_MINOR 1
 #define TUMBLE_VERSION_PATCH 0
 
-// It rises by one whenever a recorded state hash changes: programs with equal TUMBLE_BITS give equal bits for every scene
-// that both can run.
+// It rises by one whenever a recorded state hash changes: programs with equal TUMBLE_BITS give equal bits for every
+// scene that both can run.
 #define TUMBLE_BITS 1
 
 #define TUMBLE_VERSION_TEXT(major, minor, patch) #major "." #minor "." #patch

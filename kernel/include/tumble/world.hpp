@@ -6,7 +6,8 @@
 #pragma once
 
 #include <tumble/contact/island_step.hpp>
-#include <tumble/contact/sleepers.hpp>
+#include <tumble/contact/sleep.hpp>
+#include <tumble/integrators/verlet.hpp>
 #include <tumble/loads/load_set.hpp>
 
 namespace tumble {
@@ -78,11 +79,11 @@ public:
     bool add(const SpringSpec& spec) requires(S::springs > 0) { return loads_.add(spec, bodies_); }
 
     // Set-up values as this world's numbers, for arrays of events that outlive it.
-    [[nodiscard]] Impulse<N> prepare(const ImpulseSpec& spec) const { return bodies_.prepare(spec); }
-    [[nodiscard]] Thrust<N> prepare(const ForceSpec& spec) const { return bodies_.prepare(spec); }
+    [[nodiscard]] Impulse<N> prepare(const ImpulseSpec& spec) const { return tumble::prepare(bodies_, spec); }
+    [[nodiscard]] TimedForce<N> prepare(const ForceSpec& spec) const { return tumble::prepare(bodies_, spec); }
     // The arrays must be sorted by step and stay where they are.
     void set_script(Span<Impulse<N>> impulses) requires S::script { script_ = impulses; }
-    void set_forces(Span<Thrust<N>> forces) requires S::forces { loads_.set_forces(forces); }
+    void set_forces(Span<TimedForce<N>> forces) requires S::forces { loads_.set_forces(forces); }
 
     // Changes the body's momentum by `impulse` (N s, world frame) at a point of it (m, user's body axes); at once, and
     // once. The position is unchanged.
@@ -164,7 +165,7 @@ private:
     using Portion = tumble::Portion<Work>;
 
     void apply(const Impulse<N>& event) {
-        bodies_.apply(event);
+        tumble::apply(event, bodies_);
         prepare_spin(event.body);
         disturb(event.body);
     }

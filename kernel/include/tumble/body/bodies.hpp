@@ -3,10 +3,9 @@
 // contacts'.
 #pragma once
 
-#include <tumble/hash.hpp>
-#include <tumble/loads/wrench.hpp>
-#include <tumble/scene.hpp>
-#include <tumble/script.hpp>
+#include <tumble/body/setup.hpp>
+#include <tumble/body/words.hpp>
+#include <tumble/numbers/vectors.hpp>
 #include <tumble/status.hpp>
 
 namespace tumble {
@@ -123,46 +122,16 @@ public:
         return b;
     }
 
-    // Set-up values as this world's numbers.
-    [[gnu::noinline, nodiscard]] Impulse<N> prepare(const ImpulseSpec& spec) const {
-        const bool in_body = spec.frame == Frame::body;
-        return {step_of(spec.time),
-                static_cast<std::int16_t>(spec.body),
-                spec.frame,
-                in_body ? principal_vector(spec.body, spec.impulse) : work_vector<N>(spec.impulse),
-                in_body ? principal_vector(spec.body, spec.angular_impulse) : work_vector<N>(spec.angular_impulse),
-                principal_vector(spec.body, spec.point)};
-    }
-    [[gnu::noinline, nodiscard]] Thrust<N> prepare(const ForceSpec& spec) const {
-        const bool in_body = spec.frame == Frame::body;
-        return {static_cast<std::int16_t>(spec.body),
-                spec.frame,
-                step_of(spec.from),
-                step_of(spec.until),
-                in_body ? principal_vector(spec.body, spec.force) : work_vector<N>(spec.force),
-                in_body ? principal_vector(spec.body, spec.torque) : work_vector<N>(spec.torque),
-                principal_vector(spec.body, spec.point)};
+    // The step that a moment is nearest to; 0 for what lies before the start.
+    [[nodiscard]] std::uint32_t step_of(Real time) const {
+        const std::int64_t n = (time / step_length).to_fixed(0, 64);
+        return n < 0 ? 0 : static_cast<std::uint32_t>(n);
     }
     // User's body axes to principal axes.
     [[nodiscard]] WorkVec3<N> principal_vector(int b, RealVec3 v) const {
         return rotate(work_quaternion<N>(constants[b].principal.conjugate()), work_vector<N>(v));
     }
 
-    // An event's change of momentum, at once.
-    void apply(const Impulse<N>& event) {
-        const int b = event.body;
-        if (constants[b].fixed) return;
-        const Quat<Work> q = work_quaternion<N>(state[b].q_wb.value());
-        WorkVec3<N> linear_w = event.impulse, linear_b = event.impulse, angular_b = event.angular;
-        if (event.frame == Frame::world) {
-            linear_b = rotate_back(q, event.impulse);
-            angular_b = rotate_back(q, event.angular);
-        } else {
-            linear_w = rotate(q, event.impulse);
-        }
-        push(b, linear_w, angular_b + cross<Work>(event.point_b, linear_b));
-        check_range(b);
-    }
     // Momentum (world, N s) and angular momentum (principal axes, N m s) into the state.
     void push(int b, const WorkVec3<N>& linear_w, const WorkVec3<N>& angular_b) {
         for (int i = 0; i < 3; ++i) {
@@ -242,10 +211,6 @@ private:
     static void set_unit(Quat<typename N::Unit>& q, const RealQuat& value) {
         q.w = N::template constant<typename N::Unit>(value.w);
         for (int i = 0; i < 3; ++i) q.v[i] = N::template constant<typename N::Unit>(value.v[i]);
-    }
-    [[nodiscard]] std::uint32_t step_of(Real time) const {
-        const std::int64_t n = (time / step_length).to_fixed(0, 64);
-        return n < 0 ? 0 : static_cast<std::uint32_t>(n);
     }
 };
 

@@ -68,4 +68,16 @@ TUMBLE_INLINE void turn(IntegratedQuat<N>& q_wb, Delta<N> delta) {
     q_wb.z.accumulate(q.w, v.z(), [&](auto sum) { return add_cross_component<2>(mul_add(sum, q.v.z(), w), q.v, v); });
 }
 
+// q (1 + delta), rounded to unit-quaternion components; not renormalised.
+template <class N>
+[[nodiscard]] TUMBLE_INLINE Quat<typename N::Unit> turned(const Quat<typename N::Unit>& q, const Delta<N>& delta) {
+    using Unit = typename N::Unit;
+    return {
+        q.w + narrow<Unit>(mul(q.w, delta.w) - dot(q.v, delta.v)),
+        {q.v.x() + narrow<Unit>(add_cross_component<0>(mul_add(mul(q.w, delta.v.x()), q.v.x(), delta.w), q.v, delta.v)),
+         q.v.y() + narrow<Unit>(add_cross_component<1>(mul_add(mul(q.w, delta.v.y()), q.v.y(), delta.w), q.v, delta.v)),
+         q.v.z() +
+             narrow<Unit>(add_cross_component<2>(mul_add(mul(q.w, delta.v.z()), q.v.z(), delta.w), q.v, delta.v))}};
+}
+
 }  // namespace tumble

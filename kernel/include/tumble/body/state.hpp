@@ -32,8 +32,6 @@ struct IntegratedQuat {
     friend constexpr bool operator==(const IntegratedQuat&, const IntegratedQuat&) = default;
 };
 
-enum class Frame : std::uint8_t { world, body };
-
 // What a state's spin is. Angular velocity makes Euler's equations cheap: their coefficients lie in [-1, 1] for every
 // body. Angular momentum makes rotations cheap and conserves its norm exactly; divided by the middle moment, it is
 // bounded by twice the spin.

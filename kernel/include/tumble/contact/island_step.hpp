@@ -2,7 +2,7 @@
 // it asks of the world through Flyer, so that worlds which differ in the method share this code.
 #pragma once
 
-#include <tumble/contact/contact_set.hpp>
+#include <tumble/contact/solver.hpp>
 
 namespace tumble {
 

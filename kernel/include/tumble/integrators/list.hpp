@@ -3,8 +3,7 @@
 #pragma once
 
 #include <tumble/integrators/exact.hpp>
-#include <tumble/integrators/implicit_euler.hpp>
-#include <tumble/integrators/implicit_midpoint.hpp>
+#include <tumble/integrators/implicit.hpp>
 #include <tumble/integrators/pdmv.hpp>
 #include <tumble/integrators/runge_kutta.hpp>
 #include <tumble/integrators/semi_implicit_euler.hpp>

@@ -2,7 +2,7 @@
 //
 // A method is a struct with:
 //   name, order                     for the command line and for tests
-//   spin                            what the state's spin is: see Spin below
+//   spin                            what the state's spin is: see Spin in body/state.hpp
 //   coasting                        how position advances under constant acceleration
 //   Inertia<N>::of(moments, step, scale)   the constants of a body that its rotation needs
 //   rotate<N>(body, inertia, step)         one step of torque-free rotation
@@ -15,11 +15,9 @@
 #pragma once
 
 #include <tumble/body/orientation.hpp>
+#include <tumble/body/stage.hpp>
 
 namespace tumble {
-
-// position += the velocity at the step's start, at its end, or their mean (exact for a constant acceleration).
-enum class Coasting : std::uint8_t { start, end, mean };
 
 // The free_order of a rotation without truncation error.
 inline constexpr int no_truncation = 0x7fffffff;
@@ -29,35 +27,6 @@ inline constexpr int no_truncation = 0x7fffffff;
 template <class Method, class N>
 inline constexpr bool runs_in = !(N::fixed_point && requires { Method::not_in_fixed_point; });
 
-// What a step needs besides the bodies.
-template <class N>
-struct StepInfo {
-    typename N::Scale scale;
-    Dither dither;
-};
-
-// A body as the loads see it in the middle of a step.
-template <class N>
-struct StageState {
-    typename N::PositionSum x_w[3];
-    typename N::DriftSum d_w[3];
-    Quat<typename N::Unit> q_wb;
-    Vec3<typename N::Turn> t_b;
-};
-
-// The change of drift and spin over a whole step that loads would make at their present strength.
-template <class N>
-struct Kick {
-    typename N::DriftSum linear[3]{};
-    typename N::TurnSum angular[3]{};
-};
-
-// The same in working numbers, m and rad: for a solver, whose trials may lie far outside a format's range.
-template <class N>
-struct WorkKick {
-    Vec3<typename N::Work> linear, angular;
-};
-
 // Bodies that must be staged together, because loads couple them; or one body alone.
 template <class N, Spin spin, class Inertia, int capacity>
 struct Group {
@@ -65,36 +34,5 @@ struct Group {
     BodyState<N, spin>* body[capacity]{};
     Inertia* inertia[capacity]{};
 };
-
-template <class N, Spin spin>
-[[nodiscard]] TUMBLE_INLINE StageState<N> stage_of(const BodyState<N, spin>& body) {
-    StageState<N> s;
-    for (int i = 0; i < 3; ++i) {
-        s.x_w[i] = N::sum(body.x_w[i]);
-        s.d_w[i] = N::sum(body.d_w[i]);
-    }
-    s.q_wb = body.q_wb.value();
-    s.t_b = body.t_b.value();
-    return s;
-}
-
-// q (1 + delta), rounded to unit-quaternion components; not renormalised.
-template <class N>
-[[nodiscard]] TUMBLE_INLINE Quat<typename N::Unit> turned(const Quat<typename N::Unit>& q, const Delta<N>& delta) {
-    using Unit = typename N::Unit;
-    return {
-        q.w + narrow<Unit>(mul(q.w, delta.w) - dot(q.v, delta.v)),
-        {q.v.x() + narrow<Unit>(add_cross_component<0>(mul_add(mul(q.w, delta.v.x()), q.v.x(), delta.w), q.v, delta.v)),
-         q.v.y() + narrow<Unit>(add_cross_component<1>(mul_add(mul(q.w, delta.v.y()), q.v.y(), delta.w), q.v, delta.v)),
-         q.v.z() +
-             narrow<Unit>(add_cross_component<2>(mul_add(mul(q.w, delta.v.z()), q.v.z(), delta.w), q.v, delta.v))}};
-}
-
-// The angles of three turns.
-template <class N>
-[[nodiscard]] TUMBLE_INLINE Vec3<typename N::Angle> angles(const Vec3<typename N::Turn>& t, const StepInfo<N>& step) {
-    return {N::angle(t.x(), step.scale, step.dither), N::angle(t.y(), step.scale, step.dither),
-            N::angle(t.z(), step.scale, step.dither)};
-}
 
 }  // namespace tumble

@@ -3,7 +3,7 @@
 #pragma once
 
 #include <tumble/integrators/kick_drift_kick.hpp>
-#include <tumble/integrators/moser_veselov.hpp>
+#include <tumble/integrators/rotation/moser_veselov.hpp>
 
 namespace tumble::integrators {
 

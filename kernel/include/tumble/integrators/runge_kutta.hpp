@@ -6,7 +6,8 @@
 #pragma once
 
 #include <tumble/integrators/butcher.hpp>
-#include <tumble/integrators/euler_equations.hpp>
+#include <tumble/integrators/method.hpp>
+#include <tumble/integrators/rotation/euler_equations.hpp>
 
 namespace tumble::detail {
 

@@ -2,7 +2,8 @@
 // What game engines run, here with the gyroscopic term. Order 1. No division, no square root.
 #pragma once
 
-#include <tumble/integrators/euler_equations.hpp>
+#include <tumble/integrators/method.hpp>
+#include <tumble/integrators/rotation/euler_equations.hpp>
 
 namespace tumble::integrators {
 

@@ -4,7 +4,8 @@
 // division, no square root.
 #pragma once
 
-#include <tumble/integrators/symmetric_top.hpp>
+#include <tumble/integrators/kick_drift_kick.hpp>
+#include <tumble/integrators/rotation/symmetric_top.hpp>
 
 namespace tumble {
 

@@ -2,7 +2,8 @@
 // momentum norm exact to rounding, energy error bounded for ever. No division, no square root.
 #pragma once
 
-#include <tumble/integrators/symmetric_top.hpp>
+#include <tumble/integrators/kick_drift_kick.hpp>
+#include <tumble/integrators/rotation/symmetric_top.hpp>
 
 namespace tumble::integrators {
 

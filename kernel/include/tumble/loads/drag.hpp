@@ -1,7 +1,7 @@
 // Linear drag: force -c v and torque -c w, the same for every body of the world. Depends on the body's own velocity.
 #pragma once
 
-#include <tumble/loads/wrench.hpp>
+#include <tumble/loads/loaded_body.hpp>
 
 namespace tumble {
 

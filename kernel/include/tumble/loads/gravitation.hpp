@@ -1,7 +1,7 @@
 // Newton's gravitation between two bodies as point masses: F = G m1 m2 / r^2. One square root and one division a pair.
 #pragma once
 
-#include <tumble/loads/wrench.hpp>
+#include <tumble/loads/loaded_body.hpp>
 
 namespace tumble {
 

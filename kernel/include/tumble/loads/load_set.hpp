@@ -3,11 +3,11 @@
 #pragma once
 
 #include <tumble/body/bodies.hpp>
-#include <tumble/loads/contact_springs.hpp>
+#include <tumble/loads/contact_spring.hpp>
 #include <tumble/loads/drag.hpp>
 #include <tumble/loads/gravitation.hpp>
 #include <tumble/loads/spring.hpp>
-#include <tumble/loads/thrust.hpp>
+#include <tumble/loads/timed_force.hpp>
 
 namespace tumble {
 
@@ -55,7 +55,7 @@ public:
         spring.rest_length = N::template constant<Work>(spec.rest_length);
         return true;
     }
-    void set_forces(Span<Thrust<N>> forces) requires(capacity.forces) { forces_ = forces; }
+    void set_forces(Span<TimedForce<N>> forces) requires(capacity.forces) { forces_ = forces; }
 
     // Does the body feel anything but gravity in this step?
     [[nodiscard]] bool is_loaded(const Bodies& bodies, int b) const {
@@ -68,8 +68,8 @@ public:
                 if (spring_[s].body == b || spring_[s].to_body == b) return true;
         }
         if constexpr (capacity.forces) {
-            for (const Thrust<N>& thrust : forces_)
-                if (thrust.body == b && thrust.is_on(bodies.steps_taken)) return true;
+            for (const TimedForce<N>& force : forces_)
+                if (force.body == b && force.is_on(bodies.steps_taken)) return true;
         }
         if constexpr (capacity.springs_touch())
             if (contacts_.concerns(b)) return true;
@@ -106,8 +106,8 @@ public:
     // Calls f(body) for every timed force that begins or ends at the step.
     template <class F>
     void for_each_change(std::uint32_t step, F&& f) const requires(capacity.forces) {
-        for (const Thrust<N>& thrust : forces_)
-            if (thrust.from == step || thrust.until == step) f(thrust.body);
+        for (const TimedForce<N>& force : forces_)
+            if (force.from == step || force.until == step) f(force.body);
     }
 
     // The loads of one unit of bodies, as the methods call them.
@@ -210,9 +210,9 @@ private:
             }
         }
         if constexpr (capacity.forces) {
-            for (const Thrust<N>& thrust : forces_) {
-                if (!thrust.is_on(e.bodies.steps_taken)) continue;
-                if (LoadedBody<N>* b = find(thrust.body)) thrust.apply(*b);
+            for (const TimedForce<N>& force : forces_) {
+                if (!force.is_on(e.bodies.steps_taken)) continue;
+                if (LoadedBody<N>* b = find(force.body)) apply(force, *b);
             }
         }
         if constexpr (capacity.springs_touch()) {
@@ -254,7 +254,7 @@ private:
     [[no_unique_address]] If<capacity.gravitation, Array<Work, capacity.bodies>, 2> mass_{};
     [[no_unique_address]] If<(capacity.springs > 0), Array<Spring<N>, capacity.springs>, 3> spring_{};
     [[no_unique_address]] If<(capacity.springs > 0), int, 4> spring_count_{};
-    [[no_unique_address]] If<capacity.forces, Span<Thrust<N>>, 5> forces_{};
+    [[no_unique_address]] If<capacity.forces, Span<TimedForce<N>>, 5> forces_{};
     [[no_unique_address]] If<capacity.springs_touch(), ContactSprings<N, spin, capacity>, 6> contacts_;
 };
 

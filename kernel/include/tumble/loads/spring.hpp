@@ -2,7 +2,7 @@
 // One square root and one division unless the rest length and the damping are zero.
 #pragma once
 
-#include <tumble/loads/wrench.hpp>
+#include <tumble/loads/loaded_body.hpp>
 
 namespace tumble {
 

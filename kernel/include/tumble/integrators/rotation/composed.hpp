@@ -1,7 +1,8 @@
 // Compositions: a symmetric rotation of order 2, taken in parts of a step whose leading errors cancel.
 #pragma once
 
-#include <tumble/integrators/kick_drift_kick.hpp>
+#include <tumble/body/orientation.hpp>
+#include <tumble/body/stage.hpp>
 
 namespace tumble {
 

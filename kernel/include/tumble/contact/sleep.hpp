@@ -2,7 +2,7 @@
 // bodies are held where they are, and a step does not visit them.
 #pragma once
 
-#include <tumble/contact/contact_set.hpp>
+#include <tumble/contact/solver.hpp>
 
 namespace tumble {
 

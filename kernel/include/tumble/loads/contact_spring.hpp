@@ -11,7 +11,9 @@
 #pragma once
 
 #include <tumble/body/bodies.hpp>
-#include <tumble/contact/with_contact.hpp>
+#include <tumble/loads/loaded_body.hpp>
+#include <tumble/shapes/pairs.hpp>
+#include <tumble/shapes/plane.hpp>
 
 namespace tumble {
 

@@ -2,9 +2,16 @@
 // face clipped against a face, of which four points are kept, or the nearest points of two edges.
 #pragma once
 
-#include <tumble/contact/pair_contacts.hpp>
+#include <tumble/shapes/pair_view.hpp>
 
 namespace tumble {
+
+// The axis along which two boxes are farthest apart: 0-2 across a face of a, 3-5 of b, then across an edge of each; and
+// whether b is on its negative side.
+struct BoxAxis {
+    std::int8_t index = 0;
+    bool negative = false;
+};
 
 template <class N>
 class BoxBox {

@@ -1,5 +1,6 @@
 // The two elliptic functions that the exact free rotation begins with, for arguments so small that a short series is
-// exact to rounding. Larger arguments are reached by doubling (exact.hpp). float and double; no square root but one.
+// exact to rounding. Larger arguments are reached by doubling (exact_flow.hpp). float and double; no square root but
+// one.
 #pragma once
 
 #include <tumble/numbers/functions.hpp>

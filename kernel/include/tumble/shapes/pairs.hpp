@@ -1,7 +1,9 @@
 // Which of SphereSphere, SphereBox and BoxBox knows a pair of shapes.
 #pragma once
 
-#include <tumble/contact/box_box.hpp>
+#include <tumble/scene.hpp>
+#include <tumble/shapes/boxes.hpp>
+#include <tumble/shapes/spheres.hpp>
 
 namespace tumble {
 

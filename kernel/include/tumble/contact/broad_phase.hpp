@@ -3,7 +3,7 @@
 #pragma once
 
 #include <tumble/contact/islands.hpp>
-#include <tumble/contact/solids.hpp>
+#include <tumble/contact/narrow_phase.hpp>
 
 namespace tumble {
 

@@ -2,12 +2,12 @@
 // which is where the next step's solution starts.
 #pragma once
 
-#include <tumble/contact/shapes.hpp>
+#include <tumble/scene.hpp>
+#include <tumble/shapes/boxes.hpp>
 
 namespace tumble {
 
 namespace contact {
-inline constexpr int max_points = 4;          // of a pair
 inline constexpr int max_sweeps = 32;         // over the points of an island, for the forces of a step
 inline constexpr int max_impact_sweeps = 40;  // over the points of an impact
 inline constexpr int max_rounds = 16;         // of impacts that pass from pair to pair at one moment
@@ -43,13 +43,6 @@ struct ContactPoint {
     Speed before[directions], course[directions];  // of the sweeps: when visited last, and where it has been going
     [[no_unique_address]] If<capacity.turntables, Speed[directions], 1> carried;  // the surface's own velocity
     ContactRow<N, capacity.pairs> row[directions];
-};
-
-// The axis along which two boxes are farthest apart: 0-2 across a face of a, 3-5 of b, then across an edge of each; and
-// whether b is on its negative side.
-struct BoxAxis {
-    std::int8_t index = 0;
-    bool negative = false;
 };
 
 template <class N, Capacity capacity>

@@ -6,8 +6,8 @@
 // |1/I_z - 1/I_y|.
 #pragma once
 
-#include <tumble/integrators/axis_turn.hpp>
-#include <tumble/integrators/composed.hpp>
+#include <tumble/integrators/rotation/axis_turn.hpp>
+#include <tumble/integrators/rotation/composed.hpp>
 
 namespace tumble {
 

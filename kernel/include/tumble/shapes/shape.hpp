@@ -3,7 +3,7 @@
 #pragma once
 
 #include <tumble/body/bodies.hpp>
-#include <tumble/contact/lengths.hpp>
+#include <tumble/shapes/axes.hpp>
 
 namespace tumble {
 

@@ -11,7 +11,9 @@
 // division a step in floating point and none in fixed point.
 #pragma once
 
-#include <tumble/loads/wrench.hpp>
+#include <tumble/body/orientation.hpp>
+#include <tumble/body/stage.hpp>
+#include <tumble/numbers/vectors.hpp>
 
 namespace tumble {
 

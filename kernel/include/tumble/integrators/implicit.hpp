@@ -5,7 +5,8 @@
 #pragma once
 
 #include <tumble/integrators/butcher.hpp>
-#include <tumble/integrators/euler_equations.hpp>
+#include <tumble/integrators/method.hpp>
+#include <tumble/integrators/rotation/euler_equations.hpp>
 
 namespace tumble {
 
@@ -215,3 +216,23 @@ private:
 };
 
 }  // namespace tumble
+
+namespace tumble::integrators {
+
+// Implicit (backward) Euler: everything at the end of the step. Order 1, A-stable, damps. No square root for a free
+// body.
+struct ImplicitEuler : OneStageImplicit<Stage::end> {
+    static constexpr const char* name = "implicit_euler";
+    static constexpr int order = 1;
+};
+
+// The implicit midpoint rule: everything in the middle of the step. Order 2, symmetric in time, A-stable without
+// damping; of a free body it conserves energy, the momentum's norm and the world's angular momentum to the solver's
+// rounding. In floating point a step takes a square root and a division.
+struct ImplicitMidpoint : OneStageImplicit<Stage::middle> {
+    static constexpr const char* name = "implicit_midpoint";
+    static constexpr int order = 2;
+    static constexpr const char* needs = "sqrt and division in floating point";
+};
+
+}  // namespace tumble::integrators

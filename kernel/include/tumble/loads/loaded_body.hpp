@@ -1,7 +1,8 @@
 // What loads add up: a force and a torque per body, in SI units and working numbers.
 #pragma once
 
-#include <tumble/integrators/method.hpp>
+#include <tumble/body/stage.hpp>
+#include <tumble/numbers/vectors.hpp>
 
 namespace tumble {
 

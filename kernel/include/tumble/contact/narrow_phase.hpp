@@ -1,7 +1,9 @@
 // What touches and where it is: the shapes of a world's bodies, its planes, and what is measured of a pair of them.
 #pragma once
 
-#include <tumble/contact/with_contact.hpp>
+#include <tumble/contact/pair.hpp>
+#include <tumble/shapes/pairs.hpp>
+#include <tumble/shapes/plane.hpp>
 
 namespace tumble {
 

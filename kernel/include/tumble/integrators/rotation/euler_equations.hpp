@@ -4,7 +4,8 @@
 // bodies.
 #pragma once
 
-#include <tumble/integrators/method.hpp>
+#include <tumble/body/orientation.hpp>
+#include <tumble/body/stage.hpp>
 
 namespace tumble {
 

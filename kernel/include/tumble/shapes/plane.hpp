@@ -3,36 +3,11 @@
 // three more of the rim that it stands on.
 #pragma once
 
-#include <tumble/contact/near_pair.hpp>
+#include <tumble/scene.hpp>
+#include <tumble/shapes/points.hpp>
+#include <tumble/shapes/shape.hpp>
 
 namespace tumble {
-
-// A point that has been found: from the centres of mass, in principal axes of either body.
-template <class N>
-struct FoundPoint {
-    using Length = typename ContactNumbers<N>::Length;
-    Vec3<Length> arm, arm_b;
-    Length gap;
-};
-
-// The lowest of the points added: at most as many as a pair has.
-template <class N>
-struct FoundPoints {
-    FoundPoint<N> point[contact::max_points];
-    int count = 0;
-
-    [[nodiscard]] FoundPoint<N>& add() { return point[count++]; }
-    void add_lowest(const FoundPoint<N>& p) {
-        if (count < contact::max_points) {
-            point[count++] = p;
-            return;
-        }
-        int highest = 0;
-        for (int i = 1; i < count; ++i)
-            if (point[i].gap > point[highest].gap) highest = i;
-        if (p.gap < point[highest].gap) point[highest] = p;
-    }
-};
 
 template <class N, Capacity capacity>
 class PlaneView {

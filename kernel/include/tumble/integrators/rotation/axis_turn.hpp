@@ -1,7 +1,8 @@
 // A turn about one body axis: what every splitting of the free rotation is made of.
 #pragma once
 
-#include <tumble/integrators/method.hpp>
+#include <tumble/body/orientation.hpp>
+#include <tumble/body/stage.hpp>
 
 namespace tumble {
 

@@ -1,0 +1,60 @@
+// What a step hands to and fro between a method, the loads and the contacts: a body in the middle of a step, and the
+// change of its motion.
+#pragma once
+
+#include <tumble/body/state.hpp>
+
+namespace tumble {
+
+// position += the velocity at the step's start, at its end, or their mean (exact for a constant acceleration).
+enum class Coasting : std::uint8_t { start, end, mean };
+
+// What a step needs besides the bodies.
+template <class N>
+struct StepInfo {
+    typename N::Scale scale;
+    Dither dither;
+};
+
+// A body as the loads see it in the middle of a step.
+template <class N>
+struct StageState {
+    typename N::PositionSum x_w[3];
+    typename N::DriftSum d_w[3];
+    Quat<typename N::Unit> q_wb;
+    Vec3<typename N::Turn> t_b;
+};
+
+// The change of drift and spin over a whole step that loads would make at their present strength.
+template <class N>
+struct Kick {
+    typename N::DriftSum linear[3]{};
+    typename N::TurnSum angular[3]{};
+};
+
+// The same in working numbers, m and rad: for a solver, whose trials may lie far outside a format's range.
+template <class N>
+struct WorkKick {
+    Vec3<typename N::Work> linear, angular;
+};
+
+template <class N, Spin spin>
+[[nodiscard]] TUMBLE_INLINE StageState<N> stage_of(const BodyState<N, spin>& body) {
+    StageState<N> s;
+    for (int i = 0; i < 3; ++i) {
+        s.x_w[i] = N::sum(body.x_w[i]);
+        s.d_w[i] = N::sum(body.d_w[i]);
+    }
+    s.q_wb = body.q_wb.value();
+    s.t_b = body.t_b.value();
+    return s;
+}
+
+// The angles of three turns.
+template <class N>
+[[nodiscard]] TUMBLE_INLINE Vec3<typename N::Angle> angles(const Vec3<typename N::Turn>& t, const StepInfo<N>& step) {
+    return {N::angle(t.x(), step.scale, step.dither), N::angle(t.y(), step.scale, step.dither),
+            N::angle(t.z(), step.scale, step.dither)};
+}
+
+}  // namespace tumble

@@ -1,0 +1,37 @@
+// Two shapes in place: where one body is relative to another, and how far they are apart along a direction.
+#pragma once
+
+#include <tumble/shapes/points.hpp>
+#include <tumble/shapes/shape.hpp>
+
+namespace tumble {
+
+template <class N>
+struct PairView {
+    using Numbers = ContactNumbers<N>;
+    using Length = typename Numbers::Length;
+    using Unit = typename Numbers::Unit;
+
+    const ContactShape<N>&a, &b;
+    const Axes<N>&axes_a, &axes_b;  // principal
+    Vec3<Length> reach;             // from the centre of b to that of a, world
+
+    [[nodiscard]] PairView reversed() const { return {b, a, axes_b, axes_a, -reach}; }
+
+    // Along a direction: how far the surfaces are apart.
+    [[nodiscard]] Length separation(const Vec3<Unit>& normal, bool boxes) const {
+        return narrow<Length>(dot(normal, reach)) - extent(a, axes_a, normal, boxes) - extent(b, axes_b, normal, boxes);
+    }
+
+private:
+    [[nodiscard]] static Length extent(const ContactShape<N>& shape, const Axes<N>& axes, const Vec3<Unit>& normal,
+                                       bool boxes) {
+        if (!(boxes && shape.is(ShapeKind::box))) return shape.half.x();
+        const Vec3<Unit> n = shape.axes(axes).to_body(normal);
+        Length sum{};
+        for (int i = 0; i < 3; ++i) sum += magnitude_of(narrow<Length>(mul(n[i], shape.half[i])));
+        return sum;
+    }
+};
+
+}  // namespace tumble

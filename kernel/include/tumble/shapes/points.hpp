@@ -1,0 +1,39 @@
+// The points at which two bodies, or a body and a plane, may touch.
+#pragma once
+
+#include <tumble/numbers/lengths.hpp>
+
+namespace tumble {
+
+namespace contact {
+inline constexpr int max_points = 4;  // of a pair
+}  // namespace contact
+
+// A point that has been found: from the centres of mass, in principal axes of either body.
+template <class N>
+struct FoundPoint {
+    using Length = typename ContactNumbers<N>::Length;
+    Vec3<Length> arm, arm_b;
+    Length gap;
+};
+
+// The lowest of the points added: at most as many as a pair has.
+template <class N>
+struct FoundPoints {
+    FoundPoint<N> point[contact::max_points];
+    int count = 0;
+
+    [[nodiscard]] FoundPoint<N>& add() { return point[count++]; }
+    void add_lowest(const FoundPoint<N>& p) {
+        if (count < contact::max_points) {
+            point[count++] = p;
+            return;
+        }
+        int highest = 0;
+        for (int i = 1; i < count; ++i)
+            if (point[i].gap > point[highest].gap) highest = i;
+        if (p.gap < point[highest].gap) point[highest] = p;
+    }
+};
+
+}  // namespace tumble
