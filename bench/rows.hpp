@@ -1,5 +1,9 @@
 // Result rows: one JSON object a line, with the keys that every tool shares (units in the names).
+// A row that is written says of which bits it is: `tumble_bits`, the kernel's TUMBLE_BITS. A row without it is of
+// bits 1.
 #pragma once
+
+#include <tumble/version.hpp>
 
 #include <nlohmann/json.hpp>
 
@@ -28,7 +32,10 @@ using Row = nlohmann::ordered_json;
 inline void write_rows(const std::filesystem::path& path, const std::vector<Row>& rows) {
     if (path.has_parent_path()) std::filesystem::create_directories(path.parent_path());
     std::ofstream out{path};
-    for (const Row& row : rows) out << row.dump() << '\n';
+    for (Row row : rows) {
+        row["tumble_bits"] = TUMBLE_BITS;
+        out << row.dump() << '\n';
+    }
     if (!out) throw std::runtime_error{path.string() + ": cannot be written"};
 }
 

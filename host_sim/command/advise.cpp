@@ -1,5 +1,7 @@
 // `tumble advise`: the cheapest integrator, number system and step that keep a scene's error under a tolerance on a
 // core. Errors are measured on the host, whose bits are the core's; instructions are counted on the core in QEMU.
+#include <tumble/version.hpp>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -273,6 +275,7 @@ struct Advice {
 
 void print_json(const AdviseOptions& options, const SampledScene& sampled, const Advice& advice) {
     Json json;
+    json["tumble_bits"] = TUMBLE_BITS;
     const SceneDescription scene = sampled.with_step(sampled.longest());
     json["scene"] = scene.name;
     json["core"] = options.core;

@@ -1,5 +1,7 @@
 #include "command/command.hpp"
 
+#include <tumble/version.hpp>
+
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
@@ -122,6 +124,8 @@ int command(int argc, const char* const* argv) {
     CLI::App app{"Rigid bodies on small hardware: replay scenes on the host, compile them for firmware, compare the "
                  "two bit by bit."};
     app.name("tumble");
+    app.set_version_flag("--version", "tumble " TUMBLE_VERSION ", bits " + std::to_string(TUMBLE_BITS),
+                         "print the version of the command, and of the bits of its results");
     app.require_subcommand(1);
     app.footer("Exit status: 0 done, 1 the run failed or a comparison differs, 2 bad input.");
 

@@ -1,4 +1,6 @@
 // `tumble compile`: a scene as a struct of constants, for a firmware that has room for it and for nothing else.
+#include <tumble/version.hpp>
+
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
@@ -235,8 +237,12 @@ std::string compiled_scene(const SceneDescription& scene, const Choice& choice) 
          << (numbers.carry ? "" : " without carry")
          << ":\n// edit the scene instead. Units are SI; vectors of a body are in the user's body axes.\n#pragma "
             "once\n\n"
-            "#include <tumble/tumble.hpp>\n#include <tumble/replay.hpp>\n\n#include <array>\n#include "
-            "<cstdint>\n\nnamespace tumble::scenes {\n\nstruct "
+            "#include <tumble/tumble.hpp>\n\n#include <array>\n#include <cstdint>\n\nstatic_assert(TUMBLE_BITS == "
+         << TUMBLE_BITS
+         << ",\n              \"this scene was compiled by a tumble whose results have other bits than this kernel's: "
+            "\"\n"
+            "              \"compile it again with the `tumble` of the kernel's version\");\n\n"
+            "namespace tumble::scenes {\n\nstruct "
          << struct_name(scene.path) << " {\n    static constexpr const char* name = " << cpp_text(scene.name)
          << ";\n    static constexpr tumble::Seconds step" << step_text(scene.step)
          << ";\n    static constexpr std::uint32_t steps = " << data.steps << "u;\n"

@@ -1,4 +1,6 @@
 // `tumble run`.
+#include <tumble/version.hpp>
+
 #include <algorithm>
 #include <cmath>
 #include <fstream>
@@ -83,7 +85,7 @@ void print_json(const SceneDescription& scene, const Simulation& simulation, con
     std::string status;
     for (const Trouble& trouble : simulation.troubles())
         status += (status.empty() ? "" : ", ") + json_text(trouble.issue);
-    std::cout << "{\n  \"scene\": " << json_text(scene.name)
+    std::cout << "{\n  \"tumble_bits\": " << TUMBLE_BITS << ",\n  \"scene\": " << json_text(scene.name)
               << ",\n  \"integrator\": " << json_text(simulation.integrator())
               << ",\n  \"numbers\": " << json_text(simulation.numbers())
               << ",\n  \"step_s\": " << json_number(simulation.step_length())

@@ -1,4 +1,6 @@
 // The command `tumble` as its contract says: options, output, and the exit statuses 0 done, 1 failed, 2 bad input.
+#include <tumble/version.hpp>
+
 #include <poll.h>
 #include <signal.h>
 #include <sys/wait.h>
@@ -56,9 +58,10 @@ TEST(Run, json_has_the_keys_of_the_contract) {
         tumble({"run", shipped("orbit"), "--integrator", "rk4", "--numbers", "f64", "--json"}, Process::Errors::pass);
     ASSERT_EQ(outcome.status, 0);
     const Json json = Json::parse(outcome.text);
-    EXPECT_EQ(keys_of(json), (std::set<std::string>{"scene", "integrator", "numbers", "step_s", "steps", "time_s",
-                                                    "state_hash", "energy_start_j", "energy_end_j",
+    EXPECT_EQ(keys_of(json), (std::set<std::string>{"tumble_bits", "scene", "integrator", "numbers", "step_s", "steps",
+                                                    "time_s", "state_hash", "energy_start_j", "energy_end_j",
                                                     "energy_max_relative_drift", "status", "bodies"}));
+    EXPECT_EQ(json["tumble_bits"], TUMBLE_BITS);
     EXPECT_EQ(json["scene"], "Kepler orbit");
     EXPECT_EQ(json["integrator"], "rk4");
     EXPECT_EQ(json["numbers"], "f64");
@@ -301,6 +304,12 @@ INSTANTIATE_TEST_SUITE_P(
         BadCall{{"compare", shipped("brick"), "--core", "cortex-m3", "--timeout", "0"},
                 "--timeout: got \"0\", expected a whole number of seconds >= 1\n"}));
 
+TEST(Command, version_is_that_of_the_kernel_and_of_its_bits) {
+    const Outcome outcome = tumble({"--version"});
+    EXPECT_EQ(outcome.status, 0);
+    EXPECT_EQ(outcome.text, "tumble " TUMBLE_VERSION ", bits " + std::to_string(TUMBLE_BITS) + "\n");
+}
+
 TEST(Command, help_is_not_an_error) {
     for (const auto* topic : {"run", "compile", "compare", "list"})
         EXPECT_EQ(tumble({topic, "--help"}).status, 0) << topic;
@@ -486,9 +495,10 @@ TEST(Compile, header_holds_what_the_scene_needs_and_nothing_else) {
     const std::string path = temporary("scene.hpp");
     ASSERT_EQ(tumble({"compile", shipped("ball"), "-o", path}).status, 0);
     const std::string header = contents(path);
-    for (const auto* part : {"struct Ball {", "name = \"bouncing ball\"", "step{1, 256}", "steps = 1280u",
-                             ".restitution = 0.8", "using Numbers = tumble::Q32<tumble::NearRange>;",
-                             "using Integrator = tumble::integrators::Verlet;", "int bodies = 1;", "int planes = 1;"})
+    for (const auto* part :
+         {"struct Ball {", "name = \"bouncing ball\"", "step{1, 256}", "steps = 1280u", ".restitution = 0.8",
+          "using Numbers = tumble::Q32<tumble::NearRange>;", "using Integrator = tumble::integrators::Verlet;",
+          "int bodies = 1;", "int planes = 1;", "static_assert(TUMBLE_BITS == "})
         EXPECT_TRUE(has(header, part)) << part << "\n" << header;
     for (const auto* part :
          {"boxes = true", "friction = true", "script = true", "forces = true", "drag = true", "int springs"})

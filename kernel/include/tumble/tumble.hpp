@@ -2,5 +2,6 @@
 #pragma once
 
 #include <tumble/integrators/list.hpp>
+#include <tumble/replay.hpp>
 #include <tumble/version.hpp>
 #include <tumble/world.hpp>
