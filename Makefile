@@ -135,6 +135,17 @@ size: build
 tables: build
 	build/host/bench/tumble_tables README.md bench/results
 
+## header: the whole kernel as one header, build/header/tumble/tumble.hpp
+.PHONY: header
+header:
+	@mkdir -p build/header/tumble
+	kernel/amalgamate > build/header/tumble/tumble.hpp
+
+## arduino: the kernel as an Arduino library, build/arduino/tumble
+.PHONY: arduino
+arduino: setup
+	kernel/arduino_library build/arduino
+
 ## golden: rewrite the golden hashes; a decision that the commit must explain
 golden: build
 	tests/conformance/update_golden
