@@ -68,13 +68,14 @@ TEST(functions, integer_square_root_is_the_floor) {
 template <class T>
 void expect_series(T z, long double worst) {
     const long double x = std::sqrt(static_cast<long double>(z));
-    const long double one_minus_sinc_exact =
+    const long double one_minus_sinc =
         x < 1e-3L ? x * x / 6 * (1 - x * x / 20 * (1 - x * x / 42)) : 1 - std::sin(x) / x;
     const long double s = std::sin(x / 2);
-    ASSERT_NEAR(static_cast<double>(static_cast<long double>(one_minus_sinc(z)) - one_minus_sinc_exact), 0,
+    const auto series = SinCosSeries<T>::of(z);
+    ASSERT_NEAR(static_cast<double>(static_cast<long double>(series.sinc_less_one) + one_minus_sinc), 0,
                 static_cast<double>(worst))
         << z;
-    ASSERT_NEAR(static_cast<double>(static_cast<long double>(one_minus_cos(z)) - 2 * s * s), 0,
+    ASSERT_NEAR(static_cast<double>(static_cast<long double>(series.cos_less_one) + 2 * s * s), 0,
                 static_cast<double>(worst))
         << z;
 }
@@ -87,8 +88,8 @@ TEST(functions, rotation_series_of_floats_agree_with_long_double) {
         expect_series(static_cast<float>(random.uniform(1, 40)), tolerance::series_beyond * tolerance::series_f32);
         expect_series(random.uniform(1, 40), tolerance::series_beyond * tolerance::series_f64);
     }
-    EXPECT_EQ(one_minus_sinc(0.0), 0);
-    EXPECT_EQ(one_minus_cos(0.0f), 0);
+    EXPECT_EQ(SinCosSeries<double>::of(0.0).sinc_less_one, 0);
+    EXPECT_EQ(SinCosSeries<float>::of(0.0f).cos_less_one, 0);
 }
 
 TEST(functions, rotation_series_of_fixed_numbers_agree_with_long_double) {
@@ -96,9 +97,10 @@ TEST(functions, rotation_series_of_fixed_numbers_agree_with_long_double) {
     const auto check = [](Fixed<32> z) {
         const long double exact = static_cast<long double>(z.raw) * 0x1p-32L, x = std::sqrt(exact);
         const long double sinc = exact == 0 ? 0 : 1 - std::sin(x) / x, s = std::sin(x / 2);
-        ASSERT_LE(std::abs(static_cast<long double>(one_minus_sinc(z).raw) * 0x1p-32L - sinc), tolerance::series_q32)
+        const auto series = SinCosSeries<Fixed<32>>::of(z);
+        ASSERT_LE(std::abs(static_cast<long double>(series.sinc_less_one.raw) * 0x1p-32L + sinc), tolerance::series_q32)
             << z.raw;
-        ASSERT_LE(std::abs(static_cast<long double>(one_minus_cos(z).raw) * 0x1p-32L - 2 * s * s),
+        ASSERT_LE(std::abs(static_cast<long double>(series.cos_less_one.raw) * 0x1p-32L + 2 * s * s),
                   tolerance::series_q32)
             << z.raw;
     };

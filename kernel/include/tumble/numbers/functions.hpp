@@ -167,19 +167,4 @@ private:
     }
 };
 
-template <class T>
-[[nodiscard]] constexpr T one_minus_sinc(T z) {
-    return -SinCosSeries<T>::of(z).sinc_less_one;
-}
-template <class T>
-[[nodiscard]] constexpr T one_minus_cos(T z) {
-    return -SinCosSeries<T>::of(z).cos_less_one;
-}
-
-// 1 / sqrt(a), a > 0: two roundings.
-template <class T>
-[[nodiscard]] constexpr T rsqrt(T a) {
-    return T(1) / sqrt(a);
-}
-
 }  // namespace tumble

@@ -142,18 +142,11 @@ struct Float {
     [[nodiscard]] static constexpr T displaced(T x, T d, Scale) { return x + d; }
     [[nodiscard]] TUMBLE_INLINE static constexpr T narrow_turn(T t) { return t; }
     [[nodiscard]] TUMBLE_INLINE static constexpr T half_angle(T a) { return a * T(0.5); }
-    [[nodiscard]] TUMBLE_INLINE static constexpr T scaled_up(T t, int) { return t; }
     [[nodiscard]] TUMBLE_INLINE static constexpr T mul_sum(T t, T c) { return t * c; }
     TUMBLE_INLINE static constexpr void add(Integrated<T>& d, T increment) { d.add(increment); }
 
     [[nodiscard]] TUMBLE_INLINE static constexpr T angle(T t, Scale, Dither) { return t; }
     [[nodiscard]] TUMBLE_INLINE static constexpr T round_angle(T a, Dither) { return a; }
-    [[nodiscard]] TUMBLE_INLINE static constexpr T share(T c, T t) { return c * t; }
-    [[nodiscard]] TUMBLE_INLINE static constexpr T widen(T t) { return t; }
-    [[nodiscard]] TUMBLE_INLINE static constexpr T round_turn(T t, Dither) { return t; }
-    [[nodiscard]] TUMBLE_INLINE static constexpr T turn(T p, Scale) { return p; }
-    [[nodiscard]] TUMBLE_INLINE static constexpr T turn_increment(T p, Scale) { return p; }
-    [[nodiscard]] TUMBLE_INLINE static constexpr T square(T p, Scale) { return p; }
     [[nodiscard]] TUMBLE_INLINE static constexpr T stage_turn(T c, T p, Scale) { return c * p; }
     TUMBLE_INLINE static constexpr void add_turn(Integrated<T>& t, T c, T p, Scale) { t.add(c * p); }
 };

@@ -256,10 +256,6 @@ struct Q32 {
         return x + PositionSum{detail::shift_right(d.raw, s.drift_shift)};
     }
     [[nodiscard]] TUMBLE_INLINE static constexpr Angle half_angle(Angle a) { return {a.raw >> 1}; }
-    // t * 2^shift, which the caller knows to fit.
-    [[nodiscard]] TUMBLE_INLINE static constexpr TurnSum scaled_up(TurnSum t, int shift) {
-        return {static_cast<std::int64_t>(static_cast<std::uint64_t>(t.raw) << shift)};
-    }
     TUMBLE_INLINE static constexpr void add(Integrated<Drift>& d, Wide<62> increment) { d.add(increment); }
 
     // The angle of a turn, unscaled and dithered.
@@ -279,35 +275,10 @@ struct Q32 {
         const auto lower = static_cast<std::int32_t>(static_cast<std::uint32_t>(t.raw) >> 1);
         return {detail::multiply_add(detail::multiply(lower, c.raw) >> 31, upper, c.raw)};
     }
-    template <int F>
-    [[nodiscard]] TUMBLE_INLINE static constexpr TurnSum share(Fixed<F> c, TurnSum t) {
-        return {static_cast<std::int64_t>(static_cast<std::uint64_t>(mul_sum(t, c).raw) << (32 - F))};
-    }
     [[nodiscard]] TUMBLE_INLINE static constexpr TurnSum sum(const Carried<Turn, carry>& t) { return t.sum(); }
     [[nodiscard]] TUMBLE_INLINE static constexpr TurnSum sum(const Shaped<Turn, carry>& t) { return t.sum(); }
-    // Three ways to round a sum: as a turn, plainly or dithered (what a constant spin is made of must not be rounded
-    // the same way at every step), or as an angle, dithered.
+    // A sum as a turn, to nearest.
     [[nodiscard]] TUMBLE_INLINE static constexpr Turn narrow_turn(TurnSum t) { return narrow<Turn>(t); }
-    [[nodiscard]] TUMBLE_INLINE static constexpr Turn round_turn(TurnSum t, Dither d) {
-        return {static_cast<std::int32_t>((t + TurnSum{static_cast<std::int64_t>(d.turn)}).raw >> 32)};
-    }
-    [[nodiscard]] TUMBLE_INLINE static constexpr Angle angle(TurnSum t, Scale s, Dither d) {
-        const auto fraction = static_cast<std::int64_t>(static_cast<std::uint64_t>(d.angle) << s.turn_shift);
-        return {static_cast<std::int32_t>((t + TurnSum{fraction}).raw >> 32) >> s.turn_shift};
-    }
-    // A sum of products of turns as a turn; and as an increment of the state, to its last bit.
-    [[nodiscard]] TUMBLE_INLINE static constexpr Turn turn(TurnProduct p, Scale s) {
-        return {static_cast<std::int32_t>((p + TurnProduct{std::int64_t{1} << (31 + s.turn_shift)}).raw >> 32) >>
-                s.turn_shift};
-    }
-    [[nodiscard]] TUMBLE_INLINE static constexpr TurnSum turn_increment(TurnProduct p, Scale s) {
-        return {detail::shift_right(p.raw, s.turn_shift)};
-    }
-    // The square of a turn's angle (of the three turns' length), as an angle; and a square scaled like a turn.
-    [[nodiscard]] TUMBLE_INLINE static constexpr Angle square(TurnProduct p, Scale s) {
-        const int shift = s.turn_shift > 15 ? 31 : 2 * s.turn_shift;
-        return {narrow<Angle>(p).raw >> shift};
-    }
     // coefficient * p / 2^turn_shift as a turn: for stages, where the product's upper word is enough.
     [[nodiscard]] TUMBLE_INLINE static constexpr Turn stage_turn(Coefficient c, TurnProduct p, Scale s) {
         // The upper word is the product rounded down; c / 2 puts back the half unit that is missing on average: a bias

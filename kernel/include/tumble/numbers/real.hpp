@@ -180,8 +180,6 @@ private:
 };
 
 [[nodiscard]] constexpr Real abs(Real a) { return a.is_negative() ? -a : a; }
-[[nodiscard]] constexpr Real max(Real a, Real b) { return a < b ? b : a; }
-[[nodiscard]] constexpr Real min(Real a, Real b) { return b < a ? b : a; }
 
 // Square root by Newton's iteration from a power of two; negative arguments are misuse.
 [[nodiscard, gnu::noinline]] constexpr Real sqrt(Real a) {
