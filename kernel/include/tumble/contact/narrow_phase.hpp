@@ -42,7 +42,7 @@ public:
     [[nodiscard]] Work tolerance() const { return scale().metres(tolerance_); }
 
 protected:
-    [[nodiscard]] const typename Numbers::Scale& scale() const { return shape_.scale(); }
+    [[nodiscard]] const typename Numbers::LengthScale& scale() const { return shape_.scale(); }
     // Makes room for a length, m. Lengths that have been taken before are those of another scale when this is true.
     bool make_room(Real largest) {
         const bool rescaled = shape_.make_room(largest);

@@ -119,7 +119,7 @@ private:
     // are given steps in the same proportion to their velocities and then brought back to the cone: where this no
     // longer changes anything, the push is opposite to the slip.
     static void rub(const Pair& pair, Point& point, Motion& a, Motion* b, Speed& most) {
-        const Speed limit = Numbers::rubbed(pair.friction, product(point.pushed[0], point.row[0].inverse));
+        const Speed limit = Numbers::times_friction(pair.friction, product(point.pushed[0], point.row[0].inverse));
         const Speed before[2] = {point.pushed[1], point.pushed[2]};
         Speed wanted[2];
         for (int k = 0; k < 2; ++k) give(point, 1 + k, before[k] - slip(point, k, a, b), a, b);

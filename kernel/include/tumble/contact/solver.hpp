@@ -83,7 +83,7 @@ public:
         if (active == 0) return Touch::nothing;
         if (strikes && !struck) return Touch::strikes;
         for_each_active(island, [&](Pair& pair, auto& point) { push_all(pair, point); });
-        sweep(island, speeds_.quiet(), contact::max_sweeps);
+        sweep(island, speeds_.enough_at_rest(), contact::max_sweeps);
         for (int k = 0; k < island.unit.count; ++k) {
             const int b = island.unit.id[k];
             const ContactShape<N>& shape = shape_[b];
@@ -234,7 +234,7 @@ public:
             for (Speed& p : point.pushed) p = Speed{};
         });
         for (int k = 0; k < island.unit.count; ++k) loaded_[island.unit.id[k]] = motion_[island.unit.id[k]];
-        sweep(island, speeds_.rounding(), contact::max_impact_sweeps);
+        sweep(island, speeds_.enough_in_impact(), contact::max_impact_sweeps);
         // Each impulse once instead of in as many parts as there were sweeps: so much less is rounded.
         for (int k = 0; k < island.unit.count; ++k) motion_[island.unit.id[k]] = loaded_[island.unit.id[k]];
         for_each_active(island, [&](Pair& pair, auto& point) { push_all(pair, point); });
@@ -405,7 +405,7 @@ private:
     // Does an approach bounce? Unless the scene's threshold forbids it, or the bounce would be over within an eighth of
     // a step, because the loads bring it back that soon.
     [[nodiscard]] bool bounces(const Pair& pair, const Point& point, Speed approach, Speed loads) const {
-        if (!(approach > speeds_.quiet())) return false;
+        if (!(approach > speeds_.enough_at_rest())) return false;
         const Speed bounce = narrow<Speed>(mul(approach, pair.restitution));
         if (!(bounce + bounce > Numbers::eighth(loads))) return false;
         if (!(threshold_ > Work(0))) return true;
@@ -437,7 +437,7 @@ private:
             Speed most{};
             for (int i = 0; i < pair.count; ++i)
                 Rows::visit(pair, pair.point[i], motion_[pair.a], other_motion(pair), most);
-            if (!(most > speeds_.rounding())) break;
+            if (!(most > speeds_.enough_in_impact())) break;
         }
         motion_[pair.a] = a;
         if (moves_b(pair)) motion_[pair.b] = b;

@@ -1,10 +1,14 @@
 // Float<T, carry>: the number systems of float and double, IEEE 754 arithmetic without contraction. A number carries a
-// power of two of its own, so formats, blocks and scales are plain numbers here; the functions are those of q32.hpp
-// and q32_block.hpp.
+// power of two of its own, so formats, blocks and scales are plain numbers here; the functions are those of q32.hpp,
+// q32_block.hpp and q32_contact.hpp.
 #pragma once
 
 #include <tumble/numbers/carried.hpp>
 #include <tumble/numbers/dither.hpp>
+#include <tumble/numbers/functions.hpp>
+#include <tumble/numbers/vectors.hpp>
+
+#include <limits>
 #include <tumble/numbers/functions.hpp>
 
 namespace tumble {
@@ -149,6 +153,98 @@ struct Float {
     [[nodiscard]] TUMBLE_INLINE static constexpr T round_angle(T a, Dither) { return a; }
     [[nodiscard]] TUMBLE_INLINE static constexpr T stage_turn(T c, T p, Scale) { return c * p; }
     TUMBLE_INLINE static constexpr void add_turn(Integrated<T>& t, T c, T p, Scale) { t.add(c * p); }
+};
+
+// The numbers of contacts, as in q32_contact.hpp: floating point needs no scales.
+template <class N>
+struct ContactNumbers;
+
+template <class N>
+requires(!N::fixed_point) struct ContactNumbers<N> {
+    using T = typename N::Work;
+    using Work = T;
+    using Unit = T;
+    using Length = T;
+    using Lever = T;
+    using Speed = T;
+    using Friction = T;
+
+    struct LengthScale {
+        [[nodiscard]] static constexpr LengthScale of(Real) { return {}; }
+        [[nodiscard]] static constexpr int bits() { return 0; }
+        [[nodiscard]] static constexpr T length(Real metres) { return N::template constant<T>(metres); }
+        [[nodiscard]] static constexpr T length(T metres) { return metres; }
+        [[nodiscard]] static constexpr T metres(T l) { return l; }
+        [[nodiscard]] static constexpr T drift(T d, typename N::Scale) { return d; }
+        [[nodiscard]] static constexpr T coarser(T l, LengthScale) { return l; }
+    };
+    struct PerLength {
+        T inverse{};
+        [[nodiscard]] static constexpr PerLength of(Real length, LengthScale) {
+            return {N::template constant<T>(Real{1} / length)};
+        }
+        [[nodiscard]] TUMBLE_INLINE constexpr T operator()(T l) const { return l * inverse; }
+        void rescale(LengthScale, LengthScale) {}
+    };
+    class SpeedScale {
+    public:
+        [[nodiscard]] static SpeedScale of(T largest, int bodies, int) {
+            SpeedScale s;
+            s.enough_at_rest_ = largest * sqrt(T(6 * bodies)) * (sizeof(T) == 4 ? T(0x1p-20) : T(0x1p-40));
+            s.enough_in_impact_ = largest * (sizeof(T) == 4 ? T(0x1p-23) : T(0x1p-51));
+            return s;
+        }
+        [[nodiscard]] static T speed(T w) { return w; }
+        [[nodiscard]] static T speed(T sum, int, T weight) { return sum * weight; }
+        [[nodiscard]] static T sum(T s, int, T weight) { return s * weight; }
+        [[nodiscard]] static T work(T s) { return s; }
+        [[nodiscard]] static T speed(T l, T weight, LengthScale) { return l * weight; }
+        [[nodiscard]] static T from(T s, SpeedScale) { return s; }
+        [[nodiscard]] T enough_at_rest() const { return enough_at_rest_; }
+        [[nodiscard]] T enough_in_impact() const { return enough_in_impact_; }
+
+    private:
+        T enough_at_rest_ = 0, enough_in_impact_ = 0;
+    };
+    [[nodiscard]] static T size(T sum, int, T weight) { return magnitude_of(sum) * weight; }
+    [[nodiscard]] static constexpr T nothing() { return T(0); }
+    [[nodiscard]] static constexpr int log2(T) { return 0; }
+    [[nodiscard]] static constexpr int drift_bits(typename N::Scale) { return 0; }
+    [[nodiscard]] static constexpr int turn_bits(typename N::Scale) { return 0; }
+    [[nodiscard]] static T raw(T sum) { return sum; }
+    template <class Sum>
+    [[nodiscard]] static T as(T sum) {
+        return sum;
+    }
+
+    [[nodiscard]] static T travel(T speed, T fall, int k) { return (speed + fall * T(k)) * T(k); }
+    [[nodiscard]] static bool exceeds(T travel, T gap) { return travel >= gap; }
+    [[nodiscard]] static bool reaches(T travel, T touch, T distance2) {
+        return (travel + touch) * (travel + touch) >= distance2;
+    }
+    [[nodiscard]] static T rounded_up(T l) { return l * T(1.001) + T(1e-6); }
+
+    [[nodiscard]] static constexpr T one() { return T(1); }
+    [[nodiscard]] static constexpr T longest() { return std::numeric_limits<T>::max(); }
+    [[nodiscard]] static Vec3<T> direction(const Vec3<T>& v) { return scaled_by(v, T(1) / sqrt(dot(v, v))); }
+    [[nodiscard]] static T inverse_root_of_one_and(T squares) { return T(1) / sqrt(T(1) + squares); }
+    [[nodiscard]] static T unit(T q, T factor) { return q * factor; }
+    [[nodiscard]] static T unit(T w) { return w; }
+    [[nodiscard]] static T product(T a, T b) { return a * b; }
+    [[nodiscard]] static T speed(T sum) { return sum; }
+    [[nodiscard]] static T half(T a) { return a * T(0.5); }
+    [[nodiscard]] static T eighth(T a) { return a * T(0.125); }
+    [[nodiscard]] static T times_friction(T mu, T s) { return mu * s; }
+    [[nodiscard]] static T friction(T mu) { return mu; }
+    [[nodiscard]] static T share(T limit, T squares) { return limit / sqrt(squares); }
+    [[nodiscard]] static T over_square(T s, T u) { return s / (u * u); }
+    [[nodiscard]] static T ratio(T a, T b) { return a / b; }
+    [[nodiscard]] static constexpr T nearly_parallel() { return T(1) - T(0x1p-21); }
+    [[nodiscard]] static T over_sine(T l, T c) { return l / sqrt(T(1) - c * c); }
+    [[nodiscard]] static T hair(T l) { return l * T(0x1p-16); }
+    [[nodiscard]] static T sixteenth(T l) { return l * T(0.0625); }
+    [[nodiscard]] static T unit_norm(const Vec3<T>& v) { return sqrt(dot(v, v)); }
+    [[nodiscard]] static constexpr T flat() { return T(0x1p-16); }
 };
 
 }  // namespace tumble

@@ -8,7 +8,7 @@
 
 #include <tumble/numbers/ieee.hpp>
 #include <tumble/numbers/q32_block.hpp>
-#include <tumble/numbers/vectors.hpp>
+#include <tumble/numbers/q32_contact.hpp>
 
 namespace tumble {
 

@@ -89,6 +89,23 @@ template <class To, class A, class B>
             narrow<To>(cross_component<2>(a, b))};
 }
 
+template <class T>
+[[nodiscard]] TUMBLE_INLINE constexpr T magnitude_of(T a) {
+    return a < T{} ? -a : a;
+}
+
+// A bound of |v| that needs no root.
+template <class T>
+[[nodiscard]] TUMBLE_INLINE constexpr T sum_of_magnitudes(const Vec3<T>& v) {
+    return magnitude_of(v.x()) + magnitude_of(v.y()) + magnitude_of(v.z());
+}
+
+// A length along a direction.
+template <class Unit, class Length>
+[[nodiscard]] Vec3<Length> along(const Vec3<Unit>& u, Length l) {
+    return {narrow<Length>(mul(u.x(), l)), narrow<Length>(mul(u.y(), l)), narrow<Length>(mul(u.z(), l))};
+}
+
 // A vector of working numbers, in SI units where nothing else is said.
 template <class N>
 using WorkVec3 = Vec3<typename N::Work>;

@@ -1,7 +1,7 @@
 // A body's axes in the world, as shapes need them: a rotation as a matrix.
 #pragma once
 
-#include <tumble/numbers/lengths.hpp>
+#include <tumble/numbers/systems.hpp>
 
 namespace tumble {
 

@@ -1,7 +1,7 @@
 // The points at which two bodies, or a body and a plane, may touch.
 #pragma once
 
-#include <tumble/numbers/lengths.hpp>
+#include <tumble/numbers/systems.hpp>
 
 namespace tumble {
 

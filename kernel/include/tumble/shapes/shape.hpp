@@ -1,5 +1,5 @@
 // What touches: planes, and spheres, boxes, capsules, cylinders and hoops, with the constants of a body that contacts
-// need. Lengths are in units of ContactNumbers::Scale.
+// need. Lengths are in units of ContactNumbers::LengthScale.
 #pragma once
 
 #include <tumble/body/bodies.hpp>
@@ -73,7 +73,7 @@ struct ContactShape {
     Work restitution{}, friction{};
 
     // To lengths of a coarser scale.
-    void rescale(typename Numbers::Scale from, typename Numbers::Scale to) {
+    void rescale(typename Numbers::LengthScale from, typename Numbers::LengthScale to) {
         for (int i = 0; i < 3; ++i) {
             half[i] = to.coarser(half[i], from);
             per_gyration[i].rescale(from, to);
@@ -94,7 +94,7 @@ struct ContactShape {
 template <class N, int bodies>
 class Shapes {
 public:
-    using Scale = typename ContactNumbers<N>::Scale;
+    using Scale = typename ContactNumbers<N>::LengthScale;
 
     // Makes room for a length, m; shapes that have been set before are brought to the new scale. False when that is the
     // old one.
@@ -132,7 +132,8 @@ private:
 
 template <class N, Spin spin>
 [[gnu::noinline]] void set_contact_shape(ContactShape<N>& shape, const BodySpec& spec, const PrincipalInertia& inertia,
-                                         typename ContactNumbers<N>::Scale scale, const SpinUnits<N, spin>& units) {
+                                         typename ContactNumbers<N>::LengthScale scale,
+                                         const SpinUnits<N, spin>& units) {
     using Numbers = ContactNumbers<N>;
     using Work = typename N::Work;
     using Unit = typename Numbers::Unit;

@@ -1,12 +1,12 @@
-// The numbers of contacts. A Length is a 32-bit distance with a binary point that the largest body decides; a Lever is
-// an arm over a radius of gyration; a Unit is a component of a direction or of a unit row; a Speed is a velocity
-// weighted by the root of the mass, relative to the fastest thing in its island. Floating point needs no scales: all
-// are plain numbers.
+// ContactNumbers of a fixed-point system. A Length is a 32-bit distance whose binary point the largest body decides; a
+// Lever is an arm over a radius of gyration; a Unit is a component of a direction or of a row of unit length; a Speed
+// is a velocity times the root of the mass, whose binary point the fastest body of an island decides; a Friction is a
+// coefficient of friction. Roots are Newton's steps on 32-bit words: no division.
 #pragma once
 
-#include <tumble/numbers/systems.hpp>
-
-#include <limits>
+#include <tumble/numbers/functions.hpp>
+#include <tumble/numbers/q32.hpp>
+#include <tumble/numbers/vectors.hpp>
 
 namespace tumble {
 
@@ -46,23 +46,6 @@ struct ScaledRoot {
 
 }  // namespace detail
 
-template <class T>
-[[nodiscard]] TUMBLE_INLINE constexpr T magnitude_of(T a) {
-    return a < T{} ? -a : a;
-}
-
-// A bound of |v| that needs no root.
-template <class T>
-[[nodiscard]] TUMBLE_INLINE constexpr T sum_of_magnitudes(const Vec3<T>& v) {
-    return magnitude_of(v.x()) + magnitude_of(v.y()) + magnitude_of(v.z());
-}
-
-// A length along a direction.
-template <class Unit, class Length>
-[[nodiscard]] Vec3<Length> along(const Vec3<Unit>& u, Length l) {
-    return {narrow<Length>(mul(u.x(), l)), narrow<Length>(mul(u.y(), l)), narrow<Length>(mul(u.z(), l))};
-}
-
 template <class N>
 struct ContactNumbers;
 
@@ -77,11 +60,11 @@ requires(N::fixed_point) struct ContactNumbers<N> {
 
     // Metres to Lengths. The largest length stays below 2^27 units, so that sums of a few cannot wrap; what is farther
     // away is held at 2^30.
-    class Scale {
+    class LengthScale {
     public:
         static constexpr int room = 27;
-        [[nodiscard]] static constexpr Scale of(Real largest) {
-            Scale s;
+        [[nodiscard]] static constexpr LengthScale of(Real largest) {
+            LengthScale s;
             const int bits = room - largest.ceil_log2_bound();
             s.bits_ = detail::clamp(bits, 0, N::PositionSum::fraction_bits - 4);
             return s;
@@ -101,7 +84,9 @@ requires(N::fixed_point) struct ContactNumbers<N> {
             return cut(d.raw >> (N::PositionSum::fraction_bits + s.drift_shift - bits_));
         }
         // The same length when a larger body has come.
-        [[nodiscard]] constexpr Length coarser(Length l, Scale finer) const { return {l.raw >> (finer.bits_ - bits_)}; }
+        [[nodiscard]] constexpr Length coarser(Length l, LengthScale finer) const {
+            return {l.raw >> (finer.bits_ - bits_)};
+        }
 
     private:
         [[nodiscard]] static constexpr Length cut(std::int64_t raw) {
@@ -114,7 +99,7 @@ requires(N::fixed_point) struct ContactNumbers<N> {
     // One over a length, as what a length is multiplied by to give a lever.
     class PerLength {
     public:
-        [[nodiscard]] static constexpr PerLength of(Real length, Scale scale) {
+        [[nodiscard]] static constexpr PerLength of(Real length, LengthScale scale) {
             const Real inverse = Real{1} / length;
             const int bits = 30 - inverse.ceil_log2();  // of the mantissa's fraction
             return {static_cast<std::int32_t>(inverse.to_fixed(bits, 31)),
@@ -123,7 +108,7 @@ requires(N::fixed_point) struct ContactNumbers<N> {
         [[nodiscard]] TUMBLE_INLINE constexpr Lever operator()(Length l) const {
             return {detail::scaled_product(l.raw, mantissa_, shift_)};
         }
-        void rescale(Scale from, Scale to) {
+        void rescale(LengthScale from, LengthScale to) {
             shift_ = static_cast<std::int8_t>(detail::clamp(shift_ + to.bits() - from.bits(), 1, 62));
         }
 
@@ -153,7 +138,7 @@ requires(N::fixed_point) struct ContactNumbers<N> {
             return shifted(top, weight.mantissa(), fraction_bits + room - 32 - weight.exponent() - bits_);
         }
         // A length times a weight.
-        [[nodiscard]] Speed speed(Length l, Work weight, const Scale& scale) const {
+        [[nodiscard]] Speed speed(Length l, Work weight, const LengthScale& scale) const {
             return shifted(l.raw, weight.mantissa(), scale.bits() - weight.exponent() - bits_);
         }
         // A speed times a weight, as a sum of the state.
@@ -176,11 +161,10 @@ requires(N::fixed_point) struct ContactNumbers<N> {
             if (up > 30 || ((s.raw ^ (s.raw >> 31)) >> (30 - up)) != 0) return {0};
             return {s.raw << up};
         }
-        // Changes below these are not worth another sweep: 2^-21 of the norm, and more of one that leaves room for
-        // unequal masses, where sweeps go on in the next step, and rounding where they do not, because an impact is
-        // solved once.
-        [[nodiscard]] static constexpr Speed quiet() { return {256}; }
-        [[nodiscard]] static constexpr Speed rounding() { return {2}; }
+        // Changes of speed at which sweeps stop: at rest 2^-21 of the norm (more of a norm that leaves room for unequal
+        // masses), because the next step's sweeps go on from there; in an impact, which is solved once, rounding.
+        [[nodiscard]] static constexpr Speed enough_at_rest() { return {256}; }
+        [[nodiscard]] static constexpr Speed enough_in_impact() { return {2}; }
 
         constexpr SpeedScale() = default;
 
@@ -213,7 +197,7 @@ requires(N::fixed_point) struct ContactNumbers<N> {
         return {raw};
     }
 
-    // A bound of what is moved in k steps, and whether it is more than a gap, or than what is left of a distance.
+    // A bound of what is moved in k steps; true if it is more than a gap, or than what is left of a distance.
     [[nodiscard]] static std::int64_t travel(Length speed, Length fall, int k) {
         return (static_cast<std::int64_t>(speed.raw) + static_cast<std::int64_t>(fall.raw) * k) * k;
     }
@@ -255,9 +239,9 @@ requires(N::fixed_point) struct ContactNumbers<N> {
     [[nodiscard]] TUMBLE_INLINE static T eighth(T a) {
         return {a.raw >> 3};
     }
-    // mu * pushed.
-    [[nodiscard]] static Speed rubbed(Friction mu, Speed pushed) {
-        return {detail::scaled_product(mu.raw, pushed.raw, 24)};
+    // mu * s, the most that friction can push beside a push of s.
+    [[nodiscard]] static Speed times_friction(Friction mu, Speed s) {
+        return {detail::scaled_product(mu.raw, s.raw, 24)};
     }
     [[nodiscard]] static Friction friction(Work mu) { return mu.template to_fixed<Friction>(); }
     [[nodiscard]] static Unit unit(Work w) { return w.template to_fixed<Unit>(); }
@@ -284,101 +268,15 @@ requires(N::fixed_point) struct ContactNumbers<N> {
         const auto root = detail::inverse_root(static_cast<std::uint64_t>((std::int64_t{1} << 60) - mul(c, c).raw));
         return {detail::scaled_product(l.raw, root.raw, -(root.exponent + 30))};
     }
-    // A length that is only rounding beside `l`; the norm of a part of a unit vector, and one that is only rounding.
+    // l / 2^16, what is only rounding beside l; and l / 16.
     [[nodiscard]] static Length hair(Length l) { return {(l.raw >> 16) + 1}; }
     [[nodiscard]] static Length sixteenth(Length l) { return {l.raw >> 4}; }
+    // The norm of a part of a unit vector.
     [[nodiscard]] static Unit unit_norm(const Vec3<Unit>& v) {
         return {static_cast<std::int32_t>(integer_sqrt(static_cast<std::uint64_t>(dot(v, v).raw)))};
     }
+    // A norm of such a part that is only rounding, 2^-16.
     [[nodiscard]] static constexpr Unit flat() { return {1 << 14}; }
-};
-
-template <class N>
-requires(!N::fixed_point) struct ContactNumbers<N> {
-    using T = typename N::Work;
-    using Work = T;
-    using Unit = T;
-    using Length = T;
-    using Lever = T;
-    using Speed = T;
-    using Friction = T;
-
-    struct Scale {
-        [[nodiscard]] static constexpr Scale of(Real) { return {}; }
-        [[nodiscard]] static constexpr int bits() { return 0; }
-        [[nodiscard]] static constexpr T length(Real metres) { return N::template constant<T>(metres); }
-        [[nodiscard]] static constexpr T length(T metres) { return metres; }
-        [[nodiscard]] static constexpr T metres(T l) { return l; }
-        [[nodiscard]] static constexpr T drift(T d, typename N::Scale) { return d; }
-        [[nodiscard]] static constexpr T coarser(T l, Scale) { return l; }
-    };
-    struct PerLength {
-        T inverse{};
-        [[nodiscard]] static constexpr PerLength of(Real length, Scale) {
-            return {N::template constant<T>(Real{1} / length)};
-        }
-        [[nodiscard]] TUMBLE_INLINE constexpr T operator()(T l) const { return l * inverse; }
-        void rescale(Scale, Scale) {}
-    };
-    class SpeedScale {
-    public:
-        [[nodiscard]] static SpeedScale of(T largest, int bodies, int) {
-            SpeedScale s;
-            s.quiet_ = largest * sqrt(T(6 * bodies)) * (sizeof(T) == 4 ? T(0x1p-20) : T(0x1p-40));
-            s.rounding_ = largest * (sizeof(T) == 4 ? T(0x1p-23) : T(0x1p-51));
-            return s;
-        }
-        [[nodiscard]] static T speed(T w) { return w; }
-        [[nodiscard]] static T speed(T sum, int, T weight) { return sum * weight; }
-        [[nodiscard]] static T sum(T s, int, T weight) { return s * weight; }
-        [[nodiscard]] static T work(T s) { return s; }
-        [[nodiscard]] static T speed(T l, T weight, Scale) { return l * weight; }
-        [[nodiscard]] static T from(T s, SpeedScale) { return s; }
-        [[nodiscard]] T quiet() const { return quiet_; }
-        [[nodiscard]] T rounding() const { return rounding_; }
-
-    private:
-        T quiet_ = 0, rounding_ = 0;
-    };
-    [[nodiscard]] static T size(T sum, int, T weight) { return magnitude_of(sum) * weight; }
-    [[nodiscard]] static constexpr T nothing() { return T(0); }
-    [[nodiscard]] static constexpr int log2(T) { return 0; }
-    [[nodiscard]] static constexpr int drift_bits(typename N::Scale) { return 0; }
-    [[nodiscard]] static constexpr int turn_bits(typename N::Scale) { return 0; }
-    [[nodiscard]] static T raw(T sum) { return sum; }
-    template <class Sum>
-    [[nodiscard]] static T as(T sum) {
-        return sum;
-    }
-
-    [[nodiscard]] static T travel(T speed, T fall, int k) { return (speed + fall * T(k)) * T(k); }
-    [[nodiscard]] static bool exceeds(T travel, T gap) { return travel >= gap; }
-    [[nodiscard]] static bool reaches(T travel, T touch, T distance2) {
-        return (travel + touch) * (travel + touch) >= distance2;
-    }
-    [[nodiscard]] static T rounded_up(T l) { return l * T(1.001) + T(1e-6); }
-
-    [[nodiscard]] static constexpr T one() { return T(1); }
-    [[nodiscard]] static constexpr T longest() { return std::numeric_limits<T>::max(); }
-    [[nodiscard]] static Vec3<T> direction(const Vec3<T>& v) { return scaled_by(v, T(1) / sqrt(dot(v, v))); }
-    [[nodiscard]] static T inverse_root_of_one_and(T squares) { return T(1) / sqrt(T(1) + squares); }
-    [[nodiscard]] static T unit(T q, T factor) { return q * factor; }
-    [[nodiscard]] static T unit(T w) { return w; }
-    [[nodiscard]] static T product(T a, T b) { return a * b; }
-    [[nodiscard]] static T speed(T sum) { return sum; }
-    [[nodiscard]] static T half(T a) { return a * T(0.5); }
-    [[nodiscard]] static T eighth(T a) { return a * T(0.125); }
-    [[nodiscard]] static T rubbed(T mu, T pushed) { return mu * pushed; }
-    [[nodiscard]] static T friction(T mu) { return mu; }
-    [[nodiscard]] static T share(T limit, T squares) { return limit / sqrt(squares); }
-    [[nodiscard]] static T over_square(T s, T u) { return s / (u * u); }
-    [[nodiscard]] static T ratio(T a, T b) { return a / b; }
-    [[nodiscard]] static constexpr T nearly_parallel() { return T(1) - T(0x1p-21); }
-    [[nodiscard]] static T over_sine(T l, T c) { return l / sqrt(T(1) - c * c); }
-    [[nodiscard]] static T hair(T l) { return l * T(0x1p-16); }
-    [[nodiscard]] static T sixteenth(T l) { return l * T(0.0625); }
-    [[nodiscard]] static T unit_norm(const Vec3<T>& v) { return sqrt(dot(v, v)); }
-    [[nodiscard]] static constexpr T flat() { return T(0x1p-16); }
 };
 
 }  // namespace tumble
