@@ -1,4 +1,5 @@
 // Sums that lose nothing: Carried, Shaped and Dither.
+#include <tumble/integrators/butcher.hpp>
 #include <tumble/numbers/systems.hpp>
 
 #include "random.hpp"

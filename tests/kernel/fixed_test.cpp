@@ -1,6 +1,6 @@
 // Fixed, Wide, Scaled and Eigen's storage of them against exact integers and long double.
-#include <tumble/numbers/vectors.hpp>
 #include <tumble/numbers/scaled.hpp>
+#include <tumble/numbers/systems.hpp>
 
 #include "random.hpp"
 #include "tolerances.hpp"
