@@ -7,6 +7,7 @@ SCENE ?= host_sim/scenes/cube.toml
 CORE  ?= cortex-m3
 TOLERANCE ?= 1e-3
 ARGS  ?=
+PAGES := $(wildcard *.md */*.md host_sim/*/*.md)
 
 .PHONY: run test bench bench-contacts peers work-precision work-precision-loads pictures long-run ordinary engines firmware replay advise size check format tables golden build setup clean help
 .DEFAULT_GOAL := help
@@ -51,7 +52,7 @@ bench: build valgrind
 	build/host/bench/tumble_matrix host_sim/scenes/free.toml --cores $(subst $(space),$(comma),$(CORES) host) --results bench/results/free.jsonl
 	build/host/bench/tumble_matrix host_sim/scenes/cube.toml --accuracy \
 	    --integrators explicit_euler,implicit_euler,heun,midpoint,rk4,verlet --results bench/results/cube.jsonl
-	build/host/bench/tumble_tables README.md bench/results
+	build/host/bench/tumble_tables bench/results $(PAGES)
 
 ## bench-contacts: what contacts cost a step, at rest, asleep, out of reach and at worst, on an M3 and an M4F
 CONTACTS := bench/contacts/plane_out_of_reach bench/contacts/plane_within_reach bench/contacts/ball_and_ball \
@@ -66,14 +67,14 @@ bench-contacts: build
 	    cat build/results/contacts_scene.jsonl >> build/results/contacts.jsonl; \
 	done
 	@mv build/results/contacts.jsonl bench/results/contacts.jsonl
-	build/host/bench/tumble_tables README.md bench/results
+	build/host/bench/tumble_tables bench/results $(PAGES)
 
 ## work-precision: error against cost of every method on problems of free rotation, as rows and pictures in bench/results
 work-precision: build
 	build/host/bench/tumble_work_precision bench/problems/generic_top.toml bench/problems/separatrix_top.toml bench/problems/nearly_symmetric_top.toml \
 	    --cost bench/results/free.jsonl --cost-of-problem bench/results/peers.jsonl --results bench/results/work_precision.jsonl
 	build/host/bench/tumble_pictures bench/results/work_precision.jsonl --directory bench/results
-	build/host/bench/tumble_tables README.md bench/results
+	build/host/bench/tumble_tables bench/results $(PAGES)
 
 ## work-precision-loads: the same on problems with loads and contacts, with the cost of a step of each problem
 LOADS := heavy_top kepler stiff_spring projectile_drag ball_elastic ball_inelastic
@@ -91,7 +92,7 @@ work-precision-loads: $(LOADS:%=cost-of-%)
 	    --cost-of-problem bench/results/loads.jsonl --cost-of-problem bench/results/peers.jsonl \
 	    --results bench/results/work_precision_loads.jsonl
 	build/host/bench/tumble_pictures bench/results/work_precision_loads.jsonl --directory bench/results
-	build/host/bench/tumble_tables README.md bench/results
+	build/host/bench/tumble_tables bench/results $(PAGES)
 
 ## pictures: draw the pictures of work against precision again from the committed rows
 pictures: build
@@ -100,12 +101,12 @@ pictures: build
 ## long-run: what a million steps do to energy and momentum, for every method and number system, into bench/results
 long-run: build
 	build/host/bench/tumble_long_run bench/problems/generic_top.toml bench/problems/heavy_top.toml --results bench/results/long_run.jsonl
-	build/host/bench/tumble_tables README.md bench/results
+	build/host/bench/tumble_tables bench/results $(PAGES)
 
 ## ordinary: the kernel's Butcher tables on a harmonic oscillator and the Lorenz system, into bench/results
 ordinary: build
 	build/host/bench/tumble_ordinary bench/results/ordinary.jsonl
-	build/host/bench/tumble_tables README.md bench/results
+	build/host/bench/tumble_tables bench/results $(PAGES)
 
 ## engines: Bullet, ODE and MuJoCo on the tests' free top beside this kernel, into bench/results; installs their packages
 engines:
@@ -131,9 +132,9 @@ peers: build
 size: build
 	build/host/bench/tumble_matrix host_sim/scenes/free.toml --baseline bench/results/free.jsonl
 
-## tables: rewrite the README's tables from the committed rows in bench/results
+## tables: rewrite the tables and figures of the pages from the committed rows in bench/results
 tables: build
-	build/host/bench/tumble_tables README.md bench/results
+	build/host/bench/tumble_tables bench/results $(PAGES)
 
 ## header: the whole kernel as one header, build/header/tumble/tumble.hpp
 .PHONY: header
@@ -150,12 +151,12 @@ arduino: setup
 golden: build
 	tests/conformance/update_golden
 
-## check: format, every test, the sanitizers, and that the README's tables are what the rows say
+## check: format, every test, the sanitizers, and that the tables of the pages are what the rows say
 check: setup
 	port/setup format
 	$(MAKE) test
 	$(MAKE) sanitize
-	build/host/bench/tumble_tables --check README.md bench/results
+	build/host/bench/tumble_tables --check bench/results $(PAGES)
 
 ## sanitize: the host tests under the address and undefined-behaviour sanitizers
 .PHONY: sanitize

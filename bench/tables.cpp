@@ -1,13 +1,20 @@
-// Writes the README's tables from result rows, so that they cannot drift from what was measured: everything between
-// `<!-- table NAME -->` and `<!-- end -->` is replaced. With --check nothing is written, and a difference is an error.
-#include "rows.hpp"
+// Writes the tables and figures of the pages from result rows and from the kernel's own constants, so that they cannot
+// drift from what was measured: everything between `<!-- table NAME -->` or `<!-- value NAME -->` and `<!-- end -->` is
+// replaced, a table by lines of its own and a value within its line. With --check nothing is written, and a difference
+// is an error.
+#include <tumble/tumble.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <functional>
 #include <iostream>
 #include <map>
+#include <set>
 #include <sstream>
+
+#include "rows.hpp"
+#include "simulation/simulation.hpp"
 
 namespace {
 
@@ -297,26 +304,151 @@ Table engines_table(const std::vector<Row>& rows) {
     return table;
 }
 
+// What the default integrator costs on every core: the front page's first answer.
+Table cores_table(const std::vector<Row>& rows) {
+    Table table;
+    table.head = {"core",     "insn per step, q32", "insn per step, plain float", "flash, q32", "flash, plain float",
+                  "RAM, q32", "RAM, plain float"};
+    for (const auto& core : cores_of(rows)) {
+        const auto find = [&](const char* numbers) {
+            const auto row = std::find_if(rows.begin(), rows.end(), [&](const Row& r) {
+                return r.at("core") == core && integrator_of(r) == tumble::integrators::Verlet::name &&
+                       numbers_of(r) == numbers;
+            });
+            if (row == rows.end()) throw std::runtime_error{std::string{"no row of "} + numbers + " on " + core};
+            return *row;
+        };
+        const Row q32 = find("q32 carry"), plain = find("f32 plain");
+        const auto bytes = [&](const Row& row, const char* key) {
+            return core == "host" ? "-" : text_of(row, key) + " B";
+        };
+        table.rows.push_back({core, text_of(q32, "insn_per_step"), text_of(plain, "insn_per_step"),
+                              bytes(q32, "text_bytes"), bytes(plain, "text_bytes"), bytes(q32, "ram_bytes"),
+                              bytes(plain, "ram_bytes")});
+    }
+    return table;
+}
+
+// The orders of a method: with loads, and where it differs of a free rotation.
+template <class Method>
+std::string order_of() {
+    std::string text = std::to_string(Method::order);
+    if constexpr (requires { Method::free_order; }) {
+        if (Method::free_order == tumble::no_truncation) text += ", free: exact";
+        else if (Method::free_order != Method::order) text += ", free: " + std::to_string(Method::free_order);
+    }
+    return text;
+}
+
+// Every method: its orders, what a step needs, and what that of a free body costs.
+Table integrators_table(const std::vector<Row>& rows) {
+    Table table;
+    table.head = {"integrator", "order", "a step needs", "insn, cortex-m3 q32", "insn, cortex-m4f plain float"};
+    tumble::Integrators::for_each([&]<class Method>() {
+        const auto cost = [&](const char* core, const char* numbers) {
+            const auto row = std::find_if(rows.begin(), rows.end(), [&](const Row& r) {
+                return r.at("core") == core && integrator_of(r) == Method::name && numbers_of(r) == numbers;
+            });
+            return row == rows.end() ? std::string{"-"} : text_of(*row, "insn_per_step");
+        };
+        std::string needs = "-";
+        if constexpr (requires { Method::needs; }) needs = Method::needs;
+        table.rows.push_back({std::string{"`"} + Method::name + "`", order_of<Method>(), needs,
+                              cost("cortex-m3", "q32 carry"), cost("cortex-m4f", "f32 plain")});
+    });
+    return table;
+}
+
+// The range of a fixed-point quantity and the step between its values, at 1/256 s.
+Table formats_table() {
+    Table table;
+    table.head = {"range preset", "position", "velocity", "spin"};
+    const auto add = [&]<class R>(const char* name) {
+        using N = tumble::Q32<R>;
+        const tumble::Real step = tumble::Real{1} / tumble::Real{256}, half{tumble::Real::scaled(1, -1)};
+        const auto scale = N::Scale::of(step, step * half);
+        const auto cell = [](int range, const char* unit, double unit_in_last_place) {
+            char text[64];
+            std::snprintf(text, sizeof text, "±%d %s, to %.1e", range, unit, unit_in_last_place);
+            return std::string{text};
+        };
+        const auto last = [](auto number) { return tumble::Real::scaled(1, -decltype(number)::fraction_bits); };
+        const tumble::Real position = last(typename N::Position{}),
+                           velocity = scale.metres(last(typename N::Drift{})) / step,
+                           spin = scale.angle(last(typename N::Turn{})) / (step * half);
+        table.rows.push_back({name, cell(R::position, "m", position.to_double()),
+                              cell(R::velocity, "m/s", velocity.to_double()),
+                              cell(R::spin, "rad/s", spin.to_double())});
+    };
+    add.operator()<tumble::NearRange>("`NearRange`");
+    add.operator()<tumble::RoomRange>("`RoomRange`");
+    add.operator()<tumble::FieldRange>("`FieldRange`");
+    return table;
+}
+
+// Bounds of a contact step, as the headers state them.
+struct Boxes : tumble::Scene {
+    static constexpr int bodies = 2, planes = 1;
+    static constexpr bool pairs = true, boxes = true, friction = true;
+};
+Table bounds_table() {
+    using Step = tumble::IslandStep<Boxes::Numbers, Boxes::Integrator::spin, tumble::capacity_of<Boxes>>;
+    Table table;
+    table.head = {"bound", "of what", ""};
+    const auto add = [&](const char* name, const char* what, int bound) {
+        table.rows.push_back({name, what, std::to_string(bound)});
+    };
+    add("`IslandStep::max_impacts`", "impacts of an island's step that are resolved at their own time",
+        Step::max_impacts);
+    add("`IslandStep::max_resteps`", "flights redone to find one impact", Step::max_resteps);
+    add("`IslandStep::max_crossings`", "pairs looked at because they may have passed through each other",
+        Step::max_crossings);
+    add("`contact::max_points`", "contact points of a pair", tumble::contact::max_points);
+    add("`contact::max_sweeps`", "sweeps over the points of what rests", tumble::contact::max_sweeps);
+    add("`contact::max_impact_sweeps`", "sweeps over the points of an impact", tumble::contact::max_impact_sweeps);
+    add("`contact::max_rounds`", "rounds of impacts that pass from pair to pair at one moment",
+        tumble::contact::max_rounds);
+    return table;
+}
+
+// A figure of the rows of engines on the tests' top, by number system: the error of rk4 after 100 s.
+std::string top_error(const std::vector<Row>& rows, const std::string& numbers) {
+    for (const Row& row : rows)
+        if (row.at("engine") == "tumble" && integrator_of(row) == tumble::integrators::Rk4::name &&
+            numbers_of(row) == numbers)
+            return text_of(row, "orientation_error_rad");
+    throw std::runtime_error{"no row of rk4 in " + numbers};
+}
+
 std::string read_file(const std::filesystem::path& path) {
     std::ifstream in{path};
     if (!in) throw std::runtime_error{path.string() + ": cannot be read"};
     return {std::istreambuf_iterator<char>{in}, {}};
 }
 
-std::string with_tables(const std::string& text, const std::map<std::string, std::string>& tables) {
+using Makers = std::map<std::string, std::function<std::string()>>;
+
+// The page with what its marks name; adds the names to `used`.
+std::string filled_in(const std::string& page, const std::string& text, const Makers& tables, const Makers& values,
+                      std::set<std::string>& used) {
     std::string out;
     std::size_t at = 0;
-    const std::string begin = "<!-- table ", end = "<!-- end -->";
+    const std::string end = "<!-- end -->";
     while (true) {
-        const std::size_t mark = text.find(begin, at);
+        const std::size_t table = text.find("<!-- table ", at), value = text.find("<!-- value ", at);
+        const std::size_t mark = std::min(table, value);
         if (mark == std::string::npos) break;
         const std::size_t close = text.find(" -->", mark), stop = text.find(end, mark);
-        if (close == std::string::npos || stop == std::string::npos)
-            throw std::runtime_error{"README: a table mark without its end"};
-        const std::string name = text.substr(mark + begin.size(), close - mark - begin.size());
-        const auto found = tables.find(name);
-        if (found == tables.end()) throw std::runtime_error{"README: no rows for table '" + name + "'"};
-        out += text.substr(at, close + 4 - at) + "\n" + found->second;
+        if (close == std::string::npos || stop == std::string::npos || text.find("<!-- ", close) != stop)
+            throw std::runtime_error{page + ": a mark without its end: " + text.substr(mark, 40)};
+        const std::size_t name_at = mark + std::string{"<!-- table "}.size();
+        const std::string name = text.substr(name_at, close - name_at);
+        const Makers& makers = mark == table ? tables : values;
+        const auto found = makers.find(name);
+        if (found == makers.end())
+            throw std::runtime_error{page + ": there is no " + (mark == table ? "table" : "value") + " '" + name + "'"};
+        used.insert(name);
+        out += text.substr(at, close + 4 - at) + (mark == table ? "\n" : "") + found->second();
         at = stop;
     }
     return out + text.substr(at);
@@ -326,47 +458,80 @@ std::string with_tables(const std::string& text, const std::map<std::string, std
 
 int main(int argc, char** argv) try {
     const bool check = argc > 1 && std::string{argv[1]} == "--check";
-    if (argc != (check ? 4 : 3)) {
-        std::cerr << "usage: tumble_tables [--check] README.md RESULTS_DIRECTORY\n";
+    const int first = check ? 2 : 1;
+    if (argc < first + 2) {
+        std::cerr << "usage: tumble_tables [--check] RESULTS_DIRECTORY PAGE.md...\n";
         return 2;
     }
-    const std::filesystem::path readme = argv[check ? 2 : 1], results = argv[check ? 3 : 2];
-    std::map<std::string, std::string> tables;
-    const auto free = tumble::bench::read_rows(results / "free.jsonl");
-    tables["free"] = cost_table(free, {"q32 carry", "f32 plain"}).markdown();
-    tables["size"] = size_table(free, "cortex-m3").markdown();
-    tables["cube"] = cube_table(tumble::bench::read_rows(results / "cube.jsonl")).markdown();
-    tables["front"] =
-        front_table(tumble::bench::read_rows(results / "work_precision.jsonl"), "error below, rad").markdown();
-    if (const auto loads = results / "work_precision_loads.jsonl"; std::filesystem::exists(loads))
-        tables["front_loads"] = front_table(tumble::bench::read_rows(loads), "error below, m or rad").markdown();
-    if (const auto contacts = results / "contacts.jsonl"; std::filesystem::exists(contacts)) {
-        const auto rows = tumble::bench::read_rows(contacts);
-        tables["contacts"] = contacts_table(rows).markdown();
-        tables["skipped"] = skipped_table(rows).markdown();
+    const std::filesystem::path results = argv[first];
+    const auto rows = [&](const char* name) { return tumble::bench::read_rows(results / name); };
+    const Makers tables{
+        {"cores", [&] { return cores_table(rows("free.jsonl")).markdown(); }},
+        {"free",
+         [&] {
+             return cost_table(rows("free.jsonl"), {"q32 carry", "f32 plain"}).markdown();
+         }},
+        {"size", [&] { return size_table(rows("free.jsonl"), "cortex-m3").markdown(); }},
+        {"integrators", [&] { return integrators_table(rows("free.jsonl")).markdown(); }},
+        {"cube", [&] { return cube_table(rows("cube.jsonl")).markdown(); }},
+        {"front", [&] { return front_table(rows("work_precision.jsonl"), "error below, rad").markdown(); }},
+        {"front_loads",
+         [&] { return front_table(rows("work_precision_loads.jsonl"), "error below, m or rad").markdown(); }},
+        {"contacts", [&] { return contacts_table(rows("contacts.jsonl")).markdown(); }},
+        {"skipped", [&] { return skipped_table(rows("contacts.jsonl")).markdown(); }},
+        {"long_run_free",
+         [&] {
+             return long_run_table(
+                        rows("long_run.jsonl"), "generic top",
+                        {{"energy_max_relative_drift", "energy"}, {"world_momentum_max_relative_drift", "momentum"}})
+                 .markdown();
+         }},
+        {"long_run_heavy",
+         [&] {
+             return long_run_table(rows("long_run.jsonl"), "heavy top",
+                                   {{"energy_max_relative_drift", "energy"},
+                                    {"vertical_momentum_max_relative_drift", "vertical momentum"}})
+                 .markdown();
+         }},
+        {"oscillator",
+         [&] {
+             return ordinary_table(rows("ordinary.jsonl"), "harmonic oscillator", {2, 4, 6, 8, 10}).markdown();
+         }},
+        {"lorenz",
+         [&] {
+             return ordinary_table(rows("ordinary.jsonl"), "Lorenz system", {6, 8, 10, 12}).markdown();
+         }},
+        {"engines", [&] { return engines_table(rows("engines.jsonl")).markdown(); }},
+        {"formats", [] { return formats_table().markdown(); }},
+        {"bounds", [] { return bounds_table().markdown(); }},
+    };
+    const Makers values{
+        {"top_error_q32", [&] { return top_error(rows("engines.jsonl"), "q32 carry"); }},
+        {"top_error_f32", [&] { return top_error(rows("engines.jsonl"), "f32 plain"); }},
+        {"max_bodies", [] { return std::to_string(tumble::host::max_bodies); }},
+        {"max_planes", [] { return std::to_string(tumble::host::max_planes); }},
+        {"max_springs", [] { return std::to_string(tumble::host::max_springs); }},
+    };
+    std::set<std::string> used;
+    bool drifted = false;
+    for (int i = first + 1; i < argc; ++i) {
+        const std::string page = argv[i], now = read_file(page), wanted = filled_in(page, now, tables, values, used);
+        if (now == wanted) continue;
+        if (check) {
+            std::cerr << page << ": its tables are not what " << results.string() << " says; run `make tables`\n";
+            drifted = true;
+        } else {
+            std::ofstream{page} << wanted;
+        }
     }
-    const auto long_run = tumble::bench::read_rows(results / "long_run.jsonl");
-    tables["long_run_free"] =
-        long_run_table(long_run, "generic top",
-                       {{"energy_max_relative_drift", "energy"}, {"world_momentum_max_relative_drift", "momentum"}})
-            .markdown();
-    tables["long_run_heavy"] = long_run_table(long_run, "heavy top",
-                                              {{"energy_max_relative_drift", "energy"},
-                                               {"vertical_momentum_max_relative_drift", "vertical momentum"}})
-                                   .markdown();
-    const auto ordinary = tumble::bench::read_rows(results / "ordinary.jsonl");
-    tables["oscillator"] = ordinary_table(ordinary, "harmonic oscillator", {2, 4, 6, 8, 10}).markdown();
-    tables["lorenz"] = ordinary_table(ordinary, "Lorenz system", {6, 8, 10, 12}).markdown();
-    tables["engines"] = engines_table(tumble::bench::read_rows(results / "engines.jsonl")).markdown();
-    const std::string now = read_file(readme), wanted = with_tables(now, tables);
-    if (now == wanted) return 0;
-    if (check) {
-        std::cerr << readme.string() << ": its tables are not what " << results.string()
-                  << " says; run `make tables`\n";
-        return 1;
-    }
-    std::ofstream{readme} << wanted;
-    return 0;
+    // With all pages given, what none of them shows is dead.
+    for (const Makers* makers : {&tables, &values})
+        for (const auto& [name, maker] : *makers)
+            if (check && !used.contains(name)) {
+                std::cerr << "'" << name << "' is in no page\n";
+                drifted = true;
+            }
+    return drifted ? 1 : 0;
 } catch (const std::exception& error) {
     std::cerr << "tumble_tables: " << error.what() << '\n';
     return 1;
