@@ -78,7 +78,7 @@ std::optional<Motion> motion_of(const host::SceneDescription& scene) {
     if (!body.mass) return {};
     const Vector x = vector_of(body.position), v = vector_of(body.velocity), gravity = vector_of(scene.gravity);
     const Number mass = *body.mass;
-    const bool touches = !scene.planes.empty() && scene.contact.response != host::ContactResponse::none;
+    const bool touches = !scene.planes.empty() && scene.contact.response != ContactResponse::none;
 
     if (scene.gravitation > 0 && scene.bodies.size() == 2 && scene.springs.empty() && !touches) {
         const auto& sun = scene.bodies[scene.bodies[0].fixed ? 0 : 1];
@@ -98,7 +98,7 @@ std::optional<Motion> motion_of(const host::SceneDescription& scene) {
     }
     if (scene.linear_drag > 0 && scene.springs.empty() && !touches)
         return drag(x, v, gravity, mass / scene.linear_drag);
-    if (touches && scene.planes.size() == 1 && body.shape.kind == host::ShapeKind::sphere && scene.springs.empty()) {
+    if (touches && scene.planes.size() == 1 && body.shape.kind == ShapeKind::sphere && scene.springs.empty()) {
         const auto& plane = scene.planes[0];
         const Vector normal = vector_of(plane.normal), up = normal * (1 / norm(normal));
         if (norm(cross(up, gravity)) != 0 || body.restitution || scene.contact.friction > 0 || plane.friction ||

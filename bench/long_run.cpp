@@ -51,7 +51,7 @@ host::SceneDescription checked(host::SceneDescription scene) {
         !scene.impulses.empty() || !scene.planes.empty() || scene.linear_drag > 0 || scene.angular_drag > 0)
         throw std::invalid_argument{scene.path + ": long runs are of one body with a diagonal inertia under forces"};
     for (auto& force : scene.forces) {
-        if (force.from > 0 || force.until < scene.duration || force.frame != host::Frame::world ||
+        if (force.from > 0 || force.until < scene.duration || force.frame != tumble::Frame::world ||
             force.torque != host::Triple{})
             throw std::invalid_argument{scene.path + ": forces are of the world's frame and last for the whole run"};
     }

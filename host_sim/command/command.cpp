@@ -9,6 +9,7 @@
 #include <cmath>
 #include <iostream>
 
+#include "scene/data.hpp"
 #include "scene/reader.hpp"
 #include "tools/firmware.hpp"
 #include "tools/text.hpp"

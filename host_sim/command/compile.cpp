@@ -41,11 +41,11 @@ private:
 std::string shape_text(const Shape& shape) {
     const char* kind = [&] {
         switch (shape.kind) {
-        case tumble::ShapeKind::sphere: return "sphere";
-        case tumble::ShapeKind::box: return "box";
-        case tumble::ShapeKind::cylinder: return "cylinder";
-        case tumble::ShapeKind::hoop: return "hoop";
-        case tumble::ShapeKind::capsule: return "capsule";
+        case ShapeKind::sphere: return "sphere";
+        case ShapeKind::box: return "box";
+        case ShapeKind::cylinder: return "cylinder";
+        case ShapeKind::hoop: return "hoop";
+        case ShapeKind::capsule: return "capsule";
         default: return "none";
         }
     }();
@@ -56,7 +56,7 @@ std::string body_text(const BodyDescription& description, const BodySpec& body) 
     const bool own_inertia = description.inertia || description.shape.kind == ShapeKind::points;
     const InertiaTensor& i = body.inertia;
     Members members("            ");
-    members.when(body.shape.kind != tumble::ShapeKind::none, "shape", shape_text(body.shape), "m");
+    members.when(body.shape.kind != ShapeKind::none, "shape", shape_text(body.shape), "m");
     members.always("mass", number(body.mass), "kg");
     members.always("inertia",
                    own_inertia ? "{" + number(i.xx) + ", " + number(i.yy) + ", " + number(i.zz) + ", " + number(i.xy) +
@@ -99,7 +99,7 @@ std::string impulse_text(const ImpulseDescription&, const ImpulseSpec& impulse) 
     Members members("            ");
     members.always("time", number(impulse.time), "s");
     members.always("body", std::to_string(impulse.body));
-    members.when(impulse.frame == tumble::Frame::body, "frame", "tumble::Frame::body");
+    members.when(impulse.frame == Frame::body, "frame", "tumble::Frame::body");
     members.when(!is_zero(impulse.impulse), "impulse", vector(impulse.impulse), "N s");
     members.when(!is_zero(impulse.point), "point", vector(impulse.point), "m");
     members.when(!is_zero(impulse.angular_impulse), "angular_impulse", vector(impulse.angular_impulse), "N m s");
@@ -111,7 +111,7 @@ std::string force_text(const ForceDescription&, const ForceSpec& force) {
     members.always("body", std::to_string(force.body));
     members.when(!force.from.is_zero(), "from", number(force.from), "s");
     members.always("until", number(force.until), "s");
-    members.when(force.frame == tumble::Frame::body, "frame", "tumble::Frame::body");
+    members.when(force.frame == Frame::body, "frame", "tumble::Frame::body");
     members.when(!is_zero(force.force), "force", vector(force.force), "N");
     members.when(!is_zero(force.point), "point", vector(force.point), "m");
     members.when(!is_zero(force.torque), "torque", vector(force.torque), "N m");
@@ -144,10 +144,10 @@ std::string step_text(const StepSize& step) {
     return "{tumble::Real::scaled(" + above + ", 0) / tumble::Real::scaled(" + below + ", 0)}";
 }
 
-std::string_view name_of(tumble::ContactResponse response) {
+std::string_view name_of(ContactResponse response) {
     switch (response) {
-    case tumble::ContactResponse::impulse: return "impulse";
-    case tumble::ContactResponse::spring: return "spring";
+    case ContactResponse::impulse: return "impulse";
+    case ContactResponse::spring: return "spring";
     default: return "none";
     }
 }
@@ -160,7 +160,7 @@ std::string world_text(const WorldSpec& world) {
     members.when(!world.angular_drag.is_zero(), "angular_drag", number(world.angular_drag), "N m s");
     const ContactSpec& c = world.contact;
     contact.always("response", "tumble::ContactResponse::" + std::string(name_of(c.response)));
-    if (c.response == tumble::ContactResponse::impulse) {
+    if (c.response == ContactResponse::impulse) {
         contact.always("restitution", number(c.restitution));
         contact.when(!c.restitution_threshold.is_zero(), "restitution_threshold", number(c.restitution_threshold),
                      "m/s");
@@ -170,7 +170,7 @@ std::string world_text(const WorldSpec& world) {
                      "{.on = true, .speed = " + number(c.sleep.speed) + ", .angular_speed = " +
                          number(c.sleep.angular_speed) + ", .time = " + number(c.sleep.time) + "}",
                      "m/s, rad/s, s");
-    } else if (c.response == tumble::ContactResponse::spring) {
+    } else if (c.response == ContactResponse::spring) {
         contact.always("tolerance", number(c.tolerance), "m");
         contact.always("stiffness", number(c.stiffness), "N/m");
         contact.when(!c.damping.is_zero(), "damping", number(c.damping), "N s/m");

@@ -3,32 +3,16 @@
 #include <algorithm>
 #include <string_view>
 
-#include "simulation/simulation.hpp"
-
 namespace tumble::host {
 namespace {
 
 RealVec3 vector_of(const Triple& v) { return {v[0], v[1], v[2]}; }
-tumble::Frame frame_of(Frame frame) { return frame == Frame::world ? tumble::Frame::world : tumble::Frame::body; }
-tumble::ContactResponse response_of(ContactResponse response) {
-    switch (response) {
-    case ContactResponse::impulse: return tumble::ContactResponse::impulse;
-    case ContactResponse::spring: return tumble::ContactResponse::spring;
-    default: return tumble::ContactResponse::none;
-    }
-}
 Real or_default(const std::optional<double>& value) { return value ? Real{*value} : Real{-1}; }
 
 // The nearest double: what a header can say.
 Real rounded(Real value) { return value.to_double(); }
 InertiaTensor rounded(const InertiaTensor& i) {
     return {rounded(i.xx), rounded(i.yy), rounded(i.zz), rounded(i.xy), rounded(i.xz), rounded(i.yz)};
-}
-
-PointCloud cloud_of(const std::vector<PointMass>& points) {
-    std::vector<tumble::PointMass> masses;
-    for (const PointMass& point : points) masses.push_back({vector_of(point.position), point.mass});
-    return point_cloud(masses.data(), static_cast<int>(masses.size()));
 }
 
 // The centre of mass is at `position` whatever the shape, a cloud of points included.
@@ -43,10 +27,7 @@ BodySpec body_of(const BodyDescription& body) {
         spec.mass = body.mass ? Real{*body.mass} : rounded(Real{body.density.value()} * volume_of(spec.shape));
         spec.inertia = inertia_of(spec.shape, spec.mass);
     }
-    if (body.inertia) {
-        const auto& i = *body.inertia;
-        spec.inertia = {i[0], i[1], i[2], i[3], i[4], i[5]};
-    }
+    if (body.inertia) spec.inertia = tensor_of(*body.inertia);
     spec.position = vector_of(body.position);
     spec.velocity = vector_of(body.velocity);
     spec.orientation = {body.orientation[0], {body.orientation[1], body.orientation[2], body.orientation[3]}};
@@ -80,23 +61,21 @@ SleepSpec sleep_of(const ContactDescription& contact) {
 }
 
 bool touches_bodies(const BodySpec& body) {
-    return body.shape.kind == tumble::ShapeKind::sphere || body.shape.kind == tumble::ShapeKind::box;
+    return body.shape.kind == ShapeKind::sphere || body.shape.kind == ShapeKind::box;
 }
 
 }  // namespace
 
 Shape shape_of(const ShapeDescription& shape) {
-    const auto kind = [&] {
-        switch (shape.kind) {
-        case ShapeKind::sphere: return tumble::ShapeKind::sphere;
-        case ShapeKind::box: return tumble::ShapeKind::box;
-        case ShapeKind::cylinder: return tumble::ShapeKind::cylinder;
-        case ShapeKind::hoop: return tumble::ShapeKind::hoop;
-        case ShapeKind::capsule: return tumble::ShapeKind::capsule;
-        default: return tumble::ShapeKind::none;
-        }
-    }();
-    return {kind, vector_of(shape.size)};
+    return {shape.kind == ShapeKind::points ? ShapeKind::none : shape.kind, vector_of(shape.size)};
+}
+
+InertiaTensor tensor_of(const std::array<double, 6>& i) { return {i[0], i[1], i[2], i[3], i[4], i[5]}; }
+
+PointCloud cloud_of(const std::vector<PointDescription>& points) {
+    std::vector<PointMass> masses;
+    for (const PointDescription& point : points) masses.push_back({vector_of(point.position), point.mass});
+    return point_cloud(masses.data(), static_cast<int>(masses.size()));
 }
 
 SceneData build_scene(const SceneDescription& scene) {
@@ -110,15 +89,9 @@ SceneData build_scene(const SceneDescription& scene) {
     data.world.linear_drag = scene.linear_drag;
     data.world.angular_drag = scene.angular_drag;
     const ContactDescription& contact = scene.contact;
-    data.world.contact = {response_of(contact.response),
-                          contact.restitution,
-                          contact.restitution_threshold,
-                          contact.friction,
-                          contact.tolerance,
-                          contact.stiffness,
-                          contact.damping,
-                          contact.barrier,
-                          sleep_of(contact)};
+    data.world.contact = {contact.response, contact.restitution, contact.restitution_threshold,
+                          contact.friction, contact.tolerance,   contact.stiffness,
+                          contact.damping,  contact.barrier,     sleep_of(contact)};
     for (const BodyDescription& body : scene.bodies) data.bodies.push_back(body_of(body));
     for (const PlaneDescription& plane : scene.planes) {
         if (contact.response != ContactResponse::none)
@@ -130,12 +103,12 @@ SceneData build_scene(const SceneDescription& scene) {
             {s.body, vector_of(s.point), s.to_body, vector_of(s.to), s.stiffness, s.damping, s.rest_length});
     }
     for (const ImpulseDescription& i : scene.impulses) {
-        data.impulses.push_back({i.time, i.body, frame_of(i.frame), vector_of(i.impulse), vector_of(i.point),
-                                 vector_of(i.angular_impulse)});
+        data.impulses.push_back(
+            {i.time, i.body, i.frame, vector_of(i.impulse), vector_of(i.point), vector_of(i.angular_impulse)});
     }
     for (const ForceDescription& f : scene.forces) {
         data.forces.push_back(
-            {f.body, f.from, f.until, frame_of(f.frame), vector_of(f.force), vector_of(f.point), vector_of(f.torque)});
+            {f.body, f.from, f.until, f.frame, vector_of(f.force), vector_of(f.point), vector_of(f.torque)});
     }
     return data;
 }
@@ -143,20 +116,19 @@ SceneData build_scene(const SceneDescription& scene) {
 bool SceneData::drags() const { return world.linear_drag > Real{} || world.angular_drag > Real{}; }
 bool SceneData::gravitates() const { return world.gravitation > Real{} && bodies.size() > 1; }
 bool SceneData::has_pairs_in_touch() const {
-    if (world.contact.response == tumble::ContactResponse::none) return false;
+    if (world.contact.response == ContactResponse::none) return false;
     const auto moves = [](const BodySpec& body) { return touches_bodies(body) && !body.fixed; };
     return std::count_if(bodies.begin(), bodies.end(), touches_bodies) > 1 &&
            std::any_of(bodies.begin(), bodies.end(), moves);
 }
 bool SceneData::has_boxes_in_touch() const {
-    const auto is_box = [](const BodySpec& body) { return body.shape.kind == tumble::ShapeKind::box; };
+    const auto is_box = [](const BodySpec& body) { return body.shape.kind == ShapeKind::box; };
     return touches(world.contact.response) && std::any_of(bodies.begin(), bodies.end(), is_box);
 }
 bool SceneData::has_cylinders_in_touch() const {
     const auto moves = [](const BodySpec& body) {
-        const tumble::ShapeKind kind = body.shape.kind;
-        return !body.fixed && (kind == tumble::ShapeKind::cylinder || kind == tumble::ShapeKind::capsule ||
-                               kind == tumble::ShapeKind::hoop);
+        const ShapeKind kind = body.shape.kind;
+        return !body.fixed && (kind == ShapeKind::cylinder || kind == ShapeKind::capsule || kind == ShapeKind::hoop);
     };
     return !planes.empty() && std::any_of(bodies.begin(), bodies.end(), moves);
 }
@@ -166,19 +138,17 @@ bool SceneData::rubs() const {
            (world.contact.friction > Real{} || std::any_of(bodies.begin(), bodies.end(), rough) ||
             std::any_of(planes.begin(), planes.end(), rough));
 }
-bool SceneData::sleeps() const {
-    return world.contact.sleep.on && world.contact.response == tumble::ContactResponse::impulse;
-}
+bool SceneData::sleeps() const { return world.contact.sleep.on && world.contact.response == ContactResponse::impulse; }
 bool SceneData::turns() const {
     return std::any_of(bodies.begin(), bodies.end(), [](const BodySpec& body) {
         const RealVec3& w = body.angular_velocity;
         return body.fixed && !(w.x.is_zero() && w.y.is_zero() && w.z.is_zero());
     });
 }
-bool SceneData::has_contact_springs() const { return touches(tumble::ContactResponse::spring); }
-bool SceneData::has_contact_impulses() const { return touches(tumble::ContactResponse::impulse); }
+bool SceneData::has_contact_springs() const { return touches(ContactResponse::spring); }
+bool SceneData::has_contact_impulses() const { return touches(ContactResponse::impulse); }
 // Planes are there only with a response.
-bool SceneData::touches(tumble::ContactResponse response) const {
+bool SceneData::touches(ContactResponse response) const {
     return world.contact.response == response && (!planes.empty() || has_pairs_in_touch());
 }
 

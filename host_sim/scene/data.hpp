@@ -4,13 +4,26 @@
 
 #include <tumble/body/setup.hpp>
 
+#include <array>
 #include <cstdint>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "scene/description.hpp"
 
 namespace tumble::host {
+
+// What the host's worlds have room for.
+inline constexpr int max_bodies = 64;
+inline constexpr int max_planes = 16;
+inline constexpr int max_springs = 64;
+
+// A scene that is well formed but that this build cannot replay; what() names file, key and what was expected.
+class UnsupportedScene : public std::runtime_error {
+public:
+    using std::runtime_error::runtime_error;
+};
 
 struct SceneData {
     std::string name;
@@ -36,7 +49,7 @@ struct SceneData {
     [[nodiscard]] bool has_contact_impulses() const;
 
 private:
-    [[nodiscard]] bool touches(tumble::ContactResponse response) const;
+    [[nodiscard]] bool touches(ContactResponse response) const;
 };
 
 // Throws UnsupportedScene for what exceeds the host's capacities.
@@ -44,5 +57,9 @@ private:
 
 // The kernel's shape; `points` become a body without one, whose mass properties are the cloud's.
 [[nodiscard]] Shape shape_of(const ShapeDescription& shape);
+
+// Of Ixx, Iyy, Izz, Ixy, Ixz, Iyz; and of points, about their centre of mass.
+[[nodiscard]] InertiaTensor tensor_of(const std::array<double, 6>& elements);
+[[nodiscard]] PointCloud cloud_of(const std::vector<PointDescription>& points);
 
 }  // namespace tumble::host

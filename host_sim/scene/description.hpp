@@ -3,6 +3,8 @@
 // Every value here has been checked, by the rules of reader.cpp, once read_scene() has returned it.
 #pragma once
 
+#include <tumble/body/setup.hpp>
+
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -24,9 +26,7 @@ struct StepSize {
     }
 };
 
-enum class ShapeKind { none, sphere, box, cylinder, hoop, capsule, points };
-
-struct PointMass {
+struct PointDescription {
     Triple position{};  // m
     double mass = 0.0;  // kg
 };
@@ -35,7 +35,7 @@ struct ShapeDescription {
     ShapeKind kind = ShapeKind::none;
     Triple size{};  // box: full edges; sphere: {radius}; cylinder: {radius, height}; hoop: {radius}; capsule: {radius,
                     // length}
-    std::vector<PointMass> points;  // kind == points only
+    std::vector<PointDescription> points;  // kind == points only
 };
 
 struct BodyDescription {
@@ -68,8 +68,6 @@ struct SpringDescription {
     double stiffness = 0.0, damping = 0.0, rest_length = 0.0;
 };
 
-enum class Frame { world, body };
-
 struct ImpulseDescription {
     double time = 0.0;
     int body = 0;
@@ -91,8 +89,6 @@ struct ForceDescription {
 struct RangeDescription {
     double position = 1024.0, velocity = 128.0, angular_velocity = 64.0;
 };
-
-enum class ContactResponse { none, impulse, spring };
 
 struct SleepDescription {
     double speed = 0.03, angular_speed = 0.05, time = 0.5;

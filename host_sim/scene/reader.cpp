@@ -1,36 +1,34 @@
-// A `Table` hands out the keys of one TOML table and remembers them, so that finish() can report the ones nobody asked
-// for. A `Value` is a TOML node that knows its place in the file; all messages are made from those two.
 #include "scene/reader.hpp"
 
-#include <algorithm>
+#include <tumble/numbers/systems.hpp>
+
 #include <charconv>
 #include <cmath>
 #include <fstream>
-#include <initializer_list>
 #include <iterator>
 #include <limits>
 #include <numeric>
-#include <set>
 #include <system_error>
-#include <utility>
 
-// toml++ 3.3 asserts (or, with NDEBUG, lets the compiler assume) that a key follows '[', although its parser reports
-// the error "[=]" well.
-#pragma push_macro("NDEBUG")
-#undef NDEBUG
-#define TOML_ASSERT(condition) static_assert(true)
-#include <toml++/toml.h>
-#pragma pop_macro("NDEBUG")
+#include "scene/data.hpp"
+#include "scene/toml.hpp"
 
 namespace tumble::host {
-namespace {
 
-// What a number must be, and its unit; `parts` names the elements of an array.
-struct Quantity {
-    enum Bound { any, positive, not_negative, zero_to_one } bound;
-    const char* unit = "";
-    const char* parts = "";
-};
+// Found by Table::required() and Table::optional(), as those of scene/toml.hpp.
+static std::string wanted(const StepSize&, const Quantity&) {
+    return "a positive number or a fraction in quotes such as \"1/256\" (s)";
+}
+static void convert(const Value& value, StepSize& out, const Quantity& quantity) {
+    std::optional<StepSize> step;
+    if (const auto* text = value.node().as_string()) step = parse_step(text->get());
+    else if (const double x = value.node().value<double>().value_or(0.0); value.node().is_number() && quantity.holds(x))
+        step = StepSize{0, 0, x};
+    if (!step) value.refuse(wanted(out, quantity));
+    out = *step;
+}
+
+namespace {
 
 constexpr Quantity metres{Quantity::any, "m", "x, y, z"};
 constexpr Quantity metres_per_second{Quantity::any, "m/s", "x, y, z"};
@@ -44,372 +42,35 @@ constexpr Quantity friction{Quantity::not_negative, ""};
 constexpr Quantity stiffness{Quantity::not_negative, "N/m"};
 constexpr Quantity damping{Quantity::not_negative, "N s/m"};
 constexpr Quantity time{Quantity::not_negative, "s"};
-constexpr Quantity text_in_quotes{};  // tag: the value is a string
 
 // The largest preset, `field`: what no [range] may exceed.
-constexpr RangeDescription field{32768.0, 2048.0, 256.0};
+constexpr RangeDescription field{FieldRange::position, FieldRange::velocity, FieldRange::spin};
 
 constexpr double moment_tolerance = 1e-12;  // relative: rounding of moments computed from a tensor or from points
-
-std::string shown(double x) {
-    std::array<char, 32> text{};
-    const auto end = std::to_chars(text.data(), text.data() + text.size(), x).ptr;
-    return {text.data(), end};
-}
-
-std::string in_quotes(std::string_view text) { return "\"" + std::string(text) + "\""; }
-
-// "a", "b" or "c"
-template <class Names>
-std::string listed(const Names& names) {
-    std::string list;
-    const std::size_t count = names.size();
-    std::size_t i = 0;
-    for (const auto& name : names) {
-        if (i > 0) list += i + 1 == count ? " or " : ", ";
-        list += in_quotes(name);
-        ++i;
-    }
-    return list;
-}
-
-std::string shown(const toml::node& node) {
-    if (const auto* x = node.as_integer()) return std::to_string(x->get());
-    if (const auto* x = node.as_floating_point()) return shown(x->get());
-    if (const auto* x = node.as_string()) return in_quotes(x->get());
-    if (const auto* x = node.as_boolean()) return x->get() ? "true" : "false";
-    if (node.is_array_of_tables()) return "an array of tables";
-    if (const auto* x = node.as_array()) return "an array of " + std::to_string(x->size());
-    return node.is_table() ? "a table" : "a date or time";
-}
-
-std::string expected(const Quantity& quantity, std::size_t count = 1) {
-    const bool one = count == 1;
-    std::string text = one ? "a " : std::to_string(count) + " ";
-    text += quantity.bound == Quantity::positive      ? "positive finite number"
-            : quantity.bound == Quantity::zero_to_one ? "number"
-                                                      : "finite number";
-    if (!one) text += "s";
-    if (quantity.bound == Quantity::not_negative) text += " >= 0";
-    if (quantity.bound == Quantity::zero_to_one) text += " from 0 to 1";
-    if (!one && *quantity.parts != 0) text += " [" + std::string(quantity.parts) + "]";
-    if (*quantity.unit != 0) text += " (" + std::string(quantity.unit) + ")";
-    return text;
-}
-
-bool holds(const Quantity& quantity, double x) {
-    switch (quantity.bound) {
-    case Quantity::positive: return std::isfinite(x) && x > 0.0;
-    case Quantity::not_negative: return std::isfinite(x) && x >= 0.0;
-    case Quantity::zero_to_one: return x >= 0.0 && x <= 1.0;
-    case Quantity::any: break;
-    }
-    return std::isfinite(x);
-}
-
-// Number of single-letter edits (insert, delete, replace) between two words.
-std::size_t edit_distance(std::string_view a, std::string_view b) {
-    std::vector<std::size_t> row(b.size() + 1);
-    std::iota(row.begin(), row.end(), std::size_t{0});
-    for (std::size_t i = 1; i <= a.size(); ++i) {
-        std::size_t diagonal = std::exchange(row[0], i);
-        for (std::size_t j = 1; j <= b.size(); ++j) {
-            const std::size_t replaced = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
-            diagonal = std::exchange(row[j], std::min({replaced, row[j] + 1, row[j - 1] + 1}));
-        }
-    }
-    return row[b.size()];
-}
-
-// " (did you mean "mass"?)", or nothing when no name is near.
-template <class Names>
-std::string suggestion(std::string_view word, const Names& names) {
-    std::size_t nearest = std::max<std::size_t>(1, word.size() / 2) + 1;
-    std::string text;
-    for (const auto& name : names) {
-        const std::size_t distance = edit_distance(word, name);
-        if (distance < nearest) {
-            nearest = distance;
-            text = " (did you mean " + in_quotes(name) + "?)";
-        }
-    }
-    return text;
-}
-
-struct Place {
-    std::string file;
-    int line = 0;
-    std::string key;
-
-    [[noreturn]] void fail(const std::string& problem, const std::string& wanted) const {
-        throw SceneError(file, line, key, problem + ", expected " + wanted);
-    }
-};
-
-int line_of(const toml::source_region& source) { return static_cast<int>(source.begin.line); }
-
-class Value {
-public:
-    Value(Place place, const toml::node& node) : place_(std::move(place)), node_(&node) {}
-
-    [[nodiscard]] const toml::node& node() const { return *node_; }
-    [[nodiscard]] const Place& place() const { return place_; }
-    [[noreturn]] void fail(const std::string& problem, const std::string& wanted) const {
-        place_.fail(problem, wanted);
-    }
-    [[noreturn]] void refuse(const std::string& wanted) const { fail("got " + shown(*node_), wanted); }
-
-    // Element i of an array.
-    [[nodiscard]] Value operator[](std::size_t i) const {
-        const toml::node& element = *node_->as_array()->get(i);
-        return {{place_.file, line_of(element.source()), place_.key + "[" + std::to_string(i) + "]"}, element};
-    }
-
-    [[nodiscard]] double number(const Quantity& quantity) const {
-        const auto number = node_->is_number() ? node_->value<double>() : std::nullopt;
-        if (!number || !holds(quantity, *number)) refuse(expected(quantity));
-        return *number;
-    }
-
-    // An array of as many numbers as one of `counts`.
-    [[nodiscard]] std::vector<double> numbers(const Quantity& quantity,
-                                              std::initializer_list<std::size_t> counts) const {
-        const toml::array* array = node_->as_array();
-        if (array == nullptr || std::find(counts.begin(), counts.end(), array->size()) == counts.end()) {
-            std::string wanted;
-            for (const std::size_t count : counts) wanted += (wanted.empty() ? "" : " or ") + expected(quantity, count);
-            refuse(wanted);
-        }
-        std::vector<double> numbers;
-        for (std::size_t i = 0; i < array->size(); ++i) numbers.push_back((*this)[i].number(quantity));
-        return numbers;
-    }
-
-    [[nodiscard]] const std::string& text(const std::string& wanted) const {
-        const auto* text = node_->as_string();
-        if (text == nullptr || text->get().empty()) refuse(wanted);
-        return text->get();
-    }
-
-private:
-    Place place_;
-    const toml::node* node_;
-};
-
-// One choice of a fixed set of words.
-template <class T>
-using Words = std::vector<std::pair<std::string, T>>;
-
-template <class T>
-std::vector<std::string> keys_of(const Words<T>& words) {
-    std::vector<std::string> keys;
-    for (const auto& [word, meaning] : words) keys.push_back(word);
-    return keys;
-}
 
 const Words<Frame> frames{{"world", Frame::world}, {"body", Frame::body}};
 const Words<ContactResponse> responses{
     {"impulse", ContactResponse::impulse}, {"spring", ContactResponse::spring}, {"none", ContactResponse::none}};
 
-// One conversion per C++ type, and what it expects of the file.
-std::string wanted(const double&, const Quantity& quantity) { return expected(quantity); }
-std::string wanted(const std::string&, const Quantity&) { return "text in quotes, not empty"; }
-std::string wanted(const StepSize&, const Quantity&) {
-    return "a positive number or a fraction in quotes such as \"1/256\" (s)";
-}
-std::string wanted(const bool&, const Quantity&) { return "true or false"; }
-template <std::size_t N>
-std::string wanted(const std::array<double, N>&, const Quantity& quantity) {
-    return expected(quantity, N);
-}
-template <class T>
-std::string wanted(const T&, const Words<T>& words) {
-    return listed(keys_of(words));
+// Smallest first.
+Triple moments_of(const InertiaTensor& tensor) {
+    const RealVec3 moments = principal_inertia(tensor).moments;
+    return {moments.z.to_double(), moments.y.to_double(), moments.x.to_double()};
 }
 
-void convert(const Value& value, double& out, const Quantity& quantity) { out = value.number(quantity); }
-void convert(const Value& value, std::optional<double>& out, const Quantity& quantity) { out = value.number(quantity); }
-void convert(const Value& value, std::string& out, const Quantity& quantity) {
-    out = value.text(wanted(out, quantity));
-}
-void convert(const Value& value, bool& out, const Quantity& quantity) {
-    if (!value.node().is_boolean()) value.refuse(wanted(out, quantity));
-    out = value.node().as_boolean()->get();
-}
-void convert(const Value& value, StepSize& out, const Quantity& quantity) {
-    std::optional<StepSize> step;
-    if (const auto* text = value.node().as_string()) step = parse_step(text->get());
-    else if (const double x = value.node().value<double>().value_or(0.0);
-             value.node().is_number() && holds(quantity, x))
-        step = StepSize{0, 0, x};
-    if (!step) value.refuse(wanted(out, quantity));
-    out = *step;
-}
-template <std::size_t N>
-void convert(const Value& value, std::array<double, N>& out, const Quantity& quantity) {
-    const auto numbers = value.numbers(quantity, {N});
-    std::copy(numbers.begin(), numbers.end(), out.begin());
-}
-template <class T>
-void convert(const Value& value, T& out, const Words<T>& words) {
-    const auto names = keys_of(words);
-    const std::string& text = value.text(listed(names));
-    const auto word = std::find(names.begin(), names.end(), text);
-    if (word == names.end()) value.fail("got " + in_quotes(text) + suggestion(text, names), listed(names));
-    out = words[static_cast<std::size_t>(word - names.begin())].second;
-}
-
-class Table {
-public:
-    Table(Place place, const toml::table& table) : place_(std::move(place)), table_(&table) {}
-
-    // The value of a key, which is known from now on.
-    [[nodiscard]] std::optional<Value> find(const std::string& key) {
-        known_.insert(key);
-        const auto entry = table_->find(key);
-        if (entry == table_->end()) return std::nullopt;
-        return Value(place_of(key, line_of(entry->first.source())), entry->second);
-    }
-
-    [[nodiscard]] bool has(const std::string& key) const { return table_->contains(key); }
-
-    // For checks on a key that is there.
-    [[nodiscard]] Value at(const std::string& key) { return find(key).value(); }
-
-    template <class T, class How = Quantity>
-    bool optional(const std::string& key, T& out, const How& how = text_in_quotes) {
-        const auto value = find(key);
-        if (value) convert(*value, out, how);
-        return value.has_value();
-    }
-
-    template <class T, class How = Quantity>
-    void required(const std::string& key, T& out, const How& how = text_in_quotes) {
-        if (!optional(key, out, how)) missing(key, wanted(out, how));
-    }
-
-    // Remembers that a key is missing; finish() reports it unless a misspelt key explains it.
-    void missing(const std::string& key, const std::string& wanted) {
-        if (!missing_) missing_ = {key, wanted};
-    }
-
-    // Throws for the first unknown key, else for the first missing one. Checks across keys come after it.
-    void finish() const {
-        const toml::key* unknown = nullptr;
-        for (const auto& [key, value] : *table_)
-            if (!known_.contains(std::string(key.str())) &&
-                (unknown == nullptr || line_of(key.source()) < line_of(unknown->source())))
-                unknown = &key;
-        if (unknown != nullptr)
-            place_of(std::string(unknown->str()), line_of(unknown->source()))
-                .fail("unknown key" + suggestion(unknown->str(), known_), listed(known_));
-        if (missing_) place_of(missing_->first, place_.line).fail("missing", missing_->second);
-    }
-
-    // Reports a rule across keys at the line of the table.
-    [[noreturn]] void fail(const std::string& key, const std::string& problem, const std::string& wanted) const {
-        place_of(key, place_.line).fail(problem, wanted);
-    }
-
-    [[nodiscard]] std::optional<Table> table(const std::string& key) {
-        const auto value = find(key);
-        if (!value) return std::nullopt;
-        if (!value->node().is_table()) value->refuse("a table, [" + value->place().key + "]");
-        return Table(value->place(), *value->node().as_table());
-    }
-
-    [[nodiscard]] std::vector<Table> tables(const std::string& key) {
-        const auto value = find(key);
-        std::vector<Table> list;
-        if (!value) return list;
-        const std::string wanted = "an array of tables, [[" + key + "]]";
-        if (!value->node().is_array()) value->refuse(wanted);
-        for (std::size_t i = 0; i < value->node().as_array()->size(); ++i) {
-            const Value element = (*value)[i];
-            if (!element.node().is_table()) element.refuse("a table, as in " + wanted);
-            list.emplace_back(element.place(), *element.node().as_table());
-        }
-        return list;
-    }
-
-private:
-    [[nodiscard]] Place place_of(const std::string& key, int line) const {
-        return {place_.file, line, place_.key.empty() ? key : place_.key + "." + key};
-    }
-
-    Place place_;
-    const toml::table* table_;
-    std::set<std::string> known_;
-    std::optional<std::pair<std::string, std::string>> missing_;
-};
-
-using Tensor = std::array<double, 6>;  // Ixx, Iyy, Izz, Ixy, Ixz, Iyz
-
-// Eigenvalues of a symmetric 3x3 tensor, smallest first: cyclic Jacobi rotations, which keep the accuracy where two are
-// equal.
-Triple principal_moments(const Tensor& tensor) {
-    double a[3][3] = {
-        {tensor[0], tensor[3], tensor[4]}, {tensor[3], tensor[1], tensor[5]}, {tensor[4], tensor[5], tensor[2]}};
-    const auto rotate = [&a](int p, int q) {
-        if (a[p][q] == 0.0) return;
-        const double theta = (a[q][q] - a[p][p]) / (2.0 * a[p][q]);
-        const double t = std::copysign(1.0, theta) / (std::abs(theta) + std::hypot(theta, 1.0));
-        const double c = 1.0 / std::hypot(t, 1.0), s = t * c;
-        const int r = 3 - p - q;
-        const double arp = a[r][p], arq = a[r][q];
-        a[p][p] -= t * a[p][q];
-        a[q][q] += t * a[p][q];
-        a[p][q] = a[q][p] = 0.0;
-        a[r][p] = a[p][r] = c * arp - s * arq;
-        a[r][q] = a[q][r] = s * arp + c * arq;
-    };
-    for (int sweep = 0; sweep < 12; ++sweep) {  // convergence is quadratic: five sweeps reach rounding
-        rotate(0, 1);
-        rotate(0, 2);
-        rotate(1, 2);
-    }
-    Triple moments{a[0][0], a[1][1], a[2][2]};
-    std::sort(moments.begin(), moments.end());
-    return moments;
-}
-
-// Inertia of point masses about their centre of mass.
-Tensor inertia_of(const std::vector<PointMass>& points) {
-    double mass = 0.0;
-    Triple centre{};
-    for (const PointMass& point : points) {
-        mass += point.mass;
-        for (std::size_t i = 0; i < 3; ++i) centre[i] += (point.position[i] - centre[i]) * (point.mass / mass);
-    }
-    Tensor tensor{};
-    for (const PointMass& point : points) {
-        const double x = point.position[0] - centre[0], y = point.position[1] - centre[1],
-                     z = point.position[2] - centre[2];
-        const Tensor unit{y * y + z * z, x * x + z * z, x * x + y * y, -x * y, -x * z, -y * z};
-        for (std::size_t i = 0; i < 6; ++i) tensor[i] += point.mass * unit[i];
-    }
-    return tensor;
-}
-
-// One row per shape: how many sizes it has, and whether it encloses a volume (else density means nothing).
+// One row per shape: how many sizes it has.
 struct ShapeRow {
     const char* key;
     ShapeKind kind;
     std::size_t sizes;
     const char* parts;
-    bool has_volume;
 };
 
 constexpr ShapeRow shape_rows[] = {
-    {"box", ShapeKind::box, 3, "x edge, y edge, z edge", true},   {"sphere", ShapeKind::sphere, 1, "radius", true},
-    {"cylinder", ShapeKind::cylinder, 2, "radius, height", true}, {"hoop", ShapeKind::hoop, 1, "radius", false},
-    {"capsule", ShapeKind::capsule, 2, "radius, length", true},   {"points", ShapeKind::points, 0, "", false},
+    {"box", ShapeKind::box, 3, "x edge, y edge, z edge"},   {"sphere", ShapeKind::sphere, 1, "radius"},
+    {"cylinder", ShapeKind::cylinder, 2, "radius, height"}, {"hoop", ShapeKind::hoop, 1, "radius"},
+    {"capsule", ShapeKind::capsule, 2, "radius, length"},   {"points", ShapeKind::points, 0, ""},
 };
-
-bool has_volume(ShapeKind kind) {
-    return std::any_of(std::begin(shape_rows), std::end(shape_rows),
-                       [kind](const ShapeRow& row) { return row.kind == kind && row.has_volume; });
-}
 
 ShapeDescription read_shape(const Value& value, const std::string& key) {
     const std::string wanted_shape = "\"none\", or a table with one of box = [x, y, z], sphere = radius, cylinder = "
@@ -453,7 +114,7 @@ ShapeDescription read_shape(const Value& value, const std::string& key) {
 
 // Principal moments must be positive and obey the triangle inequality: no rigid body has others.
 void check_moments(const Value& value, const BodyDescription& body) {
-    const Triple moments = principal_moments(*body.inertia);
+    const Triple moments = moments_of(tensor_of(*body.inertia));
     const std::string problem =
         "the principal moments are " + shown(moments[0]) + ", " + shown(moments[1]) + " and " + shown(moments[2]);
     const double smallest = body.inertia_is_diagonal ? 0.0 : moment_tolerance * moments[2];
@@ -478,24 +139,26 @@ void check_inside(Table& table, const std::string& key, const Triple& numbers, d
 // Mass, density and inertia must together say what the body weighs and how it turns.
 void check_mass(Table& table, const BodyDescription& body) {
     const ShapeKind kind = body.shape.kind;
+    const bool has_volume = !volume_of(shape_of(body.shape)).is_zero();
     if (kind == ShapeKind::points) {
         for (const char* key : {"mass", "density"})
             if (table.has(key))
                 table.at(key).fail("given with shape points", "no mass or density: the points carry the mass");
     } else if (body.mass && body.density) {
         table.at("density").fail("mass and density are both given", "one of them");
-    } else if (body.density && !has_volume(kind)) {
+    } else if (body.density && !has_volume) {
         table.at("density").fail("given for a shape without volume", "mass (kg)");
     } else if (!body.mass && !body.density) {
-        table.fail("mass", "missing", has_volume(kind) ? "mass (kg) or density (kg/m^3)" : "mass (kg)");
+        table.fail("mass", "missing", has_volume ? "mass (kg) or density (kg/m^3)" : "mass (kg)");
     }
 
     if (body.inertia) return check_moments(table.at("inertia"), body);
     if (kind == ShapeKind::none)
         table.fail("inertia", "missing", "3 or 6 numbers (kg m^2): a body without shape has no moments of its own");
     if (kind == ShapeKind::points) {
-        const Triple moments = principal_moments(inertia_of(body.shape.points));
-        if (!std::isfinite(moments[2]))
+        const PointCloud cloud = cloud_of(body.shape.points);
+        const Triple moments = moments_of(cloud.inertia);
+        if (!std::isfinite(moments[2]) || !std::isfinite(cloud.mass.to_double()))
             table.at("shape").fail("the points have no finite principal moments",
                                    "smaller masses or distances (kg, m)");
         if (!(moments[0] > moment_tolerance * moments[2]))
@@ -693,7 +356,7 @@ ImpulseDescription read_impulse(Table table, const SceneDescription& scene) {
     check_time(table, "time", impulse.time, scene);
     if (has_face) push_face(table, face, strength, scene, impulse);
     if (has_face && !has_strength)
-        table.fail("strength", "missing", expected({Quantity::positive, "N s"}) + " beside face");
+        table.fail("strength", "missing", Quantity{Quantity::positive, "N s"}.expected() + " beside face");
     if (!has_face && has_strength)
         table.at("strength").fail("given without face", "face = " + listed(keys_of(faces)) + " beside it");
     if (!has_face && !has_impulse && !has_angular)
@@ -730,38 +393,6 @@ void add_named(std::vector<T>& list, T item, Table& table, std::set<std::string>
     list.push_back(std::move(item));
 }
 
-// Line of the first byte outside ASCII that is in neither a string nor a comment; 0 when there is none. TOML allows
-// none there, but toml++ 3.3 takes some of them (such as a bare micro sign) for unreachable code instead of reporting
-// them.
-int line_of_bare_non_ascii(std::string_view text) {
-    if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);  // byte order mark
-    int line = 1;
-    std::string_view close;  // what ends the string or comment that is open
-    for (std::size_t i = 0; i < text.size(); ++i) {
-        const char c = text[i];
-        const bool one_line = close.size() == 1;
-        if (c == '\n') ++line;
-        if (close.empty()) {
-            if (static_cast<unsigned char>(c) >= 0x80) return line;
-            if (c == '#') close = "\n";
-            for (const std::string_view quote : {"\"\"\"", "'''", "\"", "'"}) {
-                if (!close.empty() || !text.substr(i).starts_with(quote)) continue;
-                close = quote;
-                i += quote.size() - 1;
-            }
-        } else if (c == '\\' && close[0] == '"') {
-            ++i;
-            if (i < text.size() && text[i] == '\n') ++line;
-        } else if (text.substr(i).starts_with(close)) {
-            i += close.size() - 1;
-            close = {};
-        } else if (c == '\n' && one_line) {
-            close = {};  // an unfinished string: the parser reports it
-        }
-    }
-    return 0;
-}
-
 SceneDescription read_root(Table root, const std::string& file) {
     SceneDescription scene;
     scene.path = file;
@@ -796,11 +427,6 @@ SceneDescription read_root(Table root, const std::string& file) {
 
 }  // namespace
 
-SceneError::SceneError(std::string file, int line, std::string key, const std::string& message)
-    : std::runtime_error(file + (line > 0 ? ":" + std::to_string(line) : "") + ": " + (key.empty() ? "" : key + ": ") +
-                         message),
-      file_(std::move(file)), line_(line), key_(std::move(key)) {}
-
 SceneDescription read_scene(const std::filesystem::path& path) {
     const auto refuse = [&path](const std::string& why) -> SceneError {
         return {path.string(), 0, "", "cannot be read: " + why + ", expected a scene file (TOML)"};
@@ -819,16 +445,8 @@ SceneDescription read_scene(const std::filesystem::path& path) {
 
 SceneDescription read_scene_text(std::string_view toml, std::string_view name) {
     const std::string file(name);
-    if (const int line = line_of_bare_non_ascii(toml); line > 0)
-        throw SceneError(file, line, "TOML syntax",
-                         "a character outside ASCII, expected such only in quotes and comments");
-    try {
-        const toml::table table = toml::parse(toml, name);
-        return read_root(Table({file, 1, ""}, table), file);
-    } catch (const toml::parse_error& error) {
-        throw SceneError(file, line_of(error.source()), "TOML syntax",
-                         std::string(error.description()) + ", expected valid TOML 1.0");
-    }
+    const Document document(toml, file);
+    return read_root(document.root(), file);
 }
 
 std::optional<StepSize> parse_step(std::string_view text) {
@@ -843,7 +461,7 @@ std::optional<StepSize> parse_step(std::string_view text) {
         return step;
     }
     const auto [last, code] = std::from_chars(text.data(), end, step.decimal);
-    if (code != std::errc{} || last != end || !holds({Quantity::positive}, step.decimal)) return std::nullopt;
+    if (code != std::errc{} || last != end || !Quantity{Quantity::positive}.holds(step.decimal)) return std::nullopt;
     return step;
 }
 

@@ -5,28 +5,12 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
-#include <stdexcept>
-#include <string>
 #include <string_view>
 
 #include "scene/description.hpp"
+#include "scene/error.hpp"
 
 namespace tumble::host {
-
-// What is wrong with a scene file; what() is "file:line: key: message, expected ...".
-class SceneError : public std::runtime_error {
-public:
-    SceneError(std::string file, int line, std::string key, const std::string& message);
-
-    [[nodiscard]] const std::string& file() const { return file_; }
-    [[nodiscard]] int line() const { return line_; }               // 0: the file could not be read at all
-    [[nodiscard]] const std::string& key() const { return key_; }  // for example body[1].mass; indices start at 0
-
-private:
-    std::string file_;
-    int line_;
-    std::string key_;
-};
 
 // A run may not take more steps than this.
 inline constexpr std::int64_t max_steps = std::int64_t{1} << 31;

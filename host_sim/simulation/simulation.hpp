@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
-#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -14,17 +13,6 @@
 #include "scene/description.hpp"
 
 namespace tumble::host {
-
-// What the host's worlds have room for.
-inline constexpr int max_bodies = 64;
-inline constexpr int max_planes = 16;
-inline constexpr int max_springs = 64;
-
-// A scene that is well formed but that this build cannot replay; what() names file, key and what was expected.
-class UnsupportedScene : public std::runtime_error {
-public:
-    using std::runtime_error::runtime_error;
-};
 
 // The state of one body with all the digits that the run carries.
 struct BodySnapshot {

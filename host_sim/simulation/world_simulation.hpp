@@ -219,8 +219,8 @@ private:
             for (const Plane& plane : planes_) {
                 if (spec.fixed) continue;
                 const long double height = dot(plane.normal, now[b].position) + plane.offset;
-                if (spec.shape.kind == tumble::ShapeKind::sphere) add_point(height - size[0]);
-                if (spec.shape.kind != tumble::ShapeKind::box) continue;
+                if (spec.shape.kind == ShapeKind::sphere) add_point(height - size[0]);
+                if (spec.shape.kind != ShapeKind::box) continue;
                 for (unsigned corner = 0; corner < 8; ++corner) {
                     LongVec3 arm;
                     for (unsigned i = 0; i < 3; ++i) arm[i] = ((corner >> i) & 1) != 0 ? size[i] / 2 : -size[i] / 2;
@@ -229,7 +229,7 @@ private:
             }
             for (std::size_t a = 0; a < b; ++a) {
                 const BodySpec& other = data_.bodies[a];
-                if (spec.shape.kind != tumble::ShapeKind::sphere || other.shape.kind != tumble::ShapeKind::sphere ||
+                if (spec.shape.kind != ShapeKind::sphere || other.shape.kind != ShapeKind::sphere ||
                     (spec.fixed && other.fixed))
                     continue;
                 const LongVec3 r = now[b].position - now[a].position;

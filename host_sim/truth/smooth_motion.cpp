@@ -29,7 +29,7 @@ Number volume_of(const ShapeDescription& shape) {
 Number mass_of(const BodyDescription& body) {
     if (body.shape.kind == ShapeKind::points) {
         Number sum = 0;
-        for (const PointMass& point : body.shape.points) sum += point.mass;
+        for (const PointDescription& point : body.shape.points) sum += point.mass;
         return sum;
     }
     return body.mass ? Number(*body.mass) : Number(body.density.value()) * volume_of(body.shape);
@@ -85,9 +85,10 @@ SmoothMotion::Tensor SmoothMotion::tensor_of(const BodyDescription& body, Number
         return {{m.x, 0, 0}, {0, m.y, 0}, {0, 0, m.z}};
     }
     Vector centre;
-    for (const PointMass& point : body.shape.points) centre = centre + vector_of(point.position) * (point.mass / mass);
+    for (const PointDescription& point : body.shape.points)
+        centre = centre + vector_of(point.position) * (point.mass / mass);
     Tensor sum;
-    for (const PointMass& point : body.shape.points) {
+    for (const PointDescription& point : body.shape.points) {
         const Vector r = vector_of(point.position) - centre;
         const Number r2 = dot(r, r);
         sum.x = sum.x + (Vector{r2, 0, 0} - r * r.x) * point.mass;
@@ -223,7 +224,7 @@ void SmoothMotion::flow(std::int64_t from, std::int64_t to) {
     std::vector<Number> state;
     for (std::size_t i = 0; i < bodies_.size(); ++i) {
         if (!bodies_[i].moves()) continue;
-        const auto part = detail::pack(now_[i]);
+        const auto part = reference::detail::pack(now_[i]);
         state.insert(state.end(), part.begin(), part.end());
     }
     std::vector<Motion> motions = now_;
@@ -231,10 +232,10 @@ void SmoothMotion::flow(std::int64_t from, std::int64_t to) {
         auto next = packed.begin();
         for (std::size_t i = 0; i < bodies_.size(); ++i) {
             if (!bodies_[i].moves()) continue;
-            detail::Packed part;
+            reference::detail::Packed part;
             std::copy_n(next, part.size(), part.begin());
             next += static_cast<std::ptrdiff_t>(part.size());
-            motions[i] = detail::unpack(part);
+            motions[i] = reference::detail::unpack(part);
         }
     };
     Wrenches sums(bodies_.size());
@@ -251,7 +252,7 @@ void SmoothMotion::flow(std::int64_t from, std::int64_t to) {
                 rate.v = sums[i].force_w * (1 / body.mass);
                 rate.w = body.inverse * (sums[i].torque_b - cross(m.w, body.inertia * m.w));
             }
-            const auto part = detail::pack(rate);
+            const auto part = reference::detail::pack(rate);
             next = std::copy(part.begin(), part.end(), next);
         }
     };

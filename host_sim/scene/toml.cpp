@@ -1,0 +1,207 @@
+#include "scene/toml.hpp"
+
+#include <charconv>
+#include <cmath>
+#include <numeric>
+
+namespace tumble::host {
+namespace {
+
+int line_of(const toml::source_region& source) { return static_cast<int>(source.begin.line); }
+
+std::string shown(const toml::node& node) {
+    if (const auto* x = node.as_integer()) return std::to_string(x->get());
+    if (const auto* x = node.as_floating_point()) return host::shown(x->get());
+    if (const auto* x = node.as_string()) return in_quotes(x->get());
+    if (const auto* x = node.as_boolean()) return x->get() ? "true" : "false";
+    if (node.is_array_of_tables()) return "an array of tables";
+    if (const auto* x = node.as_array()) return "an array of " + std::to_string(x->size());
+    return node.is_table() ? "a table" : "a date or time";
+}
+
+// Line of the first byte outside ASCII that is in neither a string nor a comment; 0 when there is none. TOML allows
+// none there, but toml++ 3.3 takes some of them (such as a bare micro sign) for unreachable code instead of reporting
+// them.
+int line_of_bare_non_ascii(std::string_view text) {
+    if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);  // byte order mark
+    int line = 1;
+    std::string_view close;  // what ends the string or comment that is open
+    for (std::size_t i = 0; i < text.size(); ++i) {
+        const char c = text[i];
+        const bool one_line = close.size() == 1;
+        if (c == '\n') ++line;
+        if (close.empty()) {
+            if (static_cast<unsigned char>(c) >= 0x80) return line;
+            if (c == '#') close = "\n";
+            for (const std::string_view quote : {"\"\"\"", "'''", "\"", "'"}) {
+                if (!close.empty() || !text.substr(i).starts_with(quote)) continue;
+                close = quote;
+                i += quote.size() - 1;
+            }
+        } else if (c == '\\' && close[0] == '"') {
+            ++i;
+            if (i < text.size() && text[i] == '\n') ++line;
+        } else if (text.substr(i).starts_with(close)) {
+            i += close.size() - 1;
+            close = {};
+        } else if (c == '\n' && one_line) {
+            close = {};  // an unfinished string: the parser reports it
+        }
+    }
+    return 0;
+}
+
+toml::table parsed(std::string_view text, const std::string& file) {
+    if (const int line = line_of_bare_non_ascii(text); line > 0)
+        throw SceneError(file, line, "TOML syntax",
+                         "a character outside ASCII, expected such only in quotes and comments");
+    try {
+        return toml::parse(text, file);
+    } catch (const toml::parse_error& error) {
+        throw SceneError(file, line_of(error.source()), "TOML syntax",
+                         std::string(error.description()) + ", expected valid TOML 1.0");
+    }
+}
+
+}  // namespace
+
+SceneError::SceneError(std::string file, int line, std::string key, const std::string& message)
+    : std::runtime_error(file + (line > 0 ? ":" + std::to_string(line) : "") + ": " + (key.empty() ? "" : key + ": ") +
+                         message),
+      file_(std::move(file)), line_(line), key_(std::move(key)) {}
+
+bool Quantity::holds(double x) const {
+    switch (bound) {
+    case positive: return std::isfinite(x) && x > 0.0;
+    case not_negative: return std::isfinite(x) && x >= 0.0;
+    case zero_to_one: return x >= 0.0 && x <= 1.0;
+    case any: break;
+    }
+    return std::isfinite(x);
+}
+
+std::string Quantity::expected(std::size_t count) const {
+    const bool one = count == 1;
+    std::string text = one ? "a " : std::to_string(count) + " ";
+    text += bound == positive ? "positive finite number" : bound == zero_to_one ? "number" : "finite number";
+    if (!one) text += "s";
+    if (bound == not_negative) text += " >= 0";
+    if (bound == zero_to_one) text += " from 0 to 1";
+    if (!one && *parts != 0) text += " [" + std::string(parts) + "]";
+    if (*unit != 0) text += " (" + std::string(unit) + ")";
+    return text;
+}
+
+std::string shown(double x) {
+    std::array<char, 32> text{};
+    const auto end = std::to_chars(text.data(), text.data() + text.size(), x).ptr;
+    return {text.data(), end};
+}
+
+std::string in_quotes(std::string_view text) { return "\"" + std::string(text) + "\""; }
+
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+    std::vector<std::size_t> row(b.size() + 1);
+    std::iota(row.begin(), row.end(), std::size_t{0});
+    for (std::size_t i = 1; i <= a.size(); ++i) {
+        std::size_t diagonal = std::exchange(row[0], i);
+        for (std::size_t j = 1; j <= b.size(); ++j) {
+            const std::size_t replaced = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
+            diagonal = std::exchange(row[j], std::min({replaced, row[j] + 1, row[j - 1] + 1}));
+        }
+    }
+    return row[b.size()];
+}
+
+void Place::fail(const std::string& problem, const std::string& wanted) const {
+    throw SceneError(file, line, key, problem + ", expected " + wanted);
+}
+
+void Value::refuse(const std::string& wanted) const { fail("got " + shown(*node_), wanted); }
+
+Value Value::operator[](std::size_t i) const {
+    const toml::node& element = *node_->as_array()->get(i);
+    return {{place_.file, line_of(element.source()), place_.key + "[" + std::to_string(i) + "]"}, element};
+}
+
+double Value::number(const Quantity& quantity) const {
+    const auto number = node_->is_number() ? node_->value<double>() : std::nullopt;
+    if (!number || !quantity.holds(*number)) refuse(quantity.expected());
+    return *number;
+}
+
+std::vector<double> Value::numbers(const Quantity& quantity, std::initializer_list<std::size_t> counts) const {
+    const toml::array* array = node_->as_array();
+    if (array == nullptr || std::find(counts.begin(), counts.end(), array->size()) == counts.end()) {
+        std::string wanted;
+        for (const std::size_t count : counts) wanted += (wanted.empty() ? "" : " or ") + quantity.expected(count);
+        refuse(wanted);
+    }
+    std::vector<double> numbers;
+    for (std::size_t i = 0; i < array->size(); ++i) numbers.push_back((*this)[i].number(quantity));
+    return numbers;
+}
+
+const std::string& Value::text(const std::string& wanted) const {
+    const auto* text = node_->as_string();
+    if (text == nullptr || text->get().empty()) refuse(wanted);
+    return text->get();
+}
+
+std::string wanted(const double&, const Quantity& quantity) { return quantity.expected(); }
+std::string wanted(const std::string&, const Quantity&) { return "text in quotes, not empty"; }
+std::string wanted(const bool&, const Quantity&) { return "true or false"; }
+
+void convert(const Value& value, double& out, const Quantity& quantity) { out = value.number(quantity); }
+void convert(const Value& value, std::optional<double>& out, const Quantity& quantity) { out = value.number(quantity); }
+void convert(const Value& value, std::string& out, const Quantity& quantity) {
+    out = value.text(wanted(out, quantity));
+}
+void convert(const Value& value, bool& out, const Quantity& quantity) {
+    if (!value.node().is_boolean()) value.refuse(wanted(out, quantity));
+    out = value.node().as_boolean()->get();
+}
+
+std::optional<Value> Table::find(const std::string& key) {
+    known_.insert(key);
+    const auto entry = table_->find(key);
+    if (entry == table_->end()) return std::nullopt;
+    return Value(place_of(key, line_of(entry->first.source())), entry->second);
+}
+
+void Table::finish() const {
+    const toml::key* unknown = nullptr;
+    for (const auto& [key, value] : *table_)
+        if (!known_.contains(std::string(key.str())) &&
+            (unknown == nullptr || line_of(key.source()) < line_of(unknown->source())))
+            unknown = &key;
+    if (unknown != nullptr)
+        place_of(std::string(unknown->str()), line_of(unknown->source()))
+            .fail("unknown key" + suggestion(unknown->str(), known_), listed(known_));
+    if (missing_) place_of(missing_->first, place_.line).fail("missing", missing_->second);
+}
+
+std::optional<Table> Table::table(const std::string& key) {
+    const auto value = find(key);
+    if (!value) return std::nullopt;
+    if (!value->node().is_table()) value->refuse("a table, [" + value->place().key + "]");
+    return Table(value->place(), *value->node().as_table());
+}
+
+std::vector<Table> Table::tables(const std::string& key) {
+    const auto value = find(key);
+    std::vector<Table> list;
+    if (!value) return list;
+    const std::string wanted = "an array of tables, [[" + key + "]]";
+    if (!value->node().is_array()) value->refuse(wanted);
+    for (std::size_t i = 0; i < value->node().as_array()->size(); ++i) {
+        const Value element = (*value)[i];
+        if (!element.node().is_table()) element.refuse("a table, as in " + wanted);
+        list.emplace_back(element.place(), *element.node().as_table());
+    }
+    return list;
+}
+
+Document::Document(std::string_view text, std::string file) : file_(std::move(file)), table_(parsed(text, file_)) {}
+
+}  // namespace tumble::host

@@ -1,0 +1,216 @@
+// A TOML document whose every value knows its place in the file. A `Table` hands out the keys of one table and
+// remembers them, so that finish() can report the ones nobody asked for; a `Value` is one node. All messages are made
+// from those two, and thrown as a SceneError.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <initializer_list>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "scene/error.hpp"
+
+// toml++ 3.3 asserts (or, with NDEBUG, lets the compiler assume) that a key follows '[', although its parser reports
+// the error "[=]" well.
+#pragma push_macro("NDEBUG")
+#undef NDEBUG
+#define TOML_ASSERT(condition) static_assert(true)
+#include <toml++/toml.h>
+#pragma pop_macro("NDEBUG")
+
+namespace tumble::host {
+
+// What a number must be, and its unit; `parts` names the elements of an array.
+struct Quantity {
+    enum Bound { any, positive, not_negative, zero_to_one } bound;
+    const char* unit = "";
+    const char* parts = "";
+
+    [[nodiscard]] bool holds(double x) const;
+    // "3 finite numbers [x, y, z] (m)".
+    [[nodiscard]] std::string expected(std::size_t count = 1) const;
+};
+inline constexpr Quantity text_in_quotes{};  // tag: the value is a string
+
+// The shortest decimal that reads back as the same number.
+[[nodiscard]] std::string shown(double x);
+[[nodiscard]] std::string in_quotes(std::string_view text);
+
+// "a", "b" or "c"
+template <class Names>
+[[nodiscard]] std::string listed(const Names& names) {
+    std::string list;
+    const std::size_t count = names.size();
+    std::size_t i = 0;
+    for (const auto& name : names) {
+        if (i > 0) list += i + 1 == count ? " or " : ", ";
+        list += in_quotes(name);
+        ++i;
+    }
+    return list;
+}
+
+// Number of single-letter edits (insert, delete, replace) between two words.
+[[nodiscard]] std::size_t edit_distance(std::string_view a, std::string_view b);
+
+// " (did you mean "mass"?)", or nothing when no name is near.
+template <class Names>
+[[nodiscard]] std::string suggestion(std::string_view word, const Names& names) {
+    std::size_t nearest = std::max<std::size_t>(1, word.size() / 2) + 1;
+    std::string text;
+    for (const auto& name : names) {
+        const std::size_t distance = edit_distance(word, name);
+        if (distance < nearest) {
+            nearest = distance;
+            text = " (did you mean " + in_quotes(name) + "?)";
+        }
+    }
+    return text;
+}
+
+struct Place {
+    std::string file;
+    int line = 0;
+    std::string key;
+
+    [[noreturn]] void fail(const std::string& problem, const std::string& wanted) const;
+};
+
+class Value {
+public:
+    Value(Place place, const toml::node& node) : place_(std::move(place)), node_(&node) {}
+
+    [[nodiscard]] const toml::node& node() const { return *node_; }
+    [[nodiscard]] const Place& place() const { return place_; }
+    [[noreturn]] void fail(const std::string& problem, const std::string& wanted) const {
+        place_.fail(problem, wanted);
+    }
+    // The problem is what the file has.
+    [[noreturn]] void refuse(const std::string& wanted) const;
+
+    // Element i of an array.
+    [[nodiscard]] Value operator[](std::size_t i) const;
+
+    [[nodiscard]] double number(const Quantity& quantity) const;
+    // An array of as many numbers as one of `counts`.
+    [[nodiscard]] std::vector<double> numbers(const Quantity& quantity,
+                                              std::initializer_list<std::size_t> counts) const;
+    // Not empty.
+    [[nodiscard]] const std::string& text(const std::string& wanted) const;
+
+private:
+    Place place_;
+    const toml::node* node_;
+};
+
+// One choice of a fixed set of words.
+template <class T>
+using Words = std::vector<std::pair<std::string, T>>;
+
+template <class T>
+[[nodiscard]] std::vector<std::string> keys_of(const Words<T>& words) {
+    std::vector<std::string> keys;
+    for (const auto& [word, meaning] : words) keys.push_back(word);
+    return keys;
+}
+
+// One conversion for each C++ type, and what it expects of the file; found by the argument, so a reader adds its own.
+[[nodiscard]] std::string wanted(const double&, const Quantity& quantity);
+[[nodiscard]] std::string wanted(const std::string&, const Quantity&);
+[[nodiscard]] std::string wanted(const bool&, const Quantity&);
+template <std::size_t N>
+[[nodiscard]] std::string wanted(const std::array<double, N>&, const Quantity& quantity) {
+    return quantity.expected(N);
+}
+template <class T>
+[[nodiscard]] std::string wanted(const T&, const Words<T>& words) {
+    return listed(keys_of(words));
+}
+
+void convert(const Value& value, double& out, const Quantity& quantity);
+void convert(const Value& value, std::optional<double>& out, const Quantity& quantity);
+void convert(const Value& value, std::string& out, const Quantity& quantity);
+void convert(const Value& value, bool& out, const Quantity& quantity);
+template <std::size_t N>
+void convert(const Value& value, std::array<double, N>& out, const Quantity& quantity) {
+    const auto numbers = value.numbers(quantity, {N});
+    std::copy(numbers.begin(), numbers.end(), out.begin());
+}
+template <class T>
+void convert(const Value& value, T& out, const Words<T>& words) {
+    const auto names = keys_of(words);
+    const std::string& text = value.text(listed(names));
+    const auto word = std::find(names.begin(), names.end(), text);
+    if (word == names.end()) value.fail("got " + in_quotes(text) + suggestion(text, names), listed(names));
+    out = words[static_cast<std::size_t>(word - names.begin())].second;
+}
+
+class Table {
+public:
+    Table(Place place, const toml::table& table) : place_(std::move(place)), table_(&table) {}
+
+    // The value of a key, which is known from now on.
+    [[nodiscard]] std::optional<Value> find(const std::string& key);
+
+    [[nodiscard]] bool has(const std::string& key) const { return table_->contains(key); }
+
+    // For checks on a key that is there.
+    [[nodiscard]] Value at(const std::string& key) { return find(key).value(); }
+
+    template <class T, class How = Quantity>
+    bool optional(const std::string& key, T& out, const How& how = text_in_quotes) {
+        const auto value = find(key);
+        if (value) convert(*value, out, how);
+        return value.has_value();
+    }
+
+    template <class T, class How = Quantity>
+    void required(const std::string& key, T& out, const How& how = text_in_quotes) {
+        if (!optional(key, out, how)) missing(key, wanted(out, how));
+    }
+
+    // Remembers that a key is missing; finish() reports it unless a misspelt key explains it.
+    void missing(const std::string& key, const std::string& wanted) {
+        if (!missing_) missing_ = {key, wanted};
+    }
+
+    // Throws for the first unknown key, else for the first missing one. Checks across keys come after it.
+    void finish() const;
+
+    // Reports a rule across keys at the line of the table.
+    [[noreturn]] void fail(const std::string& key, const std::string& problem, const std::string& wanted) const {
+        place_of(key, place_.line).fail(problem, wanted);
+    }
+
+    [[nodiscard]] std::optional<Table> table(const std::string& key);
+    [[nodiscard]] std::vector<Table> tables(const std::string& key);
+
+private:
+    [[nodiscard]] Place place_of(const std::string& key, int line) const {
+        return {place_.file, line, place_.key.empty() ? key : place_.key + "." + key};
+    }
+
+    Place place_;
+    const toml::table* table_;
+    std::set<std::string> known_;
+    std::optional<std::pair<std::string, std::string>> missing_;
+};
+
+// A text in memory, parsed; `file` stands for it in messages. Throws SceneError for what is not TOML.
+class Document {
+public:
+    Document(std::string_view text, std::string file);
+    // Lives as long as the document does.
+    [[nodiscard]] Table root() const { return Table({file_, 1, ""}, table_); }
+
+private:
+    std::string file_;
+    toml::table table_;
+};
+
+}  // namespace tumble::host
