@@ -141,7 +141,10 @@ int command(int argc, const char* const* argv) {
         ->type_name("K")
         ->check(expect_at_least<std::int64_t>(1, "steps"));
     run_command->add_flag("--json", run_options.json, "print one JSON object");
-    run_command->add_option("--plot", run_options.plot, "plot positions, spins and energy (needs gnuplot)")
+    run_command
+        ->add_option("--plot", run_options.plot,
+                     "plot positions, angular velocities and energies as SVG, with marks at impulses and contacts "
+                     "(needs gnuplot)")
         ->type_name("out.svg")
         ->check(expect_file());
 

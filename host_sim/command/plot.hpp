@@ -1,6 +1,7 @@
-// Plots of a run: positions, spins and the change of energy over time, as SVG.
+// Plots of a run as SVG: positions, angular velocities and energies over time, with marks at impulses and contacts.
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -10,18 +11,43 @@ namespace tumble::host {
 
 class Plot {
 public:
-    // Keeps about a thousand samples of a run.
-    explicit Plot(const Simulation& simulation);
+    // Bodies drawn. Of more, the first in the file that are not fixed.
+    static constexpr std::size_t most_bodies = 8;
+
+    // Keeps about five hundred samples of a run.
+    Plot(const Simulation& simulation, const SceneDescription& scene);
+    // To be called before the first step and after each.
     void sample(const Simulation& simulation, const Energy& energy);
 
     // Draws with gnuplot; throws std::runtime_error when that or writing the file fails.
-    void write(const std::string& path, const SceneDescription& scene) const;
+    void write(const std::string& path) const;
 
 private:
+    struct State {
+        double time;                    // s
+        std::array<double, 6> numbers;  // position, m, world; angular velocity, rad/s, user's body axes
+    };
+    struct Track {
+        int body;
+        std::string name;
+        std::vector<double> impulse_times;  // s, rising
+        std::size_t impulses_seen = 0;
+        int contact_points = 0;
+        // A mark less than a hundredth of the run after one of its kind is left out.
+        std::vector<State> states, impulses, contacts;
+    };
+    // For gnuplot.
+    [[nodiscard]] std::string script() const;
+    [[nodiscard]] std::string data() const;
+    [[nodiscard]] std::string motion_panels() const;
+    [[nodiscard]] std::string key() const;
+
+    std::string title_, subtitle_;
     std::int64_t every_;
+    double duration_;  // s
     int bodies_;
-    std::vector<std::string> body_rows_;  // one a body: time, position, spin
-    std::string energy_rows_;
+    std::vector<Track> tracks_;
+    std::vector<std::array<double, 4>> energies_;  // time, s; kinetic, potential, total, J
 };
 
 }  // namespace tumble::host

@@ -149,7 +149,7 @@ int run(const RunOptions& options) {
     if (!options.plot.empty()) {
         if (!std::ofstream(options.plot, std::ios::app))
             throw BadArgument("--plot: cannot write " + options.plot + ", expected a file that can be written");
-        plot.emplace(*simulation);
+        plot.emplace(*simulation, scene);
     }
 
     Energy now = simulation->energy();
@@ -172,7 +172,7 @@ int run(const RunOptions& options) {
     if (options.json) print_json(scene, *simulation, energy);
     else print_table(scene, *simulation, energy);
     std::cout.flush();
-    if (plot) plot->write(options.plot, scene);
+    if (plot) plot->write(options.plot);
     for (const Trouble& trouble : simulation->troubles()) std::cerr << message_of(trouble, scene, *simulation) << "\n";
     return simulation->troubles().empty() && std::cout.good() ? done : failed;
 }

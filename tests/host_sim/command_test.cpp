@@ -8,6 +8,8 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
+#include <regex>
 #include <set>
 #include <sstream>
 
@@ -129,14 +131,103 @@ TEST(Run, carry_changes_the_state) {
     EXPECT_NE(hash("on"), hash("off"));
 }
 
-TEST(Run, plot_is_an_svg) {
+// What gnuplot wrote for a scene; empty where there is no gnuplot.
+std::string plot_of(const std::string& scene) {
     const std::string path = temporary("out's.svg");
-    const Outcome outcome = tumble({"run", shipped("orbit"), "--plot", path});
+    const Outcome outcome = tumble({"run", written("scene.toml", scene), "--plot", path});
+    if (has(outcome.text, "gnuplot not found")) return {};
+    EXPECT_EQ(outcome.status, 0) << outcome.text;
+    return contents(path);
+}
+// From the left edge, in the order drawn, of the marks of one of gnuplot's shapes.
+std::vector<double> marks_in(const std::string& svg, const std::string& shape) {
+    const std::string start = "<use xlink:href='#" + shape + "' transform='translate(";
+    std::vector<double> places;
+    for (std::size_t at = svg.find(start); at != std::string::npos; at = svg.find(start, at + 1))
+        places.push_back(std::stod(svg.substr(at + start.size())));
+    return places;
+}
+constexpr const char *triangle = "gpPt7", *circle = "gpPt5";
+constexpr std::size_t panels = 6;  // of positions and angular velocities
+
+TEST(Run, a_plot_has_names_units_and_marks_at_impulses_and_contacts) {
+    // The ball falls 1 m in 0.4515 s and bounces once; the puck is pushed at three times.
+    std::string scene = R"(name = "it's \"1 < 2\""
+[world]
+gravity  = [0.0, -9.81, 0.0]
+step     = "1/256"
+duration = 1.0
+[contact]
+restitution = 1.0
+[[plane]]
+name   = "floor"
+normal = [0.0, 1.0, 0.0]
+offset = 0.0
+[[body]]
+name  = "ball & chain"
+shape = { sphere = 0.5 }
+mass  = 1.0
+position = [0.0, 1.5, 0.0]
+[[body]]
+name  = "puck"
+shape = { sphere = 0.5 }
+mass  = 1.0
+position = [9.0, 20.0, 0.0]
+)";
+    for (const char* time : {"0.0", "0.25", "0.75"})
+        scene += std::string("[[impulse]]\nbody = \"puck\"\ntime = ") + time + "\nimpulse = [1.0, 0.0, 0.0]\n";
+    const std::string svg = plot_of(scene);
+    if (svg.empty()) GTEST_SKIP() << "no gnuplot";
+    for (const char* text : {"it's \"1 &lt; 2\"", "ball &amp; chain", "puck", "verlet, q32, 256 steps of 1/256 s",
+                             "x, m", "y, m", "z, m", "about x, rad/s", "about y, rad/s", "about z, rad/s", "energy, J",
+                             "time, s", "kinetic", "potential", "total", "an impulse acts", "a contact begins"})
+        EXPECT_TRUE(has(svg, std::string("<text>") + text + "</text>")) << text;
+    EXPECT_FALSE(has(svg, "not fixed"));
+
+    // In each panel, and once where their meaning is told.
+    const std::vector<double> pushes = marks_in(svg, triangle), touches = marks_in(svg, circle);
+    ASSERT_EQ(pushes.size(), 3 * panels + 1);
+    ASSERT_EQ(touches.size(), 1 * panels + 1);
+    const double second = (pushes[2] - pushes[0]) / 0.75;  // pixels
+    EXPECT_NEAR(pushes[1] - pushes[0], 0.25 * second, 0.02);
+    EXPECT_NEAR(touches[0] - pushes[0], 0.4515 * second, second / 256 + 0.02);
+}
+
+TEST(Run, a_plot_of_ten_bodies_names_eight_that_are_not_fixed_and_says_so) {
+    std::string scene = "[world]\nstep = \"1/256\"\nduration = 0.5\n[contact]\nresponse = \"none\"\n";
+    for (int b = 0; b < 10; ++b)
+        scene += "[[body]]\nname = \"body " + std::to_string(b) +
+                 "\"\nshape = { sphere = 0.5 }\nmass = 1.0\nposition = [" + std::to_string(2 * b) + ".0, 0.0, 0.0]\n" +
+                 (b == 3 ? "fixed = true\n" : "");
+    const std::string svg = plot_of(scene);
+    if (svg.empty()) GTEST_SKIP() << "no gnuplot";
+    for (int b = 0; b < 10; ++b)
+        EXPECT_EQ(has(svg, "<text>body " + std::to_string(b) + "</text>"), b != 3 && b != 9) << b;
+    EXPECT_TRUE(has(svg, "<text>the first 8 of 10 bodies that are not fixed</text>"));
+    for (const char* shape : {triangle, circle}) EXPECT_TRUE(marks_in(svg, shape).empty());
+    for (const char* meaning : {"an impulse acts", "a contact begins"}) EXPECT_FALSE(has(svg, meaning));
+}
+
+TEST(Run, the_panels_of_a_plot_are_aligned_and_inside_the_picture) {
+    const std::string path = temporary("out.svg");
+    const Outcome outcome = tumble({"run", shipped("contacts/cradle"), "--plot", path});
     if (has(outcome.text, "gnuplot not found")) GTEST_SKIP() << outcome.text;
     ASSERT_EQ(outcome.status, 0) << outcome.text;
     const std::string svg = contents(path);
-    EXPECT_TRUE(has(svg, "<svg"));
-    EXPECT_TRUE(has(svg, "planet x"));
+    std::map<std::pair<double, double>, std::set<double>> columns;  // left and right edges, and the tops between them
+    const std::regex frame(R"(d='M([\d.]+),([\d.]+) L[\d.]+,[\d.]+ L([\d.]+),[\d.]+ L[\d.]+,[\d.]+ L[\d.]+,[\d.]+ Z)");
+    for (std::sregex_iterator at(svg.begin(), svg.end(), frame), end; at != end; ++at)
+        columns[{std::stod((*at)[1]), std::stod((*at)[3])}].insert(std::stod((*at)[2]));
+    ASSERT_EQ(columns.size(), 2u);
+    const auto& [positions, rows] = *columns.begin();
+    const auto& [velocities, other_rows] = *columns.rbegin();
+    EXPECT_EQ(rows.size(), 4u);
+    EXPECT_EQ(other_rows.size(), 3u);
+    EXPECT_TRUE(std::includes(rows.begin(), rows.end(), other_rows.begin(), other_rows.end()));
+    // What stands beside the axes has its margins.
+    EXPECT_GT(positions.first, 80);
+    EXPECT_GT(velocities.first - positions.second, 80);
+    EXPECT_LT(velocities.second, 990);
 }
 
 TEST(Run, a_file_that_cannot_be_written_to_the_end_is_a_failure) {
