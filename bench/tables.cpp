@@ -388,11 +388,10 @@ Table formats_table() {
 
 // Bounds of a contact step, as the headers state them.
 struct Boxes : tumble::Scene {
-    static constexpr int bodies = 2, planes = 1;
-    static constexpr bool pairs = true, boxes = true, friction = true;
+    static constexpr tumble::Features features{.bodies = 2, .planes = 1, .pairs = true, .boxes = true, .friction = true};
 };
 Table bounds_table() {
-    using Step = tumble::IslandStep<Boxes::Numbers, Boxes::Integrator::spin, tumble::capacity_of<Boxes>>;
+    using Step = tumble::IslandStep<Boxes::Numbers, Boxes::Integrator::spin, Boxes::features>;
     Table table;
     table.head = {"bound", "of what", ""};
     const auto add = [&](const char* name, const char* what, int bound) {

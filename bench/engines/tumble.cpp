@@ -10,13 +10,6 @@ namespace {
 using namespace tumble::bench;
 
 template <class N, class Method>
-struct TopScene : tumble::Scene {
-    using Numbers = N;
-    using Integrator = Method;
-    static constexpr int bodies = 1;
-};
-
-template <class N, class Method>
 class TumbleTop final : public Runner {
 public:
     TumbleTop() {
@@ -53,7 +46,7 @@ private:
         else return static_cast<double>(value);
     }
 
-    tumble::World<TopScene<N, Method>> world_{tumble::Seconds{1, top_steps_per_second}};
+    tumble::World<tumble::SceneOf<N, Method, tumble::Features{}>> world_{tumble::Seconds{1, top_steps_per_second}};
     tumble::BodyId top_;
 };
 

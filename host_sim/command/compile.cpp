@@ -180,34 +180,20 @@ std::string world_text(const WorldSpec& world) {
            contact.text() + "        },\n    };\n";
 }
 
-std::string features_text(const SceneData& data, const NumberSystemInfo& numbers, const IntegratorInfo& integrator) {
+std::string config_text(const SceneData& data, const NumberSystemInfo& numbers, const IntegratorInfo& integrator) {
+    const Features needed = needs(data);
     std::string text =
         "    // What the scene needs, and nothing else. Derive from it to choose other numbers or another integrator.\n"
-        "    struct Features : tumble::Scene {\n        using Numbers = " +
+        "    struct Config : tumble::Scene {\n        using Numbers = " +
         numbers.type + ";\n        using Integrator = " + integrator.type + ";\n";
-    const auto capacity = [&](const char* name, std::size_t count) {
-        if (count > 0)
-            text += "        static constexpr int " + std::string(name) + " = " + std::to_string(count) + ";\n";
-    };
-    const auto feature = [&](const char* name, bool differs, const char* value = "true") {
-        if (differs) text += "        static constexpr bool " + std::string(name) + " = " + value + ";\n";
-    };
-    capacity("bodies", data.bodies.size());
-    capacity("planes", data.planes.size());
-    capacity("springs", data.springs.size());
-    feature("drag", data.drags());
-    feature("gravitation", data.gravitates());
-    feature("forces", !data.forces.empty());
-    feature("script", !data.impulses.empty());
-    feature("pairs", data.has_pairs_in_touch());
-    feature("boxes", data.has_boxes_in_touch());
-    feature("cylinders", data.has_cylinders_in_touch());
-    feature("friction", data.rubs());
-    feature("sleep", data.sleeps());
-    feature("turntables", data.turns());
-    feature("contact_impulses", data.has_contact_springs(), "false");
-    feature("contact_springs", data.has_contact_springs());
-    return text + "    };\n";
+    Members members("            ");
+    Features::for_each([&]<class T>(const char* name, T Features::*member) {
+        const T value = needed.*member;
+        if constexpr (std::is_same_v<T, bool>)
+            members.when(value != Features{}.*member, name, value ? "true" : "false");
+        else members.when(value > 0, name, std::to_string(value));
+    });
+    return text + "        static constexpr tumble::Features features{\n" + members.text() + "        };\n    };\n";
 }
 
 }  // namespace
@@ -222,7 +208,7 @@ std::string struct_name(const std::string& path) {
         starts_word = !in_name;
     }
     if (name.empty() || std::isdigit(static_cast<unsigned char>(name[0])) != 0) name = "Scene" + name;
-    if (name == "Features") name += "Scene";  // the name of a member of the struct
+    if (name == "Config") name += "Scene";  // the name of a member of the struct
     return name;
 }
 
@@ -251,7 +237,7 @@ std::string compiled_scene(const SceneDescription& scene, const Choice& choice) 
          << list_text("SpringSpec", "springs", scene.springs, data.springs, spring_text)
          << list_text("ImpulseSpec", "impulses", scene.impulses, data.impulses, impulse_text)
          << list_text("ForceSpec", "forces", scene.forces, data.forces, force_text) << "\n"
-         << features_text(data, numbers, integrator) << "};\n\n}  // namespace tumble::scenes\n";
+         << config_text(data, numbers, integrator) << "};\n\n}  // namespace tumble::scenes\n";
     return text.str();
 }
 

@@ -113,43 +113,45 @@ SceneData build_scene(const SceneDescription& scene) {
     return data;
 }
 
-bool SceneData::drags() const { return world.linear_drag > Real{} || world.angular_drag > Real{}; }
-bool SceneData::gravitates() const { return world.gravitation > Real{} && bodies.size() > 1; }
-bool SceneData::has_pairs_in_touch() const {
-    if (world.contact.response == ContactResponse::none) return false;
-    const auto moves = [](const BodySpec& body) { return touches_bodies(body) && !body.fixed; };
-    return std::count_if(bodies.begin(), bodies.end(), touches_bodies) > 1 &&
-           std::any_of(bodies.begin(), bodies.end(), moves);
-}
-bool SceneData::has_boxes_in_touch() const {
+Features needs(const SceneData& scene) {
+    const auto any = [](const auto& list, auto&& is_one) { return std::any_of(list.begin(), list.end(), is_one); };
+    const auto is_rough = [](const auto& side) { return side.friction > Real{}; };
+    const auto is_moving_toucher = [](const BodySpec& body) { return touches_bodies(body) && !body.fixed; };
     const auto is_box = [](const BodySpec& body) { return body.shape.kind == ShapeKind::box; };
-    return touches(world.contact.response) && std::any_of(bodies.begin(), bodies.end(), is_box);
-}
-bool SceneData::has_cylinders_in_touch() const {
-    const auto moves = [](const BodySpec& body) {
+    const auto is_moving_round = [](const BodySpec& body) {
         const ShapeKind kind = body.shape.kind;
         return !body.fixed && (kind == ShapeKind::cylinder || kind == ShapeKind::capsule || kind == ShapeKind::hoop);
     };
-    return !planes.empty() && std::any_of(bodies.begin(), bodies.end(), moves);
-}
-bool SceneData::rubs() const {
-    const auto rough = [](const auto& side) { return side.friction > Real{}; };
-    return has_contact_impulses() &&
-           (world.contact.friction > Real{} || std::any_of(bodies.begin(), bodies.end(), rough) ||
-            std::any_of(planes.begin(), planes.end(), rough));
-}
-bool SceneData::sleeps() const { return world.contact.sleep.on && world.contact.response == ContactResponse::impulse; }
-bool SceneData::turns() const {
-    return std::any_of(bodies.begin(), bodies.end(), [](const BodySpec& body) {
+    const auto is_turntable = [](const BodySpec& body) {
         const RealVec3& w = body.angular_velocity;
         return body.fixed && !(w.x.is_zero() && w.y.is_zero() && w.z.is_zero());
-    });
-}
-bool SceneData::has_contact_springs() const { return touches(ContactResponse::spring); }
-bool SceneData::has_contact_impulses() const { return touches(ContactResponse::impulse); }
-// Planes are there only with a response.
-bool SceneData::touches(ContactResponse response) const {
-    return world.contact.response == response && (!planes.empty() || has_pairs_in_touch());
+    };
+    const WorldSpec& world = scene.world;
+    const ContactResponse response = world.contact.response;
+    const bool pairs = response != ContactResponse::none &&
+                       std::count_if(scene.bodies.begin(), scene.bodies.end(), touches_bodies) > 1 &&
+                       any(scene.bodies, is_moving_toucher);
+    // Planes are there only with a response.
+    const bool touches = !scene.planes.empty() || pairs, by_impulses = touches && response == ContactResponse::impulse,
+               by_springs = touches && response == ContactResponse::spring;
+    return {
+        .bodies = static_cast<int>(scene.bodies.size()),
+        .planes = static_cast<int>(scene.planes.size()),
+        .springs = static_cast<int>(scene.springs.size()),
+        .drag = world.linear_drag > Real{} || world.angular_drag > Real{},
+        .gravitation = world.gravitation > Real{} && scene.bodies.size() > 1,
+        .forces = !scene.forces.empty(),
+        .impulses = !scene.impulses.empty(),
+        .pairs = pairs,
+        .boxes = (by_impulses || by_springs) && any(scene.bodies, is_box),
+        .round_shapes = !scene.planes.empty() && any(scene.bodies, is_moving_round),
+        .friction = by_impulses &&
+                    (world.contact.friction > Real{} || any(scene.bodies, is_rough) || any(scene.planes, is_rough)),
+        .sleep = world.contact.sleep.on && response == ContactResponse::impulse,
+        .turntables = any(scene.bodies, is_turntable),
+        .contact_impulses = !by_springs,
+        .contact_springs = by_springs,
+    };
 }
 
 }  // namespace tumble::host

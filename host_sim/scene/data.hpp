@@ -3,6 +3,7 @@
 #pragma once
 
 #include <tumble/body/setup.hpp>
+#include <tumble/scene.hpp>
 
 #include <array>
 #include <cstdint>
@@ -35,25 +36,13 @@ struct SceneData {
     std::vector<SpringSpec> springs;
     std::vector<ImpulseSpec> impulses;
     std::vector<ForceSpec> forces;
-
-    // Features that the scene needs, as in a minimal tumble::Scene.
-    [[nodiscard]] bool drags() const;
-    [[nodiscard]] bool gravitates() const;
-    [[nodiscard]] bool has_pairs_in_touch() const;      // bodies that may touch each other
-    [[nodiscard]] bool has_boxes_in_touch() const;      // that may touch planes or bodies
-    [[nodiscard]] bool has_cylinders_in_touch() const;  // cylinders, capsules and hoops, that may touch planes
-    [[nodiscard]] bool rubs() const;
-    [[nodiscard]] bool sleeps() const;
-    [[nodiscard]] bool turns() const;  // a fixed body does
-    [[nodiscard]] bool has_contact_springs() const;
-    [[nodiscard]] bool has_contact_impulses() const;
-
-private:
-    [[nodiscard]] bool touches(ContactResponse response) const;
 };
 
 // Throws UnsupportedScene for what exceeds the host's capacities.
 [[nodiscard]] SceneData build_scene(const SceneDescription& scene);
+
+// What a world must have compiled in for the scene, and nothing else.
+[[nodiscard]] Features needs(const SceneData& scene);
 
 // The kernel's shape; `points` become a body without one, whose mass properties are the cloud's.
 [[nodiscard]] Shape shape_of(const ShapeDescription& shape);

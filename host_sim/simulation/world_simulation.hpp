@@ -53,27 +53,9 @@ requires requires { typename Number::Value; }
     else return wide(number.to_real());
 }
 
-template <class N, class Method>
-struct HostScene : Scene {
-    using Numbers = N;
-    using Integrator = Method;
-    static constexpr int bodies = max_bodies;
-    static constexpr int planes = max_planes;
-    static constexpr int springs = max_springs;
-    static constexpr bool drag = true;
-    static constexpr bool gravitation = true;
-    static constexpr bool forces = true;
-    static constexpr bool script = true;
-    static constexpr bool pairs = true;
-    static constexpr int near_pairs = 512;
-    static constexpr bool boxes = true;
-    static constexpr bool cylinders = true;
-    static constexpr bool friction = true;
-    static constexpr bool sleep = true;
-    static constexpr bool turntables = true;
-    static constexpr bool contact_impulses = true;
-    static constexpr bool contact_springs = true;
-};
+// Every feature of the kernel, with the host's room.
+inline constexpr Features host_features =
+    Features{.bodies = max_bodies, .planes = max_planes, .springs = max_springs, .near_pairs = 512}.with_everything();
 
 // What a Simulation tells of its bodies, whatever the method.
 template <class N, Spin spin_is>
@@ -84,7 +66,7 @@ protected:
 
     // Both must outlive this.
     BodiesSimulation(const SceneData& data, const Bodies& bodies)
-        : Simulation(data.steps, wide(data.step.value)), data_(data), now_(bodies),
+        : Simulation(data.steps, wide(data.step.value)), data_(data), needs_(needs(data)), now_(bodies),
           drift_unit_(wide(bodies.scale.metres(Real{1}))), turn_unit_(wide(bodies.scale.angle(Real{1}))) {
         for (const BodySpec& spec : data_.bodies) {
             const PrincipalInertia inertia = principal_inertia(spec.inertia);
@@ -154,7 +136,7 @@ public:
             const long double stretch = std::sqrt(dot(reach, reach)) - wide(spring.rest_length);
             energy.potential += wide(spring.stiffness) * stretch * stretch / 2;
         }
-        if (data_.gravitates()) {
+        if (needs_.gravitation) {
             for (std::size_t a = 0; a < now.size(); ++a) {
                 for (std::size_t b = a + 1; b < now.size(); ++b) {
                     const LongVec3 r = now[b].position - now[a].position;
@@ -164,7 +146,7 @@ public:
                 }
             }
         }
-        if (data_.has_contact_springs()) energy.potential += contact_potential(now);
+        if (needs_.contact_springs) energy.potential += contact_potential(now);
         return energy;
     }
 
@@ -253,6 +235,7 @@ private:
     }
 
     const SceneData& data_;
+    Features needs_;
     const Bodies& now_;
     std::vector<Body> bodies_;
     std::vector<Plane> planes_;
@@ -271,12 +254,13 @@ struct OwnedReplay {
 
 template <std::size_t index, class Method>
 class WorldSimulation final
-    : OwnedReplay<HostScene<typename std::tuple_element_t<index, decltype(number_system_list)>::Numbers, Method>>,
+    : OwnedReplay<
+          SceneOf<typename std::tuple_element_t<index, decltype(number_system_list)>::Numbers, Method, host_features>>,
       public BodiesSimulation<typename std::tuple_element_t<index, decltype(number_system_list)>::Numbers,
                               Method::spin> {
     static constexpr auto system = std::get<index>(number_system_list);
     using N = typename decltype(system)::Numbers;
-    using Owned = OwnedReplay<HostScene<N, Method>>;
+    using Owned = OwnedReplay<SceneOf<N, Method, host_features>>;
     using Told = BodiesSimulation<N, Method::spin>;
 
 public:

@@ -20,24 +20,19 @@ namespace {
 
 #ifdef TUMBLE_CONTACT_SCENES
 inline constexpr bool contact_scenes = true;
-inline constexpr int room = 27;
 #define TUMBLE_STORAGE static
 #else
 inline constexpr bool contact_scenes = false;
-inline constexpr int room = 4;
 #define TUMBLE_STORAGE
 #endif
 
-template <class System, class Method>
-struct Everything : tumble::Scene {
-    using Numbers = System;
-    using Integrator = Method;
-    static constexpr int bodies = room, planes = contact_scenes ? 6 : 4, springs = 4;
-    static constexpr int near_pairs = contact_scenes ? 0 : 2;  // the smallest core has room for few
-    static constexpr bool drag = true, gravitation = true, forces = true, script = true, boxes = true, friction = true;
-    static constexpr bool pairs = contact_scenes, cylinders = contact_scenes, sleep = contact_scenes,
-                          turntables = contact_scenes, contact_springs = contact_scenes;
-};
+// What one scene or another needs.
+inline constexpr tumble::Features all_features = [] {
+    tumble::Features all;
+    for_each_scene([&]<class Scene>() { all = all.united_with(Scene::Config::features); });
+    if (!contact_scenes) all.near_pairs = 2;  // the smallest core has room for few
+    return all;
+}();
 
 void write_number(std::uint64_t value, unsigned base, int width) {
     char digits[20];
@@ -52,13 +47,9 @@ void write_number(std::uint64_t value, unsigned base, int width) {
 // Not inlined: the stack holds the worlds of one scene at a time.
 template <class Method, class Scene>
 [[gnu::noinline]] void replay_scene(const char* variant) {
-    using Numbers =
-        typename tumble::variants::TUMBLE_VARIANT::template Numbers<typename Scene::Features::Numbers::Range>;
-    using Config = Everything<Numbers, Method>;
-    TUMBLE_STORAGE tumble::Replay<Config, Scene> replay;
-    static_assert(Scene::Features::bodies <= Config::bodies && Scene::Features::planes <= Config::planes &&
-                  Scene::Features::springs <= Config::springs);
-    constexpr std::uint32_t most = 4096u / static_cast<std::uint32_t>(Scene::Features::bodies);
+    using Numbers = typename tumble::variants::TUMBLE_VARIANT::template Numbers<typename Scene::Config::Numbers::Range>;
+    TUMBLE_STORAGE tumble::Replay<tumble::SceneOf<Numbers, Method, all_features>, Scene> replay;
+    constexpr std::uint32_t most = 4096u / static_cast<std::uint32_t>(Scene::Config::features.bodies);
     constexpr std::uint32_t steps = contact_scenes && most < Scene::steps ? most : Scene::steps;
     while (replay.world().steps_taken() < steps && replay.step().ok()) {}
     namespace port = tumble::port;

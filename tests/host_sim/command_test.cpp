@@ -420,9 +420,9 @@ std::string body_of(const std::string& name, const std::string& shape) {
 }
 
 TEST(Compile, a_scene_named_after_a_member_of_its_struct_gets_another_name) {
-    const Outcome outcome = tumble({"compile", written("features.toml", scene_of("", body_of("a", "sphere = 1.0")))});
+    const Outcome outcome = tumble({"compile", written("config.toml", scene_of("", body_of("a", "sphere = 1.0")))});
     EXPECT_EQ(outcome.status, 0) << outcome.text;
-    EXPECT_TRUE(has(outcome.text, "struct FeaturesScene {")) << outcome.text;
+    EXPECT_TRUE(has(outcome.text, "struct ConfigScene {")) << outcome.text;
 }
 
 TEST(Run, a_plot_that_cannot_be_written_is_refused_before_the_run) {
@@ -589,10 +589,10 @@ TEST(Compile, header_holds_what_the_scene_needs_and_nothing_else) {
     for (const auto* part :
          {"struct Ball {", "name = \"bouncing ball\"", "step{1, 256}", "steps = 1280u", ".restitution = 0.8",
           "using Numbers = tumble::Q32<tumble::NearRange>;", "using Integrator = tumble::integrators::Verlet;",
-          "int bodies = 1;", "int planes = 1;", "static_assert(TUMBLE_BITS == "})
+          ".bodies = 1,", ".planes = 1,", "static_assert(TUMBLE_BITS == "})
         EXPECT_TRUE(has(header, part)) << part << "\n" << header;
     for (const auto* part :
-         {"boxes = true", "friction = true", "script = true", "forces = true", "drag = true", "int springs"})
+         {"boxes = true", "friction = true", "impulses = true", "forces = true", "drag = true", ".springs ="})
         EXPECT_FALSE(has(header, part)) << part;
 }
 
@@ -601,7 +601,7 @@ TEST(Compile, goes_to_standard_output_by_default) {
         tumble({"compile", shipped("cube_binary"), "--integrator", "rk4", "--numbers", "f64", "--carry", "on"});
     EXPECT_EQ(outcome.status, 0);
     for (const auto* part : {"struct CubeBinary {", "tumble::F64Carried", "tumble::integrators::Rk4", "boxes = true",
-                             "friction = true", "script = true"})
+                             "friction = true", "impulses = true"})
         EXPECT_TRUE(has(outcome.text, part)) << part;
 }
 
@@ -618,14 +618,19 @@ TEST(Compile, names_cannot_break_the_header) {
     EXPECT_TRUE(has(outcome.text, "step{tumble::Real{0.1}}")) << outcome.text;
 }
 
-// What of a header's features is other than in tumble::Scene, but for capacities.
+// What of a header's features is other than in tumble::Features, but for the numbers of bodies and planes.
 std::set<std::string> features_of(const std::string& scene) {
     const Outcome outcome = tumble({"compile", written("scene.toml", scene)}, Process::Errors::pass);
     EXPECT_EQ(outcome.status, 0) << scene;
     std::set<std::string> features;
-    const std::string start = "        static constexpr bool ";
-    for (const std::string& line : lines_of(outcome.text))
-        if (line.starts_with(start)) features.insert(line.substr(start.size(), line.size() - start.size() - 1));
+    const std::string start = "            .";
+    bool inside = false;
+    for (const std::string& line : lines_of(outcome.text)) {
+        if (line == "        static constexpr tumble::Features features{") inside = true;
+        else if (!line.starts_with(start)) inside = false;
+        else if (inside) features.insert(line.substr(start.size(), line.size() - start.size() - 1));
+    }
+    std::erase_if(features, [](const std::string& f) { return f.starts_with("bodies") || f.starts_with("planes"); });
     return features;
 }
 using Features = std::set<std::string>;
@@ -649,12 +654,12 @@ TEST(Compile, features_are_those_that_the_contacts_need) {
     EXPECT_EQ(features(ball + turning), Features{});
     EXPECT_EQ(features(ball + turning + fixed), Features{"turntables = true"});
     for (const auto* shape : {"cylinder = [1.0, 1.0]", "capsule = [1.0, 1.0]", "hoop = 1.0"}) {
-        EXPECT_EQ(features(body_of("a", shape)), Features{"cylinders = true"}) << shape;
-        EXPECT_EQ(features(body_of("a", shape) + ball), Features{"cylinders = true"}) << shape;
+        EXPECT_EQ(features(body_of("a", shape)), Features{"round_shapes = true"}) << shape;
+        EXPECT_EQ(features(body_of("a", shape) + ball), Features{"round_shapes = true"}) << shape;
         EXPECT_EQ(features(body_of("a", shape) + fixed), Features{}) << shape;
     }
     // Only the hoop moves, and it touches no bodies.
-    EXPECT_EQ(features(ball + fixed + other + fixed + body_of("a", "hoop = 1.0")), Features{"cylinders = true"});
+    EXPECT_EQ(features(ball + fixed + other + fixed + body_of("a", "hoop = 1.0")), Features{"round_shapes = true"});
 
     const std::string head = "name = \"test\"\n[world]\nstep = \"1/256\"\nduration = 0.1\n";
     EXPECT_EQ(features_of(head + box + rough), Features{});
@@ -670,12 +675,12 @@ TEST(Compile, features_are_those_of_the_contact_response) {
                                    "fixed = true\nangular_velocity = [0.0, 0.0, 1.0]\n";
     const auto features = [&](const std::string& contact) { return features_of(scene_of(contact, everything)); };
     const std::string sleep = "sleep = { time = 1.0 }\n";
-    EXPECT_EQ(features("[contact]\n" + sleep), (Features{"pairs = true", "boxes = true", "cylinders = true",
+    EXPECT_EQ(features("[contact]\n" + sleep), (Features{"pairs = true", "boxes = true", "round_shapes = true",
                                                          "friction = true", "sleep = true", "turntables = true"}));
-    EXPECT_EQ(features("[contact]\nsleep = false\n"),
-              (Features{"pairs = true", "boxes = true", "cylinders = true", "friction = true", "turntables = true"}));
+    EXPECT_EQ(features("[contact]\nsleep = false\n"), (Features{"pairs = true", "boxes = true", "round_shapes = true",
+                                                                "friction = true", "turntables = true"}));
     EXPECT_EQ(features("[contact]\nresponse = \"spring\"\n" + sleep),
-              (Features{"pairs = true", "boxes = true", "cylinders = true", "turntables = true",
+              (Features{"pairs = true", "boxes = true", "round_shapes = true", "turntables = true",
                         "contact_impulses = false", "contact_springs = true"}));
     EXPECT_EQ(features("[contact]\nresponse = \"none\"\n" + sleep), Features{"turntables = true"});
 }

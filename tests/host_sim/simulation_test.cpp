@@ -54,10 +54,10 @@ TEST(SceneBuilder, planes_without_a_response_are_left_out) {
     const SceneData without = build_scene(scene_with(rest, "[contact]\nresponse = \"none\"\n" + plane)),
                     with = build_scene(scene_with(rest, plane));
     EXPECT_TRUE(without.planes.empty());
-    EXPECT_FALSE(without.has_boxes_in_touch());
+    EXPECT_FALSE(needs(without).boxes);
     EXPECT_EQ(with.planes.size(), 1u);
-    EXPECT_TRUE(with.has_boxes_in_touch());
-    EXPECT_FALSE(with.rubs());
+    EXPECT_TRUE(needs(with).boxes);
+    EXPECT_FALSE(needs(with).friction);
 }
 
 TEST(SceneBuilder, contact_is_as_written) {
@@ -73,18 +73,18 @@ TEST(SceneBuilder, contact_is_as_written) {
     EXPECT_EQ(contact.barrier.to_double(), 0.5);
     EXPECT_EQ(contact.tolerance.to_double(), 0.01);
     EXPECT_FALSE(contact.sleep.on);  // only impulses let a body sleep
-    EXPECT_FALSE(soft.sleeps());
+    EXPECT_FALSE(needs(soft).sleep);
     EXPECT_EQ(soft.planes.size(), 1u);
-    EXPECT_TRUE(soft.has_contact_springs());
-    EXPECT_FALSE(soft.has_contact_impulses());
+    EXPECT_TRUE(needs(soft).contact_springs);
+    EXPECT_FALSE(needs(soft).contact_impulses);
 
     const SceneData hard = build_scene(scene_with(rest, "[contact]\n" + sleep));
-    EXPECT_TRUE(hard.sleeps());
+    EXPECT_TRUE(needs(hard).sleep);
     EXPECT_EQ(hard.world.contact.sleep.speed.to_double(), 0.1);
     EXPECT_EQ(hard.world.contact.sleep.angular_speed.to_double(), 0.05);
     EXPECT_EQ(hard.world.contact.sleep.time.to_double(), 2.0);
-    EXPECT_FALSE(hard.has_contact_impulses());  // one body, and no plane
-    EXPECT_FALSE(build_scene(scene_with(rest)).sleeps());
+    EXPECT_FALSE(needs(hard).contacts());  // one body, and no plane
+    EXPECT_FALSE(needs(build_scene(scene_with(rest))).sleep);
 }
 
 TEST(SceneBuilder, more_bodies_than_there_is_room_for_are_refused) {

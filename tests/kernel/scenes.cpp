@@ -56,7 +56,7 @@ const std::vector<SceneSetup>& scenes() {
                             .torque = {0, 0.5, 0}},
                            {.from = 0.25, .until = 2.0, .force = {0, 3, 0}, .point = {-0.1, 0.1, 0}}};
 
-        s.push_back({.name = "timed_impulses", .step = Seconds{1, 60}, .needs = with_script});
+        s.push_back({.name = "timed_impulses", .step = Seconds{1, 60}, .needs = with_impulses});
         s.back().world.gravity = {0, -0.5, 0};
         s.back().bodies = {body};
         s.back().impulses = {
@@ -88,7 +88,7 @@ const std::vector<SceneSetup>& scenes() {
         s.back().bodies[0].orientation = {0.9, {0, 0.1, 0.2}};
         s.back().planes = {{.normal = {0.1, 1, 0}}};
 
-        s.push_back({.name = "rolling_cylinder", .needs = with_cylinders});
+        s.push_back({.name = "rolling_cylinder", .needs = with_round_shapes});
         s.back().world = {.gravity = gravity, .contact = {.restitution = 0.3, .friction = 0.4}};
         s.back().bodies = {cylinder(2, 0.25, 1)};
         s.back().bodies[0].position = {0, 1.25, 0};

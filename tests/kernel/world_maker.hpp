@@ -11,28 +11,6 @@
 
 namespace tumble::test {
 
-template <class N, class Method, Features f>
-struct ComposedScene : Scene {
-    using Numbers = N;
-    using Integrator = Method;
-    static constexpr int bodies = f.bodies;
-    static constexpr int planes = f.planes;
-    static constexpr int springs = f.springs;
-    static constexpr int near_pairs = f.near_pairs;
-    static constexpr bool drag = f.drag;
-    static constexpr bool gravitation = f.gravitation;
-    static constexpr bool forces = f.forces;
-    static constexpr bool script = f.script;
-    static constexpr bool pairs = f.pairs;
-    static constexpr bool boxes = f.boxes;
-    static constexpr bool cylinders = f.cylinders;
-    static constexpr bool friction = f.friction;
-    static constexpr bool sleep = f.sleep;
-    static constexpr bool turntables = f.turntables;
-    static constexpr bool contact_impulses = f.contact_impulses;
-    static constexpr bool contact_springs = f.contact_springs;
-};
-
 // The state in SI units and the user's axes.
 template <class N, Spin spin, int capacity>
 Motion motion_of(const Bodies<N, spin, capacity>& bodies, const PrincipalInertia& inertia, int body) {
@@ -75,9 +53,9 @@ public:
         else return false;
     }
     void set_impulses([[maybe_unused]] const std::vector<ImpulseSpec>& impulses) override {
-        if constexpr (f.script) {
+        if constexpr (f.impulses) {
             for (const auto& i : impulses) impulses_.push_back(world_.prepare(i));
-            world_.set_script({impulses_.data(), static_cast<int>(impulses_.size())});
+            world_.set_impulses({impulses_.data(), static_cast<int>(impulses_.size())});
         }
     }
     void set_forces([[maybe_unused]] const std::vector<ForceSpec>& forces) override {
@@ -121,7 +99,7 @@ private:
         return {static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2])};
     }
 
-    World<ComposedScene<N, Method, f>> world_;
+    World<SceneOf<N, Method, f>> world_;
     std::vector<PrincipalInertia> inertia_;
     std::vector<Impulse<N>> impulses_;
     std::vector<TimedForce<N>> forces_;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <tumble/body/setup.hpp>
+#include <tumble/scene.hpp>
 #include <tumble/status.hpp>
 
 #include "truth/motion.hpp"
@@ -36,28 +37,7 @@ using reference::Vector;
 [[nodiscard]] inline RealVec3 real(Vector v) { return {real(v.x), real(v.y), real(v.z)}; }
 [[nodiscard]] inline RealQuat real(Rotation q) { return {real(q.w), real(q.v)}; }
 
-// What is compiled into a world.
-struct Features {
-    int bodies = 1, planes = 0, springs = 0, near_pairs = 0;
-    bool drag = false, gravitation = false, forces = false, script = false;
-    bool pairs = false, boxes = false, cylinders = false, friction = false, sleep = false, turntables = false;
-    bool contact_impulses = true, contact_springs = false;
-    friend constexpr bool operator==(const Features&, const Features&) = default;
-};
-inline constexpr Features everything{.bodies = 12,
-                                     .planes = 6,
-                                     .springs = 3,
-                                     .drag = true,
-                                     .gravitation = true,
-                                     .forces = true,
-                                     .script = true,
-                                     .pairs = true,
-                                     .boxes = true,
-                                     .cylinders = true,
-                                     .friction = true,
-                                     .sleep = true,
-                                     .turntables = true,
-                                     .contact_springs = true};
+inline constexpr Features everything = Features{.bodies = 12, .planes = 6, .springs = 3}.with_everything();
 // Sets of features of minimal worlds.
 inline constexpr Features nothing{};
 inline constexpr Features with_drag{.drag = true};
@@ -65,11 +45,11 @@ inline constexpr Features with_spring{.springs = 1};
 inline constexpr Features with_coupling{.bodies = 2, .springs = 1};
 inline constexpr Features with_gravitation{.bodies = 2, .gravitation = true};
 inline constexpr Features with_forces{.forces = true};
-inline constexpr Features with_script{.script = true};
+inline constexpr Features with_impulses{.impulses = true};
 inline constexpr Features with_plane{.planes = 1};
 inline constexpr Features with_box{.planes = 1, .boxes = true};
 inline constexpr Features with_friction{.planes = 1, .boxes = true, .friction = true};
-inline constexpr Features with_cylinders{.planes = 1, .cylinders = true, .friction = true};
+inline constexpr Features with_round_shapes{.planes = 1, .round_shapes = true, .friction = true};
 inline constexpr Features with_pairs{.bodies = 2, .pairs = true};
 inline constexpr Features with_few_pairs{.bodies = 3, .near_pairs = 1, .pairs = true};
 inline constexpr Features with_box_pairs{.bodies = 2, .pairs = true, .boxes = true, .friction = true};

@@ -39,12 +39,13 @@ public:
     // what is too much: check Config against the data first.
     explicit Replay(const Data& data = Data{}) : world_{data.step, data.world} {
         for (const BodySpec& body : data.bodies) (void)world_.add(body);
-        if constexpr (Config::planes > 0)
+        if constexpr (Config::features.planes > 0)
             for (const PlaneSpec& plane : data.planes) (void)world_.add(plane);
-        if constexpr (Config::springs > 0)
+        if constexpr (Config::features.springs > 0)
             for (const SpringSpec& spring : data.springs) (void)world_.add(spring);
-        if constexpr (Config::script) world_.set_script(prepare_sorted(impulses_, data.impulses, world_.bodies()));
-        if constexpr (Config::forces) world_.set_forces(prepare_sorted(forces_, data.forces, world_.bodies()));
+        if constexpr (Config::features.impulses)
+            world_.set_impulses(prepare_sorted(impulses_, data.impulses, world_.bodies()));
+        if constexpr (Config::features.forces) world_.set_forces(prepare_sorted(forces_, data.forces, world_.bodies()));
     }
     // The world points into the prepared arrays.
     Replay(const Replay&) = delete;

@@ -12,33 +12,64 @@ namespace integrators {
 struct Verlet;
 }  // namespace integrators
 
-// The base of every scene type: override what differs. Features are off until a scene asks for them.
-struct Scene {
-    using Numbers = Q32<>;
-    using Integrator = integrators::Verlet;
-    static constexpr int bodies = 1;  // capacities
-    static constexpr int planes = 0;
-    static constexpr int springs = 0;
-    static constexpr bool drag = false;         // world-wide linear and angular drag
-    static constexpr bool gravitation = false;  // between all bodies
-    static constexpr bool forces = false;       // timed forces and torques
-    static constexpr bool script = false;       // timed impulses
-    static constexpr bool pairs = false;        // bodies touch bodies
-    static constexpr int near_pairs = 0;        // pairs near at one time, of a body and a plane or another; 0: as usual
-    static constexpr bool boxes = false;        // boxes touch (spheres always do where there are planes or pairs)
-    static constexpr bool cylinders = false;    // cylinders, capsules and hoops touch planes
-    static constexpr bool friction = false;
-    static constexpr bool sleep = false;            // what rests falls asleep
-    static constexpr bool turntables = false;       // fixed bodies may turn
-    static constexpr bool contact_impulses = true;  // ContactResponse::impulse
-    static constexpr bool contact_springs = false;  // ContactResponse::spring
-};
+// What a scene has room for and what can happen in it; what it leaves out is not in the image. This is the list of
+// features; what combines or prints them goes through for_each().
+struct Features {
+    int bodies = 1;
+    int planes = 0;
+    int springs = 0;
+    int near_pairs = 0;            // pairs near at one time, of a body and a plane or another; 0: as usual
+    bool drag = false;             // world-wide linear and angular drag
+    bool gravitation = false;      // between all bodies
+    bool forces = false;           // timed forces and torques
+    bool impulses = false;         // timed impulses
+    bool pairs = false;            // bodies touch bodies
+    bool boxes = false;            // boxes touch (spheres always do where there are planes or pairs)
+    bool round_shapes = false;     // cylinders, capsules and hoops touch planes
+    bool friction = false;         // at contacts by impulses
+    bool sleep = false;            // what rests falls asleep
+    bool turntables = false;       // fixed bodies may turn
+    bool contact_impulses = true;  // ContactResponse::impulse
+    bool contact_springs = false;  // ContactResponse::spring
 
-// What of a scene shapes the bodies, loads and contacts of its world; the method and the script do not.
-struct Capacity {
-    int bodies, planes, springs, near_pairs;
-    bool drag, gravitation, forces, pairs, boxes, cylinders, friction, sleep, turntables, contact_impulses,
-        contact_springs;
+    friend constexpr bool operator==(const Features&, const Features&) = default;
+
+    // Calls f(name, pointer to the member) for each of them, in the order above.
+    template <class F>
+    static constexpr void for_each(F&& f) {
+        f("bodies", &Features::bodies);
+        f("planes", &Features::planes);
+        f("springs", &Features::springs);
+        f("near_pairs", &Features::near_pairs);
+        f("drag", &Features::drag);
+        f("gravitation", &Features::gravitation);
+        f("forces", &Features::forces);
+        f("impulses", &Features::impulses);
+        f("pairs", &Features::pairs);
+        f("boxes", &Features::boxes);
+        f("round_shapes", &Features::round_shapes);
+        f("friction", &Features::friction);
+        f("sleep", &Features::sleep);
+        f("turntables", &Features::turntables);
+        f("contact_impulses", &Features::contact_impulses);
+        f("contact_springs", &Features::contact_springs);
+    }
+    // What either has room for and needs.
+    [[nodiscard]] constexpr Features united_with(const Features& other) const {
+        Features both = *this;
+        for_each([&](const char*, auto member) {
+            if (both.*member < other.*member) both.*member = other.*member;
+        });
+        return both;
+    }
+    // All that can happen, in this room.
+    [[nodiscard]] constexpr Features with_everything() const {
+        Features all = *this;
+        for_each([&]<class T>(const char*, T Features::*member) {
+            if constexpr (std::is_same_v<T, bool>) all.*member = true;
+        });
+        return all;
+    }
 
     [[nodiscard]] constexpr bool touches() const { return planes > 0 || pairs; }
     [[nodiscard]] constexpr bool contacts() const { return touches() && contact_impulses; }
@@ -53,11 +84,21 @@ struct Capacity {
         return pairs && all > usual ? usual : all;
     }
 };
-template <class S>
-inline constexpr Capacity capacity_of{S::bodies,     S::planes,           S::springs,        S::near_pairs,
-                                      S::drag,       S::gravitation,      S::forces,         S::pairs,
-                                      S::boxes,      S::cylinders,        S::friction,       S::sleep,
-                                      S::turntables, S::contact_impulses, S::contact_springs};
+
+// The base of every scene type: override what differs.
+struct Scene {
+    using Numbers = Q32<>;
+    using Integrator = integrators::Verlet;
+    static constexpr Features features{};
+};
+
+// A scene type made of its parts, for programs that vary them.
+template <class N, class Method, Features what>
+struct SceneOf {
+    using Numbers = N;
+    using Integrator = Method;
+    static constexpr Features features = what;
+};
 
 namespace detail {
 

@@ -20,9 +20,15 @@ public:
     using N = Numbers;
     using Work = typename N::Work;
     using State = BodyState<N, Integrator::spin>;
-    static constexpr Capacity capacity = capacity_of<S>;
-    static constexpr bool has_contacts = capacity.contacts();
-    static constexpr bool has_loads = capacity.loads();
+    static_assert(
+        !requires { S::bodies; } && !requires { S::planes; } && !requires { S::springs; },
+        "what a scene has room for stands in `static constexpr tumble::Features features{.bodies = ...}`");
+    static_assert(runs_in<Integrator, N>,
+                  "the scene's Integrator runs in floating point only: not_in_fixed_point says why");
+    static_assert(Method<Integrator, N>, "the scene's Integrator lacks what integrators/method.hpp asks of a method");
+    static constexpr Features features = S::features;
+    static constexpr bool has_contacts = features.contacts();
+    static constexpr bool has_loads = features.loads();
 
     // A world without bodies. `step` is the length of every step.
     explicit World(Seconds step, const WorldSpec& spec = {})
@@ -47,7 +53,7 @@ public:
     // Adds a body; false (and Issue::world_full) when there is no room. Mass and moments must be positive. A start that
     // leaves the range is told in status().
     BodyId add(const BodySpec& spec) {
-        if (bodies_.count >= S::bodies) {
+        if (bodies_.count >= features.bodies) {
             bodies_.report(Issue::world_full, bodies_.count);
             return {};
         }
@@ -65,45 +71,46 @@ public:
     }
 
     // Adds a plane; false when there is no room.
-    bool add(const PlaneSpec& spec) requires(capacity.planes > 0) {
+    bool add(const PlaneSpec& spec) requires(features.planes > 0) {
         bool added = true;
         if constexpr (has_contacts) {
             added = contacts_.add(spec);
             for (int b = 0; b < bodies_.count; ++b) disturb(b);
         }
-        if constexpr (capacity.springs_touch()) added = loads_.add(spec, bodies_) && added;
+        if constexpr (features.springs_touch()) added = loads_.add(spec, bodies_) && added;
         return added;
     }
 
     // Adds a spring between bodies already added; false when there is no room.
-    bool add(const SpringSpec& spec) requires(S::springs > 0) { return loads_.add(spec, bodies_); }
+    bool add(const SpringSpec& spec) requires(features.springs > 0) { return loads_.add(spec, bodies_); }
 
     // Set-up values as this world's numbers, for arrays of events that outlive it.
     [[nodiscard]] Impulse<N> prepare(const ImpulseSpec& spec) const { return tumble::prepare(bodies_, spec); }
     [[nodiscard]] TimedForce<N> prepare(const ForceSpec& spec) const { return tumble::prepare(bodies_, spec); }
     // The arrays must be sorted by step and stay where they are.
-    void set_script(Span<Impulse<N>> impulses) requires S::script { script_ = impulses; }
-    void set_forces(Span<TimedForce<N>> forces) requires S::forces { loads_.set_forces(forces); }
+    void set_impulses(Span<Impulse<N>> impulses) requires(features.impulses) { impulses_ = impulses; }
+    void set_forces(Span<TimedForce<N>> forces) requires(features.forces) { loads_.set_forces(forces); }
 
     // Changes the body's momentum by `impulse` (N s, world frame) at a point of it (m, user's body axes); at once, and
     // once. The position is unchanged.
     void apply_impulse(BodyId id, RealVec3 impulse, RealVec3 point = {}) {
-        apply({0, static_cast<std::int16_t>(id.index()), Frame::world, work_vector<N>(impulse), zero_vector<N>(),
-               bodies_.principal_vector(id.index(), point)});
+        const int b = bodies_.index_of(id);
+        apply({0, static_cast<std::int16_t>(b), Frame::world, work_vector<N>(impulse), zero_vector<N>(),
+               bodies_.principal_vector(b, point)});
     }
 
     // Takes one step of every body: events that are due, loads, motion, contacts. Returns the sticky status.
     Status step() {
-        if constexpr (S::script) {
-            while (next_event_ < script_.count && script_.first[next_event_].step <= bodies_.steps_taken)
-                apply(script_.first[next_event_++]);
+        if constexpr (features.impulses) {
+            while (next_event_ < impulses_.count && impulses_.first[next_event_].step <= bodies_.steps_taken)
+                apply(impulses_.first[next_event_++]);
         }
         const StepInfo<N> info{bodies_.scale, Dither::of_step(bodies_.steps_taken)};
         if constexpr (has_contacts) {
             step_islands(info);
         } else if constexpr (has_loads) {
             step_units(info);
-        } else if constexpr (S::bodies == 1) {
+        } else if constexpr (features.bodies == 1) {
             advance_free(0, info);  // a constant index: every address is known
         } else {
             for (int b = 0; b < bodies_.count; ++b) advance_free(b, info);
@@ -118,46 +125,48 @@ public:
     void clear_status() { bodies_.status = {}; }
 
     // The body's state as the step keeps it. x_w is in metres; the accessors below give the rest in SI units.
-    [[nodiscard]] const State& state(BodyId id) const { return bodies_.state[id.index()]; }
-    [[nodiscard]] WorkVec3<N> position(BodyId id) const { return bodies_.position(id.index()); }
+    [[nodiscard]] const State& state(BodyId id) const { return bodies_.state[bodies_.index_of(id)]; }
+    [[nodiscard]] WorkVec3<N> position(BodyId id) const { return bodies_.position(bodies_.index_of(id)); }
     // m/s, world frame.
-    [[nodiscard]] WorkVec3<N> velocity(BodyId id) const { return bodies_.velocity(id.index()); }
+    [[nodiscard]] WorkVec3<N> velocity(BodyId id) const { return bodies_.velocity(bodies_.index_of(id)); }
     // rad/s, user's body axes.
-    [[nodiscard]] WorkVec3<N> angular_velocity(BodyId id) const { return bodies_.angular_velocity(id.index()); }
+    [[nodiscard]] WorkVec3<N> angular_velocity(BodyId id) const {
+        return bodies_.angular_velocity(bodies_.index_of(id));
+    }
     // User's body axes to world; of unit length to rounding.
-    [[nodiscard]] Quat<Work> orientation(BodyId id) const { return bodies_.orientation(id.index()); }
+    [[nodiscard]] Quat<Work> orientation(BodyId id) const { return bodies_.orientation(bodies_.index_of(id)); }
 
     // Digest of every body's state.
     [[nodiscard]] std::uint64_t hash() const { return bodies_.hash(); }
 
     // The bodies whatever the method; for readers that want more digits than working numbers have (the host).
-    using Bodies = tumble::Bodies<N, Integrator::spin, S::bodies>;
+    using Bodies = tumble::Bodies<N, Integrator::spin, features.bodies>;
     [[nodiscard]] const Bodies& bodies() const { return bodies_; }
 
     // Does the body rest, at no cost, until something touches or pushes it?
     [[nodiscard]] bool asleep([[maybe_unused]] BodyId id) const {
-        if constexpr (has_contacts) return sleepers_.is_asleep(id.index());
+        if constexpr (has_contacts) return sleepers_.is_asleep(bodies_.index_of(id));
         else return false;
     }
     // The largest step at which contacts by springs are stable, s; zero where none of them limits the step.
     [[nodiscard]] Real largest_safe_step() const {
-        if constexpr (capacity.springs_touch()) return loads_.largest_safe_step();
+        if constexpr (features.springs_touch()) return loads_.largest_safe_step();
         else return {};
     }
     // Contact points of the body in the last step.
     [[nodiscard]] int contact_count(BodyId id) const {
-        if constexpr (has_contacts) return contacts_.count(id.index());
+        if constexpr (has_contacts) return contacts_.count(bodies_.index_of(id));
         else return 0;
     }
 
 private:
     using Inertia = typename Integrator::template Inertia<N>;
     using DriftSum = typename N::DriftSum;
-    using Unit = tumble::Unit<S::bodies>;
-    using Loads = LoadSet<N, Integrator::spin, capacity>;
-    using Contacts = ContactSet<N, Integrator::spin, capacity>;
+    using Unit = tumble::Unit<features.bodies>;
+    using Loads = LoadSet<N, Integrator::spin, features>;
+    using Contacts = ContactSet<N, Integrator::spin, features>;
     using Island = typename Contacts::Island;
-    using Sleepers = tumble::Sleepers<N, Integrator::spin, capacity>;
+    using Sleepers = tumble::Sleepers<N, Integrator::spin, features>;
     // Where sums are exact, gravity is kept and added in halves: the position moves with the mean drift between them.
     static constexpr bool fall_in_halves = Integrator::coasting == Coasting::mean && N::fixed_point && N::carry;
     [[nodiscard]] static constexpr DriftSum whole_fall(DriftSum f) { return fall_in_halves ? f + f : f; }
@@ -231,7 +240,7 @@ private:
     // Is the body fixed? Then it moves no further than that.
     TUMBLE_INLINE bool turns_in_place(int b, [[maybe_unused]] const StepInfo<N>& info) {
         if (!bodies_.constants[b].fixed) return false;
-        if constexpr (S::turntables)
+        if constexpr (features.turntables)
             if (bodies_.is_turning(b)) rotate(b, info);
         return true;
     }
@@ -253,7 +262,7 @@ private:
         // steps over the portion. Only the changes are scaled back, so that what did not change stays exact.
         const auto part = N::fraction(portion.length);
         const Work inverse = Work(1) / portion.length;
-        StateCopies<State, S::bodies> whole, scaled;
+        StateCopies<State, features.bodies> whole, scaled;
         for (int k = 0; k < unit.count; ++k) {
             State& s = bodies_.state[unit.id[k]];
             whole.keep(k, s);
@@ -304,7 +313,7 @@ private:
         const DriftSum whole[3]{whole_fall(fall[0]), whole_fall(fall[1]), whole_fall(fall[2])};
         const auto evaluate = loads_.evaluation(bodies_, unit, length, whole);
         if (unit.count == 1) advance_loaded<1>(unit, evaluate, info);
-        else advance_loaded<S::bodies>(unit, evaluate, info);
+        else advance_loaded<features.bodies>(unit, evaluate, info);
     }
 
     template <int group_capacity, class Evaluate>
@@ -326,10 +335,10 @@ private:
     // with those they may touch.
     void step_islands(const StepInfo<N>& info) {
         const std::uint32_t now = bodies_.steps_taken;
-        if constexpr (S::turntables) {
+        if constexpr (features.turntables) {
             for (int b = 0; b < bodies_.count; ++b) (void)turns_in_place(b, info);
         }
-        if constexpr (S::forces) {
+        if constexpr (features.forces) {
             loads_.for_each_change(now, [&](int b) { disturb(b); });
         }
         // Waking appends to the list.
@@ -367,7 +376,7 @@ private:
     }
     // Wakes the body and all that rest on each other with it.
     void wake([[maybe_unused]] int b) {
-        if constexpr (S::sleep) {
+        if constexpr (features.sleep) {
             if (!sleepers_.is_asleep(b)) return;
             sleepers_.wake(b);
             contacts_.startle(b, bodies_.steps_taken);
@@ -380,11 +389,11 @@ private:
     }
 
     [[gnu::noinline]] void advance_islands(const StepInfo<N>& info) {
-        Islands<S::bodies> islands;
+        Islands<features.bodies> islands;
         islands.clear(bodies_.count);
         // Those that have not flown freely. Who comes near something because of an impact in this step, or is woken by
         // it, joins in the next.
-        bool joins[S::bodies]{};
+        bool joins[features.bodies]{};
         int coupled = -1;
         for (int k = 0; k < sleepers_.awake_count(); ++k) {
             const int b = sleepers_.awake(k);
@@ -396,7 +405,7 @@ private:
         }
         contacts_.connect(islands, bodies_, [&](int b) { return !sleepers_.is_asleep(b); });
         Asked asked{*this, info};
-        IslandStep<N, Integrator::spin, capacity> step{bodies_, contacts_, islands, flyer(asked)};
+        IslandStep<N, Integrator::spin, features> step{bodies_, contacts_, islands, flyer(asked)};
         // Sleeping changes the list of those awake: first all islands fly.
         Unit to_sleep;
         for (int root = 0; root < bodies_.count; ++root) {
@@ -408,12 +417,12 @@ private:
             if (island.first_pair < 0) fly(unit, info, {});
             else step.take(island);
             check_range(unit);
-            if constexpr (S::sleep) {
+            if constexpr (features.sleep) {
                 if (sleepers_.may_sleep(bodies_, unit, contacts_.presses(island)))
                     for (int k = 0; k < unit.count; ++k) to_sleep.add(unit.id[k]);
             }
         }
-        if constexpr (S::sleep) {
+        if constexpr (features.sleep) {
             for (int k = 0; k < to_sleep.count; ++k) {
                 sleepers_.put_to_sleep(bodies_, to_sleep.id[k]);
                 prepare_spin(to_sleep.id[k]);
@@ -429,7 +438,7 @@ private:
         static Asked& of(void* asked) { return *static_cast<Asked*>(asked); }
     };
     [[nodiscard]] static constexpr auto flyer(Asked& asked) {
-        return Flyer<Work, S::bodies>{
+        return Flyer<Work, features.bodies>{
             &asked,
             Integrator::coasting,
             [](void* to, const Unit& unit, const Portion& portion) {
@@ -455,8 +464,8 @@ private:
         }
         if constexpr (has_loads) {
             if (loaded.count == 0) return;
-            StageState<N> stages[S::bodies];
-            Kick<N> kicks[S::bodies];
+            StageState<N> stages[features.bodies];
+            Kick<N> kicks[features.bodies];
             for (int k = 0; k < loaded.count; ++k) stages[k] = stage_of(bodies_.state[loaded.id[k]]);
             loads_.evaluation(bodies_, loaded, Work(1), whole)(stages, kicks);
             for (int k = 0; k < loaded.count; ++k) contacts_.kick(loaded.id[k]) = kicks[k];
@@ -464,13 +473,13 @@ private:
     }
 
     DriftSum gravity_[3]{};  // change of drift a step, or half of it: see fall_in_halves
-    Inertia inertia_[S::bodies]{};
+    Inertia inertia_[features.bodies]{};
     Bodies bodies_;
     [[no_unique_address]] If<has_loads, Loads, 0> loads_;
     [[no_unique_address]] If<has_contacts, Contacts, 1> contacts_;
     [[no_unique_address]] If<has_contacts, Sleepers, 4> sleepers_;
-    [[no_unique_address]] If<S::script, Span<Impulse<N>>, 2> script_{};
-    [[no_unique_address]] If<S::script, int, 3> next_event_{};
+    [[no_unique_address]] If<features.impulses, Span<Impulse<N>>, 2> impulses_{};
+    [[no_unique_address]] If<features.impulses, int, 3> next_event_{};
 };
 
 }  // namespace tumble

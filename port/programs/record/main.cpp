@@ -6,7 +6,7 @@
 
 namespace {
 
-using Scene = tumble::Replay<RecordedScene::Features, RecordedScene>;
+using Scene = tumble::Replay<RecordedScene::Config, RecordedScene>;
 
 // Collects text, because each write to the debugger costs a stop.
 class Writer {

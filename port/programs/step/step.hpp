@@ -21,8 +21,8 @@ namespace {
 using Recorded = tumble::scenes::TUMBLE_SCENE;
 
 template <class Method>
-struct Config : Recorded::Features {
-    using Numbers = tumble::variants::TUMBLE_VARIANT::Numbers<Recorded::Features::Numbers::Range>;
+struct Timed : Recorded::Config {
+    using Numbers = tumble::variants::TUMBLE_VARIANT::Numbers<Recorded::Config::Numbers::Range>;
     using Integrator = Method;
 };
 
@@ -31,7 +31,7 @@ template <class Method>
 union Place {
     constexpr Place() : empty{} {}
     char empty;
-    tumble::Replay<Config<Method>, Recorded> replay;
+    tumble::Replay<Timed<Method>, Recorded> replay;
 };
 template <class Method>
 constinit Place<Method> place{};
@@ -49,7 +49,7 @@ template <class Method>
 }
 template <class Method>
 tumble::Status measured_step() {
-    using World = tumble::World<Config<Method>>;
+    using World = tumble::World<Timed<Method>>;
     if constexpr (World::has_loads) return step_world_called<Method>();
     else return step_world_inlined<Method>();
 }
@@ -57,12 +57,12 @@ tumble::Status measured_step() {
 // Out of line, so that neither's stack counts as the step's.
 template <class Method>
 [[gnu::noinline]] void set_up() {
-    new (&place<Method>.replay) tumble::Replay<Config<Method>, Recorded>;
+    new (&place<Method>.replay) tumble::Replay<Timed<Method>, Recorded>;
 }
 template <class Method>
 [[gnu::noinline]] void print_row(std::uint64_t total, std::uint64_t largest, std::uint64_t last) {
     using namespace tumble;
-    const World<Config<Method>>& world = place<Method>.replay.world();
+    const World<Timed<Method>>& world = place<Method>.replay.world();
     const std::uint64_t steps = world.steps_taken();
     const auto unit = port::tick_unit();
     const auto pick = [&](const char* cycles, const char* insn, const char* ns) {
@@ -71,8 +71,8 @@ template <class Method>
     port::JsonRow row;
     row.add("scene", Recorded::name);
     row.add("core", port::core());
-    row.add("numbers", Config<Method>::Numbers::name);
-    row.add("carry", Config<Method>::Numbers::carry);
+    row.add("numbers", Timed<Method>::Numbers::name);
+    row.add("carry", Timed<Method>::Numbers::carry);
     row.add("integrator", Method::name);
     row.add("steps", steps);
     // Rounded to the nearest; the largest single step beside it, and the last.

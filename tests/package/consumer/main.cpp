@@ -6,13 +6,13 @@
 namespace {
 
 template <class System>
-struct Features : tumble::scenes::Free::Features {
+struct Config : tumble::scenes::Free::Config {
     using Numbers = System;
 };
 
 template <class System>
 bool differs(std::uint64_t expected) {
-    tumble::Replay<Features<System>, tumble::scenes::Free> replay;
+    tumble::Replay<Config<System>, tumble::scenes::Free> replay;
     for (std::uint32_t step = 0; step < tumble::scenes::Free::steps; ++step)
         if (!replay.step().ok()) return true;
     return replay.world().hash() != expected;
@@ -22,7 +22,7 @@ bool differs(std::uint64_t expected) {
 
 int main() {
     int status = 0;
-    if (differs<tumble::scenes::Free::Features::Numbers>(EXPECTED_Q32)) status += 1;
+    if (differs<tumble::scenes::Free::Config::Numbers>(EXPECTED_Q32)) status += 1;
     if (differs<tumble::F32>(EXPECTED_F32)) status += 2;
 #ifdef EXPECTED_F64
     if (differs<tumble::F64>(EXPECTED_F64)) status += 4;

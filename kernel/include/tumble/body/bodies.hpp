@@ -127,6 +127,12 @@ public:
         const std::int64_t n = (time / step_length).to_fixed(0, 64);
         return n < 0 ? 0 : static_cast<std::uint32_t>(n);
     }
+    // The place of a body that has been added; any other is misuse.
+    [[nodiscard]] TUMBLE_INLINE int index_of(BodyId id) const { return index_of(id.index()); }
+    [[nodiscard]] TUMBLE_INLINE int index_of(int b) const {
+        TUMBLE_ASSERT(b >= 0 && b < count);
+        return b;
+    }
     // User's body axes to principal axes.
     [[nodiscard]] WorkVec3<N> principal_vector(int b, RealVec3 v) const {
         return rotate(work_quaternion<N>(constants[b].principal.conjugate()), work_vector<N>(v));

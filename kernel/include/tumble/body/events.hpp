@@ -41,12 +41,12 @@ struct Span {
     [[nodiscard]] const T* end() const { return first + count; }
 };
 
-// A set-up value as the numbers of the bodies' world.
+// A set-up value as the numbers of the bodies' world. Its body must have been added.
 template <class N, Spin spin, int capacity>
 [[gnu::noinline, nodiscard]] Impulse<N> prepare(const Bodies<N, spin, capacity>& bodies, const ImpulseSpec& spec) {
     const bool in_body = spec.frame == Frame::body;
     return {bodies.step_of(spec.time),
-            static_cast<std::int16_t>(spec.body),
+            static_cast<std::int16_t>(bodies.index_of(spec.body)),
             spec.frame,
             in_body ? bodies.principal_vector(spec.body, spec.impulse) : work_vector<N>(spec.impulse),
             in_body ? bodies.principal_vector(spec.body, spec.angular_impulse) : work_vector<N>(spec.angular_impulse),
@@ -55,7 +55,7 @@ template <class N, Spin spin, int capacity>
 template <class N, Spin spin, int capacity>
 [[gnu::noinline, nodiscard]] TimedForce<N> prepare(const Bodies<N, spin, capacity>& bodies, const ForceSpec& spec) {
     const bool in_body = spec.frame == Frame::body;
-    return {static_cast<std::int16_t>(spec.body),
+    return {static_cast<std::int16_t>(bodies.index_of(spec.body)),
             spec.frame,
             bodies.step_of(spec.from),
             bodies.step_of(spec.until),
@@ -68,7 +68,7 @@ template <class N, Spin spin, int capacity>
 template <class N, Spin spin, int capacity>
 inline void apply(const Impulse<N>& event, Bodies<N, spin, capacity>& bodies) {
     using Work = typename N::Work;
-    const int b = event.body;
+    const int b = bodies.index_of(event.body);
     if (bodies.constants[b].fixed) return;
     const Quat<Work> q = work_quaternion<N>(bodies.state[b].q_wb.value());
     WorkVec3<N> linear_w = event.impulse, linear_b = event.impulse, angular_b = event.angular;

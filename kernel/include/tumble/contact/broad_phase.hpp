@@ -7,9 +7,9 @@
 
 namespace tumble {
 
-template <class N, Spin spin, Capacity capacity>
-class Surroundings : public Solids<N, spin, capacity> {
-    using Base = Solids<N, spin, capacity>;
+template <class N, Spin spin, Features features>
+class Surroundings : public Solids<N, spin, features> {
+    using Base = Solids<N, spin, features>;
 
 public:
     using typename Base::Bodies;
@@ -38,8 +38,8 @@ public:
     void startle(int b, std::uint32_t now) {
         foreseen_until_[b] = now;
         for (int p = 0; p < plane_count_; ++p) due_[plane_slot(b, p)] = static_cast<std::uint16_t>(now);
-        if constexpr (capacity.pairs) {
-            for (int other = 0; other < capacity.bodies; ++other) {
+        if constexpr (features.pairs) {
+            for (int other = 0; other < features.bodies; ++other) {
                 if (other == b) continue;
                 due_[body_slot(b, other)] = static_cast<std::uint16_t>(now);
                 foreseen_until_[other] = now;
@@ -81,7 +81,7 @@ public:
                 },
                 [&] { forget(b, -1 - p); });
         }
-        if constexpr (capacity.pairs) {
+        if constexpr (features.pairs) {
             for (int other = 0; other < bodies.count && shape_[b].touches_bodies(); ++other) {
                 if (other == b || !shape_[other].touches_bodies()) continue;
                 const bool other_moves = !bodies.constants[other].fixed;
@@ -111,7 +111,7 @@ public:
     // pairs that are not as they were at the end of the last step: those left out of it, and those with a body that
     // turns.
     template <class IsAwake>
-    void connect(Islands<capacity.bodies>& islands, const Bodies& bodies, IsAwake&& is_awake) {
+    void connect(Islands<features.bodies>& islands, const Bodies& bodies, IsAwake&& is_awake) {
         for (int i = 0; i < pair_count_; ++i) {
             Pair& pair = pair_[i];
             if ((pair.left_out || pair.turns) && is_awake(pair.a) && is_awake(pair.b)) {
@@ -124,7 +124,7 @@ public:
     }
     // Lists the pairs of an island, by its root. Two bodies that have come near each other since the islands were
     // connected are left to the next step.
-    [[nodiscard]] int list(Islands<capacity.bodies>& islands, int root) {
+    [[nodiscard]] int list(Islands<features.bodies>& islands, int root) {
         int first = -1;
         for (int i = pair_count_ - 1; i >= 0; --i) {
             Pair& pair = pair_[i];
@@ -162,17 +162,17 @@ protected:
     using Base::tolerance_;
     template <class T, int n>
     using Array = typename Base::template Array<T, n>;
-    static constexpr int room = capacity.room_for_pairs();
+    static constexpr int room = features.room_for_pairs();
 
     Array<Pair, room> pair_{};  // in the order of their keys
     int pair_count_ = 0;
-    std::uint8_t touching_[capacity.bodies]{};  // contact points in the last step
+    std::uint8_t touching_[features.bodies]{};  // contact points in the last step
 
 private:
     static constexpr int longest_look = 128;  // steps foreseen
     static constexpr int near_look = 8;       // steps that a pair which is near stays so
     static constexpr int slots =
-        capacity.bodies * capacity.planes + (capacity.pairs ? capacity.bodies * (capacity.bodies - 1) / 2 : 0);
+        features.bodies * features.planes + (features.pairs ? features.bodies * (features.bodies - 1) / 2 : 0);
 
     // --- time to contact ---------------------------------------------------------------------------------------------
 
@@ -230,10 +230,10 @@ private:
         return Numbers::rounded_up(sum_of_magnitudes(drift(bodies, b))) + fall_bound_ + tolerance_ +
                scale().length(turn * scale().metres(shape_[b].radius));
     }
-    [[nodiscard]] static constexpr int plane_slot(int b, int p) { return b * capacity.planes + p; }
+    [[nodiscard]] static constexpr int plane_slot(int b, int p) { return b * features.planes + p; }
     [[nodiscard]] static constexpr int body_slot(int a, int b) {
         const int high = a < b ? b : a, low = a < b ? a : b;
-        return capacity.bodies * capacity.planes + high * (high - 1) / 2 + low;
+        return features.bodies * features.planes + high * (high - 1) / 2 + low;
     }
 
     // --- the list of near pairs --------------------------------------------------------------------------------------
@@ -283,8 +283,8 @@ private:
     }
 
     ContactResponse response_;
-    std::uint32_t foreseen_until_[capacity.bodies]{};  // the step before which its surroundings are looked at again
-    std::uint8_t pairs_of_[capacity.bodies]{};
+    std::uint32_t foreseen_until_[features.bodies]{};  // the step before which its surroundings are looked at again
+    std::uint8_t pairs_of_[features.bodies]{};
     Array<std::uint16_t, slots> due_{};  // the lower half of the step when a pair must be looked at again
 };
 

@@ -25,10 +25,10 @@ struct Flyer {
     void (*look_around)(void* world, int body);
 };
 
-template <class N, Spin spin, Capacity capacity>
+template <class N, Spin spin, Features features>
 class IslandStep {
 public:
-    using Contacts = ContactSet<N, spin, capacity>;
+    using Contacts = ContactSet<N, spin, features>;
     using Bodies = typename Contacts::Bodies;
     using Island = typename Contacts::Island;
     using Unit = typename Contacts::Unit;
@@ -40,8 +40,8 @@ public:
     static constexpr int max_crossings = 4;  // pairs that are looked at because they may have passed through each other
     static constexpr int max_resteps = 12;   // flights redone to find one impact, or for one such pair
 
-    IslandStep(Bodies& bodies, Contacts& contacts, Islands<capacity.bodies>& islands,
-               const Flyer<Work, capacity.bodies>& flyer)
+    IslandStep(Bodies& bodies, Contacts& contacts, Islands<features.bodies>& islands,
+               const Flyer<Work, features.bodies>& flyer)
         : bodies_{bodies}, contacts_{contacts}, islands_{islands}, flyer_{flyer} {}
 
     // One step of an island, with its impacts. A flight in which a pair comes deeper than it may, or passes through, is
@@ -98,7 +98,7 @@ private:
         island.first_pair = contacts_.list(islands_, island.root);
     }
 
-    using Saved = StateCopies<State, capacity.bodies>;
+    using Saved = StateCopies<State, features.bodies>;
     void save(const Unit& unit, Saved& saved) const {
         for (int k = 0; k < unit.count; ++k) saved.keep(k, bodies_.state[unit.id[k]]);
     }
@@ -227,8 +227,8 @@ private:
 
     Bodies& bodies_;
     Contacts& contacts_;
-    Islands<capacity.bodies>& islands_;
-    Flyer<Work, capacity.bodies> flyer_;
+    Islands<features.bodies>& islands_;
+    Flyer<Work, features.bodies> flyer_;
 };
 
 }  // namespace tumble

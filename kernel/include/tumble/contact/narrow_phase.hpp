@@ -7,17 +7,17 @@
 
 namespace tumble {
 
-template <class N, Spin spin, Capacity capacity>
+template <class N, Spin spin, Features features>
 class Solids {
 public:
     using Work = typename N::Work;
-    using Bodies = tumble::Bodies<N, spin, capacity.bodies>;
+    using Bodies = tumble::Bodies<N, spin, features.bodies>;
     using State = typename Bodies::State;
     using Numbers = ContactNumbers<N>;
     using Length = typename Numbers::Length;
     using Speed = typename Numbers::Speed;
-    using Pair = NearPair<N, capacity>;
-    using Point = ContactPoint<N, capacity>;
+    using Pair = NearPair<N, features>;
+    using Point = ContactPoint<N, features>;
 
     Solids(Real step, const ContactSpec& spec)
         : restitution_{N::template constant<Work>(spec.restitution)},
@@ -34,7 +34,7 @@ public:
 
     // False when there is no room.
     [[gnu::noinline]] bool add(const PlaneSpec& spec) {
-        if (plane_count_ >= capacity.planes) return false;
+        if (plane_count_ >= features.planes) return false;
         plane_[plane_count_++] = Plane<N>{spec};
         return true;
     }
@@ -51,7 +51,7 @@ protected:
         return rescaled;
     }
     [[nodiscard]] bool moves_b(const Pair& pair) const {
-        return capacity.pairs && pair.b >= 0 && !(pair.share_b == typename N::Unit{});
+        return features.pairs && pair.b >= 0 && !(pair.share_b == typename N::Unit{});
     }
 
     [[nodiscard]] static Work combined_restitution(Work a, Work b, Work otherwise) {
@@ -75,7 +75,7 @@ protected:
             restitution = combined_restitution(a.restitution, plane.restitution, restitution_);
             friction = combined_friction(a.friction, plane.friction, friction_);
             pair.normal = plane.normal;
-            if constexpr (capacity.friction) {
+            if constexpr (features.friction) {
                 pair.tangent[0] = plane.tangent[0];
                 pair.tangent[1] = plane.tangent[1];
             }
@@ -83,20 +83,20 @@ protected:
             const ContactShape<N>& b = shape_[pair.b];
             restitution = combined_restitution(a.restitution, b.restitution, restitution_);
             friction = combined_friction(a.friction, b.friction, friction_);
-            if constexpr (capacity.pairs) {
+            if constexpr (features.pairs) {
                 if (!bodies.constants[pair.b].fixed) {
                     const Work ratio = a.root_mass * b.per_root_mass, share = Work(1) / sqrt(Work(1) + ratio * ratio);
                     pair.share_a = Numbers::unit(share);
                     pair.share_b = Numbers::unit(ratio * share);
                     pair.weight = a.root_mass * share;
                 }
-                if constexpr (capacity.turntables)
+                if constexpr (features.turntables)
                     pair.turns = bodies.constants[pair.b].fixed && bodies.is_turning(pair.b);
             }
         }
         pair.restitution = Numbers::unit(restitution);
         pair.friction = Numbers::friction(friction);
-        if constexpr (capacity.friction) pair.rubs = friction > Work(0);
+        if constexpr (features.friction) pair.rubs = friction > Work(0);
     }
     // --- where they are ----------------------------------------------------------------------------------------------
 
@@ -117,7 +117,7 @@ protected:
             reach[i] = scale().length(N::sum(bodies.state[a].x_w[i]) - N::sum(bodies.state[b].x_w[i]));
         return reach;
     }
-    [[nodiscard]] PlaneView<N, capacity> view_of_plane(const Bodies& bodies, const Pair& pair) const {
+    [[nodiscard]] PlaneView<N, features> view_of_plane(const Bodies& bodies, const Pair& pair) const {
         const Plane<N>& plane = plane_[pair.plane()];
         return {shape_[pair.a], axes_[pair.a], plane.normal, height(bodies, pair.a, plane)};
     }
@@ -131,7 +131,7 @@ protected:
             return measured ? BoxBox<N>{view, pair.axis, pair.normal, pair.gap}
                             : BoxBox<N>{view, Numbers::half(Numbers::half(tolerance_))};
         };
-        with_contact<capacity>(view_of(bodies, pair), box_box, f);
+        with_contact<features>(view_of(bodies, pair), box_box, f);
     }
     void measure(const Bodies& bodies, Pair& pair) {
         pair.moved = pair.moved || turned_[pair.a];
@@ -139,7 +139,7 @@ protected:
             pair.gap = view_of_plane(bodies, pair).gap();
             return;
         }
-        if constexpr (capacity.pairs) {
+        if constexpr (features.pairs) {
             // Rows depend on a body that does not move through the normal alone.
             pair.moved = pair.moved || (moves_b(pair) && turned_[pair.b]);
             with_pair(bodies, pair, false, [&](const auto& contact, const auto&, bool reversed) {
@@ -161,7 +161,7 @@ protected:
         FoundPoints<N> found;
         if (pair.with_plane()) {
             view_of_plane(bodies, pair).find(found, tolerance_);
-        } else if constexpr (capacity.pairs) {
+        } else if constexpr (features.pairs) {
             with_pair(bodies, pair, true, [&](const auto& contact, const auto& view, bool reversed) {
                 contact.find(view, found, tolerance_);
                 if (reversed) {
@@ -172,7 +172,7 @@ protected:
                     }
                 }
             });
-            if constexpr (capacity.friction)
+            if constexpr (features.friction)
                 if (pair.rubs) set_tangents<N>(pair.normal, pair.tangent);
         }
         take(pair, found);
@@ -198,7 +198,7 @@ protected:
             Point& point = pair.point[i];
             if (pair.moved || i >= pair.count || !(point.arm == found.point[i].arm)) point.rows_hold = false;
             point.arm = found.point[i].arm;
-            if constexpr (capacity.pairs) {
+            if constexpr (features.pairs) {
                 if (!(point.arm_b == found.point[i].arm_b)) point.rows_hold = false;
                 point.arm_b = found.point[i].arm_b;
             }
@@ -215,10 +215,10 @@ protected:
     Length tolerance_{}, fall_bound_{};
     Vec3<Length> fall_ = Vec3<Length>::Constant(Length{});  // gravity's change of drift in a step
     Work slow_{};                                           // m: twice that; who moves less in a step, rests
-    Array<Plane<N>, capacity.planes> plane_{};
+    Array<Plane<N>, features.planes> plane_{};
     int plane_count_ = 0;
-    Shapes<N, capacity.bodies> shape_{};
-    Axes<N> axes_[capacity.bodies]{};
+    Shapes<N, features.bodies> shape_{};
+    Axes<N> axes_[features.bodies]{};
 
 private:
     void set_fall() {
@@ -230,7 +230,7 @@ private:
     Work restitution_, friction_;  // where neither side names its own
     Real tolerance_metres_;
     RealVec3 fall_metres_{};
-    bool turned_[capacity.bodies]{};  // when it was last placed
+    bool turned_[features.bodies]{};  // when it was last placed
 };
 
 }  // namespace tumble

@@ -25,15 +25,15 @@ struct ContactRow {
     Unit inverse;  // one over the row's length before it was divided by it, of which 1 is a push through the centres
 };
 
-template <class N, Capacity capacity>
+template <class N, Features features>
 struct ContactPoint {
     using Numbers = ContactNumbers<N>;
     using Length = typename Numbers::Length;
     using Speed = typename Numbers::Speed;
-    static constexpr int directions = capacity.friction ? 3 : 1;
+    static constexpr int directions = features.friction ? 3 : 1;
 
     Vec3<Length> arm;  // from the centre of mass of body a, its principal axes
-    [[no_unique_address]] If<capacity.pairs, Vec3<Length>, 0> arm_b;
+    [[no_unique_address]] If<features.pairs, Vec3<Length>, 0> arm_b;
     Length gap;
     bool active;             // part of the present solution
     bool rows_hold = false;  // for where the bodies are
@@ -41,18 +41,18 @@ struct ContactPoint {
     Speed loads;             // what loads change of it in a step
     Speed pushed[directions];
     Speed before[directions], course[directions];  // of the sweeps: when visited last, and where it has been going
-    [[no_unique_address]] If<capacity.turntables, Speed[directions], 1> carried;  // the surface's own velocity
-    ContactRow<N, capacity.pairs> row[directions];
+    [[no_unique_address]] If<features.turntables, Speed[directions], 1> carried;  // the surface's own velocity
+    ContactRow<N, features.pairs> row[directions];
 };
 
-template <class N, Capacity capacity>
+template <class N, Features features>
 struct NearPair {
     using Numbers = ContactNumbers<N>;
     using Length = typename Numbers::Length;
     using Unit = typename Numbers::Unit;
-    using Point = ContactPoint<N, capacity>;
+    using Point = ContactPoint<N, features>;
     // Spheres touch in a point.
-    static constexpr int max_points = capacity.boxes || capacity.cylinders ? contact::max_points : 1;
+    static constexpr int max_points = features.boxes || features.round_shapes ? contact::max_points : 1;
 
     std::int16_t a = 0, b = 0;  // a moves; b < 0: plane -1 - b
     std::int16_t next = -1;     // of the same island
@@ -67,8 +67,8 @@ struct NearPair {
     Length start_gap{};                                // where the flight began
     Vec3<Unit> normal = Vec3<Unit>::Constant(Unit{});  // world, from b to a
     Vec3<Unit> tangent[2] = {normal, normal};          // world
-    [[no_unique_address]] If<capacity.pairs && capacity.boxes, BoxAxis, 1> axis{};
-    [[no_unique_address]] If<capacity.pairs, Vec3<Unit>, 0> start_normal{};  // where the flight began
+    [[no_unique_address]] If<features.pairs && features.boxes, BoxAxis, 1> axis{};
+    [[no_unique_address]] If<features.pairs, Vec3<Unit>, 0> start_normal{};  // where the flight began
     Unit share_a{}, share_b{};  // roots of the parts of the motion that each takes: shares of the inverse mass
     typename N::Work weight{};  // root of the reduced mass
     Unit restitution{};

@@ -17,29 +17,29 @@ struct WeightedMotion {
     Vec3<Speed> linear, angular;  // sqrt(m) v h, world; sqrt(I_i) w_i h, principal axes
 };
 
-template <class N, Capacity capacity>
+template <class N, Features features>
 class Solver {
 public:
     using Numbers = ContactNumbers<N>;
     using Unit = typename Numbers::Unit;
     using Length = typename Numbers::Length;
     using Speed = typename Numbers::Speed;
-    using Pair = NearPair<N, capacity>;
-    using Point = ContactPoint<N, capacity>;
-    using Row = ContactRow<N, capacity.pairs>;
+    using Pair = NearPair<N, features>;
+    using Point = ContactPoint<N, features>;
+    using Row = ContactRow<N, features.pairs>;
     using Motion = WeightedMotion<N>;
 
     // The directions of a pair's rows, in the principal axes of its bodies and times the shares of the motion.
     struct Directions {
         Vec3<Unit> linear[Point::directions], angular[Point::directions];
-        [[no_unique_address]] If<capacity.pairs, Vec3<Unit>[Point::directions], 0> linear_b;
-        [[no_unique_address]] If<capacity.pairs, Vec3<Unit>[Point::directions], 1> angular_b;
+        [[no_unique_address]] If<features.pairs, Vec3<Unit>[Point::directions], 0> linear_b;
+        [[no_unique_address]] If<features.pairs, Vec3<Unit>[Point::directions], 1> angular_b;
         bool moves_b = false;
 
         Directions(const Pair& pair, const Axes<N>& axes, [[maybe_unused]] const Axes<N>* axes_b) {
             for (int k = 0; k < rows(pair); ++k) {
                 const Vec3<Unit>& direction = k == 0 ? pair.normal : pair.tangent[k - 1];
-                if constexpr (capacity.pairs) {
+                if constexpr (features.pairs) {
                     if (axes_b != nullptr) {
                         moves_b = true;
                         linear[k] = times(direction, pair.share_a);
@@ -55,7 +55,7 @@ public:
         }
     };
     [[nodiscard]] static int rows([[maybe_unused]] const Pair& pair) {
-        if constexpr (capacity.friction) return pair.rubs ? 3 : 1;
+        if constexpr (features.friction) return pair.rubs ? 3 : 1;
         else return 1;
     }
 
@@ -64,7 +64,7 @@ public:
         const Vec3<typename Numbers::Lever> lever = levers(a, point.arm, directions.angular[k]);
         Vec3<typename Numbers::Lever> lever_b = Vec3<typename Numbers::Lever>::Constant({});
         auto squares = dot(lever, lever);
-        if constexpr (capacity.pairs) {
+        if constexpr (features.pairs) {
             if (directions.moves_b) {
                 lever_b = levers(*b, point.arm_b, directions.angular_b[k]);
                 squares = squares + dot(lever_b, lever_b);
@@ -74,7 +74,7 @@ public:
         row.linear = times(directions.linear[k], row.inverse);
         row.angular = {Numbers::unit(lever.x(), row.inverse), Numbers::unit(lever.y(), row.inverse),
                        Numbers::unit(lever.z(), row.inverse)};
-        if constexpr (capacity.pairs) {
+        if constexpr (features.pairs) {
             if (directions.moves_b) {
                 row.linear_b = -times(directions.linear_b[k], row.inverse);
                 row.angular_b = {-Numbers::unit(lever_b.x(), row.inverse), -Numbers::unit(lever_b.y(), row.inverse),
@@ -87,14 +87,14 @@ public:
     [[nodiscard]] TUMBLE_INLINE static Speed velocity(const Row& row, const Motion& a,
                                                       [[maybe_unused]] const Motion* b) {
         auto sum = add_dot(dot(row.linear, a.linear), row.angular, a.angular);
-        if constexpr (capacity.pairs)
+        if constexpr (features.pairs)
             if (b != nullptr) sum = add_dot(add_dot(sum, row.linear_b, b->linear), row.angular_b, b->angular);
         return Numbers::speed(sum);
     }
     TUMBLE_INLINE static void push(const Row& row, Speed impulse, Motion& a, [[maybe_unused]] Motion* b) {
         add(a.linear, row.linear, impulse);
         add(a.angular, row.angular, impulse);
-        if constexpr (capacity.pairs) {
+        if constexpr (features.pairs) {
             if (b != nullptr) {
                 add(b->linear, row.linear_b, impulse);
                 add(b->angular, row.angular_b, impulse);
@@ -108,7 +108,7 @@ public:
         if (pushed < Speed{}) pushed = Speed{};
         note(pushed - point.pushed[0], most);
         give(point, 0, pushed, a, b);
-        if constexpr (capacity.friction) {
+        if constexpr (features.friction) {
             if (pair.rubs) rub(pair, point, a, b, most);
         }
     }
@@ -152,7 +152,7 @@ private:
     }
 
     [[nodiscard]] static Speed surface([[maybe_unused]] const Point& point, [[maybe_unused]] int k) {
-        if constexpr (capacity.turntables) return point.carried[k];
+        if constexpr (features.turntables) return point.carried[k];
         else return Speed{};
     }
     TUMBLE_INLINE static void give(Point& point, int k, Speed pushed, Motion& a, Motion* b) {

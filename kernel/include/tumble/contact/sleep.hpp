@@ -6,15 +6,15 @@
 
 namespace tumble {
 
-template <class N, Spin spin, Capacity capacity>
+template <class N, Spin spin, Features features>
 class Sleepers {
 public:
     using Work = typename N::Work;
-    using Bodies = tumble::Bodies<N, spin, capacity.bodies>;
-    using Unit = tumble::Unit<capacity.bodies>;
+    using Bodies = tumble::Bodies<N, spin, features.bodies>;
+    using Unit = tumble::Unit<features.bodies>;
 
     Sleepers(Real step, const SleepSpec& spec) {
-        if constexpr (capacity.sleep) {
+        if constexpr (features.sleep) {
             rules_.on = spec.on;
             const Real speed = spec.speed * step, spin_speed = spec.angular_speed * step, steps = spec.time / step;
             rules_.speed2 = N::template constant<Work>(speed * speed);
@@ -29,21 +29,21 @@ public:
     // Bodies that move, in the order in which they were added or woke.
     [[nodiscard]] TUMBLE_INLINE int awake_count() const { return awake_count_; }
     [[nodiscard]] TUMBLE_INLINE int awake(int k) const {
-        if constexpr (capacity.bodies == 1) return 0;
+        if constexpr (features.bodies == 1) return 0;
         else return awake_[k];
     }
     [[nodiscard]] bool is_asleep([[maybe_unused]] int b) const {
-        if constexpr (capacity.sleep) return asleep_[b];
+        if constexpr (features.sleep) return asleep_[b];
         else return false;
     }
 
-    void wake(int b) requires(capacity.sleep) {
+    void wake(int b) requires(features.sleep) {
         asleep_[b] = false;
         quiet_[b] = 0;
         add(b);
     }
     // Have all bodies of the island been slow for the time? Counts the step.
-    [[nodiscard]] bool may_sleep(const Bodies& bodies, const Unit& unit, bool rests) requires(capacity.sleep) {
+    [[nodiscard]] bool may_sleep(const Bodies& bodies, const Unit& unit, bool rests) requires(features.sleep) {
         if (!rules_.on) return false;
         bool all = rests;
         for (int k = 0; k < unit.count; ++k) {
@@ -55,7 +55,7 @@ public:
         return all;
     }
     // Stops the body.
-    void put_to_sleep(Bodies& bodies, int b) requires(capacity.sleep) {
+    void put_to_sleep(Bodies& bodies, int b) requires(features.sleep) {
         asleep_[b] = true;
         auto& state = bodies.state[b];
         for (int i = 0; i < 3; ++i) {
@@ -69,7 +69,7 @@ public:
     }
 
 private:
-    [[nodiscard]] bool is_slow(const Bodies& bodies, int b) const requires(capacity.sleep) {
+    [[nodiscard]] bool is_slow(const Bodies& bodies, int b) const requires(features.sleep) {
         const auto& state = bodies.state[b];
         Work speed2(0), spin2(0);
         for (int i = 0; i < 3; ++i) {
@@ -90,10 +90,10 @@ private:
         std::uint16_t steps = 0;
     };
     int awake_count_ = 0;
-    std::int16_t awake_[capacity.bodies]{};
-    [[no_unique_address]] If<capacity.sleep, Rules, 0> rules_{};
-    [[no_unique_address]] If<capacity.sleep, bool[capacity.bodies], 1> asleep_{};
-    [[no_unique_address]] If<capacity.sleep, std::uint16_t[capacity.bodies], 2> quiet_{};
+    std::int16_t awake_[features.bodies]{};
+    [[no_unique_address]] If<features.sleep, Rules, 0> rules_{};
+    [[no_unique_address]] If<features.sleep, bool[features.bodies], 1> asleep_{};
+    [[no_unique_address]] If<features.sleep, std::uint16_t[features.bodies], 2> quiet_{};
 };
 
 }  // namespace tumble

@@ -10,9 +10,9 @@
 
 namespace tumble {
 
-template <class N, Spin spin, Capacity capacity>
-class ContactSet : public Surroundings<N, spin, capacity> {
-    using Base = Surroundings<N, spin, capacity>;
+template <class N, Spin spin, Features features>
+class ContactSet : public Surroundings<N, spin, features> {
+    using Base = Surroundings<N, spin, features>;
 
 public:
     using typename Base::Bodies;
@@ -22,7 +22,7 @@ public:
     using typename Base::Speed;
     using typename Base::State;
     using typename Base::Work;
-    using Unit = tumble::Unit<capacity.bodies>;
+    using Unit = tumble::Unit<features.bodies>;
 
     ContactSet(Real step, const ContactSpec& spec)
         : Base(step, spec), threshold_{N::template constant<Work>(spec.restitution_threshold * step)} {}
@@ -52,7 +52,7 @@ public:
         for_each_pair(island, [&](Pair& pair) {
             pair.touched = pair.passed = false;
             pair.start_gap = pair.gap;
-            if constexpr (capacity.pairs) pair.start_normal = pair.normal;
+            if constexpr (features.pairs) pair.start_normal = pair.normal;
             any = any || pair.count > 0;
         });
         if (!any) return Touch::nothing;
@@ -158,7 +158,7 @@ public:
         Axes<N> a, b;
 
         void at_start() const {
-            if constexpr (capacity.pairs) {
+            if constexpr (features.pairs) {
                 pair->gap = pair->start_gap;
                 pair->normal = pair->start_normal;
             }
@@ -166,12 +166,12 @@ public:
     };
     [[nodiscard]] Crossing find_crossing([[maybe_unused]] const Bodies& bodies, [[maybe_unused]] const Island& island) {
         Crossing found;
-        if constexpr (capacity.pairs) {
+        if constexpr (features.pairs) {
             for_each_pair(island, [&](Pair& pair) {
                 if (found.pair != nullptr || pair.with_plane() || pair.touched || pair.passed || pair.gap < Length{})
                     return;
                 const PairView<N> view = view_of(bodies, pair);
-                if (!(view.separation(pair.start_normal, capacity.boxes) < -tolerance_)) return;
+                if (!(view.separation(pair.start_normal, features.boxes) < -tolerance_)) return;
                 found = {&pair, view.reach, axes_[pair.a], axes_[pair.b]};
             });
         }
@@ -182,7 +182,7 @@ public:
     [[nodiscard]] Work part_apart(const Crossing& crossing) const {
         const Pair& pair = *crossing.pair;
         const PairView<N> end{shape_[pair.a], shape_[pair.b], crossing.a, crossing.b, crossing.reach};
-        const Length left = end.separation(pair.normal, capacity.boxes);
+        const Length left = end.separation(pair.normal, features.boxes);
         if (!(left < -tolerance_)) return Work(-1);
         if (!(pair.gap > Length{})) return Work(0);
         const Work gap = scale().metres(pair.gap);
@@ -256,9 +256,9 @@ public:
     }
 
 private:
-    using Rows = Solver<N, capacity>;
+    using Rows = Solver<N, features>;
     using Motion = WeightedMotion<N>;
-    using Point = ContactPoint<N, capacity>;
+    using Point = ContactPoint<N, features>;
     using Base::axes_;
     using Base::find;
     using Base::measure;
@@ -354,13 +354,13 @@ private:
                 point.rows_hold = true;
             }
         }
-        if constexpr (capacity.turntables && capacity.friction) {
+        if constexpr (features.turntables && features.friction) {
             for (int i = 0; i < pair.count; ++i)
                 for (int k = 1; k < Rows::rows(pair); ++k)
                     pair.point[i].carried[k] = surface_speed(bodies, pair, pair.point[i], k);
         }
     }
-    [[nodiscard]] Speed velocity(const Motion (&motion)[capacity.bodies], const Pair& pair, const Point& point) const {
+    [[nodiscard]] Speed velocity(const Motion (&motion)[features.bodies], const Pair& pair, const Point& point) const {
         return Rows::velocity(point.row[0], motion[pair.a], moves_b(pair) ? &motion[pair.b] : nullptr);
     }
     // A length of a step along the pair's normal as a speed along the point's row.
@@ -377,7 +377,7 @@ private:
     // The velocity of a turning fixed body's surface along direction k of a point.
     [[nodiscard]] Speed surface_speed([[maybe_unused]] const Bodies& bodies, [[maybe_unused]] const Pair& pair,
                                       [[maybe_unused]] const Point& point, [[maybe_unused]] int k) const {
-        if constexpr (capacity.turntables && capacity.pairs && capacity.friction) {
+        if constexpr (features.turntables && features.pairs && features.friction) {
             if (!pair.turns) return Speed{};
             const int b = pair.b;
             WorkVec3<N> turn, arm, direction;
@@ -491,8 +491,8 @@ private:
 
     Work threshold_;  // of restitution, m a step
     typename Numbers::SpeedScale speeds_{};
-    Motion start_[capacity.bodies]{}, motion_[capacity.bodies]{}, loaded_[capacity.bodies]{};
-    Kick<N> kick_[capacity.bodies]{};
+    Motion start_[features.bodies]{}, motion_[features.bodies]{}, loaded_[features.bodies]{};
+    Kick<N> kick_[features.bodies]{};
 };
 
 }  // namespace tumble

@@ -11,11 +11,14 @@
 //   needs                           only where a step needs sqrt, division or trigonometry: says so to the user
 //   not_in_fixed_point              only where it is for floating point alone: says why to the user; see runs_in
 //   advance<N, capacity>(group, evaluate, step)   one step of bodies whose loads depend on their state
-// A new method is one such header and one line in integrators/list.hpp.
+// A new method is one such header and one line in integrators/list.hpp. World asks for what every method must have by
+// the concept Method below.
 #pragma once
 
 #include <tumble/body/orientation.hpp>
 #include <tumble/body/stage.hpp>
+
+#include <concepts>
 
 namespace tumble {
 
@@ -33,6 +36,39 @@ struct Group {
     int count = 0;
     BodyState<N, spin>* body[capacity]{};
     Inertia* inertia[capacity]{};
+};
+
+namespace detail {
+
+// Loads of no body, for asking whether a method can be called with loads.
+template <class N>
+struct NoLoads {
+    static constexpr bool may_depend_on_velocity = true;
+    void operator()(const StageState<N>*, Kick<N>*) const {}
+    void operator()(const StageState<N>*, WorkKick<N>*) const {}
+    [[nodiscard]] bool depends_on_velocity() const { return false; }
+};
+
+template <class M, class N>
+concept DescribesItself = requires {
+    { M::name } -> std::convertible_to<const char*>;
+    { M::order } -> std::convertible_to<int>;
+    { M::spin } -> std::convertible_to<Spin>;
+    { M::coasting } -> std::convertible_to<Coasting>;
+    typename M::template Inertia<N>;
+};
+
+}  // namespace detail
+
+// M can step the bodies of a world in the number system N. rotate() returns nothing or whether it converged, advance()
+// whether it did.
+template <class M, class N>
+concept Method = detail::DescribesItself<M, N> &&
+    requires(BodyState<N, M::spin>& body, const typename M::template Inertia<N>& inertia, const StepInfo<N>& step,
+             const Group<N, M::spin, typename M::template Inertia<N>, 1>& group, const detail::NoLoads<N>& loads) {
+    { M::template Inertia<N>::of(RealVec3{}, step.scale) } -> std::convertible_to<typename M::template Inertia<N>>;
+    M::template rotate<N>(body, inertia, step);
+    { M::template advance<N, 1>(group, loads, step) } -> std::same_as<bool>;
 };
 
 }  // namespace tumble

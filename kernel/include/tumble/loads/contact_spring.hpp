@@ -17,13 +17,13 @@
 
 namespace tumble {
 
-template <class N, Spin spin, Capacity capacity>
+template <class N, Spin spin, Features features>
 class ContactSprings {
 public:
     using Work = typename N::Work;
     using Numbers = ContactNumbers<N>;
     using Length = typename Numbers::Length;
-    using Bodies = tumble::Bodies<N, spin, capacity.bodies>;
+    using Bodies = tumble::Bodies<N, spin, features.bodies>;
 
     ContactSprings(Real step, const ContactSpec& spec)
         : on_{spec.response == ContactResponse::spring}, has_barrier_{on_ && spec.barrier > Real{}},
@@ -45,7 +45,7 @@ public:
         per_mass_[b] = spec.fixed ? Work(0) : N::template constant<Work>(Real{1} / spec.mass);
         compliance_[b] = spec.fixed || shape_[b].is(ShapeKind::none) ? Real{} : compliance(spec, inertia);
         if (plane_count_ > 0) require(compliance_[b], b, bodies);
-        if constexpr (capacity.pairs) {
+        if constexpr (features.pairs) {
             int touching = 0;
             for (int other = 0; other <= b; ++other) touching += shape_[other].touches_bodies() ? 1 : 0;
             for (int i = 0; i <= b && touching > 1; ++i) {
@@ -60,7 +60,7 @@ public:
     // False when there is no room.
     [[gnu::noinline]] bool add(const PlaneSpec& spec, Bodies& bodies) {
         if (!on_) return true;
-        if (plane_count_ >= capacity.planes) return false;
+        if (plane_count_ >= features.planes) return false;
         plane_[plane_count_++] = HalfSpace<N>{spec};
         for (int b = 0; b < bodies.count; ++b) require(compliance_[b], b, bodies);
         return true;
@@ -71,9 +71,9 @@ public:
         return on_ && !shape_[b].is(ShapeKind::none) && (plane_count_ > 0 || couples(b));
     }
     [[nodiscard]] bool couples(int b) const {
-        if constexpr (capacity.pairs) {
+        if constexpr (features.pairs) {
             if (!on_ || !shape_[b].touches_bodies()) return false;
-            for (int other = 0; other < capacity.bodies; ++other)
+            for (int other = 0; other < features.bodies; ++other)
                 if (other != b && shape_[other].touches_bodies()) return true;
         }
         return false;
@@ -108,7 +108,7 @@ public:
             }
             const Axes<N> axes = Axes<N>::of(body.stage->q_wb);
             FoundPoints<N> found;
-            PlaneView<N, capacity>{shape, axes, plane.normal, shape_.scale().length(height)}.find(found, band());
+            PlaneView<N, features>{shape, axes, plane.normal, shape_.scale().length(height)}.find(found, band());
             push_all(found, body, nullptr, b, b, normal, bodies);
         }
     }
@@ -128,13 +128,13 @@ public:
                  scaled_by(rotate_back(b.q_wb, normal), radius_[index_b]), bodies);
             return;
         }
-        if constexpr (capacity.boxes) {
+        if constexpr (features.boxes) {
             const Axes<N> axes_a = Axes<N>::of(a.stage->q_wb), axes_b = Axes<N>::of(b.stage->q_wb);
             Vec3<Length> reach;
             for (int i = 0; i < 3; ++i) reach[i] = shape_.scale().length(apart[i]);
             const PairView<N> both{shape_a, shape_b, axes_a, axes_b, reach};
             const auto box_box = [](const PairView<N>& view) { return BoxBox<N>{view, Length{}}; };
-            with_contact<capacity>(both, box_box, [&](const auto& contact, const auto& view, bool reversed) {
+            with_contact<features>(both, box_box, [&](const auto& contact, const auto& view, bool reversed) {
                 if (contact.gap > band()) return;
                 FoundPoints<N> found;
                 contact.find(view, found, band());
@@ -229,10 +229,10 @@ private:
     mutable Work stiffest_{};  // 1/s^2: of the barriers met so far
     Real stiffness_real_, damping_real_, step_;
     Real most_compliance_{}, most_damping_{};
-    Shapes<N, capacity.bodies> shape_{};
-    Work radius_[capacity.bodies]{}, per_mass_[capacity.bodies]{};
-    Real compliance_[capacity.bodies]{};
-    HalfSpace<N> plane_[capacity.planes > 0 ? capacity.planes : 1]{};
+    Shapes<N, features.bodies> shape_{};
+    Work radius_[features.bodies]{}, per_mass_[features.bodies]{};
+    Real compliance_[features.bodies]{};
+    HalfSpace<N> plane_[features.planes > 0 ? features.planes : 1]{};
     int plane_count_ = 0;
 };
 

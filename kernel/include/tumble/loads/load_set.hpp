@@ -11,40 +11,41 @@
 
 namespace tumble {
 
-template <class N, Spin spin, Capacity capacity>
+template <class N, Spin spin, Features features>
 class LoadSet {
 public:
     using Work = typename N::Work;
     using DriftSum = typename N::DriftSum;
-    using Bodies = tumble::Bodies<N, spin, capacity.bodies>;
-    using Unit = tumble::Unit<capacity.bodies>;
+    using Bodies = tumble::Bodies<N, spin, features.bodies>;
+    using Unit = tumble::Unit<features.bodies>;
 
     LoadSet(Real step, const WorldSpec& spec)
         : seconds_{N::template constant<Work>(step)},
           steps_per_second_{N::template constant<Work>(Real{1} / step)}, contacts_{step, spec.contact} {
-        if constexpr (capacity.drag)
+        if constexpr (features.drag)
             drag_ = {N::template constant<Work>(spec.linear_drag), N::template constant<Work>(spec.angular_drag)};
-        if constexpr (capacity.gravitation) gravitation_ = {N::template constant<Work>(spec.gravitation)};
+        if constexpr (features.gravitation) gravitation_ = {N::template constant<Work>(spec.gravitation)};
     }
 
     // A body has been added.
     void set_body([[maybe_unused]] int b, [[maybe_unused]] const BodySpec& spec,
                   [[maybe_unused]] const PrincipalInertia& inertia, [[maybe_unused]] Bodies& bodies) {
-        if constexpr (capacity.gravitation) mass_[b] = N::template constant<Work>(spec.mass);
-        if constexpr (capacity.springs_touch()) contacts_.set_body(b, spec, inertia, bodies);
+        if constexpr (features.gravitation) mass_[b] = N::template constant<Work>(spec.mass);
+        if constexpr (features.springs_touch()) contacts_.set_body(b, spec, inertia, bodies);
     }
     // False when there is no room.
-    bool add(const PlaneSpec& spec, Bodies& bodies) requires(capacity.springs_touch()) {
+    bool add(const PlaneSpec& spec, Bodies& bodies) requires(features.springs_touch()) {
         return contacts_.add(spec, bodies);
     }
-    [[nodiscard]] Real largest_safe_step() const requires(capacity.springs_touch()) {
+    [[nodiscard]] Real largest_safe_step() const requires(features.springs_touch()) {
         return contacts_.largest_safe_step();
     }
     // False when there is no room.
-    [[gnu::noinline]] bool add(const SpringSpec& spec, const Bodies& bodies) requires(capacity.springs > 0) {
-        if (spring_count_ >= capacity.springs) return false;
+    [[gnu::noinline]] bool add(const SpringSpec& spec, const Bodies& bodies) requires(features.springs > 0) {
+        TUMBLE_ASSERT(spec.to_body >= -1 && spec.to_body < bodies.count);
+        if (spring_count_ >= features.springs) return false;
         Spring<N>& spring = spring_[spring_count_++];
-        spring.body = static_cast<std::int16_t>(spec.body);
+        spring.body = static_cast<std::int16_t>(bodies.index_of(spec.body));
         spring.to_body = static_cast<std::int16_t>(spec.to_body);
         spring.point_b = bodies.principal_vector(spec.body, spec.point);
         if (spec.to_body >= 0) spring.to = bodies.principal_vector(spec.to_body, spec.to);
@@ -55,65 +56,65 @@ public:
         spring.rest_length = N::template constant<Work>(spec.rest_length);
         return true;
     }
-    void set_forces(Span<TimedForce<N>> forces) requires(capacity.forces) { forces_ = forces; }
+    void set_forces(Span<TimedForce<N>> forces) requires(features.forces) { forces_ = forces; }
 
     // Does the body feel anything but gravity in this step?
     [[nodiscard]] bool is_loaded(const Bodies& bodies, int b) const {
-        if constexpr (capacity.drag)
+        if constexpr (features.drag)
             if (drag_.acts()) return true;
-        if constexpr (capacity.gravitation)
+        if constexpr (features.gravitation)
             if (gravitation_.constant > Work(0) && bodies.count > 1) return true;
-        if constexpr (capacity.springs > 0) {
+        if constexpr (features.springs > 0) {
             for (int s = 0; s < spring_count_; ++s)
                 if (spring_[s].body == b || spring_[s].to_body == b) return true;
         }
-        if constexpr (capacity.forces) {
+        if constexpr (features.forces) {
             for (const TimedForce<N>& force : forces_)
                 if (force.body == b && force.is_on(bodies.steps_taken)) return true;
         }
-        if constexpr (capacity.springs_touch())
+        if constexpr (features.springs_touch())
             if (contacts_.concerns(b)) return true;
         return false;
     }
     // Does it feel another moving body?
     [[nodiscard]] bool is_coupled([[maybe_unused]] const Bodies& bodies, int b) const {
-        if constexpr (capacity.gravitation)
+        if constexpr (features.gravitation)
             if (gravitation_.constant > Work(0) && bodies.count > 1) return true;
-        if constexpr (capacity.springs > 0) {
+        if constexpr (features.springs > 0) {
             for (int s = 0; s < spring_count_; ++s) {
                 if (spring_[s].to_body >= 0 && (spring_[s].body == b || spring_[s].to_body == b)) return true;
             }
         }
-        if constexpr (capacity.springs_touch())
+        if constexpr (features.springs_touch())
             if (contacts_.couples(b)) return true;
         return false;
     }
     // Calls f(other) for every body that a spring or gravitation ties to b.
     template <class F>
     void for_each_coupled([[maybe_unused]] const Bodies& bodies, [[maybe_unused]] int b, [[maybe_unused]] F&& f) const {
-        if constexpr (capacity.springs > 0) {
+        if constexpr (features.springs > 0) {
             for (int s = 0; s < spring_count_; ++s) {
                 if (spring_[s].to_body < 0) continue;
                 if (spring_[s].body == b) f(spring_[s].to_body);
                 if (spring_[s].to_body == b) f(spring_[s].body);
             }
         }
-        if constexpr (capacity.gravitation) {
+        if constexpr (features.gravitation) {
             for (int other = 0; gravitation_.constant > Work(0) && other < bodies.count; ++other)
                 if (other != b) f(other);
         }
     }
     // Calls f(body) for every timed force that begins or ends at the step.
     template <class F>
-    void for_each_change(std::uint32_t step, F&& f) const requires(capacity.forces) {
+    void for_each_change(std::uint32_t step, F&& f) const requires(features.forces) {
         for (const TimedForce<N>& force : forces_)
             if (force.from == step || force.until == step) f(force.body);
     }
 
     // The loads of one unit of bodies, as the methods call them.
     struct Evaluate {
-        static constexpr bool may_depend_on_velocity = capacity.drag || capacity.springs > 0 ||
-                                                       capacity.springs_touch();
+        static constexpr bool may_depend_on_velocity = features.drag || features.springs > 0 ||
+                                                       features.springs_touch();
 
         Bodies& bodies;
         const LoadSet& loads;
@@ -139,13 +140,13 @@ public:
             });
         }
         [[nodiscard]] bool depends_on_velocity() const {
-            if constexpr (capacity.drag)
+            if constexpr (features.drag)
                 if (loads.drag_.acts()) return true;
-            if constexpr (capacity.springs > 0) {
+            if constexpr (features.springs > 0) {
                 for (int s = 0; s < loads.spring_count_; ++s)
                     if (loads.spring_[s].damping > Work(0)) return true;
             }
-            if constexpr (capacity.springs_touch())
+            if constexpr (features.springs_touch())
                 if (loads.contacts_.depends_on_velocity()) return true;
             return false;
         }
@@ -172,7 +173,7 @@ private:
     // Calls kick(place in the unit, change of drift in m, change of half turn in rad) for each body.
     template <class F>
     void evaluate(const Evaluate& e, const StageState<N>* stages, F&& kick) const {
-        LoadedBody<N> loaded[capacity.bodies];
+        LoadedBody<N> loaded[features.bodies];
         for (int k = 0; k < e.unit.count; ++k) load(loaded[k], e.unit.id[k], stages[k], e);
         const auto find = [&](int b) -> LoadedBody<N>* {
             for (int k = 0; k < e.unit.count; ++k)
@@ -187,9 +188,9 @@ private:
             load(still, b, still_stage, e);
             return &still;
         };
-        if constexpr (capacity.drag)
+        if constexpr (features.drag)
             for (int k = 0; k < e.unit.count; ++k) drag_.apply(loaded[k]);
-        if constexpr (capacity.springs > 0) {
+        if constexpr (features.springs > 0) {
             for (int s = 0; s < spring_count_; ++s) {
                 const Spring<N>& spring = spring_[s];
                 LoadedBody<N>* a = find(spring.body);
@@ -200,7 +201,7 @@ private:
                 }
             }
         }
-        if constexpr (capacity.gravitation) {
+        if constexpr (features.gravitation) {
             for (int k = 0; k < e.unit.count && gravitation_.constant > Work(0); ++k) {
                 const int a = e.unit.id[k];
                 for (int b = 0; b < e.bodies.count; ++b) {
@@ -209,17 +210,17 @@ private:
                 }
             }
         }
-        if constexpr (capacity.forces) {
+        if constexpr (features.forces) {
             for (const TimedForce<N>& force : forces_) {
                 if (!force.is_on(e.bodies.steps_taken)) continue;
                 if (LoadedBody<N>* b = find(force.body)) apply(force, *b);
             }
         }
-        if constexpr (capacity.springs_touch()) {
+        if constexpr (features.springs_touch()) {
             for (int k = 0; k < e.unit.count; ++k) {
                 const int a = e.unit.id[k];
                 contacts_.apply(loaded[k], a, e.bodies);
-                for (int b = 0; capacity.pairs && b < e.bodies.count; ++b) {
+                for (int b = 0; features.pairs && b < e.bodies.count; ++b) {
                     if (b == a || (b < a && find(b) != nullptr)) continue;
                     contacts_.apply(loaded[k], a, *other_end(b), b, e.bodies);
                 }
@@ -249,13 +250,13 @@ private:
     }
 
     Work seconds_, steps_per_second_;
-    [[no_unique_address]] If<capacity.drag, Drag<N>, 0> drag_{};
-    [[no_unique_address]] If<capacity.gravitation, Gravitation<N>, 1> gravitation_{};
-    [[no_unique_address]] If<capacity.gravitation, Array<Work, capacity.bodies>, 2> mass_{};
-    [[no_unique_address]] If<(capacity.springs > 0), Array<Spring<N>, capacity.springs>, 3> spring_{};
-    [[no_unique_address]] If<(capacity.springs > 0), int, 4> spring_count_{};
-    [[no_unique_address]] If<capacity.forces, Span<TimedForce<N>>, 5> forces_{};
-    [[no_unique_address]] If<capacity.springs_touch(), ContactSprings<N, spin, capacity>, 6> contacts_;
+    [[no_unique_address]] If<features.drag, Drag<N>, 0> drag_{};
+    [[no_unique_address]] If<features.gravitation, Gravitation<N>, 1> gravitation_{};
+    [[no_unique_address]] If<features.gravitation, Array<Work, features.bodies>, 2> mass_{};
+    [[no_unique_address]] If<(features.springs > 0), Array<Spring<N>, features.springs>, 3> spring_{};
+    [[no_unique_address]] If<(features.springs > 0), int, 4> spring_count_{};
+    [[no_unique_address]] If<features.forces, Span<TimedForce<N>>, 5> forces_{};
+    [[no_unique_address]] If<features.springs_touch(), ContactSprings<N, spin, features>, 6> contacts_;
 };
 
 }  // namespace tumble

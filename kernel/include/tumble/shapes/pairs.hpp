@@ -9,9 +9,9 @@ namespace tumble {
 
 // Calls f(what is known of two shapes, the view in its order, whether that is reversed). box_box(view) is asked for
 // what is known of two boxes.
-template <Capacity capacity, class N, class BoxBoxOf, class F>
+template <Features features, class N, class BoxBoxOf, class F>
 void with_contact(const PairView<N>& view, [[maybe_unused]] BoxBoxOf&& box_box, F&& f) {
-    if constexpr (capacity.boxes) {
+    if constexpr (features.boxes) {
         const bool box_a = view.a.is(ShapeKind::box), box_b = view.b.is(ShapeKind::box);
         if (box_a && box_b) return f(box_box(view), view, false);
         if (box_b) return f(SphereBox<N>{view}, view, false);

@@ -9,7 +9,7 @@
 
 namespace tumble {
 
-template <class N, Capacity capacity>
+template <class N, Features features>
 class PlaneView {
 public:
     using Numbers = ContactNumbers<N>;
@@ -19,10 +19,10 @@ public:
     // `height` is the centre's; `principal` are the body's principal axes.
     PlaneView(const ContactShape<N>& shape, const Axes<N>& principal, const Vec3<Unit>& normal, Length height)
         : shape_{shape}, normal_{principal.to_body(normal)}, height_{height} {
-        if (capacity.boxes && shape.is(ShapeKind::box)) {
+        if (features.boxes && shape.is(ShapeKind::box)) {
             const Vec3<Unit> n = shape.turned ? shape.edges.to_body(normal_) : normal_;
             for (int i = 0; i < 3; ++i) reach_[i] = narrow<Length>(mul(n[i], shape.half[i]));
-        } else if (capacity.cylinders && !shape.is(ShapeKind::sphere)) {
+        } else if (features.round_shapes && !shape.is(ShapeKind::sphere)) {
             const Unit upright = narrow<Unit>(dot(normal_, shape.axis));
             reach_[1] = narrow<Length>(mul(upright, shape.half.y()));
             reach_[0] = shape.half.x();
@@ -51,7 +51,7 @@ public:
         const auto add = [&](Length gap, const Vec3<Length>& arm) {
             if (!(gap > band)) found.add_lowest({arm, Vec3<Length>::Constant(Length{}), gap});
         };
-        if constexpr (capacity.boxes) {
+        if constexpr (features.boxes) {
             if (shape_.is(ShapeKind::box)) {
                 for (int corner = 0; corner < 8; ++corner) {
                     Length gap = height_;
@@ -64,7 +64,7 @@ public:
                 return;
             }
         }
-        if constexpr (capacity.cylinders) {
+        if constexpr (features.round_shapes) {
             if (shape_.is(ShapeKind::capsule)) {
                 for (int end = 0; end < 2; ++end) {
                     const Length up = end == 0 ? shape_.half.y() : -shape_.half.y();

@@ -1,0 +1,167 @@
+// The list of features, what a scene type must be, and misuse that ends in TUMBLE_ASSERT.
+#include <tumble/tumble.hpp>
+
+#include "worlds.hpp"
+
+#include <set>
+#include <string>
+
+namespace tumble::test {
+namespace {
+
+// Converts to any member, for counting those of an aggregate.
+struct Anything {
+    template <class T>
+    constexpr operator T() const;
+};
+template <class T, class... Members>
+constexpr std::size_t count_of_members() {
+    if constexpr (requires { T{Members{}..., Anything{}}; }) return count_of_members<T, Members..., Anything>();
+    else return sizeof...(Members);
+}
+
+TEST(Features, the_list_names_every_member_once) {
+    std::set<std::string> names;
+    std::size_t count = 0;
+    Features::for_each([&](const char* name, auto) {
+        names.insert(name);
+        ++count;
+    });
+    EXPECT_EQ(count, count_of_members<Features>());
+    EXPECT_EQ(names.size(), count);
+}
+
+TEST(Features, each_member_is_visited_on_its_own) {
+    Features::for_each([]<class T>(const char* name, T Features::*member) {
+        Features one;
+        one.*member = static_cast<T>(!static_cast<bool>(one.*member));
+        EXPECT_FALSE(one == Features{}) << name;
+        int differ = 0;
+        Features::for_each([&](const char*, auto other) { differ += one.*other != Features{}.*other ? 1 : 0; });
+        EXPECT_EQ(differ, 1) << name;
+    });
+}
+
+TEST(Features, a_union_has_room_for_both) {
+    constexpr Features a{.bodies = 2, .planes = 3, .drag = true, .contact_impulses = false},
+        b{.bodies = 5, .planes = 1, .sleep = true};
+    constexpr Features both{.bodies = 5, .planes = 3, .drag = true, .sleep = true};
+    EXPECT_TRUE(a.united_with(b) == both);
+    EXPECT_TRUE(b.united_with(a) == both);
+}
+
+TEST(Features, everything_keeps_the_room) {
+    constexpr Features all = Features{.bodies = 7, .near_pairs = 9, .contact_impulses = false}.with_everything();
+    Features::for_each([&]<class T>(const char* name, T Features::*member) {
+        const bool is_on = !std::is_same_v<T, bool> || all.*member;
+        EXPECT_TRUE(is_on) << name;
+    });
+    EXPECT_EQ(all.bodies, 7);
+    EXPECT_EQ(all.near_pairs, 9);
+    EXPECT_EQ(all.planes, 0);
+}
+
+// A method that lacks its step.
+struct Stepless {
+    static constexpr const char* name = "stepless";
+    static constexpr int order = 1;
+    static constexpr Spin spin = Spin::angular_momentum;
+    static constexpr Coasting coasting = Coasting::end;
+    template <class N>
+    using Inertia = integrators::Verlet::Inertia<N>;
+};
+// What it lacks, and a step that does not say whether it converged.
+struct Mute : Stepless {
+    template <class N>
+    static void rotate(BodyState<N, spin>&, const Inertia<N>&, const StepInfo<N>&);
+    template <class N, int capacity, class Evaluate>
+    static void advance(const Group<N, spin, Inertia<N>, capacity>&, const Evaluate&, const StepInfo<N>&);
+};
+struct Complete : Mute {
+    template <class N, int capacity, class Evaluate>
+    static bool advance(const Group<N, spin, Inertia<N>, capacity>&, const Evaluate&, const StepInfo<N>&);
+};
+static_assert(!tumble::Method<int, Q32<>> && !tumble::Method<Stepless, Q32<>> && !tumble::Method<Mute, Q32<>> &&
+              tumble::Method<Complete, Q32<>> && tumble::Method<Complete, F64>);
+
+TEST(Method, every_integrator_of_the_list_is_one) {
+    int count = 0;
+    const auto check = [&]<class N>() {
+        Integrators::for_each_in<N>([&]<class M>() {
+            EXPECT_TRUE((tumble::Method<M, N>)) << M::name;
+            ++count;
+        });
+    };
+    check.operator()<Q32<>>();
+    check.operator()<F32>();
+    check.operator()<F64>();
+    EXPECT_GT(count, 3);
+}
+
+struct Pair : Scene {
+    static constexpr Features features{.bodies = 2, .springs = 4, .forces = true, .impulses = true};
+};
+class Misuse : public testing::Test {
+protected:
+    Misuse() { (void)world_.add(sphere(Real{1}, Real{1})); }
+
+    World<Pair> world_{Seconds{1, 256}};
+};
+using MisuseDeathTest = Misuse;
+
+TEST_F(MisuseDeathTest, of_a_body_that_is_not_there_ends_the_program) {
+    for (const BodyId id : {BodyId{}, BodyId{1}, BodyId{-2}, BodyId{1000}}) {
+        EXPECT_DEATH((void)world_.state(id), "") << id.index();
+        EXPECT_DEATH((void)world_.position(id), "") << id.index();
+        EXPECT_DEATH((void)world_.velocity(id), "") << id.index();
+        EXPECT_DEATH((void)world_.angular_velocity(id), "") << id.index();
+        EXPECT_DEATH((void)world_.orientation(id), "") << id.index();
+        EXPECT_DEATH(world_.apply_impulse(id, {1, 0, 0}), "") << id.index();
+    }
+    EXPECT_TRUE(world_.state(BodyId{0}) == world_.bodies().state[0]);
+}
+
+TEST_F(MisuseDeathTest, of_a_spring_between_bodies_that_are_not_there_ends_the_program) {
+    const auto spring = [](int body, int to_body) {
+        SpringSpec spec;
+        spec.body = body;
+        spec.to_body = to_body;
+        spec.stiffness = 1;
+        return spec;
+    };
+    EXPECT_DEATH((void)world_.add(spring(1, -1)), "");
+    EXPECT_DEATH((void)world_.add(spring(-1, -1)), "");
+    EXPECT_DEATH((void)world_.add(spring(0, 1)), "");
+    EXPECT_DEATH((void)world_.add(spring(0, -2)), "");
+    EXPECT_TRUE(world_.add(spring(0, -1)));
+    (void)world_.add(sphere(Real{1}, Real{1}));
+    EXPECT_TRUE(world_.add(spring(0, 1)));
+}
+
+TEST_F(MisuseDeathTest, of_an_event_of_a_body_that_is_not_there_ends_the_program) {
+    ImpulseSpec impulse;
+    ForceSpec force;
+    for (const int body : {-1, 1, 32768}) {
+        impulse.body = force.body = body;
+        EXPECT_DEATH((void)world_.prepare(impulse), "") << body;
+        EXPECT_DEATH((void)world_.prepare(force), "") << body;
+    }
+    impulse.body = force.body = 0;
+    EXPECT_EQ(world_.prepare(impulse).body, 0);
+    EXPECT_EQ(world_.prepare(force).body, 0);
+}
+
+struct Floor : Scene {
+    static constexpr Features features{.planes = 1, .sleep = true};
+};
+TEST(ContactMisuseDeathTest, of_a_body_that_is_not_there_ends_the_program) {
+    World<Floor> world{Seconds{1, 256}};
+    EXPECT_DEATH((void)world.asleep({}), "");
+    EXPECT_DEATH((void)world.contact_count({}), "");
+    const BodyId id = world.add(sphere(Real{1}, Real{1}));
+    EXPECT_FALSE(world.asleep(id));
+    EXPECT_EQ(world.contact_count(id), 0);
+}
+
+}  // namespace
+}  // namespace tumble::test
