@@ -8,8 +8,6 @@
 
 #include <tumble/world.hpp>
 
-#include <cstddef>
-
 namespace tumble {
 
 namespace detail {

@@ -4,8 +4,6 @@
 
 #include <tumble/config.hpp>
 
-#include <cstdint>
-
 namespace tumble {
 
 enum class Issue : std::uint8_t {

@@ -1,7 +1,47 @@
-// tumble: rigid bodies on small hardware, the same bits everywhere. Includes everything a firmware needs.
+// tumble: rigid bodies on small hardware, the same bits everywhere. Includes the whole kernel. Behind it the user's
+// macros and treatment of floating point are what they were before.
 #pragma once
 
+// Macros of Arduino and others, by names that the kernel, Eigen and the standard library use.
+#pragma push_macro("B1")
+#pragma push_macro("abs")
+#pragma push_macro("max")
+#pragma push_macro("min")
+#pragma push_macro("round")
+#undef B1
+#undef abs
+#undef max
+#undef min
+#undef round
+
+// See the end of config.hpp.
+#if defined(__clang__)
+#pragma clang diagnostic push
+#pragma clang diagnostic ignored "-Wignored-pragmas"
+#pragma float_control(push)
+#pragma clang diagnostic pop
+#elif defined(__GNUC__)
+#pragma GCC push_options
+#endif
+
 #include <tumble/integrators/list.hpp>
+#include <tumble/numbers/variants.hpp>
 #include <tumble/replay.hpp>
 #include <tumble/version.hpp>
 #include <tumble/world.hpp>
+
+#if defined(__clang__)
+#pragma STDC FP_CONTRACT DEFAULT
+#pragma clang diagnostic push
+#pragma clang diagnostic ignored "-Wignored-pragmas"
+#pragma float_control(pop)
+#pragma clang diagnostic pop
+#elif defined(__GNUC__)
+#pragma GCC pop_options
+#endif
+
+#pragma pop_macro("B1")
+#pragma pop_macro("abs")
+#pragma pop_macro("max")
+#pragma pop_macro("min")
+#pragma pop_macro("round")

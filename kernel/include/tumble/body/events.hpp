@@ -4,8 +4,6 @@
 
 #include <tumble/body/bodies.hpp>
 
-#include <cstddef>
-
 namespace tumble {
 
 template <class N>

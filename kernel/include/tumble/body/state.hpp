@@ -5,8 +5,6 @@
 
 #include <tumble/numbers/systems.hpp>
 
-#include <cstddef>
-#include <new>
 #include <type_traits>
 
 namespace tumble {

@@ -1,7 +1,7 @@
 // Which bodies a step must advance together: those that near pairs or loads between bodies connect.
 #pragma once
 
-#include <cstdint>
+#include <tumble/config.hpp>
 
 namespace tumble {
 

@@ -4,9 +4,6 @@
 
 #include <tumble/numbers/systems.hpp>
 
-#include <cstddef>
-#include <utility>
-
 namespace tumble {
 
 // A fraction known at compile time, such as an entry of a Butcher table.

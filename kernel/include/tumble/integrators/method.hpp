@@ -18,8 +18,6 @@
 #include <tumble/body/orientation.hpp>
 #include <tumble/body/stage.hpp>
 
-#include <concepts>
-
 namespace tumble {
 
 // The free_order of a rotation without truncation error.

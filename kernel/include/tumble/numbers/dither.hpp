@@ -7,8 +7,6 @@
 
 #include <tumble/config.hpp>
 
-#include <cstdint>
-
 namespace tumble {
 
 struct Dither {

@@ -6,8 +6,6 @@
 #include <tumble/config.hpp>
 #include <tumble/numbers/real.hpp>
 
-#include <compare>
-#include <cstdint>
 #include <type_traits>
 
 namespace tumble {
@@ -40,8 +38,8 @@ struct Fixed {
     friend constexpr auto operator<=>(Fixed a, Fixed b) { return a.raw <=> b.raw; }
 
 private:
-    static constexpr std::uint32_t bits(Fixed a) { return static_cast<std::uint32_t>(a.raw); }
-    static constexpr std::int32_t wrap(std::uint32_t v) { return static_cast<std::int32_t>(v); }
+    TUMBLE_INLINE static constexpr std::uint32_t bits(Fixed a) { return static_cast<std::uint32_t>(a.raw); }
+    TUMBLE_INLINE static constexpr std::int32_t wrap(std::uint32_t v) { return static_cast<std::int32_t>(v); }
 };
 
 template <int F>
@@ -59,8 +57,8 @@ struct Wide {
     friend constexpr auto operator<=>(Wide a, Wide b) { return a.raw <=> b.raw; }
 
 private:
-    static constexpr std::uint64_t bits(Wide a) { return static_cast<std::uint64_t>(a.raw); }
-    static constexpr std::int64_t wrap(std::uint64_t v) { return static_cast<std::int64_t>(v); }
+    TUMBLE_INLINE static constexpr std::uint64_t bits(Wide a) { return static_cast<std::uint64_t>(a.raw); }
+    TUMBLE_INLINE static constexpr std::int64_t wrap(std::uint64_t v) { return static_cast<std::int64_t>(v); }
 };
 
 namespace detail {

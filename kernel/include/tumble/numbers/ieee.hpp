@@ -8,7 +8,6 @@
 #include <tumble/numbers/functions.hpp>
 #include <tumble/numbers/vectors.hpp>
 
-#include <limits>
 #include <tumble/numbers/functions.hpp>
 
 namespace tumble {

@@ -5,8 +5,6 @@
 
 #include <tumble/config.hpp>
 
-#include <bit>
-#include <cstdint>
 #include <type_traits>
 
 namespace tumble {

@@ -5,10 +5,6 @@
 
 #include <tumble/numbers/scaled.hpp>
 
-#include <Eigen/Core>
-
-#include <concepts>
-
 namespace Eigen {
 
 template <int F>
