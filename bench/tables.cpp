@@ -13,6 +13,7 @@
 #include <set>
 #include <sstream>
 
+#include "port.hpp"
 #include "rows.hpp"
 #include "simulation/simulation.hpp"
 
@@ -510,6 +511,9 @@ int main(int argc, char** argv) try {
         {"max_bodies", [] { return std::to_string(tumble::host::max_bodies); }},
         {"max_planes", [] { return std::to_string(tumble::host::max_planes); }},
         {"max_springs", [] { return std::to_string(tumble::host::max_springs); }},
+        {"abort_status", [] { return std::to_string(tumble::port::abort_status); }},
+        {"text_lost_status", [] { return std::to_string(tumble::port::text_lost_status); }},
+        {"no_counter_status", [] { return std::to_string(tumble::port::no_counter_status); }},
     };
     std::set<std::string> used;
     bool drifted = false;
