@@ -24,3 +24,13 @@ function(tumble_add_firmware_objects name)
     target_link_libraries(${name} PRIVATE tumble_program_flags)
     target_compile_definitions(${name} PRIVATE ${arg_DEFINES})
 endfunction()
+
+# tumble_add_firmware_test(<test> FIRMWARE <name> [OUTPUT <regex>])
+#   runs it under ctest; it must end with status 0, or print what matches the regex.
+function(tumble_add_firmware_test test)
+    cmake_parse_arguments(PARSE_ARGV 1 arg "" "FIRMWARE;OUTPUT" "")
+    add_test(NAME ${test} COMMAND ${arg_FIRMWARE})
+    if(arg_OUTPUT)
+        set_tests_properties(${test} PROPERTIES PASS_REGULAR_EXPRESSION "${arg_OUTPUT}")
+    endif()
+endfunction()
