@@ -15,7 +15,7 @@
 
 #include "port.hpp"
 #include "rows.hpp"
-#include "simulation/simulation.hpp"
+#include "scene/data.hpp"
 
 namespace {
 
