@@ -1,34 +1,84 @@
-# The kernel's own lists, for builds that make one program an entry: the integrators in integrators/list.hpp and the
-# number-system variants in numbers/variants.hpp. The headers are the source; nothing is listed twice.
+# The kernel's own lists, for builds that make one program an entry. The headers are the source; nothing is listed twice.
+#   TUMBLE_INTEGRATORS                 integrators/list.hpp, in its order
+#   TUMBLE_FLOATING_POINT_INTEGRATORS  those with a member not_in_fixed_point, as runs_in of integrators/method.hpp asks
+#   TUMBLE_NUMBER_SYSTEMS              numbers/systems.hpp, in its order
+#   TUMBLE_FIXED_POINT_SYSTEMS         those of integers
+#   TUMBLE_NUMBER_VARIANTS             those that firmware is made of
+#   TUMBLE_RANGES                      the ranges of fixed point, the smallest first
+# A list is read entry by entry, whatever its lines are, and what is no entry stops the build. The tests of the kernel
+# compare the result with what a compiler makes of the headers (tests/kernel/lists_test.cpp).
 set(kernel_headers ${CMAKE_CURRENT_LIST_DIR}/include/tumble)
-set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS
-    ${kernel_headers}/integrators/list.hpp ${kernel_headers}/numbers/variants.hpp)
 
-file(STRINGS ${kernel_headers}/integrators/list.hpp TUMBLE_INTEGRATORS REGEX "^    integrators::")
-list(TRANSFORM TUMBLE_INTEGRATORS REPLACE "^ *integrators::([A-Za-z0-9]+).*" "\\1")
+# The text of a header without its comments; the build is configured again when it changes.
+function(tumble_read_header header result)
+    set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${header})
+    file(READ ${header} text)
+    string(REGEX REPLACE "//[^\n]*" "" text "${text}")
+    set(${result} "${text}" PARENT_SCOPE)
+endfunction()
 
-file(STRINGS ${kernel_headers}/numbers/variants.hpp TUMBLE_NUMBER_VARIANTS REGEX "^struct [a-z0-9_]+ {")
-list(TRANSFORM TUMBLE_NUMBER_VARIANTS REPLACE "^struct ([a-z0-9_]+) .*" "\\1")
+# The entries between the angle brackets of `using <name> = <list><...>;`, each of which must match `entry`.
+function(tumble_read_list header name list entry result)
+    tumble_read_header(${header} text)
+    if(NOT text MATCHES "using[ \n]+${name}[ \n]*=[ \n]*${list}<([^;]*)>[ \n]*;")
+        message(FATAL_ERROR "${header}: expected \"using ${name} = ${list}<...>;\", which kernel/lists.cmake reads")
+    endif()
+    string(REGEX REPLACE "[ \n]" "" body "${CMAKE_MATCH_1}")
+    string(REGEX MATCHALL "${entry}" entries "${body}")
+    list(JOIN entries "," read)
+    if(NOT read STREQUAL body OR body STREQUAL "")
+        message(FATAL_ERROR "${header}: ${name} holds \"${body}\", of which kernel/lists.cmake can read \"${read}\"; "
+            "expected entries like ${entry}")
+    endif()
+    set(${result} "${entries}" PARENT_SCOPE)
+endfunction()
 
-# The integrators that say why they do not run in fixed point, as runs_in in integrators/method.hpp asks them.
+tumble_read_list(${kernel_headers}/integrators/list.hpp Integrators IntegratorList "integrators::[A-Za-z0-9_]+"
+    TUMBLE_INTEGRATORS)
+list(TRANSFORM TUMBLE_INTEGRATORS REPLACE "^integrators::" "")
+
+# A method's structure is the last that begins before the member.
 set(TUMBLE_FLOATING_POINT_INTEGRATORS "")
 file(GLOB method_headers CONFIGURE_DEPENDS ${kernel_headers}/integrators/*.hpp)
-set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${method_headers})
 foreach(header IN LISTS method_headers)
-    file(STRINGS ${header} lines REGEX "^struct [A-Za-z0-9]+|const char\\* not_in_fixed_point")
-    foreach(line IN LISTS lines)
-        if(line MATCHES "^struct ([A-Za-z0-9]+)")
-            set(method ${CMAKE_MATCH_1})
+    tumble_read_header(${header} text)
+    string(REGEX MATCHALL "(struct|class)[ \n]+[A-Za-z0-9_]+|char[ \n]*\\*[ \n]*not_in_fixed_point" words "${text}")
+    set(method "")
+    foreach(word IN LISTS words)
+        if(word MATCHES "^(struct|class)[ \n]+(.*)")
+            set(method ${CMAKE_MATCH_2})
+        elseif(NOT method IN_LIST TUMBLE_INTEGRATORS)
+            message(FATAL_ERROR "${header}: not_in_fixed_point is a member of ${method}, expected one of the integrators: "
+                "${TUMBLE_INTEGRATORS}")
         else()
             list(APPEND TUMBLE_FLOATING_POINT_INTEGRATORS ${method})
         endif()
     endforeach()
 endforeach()
 
+set(systems_header ${kernel_headers}/numbers/systems.hpp)
+tumble_read_list(${systems_header} Ranges NamedList "NamedRange<\"[a-z0-9_]+\",[A-Za-z0-9]+>" TUMBLE_RANGES)
+list(TRANSFORM TUMBLE_RANGES REPLACE "^[^\"]*\"([a-z0-9_]+)\".*" "\\1")
+tumble_read_list(${systems_header} NumberSystems NamedList
+    "(FixedPoint|FloatingPoint)<\"[a-z0-9_]+\",[A-Za-z0-9]+,(true|false)(,Runs::on_the_host)?>" entries)
+foreach(list IN ITEMS TUMBLE_NUMBER_SYSTEMS TUMBLE_FIXED_POINT_SYSTEMS TUMBLE_NUMBER_VARIANTS)
+    set(${list} "")
+endforeach()
+foreach(entry IN LISTS entries)
+    string(REGEX REPLACE "^[^\"]*\"([a-z0-9_]+)\".*" "\\1" system "${entry}")
+    list(APPEND TUMBLE_NUMBER_SYSTEMS ${system})
+    if(entry MATCHES "^FixedPoint")
+        list(APPEND TUMBLE_FIXED_POINT_SYSTEMS ${system})
+    endif()
+    if(NOT entry MATCHES "Runs::on_the_host")
+        list(APPEND TUMBLE_NUMBER_VARIANTS ${system})
+    endif()
+endforeach()
+
 # The integrators that run in a number system.
 function(tumble_integrators_of variant result)
     set(methods ${TUMBLE_INTEGRATORS})
-    if(variant MATCHES "^q32")
+    if(variant IN_LIST TUMBLE_FIXED_POINT_SYSTEMS)
         list(REMOVE_ITEM methods ${TUMBLE_FLOATING_POINT_INTEGRATORS})
     endif()
     set(${result} ${methods} PARENT_SCOPE)
@@ -39,7 +89,7 @@ endfunction()
 # Registers renamed after allocation save 2 %, and no partial redundancy elimination, which lengthens lives, 1 %.
 function(tumble_variant_options variant result)
     set(options "")
-    if(variant MATCHES "^q32")
+    if(variant IN_LIST TUMBLE_FIXED_POINT_SYSTEMS)
         set(options -fno-schedule-insns -frename-registers -fno-tree-pre)
     endif()
     set(${result} ${options} PARENT_SCOPE)

@@ -2,7 +2,6 @@
 #include "contender.hpp"
 
 #include <tumble/integrators/list.hpp>
-#include <tumble/numbers/variants.hpp>
 #include <tumble/tumble.hpp>
 
 namespace {
@@ -60,8 +59,8 @@ int main(int argc, char** argv) {
                                   [] { return std::make_unique<TumbleTop<N, Method>>(); }});
         });
     };
-    add.template operator()<tumble::variants::q32::Numbers<tumble::NearRange>>();
-    add.template operator()<tumble::variants::f32_plain::Numbers<tumble::NearRange>>();
-    add.template operator()<tumble::variants::f64::Numbers<tumble::NearRange>>();
+    add.template operator()<tumble::Q32<tumble::NearRange>>();
+    add.template operator()<tumble::F32Plain>();
+    add.template operator()<tumble::F64>();
     return contest(argc, argv, contenders);
 }

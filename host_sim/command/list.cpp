@@ -43,15 +43,11 @@ int list() {
     for (const NumberSystemInfo& info : number_systems()) {
         if (info.name == shown) continue;
         shown = info.name;
-        const auto what = info.name == "q32"   ? "32-bit integers only, formats from the range; carry is on by default"
-                          : info.name == "f32" ? "IEEE 754 single precision; carry is on by default"
-                                               : "IEEE 754 double precision; carry is off by default";
-        std::cout << "  " << std::setw(20) << info.name << what << "\n";
+        std::cout << "  " << std::setw(20) << info.name << info.what << "; carry is " << (info.carry ? "on" : "off")
+                  << " by default\n";
     }
     std::cout << "\nranges                of q32; the smallest that holds the scene's [range] is used\n";
-    print_range<NearRange>("near");
-    print_range<RoomRange>("room");
-    print_range<FieldRange>("field");
+    Ranges::for_each([]<class Named>() { print_range<typename Named::Range>(Named::name); });
     std::cout << "\ncores                 QEMU machine and compiler flags\n";
     for (const Core& core : cores())
         std::cout << "  " << std::setw(20) << core.name << std::setw(14) << core.machine << core.flags << "\n";

@@ -1,5 +1,5 @@
-// The number systems that the host has compiled in. The build makes one translation unit of worlds for each line of the
-// list, so a new number system is one line here.
+// The kernel's number systems as the simulator has them compiled in: those of fixed point once for each range. The build
+// makes one translation unit of worlds for each.
 #pragma once
 
 #include <tumble/numbers/systems.hpp>
@@ -17,23 +17,22 @@ namespace tumble::host {
 template <class N>
 struct System {
     using Numbers = N;
-    std::string_view type;        // in C++
-    std::string_view range = {};  // the preset of a fixed-point system
+    std::string_view range = {};  // its name, of a fixed-point system
 };
 
-// Ranges of one kind from the smallest to the largest: the first that holds a scene's [range] is used.
-inline constexpr std::tuple number_system_list{
-    System<Q32<NearRange>>{"tumble::Q32<tumble::NearRange>", "near"},
-    System<Q32<RoomRange>>{"tumble::Q32<tumble::RoomRange>", "room"},
-    System<Q32<FieldRange>>{"tumble::Q32<tumble::FieldRange>", "field"},
-    System<Q32<NearRange, false>>{"tumble::Q32<tumble::NearRange, false>", "near"},
-    System<Q32<RoomRange, false>>{"tumble::Q32<tumble::RoomRange, false>", "room"},
-    System<Q32<FieldRange, false>>{"tumble::Q32<tumble::FieldRange, false>", "field"},
-    System<F32>{"tumble::F32"},
-    System<F32Plain>{"tumble::F32Plain"},
-    System<F64>{"tumble::F64"},
-    System<F64Carried>{"tumble::F64Carried"},
-};
+template <class Entry, class... NamedRanges>
+constexpr auto with_each_range(NamedList<NamedRanges...>) {
+    if constexpr (Entry::fixed_point)
+        return std::tuple{System<typename Entry::template Numbers<typename NamedRanges::Range>>{NamedRanges::name}...};
+    else return std::tuple{System<typename Entry::template Numbers<RoomRange>>{}};  // of any range
+}
+template <class... Entries>
+constexpr auto with_ranges(NamedList<Entries...>) {
+    return std::tuple_cat(with_each_range<Entries>(Ranges{})...);
+}
+
+// Ranges of one system from the smallest to the largest: the first that holds a scene's [range] is used.
+inline constexpr auto number_system_list = with_ranges(NumberSystems{});
 inline constexpr std::size_t number_system_count = std::tuple_size_v<decltype(number_system_list)>;
 
 // A simulation in the index-th number system; null for an integrator that does not run in it.

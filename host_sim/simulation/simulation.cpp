@@ -30,22 +30,28 @@ std::string listed(const std::vector<Values...>& values) {
 }
 
 bool holds(std::string_view range, const RangeDescription& needed) {
-    const auto fits = [&](int position, int velocity, int spin) {
-        return needed.position <= position && needed.velocity <= velocity && needed.angular_velocity <= spin;
-    };
-    if (range == "near") return fits(NearRange::position, NearRange::velocity, NearRange::spin);
-    if (range == "room") return fits(RoomRange::position, RoomRange::velocity, RoomRange::spin);
-    return true;
+    bool fits = range.empty();
+    Ranges::for_each([&]<class Named>() {
+        using R = typename Named::Range;
+        if (range == Named::name)
+            fits = needed.position <= R::position && needed.velocity <= R::velocity && needed.angular_velocity <= R::spin;
+    });
+    return fits;
 }
 
 std::size_t index_of(const SceneDescription& scene, std::string_view numbers, std::optional<bool> carry) {
     const auto& systems = number_systems();
-    const bool wanted = carry.value_or(numbers != "f64");
+    std::size_t found = systems.size();
     for (std::size_t i = 0; i < systems.size(); ++i) {
-        if (systems[i].name == numbers && systems[i].carry == wanted && holds(systems[i].range, scene.range)) return i;
+        if (systems[i].name != numbers || systems[i].carry != carry.value_or(systems[i].carry)) continue;
+        if (!carry) carry = systems[i].carry;  // the first of a name is its default
+        found = i;
+        if (holds(systems[i].range, scene.range)) break;
     }
-    throw std::invalid_argument("unknown number system \"" + std::string(numbers) + "\", expected one of " +
-                                listed(systems));
+    if (found == systems.size())
+        throw std::invalid_argument("unknown number system \"" + std::string(numbers) + "\", expected one of " +
+                                    listed(systems));
+    return found;
 }
 
 std::string acts_on_fixed(const BodyDescription& body) {
@@ -115,7 +121,7 @@ const std::vector<NumberSystemInfo>& number_systems() {
     static const std::vector<NumberSystemInfo> list = [] {
         std::vector<NumberSystemInfo> infos;
         const auto add = [&]<class N>(const System<N>& system) {
-            infos.push_back({N::name, std::string(system.type), std::string(system.range), N::carry, N::fixed_point});
+            infos.push_back({N::name, N::what, type_name<N>(), std::string(system.range), N::carry, N::fixed_point});
         };
         std::apply([&](const auto&... systems) { (add(systems), ...); }, number_system_list);
         return infos;

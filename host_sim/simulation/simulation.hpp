@@ -102,6 +102,7 @@ struct IntegratorInfo {
 };
 struct NumberSystemInfo {
     std::string name;
+    std::string what;   // it computes with
     std::string type;   // in C++
     std::string range;  // near, room, field or empty
     bool carry = false;

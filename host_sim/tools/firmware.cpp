@@ -101,11 +101,14 @@ Process run_in_qemu(const std::string& core, const fs::path& elf, int timeout) {
 }
 
 const std::vector<NumberVariant>& number_variants() {
-    static const std::vector<NumberVariant> list = {{"q32", "q32", true},
-                                                    {"q32_plain", "q32", false},
-                                                    {"f32", "f32", true},
-                                                    {"f32_plain", "f32", false},
-                                                    {"f64", "f64", false}};
+    static const std::vector<NumberVariant> list = [] {
+        std::vector<NumberVariant> variants;
+        NumberSystems::for_each([&]<class System>() {
+            using N = typename System::template Numbers<RoomRange>;  // of any range
+            if (System::runs == Runs::everywhere) variants.push_back({System::name, N::name, N::carry});
+        });
+        return variants;
+    }();
     return list;
 }
 

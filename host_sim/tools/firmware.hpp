@@ -26,7 +26,7 @@ struct Core {
 // A program in emulation, which ends after `timeout` s.
 [[nodiscard]] Process run_in_qemu(const std::string& core, const std::filesystem::path& elf, int timeout);
 
-// The number systems of firmware, under the names of kernel/include/tumble/numbers/variants.hpp.
+// The kernel's number systems that firmware is made of: the name in the list, the type's own name, and carry.
 struct NumberVariant {
     std::string name, numbers;
     bool carry;

@@ -5,7 +5,6 @@
 // than a stack: as many as make 4096 steps of a body.
 #pragma once
 
-#include <tumble/numbers/variants.hpp>
 #include <tumble/replay.hpp>
 #include <tumble/tumble.hpp>
 
@@ -15,6 +14,9 @@
 #include "all_scenes.hpp"
 #endif
 #include "port.hpp"
+
+#define TUMBLE_NAME_OF(variant) TUMBLE_TEXT(variant)
+#define TUMBLE_TEXT(variant) #variant
 
 namespace {
 
@@ -47,7 +49,7 @@ void write_number(std::uint64_t value, unsigned base, int width) {
 // Not inlined: the stack holds the worlds of one scene at a time.
 template <class Method, class Scene>
 [[gnu::noinline]] void replay_scene(const char* variant) {
-    using Numbers = typename tumble::variants::TUMBLE_VARIANT::template Numbers<typename Scene::Config::Numbers::Range>;
+    using Numbers = tumble::NumbersOf<TUMBLE_NAME_OF(TUMBLE_VARIANT), typename Scene::Config::Numbers::Range>;
     TUMBLE_STORAGE tumble::Replay<tumble::SceneOf<Numbers, Method, all_features>, Scene> replay;
     constexpr std::uint32_t most = 4096u / static_cast<std::uint32_t>(Scene::Config::features.bodies);
     constexpr std::uint32_t steps = contact_scenes && most < Scene::steps ? most : Scene::steps;
@@ -65,14 +67,11 @@ template <class Method, class Scene>
     port::write("\n");
 }
 
-#define TUMBLE_NAME_OF(variant) TUMBLE_TEXT(variant)
-#define TUMBLE_TEXT(variant) #variant
-
 // The whole program.
 template <class Methods>
 int replay_all() {
     tumble::port::init();
-    using Numbers = tumble::variants::TUMBLE_VARIANT::Numbers<tumble::RoomRange>;  // of any range
+    using Numbers = tumble::NumbersOf<TUMBLE_NAME_OF(TUMBLE_VARIANT), tumble::RoomRange>;  // of any range
     Methods::template for_each_in<Numbers>([]<class Method>() {
         for_each_scene([]<class Scene>() { replay_scene<Method, Scene>(TUMBLE_NAME_OF(TUMBLE_VARIANT)); });
     });

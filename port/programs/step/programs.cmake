@@ -14,7 +14,7 @@ function(tumble_add_step_firmware prefix)
     # GCC does not always see that a loop over three axes sets them all, which depends on method and scene.
     list(APPEND options -Wno-error=maybe-uninitialized)
     set(source "#define TUMBLE_SCENE_HEADER \"${arg_HEADER}\"\n#define TUMBLE_SCENE ${arg_SCENE}\n")
-    string(APPEND source "#define TUMBLE_VARIANT ${arg_VARIANT}\n#include \"step.hpp\"\n\n")
+    string(APPEND source "#define TUMBLE_VARIANT \"${arg_VARIANT}\"\n#include \"step.hpp\"\n\n")
     foreach(method IN LISTS arg_METHODS)
         string(APPEND source "int measure_${method}() { return measure<tumble::integrators::${method}>(); }\n")
     endforeach()

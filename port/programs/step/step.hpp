@@ -1,12 +1,11 @@
 // Replays the scene that `tumble compile` wrote, counts what every step costs, and prints one result row. The row's
 // state hash is for the host to check: no number is used whose answer is wrong.
 //
-// A source that includes this defines TUMBLE_SCENE_HEADER, TUMBLE_SCENE (the struct in it) and TUMBLE_VARIANT, and
-// calls measure<Method>() from a function of its own for each method. What methods share is then compiled once; the
-// linker takes into a program what its one method needs.
+// A source that includes this defines TUMBLE_SCENE_HEADER, TUMBLE_SCENE (the struct in it) and TUMBLE_VARIANT (the
+// number system's name in quotes), and calls measure<Method>() from a function of its own for each method. What methods
+// share is then compiled once; the linker takes into a program what its one method needs.
 #pragma once
 
-#include <tumble/numbers/variants.hpp>
 #include <tumble/replay.hpp>
 
 #include TUMBLE_SCENE_HEADER
@@ -22,7 +21,7 @@ using Recorded = tumble::scenes::TUMBLE_SCENE;
 
 template <class Method>
 struct Timed : Recorded::Config {
-    using Numbers = tumble::variants::TUMBLE_VARIANT::Numbers<Recorded::Config::Numbers::Range>;
+    using Numbers = tumble::NumbersOf<TUMBLE_VARIANT, typename Recorded::Config::Numbers::Range>;
     using Integrator = Method;
 };
 

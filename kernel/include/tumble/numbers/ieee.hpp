@@ -16,6 +16,7 @@ namespace tumble {
 template <class T, bool with_carry>
 struct Float {
     static constexpr const char* name = sizeof(T) == 4 ? "f32" : "f64";
+    static constexpr const char* what = sizeof(T) == 4 ? "IEEE 754 single precision" : "IEEE 754 double precision";
     static constexpr bool carry = with_carry;
     static constexpr bool fixed_point = false;
 

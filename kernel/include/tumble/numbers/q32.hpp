@@ -55,6 +55,7 @@ template <class R = Range<>, bool with_carry = true>
 struct Q32 {
     using Range = R;
     static constexpr const char* name = "q32";
+    static constexpr const char* what = "32-bit integers only, formats from the range";
     static constexpr bool carry = with_carry;
     static constexpr bool fixed_point = true;
 

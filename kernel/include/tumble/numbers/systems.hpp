@@ -7,14 +7,36 @@
 #pragma once
 
 #include <tumble/numbers/ieee.hpp>
+#include <tumble/numbers/named_list.hpp>
 #include <tumble/numbers/q32_block.hpp>
 #include <tumble/numbers/q32_contact.hpp>
 
 namespace tumble {
 
+// The ranges to choose from, the smallest first, under the names that scenes use.
 using NearRange = Range<64, 32, 32>;
 using RoomRange = Range<>;
 using FieldRange = Range<32768, 2048, 256>;
+using Ranges = NamedList<NamedRange<"near", NearRange>, NamedRange<"room", RoomRange>, NamedRange<"field", FieldRange>>;
+
+// The list of number systems: builds (lists.cmake), the simulator, firmware and tests take theirs from here, so a new
+// one is its type and one entry. Of those of one type, the first is what a scene gets that asks neither for a carried
+// residual nor for none.
+// clang-format off
+using NumberSystems = NamedList<
+    FixedPoint<"q32", Q32, true>,
+    FixedPoint<"q32_plain", Q32, false>,
+    FloatingPoint<"f32", float, true>,
+    FloatingPoint<"f32_plain", float, false>,
+    FloatingPoint<"f64", double, false>,
+    FloatingPoint<"f64_carried", double, true, Runs::on_the_host>>;
+// clang-format on
+
+// The type of the number system of a name, for the range that a scene declares: NumbersOf<"q32", NearRange>.
+template <detail::Name name, class Range>
+using NumbersOf = typename NumberSystems::Named<name>::template Numbers<Range>;
+template <detail::Name name>
+using RangeOf = typename Ranges::Named<name>::Range;
 
 using F32 = Float<float, true>;
 using F32Plain = Float<float, false>;
