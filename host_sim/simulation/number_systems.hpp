@@ -1,5 +1,5 @@
-// The kernel's number systems as the simulator has them compiled in: those of fixed point once for each range. The build
-// makes one translation unit of worlds for each.
+// The kernel's number systems as the simulator has them compiled in: those of fixed point once for each range. The
+// build makes one translation unit of worlds for each.
 #pragma once
 
 #include <tumble/numbers/systems.hpp>

@@ -34,7 +34,8 @@ bool holds(std::string_view range, const RangeDescription& needed) {
     Ranges::for_each([&]<class Named>() {
         using R = typename Named::Range;
         if (range == Named::name)
-            fits = needed.position <= R::position && needed.velocity <= R::velocity && needed.angular_velocity <= R::spin;
+            fits =
+                needed.position <= R::position && needed.velocity <= R::velocity && needed.angular_velocity <= R::spin;
     });
     return fits;
 }

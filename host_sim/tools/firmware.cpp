@@ -1,5 +1,7 @@
 #include "tools/firmware.hpp"
 
+#include <tumble/numbers/systems.hpp>
+
 #include <cstdio>
 #include <fstream>
 #include <sstream>

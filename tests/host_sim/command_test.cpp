@@ -588,7 +588,7 @@ TEST(Compile, header_holds_what_the_scene_needs_and_nothing_else) {
     const std::string header = contents(path);
     for (const auto* part :
          {"struct Ball {", "name = \"bouncing ball\"", "step{1, 256}", "steps = 1280u", ".restitution = 0.8",
-          "using Numbers = tumble::Q32<tumble::NearRange>;", "using Integrator = tumble::integrators::Verlet;",
+          "using Numbers = tumble::Q32<tumble::Range<64, 32, 32>, true>;", "using Integrator = tumble::integrators::Verlet;",
           ".bodies = 1,", ".planes = 1,", "static_assert(TUMBLE_BITS == "})
         EXPECT_TRUE(has(header, part)) << part << "\n" << header;
     for (const auto* part :
