@@ -25,7 +25,6 @@
 #endif
 
 #include <tumble/integrators/list.hpp>
-#include <tumble/numbers/variants.hpp>
 #include <tumble/replay.hpp>
 #include <tumble/version.hpp>
 #include <tumble/world.hpp>
