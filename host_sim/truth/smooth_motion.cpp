@@ -134,9 +134,9 @@ SmoothMotion::SmoothMotion(const SceneDescription& scene) : scene_{scene}, step_
     std::stable_sort(kicks_.begin(), kicks_.end(), [](const Kick& a, const Kick& b) { return a.step < b.step; });
     for (const Kick& kick : kicks_) breaks_.push_back(kick.step);
     for (const ForceDescription& force : scene.forces) {
-        thrusts_.push_back({nearest_step(force.from, scene.step), nearest_step(force.until, scene.step), force});
-        breaks_.push_back(thrusts_.back().from);
-        breaks_.push_back(thrusts_.back().until);
+        forces_.push_back({nearest_step(force.from, scene.step), nearest_step(force.until, scene.step), force});
+        breaks_.push_back(forces_.back().from);
+        breaks_.push_back(forces_.back().until);
     }
     std::sort(breaks_.begin(), breaks_.end());
 }
@@ -205,9 +205,9 @@ void SmoothMotion::add_loads(const std::vector<Motion>& motions, std::int64_t st
             sums[j].force_w = sums[j].force_w - force;
         }
     }
-    for (const Thrust& thrust : thrusts_) {
-        if (step < thrust.from || step >= thrust.until) continue;
-        const ForceDescription& force = thrust.force;
+    for (const TimedForce& timed : forces_) {
+        if (step < timed.from || step >= timed.until) continue;
+        const ForceDescription& force = timed.force;
         const auto index = static_cast<std::size_t>(force.body);
         const Rotation& q = motions[index].q;
         const Vector f = vector_of(force.force), t = vector_of(force.torque);

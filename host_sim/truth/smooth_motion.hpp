@@ -56,7 +56,7 @@ private:
         [[nodiscard]] reference::Number reach(const reference::Vector& n) const;
         [[nodiscard]] reference::Number swept() const;
     };
-    struct Thrust {
+    struct TimedForce {
         std::int64_t from, until;  // steps
         ForceDescription force;
     };
@@ -86,7 +86,7 @@ private:
     std::vector<Plane> planes_;  // none where nothing can touch them
     bool has_pairs_ = false;     // of bodies that may touch
     std::vector<Kick> kicks_;    // by step, then in file order
-    std::vector<Thrust> thrusts_;
+    std::vector<TimedForce> forces_;
     std::vector<std::int64_t> breaks_;  // steps at which a load goes on or off or an impulse acts, ascending
     std::vector<reference::Motion> now_;
     std::int64_t step_ = 0;

@@ -204,7 +204,7 @@ TEST_P(Loads, an_impulse_of_the_script_does_what_one_applied_by_hand_does) {
                          {.time = 2.4 / 256, .body = 1, .impulse = {0, 1, 0}},
                          {.time = 2.6 / 256, .body = 0, .impulse = {0, 0, 1}, .point = {0, 0.5, 0}},
                          {.time = 3.0 / 256, .body = 0, .impulse = {1, 0, 0}, .point = {0, 0, 0.5}}};
-    const auto script = build(scripted, GetParam()), hand = build(plain, GetParam());
+    const auto timed = build(scripted, GetParam()), hand = build(plain, GetParam());
     for (int step = 0; step < 8; ++step) {
         if (step == 0) hand->apply_impulse(0, {1, 2, 3}, {0.25L, 0.5L, 0});
         if (step == 2) hand->apply_impulse(1, {0, 1, 0});
@@ -213,8 +213,8 @@ TEST_P(Loads, an_impulse_of_the_script_does_what_one_applied_by_hand_does) {
             hand->apply_impulse(0, {1, 0, 0}, {0, 0, 0.5L});
         }
         hand->step();
-        script->step();
-        ASSERT_EQ(script->hash(), hand->hash()) << step;
+        timed->step();
+        ASSERT_EQ(timed->hash(), hand->hash()) << step;
     }
 }
 

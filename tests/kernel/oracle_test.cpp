@@ -80,6 +80,19 @@ Motion rk4(const Problem& p, const Motion& m) {
     return finished(plus(plus(plus(plus(m, p.h / 6, k1), p.h / 3, k2), p.h / 3, k3), p.h / 6, k4), m);
 }
 
+// The half kick that ends a step, at the velocity that it leads to; l is the angular momentum before it.
+Motion end_kicked(const Problem& p, const Motion& m, const Vector& l) {
+    const Vector i = p.body.moments;
+    Motion end = m;
+    end.w = over(l, i);
+    for (int n = 0; n < 60; ++n) {
+        const reference::Wrench wrench = p.load(end, 0);
+        end.v = m.v + wrench.force_w * (p.h / 2 / p.body.mass);
+        end.w = over(l + (p.h / 2) * wrench.torque_b, i);
+    }
+    return end;
+}
+
 // Elementary flows about the body's axes; x has the largest moment and z the smallest.
 Motion verlet(const Problem& p, Motion m) {
     const Vector i = p.body.moments;
@@ -94,14 +107,7 @@ Motion verlet(const Problem& p, Motion m) {
     m.q = m.q * exponential(l * (p.h / i.y));
     turn(m.q, l, {0, 0, p.h * (1 / i.z - 1 / i.y) * l.z});
     turn(m.q, l, {p.h / 2 * (1 / i.x - 1 / i.y) * l.x, 0, 0});
-    Motion end = m;
-    end.w = over(l, i);
-    for (int n = 0; n < 60; ++n) {
-        const reference::Wrench wrench = p.load(end, 0);
-        end.v = m.v + wrench.force_w * (p.h / 2 / p.body.mass);
-        end.w = over(l + (p.h / 2) * wrench.torque_b, i);
-    }
-    return end;
+    return end_kicked(p, m, l);
 }
 
 Motion implicit_midpoint(const Problem& p, const Motion& start) {
@@ -136,14 +142,7 @@ Motion strang(const Problem& p, Motion m) {
     turn(2, p.h);
     turn(1, p.h / 2);
     turn(0, p.h / 2);
-    Motion end = m;
-    end.w = over(l, i);
-    for (int n = 0; n < 60; ++n) {
-        const reference::Wrench wrench = p.load(end, 0);
-        end.v = m.v + wrench.force_w * (p.h / 2 / p.body.mass);
-        end.w = over(l + (p.h / 2) * wrench.torque_b, i);
-    }
-    return end;
+    return end_kicked(p, m, l);
 }
 
 // Five of verlet's steps.

@@ -16,13 +16,12 @@ const std::vector<Method>& methods() {
             if constexpr (requires { M::free_order; }) free_order = M::free_order;
             bool keeps = true;
             if constexpr (requires { M::keeps_the_spin_of_spheres; }) keeps = M::keeps_the_spin_of_spheres;
-            list.push_back({M::name, M::order, free_order, M::spin == Spin::angular_momentum,
-                            requires { M::exact_for_spheres; }, keeps});
-});
-return list;
-}
-();
-return all;
+            constexpr bool is_exact = requires { M::exact_for_spheres; };
+            list.push_back({M::name, M::order, free_order, M::spin == Spin::angular_momentum, is_exact, keeps});
+        });
+        return list;
+    }();
+    return all;
 }
 
 const System& number_system(std::string_view name) {

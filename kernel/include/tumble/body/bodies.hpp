@@ -25,12 +25,12 @@ private:
 
 // Bodies that a step advances together, because loads couple them; or one body alone.
 template <int capacity>
-struct Unit {
+struct BodyGroup {
     int count = 0;
     std::int16_t id[capacity]{};
 
-    [[nodiscard]] static Unit of(int body) {
-        Unit alone;
+    [[nodiscard]] static BodyGroup of(int body) {
+        BodyGroup alone;
         alone.add(body);
         return alone;
     }
@@ -154,7 +154,7 @@ public:
         N::saturate(state[b]);
         report(Issue::range_left, b);
     }
-    // Has it any spin? Only fixed bodies are asked.
+    // True of a fixed body that spins.
     [[nodiscard]] bool is_turning(int b) const {
         for (int i = 0; i < 3; ++i)
             if (!(state[b].t_b[i].value() == typename N::Turn{})) return true;

@@ -16,6 +16,13 @@ struct StepInfo {
     Dither dither;
 };
 
+// Part of a step, for steps that an impact interrupts; whole steps cost nothing extra.
+template <class Work>
+struct Portion {
+    bool whole = true;
+    Work length = Work(1);  // of the step, (0, 1]
+};
+
 // A body as the loads see it in the middle of a step.
 template <class N>
 struct StageState {

@@ -1,4 +1,4 @@
-// Who is near whom: the pairs that may touch within a step, found without testing those that surely do not. For every
+// Broad phase: the pairs that may touch within a step, found without testing those that surely do not. For every
 // other pair a lower bound on the time to contact says in which step it must be looked at again.
 #pragma once
 
@@ -13,8 +13,8 @@ class Surroundings : public Solids<N, spin, features> {
 
 public:
     using typename Base::Bodies;
+    using typename Base::C;
     using typename Base::Length;
-    using typename Base::Numbers;
     using typename Base::Pair;
     using typename Base::State;
     using typename Base::Work;
@@ -25,14 +25,14 @@ public:
     [[gnu::noinline]] void set_shape(int b, const BodySpec& spec, const PrincipalInertia& inertia,
                                      const SpinUnits<N, spin>& units) {
         if (make_room(reach_of(spec.shape))) forget_all();
-        set_contact_shape<N, spin>(shape_[b], spec, inertia, scale(), units);
+        set_collision_shape<N, spin>(shape_[b], spec, inertia, scale(), units);
     }
 
-    // Need the body's surroundings not be looked at before this step? And after that: may it touch something in the
-    // step?
+    // Body b can touch nothing before step `now`.
     [[nodiscard]] TUMBLE_INLINE bool is_foreseen(int b, std::uint32_t now) const {
         return static_cast<std::int32_t>(foreseen_until_[b] - now) > 0;
     }
+    // Body b has a pair in the list.
     [[nodiscard]] TUMBLE_INLINE bool is_near(int b) const { return pairs_of_[b] != 0; }
     // The body's motion has been changed from outside: what was foreseen of it no longer holds.
     void startle(int b, std::uint32_t now) {
@@ -187,7 +187,7 @@ private:
     [[nodiscard]] static int clear_steps(Length speed, Length fall, int longest, Reaches&& reaches) {
         int steps = 0;
         for (int k = 1; k <= longest; k *= 2) {
-            if (reaches(Numbers::travel(speed, fall, k))) break;
+            if (reaches(C::travel(speed, fall, k))) break;
             steps = k;
         }
         return steps;
@@ -198,36 +198,36 @@ private:
     [[nodiscard]] int steps_to_plane(const Bodies& bodies, int b, int p, bool loaded) const {
         const Plane<N>& plane = plane_[p];
         const Vec3<Length> d = drift(bodies, b);
-        Length closing = Numbers::rounded_up(-narrow<Length>(dot(plane.normal, d)));
-        if (loaded) closing = Numbers::rounded_up(sum_of_magnitudes(d));
+        Length closing = C::rounded_up(-narrow<Length>(dot(plane.normal, d)));
+        if (loaded) closing = C::rounded_up(sum_of_magnitudes(d));
         if (loaded) closing = closing + closing;
-        Length fall = Numbers::rounded_up(-narrow<Length>(dot(plane.normal, fall_)));
+        Length fall = C::rounded_up(-narrow<Length>(dot(plane.normal, fall_)));
         if (fall < Length{}) fall = Length{};
         const bool near = is_near(b);
-        if (near) fall = Numbers::rounded_up(fall_bound_ + fall_bound_);
+        if (near) fall = C::rounded_up(fall_bound_ + fall_bound_);
         const Length gap = height(bodies, b, plane) - shape_[b].radius - tolerance_;
         return clear_steps(closing, fall, foresight(loaded, near),
-                           [&](auto travel) { return Numbers::exceeds(travel, gap); });
+                           [&](auto travel) { return C::exceeds(travel, gap); });
     }
     [[nodiscard]] int steps_to_body(const Bodies& bodies, int a, int b, bool loaded, bool still) const {
         const Vec3<Length> reach = reach_between(bodies, a, b);
         Vec3<Length> d = drift(bodies, a);
         if (!still) d -= drift(bodies, b);
-        Length closing = Numbers::rounded_up(sum_of_magnitudes(d));
+        Length closing = C::rounded_up(sum_of_magnitudes(d));
         if (loaded) closing = closing + closing;
         const Length touch = shape_[a].radius + shape_[b].radius + tolerance_;
         const auto distance2 = dot(reach, reach);
         // Two that fall freely, fall together; but one of them may be held up.
         const bool near = is_near(a) || is_near(b);
-        const Length fall = Numbers::rounded_up(near ? fall_bound_ + fall_bound_ : fall_bound_);
+        const Length fall = C::rounded_up(near ? fall_bound_ + fall_bound_ : fall_bound_);
         return clear_steps(closing, fall, foresight(loaded, near),
-                           [&](auto travel) { return Numbers::reaches(travel, touch, distance2); });
+                           [&](auto travel) { return C::reaches(travel, touch, distance2); });
     }
     // How far a point of the body may move in one step.
     [[nodiscard]] Length reach_in_step(const Bodies& bodies, int b) const {
         Work turn(0);
         for (int i = 0; i < 3; ++i) turn += magnitude_of(bodies.turn(b, i));
-        return Numbers::rounded_up(sum_of_magnitudes(drift(bodies, b))) + fall_bound_ + tolerance_ +
+        return C::rounded_up(sum_of_magnitudes(drift(bodies, b))) + fall_bound_ + tolerance_ +
                scale().length(turn * scale().metres(shape_[b].radius));
     }
     [[nodiscard]] static constexpr int plane_slot(int b, int p) { return b * features.planes + p; }

@@ -6,22 +6,15 @@
 
 namespace tumble {
 
-// Part of a step, for steps that an impact interrupts; whole steps cost nothing extra.
-template <class Work>
-struct Portion {
-    bool whole = true;
-    Work length = Work(1);  // of the step, (0, 1]
-};
-
 template <class Work, int bodies>
 struct Flyer {
-    using Unit = tumble::Unit<bodies>;
+    using BodyGroup = tumble::BodyGroup<bodies>;
 
     void* world;
     Coasting coasting;
-    void (*fly)(void* world, const Unit& unit, const Portion<Work>& portion);  // free motion and loads
-    void (*spins_changed)(void* world, const Unit& unit);                      // otherwise than by flying
-    void (*foresee_loads)(void* world, const Unit& unit);                      // into the contacts' kick()
+    void (*fly)(void* world, const BodyGroup& group, const Portion<Work>& portion);  // free motion and loads
+    void (*spins_changed)(void* world, const BodyGroup& group);                      // otherwise than by flying
+    void (*foresee_loads)(void* world, const BodyGroup& group);                      // into the contacts' kick()
     void (*look_around)(void* world, int body);
 };
 
@@ -31,7 +24,7 @@ public:
     using Contacts = ContactSet<N, spin, features>;
     using Bodies = typename Contacts::Bodies;
     using Island = typename Contacts::Island;
-    using Unit = typename Contacts::Unit;
+    using BodyGroup = typename Contacts::BodyGroup;
     using Work = typename N::Work;
     using State = typename Bodies::State;
 
@@ -49,12 +42,12 @@ public:
     // bounces without end in finite time) the rest of the step is taken without another search and what still
     // approaches is stopped.
     [[gnu::noinline]] void take(Island& island) {
-        const Unit& unit = island.unit;
-        contacts_.forget_touching(unit);
+        const BodyGroup& group = island.group;
+        contacts_.forget_touching(group);
         Work span(1);
         for (int impact = 0;; ++impact) {
             const bool whole = impact == 0;
-            flyer_.foresee_loads(flyer_.world, unit);
+            flyer_.foresee_loads(flyer_.world, group);
             auto touch = contacts_.press(bodies_, island, span, whole, false);
             if (touch == Contacts::Touch::strikes) {
                 resolve(island, false);
@@ -62,7 +55,7 @@ public:
                 touch = contacts_.press(bodies_, island, span, whole, true);
             }
             Saved start;
-            save(unit, start);
+            save(group, start);
             const Flight flight{island, start, span, whole, touch == Contacts::Touch::presses};
             fly(flight, span, false);
             contacts_.measure(bodies_, island);
@@ -91,19 +84,19 @@ public:
 private:
     // After an impact bodies move otherwise than was foreseen, and may be near others.
     void look_again(Island& island) {
-        for (int k = 0; k < island.unit.count; ++k) {
-            contacts_.startle(island.unit.id[k], bodies_.steps_taken);
-            flyer_.look_around(flyer_.world, island.unit.id[k]);
+        for (int k = 0; k < island.group.count; ++k) {
+            contacts_.startle(island.group.id[k], bodies_.steps_taken);
+            flyer_.look_around(flyer_.world, island.group.id[k]);
         }
         island.first_pair = contacts_.list(islands_, island.root);
     }
 
     using Saved = StateCopies<State, features.bodies>;
-    void save(const Unit& unit, Saved& saved) const {
-        for (int k = 0; k < unit.count; ++k) saved.keep(k, bodies_.state[unit.id[k]]);
+    void save(const BodyGroup& group, Saved& saved) const {
+        for (int k = 0; k < group.count; ++k) saved.keep(k, bodies_.state[group.id[k]]);
     }
-    void restore(const Unit& unit, const Saved& saved) {
-        for (int k = 0; k < unit.count; ++k) bodies_.state[unit.id[k]] = saved[k];
+    void restore(const BodyGroup& group, const Saved& saved) {
+        for (int k = 0; k < group.count; ++k) bodies_.state[group.id[k]] = saved[k];
     }
 
     // A flight of an island from `start` through `length` of the step, under the forces of contacts that kick() holds
@@ -116,21 +109,21 @@ private:
         bool pressed;
     };
     void fly(const Flight& flight, Work length, bool restart) {
-        const Unit& unit = flight.island.unit;
+        const BodyGroup& group = flight.island.group;
         if (restart) {
-            restore(unit, flight.start);
-            flyer_.spins_changed(flyer_.world, unit);
+            restore(group, flight.start);
+            flyer_.spins_changed(flyer_.world, group);
         }
         const bool all = length == flight.span;
         const Work part = all ? Work(1) : length / flight.span;
         // Forces of contacts act as gravity does on a method: before the drift, after it, or half and half.
-        if (flight.pressed && flyer_.coasting != Coasting::start) push(unit, part, all, false);
-        flyer_.fly(flyer_.world, unit, {flight.whole && all, length});
-        if (flight.pressed && flyer_.coasting != Coasting::end) push(unit, part, all, true);
+        if (flight.pressed && flyer_.coasting != Coasting::start) push(group, part, all, false);
+        flyer_.fly(flyer_.world, group, {flight.whole && all, length});
+        if (flight.pressed && flyer_.coasting != Coasting::end) push(group, part, all, true);
     }
-    void push(const Unit& unit, Work part, bool all, bool second) {
-        for (int k = 0; k < unit.count; ++k) {
-            const int b = unit.id[k];
+    void push(const BodyGroup& group, Work part, bool all, bool second) {
+        for (int k = 0; k < group.count; ++k) {
+            const int b = group.id[k];
             const Kick<N>& kick = contacts_.kick(b);
             const auto share = [&](auto sum) {
                 if (!all) sum = N::part(sum, N::fraction(part));
@@ -142,7 +135,7 @@ private:
                 bodies_.state[b].t_b[i].add(share(kick.angular[i]));
             }
         }
-        flyer_.spins_changed(flyer_.world, unit);
+        flyer_.spins_changed(flyer_.world, group);
     }
 
     // Below this fraction of a step the rest is not worth a flight.
@@ -220,9 +213,9 @@ private:
     }
 
     void resolve(const Island& island, bool stop) {
-        flyer_.foresee_loads(flyer_.world, island.unit);
+        flyer_.foresee_loads(flyer_.world, island.group);
         contacts_.resolve(bodies_, island, stop);
-        flyer_.spins_changed(flyer_.world, island.unit);
+        flyer_.spins_changed(flyer_.world, island.group);
     }
 
     Bodies& bodies_;

@@ -13,9 +13,9 @@ public:
     using Work = typename N::Work;
     using Bodies = tumble::Bodies<N, spin, features.bodies>;
     using State = typename Bodies::State;
-    using Numbers = ContactNumbers<N>;
-    using Length = typename Numbers::Length;
-    using Speed = typename Numbers::Speed;
+    using C = ContactNumbers<N>;
+    using Length = typename C::Length;
+    using Speed = typename C::Speed;
     using Pair = NearPair<N, features>;
     using Point = ContactPoint<N, features>;
 
@@ -42,7 +42,7 @@ public:
     [[nodiscard]] Work tolerance() const { return scale().metres(tolerance_); }
 
 protected:
-    [[nodiscard]] const typename Numbers::LengthScale& scale() const { return shape_.scale(); }
+    [[nodiscard]] const typename C::LengthScale& scale() const { return shape_.scale(); }
     // Makes room for a length, m. Lengths that have been taken before are those of another scale when this is true.
     bool make_room(Real largest) {
         const bool rescaled = shape_.make_room(largest);
@@ -66,9 +66,9 @@ protected:
     }
     // What does not change while a pair is near.
     void set_up(Pair& pair, [[maybe_unused]] const Bodies& bodies) {
-        const ContactShape<N>& a = shape_[pair.a];
+        const CollisionShape<N>& a = shape_[pair.a];
         Work restitution, friction;
-        pair.share_a = Numbers::one();
+        pair.share_a = C::one();
         pair.weight = a.root_mass;
         if (pair.with_plane()) {
             const Plane<N>& plane = plane_[pair.plane()];
@@ -80,22 +80,22 @@ protected:
                 pair.tangent[1] = plane.tangent[1];
             }
         } else {
-            const ContactShape<N>& b = shape_[pair.b];
+            const CollisionShape<N>& b = shape_[pair.b];
             restitution = combined_restitution(a.restitution, b.restitution, restitution_);
             friction = combined_friction(a.friction, b.friction, friction_);
             if constexpr (features.pairs) {
                 if (!bodies.constants[pair.b].fixed) {
                     const Work ratio = a.root_mass * b.per_root_mass, share = Work(1) / sqrt(Work(1) + ratio * ratio);
-                    pair.share_a = Numbers::unit(share);
-                    pair.share_b = Numbers::unit(ratio * share);
+                    pair.share_a = C::unit(share);
+                    pair.share_b = C::unit(ratio * share);
                     pair.weight = a.root_mass * share;
                 }
                 if constexpr (features.turntables)
                     pair.turns = bodies.constants[pair.b].fixed && bodies.is_turning(pair.b);
             }
         }
-        pair.restitution = Numbers::unit(restitution);
-        pair.friction = Numbers::friction(friction);
+        pair.restitution = C::unit(restitution);
+        pair.friction = C::friction(friction);
         if constexpr (features.friction) pair.rubs = friction > Work(0);
     }
     // --- where they are ----------------------------------------------------------------------------------------------
@@ -129,7 +129,7 @@ protected:
     void with_pair(const Bodies& bodies, const Pair& pair, [[maybe_unused]] bool measured, F&& f) const {
         const auto box_box = [&](const auto& view) {
             return measured ? BoxBox<N>{view, pair.axis, pair.normal, pair.gap}
-                            : BoxBox<N>{view, Numbers::half(Numbers::half(tolerance_))};
+                            : BoxBox<N>{view, C::half(C::half(tolerance_))};
         };
         with_contact<features>(view_of(bodies, pair), box_box, f);
     }
@@ -179,7 +179,7 @@ protected:
     }
     // A point inherits the impulses of the one that was where it is now.
     void take(Pair& pair, const FoundPoints<N>& found) const {
-        const Length near = Numbers::sixteenth(shape_[pair.a].radius);
+        const Length near = C::sixteenth(shape_[pair.a].radius);
         const auto is_same = [&](const Vec3<Length>& p, const Vec3<Length>& q) {
             return !(magnitude_of(p.x() - q.x()) > near) && !(magnitude_of(p.y() - q.y()) > near) &&
                    !(magnitude_of(p.z() - q.z()) > near);

@@ -22,14 +22,14 @@ struct ContactRow {
 
     Vec3<Unit> linear, angular;  // of body a
     [[no_unique_address]] If<pairs, Vec3<Unit>, 0> linear_b, angular_b;
-    Unit inverse;  // one over the row's length before it was divided by it, of which 1 is a push through the centres
+    Unit inverse;  // 1 / |J|, at most 1; 1 for an impulse through both centres of mass
 };
 
 template <class N, Features features>
 struct ContactPoint {
-    using Numbers = ContactNumbers<N>;
-    using Length = typename Numbers::Length;
-    using Speed = typename Numbers::Speed;
+    using C = ContactNumbers<N>;
+    using Length = typename C::Length;
+    using Speed = typename C::Speed;
     static constexpr int directions = features.friction ? 3 : 1;
 
     Vec3<Length> arm;  // from the centre of mass of body a, its principal axes
@@ -40,16 +40,16 @@ struct ContactPoint {
     Speed target;            // what the velocity along the normal must not be below
     Speed loads;             // what loads change of it in a step
     Speed pushed[directions];
-    Speed before[directions], course[directions];  // of the sweeps: when visited last, and where it has been going
+    Speed before[directions], course[directions];  // the impulse before this sweep; the conjugate direction
     [[no_unique_address]] If<features.turntables, Speed[directions], 1> carried;  // the surface's own velocity
     ContactRow<N, features.pairs> row[directions];
 };
 
 template <class N, Features features>
 struct NearPair {
-    using Numbers = ContactNumbers<N>;
-    using Length = typename Numbers::Length;
-    using Unit = typename Numbers::Unit;
+    using C = ContactNumbers<N>;
+    using Length = typename C::Length;
+    using Unit = typename C::Unit;
     using Point = ContactPoint<N, features>;
     // Spheres touch in a point.
     static constexpr int max_points = features.boxes || features.round_shapes ? contact::max_points : 1;
@@ -57,7 +57,7 @@ struct NearPair {
     std::int16_t a = 0, b = 0;  // a moves; b < 0: plane -1 - b
     std::int16_t next = -1;     // of the same island
     std::uint8_t count = 0;     // points within the tolerance
-    bool moved = true;          // other than sideways since its points were found
+    bool moved = true;          // rows must be made anew: a body has turned or the normal has changed
     bool touched = false;       // it pressed, or was hit, at the start of the flight
     bool left_out = false;      // of the step that it came near in, between two islands
     bool passed = false;        // its crossing has been looked at: it went past
@@ -72,8 +72,8 @@ struct NearPair {
     Unit share_a{}, share_b{};  // roots of the parts of the motion that each takes: shares of the inverse mass
     typename N::Work weight{};  // root of the reduced mass
     Unit restitution{};
-    typename Numbers::Friction friction{};
-    typename Numbers::SpeedScale scale{};  // of what the points have pushed
+    typename C::Friction friction{};
+    typename C::SpeedScale scale{};  // of what the points have pushed
     Point point[max_points];
 
     // Another pair in this place.

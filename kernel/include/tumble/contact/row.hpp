@@ -20,10 +20,10 @@ struct WeightedMotion {
 template <class N, Features features>
 class Solver {
 public:
-    using Numbers = ContactNumbers<N>;
-    using Unit = typename Numbers::Unit;
-    using Length = typename Numbers::Length;
-    using Speed = typename Numbers::Speed;
+    using C = ContactNumbers<N>;
+    using Unit = typename C::Unit;
+    using Length = typename C::Length;
+    using Speed = typename C::Speed;
     using Pair = NearPair<N, features>;
     using Point = ContactPoint<N, features>;
     using Row = ContactRow<N, features.pairs>;
@@ -59,10 +59,10 @@ public:
         else return 1;
     }
 
-    static void make_row(Row& row, const Point& point, const Directions& directions, int k, const ContactShape<N>& a,
-                         [[maybe_unused]] const ContactShape<N>* b) {
-        const Vec3<typename Numbers::Lever> lever = levers(a, point.arm, directions.angular[k]);
-        Vec3<typename Numbers::Lever> lever_b = Vec3<typename Numbers::Lever>::Constant({});
+    static void make_row(Row& row, const Point& point, const Directions& directions, int k, const CollisionShape<N>& a,
+                         [[maybe_unused]] const CollisionShape<N>* b) {
+        const Vec3<typename C::Lever> lever = levers(a, point.arm, directions.angular[k]);
+        Vec3<typename C::Lever> lever_b = Vec3<typename C::Lever>::Constant({});
         auto squares = dot(lever, lever);
         if constexpr (features.pairs) {
             if (directions.moves_b) {
@@ -70,15 +70,15 @@ public:
                 squares = squares + dot(lever_b, lever_b);
             }
         }
-        row.inverse = Numbers::inverse_root_of_one_and(squares);
+        row.inverse = C::inverse_root_of_one_and(squares);
         row.linear = times(directions.linear[k], row.inverse);
-        row.angular = {Numbers::unit(lever.x(), row.inverse), Numbers::unit(lever.y(), row.inverse),
-                       Numbers::unit(lever.z(), row.inverse)};
+        row.angular = {C::unit(lever.x(), row.inverse), C::unit(lever.y(), row.inverse),
+                       C::unit(lever.z(), row.inverse)};
         if constexpr (features.pairs) {
             if (directions.moves_b) {
                 row.linear_b = -times(directions.linear_b[k], row.inverse);
-                row.angular_b = {-Numbers::unit(lever_b.x(), row.inverse), -Numbers::unit(lever_b.y(), row.inverse),
-                                 -Numbers::unit(lever_b.z(), row.inverse)};
+                row.angular_b = {-C::unit(lever_b.x(), row.inverse), -C::unit(lever_b.y(), row.inverse),
+                                 -C::unit(lever_b.z(), row.inverse)};
             }
         }
     }
@@ -89,7 +89,7 @@ public:
         auto sum = add_dot(dot(row.linear, a.linear), row.angular, a.angular);
         if constexpr (features.pairs)
             if (b != nullptr) sum = add_dot(add_dot(sum, row.linear_b, b->linear), row.angular_b, b->angular);
-        return Numbers::speed(sum);
+        return C::speed(sum);
     }
     TUMBLE_INLINE static void push(const Row& row, Speed impulse, Motion& a, [[maybe_unused]] Motion* b) {
         add(a.linear, row.linear, impulse);
@@ -119,7 +119,7 @@ private:
     // are given steps in the same proportion to their velocities and then brought back to the cone: where this no
     // longer changes anything, the push is opposite to the slip.
     static void rub(const Pair& pair, Point& point, Motion& a, Motion* b, Speed& most) {
-        const Speed limit = Numbers::times_friction(pair.friction, product(point.pushed[0], point.row[0].inverse));
+        const Speed limit = C::times_friction(pair.friction, product(point.pushed[0], point.row[0].inverse));
         const Speed before[2] = {point.pushed[1], point.pushed[2]};
         Speed wanted[2];
         for (int k = 0; k < 2; ++k) give(point, 1 + k, before[k] - slip(point, k, a, b), a, b);
@@ -130,12 +130,12 @@ private:
             for (int k = 0; k < 2; ++k) {
                 const Unit inverse = point.row[1 + k].inverse;
                 Speed step = slip(point, k, a, b);
-                if (inverse > least) step = Numbers::over_square(product(product(step, least), least), inverse);
+                if (inverse > least) step = C::over_square(product(product(step, least), least), inverse);
                 wanted[k] = before[k] - step;
             }
             const auto squares = square(point, wanted[0], wanted[1]);
             if (squares > mul(limit, limit)) {
-                const Unit share = Numbers::share(limit, squares);
+                const Unit share = C::share(limit, squares);
                 for (Speed& w : wanted) w = product(w, share);
             }
             for (int k = 0; k < 2; ++k) give(point, 1 + k, wanted[k], a, b);
@@ -166,11 +166,11 @@ private:
         if (size > most) most = size;
     }
     [[nodiscard]] static Vec3<Unit> times(const Vec3<Unit>& v, Unit s) {
-        return {Numbers::product(v.x(), s), Numbers::product(v.y(), s), Numbers::product(v.z(), s)};
+        return {C::product(v.x(), s), C::product(v.y(), s), C::product(v.z(), s)};
     }
     [[nodiscard]] TUMBLE_INLINE static Speed product(Speed s, Unit u) { return narrow<Speed>(mul(s, u)); }
-    [[nodiscard]] static Vec3<typename Numbers::Lever> levers(const ContactShape<N>& shape, const Vec3<Length>& arm,
-                                                              const Vec3<Unit>& direction) {
+    [[nodiscard]] static Vec3<typename C::Lever> levers(const CollisionShape<N>& shape, const Vec3<Length>& arm,
+                                                        const Vec3<Unit>& direction) {
         const Vec3<Length> c = cross<Length>(arm, direction);
         return {shape.per_gyration[0](c.x()), shape.per_gyration[1](c.y()), shape.per_gyration[2](c.z())};
     }

@@ -1,5 +1,5 @@
-// Who is awake. An island that has been slow for long enough, and rests on something, falls asleep as a whole: its
-// bodies are held where they are, and a step does not visit them.
+// Awake bodies, and the rule of sleep. An island that has been slow for long enough, and rests on something, falls
+// asleep as a whole: its bodies are held where they are, and a step does not visit them.
 #pragma once
 
 #include <tumble/contact/solver.hpp>
@@ -11,7 +11,7 @@ class Sleepers {
 public:
     using Work = typename N::Work;
     using Bodies = tumble::Bodies<N, spin, features.bodies>;
-    using Unit = tumble::Unit<features.bodies>;
+    using BodyGroup = tumble::BodyGroup<features.bodies>;
 
     Sleepers(Real step, const SleepSpec& spec) {
         if constexpr (features.sleep) {
@@ -42,12 +42,12 @@ public:
         quiet_[b] = 0;
         add(b);
     }
-    // Have all bodies of the island been slow for the time? Counts the step.
-    [[nodiscard]] bool may_sleep(const Bodies& bodies, const Unit& unit, bool rests) requires(features.sleep) {
+    // Counts the step; true when all bodies of the island have been slow for the time.
+    [[nodiscard]] bool may_sleep(const Bodies& bodies, const BodyGroup& group, bool rests) requires(features.sleep) {
         if (!rules_.on) return false;
         bool all = rests;
-        for (int k = 0; k < unit.count; ++k) {
-            const int b = unit.id[k];
+        for (int k = 0; k < group.count; ++k) {
+            const int b = group.id[k];
             if (!rests || !is_slow(bodies, b)) quiet_[b] = 0;
             else if (quiet_[b] < rules_.steps) ++quiet_[b];
             all = all && quiet_[b] >= rules_.steps;

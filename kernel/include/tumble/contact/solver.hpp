@@ -5,24 +5,25 @@
 #pragma once
 
 #include <tumble/body/stage.hpp>
-#include <tumble/contact/broad_phase.hpp>
+#include <tumble/contact/impact_search.hpp>
 #include <tumble/contact/row.hpp>
 
 namespace tumble {
 
 template <class N, Spin spin, Features features>
-class ContactSet : public Surroundings<N, spin, features> {
-    using Base = Surroundings<N, spin, features>;
+class ContactSet : public ImpactSearch<N, spin, features> {
+    using Base = ImpactSearch<N, spin, features>;
 
 public:
     using typename Base::Bodies;
+    using typename Base::BodyGroup;
+    using typename Base::C;
+    using typename Base::Island;
     using typename Base::Length;
-    using typename Base::Numbers;
     using typename Base::Pair;
     using typename Base::Speed;
     using typename Base::State;
     using typename Base::Work;
-    using Unit = tumble::Unit<features.bodies>;
 
     ContactSet(Real step, const ContactSpec& spec)
         : Base(step, spec), threshold_{N::template constant<Work>(spec.restitution_threshold * step)} {}
@@ -30,14 +31,8 @@ public:
     // Contact points of the body in the last step.
     [[nodiscard]] int count(int b) const { return touching_[b]; }
 
-    // One island's part of a step.
-    struct Island {
-        const Unit& unit;
-        int root;        // its first body
-        int first_pair;  // -1: none is near
-    };
-    void forget_touching(const Unit& unit) {
-        for (int k = 0; k < unit.count; ++k) touching_[unit.id[k]] = 0;
+    void forget_touching(const BodyGroup& group) {
+        for (int k = 0; k < group.count; ++k) touching_[group.id[k]] = 0;
     }
 
     // What the loads will change in the whole step, foreseen; press() replaces it by what the contacts push.
@@ -56,7 +51,7 @@ public:
             any = any || pair.count > 0;
         });
         if (!any) return Touch::nothing;
-        weigh(bodies, island.unit, part, whole);
+        weigh(bodies, island.group, part, whole);
         int active = 0;
         bool strikes = false;
         for_each_pair(island, [&](Pair& pair) {
@@ -84,62 +79,22 @@ public:
         if (strikes && !struck) return Touch::strikes;
         for_each_active(island, [&](Pair& pair, auto& point) { push_all(pair, point); });
         sweep(island, speeds_.enough_at_rest(), contact::max_sweeps);
-        for (int k = 0; k < island.unit.count; ++k) {
-            const int b = island.unit.id[k];
-            const ContactShape<N>& shape = shape_[b];
+        for (int k = 0; k < island.group.count; ++k) {
+            const int b = island.group.id[k];
+            const CollisionShape<N>& shape = shape_[b];
             Kick<N>& kick = kick_[b];
             for (int i = 0; i < 3; ++i) {
-                kick.linear[i] = Numbers::template as<typename N::DriftSum>(
-                    speeds_.sum(motion_[b].linear[i] - loaded_[b].linear[i], Numbers::drift_bits(bodies.scale),
-                                shape.per_root_mass));
-                kick.angular[i] = Numbers::template as<typename N::TurnSum>(
-                    speeds_.sum(motion_[b].angular[i] - loaded_[b].angular[i], Numbers::turn_bits(bodies.scale),
-                                shape.per_weight[i]));
+                kick.linear[i] = C::template as<typename N::DriftSum>(speeds_.sum(
+                    motion_[b].linear[i] - loaded_[b].linear[i], C::drift_bits(bodies.scale), shape.per_root_mass));
+                kick.angular[i] = C::template as<typename N::TurnSum>(speeds_.sum(
+                    motion_[b].angular[i] - loaded_[b].angular[i], C::turn_bits(bodies.scale), shape.per_weight[i]));
             }
         }
         count_points(island);
         return Touch::presses;
     }
 
-    // Where the bodies of the island and its pairs are now.
-    void measure(const Bodies& bodies, const Island& island) {
-        for (int k = 0; k < island.unit.count; ++k) place(bodies, island.unit.id[k]);
-        for_each_pair(island, [&](Pair& pair) { measure(bodies, pair); });
-    }
-    // The points of the pairs as they are measured.
-    void find(const Bodies& bodies, const Island& island) {
-        for_each_pair(island, [&](Pair& pair) { find(bodies, pair); });
-    }
-    // The least gap of the pairs that are sought, each above the level at which a flight ends: the surface, or halfway
-    // to the tolerance below for a pair that touched when the flight began. Metres.
-    [[nodiscard]] Work least_gap(const Island& island, bool at_start) const {
-        bool any = false;
-        Length least{};
-        for_each_pair(island, [&](const Pair& pair) {
-            if (!pair.sought) return;
-            const Length gap = (at_start ? pair.start_gap : pair.gap) - level(pair);
-            if (!any || gap < least) least = gap;
-            any = true;
-        });
-        return scale().metres(least);
-    }
-    // Seeks the impacts of the pairs that have come below their level: others, which rest beside them, would mislead
-    // the search.
-    void seek(const Island& island) {
-        for_each_pair(island, [&](Pair& pair) { pair.sought = pair.gap < level(pair); });
-    }
-    // Has a pair come deeper than is allowed at the end of a flight?
-    [[nodiscard]] bool is_too_deep(const Island& island) const {
-        bool deep = false;
-        for_each_pair(island, [&](const Pair& pair) {
-            Length limit{};
-            if (pair.start_gap < Length{}) limit = pair.start_gap - tolerance_;
-            else if (pair.touched) limit = -tolerance_;
-            deep = deep || pair.gap < limit;
-        });
-        return deep;
-    }
-    // Does the island rest on something, which does not turn?
+    // True of an island that touches something, and nothing that turns.
     [[nodiscard]] bool presses(const Island& island) const {
         bool any = false, turns = false;
         for_each_pair(island, [&](const Pair& pair) {
@@ -149,60 +104,16 @@ public:
         return any && !turns;
     }
 
-    // A pair that is apart at both ends of the flight, but along the direction in which it was apart at the start it is
-    // now deeper than the tolerance: it may have passed through. Null when there is none, or when pairs never do
-    // (planes have no other side).
-    struct Crossing {
-        Pair* pair = nullptr;
-        Vec3<Length> reach;  // at the end of the flight
-        Axes<N> a, b;
-
-        void at_start() const {
-            if constexpr (features.pairs) {
-                pair->gap = pair->start_gap;
-                pair->normal = pair->start_normal;
-            }
-        }
-    };
-    [[nodiscard]] Crossing find_crossing([[maybe_unused]] const Bodies& bodies, [[maybe_unused]] const Island& island) {
-        Crossing found;
-        if constexpr (features.pairs) {
-            for_each_pair(island, [&](Pair& pair) {
-                if (found.pair != nullptr || pair.with_plane() || pair.touched || pair.passed || pair.gap < Length{})
-                    return;
-                const PairView<N> view = view_of(bodies, pair);
-                if (!(view.separation(pair.start_normal, features.boxes) < -tolerance_)) return;
-                found = {&pair, view.reach, axes_[pair.a], axes_[pair.b]};
-            });
-        }
-        return found;
-    }
-    // Of the flight from now to its end, the part that surely leaves the pair apart: until the separation along the
-    // direction of now runs out. Negative: all of it.
-    [[nodiscard]] Work part_apart(const Crossing& crossing) const {
-        const Pair& pair = *crossing.pair;
-        const PairView<N> end{shape_[pair.a], shape_[pair.b], crossing.a, crossing.b, crossing.reach};
-        const Length left = end.separation(pair.normal, features.boxes);
-        if (!(left < -tolerance_)) return Work(-1);
-        if (!(pair.gap > Length{})) return Work(0);
-        const Work gap = scale().metres(pair.gap);
-        return gap / (gap - scale().metres(left));
-    }
-    // Near enough to its impact, at the least.
-    [[nodiscard]] bool is_close(const Crossing& crossing) const {
-        return !(crossing.pair->gap > Numbers::sixteenth(Numbers::sixteenth(tolerance_)));
-    }
-
     // Impulses at the points of the island as they are measured. Where an impact comes with restitution, pair after
     // pair bounces by itself, as it passes through a row of balls; then what still approaches is stopped by all
     // together. `stop`: nothing bounces.
     void resolve(Bodies& bodies, const Island& island, bool stop) {
-        find(bodies, island);
-        weigh(bodies, island.unit, Work(1), true);
+        this->find(bodies, island);
+        weigh(bodies, island.group, Work(1), true);
         int active = 0;
-        const Length hit = Numbers::half(Numbers::half(tolerance_));
+        const Length hit = C::half(C::half(tolerance_));
         for_each_pair(island, [&](Pair& pair) {
-            // What is above the surface is on its way, to an impact of its own.
+            // Pairs with a gap above tolerance / 4 are left out.
             pair.touched = pair.count > 0 && !(pair.gap > hit);
             for (int i = 0; i < pair.count; ++i) pair.point[i].active = pair.touched;
             if (!pair.touched) return;
@@ -216,7 +127,7 @@ public:
             }
         });
         if (active == 0) return;
-        for (int k = 0; k < island.unit.count; ++k) motion_[island.unit.id[k]] = start_[island.unit.id[k]];
+        for (int k = 0; k < island.group.count; ++k) motion_[island.group.id[k]] = start_[island.group.id[k]];
         bool bounced = !stop;
         for (int round = 0; bounced && round < contact::max_rounds; ++round) {
             bounced = false;
@@ -233,14 +144,14 @@ public:
                 bodies.report(Issue::step_bound_hit, pair.a);
             for (Speed& p : point.pushed) p = Speed{};
         });
-        for (int k = 0; k < island.unit.count; ++k) loaded_[island.unit.id[k]] = motion_[island.unit.id[k]];
+        for (int k = 0; k < island.group.count; ++k) loaded_[island.group.id[k]] = motion_[island.group.id[k]];
         sweep(island, speeds_.enough_in_impact(), contact::max_impact_sweeps);
         // Each impulse once instead of in as many parts as there were sweeps: so much less is rounded.
-        for (int k = 0; k < island.unit.count; ++k) motion_[island.unit.id[k]] = loaded_[island.unit.id[k]];
+        for (int k = 0; k < island.group.count; ++k) motion_[island.group.id[k]] = loaded_[island.group.id[k]];
         for_each_active(island, [&](Pair& pair, auto& point) { push_all(pair, point); });
-        for (int k = 0; k < island.unit.count; ++k) {
-            const int b = island.unit.id[k];
-            const ContactShape<N>& shape = shape_[b];
+        for (int k = 0; k < island.group.count; ++k) {
+            const int b = island.group.id[k];
+            const CollisionShape<N>& shape = shape_[b];
             for (int i = 0; i < 3; ++i) {
                 const Speed linear = motion_[b].linear[i] - start_[b].linear[i],
                             angular = motion_[b].angular[i] - start_[b].angular[i];
@@ -260,8 +171,7 @@ private:
     using Motion = WeightedMotion<N>;
     using Point = ContactPoint<N, features>;
     using Base::axes_;
-    using Base::find;
-    using Base::measure;
+    using Base::for_each_pair;
     using Base::moves_b;
     using Base::pair_;
     using Base::place;
@@ -272,21 +182,6 @@ private:
     using Base::touching_;
     using Base::view_of;
 
-    // Where the search for an impact ends.
-    [[nodiscard]] Length level(const Pair& pair) const {
-        const Length half = Numbers::half(tolerance_);
-        if (pair.start_gap < Length{}) return pair.start_gap - half;
-        return pair.touched ? -half : Length{};
-    }
-
-    template <class F>
-    void for_each_pair(const Island& island, F&& f) {
-        for (int i = island.first_pair; i >= 0; i = pair_[i].next) f(pair_[i]);
-    }
-    template <class F>
-    void for_each_pair(const Island& island, F&& f) const {
-        for (int i = island.first_pair; i >= 0; i = pair_[i].next) f(pair_[i]);
-    }
     template <class F>
     void for_each_active(const Island& island, F&& f) {
         for_each_pair(island, [&](Pair& pair) {
@@ -297,20 +192,20 @@ private:
 
     // The bodies' weighted motions: start_ as they are, motion_ and loaded_ with the part of the loads' change that is
     // in kick(). All in one scale.
-    void weigh(const Bodies& bodies, const Unit& unit, Work part, bool whole) {
-        const int drift_bits = Numbers::drift_bits(bodies.scale), turn_bits = Numbers::turn_bits(bodies.scale);
-        auto largest = Numbers::nothing();
+    void weigh(const Bodies& bodies, const BodyGroup& group, Work part, bool whole) {
+        const int drift_bits = C::drift_bits(bodies.scale), turn_bits = C::turn_bits(bodies.scale);
+        auto largest = C::nothing();
         // Calls f(now, with loads, the sum now, the loads' change, its fraction bits, its weight) for each component.
         const auto for_each_component = [&](auto&& f) {
-            for (int k = 0; k < unit.count; ++k) {
-                const int b = unit.id[k];
-                const ContactShape<N>& shape = shape_[b];
+            for (int k = 0; k < group.count; ++k) {
+                const int b = group.id[k];
+                const CollisionShape<N>& shape = shape_[b];
                 const State& s = bodies.state[b];
                 for (int i = 0; i < 3; ++i) {
-                    f(start_[b].linear[i], motion_[b].linear[i], Numbers::raw(N::sum(s.d_w[i])),
-                      Numbers::raw(kick_[b].linear[i]), drift_bits, shape.root_mass);
-                    f(start_[b].angular[i], motion_[b].angular[i], Numbers::raw(N::sum(s.t_b[i])),
-                      Numbers::raw(kick_[b].angular[i]), turn_bits, shape.weight[i]);
+                    f(start_[b].linear[i], motion_[b].linear[i], C::raw(N::sum(s.d_w[i])), C::raw(kick_[b].linear[i]),
+                      drift_bits, shape.root_mass);
+                    f(start_[b].angular[i], motion_[b].angular[i], C::raw(N::sum(s.t_b[i])),
+                      C::raw(kick_[b].angular[i]), turn_bits, shape.weight[i]);
                 }
             }
         };
@@ -318,25 +213,25 @@ private:
             const auto note = [&](auto size) {
                 if (size > largest) largest = size;
             };
-            note(Numbers::size(now, bits, weight));
-            note(Numbers::size(load, bits, weight));
+            note(C::size(now, bits, weight));
+            note(C::size(load, bits, weight));
         });
         // Root of a mass over another's: as a power of two, and one more for many bodies.
-        int heaviest = Numbers::log2(shape_[unit.id[0]].root_mass), lightest = heaviest;
-        for (int k = 1; k < unit.count; ++k) {
-            const int log2 = Numbers::log2(shape_[unit.id[k]].root_mass);
+        int heaviest = C::log2(shape_[group.id[0]].root_mass), lightest = heaviest;
+        for (int k = 1; k < group.count; ++k) {
+            const int log2 = C::log2(shape_[group.id[k]].root_mass);
             if (log2 > heaviest) heaviest = log2;
             if (log2 < lightest) lightest = log2;
         }
-        speeds_ = Numbers::SpeedScale::of(largest, unit.count, heaviest - lightest + (unit.count > 1 ? 2 : 0));
-        const typename N::Unit fraction = whole ? Numbers::one() : Numbers::unit(part);
+        speeds_ = C::SpeedScale::of(largest, group.count, heaviest - lightest + (group.count > 1 ? 2 : 0));
+        const typename N::Unit fraction = whole ? C::one() : C::unit(part);
         for_each_component([&](Speed& start, Speed& end, auto now, auto load, int bits, Work weight) {
             start = speeds_.speed(now, bits, weight);
             end = speeds_.speed(load, bits, weight);
             if (!whole) end = narrow<Speed>(mul(end, fraction));
             end += start;
         });
-        for (int k = 0; k < unit.count; ++k) loaded_[unit.id[k]] = motion_[unit.id[k]];
+        for (int k = 0; k < group.count; ++k) loaded_[group.id[k]] = motion_[group.id[k]];
     }
     [[nodiscard]] Motion* other_motion(const Pair& pair) { return moves_b(pair) ? &motion_[pair.b] : nullptr; }
     // The rows of a pair's points, where they do not hold any more.
@@ -395,19 +290,19 @@ private:
     // A speed at which a point below the surface leaves it by and by: an eighth of what it is deeper than a quarter of
     // the tolerance in each step, at most an eighth of the tolerance.
     [[nodiscard]] Speed correction(const Pair& pair, const Point& point) const {
-        const Length excess = -point.gap - Numbers::half(Numbers::half(tolerance_));
+        const Length excess = -point.gap - C::half(C::half(tolerance_));
         if (!(excess > Length{})) return Speed{};
-        Length lift = Numbers::eighth(excess);
-        const Length most = Numbers::eighth(tolerance_);
+        Length lift = C::eighth(excess);
+        const Length most = C::eighth(tolerance_);
         if (lift > most) lift = most;
         return speed(pair, point, lift);
     }
-    // Does an approach bounce? Unless the scene's threshold forbids it, or the bounce would be over within an eighth of
-    // a step, because the loads bring it back that soon.
+    // True of an approach that bounces: one above the scene's threshold whose bounce lasts longer than an eighth of a
+    // step under the loads.
     [[nodiscard]] bool bounces(const Pair& pair, const Point& point, Speed approach, Speed loads) const {
         if (!(approach > speeds_.enough_at_rest())) return false;
         const Speed bounce = narrow<Speed>(mul(approach, pair.restitution));
-        if (!(bounce + bounce > Numbers::eighth(loads))) return false;
+        if (!(bounce + bounce > C::eighth(loads))) return false;
         if (!(threshold_ > Work(0))) return true;
         return !(approach < along(point, pair_speed(pair, threshold_)));
     }
@@ -459,11 +354,11 @@ private:
                 Rows::visit(pair, point, motion_[pair.a], other_motion(pair), most);
             });
             if (!(most > enough)) break;
-            if (sweep == 0 || most > last + Numbers::eighth(last)) {
+            if (sweep == 0 || most > last + C::eighth(last)) {
                 momentum = {};
             } else {
-                const typename N::Unit ratio = most < last ? Numbers::ratio(most, last) : Numbers::one();
-                momentum = Numbers::product(ratio, ratio);
+                const typename N::Unit ratio = most < last ? C::ratio(most, last) : C::one();
+                momentum = C::product(ratio, ratio);
             }
             last = most;
         }
@@ -482,7 +377,7 @@ private:
         });
     }
     void count_points(const Island& island) {
-        for (int k = 0; k < island.unit.count; ++k) touching_[island.unit.id[k]] = 0;
+        for (int k = 0; k < island.group.count; ++k) touching_[island.group.id[k]] = 0;
         for_each_active(island, [&](Pair& pair, Point&) {
             ++touching_[pair.a];
             if (moves_b(pair)) ++touching_[pair.b];
@@ -490,7 +385,7 @@ private:
     }
 
     Work threshold_;  // of restitution, m a step
-    typename Numbers::SpeedScale speeds_{};
+    typename C::SpeedScale speeds_{};
     Motion start_[features.bodies]{}, motion_[features.bodies]{}, loaded_[features.bodies]{};
     Kick<N> kick_[features.bodies]{};
 };

@@ -55,7 +55,7 @@ struct KickDriftKick {
         return RotationFlow::template flow<N>(body, inertia, step);
     }
 
-    // Do the constants of a flow depend on the spin? Then whoever changes it calls prepare.
+    // True of a flow whose constants depend on the spin: whoever changes the spin calls prepare.
     template <class N>
     static constexpr bool needs_preparation = requires(Inertia<N>& inertia, const BodyState<N, spin>& body,
                                                        typename N::Scale scale) {

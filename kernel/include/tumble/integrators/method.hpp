@@ -23,8 +23,8 @@ namespace tumble {
 // The free_order of a rotation without truncation error.
 inline constexpr int no_truncation = 0x7fffffff;
 
-// Does a method run in a number system? All loops over methods and number systems ask this, and builds ask the same
-// member of the headers (lists.cmake).
+// True of a method that runs in a number system. All loops over methods and number systems ask this, and builds ask
+// the same member of the headers (lists.cmake).
 template <class Method, class N>
 inline constexpr bool runs_in = !(N::fixed_point && requires { Method::not_in_fixed_point; });
 

@@ -21,8 +21,8 @@ template <class N, Spin spin, Features features>
 class ContactSprings {
 public:
     using Work = typename N::Work;
-    using Numbers = ContactNumbers<N>;
-    using Length = typename Numbers::Length;
+    using C = ContactNumbers<N>;
+    using Length = typename C::Length;
     using Bodies = tumble::Bodies<N, spin, features.bodies>;
 
     ContactSprings(Real step, const ContactSpec& spec)
@@ -40,7 +40,7 @@ public:
         if (!on_) return;
         const Real reach = reach_of(spec.shape);
         (void)shape_.make_room(reach);
-        set_contact_shape<N, spin>(shape_[b], spec, inertia, shape_.scale(), bodies.constants[b].units);
+        set_collision_shape<N, spin>(shape_[b], spec, inertia, shape_.scale(), bodies.constants[b].units);
         radius_[b] = N::template constant<Work>(reach);
         per_mass_[b] = spec.fixed ? Work(0) : N::template constant<Work>(Real{1} / spec.mass);
         compliance_[b] = spec.fixed || shape_[b].is(ShapeKind::none) ? Real{} : compliance(spec, inertia);
@@ -66,7 +66,7 @@ public:
         return true;
     }
 
-    // Does the body feel a plane or another body, if it comes near enough? And may that be a body that moves?
+    // concerns: a body that feels a plane or another body if it comes near enough; couples: a body that may move.
     [[nodiscard]] bool concerns(int b) const {
         return on_ && !shape_[b].is(ShapeKind::none) && (plane_count_ > 0 || couples(b));
     }
@@ -94,7 +94,7 @@ public:
     // A body against every plane.
     void apply(LoadedBody<N>& body, int b, Bodies& bodies) const {
         if (!on_ || shape_[b].is(ShapeKind::none)) return;
-        const ContactShape<N>& shape = shape_[b];
+        const CollisionShape<N>& shape = shape_[b];
         for (int p = 0; p < plane_count_; ++p) {
             const HalfSpace<N>& plane = plane_[p];
             const auto height = N::along(body.stage->x_w, plane.normal) + plane.offset;
@@ -115,7 +115,7 @@ public:
     // Two bodies.
     void apply(LoadedBody<N>& a, int index_a, LoadedBody<N>& b, int index_b, Bodies& bodies) const {
         if (!on_ || !shape_[index_a].touches_bodies() || !shape_[index_b].touches_bodies()) return;
-        const ContactShape<N>&shape_a = shape_[index_a], &shape_b = shape_[index_b];
+        const CollisionShape<N>&shape_a = shape_[index_a], &shape_b = shape_[index_b];
         WorkVec3<N> apart;
         for (int i = 0; i < 3; ++i) apart[i] = N::metres(a.stage->x_w[i] - b.stage->x_w[i]);
         const Work distance = sqrt(dot(apart, apart)), touch = radius_[index_a] + radius_[index_b];
@@ -147,7 +147,7 @@ public:
 
 private:
     // Points up to here are asked for.
-    [[nodiscard]] Length band() const { return has_barrier_ ? Numbers::longest() : Length{}; }
+    [[nodiscard]] Length band() const { return has_barrier_ ? C::longest() : Length{}; }
 
     void push_all(const FoundPoints<N>& found, LoadedBody<N>& a, LoadedBody<N>* b, int index_a, int index_b,
                   const WorkVec3<N>& normal, Bodies& bodies) const {

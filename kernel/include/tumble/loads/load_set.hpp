@@ -17,7 +17,7 @@ public:
     using Work = typename N::Work;
     using DriftSum = typename N::DriftSum;
     using Bodies = tumble::Bodies<N, spin, features.bodies>;
-    using Unit = tumble::Unit<features.bodies>;
+    using BodyGroup = tumble::BodyGroup<features.bodies>;
 
     LoadSet(Real step, const WorldSpec& spec)
         : seconds_{N::template constant<Work>(step)},
@@ -58,7 +58,7 @@ public:
     }
     void set_forces(Span<TimedForce<N>> forces) requires(features.forces) { forces_ = forces; }
 
-    // Does the body feel anything but gravity in this step?
+    // True of a body that feels anything but gravity in this step.
     [[nodiscard]] bool is_loaded(const Bodies& bodies, int b) const {
         if constexpr (features.drag)
             if (drag_.acts()) return true;
@@ -76,7 +76,7 @@ public:
             if (contacts_.concerns(b)) return true;
         return false;
     }
-    // Does it feel another moving body?
+    // True of a body that feels another moving body.
     [[nodiscard]] bool is_coupled([[maybe_unused]] const Bodies& bodies, int b) const {
         if constexpr (features.gravitation)
             if (gravitation_.constant > Work(0) && bodies.count > 1) return true;
@@ -111,14 +111,14 @@ public:
             if (force.from == step || force.until == step) f(force.body);
     }
 
-    // The loads of one unit of bodies, as the methods call them.
+    // The loads of one group of bodies, as the methods call them.
     struct Evaluate {
         static constexpr bool may_depend_on_velocity = features.drag || features.springs > 0 ||
                                                        features.springs_touch();
 
         Bodies& bodies;
         const LoadSet& loads;
-        const Unit& unit;
+        const BodyGroup& group;
         Work seconds, steps_per_second;  // of this portion of a step
         DriftSum fall[3];                // gravity's change of drift in it
 
@@ -129,7 +129,7 @@ public:
                     kicks[k].linear[i] = N::limited(fall[i] + N::drift_sum(linear[i], bodies.scale), within);
                     kicks[k].angular[i] = N::limited(N::turn_sum(angular[i], bodies.scale), within);
                 }
-                if (!within) bodies.report(Issue::range_left, unit.id[k]);
+                if (!within) bodies.report(Issue::range_left, group.id[k]);
             });
         }
         // The same in working numbers, whose range has no end: m and rad.
@@ -152,10 +152,11 @@ public:
         }
     };
     // `length` is the portion's, of a step; `fall` gravity's change of drift in it.
-    [[nodiscard]] Evaluate evaluation(Bodies& bodies, const Unit& unit, Work length, const DriftSum (&fall)[3]) const {
+    [[nodiscard]] Evaluate evaluation(Bodies& bodies, const BodyGroup& group, Work length,
+                                      const DriftSum (&fall)[3]) const {
         return {bodies,
                 *this,
-                unit,
+                group,
                 seconds_ * length,
                 length == Work(1) ? steps_per_second_ : steps_per_second_ / length,
                 {fall[0], fall[1], fall[2]}};
@@ -170,14 +171,14 @@ private:
         else return N::template constant<typename N::PositionSum>(metres);
     }
 
-    // Calls kick(place in the unit, change of drift in m, change of half turn in rad) for each body.
+    // Calls kick(place in the group, change of drift in m, change of half turn in rad) for each body.
     template <class F>
     void evaluate(const Evaluate& e, const StageState<N>* stages, F&& kick) const {
         LoadedBody<N> loaded[features.bodies];
-        for (int k = 0; k < e.unit.count; ++k) load(loaded[k], e.unit.id[k], stages[k], e);
+        for (int k = 0; k < e.group.count; ++k) load(loaded[k], e.group.id[k], stages[k], e);
         const auto find = [&](int b) -> LoadedBody<N>* {
-            for (int k = 0; k < e.unit.count; ++k)
-                if (e.unit.id[k] == b) return &loaded[k];
+            for (int k = 0; k < e.group.count; ++k)
+                if (e.group.id[k] == b) return &loaded[k];
             return nullptr;
         };
         StageState<N> still_stage;  // a fixed body at the other end of a load
@@ -189,7 +190,7 @@ private:
             return &still;
         };
         if constexpr (features.drag)
-            for (int k = 0; k < e.unit.count; ++k) drag_.apply(loaded[k]);
+            for (int k = 0; k < e.group.count; ++k) drag_.apply(loaded[k]);
         if constexpr (features.springs > 0) {
             for (int s = 0; s < spring_count_; ++s) {
                 const Spring<N>& spring = spring_[s];
@@ -202,10 +203,10 @@ private:
             }
         }
         if constexpr (features.gravitation) {
-            for (int k = 0; k < e.unit.count && gravitation_.constant > Work(0); ++k) {
-                const int a = e.unit.id[k];
+            for (int k = 0; k < e.group.count && gravitation_.constant > Work(0); ++k) {
+                const int a = e.group.id[k];
                 for (int b = 0; b < e.bodies.count; ++b) {
-                    if (b == a || (b < a && find(b) != nullptr)) continue;  // a pair of the unit once
+                    if (b == a || (b < a && find(b) != nullptr)) continue;  // a pair of the group once
                     gravitation_.apply(loaded[k], mass_[a], *other_end(b), mass_[b]);
                 }
             }
@@ -217,8 +218,8 @@ private:
             }
         }
         if constexpr (features.springs_touch()) {
-            for (int k = 0; k < e.unit.count; ++k) {
-                const int a = e.unit.id[k];
+            for (int k = 0; k < e.group.count; ++k) {
+                const int a = e.group.id[k];
                 contacts_.apply(loaded[k], a, e.bodies);
                 for (int b = 0; features.pairs && b < e.bodies.count; ++b) {
                     if (b == a || (b < a && find(b) != nullptr)) continue;
@@ -228,8 +229,8 @@ private:
         }
         // Force to change of drift: F h^2 / m. The portion's own length enters squared.
         const Work part = e.seconds * e.seconds * steps_per_second_;
-        for (int k = 0; k < e.unit.count; ++k) {
-            const auto& body = e.bodies.constants[e.unit.id[k]];
+        for (int k = 0; k < e.group.count; ++k) {
+            const auto& body = e.bodies.constants[e.group.id[k]];
             WorkVec3<N> angular;
             for (int i = 0; i < 3; ++i) angular[i] = loaded[k].torque_b[i] * (body.units.per_impulse(i) * part);
             kick(k, scaled_by(loaded[k].force_w, body.drift_per_impulse * part), angular);

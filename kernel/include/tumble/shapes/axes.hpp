@@ -8,8 +8,8 @@ namespace tumble {
 // Columns are a body's axes in the world.
 template <class N>
 struct Axes {
-    using Numbers = ContactNumbers<N>;
-    using Unit = typename Numbers::Unit;
+    using C = ContactNumbers<N>;
+    using Unit = typename C::Unit;
 
     Vec3<Unit> row[3];  // row[i][j]: component i (world) of axis j
 

@@ -16,9 +16,9 @@ struct BoxAxis {
 template <class N>
 class BoxBox {
 public:
-    using Numbers = ContactNumbers<N>;
-    using Length = typename Numbers::Length;
-    using Unit = typename Numbers::Unit;
+    using C = ContactNumbers<N>;
+    using Length = typename C::Length;
+    using Unit = typename C::Unit;
 
     Vec3<Unit> normal;  // world, from b to a
     Length gap;
@@ -56,12 +56,12 @@ public:
             const int i1 = (i + 1) % 3, i2 = (i + 2) % 3;
             for (int j = 0; j < 3; ++j) {
                 const int j1 = (j + 1) % 3, j2 = (j + 2) % 3;
-                if (size[i][j] > Numbers::nearly_parallel()) continue;
+                if (size[i][j] > C::nearly_parallel()) continue;
                 // a_i x b_j has the components (-r[i2][j], r[i1][j]) along a_i1, a_i2.
                 const Length along = narrow<Length>(mul_sub(mul(r[i1][j], t[i2]), r[i2][j], t[i1]));
                 const Length reach = narrow<Length>(mul_add(mul(size[i2][j], h[i1]), size[i1][j], h[i2])) +
                                      narrow<Length>(mul_add(mul(size[i][j2], k[j1]), size[i][j1], k[j2]));
-                const Length separation = Numbers::over_sine(magnitude_of(along) - reach, r[i][j]);
+                const Length separation = C::over_sine(magnitude_of(along) - reach, r[i][j]);
                 if (separation > faces + bias) take(separation, 6 + 3 * i + j, along < Length{});
             }
         }
@@ -70,8 +70,8 @@ public:
         } else if (axis.index < 6) {
             normal = axes_[1].axis(axis.index - 3);
         } else {
-            normal = Numbers::direction(
-                cross<Unit>(axes_[0].axis((axis.index - 6) / 3), axes_[1].axis((axis.index - 6) % 3)));
+            normal =
+                C::direction(cross<Unit>(axes_[0].axis((axis.index - 6) / 3), axes_[1].axis((axis.index - 6) % 3)));
         }
         if (!axis.negative) normal = -normal;
     }
@@ -109,7 +109,7 @@ private:
             if (magnitude_of(n[i]) > magnitude_of(n[k])) k = i;
         const int k1 = (k + 1) % 3, k2 = (k + 2) % 3;
         const bool up = n[k] < Unit{};  // the face at +k looks against the normal
-        const ContactShape<N>&reference_shape = side == 0 ? view.a : view.b,
+        const CollisionShape<N>&reference_shape = side == 0 ? view.a : view.b,
               &incident_shape = side == 0 ? view.b : view.a;
         // From the reference box to the incident one, in the reference's axes.
         const Vec3<Length> to_incident = axes.to_body(side == 0 ? Vec3<Length>(-view.reach) : view.reach);
@@ -156,7 +156,7 @@ private:
             const bool p_in = !(p_beyond > Length{}), q_in = !(q_beyond > Length{});
             if (p_in && clipped.count < 8) clipped.vertex[clipped.count++] = p;
             if (p_in == q_in || clipped.count == 8) continue;
-            const Unit part = Numbers::ratio(magnitude_of(p_beyond), magnitude_of(p_beyond) + magnitude_of(q_beyond));
+            const Unit part = C::ratio(magnitude_of(p_beyond), magnitude_of(p_beyond) + magnitude_of(q_beyond));
             const auto between = [&](Length from, Length to) { return from + narrow<Length>(mul(part, to - from)); };
             clipped.vertex[clipped.count++] = {between(p.u, q.u), between(p.v, q.v), between(p.gap, q.gap)};
         }
@@ -215,7 +215,7 @@ private:
         const Unit c = narrow<Unit>(dot(a, b));
         const Length along_a = narrow<Length>(dot(a, apart)), along_b = narrow<Length>(dot(b, apart));
         const auto part = [&](Length l, Length less, Length most) {
-            const Length s = Numbers::over_sine(Numbers::over_sine(l - less, c), c);
+            const Length s = C::over_sine(C::over_sine(l - less, c), c);
             return s > most ? most : s < -most ? -most : s;
         };
         on_a[i] = part(along_a, narrow<Length>(mul(c, along_b)), view.a.half[i]);

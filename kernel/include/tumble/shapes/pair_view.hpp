@@ -8,11 +8,11 @@ namespace tumble {
 
 template <class N>
 struct PairView {
-    using Numbers = ContactNumbers<N>;
-    using Length = typename Numbers::Length;
-    using Unit = typename Numbers::Unit;
+    using C = ContactNumbers<N>;
+    using Length = typename C::Length;
+    using Unit = typename C::Unit;
 
-    const ContactShape<N>&a, &b;
+    const CollisionShape<N>&a, &b;
     const Axes<N>&axes_a, &axes_b;  // principal
     Vec3<Length> reach;             // from the centre of b to that of a, world
 
@@ -24,7 +24,7 @@ struct PairView {
     }
 
 private:
-    [[nodiscard]] static Length extent(const ContactShape<N>& shape, const Axes<N>& axes, const Vec3<Unit>& normal,
+    [[nodiscard]] static Length extent(const CollisionShape<N>& shape, const Axes<N>& axes, const Vec3<Unit>& normal,
                                        bool boxes) {
         if (!(boxes && shape.is(ShapeKind::box))) return shape.half.x();
         const Vec3<Unit> n = shape.axes(axes).to_body(normal);

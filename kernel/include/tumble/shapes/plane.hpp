@@ -12,12 +12,12 @@ namespace tumble {
 template <class N, Features features>
 class PlaneView {
 public:
-    using Numbers = ContactNumbers<N>;
-    using Length = typename Numbers::Length;
-    using Unit = typename Numbers::Unit;
+    using C = ContactNumbers<N>;
+    using Length = typename C::Length;
+    using Unit = typename C::Unit;
 
     // `height` is the centre's; `principal` are the body's principal axes.
-    PlaneView(const ContactShape<N>& shape, const Axes<N>& principal, const Vec3<Unit>& normal, Length height)
+    PlaneView(const CollisionShape<N>& shape, const Axes<N>& principal, const Vec3<Unit>& normal, Length height)
         : shape_{shape}, normal_{principal.to_body(normal)}, height_{height} {
         if (features.boxes && shape.is(ShapeKind::box)) {
             const Vec3<Unit> n = shape.turned ? shape.edges.to_body(normal_) : normal_;
@@ -31,7 +31,7 @@ public:
                 for (int i = 0; i < 3; ++i) down_[i] = narrow<Unit>(mul(upright, shape.axis[i])) - normal_[i];
                 const Unit slope = this->slope();
                 flat_ = slope == Unit{};
-                if (!flat_) down_ = Numbers::direction(down_);
+                if (!flat_) down_ = C::direction(down_);
                 reach_[0] = narrow<Length>(mul(shape.half.x(), slope));
             }
         } else {
@@ -84,8 +84,8 @@ public:
 private:
     // The sine of the angle between axis and normal, or zero where the direction down the slope would be rounding.
     [[nodiscard]] Unit slope() const {
-        const Unit slope = Numbers::unit_norm(down_);
-        return slope > Numbers::flat() ? slope : Unit{};
+        const Unit slope = C::unit_norm(down_);
+        return slope > C::flat() ? slope : Unit{};
     }
     template <class Add>
     void find_on_rims(Add&& add) const {
@@ -112,7 +112,7 @@ private:
         }
     }
 
-    const ContactShape<N>& shape_;
+    const CollisionShape<N>& shape_;
     Vec3<Unit> normal_;  // principal axes
     Length height_;
     Vec3<Length> reach_ = Vec3<Length>::Constant(Length{});

@@ -25,14 +25,20 @@ struct HalfSpace {
 // Two directions that make a right-handed frame with n.
 template <class N>
 void set_tangents(const Vec3<typename N::Unit>& n, Vec3<typename N::Unit> (&tangent)[2]) {
-    using Numbers = ContactNumbers<N>;
+    using C = ContactNumbers<N>;
     using Unit = typename N::Unit;
-    const auto size = [&](int i) { return magnitude_of(n[i]); };
-    // Across the axis that n is least along, the first of equals.
-    const int k = size(0) <= size(1) && size(0) <= size(2) ? 0 : size(1) <= size(2) ? 1 : 2;
-    Vec3<Unit> axis = Vec3<Unit>::Constant(Unit{});
-    axis[k] = Numbers::one();
-    tangent[0] = Numbers::direction(cross<Unit>(n, axis));
+    // Across the axis that n is least along, the first of equals. With each axis a constant, its zeros cost nothing.
+    const auto across = [&](auto axis) {
+        Vec3<Unit> e = Vec3<Unit>::Constant(Unit{});
+        e[axis] = C::one();
+        return cross<Unit>(n, e);
+    };
+    const Unit x = magnitude_of(n.x()), y = magnitude_of(n.y()), z = magnitude_of(n.z());
+    using std::integral_constant;
+    if (x <= y && x <= z) tangent[0] = across(integral_constant<int, 0>{});
+    else if (y <= z) tangent[0] = across(integral_constant<int, 1>{});
+    else tangent[0] = across(integral_constant<int, 2>{});
+    tangent[0] = C::direction(tangent[0]);
     tangent[1] = cross<Unit>(n, tangent[0]);
 }
 
@@ -52,11 +58,11 @@ struct Plane : HalfSpace<N> {
 };
 
 template <class N>
-struct ContactShape {
-    using Numbers = ContactNumbers<N>;
+struct CollisionShape {
+    using C = ContactNumbers<N>;
     using Work = typename N::Work;
-    using Unit = typename Numbers::Unit;
-    using Length = typename Numbers::Length;
+    using Unit = typename C::Unit;
+    using Length = typename C::Length;
 
     ShapeKind kind = ShapeKind::none;
     bool turned = false;  // are a box's edges along other than principal axes? `edges` are then its axes among them
@@ -66,14 +72,14 @@ struct ContactShape {
     Length radius{};                                 // of the sphere about the centre of mass that holds all of it
     Vec3<Unit> axis = Vec3<Unit>::Constant(Unit{});  // of a cylinder, capsule or hoop, among principal axes
     Axes<N> edges{};
-    typename Numbers::PerLength per_gyration[3]{};  // one over the radii of gyration
-    Work root_mass{};                               // sqrt(m)
-    Work weight[3]{}, per_weight[3]{};              // sqrt(I_i) w_i h from half turns, and back
+    typename C::PerLength per_gyration[3]{};  // one over the radii of gyration
+    Work root_mass{};                         // sqrt(m)
+    Work weight[3]{}, per_weight[3]{};        // sqrt(I_i) w_i h from half turns, and back
     Work per_root_mass{};
     Work restitution{}, friction{};
 
     // To lengths of a coarser scale.
-    void rescale(typename Numbers::LengthScale from, typename Numbers::LengthScale to) {
+    void rescale(typename C::LengthScale from, typename C::LengthScale to) {
         for (int i = 0; i < 3; ++i) {
             half[i] = to.coarser(half[i], from);
             per_gyration[i].rescale(from, to);
@@ -103,16 +109,16 @@ public:
         largest_ = length;
         const Scale finer = scale_;
         scale_ = Scale::of(largest_);
-        for (ContactShape<N>& shape : shape_)
+        for (CollisionShape<N>& shape : shape_)
             if (!shape.is(ShapeKind::none)) shape.rescale(finer, scale_);
         return scale_.bits() != finer.bits();
     }
     [[nodiscard]] const Scale& scale() const { return scale_; }
-    [[nodiscard]] ContactShape<N>& operator[](int b) { return shape_[b]; }
-    [[nodiscard]] const ContactShape<N>& operator[](int b) const { return shape_[b]; }
+    [[nodiscard]] CollisionShape<N>& operator[](int b) { return shape_[b]; }
+    [[nodiscard]] const CollisionShape<N>& operator[](int b) const { return shape_[b]; }
 
 private:
-    ContactShape<N> shape_[bodies]{};
+    CollisionShape<N> shape_[bodies]{};
     Scale scale_{};
     Real largest_{};
 };
@@ -131,12 +137,12 @@ private:
 }
 
 template <class N, Spin spin>
-[[gnu::noinline]] void set_contact_shape(ContactShape<N>& shape, const BodySpec& spec, const PrincipalInertia& inertia,
-                                         typename ContactNumbers<N>::LengthScale scale,
-                                         const SpinUnits<N, spin>& units) {
-    using Numbers = ContactNumbers<N>;
+[[gnu::noinline]] void
+set_collision_shape(CollisionShape<N>& shape, const BodySpec& spec, const PrincipalInertia& inertia,
+                    typename ContactNumbers<N>::LengthScale scale, const SpinUnits<N, spin>& units) {
+    using C = ContactNumbers<N>;
     using Work = typename N::Work;
-    using Unit = typename Numbers::Unit;
+    using Unit = typename C::Unit;
     const auto unit = [](Real v) { return N::template constant<Unit>(v); };
     shape.kind = reach_of(spec.shape) > Real{} ? spec.shape.kind : ShapeKind::none;
     shape.radius = scale.length(reach_of(spec.shape));
@@ -147,7 +153,7 @@ template <class N, Spin spin>
     const RealQuat back = inertia.principal.conjugate();
     const RealVec3 axis[3] = {back.rotate({1, 0, 0}), back.rotate({0, 1, 0}), back.rotate({0, 0, 1})};
     if (shape.kind == ShapeKind::box) {
-        // Which principal axis is an edge along? To 2^-40 of a right angle.
+        // The principal axis that an edge is along, to 2^-40 of a right angle.
         shape.turned = false;
         for (int j = 0; j < 3; ++j) {
             bool along_one = false;
@@ -173,7 +179,7 @@ template <class N, Spin spin>
     shape.per_root_mass = N::template constant<Work>(Real{1} / root_mass);
     for (int i = 0; i < 3; ++i) {
         const Real root_moment = sqrt(inertia.moments[i]);
-        shape.per_gyration[i] = Numbers::PerLength::of(root_moment / root_mass, scale);
+        shape.per_gyration[i] = C::PerLength::of(root_moment / root_mass, scale);
         shape.weight[i] = N::template constant<Work>(root_moment) * units.rate(i, Work(1));
         shape.per_weight[i] = Work(1) / shape.weight[i];
     }

@@ -9,16 +9,16 @@ namespace tumble {
 
 template <class N>
 struct SphereSphere {
-    using Numbers = ContactNumbers<N>;
-    using Length = typename Numbers::Length;
-    using Unit = typename Numbers::Unit;
+    using C = ContactNumbers<N>;
+    using Length = typename C::Length;
+    using Unit = typename C::Unit;
 
     Vec3<Unit> normal;
     Length gap;
 
     explicit SphereSphere(const PairView<N>& view) {
-        if (view.reach == Vec3<Length>::Constant(Length{})) normal = {Unit{}, Numbers::one(), Unit{}};  // any
-        else normal = Numbers::direction(view.reach);
+        if (view.reach == Vec3<Length>::Constant(Length{})) normal = {Unit{}, C::one(), Unit{}};  // any
+        else normal = C::direction(view.reach);
         gap = narrow<Length>(dot(normal, view.reach)) - view.a.half.x() - view.b.half.x();
     }
     // The same point for both bodies, that of b, so that what one gets the other loses.
@@ -31,9 +31,9 @@ struct SphereSphere {
 // a is the sphere, b the box.
 template <class N>
 struct SphereBox {
-    using Numbers = ContactNumbers<N>;
-    using Length = typename Numbers::Length;
-    using Unit = typename Numbers::Unit;
+    using C = ContactNumbers<N>;
+    using Length = typename C::Length;
+    using Unit = typename C::Unit;
 
     Vec3<Unit> normal;
     Length gap;
@@ -50,8 +50,8 @@ struct SphereBox {
             apart[i] = centre[i] - nearest[i];
         }
         Vec3<Unit> n = Vec3<Unit>::Constant(Unit{});
-        if (dot(apart, apart) > mul(Numbers::hair(radius), Numbers::hair(radius))) {
-            n = Numbers::direction(apart);
+        if (dot(apart, apart) > mul(C::hair(radius), C::hair(radius))) {
+            n = C::direction(apart);
             gap = narrow<Length>(dot(n, apart)) - radius;
         } else {
             // The centre is in the box: out through the nearest face.
@@ -65,7 +65,7 @@ struct SphereBox {
                 }
             }
             const bool negative = centre[face] < Length{};
-            n[face] = negative ? -Numbers::one() : Numbers::one();
+            n[face] = negative ? -C::one() : C::one();
             nearest[face] = negative ? -view.b.half[face] : view.b.half[face];
             gap = -depth - radius;
         }

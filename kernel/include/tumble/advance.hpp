@@ -1,0 +1,203 @@
+// Advance<Scene>: how bodies move over a step or a part of it by the scene's method: freely, under loads, or fixed in
+// their place. It owns the bodies, their inertia, loads and gravity, and knows no contact.
+#pragma once
+
+#include <tumble/integrators/verlet.hpp>
+#include <tumble/loads/load_set.hpp>
+
+namespace tumble {
+
+template <class S>
+class Advance {
+public:
+    using N = typename S::Numbers;
+    using Integrator = typename S::Integrator;
+    using Work = typename N::Work;
+    using DriftSum = typename N::DriftSum;
+    using State = BodyState<N, Integrator::spin>;
+    static constexpr Features features = S::features;
+    static constexpr bool has_loads = features.loads();
+    using Bodies = tumble::Bodies<N, Integrator::spin, features.bodies>;
+    using BodyGroup = tumble::BodyGroup<features.bodies>;
+    using Loads = LoadSet<N, Integrator::spin, features>;
+    using Portion = tumble::Portion<Work>;
+
+    Advance(Seconds step, const WorldSpec& spec) : bodies{step}, loads{step.value, spec} {}
+
+    // m/s^2, world frame.
+    void set_gravity(RealVec3 gravity) {
+        const Real h2 = bodies.step_length * bodies.step_length;
+        for (int i = 0; i < 3; ++i) {
+            const Real fall = bodies.scale.drift_units(gravity[i] * h2);
+            gravity_[i] = N::fall(fall_in_halves ? fall * Real::scaled(1, -1) : fall);
+        }
+    }
+    // Adds a body at the first free place, which there must be.
+    int add(const BodySpec& spec, const PrincipalInertia& inertia) {
+        const int b = bodies.add(spec, inertia);
+        inertia_[b] = Inertia::of(inertia.moments, bodies.scale);
+        spin_changed(b);
+        if constexpr (has_loads) loads.set_body(b, spec, inertia, bodies);
+        return b;
+    }
+    // Call when anything but free rotation has changed the spin.
+    TUMBLE_INLINE void spin_changed([[maybe_unused]] int b) {
+        if constexpr (requires(Inertia & inertia) { inertia.prepare(bodies.state[0], bodies.scale); })
+            inertia_[b].prepare(bodies.state[b], bodies.scale);
+    }
+    void spins_changed(const BodyGroup& group) {
+        for (int k = 0; k < group.count; ++k) spin_changed(group.id[k]);
+    }
+    void check_range(const BodyGroup& group) {
+        for (int k = 0; k < group.count; ++k) bodies.check_range(group.id[k]);
+    }
+
+    // Gravity's change of drift in a step.
+    [[nodiscard]] DriftSum whole_fall(int i) const { return whole(gravity_[i]); }
+
+    // A step of a body that feels gravity alone.
+    TUMBLE_INLINE void free(int b, const StepInfo<N>& info) {
+        if (bodies.constants[b].fixed) return step_fixed(b, info);
+        coast(b, gravity_);
+        rotate(b, info);
+        bodies.check_range(b);
+    }
+    // A step of a fixed body, which may turn where there are turntables.
+    TUMBLE_INLINE void step_fixed([[maybe_unused]] int b, [[maybe_unused]] const StepInfo<N>& info) {
+        if constexpr (features.turntables)
+            if (bodies.is_turning(b)) rotate(b, info);
+    }
+    // A step of bodies that loads couple, or of one body.
+    void group(const BodyGroup& group, const StepInfo<N>& info) {
+        portion(group, info, {});
+        check_range(group);
+    }
+    // A portion of a step, of bodies that are not fixed. Nothing looks at their range.
+    void portion(const BodyGroup& group, const StepInfo<N>& info, const Portion& portion) {
+        if (portion.whole) {
+            over(group, info, gravity_, Work(1));
+            return;
+        }
+        // In units of the portion, drift and spin shrink with it and accelerations with its square; the same code then
+        // steps over the portion. Only the changes are scaled back, so that what did not change stays exact.
+        const auto part = N::fraction(portion.length);
+        const Work inverse = Work(1) / portion.length;
+        StateCopies<State, features.bodies> whole, scaled;
+        for (int k = 0; k < group.count; ++k) {
+            State& s = bodies.state[group.id[k]];
+            whole.keep(k, s);
+            for (int i = 0; i < 3; ++i) {
+                N::add(s.d_w[i], N::part(N::sum(s.d_w[i]), part) - N::sum(s.d_w[i]));
+                s.t_b[i].add(N::part(N::sum(s.t_b[i]), part) - N::sum(s.t_b[i]));
+            }
+            scaled.keep(k, s);
+        }
+        spins_changed(group);
+
+        DriftSum fall[3];
+        for (int i = 0; i < 3; ++i) fall[i] = N::part(N::part(gravity_[i], part), part);
+        over(group, info, fall, portion.length);
+
+        for (int k = 0; k < group.count; ++k) {
+            State& s = bodies.state[group.id[k]];
+            for (int i = 0; i < 3; ++i) {
+                const Work linear = N::metres(N::sum(s.d_w[i]) - N::sum(scaled[k].d_w[i]), bodies.scale) * inverse;
+                const Work angular = N::half_turn(N::sum(s.t_b[i]) - N::sum(scaled[k].t_b[i]), bodies.scale) * inverse;
+                s.d_w[i] = whole[k].d_w[i];
+                s.t_b[i] = whole[k].t_b[i];
+                N::add(s.d_w[i], N::drift_sum(linear, bodies.scale));
+                s.t_b[i].add(N::turn_sum(angular, bodies.scale));
+            }
+        }
+        spins_changed(group);
+    }
+
+    // True of a body that feels anything but gravity in this step.
+    [[nodiscard]] bool is_loaded([[maybe_unused]] int b) const {
+        if constexpr (has_loads) return loads.is_loaded(bodies, b);
+        else return false;
+    }
+    // True of a body that feels another moving body.
+    [[nodiscard]] bool is_coupled([[maybe_unused]] int b) const {
+        if constexpr (has_loads) return loads.is_coupled(bodies, b);
+        else return false;
+    }
+
+private:
+    using Inertia = typename Integrator::template Inertia<N>;
+    // Where sums are exact, gravity is kept and added in halves: the position moves with the mean drift between them.
+    static constexpr bool fall_in_halves = Integrator::coasting == Coasting::mean && N::fixed_point && N::carry;
+    [[nodiscard]] static constexpr DriftSum whole(DriftSum f) { return fall_in_halves ? f + f : f; }
+
+    // Motion under a constant acceleration, exact for methods of order two and more.
+    TUMBLE_INLINE void coast(int b, const DriftSum (&fall)[3]) {
+        State& s = bodies.state[b];
+        const auto axis = [&](auto& x, auto& d, DriftSum f) {
+            if constexpr (Integrator::coasting == Coasting::mean && !fall_in_halves)
+                N::coast(x, d, N::half(f), bodies.scale);
+            if constexpr (Integrator::coasting == Coasting::start) N::coast(x, d, {}, bodies.scale);
+            N::add(d, f);
+            if constexpr (fall_in_halves) {
+                N::coast(x, d, {}, bodies.scale);
+                N::add(d, f);
+            }
+            if constexpr (Integrator::coasting == Coasting::end) N::coast(x, d, {}, bodies.scale);
+        };
+        axis(s.x_w.x, s.d_w.x, fall[0]);
+        axis(s.x_w.y, s.d_w.y, fall[1]);
+        axis(s.x_w.z, s.d_w.z, fall[2]);
+    }
+    TUMBLE_INLINE void rotate(int b, const StepInfo<N>& info) {
+        const auto run = [&] { return Integrator::template rotate<N>(bodies.state[b], inertia_[b], info); };
+        if constexpr (std::is_void_v<decltype(run())>) run();
+        else if (!run()) bodies.report(Issue::step_bound_hit, b);
+    }
+
+    // Over a stretch of the given length, in steps, in whose units the state and `fall` are.
+    void over(const BodyGroup& group, const StepInfo<N>& info, const DriftSum (&fall)[3], Work length) {
+        if constexpr (has_loads) {
+            BodyGroup coupled;
+            for (int k = 0; k < group.count; ++k) {
+                const int b = group.id[k];
+                if (is_coupled(b)) coupled.add(b);
+                else if (loads.is_loaded(bodies, b)) loaded(BodyGroup::of(b), info, fall, length);
+                else unloaded(b, info, fall);
+            }
+            if (coupled.count > 0) loaded(coupled, info, fall, length);
+        } else {
+            for (int k = 0; k < group.count; ++k) unloaded(group.id[k], info, fall);
+        }
+    }
+    void unloaded(int b, const StepInfo<N>& info, const DriftSum (&fall)[3]) {
+        coast(b, fall);
+        rotate(b, info);
+    }
+    void loaded(const BodyGroup& group, const StepInfo<N>& info, const DriftSum (&fall)[3],
+                Work length) requires has_loads {
+        const DriftSum falls[3]{whole(fall[0]), whole(fall[1]), whole(fall[2])};
+        const auto evaluate = loads.evaluation(bodies, group, length, falls);
+        if (group.count == 1) staged<1>(group, evaluate, info);
+        else staged<features.bodies>(group, evaluate, info);
+    }
+    template <int capacity, class Evaluate>
+    void staged(const BodyGroup& ids, const Evaluate& evaluate, const StepInfo<N>& info) {
+        Group<N, Integrator::spin, Inertia, capacity> group;
+        group.count = ids.count;
+        for (int k = 0; k < ids.count; ++k) {
+            group.body[k] = &bodies.state[ids.id[k]];
+            group.inertia[k] = &inertia_[ids.id[k]];
+        }
+        if (!Integrator::template advance<N, capacity>(group, evaluate, info))
+            bodies.report(Issue::step_bound_hit, ids.id[0]);
+        spins_changed(ids);
+    }
+
+    DriftSum gravity_[3]{};  // change of drift a step, or half of it: see fall_in_halves
+    Inertia inertia_[features.bodies]{};
+
+public:
+    Bodies bodies;
+    [[no_unique_address]] If<has_loads, Loads, 0> loads;
+};
+
+}  // namespace tumble
