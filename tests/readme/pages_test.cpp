@@ -2,6 +2,7 @@
 // of result rows are what the command and the rows have.
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+#include <tumble/scene.hpp>
 #include <tumble/status.hpp>
 
 #include <algorithm>
@@ -170,6 +171,21 @@ TEST(pages, say_what_every_status_bit_means) {
     Strings bits;
     for (const tumble::Issue issue : tumble::all_issues) bits.insert(tumble::name_of(issue));
     expect_same(all_in(section(root / "kernel/README.md", "Status"), std::regex{R"(\n\| `([a-z_]+)`)"}), bits, "bit");
+}
+
+TEST(pages, name_every_feature_with_its_default) {
+    Strings rows, features;
+    tumble::Features::for_each([&]<class T>(const std::string& name, T tumble::Features::*member) {
+        const std::string value = std::is_same_v<T, bool> ? tumble::Features{}.*member ? "true" : "false"
+                                                          : std::to_string(tumble::Features{}.*member);
+        features.insert("| `" + name + "` | " + value + " |");
+    });
+    std::string text = section(root / "kernel/README.md", "What a scene names");
+    text.erase(0, text.find("| feature |"));
+    static const std::regex row{R"(\n(\| `[a-z_]+` \|) [^|]* \|( [a-z0-9]+ \|))"};
+    for (std::sregex_iterator match{text.begin(), text.end(), row}, end; match != end; ++match)
+        rows.insert((*match)[1].str() + (*match)[2].str());
+    expect_same(rows, features, "feature");
 }
 
 TEST(pages, name_the_options_that_the_command_has) {

@@ -79,7 +79,11 @@ template <Rational r, int F>
         constexpr std::int64_t factor = scaled_rational(r, 32);
         return {static_cast<std::int64_t>(a.raw) * factor};
     } else {
-        return mul(a, Fixed<32>::from_raw(static_cast<std::int32_t>(scaled_rational(r, 32))));  // |r| < 1/2
+        static_assert(
+            2 * r.numerator < r.denominator && -2 * r.numerator < r.denominator,
+            "an entry of a Butcher table that is no dyadic fraction must be below 1/2 in fixed point, and one "
+            "of `a` below 1/4");
+        return mul(a, Fixed<32>::from_raw(static_cast<std::int32_t>(scaled_rational(r, 32))));
     }
 }
 template <Rational r, int F>
