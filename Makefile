@@ -142,6 +142,13 @@ header:
 	@mkdir -p build/header/tumble
 	kernel/amalgamate > build/header/tumble/tumble.hpp
 
+## api: pages of the public interface, build/api/index.html; a public name without a comment is an error
+.PHONY: api
+api:
+	@port/setup api
+	@mkdir -p build/api
+	doxygen kernel/Doxyfile
+
 ## arduino: the kernel as an Arduino library, build/arduino/tumble
 .PHONY: arduino
 arduino: setup
@@ -151,12 +158,13 @@ arduino: setup
 golden: build
 	tests/conformance/update_golden
 
-## check: format, every test, the sanitizers, and that the tables of the pages are what the rows say
+## check: format, every test, the sanitizers, comments of the public interface, and that the pages' tables are what the rows say
 check: setup
 	port/setup format
 	$(MAKE) test
 	$(MAKE) sanitize
 	build/host/bench/tumble_tables --check bench/results $(PAGES)
+	$(MAKE) api
 
 ## sanitize: the host tests under the address and undefined-behaviour sanitizers
 .PHONY: sanitize

@@ -26,6 +26,7 @@ struct ListOf<List<Spec, Rest...>, T> {
 
 }  // namespace detail
 
+// A world with a scene's bodies and what acts on them.
 template <class Config, class Data>
 class Replay {
     using N = typename Config::Numbers;
@@ -49,8 +50,11 @@ public:
     Replay(const Replay&) = delete;
     Replay& operator=(const Replay&) = delete;
 
+    // Takes one step; returns the sticky status.
     Status step() { return world_.step(); }
+    // What is stepped.
     [[nodiscard]] World<Config>& world() { return world_; }
+    // What is stepped.
     [[nodiscard]] const World<Config>& world() const { return world_; }
 
 private:

@@ -15,9 +15,9 @@ struct Verlet;
 // What a scene has room for and what can happen in it; what it leaves out is not in the image. This is the list of
 // features; what combines or prints them goes through for_each().
 struct Features {
-    int bodies = 1;
-    int planes = 0;
-    int springs = 0;
+    int bodies = 1;                // room for bodies, fixed ones too
+    int planes = 0;                // room for planes
+    int springs = 0;               // room for springs
     int near_pairs = 0;            // pairs near at one time, of a body and a plane or another; 0: as usual
     bool drag = false;             // world-wide linear and angular drag
     bool gravitation = false;      // between all bodies
@@ -71,9 +71,13 @@ struct Features {
         return all;
     }
 
+    // True where there is something for a body to touch.
     [[nodiscard]] constexpr bool touches() const { return planes > 0 || pairs; }
+    // True where the code of contacts by impulses is compiled in.
     [[nodiscard]] constexpr bool contacts() const { return touches() && contact_impulses; }
+    // True where the code of contacts by springs is compiled in.
     [[nodiscard]] constexpr bool springs_touch() const { return touches() && contact_springs; }
+    // True where something but gravity may push bodies.
     [[nodiscard]] constexpr bool loads() const {
         return drag || gravitation || forces || springs > 0 || springs_touch();
     }
@@ -87,17 +91,17 @@ struct Features {
 
 // The base of every scene type: override what differs.
 struct Scene {
-    using Numbers = Q32<>;
-    using Integrator = integrators::Verlet;
-    static constexpr Features features{};
+    using Numbers = Q32<>;                   // the number system
+    using Integrator = integrators::Verlet;  // one of tumble::integrators
+    static constexpr Features features{};    // room, and what can happen
 };
 
 // A scene type made of its parts, for programs that vary them.
 template <class N, class Method, Features what>
 struct SceneOf {
-    using Numbers = N;
-    using Integrator = Method;
-    static constexpr Features features = what;
+    using Numbers = N;                          // as in Scene
+    using Integrator = Method;                  // as in Scene
+    static constexpr Features features = what;  // as in Scene
 };
 
 namespace detail {

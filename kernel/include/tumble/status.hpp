@@ -6,6 +6,7 @@
 
 namespace tumble {
 
+// A bit of Status.
 enum class Issue : std::uint8_t {
     // A position, velocity or spin left what the number system holds. Fixed point: the value is held at the limit and
     // the trajectory is wrong from here on; declare a larger Range or take a smaller step. Floating point: not finite.
@@ -22,9 +23,11 @@ enum class Issue : std::uint8_t {
     // is short enough.
     step_too_long = 16,
 };
+// In the order of their bits.
 inline constexpr Issue all_issues[] = {Issue::range_left, Issue::step_bound_hit, Issue::contacts_full,
                                        Issue::world_full, Issue::step_too_long};
 
+// The name as the command and its rows print it: range_left.
 [[nodiscard]] constexpr const char* name_of(Issue issue) {
     switch (issue) {
     case Issue::range_left: return "range_left";
@@ -35,14 +38,18 @@ inline constexpr Issue all_issues[] = {Issue::range_left, Issue::step_bound_hit,
     }
 }
 
+// What has gone wrong since the start, or since clear_status().
 struct Status {
     std::uint32_t first_step = 0;  // number of the step that set the first bit, from 0; meaningful when !ok()
     std::uint16_t count = 0;       // occurrences, held at 65535
     std::uint8_t first_body = 0;   // meaningful when !ok()
-    std::uint8_t bits = 0;
+    std::uint8_t bits = 0;         // of the issues that occurred; 0: none
 
+    // True while nothing has gone wrong.
     [[nodiscard]] constexpr bool ok() const { return bits == 0; }
+    // True once this issue has occurred.
     [[nodiscard]] constexpr bool has(Issue issue) const { return (bits & static_cast<std::uint8_t>(issue)) != 0; }
+    // Counts an issue, of a body in a step.
     constexpr void set(Issue issue, int body, std::uint32_t step) {
         if (bits == 0) {
             first_body = static_cast<std::uint8_t>(body);

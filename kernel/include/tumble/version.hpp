@@ -2,8 +2,11 @@
 // tests of the package manifests read the three numbers here.
 #pragma once
 
+// A program for one version builds with the next unless this has risen, or before 1.0 the minor number.
 #define TUMBLE_VERSION_MAJOR 0
+// Rises with what is added.
 #define TUMBLE_VERSION_MINOR 1
+// Rises with what is mended.
 #define TUMBLE_VERSION_PATCH 0
 
 // It rises by one whenever a recorded state hash changes: programs with equal TUMBLE_BITS give equal bits for every

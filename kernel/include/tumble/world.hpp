@@ -11,31 +11,33 @@
 
 namespace tumble {
 
+// Bodies, and what acts on them, in the room that the scene type S names. A value: a copy keeps all that later steps
+// depend on, but for the arrays of set_impulses() and set_forces(), which it points to.
 template <class S>
 class World {
 public:
-    using Numbers = typename S::Numbers;
-    using Integrator = typename S::Integrator;
-    using N = Numbers;
-    using Work = typename N::Work;
-    using State = BodyState<N, Integrator::spin>;
+    using Numbers = typename S::Numbers;           // the number system
+    using Integrator = typename S::Integrator;     // the method
+    using N = Numbers;                             // the number system
+    using Work = typename N::Work;                 // of accessors: Scaled in fixed point, else float or double
+    using State = BodyState<N, Integrator::spin>;  // of a body, as a step keeps it
     static_assert(
         !requires { S::bodies; } && !requires { S::planes; } && !requires { S::springs; },
         "what a scene has room for stands in `static constexpr tumble::Features features{.bodies = ...}`");
     static_assert(runs_in<Integrator, N>,
                   "the scene's Integrator runs in floating point only: not_in_fixed_point says why");
     static_assert(Method<Integrator, N>, "the scene's Integrator lacks what integrators/method.hpp asks of a method");
-    static constexpr Features features = S::features;
-    static constexpr bool has_contacts = features.contacts();
-    static constexpr bool has_loads = features.loads();
+    static constexpr Features features = S::features;          // room, and what can happen
+    static constexpr bool has_contacts = features.contacts();  // the code of contacts by impulses is there
+    static constexpr bool has_loads = features.loads();        // the code of loads is there
 
-    // A world without bodies. `step` is the length of every step.
+    // A world without bodies. `step` is the length of every step; a power of two is exact in binary.
     explicit World(Seconds step, const WorldSpec& spec = {})
         : advance_{step, spec}, contacts_{step.value, spec.contact}, sleepers_{step.value, spec.contact.sleep} {
         set_gravity(spec.gravity);
     }
 
-    // m/s^2, world frame.
+    // Gravity from the next step on, m/s^2, world frame. Wakes all bodies.
     void set_gravity(RealVec3 gravity) {
         if constexpr (has_contacts) {
             contacts_.set_gravity(gravity * (advance_.bodies.step_length * advance_.bodies.step_length));
@@ -79,9 +81,11 @@ public:
 
     // Set-up values as this world's numbers, for arrays of events that outlive it.
     [[nodiscard]] Impulse<N> prepare(const ImpulseSpec& spec) const { return tumble::prepare(advance_.bodies, spec); }
+    // The same of a force that is on for a while.
     [[nodiscard]] TimedForce<N> prepare(const ForceSpec& spec) const { return tumble::prepare(advance_.bodies, spec); }
-    // The arrays must be sorted by step and stay where they are.
+    // Impulses for the steps to come, sorted by step, in an array that stays where it is.
     void set_impulses(Span<Impulse<N>> impulses) requires(features.impulses) { impulses_ = impulses; }
+    // Forces that are on for a while, likewise.
     void set_forces(Span<TimedForce<N>> forces) requires(features.forces) { advance_.loads.set_forces(forces); }
 
     // Changes the body's momentum by `impulse` (N s, world frame) at a point of it (m, user's body axes); at once, and
@@ -112,13 +116,18 @@ public:
         return advance_.bodies.status;
     }
 
+    // Of bodies added.
     [[nodiscard]] int body_count() const { return advance_.bodies.count; }
+    // Since the start; time is this times the step.
     [[nodiscard]] std::uint32_t steps_taken() const { return advance_.bodies.steps_taken; }
+    // The sticky status.
     [[nodiscard]] Status status() const { return advance_.bodies.status; }
+    // Forgets what went wrong.
     void clear_status() { advance_.bodies.status = {}; }
 
     // The body's state as the step keeps it. x_w is in metres; the accessors below give the rest in SI units.
     [[nodiscard]] const State& state(BodyId id) const { return advance_.bodies.state[place_of(id)]; }
+    // Of the centre of mass, m, world frame; x(), y() and z() of the vector.
     [[nodiscard]] WorkVec3<N> position(BodyId id) const { return advance_.bodies.position(place_of(id)); }
     // m/s, world frame.
     [[nodiscard]] WorkVec3<N> velocity(BodyId id) const { return advance_.bodies.velocity(place_of(id)); }
@@ -126,7 +135,7 @@ public:
     [[nodiscard]] WorkVec3<N> angular_velocity(BodyId id) const {
         return advance_.bodies.angular_velocity(place_of(id));
     }
-    // User's body axes to world; of group length to rounding.
+    // User's body axes to world; of unit length to rounding. Its real part is w, its vector part v.
     [[nodiscard]] Quat<Work> orientation(BodyId id) const { return advance_.bodies.orientation(place_of(id)); }
 
     // Digest of every body's state.
@@ -134,6 +143,7 @@ public:
 
     // The bodies whatever the method; for readers that want more digits than working numbers have (the host).
     using Bodies = typename tumble::Advance<S>::Bodies;
+    // As they are stored.
     [[nodiscard]] const Bodies& bodies() const { return advance_.bodies; }
 
     // True of a body that rests at no cost until something touches or pushes it.

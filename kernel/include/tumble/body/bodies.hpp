@@ -13,10 +13,13 @@ namespace tumble {
 // A body's number in its world. False where add() found no room.
 class BodyId {
 public:
-    constexpr BodyId() = default;
+    constexpr BodyId() = default;  // of no body
+    // By the place in the order of add(), from 0.
     constexpr explicit BodyId(int index) : index_{static_cast<std::int16_t>(index)} {}
+    // True of a body's id; false of what add() returns on a full world.
     [[nodiscard]] constexpr explicit operator bool() const { return index_ >= 0; }
     [[nodiscard]] constexpr BodyId operator*() const { return *this; }
+    // The place in the order of add(); -1: of no body.
     [[nodiscard]] constexpr int index() const { return index_; }
 
 private:

@@ -6,36 +6,41 @@
 
 namespace tumble {
 
+// An instantaneous change of momentum; World::prepare() makes it.
 template <class N>
 struct Impulse {
-    std::uint32_t step = 0;  // applied before this step is taken
-    std::int16_t body = 0;
-    Frame frame = Frame::world;
+    std::uint32_t step = 0;                  // applied before this step is taken
+    std::int16_t body = 0;                   // index
+    Frame frame = Frame::world;              // of impulse and angular
     WorkVec3<N> impulse = zero_vector<N>();  // N s, in `frame` (body: principal axes)
     WorkVec3<N> angular = zero_vector<N>();  // N m s, in `frame`
     WorkVec3<N> point_b = zero_vector<N>();  // m, principal axes
 };
 
-// A constant force at a point of a body and a constant torque while it is on.
+// A constant force at a point of a body and a constant torque while it is on; World::prepare() makes it.
 template <class N>
 struct TimedForce {
-    std::int16_t body = 0;
-    Frame frame = Frame::world;
-    std::uint32_t from = 0, until = 0;       // steps: on while from <= step < until
+    std::int16_t body = 0;                   // index
+    Frame frame = Frame::world;              // of force and torque
+    std::uint32_t from = 0;                  // the first step that it is on in
+    std::uint32_t until = 0;                 // the first step that it is off again in
     WorkVec3<N> force = zero_vector<N>();    // N, in `frame` (body: principal axes)
     WorkVec3<N> torque = zero_vector<N>();   // N m, in `frame`
     WorkVec3<N> point_b = zero_vector<N>();  // m, principal axes
 
+    // True in the steps that it acts in.
     [[nodiscard]] bool is_on(std::uint32_t step) const { return from <= step && step < until; }
 };
 
 // Constant arrays that outlive the world: flash in a firmware.
 template <class T>
 struct Span {
-    const T* first = nullptr;
-    int count = 0;
+    const T* first = nullptr;  // of the array
+    int count = 0;             // of its elements
 
+    // For loops over the elements.
     [[nodiscard]] const T* begin() const { return first; }
+    // Behind the last element.
     [[nodiscard]] const T* end() const { return first + count; }
 };
 
@@ -50,6 +55,7 @@ template <class N, Spin spin, int capacity>
             in_body ? bodies.principal_vector(spec.body, spec.angular_impulse) : work_vector<N>(spec.angular_impulse),
             bodies.principal_vector(spec.body, spec.point)};
 }
+// The same of a force that is on for a while.
 template <class N, Spin spin, int capacity>
 [[gnu::noinline, nodiscard]] TimedForce<N> prepare(const Bodies<N, spin, capacity>& bodies, const ForceSpec& spec) {
     const bool in_body = spec.frame == Frame::body;

@@ -9,7 +9,12 @@ namespace tumble {
 
 // Symmetric tensor, kg m^2; xy, xz, yz are its elements (minus the products of inertia).
 struct InertiaTensor {
-    Real xx, yy, zz, xy, xz, yz;
+    Real xx;  // the moment about x
+    Real yy;  // the moment about y
+    Real zz;  // the moment about z
+    Real xy;  // minus the product of x and y
+    Real xz;  // minus the product of x and z
+    Real yz;  // minus the product of y and z
 };
 
 struct PrincipalInertia {
@@ -17,13 +22,14 @@ struct PrincipalInertia {
     RealQuat principal;  // rotates principal-frame vectors into the user's body frame
 };
 
+// Solids, and the hoop, a thin ring. Points and none touch nothing.
 enum class ShapeKind : std::uint8_t { none, sphere, box, cylinder, hoop, capsule, points };
 
 // A shape about its centre of mass. size: box: full edges; sphere: radius; cylinder, capsule: radius, length along z
 // (a capsule's length is that of its straight part); hoop: radius, about z.  All in metres.
 struct Shape {
-    ShapeKind kind = ShapeKind::none;
-    RealVec3 size{};
+    ShapeKind kind = ShapeKind::none;  // none: mass alone
+    RealVec3 size{};                   // m, as above
 };
 
 namespace detail {
@@ -142,16 +148,18 @@ constexpr void jacobi_rotate(Real (&a)[3][3], Real (&v)[3][3], int p, int q) {
     }
 }
 
-// Point masses: total mass, centre of mass, and the tensor about that centre.
+// One of the masses that point_cloud() makes a body of.
 struct PointMass {
     RealVec3 position;  // m
     Real mass;          // kg
 };
+// What rigidly connected point masses are as one body.
 struct PointCloud {
-    Real mass;
-    RealVec3 centre;
-    InertiaTensor inertia;
+    Real mass;              // kg
+    RealVec3 centre;        // m, of mass
+    InertiaTensor inertia;  // kg m^2, about the centre of mass
 };
+// Sums up `count` points, of which one at least has mass.
 [[nodiscard]] constexpr PointCloud point_cloud(const PointMass* points, int count) {
     PointCloud cloud{};
     for (int i = 0; i < count; ++i) {

@@ -51,6 +51,7 @@ struct SpinVec3 {
     friend constexpr bool operator==(const SpinVec3&, const SpinVec3&) = default;
 };
 
+// All that a step writes of one body.
 template <class N, Spin spin>
 struct BodyState {
     IntegratedVec3<N, typename N::Position> x_w;  // m, of the centre of mass

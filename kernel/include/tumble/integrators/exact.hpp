@@ -8,6 +8,7 @@
 
 namespace tumble::integrators {
 
+// The exact rotation of a free body, of order 2 with torques. Floating point only.
 struct Exact : KickDriftKick<ExactFlow> {
     static constexpr const char* name = "exact";
     static constexpr int order = 2;

@@ -14,15 +14,19 @@ struct Pdmv : KickDriftKick<MoserVeselovFlow<order_of_rotation>> {
     static constexpr const char* needs = "division when the spin changes; sqrt and division a step in floating point";
 };
 
+// Order 4 of a free body, 2 with torques.
 struct Pdmv4 : Pdmv<4> {
     static constexpr const char* name = "pdmv4";
 };
+// Order 6 of a free body, 2 with torques.
 struct Pdmv6 : Pdmv<6> {
     static constexpr const char* name = "pdmv6";
 };
+// Order 8 of a free body, 2 with torques.
 struct Pdmv8 : Pdmv<8> {
     static constexpr const char* name = "pdmv8";
 };
+// Order 10 of a free body, 2 with torques.
 struct Pdmv10 : Pdmv<10> {
     static constexpr const char* name = "pdmv10";
 };

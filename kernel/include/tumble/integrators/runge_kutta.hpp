@@ -186,18 +186,22 @@ struct RungeKutta {
     }
 };
 
+// Order 1; gains energy, unstable on oscillations.
 struct ExplicitEuler : RungeKutta<euler_table> {
     static constexpr const char* name = "explicit_euler";
     static constexpr int order = 1;
 };
+// Order 2, two stages.
 struct Midpoint : RungeKutta<midpoint_table> {
     static constexpr const char* name = "midpoint";
     static constexpr int order = 2;
 };
+// Order 2, two stages: the explicit trapezoidal rule.
 struct Heun : RungeKutta<heun_table> {
     static constexpr const char* name = "heun";
     static constexpr int order = 2;
 };
+// The classical method: order 4, four stages.
 struct Rk4 : RungeKutta<rk4_table> {
     static constexpr const char* name = "rk4";
     static constexpr int order = 4;

@@ -7,6 +7,7 @@
 
 namespace tumble::integrators {
 
+// Order 1: velocity first, then position with the new velocity.
 struct SemiImplicitEuler {
     static constexpr const char* name = "semi_implicit_euler";
     static constexpr int order = 1;

@@ -6,6 +6,7 @@
 
 namespace tumble::integrators {
 
+// Three-axis splitting: order 2; no division, no square root.
 struct Strang : KickDriftKick<ThreeAxisFlow> {
     static constexpr const char* name = "strang";
     static constexpr int order = 2;

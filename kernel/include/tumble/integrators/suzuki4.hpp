@@ -27,6 +27,7 @@ struct Suzuki4Parts {
 
 namespace integrators {
 
+// Five steps of verlet in one: order 4, the accurate choice when torques act; no division, no square root.
 struct Suzuki4 : KickDriftKick<Composed<SymmetricTopFlow, tumble::detail::Suzuki4Parts>, tumble::detail::Suzuki4Parts> {
     static constexpr const char* name = "suzuki4";
     static constexpr int order = 4;

@@ -7,6 +7,7 @@
 
 namespace tumble::integrators {
 
+// The default: order 2, reversible in time, energy error bounded; no division, no square root.
 struct Verlet : KickDriftKick<SymmetricTopFlow> {
     static constexpr const char* name = "verlet";
     static constexpr int order = 2;

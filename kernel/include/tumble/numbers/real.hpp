@@ -22,6 +22,7 @@ public:
         *this = make((bits >> 63) != 0, exponent == 0 ? fraction : fraction | (std::uint64_t{1} << 52),
                      (exponent == 0 ? 1 : exponent) - 1075);
     }
+    // Exact.
     constexpr Real(int value)  // NOLINT(google-explicit-constructor)
         : Real{make(value < 0, value < 0 ? 0u - static_cast<std::uint32_t>(value) : static_cast<std::uint32_t>(value),
                     0)} {}
@@ -33,7 +34,9 @@ public:
         return make(negative, negative ? 0u - magnitude : magnitude, exponent);
     }
 
+    // Of either sign there is one zero.
     [[nodiscard]] constexpr bool is_zero() const { return mantissa_ == 0; }
+    // Below zero.
     [[nodiscard]] constexpr bool is_negative() const { return negative_; }
 
     [[nodiscard]] constexpr Real operator-() const {
@@ -129,8 +132,9 @@ public:
         return mantissa_ == std::uint64_t{1} << 63 ? exponent_ + 63 : ceil_log2();
     }
 
-    // Nearest float and double, ties to even; written bit by bit so that no floating-point code is needed.
+    // Nearest double, ties to even; written bit by bit so that no floating-point code is needed.
     [[nodiscard]] constexpr double to_double() const { return std::bit_cast<double>(ieee(52, 1023)); }
+    // Nearest float, likewise.
     [[nodiscard]] constexpr float to_float() const {
         return std::bit_cast<float>(static_cast<std::uint32_t>(ieee(23, 127)));
     }
@@ -177,6 +181,7 @@ private:
     bool negative_ = false;
 };
 
+// The absolute value.
 [[nodiscard]] constexpr Real abs(Real a) { return a.is_negative() ? -a : a; }
 
 // Square root by Newton's iteration from a power of two; negative arguments are misuse.
@@ -188,33 +193,44 @@ private:
     return y;
 }
 
-// A vector and a quaternion of set-up numbers; plain, so that scenes are constants.
+// A vector of set-up numbers; plain, so that scenes are constants.
 struct RealVec3 {
-    Real x, y, z;
+    Real x;  // first component
+    Real y;  // second component
+    Real z;  // third component
+
     [[nodiscard]] constexpr Real operator[](int i) const { return i == 0 ? x : i == 1 ? y : z; }
     constexpr Real& operator[](int i) { return i == 0 ? x : i == 1 ? y : z; }
     friend constexpr RealVec3 operator+(RealVec3 a, RealVec3 b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
     friend constexpr RealVec3 operator-(RealVec3 a, RealVec3 b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
     friend constexpr RealVec3 operator*(RealVec3 a, Real s) { return {a.x * s, a.y * s, a.z * s}; }
 };
+// The scalar product.
 [[nodiscard]] constexpr Real dot(RealVec3 a, RealVec3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+// The vector product.
 [[nodiscard]] constexpr RealVec3 cross(RealVec3 a, RealVec3 b) {
     return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
+// Of length 1; a must not be zero.
 [[nodiscard]] constexpr RealVec3 normalized(RealVec3 a) { return a * (Real{1} / sqrt(dot(a, a))); }
 
+// Hamilton's quaternion w + xi + yj + zk of set-up numbers.
 struct RealQuat {
-    Real w = 1;
-    RealVec3 v{};
+    Real w = 1;    // real part
+    RealVec3 v{};  // x, y, z
+
     friend constexpr RealQuat operator*(RealQuat a, RealQuat b) {
         return {a.w * b.w - dot(a.v, b.v), b.v * a.w + a.v * b.w + cross(a.v, b.v)};
     }
+    // The rotation back, of a unit quaternion.
     [[nodiscard]] constexpr RealQuat conjugate() const { return {w, v * Real{-1}}; }
+    // The vector turned; of unit length the quaternion must be.
     [[nodiscard]] constexpr RealVec3 rotate(RealVec3 r) const {
         const RealVec3 t = cross(v, r) * Real{2};
         return r + t * w + cross(v, t);
     }
 };
+// Of length 1; q must not be zero.
 [[nodiscard]] constexpr RealQuat normalized(RealQuat q) {
     const Real s = Real{1} / sqrt(q.w * q.w + dot(q.v, q.v));
     return {q.w * s, q.v * s};

@@ -7,11 +7,14 @@
 
 namespace tumble {
 
+// A number of a Q32 world's accessors: mantissa * 2^exponent, to 31 bits.
 class Scaled {
 public:
-    constexpr Scaled() = default;
+    constexpr Scaled() = default;  // zero
+    // To 31 bits.
     constexpr Scaled(int value)
         : Scaled{of(value, 0)} {}  // NOLINT(google-explicit-constructor): 0, 1, -1 read as numbers
+    // A set-up number, to 31 bits.
     [[nodiscard]] static constexpr Scaled from(Real value) {
         // Nearest at 31 bits: place the leading bit at 2^30, round, and let `of` renormalise a carry.
         if (value.is_zero()) return {};
@@ -36,10 +39,12 @@ public:
         const auto m = static_cast<std::int32_t>(magnitude);
         return Scaled{negative ? -m : m, exponent + drop};
     }
+    // Of fixed point, exact.
     template <int F>
     [[nodiscard]] static constexpr Scaled of(Fixed<F> a) {
         return of(a.raw, -F);
     }
+    // Of a sum in fixed point, to 31 bits.
     template <int F>
     [[nodiscard]] static constexpr Scaled of(Wide<F> a) {
         return of(a.raw, -F);
@@ -51,6 +56,7 @@ public:
     [[nodiscard]] constexpr Wide<F> to_wide() const {
         return {to_sum(F)};
     }
+    // The same with the number of fraction bits known at run time, as the raw sum.
     [[nodiscard, gnu::noinline]] constexpr std::int64_t to_sum(int fraction_bits,
                                                                std::int64_t limit = (std::int64_t{1} << 62) - 1) const {
         const int up = exponent_ + fraction_bits;
@@ -69,11 +75,16 @@ public:
         constexpr std::int64_t limit = 0x7fffffff;
         return To::from_raw(static_cast<std::int32_t>(raw > limit ? limit : raw < -limit ? -limit : raw));
     }
+    // As a set-up number, exact.
     [[nodiscard]] constexpr Real to_real() const { return Real::scaled(mantissa_, exponent_); }
+    // As a double, exact; in integers.
     [[nodiscard]] explicit constexpr operator double() const { return to_real().to_double(); }
 
+    // 2^30 <= |mantissa| < 2^31, or 0.
     [[nodiscard]] constexpr std::int32_t mantissa() const { return mantissa_; }
+    // Of two; 0 of zero.
     [[nodiscard]] constexpr int exponent() const { return exponent_; }
+    // There is one zero.
     [[nodiscard]] constexpr bool is_zero() const { return mantissa_ == 0; }
     // value * 2^n, exact.
     [[nodiscard]] constexpr Scaled times_power_of_two(int n) const {

@@ -13,10 +13,13 @@
 
 namespace tumble {
 
-// The ranges to choose from, the smallest first, under the names that scenes use.
+// 64 m, 32 m/s, 32 rad/s.
 using NearRange = Range<64, 32, 32>;
+// 1024 m, 128 m/s, 64 rad/s: the default.
 using RoomRange = Range<>;
+// 32768 m, 2048 m/s, 256 rad/s.
 using FieldRange = Range<32768, 2048, 256>;
+// The ranges to choose from, the smallest first, under the names that scenes use.
 using Ranges = NamedList<NamedRange<"near", NearRange>, NamedRange<"room", RoomRange>, NamedRange<"field", FieldRange>>;
 
 // The list of number systems: builds (lists.cmake), the simulator, firmware and tests take theirs from here, so a new
@@ -35,12 +38,17 @@ using NumberSystems = NamedList<
 // The type of the number system of a name, for the range that a scene declares: NumbersOf<"q32", NearRange>.
 template <detail::Name name, class Range>
 using NumbersOf = typename NumberSystems::Named<name>::template Numbers<Range>;
+// The range of a name: RangeOf<"near">.
 template <detail::Name name>
 using RangeOf = typename Ranges::Named<name>::Range;
 
+// Float with compensated sums: carried residuals.
 using F32 = Float<float, true>;
+// Float as it is, the fastest with an FPU.
 using F32Plain = Float<float, false>;
+// Double.
 using F64 = Float<double, false>;
+// Double with compensated sums.
 using F64Carried = Float<double, true>;
 
 }  // namespace tumble
