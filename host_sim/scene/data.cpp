@@ -1,5 +1,7 @@
 #include "scene/data.hpp"
 
+#include <tumble/shapes/pairs.hpp>
+
 #include <algorithm>
 #include <string_view>
 
@@ -60,8 +62,15 @@ SleepSpec sleep_of(const ContactDescription& contact) {
     return {true, contact.sleep->speed, contact.sleep->angular_speed, contact.sleep->time};
 }
 
-bool touches_bodies(const BodySpec& body) {
-    return body.shape.kind == ShapeKind::sphere || body.shape.kind == ShapeKind::box;
+// True if two bodies, of which at least one moves, may touch.
+bool any_pair_meets(const std::vector<BodySpec>& bodies) {
+    for (const BodySpec& a : bodies) {
+        if (std::any_of(bodies.begin(), bodies.end(), [&](const BodySpec& b) {
+                return &a != &b && meets(a.shape.kind, b.shape.kind) && !(a.fixed && b.fixed);
+            }))
+            return true;
+    }
+    return false;
 }
 
 }  // namespace
@@ -116,7 +125,6 @@ SceneData build_scene(const SceneDescription& scene) {
 Features needs(const SceneData& scene) {
     const auto any = [](const auto& list, auto&& is_one) { return std::any_of(list.begin(), list.end(), is_one); };
     const auto is_rough = [](const auto& side) { return side.friction > Real{}; };
-    const auto is_moving_toucher = [](const BodySpec& body) { return touches_bodies(body) && !body.fixed; };
     const auto is_box = [](const BodySpec& body) { return body.shape.kind == ShapeKind::box; };
     const auto is_moving_round = [](const BodySpec& body) {
         const ShapeKind kind = body.shape.kind;
@@ -128,9 +136,7 @@ Features needs(const SceneData& scene) {
     };
     const WorldSpec& world = scene.world;
     const ContactResponse response = world.contact.response;
-    const bool pairs = response != ContactResponse::none &&
-                       std::count_if(scene.bodies.begin(), scene.bodies.end(), touches_bodies) > 1 &&
-                       any(scene.bodies, is_moving_toucher);
+    const bool pairs = response != ContactResponse::none && any_pair_meets(scene.bodies);
     // Planes are there only with a response.
     const bool touches = !scene.planes.empty() || pairs, by_impulses = touches && response == ContactResponse::impulse,
                by_springs = touches && response == ContactResponse::spring;

@@ -1,6 +1,7 @@
 #include "simulation/simulation.hpp"
 
 #include <tumble/integrators/list.hpp>
+#include <tumble/shapes/pairs.hpp>
 
 #include <algorithm>
 #include <array>
@@ -61,6 +62,7 @@ std::string acts_on_fixed(const BodyDescription& body) {
 
 // The shapes that touch no bodies; empty for all others.
 std::string_view passing_shape(ShapeKind shape) {
+    if (touches_bodies(shape)) return "";
     switch (shape) {
     case ShapeKind::cylinder: return "a cylinder";
     case ShapeKind::hoop: return "a hoop";

@@ -1,5 +1,7 @@
 #include "truth/smooth_motion.hpp"
 
+#include <tumble/shapes/pairs.hpp>  // which shapes touch: what is not simulated is no contact
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -286,7 +288,7 @@ Number SmoothMotion::Body::swept() const {
 
 bool SmoothMotion::may_touch(std::size_t i, std::size_t j) const {
     const Body &a = bodies_[i], &b = bodies_[j];
-    return i != j && a.touches_bodies() && b.touches_bodies() && !(a.fixed && b.fixed);
+    return i != j && meets(a.kind, b.kind) && !(a.fixed && b.fixed);
 }
 
 // The widest gap that a plane across the line of centres or along a face leaves between them.
@@ -321,7 +323,7 @@ Number SmoothMotion::clearance() const {
 Number SmoothMotion::closing_speed() const {
     Number most = 0;
     for (std::size_t i = 0; i < bodies_.size(); ++i) {
-        if (bodies_[i].touches_planes() || bodies_[i].touches_bodies())
+        if (bodies_[i].touches_planes() || touches_bodies(bodies_[i].kind))
             most = std::max(most, norm(now_[i].v) + norm(now_[i].w) * bodies_[i].swept());
     }
     return has_pairs_ ? 2 * most : most;

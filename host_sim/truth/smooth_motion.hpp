@@ -51,7 +51,6 @@ private:
         [[nodiscard]] bool touches_planes() const {
             return !fixed && kind != ShapeKind::none && kind != ShapeKind::points;
         }
-        [[nodiscard]] bool touches_bodies() const { return kind == ShapeKind::sphere || kind == ShapeKind::box; }
         // How far it reaches along a unit vector, user's axes; and the farthest point that its spin moves, m.
         [[nodiscard]] reference::Number reach(const reference::Vector& n) const;
         [[nodiscard]] reference::Number swept() const;

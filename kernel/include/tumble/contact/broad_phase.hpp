@@ -82,8 +82,9 @@ public:
                 [&] { forget(b, -1 - p); });
         }
         if constexpr (features.pairs) {
-            for (int other = 0; other < bodies.count && shape_[b].touches_bodies(); ++other) {
-                if (other == b || !shape_[other].touches_bodies()) continue;
+            for (int other = 0; other < bodies.count && touches_bodies(shape_[b].kind); ++other) {
+                if (other == b || !touches_bodies(shape_[other].kind)) continue;
+                if (!touching_meet(shape_[b].kind, shape_[other].kind)) continue;
                 const bool other_moves = !bodies.constants[other].fixed;
                 const int first = other_moves && other < b ? other : b, second = first == b ? other : b;
                 const bool still = is_still(other);

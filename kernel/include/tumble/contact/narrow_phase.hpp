@@ -127,11 +127,13 @@ protected:
     // `measured`: neither body has moved since.
     template <class F>
     void with_pair(const Bodies& bodies, const Pair& pair, [[maybe_unused]] bool measured, F&& f) const {
-        const auto box_box = [&](const auto& view) {
-            return measured ? BoxBox<N>{view, pair.axis, pair.normal, pair.gap}
-                            : BoxBox<N>{view, C::half(C::half(tolerance_))};
+        const auto make = [&]<class Contact>(const PairView<N>& view) {
+            if constexpr (requires(Contact contact) { contact.axis; })
+                return measured ? Contact{view, pair.axis, pair.normal, pair.gap}
+                                : Contact{view, C::half(C::half(tolerance_))};
+            else return Contact{view};
         };
-        with_contact<features>(view_of(bodies, pair), box_box, f);
+        with_contact<features>(view_of(bodies, pair), make, f);
     }
     void measure(const Bodies& bodies, Pair& pair) {
         pair.moved = pair.moved || turned_[pair.a];

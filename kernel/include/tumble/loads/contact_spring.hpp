@@ -47,12 +47,11 @@ public:
         if (plane_count_ > 0) require(compliance_[b], b, bodies);
         if constexpr (features.pairs) {
             int touching = 0;
-            for (int other = 0; other <= b; ++other) touching += shape_[other].touches_bodies() ? 1 : 0;
+            for (int other = 0; other <= b; ++other) touching += touches_bodies(shape_[other].kind) ? 1 : 0;
             for (int i = 0; i <= b && touching > 1; ++i) {
                 for (int k = i + 1; k <= b; ++k) {
                     const Real both = compliance_[i] + compliance_[k];
-                    if (shape_[i].touches_bodies() && shape_[k].touches_bodies())
-                        require(touching > 2 ? both * Real{2} : both, k, bodies);
+                    if (meets(shape_[i].kind, shape_[k].kind)) require(touching > 2 ? both * Real{2} : both, k, bodies);
                 }
             }
         }
@@ -72,9 +71,11 @@ public:
     }
     [[nodiscard]] bool couples(int b) const {
         if constexpr (features.pairs) {
-            if (!on_ || !shape_[b].touches_bodies()) return false;
+            if (!on_ || !touches_bodies(shape_[b].kind)) return false;
             for (int other = 0; other < features.bodies; ++other)
-                if (other != b && shape_[other].touches_bodies()) return true;
+                if (other != b && touches_bodies(shape_[other].kind) &&
+                    touching_meet(shape_[b].kind, shape_[other].kind))
+                    return true;
         }
         return false;
     }
@@ -114,8 +115,9 @@ public:
     }
     // Two bodies.
     void apply(LoadedBody<N>& a, int index_a, LoadedBody<N>& b, int index_b, Bodies& bodies) const {
-        if (!on_ || !shape_[index_a].touches_bodies() || !shape_[index_b].touches_bodies()) return;
         const CollisionShape<N>&shape_a = shape_[index_a], &shape_b = shape_[index_b];
+        if (!on_ || !touches_bodies(shape_a.kind) || !touches_bodies(shape_b.kind)) return;
+        if (!touching_meet(shape_a.kind, shape_b.kind)) return;
         WorkVec3<N> apart;
         for (int i = 0; i < 3; ++i) apart[i] = N::metres(a.stage->x_w[i] - b.stage->x_w[i]);
         const Work distance = sqrt(dot(apart, apart)), touch = radius_[index_a] + radius_[index_b];
@@ -128,13 +130,16 @@ public:
                  scaled_by(rotate_back(b.q_wb, normal), radius_[index_b]), bodies);
             return;
         }
-        if constexpr (features.boxes) {
+        if constexpr (has_other_pairs_than_spheres<features>) {
             const Axes<N> axes_a = Axes<N>::of(a.stage->q_wb), axes_b = Axes<N>::of(b.stage->q_wb);
             Vec3<Length> reach;
             for (int i = 0; i < 3; ++i) reach[i] = shape_.scale().length(apart[i]);
             const PairView<N> both{shape_a, shape_b, axes_a, axes_b, reach};
-            const auto box_box = [](const PairView<N>& view) { return BoxBox<N>{view, Length{}}; };
-            with_contact<features>(both, box_box, [&](const auto& contact, const auto& view, bool reversed) {
+            const auto make = []<class Contact>(const PairView<N>& view) {
+                if constexpr (requires(Contact contact) { contact.axis; }) return Contact{view, Length{}};
+                else return Contact{view};
+            };
+            with_contact<features>(both, make, [&](const auto& contact, const auto& view, bool reversed) {
                 if (contact.gap > band()) return;
                 FoundPoints<N> found;
                 contact.find(view, found, band());

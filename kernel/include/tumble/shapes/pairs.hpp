@@ -1,4 +1,5 @@
-// Which of SphereSphere, SphereBox and BoxBox knows a pair of shapes.
+// The pairs of shapes that touch each other. A pair is one header with its geometry and one entry here: what may touch,
+// who is asked where, and in which order, follows from the table.
 #pragma once
 
 #include <tumble/scene.hpp>
@@ -7,20 +8,137 @@
 
 namespace tumble {
 
-// Calls f(what is known of two shapes, the view in its order, whether that is reversed). box_box(view) is asked for
-// what is known of two boxes.
-template <Features features, class N, class BoxBoxOf, class F>
-void with_contact(const PairView<N>& view, [[maybe_unused]] BoxBoxOf&& box_box, F&& f) {
-    if constexpr (features.boxes) {
-        const bool box_a = view.a.is(ShapeKind::box), box_b = view.b.is(ShapeKind::box);
-        if (box_a && box_b) return f(box_box(view), view, false);
-        if (box_b) return f(SphereBox<N>{view}, view, false);
-        if (box_a) {
-            const PairView<N> reversed = view.reversed();
-            return f(SphereBox<N>{reversed}, reversed, true);
-        }
+// Geometry<N>{view} knows where a body of the first shape is relative to one of the second: normal, gap, and find().
+template <ShapeKind first_shape, ShapeKind second_shape, template <class> class Geometry>
+struct ShapePair {
+    static constexpr ShapeKind first = first_shape, second = second_shape;
+    template <class N>
+    using Contact = Geometry<N>;
+};
+
+namespace detail {
+
+// A pair in one of the orders in which its bodies may come.
+struct ShapeOrder {
+    ShapeKind a, b;
+    int entry;
+    bool reversed;
+};
+template <int most>
+struct ShapeOrders {
+    ShapeOrder order[most]{};
+    int count = 0;
+
+    constexpr void add(const ShapeOrder& o) { order[count++] = o; }
+    // True if, of the orders from `at` on, no other has the same a (b): then a (b) alone tells.
+    [[nodiscard]] constexpr bool a_tells(int at) const {
+        for (int i = at + 1; i < count; ++i)
+            if (order[i].a == order[at].a) return false;
+        return true;
     }
-    f(SphereSphere<N>{view}, view, false);
+    [[nodiscard]] constexpr bool b_tells(int at) const {
+        for (int i = at + 1; i < count; ++i)
+            if (order[i].b == order[at].b) return false;
+        return true;
+    }
+};
+
+// True if worlds of these features have bodies of the shape that touch.
+[[nodiscard]] constexpr bool has_shape(const Features& features, ShapeKind kind) {
+    return kind == ShapeKind::sphere || (kind == ShapeKind::box ? features.boxes : features.round_shapes);
+}
+
+template <int at, class First, class... Rest>
+struct PairAt : PairAt<at - 1, Rest...> {};
+template <class First, class... Rest>
+struct PairAt<0, First, Rest...> : std::type_identity<First> {};
+
+}  // namespace detail
+
+template <class... Pairs>
+struct ShapePairList {
+    template <int at, class N>
+    using Contact = typename detail::PairAt<at, Pairs...>::type::template Contact<N>;
+
+    [[nodiscard]] TUMBLE_INLINE static constexpr bool has(ShapeKind kind) {
+        return ((kind == Pairs::first || kind == Pairs::second) || ...);
+    }
+    [[nodiscard]] static constexpr bool has(ShapeKind a, ShapeKind b) {
+        return (((a == Pairs::first && b == Pairs::second) || (a == Pairs::second && b == Pairs::first)) || ...);
+    }
+    // True if every two shapes of the list are a pair.
+    [[nodiscard]] static constexpr bool is_complete() {
+        for (int a = 0; a <= static_cast<int>(ShapeKind::points); ++a)
+            for (int b = 0; b <= a; ++b)
+                if (has(ShapeKind(a)) && has(ShapeKind(b)) && !has(ShapeKind(a), ShapeKind(b))) return false;
+        return true;
+    }
+    // All orders in which two bodies may come in worlds of these features, in the order of the list.
+    [[nodiscard]] static constexpr auto orders(const Features& features) {
+        detail::ShapeOrders<2 * static_cast<int>(sizeof...(Pairs))> orders;
+        int entry = 0;
+        const auto add = [&](ShapeKind first, ShapeKind second) {
+            if (detail::has_shape(features, first) && detail::has_shape(features, second)) {
+                orders.add({first, second, entry, false});
+                if (first != second) orders.add({second, first, entry, true});
+            }
+            ++entry;
+        };
+        (add(Pairs::first, Pairs::second), ...);
+        return orders;
+    }
+};
+
+// The table.
+// clang-format off
+using ShapePairs = ShapePairList<
+    ShapePair<ShapeKind::box, ShapeKind::box, BoxBox>,
+    ShapePair<ShapeKind::sphere, ShapeKind::box, SphereBox>,
+    ShapePair<ShapeKind::sphere, ShapeKind::sphere, SphereSphere>>;
+// clang-format on
+
+// True if bodies of the two shapes touch each other.
+[[nodiscard]] constexpr bool meets(ShapeKind a, ShapeKind b) { return ShapePairs::has(a, b); }
+// True if a body of the shape touches bodies of some shape.
+[[nodiscard]] TUMBLE_INLINE constexpr bool touches_bodies(ShapeKind kind) { return ShapePairs::has(kind); }
+// meets(a, b) of two shapes that touch bodies: not asked where all such do.
+[[nodiscard]] TUMBLE_INLINE constexpr bool touching_meet(ShapeKind a, ShapeKind b) {
+    return ShapePairs::is_complete() || meets(a, b);
+}
+
+namespace detail {
+
+template <Features features>
+inline constexpr auto shape_orders = ShapePairs::orders(features);
+
+template <Features features, int at, class N, class Make, class F>
+TUMBLE_INLINE void with_contact_from(const PairView<N>& view, Make& make, F& f) {
+    constexpr ShapeOrder order = shape_orders<features>.order[at];
+    if constexpr (at + 1 < shape_orders<features>.count) {
+        constexpr bool b_tells = shape_orders<features>.b_tells(at), a_tells = shape_orders<features>.a_tells(at);
+        if (!((b_tells || view.a.is(order.a)) && ((a_tells && !b_tells) || view.b.is(order.b))))
+            return with_contact_from<features, at + 1>(view, make, f);
+    }
+    using Contact = ShapePairs::Contact<order.entry, N>;
+    if constexpr (order.reversed) {
+        const PairView<N> reversed = view.reversed();
+        f(make.template operator()<Contact>(reversed), reversed, true);
+    } else {
+        f(make.template operator()<Contact>(view), view, false);
+    }
+}
+
+}  // namespace detail
+
+// True if worlds of these features have pairs of other shapes than two spheres.
+template <Features features>
+inline constexpr bool has_other_pairs_than_spheres = detail::shape_orders<features>.count > 1;
+
+// Calls f(what is known of two shapes that meet, the view in its order, whether that is reversed), where
+// make<Contact>(view) is asked for what is known.
+template <Features features, class N, class Make, class F>
+void with_contact(const PairView<N>& view, Make&& make, F&& f) {
+    detail::with_contact_from<features, 0>(view, make, f);
 }
 
 }  // namespace tumble

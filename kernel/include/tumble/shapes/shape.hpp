@@ -87,8 +87,6 @@ struct CollisionShape {
         radius = to.coarser(radius, from);
     }
     [[nodiscard]] bool is(ShapeKind k) const { return kind == k; }
-    // Only spheres and boxes touch other bodies.
-    [[nodiscard]] bool touches_bodies() const { return is(ShapeKind::sphere) || is(ShapeKind::box); }
     [[nodiscard]] bool is_round() const { return kind == ShapeKind::cylinder || kind == ShapeKind::hoop; }
 
     [[nodiscard]] Axes<N> axes(const Axes<N>& principal) const { return turned ? principal.times(edges) : principal; }
