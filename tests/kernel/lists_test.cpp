@@ -1,5 +1,7 @@
-// The kernel's lists as kernel/lists.cmake reads them from the text of the headers are what a compiler makes of them.
+// The kernel's lists: kernel/lists.cmake reads from the text of the headers what a compiler makes of them; and the
+// table of pairs of shapes says the same in either order.
 #include <tumble/integrators/list.hpp>
+#include <tumble/shapes/pairs.hpp>
 
 #include "gtest/gtest.h"
 
@@ -57,6 +59,23 @@ TEST(Lists, builds_read_every_range_and_each_holds_the_one_before_it) {
         position = R::position, velocity = R::velocity, spin = R::spin;
     });
     EXPECT_EQ(all, TUMBLE_RANGES);
+}
+
+TEST(Lists, shapes_meet_in_either_order_and_touch_bodies_if_they_meet_any) {
+    const auto kind = [](int k) { return static_cast<ShapeKind>(k); };
+    constexpr int count = static_cast<int>(ShapeKind::points) + 1;
+    for (int a = 0; a < count; ++a) {
+        bool meets_any = false;
+        for (int b = 0; b < count; ++b) {
+            EXPECT_EQ(meets(kind(a), kind(b)), meets(kind(b), kind(a))) << a << " " << b;
+            if (touches_bodies(kind(a)) && touches_bodies(kind(b))) {
+                EXPECT_EQ(touching_meet(kind(a), kind(b)), meets(kind(a), kind(b))) << a << " " << b;
+            }
+            meets_any = meets_any || meets(kind(a), kind(b));
+        }
+        EXPECT_EQ(touches_bodies(kind(a)), meets_any) << a;
+    }
+    EXPECT_FALSE(touches_bodies(ShapeKind::none));
 }
 
 }  // namespace
