@@ -4,8 +4,6 @@
 
 #include <tumble/numbers/systems.hpp>
 
-#include <type_traits>
-
 namespace tumble {
 
 namespace integrators {

@@ -4,11 +4,13 @@
 
 // Macros of Arduino and others, by names that the kernel, Eigen and the standard library use.
 #pragma push_macro("B1")
+#pragma push_macro("F")
 #pragma push_macro("abs")
 #pragma push_macro("max")
 #pragma push_macro("min")
 #pragma push_macro("round")
 #undef B1
+#undef F
 #undef abs
 #undef max
 #undef min
@@ -22,6 +24,9 @@
 #pragma clang diagnostic pop
 #elif defined(__GNUC__)
 #pragma GCC push_options
+// GCC takes the constant bound of an array, an int, for a conversion of its sign.
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wsign-conversion"
 #endif
 
 #include <tumble/integrators/list.hpp>
@@ -37,9 +42,11 @@
 #pragma clang diagnostic pop
 #elif defined(__GNUC__)
 #pragma GCC pop_options
+#pragma GCC diagnostic pop
 #endif
 
 #pragma pop_macro("B1")
+#pragma pop_macro("F")
 #pragma pop_macro("abs")
 #pragma pop_macro("max")
 #pragma pop_macro("min")

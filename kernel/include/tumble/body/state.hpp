@@ -5,8 +5,6 @@
 
 #include <tumble/numbers/systems.hpp>
 
-#include <type_traits>
-
 namespace tumble {
 
 // Three carried numbers, seen as a vector.

@@ -243,17 +243,17 @@ private:
     // so that the order of the solution does not depend on who met first.
     Pair* pair_of(Bodies& bodies, int a, int b) {
         const std::uint32_t key = Pair::key_of(a, b);
-        int place = 0;
-        while (place < pair_count_ && pair_[place].key() < key) ++place;
-        if (place < pair_count_ && pair_[place].key() == key) return &pair_[place];
+        int at = 0;
+        while (at < pair_count_ && pair_[at].key() < key) ++at;
+        if (at < pair_count_ && pair_[at].key() == key) return &pair_[at];
         if (pair_count_ == room) {
             bodies.report(Issue::contacts_full, a);
             return nullptr;
         }
-        for (int i = room - 1; i > place; --i)
+        for (int i = room - 1; i > at; --i)
             if (i <= pair_count_) pair_[i] = pair_[i - 1];
         ++pair_count_;
-        Pair& pair = pair_[place];
+        Pair& pair = pair_[at];
         pair.begin(a, b);
         if (pairs_of_[a]++ == 0) startle(a, bodies.steps_taken);
         if (b >= 0 && pairs_of_[b]++ == 0) startle(b, bodies.steps_taken);

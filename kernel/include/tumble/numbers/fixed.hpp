@@ -6,8 +6,6 @@
 #include <tumble/config.hpp>
 #include <tumble/numbers/real.hpp>
 
-#include <type_traits>
-
 namespace tumble {
 
 template <int F>

@@ -126,7 +126,7 @@ requires(N::fixed_point) struct ContactNumbers<N> {
         // For speeds whose largest component is below 2^log2, of so many bodies whose masses differ by a factor of
         // 4^spread: their norm, which no solution exceeds by much, and the impulses then stay below 2^29 units.
         [[nodiscard]] static SpeedScale of(int log2, int bodies, int spread) {
-            const int norm = (std::bit_width(static_cast<std::uint32_t>(6 * bodies - 1)) + 1) / 2;
+            const int norm = (static_cast<int>(std::bit_width(static_cast<std::uint32_t>(6 * bodies - 1))) + 1) / 2;
             return SpeedScale{29 - log2 - norm - spread};
         }
         [[nodiscard]] Speed speed(Work w) const { return {static_cast<std::int32_t>(w.to_sum(bits_, 0x3fffffff))}; }

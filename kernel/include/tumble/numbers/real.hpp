@@ -5,8 +5,6 @@
 
 #include <tumble/config.hpp>
 
-#include <type_traits>
-
 namespace tumble {
 
 // Set-up runs once: its functions are kept out of line, small before fast.

@@ -1,0 +1,61 @@
+// What a user would write: replays a few recorded scenes in the number system STRANGER_NUMBERS, and prints a line for
+// each: scene, number system, integrator, steps, state hash. Neither this nor what compiles it speaks of bits.
+#include "ball.hpp"
+#include "brick.hpp"
+#include "incline.hpp"
+#include "pendulum.hpp"
+
+#include "port.hpp"
+
+#define STRANGER_TEXT_OF(name) #name
+#define STRANGER_TEXT(name) STRANGER_TEXT_OF(name)
+
+namespace {
+
+using Variant = tumble::variants::STRANGER_NUMBERS;
+
+void write_number(std::uint64_t value, unsigned base, int width) {
+    char digits[20];
+    int first = 20;
+    do {
+        digits[--first] = "0123456789abcdef"[value % base];
+        value /= base;
+    } while (value != 0 || 20 - first < width);
+    tumble::port::write(digits + first, static_cast<std::size_t>(20 - first));
+}
+
+template <class Scene, class Method>
+struct Config : Scene::Config {
+    using Numbers = typename Variant::template Numbers<typename Scene::Config::Numbers::Range>;
+    using Integrator = Method;
+};
+
+// As many steps as the golden files have: at most 4096 of a body.
+template <class Scene, class Method>
+void replay() {
+    using Scenario = Config<Scene, Method>;
+    if constexpr (tumble::runs_in<Method, typename Scenario::Numbers>) {
+        static tumble::Replay<Scenario, Scene> replay;
+        constexpr std::uint32_t most = 4096u / static_cast<std::uint32_t>(Scene::Config::features.bodies);
+        constexpr std::uint32_t steps = most < Scene::steps ? most : Scene::steps;
+        while (replay.world().steps_taken() < steps && replay.step().ok()) {}
+        for (const char* text : {Scene::name, " ", STRANGER_TEXT(STRANGER_NUMBERS), " ", Method::name, " "})
+            tumble::port::write(text);
+        write_number(replay.world().steps_taken(), 10, 1);
+        tumble::port::write(" ");
+        write_number(replay.world().hash(), 16, 16);
+        tumble::port::write("\n");
+    }
+}
+
+}  // namespace
+
+int main() {
+    using namespace tumble;
+    port::init();
+    replay<scenes::Ball, integrators::Verlet>();     // falls, bounces and comes to rest
+    replay<scenes::Incline, integrators::Verlet>();  // boxes that slide, with friction
+    replay<scenes::Pendulum, integrators::Rk4>();    // a box on a spring
+    replay<scenes::Brick, integrators::Exact>();     // turns freely
+    replay<scenes::Brick, integrators::Pdmv6>();
+}
