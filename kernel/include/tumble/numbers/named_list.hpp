@@ -1,11 +1,8 @@
 // Lists of types that have names: what an entry of the lists in systems.hpp is made of.
 #pragma once
 
+#include <tumble/config.hpp>
 #include <tumble/numbers/ieee.hpp>
-
-#include <cstddef>
-#include <cstdint>
-#include <type_traits>
 
 namespace tumble {
 
