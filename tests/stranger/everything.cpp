@@ -3,7 +3,9 @@
 
 namespace {
 
-using Numbers = tumble::variants::STRANGER_NUMBERS::Numbers<tumble::RoomRange>;
+#define STRANGER_TEXT_OF(name) #name
+#define STRANGER_TEXT(name) STRANGER_TEXT_OF(name)
+using Numbers = tumble::NumbersOf<STRANGER_TEXT(STRANGER_NUMBERS), tumble::RoomRange>;
 inline constexpr tumble::Features everything =
     tumble::Features{.bodies = 3, .planes = 2, .springs = 2}.with_everything();
 

@@ -12,8 +12,6 @@
 
 namespace {
 
-using Variant = tumble::variants::STRANGER_NUMBERS;
-
 void write_number(std::uint64_t value, unsigned base, int width) {
     char digits[20];
     int first = 20;
@@ -26,7 +24,7 @@ void write_number(std::uint64_t value, unsigned base, int width) {
 
 template <class Scene, class Method>
 struct Config : Scene::Config {
-    using Numbers = typename Variant::template Numbers<typename Scene::Config::Numbers::Range>;
+    using Numbers = tumble::NumbersOf<STRANGER_TEXT(STRANGER_NUMBERS), typename Scene::Config::Numbers::Range>;
     using Integrator = Method;
 };
 
