@@ -110,14 +110,12 @@ std::string step_text(const StepSize& step) {
 }  // namespace
 
 Plot::Plot(const Simulation& simulation, const SceneDescription& scene)
-    : title_{scene.name.empty() ? scene.path : scene.name}, subtitle_{std::string(simulation.integrator()) + ", " +
-                                                                      std::string(simulation.numbers()) + ", " +
-                                                                      std::to_string(simulation.steps()) +
-                                                                      " steps of " + step_text(scene.step) + " s"},
-      every_{std::max<std::int64_t>(1, simulation.steps() / 500)}, duration_{static_cast<double>(simulation.steps()) *
-                                                                             static_cast<double>(
-                                                                                 simulation.step_length())},
-      bodies_{simulation.body_count()} {
+    : title_{scene.name.empty() ? scene.path : scene.name}, every_{std::max<std::int64_t>(1, simulation.steps() / 500)},
+      has_contact_springs_{scene.contact.response == ContactResponse::spring}, bodies_{simulation.body_count()} {
+    subtitle_ = std::string(simulation.integrator()) + ", " + std::string(simulation.numbers()) + ", " +
+                std::to_string(simulation.steps()) + " steps of " + step_text(scene.step) + " s";
+    duration_ = static_cast<double>(simulation.steps()) * static_cast<double>(simulation.step_length());
+
     for (std::size_t b = 0; b < scene.bodies.size() && tracks_.size() < most_bodies; ++b) {
         if (scene.bodies.size() > most_bodies && scene.bodies[b].fixed) continue;
         Track track{static_cast<int>(b), scene.bodies[b].name, {}, 0, 0, {}, {}, {}};
@@ -128,9 +126,10 @@ Plot::Plot(const Simulation& simulation, const SceneDescription& scene)
     }
 }
 
-void Plot::sample(const Simulation& simulation, const Energy& energy) {
-    const bool is_kept = simulation.steps_taken() % every_ == 0 || simulation.steps_taken() == simulation.steps();
+void Plot::sample(const Simulation& simulation, const Energy& energy, bool last) {
+    const bool is_kept = last || simulation.steps_taken() % every_ == 0;
     const double time = static_cast<double>(simulation.time());
+    if (last && time > 0) duration_ = time;
     for (Track& track : tracks_) {
         const BodySnapshot body = simulation.body(track.body);
         State state{time, {}};
@@ -238,6 +237,7 @@ std::string Plot::key() const {
     };
     if (any(&Track::impulses)) mark(impulse_mark, "an impulse acts");
     if (any(&Track::contacts)) mark(contact_mark, "a contact begins");
+    if (has_contact_springs_) line("contacts by springs have no marks");
     if (static_cast<std::size_t>(bodies_) > tracks_.size())
         line("the first " + std::to_string(tracks_.size()) + " of " + std::to_string(bodies_) +
              " bodies that are not fixed");

@@ -1,4 +1,5 @@
-// Plots of a run as SVG: positions, angular velocities and energies over time, with marks at impulses and contacts.
+// Plots of a run as SVG: positions, angular velocities and energies over time, with marks where impulses act and where
+// contacts begin. Contacts by springs have no beginning that a world tells, and no marks.
 #pragma once
 
 #include <array>
@@ -16,8 +17,8 @@ public:
 
     // Keeps about five hundred samples of a run.
     Plot(const Simulation& simulation, const SceneDescription& scene);
-    // To be called before the first step and after each.
-    void sample(const Simulation& simulation, const Energy& energy);
+    // To be called before the first step and after each; the last of them ends the axis of time.
+    void sample(const Simulation& simulation, const Energy& energy, bool last);
 
     // Draws with gnuplot; throws std::runtime_error when that or writing the file fails.
     void write(const std::string& path) const;
@@ -44,7 +45,8 @@ private:
 
     std::string title_, subtitle_;
     std::int64_t every_;
-    double duration_;  // s
+    double duration_;  // s, of the whole run, or until its last sample
+    bool has_contact_springs_;
     int bodies_;
     std::vector<Track> tracks_;
     std::vector<std::array<double, 4>> energies_;  // time, s; kinetic, potential, total, J

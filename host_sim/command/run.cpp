@@ -160,7 +160,7 @@ int run(const RunOptions& options) {
             // A trajectory that has left the range is wrong from there on.
             const bool last = simulation->steps_taken() >= simulation->steps() || simulation->has_trouble("range_left");
             if (trajectory) trajectory->record(*simulation, last);
-            if (plot) plot->sample(*simulation, now);
+            if (plot) plot->sample(*simulation, now, last);
             if (last) break;
             simulation->step();
             now = simulation->energy();

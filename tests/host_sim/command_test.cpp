@@ -193,6 +193,17 @@ position = [9.0, 20.0, 0.0]
     EXPECT_NEAR(touches[0] - pushes[0], 0.4515 * second, second / 256 + 0.02);
 }
 
+// It leaves the range after 3.26 s of 20 s.
+TEST(Run, a_plot_of_a_run_that_stops_ends_there) {
+    const std::string path = temporary("out.svg");
+    const Outcome outcome = tumble({"run", written("falling.toml", falling), "--plot", path});
+    if (has(outcome.text, "gnuplot not found")) GTEST_SKIP() << outcome.text;
+    ASSERT_EQ(outcome.status, 1) << outcome.text;
+    const std::string svg = contents(path);
+    EXPECT_TRUE(has(svg, ">3<"));
+    EXPECT_FALSE(has(svg, ">5<"));
+}
+
 TEST(Run, a_plot_of_ten_bodies_names_eight_that_are_not_fixed_and_says_so) {
     std::string scene = "[world]\nstep = \"1/256\"\nduration = 0.5\n[contact]\nresponse = \"none\"\n";
     for (int b = 0; b < 10; ++b)
@@ -586,10 +597,10 @@ TEST(Compile, header_holds_what_the_scene_needs_and_nothing_else) {
     const std::string path = temporary("scene.hpp");
     ASSERT_EQ(tumble({"compile", shipped("ball"), "-o", path}).status, 0);
     const std::string header = contents(path);
-    for (const auto* part :
-         {"struct Ball {", "name = \"bouncing ball\"", "step{1, 256}", "steps = 1280u", ".restitution = 0.8",
-          "using Numbers = tumble::Q32<tumble::Range<64, 32, 32>, true>;", "using Integrator = tumble::integrators::Verlet;",
-          ".bodies = 1,", ".planes = 1,", "static_assert(TUMBLE_BITS == "})
+    for (const auto* part : {"struct Ball {", "name = \"bouncing ball\"", "step{1, 256}", "steps = 1280u",
+                             ".restitution = 0.8", "using Numbers = tumble::Q32<tumble::Range<64, 32, 32>, true>;",
+                             "using Integrator = tumble::integrators::Verlet;", ".bodies = 1,", ".planes = 1,",
+                             "static_assert(TUMBLE_BITS == "})
         EXPECT_TRUE(has(header, part)) << part << "\n" << header;
     for (const auto* part :
          {"boxes = true", "friction = true", "impulses = true", "forces = true", "drag = true", ".springs ="})
