@@ -138,7 +138,7 @@ TEST_P(Loads, bodies_at_the_same_place_do_not_attract_each_other) {
 
 TEST_P(Loads, a_body_frame_force_turns_with_the_body_and_a_world_frame_force_does_not) {
     // A sphere turning at pi rad/s about z, for 2 s: a force fixed in it brings it back to rest where it was displaced.
-    SceneSetup setup{.name = "thrust", .step = Seconds{1, 512}};
+    SceneSetup setup{.name = "timed force", .step = Seconds{1, 512}};
     const Number pi = std::acos(Number(-1));
     BodySpec body = sphere(2, 0.5);
     body.angular_velocity = {0, 0, real(pi)};
