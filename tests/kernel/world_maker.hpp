@@ -5,34 +5,12 @@
 #include <tumble/tumble.hpp>
 
 #include "number_systems.hpp"
+#include "simulation/motion_of.hpp"
 #include "worlds.hpp"
 
 #include <limits>
 
 namespace tumble::test {
-
-// The state in SI units and the user's axes.
-template <class N, Spin spin, int capacity>
-Motion motion_of(const Bodies<N, spin, capacity>& bodies, const PrincipalInertia& inertia, int body) {
-    const auto& s = bodies.state[body];
-    const auto& [moments, principal] = inertia;
-    const auto scale = bodies.scale;
-    const Number step = number(bodies.step_length);
-    Motion m;
-    Vector w;
-    for (int i = 0; i < 3; ++i) {
-        m.x[i] = number(s.x_w[i].to_real());
-        m.v[i] = number(scale.metres(s.d_w[i].to_real())) / step;
-        w[i] = 2 * number(scale.angle(s.t_b[i].to_real())) / step;
-        if constexpr (spin == Spin::angular_momentum) w[i] *= number(moments.y) / number(moments[i]);
-    }
-    const Rotation p = rotation(principal);
-    m.q = Rotation{number(s.q_wb.w.to_real()),
-                   {number(s.q_wb.x.to_real()), number(s.q_wb.y.to_real()), number(s.q_wb.z.to_real())}} *
-          p.conjugate();
-    m.w = p.rotate(w);
-    return m;
-}
 
 template <class N, class Method, Features f>
 class WorldOf final : public AnyWorld {
@@ -41,7 +19,7 @@ public:
 
     bool add(const BodySpec& body) override {
         const BodyId id = world_.add(body);
-        if (id) inertia_.push_back(principal_inertia(body.inertia));
+        if (id) axes_.emplace_back(principal_inertia(body.inertia));
         return static_cast<bool>(id);
     }
     bool add([[maybe_unused]] const PlaneSpec& plane) override {
@@ -71,7 +49,7 @@ public:
     void clear_status() override { world_.clear_status(); }
 
     Motion motion(int body) const override {
-        return motion_of(world_.bodies(), inertia_.at(static_cast<std::size_t>(body)), body);
+        return host::motion_of(world_.bodies(), axes_.at(static_cast<std::size_t>(body)), body);
     }
     Motion reported(int body) const override {
         const BodyId id{body};
@@ -100,7 +78,7 @@ private:
     }
 
     World<SceneOf<N, Method, f>> world_;
-    std::vector<PrincipalInertia> inertia_;
+    std::vector<host::PrincipalAxes> axes_;
     std::vector<Impulse<N>> impulses_;
     std::vector<TimedForce<N>> forces_;
 };

@@ -6,6 +6,7 @@
 #include <tumble/scene.hpp>
 #include <tumble/status.hpp>
 
+#include "simulation/long_double.hpp"
 #include "truth/motion.hpp"
 
 #include <gtest/gtest.h>
@@ -23,13 +24,9 @@ using reference::Number;
 using reference::Rotation;
 using reference::Vector;
 
-// Exact: a long double holds a Real.
-[[nodiscard]] inline Number number(Real value) {
-    const double high = value.to_double();
-    return static_cast<Number>(high) + static_cast<Number>((value - Real{high}).to_double());
-}
-[[nodiscard]] inline Vector vector(RealVec3 v) { return {number(v.x), number(v.y), number(v.z)}; }
-[[nodiscard]] inline Rotation rotation(RealQuat q) { return {number(q.w), vector(q.v)}; }
+using host::number;
+using host::rotation;
+using host::vector;
 [[nodiscard]] inline Real real(Number value) {
     const auto high = static_cast<double>(value);
     return Real{high} + Real{static_cast<double>(value - static_cast<Number>(high))};
