@@ -2,7 +2,6 @@
 // compared; what a step costs printed and written as JSON lines. A row whose hash differs from the host's is marked and
 // makes the whole run fail; so does a firmware that faults or does not end.
 #include "command/command.hpp"
-#include "progress.hpp"
 #include "rows.hpp"
 #include "tools/files.hpp"
 #include "tools/firmware.hpp"
@@ -23,6 +22,7 @@ namespace {
 using tumble::bench::in_parallel;
 using tumble::bench::Row;
 using tumble::bench::Variant;
+using tumble::host::Progress;
 using tumble::host::StepFirmware;
 namespace fs = std::filesystem;
 
@@ -45,7 +45,7 @@ void print_table(const std::vector<Job>& jobs) {
     std::printf("\n%-11s %-10s %-20s %10s %10s %8s %7s %7s  %-16s %s\n", "core", "numbers", "integrator", "insn/step",
                 "worst", "text", "RAM", "stack", "state hash", "agrees");
     for (const Job& job : jobs) {
-        const std::string numbers = tumble::bench::numbers_text(job.variant.numbers, job.variant.carry);
+        const std::string numbers = tumble::host::numbers_text(job.variant.numbers, job.variant.carry);
         if (job.does_not_fit) {
             std::printf("%-11s %-10s %-20s does not fit this core's memory\n", job.core.c_str(), numbers.c_str(),
                         job.method.c_str());
@@ -108,7 +108,7 @@ int main(int argc, char** argv) try {
     std::mutex answers_mutex;
     std::optional<tumble::bench::Flight> flight;
     if (accuracy) flight.emplace(scene);
-    tumble::bench::Progress progress{choices.size() + cores.size() + jobs.size()};
+    Progress progress(static_cast<std::int64_t>(choices.size() + cores.size() + jobs.size()), Progress::Piped::tenths);
     in_parallel(choices.size(), [&](std::size_t i) {
         const auto& [variant, method] = choices[i];
         const auto simulation = tumble::host::make_simulation(scene, method, variant.numbers, variant.carry);

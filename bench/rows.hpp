@@ -15,6 +15,8 @@
 #include <string>
 #include <vector>
 
+#include "tools/text.hpp"
+
 namespace tumble::bench {
 
 using Row = nlohmann::ordered_json;
@@ -39,11 +41,9 @@ inline void write_rows(const std::filesystem::path& path, const std::vector<Row>
     if (!out) throw std::runtime_error{path.string() + ": cannot be written"};
 }
 
-// "q32 carry", "f32 plain", "f64".
-[[nodiscard]] inline std::string numbers_text(const std::string& numbers, bool carry) {
-    return numbers + (numbers == "f64" ? "" : carry ? " carry" : " plain");
+[[nodiscard]] inline std::string numbers_of(const Row& row) {
+    return host::numbers_text(row.at("numbers"), row.at("carry"));
 }
-[[nodiscard]] inline std::string numbers_of(const Row& row) { return numbers_text(row.at("numbers"), row.at("carry")); }
 
 // The median of observed orders, where halving the step has gained something: neither too large a step nor rounding.
 [[nodiscard]] inline std::optional<double> median_order(std::vector<double> orders) {

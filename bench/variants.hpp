@@ -1,11 +1,11 @@
 // What the programs that measure share: number systems, integrators and processors to loop over, and how they end.
 #pragma once
 
-#include "progress.hpp"
 #include "scene/reader.hpp"
 #include "simulation/simulation.hpp"
 #include "tools/firmware.hpp"
 #include "tools/parallel.hpp"
+#include "tools/progress.hpp"
 
 #include <algorithm>
 #include <iostream>
@@ -43,7 +43,7 @@ inline const std::vector<Variant>& variants = host::number_variants();
 
 // in_parallel, telling how far it has come.
 inline void in_parallel_counted(const std::string& what, std::size_t count, const auto& work) {
-    Progress progress{count};
+    host::Progress progress(static_cast<std::int64_t>(count), host::Progress::Piped::tenths);
     in_parallel(count, [&](std::size_t i) {
         work(i);
         progress.step(what);

@@ -9,7 +9,6 @@
 #include <filesystem>
 #include <iostream>
 #include <map>
-#include <mutex>
 
 #include "command/command.hpp"
 #include "tools/files.hpp"
@@ -37,10 +36,6 @@ constexpr double most_saved_by_carry = 0.05;
 std::string step_text(const StepSize& step) {
     if (step.denominator == 0) return few_digits(step.decimal);
     return std::to_string(step.numerator) + (step.denominator == 1 ? "" : "/" + std::to_string(step.denominator));
-}
-
-std::string numbers_text(const Method& method) {
-    return method.numbers + (method.numbers == "f64" && !method.carry ? "" : method.carry ? " carry" : " plain");
 }
 
 // A method that reaches the tolerance, at its longest step that does.
@@ -102,7 +97,7 @@ public:
             if (bound(a) != bound(b)) return bound(a) < bound(b);
             return !a.attempt.method.carry && b.attempt.method.carry;
         });
-        ProgressBar progress(static_cast<std::int64_t>(candidates.size()));
+        Progress progress(static_cast<std::int64_t>(candidates.size()));
         const auto shown = [&] {
             const auto is_done = [](const Candidate& c) { return !c.waits(); };
             progress.show(std::count_if(candidates.begin(), candidates.end(), is_done),
@@ -251,13 +246,10 @@ std::vector<Method> chosen_methods(const AdviseOptions& options, const SceneDesc
 std::vector<Attempt> search(const std::vector<Method>& methods, double tolerance, const SampledScene& scene,
                             const Truth& truth) {
     std::vector<std::optional<Attempt>> found(methods.size());
-    ProgressBar progress(static_cast<std::int64_t>(methods.size()));
-    std::mutex mutex;
-    std::int64_t ended = 0;
+    Progress progress(static_cast<std::int64_t>(methods.size()));
     in_parallel(methods.size(), [&](std::size_t i) {
         found[i] = longest_step_within(tolerance, scene, truth, methods[i]);
-        const std::lock_guard lock(mutex);
-        progress.show(++ended, "errors on the host");
+        progress.step("errors on the host");
     });
     std::vector<Attempt> attempts;
     for (const auto& attempt : found)
@@ -295,7 +287,9 @@ void print_json(const AdviseOptions& options, const SampledScene& sampled, const
     std::cout << json.dump(2) << "\n";
 }
 
-std::string name_of(const Attempt& attempt) { return attempt.method.integrator + " " + numbers_text(attempt.method); }
+std::string name_of(const Attempt& attempt) {
+    return attempt.method.integrator + " " + numbers_text(attempt.method.numbers, attempt.method.carry);
+}
 // Its error, with the digits that matter, and its step; or what ended it.
 std::string closest_text(const Attempt& attempt) {
     std::array<char, 32> error{};
@@ -333,9 +327,9 @@ void print_table(const AdviseOptions& options, const SceneDescription& scene, co
     for (const Candidate& c : advice.ranking) {
         const auto number = [&](const char* key) { return c.row.at(key).get<unsigned long long>(); };
         std::printf("%-20s %-9s %9s %10.2g %10.2g %10llu %12.0f %7llu %7llu\n", c.attempt.method.integrator.c_str(),
-                    numbers_text(c.attempt.method).c_str(), step_text(c.attempt.length).c_str(),
-                    c.attempt.errors.position_m, c.attempt.errors.orientation_rad, number("insn_per_step"),
-                    c.insn_per_simulated_second, number("text_bytes"), number("ram_bytes"));
+                    numbers_text(c.attempt.method.numbers, c.attempt.method.carry).c_str(),
+                    step_text(c.attempt.length).c_str(), c.attempt.errors.position_m, c.attempt.errors.orientation_rad,
+                    number("insn_per_step"), c.insn_per_simulated_second, number("text_bytes"), number("ram_bytes"));
     }
     std::fflush(stdout);
     std::vector<std::string> reasons;

@@ -155,7 +155,7 @@ int run(const RunOptions& options) {
     Energy now = simulation->energy();
     EnergyWatch energy(now);
     {
-        ProgressBar progress(simulation->steps());
+        Progress progress(simulation->steps());
         for (;;) {
             // A trajectory that has left the range is wrong from there on.
             const bool last = simulation->steps_taken() >= simulation->steps() || simulation->has_trouble("range_left");

@@ -1,4 +1,5 @@
-// A progress bar on a terminal; nothing when output is piped, or when the work takes no longer than a moment.
+// How far a long job has come, on standard error: a bar on a terminal once it has taken a moment; where output is
+// piped, nothing, or a line for each tenth.
 #pragma once
 
 #include <unistd.h>
@@ -6,37 +7,60 @@
 #include <chrono>
 #include <cstdint>
 #include <iostream>
+#include <mutex>
 #include <string>
 
 namespace tumble::host {
 
-class ProgressBar {
+class Progress {
 public:
-    explicit ProgressBar(std::int64_t total)
-        : total_(total), on_(isatty(STDERR_FILENO) == 1 && isatty(STDOUT_FILENO) == 1) {}
-    ~ProgressBar() {
+    enum class Piped { silent, tenths };
+
+    explicit Progress(std::int64_t total, Piped piped = Piped::silent)
+        : total_(total), piped_(piped), on_terminal_(isatty(STDERR_FILENO) == 1 && isatty(STDOUT_FILENO) == 1) {}
+    ~Progress() {
         if (shown_) std::cerr << "\r\033[K";
     }
-    ProgressBar(const ProgressBar&) = delete;
-    ProgressBar& operator=(const ProgressBar&) = delete;
+    Progress(const Progress&) = delete;
+    Progress& operator=(const Progress&) = delete;
 
-    // At most ten times a second. `what` stands behind the bar.
+    // Any thread may call either. `what` stands behind the bar.
     void show(std::int64_t done, const std::string& what = {}) {
-        if (!on_ || total_ <= 0) return;
+        const std::lock_guard lock(mutex_);
+        advance_to(done, what);
+    }
+    // One more is done.
+    void step(const std::string& what) {
+        const std::lock_guard lock(mutex_);
+        advance_to(done_ + 1, what);
+    }
+
+private:
+    void advance_to(std::int64_t done, const std::string& what) {
+        const std::int64_t before = done_;
+        done_ = done;
+        if (total_ <= 0) return;
+        if (on_terminal_) draw(what);
+        else if (piped_ == Piped::tenths && done * 10 / total_ != before * 10 / total_)
+            std::cerr << "[" << done << "/" << total_ << "] " << what << std::endl;
+    }
+    // At most ten times a second.
+    void draw(const std::string& what) {
         const auto now = std::chrono::steady_clock::now();
         if (now < next_) return;
         next_ = now + std::chrono::milliseconds(100);
         shown_ = true;
         constexpr std::int64_t width = 40;
-        const auto filled = static_cast<std::size_t>(width * done / total_);
+        const auto filled = static_cast<std::size_t>(width * done_ / total_);
         std::cerr << "\r\033[K[" << std::string(filled, '=') << std::string(width - filled, ' ') << "] "
-                  << 100 * done / total_ << " % " << what << std::flush;
+                  << 100 * done_ / total_ << " % " << what << std::flush;
     }
 
-private:
-    std::int64_t total_;
-    bool on_, shown_ = false;
+    std::int64_t total_, done_ = 0;
+    Piped piped_;
+    bool on_terminal_, shown_ = false;
     std::chrono::steady_clock::time_point next_ = std::chrono::steady_clock::now() + std::chrono::milliseconds(500);
+    std::mutex mutex_;
 };
 
 }  // namespace tumble::host

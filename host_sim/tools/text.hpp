@@ -16,6 +16,11 @@ namespace tumble::host {
 // The shortest decimal that reads back as the same double, with a point or an exponent.
 [[nodiscard]] std::string cpp_number(double value);
 
+// A number system with what it carries: "q32 carry", "f32 plain", "f64".
+[[nodiscard]] inline std::string numbers_text(const std::string& numbers, bool carry) {
+    return numbers + (carry ? " carry" : numbers == "f64" ? "" : " plain");
+}
+
 // A hash as 16 hex digits.
 [[nodiscard]] std::string hex(std::uint64_t value);
 
