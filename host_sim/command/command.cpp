@@ -154,6 +154,11 @@ int command(int argc, const char* const* argv) {
     compile_command->add_option("-o,--output", compile_options.output, "the header; default: standard output")
         ->type_name("scene.hpp")
         ->check(expect_file());
+    compile_command
+        ->add_option("--struct", compile_options.name,
+                     "name of the struct in the header; default: the file's name in PascalCase")
+        ->type_name("NAME")
+        ->check(expect("a name in C++ that no member of the struct has", is_struct_name));
 
     CompareOptions compare_options;
     auto* compare_command = app.add_subcommand(

@@ -47,12 +47,16 @@ int run(const RunOptions& options);
 
 struct CompileOptions : Choice {
     std::string output;  // empty: standard output
+    std::string name;    // of the struct in it; empty: struct_name()
 };
 int compile(const CompileOptions& options);
 // The header that `compile` writes.
-[[nodiscard]] std::string compiled_scene(const SceneDescription& scene, const Choice& choice);
+[[nodiscard]] std::string compiled_scene(const SceneDescription& scene, const Choice& choice,
+                                         const std::string& name = {});
 // The name of the struct in it: the file's name in PascalCase.
 [[nodiscard]] std::string struct_name(const std::string& path);
+// A name in C++ that no member of the struct has.
+[[nodiscard]] bool is_struct_name(const std::string& name);
 
 struct CompareOptions : Choice {
     std::string core;

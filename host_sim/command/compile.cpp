@@ -198,6 +198,15 @@ std::string config_text(const SceneData& data, const NumberSystemInfo& numbers, 
 
 }  // namespace
 
+bool is_struct_name(const std::string& name) {
+    static const std::vector<std::string> members = {"Config", "name",   "step",    "steps",    "world",
+                                                     "bodies", "planes", "springs", "impulses", "forces"};
+    const auto is_in_name = [](unsigned char c) { return c < 0x80 && (std::isalnum(c) != 0 || c == '_'); };
+    return !name.empty() && std::isdigit(static_cast<unsigned char>(name[0])) == 0 &&
+           std::all_of(name.begin(), name.end(), is_in_name) &&
+           std::find(members.begin(), members.end(), name) == members.end();
+}
+
 std::string struct_name(const std::string& path) {
     std::string name;
     bool starts_word = true;
@@ -208,11 +217,11 @@ std::string struct_name(const std::string& path) {
         starts_word = !in_name;
     }
     if (name.empty() || std::isdigit(static_cast<unsigned char>(name[0])) != 0) name = "Scene" + name;
-    if (name == "Config") name += "Scene";  // the name of a member of the struct
+    if (!is_struct_name(name)) name += "Scene";
     return name;
 }
 
-std::string compiled_scene(const SceneDescription& scene, const Choice& choice) {
+std::string compiled_scene(const SceneDescription& scene, const Choice& choice, const std::string& name) {
     const SceneData data = build_scene(scene);
     const NumberSystemInfo& numbers = find_number_system(scene, choice.numbers, choice.wants_carry());
     const IntegratorInfo& integrator = find_integrator(choice.integrator);
@@ -229,7 +238,8 @@ std::string compiled_scene(const SceneDescription& scene, const Choice& choice) 
             "\"\n"
             "              \"compile it again with the `tumble` of the kernel's version\");\n\n"
             "namespace tumble::scenes {\n\nstruct "
-         << struct_name(scene.path) << " {\n    static constexpr const char* name = " << cpp_text(scene.name)
+         << (name.empty() ? struct_name(scene.path) : name)
+         << " {\n    static constexpr const char* name = " << cpp_text(scene.name)
          << ";\n    static constexpr tumble::Seconds step" << step_text(scene.step)
          << ";\n    static constexpr std::uint32_t steps = " << data.steps << "u;\n"
          << world_text(data.world) << list_text("BodySpec", "bodies", scene.bodies, data.bodies, body_text)
@@ -242,7 +252,7 @@ std::string compiled_scene(const SceneDescription& scene, const Choice& choice) 
 }
 
 int compile(const CompileOptions& options) {
-    const std::string header = compiled_scene(options.read(), options);
+    const std::string header = compiled_scene(options.read(), options, options.name);
     if (options.output.empty()) {
         std::cout << header << std::flush;
         return std::cout.good() ? done : failed;

@@ -436,6 +436,19 @@ TEST(Compile, a_scene_named_after_a_member_of_its_struct_gets_another_name) {
     EXPECT_TRUE(has(outcome.text, "struct ConfigScene {")) << outcome.text;
 }
 
+TEST(Compile, the_struct_has_the_name_that_is_asked_for) {
+    const std::string scene = written("named.toml", scene_of("", body_of("a", "sphere = 1.0")));
+    const Outcome outcome = tumble({"compile", scene, "--struct", "first_flight"});
+    EXPECT_EQ(outcome.status, 0) << outcome.text;
+    EXPECT_TRUE(has(outcome.text, "struct first_flight {")) << outcome.text;
+    for (const auto* name : {"", "a b", "1st", "Config", "bodies"}) {
+        const Outcome refused = tumble({"compile", scene, "--struct", name});
+        EXPECT_EQ(refused.status, 2) << name;
+        EXPECT_TRUE(has(refused.text, "--struct: got \"" + std::string(name) + "\", expected a name in C++"))
+            << refused.text;
+    }
+}
+
 TEST(Run, a_plot_that_cannot_be_written_is_refused_before_the_run) {
     const Outcome outcome = tumble(
         {"run", written("plot.toml", scene_of("", body_of("a", "sphere = 1.0"))), "--plot", "/nonexistent/a.svg"});
