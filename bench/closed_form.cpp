@@ -1,6 +1,6 @@
 #include "closed_form.hpp"
 
-#include "truth/algebra.hpp"
+#include "truth/motion.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -11,11 +11,10 @@ namespace tumble::bench {
 
 namespace {
 
-using Number = long double;
-using Vector = reference::Vec<Number>;
+using reference::Number;
+using reference::Vector;
+using reference::vector_of;
 using Motion = std::function<Vector(Number)>;  // position, m, at a time, s
-
-Vector vector_of(const host::Triple& t) { return {t[0], t[1], t[2]}; }
 
 // Two-body motion from position and velocity by the difference of eccentric anomalies (R. Bate, D. Mueller, J. White,
 // Fundamentals of Astrodynamics, section 4.4). mu in m^3/s^2.

@@ -4,7 +4,7 @@
 #include "rows.hpp"
 #include "variants.hpp"
 
-#include "truth/algebra.hpp"
+#include "truth/accuracy.hpp"
 
 #include <CLI/CLI.hpp>
 
@@ -18,11 +18,7 @@ using tumble::bench::Variant;
 namespace fs = std::filesystem;
 namespace host = tumble::host;
 
-using Number = long double;
-using Vector = tumble::reference::Vec<Number>;
-using Rotation = tumble::reference::Quaternion<Number>;
-
-Vector vector_of(const auto& t) { return {t[0], t[1], t[2]}; }
+using namespace tumble::reference;
 
 // SI units; angular momentum about the centre of mass.
 struct Constants {
@@ -32,15 +28,14 @@ struct Constants {
 
 // Of the scene's one body under forces that are constant in the world's frame and have a potential for that reason.
 Constants constants_of(const host::SceneDescription& scene, const host::Simulation& simulation) {
-    const host::BodySnapshot body = simulation.body(0);
+    const Motion body = host::motion_of(simulation.body(0));
     const auto& inertia = *scene.bodies.at(0).inertia;
-    const Rotation q{body.orientation[0], {body.orientation[1], body.orientation[2], body.orientation[3]}};
-    const Number norm_of_q = std::sqrt(q.norm2());
-    const Rotation unit = q * (1 / norm_of_q);
-    const Vector momentum = times(Vector{inertia[0], inertia[1], inertia[2]}, vector_of(body.angular_velocity));
+    const Number norm_of_q = std::sqrt(body.q.norm2());
+    const Rotation unit = body.q * (1 / norm_of_q);
+    const Vector momentum = times(vector_of(inertia), body.w);
     Constants c{simulation.energy().total(), norm(momentum), norm_of_q, unit.rotate(momentum)};
     for (const auto& force : scene.forces)
-        c.energy -= dot(vector_of(force.force), vector_of(body.position) + unit.rotate(vector_of(force.point)));
+        c.energy -= dot(vector_of(force.force), body.x + unit.rotate(vector_of(force.point)));
     return c;
 }
 

@@ -44,8 +44,8 @@ Errors errors_of(Runner& runner) {
         for (int i = 0; i < top_steps_per_second / samples_per_second; ++i) runner.step();
         const auto q = runner.orientation();
         const auto w = runner.spin();
-        const Vector spin{w[0], w[1], w[2]};
-        const Number error = angle_between(reference[sample].q, Rotation{q[0], {q[1], q[2], q[3]}});
+        const Vector spin = vector_of(w);
+        const Number error = angle_between(reference[sample].q, rotation_of(q));
         if (errors.orientation <= 0.1 && error > 0.1L)
             errors.good_until = static_cast<double>(sample - 1) / samples_per_second;
         note(errors.orientation, error);

@@ -11,6 +11,7 @@
 #include <map>
 
 #include "command/command.hpp"
+#include "scene/reader.hpp"
 #include "tools/files.hpp"
 #include "tools/firmware.hpp"
 #include "tools/parallel.hpp"
@@ -32,11 +33,6 @@ constexpr int least_insn_per_body = 7;
 
 // The most that carry may save. It adds work, but the compiler may have laid out the rest of the step better.
 constexpr double most_saved_by_carry = 0.05;
-
-std::string step_text(const StepSize& step) {
-    if (step.denominator == 0) return few_digits(step.decimal);
-    return std::to_string(step.numerator) + (step.denominator == 1 ? "" : "/" + std::to_string(step.denominator));
-}
 
 // A method that reaches the tolerance, at its longest step that does.
 struct Candidate {

@@ -6,6 +6,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include "scene/reader.hpp"
 #include "tools/process.hpp"
 #include "tools/text.hpp"
 
@@ -100,12 +101,6 @@ std::string line_style(std::size_t track) {
 }
 constexpr const char* impulse_mark = " pointtype 8 pointsize 0.9";
 constexpr const char* contact_mark = " pointtype 6 pointsize 0.7";
-
-// A number as the file has it: 1/256.
-std::string step_text(const StepSize& step) {
-    return step.denominator == 0 ? few_digits(step.decimal)
-                                 : std::to_string(step.numerator) + "/" + std::to_string(step.denominator);
-}
 
 }  // namespace
 

@@ -12,6 +12,7 @@
 
 #include "scene/data.hpp"
 #include "scene/toml.hpp"
+#include "tools/text.hpp"
 
 namespace tumble::host {
 
@@ -463,6 +464,11 @@ std::optional<StepSize> parse_step(std::string_view text) {
     const auto [last, code] = std::from_chars(text.data(), end, step.decimal);
     if (code != std::errc{} || last != end || !Quantity{Quantity::positive}.holds(step.decimal)) return std::nullopt;
     return step;
+}
+
+std::string step_text(const StepSize& step) {
+    if (step.denominator == 0) return few_digits(step.decimal);
+    return std::to_string(step.numerator) + (step.denominator == 1 ? "" : "/" + std::to_string(step.denominator));
 }
 
 std::int64_t SceneDescription::steps() const {

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <string>
 #include <string_view>
 
 #include "scene/description.hpp"
@@ -23,5 +24,7 @@ inline constexpr std::int64_t max_steps = std::int64_t{1} << 31;
 
 // A step size as a person writes it: "1/256" or "0.005". Empty when it is neither, or not positive.
 [[nodiscard]] std::optional<StepSize> parse_step(std::string_view text);
+// And as a person reads it: 1/256, or a few digits.
+[[nodiscard]] std::string step_text(const StepSize& step);
 
 }  // namespace tumble::host

@@ -14,6 +14,20 @@ std::string formatted(const char* format, long double value) {
     return text.data();
 }
 
+// In quotes, with a backslash before quotes and backslashes; `escape` gives what stands for another character, or
+// nothing where it stands for itself.
+template <class Escape>
+std::string quoted(std::string_view text, const Escape& escape) {
+    std::string quoted = "\"";
+    for (const char c : text) {
+        const std::string other = escape(static_cast<unsigned char>(c));
+        if (c == '"' || c == '\\') quoted += '\\';
+        if (other.empty()) quoted += c;
+        else quoted += other;
+    }
+    return quoted + '"';
+}
+
 }  // namespace
 
 std::string seventeen_digits(long double value) { return formatted("%.17Lg", value); }
@@ -36,36 +50,18 @@ std::string hex(std::uint64_t value) {
 std::string json_number(long double value) { return std::isfinite(value) ? seventeen_digits(value) : "null"; }
 
 std::string json_text(std::string_view text) {
-    std::string quoted = "\"";
-    for (const char c : text) {
-        const auto code = static_cast<unsigned char>(c);
-        if (c == '"' || c == '\\') {
-            quoted += '\\';
-            quoted += c;
-        } else if (code < 0x20) {
-            quoted += "\\u00" + hex(code).substr(14);
-        } else {
-            quoted += c;
-        }
-    }
-    return quoted + '"';
+    return quoted(text,
+                  [](unsigned char code) { return code < 0x20 ? "\\u00" + hex(code).substr(14) : std::string(); });
 }
 
 std::string cpp_text(std::string_view text) {
-    std::string quoted = "\"";
-    for (const char c : text) {
-        const auto code = static_cast<unsigned char>(c);
-        if (c == '"' || c == '\\') {
-            quoted += '\\';
-            quoted += c;
-        } else if (code < 0x20 || code > 0x7e) {
-            quoted += '\\';  // always three octal digits, so that a digit may follow
-            for (const int shift : {6, 3, 0}) quoted += static_cast<char>('0' + ((code >> shift) & 7));
-        } else {
-            quoted += c;
-        }
-    }
-    return quoted + '"';
+    return quoted(text, [](unsigned char code) {
+        std::string escape;
+        if (code >= 0x20 && code <= 0x7e) return escape;
+        escape = '\\';  // always three octal digits, so that a digit may follow
+        for (const int shift : {6, 3, 0}) escape += static_cast<char>('0' + ((code >> shift) & 7));
+        return escape;
+    });
 }
 
 std::string csv_field(std::string_view text) {

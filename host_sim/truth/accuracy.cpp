@@ -96,9 +96,9 @@ Samples fine_samples(const SampledScene& scene, const char* integrator, int step
 }  // namespace
 
 reference::Motion motion_of(const BodySnapshot& body) {
-    const auto vector = [](const auto& v) { return reference::Vector{v[0], v[1], v[2]}; };
-    const auto& q = body.orientation;
-    return {vector(body.position), vector(body.velocity), {q[0], {q[1], q[2], q[3]}}, vector(body.angular_velocity)};
+    using namespace reference;
+    return {vector_of(body.position), vector_of(body.velocity), rotation_of(body.orientation),
+            vector_of(body.angular_velocity)};
 }
 
 void Errors::see(const reference::Motion& one, const reference::Motion& other) {

@@ -9,6 +9,10 @@ using Number = long double;
 using Vector = Vec<Number>;
 using Rotation = Quaternion<Number>;
 
+// Of arrays x, y, z and w, x, y, z.
+[[nodiscard]] Vector vector_of(const auto& array) { return {array[0], array[1], array[2]}; }
+[[nodiscard]] Rotation rotation_of(const auto& array) { return {array[0], {array[1], array[2], array[3]}}; }
+
 // World frame: x (m), v (m/s). Body frame along the principal axes: w (rad/s).
 struct Motion {
     Vector x{}, v{};

@@ -15,8 +15,6 @@ using namespace tumble::reference;
 
 constexpr Number pi = std::numbers::pi_v<Number>;
 
-Vector vector_of(const Triple& t) { return {t[0], t[1], t[2]}; }
-
 Number volume_of(const ShapeDescription& shape) {
     const Number a = shape.size[0], b = shape.size[1], c = shape.size[2];
     switch (shape.kind) {
@@ -115,8 +113,7 @@ SmoothMotion::Body SmoothMotion::body_of(const BodyDescription& description) {
 SmoothMotion::SmoothMotion(const SceneDescription& scene) : scene_{scene}, step_length_{long_seconds(scene.step)} {
     for (const BodyDescription& description : scene.bodies) {
         bodies_.push_back(body_of(description));
-        const auto& q = description.orientation;
-        Motion start{vector_of(description.position), {}, Rotation{q[0], {q[1], q[2], q[3]}}.normalized(), {}};
+        Motion start{vector_of(description.position), {}, rotation_of(description.orientation).normalized(), {}};
         if (!description.fixed) start.v = vector_of(description.velocity);
         start.w = vector_of(description.angular_velocity);
         now_.push_back(start);
