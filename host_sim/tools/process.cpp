@@ -60,7 +60,7 @@ void handle_ending_signals() {
         sigaction(signal, nullptr, &action);
         if (action.sa_handler != SIG_DFL) continue;  // as nohup ignores SIGHUP
         action.sa_handler = end_children;
-        action.sa_flags = SA_RESETHAND;
+        action.sa_flags = static_cast<int>(SA_RESETHAND);
         sigaction(signal, &action, nullptr);
     }
 }
