@@ -17,14 +17,16 @@ namespace tumble::host {
 template <class N>
 struct System {
     using Numbers = N;
+    std::string_view entry;       // its name in the list
     std::string_view range = {};  // its name, of a fixed-point system
 };
 
 template <class Entry, class... NamedRanges>
 constexpr auto with_each_range(NamedList<NamedRanges...>) {
     if constexpr (Entry::fixed_point)
-        return std::tuple{System<typename Entry::template Numbers<typename NamedRanges::Range>>{NamedRanges::name}...};
-    else return std::tuple{System<typename Entry::template Numbers<RoomRange>>{}};  // of any range
+        return std::tuple{
+            System<typename Entry::template Numbers<typename NamedRanges::Range>>{Entry::name, NamedRanges::name}...};
+    else return std::tuple{System<typename Entry::template Numbers<RoomRange>>{Entry::name}};  // of any range
 }
 template <class... Entries>
 constexpr auto with_ranges(NamedList<Entries...>) {

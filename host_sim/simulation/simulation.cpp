@@ -19,6 +19,13 @@ std::string type_name() {
     return std::string(name.substr(first, name.find_first_of(";]", first) - first));
 }
 
+// A number system in C++, by its name in the kernel's list; floating point takes any range.
+std::string type_of(std::string_view entry, std::string_view range) {
+    const std::string of_range =
+        range.empty() ? "tumble::RoomRange" : "tumble::RangeOf<\"" + std::string(range) + "\">";
+    return "tumble::NumbersOf<\"" + std::string(entry) + "\", " + of_range + ">";
+}
+
 template <class... Values>
 std::string listed(const std::vector<Values...>& values) {
     std::vector<std::string> names;  // systems of one name differ in range and carry
@@ -124,7 +131,8 @@ const std::vector<NumberSystemInfo>& number_systems() {
     static const std::vector<NumberSystemInfo> list = [] {
         std::vector<NumberSystemInfo> infos;
         const auto add = [&]<class N>(const System<N>& system) {
-            infos.push_back({N::name, N::what, type_name<N>(), std::string(system.range), N::carry, N::fixed_point});
+            infos.push_back({N::name, N::what, type_of(system.entry, system.range), std::string(system.range), N::carry,
+                             N::fixed_point});
         };
         std::apply([&](const auto&... systems) { (add(systems), ...); }, number_system_list);
         return infos;

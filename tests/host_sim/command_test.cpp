@@ -610,10 +610,11 @@ TEST(Compile, header_holds_what_the_scene_needs_and_nothing_else) {
     const std::string path = temporary("scene.hpp");
     ASSERT_EQ(tumble({"compile", shipped("ball"), "-o", path}).status, 0);
     const std::string header = contents(path);
-    for (const auto* part : {"struct Ball {", "name = \"bouncing ball\"", "step{1, 256}", "steps = 1280u",
-                             ".restitution = 0.8", "using Numbers = tumble::Q32<tumble::Range<64, 32, 32>, true>;",
-                             "using Integrator = tumble::integrators::Verlet;", ".bodies = 1,", ".planes = 1,",
-                             "static_assert(TUMBLE_BITS == "})
+    for (const auto* part :
+         {"struct Ball {", "name = \"bouncing ball\"", "step{1, 256}", "steps = 1280u", ".restitution = 0.8",
+          "using Numbers = tumble::NumbersOf<\"q32\", tumble::RangeOf<\"near\">>;",
+          "using Integrator = tumble::integrators::Verlet;", ".bodies = 1,", ".planes = 1,",
+          "static_assert(TUMBLE_BITS == "})
         EXPECT_TRUE(has(header, part)) << part << "\n" << header;
     for (const auto* part :
          {"boxes = true", "friction = true", "impulses = true", "forces = true", "drag = true", ".springs ="})
