@@ -381,9 +381,7 @@ Table formats_table() {
                               cell(R::velocity, "m/s", velocity.to_double()),
                               cell(R::spin, "rad/s", spin.to_double())});
     };
-    add.operator()<tumble::NearRange>("`NearRange`");
-    add.operator()<tumble::RoomRange>("`RoomRange`");
-    add.operator()<tumble::FieldRange>("`FieldRange`");
+    tumble::Ranges::for_each([&]<class Entry>() { add.template operator()<typename Entry::Range>(Entry::name); });
     return table;
 }
 
