@@ -22,21 +22,27 @@ run: build/host/build.ninja
 	build/host/tumble run $(SCENE)
 	build/host/bench/tumble_matrix $(SCENE) $(ARGS)
 
-## test: all tests: host, four host compilers, and the firmware of every core in QEMU
-test: build firmware
-	ctest --test-dir build/host --output-on-failure --no-tests=error -j $(JOBS)
+## test: the quick set of tests, of every kind: on the host, with other compilers, and on every core in QEMU
+test: firmware
+	ctest --test-dir build/host --output-on-failure --no-tests=error -j $(JOBS) -LE deep
 
-## build: the host command build/host/tumble and the host tests
+## build: the host command build/host/tumble and the programs of bench
 build: build/host/build.ninja
-	@cmake --build build/host
+	@cmake --build build/host --target programs
+
+# TARGETS: all, which is what the quick set of tests needs; with deep, what the deep one needs besides.
+TARGETS := all
+.PHONY: host-tests
+host-tests: build/host/build.ninja
+	@cmake --build build/host --target $(TARGETS)
 
 ## firmware: the firmware of the tests, for every core
-firmware: build $(CORES:%=firmware-%)
+firmware: $(CORES:%=firmware-%)
 
 .PHONY: $(CORES:%=firmware-%)
-$(CORES:%=firmware-%): firmware-%: build
+$(CORES:%=firmware-%): firmware-%: host-tests
 	@test -f build/$*/build.ninja || TUMBLE_CORE=$* cmake --preset firmware > /dev/null
-	@cmake --build build/$*
+	@cmake --build build/$* --target $(TARGETS)
 
 ## replay: run a scene on the host: make replay SCENE=path ARGS="--integrator rk4 --json"
 replay: build
@@ -155,13 +161,16 @@ arduino: setup
 	kernel/arduino_library build/arduino
 
 ## golden: rewrite the golden hashes; a decision that the commit must explain
-golden: build
+golden: build/host/build.ninja
+	@cmake --build build/host --target conformance_simulator kernel_tests_deep
 	tests/conformance/update_golden
 
-## check: format, every test, the sanitizers, comments of the public interface, and that the pages' tables are what the rows say
+## check: format, the deep set of tests (hours), the sanitizers, comments of the public interface, and the pages' tables
+check: TARGETS := all deep
 check: setup
 	port/setup format
-	$(MAKE) test
+	$(MAKE) firmware TARGETS="$(TARGETS)"
+	ctest --test-dir build/host --output-on-failure --no-tests=error -j $(JOBS)
 	$(MAKE) sanitize
 	build/host/bench/tumble_tables --check bench/results $(PAGES)
 	$(MAKE) api
@@ -170,7 +179,7 @@ check: setup
 .PHONY: sanitize
 sanitize: setup
 	@test -f build/sanitize/build.ninja || cmake --preset host-debug-sanitize > /dev/null
-	@cmake --build build/sanitize
+	@cmake --build build/sanitize --target all kernel_tests_deep
 	ctest --test-dir build/sanitize --output-on-failure --no-tests=error -j $(JOBS) -LE "qemu|compilers"
 
 # What counts the host's instructions.

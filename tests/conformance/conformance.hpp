@@ -2,7 +2,7 @@
 // a line each: scene, number system, integrator, steps, state hash. The same source for the host and for every core.
 // Worlds have every feature compiled in that the scenes could use; other tests show that a minimal world gives the same
 // bits. With TUMBLE_CONTACT_SCENES it replays the first steps of the contact scenes instead, whose worlds are larger
-// than a stack: as many as make 4096 steps of a body.
+// than a stack: as many as make 4096 steps of a body. TUMBLE_MOST_STEPS ends every scene after so many steps.
 #pragma once
 
 #include <tumble/replay.hpp>
@@ -36,6 +36,11 @@ inline constexpr tumble::Features all_features = [] {
     return all;
 }();
 
+#ifndef TUMBLE_MOST_STEPS
+#define TUMBLE_MOST_STEPS 0xFFFF'FFFF
+#endif
+inline constexpr std::uint32_t most_steps = TUMBLE_MOST_STEPS;
+
 void write_number(std::uint64_t value, unsigned base, int width) {
     char digits[20];
     int first = 20;
@@ -51,8 +56,9 @@ template <class Method, class Scene>
 [[gnu::noinline]] void replay_scene(const char* variant) {
     using Numbers = tumble::NumbersOf<TUMBLE_NAME_OF(TUMBLE_VARIANT), typename Scene::Config::Numbers::Range>;
     TUMBLE_STORAGE tumble::Replay<tumble::SceneOf<Numbers, Method, all_features>, Scene> replay;
-    constexpr std::uint32_t most = 4096u / static_cast<std::uint32_t>(Scene::Config::features.bodies);
-    constexpr std::uint32_t steps = contact_scenes && most < Scene::steps ? most : Scene::steps;
+    constexpr std::uint32_t most =
+        contact_scenes ? 4096u / static_cast<std::uint32_t>(Scene::Config::features.bodies) : most_steps;
+    constexpr std::uint32_t steps = most < Scene::steps ? most : Scene::steps;
     while (replay.world().steps_taken() < steps && replay.step().ok()) {}
     namespace port = tumble::port;
     port::write(Scene::name);

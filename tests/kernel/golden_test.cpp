@@ -1,6 +1,6 @@
 // Golden trajectories: the digest of the state after so many steps, for every scene, integrator and number system. They
 // must be the same for every compiler, optimisation level and machine. After a change that means to change bits, write
-// them anew with  TUMBLE_UPDATE_GOLDEN=1 kernel_tests --gtest_filter='*Golden*'  and commit the files with the change.
+// them anew with  make golden  and commit the files with the change.
 #include "scenes.hpp"
 
 #include <cinttypes>
@@ -32,6 +32,7 @@ std::string name_of_scene(const testing::TestParamInfo<SceneSetup>& info) { retu
 INSTANTIATE_TEST_SUITE_P(scene, Golden, testing::ValuesIn(scenes()), name_of_scene);
 
 void write(const SceneSetup& scene) {
+    ASSERT_TRUE(has_number_system("f64_carried")) << "kernel_tests_deep has every number system to write";
     std::ofstream file{path_of(scene)};
     file << "# " << scene.name << ": integrator, number system, digest of the state after";
     for (const int steps : checkpoints) file << " " << steps;

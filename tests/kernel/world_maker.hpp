@@ -100,9 +100,16 @@ using DistinctIntegrators =
                    integrators::Midpoint, integrators::Heun, integrators::Rk4, integrators::Verlet,
                    integrators::Suzuki4, integrators::Pdmv6, integrators::Exact>;
 template <class N>
+using IntegratorsOf = std::conditional_t<has_every_method<N>, Integrators, DistinctIntegrators>;
+template <class N>
 std::unique_ptr<AnyWorld> make_world(std::string_view method, Seconds step, const WorldSpec& spec) {
-    return make_world_of<N, everything, std::conditional_t<has_every_method<N>, Integrators, DistinctIntegrators>>(
-        method, step, spec);
+    return make_world_of<N, everything, IntegratorsOf<N>>(method, step, spec);
+}
+template <class N>
+bool has_world(std::string_view method) {
+    bool found = false;
+    IntegratorsOf<N>::template for_each_in<N>([&]<class Method>() { found |= method == Method::name; });
+    return found;
 }
 // A method of each kind is enough for what depends on the world's features; null for the others.
 template <class N, Features f>

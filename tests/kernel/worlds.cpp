@@ -24,6 +24,10 @@ const std::vector<Method>& methods() {
     return all;
 }
 
+bool has_number_system(std::string_view name) {
+    return std::any_of(number_systems().begin(), number_systems().end(),
+                       [&](const System& s) { return name == s.name; });
+}
 const System& number_system(std::string_view name) {
     for (const System& s : number_systems())
         if (name == s.name) return s;
