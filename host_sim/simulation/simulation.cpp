@@ -4,8 +4,8 @@
 #include <tumble/shapes/pairs.hpp>
 
 #include <algorithm>
-#include <array>
 
+#include "simulation/modules.hpp"
 #include "simulation/number_systems.hpp"
 
 namespace tumble::host {
@@ -88,12 +88,6 @@ std::string passed_by(const BodyDescription& body, const SceneDescription& scene
     return std::string(planes ? "planes" : "") + (planes && others ? " and " : "") + (others ? "other bodies" : "");
 }
 
-using Maker = std::unique_ptr<Simulation> (*)(SceneData, std::string_view);
-template <std::size_t... index>
-constexpr std::array<Maker, sizeof...(index)> makers(std::index_sequence<index...>) {
-    return {&make_in<index>...};
-}
-
 }  // namespace
 
 bool Simulation::has_trouble(std::string_view issue) const {
@@ -103,11 +97,10 @@ bool Simulation::has_trouble(std::string_view issue) const {
 
 std::unique_ptr<Simulation> make_simulation(const SceneDescription& scene, std::string_view integrator,
                                             std::string_view numbers, std::optional<bool> carry) {
-    static constexpr auto make = makers(std::make_index_sequence<number_system_count>{});
     const IntegratorInfo& method = find_integrator(integrator);
     const std::size_t system = index_of(scene, numbers, carry);
     require_runs_in(method, numbers);
-    return make[system](build_scene(scene), method.name);
+    return make_in_module(system, build_scene(scene), method.name);
 }
 
 const std::vector<IntegratorInfo>& integrators() {
