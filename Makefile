@@ -16,11 +16,13 @@ PAGES := $(wildcard *.md */*.md host_sim/*/*.md)
 help:
 	@awk -F': ' '/^## / { printf "  make %-20s %s\n", substr($$1, 4), $$2 }' $(MAKEFILE_LIST)
 
-## run: the main job: replay a scene on the host and on every core, compare the bits, print what a step costs
+## run: the main job: replay a scene on the host and on every core, compare the bits, print what a step costs; ARGS=--all
+# Of the worlds' modules, the first and those that are there; the commands build what else they need.
+MODULES := $(notdir $(basename $(wildcard build/host/host_sim/tumble_worlds_*.so)))
 run: build/host/build.ninja
-	@cmake --build build/host --target tumble tumble_matrix
+	@cmake --build build/host --target tumble tumble_matrix $(sort tumble_worlds_0 $(MODULES))
 	build/host/tumble run $(SCENE)
-	build/host/bench/tumble_matrix $(SCENE) $(ARGS)
+	build/host/bench/tumble_matrix $(SCENE) --tolerance $(TOLERANCE) $(ARGS)
 
 ## test: the quick set of tests, of every kind: on the host, with other compilers, and on every core in QEMU
 test: firmware
@@ -55,8 +57,8 @@ advise: build
 
 ## bench: insn per step, text, RAM and stack of the benchmark scenes on every core and the host, into bench/results
 bench: build valgrind
-	build/host/bench/tumble_matrix host_sim/scenes/free.toml --cores $(subst $(space),$(comma),$(CORES) host) --results bench/results/free.jsonl
-	build/host/bench/tumble_matrix host_sim/scenes/cube.toml --accuracy \
+	build/host/bench/tumble_matrix host_sim/scenes/free.toml --all --cores $(subst $(space),$(comma),$(CORES) host) --results bench/results/free.jsonl
+	build/host/bench/tumble_matrix host_sim/scenes/cube.toml --all --accuracy \
 	    --integrators explicit_euler,implicit_euler,heun,midpoint,rk4,verlet --results bench/results/cube.jsonl
 	build/host/bench/tumble_tables bench/results $(PAGES)
 
@@ -136,7 +138,7 @@ peers: build
 
 ## size: text and RAM of the firmware just built, against the committed rows
 size: build
-	build/host/bench/tumble_matrix host_sim/scenes/free.toml --baseline bench/results/free.jsonl
+	build/host/bench/tumble_matrix host_sim/scenes/free.toml --all --baseline bench/results/free.jsonl
 
 ## tables: rewrite the tables and figures of the pages from the committed rows in bench/results
 tables: build

@@ -12,7 +12,9 @@
 
 #include <CLI/CLI.hpp>
 
+#include <algorithm>
 #include <cstdio>
+#include <future>
 #include <iostream>
 #include <mutex>
 #include <optional>
@@ -30,6 +32,13 @@ std::vector<std::string> all_cores() {
     std::vector<std::string> names;
     for (const auto& core : tumble::host::cores()) names.push_back(core.name);
     return names;
+}
+
+// Those that boards.txt recommends; all for the host.
+std::vector<std::string> numbers_of_core(const std::string& name) {
+    for (const auto& core : tumble::host::cores())
+        if (core.name == name) return core.numbers;
+    return tumble::bench::variant_names();
 }
 
 struct Job {
@@ -65,39 +74,83 @@ void print_table(const std::vector<Job>& jobs) {
     }
 }
 
+// For each core the method that costs least of those whose error is within the tolerance; if there is none, the most
+// accurate. Then where the rows are.
+void print_answer(const std::vector<std::string>& cores, const std::vector<Job>& jobs, double tolerance) {
+    const auto error_of = [](const Job& job) {
+        return std::max(job.row.at("position_error_m").get<double>(),
+                        job.row.at("orientation_error_rad").get<double>());
+    };
+    const auto cost_of = [](const Job& job) { return job.row.at("insn_per_step").get<std::uint64_t>(); };
+    const auto is_better = [&](const Job& a, const Job& b) {
+        const double error_a = error_of(a), error_b = error_of(b);
+        if ((error_a <= tolerance) != (error_b <= tolerance)) return error_a <= tolerance;
+        return error_a <= tolerance ? cost_of(a) < cost_of(b) : error_a < error_b;
+    };
+    for (const std::string& core : cores) {
+        const Job* best = nullptr;
+        for (const Job& job : jobs)
+            if (job.core == core && job.error.empty() && !job.row.is_null() &&
+                (best == nullptr || is_better(job, *best)))
+                best = &job;
+        if (best == nullptr) {
+            std::printf("%-11s no row\n", core.c_str());
+            continue;
+        }
+        const double error = error_of(*best);
+        std::printf("%-11s %s in %s: %llu insn a step, error %.1e m or rad: %s %g\n", core.c_str(),
+                    best->method.c_str(),
+                    tumble::bench::numbers_text(best->variant.numbers, best->variant.carry).c_str(),
+                    static_cast<unsigned long long>(cost_of(*best)), error,
+                    error <= tolerance ? "the cheapest within" : "the most accurate, none is within", tolerance);
+    }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) try {
     CLI::App app{"Replays a scene on the host and on every core, compares the bits, and prints what a step costs."};
     fs::path scene_path, results = "build/results/run.jsonl", baseline;
-    std::vector<std::string> cores = all_cores(), methods = tumble::bench::integrator_names(),
-                             numbers = tumble::bench::variant_names();
-    bool accuracy = false;
+    std::vector<std::string> cores = all_cores(), methods = tumble::bench::integrator_names(), numbers;
+    bool accuracy = false, all = false;
+    double tolerance = 0;
     app.add_option("scene", scene_path, "Scene file")->required();
     app.add_option("--cores", cores, "Cores to run on, or host, which needs valgrind")->delimiter(',');
     app.add_option("--integrators", methods, "Integrators to run")->delimiter(',');
-    app.add_option("--numbers", numbers, "Number systems to run, as q32, q32_plain, ...")->delimiter(',');
+    app.add_option("--numbers", numbers,
+                   "Number systems to run, as q32, q32_plain, ...; without, those of the core in boards.txt")
+        ->delimiter(',');
+    app.add_flag("--all", all, "Every number system on every core");
     app.add_option("--results", results, "Where the rows go, as JSON lines");
     app.add_option("--baseline", baseline, "Rows to compare size and cost with");
     app.add_flag("--accuracy", accuracy,
                  "Add errors against the long-double reference, up to the scene's first contact");
+    app.add_option("--tolerance", tolerance,
+                   "Say at last which method is the cheapest with at most this error, m and rad")
+        ->check(CLI::PositiveNumber);
     CLI11_PARSE(app, argc, argv);
+    if (all) numbers = tumble::bench::variant_names();
+    accuracy = accuracy || tolerance > 0;
 
     const tumble::host::SceneDescription scene = tumble::host::read_scene(scene_path);
     const std::string name = scene_path.stem().string();
     const fs::path work = fs::path{"build/matrix"} / name;
     fs::create_directories(work);
 
-    // Every number system with every integrator that runs in it.
+    // The number systems of each core with every integrator that runs in them, and all of these together.
     std::vector<std::pair<Variant, std::string>> choices;
-    for (const auto& v : tumble::bench::variants_named(numbers)) {
-        for (const auto& m : methods) {
-            if (tumble::host::runs_in(tumble::host::find_integrator(m), v.numbers)) choices.emplace_back(v, m);
+    std::vector<Job> jobs;
+    for (const auto& core : cores) {
+        for (const auto& v : tumble::bench::variants_named(numbers.empty() ? numbers_of_core(core) : numbers)) {
+            for (const auto& m : methods) {
+                if (!tumble::host::runs_in(tumble::host::find_integrator(m), v.numbers)) continue;
+                jobs.push_back({core, v, m, {}, {}, false});
+                if (std::none_of(choices.begin(), choices.end(),
+                                 [&](const auto& c) { return c.first.name == v.name && c.second == m; }))
+                    choices.emplace_back(v, m);
+            }
         }
     }
-    std::vector<Job> jobs;
-    for (const auto& core : cores)
-        for (const auto& [v, m] : choices) jobs.push_back({core, v, m, {}, {}, false});
 
     // The host's answer for each integrator and number system.
     struct Answer {
@@ -109,35 +162,41 @@ int main(int argc, char** argv) try {
     std::optional<tumble::bench::Flight> flight;
     if (accuracy) flight.emplace(scene);
     Progress progress(static_cast<std::int64_t>(choices.size() + cores.size() + jobs.size()), Progress::Piped::tenths);
-    in_parallel(choices.size(), [&](std::size_t i) {
-        const auto& [variant, method] = choices[i];
-        const auto simulation = tumble::host::make_simulation(scene, method, variant.numbers, variant.carry);
-        while (simulation->steps_taken() < simulation->steps() && simulation->troubles().empty()) simulation->step();
-        Answer answer{tumble::host::hex(simulation->hash())};
-        if (flight) {
-            const auto error = flight->error_of(method, variant.numbers, variant.carry);
-            answer.position_error = error.position_m;
-            answer.orientation_error = error.orientation_rad;
-        }
-        const std::lock_guard lock{answers_mutex};
-        answers[{variant.name, method}] = answer;
-        progress.step("host " + variant.name + " " + method);
+    auto replayed = std::async(std::launch::async, [&] {
+        in_parallel(choices.size(), [&](std::size_t i) {
+            const auto& [variant, method] = choices[i];
+            const auto simulation = tumble::host::make_simulation(scene, method, variant.numbers, variant.carry);
+            while (simulation->steps_taken() < simulation->steps() && simulation->troubles().empty())
+                simulation->step();
+            Answer answer{tumble::host::hex(simulation->hash())};
+            if (flight) {
+                const auto error = flight->error_of(method, variant.numbers, variant.carry);
+                answer.position_error = error.position_m;
+                answer.orientation_error = error.orientation_rad;
+            }
+            const std::lock_guard lock{answers_mutex};
+            answers[{variant.name, method}] = answer;
+            progress.step("host " + variant.name + " " + method);
+        });
     });
 
-    // The firmware of each core; ninja uses both processors itself.
+    // Meanwhile the firmware of each core; ninja uses both processors itself.
     const fs::path header = fs::absolute(work / (name + ".hpp"));
     tumble::host::write_if_changed(header, tumble::host::compiled_scene(scene, {}));
-    std::vector<std::string> programs;
-    for (const auto& [v, m] : choices) programs.push_back(StepFirmware::name_of(v, m));
     std::map<std::string, StepFirmware> firmware;
     for (const auto& core : cores) {
         const auto at =
             firmware
                 .try_emplace(core, work / core, core, tumble::host::struct_name(scene_path.string()), header, methods)
                 .first;
+        std::vector<std::string> programs;
+        for (const Job& job : jobs)
+            if (job.core == core) programs.push_back(StepFirmware::name_of(job.variant, job.method));
         at->second.build(programs);
         progress.step("built for " + core);
     }
+
+    replayed.get();
 
     in_parallel(jobs.size(), [&](std::size_t i) {
         Job& job = jobs[i];
@@ -170,10 +229,6 @@ int main(int argc, char** argv) try {
     }
     print_table(jobs);
     tumble::bench::write_rows(results, rows);
-    std::printf("\n%zu rows in %s", rows.size(), results.c_str());
-    if (failed > 0) std::printf("; %d FAILED", failed);
-    std::printf("\n");
-
     if (!baseline.empty()) {
         const auto old_rows = tumble::bench::read_rows(baseline);
         for (const Row& row : rows) {
@@ -192,5 +247,11 @@ int main(int argc, char** argv) try {
             }
         }
     }
+    std::printf("\n");
+    if (tolerance > 0) print_answer(cores, jobs, tolerance);
+    std::printf("%zu rows in %s", rows.size(), results.c_str());
+    if (failed > 0) std::printf("; %d FAILED", failed);
+    std::printf("\n");
+
     return failed == 0 ? 0 : 1;
 } catch (...) { return tumble::bench::report_failure("tumble_matrix"); }

@@ -81,9 +81,11 @@ std::vector<Core> cores() {
     for (std::string line; std::getline(boards, line);) {
         std::istringstream row(line);
         Core core;
-        std::string skipped;
+        std::string skipped, numbers;
         if (!(row >> core.name) || core.name.starts_with("#")) continue;
-        row >> core.machine >> skipped >> skipped >> skipped >> skipped >> skipped >> std::ws;
+        row >> core.machine >> skipped >> skipped >> skipped >> skipped >> skipped >> numbers >> std::ws;
+        std::istringstream words(numbers);
+        for (std::string word; std::getline(words, word, ',');) core.numbers.push_back(word);
         std::getline(row, core.flags);
         list.push_back(core);
     }

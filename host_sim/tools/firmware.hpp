@@ -14,7 +14,9 @@ namespace tumble::host {
 
 // Rows of port/cortex_m/boards.txt.
 struct Core {
-    std::string name, machine, flags;
+    std::string name, machine;
+    std::vector<std::string> numbers;  // those that suit it, named as in NumberVariant
+    std::string flags;
 };
 [[nodiscard]] std::vector<Core> cores();
 
