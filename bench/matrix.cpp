@@ -100,7 +100,7 @@ void print_answer(const std::vector<std::string>& cores, const std::vector<Job>&
         const double error = error_of(*best);
         std::printf("%-11s %s in %s: %llu insn a step, error %.1e m or rad: %s %g\n", core.c_str(),
                     best->method.c_str(),
-                    tumble::bench::numbers_text(best->variant.numbers, best->variant.carry).c_str(),
+                    tumble::host::numbers_text(best->variant.numbers, best->variant.carry).c_str(),
                     static_cast<unsigned long long>(cost_of(*best)), error,
                     error <= tolerance ? "the cheapest within" : "the most accurate, none is within", tolerance);
     }

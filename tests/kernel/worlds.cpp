@@ -28,6 +28,10 @@ bool has_number_system(std::string_view name) {
     return std::any_of(number_systems().begin(), number_systems().end(),
                        [&](const System& s) { return name == s.name; });
 }
+bool has_minimal_worlds(std::string_view system) {
+    return std::any_of(minimal_worlds().begin(), minimal_worlds().end(),
+                       [&](const MinimalWorlds& m) { return system == m.system; });
+}
 const System& number_system(std::string_view name) {
     for (const System& s : number_systems())
         if (name == s.name) return s;

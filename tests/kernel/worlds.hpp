@@ -127,6 +127,7 @@ struct MinimalWorlds {
     std::unique_ptr<AnyWorld> (*make)(std::string_view method, Seconds step, const WorldSpec&);
 };
 [[nodiscard]] const std::vector<MinimalWorlds>& minimal_worlds();
+[[nodiscard]] bool has_minimal_worlds(std::string_view system);
 
 // An integrator in a number system: what most tests are instantiated over.
 struct Case {
