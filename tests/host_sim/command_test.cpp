@@ -625,7 +625,7 @@ TEST(Compile, goes_to_standard_output_by_default) {
     const Outcome outcome =
         tumble({"compile", shipped("cube_binary"), "--integrator", "rk4", "--numbers", "f64", "--carry", "on"});
     EXPECT_EQ(outcome.status, 0);
-    for (const auto* part : {"struct CubeBinary {", "tumble::Float<double, true>", "tumble::integrators::Rk4",
+    for (const auto* part : {"struct CubeBinary {", "tumble::NumbersOf<\"f64_carried\", ", "tumble::integrators::Rk4",
                              "boxes = true", "friction = true", "impulses = true"})
         EXPECT_TRUE(has(outcome.text, part)) << part;
 }
