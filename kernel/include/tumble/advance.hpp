@@ -56,7 +56,7 @@ public:
     [[nodiscard]] DriftSum whole_fall(int i) const { return whole(gravity_[i]); }
 
     // A step of a body that feels gravity alone.
-    TUMBLE_INLINE void free(int b, const StepInfo<N>& info) {
+    TUMBLE_INLINE void free_body(int b, const StepInfo<N>& info) {
         if (bodies.constants[b].fixed) return step_fixed(b, info);
         coast(b, gravity_);
         rotate(b, info);

@@ -108,9 +108,9 @@ public:
         } else if constexpr (has_loads) {
             step_groups(info);
         } else if constexpr (features.bodies == 1) {
-            advance_.free(0, info);  // a constant index: every address is known
+            advance_.free_body(0, info);  // a constant index: every address is known
         } else {
-            for (int b = 0; b < advance_.bodies.count; ++b) advance_.free(b, info);
+            for (int b = 0; b < advance_.bodies.count; ++b) advance_.free_body(b, info);
         }
         ++advance_.bodies.steps_taken;
         return advance_.bodies.status;
@@ -222,7 +222,7 @@ private:
             } else if (advance_.is_loaded(b)) {
                 advance_.group(BodyGroup::of(b), info);
             } else {
-                advance_.free(b, info);
+                advance_.free_body(b, info);
             }
         }
         if (islands) [[unlikely]]
