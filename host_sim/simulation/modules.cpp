@@ -4,6 +4,7 @@
 
 #include <array>
 #include <filesystem>
+#include <iostream>
 #include <mutex>
 #include <stdexcept>
 #include <string>
@@ -12,6 +13,7 @@
 #include "sources_digest.hpp"
 #include "tools/files.hpp"
 #include "tools/firmware.hpp"
+#include "tools/text.hpp"
 
 namespace tumble::host {
 namespace {
@@ -30,9 +32,14 @@ bool is_current(const fs::path& file) {
 Maker load(std::size_t index) {
     const std::string module = "tumble_worlds_" + std::to_string(index);
     const fs::path file = fs::path(TUMBLE_BUILD_DIR) / "host_sim" / (module + ".so");
+    const NumberSystemInfo& system = number_systems()[index];
     if (!is_current(file)) {
         const DirectoryLock lock(file.parent_path());  // two builds of one directory would disturb each other
-        if (!is_current(file)) run_quietly({"cmake", "--build", TUMBLE_BUILD_DIR, "--target", module});
+        if (!is_current(file)) {
+            std::cerr << "tumble: building the worlds of " << numbers_text(system.name, system.carry)
+                      << (system.range.empty() ? "" : " of range ") << system.range << "\n";
+            run_quietly({"cmake", "--build", TUMBLE_BUILD_DIR, "--target", module});
+        }
         if (!is_current(file)) throw std::runtime_error("the sources have changed: build this program again");
     }
     void* const library = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);

@@ -252,8 +252,8 @@ private:
     [[gnu::noinline]] void advance_islands(const StepInfo<N>& info) {
         Islands<features.bodies> islands;
         islands.clear(advance_.bodies.count);
-        // Those that have not flown freely. Who comes near something because of an impact in this step, or is woken by
-        // it, joins in the next.
+        // Those that have not flown freely. A body that an impact in this step brings near something, or that it wakes,
+        // joins in the next.
         bool joins[features.bodies]{};
         int coupled = -1;
         for (int k = 0; k < sleepers_.awake_count(); ++k) {

@@ -8,8 +8,8 @@
 namespace tumble {
 
 template <class N, Spin spin, Features features>
-class Surroundings : public Solids<N, spin, features> {
-    using Base = Solids<N, spin, features>;
+class BroadPhase : public NarrowPhase<N, spin, features> {
+    using Base = NarrowPhase<N, spin, features>;
 
 public:
     using typename Base::Bodies;
@@ -19,7 +19,7 @@ public:
     using typename Base::State;
     using typename Base::Work;
 
-    Surroundings(Real step, const ContactSpec& spec) : Base(step, spec), response_{spec.response} {}
+    BroadPhase(Real step, const ContactSpec& spec) : Base(step, spec), response_{spec.response} {}
 
     // What of body b touches.
     [[gnu::noinline]] void set_shape(int b, const BodySpec& spec, const PrincipalInertia& inertia,
@@ -102,8 +102,8 @@ public:
                     [&] { forget(first, second); });
             }
         }
-        // Who has just come near something is no longer foreseen for long; who has left everything touches nothing in
-        // the next step.
+        // A body that has just come near something is clear until the next step only; one that has left everything
+        // touches nothing in the next step.
         if (was_near != is_near(b)) until = 1;
         foreseen_until_[b] = now + static_cast<std::uint32_t>(until);
     }
@@ -237,10 +237,10 @@ private:
         return features.bodies * features.planes + high * (high - 1) / 2 + low;
     }
 
-    // --- the list of near pairs --------------------------------------------------------------------------------------
+    // The list of near pairs.
 
     // The pair, made where it is new; null (and told) when there is no room. Pairs are kept in the order of their keys,
-    // so that the order of the solution does not depend on who met first.
+    // so that the order of the solution does not depend on which met first.
     Pair* pair_of(Bodies& bodies, int a, int b) {
         const std::uint32_t key = Pair::key_of(a, b);
         int at = 0;

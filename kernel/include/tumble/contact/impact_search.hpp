@@ -7,8 +7,8 @@
 namespace tumble {
 
 template <class N, Spin spin, Features features>
-class ImpactSearch : public Surroundings<N, spin, features> {
-    using Base = Surroundings<N, spin, features>;
+class ImpactSearch : public BroadPhase<N, spin, features> {
+    using Base = BroadPhase<N, spin, features>;
 
 public:
     using typename Base::Bodies;

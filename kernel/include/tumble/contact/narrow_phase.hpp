@@ -8,7 +8,7 @@
 namespace tumble {
 
 template <class N, Spin spin, Features features>
-class Solids {
+class NarrowPhase {
 public:
     using Work = typename N::Work;
     using Bodies = tumble::Bodies<N, spin, features.bodies>;
@@ -19,7 +19,7 @@ public:
     using Pair = NearPair<N, features>;
     using Point = ContactPoint<N, features>;
 
-    Solids(Real step, const ContactSpec& spec)
+    NarrowPhase(Real step, const ContactSpec& spec)
         : restitution_{N::template constant<Work>(spec.restitution)},
           friction_{N::template constant<Work>(spec.friction)}, tolerance_metres_{spec.tolerance} {
         if constexpr (N::fixed_point) (void)make_room(Real{N::Range::velocity} * step);
@@ -216,7 +216,7 @@ protected:
 
     Length tolerance_{}, fall_bound_{};
     Vec3<Length> fall_ = Vec3<Length>::Constant(Length{});  // gravity's change of drift in a step
-    Work slow_{};                                           // m: twice that; who moves less in a step, rests
+    Work slow_{};                                           // m: twice that; a body that moves less in a step rests
     Array<Plane<N>, features.planes> plane_{};
     int plane_count_ = 0;
     Shapes<N, features.bodies> shape_{};

@@ -1,5 +1,5 @@
 // The pairs of shapes that touch each other. A pair is one header with its geometry and one entry here: what may touch,
-// who is asked where, and in which order, follows from the table.
+// which pair is tested where, and in which order, follows from the table.
 #pragma once
 
 #include <tumble/scene.hpp>
