@@ -51,9 +51,9 @@ void replay() {
 int main() {
     using namespace tumble;
     port::init();
-    replay<scenes::Ball, integrators::Verlet>();     // falls, bounces and comes to rest
-    replay<scenes::Incline, integrators::Verlet>();  // boxes that slide, with friction
-    replay<scenes::Pendulum, integrators::Rk4>();    // a box on a spring
-    replay<scenes::Brick, integrators::Exact>();     // turns freely
-    replay<scenes::Brick, integrators::Pdmv6>();
+    replay<scenes::scene_ball, integrators::Verlet>();     // falls, bounces and comes to rest
+    replay<scenes::scene_incline, integrators::Verlet>();  // boxes that slide, with friction
+    replay<scenes::scene_pendulum, integrators::Rk4>();    // a box on a spring
+    replay<scenes::scene_brick, integrators::Exact>();     // turns freely
+    replay<scenes::scene_brick, integrators::Pdmv6>();
 }
