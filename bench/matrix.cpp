@@ -16,6 +16,7 @@
 #include <cstdio>
 #include <future>
 #include <iostream>
+#include <limits>
 #include <mutex>
 #include <optional>
 
@@ -48,6 +49,7 @@ struct Job {
     Row row;
     std::string error;  // empty: the row is good
     bool does_not_fit = false;
+    std::int64_t compared = 0;  // steps that its errors are of
 };
 
 void print_table(const std::vector<Job>& jobs) {
@@ -75,9 +77,12 @@ void print_table(const std::vector<Job>& jobs) {
 }
 
 // For each core the method that costs least of those whose error is within the tolerance; if there is none, the most
-// accurate. Then where the rows are.
-void print_answer(const std::vector<std::string>& cores, const std::vector<Job>& jobs, double tolerance) {
+// accurate. Errors are known until the first contact only, which the line says; where a scene begins in contact none is
+// known, and the line has the cheapest. Then where the rows are.
+void print_answer(const std::vector<std::string>& cores, const std::vector<Job>& jobs,
+                  const tumble::host::SceneDescription& scene, double tolerance) {
     const auto error_of = [](const Job& job) {
+        if (job.compared == 0) return std::numeric_limits<double>::infinity();
         return std::max(job.row.at("position_error_m").get<double>(),
                         job.row.at("orientation_error_rad").get<double>());
     };
@@ -85,7 +90,7 @@ void print_answer(const std::vector<std::string>& cores, const std::vector<Job>&
     const auto is_better = [&](const Job& a, const Job& b) {
         const double error_a = error_of(a), error_b = error_of(b);
         if ((error_a <= tolerance) != (error_b <= tolerance)) return error_a <= tolerance;
-        return error_a <= tolerance ? cost_of(a) < cost_of(b) : error_a < error_b;
+        return error_a <= tolerance || error_a == error_b ? cost_of(a) < cost_of(b) : error_a < error_b;
     };
     for (const std::string& core : cores) {
         const Job* best = nullptr;
@@ -97,12 +102,20 @@ void print_answer(const std::vector<std::string>& cores, const std::vector<Job>&
             std::printf("%-11s no row\n", core.c_str());
             continue;
         }
-        const double error = error_of(*best);
-        std::printf("%-11s %s in %s: %llu insn a step, error %.1e m or rad: %s %g\n", core.c_str(),
-                    best->method.c_str(),
+        std::printf("%-11s %s in %s: %llu insn a step, ", core.c_str(), best->method.c_str(),
                     tumble::host::numbers_text(best->variant.numbers, best->variant.carry).c_str(),
-                    static_cast<unsigned long long>(cost_of(*best)), error,
-                    error <= tolerance ? "the cheapest within" : "the most accurate, none is within", tolerance);
+                    static_cast<unsigned long long>(cost_of(*best)));
+        if (best->compared == 0) {
+            std::printf("the cheapest; error not measured: in contact from the start\n");
+            continue;
+        }
+        const double error = error_of(*best);
+        std::printf("error %.1e m or rad", error);
+        if (best->compared < scene.steps())
+            std::printf(" until the first contact at %.3g s",
+                        static_cast<double>(best->compared) * scene.step.seconds());
+        std::printf(": %s %g\n", error <= tolerance ? "the cheapest within" : "the most accurate, none is within",
+                    tolerance);
     }
 }
 
@@ -155,7 +168,7 @@ int main(int argc, char** argv) try {
     // The host's answer for each integrator and number system.
     struct Answer {
         std::string hash;
-        double position_error = 0, orientation_error = 0;
+        tumble::bench::Flight::Error error;
     };
     std::map<std::pair<std::string, std::string>, Answer> answers;
     std::mutex answers_mutex;
@@ -168,12 +181,8 @@ int main(int argc, char** argv) try {
             const auto simulation = tumble::host::make_simulation(scene, method, variant.numbers, variant.carry);
             while (simulation->steps_taken() < simulation->steps() && simulation->troubles().empty())
                 simulation->step();
-            Answer answer{tumble::host::hex(simulation->hash())};
-            if (flight) {
-                const auto error = flight->error_of(method, variant.numbers, variant.carry);
-                answer.position_error = error.position_m;
-                answer.orientation_error = error.orientation_rad;
-            }
+            Answer answer{tumble::host::hex(simulation->hash()), {}};
+            if (flight) answer.error = flight->error_of(method, variant.numbers, variant.carry);
             const std::lock_guard lock{answers_mutex};
             answers[{variant.name, method}] = answer;
             progress.step("host " + variant.name + " " + method);
@@ -210,9 +219,10 @@ int main(int argc, char** argv) try {
             job.row["step_s"] = scene.step.seconds();
             job.row["compiler"] = on_host ? TUMBLE_HOST_COMPILER : TUMBLE_ARM_COMPILER;
             job.row["flags"] = !on_host && job.variant.numbers == "q32" ? TUMBLE_Q32_FLAGS : "-O2";
-            if (accuracy) {
-                job.row["position_error_m"] = answer.position_error;
-                job.row["orientation_error_rad"] = answer.orientation_error;
+            job.compared = answer.error.steps;
+            if (job.compared > 0) {
+                job.row["position_error_m"] = answer.error.largest.position_m;
+                job.row["orientation_error_rad"] = answer.error.largest.orientation_rad;
             }
             const bool agrees = job.row.at("state_hash") == answer.hash;
             job.row["state_hash_agrees"] = agrees;
@@ -248,7 +258,7 @@ int main(int argc, char** argv) try {
         }
     }
     std::printf("\n");
-    if (tolerance > 0) print_answer(cores, jobs, tolerance);
+    if (tolerance > 0) print_answer(cores, jobs, scene, tolerance);
     std::printf("%zu rows in %s", rows.size(), results.c_str());
     if (failed > 0) std::printf("; %d FAILED", failed);
     std::printf("\n");

@@ -3,6 +3,7 @@
 #include "simulation/simulation.hpp"
 #include "truth/smooth_motion.hpp"
 
+#include <algorithm>
 #include <stdexcept>
 
 namespace tumble::bench {
@@ -18,19 +19,19 @@ Flight::Flight(const host::SceneDescription& scene) : scene_{scene} {
     }
 }
 
-host::Errors Flight::error_of(const std::string& integrator, const std::string& numbers, bool carry) const {
+Flight::Error Flight::error_of(const std::string& integrator, const std::string& numbers, bool carry) const {
     const auto simulation = host::make_simulation(scene_, integrator, numbers, carry);
-    host::Errors errors;
+    Error error;
     for (const auto& expected : after_step_) {
         simulation->step();
-        for (std::size_t b = 0; b < expected.size(); ++b) {
-            const host::BodySnapshot body = simulation->body(static_cast<int>(b));
-            // A method that falls too low touches before the true motion does; what it does then is no error of flight.
-            if (body.contacts > 0) return errors;
-            errors.see(expected[b], host::motion_of(body));
-        }
+        std::vector<host::BodySnapshot> bodies;
+        for (std::size_t b = 0; b < expected.size(); ++b) bodies.push_back(simulation->body(static_cast<int>(b)));
+        // A method that falls too low touches before the true motion does; what it does then is no error of flight.
+        if (std::any_of(bodies.begin(), bodies.end(), [](const auto& body) { return body.contacts > 0; })) break;
+        for (std::size_t b = 0; b < expected.size(); ++b) error.largest.see(expected[b], host::motion_of(bodies[b]));
+        ++error.steps;
     }
-    return errors;
+    return error;
 }
 
 std::vector<Quaternion> reference_orientations(const host::SceneDescription& scene, int samples) {

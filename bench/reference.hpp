@@ -5,18 +5,23 @@
 #include "truth/accuracy.hpp"
 
 #include <array>
+#include <cstdint>
 #include <string>
 #include <vector>
 
 namespace tumble::bench {
 
-// The true flight of a scene's bodies, step by step, until one first touches a plane or the scene ends.
+// The true flight of a scene's bodies, step by step, until one first touches or the scene ends.
 class Flight {
 public:
     explicit Flight(const host::SceneDescription& scene);
 
-    // The largest over all bodies and steps until the method itself has a body touch a plane.
-    [[nodiscard]] host::Errors error_of(const std::string& integrator, const std::string& numbers, bool carry) const;
+    // The largest over all bodies and the steps of the flight, until the method itself has a body touch.
+    struct Error {
+        host::Errors largest;
+        std::int64_t steps = 0;  // that were compared; fewer than the scene has where a contact has ended the flight
+    };
+    [[nodiscard]] Error error_of(const std::string& integrator, const std::string& numbers, bool carry) const;
 
 private:
     const host::SceneDescription& scene_;
