@@ -2,6 +2,7 @@
 
 #include <tumble/numbers/systems.hpp>
 
+#include <algorithm>
 #include <cstdio>
 #include <fstream>
 #include <sstream>
@@ -18,6 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 
 const fs::path source_directory = TUMBLE_SOURCE_DIR;
+const fs::path boards_file = source_directory / "port/cortex_m/boards.txt";
 
 // A project of port/programs, "step" or "record".
 std::string source_of(const char* program) { return (source_directory / "port/programs" / program).string(); }
@@ -67,6 +69,13 @@ nlohmann::ordered_json counted(const fs::path& program) {
     return with_count;
 }
 
+[[noreturn]] void wrong_numbers(const std::string& core, const std::string& numbers) {
+    std::string known;
+    for (const NumberVariant& variant : number_variants()) known += (known.empty() ? "" : ", ") + variant.name;
+    throw std::runtime_error(boards_file.string() + ": " + core + ": column numbers is '" + numbers +
+                             "', expected number systems joined by commas, of: " + known);
+}
+
 // tumble::integrators::Rk4 -> Rk4.
 std::string method_of(const std::string& integrator) {
     const std::string& type = find_integrator(integrator).type;
@@ -76,7 +85,7 @@ std::string method_of(const std::string& integrator) {
 }  // namespace
 
 std::vector<Core> cores() {
-    std::ifstream boards(source_directory / "port/cortex_m/boards.txt");
+    std::ifstream boards(boards_file);
     std::vector<Core> list;
     for (std::string line; std::getline(boards, line);) {
         std::istringstream row(line);
@@ -85,7 +94,13 @@ std::vector<Core> cores() {
         if (!(row >> core.name) || core.name.starts_with("#")) continue;
         row >> core.machine >> skipped >> skipped >> skipped >> skipped >> skipped >> numbers >> std::ws;
         std::istringstream words(numbers);
-        for (std::string word; std::getline(words, word, ',');) core.numbers.push_back(word);
+        for (std::string word; std::getline(words, word, ',');) {
+            const auto& known = number_variants();
+            if (std::none_of(known.begin(), known.end(), [&](const NumberVariant& v) { return v.name == word; }))
+                wrong_numbers(core.name, numbers);
+            core.numbers.push_back(word);
+        }
+        if (core.numbers.empty()) wrong_numbers(core.name, numbers);
         std::getline(row, core.flags);
         list.push_back(core);
     }
