@@ -15,6 +15,8 @@
 #endif
 #include "port.hpp"
 
+#include "../write_number.hpp"
+
 #define TUMBLE_NAME_OF(variant) TUMBLE_TEXT(variant)
 #define TUMBLE_TEXT(variant) #variant
 
@@ -40,16 +42,6 @@ inline constexpr tumble::Features all_features = [] {
 #define TUMBLE_MOST_STEPS 0xFFFF'FFFF
 #endif
 inline constexpr std::uint32_t most_steps = TUMBLE_MOST_STEPS;
-
-void write_number(std::uint64_t value, unsigned base, int width) {
-    char digits[20];
-    int first = 20;
-    do {
-        digits[--first] = "0123456789abcdef"[value % base];
-        value /= base;
-    } while (value != 0 || 20 - first < width);
-    tumble::port::write(digits + first, static_cast<std::size_t>(20 - first));
-}
 
 // Not inlined: the stack holds the worlds of one scene at a time.
 template <class Method, class Scene>

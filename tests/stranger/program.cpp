@@ -7,20 +7,12 @@
 
 #include "port.hpp"
 
+#include "../write_number.hpp"
+
 #define STRANGER_TEXT_OF(name) #name
 #define STRANGER_TEXT(name) STRANGER_TEXT_OF(name)
 
 namespace {
-
-void write_number(std::uint64_t value, unsigned base, int width) {
-    char digits[20];
-    int first = 20;
-    do {
-        digits[--first] = "0123456789abcdef"[value % base];
-        value /= base;
-    } while (value != 0 || 20 - first < width);
-    tumble::port::write(digits + first, static_cast<std::size_t>(20 - first));
-}
 
 template <class Scene, class Method>
 struct Config : Scene::Config {
