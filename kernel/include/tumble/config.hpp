@@ -42,8 +42,16 @@ static_assert(sizeof(0.1) == sizeof(double),
 #define eigen_assert(condition) ((void)0)
 #endif
 
-// All that the kernel uses of others.
+// All that the kernel uses of others. A warning of Eigen's code, where its directory is not a system's, is nobody's
+// here.
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wconversion"
+#pragma GCC diagnostic ignored "-Wold-style-cast"
+#pragma GCC diagnostic ignored "-Wsign-conversion"
+#pragma GCC diagnostic ignored "-Wunused-parameter"
+#pragma GCC diagnostic ignored "-Wunused-variable"
 #include <Eigen/Core>
+#pragma GCC diagnostic pop
 
 #include <bit>
 #include <compare>
