@@ -1,5 +1,6 @@
 #include "reference.hpp"
 
+#include "scene/data.hpp"
 #include "simulation/simulation.hpp"
 #include "truth/smooth_motion.hpp"
 
@@ -11,7 +12,7 @@ namespace tumble::bench {
 using reference::Rotation;
 
 Flight::Flight(const host::SceneDescription& scene) : scene_{scene} {
-    host::SmoothMotion truth{scene};
+    host::SmoothMotion truth{scene, host::shapes_meet};
     for (std::int64_t step = 1; step <= scene.steps(); ++step) {
         truth.advance_to(step);
         if (truth.clearance() < 0) break;
@@ -42,7 +43,7 @@ std::vector<Quaternion> reference_orientations(const host::SceneDescription& sce
     }
     host::SceneDescription sampled = scene;
     sampled.step = {1, 0, scene.duration / samples};
-    host::SmoothMotion truth{sampled};
+    host::SmoothMotion truth{sampled, host::shapes_meet};
     std::vector<Quaternion> orientations;
     for (int sample = 0; sample <= samples; ++sample) {
         truth.advance_to(sample);

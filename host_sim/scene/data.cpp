@@ -75,6 +75,8 @@ bool any_pair_meets(const std::vector<BodySpec>& bodies) {
 
 }  // namespace
 
+bool shapes_meet(ShapeKind a, ShapeKind b) { return meets(a, b); }
+
 Shape shape_of(const ShapeDescription& shape) {
     return {shape.kind == ShapeKind::points ? ShapeKind::none : shape.kind, vector_of(shape.size)};
 }

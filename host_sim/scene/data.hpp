@@ -19,6 +19,7 @@ namespace tumble::host {
 inline constexpr int max_bodies = 64;
 inline constexpr int max_planes = 16;
 inline constexpr int max_springs = 64;
+inline constexpr int max_near_pairs = 512;
 
 // A scene that is well formed but that this build cannot replay; what() names file, key and what was expected.
 class UnsupportedScene : public std::runtime_error {
@@ -43,6 +44,9 @@ struct SceneData {
 
 // What a world must have compiled in for the scene, and nothing else.
 [[nodiscard]] Features needs(const SceneData& scene);
+
+// Which kinds of shapes touch each other in the kernel, in either order: what is not simulated is no contact.
+[[nodiscard]] bool shapes_meet(ShapeKind a, ShapeKind b);
 
 // The kernel's shape; `points` become a body without one, whose mass properties are the cloud's.
 [[nodiscard]] Shape shape_of(const ShapeDescription& shape);

@@ -17,7 +17,8 @@ using reference::Vector;
 
 // Every feature of the kernel, with the host's room.
 inline constexpr Features host_features =
-    Features{.bodies = max_bodies, .planes = max_planes, .springs = max_springs, .near_pairs = 512}.with_everything();
+    Features{.bodies = max_bodies, .planes = max_planes, .springs = max_springs, .near_pairs = max_near_pairs}
+        .with_everything();
 
 // What a Simulation tells of its bodies, whatever the method.
 template <class N, Spin spin_is>

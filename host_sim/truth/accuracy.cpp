@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "scene/data.hpp"
 #include "truth/algebra.hpp"
 #include "truth/smooth_motion.hpp"
 
@@ -64,7 +65,7 @@ std::optional<Samples> smooth_samples(const SampledScene& scene) {
     const int number = std::min(0, scene.longest());
     const SceneDescription description = scene.with_step(number);
     const reference::Number length = long_seconds(description.step), band = description.contact.tolerance;
-    SmoothMotion motion(description);
+    SmoothMotion motion(description, shapes_meet);
     if (motion.can_touch() && description.contact.response == ContactResponse::spring &&
         description.contact.barrier > 0)
         return std::nullopt;

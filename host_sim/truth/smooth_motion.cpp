@@ -1,7 +1,5 @@
 #include "truth/smooth_motion.hpp"
 
-#include <tumble/shapes/pairs.hpp>  // which shapes touch: what is not simulated is no contact
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -110,7 +108,8 @@ SmoothMotion::Body SmoothMotion::body_of(const BodyDescription& description) {
     return body;
 }
 
-SmoothMotion::SmoothMotion(const SceneDescription& scene) : scene_{scene}, step_length_{long_seconds(scene.step)} {
+SmoothMotion::SmoothMotion(const SceneDescription& scene, ShapesMeet shapes_meet)
+    : scene_{scene}, shapes_meet_{shapes_meet}, step_length_{long_seconds(scene.step)} {
     for (const BodyDescription& description : scene.bodies) {
         bodies_.push_back(body_of(description));
         Motion start{vector_of(description.position), {}, rotation_of(description.orientation).normalized(), {}};
@@ -285,7 +284,7 @@ Number SmoothMotion::Body::swept() const {
 
 bool SmoothMotion::may_touch(std::size_t i, std::size_t j) const {
     const Body &a = bodies_[i], &b = bodies_[j];
-    return i != j && meets(a.kind, b.kind) && !(a.fixed && b.fixed);
+    return i != j && shapes_meet_(a.kind, b.kind) && !(a.fixed && b.fixed);
 }
 
 // The widest gap that a plane across the line of centres or along a face leaves between them.
@@ -320,8 +319,9 @@ Number SmoothMotion::clearance() const {
 Number SmoothMotion::closing_speed() const {
     Number most = 0;
     for (std::size_t i = 0; i < bodies_.size(); ++i) {
-        if (bodies_[i].touches_planes() || touches_bodies(bodies_[i].kind))
-            most = std::max(most, norm(now_[i].v) + norm(now_[i].w) * bodies_[i].swept());
+        bool touches = bodies_[i].touches_planes();
+        for (std::size_t j = 0; j < bodies_.size(); ++j) touches = touches || may_touch(i, j);
+        if (touches) most = std::max(most, norm(now_[i].v) + norm(now_[i].w) * bodies_[i].swept());
     }
     return has_pairs_ ? 2 * most : most;
 }

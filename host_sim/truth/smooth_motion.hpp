@@ -1,7 +1,8 @@
 // The true motion of a scene between contacts: every load and event of the scene format in long double, integrated far
-// below the error of any kernel method. Its formulas are written apart from the kernel's and share no code with it.
-// Contacts are left out: ask clearance() whether the motion is still the scene's. A fixed body that turns does so at a
-// constant angular velocity.
+// below the error of any kernel method. Its formulas are written apart from the kernel's and share no code with it:
+// from the kernel it has the names of shapes, and from its caller which of them touch each other. Contacts are left
+// out: ask clearance() whether the motion is still the scene's. A fixed body that turns does so at a constant angular
+// velocity.
 #pragma once
 
 #include <array>
@@ -15,8 +16,11 @@ namespace tumble::host {
 
 class SmoothMotion {
 public:
+    // True of two kinds of shapes that touch each other, in either order; shapes_meet() of scene/data.hpp.
+    using ShapesMeet = bool (*)(ShapeKind, ShapeKind);
+
     // At time 0. Event times are rounded to the nearest of the scene's steps, as the kernel rounds them.
-    explicit SmoothMotion(const SceneDescription& scene);
+    SmoothMotion(const SceneDescription& scene, ShapesMeet shapes_meet);
 
     // To the start of a step, before its impulses; earlier steps leave it where it is. Throws std::runtime_error where
     // bodies fall into each other, or the loads are so stiff that a run would not end.
@@ -80,6 +84,7 @@ private:
                     Wrenches& sums) const;
 
     SceneDescription scene_;
+    ShapesMeet shapes_meet_;
     reference::Number step_length_ = 0;  // s
     std::vector<Body> bodies_;
     std::vector<Plane> planes_;  // none where nothing can touch them

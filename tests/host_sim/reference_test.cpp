@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "command_runner.hpp"
+#include "scene/data.hpp"
 #include "scene/reader.hpp"
 #include "simulation/simulation.hpp"
 #include "truth/accuracy.hpp"
@@ -25,7 +26,7 @@ SceneDescription scene_of(const std::string& world, const std::string& rest) {
 
 // After 2 s.
 Motion at_two_seconds(const SceneDescription& scene, std::size_t body = 0) {
-    SmoothMotion motion(scene);
+    SmoothMotion motion(scene, shapes_meet);
     motion.advance_to(nearest_step(2.0, scene.step));
     return motion.bodies()[body];
 }
@@ -109,7 +110,7 @@ TEST(SmoothMotion, impulses_act_at_the_nearest_step_at_their_point) {
     const Motion end = at_two_seconds(scene);
     expect_near(end.x, {-2, 0, 0});
     expect_near(end.w, {2, 0, -5});
-    SmoothMotion motion(scene);
+    SmoothMotion motion(scene, shapes_meet);
     motion.advance_to(64);
     expect_near(motion.bodies()[0].v, {0, 0, 0});  // not yet: it acts when the step begins
 }
@@ -155,8 +156,9 @@ TEST(SmoothMotion, clearance_is_that_of_the_lowest_vertex) {
     const std::string box = "[[body]]\nname = \"box\"\nshape = { box = [2.0, 2.0, 2.0] }\nmass = 1.0\nposition = [0.0, "
                             "5.0, 0.0]\norientation = [0.92387953251128674, 0.0, 0.0, 0.38268343236508977]\n";
     const std::string plane = "[[plane]]\nname = \"floor\"\nnormal = [0.0, 2.0, 0.0]\noffset = -1.0\n";
-    EXPECT_NEAR(static_cast<double>(SmoothMotion(scene_of("", plane + box)).clearance()), 4.0 - std::sqrt(2.0), 1e-15);
-    EXPECT_GT(static_cast<double>(SmoothMotion(scene_of("", box)).clearance()), 1e29);
+    EXPECT_NEAR(static_cast<double>(SmoothMotion(scene_of("", plane + box), shapes_meet).clearance()),
+                4.0 - std::sqrt(2.0), 1e-15);
+    EXPECT_GT(static_cast<double>(SmoothMotion(scene_of("", box), shapes_meet).clearance()), 1e29);
 }
 
 TEST(SmoothMotion, clearance_is_that_of_every_shape_that_touches_planes) {
@@ -168,7 +170,8 @@ TEST(SmoothMotion, clearance_is_that_of_every_shape_that_touches_planes) {
                                           "= \"body\"\nshape = { " +
                                           shape + " }\nmass = 1.0\nposition = [0.0, 5.0, 0.0]\norientation = [" +
                                           std::to_string(std::cos(angle / 2)) + ", " +
-                                          std::to_string(-std::sin(angle / 2)) + ", 0.0, 0.0]\n"))
+                                          std::to_string(-std::sin(angle / 2)) + ", 0.0, 0.0]\n"),
+                         shapes_meet)
                 .clearance());
     };
     const double quarter = std::numbers::pi / 2, eighth = quarter / 2, diagonal = std::sqrt(0.5);
@@ -185,7 +188,7 @@ TEST(SmoothMotion, clearance_is_that_of_every_shape_that_touches_planes) {
 
 TEST(SmoothMotion, clearance_of_two_bodies_is_their_distance_or_less) {
     const auto clearance = [](const std::string& bodies, const std::string& contact = "") {
-        return static_cast<double>(SmoothMotion(scene_of("", contact + bodies)).clearance());
+        return static_cast<double>(SmoothMotion(scene_of("", contact + bodies), shapes_meet).clearance());
     };
     const auto other = [](const char* shape, const char* place) {
         return std::string("[[body]]\nname = \"other\"\nshape = { ") + shape + " }\nmass = 1.0\nposition = " + place +
@@ -224,7 +227,7 @@ TEST(SmoothMotion, kernel_agrees_on_every_scene_without_contacts) {
         scene.duration = std::min(scene.duration, 4.0);
         const auto simulation = make_simulation(scene, "rk4", "f64", true);
         while (simulation->steps_taken() < simulation->steps()) simulation->step();
-        SmoothMotion motion(scene);
+        SmoothMotion motion(scene, shapes_meet);
         motion.advance_to(simulation->steps());
         for (int b = 0; b < simulation->body_count(); ++b) {
             const Motion body = motion_of(simulation->body(b));
