@@ -14,7 +14,8 @@ PAGES := $(wildcard *.md */*.md host_sim/*/*.md)
 
 ## help: this list
 help:
-	@awk -F': ' '/^## / { printf "  make %-20s %s\n", substr($$1, 4), $$2 }' $(MAKEFILE_LIST)
+	@awk '/^## / { colon = index($$0, ": "); printf "  make %-20s %s\n", substr($$0, 4, colon - 4), substr($$0, colon + 2) }' \
+	    $(MAKEFILE_LIST)
 
 ## run: the main job: replay a scene on the host and on every core, compare the bits, print what a step costs; ARGS=--all
 # Of the worlds' modules, the first and those that are there; the commands build what else they need.

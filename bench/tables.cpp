@@ -419,6 +419,18 @@ std::string top_error(const std::vector<Row>& rows, const std::string& numbers) 
     throw std::runtime_error{"no row of rk4 in " + numbers};
 }
 
+// How far a body turns in a step at most, rad: what a world holds of one that spins faster, at a step of 1 s.
+std::string largest_turn() {
+    tumble::World<tumble::Scene> world{tumble::Seconds{1, 1}};
+    tumble::BodySpec ball = tumble::sphere(1, 1);
+    ball.angular_velocity = {1, 0, 0};
+    const auto id = world.add(ball);
+    if (!id || world.step().ok()) throw std::runtime_error{"1 rad in a step is within the numbers"};
+    char text[32];
+    std::snprintf(text, sizeof text, "%.3g", world.angular_velocity(*id).x().to_real().to_double());
+    return text;
+}
+
 std::string read_file(const std::filesystem::path& path) {
     std::ifstream in{path};
     if (!in) throw std::runtime_error{path.string() + ": cannot be read"};
@@ -511,6 +523,8 @@ int main(int argc, char** argv) try {
         {"max_bodies", [] { return std::to_string(tumble::host::max_bodies); }},
         {"max_planes", [] { return std::to_string(tumble::host::max_planes); }},
         {"max_springs", [] { return std::to_string(tumble::host::max_springs); }},
+        {"max_near_pairs", [] { return std::to_string(tumble::host::max_near_pairs); }},
+        {"largest_turn_q32", [] { return largest_turn(); }},
         {"abort_status", [] { return std::to_string(tumble::port::abort_status); }},
         {"text_lost_status", [] { return std::to_string(tumble::port::text_lost_status); }},
         {"no_counter_status", [] { return std::to_string(tumble::port::no_counter_status); }},
