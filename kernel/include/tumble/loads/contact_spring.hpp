@@ -25,6 +25,7 @@ public:
     using Length = typename C::Length;
     using Bodies = tumble::Bodies<N, spin, features.bodies>;
 
+    ContactSprings(Real step, const WorldSpec& world) : ContactSprings(step, world.contact) {}
     ContactSprings(Real step, const ContactSpec& spec)
         : on_{spec.response == ContactResponse::spring}, has_barrier_{on_ && spec.barrier > Real{}},
           stiffness_{N::template constant<Work>(spec.stiffness)}, damping_{N::template constant<Work>(spec.damping)},
@@ -66,10 +67,10 @@ public:
     }
 
     // concerns: a body that feels a plane or another body if it comes near enough; couples: a body that may move.
-    [[nodiscard]] bool concerns(int b) const {
-        return on_ && !shape_[b].is(ShapeKind::none) && (plane_count_ > 0 || couples(b));
+    [[nodiscard]] bool acts_on(const Bodies& bodies, int b) const {
+        return on_ && !shape_[b].is(ShapeKind::none) && (plane_count_ > 0 || couples(bodies, b));
     }
-    [[nodiscard]] bool couples(int b) const {
+    [[nodiscard]] bool couples(const Bodies&, int b) const {
         if constexpr (features.pairs) {
             if (!on_ || !touches_bodies(shape_[b].kind)) return false;
             for (int other = 0; other < features.bodies; ++other)
@@ -92,6 +93,18 @@ public:
         return step;
     }
 
+    TUMBLE_INLINE void apply_to(const auto& group) const {
+        for (int k = 0; k < group.members.count; ++k) {
+            const int a = group.members.id[k];
+            apply(group.loaded[k], a, group.bodies);
+            for (int b = 0; features.pairs && b < group.bodies.count; ++b) {
+                if (b == a || (b < a && group.find(b) != nullptr)) continue;
+                apply(group.loaded[k], a, *group.other_end(b), b, group.bodies);
+            }
+        }
+    }
+
+private:
     // A body against every plane.
     void apply(LoadedBody<N>& body, int b, Bodies& bodies) const {
         if (!on_ || shape_[b].is(ShapeKind::none)) return;
@@ -150,7 +163,6 @@ public:
         }
     }
 
-private:
     // Points up to here are asked for.
     [[nodiscard]] Length band() const { return has_barrier_ ? C::longest() : Length{}; }
 

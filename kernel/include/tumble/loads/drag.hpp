@@ -1,6 +1,7 @@
 // Linear drag: force -c v and torque -c w, the same for every body of the world. Depends on the body's own velocity.
 #pragma once
 
+#include <tumble/body/setup.hpp>
 #include <tumble/loads/loaded_body.hpp>
 
 namespace tumble {
@@ -11,7 +12,17 @@ struct Drag {
 
     Work linear{}, angular{};  // kg/s, N m s
 
-    [[nodiscard]] bool acts() const { return linear > Work(0) || angular > Work(0); }
+    Drag(Real, const WorldSpec& spec)
+        : linear{N::template constant<Work>(spec.linear_drag)}, angular{N::template constant<Work>(spec.angular_drag)} {
+    }
+
+    [[nodiscard]] bool acts_on(const auto&, int) const { return depends_on_velocity(); }
+    [[nodiscard]] bool depends_on_velocity() const { return linear > Work(0) || angular > Work(0); }
+    TUMBLE_INLINE void apply_to(const auto& group) const {
+        for (int k = 0; k < group.members.count; ++k) apply(group.loaded[k]);
+    }
+
+private:
     void apply(LoadedBody<N>& body) const {
         body.force_w -= scaled_by(body.v_w, linear);
         body.torque_b -= scaled_by(body.w_b, angular);

@@ -1,16 +1,39 @@
 // Newton's gravitation between two bodies as point masses: F = G m1 m2 / r^2. One square root and one division a pair.
 #pragma once
 
+#include <tumble/body/setup.hpp>
 #include <tumble/loads/loaded_body.hpp>
 
 namespace tumble {
 
-template <class N>
-struct Gravitation {
+template <class N, int bodies>
+class Gravitation {
+public:
     using Work = typename N::Work;
 
-    Work constant{};  // m^3/(kg s^2)
+    Gravitation(Real, const WorldSpec& spec) : constant_{N::template constant<Work>(spec.gravitation)} {}
+    void set_body(int b, const BodySpec& spec, const auto&, const auto&) {
+        mass_[b] = N::template constant<Work>(spec.mass);
+    }
 
+    [[nodiscard]] bool acts_on(const auto& all, int) const { return constant_ > Work(0) && all.count > 1; }
+    [[nodiscard]] bool couples(const auto& all, int b) const { return acts_on(all, b); }
+    template <class F>
+    void for_each_coupled(const auto& all, int b, F&& f) const {
+        for (int other = 0; constant_ > Work(0) && other < all.count; ++other)
+            if (other != b) f(other);
+    }
+    TUMBLE_INLINE void apply_to(const auto& group) const {
+        for (int k = 0; k < group.members.count && constant_ > Work(0); ++k) {
+            const int a = group.members.id[k];
+            for (int b = 0; b < group.bodies.count; ++b) {
+                if (b == a || (b < a && group.find(b) != nullptr)) continue;  // a pair of the group once
+                apply(group.loaded[k], mass_[a], *group.other_end(b), mass_[b]);
+            }
+        }
+    }
+
+private:
     // Bodies at the same place exert no force: there is no direction.
     void apply(LoadedBody<N>& a, Work mass_a, LoadedBody<N>& b, Work mass_b) const {
         WorkVec3<N> r;
@@ -18,10 +41,13 @@ struct Gravitation {
         const Work r2 = dot(r, r);
         if (!(r2 > Work(0))) return;
         const Work inverse = Work(1) / (r2 * sqrt(r2));
-        const WorkVec3<N> force = scaled_by(r, constant * mass_a * mass_b * inverse);
+        const WorkVec3<N> force = scaled_by(r, constant_ * mass_a * mass_b * inverse);
         a.force_w += force;
         b.force_w -= force;
     }
+
+    Work constant_{};  // m^3/(kg s^2)
+    Work mass_[bodies]{};
 };
 
 }  // namespace tumble

@@ -11,6 +11,26 @@
 
 namespace tumble {
 
+// The bodies of one group as a load sees them. find(b): its loaded body, or null if b is not of the group;
+// other_end(b): that, or else the still body b at the other end of a load.
+template <class N, class Group, class Bodies, class Find, class OtherEnd>
+struct LoadedGroup {
+    const Group& members;
+    LoadedBody<N>* loaded;
+    Bodies& bodies;
+    const Find& find;
+    const OtherEnd& other_end;
+};
+template <class N, class Group, class Bodies, class Find, class OtherEnd>
+LoadedGroup(const Group&, LoadedBody<N>*, Bodies&, const Find&, const OtherEnd&)
+    -> LoadedGroup<N, Group, Bodies, Find, OtherEnd>;
+
+// A load is its header and its places here: what it asks for at set-up, its line in any(), and a member. It has
+//   acts_on(bodies, b)                 true of a body that feels it in this step
+//   apply_to(group)                    adds to the forces and torques of a LoadedGroup
+//   couples(bodies, b), for_each_coupled(bodies, b, f)   only where a body feels another
+//   depends_on_velocity()              only where it may
+//   set_body(b, spec, inertia, bodies) only where it keeps something of each body
 template <class N, Spin spin, Features features>
 class LoadSet {
 public:
@@ -20,18 +40,18 @@ public:
     using BodyGroup = tumble::BodyGroup<features.bodies>;
 
     LoadSet(Real step, const WorldSpec& spec)
-        : seconds_{N::template constant<Work>(step)},
-          steps_per_second_{N::template constant<Work>(Real{1} / step)}, contacts_{step, spec.contact} {
-        if constexpr (features.drag)
-            drag_ = {N::template constant<Work>(spec.linear_drag), N::template constant<Work>(spec.angular_drag)};
-        if constexpr (features.gravitation) gravitation_ = {N::template constant<Work>(spec.gravitation)};
-    }
+        : seconds_{N::template constant<Work>(step)}, steps_per_second_{N::template constant<Work>(Real{1} / step)},
+          drag_{step, spec}, springs_{step, spec}, gravitation_{step, spec}, forces_{step, spec}, contacts_{step,
+                                                                                                            spec} {}
 
     // A body has been added.
     void set_body([[maybe_unused]] int b, [[maybe_unused]] const BodySpec& spec,
                   [[maybe_unused]] const PrincipalInertia& inertia, [[maybe_unused]] Bodies& bodies) {
-        if constexpr (features.gravitation) mass_[b] = N::template constant<Work>(spec.mass);
-        if constexpr (features.springs_touch()) contacts_.set_body(b, spec, inertia, bodies);
+        (void)any(*this, [&](auto& load) {
+            if constexpr (requires { load.set_body(b, spec, inertia, bodies); })
+                load.set_body(b, spec, inertia, bodies);
+            return false;
+        });
     }
     // False when there is no room.
     bool add(const PlaneSpec& spec, Bodies& bodies) requires(features.springs_touch()) {
@@ -40,75 +60,34 @@ public:
     [[nodiscard]] Real largest_safe_step() const requires(features.springs_touch()) {
         return contacts_.largest_safe_step();
     }
-    // False when there is no room.
-    [[gnu::noinline]] bool add(const SpringSpec& spec, const Bodies& bodies) requires(features.springs > 0) {
-        TUMBLE_ASSERT(spec.to_body >= -1 && spec.to_body < bodies.count);
-        if (spring_count_ >= features.springs) return false;
-        Spring<N>& spring = spring_[spring_count_++];
-        spring.body = static_cast<std::int16_t>(bodies.index_of(spec.body));
-        spring.to_body = static_cast<std::int16_t>(spec.to_body);
-        spring.point_b = bodies.principal_vector(spec.body, spec.point);
-        if (spec.to_body >= 0) spring.to = bodies.principal_vector(spec.to_body, spec.to);
-        else
-            for (int i = 0; i < 3; ++i) spring.anchor_w[i] = position_sum(spec.to[i]);
-        spring.stiffness = N::template constant<Work>(spec.stiffness);
-        spring.damping = N::template constant<Work>(spec.damping);
-        spring.rest_length = N::template constant<Work>(spec.rest_length);
-        return true;
+    bool add(const SpringSpec& spec, const Bodies& bodies) requires(features.springs > 0) {
+        return springs_.add(spec, bodies);
     }
-    void set_forces(Span<TimedForce<N>> forces) requires(features.forces) { forces_ = forces; }
+    void set_forces(Span<TimedForce<N>> forces) requires(features.forces) { forces_.set(forces); }
 
     // True of a body that feels anything but gravity in this step.
-    [[nodiscard]] bool is_loaded(const Bodies& bodies, int b) const {
-        if constexpr (features.drag)
-            if (drag_.acts()) return true;
-        if constexpr (features.gravitation)
-            if (gravitation_.constant > Work(0) && bodies.count > 1) return true;
-        if constexpr (features.springs > 0) {
-            for (int s = 0; s < spring_count_; ++s)
-                if (spring_[s].body == b || spring_[s].to_body == b) return true;
-        }
-        if constexpr (features.forces) {
-            for (const TimedForce<N>& force : forces_)
-                if (force.body == b && force.is_on(bodies.steps_taken)) return true;
-        }
-        if constexpr (features.springs_touch())
-            if (contacts_.concerns(b)) return true;
-        return false;
+    [[nodiscard]] bool is_loaded([[maybe_unused]] const Bodies& bodies, [[maybe_unused]] int b) const {
+        return any(*this, [&](const auto& load) { return load.acts_on(bodies, b); });
     }
     // True of a body that feels another moving body.
-    [[nodiscard]] bool is_coupled([[maybe_unused]] const Bodies& bodies, int b) const {
-        if constexpr (features.gravitation)
-            if (gravitation_.constant > Work(0) && bodies.count > 1) return true;
-        if constexpr (features.springs > 0) {
-            for (int s = 0; s < spring_count_; ++s) {
-                if (spring_[s].to_body >= 0 && (spring_[s].body == b || spring_[s].to_body == b)) return true;
-            }
-        }
-        if constexpr (features.springs_touch())
-            if (contacts_.couples(b)) return true;
-        return false;
+    [[nodiscard]] bool is_coupled([[maybe_unused]] const Bodies& bodies, [[maybe_unused]] int b) const {
+        return any(*this, [&](const auto& load) {
+            if constexpr (requires { load.couples(bodies, b); }) return load.couples(bodies, b);
+            else return false;
+        });
     }
     // Calls f(other) for every body that a spring or gravitation ties to b.
     template <class F>
     void for_each_coupled([[maybe_unused]] const Bodies& bodies, [[maybe_unused]] int b, [[maybe_unused]] F&& f) const {
-        if constexpr (features.springs > 0) {
-            for (int s = 0; s < spring_count_; ++s) {
-                if (spring_[s].to_body < 0) continue;
-                if (spring_[s].body == b) f(spring_[s].to_body);
-                if (spring_[s].to_body == b) f(spring_[s].body);
-            }
-        }
-        if constexpr (features.gravitation) {
-            for (int other = 0; gravitation_.constant > Work(0) && other < bodies.count; ++other)
-                if (other != b) f(other);
-        }
+        (void)any(*this, [&](const auto& load) {
+            if constexpr (requires { load.for_each_coupled(bodies, b, f); }) load.for_each_coupled(bodies, b, f);
+            return false;
+        });
     }
     // Calls f(body) for every timed force that begins or ends at the step.
     template <class F>
     void for_each_change(std::uint32_t step, F&& f) const requires(features.forces) {
-        for (const TimedForce<N>& force : forces_)
-            if (force.from == step || force.until == step) f(force.body);
+        forces_.for_each_change(step, f);
     }
 
     // The loads of one group of bodies, as the methods call them.
@@ -140,15 +119,10 @@ public:
             });
         }
         [[nodiscard]] bool depends_on_velocity() const {
-            if constexpr (features.drag)
-                if (loads.drag_.acts()) return true;
-            if constexpr (features.springs > 0) {
-                for (int s = 0; s < loads.spring_count_; ++s)
-                    if (loads.spring_[s].damping > Work(0)) return true;
-            }
-            if constexpr (features.springs_touch())
-                if (loads.contacts_.depends_on_velocity()) return true;
-            return false;
+            return any(loads, [](const auto& load) {
+                if constexpr (requires { load.depends_on_velocity(); }) return load.depends_on_velocity();
+                else return false;
+            });
         }
     };
     // `length` is the portion's, of a step; `fall` gravity's change of drift in it.
@@ -163,12 +137,20 @@ public:
     }
 
 private:
-    template <class T, int n>
-    using Array = T[n > 0 ? n : 1];
-
-    [[nodiscard]] static typename N::PositionSum position_sum(Real metres) {
-        if constexpr (N::fixed_point) return {metres.to_fixed(N::PositionSum::fraction_bits, 64)};
-        else return N::template constant<typename N::PositionSum>(metres);
+    // Asks the loads that the features have until ask(load) is true, in the order in which they add up.
+    template <class Self, class F>
+    TUMBLE_INLINE static bool any([[maybe_unused]] Self& loads, [[maybe_unused]] F&& ask) {
+        if constexpr (features.drag)
+            if (ask(loads.drag_)) return true;
+        if constexpr (features.springs > 0)
+            if (ask(loads.springs_)) return true;
+        if constexpr (features.gravitation)
+            if (ask(loads.gravitation_)) return true;
+        if constexpr (features.forces)
+            if (ask(loads.forces_)) return true;
+        if constexpr (features.springs_touch())
+            if (ask(loads.contacts_)) return true;
+        return false;
     }
 
     // Calls kick(place in the group, change of drift in m, change of half turn in rad) for each body.
@@ -189,44 +171,12 @@ private:
             load(still, b, still_stage, e);
             return &still;
         };
-        if constexpr (features.drag)
-            for (int k = 0; k < e.group.count; ++k) drag_.apply(loaded[k]);
-        if constexpr (features.springs > 0) {
-            for (int s = 0; s < spring_count_; ++s) {
-                const Spring<N>& spring = spring_[s];
-                LoadedBody<N>* a = find(spring.body);
-                if (a != nullptr) {
-                    spring.apply(*a, spring.to_body < 0 ? nullptr : other_end(spring.to_body));
-                } else if (spring.to_body >= 0 && find(spring.to_body) != nullptr) {
-                    spring.apply(*other_end(spring.body), find(spring.to_body));
-                }
-            }
-        }
-        if constexpr (features.gravitation) {
-            for (int k = 0; k < e.group.count && gravitation_.constant > Work(0); ++k) {
-                const int a = e.group.id[k];
-                for (int b = 0; b < e.bodies.count; ++b) {
-                    if (b == a || (b < a && find(b) != nullptr)) continue;  // a pair of the group once
-                    gravitation_.apply(loaded[k], mass_[a], *other_end(b), mass_[b]);
-                }
-            }
-        }
-        if constexpr (features.forces) {
-            for (const TimedForce<N>& force : forces_) {
-                if (!force.is_on(e.bodies.steps_taken)) continue;
-                if (LoadedBody<N>* b = find(force.body)) apply(force, *b);
-            }
-        }
-        if constexpr (features.springs_touch()) {
-            for (int k = 0; k < e.group.count; ++k) {
-                const int a = e.group.id[k];
-                contacts_.apply(loaded[k], a, e.bodies);
-                for (int b = 0; features.pairs && b < e.bodies.count; ++b) {
-                    if (b == a || (b < a && find(b) != nullptr)) continue;
-                    contacts_.apply(loaded[k], a, *other_end(b), b, e.bodies);
-                }
-            }
-        }
+        const LoadedGroup group{e.group, loaded, e.bodies, find, other_end};
+        (void)any(
+            *this, [&](const auto& load) __attribute__((always_inline)) {
+                load.apply_to(group);
+                return false;
+            });
         // Force to change of drift: F h^2 / m. The portion's own length enters squared.
         const Work part = e.seconds * e.seconds * steps_per_second_;
         for (int k = 0; k < e.group.count; ++k) {
@@ -251,13 +201,11 @@ private:
     }
 
     Work seconds_, steps_per_second_;
-    [[no_unique_address]] If<features.drag, Drag<N>, 0> drag_{};
-    [[no_unique_address]] If<features.gravitation, Gravitation<N>, 1> gravitation_{};
-    [[no_unique_address]] If<features.gravitation, Array<Work, features.bodies>, 2> mass_{};
-    [[no_unique_address]] If<(features.springs > 0), Array<Spring<N>, features.springs>, 3> spring_{};
-    [[no_unique_address]] If<(features.springs > 0), int, 4> spring_count_{};
-    [[no_unique_address]] If<features.forces, Span<TimedForce<N>>, 5> forces_{};
-    [[no_unique_address]] If<features.springs_touch(), ContactSprings<N, spin, features>, 6> contacts_;
+    [[no_unique_address]] If<features.drag, Drag<N>, 0> drag_;
+    [[no_unique_address]] If<(features.springs > 0), Springs<N, features.springs>, 1> springs_;
+    [[no_unique_address]] If<features.gravitation, Gravitation<N, features.bodies>, 2> gravitation_;
+    [[no_unique_address]] If<features.forces, TimedForces<N>, 3> forces_;
+    [[no_unique_address]] If<features.springs_touch(), ContactSprings<N, spin, features>, 4> contacts_;
 };
 
 }  // namespace tumble

@@ -2,6 +2,7 @@
 // One square root and one division unless the rest length and the damping are zero.
 #pragma once
 
+#include <tumble/body/setup.hpp>
 #include <tumble/loads/loaded_body.hpp>
 
 namespace tumble {
@@ -45,6 +46,75 @@ struct Spring {
         a.push(force, point_b);
         if (other != nullptr) other->push(-force, to);
     }
+};
+
+// The springs of a world.
+template <class N, int capacity>
+class Springs {
+public:
+    using Work = typename N::Work;
+
+    Springs(Real, const WorldSpec&) {}
+    // False when there is no room.
+    [[gnu::noinline]] bool add(const SpringSpec& spec, const auto& bodies) {
+        TUMBLE_ASSERT(spec.to_body >= -1 && spec.to_body < bodies.count);
+        if (count_ >= capacity) return false;
+        Spring<N>& spring = spring_[count_++];
+        spring.body = static_cast<std::int16_t>(bodies.index_of(spec.body));
+        spring.to_body = static_cast<std::int16_t>(spec.to_body);
+        spring.point_b = bodies.principal_vector(spec.body, spec.point);
+        if (spec.to_body >= 0) spring.to = bodies.principal_vector(spec.to_body, spec.to);
+        else
+            for (int i = 0; i < 3; ++i) spring.anchor_w[i] = position_sum(spec.to[i]);
+        spring.stiffness = N::template constant<Work>(spec.stiffness);
+        spring.damping = N::template constant<Work>(spec.damping);
+        spring.rest_length = N::template constant<Work>(spec.rest_length);
+        return true;
+    }
+
+    [[nodiscard]] bool acts_on(const auto&, int b) const {
+        for (int s = 0; s < count_; ++s)
+            if (spring_[s].body == b || spring_[s].to_body == b) return true;
+        return false;
+    }
+    [[nodiscard]] bool couples(const auto&, int b) const {
+        for (int s = 0; s < count_; ++s)
+            if (spring_[s].to_body >= 0 && (spring_[s].body == b || spring_[s].to_body == b)) return true;
+        return false;
+    }
+    template <class F>
+    void for_each_coupled(const auto&, int b, F&& f) const {
+        for (int s = 0; s < count_; ++s) {
+            if (spring_[s].to_body < 0) continue;
+            if (spring_[s].body == b) f(spring_[s].to_body);
+            if (spring_[s].to_body == b) f(spring_[s].body);
+        }
+    }
+    [[nodiscard]] bool depends_on_velocity() const {
+        for (int s = 0; s < count_; ++s)
+            if (spring_[s].damping > Work(0)) return true;
+        return false;
+    }
+    TUMBLE_INLINE void apply_to(const auto& group) const {
+        for (int s = 0; s < count_; ++s) {
+            const Spring<N>& spring = spring_[s];
+            LoadedBody<N>* a = group.find(spring.body);
+            if (a != nullptr) {
+                spring.apply(*a, spring.to_body < 0 ? nullptr : group.other_end(spring.to_body));
+            } else if (spring.to_body >= 0 && group.find(spring.to_body) != nullptr) {
+                spring.apply(*group.other_end(spring.body), group.find(spring.to_body));
+            }
+        }
+    }
+
+private:
+    [[nodiscard]] static typename N::PositionSum position_sum(Real metres) {
+        if constexpr (N::fixed_point) return {metres.to_fixed(N::PositionSum::fraction_bits, 64)};
+        else return N::template constant<typename N::PositionSum>(metres);
+    }
+
+    Spring<N> spring_[capacity];
+    int count_ = 0;
 };
 
 }  // namespace tumble

@@ -18,4 +18,33 @@ inline void apply(const TimedForce<N>& load, LoadedBody<N>& b) {
     }
 }
 
+// The timed forces of a world.
+template <class N>
+class TimedForces {
+public:
+    TimedForces(Real, const WorldSpec&) {}
+    void set(Span<TimedForce<N>> forces) { forces_ = forces; }
+
+    [[nodiscard]] bool acts_on(const auto& bodies, int b) const {
+        for (const TimedForce<N>& force : forces_)
+            if (force.body == b && force.is_on(bodies.steps_taken)) return true;
+        return false;
+    }
+    // Calls f(body) for every force that begins or ends at the step.
+    template <class F>
+    void for_each_change(std::uint32_t step, F&& f) const {
+        for (const TimedForce<N>& force : forces_)
+            if (force.from == step || force.until == step) f(force.body);
+    }
+    TUMBLE_INLINE void apply_to(const auto& group) const {
+        for (const TimedForce<N>& force : forces_) {
+            if (!force.is_on(group.bodies.steps_taken)) continue;
+            if (LoadedBody<N>* b = group.find(force.body)) tumble::apply(force, *b);
+        }
+    }
+
+private:
+    Span<TimedForce<N>> forces_{};
+};
+
 }  // namespace tumble
