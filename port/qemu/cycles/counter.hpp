@@ -1,0 +1,120 @@
+// Sums costs over the translation blocks that QEMU executes. What a block costs is known when it is translated, but for
+// the branch at its end, which the next block settles: one short callback a block is all that runs.
+#pragma once
+
+#include <array>
+#include <deque>
+#include <memory>
+#include <vector>
+
+#include "symbols.hpp"
+#include "timing.hpp"
+
+namespace cycles {
+
+struct Totals {
+    std::uint64_t insn = 0, min = 0, est = 0, max = 0, loads = 0, stores = 0;  // loads and stores in words
+
+    void pay(const Cycles& c) {
+        min += static_cast<std::uint64_t>(static_cast<std::int64_t>(c.min));
+        est += static_cast<std::uint64_t>(static_cast<std::int64_t>(c.est));
+        max += static_cast<std::uint64_t>(static_cast<std::int64_t>(c.max));
+    }
+};
+
+// How control leaves a block.
+enum class Exit : std::uint8_t { falls, conditional, jump, call, returns };
+
+// Instructions that run one after the other: a translation block of QEMU, or a part of one between markers.
+struct Block {
+    std::uint32_t start = 0, end = 0;  // addresses; the end is behind the last instruction
+    Cycles cost;                       // without the branch at its end
+    std::uint32_t insn = 0, loads = 0, stores = 0;
+    Instruction last;
+    Exit exit = Exit::falls;
+    int first_size = 2;   // bytes of the first instruction
+    int symbol = -1;      // of the start
+    bool enters = false;  // the first block of a counted function
+    bool begins = false;  // behind it a stretch begins
+    bool ends = false;    // before it a stretch ends
+    bool skipped = false;
+    std::array<std::uint16_t, class_count> classes{};
+    std::vector<Instruction> unknown;
+
+    std::uint64_t runs = 0, taken = 0;  // within counted calls
+    Totals totals;
+};
+
+// A function called from another: a node of the tree of calls, with what ran in it and not in what it called.
+struct Node {
+    int symbol = -1;
+    Node* parent = nullptr;
+    std::vector<std::unique_ptr<Node>> children;
+    Totals own;
+    std::uint64_t calls = 0;
+
+    [[nodiscard]] Node& child(int of_symbol);
+};
+
+// Of a quantity over calls.
+struct Spread {
+    std::uint64_t sum = 0, least = ~std::uint64_t{0}, most = 0;
+    void add(std::uint64_t value) {
+        sum += value;
+        if (value < least) least = value;
+        if (value > most) most = value;
+    }
+};
+
+class Counter {
+public:
+    Counter(const Timing& timing, const Symbols& symbols) : timing_{timing}, symbols_{symbols} {}
+
+    // A block that stays where it is, to be filled in and handed to run().
+    [[nodiscard]] Block& add_block() { return blocks_.emplace_back(); }
+    // The block is about to be executed.
+    void run(Block&);
+    // A word or more pushed: its address, and the bytes that the function takes below it.
+    void push(std::uint32_t address, std::uint32_t below);
+    // Called with the totals of every call when it has ended.
+    void (*on_call)(const Totals&, void*) = nullptr;
+    void* on_call_data = nullptr;
+
+    [[nodiscard]] const std::deque<Block>& blocks() const { return blocks_; }
+    [[nodiscard]] const Node& calls_tree() const { return root_; }
+    [[nodiscard]] std::uint64_t calls() const { return calls_; }
+    // Of insn, min, est, max, loads and stores, in this order.
+    [[nodiscard]] const std::array<Spread, 6>& spreads() const { return spreads_; }
+    // From the highest to the lowest address that calls have pushed to or reserved.
+    [[nodiscard]] std::uint32_t stack_bytes() const { return stack_low_ < stack_high_ ? stack_high_ - stack_low_ : 0; }
+
+private:
+    struct Frame {
+        std::uint32_t return_address;
+        Node* node;
+    };
+    // Deeper calls count for their caller.
+    static constexpr std::size_t most_frames = 256;
+
+    void settle_branch(Block& from, const Block& to);
+    void pay(Block&, const Cycles&);
+    void begin();
+    void finish();
+    void follow_call(const Block&);
+
+    const Timing& timing_;
+    const Symbols& symbols_;
+    std::deque<Block> blocks_;
+    Node root_;
+    Node* node_ = &root_;
+    std::vector<Frame> frames_;
+    bool active_ = false;
+    std::uint32_t return_address_ = 0;  // of the counted call
+    Block* previous_ = nullptr;
+    Totals call_;
+    std::array<Spread, 6> spreads_{};
+    std::uint64_t calls_ = 0;
+    std::uint32_t stack_low_ = ~0u, stack_high_ = 0;
+};
+
+}  // namespace cycles
