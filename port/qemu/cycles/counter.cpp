@@ -50,7 +50,9 @@ void Counter::settle_branch(Block& from, const Block& to) {
         if (to.start == from.end) return;
         ++from.taken;
     }
-    pay(from, timing_.taken(from.last, to.start, to.first_size));
+    const Cycles refill = timing_.taken(from.last, to.start, to.first_size);
+    pay(from, refill);
+    if (keeps_places_) node_->places[&from].branches += static_cast<std::uint64_t>(refill.est);
 }
 
 void Counter::pay(Block& block, const Cycles& c) {

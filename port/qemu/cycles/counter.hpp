@@ -5,6 +5,7 @@
 #include <array>
 #include <deque>
 #include <memory>
+#include <unordered_map>
 #include <vector>
 
 #include "symbols.hpp"
@@ -29,6 +30,8 @@ enum class Exit : std::uint8_t { falls, conditional, jump, call, returns };
 struct Block {
     std::uint32_t start = 0, end = 0;  // addresses; the end is behind the last instruction
     Cycles cost;                       // without the branch at its end
+    std::vector<int> est;              // estimated cycles of each instruction, where places are asked for
+    std::vector<std::uint32_t> address;
     std::uint32_t insn = 0, loads = 0, stores = 0;
     Instruction last;
     Exit exit = Exit::falls;
@@ -52,6 +55,10 @@ struct Node {
     std::vector<std::unique_ptr<Node>> children;
     Totals own;
     std::uint64_t calls = 0;
+    struct Place {
+        std::uint64_t runs = 0, branches = 0;  // estimated cycles of branches taken at its end
+    };
+    std::unordered_map<const Block*, Place> places;  // what ran here, where it is asked for
 
     [[nodiscard]] Node& child(int of_symbol);
 };
@@ -76,6 +83,8 @@ public:
     void run(Block&);
     // A word or more pushed: its address, and the bytes that the function takes below it.
     void push(std::uint32_t address, std::uint32_t below);
+    // Keeps for each node of the tree of calls which blocks ran in it.
+    void keep_places() { keeps_places_ = true; }
     // Called with the totals of every call when it has ended.
     void (*on_call)(const Totals&, void*) = nullptr;
     void* on_call_data = nullptr;
@@ -108,7 +117,7 @@ private:
     Node root_;
     Node* node_ = &root_;
     std::vector<Frame> frames_;
-    bool active_ = false;
+    bool active_ = false, keeps_places_ = false;
     std::uint32_t return_address_ = 0;  // of the counted call
     Block* previous_ = nullptr;
     Totals call_;

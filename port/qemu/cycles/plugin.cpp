@@ -11,7 +11,7 @@
 // multiplier=32         cycles of MUL on an M0 or M0+ with the small multiplier
 // out=FILE              the JSON row; standard error unless given
 // steps=FILE            a line a call: insn, min, est, max
-// profile=, folded=, branches=, blocks=FILE   see report.hpp
+// profile=, folded=, places=, branches=, blocks=FILE   see report.hpp
 //
 // A second exit of QEMU or a wrong option ends QEMU with a message and status 1.
 #include <cstdio>
@@ -40,16 +40,17 @@ struct Options {
     Model model = Model::m3;
     int multiplier = 1;
     std::string region, skip = "systick_handler";
-    std::string elf, out, steps, profile, folded, branches, blocks;
+    std::string elf, out, steps, profile, folded, places, branches, blocks;
 };
 
 [[nodiscard]] Options read_options(int count, char** texts) {
     Options options;
     bool has_model = false;
-    const std::map<std::string_view, std::string*> named{
-        {"region", &options.region}, {"skip", &options.skip},         {"elf", &options.elf},
-        {"out", &options.out},       {"steps", &options.steps},       {"profile", &options.profile},
-        {"folded", &options.folded}, {"branches", &options.branches}, {"blocks", &options.blocks}};
+    const std::map<std::string_view, std::string*> named{{"region", &options.region},     {"skip", &options.skip},
+                                                         {"elf", &options.elf},           {"out", &options.out},
+                                                         {"steps", &options.steps},       {"profile", &options.profile},
+                                                         {"folded", &options.folded},     {"places", &options.places},
+                                                         {"branches", &options.branches}, {"blocks", &options.blocks}};
     for (int i = 0; i < count; ++i) {
         const std::string_view text = texts[i];
         const std::size_t equals = text.find('=');
@@ -81,6 +82,7 @@ public:
           symbols_{options_.elf.empty() ? Symbols{} : Symbols{options_.elf}}, counter_{timing_, symbols_} {
         if (!options_.region.empty() && !has_region())
             throw std::invalid_argument{options_.elf + " has no function with '" + options_.region + "' in its name"};
+        if (!options_.places.empty()) counter_.keep_places();
         if (!options_.steps.empty()) {
             open(steps_, options_.steps);
             counter_.on_call_data = &steps_;
@@ -183,7 +185,13 @@ void Plugin::add_block(qemu_plugin_tb* tb, const std::vector<Instruction>& all, 
     const bool marker = all[from].cls == Class::begin || all[from].cls == Class::end;
     const std::size_t first = marker ? from + 1 : from;
     const std::span<const Instruction> stretch{all.data() + first, to - first};
-    b.cost = timing_.straight(stretch);
+    const std::vector<Cycles> costs = timing_.costs(stretch);
+    for (std::size_t i = 0; i < costs.size(); ++i) {
+        b.cost += costs[i];
+        if (options_.places.empty()) continue;
+        b.est.push_back(costs[i].est);
+        b.address.push_back(stretch[i].address);
+    }
     b.insn = static_cast<std::uint32_t>(stretch.size() + (marker && !marks ? 1 : 0));
     for (std::size_t i = first; i < to; ++i) {
         const Instruction& d = all[i];
@@ -242,6 +250,7 @@ bool Plugin::report() {
     bool ok = to_file(options_.out, [&](std::ostream& o) { write_row(o, counter_, options_.model); });
     ok &= to_file(options_.profile, [&](std::ostream& o) { write_profile(o, counter_, symbols_); });
     ok &= to_file(options_.folded, [&](std::ostream& o) { write_folded(o, counter_, symbols_); });
+    ok &= to_file(options_.places, [&](std::ostream& o) { write_places(o, counter_, symbols_); });
     ok &= to_file(options_.branches, [&](std::ostream& o) { write_branches(o, counter_, symbols_); });
     ok &= to_file(options_.blocks, [&](std::ostream& o) { write_blocks(o, counter_); });
     if (!options_.steps.empty()) {

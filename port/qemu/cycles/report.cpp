@@ -46,6 +46,21 @@ void fold(std::ostream& out, const Node& node, const std::string& path, const Sy
     }
 }
 
+void write_places_below(std::ostream& out, const Node& node, const std::string& path, const Symbols& symbols) {
+    for (const auto& child : node.children) {
+        const std::string here = (path.empty() ? "" : path + ";") + name_of_symbol(symbols, child->symbol);
+        std::map<std::uint32_t, std::uint64_t> cycles;
+        for (const auto& [block, place] : child->places) {
+            for (std::size_t i = 0; i < block->est.size(); ++i)
+                cycles[block->address[i]] += static_cast<std::uint64_t>(block->est[i]) * place.runs;
+            cycles[block->last.address] += place.branches;
+        }
+        for (const auto& [address, est] : cycles)
+            if (est != 0) out << here << ' ' << hex(address) << ' ' << est << '\n';
+        write_places_below(out, *child, here, symbols);
+    }
+}
+
 struct Line {
     Totals own;
     std::uint64_t calls = 0;
@@ -113,6 +128,10 @@ void write_profile(std::ostream& out, const Counter& counter, const Symbols& sym
 
 void write_folded(std::ostream& out, const Counter& counter, const Symbols& symbols) {
     fold(out, counter.calls_tree(), "", symbols);
+}
+
+void write_places(std::ostream& out, const Counter& counter, const Symbols& symbols) {
+    write_places_below(out, counter.calls_tree(), "", symbols);
 }
 
 void write_branches(std::ostream& out, const Counter& counter, const Symbols& symbols) {

@@ -13,6 +13,8 @@ void write_row(std::ostream&, const Counter&, Model);
 void write_profile(std::ostream&, const Counter&, const Symbols&);
 // caller;callee cycles: what drawers of flame graphs read. The sum is the total of estimated cycles.
 void write_folded(std::ostream&, const Counter&, const Symbols&);
+// caller;callee address cycles: the same, split by the address of the instruction, for what names inlined functions.
+void write_places(std::ostream&, const Counter&, const Symbols&);
 // A line each conditional branch that ran: address, how often it was taken and not taken, symbol.
 void write_branches(std::ostream&, const Counter&, const Symbols&);
 // A line each block that ran: start, end, runs, insn, min, est, max over all runs; for addr2line.

@@ -196,18 +196,18 @@ int Timing::hidden_beside_division(std::span<const Instruction> following) const
     return std::min(beside.est, room);
 }
 
-Cycles Timing::straight(std::span<const Instruction> stretch) const {
-    Cycles sum;
+std::vector<Cycles> Timing::costs(std::span<const Instruction> stretch) const {
+    std::vector<Cycles> each;
     for (std::size_t i = 0; i < stretch.size(); ++i) {
         const Instruction* before = i > 0 ? &stretch[i - 1] : nullptr;
         const Instruction* after = i + 1 < stretch.size() ? &stretch[i + 1] : nullptr;
-        sum += cost(stretch[i], before, after);
+        each.push_back(cost(stretch[i], before, after));
         if (stretch[i].cls == Class::f_div) {
             const int hidden = hidden_beside_division(stretch.subspan(i + 1));
-            sum += {-hidden, -hidden, 0};
+            each.back() += {-hidden, -hidden, 0};
         }
     }
-    return sum;
+    return each;
 }
 
 Cycles Timing::taken(const Instruction& branch, std::uint32_t target, int target_size) const {

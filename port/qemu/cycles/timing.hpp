@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 #include <string_view>
+#include <vector>
 
 #include "instruction.hpp"
 
@@ -36,9 +37,9 @@ public:
     // Does the core have this instruction?
     [[nodiscard]] bool knows(const Instruction&) const;
 
-    // The sum over instructions that run one after the other, without what their last one adds when it branches.
-    // `before` and `after` of the first and the last are not known.
-    [[nodiscard]] Cycles straight(std::span<const Instruction>) const;
+    // Of instructions that run one after the other, what each costs beside its neighbours, without what the last one
+    // adds when it branches. What stands before the first and behind the last is not known.
+    [[nodiscard]] std::vector<Cycles> costs(std::span<const Instruction>) const;
 
     // What a branch that ended a stretch adds when it is taken, to an instruction at `target` of `target_size` bytes.
     [[nodiscard]] Cycles taken(const Instruction& branch, std::uint32_t target, int target_size) const;
