@@ -4,6 +4,8 @@
 //
 // PLACES is what the plugin wrote with places=; ELF the same firmware with debug information (-g). A frame is as wide
 // as its share of the cycles; callers below, what they call or inline above.
+#include <cxxabi.h>
+
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
@@ -44,7 +46,17 @@ std::string short_name(const std::string& name) {
     for (const std::string drop : {"tumble::", "detail::", "integrators::"})
         for (std::size_t at; (at = result.find(drop)) != std::string::npos;) result.erase(at, drop.size());
     while (result.starts_with("::")) result.erase(0, 2);
+    for (std::size_t at; (at = result.find("::::")) != std::string::npos;) result.erase(at, 2);  // around a lambda
     return result.empty() ? name : result;
+}
+
+// The name of a linked symbol in C++, without what GCC appends to the copies it makes (.constprop.0).
+std::string demangled(const std::string& symbol) {
+    const std::string linked = symbol.substr(0, symbol.find('.'));
+    int status = 0;
+    const std::unique_ptr<char, decltype(&std::free)> text{
+        abi::__cxa_demangle(linked.c_str(), nullptr, nullptr, &status), &std::free};
+    return status == 0 ? short_name(text.get()) : linked;
 }
 
 // The inlined functions at each address, the outermost first, by addr2line.
@@ -114,7 +126,7 @@ Frame read(const std::string& places, const std::string& elf) {
         for (std::string symbol; std::getline(symbols, symbol, ';');) path.push_back(symbol);
         const auto found = functions.find(p.address);
         const bool known = found != functions.end() && !found->second.empty() && found->second.front() != "??";
-        for (std::size_t i = 0; i + (known ? 1 : 0) < path.size(); ++i) go(path[i]);
+        for (std::size_t i = 0; i + (known ? 1 : 0) < path.size(); ++i) go(demangled(path[i]));
         if (known)
             for (const std::string& name : found->second) go(name);
     }
