@@ -59,36 +59,58 @@ struct Encoding {
     Form form;
 };
 
+// clang-format off
 constexpr Encoding encodings_16[] = {
-    {0xe000, 0x0000, Class::alu, Form::rd0},                                                  // shifts, ADD, SUB
-    {0xf800, 0x2800, Class::alu, Form::none},                                                 // CMP #imm
-    {0xe000, 0x2000, Class::alu, Form::rd8},       {0xffc0, 0x4200, Class::alu, Form::none},  // TST
-    {0xff80, 0x4280, Class::alu, Form::none},                                                 // CMP, CMN
-    {0xffc0, 0x4340, Class::mul, Form::rd0},       {0xfc00, 0x4000, Class::alu, Form::rd0},
-    {0xff00, 0x4500, Class::alu, Form::none},   // CMP of high registers
+    {0xe000, 0x0000, Class::alu, Form::rd0},  // shifts, ADD, SUB
+    {0xf800, 0x2800, Class::alu, Form::none},  // CMP #imm
+    {0xe000, 0x2000, Class::alu, Form::rd8},
+    {0xffc0, 0x4200, Class::alu, Form::none},  // TST
+    {0xff80, 0x4280, Class::alu, Form::none},  // CMP, CMN
+    {0xffc0, 0x4340, Class::mul, Form::rd0},
+    {0xfc00, 0x4000, Class::alu, Form::rd0},
+    {0xff00, 0x4500, Class::alu, Form::none},  // CMP of high registers
     {0xff87, 0x4487, Class::bx, Form::branch},  // ADD PC
     {0xff87, 0x4687, Class::bx, Form::branch},  // MOV PC
-    {0xff80, 0x4700, Class::bx, Form::branch},     {0xff80, 0x4780, Class::blx, Form::branch},
-    {0xfc00, 0x4400, Class::alu, Form::rd_high},   {0xf800, 0x4800, Class::ldr, Form::literal},
-    {0xfe00, 0x5000, Class::str, Form::rt_rn_rm},  {0xfe00, 0x5200, Class::str, Form::rt_rn_rm},
-    {0xfe00, 0x5400, Class::str, Form::rt_rn_rm},  {0xf000, 0x5000, Class::ldr, Form::rt_rn_rm},
-    {0xf800, 0x6000, Class::str, Form::rt_rn},     {0xf800, 0x6800, Class::ldr, Form::rt_rn},
-    {0xf800, 0x7000, Class::str, Form::rt_rn},     {0xf800, 0x7800, Class::ldr, Form::rt_rn},
-    {0xf800, 0x8000, Class::str, Form::rt_rn},     {0xf800, 0x8800, Class::ldr, Form::rt_rn},
-    {0xf800, 0x9000, Class::str, Form::rt_sp},     {0xf800, 0x9800, Class::ldr, Form::rt_sp},
+    {0xff80, 0x4700, Class::bx, Form::branch},
+    {0xff80, 0x4780, Class::blx, Form::branch},
+    {0xfc00, 0x4400, Class::alu, Form::rd_high},
+    {0xf800, 0x4800, Class::ldr, Form::literal},
+    {0xfe00, 0x5000, Class::str, Form::rt_rn_rm},
+    {0xfe00, 0x5200, Class::str, Form::rt_rn_rm},
+    {0xfe00, 0x5400, Class::str, Form::rt_rn_rm},
+    {0xf000, 0x5000, Class::ldr, Form::rt_rn_rm},
+    {0xf800, 0x6000, Class::str, Form::rt_rn},
+    {0xf800, 0x6800, Class::ldr, Form::rt_rn},
+    {0xf800, 0x7000, Class::str, Form::rt_rn},
+    {0xf800, 0x7800, Class::ldr, Form::rt_rn},
+    {0xf800, 0x8000, Class::str, Form::rt_rn},
+    {0xf800, 0x8800, Class::ldr, Form::rt_rn},
+    {0xf800, 0x9000, Class::str, Form::rt_sp},
+    {0xf800, 0x9800, Class::ldr, Form::rt_sp},
     {0xf000, 0xa000, Class::alu, Form::rd8},  // ADR, ADD Rd, SP, #imm
-    {0xff80, 0xb000, Class::alu, Form::add_sp},    {0xff80, 0xb080, Class::alu, Form::sub_sp},
-    {0xf500, 0xb100, Class::cbz, Form::condition}, {0xff00, 0xb200, Class::alu, Form::rd0},  // extensions
-    {0xfe00, 0xb400, Class::stm, Form::list_push}, {0xffe8, 0xb660, Class::cps, Form::none},
-    {0xffc0, 0xba80, Class::unknown, Form::none},  {0xff00, 0xba00, Class::alu, Form::rd0},  // REV, REV16, REVSH
-    {0xfe00, 0xbc00, Class::ldm, Form::list_pop},  {0xff00, 0xbe00, Class::trap, Form::none},
-    {0xffff, 0xbf20, Class::wait, Form::none},     {0xffff, 0xbf30, Class::wait, Form::none},
-    {0xffff, 0xbfe0, Class::begin, Form::none},    {0xffff, 0xbff0, Class::end, Form::none},
-    {0xff0f, 0xbf00, Class::nop, Form::none},      {0xff00, 0xbf00, Class::it, Form::it},
-    {0xf800, 0xc000, Class::stm, Form::list_rn},   {0xf800, 0xc800, Class::ldm, Form::list_rn},
+    {0xff80, 0xb000, Class::alu, Form::add_sp},
+    {0xff80, 0xb080, Class::alu, Form::sub_sp},
+    {0xf500, 0xb100, Class::cbz, Form::condition},
+    {0xff00, 0xb200, Class::alu, Form::rd0},  // extensions
+    {0xfe00, 0xb400, Class::stm, Form::list_push},
+    {0xffe8, 0xb660, Class::cps, Form::none},
+    {0xffc0, 0xba80, Class::unknown, Form::none},
+    {0xff00, 0xba00, Class::alu, Form::rd0},  // REV, REV16, REVSH
+    {0xfe00, 0xbc00, Class::ldm, Form::list_pop},
+    {0xff00, 0xbe00, Class::trap, Form::none},
+    {0xffff, 0xbf20, Class::wait, Form::none},
+    {0xffff, 0xbf30, Class::wait, Form::none},
+    {0xffff, 0xbfe0, Class::begin, Form::none},
+    {0xffff, 0xbff0, Class::end, Form::none},
+    {0xff0f, 0xbf00, Class::nop, Form::none},
+    {0xff00, 0xbf00, Class::it, Form::it},
+    {0xf800, 0xc000, Class::stm, Form::list_rn},
+    {0xf800, 0xc800, Class::ldm, Form::list_rn},
     {0xfe00, 0xde00, Class::trap, Form::none},  // UDF, SVC
-    {0xf000, 0xd000, Class::b, Form::condition},   {0xf800, 0xe000, Class::b, Form::branch},
+    {0xf000, 0xd000, Class::b, Form::condition},
+    {0xf800, 0xe000, Class::b, Form::branch},
 };
+// clang-format on
 
 constexpr Encoding encodings_32[] = {
     // Load and store multiple, dual, exclusive, table branches.
@@ -274,10 +296,7 @@ void read_core_operands(Instruction& d, Form form) {
         d.words = 2;
         d.literal = rn == 15;
         transfer(bit(rt) | bit(rd), bit(rn));
-        d.stack_pointer = rn == 13;
-        // PUSH as above, in 32 bits.
-        if ((op & 0x00200000) != 0 && !(d.stack_pointer && !load)) d.writes |= bit(rn);
-        d.writes_pc |= bit(rn);
+        if ((op & 0x00200000) != 0) d.writes |= bit(rn);
         d.stack_pointer = rn == 13;
         break;
     case Form::exclusive: transfer(bit(rt), bit(rn)); break;
