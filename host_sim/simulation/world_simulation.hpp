@@ -203,7 +203,8 @@ class WorldSimulation final
     using Told = BodiesSimulation<N, Method::spin>;
 
 public:
-    explicit WorldSimulation(SceneData data) : Owned(std::move(data)), Told(Owned::data, world().bodies()) {
+    explicit WorldSimulation(SceneData data)
+        : Owned(std::move(data)), Told(Owned::data, Owned::replay.world().bodies()) {
         world().clear_status();
     }
 
