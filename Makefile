@@ -1,5 +1,5 @@
 # What a person types. CMake does the building; this file only drives it.
-CORES := $(shell awk '/^[^\#]/ { print $$1 }' port/cortex_m/boards.txt)
+CORES := $(shell awk '/^[^\#]/ { print $$1 }' port/boards.txt)
 JOBS  := $(shell nproc)
 comma := ,
 space := $(subst ,, )

@@ -37,7 +37,7 @@ void init();
 // An emulated target never says "cycles".
 [[nodiscard]] std::string_view tick_unit();
 
-// The name of the core in port/cortex_m/boards.txt, or "host".
+// The name of the core in port/boards.txt, or "host".
 [[nodiscard]] std::string_view core();
 
 // Sends text to standard output, unbuffered. It needs a debugger or emulator that serves semihosting; without one a

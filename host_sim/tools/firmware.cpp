@@ -19,7 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 
 const fs::path source_directory = TUMBLE_SOURCE_DIR;
-const fs::path boards_file = source_directory / "port/cortex_m/boards.txt";
+const fs::path boards_file = source_directory / "port/boards.txt";
 
 // A project of port/programs, "step" or "record".
 std::string source_of(const char* program) { return (source_directory / "port/programs" / program).string(); }
@@ -92,7 +92,8 @@ std::vector<Core> cores() {
         Core core;
         std::string skipped, numbers;
         if (!(row >> core.name) || core.name.starts_with("#")) continue;
-        row >> core.machine >> skipped >> skipped >> skipped >> skipped >> skipped >> numbers >> std::ws;
+        row >> core.port >> core.machine >> skipped >> skipped >> skipped >> skipped >> skipped >> core.timing >>
+            core.set >> numbers >> std::ws;
         std::istringstream words(numbers);
         for (std::string word; std::getline(words, word, ',');) {
             const auto& known = number_variants();

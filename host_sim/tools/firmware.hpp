@@ -12,10 +12,10 @@
 
 namespace tumble::host {
 
-// Rows of port/cortex_m/boards.txt.
+// Rows of port/boards.txt.
 struct Core {
-    std::string name, machine;
-    std::vector<std::string> numbers;  // those that suit it, named as in NumberVariant
+    std::string name, port, machine, timing, set;  // as the file explains its columns
+    std::vector<std::string> numbers;              // those that suit it, named as in NumberVariant
     std::string flags;
 };
 [[nodiscard]] std::vector<Core> cores();

@@ -5,7 +5,7 @@
 # tumble_add_firmware_test(<test> FIRMWARE <name> [STATUS <n>] [OUTPUT <regex>] [TIMEOUT <seconds>])
 #   runs it in QEMU under ctest; exit status n or n|m (default 0), and the text must match the regex.
 include_guard(GLOBAL)
-include(${CMAKE_CURRENT_LIST_DIR}/board.cmake)
+include(${CMAKE_CURRENT_LIST_DIR}/../board.cmake)
 
 set(TUMBLE_OPTIMIZE "-O2" CACHE STRING "Optimisation flags of firmware")
 set(TUMBLE_PORT_DIR ${CMAKE_CURRENT_LIST_DIR}/..)
