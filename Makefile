@@ -7,9 +7,11 @@ SCENE ?= host_sim/scenes/cube.toml
 CORE  ?= cortex-m3
 TOLERANCE ?= 1e-3
 ARGS  ?=
+# Of `make board`: number system and method, as type names.
+PROGRAM ?= q32-Verlet
 PAGES := $(wildcard *.md */*.md host_sim/*/*.md)
 
-.PHONY: run test bench bench-contacts peers work-precision work-precision-loads pictures long-run ordinary engines firmware replay advise size check format tables golden build setup clean help
+.PHONY: run test bench bench-contacts peers work-precision work-precision-loads pictures long-run ordinary engines firmware replay advise board size check format tables golden build setup clean help
 .DEFAULT_GOAL := help
 
 ## help: this list
@@ -135,6 +137,23 @@ peers: build
 	    for elf in build/peers/$$core/*.elf; do port/qemu/run $$core $$elf || exit 1; done; \
 	done > build/results/peers.jsonl
 	@mv build/results/peers.jsonl bench/results/peers.jsonl
+
+## board: programs that hold the cycle counter of a board against the model (port/README.md): BOARD=its row CORE=cortex-m3 SCENE=path
+board: SCENE = host_sim/scenes/free.toml
+board: build/host/build.ninja
+	@test -n "$(BOARD)" || { echo "make board: expected BOARD=<row of port/boards.txt>" >&2; exit 2; }
+	@cmake --build build/host --target tumble tumble_cycles
+	@mkdir -p build/board
+	build/host/tumble compile $(SCENE) --struct Replayed -o build/board/replayed.hpp
+	@for core in $(BOARD) $(CORE); do \
+	    cmake -G Ninja -S port/programs/step -B build/board/$$core -DTUMBLE_CORE=$$core -DTUMBLE_SCENE=Replayed \
+	        -DCMAKE_TOOLCHAIN_FILE=$(CURDIR)/port/cortex_m/toolchain.cmake \
+	        -DTUMBLE_SCENE_HEADER=$(CURDIR)/build/board/replayed.hpp > /dev/null && \
+	    cmake --build build/board/$$core --target $(PROGRAM) || exit 1; \
+	done
+	port/qemu/run --cycles $$(awk '$$1 == "$(CORE)" { print $$9 }' port/boards.txt) $(CORE) build/board/$(CORE)/$(PROGRAM).elf \
+	    > build/board/model.jsonl
+	@echo "run build/board/$(BOARD)/$(PROGRAM).elf on the board and hold what it prints against build/board/model.jsonl"
 
 ## size: text and RAM of the firmware just built, against the committed rows
 size: build
