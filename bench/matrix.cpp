@@ -209,7 +209,7 @@ int main(int argc, char** argv) try {
 
     in_parallel(jobs.size(), [&](std::size_t i) {
         Job& job = jobs[i];
-        StepFirmware::Outcome outcome = firmware.at(job.core).run(StepFirmware::name_of(job.variant, job.method));
+        tumble::host::StepOutcome outcome = firmware.at(job.core).run(StepFirmware::name_of(job.variant, job.method));
         job.error = outcome.error;
         job.does_not_fit = outcome.does_not_fit;
         if (!outcome.row.is_null()) {

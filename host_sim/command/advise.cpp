@@ -196,7 +196,7 @@ private:
 
     void measure(Candidate& candidate, const StepFirmware& firmware, const std::string& name) const {
         const Method& method = candidate.attempt.method;
-        StepFirmware::Outcome outcome = firmware.run(name);
+        StepOutcome outcome = firmware.run(name);
         if (outcome.does_not_fit) {
             candidate.not_measured = "does not fit the core's memory";
             return;

@@ -3,6 +3,7 @@
 #include <tumble/numbers/systems.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <fstream>
 #include <sstream>
@@ -69,6 +70,46 @@ nlohmann::ordered_json counted(const fs::path& program) {
     return with_count;
 }
 
+// What program and plugin print: rows, a line each, and messages.
+struct Printed {
+    std::vector<nlohmann::ordered_json> rows;
+    std::string messages;
+};
+Printed parse(const std::string& text) {
+    Printed printed;
+    std::istringstream lines(text);
+    for (std::string line; std::getline(lines, line);) {
+        if (line.starts_with("{")) printed.rows.push_back(nlohmann::ordered_json::parse(line));
+        else printed.messages += line + "\n";
+    }
+    return printed;
+}
+
+// What the firmware counts beside the step: the call, and the moves of what the counter read before it.
+constexpr int insn_of_call = 4;
+
+// Adds what the plugin has counted to the firmware's row; returns what is wrong with it, if anything is.
+std::string add_cycles(nlohmann::ordered_json& row, const nlohmann::ordered_json& cycles, const std::string& messages) {
+    if (row.at("steps") == 0) return {};
+    if (cycles.at("unknown_insn") != 0) return "cycles are not known:\n" + messages;
+    // The firmware rounds its mean to a whole number, the plugin to hundredths.
+    const double own = row.at("insn_per_step").get<double>() - insn_of_call,
+                 counted = cycles.at("plugin_insn_per_step");
+    const bool same_worst =
+        !row.contains("insn_per_step_max") || row.at("insn_per_step_max").get<std::int64_t>() - insn_of_call ==
+                                                  cycles.at("plugin_insn_worst_step").get<std::int64_t>();
+    if (cycles.at("steps_counted") != row.at("steps") || std::abs(counted - own) > 0.51 || !same_worst)
+        return "the plugin counts " + cycles.dump() +
+               ", expected the steps and instructions of the firmware, less the " + std::to_string(insn_of_call) +
+               " of its call: " + row.dump();
+    for (const char* key :
+         {"cycles_per_step_min", "cycles_per_step_est", "cycles_per_step_max", "cycles_worst_step_min",
+          "cycles_worst_step_est", "cycles_worst_step_max", "timing", "memory", "unknown_insn", "loads_per_step",
+          "stores_per_step", "step_stack_bytes", "mix_per_step"})
+        row[key] = cycles.at(key);
+    return {};
+}
+
 [[noreturn]] void wrong_numbers(const std::string& core, const std::string& numbers) {
     std::string known;
     for (const NumberVariant& variant : number_variants()) known += (known.empty() ? "" : ", ") + variant.name;
@@ -108,16 +149,49 @@ std::vector<Core> cores() {
     return list;
 }
 
+Core core_named(const std::string& name) {
+    std::string known;
+    for (const Core& core : cores()) {
+        if (core.name == name) return core;
+        known += (known.empty() ? "" : ", ") + core.name;
+    }
+    throw std::invalid_argument("no core '" + name + "', expected one of " + known);
+}
+
 fs::path build_record_firmware(const fs::path& build, const std::string& core, const fs::path& scene) {
     if (!is_configured("record", build)) configure("record", build, core, {"-DTUMBLE_SCENE_DIR=" + scene.string()});
     run_quietly({"cmake", "--build", build.string()});
     return build / "record.elf";
 }
 
-Process run_in_qemu(const std::string& core, const fs::path& elf, int timeout) {
-    return Process(
-        {(source_directory / "port/qemu/run").string(), "--timeout", std::to_string(timeout), core, elf.string()}, {},
-        Process::Errors::merge);
+Process run_in_qemu(const std::string& core, const fs::path& elf, int timeout,
+                    const std::vector<std::string>& options) {
+    std::vector<std::string> command = {"env", "TUMBLE_CYCLES=" TUMBLE_CYCLES_PLUGIN,
+                                        (source_directory / "port/qemu/run").string(), "--timeout",
+                                        std::to_string(timeout)};
+    command.insert(command.end(), options.begin(), options.end());
+    command.insert(command.end(), {core, elf.string()});
+    return Process(command, {}, Process::Errors::merge);
+}
+
+StepOutcome run_step_program(const Core& core, const fs::path& elf, int timeout, const std::string& step) {
+    std::vector<std::string> options;
+    if (core.has_cycles()) options = {"--cycles", core.timing, "--step", step};
+    std::string text;
+    const int status = run_in_qemu(core.name, elf, timeout, options).wait(&text);
+    StepOutcome outcome;
+    if (status != 0) {
+        outcome.error = "exit status " + std::to_string(status) + ": " + text;
+        return outcome;
+    }
+    Printed printed = parse(text);
+    if (printed.rows.size() != (core.has_cycles() ? 2 : 1)) {
+        outcome.error = "expected a row" + std::string(core.has_cycles() ? " and the plugin's" : "") + ": " + text;
+        return outcome;
+    }
+    if (core.has_cycles()) outcome.error = add_cycles(printed.rows.front(), printed.rows.back(), printed.messages);
+    if (outcome.error.empty()) outcome.row = std::move(printed.rows.front());
+    return outcome;
 }
 
 const std::vector<NumberVariant>& number_variants() {
@@ -155,8 +229,8 @@ void StepFirmware::build(const std::vector<std::string>& names) {
         throw std::runtime_error("cmake not found");
 }
 
-StepFirmware::Outcome StepFirmware::run(const std::string& name, int timeout) const {
-    Outcome outcome;
+StepOutcome StepFirmware::run(const std::string& name, int timeout) const {
+    StepOutcome outcome;
     const fs::path elf = build_ / (name + ".elf");
     const auto not_compiled = [&](const std::string& group) {
         return messages_.find("FAILED: CMakeFiles/steps-" + group + ".dir") != std::string::npos;
@@ -169,18 +243,10 @@ StepFirmware::Outcome StepFirmware::run(const std::string& name, int timeout) co
     } else if (not_linked != std::string::npos || !fs::exists(elf) || not_compiled(name) ||
                not_compiled(name.substr(0, name.find('-')))) {
         outcome.error = "not built: see cmake --build " + build_.string() + " --target " + name;
-    } else if (core_ == host) {
-        outcome.row = counted(elf);
-        add_sizes(outcome.row, elf);
     } else {
-        std::string text;
-        const int status = run_in_qemu(core_, elf, timeout).wait(&text);
-        if (status != 0) {
-            outcome.error = "exit status " + std::to_string(status) + ": " + text;
-        } else {
-            outcome.row = nlohmann::ordered_json::parse(text);
-            add_sizes(outcome.row, elf);
-        }
+        if (core_ == host) outcome.row = counted(elf);
+        else outcome = run_step_program(core_named(core_), elf, timeout);
+        if (outcome.error.empty()) add_sizes(outcome.row, elf);
     }
     return outcome;
 }

@@ -17,16 +17,22 @@ struct Core {
     std::string name, port, machine, timing, set;  // as the file explains its columns
     std::vector<std::string> numbers;              // those that suit it, named as in NumberVariant
     std::string flags;
+
+    // Has port/qemu/cycles a table of what its instructions cost?
+    [[nodiscard]] bool has_cycles() const { return timing != "-"; }
 };
 [[nodiscard]] std::vector<Core> cores();
+// Throws std::invalid_argument for a name that is in no row.
+[[nodiscard]] Core core_named(const std::string& name);
 
 // Firmware that replays a scene and writes its states: port/programs/record. `scene` is the directory of scene.hpp and
 // recording.hpp, the same one whenever a build directory is used.
 [[nodiscard]] std::filesystem::path build_record_firmware(const std::filesystem::path& build, const std::string& core,
                                                           const std::filesystem::path& scene);
 
-// A program in emulation, which ends after `timeout` s.
-[[nodiscard]] Process run_in_qemu(const std::string& core, const std::filesystem::path& elf, int timeout);
+// A program in emulation, which ends after `timeout` s. `options` of port/qemu/run stand before the core.
+[[nodiscard]] Process run_in_qemu(const std::string& core, const std::filesystem::path& elf, int timeout,
+                                  const std::vector<std::string>& options = {});
 
 // The kernel's number systems that firmware is made of: the name in the list, the type's own name, and carry.
 struct NumberVariant {
@@ -34,6 +40,19 @@ struct NumberVariant {
     bool carry;
 };
 [[nodiscard]] const std::vector<NumberVariant>& number_variants();
+
+// What firmware that measures a step gives in emulation.
+struct StepOutcome {
+    nlohmann::ordered_json row;
+    std::string error;          // empty: the row is there
+    bool does_not_fit = false;  // the core's memory is too small; no row and no error
+};
+
+// Runs such firmware in QEMU, which ends after `timeout` s, and returns the row that it prints. On a core with a timing
+// table the row has the cycles of `step`, the function that is measured: keys as in bench/README.md. An instruction
+// without a timing is an error, as is a plugin that has not counted the instructions that the firmware has.
+[[nodiscard]] StepOutcome run_step_program(const Core& core, const std::filesystem::path& elf, int timeout = 900,
+                                           const std::string& step = "step_world");
 
 // Firmware that replays a scene and counts the instructions of every step: port/programs/step, for one core.
 class StepFirmware {
@@ -54,14 +73,9 @@ public:
     // that has a scene of its own. What cannot be built is reported by run().
     void build(const std::vector<std::string>& names);
 
-    // The row that a program of the last build() prints, with text_bytes (all that lies in flash) and ram_bytes added.
-    // The caller checks its state_hash. Ends the emulation after `timeout` s.
-    struct Outcome {
-        nlohmann::ordered_json row;
-        std::string error;          // empty: the row is there
-        bool does_not_fit = false;  // the core's memory is too small; no row and no error
-    };
-    [[nodiscard]] Outcome run(const std::string& name, int timeout = 900) const;
+    // run_step_program() of a program of the last build(), with text_bytes (all that lies in flash) and ram_bytes
+    // added. The caller checks its state_hash.
+    [[nodiscard]] StepOutcome run(const std::string& name, int timeout = 900) const;
 
 private:
     std::filesystem::path build_;

@@ -159,7 +159,7 @@ TEST(pages, say_what_every_key_of_a_result_row_means) {
     for (const std::string& key : keys) EXPECT_TRUE(listed.contains(key)) << "key " << key << " is not in the page";
     // A key that no committed row has may be one that is written now.
     std::string sources;
-    for (const char* folder : {"bench", "port"})
+    for (const char* folder : {"bench", "port", "host_sim"})
         for (const auto& entry : fs::recursive_directory_iterator{root / folder})
             if (entry.path().extension() == ".cpp" || entry.path().extension() == ".hpp") sources += text_of(entry);
     for (const std::string& key : listed)
