@@ -34,6 +34,7 @@ void Counter::run(Block& block) {
     if (active_) {
         follow_call(block);
         ++block.runs;
+        if (keeps_places_) ++node_->places[&block].runs;
         call_.insn += block.insn;
         call_.loads += block.loads;
         call_.stores += block.stores;

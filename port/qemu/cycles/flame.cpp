@@ -1,6 +1,8 @@
-// tumble_flame: draws where a step's estimated cycles go, as a flame graph with a frame for every inlined function.
+// tumble_flame: where estimated cycles go, with a frame for every inlined function.
 //
-//   tumble_flame PLACES ELF OUT.svg [TITLE]
+//   tumble_flame PLACES ELF                   a line each function, most expensive first: its own cycles, those with
+//                                             what it calls and inlines, its name
+//   tumble_flame PLACES ELF OUT.svg [TITLE]   a flame graph
 //
 // PLACES is what the plugin wrote with places=; ELF the same firmware with debug information (-g). A frame is as wide
 // as its share of the cycles; callers below, what they call or inline above.
@@ -34,14 +36,22 @@ std::string short_name(const std::string& name) {
     int depth = 0;
     for (std::size_t i = 0; i < name.size(); ++i) {
         const char c = name[i];
-        const bool is_operator = text.size() >= 8 && text.compare(text.size() - 8, 8, "operator") == 0;
-        if (is_operator && depth == 0 && (c == '<' || c == '>' || c == '(' || c == '-')) text += c;
-        else if (c == '<' || c == '(' || c == '[' || c == '{') ++depth;
+        if (depth == 0 && text.ends_with("operator")) {
+            // Its brackets are not those of a list: operator(), operator<=.
+            const std::size_t end = name.compare(i, 2, "()") == 0 ? i + 2 : name.find_first_not_of("<>=-", i);
+            if (end > i) {
+                text += name.substr(i, end - i);
+                i = std::min(end, name.size()) - 1;
+                continue;
+            }
+        }
+        if (c == '<' || c == '(' || c == '[' || c == '{') ++depth;
         else if (c == '>' || c == ')' || c == ']' || c == '}') --depth;
         else if (depth == 0) text += c;
     }
-    const std::string before_qualifiers = text.substr(0, text.find(" const"));
-    const std::size_t space = before_qualifiers.rfind(' ');  // the type of a template's result
+    std::string before_qualifiers = text.substr(0, text.find(" const"));
+    while (before_qualifiers.ends_with(' ')) before_qualifiers.pop_back();  // before [clone .isra.0]
+    const std::size_t space = before_qualifiers.rfind(' ');                 // the type of a template's result
     std::string result = space == std::string::npos ? before_qualifiers : before_qualifiers.substr(space + 1);
     for (const std::string drop : {"tumble::", "detail::", "integrators::"})
         for (std::size_t at; (at = result.find(drop)) != std::string::npos;) result.erase(at, drop.size());
@@ -145,6 +155,33 @@ int height_of(const Frame& frame) {
     return most;
 }
 
+// Cycles of a function, wherever it is called or inlined; of one within itself the outermost counts.
+struct Sum {
+    std::uint64_t own = 0, with_above = 0;
+};
+void add_functions(const Frame& frame, std::set<std::string>& below, std::map<std::string, Sum>& functions) {
+    for (const auto& [name, child] : frame.above) {
+        std::uint64_t own = child.cycles;
+        for (const auto& [other, above] : child.above) own -= above.cycles;
+        Sum& sum = functions[name];
+        sum.own += own;
+        const bool is_outermost = below.insert(name).second;
+        if (is_outermost) sum.with_above += child.cycles;
+        add_functions(child, below, functions);
+        if (is_outermost) below.erase(name);
+    }
+}
+
+void print_functions(std::ostream& out, const Frame& root) {
+    std::map<std::string, Sum> functions;
+    std::set<std::string> below;
+    add_functions(root, below, functions);
+    std::vector<std::pair<std::string, Sum>> order(functions.begin(), functions.end());
+    std::stable_sort(order.begin(), order.end(),
+                     [](const auto& a, const auto& b) { return a.second.own > b.second.own; });
+    for (const auto& [name, sum] : order) out << sum.own << ' ' << sum.with_above << ' ' << name << '\n';
+}
+
 class Drawing {
 public:
     Drawing(std::ostream& out, const Frame& root, const std::string& title)
@@ -195,12 +232,16 @@ private:
 }  // namespace
 
 int main(int argc, char** argv) {
-    if (argc < 4 || argc > 5) {
-        std::cerr << "usage: tumble_flame PLACES ELF OUT.svg [TITLE]\n";
+    if (argc < 3 || argc > 5) {
+        std::cerr << "usage: tumble_flame PLACES ELF [OUT.svg [TITLE]]\n";
         return 2;
     }
     try {
         const Frame root = read(argv[1], argv[2]);
+        if (argc == 3) {
+            print_functions(std::cout, root);
+            return 0;
+        }
         std::ofstream out{argv[3]};
         Drawing{out, root, argc == 5 ? argv[4] : "estimated cycles, zero wait states"};
         out.close();
