@@ -1,5 +1,8 @@
 # What a person types. CMake does the building; this file only drives it.
+# What is built for the tests: all, which the quick set needs, on its cores; with deep, what the deep set needs besides.
+TARGETS := all
 CORES := $(shell awk '/^[^\#]/ { print $$1 }' port/boards.txt)
+TESTED_CORES := $(shell awk -v targets="$(TARGETS)" '/^[^\#]/ && ($$10 == "quick" || targets ~ $$10) { print $$1 }' port/boards.txt)
 JOBS  := $(shell nproc)
 comma := ,
 space := $(subst ,, )
@@ -19,14 +22,14 @@ help:
 	@awk '/^## / { colon = index($$0, ": "); printf "  make %-20s %s\n", substr($$0, 4, colon - 4), substr($$0, colon + 2) }' \
 	    $(MAKEFILE_LIST)
 
-## run: the main job: replay a scene on the host and on every core, compare the bits, print what a step costs; ARGS=--all
+## run: the main job: replay a scene on the host and on the cores of the quick set, compare the bits, print what a step costs; ARGS=--all for every core and number system
 # The first module of worlds beside the command, on the other processor; the commands build what else they need.
 run: build/host/build.ninja
 	@cmake --build build/host --target tumble tumble_matrix tumble_worlds_0
 	build/host/tumble run $(SCENE)
 	build/host/bench/tumble_matrix $(SCENE) --tolerance $(TOLERANCE) $(ARGS)
 
-## test: the quick set of tests, of every kind: on the host, with other compilers, and on every core in QEMU
+## test: the quick set of tests, of every kind: on the host, with other compilers, and on its cores in QEMU
 test: firmware
 	ctest --test-dir build/host --output-on-failure --no-tests=error -j $(JOBS) -LE deep
 
@@ -34,14 +37,12 @@ test: firmware
 build: build/host/build.ninja
 	@cmake --build build/host --target programs
 
-# TARGETS: all, which is what the quick set of tests needs; with deep, what the deep one needs besides.
-TARGETS := all
 .PHONY: host-tests
 host-tests: build/host/build.ninja
 	@cmake --build build/host --target $(TARGETS)
 
-## firmware: the firmware of the tests, for every core
-firmware: $(CORES:%=firmware-%)
+## firmware: the firmware of the tests, for the cores of the quick set; TARGETS="all deep": of the deep set, for every core
+firmware: $(TESTED_CORES:%=firmware-%)
 
 .PHONY: $(CORES:%=firmware-%)
 $(CORES:%=firmware-%): firmware-%: host-tests

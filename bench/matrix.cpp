@@ -29,9 +29,11 @@ using tumble::host::Progress;
 using tumble::host::StepFirmware;
 namespace fs = std::filesystem;
 
-std::vector<std::string> all_cores() {
+// Those of the quick set of boards.txt, or all.
+std::vector<std::string> core_names(bool all) {
     std::vector<std::string> names;
-    for (const auto& core : tumble::host::cores()) names.push_back(core.name);
+    for (const auto& core : tumble::host::cores())
+        if (all || core.set == "quick") names.push_back(core.name);
     return names;
 }
 
@@ -124,16 +126,18 @@ void print_answer(const std::vector<std::string>& cores, const std::vector<Job>&
 int main(int argc, char** argv) try {
     CLI::App app{"Replays a scene on the host and on every core, compares the bits, and prints what a step costs."};
     fs::path scene_path, results = "build/results/run.jsonl", baseline;
-    std::vector<std::string> cores = all_cores(), methods = tumble::bench::integrator_names(), numbers;
+    std::vector<std::string> cores, methods = tumble::bench::integrator_names(), numbers;
     bool accuracy = false, all = false;
     double tolerance = 0;
     app.add_option("scene", scene_path, "Scene file")->required();
-    app.add_option("--cores", cores, "Cores to run on, or host, which needs valgrind")->delimiter(',');
+    app.add_option("--cores", cores,
+                   "Cores to run on, or host, which needs valgrind; without, those of the quick set of boards.txt")
+        ->delimiter(',');
     app.add_option("--integrators", methods, "Integrators to run")->delimiter(',');
     app.add_option("--numbers", numbers,
                    "Number systems to run, as q32, q32_plain, ...; without, those of the core in boards.txt")
         ->delimiter(',');
-    app.add_flag("--all", all, "Every number system on every core");
+    app.add_flag("--all", all, "Every number system, and every core where --cores names none");
     app.add_option("--results", results, "Where the rows go, as JSON lines");
     app.add_option("--baseline", baseline, "Rows to compare size and cost with");
     app.add_flag("--accuracy", accuracy,
@@ -143,6 +147,7 @@ int main(int argc, char** argv) try {
         ->check(CLI::PositiveNumber);
     CLI11_PARSE(app, argc, argv);
     if (all) numbers = tumble::bench::variant_names();
+    if (cores.empty()) cores = core_names(all);
     accuracy = accuracy || tolerance > 0;
 
     const tumble::host::SceneDescription scene = tumble::host::read_scene(scene_path);
