@@ -58,7 +58,9 @@ public:
         if constexpr (has_contacts) {
             contacts_.set_shape(b, spec, inertia, advance_.bodies.constants[b].units);
             if (!spec.fixed) sleepers_.add(b);
-            for (int other = 0; other <= b; ++other) disturb(other);
+            // Before the first step nothing is foreseen and nobody sleeps.
+            if (advance_.bodies.steps_taken > 0)
+                for (int other = 0; other <= b; ++other) disturb(other);
         }
         return BodyId{b};
     }

@@ -167,7 +167,9 @@ protected:
 
     Array<Pair, room> pair_{};  // in the order of their keys
     int pair_count_ = 0;
-    std::uint8_t touching_[features.bodies]{};  // contact points in the last step
+    // A body has a pair with each plane and each other body at most.
+    static constexpr int most_pairs_of_a_body = features.planes + (features.pairs ? features.bodies - 1 : 0);
+    CountTo<most_pairs_of_a_body * Pair::max_points> touching_[features.bodies]{};  // contact points in the last step
 
 private:
     static constexpr int longest_look = 128;  // steps foreseen
@@ -285,7 +287,7 @@ private:
 
     ContactResponse response_;
     std::uint32_t foreseen_until_[features.bodies]{};  // the step before which its surroundings are looked at again
-    std::uint8_t pairs_of_[features.bodies]{};
+    CountTo<most_pairs_of_a_body> pairs_of_[features.bodies]{};
     Array<std::uint16_t, slots> due_{};  // the lower half of the step when a pair must be looked at again
 };
 

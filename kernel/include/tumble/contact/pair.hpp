@@ -13,6 +13,11 @@ inline constexpr int max_impact_sweeps = 40;  // over the points of an impact
 inline constexpr int max_rounds = 16;         // of impacts that pass from pair to pair at one moment
 }  // namespace contact
 
+// The smallest unsigned type that counts to `most`.
+template <int most>
+using CountTo =
+    std::conditional_t<(most > 0xffff), std::uint32_t, std::conditional_t<(most > 0xff), std::uint16_t, std::uint8_t>>;
+
 // One of the directions of a point (the normal, two tangents) as a row of the weighted constraint matrix, of unit
 // length: with velocities weighted by the roots of mass and moments, its product with them is the velocity, and what is
 // pushed adds up along it.
