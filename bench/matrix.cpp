@@ -3,6 +3,7 @@
 // makes the whole run fail; so does a firmware that faults or does not end.
 #include "command/command.hpp"
 #include "rows.hpp"
+#include "tools/cost.hpp"
 #include "tools/files.hpp"
 #include "tools/firmware.hpp"
 #include "tools/text.hpp"
@@ -13,6 +14,7 @@
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <future>
 #include <iostream>
@@ -26,6 +28,7 @@ using tumble::bench::in_parallel;
 using tumble::bench::Row;
 using tumble::bench::Variant;
 using tumble::host::Progress;
+using tumble::host::StepCost;
 using tumble::host::StepFirmware;
 namespace fs = std::filesystem;
 
@@ -55,8 +58,9 @@ struct Job {
 };
 
 void print_table(const std::vector<Job>& jobs) {
-    std::printf("\n%-11s %-10s %-20s %10s %10s %8s %7s %7s  %-16s %s\n", "core", "numbers", "integrator", "insn/step",
+    std::printf("\n%-11s %-10s %-20s %26s %12s %8s %7s %7s  %-16s %s\n", "core", "numbers", "integrator", "cycles/step",
                 "worst", "text", "RAM", "stack", "state hash", "agrees");
+    bool has_insn = false;
     for (const Job& job : jobs) {
         const std::string numbers = tumble::host::numbers_text(job.variant.numbers, job.variant.carry);
         if (job.does_not_fit) {
@@ -69,13 +73,17 @@ void print_table(const std::vector<Job>& jobs) {
             const auto number = [&](const char* key) {
                 return job.row.contains(key) ? std::to_string(job.row.at(key).get<unsigned long long>()) : "-";
             };
-            std::printf("%-11s %-10s %-20s %10s %10s %8s %7s %7s  %-16s %s\n", job.core.c_str(), numbers.c_str(),
-                        job.method.c_str(), number("insn_per_step").c_str(), number("insn_per_step_max").c_str(),
+            const StepCost cost = tumble::host::cost_of(job.row);
+            has_insn = has_insn || !cost.in_cycles;
+            std::printf("%-11s %-10s %-20s %26s %12s %8s %7s %7s  %-16s %s\n", job.core.c_str(), numbers.c_str(),
+                        job.method.c_str(), cost.mean_text().c_str(), cost.worst_text().c_str(),
                         number("text_bytes").c_str(), number("ram_bytes").c_str(), number("stack_bytes").c_str(),
                         job.row.at("state_hash").get<std::string>().c_str(),
                         job.error.empty() ? "yes" : job.error.c_str());
         }
     }
+    std::printf("cycles: expected (least..most), zero wait states; worst: the dearest step, at most%s\n",
+                has_insn ? "; insn: no timing table of this core" : "");
 }
 
 // For each core the method that costs least of those whose error is within the tolerance; if there is none, the most
@@ -88,7 +96,7 @@ void print_answer(const std::vector<std::string>& cores, const std::vector<Job>&
         return std::max(job.row.at("position_error_m").get<double>(),
                         job.row.at("orientation_error_rad").get<double>());
     };
-    const auto cost_of = [](const Job& job) { return job.row.at("insn_per_step").get<std::uint64_t>(); };
+    const auto cost_of = [](const Job& job) { return tumble::host::cost_of(job.row).mean; };
     const auto is_better = [&](const Job& a, const Job& b) {
         const double error_a = error_of(a), error_b = error_of(b);
         if ((error_a <= tolerance) != (error_b <= tolerance)) return error_a <= tolerance;
@@ -104,9 +112,15 @@ void print_answer(const std::vector<std::string>& cores, const std::vector<Job>&
             std::printf("%-11s no row\n", core.c_str());
             continue;
         }
-        std::printf("%-11s %s in %s: %llu insn a step, ", core.c_str(), best->method.c_str(),
+        const StepCost cost = tumble::host::cost_of(best->row);
+        std::printf("%-11s %s in %s: %s", core.c_str(), best->method.c_str(),
                     tumble::host::numbers_text(best->variant.numbers, best->variant.carry).c_str(),
-                    static_cast<unsigned long long>(cost_of(*best)));
+                    cost.mean_text().c_str());
+        if (cost.in_cycles) std::printf(" cycles");
+        std::printf(" a step, ");
+        if (!std::isnan(cost.worst)) std::printf("%s at worst, ", cost.worst_text().c_str());
+        if (core != StepFirmware::host && tumble::host::core_named(core).issues_two())
+            std::printf("at least %.0f cycles, ", std::ceil(cost.mean / 2));
         if (best->compared == 0) {
             std::printf("the cheapest; error not measured: in contact from the start\n");
             continue;
@@ -251,7 +265,8 @@ int main(int argc, char** argv) try {
                 if (old.at("core") != row.at("core") || old.at("numbers") != row.at("numbers") ||
                     old.at("carry") != row.at("carry") || old.at("integrator") != row.at("integrator"))
                     continue;
-                for (const char* key : {"insn_per_step", "text_bytes", "ram_bytes", "stack_bytes"}) {
+                for (const char* key : {"insn_per_step", "cycles_per_step_est", "cycles_worst_step_max", "text_bytes",
+                                        "ram_bytes", "stack_bytes"}) {
                     if (!row.contains(key) || !old.contains(key)) continue;
                     const long change = row.at(key).get<long>() - old.at(key).get<long>();
                     if (change != 0)

@@ -20,6 +20,8 @@ struct Core {
 
     // Has port/qemu/cycles a table of what its instructions cost?
     [[nodiscard]] bool has_cycles() const { return timing != "-"; }
+    // A Cortex-M7 issues two at most: its cycles are at least half its instructions.
+    [[nodiscard]] bool issues_two() const { return flags.find("-mcpu=cortex-m7") != std::string::npos; }
 };
 [[nodiscard]] std::vector<Core> cores();
 // Throws std::invalid_argument for a name that is in no row.
