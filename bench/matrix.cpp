@@ -164,7 +164,7 @@ int main(int argc, char** argv) try {
     if (cores.empty()) cores = core_names(all);
     accuracy = accuracy || tolerance > 0;
 
-    const tumble::host::SceneDescription scene = tumble::host::read_scene(scene_path);
+    const tumble::host::SceneDescription scene = tumble::host::read_scene(scene_path, tumble::host::BodyCount::any);
     const std::string name = scene_path.stem().string();
     const fs::path work = fs::path{"build/matrix"} / name;
     fs::create_directories(work);

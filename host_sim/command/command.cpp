@@ -74,7 +74,7 @@ std::string four_digits_down(long double value) {
 
 SceneDescription Choice::read() const {
     const IntegratorInfo& method = find_integrator(integrator);
-    SceneDescription description = read_scene(scene);
+    SceneDescription description = read_scene(scene, no_bodies ? BodyCount::any : BodyCount::at_least_one);
     if (!step.empty()) description.step = parse_step(step).value();
     if (duration) description.duration = *duration;
     if (description.steps() > max_steps)
@@ -159,6 +159,8 @@ int command(int argc, const char* const* argv) {
                      "name of the struct in the header; default: the file's name in PascalCase")
         ->type_name("NAME")
         ->check(expect("a name in C++ that no member of the struct has", is_struct_name));
+    compile_command->add_flag("--no-bodies", compile_options.no_bodies,
+                              "take a scene without bodies too: what a world costs before its first");
 
     CompareOptions compare_options;
     auto* compare_command = app.add_subcommand(

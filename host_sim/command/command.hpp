@@ -29,6 +29,7 @@ struct Choice {
     std::string carry;               // "on", "off" or empty: the number system's default
     std::string step;                // empty: the file's
     std::optional<double> duration;  // s; empty: the file's
+    bool no_bodies = false;          // the file may be without
 
     [[nodiscard]] std::optional<bool> wants_carry() const {
         return carry.empty() ? std::nullopt : std::optional{carry == "on"};

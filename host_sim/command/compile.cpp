@@ -191,7 +191,7 @@ std::string config_text(const SceneData& data, const NumberSystemInfo& numbers, 
         const T value = needed.*member;
         if constexpr (std::is_same_v<T, bool>)
             members.when(value != Features{}.*member, name, value ? "true" : "false");
-        else members.when(value > 0, name, std::to_string(value));
+        else members.when(value > 0 || Features{}.*member > 0, name, std::to_string(value));
     });
     return text + "        static constexpr tumble::Features features{\n" + members.text() + "        };\n    };\n";
 }

@@ -394,7 +394,7 @@ void add_named(std::vector<T>& list, T item, Table& table, std::set<std::string>
     list.push_back(std::move(item));
 }
 
-SceneDescription read_root(Table root, const std::string& file) {
+SceneDescription read_root(Table root, const std::string& file, BodyCount count) {
     SceneDescription scene;
     scene.path = file;
     scene.name = std::filesystem::path(file).stem().string();
@@ -408,7 +408,7 @@ SceneDescription read_root(Table root, const std::string& file) {
     const auto contact = root.table("contact");
     const auto planes = root.tables("plane");
     const auto bodies = root.tables("body");
-    if (bodies.empty()) root.missing("body", "at least one [[body]]");
+    if (bodies.empty() && count == BodyCount::at_least_one) root.missing("body", "at least one [[body]]");
     const auto springs = root.tables("spring");
     const auto impulses = root.tables("impulse");
     const auto forces = root.tables("force");
@@ -428,7 +428,7 @@ SceneDescription read_root(Table root, const std::string& file) {
 
 }  // namespace
 
-SceneDescription read_scene(const std::filesystem::path& path) {
+SceneDescription read_scene(const std::filesystem::path& path, BodyCount bodies) {
     const auto refuse = [&path](const std::string& why) -> SceneError {
         return {path.string(), 0, "", "cannot be read: " + why + ", expected a scene file (TOML)"};
     };
@@ -441,13 +441,13 @@ SceneDescription read_scene(const std::filesystem::path& path) {
     if (!stream) throw refuse("it cannot be opened");
     const std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
     if (stream.bad()) throw refuse("reading it failed");
-    return read_scene_text(text, path.string());
+    return read_scene_text(text, path.string(), bodies);
 }
 
-SceneDescription read_scene_text(std::string_view toml, std::string_view name) {
+SceneDescription read_scene_text(std::string_view toml, std::string_view name, BodyCount bodies) {
     const std::string file(name);
     const Document document(toml, file);
-    return read_root(document.root(), file);
+    return read_root(document.root(), file, bodies);
 }
 
 std::optional<StepSize> parse_step(std::string_view text) {

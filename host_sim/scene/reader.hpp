@@ -16,11 +16,17 @@ namespace tumble::host {
 // A run may not take more steps than this.
 inline constexpr std::int64_t max_steps = std::int64_t{1} << 31;
 
+// A scene without [[body]] is nearly always a mistake; whoever measures what a world costs before its first body means
+// it.
+enum class BodyCount { at_least_one, any };
+
 // Reads and checks a scene file.
-[[nodiscard]] SceneDescription read_scene(const std::filesystem::path& path);
+[[nodiscard]] SceneDescription read_scene(const std::filesystem::path& path,
+                                          BodyCount bodies = BodyCount::at_least_one);
 
 // The same for TOML that is already in memory; `name` stands for the file in messages and in SceneDescription::path.
-[[nodiscard]] SceneDescription read_scene_text(std::string_view toml, std::string_view name);
+[[nodiscard]] SceneDescription read_scene_text(std::string_view toml, std::string_view name,
+                                               BodyCount bodies = BodyCount::at_least_one);
 
 // A step size as a person writes it: "1/256" or "0.005". Empty when it is neither, or not positive.
 [[nodiscard]] std::optional<StepSize> parse_step(std::string_view text);

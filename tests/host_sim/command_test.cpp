@@ -621,6 +621,15 @@ TEST(Compile, header_holds_what_the_scene_needs_and_nothing_else) {
         EXPECT_FALSE(has(header, part)) << part;
 }
 
+TEST(Compile, takes_a_scene_without_bodies_where_it_is_told_to) {
+    const std::string scene = written("bodiless.toml", "[world]\nstep = 0.1\nduration = 1.0\n");
+    EXPECT_EQ(tumble({"compile", scene}).status, 2);
+    const Outcome outcome = tumble({"compile", scene, "--no-bodies"});
+    EXPECT_EQ(outcome.status, 0);
+    for (const auto* part : {"std::array<tumble::BodySpec, 0> bodies{};", "            .bodies = 0,\n        };"})
+        EXPECT_TRUE(has(outcome.text, part)) << part << "\n" << outcome.text;
+}
+
 TEST(Compile, goes_to_standard_output_by_default) {
     const Outcome outcome =
         tumble({"compile", shipped("cube_binary"), "--integrator", "rk4", "--numbers", "f64", "--carry", "on"});

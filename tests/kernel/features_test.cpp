@@ -61,6 +61,26 @@ TEST(Features, everything_keeps_the_room) {
     EXPECT_EQ(all.planes, 0);
 }
 
+// Whatever else it asks for.
+struct Bodiless : Scene {
+    static constexpr Features features{
+        .bodies = 0, .planes = 1, .drag = true, .forces = true, .impulses = true, .pairs = true, .sleep = true};
+};
+
+TEST(Features, a_world_without_room_for_bodies_only_counts_its_steps) {
+    World<Bodiless> world{Seconds{1, 256}};
+    const std::uint64_t hash = world.hash();
+    for (int step = 0; step < 10; ++step) EXPECT_TRUE(world.step().ok());
+    EXPECT_EQ(world.steps_taken(), 10u);
+    EXPECT_EQ(world.body_count(), 0);
+    EXPECT_EQ(world.hash(), hash);
+    const World<Scene> without_one{Seconds{1, 256}};
+    EXPECT_EQ(world.hash(), without_one.hash());
+    EXPECT_LE(sizeof(World<Bodiless>) + sizeof(World<Scene>::State), sizeof(World<Scene>));
+    EXPECT_FALSE(World<Bodiless>::has_contacts);
+    EXPECT_FALSE(World<Bodiless>::has_loads);
+}
+
 // A method that lacks its step.
 struct Stepless {
     static constexpr const char* name = "stepless";

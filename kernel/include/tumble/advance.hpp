@@ -193,7 +193,7 @@ private:
     }
 
     DriftSum gravity_[3]{};  // change of drift a step, or half of it: see fall_in_halves
-    Inertia inertia_[features.bodies]{};
+    [[no_unique_address]] typename detail::RoomFor<Inertia, features.bodies>::Array inertia_{};
 
 public:
     Bodies bodies;

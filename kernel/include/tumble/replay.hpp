@@ -37,7 +37,8 @@ public:
     // Sets up the scene's bodies and what acts on them. A scene without room for them sets Issue::world_full or drops
     // what is too much: check Config against the data first.
     explicit Replay(const Data& data = Data{}) : world_{data.step, data.world} {
-        for (const BodySpec& body : data.bodies) (void)world_.add(body);
+        if constexpr (Config::features.bodies > 0)
+            for (const BodySpec& body : data.bodies) (void)world_.add(body);
         if constexpr (Config::features.planes > 0)
             for (const PlaneSpec& plane : data.planes) (void)world_.add(plane);
         if constexpr (Config::features.springs > 0)

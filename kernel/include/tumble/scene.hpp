@@ -13,7 +13,7 @@ struct Verlet;
 // What a scene has room for and what can happen in it; what it leaves out is not in the image. This is the list of
 // features; what combines or prints them goes through for_each().
 struct Features {
-    int bodies = 1;                // room for bodies, fixed ones too
+    int bodies = 1;                // room for bodies, fixed ones too; 0: a world that counts its steps
     int planes = 0;                // room for planes
     int springs = 0;               // room for springs
     int near_pairs = 0;            // pairs near at one time, of a body and a plane or another; 0: as usual
@@ -70,14 +70,14 @@ struct Features {
     }
 
     // True where there is something for a body to touch.
-    [[nodiscard]] constexpr bool touches() const { return planes > 0 || pairs; }
+    [[nodiscard]] constexpr bool touches() const { return bodies > 0 && (planes > 0 || pairs); }
     // True where the code of contacts by impulses is compiled in.
     [[nodiscard]] constexpr bool contacts() const { return touches() && contact_impulses; }
     // True where the code of contacts by springs is compiled in.
     [[nodiscard]] constexpr bool springs_touch() const { return touches() && contact_springs; }
     // True where something but gravity may push bodies.
     [[nodiscard]] constexpr bool loads() const {
-        return drag || gravitation || forces || springs > 0 || springs_touch();
+        return bodies > 0 && (drag || gravitation || forces || springs > 0 || springs_touch());
     }
     // Every pair of a few bodies; of many, as many as a heap of spheres has. Boxes packed side by side have more.
     [[nodiscard]] constexpr int room_for_pairs() const {

@@ -48,7 +48,7 @@ public:
 
     // Adds a body; false (and Issue::world_full) when there is no room. Mass and moments must be positive. A start that
     // leaves the range is told in status().
-    BodyId add(const BodySpec& spec) {
+    BodyId add(const BodySpec& spec) requires(features.bodies > 0) {
         if (advance_.bodies.count >= features.bodies) {
             advance_.bodies.report(Issue::world_full, advance_.bodies.count);
             return {};
@@ -111,7 +111,7 @@ public:
             step_groups(info);
         } else if constexpr (features.bodies == 1) {
             advance_.free_body(0, info);  // a constant index: every address is known
-        } else {
+        } else if constexpr (features.bodies > 1) {
             for (int b = 0; b < advance_.bodies.count; ++b) advance_.free_body(b, info);
         }
         ++advance_.bodies.steps_taken;
@@ -168,7 +168,6 @@ private:
     using Advance = tumble::Advance<S>;
     using BodyGroup = typename Advance::BodyGroup;
     using Contacts = ContactSet<N, Integrator::spin, features>;
-    using Island = typename Contacts::Island;
     using Sleepers = tumble::Sleepers<N, Integrator::spin, features>;
 
     [[nodiscard]] TUMBLE_INLINE int place_of(BodyId id) const { return advance_.bodies.index_of(id); }
@@ -252,6 +251,7 @@ private:
     }
 
     [[gnu::noinline]] void advance_islands(const StepInfo<N>& info) {
+        using Island = typename Contacts::Island;
         Islands<features.bodies> islands;
         islands.clear(advance_.bodies.count);
         // Those that have not flown freely. A body that an impact in this step brings near something, or that it wakes,

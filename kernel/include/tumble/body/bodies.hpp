@@ -10,6 +10,24 @@
 
 namespace tumble {
 
+namespace detail {
+
+// An array of n, which takes no room where n is 0.
+template <class T, int n>
+struct RoomFor {
+    using Array = T[n];
+};
+template <class T>
+struct RoomFor<T, 0> {
+    struct Array {
+        // Of no element: never called.
+        [[nodiscard]] T& operator[](int) { __builtin_unreachable(); }
+        [[nodiscard]] const T& operator[](int) const { __builtin_unreachable(); }
+    };
+};
+
+}  // namespace detail
+
 // A body's number in its world. False where add() found no room.
 class BodyId {
 public:
@@ -202,8 +220,8 @@ public:
     }
 
     Real step_length;  // s
-    State state[capacity]{};
-    Constants constants[capacity]{};
+    [[no_unique_address]] typename detail::RoomFor<State, capacity>::Array state{};
+    [[no_unique_address]] typename detail::RoomFor<Constants, capacity>::Array constants{};
     Status status{};
     std::uint32_t steps_taken = 0;
     std::int16_t count = 0;
