@@ -10,7 +10,7 @@ namespace {
     return overflow_stack(depth + 1) + frame[depth % 32];
 }
 
-volatile std::uintptr_t nowhere = 0x1F00'0000;  // of code, where no board has memory
+volatile std::uintptr_t nowhere = 0x3B00'0000;  // of RAM that no board has
 volatile std::uint32_t zero = 0;
 volatile std::uint32_t sink;
 
