@@ -14,7 +14,7 @@ ARGS  ?=
 PROGRAM ?= q32-Verlet
 PAGES := $(wildcard *.md */*.md host_sim/*/*.md)
 
-.PHONY: run test bench bench-contacts peers work-precision work-precision-loads pictures long-run ordinary engines firmware replay advise board size check format tables golden build setup clean help
+.PHONY: run test bench bench-contacts peers work-precision work-precision-loads pictures long-run ordinary engines firmware replay advise flame board size check format tables golden build setup clean help
 .DEFAULT_GOAL := help
 
 ## help: this list
@@ -57,6 +57,11 @@ replay: build
 advise: SCENE = host_sim/scenes/brick.toml
 advise: build
 	build/host/tumble advise $(SCENE) --core $(CORE) --tolerance $(TOLERANCE) $(ARGS)
+
+## flame: where the cycles of a step go, as a table and a flame graph: SCENE=path CORE=cortex-m3 ARGS="--integrator rk4"
+flame: build/host/build.ninja
+	@cmake --build build/host --target tumble
+	build/host/tumble profile $(SCENE) --core $(CORE) --flame build/flame.svg $(ARGS)
 
 ## bench: insn per step, text, RAM and stack of the benchmark scenes on every core and the host, into bench/results
 bench: build valgrind

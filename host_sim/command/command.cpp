@@ -214,6 +214,29 @@ int command(int argc, const char* const* argv) {
     advise_command->add_flag("--all", advise_options.all, "measure also what cannot be the cheapest");
     advise_command->add_flag("--json", advise_options.json, "print one JSON object");
 
+    ProfileOptions profile_options;
+    auto* profile_command = app.add_subcommand(
+        "profile", "show where the cycles of a step go on a core, by functions and as a flame graph");
+    profile_command->footer("Cycles are those that the core's manual gives, at zero wait states; the firmware is built "
+                            "for the core and runs "
+                            "in QEMU.");
+    add_choice(*profile_command, profile_options);
+    profile_command->add_option("--core", profile_options.core, "a core whose cycles are known")
+        ->required()
+        ->type_name("NAME");
+    profile_command->add_option("--flame", profile_options.flame, "draw a flame graph as SVG")
+        ->type_name("out.svg")
+        ->check(expect_file());
+    profile_command->add_option("--functions", profile_options.functions, "functions that the table names")
+        ->capture_default_str()
+        ->type_name("N")
+        ->check(expect_at_least<int>(1, "functions"));
+    profile_command->add_flag("--json", profile_options.json, "print one JSON object");
+    profile_command->add_option("--timeout", profile_options.timeout, "seconds that the emulation may take")
+        ->capture_default_str()
+        ->type_name("S")
+        ->check(expect_at_least<int>(1, "seconds"));
+
     app.add_subcommand("list", "name the integrators, number systems, ranges and cores");
 
     try {
@@ -222,12 +245,14 @@ int command(int argc, const char* const* argv) {
                                    return each->get_name() == argv[1];
                                });
         if (argc > 1 && argv[1][0] != '-' && !names_one)
-            throw BadArgument("got \"" + std::string(argv[1]) + "\", expected run, compile, compare, advise or list");
+            throw BadArgument("got \"" + std::string(argv[1]) +
+                              "\", expected run, compile, compare, advise, profile or list");
         app.parse(argc, argv);
         if (run_command->parsed()) return run(run_options);
         if (compile_command->parsed()) return compile(compile_options);
         if (compare_command->parsed()) return compare(compare_options);
         if (advise_command->parsed()) return advise(advise_options);
+        if (profile_command->parsed()) return profile(profile_options);
         return list();
     } catch (const CLI::ParseError& error) {
         return app.exit(error) == 0 ? done : bad_input;

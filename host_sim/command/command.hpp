@@ -77,6 +77,15 @@ struct AdviseOptions {
 };
 int advise(const AdviseOptions& options);
 
+struct ProfileOptions : Choice {
+    std::string core;
+    std::string flame;   // file; empty: none
+    int functions = 20;  // that the table names
+    bool json = false;
+    int timeout = 600;  // s of emulation
+};
+int profile(const ProfileOptions& options);
+
 int list();
 
 // Throws BadArgument unless the name is that of a core that QEMU emulates.

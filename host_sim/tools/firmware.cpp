@@ -174,9 +174,11 @@ Process run_in_qemu(const std::string& core, const fs::path& elf, int timeout,
     return Process(command, {}, Process::Errors::merge);
 }
 
-StepOutcome run_step_program(const Core& core, const fs::path& elf, int timeout, const std::string& step) {
+StepOutcome run_step_program(const Core& core, const fs::path& elf, int timeout, const std::string& step,
+                             const std::vector<std::string>& reports) {
     std::vector<std::string> options;
     if (core.has_cycles()) options = {"--cycles", core.timing, "--step", step};
+    for (const std::string& report : reports) options.insert(options.end(), {"--report", report});
     std::string text;
     const int status = run_in_qemu(core.name, elf, timeout, options).wait(&text);
     StepOutcome outcome;
@@ -211,12 +213,13 @@ std::string StepFirmware::name_of(const NumberVariant& variant, const std::strin
 }
 
 StepFirmware::StepFirmware(fs::path build, std::string core, const std::string& scene, const fs::path& scenes,
-                           const std::vector<std::string>& integrators)
+                           const std::vector<std::string>& integrators, Lines lines)
     : build_(std::move(build)), core_(std::move(core)) {
     std::string methods;
     for (const std::string& integrator : integrators) methods += (methods.empty() ? "" : "|") + method_of(integrator);
     configure("step", build_, core_,
               {"-DTUMBLE_SCENE=" + scene, "-DTUMBLE_METHODS=" + methods,
+               std::string("-DTUMBLE_LINES=") + (lines == Lines::known ? "ON" : "OFF"),
                (fs::is_directory(scenes) ? "-DTUMBLE_SCENE_DIR=" : "-DTUMBLE_SCENE_HEADER=") + scenes.string()});
 }
 
@@ -229,7 +232,7 @@ void StepFirmware::build(const std::vector<std::string>& names) {
         throw std::runtime_error("cmake not found");
 }
 
-StepOutcome StepFirmware::run(const std::string& name, int timeout) const {
+StepOutcome StepFirmware::run(const std::string& name, int timeout, const std::vector<std::string>& reports) const {
     StepOutcome outcome;
     const fs::path elf = build_ / (name + ".elf");
     const auto not_compiled = [&](const std::string& group) {
@@ -245,7 +248,7 @@ StepOutcome StepFirmware::run(const std::string& name, int timeout) const {
         outcome.error = "not built: see cmake --build " + build_.string() + " --target " + name;
     } else {
         if (core_ == host) outcome.row = counted(elf);
-        else outcome = run_step_program(core_named(core_), elf, timeout);
+        else outcome = run_step_program(core_named(core_), elf, timeout, "step_world", reports);
         if (outcome.error.empty()) add_sizes(outcome.row, elf);
     }
     return outcome;

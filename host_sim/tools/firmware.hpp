@@ -52,9 +52,11 @@ struct StepOutcome {
 
 // Runs such firmware in QEMU, which ends after `timeout` s, and returns the row that it prints. On a core with a timing
 // table the row has the cycles of `step`, the function that is measured: keys as in bench/README.md. An instruction
-// without a timing is an error, as is a plugin that has not counted the instructions that the firmware has.
+// without a timing is an error, as is a plugin that has not counted the instructions that the firmware has. `reports`
+// are more of what the plugin writes there, "places=FILE" (port/qemu/cycles/report.hpp).
 [[nodiscard]] StepOutcome run_step_program(const Core& core, const std::filesystem::path& elf, int timeout = 900,
-                                           const std::string& step = "step_world");
+                                           const std::string& step = "step_world",
+                                           const std::vector<std::string>& reports = {});
 
 // Firmware that replays a scene and counts the instructions of every step: port/programs/step, for one core.
 class StepFirmware {
@@ -65,11 +67,14 @@ public:
     // A program's name: "q32-Rk4".
     [[nodiscard]] static std::string name_of(const NumberVariant& variant, const std::string& integrator);
 
+    enum class Lines { none, known };  // debug information; the instructions of a step are the same with it
+
     // Configures the build directory. `scenes` is one header, which all programs replay, or a directory with a header
     // for each program, named after it; `scene` is the name of the struct in them. `integrators`: those that programs
     // are made of; all if there are none.
     StepFirmware(std::filesystem::path build, std::string core, const std::string& scene,
-                 const std::filesystem::path& scenes, const std::vector<std::string>& integrators = {});
+                 const std::filesystem::path& scenes, const std::vector<std::string>& integrators = {},
+                 Lines lines = Lines::none);
 
     // Builds programs, on all processors: about 20 s for all of a number system that replay one scene, and 4 s for each
     // that has a scene of its own. What cannot be built is reported by run().
@@ -77,7 +82,8 @@ public:
 
     // run_step_program() of a program of the last build(), with text_bytes (all that lies in flash) and ram_bytes
     // added. The caller checks its state_hash.
-    [[nodiscard]] StepOutcome run(const std::string& name, int timeout = 900) const;
+    [[nodiscard]] StepOutcome run(const std::string& name, int timeout = 900,
+                                  const std::vector<std::string>& reports = {}) const;
 
 private:
     std::filesystem::path build_;

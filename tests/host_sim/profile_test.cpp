@@ -1,0 +1,58 @@
+// `tumble profile`: the functions of a step add up to its cycles, and what it cannot do is told.
+#include <nlohmann/json.hpp>
+
+#include "command_runner.hpp"
+
+namespace tumble::host {
+namespace {
+
+using Json = nlohmann::json;
+
+TEST(Profile, functions_add_up_to_the_cycles_of_a_step) {
+    const std::string flame = temporary("flame.svg");
+    const Outcome outcome = tumble({"profile", shipped("free"), "--core", "cortex-m3", "--integrator",
+                                    "semi_implicit_euler", "--json", "--flame", flame},
+                                   Process::Errors::pass);
+    ASSERT_EQ(outcome.status, 0) << outcome.text;
+    const Json json = Json::parse(outcome.text);
+    EXPECT_EQ(json["integrator"], "semi_implicit_euler");
+    EXPECT_EQ(json["core"], "cortex-m3");
+    EXPECT_EQ(json["memory"], "zero wait states");
+    const double estimate = json["cycles_per_step_est"];
+    EXPECT_GE(estimate, json["insn_per_step"].get<double>());
+    EXPECT_LE(json["cycles_per_step_min"], estimate);
+    EXPECT_GE(json["cycles_per_step_max"], estimate);
+    double own = 0;
+    bool has_product = false;
+    for (const Json& function : json["functions"]) {
+        own += function["own_cycles_per_step"].get<double>();
+        EXPECT_LE(function["own_cycles_per_step"], function["cycles_per_step"]);
+        EXPECT_LE(function["cycles_per_step"], estimate + 0.01);
+        has_product = has_product || function["function"].get<std::string>().find("multiply") != std::string::npos;
+    }
+    EXPECT_NEAR(own, estimate, 0.01);
+    EXPECT_TRUE(has_product) << "inlined functions have no frames";
+    for (const Json& branch : json["one_way_branches"]) {
+        EXPECT_TRUE(branch["taken"] == 0 || branch["not_taken"] == 0);
+        EXPECT_NE(branch["line"].get<std::string>().find("kernel/include/tumble/"), std::string::npos);
+    }
+    EXPECT_NE(contents(flame).find("<title>step_world"), std::string::npos);
+}
+
+TEST(Profile, bad_input_is_told) {
+    const auto expect = [](std::vector<std::string> arguments, const std::string& message) {
+        arguments.insert(arguments.begin(), {"profile", shipped("free")});
+        const Outcome outcome = tumble(arguments);
+        EXPECT_EQ(outcome.status, 2) << outcome.text;
+        EXPECT_NE(outcome.text.find(message), std::string::npos) << outcome.text;
+    };
+    expect({"--core", "cortex-m7"}, "got \"cortex-m7\", whose cycles no manual gives, expected one of cortex-m0");
+    expect({"--core", "z80"}, "got \"z80\", expected one of");
+    expect({}, "--core");
+    expect({"--core", "cortex-m3", "--flame", "/no/such/directory/out.svg"}, "--flame: cannot write");
+    expect({"--core", "cortex-m3", "--functions", "0"}, ">= 1");
+    expect({"--core", "cortex-m3", "--integrator", "exact"}, "exact");
+}
+
+}  // namespace
+}  // namespace tumble::host
