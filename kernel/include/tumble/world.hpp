@@ -235,19 +235,37 @@ private:
             [&](int other) { return advance_.bodies.constants[other].fixed || sleepers_.is_asleep(other); },
             [&](int other) { wake(other); });
     }
-    // Wakes the body and all that rest on each other with it.
+    // Wakes the body and all that rest on each other with it, depth first.
     void wake([[maybe_unused]] int b) {
         if constexpr (features.sleep) {
             if (!sleepers_.is_asleep(b)) return;
-            sleepers_.wake(b);
-            contacts_.startle(b, advance_.bodies.steps_taken);
-            contacts_.for_each_touching([&](int p, int q) {
-                if (p == b) wake(q);
-                if (q == b) wake(p);
-            });
-            if constexpr (has_loads)
-                advance_.loads.for_each_coupled(advance_.bodies, b, [&](int other) { wake(other); });
+            // From b to the one that woke last; each is a neighbour of the one before.
+            BodyGroup path;
+            int next = b;
+            do {
+                if (next >= 0) {
+                    sleepers_.wake(next);
+                    contacts_.startle(next, advance_.bodies.steps_taken);
+                    path.add(next);
+                } else {
+                    --path.count;
+                }
+                next = path.count > 0 ? sleeping_neighbour(path.id[path.count - 1]) : -1;
+            } while (path.count > 0);
         }
+    }
+    // The first sleeping body that touches b or is coupled to it; -1 if there is none.
+    [[nodiscard]] int sleeping_neighbour(int b) const requires(features.sleep) {
+        int found = -1;
+        const auto look_at = [&](int other) {
+            if (found < 0 && sleepers_.is_asleep(other)) found = other;
+        };
+        contacts_.for_each_touching([&](int p, int q) {
+            if (p == b) look_at(q);
+            if (q == b) look_at(p);
+        });
+        if constexpr (has_loads) advance_.loads.for_each_coupled(advance_.bodies, b, look_at);
+        return found;
     }
 
     [[gnu::noinline]] void advance_islands(const StepInfo<N>& info) {
