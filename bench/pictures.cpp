@@ -2,6 +2,7 @@
 // is colored: at each error the run that is cheapest over all methods and number systems. A panel labels the eight
 // curves that hold most of it, at their ends, in one color a number system; all others are grey. A curve keeps only
 // runs that gain accuracy for their cost: where rounding stops a method, its curve ends.
+#include "drawing.hpp"
 #include "labels.hpp"
 #include "rows.hpp"
 
@@ -11,18 +12,15 @@
 #include <array>
 #include <cctype>
 #include <cmath>
-#include <cstdio>
 #include <iostream>
 #include <limits>
-#include <regex>
-#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
 
 namespace {
 
-using tumble::bench::numbers_of, tumble::bench::Row, tumble::bench::Point, tumble::bench::Box;
+using tumble::bench::numbers_of, tumble::bench::Row, tumble::bench::Point, tumble::bench::Box, tumble::bench::text;
 namespace fs = std::filesystem;
 
 // An orientation wrong by a radian, or a position by a metre, is no answer to any of the problems.
@@ -72,12 +70,6 @@ struct Panel {
     std::vector<Curve> curves;  // first those with a label
     std::size_t labelled = 0;
 };
-
-std::string text(const char* format, auto... values) {
-    char buffer[256];
-    std::snprintf(buffer, sizeof buffer, format, values...);
-    return buffer;
-}
 
 bool cheaper(const Run& a, const Run& b) { return a.cost != b.cost ? a.cost < b.cost : a.error < b.error; }
 
@@ -135,43 +127,6 @@ std::string file_name(std::string scene) {
     return "work_precision_" + scene + ".svg";
 }
 
-std::string read(const fs::path& path) {
-    std::ifstream file{path};
-    std::ostringstream all;
-    all << file.rdbuf();
-    return all.str();
-}
-
-// The same drawing in fewer characters: tenths of a pixel, and no groups of nothing.
-std::string compact(std::string svg) {
-    const auto replace = [&](const char* pattern, const char* by) {
-        svg = std::regex_replace(svg, std::regex{pattern}, by);
-    };
-    replace(R"((\.\d)\d+)", "$1");
-    replace(R"(([ ,ML]\d+)\.0\b)", "$1");
-    replace(R"([ \t\n]+)", " ");
-    replace(R"(rgb\( ?(\d+), ?(\d+), ?(\d+)\))", "rgb($1,$2,$3)");
-    replace(R"( (/?>|'|"))", "$1");
-    replace(R"(> <)", ">\n<");
-    const std::string filters_end = "</filter>\n";
-    if (const auto from = svg.find("<filter"), to = svg.rfind(filters_end); to != std::string::npos)
-        svg.erase(from, to + filters_end.size() - from);
-    replace(R"(<tspan font-size="13.0" dy="6.5"></tspan>)", "");
-    // What most groups say alike is said once, around them.
-    const std::string font = R"( font-family="sans-serif")",
-                      usual = R"( fill="none" color="black" stroke="currentColor" stroke-width="1.0")"
-                              R"( stroke-linecap="butt" stroke-linejoin="miter")";
-    replace(font.c_str(), "");
-    replace((usual + ">").c_str(), ">");
-    replace(R"(<g id="gnuplot_canvas">)", ("<g" + font + usual + ">").c_str());
-    replace(R"(<rect x=)", R"(<rect stroke="none" x=)");
-    replace(R"(<g transform[^>]*>\n<text></text>\n</g>\n)", "");
-    replace(R"(<g[^>]*>\n</g>\n)", "");
-    replace(R"(<g>\n(<path [^>]*/>)\n?</g>)", "$1");
-    replace(R"(<title>gnuplot_plot_\d+[a-z]?</title>\n)", "");
-    return svg;
-}
-
 class Picture {
 public:
     Picture(const std::string& scene, const std::vector<Row>& rows) : scene_(scene) {
@@ -193,17 +148,7 @@ public:
         largest_cost_ = std::pow(10, std::ceil(std::log10(largest_cost_ * 1.5)));
     }
 
-    void draw(const fs::path& svg) const {
-        const std::string drawing = script(svg);
-        FILE* gnuplot = popen("gnuplot", "w");
-        if (gnuplot == nullptr) throw std::runtime_error{"cannot run gnuplot"};
-        std::fputs(drawing.c_str(), gnuplot);
-        if (pclose(gnuplot) != 0) throw std::runtime_error{"gnuplot failed for " + svg.string()};
-        const std::string drawn = compact(read(svg));
-        std::ofstream file{svg};
-        file << drawn;
-        if (!file.flush()) throw std::runtime_error{svg.string() + ": cannot be written"};
-    }
+    void draw(const fs::path& svg) const { tumble::bench::draw(script(svg), svg); }
 
 private:
     void add(const Row& row) {
