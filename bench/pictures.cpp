@@ -1,4 +1,5 @@
-// Draws rows of work against precision: one picture a problem, one panel a core, all panels on the same axes. The front
+// Draws rows of work against precision: one picture a problem, one panel a core, all panels on the same axes: estimated
+// cycles where the core has a timing table, instructions where it has none. The front
 // is colored: at each error the run that is cheapest over all methods and number systems. A panel labels the eight
 // curves that hold most of it, at their ends, in one color a number system; all others are grey. A curve keeps only
 // runs that gain accuracy for their cost: where rounding stops a method, its curve ends.
@@ -68,6 +69,7 @@ struct Curve {
 struct Panel {
     std::string core;
     std::vector<Curve> curves;  // first those with a label
+    bool in_cycles = false;
     std::size_t labelled = 0;
 };
 
@@ -155,11 +157,14 @@ private:
         if (row.contains("failure")) return;
         for (const ErrorKind& kind : error_kinds)
             if (row.contains(kind.key)) kind_ = &kind;
-        const Run run{row.at(kind_->key), row.at("insn_per_simulated_second")};
+        const auto cost = tumble::bench::cost_of_simulated_second(row);
+        const Run run{row.at(kind_->key), cost.expected};
         if (!(run.error > 0)) return;  // exact: no place on a logarithmic axis
         const std::string core = row.at("core"), method = row.at("integrator"), numbers = numbers_of(row);
         auto panel = std::find_if(panels_.begin(), panels_.end(), [&](const Panel& p) { return p.core == core; });
-        if (panel == panels_.end()) panel = panels_.insert(panel, Panel{core, {}});
+        if (panel == panels_.end()) panel = panels_.insert(panel, Panel{core, {}, cost.in_cycles});
+        if (panel->in_cycles != cost.in_cycles)
+            throw std::runtime_error{scene_ + ", " + core + ": some rows have cycles and some have none"};
         auto& curves = panel->curves;
         auto curve = std::find_if(curves.begin(), curves.end(),
                                   [&](const Curve& c) { return c.method == method && c.numbers == numbers; });
@@ -167,8 +172,10 @@ private:
         curve->runs.push_back(run);
     }
 
-    static constexpr double panel_width = 490, panel_height = 330, left = 75, right = 28, top = 90, bottom = 60,
+    static constexpr double panel_width = 490, panel_height = 330, left = 75, right = 40, top = 90, bottom = 60,
                             gap = 32;
+    static constexpr const char *cycles_axis = "cycles of a simulated second, estimate, zero wait states",
+                                *insn_axis = "instructions of a simulated second";
     static constexpr double font_size = 13, character = 0.62 * font_size;
     [[nodiscard]] std::size_t panel_rows() const { return (panels_.size() + 1) / 2; }
     [[nodiscard]] double width() const { return left + 2 * panel_width + gap + right; }
@@ -250,9 +257,12 @@ private:
             "set lmargin at screen %g\nset rmargin at screen %g\nset bmargin at screen %g\nset tmargin at screen %g\n",
             x / width(), (x + panel_width) / width(), y / height(), (y + panel_height) / height());
         out += "set title '" + panel.core + "' offset 0,-0.6\n";
-        // The axes are the same: they are written once a row and once a column.
-        out += index % 2 == 0 ? "set ylabel 'instructions per simulated second'\nset format y '10^{%L}'\n"
+        // The axes are the same: they are written once a row and once a column. Their units may not be.
+        const std::string unit = std::string{"'"} + (panel.in_cycles ? cycles_axis : insn_axis) + "'\n";
+        out += index % 2 == 0 ? "set ylabel " + unit + "unset y2label\nset format y '10^{%L}'\n"
                               : "unset ylabel\nset format y ''\n";
+        if (index % 2 == 1 && panel.in_cycles != panels_[index - 1].in_cycles) out += "set y2label " + unit;
+        else out += "unset y2label\n";
         out += index + 2 >= panels_.size() ? std::string("set xlabel '") + kind_->axis + "'\nset format x '10^{%L}'\n"
                                            : "unset xlabel\nset format x ''\n";
 

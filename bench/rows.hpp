@@ -15,6 +15,7 @@
 #include <string>
 #include <vector>
 
+#include "tools/cost.hpp"
 #include "tools/text.hpp"
 
 namespace tumble::bench {
@@ -43,6 +44,25 @@ inline void write_rows(const std::filesystem::path& path, const std::vector<Row>
 
 [[nodiscard]] inline std::string numbers_of(const Row& row) {
     return host::numbers_text(row.at("numbers"), row.at("carry"));
+}
+
+// What a simulated second costs in a row of work against precision: estimated cycles with their range where the core
+// has a timing table, or instructions.
+struct SecondCost {
+    bool in_cycles = false;
+    double expected = 0, least = 0, most = 0;
+
+    [[nodiscard]] std::string text() const {
+        return host::range_text(expected, least, most) + (in_cycles ? "" : " insn");
+    }
+};
+[[nodiscard]] inline SecondCost cost_of_simulated_second(const Row& row) {
+    if (!row.contains("cycles_per_simulated_second_est")) {
+        const double insn = row.at("insn_per_simulated_second");
+        return {false, insn, insn, insn};
+    }
+    return {true, row.at("cycles_per_simulated_second_est"), row.at("cycles_per_simulated_second_min"),
+            row.at("cycles_per_simulated_second_max")};
 }
 
 // The median of observed orders, where halving the step has gained something: neither too large a step nor rounding.

@@ -9,6 +9,7 @@
 #include <cstdio>
 #include <functional>
 #include <iostream>
+#include <limits>
 #include <map>
 #include <set>
 #include <sstream>
@@ -16,10 +17,12 @@
 #include "port.hpp"
 #include "rows.hpp"
 #include "scene/data.hpp"
+#include "tools/cost.hpp"
 
 namespace {
 
-using tumble::bench::numbers_of, tumble::bench::Row;
+using tumble::bench::cost_of_simulated_second, tumble::bench::numbers_of, tumble::bench::Row;
+using tumble::host::cost_of, tumble::host::has_cycles, tumble::host::StepCost;
 
 struct Table {
     std::vector<std::string> head;
@@ -62,26 +65,55 @@ std::vector<std::string> cores_of(const std::vector<Row>& rows) {
     return distinct(rows, [](const Row& r) { return r.at("core").get<std::string>(); });
 }
 
-// One line an integrator; a column for each core and number system.
-Table cost_table(const std::vector<Row>& rows, const std::vector<std::string>& numbers) {
-    const auto method = [](const Row& r) { return r.at("integrator").get<std::string>(); };
+std::string integrator_of(const Row& row) { return row.at("integrator").get<std::string>(); }
+
+// The cores whose rows have cycles, or those whose rows have none.
+std::vector<std::string> cores_of(const std::vector<Row>& rows, bool with_cycles) {
+    std::vector<std::string> cores;
+    for (const auto& core : cores_of(rows))
+        if (with_cycles == std::any_of(rows.begin(), rows.end(),
+                                       [&](const Row& row) { return row.at("core") == core && has_cycles(row); }))
+            cores.push_back(core);
+    return cores;
+}
+
+const Row* find_row(const std::vector<Row>& rows, const std::string& core, const std::string& method,
+                    const std::string& numbers) {
+    const auto found = std::find_if(rows.begin(), rows.end(), [&](const Row& r) {
+        return integrator_of(r) == method && r.at("core") == core && numbers_of(r) == numbers;
+    });
+    return found == rows.end() ? nullptr : &*found;
+}
+
+std::string mean_of(const Row* row) { return row == nullptr ? "-" : cost_of(*row).mean_text(); }
+std::string worst_of(const Row* row) { return row == nullptr ? "-" : cost_of(*row).worst_text(); }
+
+// One line a method and number system; for each core the mean step and the worst.
+Table free_table(const std::vector<Row>& rows, bool with_cycles) {
     Table table;
-    table.head = {"insn per step"};
-    const auto cores = cores_of(rows);
-    for (const auto& n : numbers) {
-        for (const auto& c : cores) table.head.push_back(c + " " + n);
+    const auto cores = cores_of(rows, with_cycles);
+    table.head = {with_cycles ? "cycles" : "insn", "numbers"};
+    for (const auto& core : cores) {
+        table.head.push_back(core);
+        table.head.emplace_back("worst");
     }
-    for (const auto& m : distinct(rows, method)) {
-        std::vector<std::string> line{"`" + m + "`"};
-        for (const auto& n : numbers) {
-            for (const auto& c : cores) {
-                const auto found = std::find_if(rows.begin(), rows.end(), [&](const Row& r) {
-                    return method(r) == m && r.at("core") == c && numbers_of(r) == n;
-                });
-                line.push_back(found == rows.end() ? "-" : text_of(*found, "insn_per_step"));
+    for (const std::string numbers : {"q32 carry", "f32 plain"}) {
+        for (const auto& method : distinct(rows, integrator_of)) {
+            std::vector<std::string> line{"`" + method + "`", numbers};
+            bool has_any = false;
+            for (const auto& core : cores) {
+                const Row* row = find_row(rows, core, method, numbers);
+                has_any = has_any || row != nullptr;
+                const StepCost cost = row == nullptr ? StepCost{} : cost_of(*row);
+                const auto text = [&](double expected, double least, double most) {
+                    return row == nullptr || std::isnan(expected) ? "-"
+                                                                  : tumble::host::range_text(expected, least, most);
+                };
+                line.push_back(text(cost.mean, cost.least, cost.most));
+                line.push_back(text(cost.worst, cost.worst, cost.worst));
             }
+            if (has_any) table.rows.push_back(line);
         }
-        table.rows.push_back(line);
     }
     return table;
 }
@@ -89,13 +121,12 @@ Table cost_table(const std::vector<Row>& rows, const std::vector<std::string>& n
 Table size_table(const std::vector<Row>& rows, const std::string& core) {
     Table table;
     table.head = {core,          "numbers",     "text bytes",    "RAM bytes",
-                  "world bytes", "stack bytes", "insn per step", "worst step"};
+                  "world bytes", "stack bytes", "cycles a step", "worst step"};
     for (const Row& row : rows) {
         if (row.at("core") != core) continue;
-        table.rows.push_back({"`" + row.at("integrator").get<std::string>() + "`", numbers_of(row),
-                              text_of(row, "text_bytes"), text_of(row, "ram_bytes"), text_of(row, "world_bytes"),
-                              text_of(row, "stack_bytes"), text_of(row, "insn_per_step"),
-                              text_of(row, "insn_per_step_max")});
+        table.rows.push_back({"`" + integrator_of(row) + "`", numbers_of(row), text_of(row, "text_bytes"),
+                              text_of(row, "ram_bytes"), text_of(row, "world_bytes"), text_of(row, "stack_bytes"),
+                              mean_of(&row), worst_of(&row)});
     }
     return table;
 }
@@ -103,36 +134,41 @@ Table size_table(const std::vector<Row>& rows, const std::string& core) {
 // The dissertation's cube: what each of its methods costs beside what it gets wrong.
 Table cube_table(const std::vector<Row>& rows) {
     Table table;
-    const auto cores = cores_of(rows);
     table.head = {"cube, q32 carry", "position error, m", "orientation error, rad"};
-    for (const auto& c : cores) table.head.push_back("insn, " + c);
+    const auto cores = cores_of(rows);
+    for (const auto& core : cores) {
+        table.head.push_back(core);
+        table.head.emplace_back("worst");
+    }
     for (const std::string method : {"explicit_euler", "implicit_euler", "heun", "midpoint", "rk4", "verlet"}) {
-        std::vector<std::string> line{"`" + method + "`"};
-        bool first = true;
-        for (const auto& c : cores) {
-            for (const Row& row : rows) {
-                if (row.at("integrator") != method || row.at("core") != c || numbers_of(row) != "q32 carry") continue;
-                if (first) {
-                    line.push_back(text_of(row, "position_error_m"));
-                    line.push_back(text_of(row, "orientation_error_rad"));
-                    first = false;
-                }
-                line.push_back(text_of(row, "insn_per_step"));
-            }
+        const Row* first = cores.empty() ? nullptr : find_row(rows, cores.front(), method, "q32 carry");
+        if (first == nullptr) continue;
+        std::vector<std::string> line{"`" + method + "`", text_of(*first, "position_error_m"),
+                                      text_of(*first, "orientation_error_rad")};
+        for (const auto& core : cores) {
+            const Row* row = find_row(rows, core, method, "q32 carry");
+            line.push_back(mean_of(row));
+            line.push_back(worst_of(row));
         }
         table.rows.push_back(line);
     }
     return table;
 }
 
+// The last step as mean_text() has the mean.
+std::string last_of(const Row& row) {
+    if (!has_cycles(row)) return text_of(row, "insn_per_step_last") + " insn";
+    return tumble::host::range_text(row.at("cycles_last_step_est"), row.at("cycles_last_step_min"),
+                                    row.at("cycles_last_step_max"));
+}
+
 // What a contact scene costs, core by core.
 Table contacts_table(const std::vector<Row>& rows) {
     Table table;
-    table.head = {"scene", "core", "numbers", "insn per step", "last step", "worst step", "text bytes", "RAM bytes"};
+    table.head = {"scene", "core", "numbers", "cycles a step", "last step", "worst step", "text bytes", "RAM bytes"};
     for (const Row& row : rows) {
         table.rows.push_back({row.at("scene").get<std::string>(), row.at("core").get<std::string>(), numbers_of(row),
-                              text_of(row, "insn_per_step"), text_of(row, "insn_per_step_last"),
-                              text_of(row, "insn_per_step_max"), text_of(row, "text_bytes"),
+                              mean_of(&row), last_of(row), worst_of(&row), text_of(row, "text_bytes"),
                               text_of(row, "ram_bytes")});
     }
     return table;
@@ -157,14 +193,17 @@ Table skipped_table(const std::vector<Row>& rows, const std::vector<std::string>
         return *row;
     };
     Table table;
-    table.head = {"not paid for", "core", "insn per step", "text bytes"};
+    table.head = {"not paid for", "core", "cycles a step, expected", "text bytes"};
     for (const Pair& pair : pairs) {
         for (const auto& core : cores) {
             const Row without = find(pair.without, core), with = find(pair.with, core);
             const auto saved = [&](const char* key) {
                 return std::to_string(with.at(key).get<long>() - without.at(key).get<long>());
             };
-            table.rows.push_back({pair.what, core, saved("insn_per_step_last"), saved("text_bytes")});
+            const bool cycles = has_cycles(without) && has_cycles(with);
+            table.rows.push_back({pair.what, core,
+                                  cycles ? saved("cycles_last_step_est") : saved("insn_per_step_last") + " insn",
+                                  saved("text_bytes")});
         }
     }
     return table;
@@ -175,58 +214,48 @@ double error_of(const Row& row) {
     return row.at(row.contains("position_error_m") ? "position_error_m" : "orientation_error_rad").get<double>();
 }
 
-// The cheapest way to stay below an error, beside what Boost.Odeint's RK4 in float costs for it.
+// The cheapest way to stay below an error, beside what Boost.Odeint's RK4 in float costs for it. A simulated second is
+// estimated cycles where the core has a timing table.
 Table front_table(const std::vector<Row>& rows, const char* error_name) {
     Table table;
-    std::vector<std::string> cores;
-    for (const auto& core : cores_of(rows))
-        if (core == "cortex-m3" || core == "cortex-m4f") cores.push_back(core);
-    table.head = {"problem", error_name};
-    for (const auto& core : cores) {
-        table.head.push_back("cheapest on " + core);
-        table.head.push_back("insn per simulated s");
-        table.head.push_back("Odeint RK4, float");
-    }
+    table.head = {"problem", error_name, "core", "the cheapest", "a simulated s", "worst step", "Odeint RK4, float"};
     const auto scene_of = [](const Row& r) { return r.at("scene").get<std::string>(); };
     for (const auto& scene : distinct(rows, scene_of)) {
         for (const double tolerance : {1e-2, 1e-4, 1e-6, 1e-8}) {
-            char text[16];
-            std::snprintf(text, sizeof text, "%.0e", tolerance);
-            std::vector<std::string> line{scene, text};
-            for (const auto& core : cores) {
+            for (const auto& core : cores_of(rows)) {
+                if (core == "host") continue;
                 const Row *best = nullptr, *plain = nullptr;
-                const auto cost = [](const Row& r) { return r.at("insn_per_simulated_second").get<double>(); };
                 bool peer_ran = false;
                 for (const Row& row : rows) {
                     if (scene_of(row) != scene || row.at("core") != core) continue;
                     const bool is_peer = row.at("integrator") == "odeint_rk4" && row.at("numbers") == "f32";
                     peer_ran = peer_ran || is_peer;
                     if (row.contains("failure") || error_of(row) > tolerance) continue;
-                    const bool is_ours = !row.at("integrator").get<std::string>().starts_with("odeint_");
-                    if (is_ours && (best == nullptr || cost(row) < cost(*best))) best = &row;
-                    if (is_peer && (plain == nullptr || cost(row) < cost(*plain))) plain = &row;
+                    const bool is_ours = !integrator_of(row).starts_with("odeint_");
+                    const auto is_cheaper = [&](const Row* than) {
+                        return than == nullptr ||
+                               cost_of_simulated_second(row).expected < cost_of_simulated_second(*than).expected;
+                    };
+                    if (is_ours && is_cheaper(best)) best = &row;
+                    if (is_peer && is_cheaper(plain)) plain = &row;
                 }
                 const auto number = [&](const Row* row) {
-                    if (row == nullptr) return std::string{"not reached"};
-                    char digits[32];
-                    std::snprintf(digits, sizeof digits, "%.0f", cost(*row));
-                    return std::string{digits};
+                    return row == nullptr ? "not reached" : cost_of_simulated_second(*row).text();
                 };
-                line.push_back(best == nullptr
-                                   ? "none"
-                                   : "`" + best->at("integrator").get<std::string>() + "` " + numbers_of(*best) +
-                                         ", 1/" + std::to_string(std::lround(1 / best->at("step_s").get<double>())) +
-                                         " s");
-                line.push_back(number(best));
-                line.push_back(peer_ran ? number(plain) : "-");
+                char text[16];
+                std::snprintf(text, sizeof text, "%.0e", tolerance);
+                table.rows.push_back(
+                    {scene, text, core,
+                     best == nullptr ? "none"
+                                     : "`" + integrator_of(*best) + "` " + numbers_of(*best) + ", 1/" +
+                                           std::to_string(std::lround(1 / best->at("step_s").get<double>())) + " s",
+                     number(best), best == nullptr ? "-" : text_of(*best, "cycles_worst_step_max"),
+                     peer_ran ? number(plain) : "-"});
             }
-            table.rows.push_back(line);
         }
     }
     return table;
 }
-
-std::string integrator_of(const Row& row) { return row.at("integrator").get<std::string>(); }
 
 // What a method does to what its problem conserves: a line an integrator, columns for each number system.
 Table long_run_table(const std::vector<Row>& rows, const std::string& scene,
@@ -308,26 +337,41 @@ Table engines_table(const std::vector<Row>& rows) {
 // What the default integrator costs on every core: the front page's first answer.
 Table cores_table(const std::vector<Row>& rows) {
     Table table;
-    table.head = {"core",     "insn per step, q32", "insn per step, plain float", "flash, q32", "flash, plain float",
-                  "RAM, q32", "RAM, plain float"};
+    table.head = {"core",       "a step, q32",        "worst",    "a step, plain float", "worst",
+                  "flash, q32", "flash, plain float", "RAM, q32", "RAM, plain float"};
     for (const auto& core : cores_of(rows)) {
         const auto find = [&](const char* numbers) {
-            const auto row = std::find_if(rows.begin(), rows.end(), [&](const Row& r) {
-                return r.at("core") == core && integrator_of(r) == tumble::integrators::Verlet::name &&
-                       numbers_of(r) == numbers;
-            });
-            if (row == rows.end()) throw std::runtime_error{std::string{"no row of "} + numbers + " on " + core};
-            return *row;
+            const Row* row = find_row(rows, core, tumble::integrators::Verlet::name, numbers);
+            if (row == nullptr) throw std::runtime_error{std::string{"no row of "} + numbers + " on " + core};
+            return row;
         };
-        const Row q32 = find("q32 carry"), plain = find("f32 plain");
-        const auto bytes = [&](const Row& row, const char* key) {
-            return core == "host" ? "-" : text_of(row, key) + " B";
+        const Row *q32 = find("q32 carry"), *plain = find("f32 plain");
+        const auto bytes = [&](const Row* row, const char* key) {
+            return core == "host" ? "-" : text_of(*row, key) + " B";
         };
-        table.rows.push_back({core, text_of(q32, "insn_per_step"), text_of(plain, "insn_per_step"),
+        table.rows.push_back({core, mean_of(q32), worst_of(q32), mean_of(plain), worst_of(plain),
                               bytes(q32, "text_bytes"), bytes(plain, "text_bytes"), bytes(q32, "ram_bytes"),
                               bytes(plain, "ram_bytes")});
     }
     return table;
+}
+
+// How many times as many estimated cycles a free body's step takes in one number system as in another: the least and
+// the most over all methods that run in both. "-" where rows have no cycles.
+std::string times_as_many(const std::vector<Row>& rows, const std::string& core, const std::string& dear,
+                          const std::string& cheap) {
+    double least = std::numeric_limits<double>::infinity(), most = 0;
+    for (const auto& method : distinct(rows, integrator_of)) {
+        const Row *a = find_row(rows, core, method, dear), *b = find_row(rows, core, method, cheap);
+        if (a == nullptr || b == nullptr || !has_cycles(*a) || !has_cycles(*b)) continue;
+        const double ratio = cost_of(*a).mean / cost_of(*b).mean;
+        least = std::min(least, ratio);
+        most = std::max(most, ratio);
+    }
+    if (most == 0) return "-";
+    char text[32];
+    std::snprintf(text, sizeof text, "%.1f to %.1f", least, most);
+    return text;
 }
 
 // The orders of a method: with loads, and where it differs of a free rotation.
@@ -344,18 +388,14 @@ std::string order_of() {
 // Every method: its orders, what a step needs, and what that of a free body costs.
 Table integrators_table(const std::vector<Row>& rows) {
     Table table;
-    table.head = {"integrator", "order", "a step needs", "insn, cortex-m3 q32", "insn, cortex-m4f plain float"};
+    table.head = {"integrator", "order", "a step needs", "cortex-m3, q32", "worst", "cortex-m4f, plain float", "worst"};
     tumble::Integrators::for_each([&]<class Method>() {
-        const auto cost = [&](const char* core, const char* numbers) {
-            const auto row = std::find_if(rows.begin(), rows.end(), [&](const Row& r) {
-                return r.at("core") == core && integrator_of(r) == Method::name && numbers_of(r) == numbers;
-            });
-            return row == rows.end() ? std::string{"-"} : text_of(*row, "insn_per_step");
-        };
+        const Row *m3 = find_row(rows, "cortex-m3", Method::name, "q32 carry"),
+                  *m4f = find_row(rows, "cortex-m4f", Method::name, "f32 plain");
         std::string needs = "-";
         if constexpr (requires { Method::needs; }) needs = Method::needs;
-        table.rows.push_back({std::string{"`"} + Method::name + "`", order_of<Method>(), needs,
-                              cost("cortex-m3", "q32 carry"), cost("cortex-m4f", "f32 plain")});
+        table.rows.push_back({std::string{"`"} + Method::name + "`", order_of<Method>(), needs, mean_of(m3),
+                              worst_of(m3), mean_of(m4f), worst_of(m4f)});
     });
     return table;
 }
@@ -478,10 +518,8 @@ int main(int argc, char** argv) try {
     const auto rows = [&](const char* name) { return tumble::bench::read_rows(results / name); };
     const Makers tables{
         {"cores", [&] { return cores_table(rows("free.jsonl")).markdown(); }},
-        {"free",
-         [&] {
-             return cost_table(rows("free.jsonl"), {"q32 carry", "f32 plain"}).markdown();
-         }},
+        {"free", [&] { return free_table(rows("free.jsonl"), true).markdown(); }},
+        {"free_insn", [&] { return free_table(rows("free.jsonl"), false).markdown(); }},
         {"size", [&] { return size_table(rows("free.jsonl"), "cortex-m3").markdown(); }},
         {"integrators", [&] { return integrators_table(rows("free.jsonl")).markdown(); }},
         {"cube", [&] { return cube_table(rows("cube.jsonl")).markdown(); }},
@@ -517,7 +555,14 @@ int main(int argc, char** argv) try {
         {"formats", [] { return formats_table().markdown(); }},
         {"bounds", [] { return bounds_table().markdown(); }},
     };
+    const auto ratio = [&](const char* core, const char* dear, const char* cheap) {
+        return [=, &rows] { return times_as_many(rows("free.jsonl"), core, dear, cheap); };
+    };
     const Makers values{
+        {"float_on_m0", ratio("cortex-m0", "f32 plain", "q32 carry")},
+        {"float_on_m3", ratio("cortex-m3", "f32 plain", "q32 carry")},
+        {"q32_on_m4f", ratio("cortex-m4f", "q32 carry", "f32 plain")},
+        {"q32_on_m4f_both_carry", ratio("cortex-m4f", "q32 carry", "f32 carry")},
         {"top_error_q32", [&] { return top_error(rows("engines.jsonl"), "q32 carry"); }},
         {"top_error_f32", [&] { return top_error(rows("engines.jsonl"), "f32 plain"); }},
         {"max_bodies", [] { return std::to_string(tumble::host::max_bodies); }},

@@ -1,8 +1,8 @@
 // Work against precision: how wrong each method is on a problem at each step, beside what a simulated second costs on a
 // core. Errors are the largest over fixed sample times against a formula or an integration in long double, neither of
 // which shares code with the kernel, never against a method's own finest run; the host's bits are the cores'. Costs are
-// instructions of a step in QEMU, from the rows of the problem itself or of a scene that does the same work a step. A
-// run that leaves its range, blows up or does not converge is a row too.
+// cycles and instructions of a step in QEMU, from the rows of the problem or of a scene that does the same work a step.
+// A run that leaves its range, blows up or does not converge is a row too.
 #include "closed_form.hpp"
 #include "peers/odeint.hpp"
 #include "reference.hpp"
@@ -212,13 +212,14 @@ int main(int argc, char** argv) try {
     std::vector<fs::path> problems;
     std::vector<fs::path> alike, own;
     fs::path results = "build/results/work_precision.jsonl";
-    std::vector<std::string> cores = {"cortex-m0", "cortex-m3", "cortex-m4f", "host"};
+    std::vector<std::string> cores;
+    for (const host::Core& core : host::cores())
+        if (core.has_cycles() && core.set == "quick") cores.push_back(core.name);
+    cores.emplace_back(host::StepFirmware::host);
     int coarsest = 3, finest = 13;
     app.add_option("problems", problems, "Scene files")->required();
-    app.add_option("--cost", alike,
-                   "Rows with insn_per_step of a scene that does the same work a step as all problems");
-    app.add_option("--cost-of-problem", own,
-                   "Rows with insn_per_step of the problems themselves, found by their names");
+    app.add_option("--cost", alike, "Rows of a scene that does the same work a step as all problems");
+    app.add_option("--cost-of-problem", own, "Rows of the problems themselves, found by their names");
     app.add_option("--cores", cores, "Cores whose cost counts")->delimiter(',');
     app.add_option("--coarsest", coarsest, "Largest step, 2^-N s; not longer than the time between samples in any case")
         ->check(CLI::Range(0, 30));
@@ -227,7 +228,7 @@ int main(int argc, char** argv) try {
     CLI11_PARSE(app, argc, argv);
 
     std::vector<Row> measured;
-    std::map<std::string, double> cost;  // "problem core numbers carry integrator" to instructions a step
+    std::map<std::string, Row> cost;  // of "problem core numbers carry integrator", what a step costs
     const auto key = [](const std::string& problem, const std::string& core, const std::string& numbers, bool carry,
                         const std::string& method) {
         return problem + " " + core + " " + numbers + (carry ? " carry " : " ") + method;
@@ -236,7 +237,7 @@ int main(int argc, char** argv) try {
         for (const Row& row : tumble::bench::read_rows(path)) {
             measured.push_back(row);
             cost[key(of_problem ? row.at("scene").get<std::string>() : "", row.at("core"), row.at("numbers"),
-                     row.at("carry"), row.at("integrator"))] = row.at("insn_per_step").get<double>();
+                     row.at("carry"), row.at("integrator"))] = row;
         }
     };
     for (const fs::path& path : alike) read_costs(path, false);
@@ -247,7 +248,7 @@ int main(int argc, char** argv) try {
         const host::SceneDescription scene = host::read_scene(path);
         const Truth truth = truth_of(scene);
         for (const Row& row : measured) check_answer(scene, truth, row);
-        const auto cost_of = [&](const Curve& curve, const std::string& core) -> const double* {
+        const auto cost_of = [&](const Curve& curve, const std::string& core) -> const Row* {
             for (const std::string& problem : {scene.name, std::string{}}) {
                 const auto found =
                     cost.find(key(problem, core, curve.variant.numbers, curve.variant.carry, curve.method));
@@ -276,8 +277,8 @@ int main(int argc, char** argv) try {
             for (std::size_t i = 0; i < curve.points.size(); ++i) {
                 const Point& p = curve.points[i];
                 for (const std::string& core : cores) {
-                    const double* insn = cost_of(curve, core);
-                    if (insn == nullptr) continue;
+                    const Row* step = cost_of(curve, core);
+                    if (step == nullptr) continue;
                     Row row;
                     row["scene"] = scene.name;
                     row["core"] = core;
@@ -285,7 +286,15 @@ int main(int argc, char** argv) try {
                     row["carry"] = curve.variant.carry;
                     row["integrator"] = curve.method;
                     row["step_s"] = std::ldexp(1.0, -p.exponent);
-                    row["insn_per_simulated_second"] = *insn * std::ldexp(1.0, p.exponent);
+                    const auto add = [&](const char* key, const char* of_step, double steps) {
+                        if (step->contains(of_step)) row[key] = step->at(of_step).get<double>() * steps;
+                    };
+                    const double steps_per_second = std::ldexp(1.0, p.exponent);
+                    add("insn_per_simulated_second", "insn_per_step", steps_per_second);
+                    add("cycles_per_simulated_second_min", "cycles_per_step_min", steps_per_second);
+                    add("cycles_per_simulated_second_est", "cycles_per_step_est", steps_per_second);
+                    add("cycles_per_simulated_second_max", "cycles_per_step_max", steps_per_second);
+                    add("cycles_worst_step_max", "cycles_worst_step_max", 1);
                     if (p.failure.empty()) {
                         row[truth.key()] = p.error;
                         if (i > 0 && curve.points[i - 1].failure.empty() && p.error > 0) {

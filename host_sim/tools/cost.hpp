@@ -18,26 +18,24 @@ namespace tumble::host {
 
 struct StepCost {
     bool in_cycles = false;
+    // Not a number where it is not counted, as single steps on the host.
     double mean = 0, least = 0, most = 0;  // over all steps; least and most by the core's manual
-    double worst = 0;                      // the dearest step, at most; not a number where it is not counted
+    double worst = 0;                      // the dearest step, at most
 
-    // "1260 (889..1321)", "516 insn".
-    [[nodiscard]] std::string mean_text() const { return with_unit(range_text(mean, least, most)); }
-    // "-" where only the mean is counted, as on the host.
-    [[nodiscard]] std::string worst_text() const {
-        return std::isnan(worst) ? "-" : with_unit(range_text(worst, worst, worst));
-    }
+    // "1260 (889..1321)", "516 insn"; "-" where it is not counted.
+    [[nodiscard]] std::string mean_text() const { return with_unit(mean, least, most); }
+    [[nodiscard]] std::string worst_text() const { return with_unit(worst, worst, worst); }
 
 private:
-    [[nodiscard]] std::string with_unit(const std::string& number) const {
-        return in_cycles ? number : number + " insn";
+    [[nodiscard]] std::string with_unit(double expected, double least, double most) const {
+        return std::isnan(expected) ? "-" : range_text(expected, least, most) + (in_cycles ? "" : " insn");
     }
 };
 
 [[nodiscard]] inline bool has_cycles(const nlohmann::ordered_json& row) { return row.contains("cycles_per_step_est"); }
 
 [[nodiscard]] inline StepCost insn_of(const nlohmann::ordered_json& row) {
-    const double insn = row.at("insn_per_step");
+    const double insn = row.value("insn_per_step", std::nan(""));
     return {false, insn, insn, insn, row.value("insn_per_step_max", std::nan(""))};
 }
 [[nodiscard]] inline StepCost cycles_of(const nlohmann::ordered_json& row) {

@@ -85,11 +85,9 @@ Printed parse(const std::string& text) {
     return printed;
 }
 
-// What the firmware counts beside the step: the call, and the moves of what the counter read before it.
-constexpr int insn_of_call = 4;
-
 // Adds what the plugin has counted to the firmware's row; returns what is wrong with it, if anything is.
-std::string add_cycles(nlohmann::ordered_json& row, const nlohmann::ordered_json& cycles, const std::string& messages) {
+std::string add_cycles(nlohmann::ordered_json& row, const nlohmann::ordered_json& cycles, const std::string& messages,
+                       int insn_of_call) {
     if (row.at("steps") == 0) return {};
     if (cycles.at("unknown_insn") != 0) return "cycles are not known:\n" + messages;
     // The firmware rounds its mean to a whole number, the plugin to hundredths.
@@ -102,10 +100,10 @@ std::string add_cycles(nlohmann::ordered_json& row, const nlohmann::ordered_json
         return "the plugin counts " + cycles.dump() +
                ", expected the steps and instructions of the firmware, less the " + std::to_string(insn_of_call) +
                " of its call: " + row.dump();
-    for (const char* key :
-         {"cycles_per_step_min", "cycles_per_step_est", "cycles_per_step_max", "cycles_worst_step_min",
-          "cycles_worst_step_est", "cycles_worst_step_max", "timing", "memory", "unknown_insn", "loads_per_step",
-          "stores_per_step", "step_stack_bytes", "mix_per_step"})
+    for (const char* key : {"cycles_per_step_min", "cycles_per_step_est", "cycles_per_step_max",
+                            "cycles_worst_step_min", "cycles_worst_step_est", "cycles_worst_step_max",
+                            "cycles_last_step_min", "cycles_last_step_est", "cycles_last_step_max", "timing", "memory",
+                            "unknown_insn", "loads_per_step", "stores_per_step", "step_stack_bytes", "mix_per_step"})
         row[key] = cycles.at(key);
     return {};
 }
@@ -174,10 +172,10 @@ Process run_in_qemu(const std::string& core, const fs::path& elf, int timeout,
     return Process(command, {}, Process::Errors::merge);
 }
 
-StepOutcome run_step_program(const Core& core, const fs::path& elf, int timeout, const std::string& step,
+StepOutcome run_step_program(const Core& core, const fs::path& elf, int timeout, const MeasuredStep& step,
                              const std::vector<std::string>& reports) {
     std::vector<std::string> options;
-    if (core.has_cycles()) options = {"--cycles", core.timing, "--step", step};
+    if (core.has_cycles()) options = {"--cycles", core.timing, "--step", step.function};
     for (const std::string& report : reports) options.insert(options.end(), {"--report", report});
     std::string text;
     const int status = run_in_qemu(core.name, elf, timeout, options).wait(&text);
@@ -191,7 +189,8 @@ StepOutcome run_step_program(const Core& core, const fs::path& elf, int timeout,
         outcome.error = "expected a row" + std::string(core.has_cycles() ? " and the plugin's" : "") + ": " + text;
         return outcome;
     }
-    if (core.has_cycles()) outcome.error = add_cycles(printed.rows.front(), printed.rows.back(), printed.messages);
+    if (core.has_cycles())
+        outcome.error = add_cycles(printed.rows.front(), printed.rows.back(), printed.messages, step.insn_of_call);
     if (outcome.error.empty()) outcome.row = std::move(printed.rows.front());
     return outcome;
 }

@@ -50,13 +50,19 @@ struct StepOutcome {
     bool does_not_fit = false;  // the core's memory is too small; no row and no error
 };
 
+// The function that firmware measures, by a part of its symbol, and the instructions that the firmware counts beside
+// it: the call, and the moves of what the counter gave before it and of what the function returns.
+struct MeasuredStep {
+    std::string function = "step_world";
+    int insn_of_call = 4;
+};
+
 // Runs such firmware in QEMU, which ends after `timeout` s, and returns the row that it prints. On a core with a timing
-// table the row has the cycles of `step`, the function that is measured: keys as in bench/README.md. An instruction
-// without a timing is an error, as is a plugin that has not counted the instructions that the firmware has. `reports`
-// are more of what the plugin writes there, "places=FILE" (port/qemu/cycles/report.hpp).
+// table the row has the cycles of the step: keys as in bench/README.md. An instruction without a timing is an error, as
+// is a plugin that has not counted the instructions that the firmware has. `reports` are more of what the plugin writes
+// there, "places=FILE" (port/qemu/cycles/report.hpp).
 [[nodiscard]] StepOutcome run_step_program(const Core& core, const std::filesystem::path& elf, int timeout = 900,
-                                           const std::string& step = "step_world",
-                                           const std::vector<std::string>& reports = {});
+                                           const MeasuredStep& step = {}, const std::vector<std::string>& reports = {});
 
 // Firmware that replays a scene and counts the instructions of every step: port/programs/step, for one core.
 class StepFirmware {

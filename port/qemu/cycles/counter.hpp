@@ -65,11 +65,11 @@ struct Node {
 
 // Of a quantity over calls.
 struct Spread {
-    std::uint64_t sum = 0, least = ~std::uint64_t{0}, most = 0;
+    std::uint64_t sum = 0, most = 0, last = 0;
     void add(std::uint64_t value) {
         sum += value;
-        if (value < least) least = value;
         if (value > most) most = value;
+        last = value;
     }
 };
 

@@ -102,9 +102,11 @@ void write_row(std::ostream& out, const Counter& counter, Model model) {
         << ", \"cycles_per_step_min\": " << mean(min.sum) << ", \"cycles_per_step_est\": " << mean(est.sum)
         << ", \"cycles_per_step_max\": " << mean(max.sum) << ", \"cycles_worst_step_min\": " << min.most
         << ", \"cycles_worst_step_est\": " << est.most << ", \"cycles_worst_step_max\": " << max.most
-        << ", \"loads_per_step\": " << mean(loads.sum) << ", \"stores_per_step\": " << mean(stores.sum)
-        << ", \"step_stack_bytes\": " << counter.stack_bytes() << ", \"unknown_insn\": " << blocks_unknown
-        << ", \"branches\": " << branches << ", \"branches_both_ways\": " << both_ways << ", \"mix_per_step\": {";
+        << ", \"cycles_last_step_min\": " << min.last << ", \"cycles_last_step_est\": " << est.last
+        << ", \"cycles_last_step_max\": " << max.last << ", \"loads_per_step\": " << mean(loads.sum)
+        << ", \"stores_per_step\": " << mean(stores.sum) << ", \"step_stack_bytes\": " << counter.stack_bytes()
+        << ", \"unknown_insn\": " << blocks_unknown << ", \"branches\": " << branches
+        << ", \"branches_both_ways\": " << both_ways << ", \"mix_per_step\": {";
     const char* comma = "";
     for (std::size_t k = 0; k < classes.size(); ++k) {
         const auto cls = static_cast<Class>(k);
