@@ -3,9 +3,15 @@
 TARGETS := all
 CORES := $(shell awk '/^[^\#]/ { print $$1 }' port/boards.txt)
 TESTED_CORES := $(shell awk -v targets="$(TARGETS)" '/^[^\#]/ && ($$10 == "quick" || targets ~ $$10) { print $$1 }' port/boards.txt)
+# Cores with a timing table, of these those of the quick set, and the others.
+TIMED_CORES := $(shell awk '/^[^\#]/ && $$9 != "-" { print $$1 }' port/boards.txt)
+QUICK_CORES := $(shell awk '/^[^\#]/ && $$9 != "-" && $$10 == "quick" { print $$1 }' port/boards.txt)
+OTHER_CORES := $(filter-out $(TIMED_CORES),$(CORES))
 JOBS  := $(shell nproc)
 comma := ,
 space := $(subst ,, )
+# Words joined by commas.
+list = $(subst $(space),$(comma),$(strip $(1)))
 SCENE ?= host_sim/scenes/cube.toml
 CORE  ?= cortex-m3
 TOLERANCE ?= 1e-3
@@ -63,10 +69,14 @@ flame: build/host/build.ninja
 	@cmake --build build/host --target tumble
 	build/host/tumble profile $(SCENE) --core $(CORE) --flame build/flame.svg $(ARGS)
 
-## bench: insn per step, text, RAM and stack of the benchmark scenes on every core and the host, into bench/results
+## bench: cycles, text, RAM and stack of a step of the benchmark scenes on every core and the host, into bench/results
+# Where there are no cycles, the number systems that tables show; of the cube, what its table shows.
 bench: build valgrind
-	build/host/bench/tumble_matrix host_sim/scenes/free.toml --all --cores $(subst $(space),$(comma),$(CORES) host) --results bench/results/free.jsonl
-	build/host/bench/tumble_matrix host_sim/scenes/cube.toml --all --accuracy \
+	build/host/bench/tumble_matrix host_sim/scenes/free.toml --all --cores $(call list,$(TIMED_CORES)) --results build/results/free_timed.jsonl
+	build/host/bench/tumble_matrix host_sim/scenes/free.toml --numbers q32,f32_plain --cores $(call list,$(OTHER_CORES)) --results build/results/free_other.jsonl
+	build/host/bench/tumble_matrix host_sim/scenes/free.toml --all --cores host --results build/results/free_host.jsonl
+	cat build/results/free_timed.jsonl build/results/free_other.jsonl build/results/free_host.jsonl > bench/results/free.jsonl
+	build/host/bench/tumble_matrix host_sim/scenes/cube.toml --numbers q32 --cores $(call list,$(TIMED_CORES)) --accuracy \
 	    --integrators explicit_euler,implicit_euler,heun,midpoint,rk4,verlet --results bench/results/cube.jsonl
 	build/host/bench/tumble_tables bench/results $(PAGES)
 
@@ -75,10 +85,11 @@ CONTACTS := bench/contacts/plane_out_of_reach bench/contacts/plane_within_reach 
     bench/contacts/ball_and_box bench/contacts/resting_box bench/contacts/resting_box_rough \
     bench/contacts/sleepers_0 bench/contacts/sleepers_1 bench/contacts/sleepers_16 host_sim/scenes/contacts/cradle \
     host_sim/scenes/contacts/stack bench/contacts/worst_case
+# On an M0 the larger of them do not fit.
 bench-contacts: build
 	rm -f build/results/contacts.jsonl
 	for scene in host_sim/scenes/free $(CONTACTS); do \
-	    build/host/bench/tumble_matrix $$scene.toml --cores cortex-m3,cortex-m4f --numbers q32,f32_plain --integrators verlet \
+	    build/host/bench/tumble_matrix $$scene.toml --cores $(call list,$(filter-out cortex-m0,$(QUICK_CORES))) --numbers q32,f32_plain --integrators verlet \
 	        --results build/results/contacts_scene.jsonl || exit 1; \
 	    cat build/results/contacts_scene.jsonl >> build/results/contacts.jsonl; \
 	done
@@ -94,7 +105,7 @@ work-precision: build
 
 ## work-precision-loads: the same on problems with loads and contacts, with the cost of a step of each problem
 LOADS := heavy_top kepler stiff_spring projectile_drag ball_elastic ball_inelastic
-LOADS_CORES := cortex-m0,cortex-m3,cortex-m4f,host
+LOADS_CORES := $(call list,$(QUICK_CORES) host)
 LOADS_NUMBERS := q32,f32_plain,f64
 # Where the error is a position, the methods that differ in translation: the others are verlet with another rotation.
 LOADS_METHODS := --integrators explicit_euler,semi_implicit_euler,implicit_euler,implicit_midpoint,midpoint,heun,rk4,verlet,suzuki4
@@ -136,11 +147,11 @@ engines:
 ## peers: what a step of Boost.Odeint costs on the cores, into bench/results
 peers: build
 	@mkdir -p build/results
-	@for core in cortex-m0 cortex-m3 cortex-m4f; do \
+	@for core in $(QUICK_CORES); do \
 	    cmake -G Ninja -S bench/peers -B build/peers/$$core -DCMAKE_TOOLCHAIN_FILE=$(CURDIR)/port/cortex_m/toolchain.cmake -DTUMBLE_CORE=$$core \
 	        -DTUMBLE_COMMAND=$(CURDIR)/build/host/tumble > /dev/null && \
 	    cmake --build build/peers/$$core > /dev/null || exit 1; \
-	    for elf in build/peers/$$core/*.elf; do port/qemu/run $$core $$elf || exit 1; done; \
+	    build/host/bench/tumble_peers $$core build/peers/$$core/*.elf || exit 1; \
 	done > build/results/peers.jsonl
 	@mv build/results/peers.jsonl bench/results/peers.jsonl
 
@@ -163,7 +174,7 @@ board: build/host/build.ninja
 
 ## size: text and RAM of the firmware just built, against the committed rows
 size: build
-	build/host/bench/tumble_matrix host_sim/scenes/free.toml --all --baseline bench/results/free.jsonl
+	build/host/bench/tumble_matrix host_sim/scenes/free.toml --all --cores $(call list,$(QUICK_CORES)) --baseline bench/results/free.jsonl
 
 ## tables: rewrite the tables and figures of the pages from the committed rows in bench/results
 tables: build

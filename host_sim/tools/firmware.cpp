@@ -247,7 +247,7 @@ StepOutcome StepFirmware::run(const std::string& name, int timeout, const std::v
         outcome.error = "not built: see cmake --build " + build_.string() + " --target " + name;
     } else {
         if (core_ == host) outcome.row = counted(elf);
-        else outcome = run_step_program(core_named(core_), elf, timeout, "step_world", reports);
+        else outcome = run_step_program(core_named(core_), elf, timeout, {}, reports);
         if (outcome.error.empty()) add_sizes(outcome.row, elf);
     }
     return outcome;
