@@ -52,7 +52,8 @@ firmware: $(TESTED_CORES:%=firmware-%)
 
 .PHONY: $(CORES:%=firmware-%)
 $(CORES:%=firmware-%): firmware-%: host-tests
-	@test -f build/$*/build.ninja || TUMBLE_CORE=$* cmake --preset firmware > /dev/null
+	@grep -qs '=$(CURDIR)/port/toolchain.cmake$$' build/$*/CMakeCache.txt || { rm -rf build/$*/CMakeCache.txt build/$*/CMakeFiles; \
+	    TUMBLE_CORE=$* cmake --preset firmware > /dev/null; }
 	@cmake --build build/$* --target $(TARGETS)
 
 ## replay: run a scene on the host: make replay SCENE=path ARGS="--integrator rk4 --json"
@@ -148,7 +149,7 @@ engines:
 peers: build
 	@mkdir -p build/results
 	@for core in $(QUICK_CORES); do \
-	    cmake -G Ninja -S bench/peers -B build/peers/$$core -DCMAKE_TOOLCHAIN_FILE=$(CURDIR)/port/cortex_m/toolchain.cmake -DTUMBLE_CORE=$$core \
+	    cmake -G Ninja -S bench/peers -B build/peers/$$core -DCMAKE_TOOLCHAIN_FILE=$(CURDIR)/port/toolchain.cmake -DTUMBLE_CORE=$$core \
 	        -DTUMBLE_COMMAND=$(CURDIR)/build/host/tumble > /dev/null && \
 	    cmake --build build/peers/$$core > /dev/null || exit 1; \
 	    build/host/bench/tumble_peers $$core build/peers/$$core/*.elf || exit 1; \
@@ -164,7 +165,7 @@ board: build/host/build.ninja
 	build/host/tumble compile $(SCENE) --struct Replayed -o build/board/replayed.hpp
 	@for core in $(BOARD) $(CORE); do \
 	    cmake -G Ninja -S port/programs/step -B build/board/$$core -DTUMBLE_CORE=$$core -DTUMBLE_SCENE=Replayed \
-	        -DCMAKE_TOOLCHAIN_FILE=$(CURDIR)/port/cortex_m/toolchain.cmake \
+	        -DCMAKE_TOOLCHAIN_FILE=$(CURDIR)/port/toolchain.cmake \
 	        -DTUMBLE_SCENE_HEADER=$(CURDIR)/build/board/replayed.hpp > /dev/null && \
 	    cmake --build build/board/$$core --target $(PROGRAM) || exit 1; \
 	done

@@ -47,6 +47,18 @@ std::vector<std::string> numbers_of_core(const std::string& name) {
     return tumble::bench::variant_names();
 }
 
+// The first line of what a core's compiler says of itself.
+const std::string& compiler_of(const std::string& core) {
+    static std::mutex mutex;
+    static std::map<std::string, std::string> versions;
+    const std::string compiler = tumble::host::core_named(core).compiler;
+    const std::lock_guard lock{mutex};
+    const auto [version, is_new] = versions.try_emplace(compiler);
+    if (is_new && !tumble::host::Process({compiler, "--version"}).read_line(version->second))
+        throw std::runtime_error(compiler + " says no version");
+    return version->second;
+}
+
 struct Job {
     std::string core;
     Variant variant;
@@ -236,7 +248,7 @@ int main(int argc, char** argv) try {
             const Answer& answer = answers.at({job.variant.name, job.method});
             const bool on_host = job.core == StepFirmware::host;
             job.row["step_s"] = scene.step.seconds();
-            job.row["compiler"] = on_host ? TUMBLE_HOST_COMPILER : TUMBLE_ARM_COMPILER;
+            job.row["compiler"] = on_host ? TUMBLE_HOST_COMPILER : compiler_of(job.core);
             job.row["flags"] = !on_host && job.variant.numbers == "q32" ? TUMBLE_Q32_FLAGS : "-O2";
             job.compared = answer.error.steps;
             if (job.compared > 0) {

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <fstream>
 #include <functional>
 #include <iostream>
 #include <limits>
@@ -334,6 +335,25 @@ Table engines_table(const std::vector<Row>& rows) {
     return table;
 }
 
+// The cores that firmware is built for: rows of port/boards.txt.
+Table boards_table(const std::filesystem::path& file) {
+    Table table;
+    table.head = {
+        "core", "port", "machine and CPU", "counts", "model of its cycles", "tested by", "compiler's options"};
+    std::ifstream boards{file};
+    for (std::string line; std::getline(boards, line);) {
+        std::istringstream row{line};
+        std::string core, port, machine, clock, counter, flash, ram, stack, timing, set, numbers, flags;
+        if (!(row >> core) || core.starts_with("#")) continue;
+        row >> port >> machine >> clock >> counter >> flash >> ram >> stack >> timing >> set >> numbers >> std::ws;
+        if (!std::getline(row, flags)) throw std::runtime_error{file.string() + ": too few columns for " + core};
+        table.rows.push_back({core, port, machine, counter.substr(0, counter.find(':')), timing,
+                              set == "quick" ? "make test" : "make check", "`" + flags + "`"});
+    }
+    if (table.rows.empty()) throw std::runtime_error{"no core in " + file.string()};
+    return table;
+}
+
 // What the default integrator costs on every core: the front page's first answer.
 Table cores_table(const std::vector<Row>& rows) {
     Table table;
@@ -517,6 +537,7 @@ int main(int argc, char** argv) try {
     const std::filesystem::path results = argv[first];
     const auto rows = [&](const char* name) { return tumble::bench::read_rows(results / name); };
     const Makers tables{
+        {"boards", [&] { return boards_table(results / "../../port/boards.txt").markdown(); }},
         {"cores", [&] { return cores_table(rows("free.jsonl")).markdown(); }},
         {"free", [&] { return free_table(rows("free.jsonl"), true).markdown(); }},
         {"free_insn", [&] { return free_table(rows("free.jsonl"), false).markdown(); }},

@@ -1,6 +1,6 @@
 // The whole machine interface of tumble's programs: text out, a counter, stack use, and an end.
 // Programs that print or measure include it; the kernel never does. One implementation each in
-// port/host and port/cortex_m; which one is linked is decided by the build, not by macros.
+// port/host and each of port/families.txt; which one is linked is decided by the build, not by macros.
 #pragma once
 
 #include <cstddef>
@@ -9,8 +9,8 @@
 
 namespace tumble::port {
 
-// Exit statuses that the port itself produces. A fault exits with 128 + its exception number (HardFault 131, MemManage
-// 132, BusFault 133, UsageFault 134).
+// Exit statuses that the port itself produces. A fault exits with 128 + its exception number (of a Cortex-M: HardFault
+// 131, MemManage 132, BusFault 133, UsageFault 134; of RISC-V: mcause, as 133 of a load and 135 of a store).
 inline constexpr int abort_status = 120;       // abort(), a failed assert(), integer division by zero
 inline constexpr int text_lost_status = 121;   // exit(0) after some text could not be written
 inline constexpr int no_counter_status = 122;  // the board row promises a counter that does not advance
@@ -29,7 +29,7 @@ void init();
 [[nodiscard]] Instant ticks();
 
 // What ran between the return of ticks() that gave `from` and the call of ticks() that gave `to`, in tick_unit(), with
-// the cost of the reading itself taken out. `insn` is exact; see port/cortex_m/port.cpp.
+// the cost of the reading itself taken out. `insn` is exact; see port.cpp of the core's port.
 // Never negative: 0 when `to` is not later than `from`. Cost: one 64-bit multiplication and division.
 [[nodiscard]] std::uint64_t elapsed(Instant from, Instant to);
 
@@ -41,7 +41,7 @@ void init();
 [[nodiscard]] std::string_view core();
 
 // Sends text to standard output, unbuffered. It needs a debugger or emulator that serves semihosting; without one a
-// Cortex-M stops at the first call. Text that is lost turns a later exit(0) into text_lost_status.
+// core stops at the first call. Text that is lost turns a later exit(0) into text_lost_status.
 void write(std::string_view text);
 inline void write(const char* text, std::size_t size) { write(std::string_view{text, size}); }
 

@@ -48,9 +48,9 @@ int list() {
     }
     std::cout << "\nranges                of q32; the smallest that holds the scene's [range] is used\n";
     Ranges::for_each([]<class Named>() { print_range<typename Named::Range>(Named::name); });
-    std::cout << "\ncores                 QEMU machine and compiler flags\n";
+    std::cout << "\ncores                 machine of the emulator, and compiler flags\n";
     for (const Core& core : cores())
-        std::cout << "  " << std::setw(20) << core.name << std::setw(14) << core.machine << core.flags << "\n";
+        std::cout << "  " << std::setw(20) << core.name << std::setw(24) << core.machine << core.flags << "\n";
     return std::cout.good() ? done : failed;
 }
 

@@ -6,8 +6,10 @@
 #include <cmath>
 #include <cstdio>
 #include <fstream>
+#include <map>
 #include <sstream>
 #include <stdexcept>
+#include <tuple>
 
 #include "simulation/simulation.hpp"
 #include "tools/callgrind.hpp"
@@ -21,38 +23,42 @@ namespace fs = std::filesystem;
 
 const fs::path source_directory = TUMBLE_SOURCE_DIR;
 const fs::path boards_file = source_directory / "port/boards.txt";
+const fs::path families_file = source_directory / "port/families.txt";
+const fs::path toolchain_file = source_directory / "port/toolchain.cmake";
 
 // A project of port/programs, "step" or "record".
 std::string source_of(const char* program) { return (source_directory / "port/programs" / program).string(); }
 
-// Has the build directory been configured for this program, of this checkout?
-bool is_configured(const char* program, const fs::path& build) {
-    const std::string line = "\nCMAKE_HOME_DIRECTORY:INTERNAL=" + source_of(program) + "\n";
-    return contents_of(build / "CMakeCache.txt").find(line) != std::string::npos && fs::exists(build / "build.ninja");
+// Has the build directory been configured for this program, of this checkout, with its tool chain?
+bool is_configured(const char* program, const fs::path& build, const std::string& core) {
+    const std::string cache = contents_of(build / "CMakeCache.txt");
+    const auto has = [&](const std::string& text) { return cache.find(text + "\n") != std::string::npos; };
+    return has("\nCMAKE_HOME_DIRECTORY:INTERNAL=" + source_of(program)) &&
+           (core == StepFirmware::host || has("=" + toolchain_file.string())) && fs::exists(build / "build.ninja");
 }
 
 // CMake refuses a build directory of another source: what that has left there goes.
 void configure(const char* program, const fs::path& build, const std::string& core,
                const std::vector<std::string>& settings) {
-    if (!is_configured(program, build)) {
+    if (!is_configured(program, build, core)) {
         fs::remove(build / "CMakeCache.txt");
         fs::remove_all(build / "CMakeFiles");
     }
     std::vector<std::string> command = {
         "cmake", "-G", "Ninja", "-S", source_of(program), "-B", build.string(), "-DTUMBLE_CORE=" + core};
-    if (core != StepFirmware::host)
-        command.push_back("-DCMAKE_TOOLCHAIN_FILE=" + (source_directory / "port/cortex_m/toolchain.cmake").string());
+    if (core != StepFirmware::host) command.push_back("-DCMAKE_TOOLCHAIN_FILE=" + toolchain_file.string());
     command.insert(command.end(), settings.begin(), settings.end());
     run_quietly(command);
 }
 
 void add_sizes(nlohmann::ordered_json& row, const fs::path& elf) {
     std::string text;
-    const char* size = row.at("core") == StepFirmware::host ? "size" : "arm-none-eabi-size";
+    const std::string core = row.at("core");
+    const std::string size = core == StepFirmware::host ? "size" : core_named(core).tool("size");
     const int status = Process({size, elf.string()}, {}, Process::Errors::merge).wait(&text);
     unsigned long code = 0, data = 0, zeros = 0;
     if (status != 0 || std::sscanf(text.c_str(), "%*[^\n]\n%lu %lu %lu", &code, &data, &zeros) != 3)
-        throw std::runtime_error(size + (": " + text));
+        throw std::runtime_error(size + ": " + text);
     row["text_bytes"] = code + data;
     row["ram_bytes"] = data + zeros;
 }
@@ -115,6 +121,22 @@ std::string add_cycles(nlohmann::ordered_json& row, const nlohmann::ordered_json
                              "', expected number systems joined by commas, of: " + known);
 }
 
+// Of each port: its compiler, and its tools with * for their names.
+std::map<std::string, std::pair<std::string, std::string>> compilers_and_tools() {
+    std::ifstream families(families_file);
+    std::map<std::string, std::pair<std::string, std::string>> list;
+    for (std::string line; std::getline(families, line);) {
+        std::istringstream row(line);
+        std::string port, compiler, tools;
+        if (!(row >> port) || port.starts_with("#")) continue;
+        if (!(row >> compiler >> tools) || tools.find('*') == std::string::npos)
+            throw std::runtime_error(families_file.string() + ": " + port + ": column tools is '" + tools +
+                                     "', expected a * for the tool's name");
+        list[port] = {compiler, tools};
+    }
+    return list;
+}
+
 // tumble::integrators::Rk4 -> Rk4.
 std::string method_of(const std::string& integrator) {
     const std::string& type = find_integrator(integrator).type;
@@ -123,7 +145,13 @@ std::string method_of(const std::string& integrator) {
 
 }  // namespace
 
+std::string Core::tool(const std::string& name) const {
+    std::string command = tools;
+    return command.replace(command.find('*'), 1, name);
+}
+
 std::vector<Core> cores() {
+    const auto families = compilers_and_tools();
     std::ifstream boards(boards_file);
     std::vector<Core> list;
     for (std::string line; std::getline(boards, line);) {
@@ -142,6 +170,11 @@ std::vector<Core> cores() {
         }
         if (core.numbers.empty()) wrong_numbers(core.name, numbers);
         std::getline(row, core.flags);
+        const auto family = families.find(core.port);
+        if (family == families.end())
+            throw std::runtime_error(boards_file.string() + ": " + core.name + ": column port is '" + core.port +
+                                     "', expected one with a row in " + families_file.string());
+        std::tie(core.compiler, core.tools) = family->second;
         list.push_back(core);
     }
     return list;
@@ -157,7 +190,8 @@ Core core_named(const std::string& name) {
 }
 
 fs::path build_record_firmware(const fs::path& build, const std::string& core, const fs::path& scene) {
-    if (!is_configured("record", build)) configure("record", build, core, {"-DTUMBLE_SCENE_DIR=" + scene.string()});
+    if (!is_configured("record", build, core))
+        configure("record", build, core, {"-DTUMBLE_SCENE_DIR=" + scene.string()});
     run_quietly({"cmake", "--build", build.string()});
     return build / "record.elf";
 }

@@ -12,12 +12,15 @@
 
 namespace tumble::host {
 
-// Rows of port/boards.txt.
+// Rows of port/boards.txt, with what port/families.txt has for their ports.
 struct Core {
     std::string name, port, machine, timing, set;  // as the file explains its columns
     std::vector<std::string> numbers;              // those that suit it, named as in NumberVariant
     std::string flags;
+    std::string compiler, tools;
 
+    // The name of a binary utility, "size".
+    [[nodiscard]] std::string tool(const std::string& name) const;
     // Has port/qemu/cycles a table of what its instructions cost?
     [[nodiscard]] bool has_cycles() const { return timing != "-"; }
     // A Cortex-M7 issues two at most: its cycles are at least half its instructions.

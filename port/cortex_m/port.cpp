@@ -1,18 +1,14 @@
-// The port on a Cortex-M: semihosting console and exit, painted stack, and a 64-bit counter.
+// The port on a Cortex-M: a 64-bit counter.
 // Under QEMU's -icount an instruction takes 2^N ns of SysTick time, which gives exact instruction counts: a difference
 // of two readings is less than one tick away from the true time, and an instruction is more than two ticks long, so
 // rounding to the nearest instruction is unambiguous whatever the phase.
-#include "port.hpp"
+#include "bare_metal.hpp"
 
 #include <numeric>
 
 #include "board.hpp"
-#include "semihosting.hpp"
 
 extern "C" {
-extern std::uint32_t __stack_limit[];
-extern std::uint32_t __stack_top[];
-
 // SysTick wraps since init(), 2^24 ticks each; written by systick_handler.
 volatile std::uint32_t tumble_port_wraps = 0;
 
@@ -37,7 +33,6 @@ using Register = volatile std::uint32_t*;
 constexpr std::uint64_t handler_insn = 5;
 constexpr unsigned systick_bits = 24;
 constexpr std::uint32_t systick_mask = (std::uint32_t{1} << systick_bits) - 1;
-constexpr std::uint32_t paint = 0xA5A5A5A5;
 
 // One instruction lasts ticks_num / ticks_den SysTick periods.
 constexpr std::uint64_t ns_per_s = 1'000'000'000;
@@ -58,7 +53,6 @@ Register dwt_lock() { return at(0xE0001FB0); }
 
 std::uint64_t reading_cost = 0;
 std::uint64_t last_cycles = 0;
-bool text_lost = false;
 
 // The count goes down and its interrupt comes when it reaches 0, so its negative is the time since the last wrap. If a
 // wrap falls between the two reads of the high part, the low part decides which one belongs to it. No branches: the
@@ -130,7 +124,7 @@ std::uint32_t* stack_pointer() {
 }  // namespace
 
 void init() {
-    for (volatile std::uint32_t* word = __stack_limit; word < stack_pointer(); word = word + 1) *word = paint;
+    paint_stack(stack_pointer());
     if constexpr (board::counter == Counter::dwt) start_dwt();
     else start_systick();
     measure_reading_cost();
@@ -158,29 +152,5 @@ std::uint64_t elapsed(Instant from, Instant to) {
 std::string_view tick_unit() { return board::counter == Counter::insn ? "insn" : "cycles"; }
 
 std::string_view core() { return board::core; }
-
-// ":tt" opened for writing is the standard output of the debugger or of QEMU.
-void write(std::string_view text) {
-    using semihosting::Request;
-    constexpr std::uintptr_t mode_write = 4;
-    static const std::uint32_t handle =
-        semihosting::call(Request::open, {reinterpret_cast<std::uintptr_t>(":tt"), mode_write, 3});
-    if (semihosting::call(Request::write, {handle, reinterpret_cast<std::uintptr_t>(text.data()), text.size()}) != 0)
-        text_lost = true;
-}
-
-std::size_t stack_peak() {
-    const volatile std::uint32_t* word = __stack_limit;
-    while (word < __stack_top && *word == paint) word = word + 1;
-    return static_cast<std::size_t>(__stack_top - const_cast<const std::uint32_t*>(word)) * sizeof(std::uint32_t);
-}
-
-void exit(int status) {
-    constexpr std::uintptr_t application_exit = 0x20026;  // ADP_Stopped_ApplicationExit
-    if (status == 0 && text_lost) status = text_lost_status;
-    if (status != 0 && (status & 0xFF) == 0) status = 255;
-    for (;;)
-        semihosting::call(semihosting::Request::exit_extended, {application_exit, static_cast<std::uintptr_t>(status)});
-}
 
 }  // namespace tumble::port

@@ -1,25 +1,10 @@
 // From reset to main, and from a fault to a non-zero exit status.
 // Division by zero stops on every core: by the trap of ARMv7-M, by __aeabi_idiv0 (runtime.cpp) on a Cortex-M0.
-#include <cstdint>
-
-#include "port.hpp"
-
-int main();
+#include "bare_metal.hpp"
 
 extern "C" {
-extern std::uint32_t __stack_limit[];
-extern std::uint32_t __stack_top[];
-extern std::uint32_t __data_start[];
-extern std::uint32_t __data_end[];
-extern const std::uint32_t __data_load[];
-extern std::uint32_t __bss_start[];
-extern std::uint32_t __bss_end[];
-extern void (*const __init_array_start[])();
-extern void (*const __init_array_end[])();
-
 void systick_handler();
 
-// Everything before .init_array must not rely on statics. main returns into exit, so exit's status is main's.
 [[noreturn]] void reset_handler() {
 #if __ARM_ARCH >= 7
     auto* const configuration = reinterpret_cast<volatile std::uint32_t*>(0xE000ED14);
@@ -42,20 +27,12 @@ void systick_handler();
     *coprocessor_access = *coprocessor_access | (0xFU << 20);  // CP10, CP11
 #endif
     asm volatile("dsb\n isb" ::: "memory");
-    const volatile std::uint32_t* from = __data_load;
-    for (volatile std::uint32_t* to = __data_start; to < __data_end; to = to + 1, from = from + 1) *to = *from;
-    for (volatile std::uint32_t* word = __bss_start; word < __bss_end; word = word + 1) *word = 0;
-    for (auto constructor = __init_array_start; constructor < __init_array_end; ++constructor) (*constructor)();
-    tumble::port::exit(main());
+    tumble::port::run_program();
 }
 
 [[noreturn, gnu::used]] void report_fault(const std::uint32_t* frame, std::uint32_t exception) {
     using tumble::port::write;
-    constexpr auto write_hex = [](std::uint32_t value) {
-        char text[] = "0x00000000";
-        for (int i = 0; i < 8; ++i) text[9 - i] = "0123456789abcdef"[(value >> (4 * i)) & 15];
-        write({text, 10});
-    };
+    using tumble::port::write_hex;
     const auto name = [exception]() -> std::string_view {
         switch (exception) {
         case 2: return "NMI";

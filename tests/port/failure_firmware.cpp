@@ -1,4 +1,4 @@
-// Fails in the way that FAILURE names. Reaching the end is the wrong outcome, and exits with 0.
+// Fails in the way that FAILURE names, where memory is missing at BAD_ADDRESS. Reaching the end exits with 0.
 #include "port.hpp"
 
 #include <cstdlib>
@@ -10,8 +10,17 @@ namespace {
     return overflow_stack(depth + 1) + frame[depth % 32];
 }
 
-volatile std::uintptr_t nowhere = 0x3B00'0000;  // of RAM that no board has
+volatile std::uintptr_t nowhere = BAD_ADDRESS;
 volatile std::uint32_t zero = 0;
+
+void execute_undefined() {
+#if defined(__arm__)
+    asm volatile("udf #0");
+#elif defined(__riscv)
+    asm volatile("unimp");
+#endif
+}
+
 volatile std::uint32_t sink;
 
 enum class Failure {
@@ -34,7 +43,7 @@ int main() {
     case Failure::bad_write: *reinterpret_cast<volatile std::uint32_t*>(nowhere) = 1; break;
     case Failure::bad_jump: reinterpret_cast<void (*)()>(nowhere | 1)(); break;
     case Failure::stack_overflow: sink = overflow_stack(0); break;
-    case Failure::undefined_instruction: asm volatile("udf #0"); break;
+    case Failure::undefined_instruction: execute_undefined(); break;
     case Failure::divide_by_zero: sink = 100 / zero; break;
     case Failure::abort: std::abort();
     case Failure::forever:

@@ -1,49 +1,70 @@
 # tumble_add_firmware(<name> SOURCES <file>... [DEFINES <definition>...] [OPTIONS <compiler option>...])
-#   makes <name>.elf and <name>.map for the current core (TUMBLE_CORE), linked with the start-up code, libgcc and no libc.
+#   makes <name>.elf and <name>.map for the current core (TUMBLE_CORE), linked with the start-up code, the compiler's own
+#   library and no libc.
 # tumble_add_firmware_objects(<name> ...)
 #   compiles the same arguments only, for SOURCES $<TARGET_OBJECTS:<name>> of several firmware.
 # tumble_add_firmware_test(<test> FIRMWARE <name> [STATUS <n>] [OUTPUT <regex>] [TIMEOUT <seconds>])
-#   runs it in QEMU under ctest; exit status n or n|m (default 0), and the text must match the regex.
+#   runs it in the core's emulator under ctest; exit status n or n|m (default 0), and the text must match the regex.
+# What families of cores do not share is in port/<port>/family.cmake, which sets
+#   family_sources         the start-up code and the port, compiled for every firmware
+#   family_options         compiler options of all firmware, besides the row's
+#   family_linker_script   the linker's script, or what CMake makes one of; none: the linker's own
+#   family_link_options    the linker's options, besides the row's
+#   family_libraries       what is linked
+#   family_libc            the C library and its mathematics, if there is one; firmware of this project does without
 include_guard(GLOBAL)
-include(${CMAKE_CURRENT_LIST_DIR}/../board.cmake)
+include(${CMAKE_CURRENT_LIST_DIR}/board.cmake)
 
 set(TUMBLE_OPTIMIZE "-O2" CACHE STRING "Optimisation flags of firmware")
-set(TUMBLE_PORT_DIR ${CMAKE_CURRENT_LIST_DIR}/..)
-get_filename_component(TUMBLE_PORT_DIR ${TUMBLE_PORT_DIR} ABSOLUTE)
+set(TUMBLE_PORT_DIR ${CMAKE_CURRENT_LIST_DIR})
 
 if(NOT TARGET tumble::tumble)
     add_subdirectory(${TUMBLE_PORT_DIR}/../kernel kernel)
 endif()
 
 tumble_read_board(${TUMBLE_CORE})
-set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${TUMBLE_BOARDS_FILE})
+set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${TUMBLE_BOARDS_FILE} ${TUMBLE_FAMILIES_FILE})
 set(TUMBLE_BOARD_DIR ${CMAKE_CURRENT_BINARY_DIR}/board)
-configure_file(${CMAKE_CURRENT_LIST_DIR}/board.hpp.in ${TUMBLE_BOARD_DIR}/board.hpp @ONLY)
-configure_file(${CMAKE_CURRENT_LIST_DIR}/firmware.ld.in ${TUMBLE_BOARD_DIR}/firmware.ld @ONLY)
+set(family_dir ${TUMBLE_PORT_DIR}/${TUMBLE_BOARD_PORT})
+include(${family_dir}/family.cmake)
+configure_file(${family_dir}/board.hpp.in ${TUMBLE_BOARD_DIR}/board.hpp @ONLY)
+if(family_linker_script)
+    configure_file(${family_linker_script} ${TUMBLE_BOARD_DIR}/firmware.ld @ONLY)
+    list(APPEND family_link_options -T${TUMBLE_BOARD_DIR}/firmware.ld)
+endif()
 
 # Debug information would double the time to build; add -g to TUMBLE_OPTIMIZE for a session with a debugger.
 add_library(tumble_firmware_flags INTERFACE)
 target_link_libraries(tumble_firmware_flags INTERFACE tumble::tumble)
 target_compile_options(tumble_firmware_flags INTERFACE
-    ${TUMBLE_BOARD_FLAGS} -masm-syntax-unified -fno-exceptions -fno-rtti -fno-threadsafe-statics
+    ${TUMBLE_BOARD_FLAGS} ${family_options} -fno-exceptions -fno-rtti -fno-threadsafe-statics
     -fno-math-errno -ffunction-sections -fdata-sections -fstack-usage
     -Wall -Wextra -Wconversion -Wdouble-promotion -Werror)
 target_include_directories(tumble_firmware_flags INTERFACE ${TUMBLE_PORT_DIR})
 
-# Objects rather than an archive: the vector table is referenced by nobody. The level of optimisation is fixed, so a
+# Objects rather than an archive: the code of the reset is referenced by nobody. The level of optimisation is fixed, so a
 # reading of the counter costs the same in every firmware; loops stay loops, or memcpy would call itself.
-add_library(tumble_startup OBJECT
-    ${CMAKE_CURRENT_LIST_DIR}/startup.cpp ${CMAKE_CURRENT_LIST_DIR}/port.cpp ${CMAKE_CURRENT_LIST_DIR}/runtime.cpp)
+add_library(tumble_startup OBJECT ${family_sources} ${TUMBLE_PORT_DIR}/runtime.cpp)
 target_link_libraries(tumble_startup PRIVATE tumble_firmware_flags tumble::f64)
-target_include_directories(tumble_startup PRIVATE ${TUMBLE_BOARD_DIR})
+target_include_directories(tumble_startup PRIVATE ${TUMBLE_BOARD_DIR} ${family_dir})
 set_target_properties(tumble_startup PROPERTIES CXX_EXTENSIONS OFF)
 target_compile_options(tumble_startup PRIVATE -O2 -ffreestanding -fno-tree-loop-distribute-patterns)
 
 add_library(tumble_firmware_link INTERFACE)
-target_link_options(tumble_firmware_link INTERFACE ${TUMBLE_BOARD_FLAGS} -nostdlib -T${TUMBLE_BOARD_DIR}/firmware.ld
+target_link_options(tumble_firmware_link INTERFACE ${TUMBLE_BOARD_FLAGS} -nostdlib ${family_link_options}
     -Wl,--gc-sections -Wl,--fatal-warnings $<TARGET_PROPERTY:tumble::f64,INTERFACE_LINK_OPTIONS>)
-target_link_libraries(tumble_firmware_link INTERFACE gcc)
-set_property(TARGET tumble_firmware_link PROPERTY INTERFACE_LINK_DEPENDS ${TUMBLE_BOARD_DIR}/firmware.ld)
+target_link_libraries(tumble_firmware_link INTERFACE ${family_libraries})
+if(family_linker_script)
+    set_property(TARGET tumble_firmware_link PROPERTY INTERFACE_LINK_DEPENDS ${TUMBLE_BOARD_DIR}/firmware.ld)
+endif()
+
+# For firmware that is not this project's.
+add_library(tumble_libc INTERFACE)
+if(family_libc)
+    target_link_libraries(tumble_libc INTERFACE ${family_libc} ${family_libraries})
+else()
+    target_compile_options(tumble_libc INTERFACE -fno-math-errno)
+endif()
 
 # With the caller's arg_DEFINES and arg_OPTIONS.
 function(tumble_compile_as_firmware name)
@@ -81,7 +102,7 @@ function(tumble_add_firmware_test test)
         set(arg_TIMEOUT 60)
     endif()
     add_test(NAME ${test} COMMAND ${CMAKE_COMMAND}
-        -DRUN=${CMAKE_CURRENT_FUNCTION_LIST_DIR}/../qemu/run -DCORE=${TUMBLE_CORE} -DELF=$<TARGET_FILE:${arg_FIRMWARE}>
+        -DRUN=${CMAKE_CURRENT_FUNCTION_LIST_DIR}/qemu/run -DCORE=${TUMBLE_CORE} -DELF=$<TARGET_FILE:${arg_FIRMWARE}>
         "-DSTATUS=${arg_STATUS}" "-DOUTPUT=${arg_OUTPUT}" -DTIMEOUT=${arg_TIMEOUT}
-        -P ${CMAKE_CURRENT_FUNCTION_LIST_DIR}/../qemu/expect.cmake)
+        -P ${CMAKE_CURRENT_FUNCTION_LIST_DIR}/qemu/expect.cmake)
 endfunction()

@@ -1,4 +1,4 @@
-// What the compiler expects of a C and C++ runtime, and nothing more: firmware links libgcc, no libc.
+// What the compiler expects of a C and C++ runtime, and nothing more: firmware links the compiler's library, no libc.
 // So a heap, printf, libm or the unwinder cannot come in unnoticed: a use of one does not link.
 #include <cstddef>
 #include <cstdint>
@@ -73,12 +73,10 @@ std::size_t strlen(const char* text) {
 
 // Statics are never destroyed: firmware ends by exit or not at all.
 void* __dso_handle = nullptr;
-int __aeabi_atexit(void*, void (*)(void*), void*) { return 0; }
+int __cxa_atexit(void (*)(void*), void*, void*) { return 0; }
 
 [[noreturn]] void abort() { stop("abort\n"); }
 [[noreturn]] void __cxa_pure_virtual() { stop("pure virtual call\n"); }
-[[noreturn]] void __aeabi_idiv0() { stop("integer division by zero\n"); }
-[[noreturn]] void __aeabi_ldiv0() { stop("integer division by zero\n"); }
 
 // Called by assert() of newlib's <cassert>.
 [[noreturn]] void __assert_func(const char* file, int, const char* function, const char* condition) {
@@ -91,7 +89,13 @@ int __aeabi_atexit(void*, void (*)(void*), void*) { return 0; }
     stop("\n");
 }
 
+#ifdef __ARM_EABI__
+int __aeabi_atexit(void*, void (*)(void*), void*) { return 0; }
+[[noreturn]] void __aeabi_idiv0() { stop("integer division by zero\n"); }
+[[noreturn]] void __aeabi_ldiv0() { stop("integer division by zero\n"); }
+
 // libgcc's division routines name these; defining them keeps the unwinder out of the image.
 void __aeabi_unwind_cpp_pr0() {}
 void __aeabi_unwind_cpp_pr1() {}
+#endif
 }

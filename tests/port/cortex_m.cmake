@@ -1,0 +1,20 @@
+# What a Cortex-M does with a fault. Those of an ARMv6-M core are all HardFaults, and it divides in software.
+set(bad_address 0x3B000000)  # of RAM that no board has
+if(TUMBLE_BOARD_FLAGS MATCHES "-mcpu=cortex-m(0|0plus|1)(\\.[a-z-]+)?(;|$)|-march=armv6s?-m")
+    set(hard_fault STATUS 131 OUTPUT "fault: HardFault")
+    set(outcome_of_bad_read ${hard_fault})
+    set(outcome_of_bad_write ${hard_fault})
+    set(outcome_of_bad_jump ${hard_fault})
+    set(outcome_of_stack_overflow STATUS 131 OUTPUT "fault: HardFault, stack overflow")
+    set(outcome_of_undefined_instruction ${hard_fault})
+    set(outcome_of_divide_by_zero STATUS 120 OUTPUT "integer division by zero")
+else()
+    set(bus_fault STATUS 133 OUTPUT "fault: BusFault")
+    set(outcome_of_bad_read ${bus_fault})
+    set(outcome_of_bad_write ${bus_fault})
+    set(outcome_of_bad_jump ${bus_fault})
+    # 134 is the stack limit of ARMv8-M.
+    set(outcome_of_stack_overflow STATUS "132|134" OUTPUT "fault: (MemManage|UsageFault), stack overflow")
+    set(outcome_of_undefined_instruction STATUS 134 OUTPUT "fault: UsageFault")
+    set(outcome_of_divide_by_zero STATUS 134 OUTPUT "fault: UsageFault")
+endif()
