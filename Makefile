@@ -60,7 +60,7 @@ $(CORES:%=firmware-%): firmware-%: host-tests
 replay: build
 	build/host/tumble run $(SCENE) $(ARGS)
 
-## advise: the cheapest integrator, numbers and step that keep an error: SCENE=path CORE=cortex-m3 TOLERANCE=1e-3
+## advise: the cheapest integrator, numbers and step that keep an error: SCENE=path CORE=cortex-m3 TOLERANCE=1e-3 ARGS="--clock 16MHz"
 advise: SCENE = host_sim/scenes/brick.toml
 advise: build
 	build/host/tumble advise $(SCENE) --core $(CORE) --tolerance $(TOLERANCE) $(ARGS)

@@ -1,5 +1,6 @@
 // `tumble advise`: the cheapest integrator, number system and step that keep a scene's error under a tolerance on a
-// core. Errors are measured on the host, whose bits are the core's; instructions are counted on the core in QEMU.
+// core. Errors are measured on the host, whose bits are the core's; cycles and instructions are counted on the core in
+// QEMU.
 #include <tumble/version.hpp>
 
 #include <algorithm>
@@ -12,6 +13,7 @@
 
 #include "command/command.hpp"
 #include "scene/reader.hpp"
+#include "tools/cost.hpp"
 #include "tools/files.hpp"
 #include "tools/firmware.hpp"
 #include "tools/parallel.hpp"
@@ -38,8 +40,8 @@ constexpr double most_saved_by_carry = 0.05;
 struct Candidate {
     Attempt attempt;
     NumberVariant variant;
-    Json row;  // of the firmware; null until it is measured
-    double insn_per_simulated_second = 0;
+    Json row;                  // of the firmware; null until it is measured
+    double cost = 0;           // of a simulated second, cycles or instructions
     std::string not_measured;  // why
 
     [[nodiscard]] bool waits() const { return row.is_null() && not_measured.empty(); }
@@ -58,28 +60,67 @@ Json json_of(const Attempt& attempt) {
     return json;
 }
 
-Json json_of(const Candidate& candidate) {
+Json json_of(const AdviseOptions& options, const Candidate& candidate) {
     Json json = json_of(candidate.attempt);
     if (!candidate.is_measured()) {
         json["reason"] = candidate.not_measured;
         return json;
     }
-    json["insn_per_simulated_second"] = candidate.insn_per_simulated_second;
+    const double step = candidate.attempt.length.seconds();
+    json["insn_per_simulated_second"] = candidate.row.at("insn_per_step").get<double>() / step;
     json["measured_steps"] = candidate.row.at("steps");
     for (const char* key :
          {"insn_per_step", "insn_per_step_max", "text_bytes", "ram_bytes", "stack_bytes", "state_hash"})
         json[key] = candidate.row.at(key);
+    if (!has_cycles(candidate.row)) return json;
+    for (const char* key : {"min", "est", "max"})
+        json[std::string("cycles_per_simulated_second_") + key] =
+            candidate.row.at(std::string("cycles_per_step_") + key).get<double>() / step;
+    for (const char* key :
+         {"cycles_per_step_min", "cycles_per_step_est", "cycles_per_step_max", "cycles_worst_step_min",
+          "cycles_worst_step_est", "cycles_worst_step_max", "timing", "memory"})
+        json[key] = candidate.row.at(key);
+    if (options.clock) {
+        const StepCost cost = cycles_of(candidate.row);
+        json["mean_share_of_step"] = cost.mean / (*options.clock * step);
+        json["worst_share_of_step"] = cost.worst / (*options.clock * step);
+    }
     return json;
 }
 
-// Instructions of the candidates on the core, cheapest first as far as it can be told without measuring.
+// What costs are ranked by, in the core's cycles or instructions.
+struct Unit {
+    bool cycles;
+    [[nodiscard]] const char* name() const { return cycles ? "cycles" : "instructions"; }
+    [[nodiscard]] double of_step(const Json& row) const { return (cycles ? cycles_of(row) : insn_of(row)).mean; }
+};
+
+// Throws BadArgument where cycles are asked for and the core has none.
+Unit unit_of(const AdviseOptions& options) {
+    const bool known = core_named(options.core).has_cycles();
+    const auto refuse = [&](const char* option) {
+        std::string cores_with;
+        for (const Core& core : cores())
+            if (core.has_cycles()) cores_with += (cores_with.empty() ? "" : ", ") + core.name;
+        throw BadArgument(std::string(option) + ": nothing publishes the cycles of " + options.core +
+                          ", expected a core that has a timing table: " + cores_with);
+    };
+    if (!known && options.cost == "cycles") refuse("--cost");
+    if (!known && options.clock) refuse("--clock");
+    if (!known && options.cost.empty())
+        std::cerr << options.core << ": nothing publishes its cycles; costs are in instructions\n";
+    return {known && options.cost != "insn"};
+}
+
+// What the candidates cost on the core, cheapest first as far as it can be told without measuring.
 class Measurement {
 public:
-    Measurement(const AdviseOptions& options, const SceneDescription& scene, const SampledScene& sampled)
-        : options_(options), sampled_(sampled),
+    Measurement(const AdviseOptions& options, const Unit& unit, const SceneDescription& scene,
+                const SampledScene& sampled)
+        : options_(options), unit_(unit), sampled_(sampled),
           build_(fs::path(TUMBLE_SOURCE_DIR) / "build/advise" / options.core / struct_name(scene.path)),
-          least_insn_(least_insn_per_body *
-                      std::count_if(scene.bodies.begin(), scene.bodies.end(), [](const auto& b) { return !b.fixed; })) {
+          least_(least_insn_per_body *
+                 std::count_if(scene.bodies.begin(), scene.bodies.end(), [](const auto& b) { return !b.fixed; })) {
         fs::create_directories(build_ / "scenes");
     }
 
@@ -97,7 +138,7 @@ public:
         const auto shown = [&] {
             const auto is_done = [](const Candidate& c) { return !c.waits(); };
             progress.show(std::count_if(candidates.begin(), candidates.end(), is_done),
-                          "instructions on " + options_.core);
+                          unit_.name() + (" on " + options_.core));
         };
         for (;;) {
             shown();
@@ -115,7 +156,7 @@ public:
             firmware.build(names);
             in_parallel(wave.size(), [&](std::size_t i) { measure(*wave[i], firmware, names[i]); });
             for (const Candidate* candidate : wave)
-                if (candidate->is_measured()) best_ = std::min(best_, candidate->insn_per_simulated_second);
+                if (candidate->is_measured()) best_ = std::min(best_, candidate->cost);
         }
     }
 
@@ -136,17 +177,16 @@ private:
     }
     [[nodiscard]] std::string reason_to_skip(const Candidate& candidate, const std::vector<Candidate>& all) const {
         if (const Candidate* twin = twin_of(candidate, all);
-            twin != nullptr && twin->is_measured() &&
-            twin->insn_per_simulated_second * (1 - most_saved_by_carry) >= best_)
+            twin != nullptr && twin->is_measured() && twin->cost * (1 - most_saved_by_carry) >= best_)
             return "costs more than the best even if carry saves " + few_digits(100 * most_saved_by_carry) +
                    " % of what it costs without, at no shorter step";
         if (bound(candidate) < best_) return {};
         const auto floor = floors_.find(candidate.attempt.method.numbers);
         return "costs more than the best even in " +
                (floor == floors_.end()
-                    ? std::to_string(least_insn_)
-                    : "half of the " + few_digits(floor->second) + " " + candidate.attempt.method.numbers) +
-               " instructions of a step" + (floor == floors_.end() ? "" : " of semi_implicit_euler");
+                    ? std::to_string(least_)
+                    : "half of the " + few_digits(std::round(floor->second)) + " " + candidate.attempt.method.numbers) +
+               " " + unit_.name() + " of a step" + (floor == floors_.end() ? "" : " of semi_implicit_euler");
     }
 
     // No step costs less than half of what one of semi-implicit Euler without carry does: that evaluates every load
@@ -173,13 +213,13 @@ private:
         firmware.build(names);
         in_parallel(cheapest.size(), [&](std::size_t i) { measure(cheapest[i], firmware, names[i]); });
         for (const Candidate& floor : cheapest)
-            if (floor.is_measured()) floors_[floor.variant.numbers] = floor.row.at("insn_per_step").get<double>();
+            if (floor.is_measured()) floors_[floor.variant.numbers] = unit_.of_step(floor.row);
     }
-    // Instructions of a simulated second that the candidate needs at least.
+    // What a simulated second of the candidate costs at least. An instruction takes a cycle or more.
     [[nodiscard]] double bound(const Candidate& candidate) const {
         const auto floor = floors_.find(candidate.attempt.method.numbers);
-        const double insn = floor == floors_.end() ? 0.0 : floor->second / 2;
-        return std::max(insn, static_cast<double>(least_insn_)) / candidate.attempt.length.seconds();
+        const double cost = floor == floors_.end() ? 0.0 : floor->second / 2;
+        return std::max(cost, static_cast<double>(least_)) / candidate.attempt.length.seconds();
     }
 
     // The run that is measured.
@@ -207,15 +247,15 @@ private:
         if (outcome.row.at("state_hash") != hex(simulation->hash()))
             throw std::runtime_error(options_.core + ", " + name + ": ends with another state than the host");
         candidate.row = std::move(outcome.row);
-        candidate.insn_per_simulated_second =
-            candidate.row.at("insn_per_step").get<double>() / candidate.attempt.length.seconds();
+        candidate.cost = unit_.of_step(candidate.row) / candidate.attempt.length.seconds();
     }
 
     const AdviseOptions& options_;
+    Unit unit_;
     const SampledScene& sampled_;
     fs::path build_;
-    std::int64_t least_insn_;
-    std::map<std::string, double> floors_;  // a number system's cheapest step, insn
+    std::int64_t least_;
+    std::map<std::string, double> floors_;  // a number system's cheapest step
     std::size_t processors_ = std::max(1u, std::thread::hardware_concurrency());
     double best_ = std::numeric_limits<double>::infinity();
 };
@@ -255,6 +295,7 @@ std::vector<Attempt> search(const std::vector<Method>& methods, double tolerance
 
 // Everything that is found out.
 struct Advice {
+    Unit unit;
     Truth truth;
     std::vector<Candidate> ranking, not_measured;
     std::vector<Attempt> unreached;  // the closest first
@@ -267,6 +308,8 @@ void print_json(const AdviseOptions& options, const SampledScene& sampled, const
     const SceneDescription scene = sampled.with_step(sampled.longest());
     json["scene"] = scene.name;
     json["core"] = options.core;
+    json["cost"] = advice.unit.cycles ? "cycles" : "insn";
+    if (options.clock) json["clock_hz"] = *options.clock;
     json["tolerance_m"] = options.tolerance;
     json["tolerance_rad"] = options.tolerance;
     json["samples"] = sample_count;
@@ -274,11 +317,11 @@ void print_json(const AdviseOptions& options, const SampledScene& sampled, const
     json["reference"] = advice.truth.has_contacts ? "two fine runs" : "long double";
     json["reference_doubt_m"] = advice.truth.doubt.position_m;
     json["reference_doubt_rad"] = advice.truth.doubt.orientation_rad;
-    json["recommendation"] = advice.ranking.empty() ? Json() : json_of(advice.ranking.front());
+    json["recommendation"] = advice.ranking.empty() ? Json() : json_of(options, advice.ranking.front());
     if (!advice.message.empty()) json["message"] = advice.message;
     for (const char* key : {"ranking", "not_measured", "unreached"}) json[key] = Json::array();
-    for (const Candidate& candidate : advice.ranking) json["ranking"].push_back(json_of(candidate));
-    for (const Candidate& candidate : advice.not_measured) json["not_measured"].push_back(json_of(candidate));
+    for (const Candidate& candidate : advice.ranking) json["ranking"].push_back(json_of(options, candidate));
+    for (const Candidate& candidate : advice.not_measured) json["not_measured"].push_back(json_of(options, candidate));
     for (const Attempt& attempt : advice.unreached) json["unreached"].push_back(json_of(attempt));
     std::cout << json.dump(2) << "\n";
 }
@@ -308,24 +351,51 @@ void print_list(const std::string& title, const std::vector<std::string>& names)
     std::cout << " " << line << "\n";
 }
 
+// A share of a step's time: "7.9 %".
+std::string percent(double share) { return few_digits(std::round(share * 10000) / 100) + " %"; }
+
+void print_clock(const AdviseOptions& options, const Candidate& best) {
+    const StepCost cost = cycles_of(best.row);
+    const double there_are = *options.clock * best.attempt.length.seconds();
+    std::cout << "At " << few_digits(*options.clock / 1e6) << " MHz a step of " << step_text(best.attempt.length)
+              << " s has " << std::llround(there_are) << " cycles: the mean step takes "
+              << percent(cost.mean / there_are) << " of them, the worst one at most " << percent(cost.worst / there_are)
+              << (cost.worst > there_are ? ", more than there are" : "") << ".\n";
+}
+
 void print_table(const AdviseOptions& options, const SceneDescription& scene, const Advice& advice) {
+    const Unit unit = advice.unit;
     if (!advice.ranking.empty()) {
         const Candidate& best = advice.ranking.front();
         const std::string limit = few_digits(options.tolerance);
         std::cout << options.core << ": " << best.attempt.method.integrator << " in " << best.attempt.method.numbers
                   << (best.attempt.method.carry ? " with carry" : " without carry") << " at a step of "
                   << step_text(best.attempt.length) << " s keeps \"" << scene.name << "\" within " << limit << " m and "
-                  << limit << " rad for " << std::llround(best.insn_per_simulated_second)
-                  << " instructions a simulated second.\n";
-        std::printf("\n%-20s %-9s %9s %10s %10s %10s %12s %7s %7s\n", "integrator", "numbers", "step s", "error m",
-                    "error rad", "insn/step", "insn/s", "text", "RAM");
+                  << limit << " rad for " << std::llround(best.cost) << " " << unit.name() << " a simulated second"
+                  << (unit.cycles ? ", at zero wait states" : "") << ".\n";
+        if (options.clock) print_clock(options, best);
+        const std::string per_step = unit.cycles ? "cycles/step" : "insn/step",
+                          per_second = unit.cycles ? "cycles/s" : "insn/s";
+        std::printf("\n%-20s %-9s %9s %10s %10s %24s %9s %12s %7s %7s", "integrator", "numbers", "step s", "error m",
+                    "error rad", per_step.c_str(), "worst", per_second.c_str(), "text", "RAM");
+        if (options.clock) std::printf(" %9s %9s", "mean", "worst");
+        std::printf("\n");
     }
     for (const Candidate& c : advice.ranking) {
         const auto number = [&](const char* key) { return c.row.at(key).get<unsigned long long>(); };
-        std::printf("%-20s %-9s %9s %10.2g %10.2g %10llu %12.0f %7llu %7llu\n", c.attempt.method.integrator.c_str(),
+        const StepCost cost = unit.cycles ? cycles_of(c.row) : insn_of(c.row);
+        std::printf("%-20s %-9s %9s %10.2g %10.2g %24s %9.0f %12.0f %7llu %7llu", c.attempt.method.integrator.c_str(),
                     numbers_text(c.attempt.method.numbers, c.attempt.method.carry).c_str(),
                     step_text(c.attempt.length).c_str(), c.attempt.errors.position_m, c.attempt.errors.orientation_rad,
-                    number("insn_per_step"), c.insn_per_simulated_second, number("text_bytes"), number("ram_bytes"));
+                    range_text(cost.mean, cost.least, cost.most).c_str(), cost.worst, c.cost, number("text_bytes"),
+                    number("ram_bytes"));
+        if (options.clock) {
+            const StepCost cycles = cycles_of(c.row);
+            const double there_are = *options.clock * c.attempt.length.seconds();
+            std::printf(" %9s %9s", percent(cycles.mean / there_are).c_str(),
+                        percent(cycles.worst / there_are).c_str());
+        }
+        std::printf("\n");
     }
     std::fflush(stdout);
     std::vector<std::string> reasons;
@@ -348,6 +418,7 @@ void print_table(const AdviseOptions& options, const SceneDescription& scene, co
 
 int advise(const AdviseOptions& options) {
     check_core(options.core);
+    const Unit unit = unit_of(options);
     Choice choice;
     choice.scene = options.scene;
     choice.duration = options.duration;
@@ -355,7 +426,7 @@ int advise(const AdviseOptions& options) {
     const SampledScene sampled(scene);
     const std::vector<Method> methods = chosen_methods(options, scene);
 
-    Advice advice;
+    Advice advice{unit, {}, {}, {}, {}, {}};
     advice.truth = truth_of(sampled);
     const double doubt = advice.truth.doubt.largest();
     if (doubt > options.tolerance / 10) {
@@ -377,12 +448,11 @@ int advise(const AdviseOptions& options) {
         }
         std::sort(advice.unreached.begin(), advice.unreached.end(),
                   [](const Attempt& a, const Attempt& b) { return a.error() < b.error(); });
-        if (!candidates.empty()) Measurement(options, scene, sampled).run(candidates);
+        if (!candidates.empty()) Measurement(options, unit, scene, sampled).run(candidates);
         for (Candidate& candidate : candidates)
             (candidate.is_measured() ? advice.ranking : advice.not_measured).push_back(std::move(candidate));
-        std::stable_sort(advice.ranking.begin(), advice.ranking.end(), [](const Candidate& a, const Candidate& b) {
-            return a.insn_per_simulated_second < b.insn_per_simulated_second;
-        });
+        std::stable_sort(advice.ranking.begin(), advice.ranking.end(),
+                         [](const Candidate& a, const Candidate& b) { return a.cost < b.cost; });
         if (advice.ranking.empty() && !advice.not_measured.empty())
             advice.message = "what keeps the error under " + few_digits(options.tolerance) + " does not fit " +
                              options.core + "'s memory";

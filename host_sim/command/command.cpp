@@ -190,11 +190,11 @@ int command(int argc, const char* const* argv) {
         "The error is the largest over 20 equally spaced times and all bodies, of positions in m and of orientations "
         "in "
         "rad, against\nan integration in long double; with contacts, against two fine runs in double precision that "
-        "must agree to a tenth of E.\nThe cost is in instructions of the core in QEMU for a simulated second. Steps "
-        "are "
-        "the scene's times powers of two, at which\nevery event keeps its time. Each method that is measured is "
-        "built for the core; narrow the search to shorten that.\nExit status: 0 something reaches E, 1 nothing does, 2 "
-        "bad input.");
+        "must agree to a tenth of E.\nThe cost is of a simulated second: cycles of the core at zero wait states, as "
+        "its "
+        "manual has them, or\ninstructions. Steps are the scene's times powers of two, at which every event keeps its "
+        "time. Each method that\nis measured is built for the core; narrow the search to shorten that.\n"
+        "Exit status: 0 something reaches E, 1 nothing does, 2 bad input.");
     advise_command->add_option("scene", advise_options.scene, "scene file (TOML)")->required()->type_name("SCENE.toml");
     advise_command->add_option("--core", advise_options.core, "a core of `tumble list`")->required()->type_name("NAME");
     advise_command->add_option("--tolerance", advise_options.tolerance, "the largest error, in m and in rad")
@@ -211,6 +211,18 @@ int command(int argc, const char* const* argv) {
     advise_command->add_option("--duration", advise_options.duration, "length of the run in s, instead of the scene's")
         ->type_name("T")
         ->check(expect_duration());
+    advise_command
+        ->add_option("--cost", advise_options.cost,
+                     "what to rank by; default: cycles, or instructions on a core whose cycles are not published")
+        ->type_name("cycles|insn")
+        ->check(expect("cycles or insn", [](const std::string& text) { return text == "cycles" || text == "insn"; }));
+    advise_command
+        ->add_option_function<std::string>(
+            "--clock", [&](const std::string& text) { advise_options.clock = parse_frequency(text); },
+            "clock of the core, as 16MHz: say what share of a step's time its mean cost and its worst step take")
+        ->type_name("F")
+        ->check(expect("a positive frequency, as 16MHz, \"32.768 kHz\" or 48e6 (Hz)",
+                       [](const std::string& text) { return parse_frequency(text).has_value(); }));
     advise_command->add_flag("--all", advise_options.all, "measure also what cannot be the cheapest");
     advise_command->add_flag("--json", advise_options.json, "print one JSON object");
 

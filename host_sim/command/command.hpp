@@ -72,7 +72,9 @@ struct AdviseOptions {
     double tolerance = 0;                           // of positions in m and of orientations in rad
     std::optional<double> duration;                 // s; empty: the file's
     std::vector<std::string> integrators, numbers;  // to search; empty: all
-    bool all = false;                               // measure also what cannot be the cheapest
+    std::string cost;             // "cycles", "insn", or empty: cycles where the core has a timing table
+    std::optional<double> clock;  // Hz: what share of a step's time it takes
+    bool all = false;             // measure also what cannot be the cheapest
     bool json = false;
 };
 int advise(const AdviseOptions& options);

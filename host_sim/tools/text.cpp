@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstdio>
+#include <utility>
 
 namespace tumble::host {
 namespace {
@@ -72,6 +73,19 @@ std::string csv_field(std::string_view text) {
         quoted += c;
     }
     return quoted + '"';
+}
+
+std::optional<double> parse_frequency(std::string_view text) {
+    double number = 0;
+    const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), number);
+    if (code != std::errc{}) return {};
+    std::string_view unit = text.substr(static_cast<std::size_t>(end - text.data()));
+    while (unit.starts_with(' ')) unit.remove_prefix(1);
+    double hertz = 0;
+    for (const auto& [name, size] : {std::pair{"", 1.0}, {"Hz", 1.0}, {"kHz", 1e3}, {"MHz", 1e6}, {"GHz", 1e9}})
+        if (unit == name) hertz = number * size;
+    if (!(std::isfinite(hertz) && hertz > 0)) return {};
+    return hertz;
 }
 
 }  // namespace tumble::host

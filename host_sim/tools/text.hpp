@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -20,6 +21,10 @@ namespace tumble::host {
 [[nodiscard]] inline std::string numbers_text(const std::string& numbers, bool carry) {
     return numbers + (carry ? " carry" : numbers == "f64" ? "" : " plain");
 }
+
+// Hz: a number, with or without a unit behind it, as in 48000000, 16e6, 16MHz and "32.768 kHz"; units are Hz, kHz, MHz
+// and GHz. None where it is not a positive, finite number of one of them.
+[[nodiscard]] std::optional<double> parse_frequency(std::string_view text);
 
 // A hash as 16 hex digits.
 [[nodiscard]] std::string hex(std::uint64_t value);

@@ -12,21 +12,28 @@ using Json = nlohmann::json;
 
 TEST(Advise, cheapest_method_on_a_core_keeps_the_tolerance) {
     constexpr double tolerance = 1e-4;
-    const std::vector<std::string> arguments = {"advise",      shipped("free"), "--core",        "cortex-m3",
-                                                "--tolerance", "1e-4",          "--integrators", "verlet,rk4",
-                                                "--numbers",   "q32",           "--json"};
+    const std::vector<std::string> arguments = {"advise",  shipped("free"), "--core",     "cortex-m3", "--tolerance",
+                                                "1e-4",    "--integrators", "verlet,rk4", "--numbers", "q32",
+                                                "--clock", "16MHz",         "--json"};
     const Outcome outcome = tumble(arguments, Process::Errors::pass);
     ASSERT_EQ(outcome.status, 0) << outcome.text;
     const Json json = Json::parse(outcome.text);
     EXPECT_EQ(json["ranking"].size() + json["not_measured"].size() + json["unreached"].size(), 4u);
     ASSERT_FALSE(json["ranking"].empty());
     EXPECT_EQ(json["recommendation"], json["ranking"][0]);
+    EXPECT_EQ(json["cost"], "cycles");
+    EXPECT_EQ(json["clock_hz"], 16e6);
     double last = 0;
     for (const Json& row : json["ranking"]) {
-        const double cost = row["insn_per_simulated_second"];
+        const double cost = row["cycles_per_simulated_second_est"], step = row["step_s"];
         EXPECT_GE(cost, last);
         last = cost;
-        EXPECT_EQ(cost, row["insn_per_step"].get<double>() / row["step_s"].get<double>());
+        EXPECT_EQ(cost, row["cycles_per_step_est"].get<double>() / step);
+        EXPECT_EQ(row["insn_per_simulated_second"], row["insn_per_step"].get<double>() / step);
+        EXPECT_GT(row["cycles_per_step_est"], row["insn_per_step"]);
+        EXPECT_EQ(row["memory"], "zero wait states");
+        EXPECT_DOUBLE_EQ(row["mean_share_of_step"], row["cycles_per_step_est"].get<double>() / (16e6 * step));
+        EXPECT_DOUBLE_EQ(row["worst_share_of_step"], row["cycles_worst_step_max"].get<double>() / (16e6 * step));
         EXPECT_GT(row["insn_per_step"], 100);
         EXPECT_GT(row["text_bytes"], 1000);
         EXPECT_GT(row["ram_bytes"], 100);
@@ -56,7 +63,27 @@ TEST(Advise, twin_with_carry_of_the_cheapest_is_measured_too) {
     const Json json = Json::parse(outcome.text);
     ASSERT_EQ(json["ranking"].size(), 2u) << outcome.text;
     EXPECT_NE(json["ranking"][0]["carry"], json["ranking"][1]["carry"]);
-    EXPECT_LE(json["ranking"][0]["insn_per_simulated_second"], json["ranking"][1]["insn_per_simulated_second"]);
+    EXPECT_LE(json["ranking"][0]["cycles_per_simulated_second_est"],
+              json["ranking"][1]["cycles_per_simulated_second_est"]);
+}
+
+TEST(Advise, cost_is_in_instructions_where_they_are_asked_for_or_nothing_else_is_known) {
+    const auto advise = [](const char* core, const char* tolerance, std::vector<std::string> more) {
+        more.insert(more.begin(), {"advise", shipped("free"), "--core", core, "--tolerance", tolerance, "--integrators",
+                                   "rk4", "--numbers", "q32"});
+        return tumble(more);
+    };
+    const Outcome asked = advise("cortex-m3", "1e-4", {"--cost", "insn", "--clock", "16 MHz"});
+    ASSERT_EQ(asked.status, 0) << asked.text;
+    EXPECT_NE(asked.text.find(" instructions a simulated second."), std::string::npos) << asked.text;
+    EXPECT_NE(asked.text.find("At 16 MHz a step of 1/32 s has 500000 cycles: the mean step takes 0."),
+              std::string::npos)
+        << asked.text;
+    const Outcome unknown = advise("cortex-m7", "1e-12", {});  // which no firmware is built for
+    EXPECT_EQ(unknown.status, 1) << unknown.text;
+    EXPECT_NE(unknown.text.find("cortex-m7: nothing publishes its cycles; costs are in instructions"),
+              std::string::npos)
+        << unknown.text;
 }
 
 }  // namespace

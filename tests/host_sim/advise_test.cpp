@@ -6,6 +6,7 @@
 
 #include "command_runner.hpp"
 #include "scene/reader.hpp"
+#include "tools/text.hpp"
 #include "truth/accuracy.hpp"
 
 namespace tumble::host {
@@ -217,6 +218,14 @@ TEST(Advise, bad_input_names_the_option_and_what_was_expected) {
            "--tolerance: got \"inf\", expected a positive");
     expect({"advise", scene, "--core", "cortex-m3", "--tolerance", "small"},
            "--tolerance: got \"small\", expected a positive");
+    expect({"advise", scene, "--core", "cortex-m3", "--tolerance", "1", "--cost", "seconds"},
+           "--cost: got \"seconds\", expected cycles or insn");
+    expect({"advise", scene, "--core", "cortex-m7", "--tolerance", "1", "--cost", "cycles"},
+           "--cost: nothing publishes the cycles of cortex-m7, expected a core that has a timing table: cortex-m0");
+    expect({"advise", scene, "--core", "cortex-m7", "--tolerance", "1", "--clock", "16MHz"},
+           "--clock: nothing publishes the cycles of cortex-m7");
+    expect({"advise", scene, "--core", "cortex-m3", "--tolerance", "1", "--clock", "16mHz"},
+           "--clock: got \"16mHz\", expected a positive frequency, as 16MHz");
     expect({"advise", scene, "--core", "cortex-m3"}, "--tolerance is required");
     expect({"advise", scene, "--tolerance", "1e-3"}, "--core is required");
     expect({"advise", scene, "--core", "cortex-m3", "--tolerance", "1", "--integrators", "rk4,rk5"},
@@ -229,6 +238,14 @@ TEST(Advise, bad_input_names_the_option_and_what_was_expected) {
     expect({"advise", "missing.toml", "--core", "cortex-m3", "--tolerance", "1"}, "missing.toml");
     expect({"advise", written("bad.toml", "name = 3\n"), "--core", "cortex-m3", "--tolerance", "1"},
            "bad.toml:1: name");
+}
+
+TEST(Frequency, has_a_unit_or_is_in_hertz) {
+    for (const char* text : {"16MHz", "16 MHz", "16e6", "16000000", "16000000 Hz", "0.016GHz", "16000 kHz", "1.6e7Hz"})
+        EXPECT_DOUBLE_EQ(parse_frequency(text).value_or(0), 16e6) << text;
+    for (const char* text : {"", "MHz", "16mHz", "16mhz", "16 M", "0", "0 MHz", "-16MHz", "inf", "nan", "1e300 GHz",
+                             "16MHz ", "16MHz.", "16,5 MHz"})
+        EXPECT_FALSE(parse_frequency(text).has_value()) << text;
 }
 
 TEST(Advise, nothing_within_the_tolerance_is_status_1_with_the_closest) {
