@@ -20,7 +20,7 @@ ARGS  ?=
 PROGRAM ?= q32-Verlet
 PAGES := $(wildcard *.md */*.md host_sim/*/*.md)
 
-.PHONY: run test bench bench-contacts peers work-precision work-precision-loads pictures long-run ordinary engines firmware replay advise flame board size check format tables golden build setup clean help
+.PHONY: run test bench bench-contacts peers work-precision work-precision-loads pictures long-run ordinary engines firmware replay advise flame board sizes check format tables golden build setup clean help
 .DEFAULT_GOAL := help
 
 ## help: this list
@@ -173,9 +173,14 @@ board: build/host/build.ninja
 	    > build/board/model.jsonl
 	@echo "run build/board/$(BOARD)/$(PROGRAM).elf on the board and hold what it prints against build/board/model.jsonl"
 
-## size: text and RAM of the firmware just built, against the committed rows
-size: build
-	build/host/bench/tumble_matrix host_sim/scenes/free.toml --all --cores $(call list,$(QUICK_CORES)) --baseline bench/results/free.jsonl
+## sizes: code, constants, RAM and worst-case stack of the tests' firmware, into tests/budget/sizes.txt; REASON="why they changed"
+REASON ?=
+sizes: build
+	@for core in $$(cut -d ' ' -f 1 build/host/tests/budget/sized.txt | sort -u); do \
+	    test -f build/$$core/build.ninja || TUMBLE_CORE=$$core cmake --preset firmware > /dev/null; \
+	    cmake --build build/$$core --target sized || exit 1; \
+	done
+	tests/budget/update_sizes tests/budget/sizes.txt build/host/tests/budget/sized.txt "$(REASON)"
 
 ## tables: rewrite the tables and figures of the pages from the committed rows in bench/results
 tables: build
