@@ -50,11 +50,12 @@ host-tests: build/host/build.ninja
 ## firmware: the firmware of the tests, for the cores of the quick set; TARGETS="all deep": of the deep set, for every core
 firmware: $(TESTED_CORES:%=firmware-%)
 
-.PHONY: $(CORES:%=firmware-%)
-$(CORES:%=firmware-%): firmware-%: host-tests
+.PHONY: $(CORES:%=firmware-%) $(CORES:%=configured-%)
+$(CORES:%=firmware-%): firmware-%: host-tests configured-%
+	@cmake --build build/$* --target $(TARGETS)
+$(CORES:%=configured-%): configured-%:
 	@grep -qs '=$(CURDIR)/port/toolchain.cmake$$' build/$*/CMakeCache.txt || { rm -rf build/$*/CMakeCache.txt build/$*/CMakeFiles; \
 	    TUMBLE_CORE=$* cmake --preset firmware > /dev/null; }
-	@cmake --build build/$* --target $(TARGETS)
 
 ## replay: run a scene on the host: make replay SCENE=path ARGS="--integrator rk4 --json"
 replay: build
@@ -177,8 +178,7 @@ board: build/host/build.ninja
 REASON ?=
 sizes: build
 	@for core in $$(cut -d ' ' -f 1 build/host/tests/budget/sized.txt | sort -u); do \
-	    test -f build/$$core/build.ninja || TUMBLE_CORE=$$core cmake --preset firmware > /dev/null; \
-	    cmake --build build/$$core --target sized || exit 1; \
+	    $(MAKE) --no-print-directory configured-$$core && cmake --build build/$$core --target sized || exit 1; \
 	done
 	tests/budget/update_sizes tests/budget/sizes.txt build/host/tests/budget/sized.txt "$(REASON)"
 

@@ -235,24 +235,26 @@ private:
             [&](int other) { return advance_.bodies.constants[other].fixed || sleepers_.is_asleep(other); },
             [&](int other) { wake(other); });
     }
-    // Wakes the body and all that rest on each other with it, depth first.
+    // Wakes the body and all that rest on each other with it.
     void wake([[maybe_unused]] int b) {
-        if constexpr (features.sleep) {
-            if (!sleepers_.is_asleep(b)) return;
-            // From b to the one that woke last; each is a neighbour of the one before.
-            BodyGroup path;
-            int next = b;
-            do {
-                if (next >= 0) {
-                    sleepers_.wake(next);
-                    contacts_.startle(next, advance_.bodies.steps_taken);
-                    path.add(next);
-                } else {
-                    --path.count;
-                }
-                next = path.count > 0 ? sleeping_neighbour(path.id[path.count - 1]) : -1;
-            } while (path.count > 0);
-        }
+        if constexpr (features.sleep)
+            if (sleepers_.is_asleep(b)) wake_all_with(b);
+    }
+    // Depth first, each before its neighbours. Out of line: it is rare.
+    [[gnu::noinline]] void wake_all_with(int b) requires(features.sleep) {
+        // From b to the one that woke last; each is a neighbour of the one before.
+        BodyGroup path;
+        int next = b;
+        do {
+            if (next >= 0) {
+                sleepers_.wake(next);
+                contacts_.startle(next, advance_.bodies.steps_taken);
+                path.add(next);
+            } else {
+                --path.count;
+            }
+            next = path.count > 0 ? sleeping_neighbour(path.id[path.count - 1]) : -1;
+        } while (path.count > 0);
     }
     // The first sleeping body that touches b or is coupled to it; -1 if there is none.
     [[nodiscard]] int sleeping_neighbour(int b) const requires(features.sleep) {
