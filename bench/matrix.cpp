@@ -151,7 +151,7 @@ void print_answer(const std::vector<std::string>& cores, const std::vector<Job>&
 
 int main(int argc, char** argv) try {
     CLI::App app{"Replays a scene on the host and on every core, compares the bits, and prints what a step costs."};
-    fs::path scene_path, results = "build/results/run.jsonl", baseline;
+    fs::path scene_path, results = "build/results/run.jsonl";
     std::vector<std::string> cores, methods = tumble::bench::integrator_names(), numbers;
     bool accuracy = false, all = false;
     double tolerance = 0;
@@ -165,7 +165,6 @@ int main(int argc, char** argv) try {
         ->delimiter(',');
     app.add_flag("--all", all, "Every number system, and every core where --cores names none");
     app.add_option("--results", results, "Where the rows go, as JSON lines");
-    app.add_option("--baseline", baseline, "Rows to compare size and cost with");
     app.add_flag("--accuracy", accuracy,
                  "Add errors against the long-double reference, up to the scene's first contact");
     app.add_option("--tolerance", tolerance,
@@ -270,25 +269,6 @@ int main(int argc, char** argv) try {
     }
     print_table(jobs);
     tumble::bench::write_rows(results, rows);
-    if (!baseline.empty()) {
-        const auto old_rows = tumble::bench::read_rows(baseline);
-        for (const Row& row : rows) {
-            for (const Row& old : old_rows) {
-                if (old.at("core") != row.at("core") || old.at("numbers") != row.at("numbers") ||
-                    old.at("carry") != row.at("carry") || old.at("integrator") != row.at("integrator"))
-                    continue;
-                for (const char* key : {"insn_per_step", "cycles_per_step_est", "cycles_worst_step_max", "text_bytes",
-                                        "ram_bytes", "stack_bytes"}) {
-                    if (!row.contains(key) || !old.contains(key)) continue;
-                    const long change = row.at(key).get<long>() - old.at(key).get<long>();
-                    if (change != 0)
-                        std::printf("%s %s %s: %s %+ld\n", row.at("core").get<std::string>().c_str(),
-                                    row.at("numbers").get<std::string>().c_str(),
-                                    row.at("integrator").get<std::string>().c_str(), key, change);
-                }
-            }
-        }
-    }
     std::printf("\n");
     if (tolerance > 0) print_answer(cores, jobs, scene, tolerance);
     std::printf("%zu rows in %s", rows.size(), results.c_str());

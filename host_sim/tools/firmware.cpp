@@ -60,6 +60,18 @@ void add_sizes(nlohmann::ordered_json& row, const fs::path& elf) {
     if (status != 0 || std::sscanf(text.c_str(), "%*[^\n]\n%lu %lu %lu", &code, &data, &zeros) != 3)
         throw std::runtime_error(size + ": " + text);
     row["text_bytes"] = code + data;
+    text.clear();
+    if (Process({size, "-A", "-d", elf.string()}, {}, Process::Errors::merge).wait(&text) != 0)
+        throw std::runtime_error(size + ": " + text);
+    std::istringstream lines(text);
+    for (std::string line; std::getline(lines, line);) {
+        std::istringstream words(line);
+        std::string section;
+        std::uint64_t bytes = 0;
+        if (!(words >> section >> bytes)) continue;
+        if (section == ".text") row["code_bytes"] = bytes;
+        if (section == ".rodata") row["rodata_bytes"] = bytes;
+    }
     row["ram_bytes"] = data + zeros;
 }
 
