@@ -3,10 +3,11 @@
 TARGETS := all
 CORES := $(shell awk '/^[^\#]/ { print $$1 }' port/boards.txt)
 TESTED_CORES := $(shell awk -v targets="$(TARGETS)" '/^[^\#]/ && ($$10 == "quick" || targets ~ $$10) { print $$1 }' port/boards.txt)
-# Cores with a timing table, of these those of the quick set, and the others.
+# Cores with a timing table, of these those of the quick set, and the others that count instructions; and all of the deep set.
 TIMED_CORES := $(shell awk '/^[^\#]/ && $$9 != "-" { print $$1 }' port/boards.txt)
 QUICK_CORES := $(shell awk '/^[^\#]/ && $$9 != "-" && $$10 == "quick" { print $$1 }' port/boards.txt)
-OTHER_CORES := $(filter-out $(TIMED_CORES),$(CORES))
+OTHER_CORES := $(shell awk '/^[^\#]/ && $$9 == "-" && $$5 ~ /^insn/ { print $$1 }' port/boards.txt)
+DEEP_CORES := $(shell awk '/^[^\#]/ && $$10 == "deep" { print $$1 }' port/boards.txt)
 JOBS  := $(shell nproc)
 comma := ,
 space := $(subst ,, )
@@ -30,7 +31,7 @@ help:
 
 ## run: the main job: replay a scene on the host and on the cores of the quick set, compare the bits, print what a step costs; ARGS=--all for every core and number system
 # The first module of worlds beside the command, on the other processor; the commands build what else they need.
-run: build/host/build.ninja
+run: build/host/build.ninja $(if $(findstring --all,$(ARGS)),deep-setup)
 	@cmake --build build/host --target tumble tumble_matrix tumble_worlds_0
 	build/host/tumble run $(SCENE)
 	build/host/bench/tumble_matrix $(SCENE) --tolerance $(TOLERANCE) $(ARGS)
@@ -53,6 +54,7 @@ firmware: $(TESTED_CORES:%=firmware-%)
 .PHONY: $(CORES:%=firmware-%) $(CORES:%=configured-%)
 $(CORES:%=firmware-%): firmware-%: host-tests configured-%
 	@cmake --build build/$* --target $(TARGETS)
+$(DEEP_CORES:%=configured-%): deep-setup
 $(CORES:%=configured-%): configured-%:
 	@grep -qs '=$(CURDIR)/port/toolchain.cmake$$' build/$*/CMakeCache.txt || { rm -rf build/$*/CMakeCache.txt build/$*/CMakeFiles; \
 	    TUMBLE_CORE=$* cmake --preset firmware > /dev/null; }
@@ -236,6 +238,11 @@ valgrind:
 ## setup: install what is missing (Debian packages, with sudo when not root)
 setup:
 	@port/setup
+
+# What only the deep set of tests and of cores needs.
+.PHONY: deep-setup
+deep-setup:
+	@port/setup deep
 
 ## clean: remove the build directory
 clean:

@@ -32,11 +32,11 @@ using tumble::host::StepCost;
 using tumble::host::StepFirmware;
 namespace fs = std::filesystem;
 
-// Those of the quick set of boards.txt, or all.
+// Those of the quick set of boards.txt, or all that can be emulated.
 std::vector<std::string> core_names(bool all) {
     std::vector<std::string> names;
     for (const auto& core : tumble::host::cores())
-        if (all || core.set == "quick") names.push_back(core.name);
+        if (core.machine != "-" && (all || core.set == "quick")) names.push_back(core.name);
     return names;
 }
 
@@ -125,6 +125,10 @@ void print_answer(const std::vector<std::string>& cores, const std::vector<Job>&
             continue;
         }
         const StepCost cost = tumble::host::cost_of(best->row);
+        if (std::isnan(cost.mean)) {
+            std::printf("%-11s counts neither cycles nor instructions\n", core.c_str());
+            continue;
+        }
         std::printf("%-11s %s in %s: %s", core.c_str(), best->method.c_str(),
                     tumble::host::numbers_text(best->variant.numbers, best->variant.carry).c_str(),
                     cost.mean_text().c_str());
@@ -248,7 +252,8 @@ int main(int argc, char** argv) try {
             const bool on_host = job.core == StepFirmware::host;
             job.row["step_s"] = scene.step.seconds();
             job.row["compiler"] = on_host ? TUMBLE_HOST_COMPILER : compiler_of(job.core);
-            job.row["flags"] = !on_host && job.variant.numbers == "q32" ? TUMBLE_Q32_FLAGS : "-O2";
+            const bool has_q32_flags = !on_host && tumble::host::core_named(job.core).compiled_by_gcc();
+            job.row["flags"] = has_q32_flags && job.variant.numbers == "q32" ? TUMBLE_Q32_FLAGS : "-O2";
             job.compared = answer.error.steps;
             if (job.compared > 0) {
                 job.row["position_error_m"] = answer.error.largest.position_m;

@@ -1,6 +1,6 @@
 # tumble_read_board(<core>): reads the row of a core in boards.txt, and that of its port in families.txt, into TUMBLE_BOARD_*
 #   variables of the caller. An unknown core is an error that lists the known ones.
-# tumble_list_cores(<result> [<set>]): the cores, or those of a set, in the order of their rows.
+# tumble_list_cores(<result> [<set>]): the cores that can be emulated, or those of a set, in the order of their rows.
 include_guard()
 
 set(TUMBLE_BOARDS_FILE ${CMAKE_CURRENT_LIST_DIR}/boards.txt)
@@ -57,6 +57,9 @@ function(tumble_read_board core)
         if(NOT set MATCHES "^(quick|deep)$")
             message(FATAL_ERROR "${TUMBLE_BOARDS_FILE}: ${core}: column set is '${set}', expected quick or deep")
         endif()
+        if(flash STREQUAL "-")
+            set(flash 0:0)
+        endif()
         string(REPLACE ":" ";" flash ${flash})
         string(REPLACE ":" ";" ram ${ram})
         list(GET flash 0 TUMBLE_BOARD_FLASH_ORIGIN)
@@ -91,8 +94,9 @@ function(tumble_list_cores result)
     foreach(row IN LISTS rows)
         separate_arguments(row UNIX_COMMAND "${row}")
         list(GET row 0 core)
+        list(GET row 2 machine)
         list(GET row 9 set)
-        if(NOT ARGN OR set IN_LIST ARGN)
+        if(NOT machine STREQUAL "-" AND (NOT ARGN OR set IN_LIST ARGN))
             list(APPEND cores ${core})
         endif()
     endforeach()

@@ -1,4 +1,4 @@
-# tumble_add_firmware(<name> SOURCES <file>... [DEFINES <definition>...] [OPTIONS <compiler option>...])
+# tumble_add_firmware(<name> SOURCES <file>... [DEFINES <definition>...] [OPTIONS <option of GCC>...])
 #   makes <name>.elf and <name>.map for the current core (TUMBLE_CORE), linked with the start-up code, the compiler's own
 #   library and no libc.
 # tumble_add_firmware_objects(<name> ...)
@@ -48,7 +48,8 @@ add_library(tumble_startup OBJECT ${family_sources} ${TUMBLE_PORT_DIR}/runtime.c
 target_link_libraries(tumble_startup PRIVATE tumble_firmware_flags tumble::f64)
 target_include_directories(tumble_startup PRIVATE ${TUMBLE_BOARD_DIR} ${family_dir})
 set_target_properties(tumble_startup PROPERTIES CXX_EXTENSIONS OFF)
-target_compile_options(tumble_startup PRIVATE -O2 -ffreestanding -fno-tree-loop-distribute-patterns)
+target_compile_options(tumble_startup PRIVATE -O2 -ffreestanding -fno-builtin
+    $<$<CXX_COMPILER_ID:GNU>:-fno-tree-loop-distribute-patterns>)
 
 add_library(tumble_firmware_link INTERFACE)
 target_link_options(tumble_firmware_link INTERFACE ${TUMBLE_BOARD_FLAGS} -nostdlib ${family_link_options}
@@ -72,7 +73,7 @@ function(tumble_compile_as_firmware name)
     set_target_properties(${name} PROPERTIES CXX_EXTENSIONS OFF)
     target_compile_definitions(${name} PRIVATE ${arg_DEFINES})
     separate_arguments(optimize UNIX_COMMAND "${TUMBLE_OPTIMIZE}")
-    target_compile_options(${name} PRIVATE ${optimize} ${arg_OPTIONS})
+    target_compile_options(${name} PRIVATE ${optimize} "$<$<CXX_COMPILER_ID:GNU>:${arg_OPTIONS}>")
 endfunction()
 
 function(tumble_add_firmware name)

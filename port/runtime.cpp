@@ -75,7 +75,7 @@ std::size_t strlen(const char* text) {
 void* __dso_handle = nullptr;
 int __cxa_atexit(void (*)(void*), void*, void*) { return 0; }
 
-[[noreturn]] void abort() { stop("abort\n"); }
+void abort() { stop("abort\n"); }
 [[noreturn]] void __cxa_pure_virtual() { stop("pure virtual call\n"); }
 
 // Called by assert() of newlib's <cassert>.

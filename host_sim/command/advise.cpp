@@ -418,6 +418,8 @@ void print_table(const AdviseOptions& options, const SceneDescription& scene, co
 
 int advise(const AdviseOptions& options) {
     check_core(options.core);
+    if (!core_named(options.core).has_insn())
+        throw BadArgument("--core: got \"" + options.core + "\", expected a core whose instructions are counted");
     const Unit unit = unit_of(options);
     Choice choice;
     choice.scene = options.scene;

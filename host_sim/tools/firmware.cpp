@@ -171,7 +171,7 @@ std::vector<Core> cores() {
         Core core;
         std::string skipped, numbers;
         if (!(row >> core.name) || core.name.starts_with("#")) continue;
-        row >> core.port >> core.machine >> skipped >> skipped >> skipped >> skipped >> skipped >> core.timing >>
+        row >> core.port >> core.machine >> skipped >> core.counter >> skipped >> skipped >> skipped >> core.timing >>
             core.set >> numbers >> std::ws;
         std::istringstream words(numbers);
         for (std::string word; std::getline(words, word, ',');) {

@@ -14,15 +14,19 @@ namespace tumble::host {
 
 // Rows of port/boards.txt, with what port/families.txt has for their ports.
 struct Core {
-    std::string name, port, machine, timing, set;  // as the file explains its columns
-    std::vector<std::string> numbers;              // those that suit it, named as in NumberVariant
+    std::string name, port, machine, counter, timing, set;  // as the file explains its columns
+    std::vector<std::string> numbers;                       // those that suit it, named as in NumberVariant
     std::string flags;
     std::string compiler, tools;
 
+    // Options of GCC are for it.
+    [[nodiscard]] bool compiled_by_gcc() const { return compiler.ends_with("-g++"); }
     // The name of a binary utility, "size".
     [[nodiscard]] std::string tool(const std::string& name) const;
     // Has port/qemu/cycles a table of what its instructions cost?
     [[nodiscard]] bool has_cycles() const { return timing != "-"; }
+    // Are its instructions counted, so that a step has a cost that repeats?
+    [[nodiscard]] bool has_insn() const { return counter.starts_with("insn"); }
     // A Cortex-M7 issues two at most: its cycles are at least half its instructions.
     [[nodiscard]] bool issues_two() const { return flags.find("-mcpu=cortex-m7") != std::string::npos; }
 };

@@ -211,6 +211,8 @@ TEST(Advise, bad_input_names_the_option_and_what_was_expected) {
     };
     expect({"advise", scene, "--core", "cortex-m9", "--tolerance", "1e-3"},
            "--core: got \"cortex-m9\", expected one of cortex-m0, ");
+    expect({"advise", scene, "--core", "wasm32", "--tolerance", "1e-3"},
+           "--core: got \"wasm32\", expected a core whose instructions are counted");
     expect({"advise", scene, "--core", "cortex-m3", "--tolerance", "0"}, "--tolerance: got \"0\", expected a positive");
     expect({"advise", scene, "--core", "cortex-m3", "--tolerance", "-1"},
            "--tolerance: got \"-1\", expected a positive");

@@ -1,4 +1,6 @@
 # What a Cortex-M does with a fault. Those of an ARMv6-M core are all HardFaults, and it divides in software.
+set(unit insn)
+set(not_here "")
 set(bad_address 0x3B000000)  # of RAM that no board has
 if(TUMBLE_BOARD_FLAGS MATCHES "-mcpu=cortex-m(0|0plus|1)(\\.[a-z-]+)?(;|$)|-march=armv6s?-m")
     set(hard_fault STATUS 131 OUTPUT "fault: HardFault")
