@@ -146,6 +146,51 @@ const std::vector<SceneSetup>& scenes() {
         s.back().bodies[0].position = {0, 1.25, 0};
         s.back().bodies[1].position = {0.0625, 3, 0};
         s.back().planes = {{}};
+
+        // Alone, in loads that do not couple it, and with all that may act on it.
+        BodySpec point = point_mass(1.5);
+        point.position = {0.5, 4, -1};
+        point.velocity = {1, 2, -0.5};
+        s.push_back({.name = "thrown_point", .needs = with_point});
+        s.back().world = {.gravity = gravity, .linear_drag = 0.1};
+        s.back().bodies = {point};
+        s.back().impulses = {{.time = 0.25, .impulse = {1, 0, -0.5}}, {.time = 0.5, .impulse = {-1, 2, 0}}};
+
+        s.push_back({.name = "points_that_attract", .step = Seconds{1, 128}, .needs = with_points});
+        s.back().world = {.gravity = {0, -1, 0}, .gravitation = 1, .linear_drag = 0.05};
+        s.back().bodies = {point_mass(8), point, point_mass(0.5)};
+        s.back().bodies[0].position = {0, 2, 0};
+        s.back().bodies[0].fixed = true;
+        s.back().bodies[2].position = {-2, 3, 1};
+        s.back().bodies[2].velocity = {0, -1, 0.5};
+        s.back().springs = {{.body = 1, .to_body = 2, .stiffness = 10, .damping = 0.25, .rest_length = 1},
+                            {.body = 2, .to = {0, 5, 0}, .stiffness = 4}};
+        s.back().forces = {{.body = 1, .from = 0.25, .until = 2.0, .force = {0, 1, 0.5}}};
+        s.back().impulses = {{.time = 0.5, .body = 2, .impulse = {0.5, 0, 0}}};
+
+        // Two tied to a body off its centre, and to each other; one flies alone.
+        s.push_back({.name = "points_among_bodies", .needs = with_points_among_bodies});
+        s.back().world = {.gravity = gravity, .linear_drag = 0.1, .angular_drag = 0.05};
+        s.back().bodies = {point, body, point_mass(0.5), point_mass(2)};
+        s.back().bodies[0].position = {1.5, 5, -1};
+        s.back().bodies[2].position = {-1, 4, 0};
+        s.back().bodies[3].position = {6, 2, 3};
+        s.back().bodies[3].velocity = {0, 5, 0};
+        s.back().springs = {{.body = 0, .to_body = 1, .to = {0.25, 0.5, 0}, .stiffness = 30, .damping = 0.5},
+                            {.body = 1, .point = {-0.25, 0, 0.5}, .to_body = 2, .stiffness = 20, .rest_length = 1},
+                            {.body = 2, .to_body = 0, .stiffness = 5, .rest_length = 2}};
+        s.back().forces = {{.body = 2, .from = 0.0, .until = 0.5, .force = {0, 8, 0}}};
+        s.back().impulses = {{.time = 0.25, .body = 0, .impulse = {1, 0, 0}},
+                             {.time = 0.5, .body = 1, .impulse = {0, 1, 0}, .point = {0.25, 0, 0}}};
+
+        // The point passes through the plane that its ball bounces on.
+        s.push_back({.name = "point_below_a_ball", .needs = with_point_and_plane});
+        s.back().world = {.gravity = gravity, .contact = {.restitution = 0.8}};
+        s.back().bodies = {sphere(1, 0.25), point_mass(0.5)};
+        s.back().bodies[0].position = {0, 1, 0};
+        s.back().bodies[1].position = {0.5, 0.5, 0};
+        s.back().springs = {{.body = 0, .point = {0.25, 0, 0}, .to_body = 1, .stiffness = 40, .rest_length = 0.5}};
+        s.back().planes = {{}};
         return s;
     }();
     return all;

@@ -55,6 +55,18 @@ inline constexpr Features with_turntable{
 inline constexpr Features with_sleep{.planes = 1, .boxes = true, .friction = true, .sleep = true};
 inline constexpr Features with_contact_springs{
     .bodies = 2, .planes = 1, .pairs = true, .contact_impulses = false, .contact_springs = true};
+inline constexpr Features with_point{.rotation = false, .point_masses = true, .drag = true, .impulses = true};
+inline constexpr Features with_points{.bodies = 3,
+                                      .springs = 2,
+                                      .rotation = false,
+                                      .point_masses = true,
+                                      .drag = true,
+                                      .gravitation = true,
+                                      .forces = true,
+                                      .impulses = true};
+inline constexpr Features with_points_among_bodies{
+    .bodies = 4, .springs = 3, .point_masses = true, .drag = true, .forces = true, .impulses = true};
+inline constexpr Features with_point_and_plane{.bodies = 2, .planes = 1, .springs = 1, .point_masses = true};
 
 // A scene: everything a world is built from.
 struct SceneSetup {

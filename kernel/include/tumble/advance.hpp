@@ -14,12 +14,13 @@ public:
     using Integrator = typename S::Integrator;
     using Work = typename N::Work;
     using DriftSum = typename N::DriftSum;
-    using State = BodyState<N, Integrator::spin>;
     static constexpr Features features = S::features;
-    static constexpr bool has_loads = features.loads();
-    using Bodies = tumble::Bodies<N, Integrator::spin, features.bodies>;
+    static constexpr bool has_loads = features.loads(), rotation = features.rotation;
+    static constexpr Spin spin = rotation ? Integrator::spin : Spin::none;
+    using State = BodyState<N, spin>;
+    using Bodies = tumble::Bodies<N, spin, features.bodies, features.mixed()>;
     using BodyGroup = tumble::BodyGroup<features.bodies>;
-    using Loads = LoadSet<N, Integrator::spin, features>;
+    using Loads = LoadSet<N, spin, features>;
     using Portion = tumble::Portion<Work>;
 
     Advance(Seconds step, const WorldSpec& spec) : bodies{step}, loads{step.value, spec} {}
@@ -35,15 +36,16 @@ public:
     // Adds a body at the first free place, which there must be.
     int add(const BodySpec& spec, const PrincipalInertia& inertia) {
         const int b = bodies.add(spec, inertia);
-        inertia_[b] = Inertia::of(inertia.moments, bodies.scale);
+        if constexpr (rotation)
+            if (bodies.rotates(b)) inertia_[b] = Inertia::of(inertia.moments, bodies.scale);
         spin_changed(b);
         if constexpr (has_loads) loads.set_body(b, spec, inertia, bodies);
         return b;
     }
     // Call when anything but free rotation has changed the spin.
     TUMBLE_INLINE void spin_changed([[maybe_unused]] int b) {
-        if constexpr (requires(Inertia & inertia) { inertia.prepare(bodies.state[0], bodies.scale); })
-            inertia_[b].prepare(bodies.state[b], bodies.scale);
+        if constexpr (rotation && requires(Inertia & inertia) { inertia.prepare(bodies.state[0], bodies.scale); })
+            if (bodies.rotates(b)) inertia_[b].prepare(bodies.state[b], bodies.scale);
     }
     void spins_changed(const BodyGroup& group) {
         for (int k = 0; k < group.count; ++k) spin_changed(group.id[k]);
@@ -64,7 +66,7 @@ public:
     }
     // A step of a fixed body, which may turn where there are turntables.
     TUMBLE_INLINE void step_fixed([[maybe_unused]] int b, [[maybe_unused]] const StepInfo<N>& info) {
-        if constexpr (features.turntables)
+        if constexpr (features.turntables && rotation)
             if (bodies.is_turning(b)) rotate(b, info);
     }
     // A step of bodies that loads couple, or of one body.
@@ -88,7 +90,7 @@ public:
             whole.keep(k, s);
             for (int i = 0; i < 3; ++i) {
                 N::add(s.d_w[i], N::part(N::sum(s.d_w[i]), part) - N::sum(s.d_w[i]));
-                s.t_b[i].add(N::part(N::sum(s.t_b[i]), part) - N::sum(s.t_b[i]));
+                if constexpr (rotation) s.t_b[i].add(N::part(N::sum(s.t_b[i]), part) - N::sum(s.t_b[i]));
             }
             scaled.keep(k, s);
         }
@@ -102,11 +104,14 @@ public:
             State& s = bodies.state[group.id[k]];
             for (int i = 0; i < 3; ++i) {
                 const Work linear = N::metres(N::sum(s.d_w[i]) - N::sum(scaled[k].d_w[i]), bodies.scale) * inverse;
-                const Work angular = N::half_turn(N::sum(s.t_b[i]) - N::sum(scaled[k].t_b[i]), bodies.scale) * inverse;
                 s.d_w[i] = whole[k].d_w[i];
-                s.t_b[i] = whole[k].t_b[i];
                 N::add(s.d_w[i], N::drift_sum(linear, bodies.scale));
-                s.t_b[i].add(N::turn_sum(angular, bodies.scale));
+                if constexpr (rotation) {
+                    const Work angular =
+                        N::half_turn(N::sum(s.t_b[i]) - N::sum(scaled[k].t_b[i]), bodies.scale) * inverse;
+                    s.t_b[i] = whole[k].t_b[i];
+                    s.t_b[i].add(N::turn_sum(angular, bodies.scale));
+                }
             }
         }
         spins_changed(group);
@@ -147,10 +152,13 @@ private:
         axis(s.x_w.y, s.d_w.y, fall[1]);
         axis(s.x_w.z, s.d_w.z, fall[2]);
     }
-    TUMBLE_INLINE void rotate(int b, const StepInfo<N>& info) {
-        const auto run = [&] { return Integrator::template rotate<N>(bodies.state[b], inertia_[b], info); };
-        if constexpr (std::is_void_v<decltype(run())>) run();
-        else if (!run()) bodies.report(Issue::step_bound_hit, b);
+    TUMBLE_INLINE void rotate([[maybe_unused]] int b, [[maybe_unused]] const StepInfo<N>& info) {
+        if constexpr (rotation) {
+            if (!bodies.rotates(b)) return;
+            const auto run = [&] { return Integrator::template rotate<N>(bodies.state[b], inertia_[b], info); };
+            if constexpr (std::is_void_v<decltype(run())>) run();
+            else if (!run()) bodies.report(Issue::step_bound_hit, b);
+        }
     }
 
     // Over a stretch of the given length, in steps, in whose units the state and `fall` are.
@@ -181,11 +189,12 @@ private:
     }
     template <int capacity, class Evaluate>
     void staged(const BodyGroup& ids, const Evaluate& evaluate, const StepInfo<N>& info) {
-        Group<N, Integrator::spin, Inertia, capacity> group;
+        Group<N, spin, Inertia, capacity, features.mixed()> group;
         group.count = ids.count;
         for (int k = 0; k < ids.count; ++k) {
             group.body[k] = &bodies.state[ids.id[k]];
-            group.inertia[k] = &inertia_[ids.id[k]];
+            if constexpr (rotation)
+                if (bodies.rotates(ids.id[k])) group.inertia[k] = &inertia_[ids.id[k]];
         }
         if (!Integrator::template advance<N, capacity>(group, evaluate, info))
             bodies.report(Issue::step_bound_hit, ids.id[0]);
@@ -193,7 +202,7 @@ private:
     }
 
     DriftSum gravity_[3]{};  // change of drift a step, or half of it: see fall_in_halves
-    [[no_unique_address]] typename detail::RoomFor<Inertia, features.bodies>::Array inertia_{};
+    [[no_unique_address]] If<rotation, typename detail::RoomFor<Inertia, features.bodies>::Array, 1> inertia_{};
 
 public:
     Bodies bodies;

@@ -17,6 +17,8 @@ struct Features {
     int planes = 0;                // room for planes
     int springs = 0;               // room for springs
     int near_pairs = 0;            // pairs near at one time, of a body and a plane or another; 0: as usual
+    bool rotation = true;          // bodies rotate; without, all of them are point masses
+    bool point_masses = false;     // bodies may be point masses, which do not
     bool drag = false;             // world-wide linear and angular drag
     bool gravitation = false;      // between all bodies
     bool forces = false;           // timed forces and torques
@@ -39,6 +41,8 @@ struct Features {
         f("planes", &Features::planes);
         f("springs", &Features::springs);
         f("near_pairs", &Features::near_pairs);
+        f("rotation", &Features::rotation);
+        f("point_masses", &Features::point_masses);
         f("drag", &Features::drag);
         f("gravitation", &Features::gravitation);
         f("forces", &Features::forces);
@@ -69,8 +73,10 @@ struct Features {
         return all;
     }
 
-    // True where there is something for a body to touch.
-    [[nodiscard]] constexpr bool touches() const { return bodies > 0 && (planes > 0 || pairs); }
+    // True where some bodies rotate and others, point masses, do not.
+    [[nodiscard]] constexpr bool mixed() const { return rotation && point_masses; }
+    // True where there is something for a body to touch; point masses touch nothing.
+    [[nodiscard]] constexpr bool touches() const { return bodies > 0 && rotation && (planes > 0 || pairs); }
     // True where the code of contacts by impulses is compiled in.
     [[nodiscard]] constexpr bool contacts() const { return touches() && contact_impulses; }
     // True where the code of contacts by springs is compiled in.

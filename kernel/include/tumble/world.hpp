@@ -16,14 +16,16 @@ namespace tumble {
 template <class S>
 class World {
 public:
-    using Numbers = typename S::Numbers;           // the number system
-    using Integrator = typename S::Integrator;     // the method
-    using N = Numbers;                             // the number system
-    using Work = typename N::Work;                 // of accessors: Scaled in fixed point, else float or double
-    using State = BodyState<N, Integrator::spin>;  // of a body, as a step keeps it
+    using Numbers = typename S::Numbers;               // the number system
+    using Integrator = typename S::Integrator;         // the method
+    using N = Numbers;                                 // the number system
+    using Work = typename N::Work;                     // of accessors: Scaled in fixed point, else float or double
+    using State = typename tumble::Advance<S>::State;  // of a body, as a step keeps it
     static_assert(
         !requires { S::bodies; } && !requires { S::planes; } && !requires { S::springs; },
         "what a scene has room for stands in `static constexpr tumble::Features features{.bodies = ...}`");
+    static_assert(S::features.rotation || S::features.point_masses,
+                  "without rotation all bodies are point masses: name .point_masses = true beside .rotation = false");
     static_assert(runs_in<Integrator, N>,
                   "the scene's Integrator runs in floating point only: not_in_fixed_point says why");
     static_assert(Method<Integrator, N>, "the scene's Integrator lacks what integrators/method.hpp asks of a method");
@@ -46,14 +48,14 @@ public:
         advance_.set_gravity(gravity);
     }
 
-    // Adds a body; false (and Issue::world_full) when there is no room. Mass and moments must be positive. A start that
-    // leaves the range is told in status().
+    // Adds a body; false (and Issue::world_full) when there is no room. Mass and moments must be positive, but for a
+    // point mass in a world that has them. A start that leaves the range is told in status().
     BodyId add(const BodySpec& spec) requires(features.bodies > 0) {
         if (advance_.bodies.count >= features.bodies) {
             advance_.bodies.report(Issue::world_full, advance_.bodies.count);
             return {};
         }
-        const PrincipalInertia inertia = principal_inertia(spec.inertia);
+        const PrincipalInertia inertia = features.rotation ? principal_inertia(spec.inertia) : PrincipalInertia{};
         const int b = advance_.add(spec, inertia);
         if constexpr (has_contacts) {
             contacts_.set_shape(b, spec, inertia, advance_.bodies.constants[b].units);
@@ -91,9 +93,10 @@ public:
     void set_forces(Span<TimedForce<N>> forces) requires(features.forces) { advance_.loads.set_forces(forces); }
 
     // Changes the body's momentum by `impulse` (N s, world frame) at a point of it (m, user's body axes); at once, and
-    // once. The position is unchanged.
+    // once. The position is unchanged. A point mass has no point but itself: any other is misuse.
     void apply_impulse(BodyId id, RealVec3 impulse, RealVec3 point = {}) {
         const int b = place_of(id);
+        TUMBLE_ASSERT(advance_.bodies.rotates(b) || point.is_zero());
         apply({0, static_cast<std::int16_t>(b), Frame::world, work_vector<N>(impulse), zero_vector<N>(),
                advance_.bodies.principal_vector(b, point)});
     }

@@ -99,48 +99,64 @@ struct SpinUnits<N, Spin::angular_momentum> {
     [[nodiscard]] Work rate(int i, Work steps_per_second) const { return rate_ratio[i] * steps_per_second; }
 };
 
-template <class N, Spin spin, int capacity>
+// What is constant about a body; of a point mass in a world of nothing else; and of a body that may be one.
+template <class N, Spin spin, bool points>
+struct BodyConstants {
+    SpinUnits<N, spin> units{};
+    typename N::Work drift_per_impulse{};  // h / m
+    Quat<typename N::Unit> principal{};    // principal axes to the user's body axes
+    bool fixed = true;                     // so is a place that no body has taken yet
+};
+template <class N>
+struct BodyConstants<N, Spin::none, false> {
+    typename N::Work drift_per_impulse{};
+    bool fixed = true;
+};
+template <class N, Spin spin>
+struct BodyConstants<N, spin, true> : BodyConstants<N, spin, false> {
+    bool is_point = false;
+};
+
+// A point mass has no orientation and no spin: without a spin all bodies are point masses, with `points` some may be.
+// Of the latter the state's orientation stays the identity and its spin zero.
+template <class N, Spin spin, int capacity, bool points = false>
 class Bodies {
+    static_assert(!(spin == Spin::none && points), "where nothing rotates, all bodies are point masses");
+
 public:
     using Work = typename N::Work;
     using State = BodyState<N, spin>;
     using Units = SpinUnits<N, spin>;
-
-    // What is constant about a body.
-    struct Constants {
-        Units units{};
-        Work drift_per_impulse{};            // h / m
-        Quat<typename N::Unit> principal{};  // principal axes to the user's body axes
-        bool fixed = true;                   // so is a place that no body has taken yet
-    };
+    using Constants = BodyConstants<N, spin, points>;
+    static constexpr bool rotation = spin != Spin::none;
 
     explicit Bodies(Seconds step)
         : step_length{step.value}, scale{N::Scale::of(step.value, turn_per_spin(step.value))} {}
 
-    // Places a body at the first free place, which there must be.
-    [[gnu::noinline]] int add(const BodySpec& spec, const PrincipalInertia& inertia) {
+    // Places a body at the first free place, which there must be. A point mass that is turned or spins is misuse, and
+    // so is one where all bodies rotate, and any other where none does.
+    [[gnu::noinline]] int add(const BodySpec& spec, [[maybe_unused]] const PrincipalInertia& inertia) {
         TUMBLE_ASSERT(spec.mass > Real{});
-        TUMBLE_ASSERT(inertia.moments.z > Real{});
         const int b = count++;
         Constants& body = constants[b];
-        body.units = Units::of(inertia.moments, step_length);
         body.drift_per_impulse = N::template constant<Work>(step_length / spec.mass);
-        set_unit(body.principal, inertia.principal);
         State& s = state[b];
-        const RealQuat q = normalized(normalized(spec.orientation) * inertia.principal);
-        s.q_wb.w = N::IntegratedUnit::from(q.w);
-        s.q_wb.x = N::IntegratedUnit::from(q.v.x);
-        s.q_wb.y = N::IntegratedUnit::from(q.v.y);
-        s.q_wb.z = N::IntegratedUnit::from(q.v.z);
-        const RealVec3 w = inertia.principal.conjugate().rotate(spec.angular_velocity);
         for (int i = 0; i < 3; ++i) {
             assign(s.x_w[i], spec.position[i]);
             assign(s.d_w[i], spec.fixed ? Real{} : scale.drift_units(spec.velocity[i] * step_length));
-            assign(s.t_b[i], scale.turn_units(Units::turn_of(inertia.moments, w[i], i, step_length)));
         }
         body.fixed = spec.fixed;
+        if constexpr (!rotation) TUMBLE_ASSERT(is_point_mass(spec));
+        if constexpr (points) body.is_point = is_point_mass(spec);
+        if (!rotates(b)) TUMBLE_ASSERT(spec.orientation.v.is_zero() && spec.angular_velocity.is_zero());
+        if constexpr (rotation) set_rotation(b, spec, inertia);
         check_range(b);
         return b;
+    }
+    // False of a point mass.
+    [[nodiscard]] TUMBLE_INLINE bool rotates([[maybe_unused]] int b) const {
+        if constexpr (points) return !constants[b].is_point;
+        else return rotation;
     }
 
     // The step that a moment is nearest to; 0 for what lies before the start.
@@ -155,16 +171,21 @@ public:
         return b;
     }
     // User's body axes to principal axes.
-    [[nodiscard]] WorkVec3<N> principal_vector(int b, RealVec3 v) const {
-        return rotate(work_quaternion<N>(constants[b].principal.conjugate()), work_vector<N>(v));
+    [[nodiscard]] WorkVec3<N> principal_vector([[maybe_unused]] int b, RealVec3 v) const {
+        if constexpr (!rotation) return work_vector<N>(v);
+        else return rotate(work_quaternion<N>(constants[b].principal.conjugate()), work_vector<N>(v));
     }
 
     // Momentum (world, N s) and angular momentum (principal axes, N m s) into the state.
-    void push(int b, const WorkVec3<N>& linear_w, const WorkVec3<N>& angular_b) {
+    void push(int b, const WorkVec3<N>& linear_w, const WorkVec3<N>& angular_b) requires(rotation) {
         for (int i = 0; i < 3; ++i) {
             N::add_any(state[b].d_w[i], linear_w[i] * constants[b].drift_per_impulse, scale);
             N::add_any(state[b].t_b[i], angular_b[i] * constants[b].units.per_impulse(i), scale);
         }
+    }
+    // The same of a point mass.
+    void push(int b, const WorkVec3<N>& linear_w) {
+        for (int i = 0; i < 3; ++i) N::add_any(state[b].d_w[i], linear_w[i] * constants[b].drift_per_impulse, scale);
     }
 
     TUMBLE_INLINE void check_range(int b) {
@@ -176,7 +197,7 @@ public:
         report(Issue::range_left, b);
     }
     // True of a fixed body that spins.
-    [[nodiscard]] bool is_turning(int b) const {
+    [[nodiscard]] bool is_turning(int b) const requires(rotation) {
         for (int i = 0; i < 3; ++i)
             if (!(state[b].t_b[i].value() == typename N::Turn{})) return true;
         return false;
@@ -186,7 +207,7 @@ public:
     [[nodiscard]] Work steps_per_second() const { return N::template constant<Work>(Real{1} / step_length); }
     [[nodiscard]] std::uint64_t hash() const {
         Hash h;
-        for (int b = 0; b < count; ++b) h.add(state[b]);
+        for (int b = 0; b < count; ++b) h.add(state[b], rotates(b));
         return h.value();
     }
 
@@ -202,21 +223,31 @@ public:
         return v;
     }
     // Angle turned in a step about principal axis i, rad.
-    [[nodiscard]] Work turn(int b, int i) const {
+    [[nodiscard]] Work turn(int b, int i) const requires(rotation) {
         return N::half_turn(N::sum(state[b].t_b[i]), scale) * constants[b].units.rate(i, Work(1));
     }
-    [[nodiscard]] WorkVec3<N> angular_velocity(int b) const {
-        const Work rate = steps_per_second();
-        WorkVec3<N> w;
-        for (int i = 0; i < 3; ++i)
-            w[i] = N::half_turn(state[b].t_b[i].value(), scale) * constants[b].units.rate(i, rate);
-        return rotate(work_quaternion<N>(constants[b].principal), w);
+    [[nodiscard]] WorkVec3<N> angular_velocity([[maybe_unused]] int b) const {
+        if constexpr (rotation) {
+            if (rotates(b)) {
+                const Work rate = steps_per_second();
+                WorkVec3<N> w;
+                for (int i = 0; i < 3; ++i)
+                    w[i] = N::half_turn(state[b].t_b[i].value(), scale) * constants[b].units.rate(i, rate);
+                return rotate(work_quaternion<N>(constants[b].principal), w);
+            }
+        }
+        return zero_vector<N>();
     }
-    [[nodiscard]] Quat<Work> orientation(int b) const {
-        const Quat<Work> q = work_quaternion<N>(state[b].q_wb.value()),
-                         p = work_quaternion<N>(constants[b].principal).conjugate();
-        const WorkVec3<N> v = scaled_by(p.v, q.w) + scaled_by(q.v, p.w) + cross<Work>(q.v, p.v);
-        return {q.w * p.w - dot(q.v, p.v), v};
+    [[nodiscard]] Quat<Work> orientation([[maybe_unused]] int b) const {
+        if constexpr (rotation) {
+            if (rotates(b)) {
+                const Quat<Work> q = work_quaternion<N>(state[b].q_wb.value()),
+                                 p = work_quaternion<N>(constants[b].principal).conjugate();
+                const WorkVec3<N> v = scaled_by(p.v, q.w) + scaled_by(q.v, p.w) + cross<Work>(q.v, p.v);
+                return {q.w * p.w - dot(q.v, p.v), v};
+            }
+        }
+        return {Work(1), zero_vector<N>()};
     }
 
     Real step_length;  // s
@@ -228,6 +259,26 @@ public:
     typename N::Scale scale;
 
 private:
+    void set_rotation(int b, const BodySpec& spec, const PrincipalInertia& inertia) requires(rotation) {
+        Constants& body = constants[b];
+        State& s = state[b];
+        if (!rotates(b)) {
+            set_unit(body.principal, {});
+            s.q_wb.w = N::IntegratedUnit::from(1);
+            return;
+        }
+        TUMBLE_ASSERT(inertia.moments.z > Real{});
+        body.units = Units::of(inertia.moments, step_length);
+        set_unit(body.principal, inertia.principal);
+        const RealQuat q = normalized(normalized(spec.orientation) * inertia.principal);
+        s.q_wb.w = N::IntegratedUnit::from(q.w);
+        s.q_wb.x = N::IntegratedUnit::from(q.v.x);
+        s.q_wb.y = N::IntegratedUnit::from(q.v.y);
+        s.q_wb.z = N::IntegratedUnit::from(q.v.z);
+        const RealVec3 w = inertia.principal.conjugate().rotate(spec.angular_velocity);
+        for (int i = 0; i < 3; ++i)
+            assign(s.t_b[i], scale.turn_units(Units::turn_of(inertia.moments, w[i], i, step_length)));
+    }
     [[nodiscard]] static constexpr Real turn_per_spin(Real step) {
         return spin == Spin::angular_velocity ? step * Real::scaled(1, -1) : step;
     }

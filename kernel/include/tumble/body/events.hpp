@@ -44,10 +44,14 @@ struct Span {
     [[nodiscard]] const T* end() const { return first + count; }
 };
 
-// A set-up value as the numbers of the bodies' world. Its body must have been added.
-template <class N, Spin spin, int capacity>
-[[gnu::noinline, nodiscard]] Impulse<N> prepare(const Bodies<N, spin, capacity>& bodies, const ImpulseSpec& spec) {
+// A set-up value as the numbers of the bodies' world. Its body must have been added; what would turn a point mass, or
+// is in axes that it does not have, is misuse.
+template <class N, Spin spin, int capacity, bool points>
+[[gnu::noinline, nodiscard]] Impulse<N> prepare(const Bodies<N, spin, capacity, points>& bodies,
+                                                const ImpulseSpec& spec) {
     const bool in_body = spec.frame == Frame::body;
+    if (!bodies.rotates(bodies.index_of(spec.body)))
+        TUMBLE_ASSERT(!in_body && spec.point.is_zero() && spec.angular_impulse.is_zero());
     return {bodies.step_of(spec.time),
             static_cast<std::int16_t>(bodies.index_of(spec.body)),
             spec.frame,
@@ -56,9 +60,12 @@ template <class N, Spin spin, int capacity>
             bodies.principal_vector(spec.body, spec.point)};
 }
 // The same of a force that is on for a while.
-template <class N, Spin spin, int capacity>
-[[gnu::noinline, nodiscard]] TimedForce<N> prepare(const Bodies<N, spin, capacity>& bodies, const ForceSpec& spec) {
+template <class N, Spin spin, int capacity, bool points>
+[[gnu::noinline, nodiscard]] TimedForce<N> prepare(const Bodies<N, spin, capacity, points>& bodies,
+                                                   const ForceSpec& spec) {
     const bool in_body = spec.frame == Frame::body;
+    if (!bodies.rotates(bodies.index_of(spec.body)))
+        TUMBLE_ASSERT(!in_body && spec.point.is_zero() && spec.torque.is_zero());
     return {static_cast<std::int16_t>(bodies.index_of(spec.body)),
             spec.frame,
             bodies.step_of(spec.from),
@@ -69,20 +76,24 @@ template <class N, Spin spin, int capacity>
 }
 
 // An impulse's change of momentum, at once.
-template <class N, Spin spin, int capacity>
-inline void apply(const Impulse<N>& event, Bodies<N, spin, capacity>& bodies) {
+template <class N, Spin spin, int capacity, bool points>
+inline void apply(const Impulse<N>& event, Bodies<N, spin, capacity, points>& bodies) {
     using Work = typename N::Work;
     const int b = bodies.index_of(event.body);
     if (bodies.constants[b].fixed) return;
-    const Quat<Work> q = work_quaternion<N>(bodies.state[b].q_wb.value());
-    WorkVec3<N> linear_w = event.impulse, linear_b = event.impulse, angular_b = event.angular;
-    if (event.frame == Frame::world) {
-        linear_b = rotate_back(q, event.impulse);
-        angular_b = rotate_back(q, event.angular);
-    } else {
-        linear_w = rotate(q, event.impulse);
+    if (!bodies.rotates(b)) {
+        bodies.push(b, event.impulse);
+    } else if constexpr (spin != Spin::none) {
+        const Quat<Work> q = work_quaternion<N>(bodies.state[b].q_wb.value());
+        WorkVec3<N> linear_w = event.impulse, linear_b = event.impulse, angular_b = event.angular;
+        if (event.frame == Frame::world) {
+            linear_b = rotate_back(q, event.impulse);
+            angular_b = rotate_back(q, event.angular);
+        } else {
+            linear_w = rotate(q, event.impulse);
+        }
+        bodies.push(b, linear_w, angular_b + cross<Work>(event.point_b, linear_b));
     }
-    bodies.push(b, linear_w, angular_b + cross<Work>(event.point_b, linear_b));
     bodies.check_range(b);
 }
 

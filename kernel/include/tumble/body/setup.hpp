@@ -23,7 +23,7 @@ struct Seconds {
 struct BodySpec {
     Shape shape{};                // what touches; none: nothing does
     Real mass = 1;                // kg
-    InertiaTensor inertia{};      // kg m^2, about the centre of mass, user's axes
+    InertiaTensor inertia{};      // kg m^2, about the centre of mass, user's axes; none and no shape: a point mass
     RealVec3 position{};          // m, world
     RealVec3 velocity{};          // m/s, world
     RealQuat orientation{};       // user's body axes to world; normalised when added
@@ -32,6 +32,14 @@ struct BodySpec {
     Real friction = -1;           // Coulomb's coefficient; negative: the world's default
     bool fixed = false;           // its place never changes; it may turn
 };
+
+// True of a body without shape and without inertia: a point mass. It touches nothing, and has neither orientation nor
+// spin; what would turn it is misuse.
+[[nodiscard]] constexpr bool is_point_mass(const BodySpec& spec) {
+    const InertiaTensor& i = spec.inertia;
+    return spec.shape.kind == ShapeKind::none && i.xx.is_zero() && i.yy.is_zero() && i.zz.is_zero() && i.xy.is_zero() &&
+           i.xz.is_zero() && i.yz.is_zero();
+}
 
 // A fixed plane that bodies touch; as it is, the ground y = 0.
 struct PlaneSpec {
@@ -113,6 +121,13 @@ struct WorldSpec {
     spec.shape = shape;
     spec.mass = mass;
     spec.inertia = inertia_of(shape, mass);
+    return spec;
+}
+// A mass without extension, in a world whose Features have point_masses.
+[[nodiscard]] constexpr BodySpec point_mass(Real mass) {
+    TUMBLE_ASSERT(mass > Real{});
+    BodySpec spec;
+    spec.mass = mass;
     return spec;
 }
 // A box of a mass and full edges.

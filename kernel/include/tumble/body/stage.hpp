@@ -23,37 +23,53 @@ struct Portion {
     Work length = Work(1);  // of the step, (0, 1]
 };
 
-// A body as the loads see it in the middle of a step.
-template <class N>
+// A body as the loads see it in the middle of a step. Without rotation: in a world of point masses.
+template <class N, bool rotation = true>
 struct StageState {
     typename N::PositionSum x_w[3];
     typename N::DriftSum d_w[3];
     Quat<typename N::Unit> q_wb;
     Vec3<typename N::Turn> t_b;
 };
-
-// The change of drift and spin over a whole step that loads would make at their present strength.
 template <class N>
+struct StageState<N, false> {
+    typename N::PositionSum x_w[3]{};
+    typename N::DriftSum d_w[3]{};
+};
+
+// The change of drift and spin over a whole step that loads would make at their present strength. Of a point mass the
+// spin's part stays as it is.
+template <class N, bool rotation = true>
 struct Kick {
     typename N::DriftSum linear[3]{};
     typename N::TurnSum angular[3]{};
 };
+template <class N>
+struct Kick<N, false> {
+    typename N::DriftSum linear[3]{};
+};
 
 // The same in working numbers, m and rad: for a solver, whose trials may lie far outside a format's range.
-template <class N>
+template <class N, bool rotation = true>
 struct WorkKick {
     Vec3<typename N::Work> linear, angular;
 };
+template <class N>
+struct WorkKick<N, false> {
+    Vec3<typename N::Work> linear;
+};
 
 template <class N, Spin spin>
-[[nodiscard]] TUMBLE_INLINE StageState<N> stage_of(const BodyState<N, spin>& body) {
-    StageState<N> s;
+[[nodiscard]] TUMBLE_INLINE StageState<N, spin != Spin::none> stage_of(const BodyState<N, spin>& body) {
+    StageState<N, spin != Spin::none> s;
     for (int i = 0; i < 3; ++i) {
         s.x_w[i] = N::sum(body.x_w[i]);
         s.d_w[i] = N::sum(body.d_w[i]);
     }
-    s.q_wb = body.q_wb.value();
-    s.t_b = body.t_b.value();
+    if constexpr (spin != Spin::none) {
+        s.q_wb = body.q_wb.value();
+        s.t_b = body.t_b.value();
+    }
     return s;
 }
 

@@ -30,8 +30,8 @@ struct IntegratedQuat {
 
 // What a state's spin is. Angular velocity makes Euler's equations cheap: their coefficients lie in [-1, 1] for every
 // body. Angular momentum makes rotations cheap and conserves its norm exactly; divided by the middle moment, it is
-// bounded by twice the spin.
-enum class Spin : std::uint8_t { angular_velocity, angular_momentum };
+// bounded by twice the spin. None: of point masses, which have no orientation either.
+enum class Spin : std::uint8_t { angular_velocity, angular_momentum, none };
 
 // Spin about the three body axes. Angular velocity drives its own change by its rounded value, so that value is shaped.
 template <class N, Spin spin>
@@ -56,6 +56,14 @@ struct BodyState {
     IntegratedVec3<N, typename N::Drift> d_w;     // velocity, as displacement per step
     IntegratedQuat<N> q_wb;                       // unit; body (principal axes) to world
     SpinVec3<N, spin> t_b;                        // half the angle per step, rad: h/2 omega, or h/2 L / I_y
+
+    friend constexpr bool operator==(const BodyState&, const BodyState&) = default;
+};
+// Of a point mass in a world of nothing else.
+template <class N>
+struct BodyState<N, Spin::none> {
+    IntegratedVec3<N, typename N::Position> x_w;
+    IntegratedVec3<N, typename N::Drift> d_w;
 
     friend constexpr bool operator==(const BodyState&, const BodyState&) = default;
 };

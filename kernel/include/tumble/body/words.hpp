@@ -5,22 +5,26 @@
 
 namespace tumble {
 
-// Calls f(name, number) for each carried number of a body's state, in the order of a state's words.
+// Calls f(name, number) for each carried number of a body's state, in the order of a state's words. A body that does
+// not rotate, a point mass, has the first six, whether its world has room for a rotation or not.
 template <class N, Spin spin, class F>
-constexpr void for_each_number(const BodyState<N, spin>& body, F&& f) {
+constexpr void for_each_number(const BodyState<N, spin>& body, F&& f, [[maybe_unused]] bool rotates = true) {
     f("x_w.x", body.x_w.x);
     f("x_w.y", body.x_w.y);
     f("x_w.z", body.x_w.z);
     f("d_w.x", body.d_w.x);
     f("d_w.y", body.d_w.y);
     f("d_w.z", body.d_w.z);
-    f("q_wb.w", body.q_wb.w);
-    f("q_wb.x", body.q_wb.x);
-    f("q_wb.y", body.q_wb.y);
-    f("q_wb.z", body.q_wb.z);
-    f("t_b.x", body.t_b.x);
-    f("t_b.y", body.t_b.y);
-    f("t_b.z", body.t_b.z);
+    if constexpr (spin != Spin::none) {
+        if (!rotates) return;
+        f("q_wb.w", body.q_wb.w);
+        f("q_wb.x", body.q_wb.x);
+        f("q_wb.y", body.q_wb.y);
+        f("q_wb.z", body.q_wb.z);
+        f("t_b.x", body.t_b.x);
+        f("t_b.y", body.t_b.y);
+        f("t_b.z", body.t_b.z);
+    }
 }
 
 namespace detail {
@@ -63,8 +67,9 @@ constexpr void for_each_word(const Shaped<T, carry>& number, F&& f) {
     }
 }
 template <class N, Spin spin, class F>
-constexpr void for_each_word(const BodyState<N, spin>& body, F&& f) {
-    for_each_number(body, [&](const char*, const auto& number) { for_each_word(number, f); });
+constexpr void for_each_word(const BodyState<N, spin>& body, F&& f, bool rotates = true) {
+    for_each_number(
+        body, [&](const char*, const auto& number) { for_each_word(number, f); }, rotates);
 }
 
 // A digest of words: FNV-1a over 32-bit words, widened to 64 bits. Two runs agree in every bit of every body exactly
@@ -79,8 +84,9 @@ public:
         }
     }
     template <class N, Spin spin>
-    constexpr void add(const BodyState<N, spin>& body) {
-        for_each_word(body, [&](std::uint32_t word) { add(word); });
+    constexpr void add(const BodyState<N, spin>& body, bool rotates = true) {
+        for_each_word(
+            body, [&](std::uint32_t word) { add(word); }, rotates);
     }
 
     [[nodiscard]] constexpr std::uint64_t value() const { return value_; }

@@ -11,7 +11,7 @@ template <class N, Spin spin, Features features>
 class NarrowPhase {
 public:
     using Work = typename N::Work;
-    using Bodies = tumble::Bodies<N, spin, features.bodies>;
+    using Bodies = tumble::Bodies<N, spin, features.bodies, features.mixed()>;
     using State = typename Bodies::State;
     using C = ContactNumbers<N>;
     using Length = typename C::Length;

@@ -10,7 +10,7 @@ template <class N, Spin spin, Features features>
 class Sleepers {
 public:
     using Work = typename N::Work;
-    using Bodies = tumble::Bodies<N, spin, features.bodies>;
+    using Bodies = tumble::Bodies<N, spin, features.bodies, features.mixed()>;
     using BodyGroup = tumble::BodyGroup<features.bodies>;
 
     Sleepers(Real step, const SleepSpec& spec) {

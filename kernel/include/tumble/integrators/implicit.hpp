@@ -49,10 +49,9 @@ struct OneStageImplicit {
         return converged;
     }
 
-    template <class N, int capacity, class Evaluate>
-    static bool advance(const Group<N, spin, Inertia<N>, capacity>& group, Evaluate&& evaluate,
-                        const StepInfo<N>& step) {
-        Solver<N, capacity, std::remove_reference_t<Evaluate>> solver{group, evaluate, step};
+    template <class N, int capacity, class Group, class Evaluate>
+    static bool advance(const Group& group, Evaluate&& evaluate, const StepInfo<N>& step) {
+        Solver<N, capacity, Group, std::remove_reference_t<Evaluate>> solver{group, evaluate, step};
         return solver.solve();
     }
 
@@ -84,24 +83,25 @@ private:
     }
 
     // Newton on the increments z of drift (m) and of spin (half turns) of all bodies: z = kick(end of step) +
-    // gyroscopic.
-    template <class N, int capacity, class Evaluate>
+    // gyroscopic. A point mass has the first three alone.
+    template <class N, int capacity, class Group, class Evaluate>
     struct Solver {
         using Work = typename N::Work;
-        static constexpr int unknowns = 6 * capacity;
+        static constexpr int of_body = Group::rotation ? 6 : 3, unknowns = of_body * capacity;
 
-        const Group<N, spin, Inertia<N>, capacity>& group;
+        const Group& group;
         Evaluate& evaluate;
         const StepInfo<N>& step;
-        StageState<N> start[capacity]{}, end[capacity]{};  // `end` is the stage
+        typename Group::Stage start[capacity]{}, end[capacity]{};  // `end` is the stage
         Work z[unknowns]{}, value[unknowns]{}, column[unknowns]{}, jacobian[unknowns][unknowns]{};
 
         bool solve() {
             for (int b = 0; b < group.count; ++b) {
                 start[b] = stage_of(*group.body[b]);
-                start[b].t_b = group.body[b]->t_b.take();
+                if constexpr (Group::rotation)
+                    if (group.rotates(b)) start[b].t_b = group.body[b]->t_b.take();
             }
-            const int n = 6 * group.count;
+            const int n = first_of(group.count);
             bool converged = false;  // from z = 0: the loads' own first guess is far off where they are stiff
             for (int iteration = 0; iteration < max_iterations && !converged; ++iteration) {
                 right_hand_side(value);
@@ -109,30 +109,40 @@ private:
                 for (int i = 0; i < n; ++i) column[i] = value[i] - z[i];
                 eliminate_or_substitute(n, iteration == 0);
                 converged = true;
-                for (int i = 0; i < n; ++i) {
-                    z[i] += column[i];
+                for (int b = 0; b < group.count; ++b) {
+                    const int first = first_of(b);
                     // Corrections below the rounding of the numbers themselves are noise: of metres, or of the body's
                     // whole spin.
-                    Work size = magnitude(z[i]);
-                    if (i % 6 < 3) {
-                        size += Work(1);
-                    } else {
-                        size += N::template constant<Work>(Real::scaled(1, -8));
-                        for (int k = 0; k < 3; ++k) size += magnitude(N::half_turn(end[i / 6].t_b[k], step.scale));
+                    const auto correct = [&](int i, auto&& add_size) {
+                        z[i] += column[i];
+                        Work size = magnitude(z[i]);
+                        add_size(size);
+                        if (size * N::rounding_unit() < magnitude(column[i])) converged = false;
+                    };
+                    for (int i = 0; i < 3; ++i) correct(first + i, [](Work& size) { size += Work(1); });
+                    if constexpr (Group::rotation) {
+                        for (int i = 0; i < 3 && group.rotates(b); ++i)
+                            correct(first + 3 + i, [&](Work& size) {
+                                size += N::template constant<Work>(Real::scaled(1, -8));
+                                for (int k = 0; k < 3; ++k) size += magnitude(N::half_turn(end[b].t_b[k], step.scale));
+                            });
                     }
-                    if (size * N::rounding_unit() < magnitude(column[i])) converged = false;
                 }
             }
             place_ends();
             for (int b = 0; b < group.count; ++b) {
                 auto& body = *group.body[b];
+                const int first = first_of(b);
                 for (int i = 0; i < 3; ++i) {
                     if constexpr (stage == Stage::middle) N::move(body.x_w[i], end[b].d_w[i], step.scale);
-                    N::add_any(body.d_w[i], z[6 * b + i], step.scale);
+                    N::add_any(body.d_w[i], z[first + i], step.scale);
                     if constexpr (stage == Stage::end) N::coast(body.x_w[i], body.d_w[i], {}, step.scale);
-                    N::add_any(body.t_b[i], z[6 * b + 3 + i], step.scale);
                 }
-                turn<N>(body.q_wb, delta_of<N>(angles<N>(end[b].t_b, step)));
+                if constexpr (Group::rotation) {
+                    if (!group.rotates(b)) continue;
+                    for (int i = 0; i < 3; ++i) N::add_any(body.t_b[i], z[first + 3 + i], step.scale);
+                    turn<N>(body.q_wb, delta_of<N>(angles<N>(end[b].t_b, step)));
+                }
             }
             return converged;
         }
@@ -140,39 +150,56 @@ private:
     private:
         [[nodiscard]] static Work magnitude(Work a) { return a < Work(0) ? -a : a; }
 
+        // Where the body's unknowns begin.
+        [[nodiscard]] int first_of(int body) const {
+            if constexpr (!Group::has_points) return of_body * body;
+            int first = 0;
+            for (int b = 0; b < body; ++b) first += group.rotates(b) ? 6 : 3;
+            return first;
+        }
+
         // What of z the stage has.
         [[nodiscard]] static Work share(Work of_z) { return stage == Stage::end ? of_z : N::half_of(of_z); }
 
         // The stage, and with it the end of the step, that z leads to.
         void place_ends() {
             for (int b = 0; b < group.count; ++b) {
-                const StageState<N>& from = start[b];
-                StageState<N>& to = end[b];
+                const auto& from = start[b];
+                auto& to = end[b];
+                const int first = first_of(b);
                 for (int i = 0; i < 3; ++i) {
-                    to.d_w[i] = from.d_w[i] + N::drift_sum(share(z[6 * b + i]), step.scale);
+                    to.d_w[i] = from.d_w[i] + N::drift_sum(share(z[first + i]), step.scale);
                     to.x_w[i] =
                         N::displaced(from.x_w[i], stage == Stage::end ? to.d_w[i] : N::half(to.d_w[i]), step.scale);
-                    to.t_b[i] = from.t_b[i] + N::narrow_turn(N::turn_sum(share(z[6 * b + 3 + i]), step.scale));
                 }
-                Vec3<typename N::Angle> u = angles<N>(to.t_b, step);
-                if constexpr (stage == Stage::middle)
-                    for (int i = 0; i < 3; ++i) u[i] = N::half_angle(u[i]);
-                to.q_wb = turned<N>(from.q_wb, Delta<N>::of(u));
+                if constexpr (Group::rotation) {
+                    if (!group.rotates(b)) continue;
+                    for (int i = 0; i < 3; ++i)
+                        to.t_b[i] = from.t_b[i] + N::narrow_turn(N::turn_sum(share(z[first + 3 + i]), step.scale));
+                    Vec3<typename N::Angle> u = angles<N>(to.t_b, step);
+                    if constexpr (stage == Stage::middle)
+                        for (int i = 0; i < 3; ++i) u[i] = N::half_angle(u[i]);
+                    to.q_wb = turned<N>(from.q_wb, Delta<N>::of(u));
+                }
             }
         }
 
         // The increments that the loads and the gyroscopic term make at the end of the step reached with z.
         void right_hand_side(Work* out) {
-            WorkKick<N> kick[capacity];
+            WorkKick<N, Group::rotation> kick[capacity];
             place_ends();
             evaluate(end, kick);
             for (int b = 0; b < group.count; ++b) {
-                const auto products = TurnProducts<N>::of(end[b].t_b);
-                for (int i = 0; i < 3; ++i) {
-                    const Work twice_kappa = N::work(group.inertia[b]->kappa[i]) * Work(2);
-                    out[6 * b + i] = kick[b].linear[i];
-                    out[6 * b + 3 + i] =
-                        mul_add(kick[b].angular[i], twice_kappa, N::turn_product(products.v[i], step.scale));
+                const int first = first_of(b);
+                for (int i = 0; i < 3; ++i) out[first + i] = kick[b].linear[i];
+                if constexpr (Group::rotation) {
+                    if (!group.rotates(b)) continue;
+                    const auto products = TurnProducts<N>::of(end[b].t_b);
+                    for (int i = 0; i < 3; ++i) {
+                        const Work twice_kappa = N::work(group.inertia[b]->kappa[i]) * Work(2);
+                        out[first + 3 + i] =
+                            mul_add(kick[b].angular[i], twice_kappa, N::turn_product(products.v[i], step.scale));
+                    }
                 }
             }
         }

@@ -20,18 +20,18 @@ struct OnePart {
 };
 
 // The half kick that ends a part, where loads depend on velocity: kick = the loads at the velocity that it leads to.
-template <class N, int capacity, class Evaluate, class HalfOf>
-void solve_end_kick(const StageState<N> (&state)[capacity], int count, Kick<N> (&kick)[capacity], Evaluate& evaluate,
-                    HalfOf&& half) {
+template <class N, int capacity, class Group, class Evaluate, class HalfOf>
+void solve_end_kick(const Group& group, const typename Group::Stage (&state)[capacity],
+                    typename Group::Kick (&kick)[capacity], Evaluate& evaluate, HalfOf&& half) {
     constexpr int iterations = 6;
     for (int iteration = 0; iteration < iterations; ++iteration) {
-        StageState<N> end[capacity];
-        for (int b = 0; b < count; ++b) {
+        typename Group::Stage end[capacity];
+        for (int b = 0; b < group.count; ++b) {
             end[b] = state[b];
-            for (int i = 0; i < 3; ++i) {
-                end[b].d_w[i] += half(kick[b].linear[i]);
-                end[b].t_b[i] += N::narrow_turn(half(kick[b].angular[i]));
-            }
+            for (int i = 0; i < 3; ++i) end[b].d_w[i] += half(kick[b].linear[i]);
+            if constexpr (Group::rotation)
+                for (int i = 0; i < 3 && group.rotates(b); ++i)
+                    end[b].t_b[i] += N::narrow_turn(half(kick[b].angular[i]));
         }
         evaluate(end, kick);
     }
@@ -62,11 +62,10 @@ struct KickDriftKick {
         inertia.prepare(body, scale);
     };
 
-    template <class N, int capacity, class Evaluate>
-    static bool advance(const Group<N, spin, Inertia<N>, capacity>& group, Evaluate&& evaluate,
-                        const StepInfo<N>& step) {
-        StageState<N> state[capacity];
-        Kick<N> kick[capacity];
+    template <class N, int capacity, class Group, class Evaluate>
+    static bool advance(const Group& group, Evaluate&& evaluate, const StepInfo<N>& step) {
+        typename Group::Stage state[capacity];
+        typename Group::Kick kick[capacity];
         // Loads at the present state, and the drifts and spins that a half kick of theirs makes.
         const auto look = [&] {
             for (int b = 0; b < group.count; ++b) state[b] = stage_of(*group.body[b]);
@@ -74,10 +73,10 @@ struct KickDriftKick {
         };
         const auto kick_bodies = [&](auto&& share) {
             for (int b = 0; b < group.count; ++b) {
-                for (int i = 0; i < 3; ++i) {
-                    N::add(group.body[b]->d_w[i], share(kick[b].linear[i]));
-                    group.body[b]->t_b[i].add(share(kick[b].angular[i]));
-                }
+                for (int i = 0; i < 3; ++i) N::add(group.body[b]->d_w[i], share(kick[b].linear[i]));
+                if constexpr (Group::rotation)
+                    for (int i = 0; i < 3 && group.rotates(b); ++i)
+                        group.body[b]->t_b[i].add(share(kick[b].angular[i]));
             }
         };
         const bool velocity_matters = evaluate.depends_on_velocity();
@@ -88,13 +87,16 @@ struct KickDriftKick {
             if (part > 0 && velocity_matters) look();
             kick_bodies(half);
             for (int b = 0; b < group.count; ++b) {
-                BodyState<N, Spin::angular_momentum>& body = *group.body[b];
+                auto& body = *group.body[b];
                 for (int i = 0; i < 3; ++i) drift<N>(body.x_w[i], body.d_w[i], part, step.scale);
-                if constexpr (needs_preparation<N>) group.inertia[b]->prepare(body, step.scale);
-                converged = turn_part<N>(body, *group.inertia[b], part, step) && converged;
+                if constexpr (Group::rotation) {
+                    if (!group.rotates(b)) continue;
+                    if constexpr (needs_preparation<N>) group.inertia[b]->prepare(body, step.scale);
+                    converged = turn_part<N>(body, *group.inertia[b], part, step) && converged;
+                }
             }
             look();
-            if (velocity_matters) tumble::detail::solve_end_kick<N>(state, group.count, kick, evaluate, half);
+            if (velocity_matters) tumble::detail::solve_end_kick<N, capacity>(group, state, kick, evaluate, half);
             kick_bodies(half);
         }
         return converged;

@@ -10,7 +10,8 @@
 //   free_order                      only where torque-free rotation has another order than the rest
 //   needs                           only where a step needs sqrt, division or trigonometry: says so to the user
 //   not_in_fixed_point              only where it is for floating point alone: says why to the user; see runs_in
-//   advance<N, capacity>(group, evaluate, step)   one step of bodies whose loads depend on their state
+//   advance<N, capacity>(group, evaluate, step)   one step of bodies whose loads depend on their state; of a group in
+//                                   which a body does not rotate, if it takes any Group
 // A new method is one such header and one line in integrators/list.hpp. World asks for what every method must have by
 // the concept Method below.
 #pragma once
@@ -28,12 +29,33 @@ inline constexpr int no_truncation = 0x7fffffff;
 template <class Method, class N>
 inline constexpr bool runs_in = !(N::fixed_point && requires { Method::not_in_fixed_point; });
 
-// Bodies that must be staged together, because loads couple them; or one body alone.
-template <class N, Spin spin, class Inertia, int capacity>
+// Bodies that must be staged together, because loads couple them; or one body alone. With `points` some of them may be
+// point masses, without a spin all of them are: their orientation and spin are not touched, and need not be there.
+template <class N, Spin spin, class Inertia, int capacity, bool points = false>
 struct Group {
+    static constexpr bool rotation = true, has_points = points;
+    using Stage = StageState<N>;
+    using Kick = tumble::Kick<N>;
+
     int count = 0;
     BodyState<N, spin>* body[capacity]{};
-    Inertia* inertia[capacity]{};
+    Inertia* inertia[capacity]{};  // none of a point mass
+
+    [[nodiscard]] TUMBLE_INLINE bool rotates([[maybe_unused]] int b) const {
+        if constexpr (points) return inertia[b] != nullptr;
+        else return true;
+    }
+};
+template <class N, class Inertia, int capacity>
+struct Group<N, Spin::none, Inertia, capacity, false> {
+    static constexpr bool rotation = false, has_points = false;
+    using Stage = StageState<N, false>;
+    using Kick = tumble::Kick<N, false>;
+
+    int count = 0;
+    BodyState<N, Spin::none>* body[capacity]{};
+
+    [[nodiscard]] static constexpr bool rotates(int) { return false; }
 };
 
 namespace detail {

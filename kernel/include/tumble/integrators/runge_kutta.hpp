@@ -124,23 +124,22 @@ struct RungeKutta {
     }
 
     // All bodies of the group stage by stage; `evaluate(stage states, kicks)` is called once a stage.
-    template <class N, int capacity, class Evaluate>
-    static bool advance(const Group<N, spin, Inertia<N>, capacity>& group, Evaluate&& evaluate,
-                        const StepInfo<N>& step) {
-        detail::RotationStage<N> rotation[capacity][table.stages];
-        Kick<N> kick[table.stages][capacity];
+    template <class N, int capacity, class Group, class Evaluate>
+    static bool advance(const Group& group, Evaluate&& evaluate, const StepInfo<N>& step) {
+        [[maybe_unused]] detail::RotationStage<N> rotation[Group::rotation ? capacity : 1][table.stages];
+        typename Group::Kick kick[table.stages][capacity];
         typename N::DriftSum drift[table.stages][capacity][3];
-        StageState<N> start[capacity], state[capacity];
+        typename Group::Stage start[capacity], state[capacity];
         for (int b = 0; b < group.count; ++b) {
             start[b] = stage_of(*group.body[b]);
-            start[b].t_b = group.body[b]->t_b.take();
+            if constexpr (Group::rotation)
+                if (group.rotates(b)) start[b].t_b = group.body[b]->t_b.take();
         }
         detail::unroll<table.stages>([&](auto stage) {
             constexpr int s = stage;
             for (int b = 0; b < group.count; ++b) {
-                StageState<N>& now = state[b];
+                auto& now = state[b];
                 now = start[b];
-                now.t_b = detail::stage_turn<table, s, N>(start[b].t_b, rotation[b], *group.inertia[b], step.scale);
                 detail::unroll<s>([&](auto earlier) {
                     constexpr int j = earlier;
                     constexpr Rational a = table.a[s][j];
@@ -148,41 +147,66 @@ struct RungeKutta {
                         for (int i = 0; i < 3; ++i) {
                             now.x_w[i] = N::displaced(now.x_w[i], detail::times<a>(drift[j][b][i]), step.scale);
                             now.d_w[i] += detail::times<a>(kick[j][b].linear[i]);
-                            now.t_b[i] += N::narrow_turn(detail::times<a>(kick[j][b].angular[i]));
                         }
                     }
                 });
                 for (int i = 0; i < 3; ++i) drift[s][b][i] = now.d_w[i];
-                const Delta<N> before = detail::delta_before<table, s, N>(rotation[b]);
-                if constexpr (s > 0) now.q_wb = turned<N>(start[b].q_wb, before);
-                rotation[b][s].products = TurnProducts<N>::of(now.t_b);
-                rotation[b][s].delta = detail::stage_delta<N>(before, angles<N>(now.t_b, step), step.dither);
+                if constexpr (Group::rotation)
+                    if (group.rotates(b)) rotate_stage<s, N>(start[b], now, group, b, rotation[b], kick, step);
             }
             evaluate(state, kick[s]);
         });
         for (int b = 0; b < group.count; ++b) {
-            BodyState<N, Spin::angular_velocity>& body = *group.body[b];
-            detail::finish_rotation<table, N>(body, rotation[b], *group.inertia[b], step);
+            auto& body = *group.body[b];
+            constexpr Rational share{1, table.denominator()};
             for (int i = 0; i < 3; ++i) {
                 typename N::DriftSum linear{}, travelled{};
-                typename N::TurnSum angular{};
                 detail::unroll<table.stages>([&](auto stage) {
                     constexpr int s = stage;
                     constexpr Rational weight{table.weight(s), 1};
                     if constexpr (weight.numerator != 0) {
                         linear += detail::times<weight>(kick[s][b].linear[i]);
                         travelled += detail::times<weight>(drift[s][b][i] - start[b].d_w[i]);
-                        angular += detail::times<weight>(kick[s][b].angular[i]);
                     }
                 });
-                constexpr Rational share{1, table.denominator()};
                 // The drift at the start has weight 1 altogether; only the stages' differences from it are averaged.
                 N::coast(body.x_w[i], body.d_w[i], detail::times<share>(travelled), step.scale);
                 N::add(body.d_w[i], detail::times<share>(linear));
-                body.t_b[i].add(detail::times<share>(angular));
+            }
+            if constexpr (Group::rotation) {
+                if (!group.rotates(b)) continue;
+                detail::finish_rotation<table, N>(body, rotation[b], *group.inertia[b], step);
+                for (int i = 0; i < 3; ++i) {
+                    typename N::TurnSum angular{};
+                    detail::unroll<table.stages>([&](auto stage) {
+                        constexpr int s = stage;
+                        constexpr Rational weight{table.weight(s), 1};
+                        if constexpr (weight.numerator != 0) angular += detail::times<weight>(kick[s][b].angular[i]);
+                    });
+                    body.t_b[i].add(detail::times<share>(angular));
+                }
             }
         }
         return true;
+    }
+
+private:
+    // The rotation of a body of the group at stage s, from the stages before it.
+    template <int s, class N, class Group, int capacity>
+    TUMBLE_INLINE static void rotate_stage(const StageState<N>& start, StageState<N>& now, const Group& group, int b,
+                                           detail::RotationStage<N> (&stages)[table.stages],
+                                           const Kick<N> (&kick)[table.stages][capacity], const StepInfo<N>& step) {
+        now.t_b = detail::stage_turn<table, s, N>(start.t_b, stages, *group.inertia[b], step.scale);
+        detail::unroll<s>([&](auto earlier) {
+            constexpr int j = earlier;
+            constexpr Rational a = table.a[s][j];
+            if constexpr (!a.is_zero())
+                for (int i = 0; i < 3; ++i) now.t_b[i] += N::narrow_turn(detail::times<a>(kick[j][b].angular[i]));
+        });
+        const Delta<N> before = detail::delta_before<table, s, N>(stages);
+        if constexpr (s > 0) now.q_wb = turned<N>(start.q_wb, before);
+        stages[s].products = TurnProducts<N>::of(now.t_b);
+        stages[s].delta = detail::stage_delta<N>(before, angles<N>(now.t_b, step), step.dither);
     }
 };
 

@@ -27,23 +27,27 @@ struct SemiImplicitEuler {
         turn<N>(body.q_wb, Delta<N>::of(angles<N>(body.t_b.take(), step)));
     }
 
-    template <class N, int capacity, class Evaluate>
-    static bool advance(const Group<N, spin, Inertia<N>, capacity>& group, Evaluate&& evaluate,
-                        const StepInfo<N>& step) {
-        StageState<N> state[capacity];
-        Kick<N> kick[capacity];
+    template <class N, int capacity, class Group, class Evaluate>
+    static bool advance(const Group& group, Evaluate&& evaluate, const StepInfo<N>& step) {
+        typename Group::Stage state[capacity];
+        typename Group::Kick kick[capacity];
         for (int b = 0; b < group.count; ++b) state[b] = stage_of(*group.body[b]);
         evaluate(state, kick);
         for (int b = 0; b < group.count; ++b) {
-            BodyState<N, Spin::angular_velocity>& body = *group.body[b];
-            const auto products = TurnProducts<N>::of(state[b].t_b);
+            auto& body = *group.body[b];
             for (int i = 0; i < 3; ++i) {
                 N::add(body.d_w[i], kick[b].linear[i]);
                 N::coast(body.x_w[i], body.d_w[i], {}, step.scale);
-                N::add_turn(body.t_b[i], group.inertia[b]->summed[i], products.v[i], step.scale);
-                body.t_b[i].add(kick[b].angular[i]);
             }
-            turn<N>(body.q_wb, Delta<N>::of(angles<N>(body.t_b.take(), step)));
+            if constexpr (Group::rotation) {
+                if (!group.rotates(b)) continue;
+                const auto products = TurnProducts<N>::of(state[b].t_b);
+                for (int i = 0; i < 3; ++i) {
+                    N::add_turn(body.t_b[i], group.inertia[b]->summed[i], products.v[i], step.scale);
+                    body.t_b[i].add(kick[b].angular[i]);
+                }
+                turn<N>(body.q_wb, Delta<N>::of(angles<N>(body.t_b.take(), step)));
+            }
         }
         return true;
     }

@@ -23,7 +23,8 @@ public:
     using Work = typename N::Work;
     using C = ContactNumbers<N>;
     using Length = typename C::Length;
-    using Bodies = tumble::Bodies<N, spin, features.bodies>;
+    using Bodies = tumble::Bodies<N, spin, features.bodies, features.mixed()>;
+    using Loaded = LoadedBody<N, true, features.mixed()>;
 
     ContactSprings(Real step, const WorldSpec& world) : ContactSprings(step, world.contact) {}
     ContactSprings(Real step, const ContactSpec& spec)
@@ -41,7 +42,8 @@ public:
         if (!on_) return;
         const Real reach = reach_of(spec.shape);
         (void)shape_.make_room(reach);
-        set_collision_shape<N, spin>(shape_[b], spec, inertia, shape_.scale(), bodies.constants[b].units);
+        set_collision_shape<N, spin, features.mixed()>(shape_[b], spec, inertia, shape_.scale(),
+                                                       bodies.constants[b].units);
         radius_[b] = N::template constant<Work>(reach);
         per_mass_[b] = spec.fixed ? Work(0) : N::template constant<Work>(Real{1} / spec.mass);
         compliance_[b] = spec.fixed || shape_[b].is(ShapeKind::none) ? Real{} : compliance(spec, inertia);
@@ -106,7 +108,7 @@ public:
 
 private:
     // A body against every plane.
-    void apply(LoadedBody<N>& body, int b, Bodies& bodies) const {
+    void apply(Loaded& body, int b, Bodies& bodies) const {
         if (!on_ || shape_[b].is(ShapeKind::none)) return;
         const CollisionShape<N>& shape = shape_[b];
         for (int p = 0; p < plane_count_; ++p) {
@@ -127,7 +129,7 @@ private:
         }
     }
     // Two bodies.
-    void apply(LoadedBody<N>& a, int index_a, LoadedBody<N>& b, int index_b, Bodies& bodies) const {
+    void apply(Loaded& a, int index_a, Loaded& b, int index_b, Bodies& bodies) const {
         const CollisionShape<N>&shape_a = shape_[index_a], &shape_b = shape_[index_b];
         if (!on_ || !touches_bodies(shape_a.kind) || !touches_bodies(shape_b.kind)) return;
         if (!touching_meet(shape_a.kind, shape_b.kind)) return;
@@ -166,7 +168,7 @@ private:
     // Points up to here are asked for.
     [[nodiscard]] Length band() const { return has_barrier_ ? C::longest() : Length{}; }
 
-    void push_all(const FoundPoints<N>& found, LoadedBody<N>& a, LoadedBody<N>* b, int index_a, int index_b,
+    void push_all(const FoundPoints<N>& found, Loaded& a, Loaded* b, int index_a, int index_b,
                   const WorkVec3<N>& normal, Bodies& bodies) const {
         for (int i = 0; i < found.count; ++i) {
             const FoundPoint<N>& point = found.point[i];
@@ -179,7 +181,7 @@ private:
         }
     }
     // At one point: `normal` in the world, from b to a; arms in principal axes.
-    void push(LoadedBody<N>& a, LoadedBody<N>* b, int index_a, int index_b, Work gap, const WorkVec3<N>& normal,
+    void push(Loaded& a, Loaded* b, int index_a, int index_b, Work gap, const WorkVec3<N>& normal,
               const WorkVec3<N>& arm, const WorkVec3<N>& arm_b, Bodies& bodies) const {
         Work strength(0);
         if (gap < Work(0)) {

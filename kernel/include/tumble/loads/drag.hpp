@@ -1,4 +1,5 @@
-// Linear drag: force -c v and torque -c w, the same for every body of the world. Depends on the body's own velocity.
+// Linear drag: force -c v and torque -c w, the same for every body of the world; a point mass
+// feels no torque. Depends on the body's own velocity.
 #pragma once
 
 #include <tumble/body/setup.hpp>
@@ -16,16 +17,20 @@ struct Drag {
         : linear{N::template constant<Work>(spec.linear_drag)}, angular{N::template constant<Work>(spec.angular_drag)} {
     }
 
-    [[nodiscard]] bool acts_on(const auto&, int) const { return depends_on_velocity(); }
+    [[nodiscard]] bool acts_on(const auto& bodies, int b) const {
+        return linear > Work(0) || (bodies.rotates(b) && angular > Work(0));
+    }
     [[nodiscard]] bool depends_on_velocity() const { return linear > Work(0) || angular > Work(0); }
     TUMBLE_INLINE void apply_to(const auto& group) const {
         for (int k = 0; k < group.members.count; ++k) apply(group.loaded[k]);
     }
 
 private:
-    void apply(LoadedBody<N>& body) const {
+    template <class Body>
+    void apply(Body& body) const {
         body.force_w -= scaled_by(body.v_w, linear);
-        body.torque_b -= scaled_by(body.w_b, angular);
+        if constexpr (Body::rotation)
+            if (body.rotates()) body.torque_b -= scaled_by(body.w_b, angular);
     }
 };
 

@@ -35,7 +35,8 @@ public:
 
 private:
     // Bodies at the same place exert no force: there is no direction.
-    void apply(LoadedBody<N>& a, Work mass_a, LoadedBody<N>& b, Work mass_b) const {
+    template <class Body>
+    void apply(Body& a, Work mass_a, Body& b, Work mass_b) const {
         WorkVec3<N> r;
         for (int i = 0; i < 3; ++i) r[i] = N::metres(b.stage->x_w[i] - a.stage->x_w[i]);
         const Work r2 = dot(r, r);

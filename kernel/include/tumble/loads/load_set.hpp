@@ -13,17 +13,17 @@ namespace tumble {
 
 // The bodies of one group as a load sees them. find(b): its loaded body, or null if b is not of the group;
 // other_end(b): that, or else the still body b at the other end of a load.
-template <class N, class Group, class Bodies, class Find, class OtherEnd>
+template <class Group, class Body, class Bodies, class Find, class OtherEnd>
 struct LoadedGroup {
     const Group& members;
-    LoadedBody<N>* loaded;
+    Body* loaded;
     Bodies& bodies;
     const Find& find;
     const OtherEnd& other_end;
 };
-template <class N, class Group, class Bodies, class Find, class OtherEnd>
-LoadedGroup(const Group&, LoadedBody<N>*, Bodies&, const Find&, const OtherEnd&)
-    -> LoadedGroup<N, Group, Bodies, Find, OtherEnd>;
+template <class Group, class Body, class Bodies, class Find, class OtherEnd>
+LoadedGroup(const Group&, Body*, Bodies&, const Find&, const OtherEnd&)
+    -> LoadedGroup<Group, Body, Bodies, Find, OtherEnd>;
 
 // A load is its header and its places here: what it asks for at set-up, its line in any(), and a member. It has
 //   acts_on(bodies, b)                 true of a body that feels it in this step
@@ -36,8 +36,11 @@ class LoadSet {
 public:
     using Work = typename N::Work;
     using DriftSum = typename N::DriftSum;
-    using Bodies = tumble::Bodies<N, spin, features.bodies>;
+    static constexpr bool rotation = features.rotation;
+    using Bodies = tumble::Bodies<N, spin, features.bodies, features.mixed()>;
     using BodyGroup = tumble::BodyGroup<features.bodies>;
+    using Stage = StageState<N, rotation>;
+    using Loaded = LoadedBody<N, rotation, features.mixed()>;
 
     LoadSet(Real step, const WorldSpec& spec)
         : seconds_{N::template constant<Work>(step)}, steps_per_second_{N::template constant<Work>(Real{1} / step)},
@@ -101,21 +104,22 @@ public:
         Work seconds, steps_per_second;  // of this portion of a step
         DriftSum fall[3];                // gravity's change of drift in it
 
-        void operator()(const StageState<N>* stages, Kick<N>* kicks) const {
-            loads.evaluate(*this, stages, [&](int k, const WorkVec3<N>& linear, const WorkVec3<N>& angular) {
+        void operator()(const Stage* stages, Kick<N, rotation>* kicks) const {
+            loads.evaluate(*this, stages, [&](int k, const WorkVec3<N>& linear, const auto&... angular) {
                 bool within = true;
-                for (int i = 0; i < 3; ++i) {
+                for (int i = 0; i < 3; ++i)
                     kicks[k].linear[i] = N::limited(fall[i] + N::drift_sum(linear[i], bodies.scale), within);
-                    kicks[k].angular[i] = N::limited(N::turn_sum(angular[i], bodies.scale), within);
-                }
+                if constexpr (sizeof...(angular) > 0)
+                    for (int i = 0; i < 3; ++i)
+                        kicks[k].angular[i] = N::limited(N::turn_sum((angular[i], ...), bodies.scale), within);
                 if (!within) bodies.report(Issue::range_left, group.id[k]);
             });
         }
         // The same in working numbers, whose range has no end: m and rad.
-        void operator()(const StageState<N>* stages, WorkKick<N>* kicks) const {
-            loads.evaluate(*this, stages, [&](int k, const WorkVec3<N>& linear, const WorkVec3<N>& angular) {
+        void operator()(const Stage* stages, WorkKick<N, rotation>* kicks) const {
+            loads.evaluate(*this, stages, [&](int k, const WorkVec3<N>& linear, const auto&... angular) {
                 for (int i = 0; i < 3; ++i) kicks[k].linear[i] = linear[i] + N::metres(fall[i], bodies.scale);
-                kicks[k].angular = angular;
+                if constexpr (sizeof...(angular) > 0) kicks[k].angular = (angular, ...);
             });
         }
         [[nodiscard]] bool depends_on_velocity() const {
@@ -153,20 +157,21 @@ private:
         return false;
     }
 
-    // Calls kick(place in the group, change of drift in m, change of half turn in rad) for each body.
+    // Calls kick(place in the group, change of drift in m, change of half turn in rad) for each body; without the last
+    // for a point mass.
     template <class F>
-    void evaluate(const Evaluate& e, const StageState<N>* stages, F&& kick) const {
-        LoadedBody<N> loaded[features.bodies];
+    void evaluate(const Evaluate& e, const Stage* stages, F&& kick) const {
+        Loaded loaded[features.bodies];
         for (int k = 0; k < e.group.count; ++k) load(loaded[k], e.group.id[k], stages[k], e);
-        const auto find = [&](int b) -> LoadedBody<N>* {
+        const auto find = [&](int b) -> Loaded* {
             for (int k = 0; k < e.group.count; ++k)
                 if (e.group.id[k] == b) return &loaded[k];
             return nullptr;
         };
-        StageState<N> still_stage;  // a fixed body at the other end of a load
-        LoadedBody<N> still;
-        const auto other_end = [&](int b) -> LoadedBody<N>* {
-            if (LoadedBody<N>* found = find(b)) return found;
+        Stage still_stage;  // a fixed body at the other end of a load
+        Loaded still;
+        const auto other_end = [&](int b) -> Loaded* {
+            if (Loaded* found = find(b)) return found;
             still_stage = stage_of(e.bodies.state[b]);
             load(still, b, still_stage, e);
             return &still;
@@ -181,22 +186,33 @@ private:
         const Work part = e.seconds * e.seconds * steps_per_second_;
         for (int k = 0; k < e.group.count; ++k) {
             const auto& body = e.bodies.constants[e.group.id[k]];
-            WorkVec3<N> angular;
-            for (int i = 0; i < 3; ++i) angular[i] = loaded[k].torque_b[i] * (body.units.per_impulse(i) * part);
-            kick(k, scaled_by(loaded[k].force_w, body.drift_per_impulse * part), angular);
+            const auto linear = [&] { return scaled_by(loaded[k].force_w, body.drift_per_impulse * part); };
+            if (!loaded[k].rotates()) {
+                kick(k, linear());
+            } else if constexpr (rotation) {
+                WorkVec3<N> angular;
+                for (int i = 0; i < 3; ++i) angular[i] = loaded[k].torque_b[i] * (body.units.per_impulse(i) * part);
+                kick(k, linear(), angular);
+            }
         }
     }
 
-    static void load(LoadedBody<N>& loaded, int b, const StageState<N>& stage, const Evaluate& e) {
+    static void load(Loaded& loaded, [[maybe_unused]] int b, const Stage& stage, const Evaluate& e) {
         loaded.stage = &stage;
-        loaded.q_wb = work_quaternion<N>(stage.q_wb);
-        loaded.force_w = loaded.torque_b = zero_vector<N>();
-        if constexpr (Evaluate::may_depend_on_velocity) {
-            for (int i = 0; i < 3; ++i) {
-                loaded.v_w[i] = N::metres(stage.d_w[i], e.bodies.scale) * e.steps_per_second;
-                loaded.w_b[i] = N::half_turn(stage.t_b[i], e.bodies.scale) *
-                                e.bodies.constants[b].units.rate(i, e.steps_per_second);
-            }
+        loaded.force_w = zero_vector<N>();
+        if constexpr (Evaluate::may_depend_on_velocity)
+            for (int i = 0; i < 3; ++i) loaded.v_w[i] = N::metres(stage.d_w[i], e.bodies.scale) * e.steps_per_second;
+        if constexpr (features.mixed()) {
+            loaded.is_point = !e.bodies.rotates(b);
+            if (loaded.is_point) return;
+        }
+        if constexpr (rotation) {
+            loaded.q_wb = work_quaternion<N>(stage.q_wb);
+            loaded.torque_b = zero_vector<N>();
+            if constexpr (Evaluate::may_depend_on_velocity)
+                for (int i = 0; i < 3; ++i)
+                    loaded.w_b[i] = N::half_turn(stage.t_b[i], e.bodies.scale) *
+                                    e.bodies.constants[b].units.rate(i, e.steps_per_second);
         }
     }
 

@@ -18,17 +18,15 @@ struct Spring {
     Work stiffness{}, damping{}, rest_length{};  // N/m, N s/m, m
 
     // `other` is null for a world point.
-    void apply(LoadedBody<N>& a, LoadedBody<N>* other) const {
-        const WorkVec3<N> arm_w = rotate(a.q_wb, point_b);
+    template <class Body>
+    void apply(Body& a, Body* other) const {
         // Positions are subtracted as the state holds them, before rounding to working numbers.
         WorkVec3<N> reach;
-        for (int i = 0; i < 3; ++i) {
-            reach[i] = N::metres((other != nullptr ? other->stage->x_w[i] : anchor_w[i]) - a.stage->x_w[i]) - arm_w[i];
-        }
-        WorkVec3<N> other_arm_w = zero_vector<N>();
-        if (other != nullptr) {
-            other_arm_w = rotate(other->q_wb, to);
-            reach += other_arm_w;
+        for (int i = 0; i < 3; ++i)
+            reach[i] = N::metres((other != nullptr ? other->stage->x_w[i] : anchor_w[i]) - a.stage->x_w[i]);
+        if constexpr (Body::rotation) {
+            if (a.rotates()) reach -= rotate(a.q_wb, point_b);
+            if (other != nullptr && other->rotates()) reach += rotate(other->q_wb, to);
         }
         WorkVec3<N> force = scaled_by(reach, stiffness);
         if (rest_length > Work(0) || damping > Work(0)) {
@@ -55,9 +53,11 @@ public:
     using Work = typename N::Work;
 
     Springs(Real, const WorldSpec&) {}
-    // False when there is no room.
+    // False when there is no room. A point of a point mass other than itself is misuse.
     [[gnu::noinline]] bool add(const SpringSpec& spec, const auto& bodies) {
         TUMBLE_ASSERT(spec.to_body >= -1 && spec.to_body < bodies.count);
+        TUMBLE_ASSERT(bodies.rotates(bodies.index_of(spec.body)) || spec.point.is_zero());
+        TUMBLE_ASSERT(spec.to_body < 0 || bodies.rotates(spec.to_body) || spec.to.is_zero());
         if (count_ >= capacity) return false;
         Spring<N>& spring = spring_[count_++];
         spring.body = static_cast<std::int16_t>(bodies.index_of(spec.body));
@@ -98,7 +98,7 @@ public:
     TUMBLE_INLINE void apply_to(const auto& group) const {
         for (int s = 0; s < count_; ++s) {
             const Spring<N>& spring = spring_[s];
-            LoadedBody<N>* a = group.find(spring.body);
+            auto* a = group.find(spring.body);
             if (a != nullptr) {
                 spring.apply(*a, spring.to_body < 0 ? nullptr : group.other_end(spring.to_body));
             } else if (spring.to_body >= 0 && group.find(spring.to_body) != nullptr) {

@@ -6,15 +6,19 @@
 
 namespace tumble {
 
-template <class N>
-inline void apply(const TimedForce<N>& load, LoadedBody<N>& b) {
+template <class N, class Body>
+inline void apply(const TimedForce<N>& load, Body& b) {
     using Work = typename N::Work;
-    if (load.frame == Frame::world) {
-        b.push(load.force, load.point_b);
-        b.torque_b += rotate_back(b.q_wb, load.torque);
-    } else {
-        b.force_w += rotate(b.q_wb, load.force);
-        b.torque_b += cross<Work>(load.point_b, load.force) + load.torque;
+    if (!b.rotates()) {
+        b.force_w += load.force;
+    } else if constexpr (Body::rotation) {
+        if (load.frame == Frame::world) {
+            b.push(load.force, load.point_b);
+            b.torque_b += rotate_back(b.q_wb, load.torque);
+        } else {
+            b.force_w += rotate(b.q_wb, load.force);
+            b.torque_b += cross<Work>(load.point_b, load.force) + load.torque;
+        }
     }
 }
 
@@ -39,7 +43,7 @@ public:
     TUMBLE_INLINE void apply_to(const auto& group) const {
         for (const TimedForce<N>& force : forces_) {
             if (!force.is_on(group.bodies.steps_taken)) continue;
-            if (LoadedBody<N>* b = group.find(force.body)) tumble::apply(force, *b);
+            if (auto* b = group.find(force.body)) tumble::apply(force, *b);
         }
     }
 

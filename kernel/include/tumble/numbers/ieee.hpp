@@ -127,7 +127,8 @@ struct Float {
     // not be looked at: the position and every component of the orientation take them over within a step.
     template <class Body>
     [[nodiscard]] TUMBLE_INLINE static constexpr bool out_of_range(const Body& b) {
-        const T sum = (b.x_w.x.value() + b.x_w.y.value() + b.x_w.z.value()) + b.q_wb.w.value();
+        T sum = b.x_w.x.value() + b.x_w.y.value() + b.x_w.z.value();
+        if constexpr (requires { b.q_wb; }) sum = sum + b.q_wb.w.value();
         return !(sum * T(0) == T(0));
     }
     static constexpr void leave_range(auto&) {}

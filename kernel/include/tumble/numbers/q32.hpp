@@ -200,7 +200,8 @@ struct Q32 {
             return range_bits(upper(v.x.sum().raw)) | range_bits(upper(v.y.sum().raw)) |
                    range_bits(upper(v.z.sum().raw));
         };
-        const std::uint32_t bits = three(b.x_w) | three(b.d_w) | three(b.t_b);
+        std::uint32_t bits = three(b.x_w) | three(b.d_w);
+        if constexpr (requires { b.t_b; }) bits |= three(b.t_b);
         return (bits >> 31) != 0;
     }
     // Marks a number for out_of_range().
@@ -220,7 +221,7 @@ struct Q32 {
         for (int i = 0; i < 3; ++i) {
             clamp(b.x_w[i]);
             clamp(b.d_w[i]);
-            clamp(b.t_b[i]);
+            if constexpr (requires { b.t_b; }) clamp(b.t_b[i]);
         }
     }
     [[nodiscard]] TUMBLE_INLINE static constexpr std::int32_t upper(std::int64_t raw) {

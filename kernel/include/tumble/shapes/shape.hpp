@@ -134,7 +134,8 @@ private:
     }
 }
 
-template <class N, Spin spin>
+// With `points` it may be that of a point mass, which touches nothing but may be tied to what does.
+template <class N, Spin spin, bool points = false>
 [[gnu::noinline]] void
 set_collision_shape(CollisionShape<N>& shape, const BodySpec& spec, const PrincipalInertia& inertia,
                     typename ContactNumbers<N>::LengthScale scale, const SpinUnits<N, spin>& units) {
@@ -175,6 +176,12 @@ set_collision_shape(CollisionShape<N>& shape, const BodySpec& spec, const Princi
     }
     shape.root_mass = N::template constant<Work>(root_mass);
     shape.per_root_mass = N::template constant<Work>(Real{1} / root_mass);
+    if constexpr (points) {
+        if (is_point_mass(spec)) {
+            for (int i = 0; i < 3; ++i) shape.weight[i] = shape.per_weight[i] = Work(1);  // of a spin that is zero
+            return;
+        }
+    }
     for (int i = 0; i < 3; ++i) {
         const Real root_moment = sqrt(inertia.moments[i]);
         shape.per_gyration[i] = C::PerLength::of(root_moment / root_mass, scale);
