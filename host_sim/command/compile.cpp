@@ -19,7 +19,6 @@ namespace {
 
 std::string number(Real value) { return cpp_number(value.to_double()); }
 std::string vector(const RealVec3& v) { return "{" + number(v.x) + ", " + number(v.y) + ", " + number(v.z) + "}"; }
-bool is_zero(const RealVec3& v) { return v.x.is_zero() && v.y.is_zero() && v.z.is_zero(); }
 
 // The initialiser of one struct: a member a line, those that have their default left out.
 class Members {
@@ -58,16 +57,16 @@ std::string body_text(const BodyDescription& description, const BodySpec& body) 
     Members members("            ");
     members.when(body.shape.kind != ShapeKind::none, "shape", shape_text(body.shape), "m");
     members.always("mass", number(body.mass), "kg");
-    members.always("inertia",
-                   own_inertia ? "{" + number(i.xx) + ", " + number(i.yy) + ", " + number(i.zz) + ", " + number(i.xy) +
-                                     ", " + number(i.xz) + ", " + number(i.yz) + "}"
-                               : "tumble::inertia_of(" + shape_text(body.shape) + ", " + number(body.mass) + ")",
-                   "kg m^2");
-    members.when(!is_zero(body.position), "position", vector(body.position), "m");
-    members.when(!is_zero(body.velocity), "velocity", vector(body.velocity), "m/s");
-    members.when(!(body.orientation.w == Real{1}) || !is_zero(body.orientation.v), "orientation",
+    members.when(!description.is_point_mass(), "inertia",
+                 own_inertia ? "{" + number(i.xx) + ", " + number(i.yy) + ", " + number(i.zz) + ", " + number(i.xy) +
+                                   ", " + number(i.xz) + ", " + number(i.yz) + "}"
+                             : "tumble::inertia_of(" + shape_text(body.shape) + ", " + number(body.mass) + ")",
+                 "kg m^2");
+    members.when(!body.position.is_zero(), "position", vector(body.position), "m");
+    members.when(!body.velocity.is_zero(), "velocity", vector(body.velocity), "m/s");
+    members.when(!(body.orientation.w == Real{1}) || !body.orientation.v.is_zero(), "orientation",
                  "{" + number(body.orientation.w) + ", " + vector(body.orientation.v) + "}", "w, x, y, z");
-    members.when(!is_zero(body.angular_velocity), "angular_velocity", vector(body.angular_velocity), "rad/s");
+    members.when(!body.angular_velocity.is_zero(), "angular_velocity", vector(body.angular_velocity), "rad/s");
     members.when(!body.restitution.is_negative(), "restitution", number(body.restitution));
     members.when(!body.friction.is_negative(), "friction", number(body.friction));
     members.when(body.fixed, "fixed", "true");
@@ -86,9 +85,9 @@ std::string plane_text(const PlaneDescription&, const PlaneSpec& plane) {
 std::string spring_text(const SpringDescription&, const SpringSpec& spring) {
     Members members("            ");
     members.always("body", std::to_string(spring.body));
-    members.when(!is_zero(spring.point), "point", vector(spring.point), "m");
+    members.when(!spring.point.is_zero(), "point", vector(spring.point), "m");
     members.when(spring.to_body >= 0, "to_body", std::to_string(spring.to_body));
-    members.when(!is_zero(spring.to), "to", vector(spring.to), "m");
+    members.when(!spring.to.is_zero(), "to", vector(spring.to), "m");
     members.always("stiffness", number(spring.stiffness), "N/m");
     members.when(!spring.damping.is_zero(), "damping", number(spring.damping), "N s/m");
     members.when(!spring.rest_length.is_zero(), "rest_length", number(spring.rest_length), "m");
@@ -100,9 +99,9 @@ std::string impulse_text(const ImpulseDescription&, const ImpulseSpec& impulse) 
     members.always("time", number(impulse.time), "s");
     members.always("body", std::to_string(impulse.body));
     members.when(impulse.frame == Frame::body, "frame", "tumble::Frame::body");
-    members.when(!is_zero(impulse.impulse), "impulse", vector(impulse.impulse), "N s");
-    members.when(!is_zero(impulse.point), "point", vector(impulse.point), "m");
-    members.when(!is_zero(impulse.angular_impulse), "angular_impulse", vector(impulse.angular_impulse), "N m s");
+    members.when(!impulse.impulse.is_zero(), "impulse", vector(impulse.impulse), "N s");
+    members.when(!impulse.point.is_zero(), "point", vector(impulse.point), "m");
+    members.when(!impulse.angular_impulse.is_zero(), "angular_impulse", vector(impulse.angular_impulse), "N m s");
     return members.text();
 }
 
@@ -112,9 +111,9 @@ std::string force_text(const ForceDescription&, const ForceSpec& force) {
     members.when(!force.from.is_zero(), "from", number(force.from), "s");
     members.always("until", number(force.until), "s");
     members.when(force.frame == Frame::body, "frame", "tumble::Frame::body");
-    members.when(!is_zero(force.force), "force", vector(force.force), "N");
-    members.when(!is_zero(force.point), "point", vector(force.point), "m");
-    members.when(!is_zero(force.torque), "torque", vector(force.torque), "N m");
+    members.when(!force.force.is_zero(), "force", vector(force.force), "N");
+    members.when(!force.point.is_zero(), "point", vector(force.point), "m");
+    members.when(!force.torque.is_zero(), "torque", vector(force.torque), "N m");
     return members.text();
 }
 
@@ -154,7 +153,7 @@ std::string_view name_of(ContactResponse response) {
 
 std::string world_text(const WorldSpec& world) {
     Members contact("            "), members("        ");
-    members.when(!is_zero(world.gravity), "gravity", vector(world.gravity), "m/s^2");
+    members.when(!world.gravity.is_zero(), "gravity", vector(world.gravity), "m/s^2");
     members.when(!world.gravitation.is_zero(), "gravitation", number(world.gravitation), "m^3/(kg s^2)");
     members.when(!world.linear_drag.is_zero(), "linear_drag", number(world.linear_drag), "kg/s");
     members.when(!world.angular_drag.is_zero(), "angular_drag", number(world.angular_drag), "N m s");

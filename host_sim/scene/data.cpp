@@ -132,27 +132,29 @@ Features needs(const SceneData& scene) {
         const ShapeKind kind = body.shape.kind;
         return !body.fixed && (kind == ShapeKind::cylinder || kind == ShapeKind::capsule || kind == ShapeKind::hoop);
     };
-    const auto is_turntable = [](const BodySpec& body) {
-        const RealVec3& w = body.angular_velocity;
-        return body.fixed && !(w.x.is_zero() && w.y.is_zero() && w.z.is_zero());
-    };
+    const auto is_turntable = [](const BodySpec& body) { return body.fixed && !body.angular_velocity.is_zero(); };
+    const bool rotation =
+        scene.bodies.empty() || any(scene.bodies, [](const BodySpec& body) { return !is_point_mass(body); });
     const WorldSpec& world = scene.world;
     const ContactResponse response = world.contact.response;
     const bool pairs = response != ContactResponse::none && any_pair_meets(scene.bodies);
-    // Planes are there only with a response.
-    const bool touches = !scene.planes.empty() || pairs, by_impulses = touches && response == ContactResponse::impulse,
+    // Planes are there only with a response, and for what may touch them.
+    const std::size_t planes = rotation ? scene.planes.size() : 0;
+    const bool touches = planes > 0 || pairs, by_impulses = touches && response == ContactResponse::impulse,
                by_springs = touches && response == ContactResponse::spring;
     return {
         .bodies = static_cast<int>(scene.bodies.size()),
-        .planes = static_cast<int>(scene.planes.size()),
+        .planes = static_cast<int>(planes),
         .springs = static_cast<int>(scene.springs.size()),
+        .rotation = rotation,
+        .point_masses = any(scene.bodies, is_point_mass),
         .drag = world.linear_drag > Real{} || world.angular_drag > Real{},
         .gravitation = world.gravitation > Real{} && scene.bodies.size() > 1,
         .forces = !scene.forces.empty(),
         .impulses = !scene.impulses.empty(),
         .pairs = pairs,
         .boxes = (by_impulses || by_springs) && any(scene.bodies, is_box),
-        .round_shapes = !scene.planes.empty() && any(scene.bodies, is_moving_round),
+        .round_shapes = planes > 0 && any(scene.bodies, is_moving_round),
         .friction = by_impulses &&
                     (world.contact.friction > Real{} || any(scene.bodies, is_rough) || any(scene.planes, is_rough)),
         .sleep = world.contact.sleep.on && response == ContactResponse::impulse,

@@ -51,6 +51,9 @@ struct BodyDescription {
     Triple angular_velocity{};                  // body frame, user's axes
     std::optional<double> restitution, friction;
     bool fixed = false;
+
+    // It has no rotation.
+    [[nodiscard]] bool is_point_mass() const { return shape.kind == ShapeKind::none && !inertia; }
 };
 
 struct PlaneDescription {
@@ -115,6 +118,8 @@ struct SceneDescription {
     std::vector<SpringDescription> springs;
     std::vector<ImpulseDescription> impulses;  // file order
     std::vector<ForceDescription> forces;
+
+    [[nodiscard]] const BodyDescription& body(int index) const { return bodies[static_cast<std::size_t>(index)]; }
 
     // Number of steps: the last step ends at or just after `duration`.
     [[nodiscard]] std::int64_t steps() const;

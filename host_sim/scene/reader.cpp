@@ -137,7 +137,8 @@ void check_inside(Table& table, const std::string& key, const Triple& numbers, d
                                     "), the range." + key + " of this scene");
 }
 
-// Mass, density and inertia must together say what the body weighs and how it turns.
+// Mass, density and inertia must together say what the body weighs and how it turns; without shape and inertia it does
+// not.
 void check_mass(Table& table, const BodyDescription& body) {
     const ShapeKind kind = body.shape.kind;
     const bool has_volume = !volume_of(shape_of(body.shape)).is_zero();
@@ -154,8 +155,7 @@ void check_mass(Table& table, const BodyDescription& body) {
     }
 
     if (body.inertia) return check_moments(table.at("inertia"), body);
-    if (kind == ShapeKind::none)
-        table.fail("inertia", "missing", "3 or 6 numbers (kg m^2): a body without shape has no moments of its own");
+    if (kind == ShapeKind::none) return;  // a point mass
     if (kind == ShapeKind::points) {
         const PointCloud cloud = cloud_of(body.shape.points);
         const Triple moments = moments_of(cloud.inertia);
@@ -164,7 +164,8 @@ void check_mass(Table& table, const BodyDescription& body) {
                                    "smaller masses or distances (kg, m)");
         if (!(moments[0] > moment_tolerance * moments[2]))
             table.at("shape").fail("the points lie on one line, so that a principal moment is 0",
-                                   "points off that line, or inertia = [...] (kg m^2)");
+                                   "points off that line, inertia = [...] (kg m^2), or shape = \"none\" for a point "
+                                   "mass");
         return;
     }
 
@@ -178,6 +179,23 @@ void check_mass(Table& table, const BodyDescription& body) {
     if (!std::isnormal(light * smallest * smallest) || !std::isfinite(16.0 * heavy * largest * largest))
         table.at("shape").fail("mass and moments of inertia of this shape are not representable",
                                "sizes (m) and mass (kg) that give positive finite moments");
+}
+
+// A point mass has no rotation: numbers that ask for one are an error.
+void refuse_to_turn(Table& table, const std::string& key, const double* numbers, std::size_t count,
+                    const BodyDescription& body, const std::string& otherwise) {
+    if (body.is_point_mass() && std::any_of(numbers, numbers + count, [](double x) { return x != 0.0; }))
+        table.at(key).fail("body " + in_quotes(body.name) + " is a point mass, which has no rotation",
+                           otherwise + ", or a shape or inertia = [...] (kg m^2) of the body");
+}
+void refuse_to_turn(Table& table, const std::string& key, const Triple& numbers, const BodyDescription& body) {
+    refuse_to_turn(table, key, numbers.data(), numbers.size(), body, "[0, 0, 0] or no " + key);
+}
+// Nor has it axes that an impulse or a force could be given in.
+void refuse_body_frame(Table& table, Frame frame, const BodyDescription& body) {
+    if (body.is_point_mass() && frame == Frame::body)
+        table.at("frame").fail("body " + in_quotes(body.name) + " is a point mass, which has no axes of its own",
+                               "\"world\" or no frame");
 }
 
 BodyDescription read_body(Table table, const RangeDescription& range) {
@@ -207,6 +225,8 @@ BodyDescription read_body(Table table, const RangeDescription& range) {
     if (turned)
         check_not_zero(table.at("orientation"), body.orientation.data(), 4,
                        "a quaternion [w, x, y, z] that is not zero");
+    refuse_to_turn(table, "orientation", body.orientation.data() + 1, 3, body, "[1, 0, 0, 0] or no orientation");
+    refuse_to_turn(table, "angular_velocity", body.angular_velocity, body);
     check_inside(table, "position", body.position, range.position, "m");
     check_inside(table, "velocity", body.velocity, range.velocity, "m/s");
     check_inside(table, "angular_velocity", body.angular_velocity, range.angular_velocity, "rad/s");
@@ -300,6 +320,7 @@ SpringDescription read_spring(Table table, const SceneDescription& scene) {
     table.finish();
 
     spring.body = resolve(table, "body", body, scene);
+    refuse_to_turn(table, "point", spring.point, scene.body(spring.body));
     const std::string ends = "either to = [x, y, z] (m, a world point) or to_body = \"name\"";
     if (to_world && to_other) table.at("to_body").fail("to and to_body are both given", ends);
     if (!to_world && !to_other) table.fail("to", "missing", ends);
@@ -308,6 +329,7 @@ SpringDescription read_spring(Table table, const SceneDescription& scene) {
     if (to_other) {
         spring.to_body = resolve(table, "to_body", to_body, scene);
         spring.to = to_point;
+        refuse_to_turn(table, "to_point", to_point, scene.body(spring.to_body));
         if (spring.to_body == spring.body)
             table.at("to_body").fail("got " + in_quotes(to_body) + ", the spring's own body", "another body");
     }
@@ -322,7 +344,7 @@ void check_time(Table& table, const std::string& key, double when, const SceneDe
 // Turns `face` and `strength` into an impulse at the centre of that face of a box, pushing inwards.
 void push_face(Table& table, const std::pair<std::size_t, double>& face, double strength, const SceneDescription& scene,
                ImpulseDescription& impulse) {
-    const ShapeDescription& shape = scene.bodies[static_cast<std::size_t>(impulse.body)].shape;
+    const ShapeDescription& shape = scene.body(impulse.body).shape;
     if (shape.kind != ShapeKind::box)
         table.at("face").fail("only a box has faces", "a body whose shape is a box, or impulse and point");
     for (const char* key : {"impulse", "point"})
@@ -355,6 +377,9 @@ ImpulseDescription read_impulse(Table table, const SceneDescription& scene) {
 
     impulse.body = resolve(table, "body", body, scene);
     check_time(table, "time", impulse.time, scene);
+    refuse_to_turn(table, "point", impulse.point, scene.body(impulse.body));
+    refuse_to_turn(table, "angular_impulse", impulse.angular_impulse, scene.body(impulse.body));
+    refuse_body_frame(table, impulse.frame, scene.body(impulse.body));
     if (has_face) push_face(table, face, strength, scene, impulse);
     if (has_face && !has_strength)
         table.fail("strength", "missing", Quantity{Quantity::positive, "N s"}.expected() + " beside face");
@@ -379,6 +404,9 @@ ForceDescription read_force(Table table, const SceneDescription& scene) {
     table.finish();
 
     force.body = resolve(table, "body", body, scene);
+    refuse_to_turn(table, "point", force.point, scene.body(force.body));
+    refuse_to_turn(table, "torque", force.torque, scene.body(force.body));
+    refuse_body_frame(table, force.frame, scene.body(force.body));
     check_time(table, "from", force.from, scene);
     check_time(table, "until", force.until, scene);
     if (force.until <= force.from) table.at("until").refuse("a time after from = " + shown(force.from) + " (s)");
@@ -402,7 +430,7 @@ SceneDescription read_root(Table root, const std::string& file, BodyCount count)
     // every key of the top level is asked for before any table is read, so that a misspelt table name is the first
     // error
     root.optional("name", scene.name);
-    const auto world = root.table("world");
+    auto world = root.table("world");
     if (!world) root.missing("world", "the table [world] with step and duration (s)");
     const auto range = root.table("range");
     const auto contact = root.table("contact");
@@ -420,6 +448,10 @@ SceneDescription read_root(Table root, const std::string& file, BodyCount count)
     std::set<std::string> names;
     for (Table table : planes) add_named(scene.planes, read_plane(table), table, names);
     for (Table table : bodies) add_named(scene.bodies, read_body(table, scene.range), table, names);
+    if (scene.angular_drag > 0.0 && !scene.bodies.empty() &&
+        std::all_of(scene.bodies.begin(), scene.bodies.end(),
+                    [](const BodyDescription& body) { return body.is_point_mass(); }))
+        world->at("angular_drag").fail("all bodies are point masses, which have no rotation", "0 or no angular_drag");
     for (const Table& table : springs) scene.springs.push_back(read_spring(table, scene));
     for (const Table& table : impulses) scene.impulses.push_back(read_impulse(table, scene));
     for (const Table& table : forces) scene.forces.push_back(read_force(table, scene));

@@ -27,22 +27,26 @@ struct PrincipalAxes {
     reference::Rotation to_user;  // principal axes to the user's
 };
 
-// rad/s, principal axes.
-template <class N, Spin spin, int capacity>
-[[nodiscard]] reference::Vector spin_of(const Bodies<N, spin, capacity>& bodies, const PrincipalAxes& axes, int body) {
-    const auto& turn = bodies.state[body].t_b;
-    const reference::Number unit = number(bodies.scale.angle(Real{1})), step = number(bodies.step_length);
+// rad/s, principal axes; zero of a point mass.
+template <class N, Spin spin, int capacity, bool points>
+[[nodiscard]] reference::Vector spin_of(const Bodies<N, spin, capacity, points>& bodies,
+                                        [[maybe_unused]] const PrincipalAxes& axes, int body) {
     reference::Vector w;
-    for (int i = 0; i < 3; ++i) {
-        w[i] = number(turn[i]) * unit * 2 / step;
-        if constexpr (spin == Spin::angular_momentum) w[i] *= axes.moments.y / axes.moments[i];
+    if (!bodies.rotates(body)) return w;
+    if constexpr (spin != Spin::none) {
+        const auto& turn = bodies.state[body].t_b;
+        const reference::Number unit = number(bodies.scale.angle(Real{1})), step = number(bodies.step_length);
+        for (int i = 0; i < 3; ++i) {
+            w[i] = number(turn[i]) * unit * 2 / step;
+            if constexpr (spin == Spin::angular_momentum) w[i] *= axes.moments.y / axes.moments[i];
+        }
     }
     return w;
 }
 
-// SI units, the user's axes.
-template <class N, Spin spin, int capacity>
-[[nodiscard]] reference::Motion motion_of(const Bodies<N, spin, capacity>& bodies, const PrincipalAxes& axes,
+// SI units, the user's axes; those of a point mass are the world's.
+template <class N, Spin spin, int capacity, bool points>
+[[nodiscard]] reference::Motion motion_of(const Bodies<N, spin, capacity, points>& bodies, const PrincipalAxes& axes,
                                           int body) {
     const auto& state = bodies.state[body];
     const reference::Number unit = number(bodies.scale.metres(Real{1})), step = number(bodies.step_length);
@@ -51,9 +55,12 @@ template <class N, Spin spin, int capacity>
         motion.x[i] = number(state.x_w[i]);
         motion.v[i] = number(state.d_w[i]) * unit / step;
     }
-    const auto& q = state.q_wb;
-    motion.q = reference::Rotation{number(q.w), {number(q.x), number(q.y), number(q.z)}} * axes.to_user.conjugate();
-    motion.w = axes.to_user.rotate(spin_of(bodies, axes, body));
+    if (!bodies.rotates(body)) return motion;
+    if constexpr (spin != Spin::none) {
+        const auto& q = state.q_wb;
+        motion.q = reference::Rotation{number(q.w), {number(q.x), number(q.y), number(q.z)}} * axes.to_user.conjugate();
+        motion.w = axes.to_user.rotate(spin_of(bodies, axes, body));
+    }
     return motion;
 }
 

@@ -24,7 +24,7 @@ inline constexpr Features host_features =
 template <class N, Spin spin_is>
 class BodiesSimulation : public Simulation {
 protected:
-    using Bodies = tumble::Bodies<N, spin_is, max_bodies>;
+    using Bodies = tumble::Bodies<N, spin_is, max_bodies, host_features.mixed()>;
 
     // Both must outlive this.
     BodiesSimulation(const SceneData& data, const Bodies& bodies)
@@ -101,22 +101,23 @@ public:
     }
 
     void append_words(std::vector<std::uint32_t>& words) const override {
-        for (int b = 0; b < body_count(); ++b) {
-            for_each_number(now_.state[b], [&](const char*, const auto& number) {
-                for_each_word(number, [&](std::uint32_t word) { words.push_back(word); });
-            });
-        }
+        for (int b = 0; b < body_count(); ++b)
+            for_each_word(
+                now_.state[b], [&](std::uint32_t word) { words.push_back(word); }, now_.rotates(b));
     }
     [[nodiscard]] Place place_of_word(std::size_t word) const override {
         Place place{};
         std::size_t first = 0;
         for (int b = 0; b < body_count(); ++b) {
-            for_each_number(now_.state[b], [&](const char* name, const auto& number) {
-                std::size_t count = 0;
-                for_each_word(number, [&](std::uint32_t) { ++count; });
-                if (first <= word && word < first + count) place = {b, name, first, count};
-                first += count;
-            });
+            for_each_number(
+                now_.state[b],
+                [&](const char* name, const auto& number) {
+                    std::size_t count = 0;
+                    for_each_word(number, [&](std::uint32_t) { ++count; });
+                    if (first <= word && word < first + count) place = {b, name, first, count};
+                    first += count;
+                },
+                now_.rotates(b));
         }
         return place;
     }

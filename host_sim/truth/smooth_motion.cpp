@@ -100,7 +100,7 @@ SmoothMotion::Body SmoothMotion::body_of(const BodyDescription& description) {
     Body body;
     body.mass = mass_of(description);
     body.inertia = tensor_of(description, body.mass);
-    body.inverse = body.inertia.inverse();
+    if (!description.is_point_mass()) body.inverse = body.inertia.inverse();
     body.fixed = description.fixed;
     body.turns = body.fixed && norm(vector_of(description.angular_velocity)) > 0;
     body.kind = description.shape.kind;

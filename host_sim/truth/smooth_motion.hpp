@@ -46,7 +46,7 @@ private:
     };
     struct Body {
         reference::Number mass = 0;         // kg
-        Tensor inertia, inverse;            // kg m^2, user's axes
+        Tensor inertia, inverse;            // kg m^2, user's axes; both zero of a point mass
         bool fixed = false, turns = false;  // turns: though fixed
         ShapeKind kind = ShapeKind::none;
         reference::Vector size;  // m, as in ShapeDescription

@@ -398,6 +398,21 @@ TEST(SceneReader, turned_flat_plate_passes_the_triangle_inequality_at_every_angl
     }
 }
 
+TEST(SceneReader, a_body_without_shape_and_inertia_is_a_point_mass) {
+    const std::string comet = "[[body]]\nname = \"comet\"\nshape = \"none\"\nmass = 2\n";
+    EXPECT_TRUE(read(world + comet).bodies.at(0).is_point_mass());
+    EXPECT_FALSE(read(world + comet + "inertia = [1, 2, 3]\n").bodies.at(0).is_point_mass());
+    EXPECT_FALSE(read(world + brick).bodies.at(0).is_point_mass());
+    // Nothing that does not turn it is refused, and angular drag is that of the others.
+    const std::string still = "orientation = [-2, 0, 0, 0]\nangular_velocity = [0, 0, 0]\nfriction = 0.5\n",
+                      rest = "[[spring]]\nbody = \"comet\"\npoint = [0, 0, 0]\nto_body = \"brick\"\n"
+                             "to_point = [1, 0, 0]\nstiffness = 1\n"
+                             "[[impulse]]\nbody = \"comet\"\ntime = 0\nimpulse = [1, 0, 0]\npoint = [0, 0, 0]\n"
+                             "frame = \"world\"\nangular_impulse = [0, 0, 0]\n"
+                             "[[force]]\nbody = \"comet\"\nuntil = 1\nforce = [1, 0, 0]\ntorque = [0, 0, 0]\n";
+    EXPECT_EQ(error_of(world + "angular_drag = 0.5\n" + comet + still + brick + rest), "no error");
+}
+
 TEST(SceneReader, points_on_a_line_are_accepted_with_inertia) {
     const std::string rod = "[[body]]\nname = \"rod\"\nshape = { points = [[0, 0, -1, 1], [0, 0, 1, 1]] }\n";
     EXPECT_NE(error_of(world + rod).find("lie on one line"), std::string::npos);

@@ -39,12 +39,13 @@ void record() {
     out.text("state ");
     out.hex(scene.world().steps_taken());
     for (int b = 0; b < scene.world().body_count(); ++b) {
-        tumble::for_each_number(scene.world().state(tumble::BodyId{b}), [](const char*, const auto& number) {
-            tumble::for_each_word(number, [](std::uint32_t word) {
+        tumble::for_each_word(
+            scene.world().state(tumble::BodyId{b}),
+            [](std::uint32_t word) {
                 out.text(" ");
                 out.hex(word);
-            });
-        });
+            },
+            scene.world().bodies().rotates(b));
     }
     out.text("\n");
     out.flush();  // nothing is left half said if the next step ends in a fault
