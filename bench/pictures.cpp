@@ -174,8 +174,8 @@ private:
 
     static constexpr double panel_width = 490, panel_height = 330, left = 75, right = 40, top = 90, bottom = 60,
                             gap = 32;
-    static constexpr const char *cycles_axis = "cycles of a simulated second, estimate, zero wait states",
-                                *insn_axis = "instructions of a simulated second";
+    static constexpr const char *cycles_axis = "cycles per simulated second, estimate, zero wait states",
+                                *insn_axis = "instructions per simulated second";
     static constexpr double font_size = 13, character = 0.62 * font_size;
     [[nodiscard]] std::size_t panel_rows() const { return (panels_.size() + 1) / 2; }
     [[nodiscard]] double width() const { return left + 2 * panel_width + gap + right; }
@@ -258,7 +258,7 @@ private:
             x / width(), (x + panel_width) / width(), y / height(), (y + panel_height) / height());
         out += "set title '" + panel.core + "' offset 0,-0.6\n";
         // The axes are the same: they are written once a row and once a column. Their units may not be.
-        const std::string unit = std::string{"'"} + (panel.in_cycles ? cycles_axis : insn_axis) + "'\n";
+        const std::string unit = std::string{"'"} + (panel.in_cycles ? cycles_axis : insn_axis) + "' font ',10.5'\n";
         out += index % 2 == 0 ? "set ylabel " + unit + "unset y2label\nset format y '10^{%L}'\n"
                               : "unset ylabel\nset format y ''\n";
         if (index % 2 == 1 && panel.in_cycles != panels_[index - 1].in_cycles) out += "set y2label " + unit;
