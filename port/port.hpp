@@ -33,8 +33,8 @@ void init();
 // Never negative: 0 when `to` is not later than `from`. Cost: one 64-bit multiplication and division.
 [[nodiscard]] std::uint64_t elapsed(Instant from, Instant to);
 
-// "insn" (instructions retired, under QEMU with -icount), "cycles" (on silicon) or "ns" (steady clock of the host).
-// An emulated target never says "cycles".
+// "insn" (instructions retired, under QEMU with -icount), "cycles" (on silicon) or "ns" (steady clock of the host and
+// of WebAssembly). An emulated target never says "cycles".
 [[nodiscard]] std::string_view tick_unit();
 
 // The name of the core in port/boards.txt, or "host".
@@ -47,8 +47,8 @@ inline void write(const char* text, std::size_t size) { write(std::string_view{t
 
 // Bytes of stack used at the deepest point since init(), counted from the top of the stack, the caller's frames
 // included. It may hold one exception frame too much (32 bytes; 104 with an FPU) if the counter wrapped at that point,
-// and is not less than what init() itself needs (up to 132 bytes). 0 where it is not measured (host). Cost: one pass
-// over the unused stack.
+// and is not less than what init() itself needs (up to 132 bytes). 0 where it is not measured (host, WebAssembly).
+// Cost: one pass over the unused stack.
 [[nodiscard]] std::size_t stack_peak();
 
 // Ends the program with this status. Only the low 8 bits reach the shell; a non-zero status whose low 8 bits are zero

@@ -238,6 +238,8 @@ StepOutcome run_step_program(const Core& core, const fs::path& elf, int timeout,
     if (core.has_cycles())
         outcome.error = add_cycles(printed.rows.front(), printed.rows.back(), printed.messages, step.insn_of_call);
     if (outcome.error.empty()) outcome.row = std::move(printed.rows.front());
+    // 0 is what a port says that cannot measure it.
+    if (outcome.row.contains("stack_bytes") && outcome.row.at("stack_bytes") == 0) outcome.row.erase("stack_bytes");
     return outcome;
 }
 
