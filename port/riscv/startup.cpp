@@ -1,4 +1,6 @@
 // From reset to main, and from a trap to a non-zero exit status. RISC-V divides by zero without a trap.
+#include <iterator>
+
 #include "bare_metal.hpp"
 #include "csr.hpp"
 
