@@ -2,7 +2,6 @@
 #   makes a program <prefix>-<method>.elf for each method, which replays the scene and measures its steps. They share one
 #   compilation, of <group>.cpp (default: the prefix), into the objects steps-<group>.
 include_guard(GLOBAL)
-set(TUMBLE_STEP_DIR ${CMAKE_CURRENT_LIST_DIR})
 
 function(tumble_add_step_firmware prefix)
     cmake_parse_arguments(PARSE_ARGV 1 arg "" "VARIANT;HEADER;SCENE;GROUP" "METHODS")
@@ -20,7 +19,7 @@ function(tumble_add_step_firmware prefix)
     endforeach()
     file(CONFIGURE OUTPUT ${group}.cpp CONTENT "${source}" @ONLY)
     tumble_add_firmware_objects(steps-${group} SOURCES ${CMAKE_CURRENT_BINARY_DIR}/${group}.cpp OPTIONS ${options})
-    target_include_directories(steps-${group} PRIVATE ${TUMBLE_STEP_DIR})
+    target_include_directories(steps-${group} PRIVATE ${CMAKE_CURRENT_FUNCTION_LIST_DIR})
     foreach(method IN LISTS arg_METHODS)
         tumble_add_firmware_calling(${prefix}-${method} measure_${method} steps-${group})
     endforeach()
