@@ -121,13 +121,13 @@ Table free_table(const std::vector<Row>& rows, bool with_cycles) {
 
 Table size_table(const std::vector<Row>& rows, const std::string& core) {
     Table table;
-    table.head = {core,          "numbers",     "text bytes",    "RAM bytes",
-                  "world bytes", "stack bytes", "cycles a step", "worst step"};
+    table.head = {core,          "numbers",         "text bytes",    "RAM bytes", "world bytes",
+                  "stack bytes", "bound of a step", "cycles a step", "worst step"};
     for (const Row& row : rows) {
         if (row.at("core") != core) continue;
         table.rows.push_back({"`" + integrator_of(row) + "`", numbers_of(row), text_of(row, "text_bytes"),
                               text_of(row, "ram_bytes"), text_of(row, "world_bytes"), text_of(row, "stack_bytes"),
-                              mean_of(&row), worst_of(&row)});
+                              text_of(row, "step_stack_bound_bytes"), mean_of(&row), worst_of(&row)});
     }
     return table;
 }

@@ -73,6 +73,14 @@ void add_sizes(nlohmann::ordered_json& row, const fs::path& elf) {
         if (section == ".rodata") row["rodata_bytes"] = bytes;
     }
     row["ram_bytes"] = data + zeros;
+    if (core == StepFirmware::host || core_named(core).port != "cortex_m") return;
+    text.clear();
+    const std::string bound = (source_directory / "port/cortex_m/stack_bound").string();
+    unsigned long most = 0;
+    if (Process({bound, elf.string(), "step_world"}, {}, Process::Errors::merge).wait(&text) != 0 ||
+        std::sscanf(text.c_str(), "%lu", &most) != 1)
+        throw std::runtime_error(text);
+    row["step_stack_bound_bytes"] = most;
 }
 
 // The row that a program for the host prints, with its times replaced by what valgrind has counted.

@@ -93,8 +93,8 @@ public:
     // that has a scene of its own. What cannot be built is reported by run().
     void build(const std::vector<std::string>& names);
 
-    // run_step_program() of a program of the last build(), with its sizes (text_bytes: all that lies in flash,
-    // code_bytes, rodata_bytes, ram_bytes) added. The caller checks its state_hash.
+    // run_step_program() of a program of the last build(), with its sizes (text_bytes: all that lies in flash, code_bytes,
+    // rodata_bytes, ram_bytes, and on a Cortex-M step_stack_bound_bytes) added. The caller checks its state_hash.
     [[nodiscard]] StepOutcome run(const std::string& name, int timeout = 900,
                                   const std::vector<std::string>& reports = {}) const;
 
