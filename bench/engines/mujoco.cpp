@@ -1,10 +1,6 @@
 // MuJoCo: one body with a free joint and no gravity, with each integrator of its version.
 #include "contender.hpp"
-
-#include <mujoco/mujoco.h>
-
-#include <cstring>
-#include <stdexcept>
+#include "mujoco_model.hpp"
 
 namespace {
 
@@ -19,31 +15,14 @@ public:
             "diaginertia='" +
             text(top_moments[0]) + " " + text(top_moments[1]) + " " + text(top_moments[2]) +
             "'/></body></worldbody></mujoco>";
-        const auto files = std::make_unique<mjVFS>();
-        mj_defaultVFS(files.get());
-        const int file = [&] {
-            mj_makeEmptyFileVFS(files.get(), "top.xml", static_cast<int>(xml.size()) + 1);
-            return mj_findFileVFS(files.get(), "top.xml");
-        }();
-        if (file < 0) throw std::runtime_error{"MuJoCo takes no file"};
-        std::memcpy(files->filedata[file], xml.c_str(), xml.size() + 1);
-        char message[1000] = "";
-        model_ = mj_loadXML("top.xml", files.get(), message, sizeof message);
-        mj_deleteVFS(files.get());
-        if (model_ == nullptr) throw std::runtime_error{message};
+        model_ = mujoco_model(xml);
         model_->opt.timestep = 1.0 / top_steps_per_second;
         model_->opt.integrator = integrator;
-        data_ = mj_makeData(model_);
+        data_.reset(mj_makeData(model_.get()));
         for (int i = 0; i < 3; ++i) data_->qvel[3 + i] = top_spin[static_cast<std::size_t>(i)];  // rad/s, body frame
     }
-    MujocoTop(const MujocoTop&) = delete;
-    MujocoTop& operator=(const MujocoTop&) = delete;
-    ~MujocoTop() override {
-        mj_deleteData(data_);
-        mj_deleteModel(model_);
-    }
 
-    void step() override { mj_step(model_, data_); }
+    void step() override { mj_step(model_.get(), data_.get()); }
     [[nodiscard]] std::array<double, 4> orientation() const override {
         const mjtNum* q = data_->qpos + 3;
         return {q[0], q[1], q[2], q[3]};
@@ -53,8 +32,8 @@ public:
     }
 
 private:
-    mjModel* model_ = nullptr;
-    mjData* data_ = nullptr;
+    MujocoModel model_;
+    MujocoData data_;
 };
 
 }  // namespace

@@ -1,0 +1,183 @@
+#include "problems.hpp"
+
+#include "closed_form.hpp"
+#include "scene/reader.hpp"
+#include "truth/smooth_motion.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace tumble::bench {
+
+namespace {
+
+using host::SceneDescription;
+using reference::Motion;
+
+constexpr int samples = 16;  // of a run
+constexpr double apart = 2;  // m, between the bodies of a row and the rows
+
+Motion start_of(const BodySpec& body) {
+    const auto vector = [](const RealVec3& v) { return reference::vector_of(array_of<double>(v)); };
+    const RealQuat q = normalized(body.orientation);
+    return {
+        vector(body.position), vector(body.velocity), {q.w.to_double(), vector(q.v)}, vector(body.angular_velocity)};
+}
+
+class Maker {
+public:
+    // A scene file below the project's directory; `denominator`: of another step than the file's.
+    explicit Maker(const std::string& file, int denominator = 0)
+        : description_{host::read_scene(std::string{TUMBLE_SOURCE_DIR} + "/" + file)} {
+        if (denominator > 0) description_.step = {1, denominator, 0};
+        problem_.scene = host::build_scene(description_);
+        problem_.name = problem_.scene.name;
+        problem_.features = host::needs(problem_.scene);
+        problem_.table = "one";
+    }
+    Maker& fails(const std::string& contender) {
+        problem_.fail.push_back(contender);
+        return *this;
+    }
+    Maker& fails_above(std::size_t bodies, const std::vector<std::string>& contenders) {
+        if (problem_.scene.bodies.size() > bodies)
+            for (const std::string& contender : contenders) (void)fails(contender);
+        return *this;
+    }
+    Maker& named(const std::string& name) {
+        problem_.name = name;
+        return *this;
+    }
+    Maker& within(double metres, double radians = 0) {
+        problem_.position_within = metres;
+        problem_.orientation_within = radians;
+        return *this;
+    }
+    // As many of the scene's only body, in rows along x.
+    Maker& bodies(int count) {
+        auto& bodies = problem_.scene.bodies;
+        if (bodies.size() != 1) throw std::runtime_error{problem_.name + ": expected one body to repeat"};
+        const BodySpec body = bodies.front();
+        int across = 1;
+        while (across * across < count) ++across;
+        for (int i = 1; i < count; ++i) {
+            BodySpec next = body;
+            next.position.x = next.position.x + Real{apart * (i % across)};
+            next.position.z = next.position.z + Real{apart * (i / across)};  // NOLINT(bugprone-integer-division)
+            bodies.push_back(next);
+        }
+        problem_.features.bodies = count;
+        problem_.table = "many";
+        return *this;
+    }
+    Maker& touching() {
+        problem_.features.pairs = true;
+        return *this;
+    }
+    Maker& sleeping() {
+        problem_.scene.world.contact.sleep.on = true;
+        problem_.scene.world.contact.sleep.time = Real{0.25};  // s
+        problem_.features.sleep = true;
+        return *this;
+    }
+    // Of a timed run.
+    Maker& steps(int count) {
+        problem_.scene.steps = static_cast<std::uint32_t>(count);
+        return *this;
+    }
+
+    // A scene whose motion is known.
+    [[nodiscard]] Problem moves() {
+        const int steps = static_cast<int>(problem_.scene.steps), every = std::max(1, steps / samples);
+        const auto positions = closed_form(description_, description_.step.seconds() * every, steps / every);
+        host::SmoothMotion smooth{description_, host::shapes_meet};
+        const auto& bodies = problem_.scene.bodies;
+        const std::size_t mover = bodies.front().fixed ? 1 : 0;
+        const Motion start = start_of(bodies.at(mover));
+        for (int sample = 1; sample * every <= steps; ++sample) {
+            Motion motion;
+            if (problem_.touches()) {
+                motion = start;
+                motion.x = reference::vector_of(positions.value().at(static_cast<std::size_t>(sample)));
+            } else {
+                smooth.advance_to(sample * every);
+                motion = smooth.bodies().at(mover);
+            }
+            Problem::Sample& truth = problem_.truth.emplace_back(sample * every);
+            for (const BodySpec& body : bodies) {
+                Motion now = body.fixed ? start_of(body) : motion;
+                if (!body.fixed) now.x = now.x + start_of(body).x - start.x;
+                truth.bodies.push_back(now);
+            }
+        }
+        return problem_;
+    }
+    // A scene in which nothing moves.
+    [[nodiscard]] Problem rests(int steps_before) {
+        problem_.steps_before = steps_before;
+        Problem::Sample& truth = problem_.truth.emplace_back(steps_before);
+        for (const BodySpec& body : problem_.scene.bodies) truth.bodies.push_back(start_of(body));
+        return problem_;
+    }
+
+private:
+    SceneDescription description_;
+    Problem problem_;
+};
+
+}  // namespace
+
+std::array<double, 3> principal_moments(const BodySpec& body) {
+    const InertiaTensor& i = body.inertia;
+    if (!i.xy.is_zero() || !i.xz.is_zero() || !i.yz.is_zero())
+        throw std::runtime_error{"a body's axes are not its principal ones"};
+    return {i.xx.to_double(), i.yy.to_double(), i.zz.to_double()};
+}
+
+std::vector<Problem> problems(int most) {
+    // Distances are what a method of first order needs, and for contacts an engine whose contacts are soft.
+    std::vector<Problem> all{
+        Maker{"host_sim/scenes/free.toml"}.within(0.03, 0.1).moves(),
+        Maker{"bench/problems/projectile_drag.toml"}.within(0.2).moves(),
+        Maker{"bench/problems/stiff_spring.toml", 1024}.within(0.02).moves(),
+        Maker{"bench/problems/kepler.toml"}.within(0.01).moves(),
+        Maker{"bench/problems/ball_inelastic.toml"}.within(0.2).fails("Bullet, sequential impulses, f32 plain").moves(),
+        Maker{"bench/contacts/resting_box.toml"}.within(0.01).rests(256),
+        Maker{"host_sim/scenes/contacts/stack.toml"}.within(0.05).fails("ODE, step, f64").rests(256),
+    };
+    // The Jacobian of all contacts has room for every body; and this kernel has room for all pairs of bodies.
+    const std::vector<std::string> no_memory{"MuJoCo, Euler, conjugate gradients, f64"},
+        all_pairs{"tumble, verlet, q32 carry", "tumble, verlet, f32 plain", "tumble, verlet, f64"};
+    const std::string box = "bench/contacts/resting_box.toml";
+    for (int bodies = 1; bodies <= most; bodies *= 10) {
+        // Steps of a timed run and before it, for a world that costs about as much a body.
+        const int steps = std::clamp(20000 / bodies, 16, 512), before = std::clamp(100000 / bodies, 64, 256);
+        all.push_back(Maker{"host_sim/scenes/free.toml"}
+                          .named("free bodies")
+                          .bodies(bodies)
+                          .steps(std::clamp(20000 / bodies, 16, 256))
+                          .within(0.03, 0.1)
+                          .moves());
+        all.push_back(Maker{box}
+                          .named("boxes at rest on a plane")
+                          .bodies(bodies)
+                          .steps(steps)
+                          .within(0.01)
+                          .fails_above(1000, no_memory)
+                          .rests(before));
+        all.push_back(Maker{box}
+                          .named("boxes at rest, looking for each other")
+                          .bodies(bodies)
+                          .touching()
+                          .steps(steps)
+                          .within(0.01)
+                          .fails_above(1000, no_memory)
+                          .fails_above(1000, all_pairs)
+                          .rests(before));
+        all.push_back(
+            Maker{box}.named("boxes asleep on a plane").bodies(bodies).sleeping().steps(steps).within(0.01).rests(128));
+    }
+    return all;
+}
+
+}  // namespace tumble::bench
