@@ -21,7 +21,7 @@ ARGS  ?=
 PROGRAM ?= q32-Verlet
 PAGES := $(wildcard *.md */*.md host_sim/*/*.md)
 
-.PHONY: run test bench bench-contacts peers work-precision work-precision-loads pictures long-run ordinary engines firmware replay advise flame board sizes check format tables golden build setup clean help
+.PHONY: run test bench bench-contacts peers work-precision work-precision-loads pictures long-run ordinary engines bench-host firmware replay advise flame board sizes check format tables golden build setup clean help
 .DEFAULT_GOAL := help
 
 ## help: this list
@@ -125,9 +125,10 @@ work-precision-loads: $(LOADS:%=cost-of-%)
 	build/host/bench/tumble_pictures bench/results/work_precision_loads.jsonl --directory bench/results
 	build/host/bench/tumble_tables bench/results $(PAGES)
 
-## pictures: draw the pictures of work against precision again from the committed rows
+## pictures: draw the pictures again from the committed rows
 pictures: build
 	build/host/bench/tumble_pictures $(wildcard bench/results/work_precision*.jsonl) --directory bench/results
+	build/host/bench/tumble_host_picture bench/results/host.jsonl bench/results/host.svg
 
 ## long-run: what a million steps do to energy and momentum, for every method and number system, into bench/results
 long-run: build
@@ -147,6 +148,16 @@ engines:
 	@for engine in tumble bullet_f32 bullet_f64 ode mujoco; do build/engines/$$engine || exit 1; done > build/engines/engines.jsonl
 	@mv build/engines/engines.jsonl bench/results/engines.jsonl
 	@$(MAKE) tables
+
+## bench-host: times of steps on this machine beside Odeint's, Bullet's, ODE's and MuJoCo's, 1 to 10000 bodies, into bench/results
+bench-host:
+	@port/setup engines
+	@cmake --preset host -DTUMBLE_BENCH_HOST=ON > /dev/null
+	@cmake --build build/host --target tumble_bench_host tumble_host_picture tumble_tables
+	build/host/bench/host/tumble_bench_host 10000 build/results/host.jsonl
+	@mv build/results/host.jsonl bench/results/host.jsonl
+	build/host/bench/tumble_host_picture bench/results/host.jsonl bench/results/host.svg
+	build/host/bench/tumble_tables bench/results $(PAGES)
 
 ## peers: what a step of Boost.Odeint costs on the cores, into bench/results
 peers: build
@@ -215,6 +226,8 @@ golden: build/host/build.ninja
 check: TARGETS := all deep
 check: setup
 	port/setup format
+	port/setup engines
+	cmake --preset host -DTUMBLE_BENCH_HOST=ON > /dev/null
 	$(MAKE) firmware TARGETS="$(TARGETS)"
 	ctest --test-dir build/host --output-on-failure --no-tests=error -j $(JOBS)
 	$(MAKE) sanitize

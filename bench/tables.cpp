@@ -15,6 +15,7 @@
 #include <set>
 #include <sstream>
 
+#include "host/host_rows.hpp"
 #include "port.hpp"
 #include "rows.hpp"
 #include "scene/data.hpp"
@@ -335,6 +336,101 @@ Table engines_table(const std::vector<Row>& rows) {
     return table;
 }
 
+// A ratio of times: two digits, or all before the point.
+std::string ratio_text(double ratio) {
+    char text[32];
+    std::snprintf(text, sizeof text, ratio < 9.95 ? "%.2g" : "%.0f", ratio);
+    return text;
+}
+std::string ratio_to(const Row* row, const std::string& engine) {
+    if (row == nullptr || !row->contains("time_ratios") || !row->at("time_ratios").contains(engine)) return "-";
+    return ratio_text(row->at("time_ratios").at(engine).get<double>());
+}
+std::string name_of_engine(const Row& row) {
+    const std::string version = row.at("version");
+    return row.at("engine").get<std::string>() + (version.empty() ? "" : " " + version) + ", " + integrator_of(row) +
+           ", " + numbers_of(row);
+}
+
+// The host's problems of one size: how far this kernel's answers are from the truth, and its time as a multiple of each
+// engine's, whose answer's error stands beside it.
+Table host_table(const tumble::bench::HostRows& rows) {
+    struct Variant {
+        const char *numbers, *method;
+    };
+    constexpr Variant variants[]{{"q32 carry", "verlet"}, {"q32 carry", "rk4"}, {"f32 plain", "verlet"},
+                                 {"f32 plain", "rk4"},    {"f64", "verlet"},    {"f64", "rk4"}};
+    Table table;
+    table.head = {"problem", "time, divided by that of", "its error, m"};
+    for (const Variant& v : variants) table.head.push_back("`" + std::string{v.method} + "` " + v.numbers);
+    for (const std::string& scene : rows.scenes(false)) {
+        const int bodies = rows.sizes(scene).front();
+        std::vector<std::string> errors{scene, "errors of this kernel, m", ""};
+        for (const Variant& v : variants) {
+            const Row* own = rows.kernel(scene, bodies, v.numbers, v.method);
+            errors.push_back(own == nullptr ? "-" : text_of(*own, "position_error_m"));
+        }
+        table.rows.push_back(errors);
+        for (const std::string& engine : rows.engines(scene)) {
+            const Row& peer = *rows.fastest(scene, bodies, engine);
+            std::vector<std::string> line{"", name_of_engine(peer),
+                                          peer.contains("failure") ? "wrong" : text_of(peer, "position_error_m")};
+            for (const Variant& v : variants)
+                line.push_back(ratio_to(rows.kernel(scene, bodies, v.numbers, v.method), engine));
+            table.rows.push_back(line);
+        }
+    }
+    return table;
+}
+
+// Many bodies: the time of the default method in each number system as a multiple of each engine's.
+constexpr const char* host_numbers[]{"q32 carry", "f32 plain", "f64"};
+Table host_many_table(const tumble::bench::HostRows& rows) {
+    Table table;
+    table.head = {"q32 carry / f32 plain / f64", "time, divided by that of"};
+    for (const int bodies : rows.sizes()) table.head.push_back(std::to_string(bodies));
+    for (const std::string& scene : rows.scenes(true)) {
+        for (const std::string& engine : rows.engines(scene)) {
+            std::vector<std::string> line{scene, engine};
+            for (const int bodies : rows.sizes()) {
+                std::string cell;
+                for (const char* numbers : host_numbers) {
+                    const std::string ratio = ratio_to(rows.kernel(scene, bodies, numbers, "verlet"), engine);
+                    cell += (cell.empty() ? "" : " / ") + ratio;
+                }
+                line.push_back(cell == "- / - / -" ? "-" : cell);
+            }
+            table.rows.push_back(line);
+        }
+    }
+    return table;
+}
+
+// The time of a body's step as a multiple of that of one body alone: this kernel's, and each engine's fastest.
+Table host_growth_table(const tumble::bench::HostRows& rows) {
+    Table table;
+    table.head = {"time a body, divided by that of one", "whose"};
+    for (const int bodies : rows.sizes()) table.head.push_back(std::to_string(bodies));
+    for (const std::string& scene : rows.scenes(true)) {
+        const auto add = [&](const std::string& name, auto&& row_of) {
+            std::vector<std::string> line{scene, name};
+            for (const int bodies : rows.sizes()) {
+                const Row *one = row_of(1), *row = row_of(bodies);
+                const char* time = tumble::bench::HostRows::time;
+                const bool known = one != nullptr && row != nullptr && one->contains(time) && row->contains(time);
+                line.push_back(known ? ratio_text(row->at(time).get<double>() / one->at(time).get<double>()) : "-");
+            }
+            table.rows.push_back(line);
+        };
+        for (const char* numbers : host_numbers)
+            add(std::string{"tumble "} + numbers,
+                [&](int bodies) { return rows.kernel(scene, bodies, numbers, "verlet"); });
+        for (const std::string& engine : rows.engines(scene))
+            add(engine, [&](int bodies) { return rows.fastest(scene, bodies, engine); });
+    }
+    return table;
+}
+
 // The cores that firmware is built for: rows of port/boards.txt.
 Table boards_table(const std::filesystem::path& file) {
     Table table;
@@ -572,6 +668,9 @@ int main(int argc, char** argv) try {
          [&] {
              return ordinary_table(rows("ordinary.jsonl"), "Lorenz system", {6, 8, 10, 12}).markdown();
          }},
+        {"host", [&] { return host_table(tumble::bench::HostRows{rows("host.jsonl")}).markdown(); }},
+        {"host_many", [&] { return host_many_table(tumble::bench::HostRows{rows("host.jsonl")}).markdown(); }},
+        {"host_growth", [&] { return host_growth_table(tumble::bench::HostRows{rows("host.jsonl")}).markdown(); }},
         {"engines", [&] { return engines_table(rows("engines.jsonl")).markdown(); }},
         {"formats", [] { return formats_table().markdown(); }},
         {"bounds", [] { return bounds_table().markdown(); }},

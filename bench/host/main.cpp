@@ -166,9 +166,7 @@ std::vector<Entry> entries_of(const Problem& problem, const std::vector<Contende
     return entries;
 }
 
-// The rows of a problem. of_one_body: ns by problem and contender, of the fewest bodies seen so far.
-std::vector<Row> rows_of(const Problem& problem, const std::vector<Entry>& entries,
-                         std::map<std::string, double>& of_one_body) {
+std::vector<Row> rows_of(const Problem& problem, const std::vector<Entry>& entries) {
     const auto best = best_of_engines(entries);
     std::vector<Row> rows;
     for (const Entry& entry : entries) {
@@ -194,8 +192,6 @@ std::vector<Row> rows_of(const Problem& problem, const std::vector<Entry>& entri
         if (problem.orientation_within > 0) row["orientation_error_rad"] = entry.errors.orientation;
         row["ns_per_body_step"] = entry.least();
         row["ns_per_body_step_median"] = entry.median();
-        row["time_per_body_growth"] =
-            entry.least() / of_one_body.emplace(problem.name + entry.name(), entry.least()).first->second;
         if (c.engine != "tumble") continue;
         for (const auto& [engine, ns] : best)
             if (engine != c.engine) row["time_ratios"][engine] = entry.least() / ns;
@@ -219,7 +215,7 @@ void print(const Problem& problem, const std::vector<Entry>& entries) {
 int main(int argc, char** argv) try {
     // Ours come first: a later option of the same name replaces them.
     std::vector<std::string> defaults{argv[0], "--benchmark_enable_random_interleaving=true",
-                                      "--benchmark_repetitions=7", "--benchmark_min_time=0.02"};
+                                      "--benchmark_repetitions=5", "--benchmark_min_time=0.02"};
     std::vector<char*> arguments;
     for (std::string& option : defaults) arguments.push_back(option.data());
     arguments.insert(arguments.end(), argv + 1, argv + argc);
@@ -237,13 +233,12 @@ int main(int argc, char** argv) try {
          {add_tumble_q32, add_tumble_f32_plain, add_tumble_f64, add_odeint, add_bullet, add_ode, add_mujoco})
         add(contenders);
     std::vector<Row> rows;
-    std::map<std::string, double> of_one_body;
     bool as_known = true;
     for (const Problem& problem : problems(most)) {
         std::vector<Entry> entries = entries_of(problem, contenders);
         measure(problem, entries);
         print(problem, entries);
-        for (const Row& row : rows_of(problem, entries, of_one_body)) rows.push_back(row);
+        for (const Row& row : rows_of(problem, entries)) rows.push_back(row);
         for (const Entry& entry : entries) {
             const bool may_fail =
                 std::find(problem.fail.begin(), problem.fail.end(), entry.name()) != problem.fail.end();

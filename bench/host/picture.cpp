@@ -1,0 +1,94 @@
+// Draws the time of a body's step against the number of bodies in one world, a panel a scene: this kernel in each
+// number system, and each engine's fastest method.
+#include "drawing.hpp"
+#include "host/host_rows.hpp"
+
+#include <cmath>
+#include <iostream>
+#include <optional>
+
+namespace {
+
+using namespace tumble::bench;
+
+struct Style {
+    const char *name, *engine, *numbers, *color;
+    int mark;  // gnuplot's point type
+};
+// Colors of Okabe and Ito; this kernel's are those of the pictures of work against precision.
+constexpr Style styles[]{{"tumble q32", "tumble", "q32 carry", "#0072b2", 7},
+                         {"tumble f32 plain", "tumble", "f32 plain", "#d55e00", 5},
+                         {"tumble f64", "tumble", "f64", "#009e73", 9},
+                         {"Boost.Odeint", "Boost.Odeint", "", "#707070", 1},
+                         {"Bullet", "Bullet", "", "#cc79a7", 2},
+                         {"ODE", "ODE", "", "#a06e00", 3},
+                         {"MuJoCo", "MuJoCo", "", "#2f83b5", 4}};
+
+constexpr double panel_width = 400, panel_height = 250, left = 75, top = 90, bottom = 60, gap = 45, right = 25;
+constexpr double width = left + 2 * panel_width + gap + right;
+
+std::optional<double> ns(const HostRows& rows, const std::string& scene, int bodies, const Style& style) {
+    const bool own = style.engine == std::string{HostRows::own};
+    const Row* row =
+        own ? rows.kernel(scene, bodies, style.numbers, "verlet") : rows.fastest(scene, bodies, style.engine);
+    if (row == nullptr || !row->contains(HostRows::time)) return {};
+    return row->at(HostRows::time).get<double>();
+}
+
+std::string script(const HostRows& rows, const std::string& svg) {
+    const auto scenes = rows.scenes(true);
+    if (scenes.empty()) throw std::runtime_error{"no scene has rows of several numbers of bodies"};
+    const std::size_t lines = (scenes.size() + 1) / 2;
+    const double height = top + static_cast<double>(lines) * (panel_height + gap) - gap + bottom;
+    std::string out =
+        text("set terminal svg size %g,%g font 'sans-serif,13' background 'white'\nset output ", width, height) + "'" +
+        svg + "'\nset multiplot\nunset key\nset logscale xy\nset format '10^{%L}'\nset mxtics 1\nset mytics 1\n" +
+        "set grid linecolor '#e4e4e4' linetype 1\nset tics scale 0\nset border linecolor '#808080'\n" +
+        text("set label 'time of a step, a body' at screen %g,%g font ',18'\n", left / width, 1 - 22 / height);
+    double x = left;
+    for (const Style& style : styles) {
+        out += text("set label '' at screen %g,%g point pointtype %d pointsize 0.7 linecolor '%s'\n", (x + 5) / width,
+                    1 - 50 / height, style.mark, style.color);
+        out += text("set label '%s' noenhanced at screen %g,%g textcolor '%s'\n", style.name, (x + 15) / width,
+                    1 - 50 / height, style.color);
+        x += 8.1 * static_cast<double>(std::string{style.name}.size()) + 38;
+    }
+    for (std::size_t i = 0; i < scenes.size(); ++i) {
+        const double from_left = left + static_cast<double>(i % 2) * (panel_width + gap),
+                     from_bottom = height - top - static_cast<double>(i / 2) * (panel_height + gap) - panel_height;
+        out += text(
+            "set lmargin at screen %g\nset rmargin at screen %g\nset bmargin at screen %g\nset tmargin at screen %g\n",
+            from_left / width, (from_left + panel_width) / width, from_bottom / height,
+            (from_bottom + panel_height) / height);
+        out += "set title '" + scenes[i] + "' noenhanced offset 0,-0.6\n";
+        out += i % 2 == 0 ? "set ylabel 'ns'\n" : "unset ylabel\n";
+        out += i / 2 + 1 == lines ? "set xlabel 'bodies in the world'\n" : "unset xlabel\n";
+        std::string curves, data;
+        for (const Style& style : styles) {
+            std::string points;
+            for (const int bodies : rows.sizes(scenes[i]))
+                if (const auto time = ns(rows, scenes[i], bodies, style)) points += text("%d %.4g\n", bodies, *time);
+            if (points.empty()) continue;
+            curves += text(
+                "%s'-' with linespoints linewidth 1.5 pointsize 0.7 pointtype %d linecolor '%s' title '%s' noenhanced",
+                curves.empty() ? "" : ", ", style.mark, style.color, style.name);
+            data += points + "e\n";
+        }
+        out += "plot " + curves + "\n" + data + "unset label\n";
+    }
+    return out + "unset multiplot\n";
+}
+
+}  // namespace
+
+int main(int argc, char** argv) try {
+    if (argc != 3) {
+        std::cerr << "usage: tumble_host_picture RESULTS.jsonl PICTURE.svg\n";
+        return 2;
+    }
+    draw(script(HostRows{read_rows(argv[1])}, argv[2]), argv[2]);
+    return 0;
+} catch (const std::exception& error) {
+    std::cerr << "tumble_host_picture: " << error.what() << '\n';
+    return 1;
+}
