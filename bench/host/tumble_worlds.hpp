@@ -41,9 +41,9 @@ private:
 template <class F>
 void for_each_small_world(F&& f) {
     f.template operator()<Features{.bodies = 1}>();
-    f.template operator()<Features{.bodies = 1, .drag = true}>();
-    f.template operator()<Features{.bodies = 1, .springs = 1}>();
-    f.template operator()<Features{.bodies = 2, .gravitation = true}>();
+    f.template operator()<Features{.bodies = 1, .rotation = false, .point_masses = true, .drag = true}>();
+    f.template operator()<Features{.bodies = 1, .springs = 1, .rotation = false, .point_masses = true}>();
+    f.template operator()<Features{.bodies = 2, .rotation = false, .point_masses = true, .gravitation = true}>();
     f.template operator()<Features{.bodies = 1, .planes = 1}>();
     f.template operator()<Features{.bodies = 1, .planes = 1, .boxes = true}>();
     f.template operator()<Features{.bodies = 10, .planes = 1, .pairs = true, .boxes = true, .friction = true}>();
