@@ -294,7 +294,8 @@ int main(int argc, char** argv) try {
                     add("cycles_per_simulated_second_min", "cycles_per_step_min", steps_per_second);
                     add("cycles_per_simulated_second_est", "cycles_per_step_est", steps_per_second);
                     add("cycles_per_simulated_second_max", "cycles_per_step_max", steps_per_second);
-                    add("cycles_worst_step_max", "cycles_worst_step_max", 1);
+                    if (step->contains("cycles_worst_step_max"))
+                        row["cycles_worst_step_max"] = step->at("cycles_worst_step_max");
                     if (p.failure.empty()) {
                         row[truth.key()] = p.error;
                         if (i > 0 && curve.points[i - 1].failure.empty() && p.error > 0) {
