@@ -21,7 +21,7 @@ ARGS  ?=
 PROGRAM ?= q32-Verlet
 PAGES := $(wildcard *.md */*.md host_sim/*/*.md)
 
-.PHONY: run test bench bench-contacts peers work-precision work-precision-loads pictures long-run ordinary engines bench-host firmware replay advise flame board sizes check format tables golden build setup clean help
+.PHONY: run test bench bench-contacts ladder peers work-precision work-precision-loads pictures long-run ordinary engines bench-host firmware replay advise flame board sizes check format tables golden build setup clean help
 .DEFAULT_GOAL := help
 
 ## help: this list
@@ -100,6 +100,18 @@ bench-contacts: build
 	@mv build/results/contacts.jsonl bench/results/contacts.jsonl
 	build/host/bench/tumble_tables bench/results $(PAGES)
 
+## ladder: what each feature adds to a step, from the empty world up, on an M0, an M3 and an M4F, as rows and a picture
+ladder: build
+	rm -f build/results/ladder.jsonl
+	for scene in bench/ladder/*.toml; do \
+	    build/host/bench/tumble_matrix $$scene --cores cortex-m0,cortex-m3,cortex-m4f --integrators verlet \
+	        --results build/results/ladder_scene.jsonl || exit 1; \
+	    cat build/results/ladder_scene.jsonl >> build/results/ladder.jsonl; \
+	done
+	@mv build/results/ladder.jsonl bench/results/ladder.jsonl
+	build/host/bench/tumble_pictures --ladder bench/results/ladder.jsonl --directory bench/results
+	build/host/bench/tumble_tables bench/results $(PAGES)
+
 ## work-precision: error against cost of every method on problems of free rotation, as rows and pictures in bench/results
 work-precision: build
 	build/host/bench/tumble_work_precision bench/problems/generic_top.toml bench/problems/separatrix_top.toml bench/problems/nearly_symmetric_top.toml \
@@ -125,9 +137,10 @@ work-precision-loads: $(LOADS:%=cost-of-%)
 	build/host/bench/tumble_pictures bench/results/work_precision_loads.jsonl --directory bench/results
 	build/host/bench/tumble_tables bench/results $(PAGES)
 
-## pictures: draw the pictures again from the committed rows
+## pictures: draw all pictures again from the committed rows
 pictures: build
-	build/host/bench/tumble_pictures $(wildcard bench/results/work_precision*.jsonl) --directory bench/results
+	build/host/bench/tumble_pictures $(wildcard bench/results/work_precision*.jsonl) --ladder bench/results/ladder.jsonl \
+	    --directory bench/results
 	build/host/bench/tumble_host_picture bench/results/host.jsonl bench/results/host.svg
 
 ## long-run: what a million steps do to energy and momentum, for every method and number system, into bench/results

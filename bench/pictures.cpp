@@ -5,6 +5,7 @@
 // runs that gain accuracy for their cost: where rounding stops a method, its curve ends.
 #include "drawing.hpp"
 #include "labels.hpp"
+#include "ladder.hpp"
 #include "rows.hpp"
 
 #include <CLI/CLI.hpp>
@@ -327,11 +328,12 @@ private:
 }  // namespace
 
 int main(int argc, char** argv) try {
-    CLI::App app{"Draws rows of work against precision, a picture a problem."};
+    CLI::App app{"Draws rows of work against precision, a picture a problem, and those of the feature ladder."};
     std::vector<fs::path> files;
-    fs::path directory = "build/results";
-    app.add_option("rows", files, "Files of rows")->required();
+    fs::path directory = "build/results", ladder;
+    app.add_option("rows", files, "Files of rows");
     app.add_option("--directory", directory, "Where the pictures go");
+    app.add_option("--ladder", ladder, "A file of rows of the feature ladder");
     CLI11_PARSE(app, argc, argv);
     fs::create_directories(directory);
     for (const fs::path& file : files) {
@@ -344,6 +346,9 @@ int main(int argc, char** argv) try {
             Picture{scene, rows}.draw(directory / file_name(scene));
         }
     }
+    if (!ladder.empty())
+        tumble::bench::draw_ladders(tumble::bench::ladders_of(tumble::bench::read_rows(ladder)),
+                                    directory / "ladder.svg");
     return 0;
 } catch (const std::exception& error) {
     std::cerr << "tumble_pictures: " << error.what() << '\n';

@@ -16,6 +16,7 @@
 #include <sstream>
 
 #include "host/host_rows.hpp"
+#include "ladder.hpp"
 #include "port.hpp"
 #include "rows.hpp"
 #include "scene/data.hpp"
@@ -177,7 +178,7 @@ Table contacts_table(const std::vector<Row>& rows) {
 }
 
 // What the last step and the text of one scene take less than those of another that differs in one thing, in integers.
-Table skipped_table(const std::vector<Row>& rows, const std::vector<std::string>& cores) {
+Table skipped_table(const std::vector<Row>& rows) {
     struct Pair {
         const char *what, *without, *with;
     };
@@ -197,7 +198,7 @@ Table skipped_table(const std::vector<Row>& rows, const std::vector<std::string>
     Table table;
     table.head = {"not paid for", "core", "cycles a step, expected", "text bytes"};
     for (const Pair& pair : pairs) {
-        for (const auto& core : cores) {
+        for (const auto& core : cores_of(rows)) {
             const Row without = find(pair.without, core), with = find(pair.with, core);
             const auto saved = [&](const char* key) {
                 return std::to_string(with.at(key).get<long>() - without.at(key).get<long>());
@@ -208,6 +209,50 @@ Table skipped_table(const std::vector<Row>& rows, const std::vector<std::string>
                                   saved("text_bytes")});
         }
     }
+    return table;
+}
+
+// What each rung of a ladder adds to the ones above it, below what the empty world takes and above what all take
+// together.
+Table ladder_table(const std::vector<Row>& rows, const std::string& core, const std::string& numbers) {
+    constexpr std::pair<const char*, const char*> columns[] = {
+        {"code, B", "code_bytes"},
+        {"constants, B", "rodata_bytes"},
+        {"RAM, B", "ram_bytes"},
+        {"stack, B", "step_stack_bytes"},
+        {"its bound, B", "step_stack_bound_bytes"},
+        {"cycles a step", "cycles_per_step_est"},
+        {"worst step", "cycles_worst_step_est"},
+        {"last step", "cycles_last_step_est"},
+    };
+    const auto ladders = tumble::bench::ladders_of(rows);
+    const auto ladder = std::find_if(ladders.begin(), ladders.end(), [&](const tumble::bench::Ladder& each) {
+        return each.core == core && each.numbers == numbers;
+    });
+    if (ladder == ladders.end()) throw std::runtime_error{"no feature ladder of " + core + " " + numbers};
+    Table table;
+    table.head = {ladder->name()};
+    for (const auto& [name, key] : columns) table.head.emplace_back(name);
+    const auto add = [&](const std::string& feature, const auto& cell) {
+        std::vector<std::string> line{feature};
+        for (const auto& [name, key] : columns) line.push_back(cell(key));
+        table.rows.push_back(line);
+    };
+    const auto total = [](const Row& row) {
+        return [&row](const char* key) {
+            return row.contains(key) ? std::to_string(std::llround(row.at(key).get<double>())) : "-";
+        };
+    };
+    add(ladder->feature(0), total(ladder->rungs.front()));
+    for (std::size_t i = 1; i < ladder->rungs.size(); ++i) {
+        const Row &below = ladder->rungs[i - 1], &rung = ladder->rungs[i];
+        add(ladder->feature(i), [&](const char* key) -> std::string {
+            if (!rung.contains(key) || !below.contains(key)) return "-";
+            const long long more = std::llround(rung.at(key).get<double>()) - std::llround(below.at(key).get<double>());
+            return (more > 0 ? "+" : "") + std::to_string(more);
+        });
+    }
+    add("all of them", total(ladder->rungs.back()));
     return table;
 }
 
@@ -644,8 +689,12 @@ int main(int argc, char** argv) try {
         {"front_loads",
          [&] { return front_table(rows("work_precision_loads.jsonl"), "error below, m or rad").markdown(); }},
         {"contacts", [&] { return contacts_table(rows("contacts.jsonl")).markdown(); }},
-        {"skipped", [&] { return skipped_table(rows("contacts.jsonl"), cores_of(rows("contacts.jsonl"))).markdown(); }},
-        {"skipped_cortex_m3", [&] { return skipped_table(rows("contacts.jsonl"), {"cortex-m3"}).markdown(); }},
+        {"skipped", [&] { return skipped_table(rows("contacts.jsonl")).markdown(); }},
+        {"ladder_cortex_m0", [&] { return ladder_table(rows("ladder.jsonl"), "cortex-m0", "q32 carry").markdown(); }},
+        {"ladder_cortex_m3", [&] { return ladder_table(rows("ladder.jsonl"), "cortex-m3", "q32 carry").markdown(); }},
+        {"ladder_cortex_m4f", [&] { return ladder_table(rows("ladder.jsonl"), "cortex-m4f", "q32 carry").markdown(); }},
+        {"ladder_cortex_m4f_float",
+         [&] { return ladder_table(rows("ladder.jsonl"), "cortex-m4f", "f32 plain").markdown(); }},
         {"long_run_free",
          [&] {
              return long_run_table(
