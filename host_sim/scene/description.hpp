@@ -5,6 +5,7 @@
 
 #include <tumble/body/setup.hpp>
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -120,6 +121,12 @@ struct SceneDescription {
     std::vector<ForceDescription> forces;
 
     [[nodiscard]] const BodyDescription& body(int index) const { return bodies[static_cast<std::size_t>(index)]; }
+
+    // False where all bodies are point masses: nothing can turn.
+    [[nodiscard]] bool has_rotation() const {
+        return bodies.empty() ||
+               !std::all_of(bodies.begin(), bodies.end(), [](const auto& b) { return b.is_point_mass(); });
+    }
 
     // Number of steps: the last step ends at or just after `duration`.
     [[nodiscard]] std::int64_t steps() const;

@@ -448,9 +448,7 @@ SceneDescription read_root(Table root, const std::string& file, BodyCount count)
     std::set<std::string> names;
     for (Table table : planes) add_named(scene.planes, read_plane(table), table, names);
     for (Table table : bodies) add_named(scene.bodies, read_body(table, scene.range), table, names);
-    if (scene.angular_drag > 0.0 && !scene.bodies.empty() &&
-        std::all_of(scene.bodies.begin(), scene.bodies.end(),
-                    [](const BodyDescription& body) { return body.is_point_mass(); }))
+    if (scene.angular_drag > 0.0 && !scene.has_rotation())
         world->at("angular_drag").fail("all bodies are point masses, which have no rotation", "0 or no angular_drag");
     for (const Table& table : springs) scene.springs.push_back(read_spring(table, scene));
     for (const Table& table : impulses) scene.impulses.push_back(read_impulse(table, scene));

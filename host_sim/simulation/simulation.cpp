@@ -37,13 +37,14 @@ std::string listed(const std::vector<Values...>& values) {
     return list;
 }
 
-bool holds(std::string_view range, const RangeDescription& needed) {
+bool holds(std::string_view range, const SceneDescription& scene) {
+    const RangeDescription& needed = scene.range;
+    const double spin = scene.has_rotation() ? needed.angular_velocity : 0.0;
     bool fits = range.empty();
     Ranges::for_each([&]<class Named>() {
         using R = typename Named::Range;
         if (range == Named::name)
-            fits =
-                needed.position <= R::position && needed.velocity <= R::velocity && needed.angular_velocity <= R::spin;
+            fits = needed.position <= R::position && needed.velocity <= R::velocity && spin <= R::spin;
     });
     return fits;
 }
@@ -55,7 +56,7 @@ std::size_t index_of(const SceneDescription& scene, std::string_view numbers, st
         if (systems[i].name != numbers || systems[i].carry != carry.value_or(systems[i].carry)) continue;
         if (!carry) carry = systems[i].carry;  // the first of a name is its default
         found = i;
-        if (holds(systems[i].range, scene.range)) break;
+        if (holds(systems[i].range, scene)) break;
     }
     if (found == systems.size())
         throw std::invalid_argument("unknown number system \"" + std::string(numbers) + "\", expected one of " +

@@ -38,7 +38,10 @@ TEST(Compare, every_contact_gives_the_same_bits) {
                               body("high", "sphere = 0.25", "[0.1, 1.5, 0.0]"),
                       table = body("table", "box = [4.0, 1.0, 4.0]", "[0.0, -0.5, 0.0]") +
                               "angular_velocity = [0.0, 1.0, 0.0]\nfixed = true\n",
-                      crate = body("crate", "box = [0.5, 0.5, 0.5]", "[1.0, 0.3, 0.0]");
+                      crate = body("crate", "box = [0.5, 0.5, 0.5]", "[1.0, 0.3, 0.0]"),
+                      point = "[[body]]\nname = \"point\"\nshape = \"none\"\nmass = 0.5\nposition = [0.5, 1.0, 0.0]\n",
+                      tie = "[[spring]]\nbody = \"low\"\npoint = [0.25, 0.0, 0.0]\nto_body = \"point\"\n"
+                            "stiffness = 20.0\n";
     const std::vector<std::pair<const char*, std::string>> scenes = {
         {"pairs", head + floor + balls},
         {"turntable", head + "[contact]\nfriction = 0.5\n" + table + crate},
@@ -46,6 +49,7 @@ TEST(Compare, every_contact_gives_the_same_bits) {
         {"round", head + "[contact]\nfriction = 0.5\n" + floor +
                       body("can", "cylinder = [0.25, 0.5]", "[0.0, 1.0, 0.0]") +
                       "angular_velocity = [1.0, 2.0, 0.5]\n"},
+        {"points", head + floor + balls + point + tie},
         {"soft", head + soft + floor + balls},
         {"soft_boxes", head + soft + floor + crate + "angular_velocity = [1.0, 0.0, 0.5]\n"},
         {"barrier", head + soft + "barrier = 0.5\n" + floor + balls}};

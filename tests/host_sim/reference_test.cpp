@@ -221,7 +221,7 @@ TEST(SmoothMotion, fixed_body_turns_at_a_constant_angular_velocity) {
 
 // Every load of the format is in one of them; a method of order 4 at a short step is right to 1e-9.
 TEST(SmoothMotion, kernel_agrees_on_every_scene_without_contacts) {
-    for (const auto* name : {"brick", "free", "orbit", "pendulum", "projectile", "satellite"}) {
+    for (const auto* name : {"brick", "free", "orbit", "oscillators", "pendulum", "projectile", "satellite", "stone"}) {
         SceneDescription scene = read_scene(shipped(name));
         scene.step = {1, 4096, 0};
         scene.duration = std::min(scene.duration, 4.0);

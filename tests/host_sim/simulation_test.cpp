@@ -144,6 +144,25 @@ TEST_P(EverySystem, words_of_a_record_are_what_the_hash_digests) {
     }
 }
 
+TEST_P(EverySystem, a_point_mass_has_a_place_and_a_velocity_alone) {
+    for (const IntegratorInfo& integrator : integrators()) {
+        if (!runs_in(integrator, info().name)) continue;
+        const auto simulation = start(read_scene(shipped("oscillators")), integrator.name);
+        for (int i = 0; i < 100; ++i) simulation->step();
+        std::vector<std::uint32_t> words;
+        simulation->append_words(words);
+        Hash hash;
+        for (const std::uint32_t word : words) hash.add(word);
+        EXPECT_EQ(hash.value(), simulation->hash()) << integrator.name;
+        const auto last = simulation->place_of_word(words.size() - 1);
+        EXPECT_EQ(last.body, 1);
+        EXPECT_EQ(last.number, "d_w.z");
+        const BodySnapshot body = simulation->body(1);
+        EXPECT_EQ(body.orientation, (std::array<long double, 4>{1, 0, 0, 0}));
+        EXPECT_EQ(body.angular_velocity, (std::array<long double, 3>{0, 0, 0}));
+    }
+}
+
 std::string name_of_system(const testing::TestParamInfo<std::size_t>& info) {
     const NumberSystemInfo& system = number_systems()[info.param];
     return system.name + system.range + (system.carry ? "" : "_plain");
@@ -162,6 +181,24 @@ TEST(Simulation, energy_of_an_orbit_is_constant) {
     EXPECT_NEAR(static_cast<double>(simulation->energy().total()), -1.82, 1e-12);
     finish(*simulation);
     EXPECT_NEAR(static_cast<double>(simulation->energy().total()), -1.82, 1e-10);
+}
+
+TEST(Simulation, point_masses_move_as_their_scenes_say) {
+    const auto stone = make_simulation(read_scene(shipped("stone")), "verlet", "q32");
+    EXPECT_EQ(stone->range(), "near");  // without a spin, whatever the largest is
+    finish(*stone);
+    const std::array<double, 3> landed{6.0, 1.88, -2.0};
+    for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(static_cast<double>(stone->body(0).position[i]), landed[i], 1e-7);
+
+    SceneDescription scene = read_scene(shipped("oscillators"));
+    scene.step = {1, 1024, 0};
+    const auto masses = make_simulation(scene, "rk4", "f64");
+    EXPECT_NEAR(static_cast<double>(masses->energy().total()), 1.0, 1e-12);
+    finish(*masses);
+    EXPECT_NEAR(static_cast<double>(masses->energy().total()), 1.0, 1e-9);
+    const double t = 4.0, in_phase = std::cos(4.0 * t), against = std::cos(4.0 * std::sqrt(3.0) * t);
+    EXPECT_NEAR(static_cast<double>(masses->body(0).position[0]), -0.5 + 0.125 * (in_phase + against), 1e-8);
+    EXPECT_NEAR(static_cast<double>(masses->body(1).position[0]), 0.5 + 0.125 * (in_phase - against), 1e-8);
 }
 
 TEST(Simulation, energy_of_contact_springs_is_potential) {
