@@ -105,6 +105,10 @@ std::string output_of(std::vector<const char*> arguments) {
     return testing::internal::GetCapturedStdout();
 }
 
+TEST(pages, begin_with_their_title) {
+    for (const Page& page : pages()) EXPECT_TRUE(page.text.starts_with("# ")) << page.path;
+}
+
 TEST(pages, have_no_dead_links) {
     static const std::regex link{R"(\]\(([^)\s]+)\))"};
     int checked = 0;
