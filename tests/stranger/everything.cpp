@@ -1,4 +1,5 @@
-// Every feature and every method of the number system STRANGER_NUMBERS, instantiated; and what a user may call.
+// Every feature and every method of the number system STRANGER_NUMBERS, instantiated; and what a user may call. Worlds of
+// bodies that rotate and worlds of nothing but point masses; with STRANGER_POINTS the latter alone.
 #include <tumble/tumble.hpp>
 
 namespace {
@@ -9,12 +10,28 @@ using Numbers = tumble::NumbersOf<STRANGER_TEXT(STRANGER_NUMBERS), tumble::RoomR
 inline constexpr tumble::Features everything =
     tumble::Features{.bodies = 3, .planes = 2, .springs = 2}.with_everything();
 
+inline constexpr tumble::Features points = [] {
+    tumble::Features features = everything;
+    features.rotation = false;
+    return features;
+}();
+
+#ifndef STRANGER_POINTS
 template <class Method>
-tumble::Status use() {
+tumble::Status use_bodies() {
     static tumble::World<tumble::SceneOf<Numbers, Method, everything>> world{tumble::Seconds{1, 256}};
     using namespace tumble::literals;
     const auto box = world.add(tumble::box(0.25_kg, {0.2_m, 0.05_m, 0.2_m}));
     if (box) world.apply_impulse(*box, {1, 0, 0}, {0, tumble::Real{0.1}, 0});
+    return world.step();
+}
+#endif
+
+template <class Method>
+tumble::Status use_points() {
+    static tumble::World<tumble::SceneOf<Numbers, Method, points>> world{tumble::Seconds{1, 256}};
+    const auto point = world.add(tumble::point_mass(1));
+    if (point) world.apply_impulse(*point, {1, 0, 0});
     return world.step();
 }
 
@@ -22,6 +39,9 @@ tumble::Status use() {
 
 tumble::Status use_everything() {
     tumble::Status status;
-    tumble::Integrators::for_each_in<Numbers>([&]<class Method>() { status = use<Method>(); });
+#ifndef STRANGER_POINTS
+    tumble::Integrators::for_each_in<Numbers>([&]<class Method>() { status = use_bodies<Method>(); });
+#endif
+    tumble::Integrators::for_each_in<Numbers>([&]<class Method>() { status = use_points<Method>(); });
     return status;
 }

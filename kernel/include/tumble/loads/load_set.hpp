@@ -109,9 +109,11 @@ public:
                 bool within = true;
                 for (int i = 0; i < 3; ++i)
                     kicks[k].linear[i] = N::limited(fall[i] + N::drift_sum(linear[i], bodies.scale), within);
-                if constexpr (sizeof...(angular) > 0)
-                    for (int i = 0; i < 3; ++i)
-                        kicks[k].angular[i] = N::limited(N::turn_sum((angular[i], ...), bodies.scale), within);
+                if constexpr (rotation) {  // apart: Clang 14 looks into what depends on both
+                    if constexpr (sizeof...(angular) > 0)
+                        for (int i = 0; i < 3; ++i)
+                            kicks[k].angular[i] = N::limited(N::turn_sum((angular[i], ...), bodies.scale), within);
+                }
                 if (!within) bodies.report(Issue::range_left, group.id[k]);
             });
         }
@@ -119,7 +121,9 @@ public:
         void operator()(const Stage* stages, WorkKick<N, rotation>* kicks) const {
             loads.evaluate(*this, stages, [&](int k, const WorkVec3<N>& linear, const auto&... angular) {
                 for (int i = 0; i < 3; ++i) kicks[k].linear[i] = linear[i] + N::metres(fall[i], bodies.scale);
-                if constexpr (sizeof...(angular) > 0) kicks[k].angular = (angular, ...);
+                if constexpr (rotation) {
+                    if constexpr (sizeof...(angular) > 0) kicks[k].angular = (angular, ...);
+                }
             });
         }
         [[nodiscard]] bool depends_on_velocity() const {
