@@ -103,17 +103,28 @@ struct KickDriftKick {
     }
 
 private:
+    // The parts in the numbers of a step, computed by the compiler.
+    template <class N>
+    struct Fractions {
+        consteval Fractions() {
+            for (int i = 0; i < Parts::count; ++i) of[i] = N::template constant<typename N::Fraction>(Parts::of(i));
+        }
+        typename N::Fraction of[Parts::count]{};
+    };
+    template <class N>
+    static constexpr Fractions<N> fractions{};
+
     template <class N>
     [[nodiscard]] static auto half_of_part(auto sum, int part) {
         if constexpr (Parts::count == 1) return N::half(sum);
-        else return N::half(N::part(sum, N::template constant<typename N::Fraction>(Parts::of(part))));
+        else return N::half(N::part(sum, fractions<N>.of[part]));
     }
     template <class N>
     TUMBLE_INLINE static void drift(typename N::template Integrated<typename N::Position>& x,
                                     const typename N::template Integrated<typename N::Drift>& d, int part,
                                     typename N::Scale scale) {
         if constexpr (Parts::count == 1) N::coast(x, d, {}, scale);
-        else N::move(x, N::part(N::sum(d), N::template constant<typename N::Fraction>(Parts::of(part))), scale);
+        else N::move(x, N::part(N::sum(d), fractions<N>.of[part]), scale);
     }
     // A flow of one part has no number; flows that cannot fail return nothing.
     template <class N>

@@ -14,7 +14,8 @@ namespace detail {
 struct Suzuki4Parts {
     static constexpr int count = 5, kinds = 2;
     [[nodiscard]] static constexpr int kind(int part) { return part == 2 ? 1 : 0; }
-    [[nodiscard]] static constexpr Real of(int part) { return of_kind(kind(part)); }
+    // For the compiler alone: in a step it would take far longer than all else.
+    [[nodiscard]] static consteval Real of(int part) { return of_kind(kind(part)); }
     [[nodiscard]] static constexpr Real of_kind(int k) {
         Real root = 1.5;  // of 4, cubic, by Newton's iteration
         for (int i = 0; i < 6; ++i) root = root - (root * root * root - Real{4}) / (Real{3} * root * root);
