@@ -12,6 +12,7 @@
 #include <iostream>
 #include <limits>
 #include <map>
+#include <optional>
 #include <set>
 #include <sstream>
 
@@ -273,10 +274,15 @@ Table front_table(const std::vector<Row>& rows, const char* error_name) {
                 if (core == "host") continue;
                 const Row *best = nullptr, *plain = nullptr;
                 bool peer_ran = false;
+                std::optional<bool> unit;
                 for (const Row& row : rows) {
                     if (scene_of(row) != scene || row.at("core") != core) continue;
                     const bool is_peer = row.at("integrator") == "odeint_rk4" && row.at("numbers") == "f32";
                     peer_ran = peer_ran || is_peer;
+                    const bool in_cycles = cost_of_simulated_second(row).in_cycles;
+                    if (unit.value_or(in_cycles) != in_cycles)
+                        throw std::runtime_error{scene + ", " + core + ": some rows have cycles and some have none"};
+                    unit = in_cycles;
                     if (row.contains("failure") || error_of(row) > tolerance) continue;
                     const bool is_ours = !integrator_of(row).starts_with("odeint_");
                     const auto is_cheaper = [&](const Row* than) {
