@@ -104,7 +104,7 @@ bench-contacts: build
 ladder: build
 	rm -f build/results/ladder.jsonl
 	for scene in bench/ladder/*.toml; do \
-	    build/host/bench/tumble_matrix $$scene --cores cortex-m0,cortex-m3,cortex-m4f --integrators verlet \
+	    build/host/bench/tumble_matrix $$scene --cores $(call list,$(QUICK_CORES)) --integrators verlet \
 	        --results build/results/ladder_scene.jsonl || exit 1; \
 	    cat build/results/ladder_scene.jsonl >> build/results/ladder.jsonl; \
 	done

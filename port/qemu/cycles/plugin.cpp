@@ -4,8 +4,7 @@
 //
 // model=m0|m0+|m3|m4f   the timing table
 // elf=FILE              the firmware's symbols
-// region=TEXT           counts calls of functions whose symbol contains TEXT; without it, between the markers 0xbfe0
-// and
+// region=TEXT           counts calls of functions whose symbol contains TEXT; without it, between markers 0xbfe0 and
 //                       0xbff0 (hints 14 and 15: NOPs on every Cortex-M)
 // skip=TEXT             functions that do not count (interrupts); systick_handler unless given
 // multiplier=32         cycles of MUL on an M0 or M0+ with the small multiplier
