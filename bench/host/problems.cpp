@@ -26,13 +26,10 @@ Motion start_of(const BodySpec& body) {
 
 class Maker {
 public:
-    // A scene file below the project's directory; `denominator`: of another step than the file's; `of_points`:
-    // its bodies are point masses.
-    explicit Maker(const std::string& file, int denominator = 0, bool of_points = false)
+    // A scene file below the project's directory; `denominator`: of another step than the file's.
+    explicit Maker(const std::string& file, int denominator = 0)
         : description_{host::read_scene(std::string{TUMBLE_SOURCE_DIR} + "/" + file)} {
         if (denominator > 0) description_.step = {1, denominator, 0};
-        if (of_points)
-            for (auto& body : description_.bodies) body.shape = {};
         problem_.scene = host::build_scene(description_);
         problem_.name = problem_.scene.name;
         problem_.features = host::needs(problem_.scene);
@@ -151,9 +148,9 @@ std::vector<Problem> problems(int most) {
     // Distances are what a method of first order needs, and for contacts an engine whose contacts are soft.
     std::vector<Problem> all{
         Maker{"host_sim/scenes/free.toml"}.within(0.03, 0.1).moves(),
-        Maker{"bench/problems/projectile_drag.toml", 256, true}.within(0.2).moves(),
-        Maker{"bench/problems/stiff_spring.toml", 1024, true}.within(0.02).moves(),
-        Maker{"bench/problems/kepler.toml", 256, true}.within(0.01).moves(),
+        Maker{"bench/problems/projectile_drag.toml", 256}.within(0.2).moves(),
+        Maker{"bench/problems/stiff_spring.toml", 1024}.within(0.02).moves(),
+        Maker{"bench/problems/kepler.toml", 256}.within(0.01).moves(),
         Maker{"bench/problems/ball_inelastic.toml"}.within(0.2).fails("Bullet, sequential impulses, f32 plain").moves(),
         Maker{"bench/contacts/resting_box.toml"}.within(0.01).rests(256),
         Maker{"host_sim/scenes/contacts/stack.toml"}.steps(256).within(0.01).fails("ODE, step, f64").stands(),
