@@ -30,7 +30,7 @@ constexpr std::array<Panel, 4> panels{{
     {"stack of a step, bytes", "%+.0f", [](const Row& row) { return row.at("step_stack_bytes").get<double>(); }, false,
      ""},
     {"cycles a step, zero wait states", "%+.0f",
-     [](const Row& row) { return row.at("cycles_per_step_est").get<double>(); }, true, "cycles_worst_step_est"},
+     [](const Row& row) { return row.at("cycles_per_step_est").get<double>(); }, true, "cycles_worst_step_max"},
 }};
 
 // Pixels.

@@ -223,7 +223,7 @@ Table ladder_table(const std::vector<Row>& rows, const std::string& core, const 
         {"stack, B", "step_stack_bytes"},
         {"its bound, B", "step_stack_bound_bytes"},
         {"cycles a step", "cycles_per_step_est"},
-        {"worst step", "cycles_worst_step_est"},
+        {"worst step", "cycles_worst_step_max"},
         {"last step", "cycles_last_step_est"},
     };
     const auto ladders = tumble::bench::ladders_of(rows);

@@ -30,8 +30,8 @@ using Json = nlohmann::ordered_json;
 // Longer runs are measured up to here: the mean of a step has settled, and an emulation takes seconds.
 constexpr std::int64_t most_measured_steps = 16384;
 
-// A step changes the three numbers of a place and the four of an orientation, each by an instruction at least.
-constexpr int least_insn_per_body = 7;
+// A step adds to each of the three numbers of a place.
+constexpr int least_insn_per_body = 3;
 
 // The most that carry may save. It adds work, but the compiler may have laid out the rest of the step better.
 constexpr double most_saved_by_carry = 0.05;

@@ -68,7 +68,7 @@ std::string acts_on_fixed(const BodyDescription& body) {
     return "acts on body \"" + body.name + "\", which is fixed, so it has no effect";
 }
 
-// The shapes that touch no bodies; empty for all others.
+// The shapes that touch no bodies; empty for all others. Where there is none it is a point mass that is told of.
 std::string_view passing_shape(ShapeKind shape) {
     if (touches_bodies(shape)) return "";
     switch (shape) {
@@ -76,16 +76,21 @@ std::string_view passing_shape(ShapeKind shape) {
     case ShapeKind::hoop: return "a hoop";
     case ShapeKind::capsule: return "a capsule";
     case ShapeKind::points: return "a cloud of points";
+    case ShapeKind::none: return "a point mass";
     default: return "";
     }
 }
 
-// What a body of such a shape may pass through; empty: there is nothing.
+// What a body of such a shape may pass through; empty: there is nothing. A body with moments and without a shape is
+// asked to touch nothing.
 std::string passed_by(const BodyDescription& body, const SceneDescription& scene) {
-    const bool planes = body.shape.kind == ShapeKind::points && !body.fixed && !scene.planes.empty();
-    const bool others = std::any_of(scene.bodies.begin(), scene.bodies.end(), [&](const BodyDescription& other) {
-        return &other != &body && other.shape.kind != ShapeKind::none && !(body.fixed && other.fixed);
-    });
+    const bool passes_planes = body.shape.kind == ShapeKind::points || body.is_point_mass();
+    const bool planes = passes_planes && !body.fixed && !scene.planes.empty();
+    const bool others =
+        body.shape.kind != ShapeKind::none &&
+        std::any_of(scene.bodies.begin(), scene.bodies.end(), [&](const BodyDescription& other) {
+            return &other != &body && other.shape.kind != ShapeKind::none && !(body.fixed && other.fixed);
+        });
     return std::string(planes ? "planes" : "") + (planes && others ? " and " : "") + (others ? "other bodies" : "");
 }
 

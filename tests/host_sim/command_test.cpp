@@ -497,6 +497,12 @@ TEST(Limits, shapes_that_touch_no_bodies_are_warned_of_where_there_are_others) {
                   Warnings{})
             << name;
     }
+    const std::string point = "[[body]]\nname = \"a\"\nshape = \"none\"\nmass = 1.0\n";
+    EXPECT_EQ(warnings_of("", point), warning("a point mass", "planes"));
+    EXPECT_EQ(warnings_of("", point + ball), warning("a point mass", "planes"));
+    EXPECT_EQ(warnings_of("", point + "fixed = true\n" + ball), Warnings{});
+    EXPECT_EQ(warnings_of("", point + "inertia = [1.0, 1.0, 1.0]\n"), Warnings{});
+    EXPECT_EQ(warnings_of("[contact]\nresponse = \"none\"\n", point), Warnings{});
     const std::string cloud = "[[body]]\nname = \"a\"\nshape = { points = [[0.0, 0.0, 0.0, 1.0], [1.0, 0.0, 0.0, 1.0], "
                               "[0.0, 1.0, 0.0, 1.0]] }\n";
     EXPECT_EQ(warnings_of("", cloud), warning("a cloud of points", "planes"));

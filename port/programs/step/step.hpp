@@ -76,7 +76,7 @@ template <class Method>
     row.add("steps", steps);
     // Rounded to the nearest; the largest single step beside it, and the last.
     row.add(pick("cycles_per_step", "insn_per_step", "ns_per_step"), steps == 0 ? 0 : (total + steps / 2) / steps);
-    row.add(pick("cycles_per_step_max", "insn_per_step_max", "ns_per_step_max"), largest);
+    row.add(pick("cycles_worst_step", "insn_per_step_max", "ns_per_step_max"), largest);
     row.add(pick("cycles_per_step_last", "insn_per_step_last", "ns_per_step_last"), last);
     row.add("stack_bytes", static_cast<std::uint64_t>(port::stack_peak()));
     row.add("world_bytes", static_cast<std::uint64_t>(sizeof(world)));
