@@ -99,22 +99,24 @@ struct SpinUnits<N, Spin::angular_momentum> {
     [[nodiscard]] Work rate(int i, Work steps_per_second) const { return rate_ratio[i] * steps_per_second; }
 };
 
-// What is constant about a body; of a point mass in a world of nothing else; and of a body that may be one.
+// What is constant about a body.
 template <class N, Spin spin, bool points>
 struct BodyConstants {
-    SpinUnits<N, spin> units{};
+    SpinUnits<N, spin> units{};            // of spin
     typename N::Work drift_per_impulse{};  // h / m
     Quat<typename N::Unit> principal{};    // principal axes to the user's body axes
     bool fixed = true;                     // so is a place that no body has taken yet
 };
+// The same of a point mass in a world of nothing else.
 template <class N>
 struct BodyConstants<N, Spin::none, false> {
-    typename N::Work drift_per_impulse{};
-    bool fixed = true;
+    typename N::Work drift_per_impulse{};  // h / m
+    bool fixed = true;                     // so is a place that no body has taken yet
 };
+// The same of a body that may be a point mass.
 template <class N, Spin spin>
 struct BodyConstants<N, spin, true> : BodyConstants<N, spin, false> {
-    bool is_point = false;
+    bool is_point = false;  // without rotation
 };
 
 // A point mass has no orientation and no spin: without a spin all bodies are point masses, with `points` some may be.

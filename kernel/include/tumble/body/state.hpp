@@ -62,8 +62,8 @@ struct BodyState {
 // Of a point mass in a world of nothing else.
 template <class N>
 struct BodyState<N, Spin::none> {
-    IntegratedVec3<N, typename N::Position> x_w;
-    IntegratedVec3<N, typename N::Drift> d_w;
+    IntegratedVec3<N, typename N::Position> x_w;  // m
+    IntegratedVec3<N, typename N::Drift> d_w;     // velocity, as displacement per step
 
     friend constexpr bool operator==(const BodyState&, const BodyState&) = default;
 };

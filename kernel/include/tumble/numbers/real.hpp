@@ -199,6 +199,7 @@ struct RealVec3 {
 
     [[nodiscard]] constexpr Real operator[](int i) const { return i == 0 ? x : i == 1 ? y : z; }
     constexpr Real& operator[](int i) { return i == 0 ? x : i == 1 ? y : z; }
+    // True of the zero vector.
     [[nodiscard]] constexpr bool is_zero() const { return x.is_zero() && y.is_zero() && z.is_zero(); }
     friend constexpr RealVec3 operator+(RealVec3 a, RealVec3 b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
     friend constexpr RealVec3 operator-(RealVec3 a, RealVec3 b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
