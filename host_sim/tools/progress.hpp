@@ -1,5 +1,5 @@
-// How far a long job has come, on standard error: a bar on a terminal once it has taken a moment; where output is
-// piped, nothing, or a line for each tenth.
+// How far a long job has come, on standard error: a bar on a terminal once it has taken a moment, with the time that is
+// left if the rest goes on as what is done; where output is piped, nothing, or a line for each tenth.
 #pragma once
 
 #include <unistd.h>
@@ -42,7 +42,16 @@ private:
         if (total_ <= 0) return;
         if (on_terminal_) draw(what);
         else if (piped_ == Piped::tenths && done * 10 / total_ != before * 10 / total_)
-            std::cerr << "[" << done << "/" << total_ << "] " << what << std::endl;
+            std::cerr << "[" << done << "/" << total_ << "] " << what << time_left() << std::endl;
+    }
+    // ", 2:05 left"; nothing at the end, nor before there is anything to go by.
+    [[nodiscard]] std::string time_left() const {
+        if (done_ <= 0 || done_ >= total_) return {};
+        const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start_;
+        const auto seconds =
+            static_cast<std::int64_t>(taken.count() / static_cast<double>(done_) * static_cast<double>(total_ - done_));
+        return ", " + std::to_string(seconds / 60) + (seconds % 60 < 10 ? ":0" : ":") + std::to_string(seconds % 60) +
+               " left";
     }
     // At most ten times a second.
     void draw(const std::string& what) {
@@ -53,13 +62,14 @@ private:
         constexpr std::int64_t width = 40;
         const auto filled = static_cast<std::size_t>(width * done_ / total_);
         std::cerr << "\r\033[K[" << std::string(filled, '=') << std::string(width - filled, ' ') << "] "
-                  << 100 * done_ / total_ << " % " << what << std::flush;
+                  << 100 * done_ / total_ << " % " << what << time_left() << std::flush;
     }
 
     std::int64_t total_, done_ = 0;
     Piped piped_;
     bool on_terminal_, shown_ = false;
-    std::chrono::steady_clock::time_point next_ = std::chrono::steady_clock::now() + std::chrono::milliseconds(500);
+    const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+    std::chrono::steady_clock::time_point next_ = start_ + std::chrono::milliseconds(500);
     std::mutex mutex_;
 };
 

@@ -1,0 +1,169 @@
+#include "stress/map.hpp"
+
+#include <tumble/integrators/method.hpp>
+#include <tumble/numbers/systems.hpp>
+#include <tumble/status.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+#include "drawing.hpp"
+#include "tools/text.hpp"
+
+namespace tumble::bench::stress {
+namespace {
+
+Method in_f64(const Method& method) { return {method.integrator, "f64", false}; }
+
+std::string with_number(const char* what, double value) { return std::string{what} + " " + host::few_digits(value); }
+
+}  // namespace
+
+const char* words_of(Outcome outcome) {
+    switch (outcome) {
+    case Outcome::accurate: return "accurate";
+    case Outcome::drifts: return "drifts";
+    case Outcome::blows_up: return "blows up, as its limit says";
+    case Outcome::range_left: return "range left, told";
+    case Outcome::told: return "told by another status";
+    case Outcome::silent: return "silent";
+    default: return "not run";
+    }
+}
+
+namespace {
+
+double with_four_digits(double value) { return std::stod(text("%.4g", value)); }
+
+}  // namespace
+
+std::vector<double> logarithmic_values(double first, double last, int count) {
+    std::vector<double> values;
+    for (int i = 0; i < count; ++i)
+        values.push_back(with_four_digits(first * std::pow(last / first, static_cast<double>(i) / (count - 1))));
+    return values;
+}
+std::vector<double> linear_values(double first, double last, int count) {
+    std::vector<double> values;
+    for (int i = 0; i < count; ++i) values.push_back(with_four_digits(first + (last - first) * i / (count - 1)));
+    return values;
+}
+
+void Measured::see_error(long double now) {
+    if (!(now <= error)) error = static_cast<double>(now);
+    finite = finite && std::isfinite(now);
+}
+void Measured::see_energy(long double ratio) {
+    if (!(ratio <= energy_most)) energy_most = static_cast<double>(ratio);
+    finite = finite && std::isfinite(ratio);
+}
+void Measured::see_norm(long double length) {
+    const long double now = std::abs(length - 1);
+    if (!(now <= norm_error)) norm_error = static_cast<double>(now);
+    finite = finite && std::isfinite(length);
+}
+
+std::filesystem::path scene_directory() { return TUMBLE_STRESS_SCENES; }
+
+Map::Map(std::string name, std::string title, Axis x, Axis y)
+    : name_{std::move(name)}, title_{std::move(title)}, x_{std::move(x)}, y_{std::move(y)}, template_{
+                                                                                                scene_directory() /
+                                                                                                (name_ + ".toml")} {}
+
+SceneFile Map::scene_file(double x, double y) const {
+    SceneFile file{template_};
+    change(file, x, y);
+    return file;
+}
+
+// From a run in f64 with a step at which truncation, not rounding, makes the error: the shortest of the map's that
+// has one, or, where none has, the longest.
+double Map::expected_error(double x, double y, const Method& method) const {
+    const auto step_at = [&](double at) { return scene(at, y).step.seconds(); };
+    auto anchor = std::find_if(anchors_.begin(), anchors_.end(),
+                               [&](const Anchor& a) { return a.integrator == method.integrator && a.y == y; });
+    if (anchor == anchors_.end()) {
+        std::vector<std::pair<double, double>> steps;  // step, x
+        for (const double at : x_.fine) steps.emplace_back(step_at(at), at);
+        std::sort(steps.begin(), steps.end());
+        Anchor found{method.integrator, y, 0, 0};
+        for (const auto& [step, at] : steps) {
+            const double error = measure(at, y, in_f64(method)).error;
+            found.step = step;
+            found.error = error;
+            if (!(error <= number_system_factor * rounding_floor(at, y, in_f64(method)))) break;
+        }
+        anchor = anchors_.insert(anchors_.end(), found);
+    }
+    const int p = order(host::find_integrator(method.integrator));
+    if (p == no_truncation) return 0;
+    return anchor->error * std::pow(step_at(x) / anchor->step, p);
+}
+
+Verdict Map::judge(double x, double y, const Method& method) const {
+    Expectation expectation;
+    expectation.floor = rounding_floor(x, y, method);
+    expectation.of_order = [&] { return expected_error(x, y, method); };
+    expectation.in_f64 = [&] { return measure(x, y, in_f64(method)); };
+    expectation.exceeded = [&]() -> std::string { return {}; };
+    expectation.is_f64 = method.numbers == "f64";
+    try {
+        return stress::judge(measure(x, y, method), expectation);
+    } catch (const std::exception& refusal) {
+        return {Outcome::told, refusal.what()};  // before the first step
+    }
+}
+
+Verdict judge(const Measured& run, const Expectation& expectation) {
+    const bool same_kind = run.finite && run.energy_most <= energy_factor && run.norm_error <= largest_norm_error;
+    if (!same_kind || !run.troubles.empty()) {
+        const std::string limit = expectation.exceeded();
+        if (!limit.empty() && !same_kind) return {Outcome::blows_up, limit};
+        if (!run.troubles.empty()) {
+            const std::string& issue = run.troubles.front().issue;
+            return {issue == name_of(Issue::range_left) ? Outcome::range_left : Outcome::told, issue};
+        }
+        if (!run.finite) return {Outcome::silent, "not finite"};
+        if (run.norm_error > largest_norm_error) return {Outcome::silent, with_number("norm error", run.norm_error)};
+        return {Outcome::silent, with_number("energy ratio", run.energy_most)};
+    }
+    const auto accurate_within = [&](double expected) {
+        return run.error <= std::min(accurate_factor * expected, largest_accurate_error);
+    };
+    if (accurate_within(expectation.floor) || accurate_within(expectation.of_order())) return {Outcome::accurate, {}};
+    const std::string error = with_number("error", run.error);
+    if (!expectation.is_f64 && run.error > least_silent_error && run.error > number_system_factor * expectation.floor &&
+        run.error > number_system_factor * expectation.in_f64().error)
+        return {Outcome::silent, error + ", far beyond its rounding and f64"};
+    return {Outcome::drifts, error};
+}
+
+double resolution(const host::SceneDescription& scene, const Method& method, Quantity quantity, double size) {
+    if (method.numbers == "f64") return 0x1p-53;
+    if (method.numbers == "f32") return 0x1p-24;
+    const auto& system = host::find_number_system(scene, method.numbers, method.carry);
+    double limit = 0;
+    Ranges::for_each([&]<class Named>() {
+        using Range = typename Named::Range;
+        if (system.range == Named::name)
+            limit = quantity == Quantity::position   ? Range::position
+                    : quantity == Quantity::velocity ? Range::velocity
+                                                     : Range::spin;
+    });
+    return limit / size * 0x1p-31;
+}
+
+Measured run_to_the_end(host::Simulation& simulation, std::int64_t every,
+                        const std::function<void(Measured&)>& after_steps) {
+    Measured run;
+    while (simulation.steps_taken() < simulation.steps() && simulation.troubles().empty() && run.finite) {
+        for (std::int64_t i = 0; i < every && simulation.steps_taken() < simulation.steps(); ++i) simulation.step();
+        if (simulation.troubles().empty()) after_steps(run);
+    }
+    run.troubles = simulation.troubles();
+    return run;
+}
+
+}  // namespace tumble::bench::stress

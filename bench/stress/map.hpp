@@ -1,0 +1,158 @@
+// Maps of stability: for every method and number system, what becomes of a scene over two of its parameters, one of
+// which is or sets the step. A map is a scene file, what the two parameters change in it, and how a run of it is
+// measured; a cell's outcome follows from what is measured by rules that all maps share (judge). A new map is one
+// file here, one scene, and a line in the list of maps.cpp.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "scene/description.hpp"
+#include "simulation/simulation.hpp"
+#include "stress/scene_file.hpp"
+#include "truth/accuracy.hpp"
+
+namespace tumble::bench::stress {
+
+using host::Method;
+
+// Letters as rows have them.
+enum class Outcome : char {
+    accurate = 'a',    // as accurate as the method's order and the number system's rounding let it be, and within 0.1
+    drifts = 'd',      // wrong, but a motion of the same kind: bounded energy, orientation of unit length, no status
+    blows_up = 'b',    // beyond that; a limit of the method that the step is beyond names it beforehand
+    range_left = 'r',  // the status says that a value left the range of its number system
+    told = 't',        // another status tells that the run is not to be relied on
+    silent = 's',      // wrong beyond drifting, or by far more than the number system explains, and nothing tells
+    not_run = '.',     // the method does not take such a scene
+};
+inline constexpr Outcome all_outcomes[] = {Outcome::accurate,   Outcome::drifts, Outcome::blows_up,
+                                           Outcome::range_left, Outcome::told,   Outcome::silent};
+// In a few words, for legends and counts.
+[[nodiscard]] const char* words_of(Outcome outcome);
+
+struct Axis {
+    std::string key;    // of rows
+    std::string label;  // of pictures
+    std::string unit;   // empty: a pure number
+    bool logarithmic = false;
+    std::vector<double> fine, coarse;  // ascending
+
+    [[nodiscard]] const std::vector<double>& values(bool coarse_ones) const { return coarse_ones ? coarse : fine; }
+};
+// Numbers of equal ratio, or of equal distance, both ends among them; of four digits.
+[[nodiscard]] std::vector<double> logarithmic_values(double first, double last, int count);
+[[nodiscard]] std::vector<double> linear_values(double first, double last, int count);
+
+// What a run did that its outcome follows from.
+struct Measured {
+    // Largest distance from the truth over the samples of the map: rad, or relative to the size of the motion.
+    double error = 0;
+    // The most that the energy was of what it should have been at most.
+    double energy_most = 1;
+    double norm_error = 0;  // of a quaternion's length
+    bool finite = true;
+    std::vector<host::Trouble> troubles;
+
+    // NaN counts as the largest of all.
+    void see_error(long double now);
+    void see_energy(long double ratio);
+    void see_norm(long double length);
+};
+
+struct Verdict {
+    Outcome outcome = Outcome::not_run;
+    std::string cause;  // why it is not accurate, in a few words; a status by its name
+};
+
+class Map {
+public:
+    // The scene is scenes/NAME.toml beside this file.
+    Map(std::string name, std::string title, Axis x, Axis y);
+    virtual ~Map() = default;
+
+    [[nodiscard]] const std::string& name() const { return name_; }    // key of rows, stem of the picture's file
+    [[nodiscard]] const std::string& title() const { return title_; }  // of the picture
+    [[nodiscard]] const Axis& x() const { return x_; }
+    [[nodiscard]] const Axis& y() const { return y_; }
+
+    // The scene of a cell as a file, and read.
+    [[nodiscard]] SceneFile scene_file(double x, double y) const;
+    [[nodiscard]] host::SceneDescription scene(double x, double y) const { return scene_file(x, y).description(); }
+
+    // Silent cells of contacts are listed, those of others are an error.
+    [[nodiscard]] virtual bool has_contacts() const { return false; }
+    // Computes what runs share, such as the truth of each y; called once before any other cell is measured.
+    virtual void prepare(const std::vector<double>& /*y_values*/) {}
+
+    [[nodiscard]] virtual Measured measure(double x, double y, const Method& method) const = 0;
+    // The error that rounding alone makes in this cell, in the unit of Measured::error. See resolution().
+    [[nodiscard]] virtual double rounding_floor(double x, double y, const Method& method) const = 0;
+    // The order at which the error shrinks with the step.
+    [[nodiscard]] virtual int order(const host::IntegratorInfo& method) const { return method.order; }
+
+    // The outcome of a cell.
+    [[nodiscard]] Verdict judge(double x, double y, const Method& method) const;
+
+protected:
+    virtual void change(SceneFile& scene, double x, double y) const = 0;
+
+private:
+    [[nodiscard]] double expected_error(double x, double y, const Method& method) const;
+
+    std::string name_, title_;
+    Axis x_, y_;
+    SceneFile template_;
+    struct Anchor {
+        std::string integrator;
+        double y, step, error;
+    };
+    mutable std::vector<Anchor> anchors_;
+};
+
+// Where the scenes are.
+[[nodiscard]] std::filesystem::path scene_directory();
+
+// The maps, each made once.
+[[nodiscard]] const std::vector<std::unique_ptr<Map>>& maps();
+// Throws std::invalid_argument for a name that is none.
+[[nodiscard]] Map& map_named(const std::string& name);
+
+// ---- What judging is made of, and measuring shares. ----
+
+// An error up to this is an accurate one, rad or relative; and how much more than what is expected it may be.
+inline constexpr double largest_accurate_error = 0.1;
+inline constexpr double accurate_factor = 4;
+// Of a motion of the same kind: the most energy, of what it should have; and the error of a quaternion's length.
+inline constexpr double energy_factor = 2;
+inline constexpr double largest_norm_error = 1e-3;
+// An error beyond this is silent where the number system makes it: it is 1000 times the floor, and that of f64.
+inline constexpr double least_silent_error = 1e-3;
+inline constexpr double number_system_factor = 1000;
+
+// What is known of a cell beside the run. The functions are called only where they decide.
+struct Expectation {
+    double floor = 0;                       // error that rounding alone makes
+    std::function<double()> of_order;       // error that the method's order gives
+    std::function<Measured()> in_f64;       // the same run in f64
+    std::function<std::string()> exceeded;  // the first limit that the step is beyond; empty: none
+    bool is_f64 = false;
+};
+[[nodiscard]] Verdict judge(const Measured& run, const Expectation& expectation);
+
+// The relative error of one rounding: 2^-53 of f64, 2^-24 of f32; of fixed point half the last digit of a quantity of
+// this size, which has 30 digits below the limit of the scene's range.
+enum class Quantity { position, velocity, spin };
+[[nodiscard]] double resolution(const host::SceneDescription& scene, const Method& method, Quantity quantity,
+                                double size);
+
+// Steps until the simulation has told of trouble, or is not finite, or has come to its end; after_steps() is called
+// after each `every` steps.
+[[nodiscard]] Measured run_to_the_end(host::Simulation& simulation, std::int64_t every,
+                                      const std::function<void(Measured&)>& after_steps);
+
+}  // namespace tumble::bench::stress

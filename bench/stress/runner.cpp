@@ -1,0 +1,297 @@
+#include "stress/runner.hpp"
+
+#include <poll.h>
+#include <signal.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <functional>
+#include <map>
+#include <set>
+#include <stdexcept>
+#include <system_error>
+#include <thread>
+
+#include "tools/files.hpp"
+
+namespace tumble::bench::stress {
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+// Of this program and all that it reads but its modules of worlds, which are of the same sources.
+std::string digest_of_program() {
+    std::string all = host::contents_of("/proc/self/exe");
+    std::vector<fs::path> scenes;
+    for (const auto& entry : fs::directory_iterator{scene_directory()}) scenes.push_back(entry.path());
+    std::sort(scenes.begin(), scenes.end());
+    for (const auto& scene : scenes) all += host::contents_of(scene);
+    return host::hex(std::hash<std::string>{}(all));
+}
+
+struct Cell {
+    double x = 0, y = 0;
+    std::int64_t steps = 0;  // what it costs, nearly
+};
+
+// Rows of cells by ascending y, in each of them by ascending x.
+std::vector<Cell> cells_of(const Map& map, bool coarse) {
+    std::vector<Cell> cells;
+    for (const double y : map.y().values(coarse))
+        for (const double x : map.x().values(coarse)) {
+            const host::SceneDescription scene = map.scene(x, y);
+            cells.push_back({x, y, scene.steps() * static_cast<std::int64_t>(scene.bodies.size())});
+        }
+    return cells;
+}
+
+// What is said of a cell on its way from one process to another.
+std::string line_of(const Verdict& verdict) {
+    std::string cause = verdict.cause.substr(0, 200);
+    std::replace(cause.begin(), cause.end(), '\n', ' ');
+    return static_cast<char>(verdict.outcome) + cause + '\n';
+}
+Verdict verdict_of(const std::string& line) { return {static_cast<Outcome>(line.at(0)), line.substr(1)}; }
+
+// A row under way, and the process that judges its cells from one on.
+class RunningRow {
+public:
+    RunningRow(const Job& job, const std::vector<Cell>& cells) : job_{&job}, cells_{&cells} { start(); }
+
+    [[nodiscard]] int descriptor() const { return pipe_; }
+    [[nodiscard]] bool is_done() const { return pipe_ < 0; }
+    [[nodiscard]] const Job& job() const { return *job_; }
+    [[nodiscard]] const std::vector<Verdict>& verdicts() const { return verdicts_; }
+
+    // Takes what has come. Returns what has been done since the last time, in steps.
+    std::int64_t read_on() {
+        char buffer[4096];
+        const ssize_t count = ::read(pipe_, buffer, sizeof buffer);
+        const std::size_t before = verdicts_.size();
+        if (count > 0) {
+            text_.append(buffer, static_cast<std::size_t>(count));
+            for (std::size_t end; (end = text_.find('\n')) != std::string::npos; text_.erase(0, end + 1))
+                verdicts_.push_back(verdict_of(text_.substr(0, end)));
+            last_ = Clock::now();
+        } else {
+            finish("");
+        }
+        return steps_since(before);
+    }
+    // Ends a cell that has taken too long.
+    std::int64_t watch(double seconds) {
+        if (std::chrono::duration<double>(Clock::now() - last_).count() < seconds) return 0;
+        const std::size_t before = verdicts_.size();
+        kill(child_, SIGKILL);
+        finish("no end within " + host::few_digits(seconds) + " s");
+        return steps_since(before);
+    }
+
+private:
+    [[nodiscard]] std::int64_t steps_since(std::size_t before) const {
+        std::int64_t steps = 0;
+        for (std::size_t i = before; i < verdicts_.size(); ++i) steps += (*cells_)[i].steps;
+        return steps;
+    }
+
+    void start() {
+        int ends[2];
+        if (pipe(ends) != 0) throw std::system_error(errno, std::generic_category(), "pipe");
+        child_ = fork();
+        if (child_ < 0) throw std::system_error(errno, std::generic_category(), "fork");
+        if (child_ == 0) {
+            prctl(PR_SET_PDEATHSIG, SIGKILL);
+            close(ends[0]);
+            judge_cells(ends[1]);
+            _exit(0);
+        }
+        close(ends[1]);
+        pipe_ = ends[0];
+        last_ = Clock::now();
+    }
+
+    // In the child.
+    void judge_cells(int out) const {
+        for (std::size_t i = verdicts_.size(); i < cells_->size(); ++i) {
+            const Cell& cell = (*cells_)[i];
+            const std::string line = line_of(job_->map->judge(cell.x, cell.y, job_->method()));
+            if (::write(out, line.data(), line.size()) != static_cast<ssize_t>(line.size())) _exit(1);
+        }
+    }
+
+    // The child has ended, or has been ended for a cause; another one goes on behind the cell that it fell in.
+    void finish(const std::string& cause) {
+        close(pipe_);
+        pipe_ = -1;
+        text_.clear();
+        int status = 0;
+        waitpid(child_, &status, 0);
+        if (verdicts_.size() == cells_->size()) return;
+        const std::string end = WIFSIGNALED(status) ? std::string{"ended by "} + strsignal(WTERMSIG(status))
+                                                    : "ended with status " + std::to_string(WEXITSTATUS(status));
+        verdicts_.push_back({Outcome::silent, cause.empty() ? end : cause});
+        if (verdicts_.size() < cells_->size()) start();
+    }
+
+    const Job* job_;
+    const std::vector<Cell>* cells_;
+    std::vector<Verdict> verdicts_;
+    std::string text_;
+    int pipe_ = -1;
+    pid_t child_ = -1;
+    Clock::time_point last_;
+};
+
+Row row_of(const Job& job, const std::vector<Cell>& cells, const std::vector<Verdict>& verdicts) {
+    Row row;
+    row["map"] = job.map->name();
+    row["integrator"] = job.integrator;
+    row["numbers"] = job.variant.numbers;
+    row["carry"] = job.variant.carry;
+    std::string letters;
+    Row causes = Row::array();
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+        letters += static_cast<char>(verdicts[i].outcome);
+        if (verdicts[i].outcome == Outcome::silent)
+            causes.push_back({{"x", cells[i].x}, {"y", cells[i].y}, {"cause", verdicts[i].cause}});
+    }
+    row["cells"] = letters;
+    row["silent"] = causes.size();
+    row["silent_cells"] = causes;
+    return row;
+}
+
+template <class T>
+bool is_chosen(const std::vector<T>& chosen, const T& name) {
+    return chosen.empty() || std::find(chosen.begin(), chosen.end(), name) != chosen.end();
+}
+
+}  // namespace
+
+std::vector<Job> jobs_of(const Choice& choice) {
+    for (const auto& name : choice.maps) (void)map_named(name);
+    for (const auto& name : choice.integrators) (void)host::find_integrator(name);
+    (void)variants_named(choice.numbers);
+    std::vector<Job> jobs;
+    for (const auto& map : maps()) {
+        if (!is_chosen(choice.maps, map->name())) continue;
+        for (const auto& integrator : host::integrators()) {
+            if (!is_chosen(choice.integrators, integrator.name)) continue;
+            for (const Variant& variant : variants)
+                if (is_chosen(choice.numbers, variant.name) && host::runs_in(integrator, variant.numbers))
+                    jobs.push_back({map.get(), integrator.name, variant});
+        }
+    }
+    return jobs;
+}
+
+std::vector<Row> run(const std::vector<Job>& jobs, const RunOptions& options) {
+    const std::string digest = digest_of_program();
+    const fs::path directory = options.kept / (options.coarse ? "coarse" : "fine");
+    fs::create_directories(directory);
+    const auto file_of = [&](const Job& job) {
+        return directory / (job.map->name() + "." + job.integrator + "." + job.variant.name + ".json");
+    };
+
+    std::vector<Row> rows(jobs.size());
+    std::vector<std::size_t> left;
+    std::map<const Map*, std::vector<Cell>> cells;
+    std::map<const Map*, std::int64_t> cost;
+    std::int64_t total = 0;
+    for (std::size_t i = 0; i < jobs.size(); ++i) {
+        const std::string kept = host::contents_of(file_of(jobs[i]));
+        if (!kept.empty()) {
+            Row row = Row::parse(kept, nullptr, false);
+            if (!row.is_discarded() && row.value("program", "") == digest) {
+                row.erase("program");
+                rows[i] = row;
+                continue;
+            }
+        }
+        Map* map = jobs[i].map;
+        if (!cells.contains(map)) {
+            cells[map] = cells_of(*map, options.coarse);
+            for (const Cell& cell : cells[map]) cost[map] += cell.steps;
+        }
+        left.push_back(i);
+        total += cost[map];
+    }
+    // The dearest first, so that none of them is alone at the end.
+    std::stable_sort(left.begin(), left.end(),
+                     [&](std::size_t a, std::size_t b) { return cost[jobs[a].map] > cost[jobs[b].map]; });
+
+    host::Progress progress(total, host::Progress::Piped::tenths);
+    std::int64_t done = 0;
+    std::set<const Map*> prepared;
+    std::map<std::size_t, RunningRow> running;
+    std::size_t next = 0;
+    const std::size_t processors = std::max(1u, std::thread::hardware_concurrency());
+    while (next < left.size() || !running.empty()) {
+        while (next < left.size() && running.size() < processors) {
+            const std::size_t i = left[next++];
+            Map* map = jobs[i].map;
+            // What rows share, before they are in processes of their own.
+            if (prepared.insert(map).second) map->prepare(map->y().values(options.coarse));
+            running.emplace(i, RunningRow{jobs[i], cells[map]});
+        }
+        std::vector<pollfd> waiting;
+        for (const auto& [i, row] : running) waiting.push_back({row.descriptor(), POLLIN, 0});
+        poll(waiting.data(), waiting.size(), 200);
+        auto at = waiting.begin();
+        for (auto it = running.begin(); it != running.end(); ++at) {
+            auto& [i, row] = *it;
+            done += at->revents != 0 ? row.read_on() : row.watch(options.seconds_a_cell);
+            const Job& job = row.job();
+            progress.show(done, job.map->name() + " " + job.integrator + " " + job.variant.name);
+            if (!row.is_done()) {
+                ++it;
+                continue;
+            }
+            rows[i] = row_of(job, cells[job.map], row.verdicts());
+            Row kept = rows[i];
+            kept["program"] = digest;
+            const fs::path file = file_of(job), unfinished = file.string() + ".new";
+            host::write_if_changed(unfinished, kept.dump() + "\n");
+            fs::rename(unfinished, file);
+            it = running.erase(it);
+        }
+    }
+    return rows;
+}
+
+Row axes_row(const Map& map, bool coarse) {
+    Row row;
+    row["map"] = map.name();
+    const auto add = [&](const std::string& name, const Axis& axis) {
+        row[name] = axis.key;
+        if (!axis.unit.empty()) row[name + "_unit"] = axis.unit;
+        row[name + "_values"] = axis.values(coarse);
+    };
+    add("x", map.x());
+    add("y", map.y());
+    return row;
+}
+
+std::vector<Row> with_axes(const std::vector<Row>& rows, bool coarse) {
+    std::vector<Row> all;
+    std::string map;
+    for (const Row& row : rows) {
+        if (row.at("map") != map) {
+            map = row.at("map");
+            all.push_back(axes_row(map_named(map), coarse));
+        }
+        all.push_back(without_causes(row));
+    }
+    return all;
+}
+Row without_causes(Row row) {
+    row.erase("silent_cells");
+    return row;
+}
+
+}  // namespace tumble::bench::stress
