@@ -1,21 +1,12 @@
 #include "drawing.hpp"
 
-#include <fstream>
 #include <regex>
-#include <sstream>
-#include <stdexcept>
+
+#include "tools/gnuplot.hpp"
+#include "tools/output.hpp"
 
 namespace tumble::bench {
 namespace {
-
-namespace fs = std::filesystem;
-
-std::string read(const fs::path& path) {
-    std::ifstream file{path};
-    std::ostringstream all;
-    all << file.rdbuf();
-    return all.str();
-}
 
 // The same drawing in fewer characters: tenths of a pixel, and no groups of nothing.
 std::string compact(std::string svg) {
@@ -49,15 +40,8 @@ std::string compact(std::string svg) {
 
 }  // namespace
 
-void draw(const std::string& script, const fs::path& svg) {
-    FILE* gnuplot = popen("gnuplot", "w");
-    if (gnuplot == nullptr) throw std::runtime_error{"cannot run gnuplot"};
-    std::fputs(script.c_str(), gnuplot);
-    if (pclose(gnuplot) != 0) throw std::runtime_error{"gnuplot failed for " + svg.string()};
-    const std::string drawn = compact(read(svg));
-    std::ofstream file{svg};
-    file << drawn;
-    if (!file.flush()) throw std::runtime_error{svg.string() + ": cannot be written"};
+void draw(const std::string& script, const std::filesystem::path& svg) {
+    host::write_file(svg, compact(host::svg_by_gnuplot(script)));
 }
 
 }  // namespace tumble::bench

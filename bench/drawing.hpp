@@ -13,8 +13,7 @@ namespace tumble::bench {
     return buffer;
 }
 
-// Runs a script of gnuplot's whose output is `svg`, and writes the same drawing there in fewer characters: tenths of a
-// pixel, and no groups of nothing. Throws std::runtime_error.
+// Writes to `svg` what svg_by_gnuplot() draws, in fewer characters: tenths of a pixel, and no groups of nothing.
 void draw(const std::string& script, const std::filesystem::path& svg);
 
 }  // namespace tumble::bench

@@ -50,12 +50,12 @@ public:
             if (ladders[i].core == "cortex-m3") written_ = i;
     }
 
-    [[nodiscard]] std::string script(const std::filesystem::path& svg) const {
-        std::string out =
-            text("set terminal svg size %g,%g font 'sans-serif,%g' background 'white'\nset output ", width(), height(),
-                 font_size) +
-            "'" + svg.string() + "'\nset multiplot\nunset key\nset tics scale 0\nset border linecolor '#808080'\n" +
-            "set grid xtics linecolor '#e4e4e4' linetype 1\nset mxtics 1\n" + text("set yrange [%g:0]\n", -rungs());
+    [[nodiscard]] std::string script() const {
+        std::string out = text("set terminal svg size %g,%g font 'sans-serif,%g' background 'white'\n", width(),
+                               height(), font_size) +
+                          "set multiplot\nunset key\nset tics scale 0\nset border linecolor '#808080'\n" +
+                          "set grid xtics linecolor '#e4e4e4' linetype 1\nset mxtics 1\n" +
+                          text("set yrange [%g:0]\n", -rungs());
         legend(out);
         for (std::size_t i = 0; i < panels.size(); ++i) panel(out, i);
         return out + "unset multiplot\n";
@@ -173,7 +173,7 @@ private:
 }  // namespace
 
 void draw_ladders(const std::vector<Ladder>& ladders, const std::filesystem::path& svg) {
-    draw(LadderPicture{ladders}.script(svg), svg);
+    draw(LadderPicture{ladders}.script(), svg);
 }
 
 }  // namespace tumble::bench

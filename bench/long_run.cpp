@@ -108,6 +108,7 @@ Row measure(const host::SceneDescription& scene, const Variant& variant, const s
 }  // namespace
 
 int main(int argc, char** argv) try {
+    tumble::host::tell_lost_output();
     CLI::App app{"Drift of what a motion conserves within many steps, for every method and number system, as rows."};
     std::vector<fs::path> problems;
     fs::path results = "build/results/long_run.jsonl";
@@ -118,6 +119,8 @@ int main(int argc, char** argv) try {
     app.add_option("--every", every, "Steps between two looks");
     app.add_option("--results", results, "Where the rows go, as JSON lines");
     CLI11_PARSE(app, argc, argv);
+    host::check_outputs(tumble::bench::files_of("problems", problems), {{"--results", results}});
+    host::OutputFile rows_file = tumble::bench::rows_file(results);
 
     std::vector<Row> rows;
     for (const fs::path& path : problems) {
@@ -149,7 +152,7 @@ int main(int argc, char** argv) try {
             rows.push_back(row);
         }
     }
-    tumble::bench::write_rows(results, rows);
+    tumble::bench::write_rows(rows_file, rows);
     std::printf("%zu rows in %s\n", rows.size(), results.c_str());
     return 0;
 } catch (...) { return tumble::bench::report_failure("tumble_long_run"); }

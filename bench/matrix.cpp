@@ -154,6 +154,7 @@ void print_answer(const std::vector<std::string>& cores, const std::vector<Job>&
 }  // namespace
 
 int main(int argc, char** argv) try {
+    tumble::host::tell_lost_output();
     CLI::App app{"Replays a scene on the host and on every core, compares the bits, and prints what a step costs."};
     fs::path scene_path, results = "build/results/run.jsonl";
     std::vector<std::string> cores, methods = tumble::bench::integrator_names(), numbers;
@@ -179,10 +180,13 @@ int main(int argc, char** argv) try {
     if (cores.empty()) cores = core_names(all);
     accuracy = accuracy || tolerance > 0;
 
+    tumble::host::check_outputs({{"the scene", scene_path}}, {{"--results", results}});
     const tumble::host::SceneDescription scene = tumble::host::read_scene(scene_path, tumble::host::BodyCount::any);
+    tumble::host::OutputFile rows_file = tumble::bench::rows_file(results);
     const std::string name = scene_path.stem().string();
     const fs::path work = fs::path{"build/matrix"} / name;
     fs::create_directories(work);
+    const tumble::host::DirectoryLock lock{work};
 
     // The number systems of each core with every integrator that runs in them, and all of these together.
     std::vector<std::pair<Variant, std::string>> choices;
@@ -273,7 +277,7 @@ int main(int argc, char** argv) try {
         if (!job.error.empty()) ++failed;
     }
     print_table(jobs);
-    tumble::bench::write_rows(results, rows);
+    tumble::bench::write_rows(rows_file, rows);
     std::printf("\n");
     if (tolerance > 0) print_answer(cores, jobs, scene, tolerance);
     std::printf("%zu rows in %s", rows.size(), results.c_str());

@@ -164,11 +164,13 @@ void add_system(std::vector<Row>& rows) {
 }  // namespace
 
 int main(int argc, char** argv) try {
+    tumble::host::tell_lost_output();
     const char* results = argc > 1 ? argv[1] : "build/results/ordinary.jsonl";
+    tumble::host::OutputFile file = tumble::bench::rows_file(results);
     std::vector<Row> rows;
     add_system<Oscillator>(rows);
     add_system<Lorenz>(rows);
-    write_rows(results, rows);
+    write_rows(file, rows);
     std::printf("%zu rows in %s\n", rows.size(), results);
     return 0;
 } catch (const std::exception& error) {

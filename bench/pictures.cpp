@@ -151,7 +151,7 @@ public:
         largest_cost_ = std::pow(10, std::ceil(std::log10(largest_cost_ * 1.5)));
     }
 
-    void draw(const fs::path& svg) const { tumble::bench::draw(script(svg), svg); }
+    void draw(const fs::path& svg) const { tumble::bench::draw(script(), svg); }
 
 private:
     void add(const Row& row) {
@@ -207,11 +207,11 @@ private:
         return kept;
     }
 
-    [[nodiscard]] std::string script(const fs::path& svg) const {
+    [[nodiscard]] std::string script() const {
         std::string out =
-            text("set terminal svg size %g,%g font 'sans-serif,%g' background 'white'\nset output ", width(), height(),
+            text("set terminal svg size %g,%g font 'sans-serif,%g' background 'white'\n", width(), height(),
                  font_size) +
-            "'" + svg.string() + "'\nset multiplot\nunset key\nset logscale xy\nset format '10^{%L}'\n" +
+            "set multiplot\nunset key\nset logscale xy\nset format '10^{%L}'\n" +
             "set mxtics 1\nset mytics 1\nset grid linecolor '#e4e4e4' linetype 1\nset tics scale 0\n" +
             "set border linecolor '#808080'\nset tics textcolor 'black'\n" +
             text("set xrange [%g:%g]\nset yrange [%g:%g]\n", useless_error, least_.error, least_.cost, largest_cost_) +
@@ -328,6 +328,7 @@ private:
 }  // namespace
 
 int main(int argc, char** argv) try {
+    tumble::host::tell_lost_output();
     CLI::App app{"Draws rows of work against precision, a picture a problem, and those of the feature ladder."};
     std::vector<fs::path> files;
     fs::path directory = "build/results", ladder;

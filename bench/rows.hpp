@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "tools/cost.hpp"
+#include "tools/output.hpp"
 #include "tools/text.hpp"
 
 namespace tumble::bench {
@@ -32,14 +33,31 @@ using Row = nlohmann::ordered_json;
     return rows;
 }
 
-inline void write_rows(const std::filesystem::path& path, const std::vector<Row>& rows) {
+// The files of an argument, for check_outputs().
+[[nodiscard]] inline std::vector<host::FileArgument> files_of(const std::string& argument,
+                                                              const std::vector<std::filesystem::path>& paths) {
+    std::vector<host::FileArgument> files;
+    for (const auto& path : paths) files.push_back({argument, path});
+    return files;
+}
+
+// For rows that a program works for: it says at its start whether they can be written, and makes missing directories.
+[[nodiscard]] inline host::OutputFile rows_file(const std::filesystem::path& path) {
     if (path.has_parent_path()) std::filesystem::create_directories(path.parent_path());
-    std::ofstream out{path};
+    return host::OutputFile{path};
+}
+
+// All rows or none; what is lost throws.
+inline void write_rows(host::OutputFile& file, const std::vector<Row>& rows) {
     for (Row row : rows) {
         row["tumble_bits"] = TUMBLE_BITS;
-        out << row.dump() << '\n';
+        file.stream() << row.dump() << '\n';
     }
-    if (!out) throw std::runtime_error{path.string() + ": cannot be written"};
+    file.commit();
+}
+inline void write_rows(const std::filesystem::path& path, const std::vector<Row>& rows) {
+    host::OutputFile file = rows_file(path);
+    write_rows(file, rows);
 }
 
 [[nodiscard]] inline std::string numbers_of(const Row& row) {

@@ -675,6 +675,7 @@ std::string filled_in(const std::string& page, const std::string& text, const Ma
 }  // namespace
 
 int main(int argc, char** argv) try {
+    tumble::host::tell_lost_output();
     const bool check = argc > 1 && std::string{argv[1]} == "--check";
     const int first = check ? 2 : 1;
     if (argc < first + 2) {
@@ -758,7 +759,7 @@ int main(int argc, char** argv) try {
             std::cerr << page << ": its tables are not what " << results.string() << " says; run `make tables`\n";
             drifted = true;
         } else {
-            std::ofstream{page} << wanted;
+            tumble::host::write_file(page, wanted);
         }
     }
     // With all pages given, what none of them shows is dead.

@@ -57,6 +57,9 @@ inline void in_parallel_counted(const std::string& what, std::size_t count, cons
     } catch (const host::SceneError& error) {
         std::cerr << error.what() << '\n';
         return 2;
+    } catch (const std::invalid_argument& error) {
+        std::cerr << program << ": " << error.what() << '\n';
+        return 2;
     } catch (const std::exception& error) {
         std::cerr << program << ": " << error.what() << '\n';
         return 1;

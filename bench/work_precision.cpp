@@ -208,6 +208,7 @@ void fill(Curve& curve, const host::SceneDescription& scene, const Truth& truth,
 }  // namespace
 
 int main(int argc, char** argv) try {
+    tumble::host::tell_lost_output();
     CLI::App app{"Error against cost of every method on problems that have a known solution, as rows."};
     std::vector<fs::path> problems;
     std::vector<fs::path> alike, own;
@@ -226,6 +227,10 @@ int main(int argc, char** argv) try {
     app.add_option("--finest", finest, "Smallest step, 2^-N s")->check(CLI::Range(0, 30));
     app.add_option("--results", results, "Where the rows go, as JSON lines");
     CLI11_PARSE(app, argc, argv);
+    for (const auto& [argument, files] :
+         {std::pair{"problems", &problems}, {"--cost", &alike}, {"--cost-of-problem", &own}})
+        host::check_outputs(tumble::bench::files_of(argument, *files), {{"--results", results}});
+    host::OutputFile rows_file = tumble::bench::rows_file(results);
 
     std::vector<Row> measured;
     std::map<std::string, Row> cost;  // of "problem core numbers carry integrator", what a step costs
@@ -310,7 +315,7 @@ int main(int argc, char** argv) try {
             }
         }
     }
-    tumble::bench::write_rows(results, rows);
+    tumble::bench::write_rows(rows_file, rows);
     std::printf("%zu rows in %s\n", rows.size(), results.c_str());
     return 0;
 } catch (...) { return tumble::bench::report_failure("tumble_work_precision"); }

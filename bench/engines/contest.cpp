@@ -58,6 +58,7 @@ Errors errors_of(Runner& runner) {
 }  // namespace
 
 int contest(int argc, char** argv, const std::vector<Contender>& contenders) try {
+    host::tell_lost_output();
     if (argc == 3 && std::string{argv[1]} == "--count") {
         const auto runner = contenders.at(std::stoul(argv[2])).make();
         for (int i = 0; i < 64; ++i) runner->step();  // what an engine sets up in its first steps is left out

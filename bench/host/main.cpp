@@ -213,6 +213,7 @@ void print(const Problem& problem, const std::vector<Entry>& entries) {
 }  // namespace
 
 int main(int argc, char** argv) try {
+    tumble::host::tell_lost_output();
     // Ours come first: a later option of the same name replaces them.
     std::vector<std::string> defaults{argv[0], "--benchmark_enable_random_interleaving=true",
                                       "--benchmark_repetitions=5", "--benchmark_min_time=0.02"};
@@ -232,6 +233,7 @@ int main(int argc, char** argv) try {
     for (const auto add :
          {add_tumble_q32, add_tumble_f32_plain, add_tumble_f64, add_odeint, add_bullet, add_ode, add_mujoco})
         add(contenders);
+    tumble::host::OutputFile file = tumble::bench::rows_file(results);
     std::vector<Row> rows;
     bool as_known = true;
     for (const Problem& problem : problems(most)) {
@@ -248,7 +250,7 @@ int main(int argc, char** argv) try {
             as_known = false;
         }
     }
-    write_rows(results, rows);
+    write_rows(file, rows);
     return as_known ? 0 : 1;
 } catch (const std::exception& error) {
     std::cerr << argv[0] << ": " << error.what() << '\n';

@@ -35,14 +35,14 @@ std::optional<double> ns(const HostRows& rows, const std::string& scene, int bod
     return row->at(HostRows::time).get<double>();
 }
 
-std::string script(const HostRows& rows, const std::string& svg) {
+std::string script(const HostRows& rows) {
     const auto scenes = rows.scenes(true);
     if (scenes.empty()) throw std::runtime_error{"no scene has rows of several numbers of bodies"};
     const std::size_t lines = (scenes.size() + 1) / 2;
     const double height = top + static_cast<double>(lines) * (panel_height + gap) - gap + bottom;
     std::string out =
-        text("set terminal svg size %g,%g font 'sans-serif,13' background 'white'\nset output ", width, height) + "'" +
-        svg + "'\nset multiplot\nunset key\nset logscale xy\nset format '10^{%L}'\nset mxtics 1\nset mytics 1\n" +
+        text("set terminal svg size %g,%g font 'sans-serif,13' background 'white'\n", width, height) +
+        "set multiplot\nunset key\nset logscale xy\nset format '10^{%L}'\nset mxtics 1\nset mytics 1\n" +
         "set grid linecolor '#e4e4e4' linetype 1\nset tics scale 0\nset border linecolor '#808080'\n" +
         text("set label 'time of a step, a body' at screen %g,%g font ',18'\n", left / width, 1 - 22 / height);
     double x = left;
@@ -82,11 +82,13 @@ std::string script(const HostRows& rows, const std::string& svg) {
 }  // namespace
 
 int main(int argc, char** argv) try {
+    tumble::host::tell_lost_output();
     if (argc != 3) {
         std::cerr << "usage: tumble_host_picture RESULTS.jsonl PICTURE.svg\n";
         return 2;
     }
-    draw(script(HostRows{read_rows(argv[1])}, argv[2]), argv[2]);
+    tumble::host::check_outputs({{"RESULTS.jsonl", argv[1]}}, {{"PICTURE.svg", argv[2]}});
+    draw(script(HostRows{read_rows(argv[1])}), argv[2]);
     return 0;
 } catch (const std::exception& error) {
     std::cerr << "tumble_host_picture: " << error.what() << '\n';

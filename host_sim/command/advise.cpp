@@ -466,9 +466,8 @@ int advise(const AdviseOptions& options) {
     }
     if (options.json) print_json(options, sampled, advice);
     else print_table(options, scene, advice);
-    std::cout.flush();
     if (!advice.message.empty()) std::cerr << scene.path << ": " << advice.message << "\n";
-    return advice.message.empty() && std::cout.good() ? done : failed;
+    return advice.message.empty() ? done : failed;
 }
 
 }  // namespace tumble::host

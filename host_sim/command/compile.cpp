@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <limits>
 #include <sstream>
@@ -12,6 +11,7 @@
 
 #include "command/command.hpp"
 #include "scene/data.hpp"
+#include "tools/output.hpp"
 #include "tools/text.hpp"
 
 namespace tumble::host {
@@ -251,16 +251,15 @@ std::string compiled_scene(const SceneDescription& scene, const Choice& choice, 
 }
 
 int compile(const CompileOptions& options) {
+    check_outputs({{"the scene", options.scene}}, {{"--output", options.output}});
     const std::string header = compiled_scene(options.read(), options, options.name);
     if (options.output.empty()) {
-        std::cout << header << std::flush;
-        return std::cout.good() ? done : failed;
+        std::cout << header;
+    } else {
+        OutputFile file(options.output, "--output");
+        file.stream() << header;
+        file.commit();
     }
-    std::ofstream file(options.output);
-    if (!file) throw BadArgument("--output: cannot write " + options.output + ", expected a file that can be written");
-    file << header;
-    file.close();
-    if (!file) throw std::runtime_error("--output: writing " + options.output + " failed");
     return done;
 }
 

@@ -2,12 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <limits>
 #include <stdexcept>
 
 #include "scene/reader.hpp"
-#include "tools/process.hpp"
+#include "tools/gnuplot.hpp"
 #include "tools/text.hpp"
 
 namespace tumble::host {
@@ -271,18 +270,6 @@ std::string Plot::script() const {
     return out + "unset multiplot\n";
 }
 
-void Plot::write(const std::string& path) const {
-    Process gnuplot({"gnuplot"}, script(), Process::Errors::keep);
-    std::string svg;
-    const int status = gnuplot.wait(&svg);
-    if (status == 127)
-        throw std::runtime_error("--plot: gnuplot not found; install it (Debian: apt install gnuplot-nox)");
-    if (status != 0) throw std::runtime_error("--plot: gnuplot failed:\n" + gnuplot.errors());
-    // Gnuplot itself would not say that its file could not be written.
-    std::ofstream file(path);
-    file << svg;
-    file.close();
-    if (!file) throw std::runtime_error("--plot: writing " + path + " failed");
-}
+std::string Plot::drawn() const { return svg_by_gnuplot(script()); }
 
 }  // namespace tumble::host

@@ -20,8 +20,8 @@ public:
     // To be called before the first step and after each; the last of them ends the axis of time.
     void sample(const Simulation& simulation, const Energy& energy, bool last);
 
-    // Draws with gnuplot; throws std::runtime_error when that or writing the file fails.
-    void write(const std::string& path) const;
+    // The SVG, drawn by gnuplot; throws std::runtime_error when that fails.
+    [[nodiscard]] std::string drawn() const;
 
 private:
     struct State {

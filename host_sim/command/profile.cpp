@@ -3,13 +3,14 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
+#include <optional>
 #include <sstream>
 
 #include "command/command.hpp"
 #include "tools/files.hpp"
 #include "tools/firmware.hpp"
+#include "tools/output.hpp"
 #include "tools/process.hpp"
 #include "tools/text.hpp"
 
@@ -149,8 +150,9 @@ int profile(const ProfileOptions& options) {
         *std::find_if(number_variants().begin(), number_variants().end(), [&](const NumberVariant& each) {
             return each.numbers == system.name && each.carry == system.carry;
         });
-    if (!options.flame.empty() && !std::ofstream(options.flame, std::ios::app))
-        throw BadArgument("--flame: cannot write " + options.flame + ", expected a file that can be written");
+    check_outputs({{"the scene", options.scene}}, {{"--flame", options.flame}});
+    std::optional<OutputFile> flame;
+    if (!options.flame.empty()) flame.emplace(options.flame, "--flame");
     const fs::path build = fs::path(TUMBLE_SOURCE_DIR) / "build/profile" / options.core;
     fs::create_directories(build);
     const DirectoryLock lock(build);
@@ -173,17 +175,17 @@ int profile(const ProfileOptions& options) {
 
     const std::vector<Function> functions = functions_of(places, elf);
     const Branches branches = branches_of(branches_file, elf);
-    if (!options.flame.empty()) {
+    if (flame) {
         const std::string title = scene.name + ", " + options.integrator + " in " +
                                   numbers_text(variant.numbers, variant.carry) + " on " + options.core + ": " +
                                   few_digits(outcome.row.at("cycles_per_step_est").get<double>()) +
                                   " cycles a step, estimate, zero wait states";
-        (void)output_of({TUMBLE_FLAME, places.string(), elf.string(), options.flame, title});
+        flame->stream() << output_of({TUMBLE_FLAME, places.string(), elf.string(), "/dev/stdout", title});
+        flame->commit();
     }
     if (options.json) print_json(outcome.row, functions, branches);
     else print_table(options, scene, outcome.row, functions, branches);
-    std::cout.flush();
-    return std::cout.good() ? done : failed;
+    return done;
 }
 
 }  // namespace tumble::host

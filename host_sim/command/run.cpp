@@ -3,13 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <iomanip>
 #include <iostream>
 #include <optional>
 
 #include "command/command.hpp"
 #include "command/plot.hpp"
+#include "tools/output.hpp"
 #include "tools/progress.hpp"
 #include "tools/text.hpp"
 
@@ -41,35 +41,33 @@ private:
 class Trajectory {
 public:
     Trajectory(const std::string& path, std::int64_t every, const SceneDescription& scene)
-        : path_(path), file_(path), every_(every) {
-        if (!file_) throw BadArgument("--trajectory: cannot write " + path + ", expected a file that can be written");
+        : file_(path, "--trajectory"), every_(every) {
         for (const BodyDescription& body : scene.bodies) names_.push_back(csv_field(body.name));
-        file_ << "time_s,body,x,y,z,vx,vy,vz,qw,qx,qy,qz,wx,wy,wz\n";
+        file_.stream() << "time_s,body,x,y,z,vx,vy,vz,qw,qx,qy,qz,wx,wy,wz\n";
     }
     void record(const Simulation& simulation, bool last) {
         if (simulation.steps_taken() % every_ != 0 && !last) return;
+        std::ostream& rows = file_.stream();
         const std::string time = seventeen_digits(simulation.time());
         for (int b = 0; b < simulation.body_count(); ++b) {
             const BodySnapshot body = simulation.body(b);
-            file_ << time << "," << names_[static_cast<std::size_t>(b)];
+            rows << time << "," << names_[static_cast<std::size_t>(b)];
             const auto add = [&](const auto& numbers) {
-                for (const long double x : numbers) file_ << "," << seventeen_digits(x);
+                for (const long double x : numbers) rows << "," << seventeen_digits(x);
             };
             add(body.position);
             add(body.velocity);
             add(body.orientation);
             add(body.angular_velocity);
-            file_ << "\n";
+            rows << "\n";
         }
     }
-    void close() {
-        file_.close();
-        if (!file_) throw std::runtime_error("--trajectory: writing " + path_ + " failed");
-    }
+    // False when rows have been lost.
+    [[nodiscard]] bool good() const { return file_.good(); }
+    void close() { file_.commit(); }
 
 private:
-    std::string path_;
-    std::ofstream file_;
+    OutputFile file_;
     std::int64_t every_;
     std::vector<std::string> names_;
 };
@@ -141,14 +139,15 @@ void print_table(const SceneDescription& scene, const Simulation& simulation, co
 }  // namespace
 
 int run(const RunOptions& options) {
+    check_outputs({{"the scene", options.scene}}, {{"--trajectory", options.trajectory}, {"--plot", options.plot}});
     const SceneDescription scene = options.read();
     const auto simulation = options.start(scene);
     std::optional<Trajectory> trajectory;
     if (!options.trajectory.empty()) trajectory.emplace(options.trajectory, options.every, scene);
     std::optional<Plot> plot;
+    std::optional<OutputFile> plot_file;
     if (!options.plot.empty()) {
-        if (!std::ofstream(options.plot, std::ios::app))
-            throw BadArgument("--plot: cannot write " + options.plot + ", expected a file that can be written");
+        plot_file.emplace(options.plot, "--plot");
         plot.emplace(*simulation, scene);
     }
 
@@ -165,16 +164,19 @@ int run(const RunOptions& options) {
             simulation->step();
             now = simulation->energy();
             energy.see(now);
+            if (trajectory && !trajectory->good()) trajectory->close();  // throws
             if (simulation->steps_taken() % 256 == 0) progress.show(simulation->steps_taken());
         }
     }
     if (trajectory) trajectory->close();
     if (options.json) print_json(scene, *simulation, energy);
     else print_table(scene, *simulation, energy);
-    std::cout.flush();
-    if (plot) plot->write(options.plot);
+    if (plot) {
+        plot_file->stream() << plot->drawn();
+        plot_file->commit();
+    }
     for (const Trouble& trouble : simulation->troubles()) std::cerr << message_of(trouble, scene, *simulation) << "\n";
-    return simulation->troubles().empty() && std::cout.good() ? done : failed;
+    return simulation->troubles().empty() ? done : failed;
 }
 
 }  // namespace tumble::host

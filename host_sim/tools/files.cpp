@@ -4,9 +4,13 @@
 #include <sys/file.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <fstream>
 #include <sstream>
 #include <stdexcept>
+#include <system_error>
+
+#include "tools/output.hpp"
 
 namespace tumble::host {
 
@@ -20,15 +24,13 @@ std::string contents_of(const fs::path& path) {
 
 void write_if_changed(const fs::path& path, const std::string& text) {
     if (contents_of(path) == text) return;
-    std::ofstream file(path);
-    file << text;
-    file.close();
-    if (!file) throw std::runtime_error("cannot write " + path.string());
+    write_file(path, text);
 }
 
 DirectoryLock::DirectoryLock(const fs::path& directory)
     : file_(open((directory / "lock").c_str(), O_CREAT | O_RDWR | O_CLOEXEC, 0666)) {
-    if (file_ < 0 || flock(file_, LOCK_EX) != 0) throw std::runtime_error("cannot lock " + directory.string());
+    if (file_ < 0 || flock(file_, LOCK_EX) != 0)
+        throw std::runtime_error("cannot lock " + directory.string() + ": " + std::generic_category().message(errno));
 }
 DirectoryLock::~DirectoryLock() { close(file_); }
 

@@ -3,14 +3,18 @@
 #include <fcntl.h>
 #include <signal.h>
 #include <sys/mman.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <array>
 #include <atomic>
+#include <cerrno>
 #include <mutex>
 #include <stdexcept>
 #include <system_error>
+
+#include "tools/ending.hpp"
 
 namespace tumble::host {
 namespace {
@@ -36,7 +40,7 @@ int make_file(std::string_view text) {
     return file;
 }
 
-// The children that run, 0 where a place is free; a signal handler may read no more than this.
+// The groups of the children that run, 0 where a place is free; a signal handler may read no more than this.
 std::array<std::atomic<pid_t>, 1024> running;
 static_assert(std::atomic<pid_t>::is_always_lock_free);
 
@@ -48,21 +52,28 @@ void replace(pid_t old, pid_t child) {
 }
 
 // Children have groups of their own, which the terminal's Ctrl-C does not reach.
-void end_children(int signal) {
+void end_children() {
     for (const auto& place : running)
         if (const pid_t child = place; child > 0) kill(-child, SIGTERM);
-    raise(signal);  // ends this program when the handler returns, since SA_RESETHAND has put its default back
 }
 
-void handle_ending_signals() {
-    for (const int signal : {SIGHUP, SIGINT, SIGPIPE, SIGTERM}) {
-        struct sigaction action {};
-        sigaction(signal, nullptr, &action);
-        if (action.sa_handler != SIG_DFL) continue;  // as nohup ignores SIGHUP
-        action.sa_handler = end_children;
-        action.sa_flags = static_cast<int>(SA_RESETHAND);
-        sigaction(signal, &action, nullptr);
-    }
+void end_group(int) {
+    signal(SIGTERM, SIG_IGN);  // not this process, which still waits for the child
+    kill(0, SIGTERM);
+}
+
+// The life of the process between this program and `child`, its own: it waits for the child and ends as that does. If
+// the program ends before, whatever ends it, then so does the whole group. `program` is the program's id.
+[[noreturn]] void guard(pid_t child, pid_t program) {
+    close_range(3, ~0U, 0);  // pipes and locks of the program
+    struct sigaction action {};
+    action.sa_handler = end_group;
+    sigaction(SIGTERM, &action, nullptr);
+    prctl(PR_SET_PDEATHSIG, SIGTERM);
+    if (getppid() != program) end_group(SIGTERM);
+    int status = 0;
+    while (waitpid(child, &status, 0) < 0 && errno == EINTR) {}
+    _exit(WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status));
 }
 
 }  // namespace
@@ -71,17 +82,22 @@ Process::Process(const std::vector<std::string>& command, std::string_view input
     std::vector<char*> arguments;
     for (const std::string& argument : command) arguments.push_back(const_cast<char*>(argument.c_str()));
     arguments.push_back(nullptr);
-    static std::once_flag handled;
-    std::call_once(handled, handle_ending_signals);
+    static std::once_flag registered;
+    std::call_once(registered, [] { before_ending(end_children); });
     // A file, since a pipe could fill up while the child waits for its output to be read.
     const int in = make_file(input);
     const auto out = make_pipe();
     if (errors == Errors::keep) errors_ = make_file({});
     std::fflush(nullptr);
+    const pid_t program = getpid();
     child_ = fork();
     if (child_ < 0) fail("fork");
     if (child_ == 0) {
         setpgid(0, 0);  // its own group, so that it ends with all that it has started
+        if (const pid_t child = fork(); child != 0) {
+            if (child < 0) _exit(126);
+            guard(child, program);
+        }
         dup2(in, STDIN_FILENO);
         dup2(out[1], STDOUT_FILENO);
         if (errors == Errors::merge) dup2(out[1], STDERR_FILENO);

@@ -15,7 +15,7 @@ public:
     enum class Errors { pass, merge, keep };  // standard error: ours, into what is read, or for errors()
 
     // Starts `command` (looked up in PATH) and gives it `input`. A command that cannot be started ends with status 127.
-    // A signal that ends this program (not SIGKILL) ends the child first, with all that it has started.
+    // When this program ends, whatever ends it, the child ends with all that it has started.
     explicit Process(const std::vector<std::string>& command, std::string_view input = {},
                      Errors errors = Errors::pass);
     // Ends the child if it still runs.

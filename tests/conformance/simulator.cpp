@@ -12,9 +12,11 @@
 #include "scene/reader.hpp"
 #include "simulation/simulation.hpp"
 #include "tools/firmware.hpp"
+#include "tools/output.hpp"
 
 int main(int count, char** paths) try {
     using namespace tumble::host;
+    tell_lost_output();
     const bool contacts = count > 1 && std::string_view{paths[1]} == "--contacts";
     std::vector<SceneDescription> scenes;
     for (int i = contacts ? 2 : 1; i < count; ++i) scenes.push_back(read_scene(paths[i]));

@@ -3,6 +3,8 @@
 
 #include <poll.h>
 #include <signal.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -16,7 +18,9 @@
 #include <nlohmann/json.hpp>
 
 #include "command_runner.hpp"
+#include "rows.hpp"
 #include "simulation/simulation.hpp"
+#include "tools/output.hpp"
 
 namespace tumble::host {
 namespace {
@@ -347,6 +351,144 @@ TEST(Run, a_step_too_long_for_a_contact_spring_fails_and_names_the_largest_safe_
     EXPECT_FALSE(is_too_long(safe)) << safe;
 }
 
+// --- output ----------------------------------------------------------------------------------------------------------
+
+// The command with what a shell makes of its standard output.
+Outcome tumble_in_shell(const std::string& arguments, const std::string& output) {
+    Outcome outcome{};
+    outcome.status = Process({"sh", "-c", std::string(TUMBLE_COMMAND) + " " + arguments + " 2>&1 " + output}, {},
+                             Process::Errors::merge)
+                         .wait(&outcome.text);
+    return outcome;
+}
+
+TEST(Output, text_that_standard_output_does_not_take_is_told) {
+    if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "no /dev/full";
+    EXPECT_TRUE(has(tumble_in_shell("list", ">/dev/full").text,
+                    "tumble: writing to standard output failed: No space left on device\n"));
+    const std::string orbit = shipped("orbit");
+    for (const std::string& arguments :
+         {std::string("list"), std::string("--help"), std::string("run --help"), std::string("--version"),
+          "compile " + orbit, "run " + orbit, "run --json " + orbit, "compile -o /dev/stdout " + orbit,
+          "run --trajectory /dev/stdout " + orbit}) {
+        const Outcome full = tumble_in_shell(arguments, ">/dev/full");
+        EXPECT_EQ(full.status, 1) << arguments;
+        EXPECT_TRUE(has(full.text, "failed")) << arguments << ": " << full.text;
+        if (has(arguments, "/dev/stdout")) continue;
+        const Outcome closed = tumble_in_shell(arguments, ">&-");
+        EXPECT_EQ(closed.status, 1) << arguments;
+        EXPECT_TRUE(has(closed.text, "failed")) << arguments << ": " << closed.text;
+    }
+}
+
+TEST(Output, the_scene_and_the_other_outputs_are_not_overwritten) {
+    namespace fs = std::filesystem;
+    const std::string scene = written("scene.toml", contents(shipped("orbit"))), before = contents(scene);
+    const fs::path directory = fs::path(scene).parent_path();
+    const std::string link = temporary("link.toml"), hard = temporary("hard.toml"), dangling = temporary("dangling"),
+                      dotted = (directory / ".." / directory.filename() / "scene.toml").string();
+    for (const std::string& old : {link, hard, dangling}) fs::remove(old);
+    fs::create_symlink("scene.toml", link);
+    fs::create_symlink("new.svg", dangling);
+    fs::create_hard_link(scene, hard);
+    for (const std::string& output : {scene, link, hard, dotted}) {
+        for (const char* option : {"--trajectory", "--plot", "-o"}) {
+            const bool compiles = std::string(option) == "-o";
+            const Outcome outcome = tumble({compiles ? "compile" : "run", scene, option, output});
+            EXPECT_EQ(outcome.status, 2) << option << " " << output;
+            EXPECT_TRUE(has(outcome.text, std::string(compiles ? "--output" : option) + ": " + output +
+                                              " is the file of the scene, expected another"))
+                << outcome.text;
+            EXPECT_EQ(contents(scene), before) << option << " " << output;
+        }
+        // The scene may be the link as well.
+        EXPECT_EQ(tumble({"run", output, "--trajectory", scene}).status, 2) << output;
+        EXPECT_EQ(contents(scene), before) << output;
+    }
+    for (const auto& [one, other] : {std::pair{temporary("new.svg"), temporary("new.svg")},
+                                     {temporary("new.svg"), dangling},
+                                     {temporary("new.svg"), (directory / "./new.svg").string()}}) {
+        const Outcome outcome = tumble({"run", scene, "--trajectory", one, "--plot", other});
+        EXPECT_EQ(outcome.status, 2);
+        EXPECT_TRUE(has(outcome.text, "--plot: " + other + " is the file of --trajectory, expected another"))
+            << outcome.text;
+        EXPECT_FALSE(fs::exists(one));
+    }
+}
+
+TEST(OutputFile, is_written_whole_or_not_at_all) {
+    namespace fs = std::filesystem;
+    const std::string path = written("out", "old"), link = temporary("link");
+    const fs::path directory = fs::path(path).parent_path();
+    const auto count = [&] { return std::distance(fs::directory_iterator(directory), fs::directory_iterator()); };
+    fs::permissions(path, fs::perms(0640));
+    fs::remove(link);
+    fs::create_symlink("out", link);
+    const auto before = count();
+    {
+        OutputFile file(path);
+        file.stream() << std::string(1 << 20, 'x');
+        EXPECT_EQ(contents(path), "old");
+    }
+    EXPECT_EQ(contents(path), "old");
+    {
+        OutputFile file(link);
+        file.stream() << "new";
+        EXPECT_EQ(contents(path), "old");
+        file.commit();
+    }
+    EXPECT_EQ(contents(path), "new");
+    EXPECT_TRUE(fs::is_symlink(link));
+    EXPECT_EQ(fs::status(path).permissions(), fs::perms(0640));
+    EXPECT_EQ(count(), before);
+    // A signal leaves nothing behind.
+    for (const int signal : {SIGINT, SIGTERM, SIGQUIT}) {
+        const pid_t program = fork();
+        if (program == 0) {
+            const rlimit no_core{0, 0};
+            setrlimit(RLIMIT_CORE, &no_core);
+            OutputFile file(path), other(temporary("other"));
+            file.stream() << "newer";
+            raise(signal);
+            _exit(0);
+        }
+        int status = 0;
+        ASSERT_EQ(waitpid(program, &status, 0), program);
+        EXPECT_TRUE(WIFSIGNALED(status)) << signal;
+        EXPECT_EQ(contents(path), "new");
+        EXPECT_EQ(count(), before) << signal;
+    }
+}
+
+TEST(OutputFile, what_is_lost_throws) {
+    if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "no /dev/full";
+    EXPECT_THROW(write_file("/dev/full", "text"), std::runtime_error);
+    EXPECT_THROW(write_file("/nonexistent/file", "text"), std::invalid_argument);
+    EXPECT_THROW(write_file(std::filesystem::temp_directory_path(), "text"), std::invalid_argument);
+    EXPECT_NO_THROW(write_file("/dev/null", "text"));
+    const bench::Row row = {{"scene", "none"}};
+    EXPECT_THROW(bench::write_rows("/dev/full", {row}), std::runtime_error);
+    const std::string rows = temporary("directory/rows.jsonl");
+    bench::write_rows(rows, {row});
+    EXPECT_EQ(bench::read_rows(rows).at(0).at("scene"), "none");
+    // More than the largest file that the program may write, as a disk that fills up in the middle.
+    const std::string path = written("limited", "old");
+    const pid_t program = fork();
+    if (program == 0) {
+        const rlimit small{4096, 4096};
+        setrlimit(RLIMIT_FSIZE, &small);
+        signal(SIGXFSZ, SIG_IGN);
+        try {
+            write_file(path, std::string(1 << 18, 'x'));
+        } catch (const std::runtime_error& error) { _exit(has(error.what(), "File too large") ? 3 : 4); }
+        _exit(0);
+    }
+    int status = 0;
+    ASSERT_EQ(waitpid(program, &status, 0), program);
+    EXPECT_EQ(WEXITSTATUS(status), 3);
+    EXPECT_EQ(contents(path), "old");
+}
+
 // --- bad input -------------------------------------------------------------------------------------------------------
 
 struct BadCall {
@@ -580,25 +722,38 @@ TEST(List, shows_the_order_of_free_rotation_where_it_differs) {
 
 // --- processes -------------------------------------------------------------------------------------------------------
 
-TEST(Process, a_signal_that_ends_this_program_ends_its_children_and_theirs) {
-    std::array<int, 2> held{};  // its writing end stays open for as long as one of them runs
-    ASSERT_EQ(pipe(held.data()), 0);
-    const pid_t program = fork();
-    ASSERT_GE(program, 0);
-    if (program == 0) {
-        Process child({"sh", "-c", "sleep 60 & echo started; wait"});
-        std::string line;
-        (void)child.read_line(line);
-        raise(SIGTERM);
-        _exit(0);
+TEST(Process, whatever_ends_this_program_ends_its_children_and_theirs) {
+    for (const int signal : {SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGABRT, SIGKILL, SIGSEGV}) {
+        std::array<int, 2> held{};  // its writing end stays open for as long as one of them runs
+        ASSERT_EQ(pipe(held.data()), 0);
+        const pid_t program = fork();
+        ASSERT_GE(program, 0);
+        if (program == 0) {
+            const rlimit no_core{0, 0};
+            setrlimit(RLIMIT_CORE, &no_core);
+            // A sanitizer's own handler would end it by exit().
+            if (signal == SIGSEGV || signal == SIGABRT) ::signal(signal, SIG_DFL);
+            dup2(held[1], STDERR_FILENO);  // what is above it is not kept by all of them
+            Process child({"sh", "-c", "sleep 60 & echo started; wait"});
+            std::string line;
+            (void)child.read_line(line);
+            raise(signal);
+            _exit(0);
+        }
+        close(held[1]);
+        int status = 0;
+        ASSERT_EQ(waitpid(program, &status, 0), program);
+        EXPECT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == signal) << signal << ": " << status;
+        pollfd end{held[0], POLLIN, 0};
+        EXPECT_EQ(poll(&end, 1, 10000), 1) << "something runs on after signal " << signal;
+        close(held[0]);
     }
-    close(held[1]);
-    int status = 0;
-    ASSERT_EQ(waitpid(program, &status, 0), program);
-    EXPECT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == SIGTERM) << status;
-    pollfd end{held[0], POLLIN, 0};
-    EXPECT_EQ(poll(&end, 1, 10000), 1) << "something runs on";
-    close(held[0]);
+}
+
+TEST(Process, a_child_that_ends_by_a_signal_has_its_status) {
+    EXPECT_EQ(Process({"sh", "-c", "kill -9 $$"}).wait(), 128 + SIGKILL);
+    EXPECT_EQ(Process({"sh", "-c", "exit 7"}).wait(), 7);
+    EXPECT_EQ(Process({"no_such_program"}).wait(), 127);
 }
 
 TEST(Process, input_and_output_larger_than_a_pipe_pass_through) {

@@ -240,6 +240,7 @@ int main(int argc, char** argv) {
         const Frame root = read(argv[1], argv[2]);
         if (argc == 3) {
             print_functions(std::cout, root);
+            if (!std::cout.flush()) throw std::runtime_error{"writing to standard output failed"};
             return 0;
         }
         std::ofstream out{argv[3]};
