@@ -1,6 +1,8 @@
-// What the tests of contacts share: their cases, what impacts conserve, and the impulse formula in long double.
+// What the tests of contacts share: their cases, random directions, what impacts conserve, and the impulse formula in
+// long double.
 #pragma once
 
+#include "random.hpp"
 #include "references.hpp"
 #include "tolerances.hpp"
 
@@ -21,6 +23,39 @@ inline constexpr RealVec3 gravity{0, -9.8125, 0};
                 std::string_view{c.system.name} == "f64")
                 cases.push_back(c);
     return cases;
+}
+
+// A random direction.
+[[nodiscard]] inline Vector direction(Random& random) {
+    for (;;) {
+        const Vector v{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
+        if (norm(v) > 0.1L && norm(v) < 1) return v * (1 / norm(v));
+    }
+}
+// Axes that a scene is set up in: the world's, or turned and mirrored at random.
+class Axes3 {
+public:
+    Axes3() = default;
+    explicit Axes3(Random& random)
+        : turn_{exponential(direction(random) * random.uniform(-3, 3))}, mirrored_{random.between(0, 1) == 1} {}
+    [[nodiscard]] Vector to_world(Vector v) const { return turn_.rotate({mirrored_ ? -v.x : v.x, v.y, v.z}); }
+    [[nodiscard]] Vector from_world(Vector v) const {
+        const Vector back = turn_.rotate_back(v);
+        return {mirrored_ ? -back.x : back.x, back.y, back.z};
+    }
+    [[nodiscard]] PlaneSpec plane(Vector normal, Number offset = 0) const {
+        return {.normal = real(to_world(normal)), .offset = real(offset)};
+    }
+
+private:
+    Rotation turn_{};
+    bool mirrored_ = false;
+};
+[[nodiscard]] inline Axes3 random_axes(Random& random) { return random.between(0, 2) == 0 ? Axes3{} : Axes3{random}; }
+// To so many decimals, as scene files have them.
+[[nodiscard]] inline Number decimal(Number value, int digits) {
+    const Number unit = std::pow(Number(10), static_cast<Number>(-digits));
+    return std::round(value / unit) * unit;
 }
 
 // Of a body whose tensor is diagonal in its own axes.

@@ -1,13 +1,8 @@
 // Contacts with planes: the impulse formula, bounce heights, rest, friction and symmetry.
-#include "references.hpp"
-#include "tolerances.hpp"
-
-#include <cmath>
+#include "contact_cases.hpp"
 
 namespace tumble::test {
 namespace {
-
-constexpr Number g = 9.8125L;
 
 class Contacts : public testing::TestWithParam<Case> {
 protected:
@@ -278,6 +273,99 @@ TEST_P(Contacts, a_body_that_starts_below_the_floor_comes_out_and_rests) {
     world->run(2560);
     EXPECT_LE(std::abs(world->motion(0).x.y - 0.5L), tolerance::contact_band);
     EXPECT_LE(norm(world->motion(0).v), 1);
+}
+
+class ContactsOfFew : public Contacts {};
+INSTANTIATE_TEST_SUITE_P(every, ContactsOfFew, testing::ValuesIn(contact_cases()), NameOf{});
+
+// How far a ball of the given radius is beyond walls at x = 0 and x = width, or a floor at y = 0, at worst.
+Number deepest(AnyWorld& world, const Axes3& axes, Number radius, Number width, int steps) {
+    Number deep = 0;
+    for (int step = 0; step < steps; ++step) {
+        world.step();
+        const Vector x = axes.from_world(world.motion(0).x);
+        deep = std::max({deep, radius - x.x, x.x + radius - width, radius - x.y});
+    }
+    return deep;
+}
+
+// Of impacts at the very end of a step, which decimal speeds, places and steps bring about.
+TEST_P(ContactsOfFew, a_ball_between_walls_is_never_beyond_one) {
+    const Seconds steps[] = {{1, 100}, {1, 100}, {1, 200}, {1, 128}, {1, 256}};
+    for (std::uint64_t seed = 0; seed < 200; ++seed) {
+        Random random{seed};
+        const Axes3 axes = random_axes(random);
+        const Number restitution = random.between(0, 1) == 0 ? 1 : decimal(random.uniform(0.5, 1), 2);
+        const Number radius = random.between(0, 1) == 0 ? 0.1L : 0.05L, width = decimal(random.uniform(0.3, 0.7), 1);
+        const Number speed = decimal(random.uniform(1, 12), random.between(0, 1));
+        const Number x = std::clamp(decimal(random.uniform(0, 0.7), 2), radius, width - radius);
+        SceneSetup setup{.name = "walls", .step = steps[random.between(0, 4)]};
+        setup.world = {.gravity = real(axes.to_world({0, random.between(0, 3) == 0 ? 0 : -9.81L, 0})),
+                       .contact = {.restitution = real(restitution)}};
+        setup.planes = {axes.plane({0, 1, 0}), axes.plane({1, 0, 0}), axes.plane({-1, 0, 0}, width)};
+        if (random.between(0, 1) == 0) setup.planes[0].restitution = 0;
+        setup.bodies = {sphere(real(decimal(random.uniform(0.1, 5), 1)), real(radius))};
+        setup.bodies[0].position = real(axes.to_world({x, radius, 0}));
+        setup.bodies[0].velocity = real(axes.to_world({random.between(0, 1) == 0 ? speed : -speed, 0, 0}));
+        const auto world = build(setup, GetParam());
+        EXPECT_LE(deepest(*world, axes, radius, width, 150), tolerance::contact_band * 1.01L) << "seed " << seed;
+        EXPECT_TRUE(world->status().ok()) << "seed " << seed;
+    }
+}
+
+TEST_P(ContactsOfFew, a_ball_that_meets_more_impacts_in_a_step_than_are_resolved_stays_between_its_walls) {
+    int told = 0;
+    for (std::uint64_t seed = 0; seed < 100; ++seed) {
+        Random random{seed};
+        const Axes3 axes = random_axes(random);
+        const Number radius = random.uniform(0.05, 0.2), room = random.uniform(2e-4, 1e-2);
+        SceneSetup setup{.name = "narrow", .step = random.between(0, 1) == 0 ? Seconds{1, 100} : Seconds{1, 256}};
+        setup.world.contact.restitution = random.between(0, 1) == 0 ? 1 : random.uniform(0, 1);
+        setup.planes = {axes.plane({1, 0, 0}), axes.plane({-1, 0, 0}, 2 * radius + room)};
+        setup.bodies = {sphere(random.uniform(0.1, 10), real(radius))};
+        setup.bodies[0].position = real(axes.to_world({radius + room * random.uniform(0.1, 0.9), 10, 0}));
+        setup.bodies[0].velocity = real(axes.to_world({random.uniform(5, 30), 0, 0}));
+        const auto world = build(setup, GetParam());
+        EXPECT_LE(deepest(*world, axes, radius, 2 * radius + room, 64), tolerance::contact_band * 1.01L)
+            << "seed " << seed;
+        EXPECT_FALSE(world->status().has(Issue::range_left)) << "seed " << seed;
+        told += world->status().has(Issue::step_bound_hit) ? 1 : 0;
+    }
+    EXPECT_GT(told, 30);
+    EXPECT_LT(told, 90);
+}
+
+// Small dice: an edge that hits sends them beyond the range of spin, and the next corner within the same step brings
+// them back. As long as nothing is told, they move as in double precision: until one step takes them apart.
+TEST_P(ContactsOfFew, a_range_that_is_left_between_two_impacts_of_a_step_is_told) {
+    int told = 0, whole = 0;
+    for (std::uint64_t seed = 0; seed < 75; ++seed) {
+        Random random{seed};
+        const Axes3 axes = random_axes(random);
+        const double size = seed % 3 == 0 ? 0.01 : seed % 3 == 1 ? 0.05 : 0.1, turn = 11;
+        SceneSetup setup{.name = "die"};
+        setup.world = {.gravity = real(axes.to_world({0, -9.81L, 0})),
+                       .contact = {.restitution = random.uniform(0, 0.9), .friction = random.uniform(0, 0.6)}};
+        setup.planes = {axes.plane({0, 1, 0})};
+        setup.bodies = {box(random.uniform(1e-3, 1), {size, size, size})};
+        setup.bodies[0].position = real(axes.to_world({0, 1, 0}));
+        setup.bodies[0].orientation = real(exponential(direction(random) * random.uniform(-3, 3)));
+        setup.bodies[0].angular_velocity = real(direction(random) * random.uniform(0, turn));
+        const auto world = build(setup, GetParam()), truth = build(setup, GetParam().method.name, "f64");
+        Number before = 0;
+        bool same = true;
+        for (int step = 0; step < 205 && same && world->step().ok(); ++step) {
+            truth->step();
+            const Motion a = world->motion(0), b = truth->motion(0);
+            const Number apart = std::max(norm(a.v - b.v), norm(a.w - b.w) * static_cast<Number>(size));
+            EXPECT_FALSE(before < 1e-4L && apart > 0.2L) << "seed " << seed << ", step " << step << ": " << apart;
+            same = apart < 0.05L;
+            before = apart;
+        }
+        (world->status().ok() ? whole : told) += 1;
+    }
+    if (system().fixed_point) { EXPECT_GT(told, 25); }
+    EXPECT_GT(whole, 8);
 }
 
 }  // namespace

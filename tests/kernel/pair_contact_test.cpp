@@ -1,7 +1,6 @@
 // Impacts of bodies with each other: the closed forms of two spheres, Coulomb's law, the impulse formula off centre,
 // what is conserved, and that nothing passes through anything however fast it is.
 #include "contact_cases.hpp"
-#include "random.hpp"
 
 namespace tumble::test {
 namespace {
@@ -16,12 +15,6 @@ BodySpec placed(BodySpec body, Vector position, Vector velocity = {}, Vector spi
     body.velocity = real(velocity);
     body.angular_velocity = real(spin);
     return body;
-}
-Vector direction(Random& random) {
-    for (;;) {
-        const Vector v{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
-        if (norm(v) > 0.1L && norm(v) < 1) return v * (1 / norm(v));
-    }
 }
 // Of unit length, at right angles to n.
 Vector across(Vector n, Random& random) {

@@ -56,16 +56,9 @@ public:
     }
     // True when a pair is deeper than the end of a flight allows: by the tolerance where it touched at the start (from
     // its gap there if that was negative), else below the surface.
-    [[nodiscard]] bool is_too_deep(const Island& island) const {
-        bool deep = false;
-        for_each_pair(island, [&](const Pair& pair) {
-            Length limit{};
-            if (pair.start_gap < Length{}) limit = pair.start_gap - tolerance_;
-            else if (pair.touched) limit = -tolerance_;
-            deep = deep || pair.gap < limit;
-        });
-        return deep;
-    }
+    [[nodiscard]] bool is_too_deep(const Island& island) const { return is_too_deep(island, false); }
+    // The same with the tolerance for all pairs.
+    [[nodiscard]] bool is_far_too_deep(const Island& island) const { return is_too_deep(island, true); }
 
     // A pair that is apart at both ends of the flight, but along the direction in which it was apart at the start it is
     // now deeper than the tolerance: it may have passed through. Null when there is none, or when pairs never do
@@ -132,6 +125,16 @@ protected:
     }
 
 private:
+    [[nodiscard]] bool is_too_deep(const Island& island, bool far) const {
+        bool deep = false;
+        for_each_pair(island, [&](const Pair& pair) {
+            Length limit{};
+            if (pair.start_gap < Length{}) limit = pair.start_gap - tolerance_;
+            else if (far || pair.touched) limit = -tolerance_;
+            deep = deep || pair.gap < limit;
+        });
+        return deep;
+    }
     // Where the search for an impact ends.
     [[nodiscard]] Length level(const Pair& pair) const {
         const Length half = C::half(tolerance_);

@@ -40,7 +40,7 @@ public:
     // One step of an island, with its impacts. A flight in which a pair comes deeper than it may, or passes through, is
     // discarded and redone to the impact; then the rest of the step follows. After max_impacts (a ball coming to rest
     // bounces without end in finite time) the rest of the step is taken without another search and what still
-    // approaches is stopped.
+    // approaches is stopped; where it would come far below a surface by then, the step ends at that surface.
     [[gnu::noinline]] void take(Island& island) {
         const BodyGroup& group = island.group;
         contacts_.forget_touching(group);
@@ -61,23 +61,26 @@ public:
             contacts_.measure(bodies_, island);
             const Work length = stop_before_crossing(flight);
             const bool crossed = length < span;
-            if (impact == max_impacts) {
-                // What is left of a step that ends at the surface of something is lost.
-                if (crossed) bodies_.report(Issue::step_bound_hit, island.root);
-                if (crossed || contacts_.is_too_deep(island)) resolve(island, true);
-                else contacts_.find(bodies_, island);
-                break;
-            }
-            Work landed = length;
-            if (contacts_.is_too_deep(island)) landed = land(flight, length);
-            else if (!crossed) {
+            const bool deep = contacts_.is_too_deep(island);
+            if (!crossed && !deep) {
                 contacts_.find(bodies_, island);
                 break;
             }
-            resolve(island, false);
-            span -= landed;
-            if (!(span > min_portion())) break;
+            const bool last = impact == max_impacts;
+            Work landed = length;
+            if (last) {
+                const bool far_below = deep && contacts_.is_far_too_deep(island);
+                if (far_below) (void)land(flight, length);
+                // What is left of a step that ends at the surface of something is lost.
+                if (crossed || far_below) bodies_.report(Issue::step_bound_hit, island.root);
+            } else if (deep) {
+                landed = land(flight, length);
+            }
+            resolve(island, last);
+            // However little of the step is left: what was foreseen before the impact holds no longer.
             look_again(island);
+            span -= landed;
+            if (last || !(span > min_portion())) break;
         }
     }
 
@@ -212,10 +215,16 @@ private:
         return at;
     }
 
+    // What leaves the range here is told here: another impact of the same step may bring it back.
     void resolve(const Island& island, bool stop) {
+        check_range(island.group);
         flyer_.foresee_loads(flyer_.world, island.group);
         contacts_.resolve(bodies_, island, stop);
+        check_range(island.group);
         flyer_.spins_changed(flyer_.world, island.group);
+    }
+    void check_range(const BodyGroup& group) {
+        for (int k = 0; k < group.count; ++k) bodies_.check_range(group.id[k]);
     }
 
     Bodies& bodies_;
