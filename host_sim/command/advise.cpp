@@ -424,6 +424,7 @@ int advise(const AdviseOptions& options) {
     Choice choice;
     choice.scene = options.scene;
     choice.duration = options.duration;
+    choice.is_run = false;  // it searches for the method and the step
     const SceneDescription scene = choice.read();
     const SampledScene sampled(scene);
     const std::vector<Method> methods = chosen_methods(options, scene);

@@ -11,6 +11,7 @@
 
 #include "scene/data.hpp"
 #include "scene/reader.hpp"
+#include "simulation/limits.hpp"
 #include "tools/firmware.hpp"
 #include "tools/text.hpp"
 
@@ -63,13 +64,6 @@ void add_choice(CLI::App& app, Choice& choice) {
         ->check(expect_duration());
 }
 
-// Rounded down, so that a step of what is printed is safe.
-std::string four_digits_down(long double value) {
-    if (!(value > 0)) return few_digits(value);
-    const long double unit = std::pow(10.0L, std::floor(std::log10(value)) - 3);
-    return few_digits(std::floor(value / unit) * unit);
-}
-
 }  // namespace
 
 SceneDescription Choice::read() const {
@@ -82,8 +76,11 @@ SceneDescription Choice::read() const {
                           std::to_string(max_steps));
     (void)find_number_system(description, numbers, wants_carry());
     require_runs_in(method, numbers);
-    for (const std::string& limitation : limitations(description))
-        std::cerr << "warning: " << scene << ": " << limitation << "\n";
+    const auto warn = [&](const std::string& of) { std::cerr << "warning: " << scene << ": " << of << "\n"; };
+    for (const std::string& limitation : limitations(description)) warn(limitation);
+    if (is_run)
+        for (const Limit& limit : exceeded_limits(description, integrator, numbers, wants_carry()))
+            warn(limit.sentence);
     return description;
 }
 

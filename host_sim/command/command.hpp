@@ -30,11 +30,12 @@ struct Choice {
     std::string step;                // empty: the file's
     std::optional<double> duration;  // s; empty: the file's
     bool no_bodies = false;          // the file may be without
+    bool is_run = true;              // with this method and step: warn of the limits that they exceed
 
     [[nodiscard]] std::optional<bool> wants_carry() const {
         return carry.empty() ? std::nullopt : std::optional{carry == "on"};
     }
-    // Reads the scene, applies the choice to it and warns of what is not simulated.
+    // Reads the scene, applies the choice to it and warns of what is not simulated and of exceeded limits.
     [[nodiscard]] SceneDescription read() const;
     [[nodiscard]] std::unique_ptr<Simulation> start(const SceneDescription& scene) const;
 };

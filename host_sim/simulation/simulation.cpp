@@ -119,7 +119,8 @@ const std::vector<IntegratorInfo>& integrators() {
             if constexpr (requires { Method::not_in_fixed_point; }) not_in_fixed_point = Method::not_in_fixed_point;
             int free_order = Method::order;
             if constexpr (requires { Method::free_order; }) free_order = Method::free_order;
-            infos.push_back({Method::name, type_name<Method>(), Method::order, free_order, needs, not_in_fixed_point});
+            infos.push_back({Method::name, type_name<Method>(), Method::order, free_order, needs, not_in_fixed_point,
+                             Method::oscillation_limit, Method::drag_limit, &Method::oscillator_step});
         });
         return infos;
     }();

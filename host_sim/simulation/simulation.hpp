@@ -2,6 +2,8 @@
 // tests and the benchmarks. Everything that it reports is in SI units and the user's body axes.
 #pragma once
 
+#include <tumble/integrators/stability.hpp>
+
 #include <array>
 #include <cstdint>
 #include <memory>
@@ -99,6 +101,9 @@ struct IntegratorInfo {
     int order = 0, free_order = 0;   // with loads, and of torque-free rotation; no_truncation: exact
     std::string needs;               // of sqrt, division and trigonometry, beyond what loads and contacts need
     std::string not_in_fixed_point;  // why not; empty where it runs in every number system
+    // Of the linear oscillator: Stability of integrators/stability.hpp.
+    double oscillation_limit = 0, drag_limit = 0;
+    OscillatorStep (*oscillator_step)(double k, double c) = nullptr;
 };
 struct NumberSystemInfo {
     std::string name;

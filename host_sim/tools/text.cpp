@@ -34,6 +34,12 @@ std::string quoted(std::string_view text, const Escape& escape) {
 std::string seventeen_digits(long double value) { return formatted("%.17Lg", value); }
 std::string few_digits(long double value) { return formatted("%.6Lg", value); }
 
+std::string four_digits_down(long double value) {
+    if (!(value > 0)) return few_digits(value);
+    const long double unit = std::pow(10.0L, std::floor(std::log10(value)) - 3);
+    return few_digits(std::floor(value / unit) * unit);
+}
+
 std::string cpp_number(double value) {
     std::array<char, 32> text{};
     const auto end = std::to_chars(text.data(), text.data() + text.size(), value).ptr;

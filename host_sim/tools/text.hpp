@@ -14,6 +14,9 @@ namespace tumble::host {
 // A few digits for a table.
 [[nodiscard]] std::string few_digits(long double value);
 
+// Four digits, rounded down, so that a step of what is printed is safe.
+[[nodiscard]] std::string four_digits_down(long double value);
+
 // The shortest decimal that reads back as the same double, with a point or an exponent.
 [[nodiscard]] std::string cpp_number(double value);
 

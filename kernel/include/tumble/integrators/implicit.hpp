@@ -7,14 +7,30 @@
 #include <tumble/integrators/butcher.hpp>
 #include <tumble/integrators/method.hpp>
 #include <tumble/integrators/rotation/euler_equations.hpp>
+#include <tumble/integrators/stability.hpp>
 
 namespace tumble {
 
 // Where the one stage stands: at the end of the step or in its middle.
 enum class Stage : std::uint8_t { end, middle };
 
+namespace detail {
+
+// (1 - share A)^-1 (1 + (1 - share) A), A the equation.
 template <Stage stage>
-struct OneStageImplicit {
+struct OneStageOnOscillator {
+    static constexpr OscillatorStep step(double k, double c) {
+        constexpr double share = stage == Stage::end ? 1 : 0.5;
+        const OscillatorStep equation = OscillatorStep::of_equation(k, c), left = OscillatorStep{} + -share * equation;
+        const OscillatorStep adjugate{left.vv, -left.xv, -left.vx, left.xx};
+        return 1 / left.determinant() * (adjugate * (OscillatorStep{} + (1 - share) * equation));
+    }
+};
+
+}  // namespace detail
+
+template <Stage stage>
+struct OneStageImplicit : Stability<detail::OneStageOnOscillator<stage>> {
     static constexpr Spin spin = Spin::angular_velocity;
     static constexpr Coasting coasting = stage == Stage::end ? Coasting::end : Coasting::mean;
     static constexpr int max_iterations = 12;

@@ -8,6 +8,7 @@
 #pragma once
 
 #include <tumble/integrators/method.hpp>
+#include <tumble/integrators/stability.hpp>
 
 namespace tumble {
 
@@ -19,12 +20,14 @@ struct OnePart {
     [[nodiscard]] static constexpr Real of(int) { return 1; }
 };
 
+// Fixed-point iterations of the half kick that ends a part.
+inline constexpr int end_kick_iterations = 6;
+
 // The half kick that ends a part, where loads depend on velocity: kick = the loads at the velocity that it leads to.
 template <class N, int capacity, class Group, class Evaluate, class HalfOf>
 void solve_end_kick(const Group& group, const typename Group::Stage (&state)[capacity],
                     typename Group::Kick (&kick)[capacity], Evaluate& evaluate, HalfOf&& half) {
-    constexpr int iterations = 6;
-    for (int iteration = 0; iteration < iterations; ++iteration) {
+    for (int iteration = 0; iteration < end_kick_iterations; ++iteration) {
         typename Group::Stage end[capacity];
         for (int b = 0; b < group.count; ++b) {
             end[b] = state[b];
@@ -37,12 +40,39 @@ void solve_end_kick(const Group& group, const typename Group::Stage (&state)[cap
     }
 }
 
+// Half a kick, a drift and half a kick of each part. The kick that ends a part has the velocity that the iterations
+// above find; without damping they change nothing.
+template <class Parts>
+struct KickDriftKickOnOscillator {
+    struct Lengths {
+        consteval Lengths() {
+            for (int i = 0; i < Parts::count; ++i) of[i] = Parts::of(i).to_double();
+        }
+        double of[Parts::count]{};  // steps
+    };
+    static constexpr Lengths lengths{};
+
+    static constexpr OscillatorStep step(double k, double c) {
+        OscillatorStep all;
+        for (int part = 0; part < Parts::count; ++part) {
+            const double length = lengths.of[part], half = length / 2;
+            OscillatorStep kick = OscillatorStep::of_equation(k, c);  // its lower row
+            for (int iteration = 0; iteration < end_kick_iterations; ++iteration)
+                kick = {0, 1, -k - c * half * kick.vx, -c - c * half * kick.vv};
+            const OscillatorStep begin{1, 0, -half * k, 1 - half * c}, drift{1, length, 0, 1},
+                end{1, 0, half * kick.vx, 1 + half * kick.vv};
+            all = end * drift * begin * all;
+        }
+        return all;
+    }
+};
+
 }  // namespace detail
 
 namespace integrators {
 
 template <class RotationFlow, class Parts = tumble::detail::OnePart>
-struct KickDriftKick {
+struct KickDriftKick : Stability<tumble::detail::KickDriftKickOnOscillator<Parts>> {
     static constexpr Spin spin = Spin::angular_momentum;
     static constexpr Coasting coasting = Coasting::mean;
 

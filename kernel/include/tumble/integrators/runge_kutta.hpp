@@ -8,6 +8,7 @@
 #include <tumble/integrators/butcher.hpp>
 #include <tumble/integrators/method.hpp>
 #include <tumble/integrators/rotation/euler_equations.hpp>
+#include <tumble/integrators/stability.hpp>
 
 namespace tumble::detail {
 
@@ -95,12 +96,29 @@ TUMBLE_INLINE void finish_rotation(BodyState<N, Spin::angular_velocity>& body, c
     N::add_turn(body.t_b.z, inertia.summed[2], sum.v[2], step.scale);
 }
 
+// 1 + sum_s b_s K_s with K_s = A (1 + sum_j a_sj K_j), A the equation.
+template <const auto& table>
+struct RungeKuttaOnOscillator {
+    static constexpr OscillatorStep step(double k, double c) {
+        const auto number = [](Rational r) { return static_cast<double>(r.numerator) / r.denominator; };
+        const OscillatorStep equation = OscillatorStep::of_equation(k, c);
+        OscillatorStep stages[table.stages], end;
+        for (int s = 0; s < table.stages; ++s) {
+            OscillatorStep before;
+            for (int j = 0; j < s; ++j) before = before + number(table.a[s][j]) * stages[j];
+            stages[s] = equation * before;
+        }
+        for (int s = 0; s < table.stages; ++s) end = end + number(table.b[s]) * stages[s];
+        return end;
+    }
+};
+
 }  // namespace tumble::detail
 
 namespace tumble::integrators {
 
 template <const auto& table>
-struct RungeKutta {
+struct RungeKutta : Stability<tumble::detail::RungeKuttaOnOscillator<table>> {
     static constexpr Spin spin = Spin::angular_velocity;
     static constexpr Coasting coasting = table.stages == 1 ? Coasting::start : Coasting::mean;
 

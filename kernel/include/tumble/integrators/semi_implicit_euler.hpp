@@ -4,11 +4,22 @@
 
 #include <tumble/integrators/method.hpp>
 #include <tumble/integrators/rotation/euler_equations.hpp>
+#include <tumble/integrators/stability.hpp>
+
+namespace tumble::detail {
+
+struct SemiImplicitOnOscillator {
+    static constexpr OscillatorStep step(double k, double c) {
+        return OscillatorStep{1, 1, 0, 1} * OscillatorStep{1, 0, -k, 1 - c};
+    }
+};
+
+}  // namespace tumble::detail
 
 namespace tumble::integrators {
 
 // Order 1: velocity first, then position with the new velocity.
-struct SemiImplicitEuler {
+struct SemiImplicitEuler : Stability<tumble::detail::SemiImplicitOnOscillator> {
     static constexpr const char* name = "semi_implicit_euler";
     static constexpr int order = 1;
     static constexpr Spin spin = Spin::angular_velocity;
