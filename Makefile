@@ -247,6 +247,13 @@ check: setup
 	build/host/bench/tumble_tables --check bench/results $(PAGES)
 	$(MAKE) api
 
+## mutants: wrong kernels, one line each, that the kernel's tests must find without committed bits (an hour); PATTERN=part of a name
+PATTERN ?=
+.PHONY: mutants
+mutants: build/host/build.ninja
+	@cmake --build build/host --target kernel_tests
+	tests/mutants/run build/host "$(PATTERN)"
+
 ## sanitize: the host tests under the address and undefined-behaviour sanitizers
 # Without what builds projects of its own, without the sanitizers, and without kernel_tests: kernel_tests_deep holds its cases.
 UNSANITIZED := ^(kernel\.shard_|a_project_|a_firmware_as_)

@@ -114,6 +114,8 @@ inline Number unit_length(int order, const System& s) {
 }
 
 // --- contacts ----------------------------------------------------------------------------------------------------
+// Of the apex of an elastic ball, m: the search for the impact ends within 2^-16 of the contact band.
+inline constexpr PerSystem landing{1e-7L, 2e-7L, 1e-6L, 1e-6L, 1e-5L};
 inline constexpr PerSystem apex{1e-4L, 1e-3L, 1e-3L, 1e-2L, 1e-2L};
 // Plain: 3e6 sums rounded to 2^-24 of themselves, which is 1e-4 at random and ten times that where they lean one way.
 inline constexpr PerSystem elastic_gain{1e-3L, 1e-3L, 1e-3L, 1e-2L, 1e-2L};

@@ -45,6 +45,7 @@ public:
     void apply_impulse(int body, Vector impulse, Vector point) override {
         world_.apply_impulse(BodyId{body}, real(impulse), real(point));
     }
+    void set_gravity(Vector gravity) override { world_.set_gravity(real(gravity)); }
     Status step() override { return world_.step(); }
     void clear_status() override { world_.clear_status(); }
 

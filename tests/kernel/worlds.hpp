@@ -91,6 +91,7 @@ public:
     virtual void set_impulses(const std::vector<ImpulseSpec>& impulses) = 0;
     virtual void set_forces(const std::vector<ForceSpec>& forces) = 0;
     virtual void apply_impulse(int body, Vector impulse, Vector point = {}) = 0;
+    virtual void set_gravity(Vector gravity) = 0;  // m/s^2
     virtual Status step() = 0;
     virtual void clear_status() = 0;
 

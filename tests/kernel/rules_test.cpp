@@ -1,0 +1,422 @@
+// The rules of contacts and of sleep at their edges: what bounces and what does not, who wakes whom, what a change in
+// mid-run does, and when a bound that a step meets is told.
+#include "contact_cases.hpp"
+
+#include <utility>
+
+namespace tumble::test {
+namespace {
+
+constexpr int second = 256;  // steps
+
+class Rules : public testing::TestWithParam<Case> {
+protected:
+    static const System& system() { return GetParam().system; }
+    // Relative to a speed of a few metres per second.
+    static Number rounding() { return tolerance::contact_impulse.of(system()); }
+};
+INSTANTIATE_TEST_SUITE_P(every, Rules, testing::ValuesIn(contact_cases()), NameOf{});
+
+// Directions that are no axes of the world, and one that is.
+const Vector normals[] = {{0, 1, 0}, {-1, 0, 0}, {0.6L, 0, -0.8L}, {2 / 7.0L, -3 / 7.0L, 6 / 7.0L}};
+
+BodySpec placed(BodySpec body, Vector position, Vector velocity = {}) {
+    body.position = real(position);
+    body.velocity = real(velocity);
+    return body;
+}
+SceneSetup sleepy_floor(Number friction) {
+    SceneSetup setup{.name = "floor"};
+    setup.world = {.gravity = gravity, .contact = {.restitution = 0, .friction = real(friction)}};
+    setup.world.contact.sleep.on = true;  // 0.03 m/s and 0.05 rad/s for 0.5 s
+    setup.planes = {{}};
+    return setup;
+}
+BodySpec cube(Number x, Number height) { return placed(box(2, {1, 1, 1}), {x, height, 0}); }
+
+// --- restitution -------------------------------------------------------------------------------------------------
+
+TEST_P(Rules, an_approach_below_the_restitution_threshold_does_not_bounce) {
+    for (const Number threshold : {0.25L, 1.0L, 3.0L}) {
+        for (const Vector n : normals) {
+            for (const Number share : {0.5L, 0.96L, 1.04L, 2.0L}) {
+                const Number speed = share * threshold;
+                SceneSetup setup{.name = "threshold"};
+                setup.world.contact = {.restitution = 0.75, .restitution_threshold = real(threshold)};
+                setup.planes = {{.normal = real(n)}};
+                setup.bodies = {placed(sphere(3, 0.25), n * (0.25L + speed / 10), n * -speed)};
+                const auto world = build(setup, GetParam());
+                world->run(second / 4);
+                const Number leaves = share > 1 ? 0.75L * speed : 0;
+                EXPECT_LE(norm(world->motion(0).v - n * leaves), 4 * rounding() * speed) << threshold << ", " << speed;
+                EXPECT_TRUE(world->status().ok());
+            }
+        }
+    }
+}
+
+TEST_P(Rules, the_threshold_is_of_the_speed_at_which_two_bodies_approach) {
+    for (const Number share : {0.9L, 1.1L}) {
+        SceneSetup setup{.name = "threshold"};
+        setup.world.contact = {.restitution = 1, .restitution_threshold = 2};
+        setup.bodies = {placed(sphere(1, 0.25), {-0.375L, 0, 0}, {1.5L * share, 0, 0}),
+                        placed(sphere(3, 0.25), {0.375L, 0, 0}, {-0.5L * share, 0, 0})};
+        const auto world = build(setup, GetParam());
+        world->run(second);
+        // Their centre of mass is at rest: they turn back, or stay together.
+        const Number leaves = share > 1 ? share : 0;
+        EXPECT_LE(norm(world->motion(0).v + Vector{1.5L * leaves, 0, 0}), 4 * rounding());
+        EXPECT_LE(norm(world->motion(1).v - Vector{0.5L * leaves, 0, 0}), 4 * rounding());
+    }
+}
+
+// A ball lands 0.95 of a step after it was let go. Its bounce would last 2 e v / g: more or less than an eighth of a
+// step.
+TEST_P(Rules, a_bounce_that_lasts_less_than_an_eighth_of_a_step_is_none) {
+    constexpr Number h = 1.0L / 16, landing = 0.95L * h;
+    for (const Number share : {0.0625L, 0.115L, 0.135L, 0.1875L}) {
+        const Number speed = g * landing, restitution = share * g * h / (2 * speed);
+        SceneSetup setup{.name = "bounce", .step = Seconds{1, 16}};
+        setup.world = {.gravity = gravity, .contact = {.restitution = real(restitution)}};
+        setup.planes = {{}};
+        setup.bodies = {placed(sphere(1, 0.5), {0, 0.5L + g * landing * landing / 2, 0})};
+        const auto world = build(setup, GetParam());
+        world->step();
+        const Number left = share > 0.125L ? restitution * speed - g * (h - landing) : 0;
+        EXPECT_LE(std::abs(world->motion(0).v.y - left), 1e-3L * speed) << share << " of a step";
+    }
+}
+
+// The moment of an impact is found whatever the flight to it, here from rest in a step of up to 1/8 s. It rises until
+// after the end of the step.
+TEST_P(Rules, an_elastic_ball_keeps_its_energy_wherever_in_the_second_half_of_a_long_step_it_lands) {
+    for (const Number h : {0.125L, 0.0625L}) {
+        for (int place = 10; place < 20; ++place) {
+            const Number landing = h * static_cast<Number>(place) / 20, drop = g * landing * landing / 2;
+            SceneSetup setup{.name = "ball", .step = Seconds{real(h)}};
+            setup.world = {.gravity = gravity, .contact = {.restitution = 1}};
+            setup.planes = {{}};
+            setup.bodies = {placed(sphere(1, 0.25), {0, 0.25L + drop, 0})};
+            const auto world = build(setup, GetParam());
+            world->step();
+            const Motion m = world->motion(0);
+            const Number apex = m.x.y - 0.25L + m.v.y * m.v.y / (2 * g);
+            EXPECT_LE(std::abs(apex - drop), tolerance::landing.of(system()))
+                << "at " << place << "/20 of " << h << " s";
+        }
+    }
+}
+
+// --- bounds of a step --------------------------------------------------------------------------------------------
+
+// Between two planes that meet at an angle a, reflections turn the velocity by 2 a each until it leads out: about
+// pi / a of them, of which a round takes two.
+TEST_P(Rules, a_ball_in_a_wedge_too_narrow_for_the_rounds_of_an_impact_is_told_and_in_a_wide_one_leaves) {
+    for (const Number mirror : {1.0L, -1.0L}) {
+        for (const bool narrow : {false, true}) {
+            const Number half = narrow ? 0.03L : 0.3L, radius = 0.25L;
+            SceneSetup setup{.name = "wedge"};
+            setup.world.contact = {.restitution = 1};
+            setup.planes = {{.normal = {real(mirror * std::cos(half)), real(std::sin(half)), 0}},
+                            {.normal = {real(-mirror * std::cos(half)), real(std::sin(half)), 0}}};
+            setup.bodies = {placed(sphere(1, 0.25), {0, radius / std::sin(half) + 0.001953125L, 0}, {0, -2, 0})};
+            const auto world = build(setup, GetParam());
+            world->step();
+            EXPECT_EQ(world->status().has(Issue::step_bound_hit), narrow);
+            if (!narrow) { EXPECT_LE(std::abs(norm(world->motion(0).v) - 2), 16 * rounding()); }
+        }
+    }
+}
+
+TEST_P(Rules, a_barrier_that_is_jumped_over_in_one_step_is_told) {
+    for (const Vector n : normals) {
+        for (const Number speed : {16.0L, 30.0L}) {
+            SceneSetup setup{.name = "barrier", .step = Seconds{1, 16}};
+            // Too weak to be felt, and to be too stiff, where the step begins and where it ends.
+            setup.world.contact = {.response = ContactResponse::spring, .stiffness = 1, .barrier = 1e-6};
+            setup.planes = {{.normal = real(n)}};
+            setup.bodies = {placed(sphere(1, 0.25), n * (0.25L + speed / 32), n * -speed)};
+            const auto world = build(setup, GetParam());
+            world->run(2);
+            EXPECT_TRUE(world->status().has(Issue::step_too_long)) << speed;
+        }
+    }
+}
+
+TEST_P(Rules, a_start_that_leaves_the_range_is_told_before_the_first_step) {
+    if (!system().fixed_point) GTEST_SKIP() << "floating point holds any start that is finite";
+    for (const auto& [position, velocity] :
+         {std::pair<Vector, Vector>{{0, 80, 0}, {}}, {{-65, 0, 0}, {}}, {{}, {0, 0, 40}}, {{}, {-33, 0, 0}}}) {
+        SceneSetup setup{.name = "far"};
+        setup.bodies = {placed(sphere(1, 0.25), {}), placed(sphere(1, 0.25), position, velocity)};
+        const auto world = build(setup, GetParam());
+        EXPECT_TRUE(world->status().has(Issue::range_left));
+        EXPECT_EQ(world->status().first_body, 1);
+    }
+}
+
+// --- the largest safe step of contacts by springs ----------------------------------------------------------------
+
+// Half of the oscillator's limit 2 / w.
+TEST_P(Rules, the_largest_safe_step_is_half_the_limit_of_the_fastest_oscillation) {
+    constexpr Number stiffness = 1000;
+    SceneSetup setup{.name = "springs", .step = Seconds{1, 1024}};
+    setup.world.contact = {.response = ContactResponse::spring, .stiffness = real(stiffness)};
+    const auto safe = [&] {
+        const auto world = build(setup, GetParam());
+        world->step();
+        return world->largest_safe_step();
+    };
+    setup.planes = {{}};
+    for (const Number mass : {0.5L, 1.0L, 8.0L}) {
+        setup.bodies = {placed(sphere(real(mass), 0.5), {0, 1, 0})};
+        EXPECT_LE(std::abs(safe() * std::sqrt(stiffness / mass) - 1), 1e-6L) << "a ball of " << mass << " kg";
+        for (const Vector edges : {Vector{1, 1, 1}, {2, 1, 1}, {0.25L, 3, 0.5L}, {4, 4, 0.125L}}) {
+            setup.bodies = {placed(box(real(mass), real(edges)), {0, 4, 0})};
+            // Four springs: lifting, and tilting about edge i by springs half an edge j away, whatever face it is on.
+            Number fastest = 4 * stiffness / mass;
+            for (int i = 0; i < 3; ++i)
+                for (int j = 0; j < 3; ++j)
+                    if (i != j)
+                        fastest =
+                            std::max(fastest, 4 * stiffness * edges[j] * edges[j] / 4 / moments_of(setup.bodies[0])[i]);
+            EXPECT_LE(std::abs(safe() * std::sqrt(fastest) - 1), 1e-6L)
+                << mass << " kg, edges " << edges.x << ", " << edges.y << ", " << edges.z << " m";
+        }
+    }
+    // Where bodies touch each other in a row, the fastest has neighbours in opposition: 3 k / m of three equal ones.
+    setup.planes.clear();
+    setup.bodies.clear();
+    for (int i = 0; i < 3; ++i) setup.bodies.push_back(placed(sphere(2, 0.25), {0.5L * i, 0, 0}));
+    EXPECT_LE(safe(), 1 / std::sqrt(3 * stiffness / 2));
+}
+
+// --- foresight ---------------------------------------------------------------------------------------------------
+
+// A load may change a closing speed within a step in which the body was far enough to be left alone at that speed.
+TEST_P(Rules, a_body_that_a_force_drives_on_within_a_step_does_not_come_deeper_than_the_tolerance) {
+    constexpr Number speed = 4, push = 3.875L * 256;
+    for (const Vector n : {normals[0], normals[3]}) {
+        for (int place = 0; place < 32; ++place) {
+            const Number gap = speed / 256 * (1 + place / 20.0L);
+            SceneSetup setup{.name = "driven"};
+            setup.world.contact = {.restitution = 0};
+            setup.planes = {{.normal = real(n)}};
+            setup.bodies = {placed(sphere(1, 0.25), n * (0.25L + gap), n * -speed)};
+            setup.forces = {{.body = 0, .from = 0.0, .until = 8.0, .force = real(n * -push)}};
+            const auto world = build(setup, GetParam());
+            for (int step = 0; step < 4; ++step) {
+                world->step();
+                ASSERT_GE(dot(world->motion(0).x, n) - 0.25L, -1.01L * tolerance::contact_band)
+                    << "from " << gap << " m, step " << step;
+            }
+        }
+    }
+}
+
+TEST_P(Rules, new_gravity_is_felt_by_what_had_been_foreseen_to_fly_free) {
+    for (const Vector n : normals) {
+        SceneSetup setup{.name = "gravity"};
+        setup.world.contact = {.restitution = 0};
+        setup.planes = {{.normal = real(n)}};
+        setup.bodies = {placed(sphere(1, 0.25), n * 2.25L)};
+        const auto world = build(setup, GetParam());
+        world->run(3);  // at rest, and foreseen to be for half a second
+        world->set_gravity(n * -25);
+        for (int step = 0; step < second; ++step) {
+            world->step();  // 0.4 s of fall
+            ASSERT_GE(dot(world->motion(0).x, n), 0.25L - 1.01L * tolerance::contact_band) << step;
+        }
+        EXPECT_LE(std::abs(dot(world->motion(0).x, n) - 0.25L), tolerance::contact_band);
+        EXPECT_TRUE(world->status().ok());
+    }
+}
+
+TEST_P(Rules, a_plane_that_is_added_in_mid_run_stops_what_had_been_foreseen_to_fly_free) {
+    for (const Vector n : normals) {
+        SceneSetup setup{.name = "plane"};
+        setup.world.contact = {.restitution = 0.5};
+        setup.bodies = {placed(sphere(1, 0.25), n * 2.25L, n * -8)};
+        const auto world = build(setup, GetParam());
+        world->run(3);
+        ASSERT_TRUE(world->add(PlaneSpec{.normal = real(n)}));
+        world->run(second / 2);
+        EXPECT_LE(norm(world->motion(0).v - n * 4), 8 * rounding());
+    }
+}
+
+// --- who wakes whom ----------------------------------------------------------------------------------------------
+
+// Cubes on each other, in any order of their places in the world.
+TEST_P(Rules, who_is_pushed_wakes_what_it_rests_on_and_what_that_rests_on) {
+    for (const bool reversed : {false, true}) {
+        for (int pushed = 0; pushed < 3; ++pushed) {
+            SceneSetup setup = sleepy_floor(0.5L);
+            for (int i = 0; i < 3; ++i) setup.bodies.push_back(cube(0, (reversed ? 2 - i : i) + 0.5L));
+            setup.bodies.push_back(cube(3, 0.5L));
+            const auto world = build(setup, GetParam());
+            world->run(second);
+            for (int b = 0; b < 4; ++b) ASSERT_TRUE(world->asleep(b)) << b;
+            world->apply_impulse(pushed, {0.5L, 0, 0});
+            for (int b = 0; b < 3; ++b) EXPECT_FALSE(world->asleep(b)) << b << " when " << pushed << " is pushed";
+            EXPECT_TRUE(world->asleep(3));
+        }
+    }
+}
+
+TEST_P(Rules, a_spring_wakes_what_is_at_its_other_end) {
+    for (const int pushed : {0, 1}) {
+        for (const bool reversed : {false, true}) {
+            SceneSetup setup = sleepy_floor(0.5L);
+            setup.bodies = {cube(0, 0.5L), cube(4, 0.5L), cube(8, 0.5L)};
+            SpringSpec spring{.body = reversed ? 1 : 0, .stiffness = 4};
+            spring.to_body = 1 - spring.body;
+            spring.rest_length = 4;
+            setup.springs = {spring};
+            const auto world = build(setup, GetParam());
+            world->run(second);
+            for (int b = 0; b < 3; ++b) ASSERT_TRUE(world->asleep(b)) << b;
+            world->apply_impulse(pushed, {0.125L, 0, 0});
+            EXPECT_FALSE(world->asleep(0)) << pushed;
+            EXPECT_FALSE(world->asleep(1)) << pushed;
+            EXPECT_TRUE(world->asleep(2));
+        }
+    }
+}
+
+// Slower than what may sleep, and without friction: it goes on for as long as sleep asks for.
+TEST_P(Rules, who_wakes_is_awake_for_the_whole_time_again) {
+    SceneSetup setup = sleepy_floor(0);
+    setup.bodies = {cube(0, 0.5L)};
+    const auto world = build(setup, GetParam());
+    world->run(second);
+    ASSERT_TRUE(world->asleep(0));
+    const Vector start = world->motion(0).x;
+    world->apply_impulse(0, {0.03125L, 0, 0});  // 1/64 m/s
+    world->run(second / 2 - 1);
+    EXPECT_FALSE(world->asleep(0));
+    EXPECT_LE(std::abs(world->motion(0).x.x - start.x - 127 / (64 * 256.0L)), tolerance::still);
+    world->run(4);
+    EXPECT_TRUE(world->asleep(0));
+}
+
+TEST_P(Rules, sleep_comes_with_the_step_that_completes_its_time_and_takes_all_motion) {
+    for (const int steps : {16, 128, 300}) {
+        SceneSetup setup = sleepy_floor(0);
+        setup.world.contact.sleep.time = real(steps / 256.0L);
+        setup.bodies = {placed(sphere(1, 0.25), {0, 0.25L, 0}, {0.015625L, 0, 0})};
+        setup.bodies[0].angular_velocity = {0, 0.03125, 0};
+        const auto world = build(setup, GetParam());
+        world->run(steps - 1);
+        EXPECT_FALSE(world->asleep(0)) << steps;
+        EXPECT_GT(norm(world->motion(0).v), 0);
+        world->step();
+        EXPECT_TRUE(world->asleep(0)) << steps;
+        EXPECT_EQ(norm(world->motion(0).v) + norm(world->motion(0).w), 0) << steps;
+    }
+}
+
+TEST_P(Rules, new_gravity_wakes_sleepers) {
+    SceneSetup setup = sleepy_floor(0.25L);
+    setup.bodies = {cube(0, 0.5L), cube(4, 0.5L)};
+    const auto world = build(setup, GetParam());
+    world->run(second);
+    ASSERT_TRUE(world->asleep(0));
+    world->set_gravity({4.90625L, -9.8125L, 0});
+    EXPECT_FALSE(world->asleep(0));
+    EXPECT_FALSE(world->asleep(1));
+    const Vector start = world->motion(0).x;
+    world->run(second);
+    EXPECT_LE(std::abs((world->motion(0).x.x - start.x) / (g / 8) - 1), 2 * tolerance::sliding);  // (g/2 - g/4) / 2
+}
+
+TEST_P(Rules, a_plane_that_is_added_in_mid_run_wakes_sleepers) {
+    SceneSetup setup = sleepy_floor(0.5L);
+    setup.bodies = {cube(0, 0.5L)};
+    const auto world = build(setup, GetParam());
+    world->run(second);
+    ASSERT_TRUE(world->asleep(0));
+    ASSERT_TRUE(world->add(PlaneSpec{.normal = {1, 0, 0}, .offset = 4}));
+    EXPECT_FALSE(world->asleep(0));
+    world->run(second);
+    EXPECT_TRUE(world->asleep(0));
+}
+
+// It moves with the table, more slowly than what may sleep.
+TEST_P(Rules, nothing_sleeps_on_a_turntable) {
+    for (const Number turns : {0.015625L, -0.015625L}) {
+        SceneSetup setup = sleepy_floor(1);
+        setup.planes.clear();
+        BodySpec table = placed(box(100, {8, 0.5, 8}), {0, -0.25L, 0});
+        table.fixed = true;
+        table.angular_velocity = {0, real(turns), 0};
+        BodySpec ridden = placed(box(1, {0.5, 0.25, 0.5}), {1, 0.125L, 0}, {0, 0, -turns});
+        ridden.angular_velocity = {0, real(turns), 0};
+        setup.bodies = {table, ridden};
+        const auto world = build(setup, GetParam());
+        world->run(4 * second);
+        EXPECT_FALSE(world->asleep(1));
+        EXPECT_LE(norm(world->motion(1).x - Vector{std::cos(4 * turns), 0.125L, -std::sin(4 * turns)}),
+                  4 * tolerance::still + tolerance::creep)
+            << turns;
+    }
+}
+
+// --- depth -------------------------------------------------------------------------------------------------------
+
+// An eighth of what is deeper than a quarter of the tolerance in a step, at most an eighth of the tolerance.
+TEST_P(Rules, what_is_too_deep_comes_out_as_slowly_as_promised) {
+    for (const Number depth : {0.0625L, 0.0009765625L}) {
+        for (const bool boxed : {false, true}) {
+            SceneSetup setup{.name = "deep"};
+            setup.world = {.gravity = gravity, .contact = {.restitution = 0.5}};
+            setup.planes = {{}};
+            setup.bodies = {placed(boxed ? box(2, {1, 1, 1}) : sphere(2, 0.5), {0, 0.5L - depth, 0})};
+            const auto world = build(setup, GetParam());
+            Number before = depth;
+            for (int step = 0; step < 64; ++step) {
+                world->step();
+                const Number now = 0.5L - world->motion(0).x.y;
+                const Number excess = before - tolerance::contact_band / 4;
+                const Number most = std::min(excess > 0 ? excess / 8 : Number(0), tolerance::contact_band / 8);
+                ASSERT_LE(before - now, 1.25L * most + tolerance::still) << "from " << depth << " m, step " << step;
+                // The first step moves with the mean of the speeds before and after it.
+                ASSERT_GE(before - now, (step == 0 ? 0.49L : 0.75L) * most - tolerance::still)
+                    << "from " << depth << " m, step " << step;
+                before = now;
+            }
+        }
+    }
+}
+
+// --- free rotation after an impulse ------------------------------------------------------------------------------
+
+class Impulses : public testing::TestWithParam<Case> {};
+INSTANTIATE_TEST_SUITE_P(every, Impulses, testing::ValuesIn(every_case()), NameOf{});
+
+// What a method has prepared for the spin is prepared anew: a body that is struck in mid-flight moves on as one that
+// starts with the motion that the impulse gave it.
+TEST_P(Impulses, a_body_that_is_struck_turns_on_as_one_that_starts_so) {
+    const System& system = GetParam().system;
+    for (const Vector impulse : {Vector{0, 0, 2}, {1, -0.5L, 0.25L}, {-2, 1, 3}}) {
+        SceneSetup setup{.name = "struck"};
+        setup.bodies = {box(2, {0.5, 1, 0.75})};
+        setup.bodies[0].angular_velocity = {1, -2, 0.5};
+        const auto struck = build(setup, GetParam());
+        struck->run(37);
+        struck->apply_impulse(0, impulse, {0.25L, 0.5L, -0.125L});
+        const Motion m = struck->motion(0);
+        setup.bodies[0].position = real(m.x);
+        setup.bodies[0].velocity = real(m.v);
+        setup.bodies[0].orientation = real(m.q);
+        setup.bodies[0].angular_velocity = real(m.w);
+        const auto started = build(setup, GetParam());
+        struck->run(128);
+        started->run(128);
+        EXPECT_LE(angle_between(struck->motion(0).q, started->motion(0).q), 16 * tolerance::same_flight.of(system));
+        EXPECT_LE(norm(struck->motion(0).w - started->motion(0).w), 16 * tolerance::same_flight.of(system) * norm(m.w));
+    }
+}
+
+}  // namespace
+}  // namespace tumble::test
