@@ -59,6 +59,10 @@ void Measured::see_energy(long double ratio) {
     if (!(ratio <= energy_most)) energy_most = static_cast<double>(ratio);
     finite = finite && std::isfinite(ratio);
 }
+void Measured::see_depth(long double now) {
+    if (!(now <= depth)) depth = static_cast<double>(now);
+    finite = finite && std::isfinite(now);
+}
 void Measured::see_norm(long double length) {
     const long double now = std::abs(length - 1);
     if (!(now <= norm_error)) norm_error = static_cast<double>(now);
@@ -67,10 +71,9 @@ void Measured::see_norm(long double length) {
 
 std::filesystem::path scene_directory() { return TUMBLE_STRESS_SCENES; }
 
-Map::Map(std::string name, std::string title, Axis x, Axis y)
-    : name_{std::move(name)}, title_{std::move(title)}, x_{std::move(x)}, y_{std::move(y)}, template_{
-                                                                                                scene_directory() /
-                                                                                                (name_ + ".toml")} {}
+Map::Map(std::string name, std::string title, Axis x, Axis y, const std::string& scene)
+    : name_{std::move(name)}, title_{std::move(title)}, x_{std::move(x)}, y_{std::move(y)},
+      template_{scene_directory() / ((scene.empty() ? name_ : scene) + ".toml")} {}
 
 SceneFile Map::scene_file(double x, double y) const {
     SceneFile file{template_};
@@ -93,13 +96,18 @@ double Map::expected_error(double x, double y, const Method& method) const {
             const double error = measure(at, y, in_f64(method)).error;
             found.step = step;
             found.error = error;
-            if (!(error <= number_system_factor * rounding_floor(at, y, in_f64(method)))) break;
+            if (!(error <= floors_of_truncation() * rounding_floor(at, y, in_f64(method)))) break;
         }
         anchor = anchors_.insert(anchors_.end(), found);
     }
     const int p = order(host::find_integrator(method.integrator));
     if (p == no_truncation) return 0;
     return anchor->error * std::pow(step_at(x) / anchor->step, p);
+}
+
+Measured Map::measure(double x, double y, const Method& method) const {
+    const auto simulation = host::make_simulation(scene(x, y), method.integrator, method.numbers, method.carry);
+    return measure(x, y, *simulation);
 }
 
 Verdict Map::judge(double x, double y, const Method& method) const {
@@ -109,6 +117,7 @@ Verdict Map::judge(double x, double y, const Method& method) const {
     expectation.in_f64 = [&] { return measure(x, y, in_f64(method)); };
     expectation.exceeded = [&]() -> std::string { return {}; };
     expectation.is_f64 = method.numbers == "f64";
+    expectation.bounds = bounds(host::find_integrator(method.integrator));
     try {
         return stress::judge(measure(x, y, method), expectation);
     } catch (const std::exception& refusal) {
@@ -117,26 +126,33 @@ Verdict Map::judge(double x, double y, const Method& method) const {
 }
 
 Verdict judge(const Measured& run, const Expectation& expectation) {
-    const bool same_kind = run.finite && run.energy_most <= energy_factor && run.norm_error <= largest_norm_error;
-    if (!same_kind || !run.troubles.empty()) {
+    const Bounds& bounds = expectation.bounds;
+    const auto explained_up_to = [&](double largest) {
+        const auto by = [&](double expected) { return run.error <= std::min(accurate_factor * expected, largest); };
+        return by(expectation.floor) || by(expectation.of_order());
+    };
+    const std::string error = with_number("error", run.error);
+    std::string wrong;  // for a motion of the same kind
+    if (!run.finite) wrong = "not finite";
+    else if (run.norm_error > bounds.norm_error) wrong = with_number("norm error", run.norm_error);
+    else if (run.energy_most > bounds.energy) wrong = with_number("energy ratio", run.energy_most);
+    else if (run.depth > bounds.depth) wrong = with_number("depth in tolerances", run.depth);
+    else if (run.error > bounds.error && !explained_up_to(Bounds::unbounded)) wrong = error;
+    if (!wrong.empty() || !run.troubles.empty()) {
         const std::string limit = expectation.exceeded();
-        if (!limit.empty() && !same_kind) return {Outcome::blows_up, limit};
+        if (!limit.empty() && !wrong.empty()) return {Outcome::blows_up, limit};
         if (!run.troubles.empty()) {
             const std::string& issue = run.troubles.front().issue;
             return {issue == name_of(Issue::range_left) ? Outcome::range_left : Outcome::told, issue};
         }
-        if (!run.finite) return {Outcome::silent, "not finite"};
-        if (run.norm_error > largest_norm_error) return {Outcome::silent, with_number("norm error", run.norm_error)};
-        return {Outcome::silent, with_number("energy ratio", run.energy_most)};
+        return {Outcome::silent, wrong};
     }
-    const auto accurate_within = [&](double expected) {
-        return run.error <= std::min(accurate_factor * expected, largest_accurate_error);
-    };
-    if (accurate_within(expectation.floor) || accurate_within(expectation.of_order())) return {Outcome::accurate, {}};
-    const std::string error = with_number("error", run.error);
-    if (!expectation.is_f64 && run.error > least_silent_error && run.error > number_system_factor * expectation.floor &&
-        run.error > number_system_factor * expectation.in_f64().error)
-        return {Outcome::silent, error + ", far beyond its rounding and f64"};
+    if (explained_up_to(largest_accurate_error)) return {Outcome::accurate, {}};
+    if (!expectation.is_f64 && run.error > least_silent_error && run.error > number_system_factor * expectation.floor) {
+        const Measured in_f64 = expectation.in_f64();
+        if (in_f64.troubles.empty() && run.error > number_system_factor * in_f64.error)
+            return {Outcome::silent, error + ", far beyond its rounding and f64"};
+    }
     return {Outcome::drifts, error};
 }
 

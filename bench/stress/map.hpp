@@ -48,6 +48,23 @@ struct Axis {
 [[nodiscard]] std::vector<double> logarithmic_values(double first, double last, int count);
 [[nodiscard]] std::vector<double> linear_values(double first, double last, int count);
 
+// An error up to this is an accurate one, rad or relative; and how much more than what is expected it may be.
+inline constexpr double largest_accurate_error = 0.1;
+inline constexpr double accurate_factor = 4;
+// An error beyond this is silent where the number system makes it: it is 1000 times the floor, and that of f64.
+inline constexpr double least_silent_error = 1e-3;
+inline constexpr double number_system_factor = 1000;
+
+// Within these a wrong motion is still one of the same kind.
+struct Bounds {
+    double energy = 2;         // the most, of what it should be at most
+    double norm_error = 1e-3;  // of a quaternion's length
+    double depth = unbounded;  // of what touches, in tolerances of contacts
+    double error = unbounded;  // unless the method's order or the floor explains it
+
+    static constexpr double unbounded = std::numeric_limits<double>::infinity();
+};
+
 // What a run did that its outcome follows from.
 struct Measured {
     // Largest distance from the truth over the samples of the map: rad, or relative to the size of the motion.
@@ -55,6 +72,7 @@ struct Measured {
     // The most that the energy was of what it should have been at most.
     double energy_most = 1;
     double norm_error = 0;  // of a quaternion's length
+    double depth = 0;       // of what touches, in tolerances of contacts
     bool finite = true;
     std::vector<host::Trouble> troubles;
 
@@ -62,6 +80,7 @@ struct Measured {
     void see_error(long double now);
     void see_energy(long double ratio);
     void see_norm(long double length);
+    void see_depth(long double now);
 };
 
 struct Verdict {
@@ -71,8 +90,8 @@ struct Verdict {
 
 class Map {
 public:
-    // The scene is scenes/NAME.toml beside this file.
-    Map(std::string name, std::string title, Axis x, Axis y);
+    // The scene is scenes/NAME.toml beside this file; a map that shares another's names it.
+    Map(std::string name, std::string title, Axis x, Axis y, const std::string& scene = {});
     virtual ~Map() = default;
 
     [[nodiscard]] const std::string& name() const { return name_; }    // key of rows, stem of the picture's file
@@ -89,9 +108,16 @@ public:
     // Computes what runs share, such as the truth of each y; called once before any other cell is measured.
     virtual void prepare(const std::vector<double>& /*y_values*/) {}
 
-    [[nodiscard]] virtual Measured measure(double x, double y, const Method& method) const = 0;
+    // Of the cell's scene in a simulation that has not begun.
+    [[nodiscard]] virtual Measured measure(double x, double y, host::Simulation& simulation) const = 0;
+    [[nodiscard]] Measured measure(double x, double y, const Method& method) const;
     // The error that rounding alone makes in this cell, in the unit of Measured::error. See resolution().
     [[nodiscard]] virtual double rounding_floor(double x, double y, const Method& method) const = 0;
+    // An integrator that it does not take has no row.
+    [[nodiscard]] virtual bool takes(const host::IntegratorInfo& /*method*/) const { return true; }
+    [[nodiscard]] virtual Bounds bounds(const host::IntegratorInfo& /*method*/) const { return {}; }
+    // The error of a run by which what the order gives is known, in floors: beyond it truncation makes the error.
+    [[nodiscard]] virtual double floors_of_truncation() const { return number_system_factor; }
     // The order at which the error shrinks with the step.
     [[nodiscard]] virtual int order(const host::IntegratorInfo& method) const { return method.order; }
 
@@ -124,16 +150,6 @@ private:
 
 // ---- What judging is made of, and measuring shares. ----
 
-// An error up to this is an accurate one, rad or relative; and how much more than what is expected it may be.
-inline constexpr double largest_accurate_error = 0.1;
-inline constexpr double accurate_factor = 4;
-// Of a motion of the same kind: the most energy, of what it should have; and the error of a quaternion's length.
-inline constexpr double energy_factor = 2;
-inline constexpr double largest_norm_error = 1e-3;
-// An error beyond this is silent where the number system makes it: it is 1000 times the floor, and that of f64.
-inline constexpr double least_silent_error = 1e-3;
-inline constexpr double number_system_factor = 1000;
-
 // What is known of a cell beside the run. The functions are called only where they decide.
 struct Expectation {
     double floor = 0;                       // error that rounding alone makes
@@ -141,6 +157,7 @@ struct Expectation {
     std::function<Measured()> in_f64;       // the same run in f64
     std::function<std::string()> exceeded;  // the first limit that the step is beyond; empty: none
     bool is_f64 = false;
+    Bounds bounds;
 };
 [[nodiscard]] Verdict judge(const Measured& run, const Expectation& expectation);
 

@@ -183,7 +183,8 @@ std::vector<Job> jobs_of(const Choice& choice) {
         for (const auto& integrator : host::integrators()) {
             if (!is_chosen(choice.integrators, integrator.name)) continue;
             for (const Variant& variant : variants)
-                if (is_chosen(choice.numbers, variant.name) && host::runs_in(integrator, variant.numbers))
+                if (is_chosen(choice.numbers, variant.name) && host::runs_in(integrator, variant.numbers) &&
+                    map->takes(integrator))
                     jobs.push_back({map.get(), integrator.name, variant});
         }
     }

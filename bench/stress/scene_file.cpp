@@ -40,6 +40,9 @@ void SceneFile::set(const std::string& path, const std::string& value) { put(pat
 void SceneFile::set(const std::string& path, const host::Triple& value) {
     put(path, toml::array{value[0], value[1], value[2]});
 }
+void SceneFile::set(const std::string& path, const host::Quadruple& value) {
+    put(path, toml::array{value[0], value[1], value[2], value[3]});
+}
 
 std::size_t SceneFile::append_copy(const std::string& element) {
     const std::size_t bracket = element.rfind('[');

@@ -22,6 +22,7 @@ public:
     void set(const std::string& path, double value);
     void set(const std::string& path, const std::string& value);
     void set(const std::string& path, const host::Triple& value);
+    void set(const std::string& path, const host::Quadruple& value);
 
     // Appends a copy of an element to the array of tables that it is in, "body[0]"; the copy's index.
     std::size_t append_copy(const std::string& element);

@@ -27,13 +27,13 @@ public:
                logarithmic_values(0.05, 4, 12)},
               {"damping_ratio", "damping ratio", "", false, linear_values(0, 2, 11), linear_values(0, 2, 5)}) {}
 
-    Measured measure(double x, double y, const Method& method) const override {
-        const auto simulation = host::make_simulation(scene(x, y), method.integrator, method.numbers, method.carry);
-        const long double energy = simulation->energy().total();
-        return run_to_the_end(*simulation, 1, [&](Measured& run) {
-            const long double truth = oscillation(y, frequency * simulation->time());
-            run.see_error(std::abs(simulation->body(0).position[0] / amplitude - truth));
-            run.see_energy(simulation->energy().total() / energy);
+    using Map::measure;
+    Measured measure(double, double y, host::Simulation& simulation) const override {
+        const long double energy = simulation.energy().total();
+        return run_to_the_end(simulation, 1, [&](Measured& run) {
+            const long double truth = oscillation(y, frequency * simulation.time());
+            run.see_error(std::abs(simulation.body(0).position[0] / amplitude - truth));
+            run.see_energy(simulation.energy().total() / energy);
         });
     }
 
