@@ -171,6 +171,58 @@ TEST_F(MisuseDeathTest, of_an_event_of_a_body_that_is_not_there_ends_the_program
     EXPECT_EQ(world_.prepare(force).body, 0);
 }
 
+TEST(Events, have_the_step_that_their_moment_is_nearest_to_however_late) {
+    World<Pair> world{Seconds{1, 256}};
+    (void)world.add(sphere(Real{1}, Real{1}));
+    constexpr double turn = 4294967296.0;
+    ImpulseSpec impulse;
+    ForceSpec force;
+    for (const double step : {0.0, 5.0, turn - 1, turn, turn + 5, 3 * turn + 5, 1e6 * turn}) {
+        for (const double off : {-0.25, 0.25}) {
+            impulse.time = force.from = Real{(step + off) / 256};
+            force.until = Real{(step + off + 7) / 256};
+            const auto expected = static_cast<std::uint64_t>(step);
+            EXPECT_EQ(world.prepare(impulse).step, expected) << step + off;
+            EXPECT_EQ(world.prepare(force).from, expected) << step + off;
+            EXPECT_EQ(world.prepare(force).until, expected + 7) << step + off;
+        }
+    }
+    force.from = Real{-1e30};
+    force.until = Real{1e30};
+    EXPECT_EQ(world.prepare(force).from, 0u);
+    EXPECT_EQ(world.prepare(force).until, (std::uint64_t{1} << 63) - 1);
+}
+
+// A force that ended early, one across the turn of the count of steps and an impulse after it.
+struct Late {
+    static constexpr const char* name = "late";
+    static constexpr Seconds step{1, 256};
+    static constexpr WorldSpec world{};
+    static constexpr std::array bodies{sphere(Real{2}, Real{1})};
+    static constexpr std::array<PlaneSpec, 0> planes{};
+    static constexpr std::array<SpringSpec, 0> springs{};
+    static constexpr std::array impulses{ImpulseSpec{.time = Real{4294967301.0 / 256}, .impulse = {0, 1, 0}}};
+    static constexpr std::array forces{
+        ForceSpec{.from = 4294967290.0 / 256, .until = 4294967299.0 / 256, .force = {128, 0, 0}},
+        ForceSpec{.from = 0.0, .until = 26.0 / 256, .force = {0, 0, 512}}};
+};
+
+TEST(Events, of_a_replay_keep_their_steps_where_the_count_begins_anew) {
+    Replay<Pair, Late> replay;
+    auto& world = replay.world();
+    using Bodies = std::remove_cvref_t<decltype(world.bodies())>;
+    const_cast<Bodies&>(world.bodies()).steps_taken = 0xfffffff0u;  // 16 before the turn
+    for (int step = 0; step < 40; ++step) {
+        EXPECT_EQ(world.steps_taken(), 0xfffffff0u + static_cast<std::uint32_t>(step));
+        replay.step();
+        const auto v = world.velocity(BodyId{0});
+        const int pushed = std::clamp(step - 9, 0, 9);  // steps of a quarter of a metre a second
+        EXPECT_NEAR(static_cast<double>(v.x()), pushed * 0.25, 1e-6) << step;
+        EXPECT_NEAR(static_cast<double>(v.y()), step >= 21 ? 0.5 : 0.0, 1e-6) << step;
+        EXPECT_EQ(static_cast<double>(v.z()), 0) << step;
+    }
+}
+
 struct Floor : Scene {
     static constexpr Features features{.planes = 1, .sleep = true};
 };

@@ -3,6 +3,7 @@
 #include "tolerances.hpp"
 
 #include <cmath>
+#include <limits>
 
 namespace tumble::test {
 namespace {
@@ -255,6 +256,55 @@ TEST_P(Loads, a_body_frame_impulse_is_the_world_frame_impulse_turned) {
     in_body->step();
     in_world->step();
     EXPECT_LE(distance(in_body->motion(0), in_world->motion(0)), 4 * tolerance::impulse.of(system()));
+}
+
+TEST_P(Loads, events_keep_their_steps_where_the_count_of_steps_begins_anew) {
+    constexpr int steps = 48, for_ever = std::numeric_limits<int>::max();
+    const Number h = system().bits == 64 ? 0.01L : 1.0L / 128;
+    // Forces of the bodies, on from a step until another; impulses at a step. `turn` is where the count begins anew.
+    const auto scene = [&](std::uint64_t start, int turn) {
+        const auto at = [&](int step) { return real((static_cast<Number>(start) + static_cast<Number>(step)) * h); };
+        SceneSetup setup{.name = "late events", .step = Seconds{real(h)}, .start = static_cast<std::uint32_t>(start)};
+        setup.bodies = {sphere(2, 0.5), sphere(0.75, 0.25)};
+        const auto force = [&](int body, int from, int until, RealVec3 f) {
+            setup.forces.push_back(
+                {.body = body, .from = at(from), .until = until == for_ever ? Real{1e30} : at(until), .force = f});
+        };
+        if (start > 0) {  // what has ended long ago
+            setup.forces = {{.body = 0, .from = 0, .until = real(26 * h), .force = {0, 9, 0}},
+                            {.body = 1, .from = real(3 * h), .until = at(-1), .force = {0, 0, -7}}};
+        }
+        force(0, 0, for_ever, {1, 0, 0});
+        force(1, 3, turn + 5, {0, -2, 0});
+        force(0, turn - 3, turn, {0, 0, 3});
+        force(1, turn, turn + 4, {4, 0, 0});
+        force(0, turn + 2, turn + 9, {0, -5, 0});
+        force(1, turn + 3, for_ever, {0, 0, 0.5});
+        const auto impulse = [&](int body, int step, RealVec3 p) {
+            setup.impulses.push_back({.time = at(step), .body = body, .impulse = p});
+        };
+        impulse(0, 2, {0, 0, -1});
+        impulse(1, turn - 1, {0, 1, 0});
+        impulse(1, turn, {0, 0, 2});
+        impulse(0, turn + 5, {-3, 0, 0});
+        impulse(1, turn + 31, {-1, 1, 0});
+        return setup;
+    };
+    for (const std::uint64_t turn : {std::uint64_t{1} << 31, std::uint64_t{1} << 32}) {
+        for (const int before : {4, 13}) {
+            const std::uint64_t start = turn - static_cast<std::uint64_t>(before);
+            const auto early = build(scene(0, before), GetParam()), late = build(scene(start, before), GetParam());
+            for (int step = 0; step < steps; ++step) {
+                early->step();
+                late->step();
+                for (int body : {0, 1}) {
+                    const Motion expected = early->motion(body), got = late->motion(body);
+                    ASSERT_EQ(norm(got.v - expected.v), 0) << turn << " - " << before << " + " << step << ": " << body;
+                    ASSERT_EQ(norm(got.x - expected.x), 0) << turn << " - " << before << " + " << step << ": " << body;
+                }
+            }
+        }
+    }
 }
 
 class Stiff : public testing::TestWithParam<Case> {};

@@ -652,6 +652,69 @@ TEST_P(Resting, a_timed_force_wakes_a_sleeper_when_it_begins) {
     EXPECT_TRUE(world->asleep(0));
 }
 
+TEST_P(Resting, a_force_that_is_set_while_it_is_on_wakes_a_sleeper_and_is_foreseen) {
+    SceneSetup setup = sleepy_floor();
+    setup.bodies = {sleeper()};
+    const auto world = build(setup, GetParam());
+    expect_falls_asleep(*world);
+    const Vector start = world->motion(0).x;
+    world->set_forces({{.body = 0, .from = 0.25, .until = 9.0, .force = {0, 0, -30}}});
+    world->run(second);
+    const Number distance = (30 - 0.5L * 2 * g) / 2 / 2;
+    EXPECT_LE(std::abs((start.z - world->motion(0).x.z) / distance - 1), tolerance::sliding);
+
+    setup.world.gravity = {};
+    setup.bodies = {standing(sphere(2, 0.25), 0, 0.75L)};
+    const auto floating = build(setup, GetParam());
+    floating->run(3);
+    floating->set_forces({{.body = 0, .from = 0.0, .until = 9.0, .force = {0, -100, 0}}});
+    floating->run(second);
+    EXPECT_GE(floating->motion(0).x.y, 0.25L - tolerance::contact_band);
+}
+
+TEST_P(Resting, contacts_and_sleep_go_on_where_a_count_of_steps_begins_anew) {
+    // A sleeper that a force pushes for a while, a ball that bounces, one on a spring, and one that rolls to the
+    // sleeper.
+    const auto scene = [&](std::uint64_t start) {
+        const auto at = [&](int step) { return real((static_cast<Number>(start) + step) / second); };
+        SceneSetup setup = sleepy_floor();
+        setup.start = static_cast<std::uint32_t>(start);
+        setup.bodies = {sleeper(), standing(sphere(1, 0.25), 4, 1), standing(sphere(0.5, 0.125), 8, 0.25L),
+                        standing(sphere(2, 0.25), -8, 0.25L)};
+        setup.bodies[1].restitution = 1;
+        setup.bodies[3].friction = 0;
+        setup.bodies[3].velocity = {4, 0, 0};
+        setup.springs = {{.body = 2, .to = {8.0, 1.0, 0.0}, .stiffness = 40, .damping = 0.5, .rest_length = 0.5}};
+        setup.forces = {{.body = 0, .from = 0, .until = real(64.0L / second), .force = {0, 50, 0}},
+                        {.body = 0, .from = at(700), .until = at(800), .force = {0, 0, 30}}};
+        return setup;
+    };
+    SceneSetup plain = scene(0);
+    plain.forces.erase(plain.forces.begin());
+    constexpr int steps = 1100;
+    for (const std::uint64_t turn : {std::uint64_t{1} << 16, std::uint64_t{1} << 31, std::uint64_t{1} << 32}) {
+        for (const int before : {100, 640}) {
+            const std::uint64_t start = turn - static_cast<std::uint64_t>(before);
+            const auto early = build(plain, GetParam()), late = build(scene(start), GetParam());
+            bool slept = false, woke = false;
+            for (int step = 0; step < steps; ++step) {
+                early->step();
+                late->step();
+                slept = slept || late->asleep(0);
+                woke = woke || (slept && !late->asleep(0));
+                if (system().fixed_point) {  // rounding is dithered by the number of the step
+                    for (int body = 0; body < 4; ++body)
+                        ASSERT_LE(norm(late->motion(body).x - early->motion(body).x), tolerance::contact_band)
+                            << turn << " - " << before << " + " << step << ": body " << body;
+                } else {
+                    ASSERT_EQ(late->hash(), early->hash()) << turn << " - " << before << " + " << step;
+                }
+            }
+            EXPECT_TRUE(slept && woke);
+        }
+    }
+}
+
 TEST_P(Resting, a_sleeper_wakes_when_the_force_that_held_it_ends) {
     SceneSetup setup = sleepy_floor();
     setup.planes[0] = {.normal = {0, -1, 0}, .offset = 3};  // a ceiling

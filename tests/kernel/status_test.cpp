@@ -53,6 +53,20 @@ TEST_P(Fixed32, a_position_that_leaves_its_range_is_held_at_the_limit_and_told) 
     EXPECT_TRUE(world->status().ok());
 }
 
+TEST_P(Fixed32, the_step_that_left_the_range_is_told_wherever_the_count_of_steps_begins) {
+    for (const std::uint32_t start : {0x7ffffff8u, 0xfffffff1u, 0xfffffff0u, 0xffffffeeu}) {
+        SceneSetup setup = three_spheres();
+        setup.start = start;
+        setup.bodies[2].position = {0, 0, 63};
+        setup.bodies[2].velocity = {0, 0, 16};  // 1/16 m a step: out after 16 steps
+        const auto world = build(setup, GetParam());
+        EXPECT_TRUE(world->run(15).ok());
+        world->run(2);
+        EXPECT_EQ(world->status().first_body, 2);
+        EXPECT_EQ(world->status().first_step, start + 15u);
+    }
+}
+
 TEST_P(Fixed32, a_velocity_that_leaves_its_range_is_held_at_the_limit_and_told) {
     SceneSetup setup = three_spheres();
     setup.world.gravity = {0, -512, 0};  // 2 m/s a step

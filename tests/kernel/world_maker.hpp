@@ -48,6 +48,9 @@ public:
     void set_gravity(Vector gravity) override { world_.set_gravity(real(gravity)); }
     Status step() override { return world_.step(); }
     void clear_status() override { world_.clear_status(); }
+    void start_at(std::uint32_t step) override {
+        const_cast<World<SceneOf<N, Method, f>>::Bodies&>(world_.bodies()).steps_taken = step;
+    }
 
     Motion motion(int body) const override {
         return host::motion_of(world_.bodies(), axes_.at(static_cast<std::size_t>(body)), body);

@@ -67,6 +67,7 @@ std::unique_ptr<AnyWorld> fill(std::unique_ptr<AnyWorld> world, const SceneSetup
         if (!done) throw std::invalid_argument{std::string{"cannot build "} + setup.name};
     };
     require(world != nullptr);
+    if (setup.start > 0) world->start_at(setup.start);
     for (const auto& b : setup.bodies) require(world->add(b));
     for (const auto& p : setup.planes) require(world->add(p));
     for (const auto& s : setup.springs) require(world->add(s));

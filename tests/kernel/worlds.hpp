@@ -72,6 +72,7 @@ inline constexpr Features with_point_and_plane{.bodies = 2, .planes = 1, .spring
 struct SceneSetup {
     const char* name = "";
     Seconds step{1, 256};
+    std::uint32_t start = 0;  // as if so many steps had been taken
     WorldSpec world{};
     std::vector<BodySpec> bodies{};
     std::vector<PlaneSpec> planes{};
@@ -94,6 +95,7 @@ public:
     virtual void set_gravity(Vector gravity) = 0;  // m/s^2
     virtual Status step() = 0;
     virtual void clear_status() = 0;
+    virtual void start_at(std::uint32_t step) = 0;  // before anything is added: as if so many steps had been taken
 
     [[nodiscard]] virtual Motion motion(int body) const = 0;    // every bit of the state
     [[nodiscard]] virtual Motion reported(int body) const = 0;  // through the world's accessors

@@ -40,7 +40,7 @@ inline constexpr Issue all_issues[] = {Issue::range_left, Issue::step_bound_hit,
 
 // What has gone wrong since the start, or since clear_status().
 struct Status {
-    std::uint32_t first_step = 0;  // number of the step that set the first bit, from 0; meaningful when !ok()
+    std::uint32_t first_step = 0;  // number of the step that set the first bit, from 0, modulo 2^32; where !ok()
     std::uint16_t count = 0;       // occurrences, held at 65535
     std::uint8_t first_body = 0;   // meaningful when !ok()
     std::uint8_t bits = 0;         // of the issues that occurred; 0: none

@@ -89,8 +89,10 @@ public:
     [[nodiscard]] TimedForce<N> prepare(const ForceSpec& spec) const { return tumble::prepare(advance_.bodies, spec); }
     // Impulses for the steps to come, sorted by step, in an array that stays where it is.
     void set_impulses(Span<Impulse<N>> impulses) requires(features.impulses) { impulses_ = impulses; }
-    // Forces that are on for a while, likewise.
-    void set_forces(Span<TimedForce<N>> forces) requires(features.forces) { advance_.loads.set_forces(forces); }
+    // Forces that are on for a while, likewise. Wakes the bodies that they act on.
+    void set_forces(Span<TimedForce<N>> forces) requires(features.forces) {
+        advance_.loads.set_forces(forces, now(), [&](int b) { disturb(b); });
+    }
 
     // Changes the body's momentum by `impulse` (N s, world frame) at a point of it (m, user's body axes); at once, and
     // once. The position is unchanged. A point mass has no point but itself: any other is misuse.
@@ -104,9 +106,10 @@ public:
     // Takes one step of every body: events that are due, loads, motion, contacts. Returns the sticky status.
     Status step() {
         if constexpr (features.impulses) {
-            while (next_event_ < impulses_.count && impulses_.first[next_event_].step <= advance_.bodies.steps_taken)
+            while (next_event_ < impulses_.count && impulses_.first[next_event_].step <= now())
                 apply(impulses_.first[next_event_++]);
         }
+        if constexpr (features.forces && has_loads) advance_.loads.start_step(now(), [&](int b) { disturb(b); });
         const StepInfo<N> info{advance_.bodies.scale, Dither::of_step(advance_.bodies.steps_taken)};
         if constexpr (has_contacts) {
             step_islands(info);
@@ -118,12 +121,15 @@ public:
             for (int b = 0; b < advance_.bodies.count; ++b) advance_.free_body(b, info);
         }
         ++advance_.bodies.steps_taken;
+        if constexpr (has_events)
+            if (advance_.bodies.steps_taken == 0) [[unlikely]]
+                ++wraps_;
         return advance_.bodies.status;
     }
 
     // Of bodies added.
     [[nodiscard]] int body_count() const { return advance_.bodies.count; }
-    // Since the start; time is this times the step.
+    // Since the start, modulo 2^32; time is this times the step. Steps go on as before where it starts again from 0.
     [[nodiscard]] std::uint32_t steps_taken() const { return advance_.bodies.steps_taken; }
     // The sticky status.
     [[nodiscard]] Status status() const { return advance_.bodies.status; }
@@ -172,8 +178,13 @@ private:
     using BodyGroup = typename Advance::BodyGroup;
     using Contacts = ContactSet<N, Integrator::spin, features>;
     using Sleepers = tumble::Sleepers<N, Integrator::spin, features>;
+    static constexpr bool has_events = features.impulses || features.forces;
 
     [[nodiscard]] TUMBLE_INLINE int place_of(BodyId id) const { return advance_.bodies.index_of(id); }
+    // The step to be taken, as events count steps.
+    [[nodiscard]] TUMBLE_INLINE std::uint64_t now() const requires has_events {
+        return std::uint64_t{wraps_} << 32 | advance_.bodies.steps_taken;
+    }
 
     void apply(const Impulse<N>& event) {
         tumble::apply(event, advance_.bodies);
@@ -209,9 +220,6 @@ private:
         if constexpr (features.turntables) {
             for (int b = 0; b < advance_.bodies.count; ++b)
                 if (advance_.bodies.constants[b].fixed) advance_.step_fixed(b, info);
-        }
-        if constexpr (features.forces) {
-            advance_.loads.for_each_change(now, [&](int b) { disturb(b); });
         }
         // Waking appends to the list.
         for (int k = 0; k < sleepers_.awake_count(); ++k) {
@@ -363,6 +371,7 @@ private:
     [[no_unique_address]] If<has_contacts, Sleepers, 4> sleepers_;
     [[no_unique_address]] If<features.impulses, Span<Impulse<N>>, 2> impulses_{};
     [[no_unique_address]] If<features.impulses, int, 3> next_event_{};
+    [[no_unique_address]] If<has_events, std::uint32_t, 5> wraps_{};  // how often the number of steps began anew
 };
 
 }  // namespace tumble

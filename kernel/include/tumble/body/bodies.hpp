@@ -161,10 +161,10 @@ public:
         else return rotation;
     }
 
-    // The step that a moment is nearest to; 0 for what lies before the start.
-    [[nodiscard]] std::uint32_t step_of(Real time) const {
+    // The step that a moment is nearest to; 0 for what lies before the start, 2^63 - 1 for what lies after 2^63 steps.
+    [[nodiscard]] std::uint64_t step_of(Real time) const {
         const std::int64_t n = (time / step_length).to_fixed(0, 64);
-        return n < 0 ? 0 : static_cast<std::uint32_t>(n);
+        return n < 0 ? 0 : static_cast<std::uint64_t>(n);
     }
     // The place of a body that has been added; any other is misuse.
     [[nodiscard]] TUMBLE_INLINE int index_of(BodyId id) const { return index_of(id.index()); }
@@ -256,7 +256,7 @@ public:
     [[no_unique_address]] typename detail::RoomFor<State, capacity>::Array state{};
     [[no_unique_address]] typename detail::RoomFor<Constants, capacity>::Array constants{};
     Status status{};
-    std::uint32_t steps_taken = 0;
+    std::uint32_t steps_taken = 0;  // modulo 2^32
     std::int16_t count = 0;
     typename N::Scale scale;
 

@@ -1,5 +1,6 @@
 // Timed events as a world's own numbers: impulses, applied before the step that begins at their time, and forces that
-// are on for a while. Arrays of them are sorted by their first step; what starts together keeps its order.
+// are on for a while. Arrays of them are sorted by their first step; what starts together keeps its order. Steps of
+// events are counted in 64 bits, from the start of the world on.
 #pragma once
 
 #include <tumble/body/bodies.hpp>
@@ -9,7 +10,7 @@ namespace tumble {
 // An instantaneous change of momentum; World::prepare() makes it.
 template <class N>
 struct Impulse {
-    std::uint32_t step = 0;                  // applied before this step is taken
+    std::uint64_t step = 0;                  // applied before this step is taken
     std::int16_t body = 0;                   // index
     Frame frame = Frame::world;              // of impulse and angular
     WorkVec3<N> impulse = zero_vector<N>();  // N s, in `frame` (body: principal axes)
@@ -22,14 +23,14 @@ template <class N>
 struct TimedForce {
     std::int16_t body = 0;                   // index
     Frame frame = Frame::world;              // of force and torque
-    std::uint32_t from = 0;                  // the first step that it is on in
-    std::uint32_t until = 0;                 // the first step that it is off again in
+    std::uint64_t from = 0;                  // the first step that it is on in
+    std::uint64_t until = 0;                 // the first step that it is off again in
     WorkVec3<N> force = zero_vector<N>();    // N, in `frame` (body: principal axes)
     WorkVec3<N> torque = zero_vector<N>();   // N m, in `frame`
     WorkVec3<N> point_b = zero_vector<N>();  // m, principal axes
 
     // True in the steps that it acts in.
-    [[nodiscard]] bool is_on(std::uint32_t step) const { return from <= step && step < until; }
+    [[nodiscard]] bool is_on(std::uint64_t step) const { return from <= step && step < until; }
 };
 
 // Constant arrays that outlive the world: flash in a firmware.
@@ -100,11 +101,11 @@ inline void apply(const Impulse<N>& event, Bodies<N, spin, capacity, points>& bo
 namespace detail {
 
 template <class N>
-[[nodiscard]] constexpr std::uint32_t start_of(const Impulse<N>& impulse) {
+[[nodiscard]] constexpr std::uint64_t start_of(const Impulse<N>& impulse) {
     return impulse.step;
 }
 template <class N>
-[[nodiscard]] constexpr std::uint32_t start_of(const TimedForce<N>& force) {
+[[nodiscard]] constexpr std::uint64_t start_of(const TimedForce<N>& force) {
     return force.from;
 }
 

@@ -66,7 +66,11 @@ public:
     bool add(const SpringSpec& spec, const Bodies& bodies) requires(features.springs > 0) {
         return springs_.add(spec, bodies);
     }
-    void set_forces(Span<TimedForce<N>> forces) requires(features.forces) { forces_.set(forces); }
+    // Calls changed(body) for every force that acts in step `now`.
+    template <class F>
+    void set_forces(Span<TimedForce<N>> forces, std::uint64_t now, F&& changed) requires(features.forces) {
+        forces_.set(forces, now, changed);
+    }
 
     // True of a body that feels anything but gravity in this step.
     [[nodiscard]] bool is_loaded([[maybe_unused]] const Bodies& bodies, [[maybe_unused]] int b) const {
@@ -87,10 +91,10 @@ public:
             return false;
         });
     }
-    // Calls f(body) for every timed force that begins or ends at the step.
+    // Call before step `now` is taken; calls changed(body) for every timed force that begins or ends at it.
     template <class F>
-    void for_each_change(std::uint32_t step, F&& f) const requires(features.forces) {
-        forces_.for_each_change(step, f);
+    void start_step(std::uint64_t now, F&& changed) requires(features.forces) {
+        forces_.start_step(now, changed);
     }
 
     // The loads of one group of bodies, as the methods call them.

@@ -22,33 +22,53 @@ inline void apply(const TimedForce<N>& load, Body& b) {
     }
 }
 
-// The timed forces of a world.
+// The timed forces of a world. A step looks at those from the first that has not ended to the last that has begun.
 template <class N>
 class TimedForces {
 public:
     TimedForces(Real, const WorldSpec&) {}
-    void set(Span<TimedForce<N>> forces) { forces_ = forces; }
+    // Calls changed(body) for every force that acts in step `now`.
+    template <class F>
+    void set(Span<TimedForce<N>> forces, std::uint64_t now, F&& changed) {
+        forces_ = forces;
+        first_ = end_ = 0;
+        is_sorted_ = true;
+        for (int k = 0; k < forces.count; ++k) {
+            const TimedForce<N>& force = forces.first[k];
+            if (k > 0 && force.from < forces.first[k - 1].from) is_sorted_ = false;
+            if (force.is_on(now)) changed(force.body);
+        }
+    }
+    // Call before step `now` is taken; calls changed(body) for every force that begins or ends at it.
+    template <class F>
+    void start_step(std::uint64_t now, F&& changed) {
+        now_ = now;
+        while (end_ < forces_.count && (!is_sorted_ || forces_.first[end_].from <= now)) ++end_;
+        for (const TimedForce<N>& force : current())
+            if (force.from == now || force.until == now) changed(force.body);
+        while (first_ < end_ && forces_.first[first_].until <= now) ++first_;
+    }
 
-    [[nodiscard]] bool acts_on(const auto& bodies, int b) const {
-        for (const TimedForce<N>& force : forces_)
-            if (force.body == b && force.is_on(bodies.steps_taken)) return true;
+    [[nodiscard]] bool acts_on(const auto&, int b) const {
+        for (const TimedForce<N>& force : current())
+            if (force.body == b && force.is_on(now_)) return true;
         return false;
     }
-    // Calls f(body) for every force that begins or ends at the step.
-    template <class F>
-    void for_each_change(std::uint32_t step, F&& f) const {
-        for (const TimedForce<N>& force : forces_)
-            if (force.from == step || force.until == step) f(force.body);
-    }
     TUMBLE_INLINE void apply_to(const auto& group) const {
-        for (const TimedForce<N>& force : forces_) {
-            if (!force.is_on(group.bodies.steps_taken)) continue;
+        for (const TimedForce<N>& force : current()) {
+            if (!force.is_on(now_)) continue;
             if (auto* b = group.find(force.body)) tumble::apply(force, *b);
         }
     }
 
 private:
+    // Those that a step looks at.
+    [[nodiscard]] Span<TimedForce<N>> current() const { return {forces_.first + first_, end_ - first_}; }
+
     Span<TimedForce<N>> forces_{};
+    int first_ = 0, end_ = 0;  // in forces_: all before the first have ended, and none from the end on has begun
+    bool is_sorted_ = true;    // where they are not, none counts as not yet begun
+    std::uint64_t now_ = 0;    // the step
 };
 
 }  // namespace tumble
