@@ -172,7 +172,7 @@ public:
         const double stop = static_cast<double>(std::abs(acceleration(y))) / (8 * x * x);
         return (stop + 0x1p-16 * description.contact.tolerance) / all +
                resolution(description, method, Quantity::velocity, all / static_cast<double>(duration)) *
-                   std::sqrt(steps);
+                   random_walk(method, steps);
     }
 
 protected:

@@ -2,8 +2,10 @@
 // distance from the true place after each step, relative to the way that what is lost of the velocity takes. What
 // drag takes for good is the energy of the velocity's distance from the final one; it never exceeds the start's.
 //
-// Rounding: a velocity that is off by one rounding moves on by one time constant's way; N steps make sqrt(N) of it, and
-// rounded constants a place that is off by as much of the whole way.
+// Rounding: a velocity that is off by one rounding moves on by one time constant's way, and a place stays off by one.
+// What falls at its final speed is rounded the same way in every step, so that plain floats make N roundings of N
+// steps; fixed point is dithered and makes sqrt(N), and what is carried stays at one. Rounded constants make a place
+// that is off by as much of the whole way.
 #include <algorithm>
 #include <cmath>
 
@@ -37,10 +39,11 @@ public:
 
     double rounding_floor(double x, double y, const Method& method) const override {
         const auto description = scene(x, y);
-        const double steps = static_cast<double>(description.steps());
-        const double of_velocity = resolution(description, method, Quantity::velocity, speed(y)),
-                     of_place = resolution(description, method, Quantity::position, speed(y) * time);
-        return of_velocity * (std::sqrt(steps) + constants) + of_place * std::sqrt(steps);
+        const double steps = static_cast<double>(description.steps()), way = start * time * (1 + y * constants),
+                     of_velocity = resolution(description, method, Quantity::velocity, speed(y)),
+                     of_place = resolution(description, method, Quantity::position, way) * way / (speed(y) * time),
+                     all = method.numbers == "q32" || method.carry ? random_walk(method, steps) : steps;
+        return of_velocity * (all + constants) + of_place * all;
     }
 
 protected:

@@ -6,9 +6,11 @@
 // `heavy_top`: an asymmetric top's spin against the step. Truth: an integration in long double, of a row once. The
 // error is the angle to the true orientation at 16 times.
 //
-// Energy is that of rotation and of the force, above the least that it can be. Rounding: what one rounding of the spin
-// does is what a start that is wrong by as much does to the true motion; N steps make sqrt(N) of it, and rounded
-// constants stretch time by one rounding.
+// Energy is that of rotation and of the force, above the least that it can be; of the pendulum relative to what a linear
+// oscillation's energy swings up to in the same method.
+//
+// Rounding: what one rounding of the spin does is what a start that is wrong by as much does to the true motion; N steps
+// make sqrt(N) of it where no residuals are carried, and rounded constants stretch time by one rounding.
 #include <boost/math/special_functions/jacobi_elliptic.hpp>
 
 #include <algorithm>
@@ -40,14 +42,19 @@ Number energy_of(const host::SceneDescription& scene, const host::Simulation& si
     return energy;
 }
 
-// The largest distance from the true orientation, relative to a size, rad; energy and norm beside it.
+// What errors are relative to, rad, and energies, of the start's.
+struct Sizes {
+    Number angle = 1, energy = 1;
+};
+
+// The largest distance from the true orientation; energy and norm beside it.
 template <class Truth>
-Measured measure_turning(const host::SceneDescription& scene, host::Simulation& simulation, Number size,
-                         std::int64_t every, Truth&& truth) {
-    const Number energy = energy_of(scene, simulation);
+Measured measure_turning(const host::SceneDescription& scene, host::Simulation& simulation, std::int64_t every,
+                         const Sizes& sizes, Truth&& truth) {
+    const Number energy = sizes.energy * energy_of(scene, simulation);
     return run_to_the_end(simulation, every, [&](Measured& run) {
         const Rotation q = host::motion_of(simulation.body(0)).q;
-        run.see_error(angle_between(q, truth()) / size);
+        run.see_error(angle_between(q, truth()) / sizes.angle);
         run.see_norm(std::sqrt(q.norm2()));
         run.see_energy(energy_of(scene, simulation) / energy);
     });
@@ -64,7 +71,7 @@ public:
     using Map::measure;
     Measured measure(double x, double y, host::Simulation& simulation) const override {
         const auto description = scene(x, y);
-        return measure_turning(description, simulation, size(y), 1, [&] {
+        return measure_turning(description, simulation, 1, {size(y), swing(simulation.integrator(), x)}, [&] {
             return reference::exponential<Number>({0, 0, angle(y, frequency * simulation.time())});
         });
     }
@@ -77,7 +84,7 @@ public:
             of_time = std::max(of_time, std::abs(angle(y, phase * (1 + nearby)) - here));
         }
         const double digits = resolution(scene(x, y), method, Quantity::spin, 2 * frequency * std::sin(y / 2));
-        return digits * static_cast<double>((of_start * std::sqrt(turned / x) + of_time) / nearby / size(y));
+        return digits * static_cast<double>((of_start * random_walk(method, turned / x) + of_time) / nearby / size(y));
     }
 
 protected:
@@ -94,6 +101,19 @@ private:
     static constexpr double frequency = 4, turned = 100;
 
     static double size(double amplitude) { return std::min(1.0, amplitude); }
+
+    // The most that the energy of a linear oscillation, let go at rest, is of the start's, in a method that is stable.
+    static double swing(std::string_view integrator, double x) {
+        const auto step = host::find_integrator(integrator).oscillator_step(x * x, 0);
+        double place = 1, velocity = 0, most = 1;  // velocity per step
+        for (double angle = 0; angle < turned && step.is_stable(); angle += x) {
+            const double before = place;
+            place = step.xx * before + step.xv * velocity;
+            velocity = step.vx * before + step.vv * velocity;
+            most = std::max(most, place * place + velocity * velocity / (x * x));
+        }
+        return most;
+    }
 
     // The angle from the lowest position, rad, after it has been let go at an amplitude.
     static Number angle(Number amplitude, Number phase) {
@@ -123,13 +143,13 @@ public:
         const auto description = scene(x, y);
         const auto& orientations = truth(y).orientations;
         std::size_t sample = 0;
-        return measure_turning(description, simulation, 1, simulation.steps() / samples,
+        return measure_turning(description, simulation, simulation.steps() / samples, {},
                                [&] { return reference::rotation_of(orientations.at(++sample)); });
     }
 
     double rounding_floor(double x, double y, const Method& method) const override {
         const double digits = resolution(scene(x, y), method, Quantity::spin, y);
-        return digits * (truth(y).of_start * std::sqrt(duration * x) + truth(y).of_time);
+        return digits * (truth(y).of_start * random_walk(method, duration * x) + truth(y).of_time);
     }
 
 protected:

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "drawing.hpp"
+#include "simulation/limits.hpp"
 #include "tools/text.hpp"
 
 namespace tumble::bench::stress {
@@ -111,18 +112,25 @@ Measured Map::measure(double x, double y, const Method& method) const {
 }
 
 Verdict Map::judge(double x, double y, const Method& method) const {
+    std::unique_ptr<host::Simulation> simulation;
+    try {
+        simulation = host::make_simulation(scene(x, y), method.integrator, method.numbers, method.carry);
+    } catch (const std::exception& refusal) { return {Outcome::told, refusal.what()}; }
+    return judge(x, y, method, *simulation);
+}
+
+Verdict Map::judge(double x, double y, const Method& method, host::Simulation& simulation) const {
     Expectation expectation;
     expectation.floor = rounding_floor(x, y, method);
     expectation.of_order = [&] { return expected_error(x, y, method); };
     expectation.in_f64 = [&] { return measure(x, y, in_f64(method)); };
-    expectation.exceeded = [&]() -> std::string { return {}; };
+    expectation.exceeded = [&]() -> std::string {
+        const auto limits = host::exceeded_limits(scene(x, y), method.integrator, method.numbers, method.carry);
+        return limits.empty() ? "" : limits.front().sentence;
+    };
     expectation.is_f64 = method.numbers == "f64";
     expectation.bounds = bounds(host::find_integrator(method.integrator));
-    try {
-        return stress::judge(measure(x, y, method), expectation);
-    } catch (const std::exception& refusal) {
-        return {Outcome::told, refusal.what()};  // before the first step
-    }
+    return stress::judge(measure(x, y, simulation), expectation);
 }
 
 Verdict judge(const Measured& run, const Expectation& expectation) {
@@ -170,6 +178,8 @@ double resolution(const host::SceneDescription& scene, const Method& method, Qua
     });
     return limit / size * 0x1p-31;
 }
+
+double random_walk(const Method& method, double steps) { return method.carry ? 1 : std::sqrt(steps); }
 
 Measured run_to_the_end(host::Simulation& simulation, std::int64_t every,
                         const std::function<void(Measured&)>& after_steps) {

@@ -121,8 +121,9 @@ public:
     // The order at which the error shrinks with the step.
     [[nodiscard]] virtual int order(const host::IntegratorInfo& method) const { return method.order; }
 
-    // The outcome of a cell.
+    // The outcome of a cell; of a simulation that has not begun and stands for the cell's own.
     [[nodiscard]] Verdict judge(double x, double y, const Method& method) const;
+    [[nodiscard]] Verdict judge(double x, double y, const Method& method, host::Simulation& simulation) const;
 
 protected:
     virtual void change(SceneFile& scene, double x, double y) const = 0;
@@ -166,6 +167,8 @@ struct Expectation {
 enum class Quantity { position, velocity, spin };
 [[nodiscard]] double resolution(const host::SceneDescription& scene, const Method& method, Quantity quantity,
                                 double size);
+// What the roundings of many steps add up to, of one: a random walk, which carried residuals keep at its start.
+[[nodiscard]] double random_walk(const Method& method, double steps);
 
 // Steps until the simulation has told of trouble, or is not finite, or has come to its end; after_steps() is called
 // after each `every` steps.

@@ -3,7 +3,7 @@
 // energy it is the change that counts, relative to what binds the planet: with all of it lost it never comes back.
 //
 // Rounding: what one rounding of the velocity does is what a start that is wrong by as much does to the true motion; N
-// steps make sqrt(N) of it, and rounded constants do what one does.
+// steps make sqrt(N) of it where no residuals are carried, and rounded constants do what one does.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -54,7 +54,7 @@ public:
         const auto other = places(description, period / samples_a_turn);
         long double of_start = 0;
         for (std::size_t i = 0; i < here.size(); ++i) of_start = std::max(of_start, distance(here[i], other[i]));
-        return digits * static_cast<double>(of_start) / nearby * (std::sqrt(turns * x) + 1);
+        return digits * static_cast<double>(of_start) / nearby * (random_walk(method, turns * x) + 1);
     }
 
 protected:
