@@ -64,8 +64,8 @@ struct Job {
     Variant variant;
     std::string method;
     Row row;
-    std::string error;  // empty: the row is good
-    bool does_not_fit = false;
+    std::string error;          // empty: the row is good
+    std::string shortage;       // of the core's memory
     std::int64_t compared = 0;  // steps that its errors are of
 };
 
@@ -75,9 +75,9 @@ void print_table(const std::vector<Job>& jobs) {
     bool has_insn = false;
     for (const Job& job : jobs) {
         const std::string numbers = tumble::host::numbers_text(job.variant.numbers, job.variant.carry);
-        if (job.does_not_fit) {
-            std::printf("%-11s %-10s %-20s does not fit this core's memory\n", job.core.c_str(), numbers.c_str(),
-                        job.method.c_str());
+        if (!job.shortage.empty()) {
+            std::printf("%-11s %-10s %-20s %s\n", job.core.c_str(), numbers.c_str(), job.method.c_str(),
+                        job.shortage.c_str());
         } else if (!job.error.empty() && job.row.is_null()) {
             std::printf("%-11s %-10s %-20s FAILED: %s\n", job.core.c_str(), numbers.c_str(), job.method.c_str(),
                         job.error.c_str());
@@ -195,7 +195,7 @@ int main(int argc, char** argv) try {
         for (const auto& v : tumble::bench::variants_named(numbers.empty() ? numbers_of_core(core) : numbers)) {
             for (const auto& m : methods) {
                 if (!tumble::host::runs_in(tumble::host::find_integrator(m), v.numbers)) continue;
-                jobs.push_back({core, v, m, {}, {}, false});
+                jobs.push_back({core, v, m, {}, {}, {}});
                 if (std::none_of(choices.begin(), choices.end(),
                                  [&](const auto& c) { return c.first.name == v.name && c.second == m; }))
                     choices.emplace_back(v, m);
@@ -217,9 +217,7 @@ int main(int argc, char** argv) try {
         in_parallel(choices.size(), [&](std::size_t i) {
             const auto& [variant, method] = choices[i];
             const auto simulation = tumble::host::make_simulation(scene, method, variant.numbers, variant.carry);
-            while (simulation->steps_taken() < simulation->steps() && simulation->troubles().empty())
-                simulation->step();
-            Answer answer{tumble::host::hex(simulation->hash()), {}};
+            Answer answer{tumble::host::hex(finish(*simulation)), {}};
             if (flight) answer.error = flight->error_of(method, variant.numbers, variant.carry);
             const std::lock_guard lock{answers_mutex};
             answers[{variant.name, method}] = answer;
@@ -249,7 +247,7 @@ int main(int argc, char** argv) try {
         Job& job = jobs[i];
         tumble::host::StepOutcome outcome = firmware.at(job.core).run(StepFirmware::name_of(job.variant, job.method));
         job.error = outcome.error;
-        job.does_not_fit = outcome.does_not_fit;
+        job.shortage = outcome.shortage;
         if (!outcome.row.is_null()) {
             job.row = std::move(outcome.row);
             const Answer& answer = answers.at({job.variant.name, job.method});

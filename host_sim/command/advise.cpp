@@ -237,15 +237,13 @@ private:
     void measure(Candidate& candidate, const StepFirmware& firmware, const std::string& name) const {
         const Method& method = candidate.attempt.method;
         StepOutcome outcome = firmware.run(name);
-        if (outcome.does_not_fit) {
+        if (!outcome.shortage.empty()) {
             candidate.not_measured = "does not fit the core's memory";
             return;
         }
         if (!outcome.error.empty()) throw std::runtime_error(options_.core + ", " + name + ": " + outcome.error);
         const auto simulation = make_simulation(scene_of(candidate), method.integrator, method.numbers, method.carry);
-        while (simulation->steps_taken() < simulation->steps() && simulation->troubles().empty()) simulation->step();
-        if (outcome.row.at("state_hash") != hex(simulation->hash()))
-            throw std::runtime_error(options_.core + ", " + name + ": ends with another state than the host");
+        check_state(outcome.row, *simulation, options_.core + ", " + name);
         candidate.row = std::move(outcome.row);
         candidate.cost = unit_.of_step(candidate.row) / candidate.attempt.length.seconds();
     }
@@ -443,11 +441,7 @@ int advise(const AdviseOptions& options) {
                 advice.unreached.push_back(attempt);
                 continue;
             }
-            const auto variant =
-                std::find_if(number_variants().begin(), number_variants().end(), [&](const NumberVariant& v) {
-                    return v.numbers == attempt.method.numbers && v.carry == attempt.method.carry;
-                });
-            candidates.push_back({attempt, *variant, {}, 0, {}});
+            candidates.push_back({attempt, variant_of(attempt.method.numbers, attempt.method.carry), {}, 0, {}});
         }
         std::sort(advice.unreached.begin(), advice.unreached.end(),
                   [](const Attempt& a, const Attempt& b) { return a.error() < b.error(); });

@@ -29,6 +29,14 @@ fs::path build_firmware(const CompareOptions& options, const SceneDescription& s
     return build_record_firmware(build, options.core, build / "scene");
 }
 
+// The names of the issues so far, in the kernel's order, each with a space behind it.
+std::string status_text(const Simulation& simulation) {
+    std::string text;
+    for (const Issue issue : all_issues)
+        if (simulation.has_trouble(name_of(issue))) text += std::string(name_of(issue)) + " ";
+    return text;
+}
+
 // The host's side: the states that the firmware records, and what is said where they differ.
 class Reference {
 public:
@@ -73,7 +81,16 @@ public:
         std::cout << options_.core << " differs at step " << simulation_->steps_taken() << " ("
                   << few_digits(simulation_->time()) << " s): " << what << "; " << states_
                   << " states before it agree\n";
+        const auto shown = [](const std::string& status) { return status.substr(0, status.find_last_not_of(' ') + 1); };
+        if (const std::string host_status = status_text(*simulation_); !core_status.empty() || !host_status.empty())
+            std::cout << "status of " << options_.core << ": " << (core_status.empty() ? "ok" : shown(core_status))
+                      << "; of the host: " << (host_status.empty() ? "ok" : shown(host_status)) << "\n";
+        if (core_status.find(name_of(Issue::contacts_full)) != std::string::npos)
+            std::cout << "the firmware has room for fewer pairs near each other than the scene has at this time; a "
+                         "Config with a larger near_pairs has more\n";
     }
+
+    std::string core_status;  // its issues so far, each with a space behind it
 
 private:
     // The words of one number, the highest first.
@@ -121,6 +138,8 @@ int compare(const CompareOptions& options) {
         if (line.starts_with("state ")) {
             if (reference.is_over()) return reference.report("a state after the last"), failed;
             if (!reference.agrees(line.substr(6))) return failed;
+        } else if (line.starts_with("status ")) {
+            reference.core_status = line.substr(7);
         } else if (line.starts_with("end ")) {
             last_line = line.substr(4);
         } else {
@@ -132,10 +151,7 @@ int compare(const CompareOptions& options) {
                   << " states that agree\n";
         return failed;
     }
-    std::string expected;
-    for (const Issue issue : all_issues)
-        if (reference.simulation().has_trouble(name_of(issue))) expected += std::string(name_of(issue)) + " ";
-    expected += hex(reference.simulation().hash());
+    const std::string expected = status_text(reference.simulation()) + hex(reference.simulation().hash());
     if (last_line != expected) {
         std::cout << options.core << " ended with \"" << last_line << "\", the host with \"" << expected << "\"\n";
         return failed;

@@ -11,6 +11,7 @@
 
 #include "command/command.hpp"
 #include "scene/data.hpp"
+#include "simulation/near_pairs.hpp"
 #include "tools/output.hpp"
 #include "tools/text.hpp"
 
@@ -180,7 +181,8 @@ std::string world_text(const WorldSpec& world) {
 }
 
 std::string config_text(const SceneData& data, const NumberSystemInfo& numbers, const IntegratorInfo& integrator) {
-    const Features needed = needs(data);
+    Features needed = needs(data);
+    needed.near_pairs = near_pairs_for(data);
     std::string text =
         "    // What the scene needs, and nothing else. Derive from it to choose other numbers or another integrator.\n"
         "    struct Config : tumble::Scene {\n        using Numbers = " +

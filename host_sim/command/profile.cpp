@@ -146,10 +146,7 @@ int profile(const ProfileOptions& options) {
     check_core_with_cycles(options.core);
     const SceneDescription scene = options.read();
     const NumberSystemInfo& system = find_number_system(scene, options.numbers, options.wants_carry());
-    const auto variant =
-        *std::find_if(number_variants().begin(), number_variants().end(), [&](const NumberVariant& each) {
-            return each.numbers == system.name && each.carry == system.carry;
-        });
+    const NumberVariant& variant = variant_of(system.name, system.carry);
     check_outputs({{"the scene", options.scene}}, {{"--flame", options.flame}});
     std::optional<OutputFile> flame;
     if (!options.flame.empty()) flame.emplace(options.flame, "--flame");
@@ -166,12 +163,10 @@ int profile(const ProfileOptions& options) {
     const fs::path places = build / "places", branches_file = build / "branches", elf = build / (name + ".elf");
     const StepOutcome outcome =
         firmware.run(name, options.timeout, {"places=" + places.string(), "branches=" + branches_file.string()});
-    if (outcome.does_not_fit) throw std::runtime_error(name + " does not fit the memory of " + options.core);
+    if (!outcome.shortage.empty()) throw std::runtime_error(name + " " + outcome.shortage);
     if (!outcome.error.empty()) throw std::runtime_error(options.core + ", " + name + ": " + outcome.error);
     const auto simulation = options.start(scene);
-    while (simulation->steps_taken() < simulation->steps() && simulation->troubles().empty()) simulation->step();
-    if (outcome.row.at("state_hash") != hex(simulation->hash()))
-        throw std::runtime_error(options.core + ", " + name + ": ends with another state than the host");
+    check_state(outcome.row, *simulation, options.core + ", " + name);
 
     const std::vector<Function> functions = functions_of(places, elf);
     const Branches branches = branches_of(branches_file, elf);

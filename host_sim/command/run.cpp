@@ -79,10 +79,27 @@ std::string json_array(const Numbers& numbers) {
     return text + "]";
 }
 
-void print_json(const SceneDescription& scene, const Simulation& simulation, const EnergyWatch& energy) {
+// What went wrong, with an energy that no double holds: speeds whose squares leave it are as wrong as those that do.
+std::vector<Trouble> troubles_of(const Simulation& simulation, const EnergyWatch& energy) {
+    std::vector<Trouble> troubles = simulation.troubles();
+    const bool is_held = std::isfinite(static_cast<double>(energy.end())) &&
+                         std::isfinite(static_cast<double>(energy.largest_relative_drift()));
+    if (is_held || simulation.has_trouble("range_left")) return troubles;
+    int fastest = 0;
+    const auto speed = [&](int body) {
+        const auto& v = simulation.body(body).velocity;
+        return std::hypot(v[0], v[1], v[2]);
+    };
+    for (int b = 1; b < simulation.body_count(); ++b)
+        if (speed(b) > speed(fastest)) fastest = b;
+    troubles.push_back({"range_left", fastest, simulation.steps_taken() - 1});
+    return troubles;
+}
+
+void print_json(const SceneDescription& scene, const Simulation& simulation, const EnergyWatch& energy,
+                const std::vector<Trouble>& troubles) {
     std::string status;
-    for (const Trouble& trouble : simulation.troubles())
-        status += (status.empty() ? "" : ", ") + json_text(trouble.issue);
+    for (const Trouble& trouble : troubles) status += (status.empty() ? "" : ", ") + json_text(trouble.issue);
     std::cout << "{\n  \"tumble_bits\": " << TUMBLE_BITS << ",\n  \"scene\": " << json_text(scene.name)
               << ",\n  \"integrator\": " << json_text(simulation.integrator())
               << ",\n  \"numbers\": " << json_text(simulation.numbers())
@@ -169,14 +186,15 @@ int run(const RunOptions& options) {
         }
     }
     if (trajectory) trajectory->close();
-    if (options.json) print_json(scene, *simulation, energy);
+    const std::vector<Trouble> troubles = troubles_of(*simulation, energy);
+    if (options.json) print_json(scene, *simulation, energy, troubles);
     else print_table(scene, *simulation, energy);
     if (plot) {
         plot_file->stream() << plot->drawn();
         plot_file->commit();
     }
-    for (const Trouble& trouble : simulation->troubles()) std::cerr << message_of(trouble, scene, *simulation) << "\n";
-    return simulation->troubles().empty() ? done : failed;
+    for (const Trouble& trouble : troubles) std::cerr << message_of(trouble, scene, *simulation) << "\n";
+    return troubles.empty() ? done : failed;
 }
 
 }  // namespace tumble::host

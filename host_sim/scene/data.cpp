@@ -73,7 +73,22 @@ bool any_pair_meets(const std::vector<BodySpec>& bodies) {
     return false;
 }
 
+template <class Event, class Start>
+void sort_by_step(std::vector<Event>& events, Seconds step, Start&& start) {
+    std::vector<std::pair<std::int64_t, Event>> keyed;
+    keyed.reserve(events.size());
+    for (const Event& event : events) keyed.emplace_back((start(event) / step.value).to_fixed(0, 64), event);
+    std::stable_sort(keyed.begin(), keyed.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    for (std::size_t i = 0; i < events.size(); ++i) events[i] = keyed[i].second;
+}
+
 }  // namespace
+
+SceneData with_events_in_order(SceneData scene) {
+    sort_by_step(scene.impulses, scene.step, [](const ImpulseSpec& impulse) { return impulse.time; });
+    sort_by_step(scene.forces, scene.step, [](const ForceSpec& force) { return force.from; });
+    return scene;
+}
 
 bool shapes_meet(ShapeKind a, ShapeKind b) { return meets(a, b); }
 

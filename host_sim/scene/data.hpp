@@ -42,6 +42,10 @@ struct SceneData {
 // Throws UnsupportedScene for what exceeds the host's capacities.
 [[nodiscard]] SceneData build_scene(const SceneDescription& scene);
 
+// With the events in the order of the steps in which they begin to act, which a world brings them into one by one;
+// those of one step keep their order.
+[[nodiscard]] SceneData with_events_in_order(SceneData scene);
+
 // What a world must have compiled in for the scene, and nothing else.
 [[nodiscard]] Features needs(const SceneData& scene);
 

@@ -2,10 +2,10 @@
 
 #include <tumble/numbers/systems.hpp>
 
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <fstream>
-#include <iterator>
 #include <limits>
 #include <numeric>
 #include <system_error>
@@ -46,6 +46,9 @@ constexpr Quantity time{Quantity::not_negative, "s"};
 
 // The largest preset, `field`: what no [range] may exceed.
 constexpr RangeDescription field{FieldRange::position, FieldRange::velocity, FieldRange::spin};
+
+// Bytes: some hundred thousand events.
+constexpr std::size_t largest_file = std::size_t{1} << 25;
 
 constexpr double moment_tolerance = 1e-12;  // relative: rounding of moments computed from a tensor or from points
 
@@ -119,15 +122,14 @@ void check_moments(const Value& value, const BodyDescription& body) {
     const std::string problem =
         "the principal moments are " + shown(moments[0]) + ", " + shown(moments[1]) + " and " + shown(moments[2]);
     const double smallest = body.inertia_is_diagonal ? 0.0 : moment_tolerance * moments[2];
-    if (!std::isfinite(moments[2]) || !(moments[0] > smallest))
-        value.fail(problem, "all of them positive and finite (kg m^2)");
+    if (!(moments[0] > smallest)) value.fail(problem, "all of them positive and finite (kg m^2)");
     if (moments[2] - moments[1] - moments[0] > moment_tolerance * moments[2])
         value.fail(problem, "none of them larger than the sum of the other two: the triangle inequality (kg m^2)");
 }
 
 void check_not_zero(const Value& value, const double* numbers, std::size_t count, const std::string& wanted) {
-    const double square = std::inner_product(numbers, numbers + count, numbers, 0.0);
-    if (!std::isnormal(square)) value.fail(square > 1.0 ? "its length is too large" : "its length is 0", wanted);
+    if (!std::isnormal(std::inner_product(numbers, numbers + count, numbers, 0.0)))
+        value.fail("its length is 0", wanted);
 }
 
 void check_inside(Table& table, const std::string& key, const Triple& numbers, double range, const char* unit) {
@@ -155,30 +157,14 @@ void check_mass(Table& table, const BodyDescription& body) {
     }
 
     if (body.inertia) return check_moments(table.at("inertia"), body);
-    if (kind == ShapeKind::none) return;  // a point mass
     if (kind == ShapeKind::points) {
         const PointCloud cloud = cloud_of(body.shape.points);
         const Triple moments = moments_of(cloud.inertia);
-        if (!std::isfinite(moments[2]) || !std::isfinite(cloud.mass.to_double()))
-            table.at("shape").fail("the points have no finite principal moments",
-                                   "smaller masses or distances (kg, m)");
         if (!(moments[0] > moment_tolerance * moments[2]))
             table.at("shape").fail("the points lie on one line, so that a principal moment is 0",
                                    "points off that line, inertia = [...] (kg m^2), or shape = \"none\" for a point "
                                    "mass");
-        return;
     }
-
-    // the derived mass and moments are products of these: they must neither vanish nor overflow
-    const auto& size = body.shape.size;
-    const double largest = *std::max_element(size.begin(), size.end());
-    const double smallest = std::accumulate(size.begin(), size.end(), largest,
-                                            [](double a, double b) { return b > 0.0 ? std::min(a, b) : a; });
-    const double light = body.mass ? *body.mass : *body.density * smallest * smallest * smallest;
-    const double heavy = body.mass ? *body.mass : *body.density * largest * largest * largest;
-    if (!std::isnormal(light * smallest * smallest) || !std::isfinite(16.0 * heavy * largest * largest))
-        table.at("shape").fail("mass and moments of inertia of this shape are not representable",
-                               "sizes (m) and mass (kg) that give positive finite moments");
 }
 
 // A point mass has no rotation: numbers that ask for one are an error.
@@ -297,12 +283,15 @@ void read_contact(Table table, ContactDescription& contact) {
 
 // The body that a key names.
 int resolve(Table& table, const std::string& key, const std::string& name, const SceneDescription& scene) {
-    std::vector<std::string> names;
-    for (const BodyDescription& body : scene.bodies) names.push_back(body.name);
-    const auto found = std::find(names.begin(), names.end(), name);
-    if (found == names.end())
+    const auto& bodies = scene.bodies;
+    const auto found =
+        std::find_if(bodies.begin(), bodies.end(), [&](const BodyDescription& body) { return body.name == name; });
+    if (found == bodies.end()) {
+        std::vector<std::string> names;
+        for (const BodyDescription& body : bodies) names.push_back(body.name);
         table.at(key).fail("got " + in_quotes(name) + suggestion(name, names), "the name of a body: " + listed(names));
-    return static_cast<int>(found - names.begin());
+    }
+    return static_cast<int>(found - bodies.begin());
 }
 
 SpringDescription read_spring(Table table, const SceneDescription& scene) {
@@ -422,6 +411,14 @@ void add_named(std::vector<T>& list, T item, Table& table, std::set<std::string>
     list.push_back(std::move(item));
 }
 
+// The first that there is no room for is refused.
+void check_count(const std::vector<Table>& tables, int room) {
+    const auto most = static_cast<std::size_t>(room);
+    if (tables.size() > most)
+        tables[most].place().fail("got " + std::to_string(tables.size()) + " of them",
+                                  "at most " + std::to_string(room));
+}
+
 SceneDescription read_root(Table root, const std::string& file, BodyCount count) {
     SceneDescription scene;
     scene.path = file;
@@ -446,6 +443,9 @@ SceneDescription read_root(Table root, const std::string& file, BodyCount count)
     if (range) read_range(*range, scene.range);
     if (contact) read_contact(*contact, scene.contact);
     std::set<std::string> names;
+    check_count(planes, max_planes);
+    check_count(bodies, max_bodies);
+    check_count(springs, max_springs);
     for (Table table : planes) add_named(scene.planes, read_plane(table), table, names);
     for (Table table : bodies) add_named(scene.bodies, read_body(table, scene.range), table, names);
     if (scene.angular_drag > 0.0 && !scene.has_rotation())
@@ -469,7 +469,11 @@ SceneDescription read_scene(const std::filesystem::path& path, BodyCount bodies)
     if (std::filesystem::is_directory(status)) throw refuse("it is a directory");
     std::ifstream stream(path, std::ios::binary);
     if (!stream) throw refuse("it cannot be opened");
-    const std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+    std::string text;
+    for (std::array<char, 1 << 16> part{}; stream.read(part.data(), part.size()), stream.gcount() > 0;) {
+        text.append(part.data(), static_cast<std::size_t>(stream.gcount()));
+        if (text.size() > largest_file) throw refuse("it is larger than " + std::to_string(largest_file) + " bytes");
+    }
     if (stream.bad()) throw refuse("reading it failed");
     return read_scene_text(text, path.string(), bodies);
 }

@@ -7,6 +7,9 @@
 namespace tumble::host {
 namespace {
 
+// A scene needs 4.
+constexpr int most_nested = 64;
+
 int line_of(const toml::source_region& source) { return static_cast<int>(source.begin.line); }
 
 std::string shown(const toml::node& node) {
@@ -19,10 +22,10 @@ std::string shown(const toml::node& node) {
     return node.is_table() ? "a table" : "a date or time";
 }
 
-// Line of the first byte outside ASCII that is in neither a string nor a comment; 0 when there is none. TOML allows
-// none there, but toml++ 3.3 takes some of them (such as a bare micro sign) for unreachable code instead of reporting
-// them.
-int line_of_bare_non_ascii(std::string_view text) {
+// Calls look(c) for each character outside strings and comments, and for the first quote of a string, until it is true;
+// the line where it was, or 0.
+template <class Look>
+int line_of_bare(std::string_view text, Look&& look) {
     if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);  // byte order mark
     int line = 1;
     std::string_view close;  // what ends the string or comment that is open
@@ -31,17 +34,18 @@ int line_of_bare_non_ascii(std::string_view text) {
         const bool one_line = close.size() == 1;
         if (c == '\n') ++line;
         if (close.empty()) {
-            if (static_cast<unsigned char>(c) >= 0x80) return line;
             if (c == '#') close = "\n";
             for (const std::string_view quote : {"\"\"\"", "'''", "\"", "'"}) {
                 if (!close.empty() || !text.substr(i).starts_with(quote)) continue;
                 close = quote;
                 i += quote.size() - 1;
             }
+            if (close != "\n" && look(c)) return line;
         } else if (c == '\\' && close[0] == '"') {
             ++i;
             if (i < text.size() && text[i] == '\n') ++line;
         } else if (text.substr(i).starts_with(close)) {
+            if (c == '\n') (void)look(c);
             i += close.size() - 1;
             close = {};
         } else if (c == '\n' && one_line) {
@@ -51,10 +55,73 @@ int line_of_bare_non_ascii(std::string_view text) {
     return 0;
 }
 
+// Parts of keys, tables and arrays that are in each other at a place: of the header above it, of what is open there,
+// and of the key that is read.
+class Nesting {
+public:
+    // True where more are in each other than `most`.
+    bool exceeds(int most, char c) {
+        const bool at_start = is_start_;
+        is_start_ = c == '\n' || (is_start_ && (c == ' ' || c == '\t' || c == '\r'));
+        if (in_header_) return read_header(most, c);
+        switch (c) {
+        case '.': ++key_; break;
+        case '=':
+            waiting_ = key_;
+            key_ = 1;
+            break;
+        case '[':
+            if (at_start && open_.empty()) {
+                in_header_ = true;
+                header_ = key_ = 1;
+                return false;
+            }
+            [[fallthrough]];
+        case '{':
+            open_.push_back(waiting_);
+            depth_ += waiting_;
+            waiting_ = key_ = 1;
+            break;
+        case ']':
+        case '}':
+            if (!open_.empty()) {
+                depth_ -= open_.back();
+                open_.pop_back();
+            }
+            break;
+        case ',': waiting_ = key_ = 1; break;
+        case '\n': key_ = 1; break;
+        default: break;
+        }
+        return header_ + depth_ + key_ > most;
+    }
+
+private:
+    bool read_header(int most, char c) {
+        if (c == '.') header_ = ++key_;
+        if (c == ']' || c == '\n') in_header_ = false;
+        if (!in_header_) key_ = 1;
+        return header_ > most;
+    }
+
+    bool is_start_ = true, in_header_ = false;
+    int header_ = 0, depth_ = 0, key_ = 1, waiting_ = 1;
+    std::vector<int> open_;  // parts of the keys of what is open
+};
+
 toml::table parsed(std::string_view text, const std::string& file) {
-    if (const int line = line_of_bare_non_ascii(text); line > 0)
+    // TOML allows none, but toml++ 3.3 takes some of them (such as a bare micro sign) for unreachable code instead of
+    // reporting them.
+    if (const int line = line_of_bare(text, [](char c) { return static_cast<unsigned char>(c) >= 0x80; }); line > 0)
         throw SceneError(file, line, "TOML syntax",
                          "a character outside ASCII, expected such only in quotes and comments");
+    // It makes a table of each part of a key and destroys those in each other recursively.
+    if (const int line =
+            line_of_bare(text, [nesting = Nesting()](char c) mutable { return nesting.exceeds(most_nested, c); });
+        line > 0)
+        throw SceneError(file, line, "TOML syntax",
+                         "tables, arrays and parts of keys lie more than " + std::to_string(most_nested) +
+                             " deep in each other, expected at most " + std::to_string(most_nested));
     try {
         return toml::parse(text, file);
     } catch (const toml::parse_error& error) {
@@ -71,13 +138,14 @@ SceneError::SceneError(std::string file, int line, std::string key, const std::s
       file_(std::move(file)), line_(line), key_(std::move(key)) {}
 
 bool Quantity::holds(double x) const {
+    if (!(std::abs(x) <= largest)) return false;
     switch (bound) {
-    case positive: return std::isfinite(x) && x > 0.0;
-    case not_negative: return std::isfinite(x) && x >= 0.0;
+    case positive: return x >= smallest;
+    case not_negative: return x >= 0.0;
     case zero_to_one: return x >= 0.0 && x <= 1.0;
     case any: break;
     }
-    return std::isfinite(x);
+    return true;
 }
 
 std::string Quantity::expected(std::size_t count) const {
@@ -90,6 +158,11 @@ std::string Quantity::expected(std::size_t count) const {
     if (!one && *parts != 0) text += " [" + std::string(parts) + "]";
     if (*unit != 0) text += " (" + std::string(unit) + ")";
     return text;
+}
+
+std::string Quantity::sizes() const {
+    return bound == positive ? "from " + shown(smallest) + " to " + shown(largest)
+                             : "of a size up to " + shown(largest);
 }
 
 std::string shown(double x) {
@@ -126,8 +199,10 @@ Value Value::operator[](std::size_t i) const {
 
 double Value::number(const Quantity& quantity) const {
     const auto number = node_->is_number() ? node_->value<double>() : std::nullopt;
-    if (!number || !quantity.holds(*number)) refuse(quantity.expected());
-    return *number;
+    if (number && quantity.holds(*number)) return *number;
+    const bool has_sense = number && std::isfinite(*number) && (quantity.bound == Quantity::any || *number > 0) &&
+                           quantity.bound != Quantity::zero_to_one;
+    refuse(quantity.expected() + (has_sense ? ", " + quantity.sizes() : ""));
 }
 
 std::vector<double> Value::numbers(const Quantity& quantity, std::initializer_list<std::size_t> counts) const {

@@ -27,6 +27,9 @@ namespace tumble::host {
 
 // What a number must be, and its unit; `parts` names the elements of an array.
 struct Quantity {
+    // No number is larger, and none that must be positive is smaller: products of several of them stay within a double.
+    static constexpr double largest = 1e40, smallest = 1e-40;
+
     enum Bound { any, positive, not_negative, zero_to_one } bound;
     const char* unit = "";
     const char* parts = "";
@@ -34,6 +37,8 @@ struct Quantity {
     [[nodiscard]] bool holds(double x) const;
     // "3 finite numbers [x, y, z] (m)".
     [[nodiscard]] std::string expected(std::size_t count = 1) const;
+    // "of a size up to 1e+40".
+    [[nodiscard]] std::string sizes() const;
 };
 inline constexpr Quantity text_in_quotes{};  // tag: the value is a string
 
@@ -153,6 +158,8 @@ void convert(const Value& value, T& out, const Words<T>& words) {
 class Table {
 public:
     Table(Place place, const toml::table& table) : place_(std::move(place)), table_(&table) {}
+
+    [[nodiscard]] const Place& place() const { return place_; }
 
     // The value of a key, which is known from now on.
     [[nodiscard]] std::optional<Value> find(const std::string& key);

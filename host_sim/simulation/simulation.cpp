@@ -4,9 +4,12 @@
 #include <tumble/shapes/pairs.hpp>
 
 #include <algorithm>
+#include <cmath>
 
 #include "simulation/modules.hpp"
 #include "simulation/number_systems.hpp"
+#include "tools/text.hpp"
+#include "truth/smooth_motion.hpp"
 
 namespace tumble::host {
 namespace {
@@ -94,11 +97,52 @@ std::string passed_by(const BodyDescription& body, const SceneDescription& scene
     return std::string(planes ? "planes" : "") + (planes && others ? " and " : "") + (others ? "other bodies" : "");
 }
 
+// How far from the size of one a force's impulse is told.
+constexpr double impulse_tolerance = 0.1;
+
+// What a force does instead of what the file says, where its impulse differs by more: it acts in whole steps, between
+// those nearest to its times. Empty where it does not.
+std::string other_impulse(const ForceDescription& force, const SceneDescription& scene) {
+    const double step = scene.step.seconds();
+    const std::int64_t from = nearest_step(force.from, scene.step),
+                       until = std::min(nearest_step(force.until, scene.step), scene.steps());
+    if (from >= scene.steps()) return "begins when the last step has been taken, so it has no effect";
+    const double wanted = std::min(force.until, static_cast<double>(scene.steps()) * step) - force.from,
+                 given = static_cast<double>(until - from) * step;
+    if (std::abs(given - wanted) <= impulse_tolerance * wanted) return {};
+    const auto impulse = [&](double seconds) {
+        const auto length = [](const Triple& v) { return std::hypot(v[0], v[1], v[2]); };
+        const double linear = length(force.force), angular = length(force.torque);
+        return (linear > 0 ? few_digits(linear * seconds) + " N s" : "") + (linear > 0 && angular > 0 ? " and " : "") +
+               (angular > 0 ? few_digits(angular * seconds) + " N m s" : "");
+    };
+    if (impulse(wanted).empty()) return {};
+    return "acts in " + std::to_string(until - from) + (until - from == 1 ? " step" : " steps") + " of " +
+           few_digits(step) + " s, so its impulse is " + impulse(given) + " instead of " + impulse(wanted) +
+           "; take a shorter step" + (until == from ? " or an impulse" : "");
+}
+
+// What begins in something else, deeper than contacts let it.
+void add_overlaps(const SceneDescription& scene, std::vector<std::string>& list) {
+    for (const auto& overlap : SmoothMotion(scene, shapes_meet).overlaps()) {
+        if (overlap.depth <= scene.contact.tolerance) continue;
+        list.push_back("body \"" + scene.bodies[overlap.body].name + "\" begins " + few_digits(overlap.depth) +
+                       " m inside " + (overlap.with_plane ? "plane" : "body") + " \"" +
+                       (overlap.with_plane ? scene.planes[overlap.other].name : scene.bodies[overlap.other].name) +
+                       "\", which pushes it out slowly");
+    }
+}
+
 }  // namespace
 
 bool Simulation::has_trouble(std::string_view issue) const {
     return std::any_of(troubles().begin(), troubles().end(),
                        [&](const Trouble& trouble) { return trouble.issue == issue; });
+}
+
+std::uint64_t finish(Simulation& simulation) {
+    while (simulation.steps_taken() < simulation.steps() && simulation.troubles().empty()) simulation.step();
+    return simulation.hash();
 }
 
 std::unique_ptr<Simulation> make_simulation(const SceneDescription& scene, std::string_view integrator,
@@ -183,9 +227,14 @@ std::vector<std::string> limitations(const SceneDescription& scene) {
     }
     for (std::size_t i = 0; i < scene.forces.size(); ++i) {
         const BodyDescription& body = scene.bodies[static_cast<std::size_t>(scene.forces[i].body)];
-        if (body.fixed) list.push_back("force[" + std::to_string(i) + "] " + acts_on_fixed(body));
+        const std::string other = body.fixed ? acts_on_fixed(body) : other_impulse(scene.forces[i], scene);
+        if (!other.empty()) list.push_back("force[" + std::to_string(i) + "] " + other);
     }
+    for (const BodyDescription& body : scene.bodies)
+        if (body.fixed && body.velocity != Triple{})
+            list.push_back("body \"" + body.name + "\" is fixed, so its velocity has no effect");
     if (scene.contact.response == ContactResponse::none) return list;
+    if (scene.contact.response == ContactResponse::impulse) add_overlaps(scene, list);
     if (scene.contact.response == ContactResponse::spring) {
         const auto rough = [](const auto& side) { return side.friction.value_or(0.0) > 0; };
         if (scene.contact.friction > 0 || std::any_of(scene.bodies.begin(), scene.bodies.end(), rough) ||

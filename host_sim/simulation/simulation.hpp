@@ -94,6 +94,9 @@ private:
                                                           std::string_view numbers = "q32",
                                                           std::optional<bool> carry = {});
 
+// Takes the steps that are left, until something goes wrong; returns the hash.
+std::uint64_t finish(Simulation& simulation);
+
 // What can be chosen.
 struct IntegratorInfo {
     std::string name;

@@ -8,17 +8,13 @@
 #include <cmath>
 #include <utility>
 
+#include "simulation/host_features.hpp"
 #include "simulation/motion_of.hpp"
 #include "simulation/number_systems.hpp"
 
 namespace tumble::host {
 
 using reference::Vector;
-
-// Every feature of the kernel, with the host's room.
-inline constexpr Features host_features =
-    Features{.bodies = max_bodies, .planes = max_planes, .springs = max_springs, .near_pairs = max_near_pairs}
-        .with_everything();
 
 // What a Simulation tells of its bodies, whatever the method.
 template <class N, Spin spin_is>
@@ -186,7 +182,7 @@ private:
 // What must be there before BodiesSimulation is.
 template <class Config>
 struct OwnedReplay {
-    explicit OwnedReplay(SceneData scene) : data(std::move(scene)), replay(data) {}
+    explicit OwnedReplay(SceneData scene) : data(with_events_in_order(std::move(scene))), replay(data) {}
 
     SceneData data;
     Replay<Config, SceneData> replay;

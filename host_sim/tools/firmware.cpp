@@ -7,14 +7,15 @@
 #include <cstdio>
 #include <fstream>
 #include <map>
+#include <regex>
 #include <sstream>
 #include <stdexcept>
 #include <tuple>
 
-#include "simulation/simulation.hpp"
 #include "tools/callgrind.hpp"
 #include "tools/files.hpp"
 #include "tools/process.hpp"
+#include "tools/text.hpp"
 
 namespace tumble::host {
 namespace {
@@ -209,10 +210,27 @@ Core core_named(const std::string& name) {
     throw std::invalid_argument("no core '" + name + "', expected one of " + known);
 }
 
+std::string memory_shortage(const std::string& messages, const std::string& core) {
+    // GNU: region `RAM' overflowed by 8688 bytes; LLVM: will not fit in region 'RAM': overflowed by 8688 bytes.
+    static const std::regex overflow("region .(\\w+).:? overflowed by (\\d+) bytes");
+    std::string text;
+    std::smatch match;
+    for (std::string rest = messages; std::regex_search(rest, match, overflow); rest = match.suffix())
+        if (const std::string part = match.str(2) + " bytes of " + match.str(1); text.find(part) == std::string::npos)
+            text += (text.empty() ? "needs " : " and ") + part;
+    return text.empty() ? text : text + " more than " + core + " has";
+}
+
 fs::path build_record_firmware(const fs::path& build, const std::string& core, const fs::path& scene) {
     if (!is_configured("record", build, core))
         configure("record", build, core, {"-DTUMBLE_SCENE_DIR=" + scene.string()});
-    run_quietly({"cmake", "--build", build.string()});
+    try {
+        run_quietly({"cmake", "--build", build.string()});
+    } catch (const std::runtime_error& error) {
+        if (const std::string shortage = memory_shortage(error.what(), core); !shortage.empty())
+            throw std::runtime_error("the firmware " + shortage);
+        throw;
+    }
     return build / "record.elf";
 }
 
@@ -263,6 +281,16 @@ const std::vector<NumberVariant>& number_variants() {
     return list;
 }
 
+const NumberVariant& variant_of(const std::string& numbers, bool carry) {
+    return *std::find_if(number_variants().begin(), number_variants().end(),
+                         [&](const NumberVariant& v) { return v.numbers == numbers && v.carry == carry; });
+}
+
+void check_state(const nlohmann::ordered_json& row, Simulation& simulation, const std::string& program) {
+    if (row.at("state_hash") != hex(finish(simulation)))
+        throw std::runtime_error(program + ": ends with another state than the host");
+}
+
 std::string StepFirmware::name_of(const NumberVariant& variant, const std::string& integrator) {
     return variant.name + "-" + method_of(integrator);
 }
@@ -294,12 +322,14 @@ StepOutcome StepFirmware::run(const std::string& name, int timeout, const std::v
         return messages_.find("FAILED: CMakeFiles/steps-" + group + ".dir") != std::string::npos;
     };
     const std::size_t not_linked = messages_.find("FAILED: " + name + ".elf");
-    // What the linker says stands between this failure and the next.
-    const std::size_t overflow = messages_.find("overflowed", not_linked);
-    if (not_linked != std::string::npos && overflow < messages_.find("FAILED: ", not_linked + 1)) {
-        outcome.does_not_fit = true;
-    } else if (not_linked != std::string::npos || !fs::exists(elf) || not_compiled(name) ||
-               not_compiled(name.substr(0, name.find('-')))) {
+    if (not_linked != std::string::npos) {
+        // What the linker says stands between this failure and the next.
+        const std::size_t end = messages_.find("FAILED: ", not_linked + 1);
+        outcome.shortage = memory_shortage(messages_.substr(not_linked, end - not_linked), core_);
+    }
+    if (!outcome.shortage.empty()) return outcome;
+    if (not_linked != std::string::npos || !fs::exists(elf) || not_compiled(name) ||
+        not_compiled(name.substr(0, name.find('-')))) {
         outcome.error = "not built: see cmake --build " + build_.string() + " --target " + name;
     } else {
         if (core_ == host) outcome.row = counted(elf);

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "simulation/simulation.hpp"
 #include "tools/process.hpp"
 
 namespace tumble::host {
@@ -34,6 +35,9 @@ struct Core {
 // Throws std::invalid_argument for a name that is in no row.
 [[nodiscard]] Core core_named(const std::string& name);
 
+// "needs 8688 bytes of RAM more than cortex-m0 has", of the messages of a linker; empty where no memory is too small.
+[[nodiscard]] std::string memory_shortage(const std::string& messages, const std::string& core);
+
 // Firmware that replays a scene and writes its states: port/programs/record. `scene` is the directory of scene.hpp and
 // recording.hpp, the same one whenever a build directory is used.
 [[nodiscard]] std::filesystem::path build_record_firmware(const std::filesystem::path& build, const std::string& core,
@@ -49,12 +53,13 @@ struct NumberVariant {
     bool carry;
 };
 [[nodiscard]] const std::vector<NumberVariant>& number_variants();
+[[nodiscard]] const NumberVariant& variant_of(const std::string& numbers, bool carry);
 
 // What firmware that measures a step gives in emulation.
 struct StepOutcome {
     nlohmann::ordered_json row;
-    std::string error;          // empty: the row is there
-    bool does_not_fit = false;  // the core's memory is too small; no row and no error
+    std::string error;     // empty: the row is there
+    std::string shortage;  // of the core's memory, as memory_shortage(); no row and no error then
 };
 
 // The function that firmware measures, by a part of its symbol, and the instructions that the firmware counts beside
@@ -70,6 +75,9 @@ struct MeasuredStep {
 // there, "places=FILE" (port/qemu/cycles/report.hpp).
 [[nodiscard]] StepOutcome run_step_program(const Core& core, const std::filesystem::path& elf, int timeout = 900,
                                            const MeasuredStep& step = {}, const std::vector<std::string>& reports = {});
+
+// Throws where a program's row ends with another state than the rest of the simulation does.
+void check_state(const nlohmann::ordered_json& row, Simulation& simulation, const std::string& program);
 
 // Firmware that replays a scene and counts the instructions of every step: port/programs/step, for one core.
 class StepFirmware {
@@ -93,8 +101,9 @@ public:
     // that has a scene of its own. What cannot be built is reported by run().
     void build(const std::vector<std::string>& names);
 
-    // run_step_program() of a program of the last build(), with its sizes (text_bytes: all that lies in flash, code_bytes,
-    // rodata_bytes, ram_bytes, and on a Cortex-M step_stack_bound_bytes) added. The caller checks its state_hash.
+    // run_step_program() of a program of the last build(), with its sizes (text_bytes: all that lies in flash,
+    // code_bytes, rodata_bytes, ram_bytes, and on a Cortex-M step_stack_bound_bytes) added. The caller checks its
+    // state_hash.
     [[nodiscard]] StepOutcome run(const std::string& name, int timeout = 900,
                                   const std::vector<std::string>& reports = {}) const;
 

@@ -54,7 +54,9 @@ std::string hex(std::uint64_t value) {
     return text;
 }
 
-std::string json_number(long double value) { return std::isfinite(value) ? seventeen_digits(value) : "null"; }
+std::string json_number(long double value) {
+    return std::isfinite(static_cast<double>(value)) ? seventeen_digits(value) : "null";
+}
 
 std::string json_text(std::string_view text) {
     return quoted(text,

@@ -32,7 +32,7 @@ namespace tumble::host {
 // A hash as 16 hex digits.
 [[nodiscard]] std::string hex(std::uint64_t value);
 
-// A number (null when it is not finite) or a text in JSON.
+// A number (null when it is not finite as a double) or a text in JSON.
 [[nodiscard]] std::string json_number(long double value);
 [[nodiscard]] std::string json_text(std::string_view text);
 

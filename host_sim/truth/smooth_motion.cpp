@@ -287,7 +287,8 @@ bool SmoothMotion::may_touch(std::size_t i, std::size_t j) const {
     return i != j && shapes_meet_(a.kind, b.kind) && !(a.fixed && b.fixed);
 }
 
-// The widest gap that a plane across the line of centres or along a face leaves between them.
+// The widest gap that a plane leaves between them, of those across the line of centres, along a face and along two
+// edges; negative only where spheres and boxes overlap, by the least that they must move to be apart.
 Number SmoothMotion::distance_bound(std::size_t i, std::size_t j) const {
     const Motion &a = now_[i], &b = now_[j];
     const Vector line = b.x - a.x;
@@ -299,7 +300,42 @@ Number SmoothMotion::distance_bound(std::size_t i, std::size_t j) const {
     Number widest = gap_along(length > 0 ? line * (1 / length) : axes[0]);
     for (const Vector& axis : axes)
         widest = std::max({widest, gap_along(a.q.rotate(axis)), gap_along(b.q.rotate(axis))});
+    if (widest >= 0) return widest;
+    // Where none of these parts them, two boxes may be apart along what is normal to an edge of each, and a sphere and
+    // a box along the line from the box's nearest point.
+    const auto try_along = [&](const Vector& n) {
+        if (const Number size = norm(n); size > 1e-9L) widest = std::max(widest, gap_along(n * (1 / size)));
+    };
+    const auto is = [&](std::size_t body, ShapeKind kind) { return bodies_[body].kind == kind; };
+    for (const Vector& of_a : axes)
+        for (const Vector& of_b : axes)
+            if (is(i, ShapeKind::box) && is(j, ShapeKind::box)) try_along(cross(a.q.rotate(of_a), b.q.rotate(of_b)));
+    for (const auto& [box, sphere] : {std::pair{i, j}, {j, i}}) {
+        if (!is(box, ShapeKind::box) || !is(sphere, ShapeKind::sphere)) continue;
+        Vector centre = now_[box].q.rotate_back(now_[sphere].x - now_[box].x), nearest = centre;
+        for (int k = 0; k < 3; ++k)
+            nearest[k] = std::clamp(centre[k], -bodies_[box].size[k] / 2, bodies_[box].size[k] / 2);
+        try_along(now_[box].q.rotate(centre - nearest));
+    }
     return widest;
+}
+
+std::vector<SmoothMotion::Overlap> SmoothMotion::overlaps() const {
+    std::vector<Overlap> list;
+    for (std::size_t i = 0; i < bodies_.size(); ++i) {
+        for (std::size_t p = 0; p < planes_.size() && bodies_[i].touches_planes(); ++p)
+            if (const Number height = height_over(planes_[p], i); height < 0) list.push_back({i, p, true, -height});
+        for (std::size_t j = 0; j < i && has_pairs_; ++j) {
+            if (!may_touch(i, j)) continue;
+            if (const Number distance = distance_bound(i, j); distance < 0) list.push_back({i, j, false, -distance});
+        }
+    }
+    return list;
+}
+
+Number SmoothMotion::height_over(const Plane& plane, std::size_t i) const {
+    const Number reach = bodies_[i].reach(now_[i].q.rotate_back(plane.normal));
+    return dot(plane.normal, now_[i].x) + plane.offset - reach;
 }
 
 Number SmoothMotion::clearance() const {
@@ -307,8 +343,7 @@ Number SmoothMotion::clearance() const {
     for (std::size_t i = 0; i < bodies_.size(); ++i) {
         for (const Plane& plane : planes_) {
             if (!bodies_[i].touches_planes()) continue;
-            const Number reach = bodies_[i].reach(now_[i].q.rotate_back(plane.normal));
-            least = std::min(least, dot(plane.normal, now_[i].x) + plane.offset - reach);
+            least = std::min(least, height_over(plane, i));
         }
         for (std::size_t j = 0; j < i && has_pairs_; ++j)
             if (may_touch(i, j)) least = std::min(least, distance_bound(i, j));

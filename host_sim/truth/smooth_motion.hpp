@@ -35,6 +35,14 @@ public:
     // The least distance of what may touch, m: the height of a body's lowest point over a plane, and of two bodies no
     // more than their distance. Negative where they overlap; very large where nothing can touch.
     [[nodiscard]] reference::Number clearance() const;
+    // Which of these are in each other, and how deep, m: a body in a plane (other: the plane), or in a body before it
+    // in the scene.
+    struct Overlap {
+        std::size_t body, other;
+        bool with_plane;
+        reference::Number depth;
+    };
+    [[nodiscard]] std::vector<Overlap> overlaps() const;
     // A bound of the speed at which it shrinks, m/s.
     [[nodiscard]] reference::Number closing_speed() const;
 
@@ -80,6 +88,7 @@ private:
     void add_loads(const std::vector<reference::Motion>& motions, std::int64_t step, Wrenches& sums) const;
     [[nodiscard]] bool may_touch(std::size_t i, std::size_t j) const;
     [[nodiscard]] reference::Number distance_bound(std::size_t i, std::size_t j) const;
+    [[nodiscard]] reference::Number height_over(const Plane& plane, std::size_t i) const;
     void add_spring(const SpringDescription& spring, const std::vector<reference::Motion>& motions,
                     Wrenches& sums) const;
 

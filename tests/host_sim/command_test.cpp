@@ -20,6 +20,7 @@
 #include "command_runner.hpp"
 #include "rows.hpp"
 #include "simulation/simulation.hpp"
+#include "tools/firmware.hpp"
 #include "tools/output.hpp"
 
 namespace tumble::host {
@@ -690,6 +691,136 @@ TEST(Limits, events_without_an_effect_are_warned_of) {
     EXPECT_FALSE(has(output("", body_of("a", "sphere = 1.0") + force), "warning: "));
 }
 
+TEST(Limits, a_force_whose_impulse_is_another_in_whole_steps_is_warned_of) {
+    // What is said of a force between two times, at a step; 1000 N and 0.5 s unless they are others.
+    const auto said = [](const std::string& step, const std::string& from, const std::string& until,
+                         const std::string& what = "force = [600.0, 0.0, -800.0]\n",
+                         const std::string& duration = "0.5") {
+        const std::string scene =
+            written("scene.toml", "[world]\nstep = \"" + step + "\"\nduration = " + duration + "\n" +
+                                      body_of("a", "sphere = 1.0") + "[[force]]\nbody = \"a\"\nfrom = " + from +
+                                      "\nuntil = " + until + "\n" + what);
+        const Outcome outcome = tumble({"compile", scene, "-o", "/dev/null"});
+        EXPECT_EQ(outcome.status, 0) << outcome.text;
+        return outcome.text;
+    };
+    // Between the steps at 0.09375 s and 0.109375 s: the nearest to both times is the later one.
+    EXPECT_TRUE(has(said("1/64", "0.102", "0.108"),
+                    "force[0] acts in 0 steps of 0.015625 s, so its impulse is 0 N s instead of 6 N s; take a shorter "
+                    "step or an impulse"));
+    EXPECT_TRUE(has(said("1/64", "0.1", "0.102"), "force[0] acts in 1 step of 0.015625 s, so its impulse is 15.625 N s "
+                                                  "instead of 2 N s; take a shorter step\n"));
+    EXPECT_TRUE(has(said("1/64", "0.102", "0.108", "torque = [0.0, 3.0, 4.0]\n"), "0 N m s instead of 0.03 N m s"));
+    EXPECT_TRUE(has(said("0.1", "0.14", "0.26", "force = [1.0, 0.0, 0.0]\ntorque = [2.0, 0.0, 0.0]\n"),
+                    "2 steps of 0.1 s, so its impulse is 0.2 N s and 0.4 N m s instead of 0.12 N s and 0.24 N m s"));
+    // Within a tenth; nothing; and what the end of the run cuts off as well.
+    EXPECT_EQ(said("1/64", "0.1", "0.3"), "");
+    EXPECT_EQ(said("1/8192", "0.102", "0.108"), "");
+    EXPECT_EQ(said("1/64", "0.102", "0.108", "force = [0.0, 0.0, 0.0]\n"), "");
+    EXPECT_EQ(said("1/64", "0.0", "0.5"), "");
+    EXPECT_TRUE(has(said("1/4", "0.6", "0.7", "force = [1.0, 0.0, 0.0]\n", "0.7"), "1 step"));
+    const std::string scene =
+        written("late.toml", "[world]\nstep = \"1/64\"\nduration = 4.0\n" + body_of("a", "sphere = 1.0") +
+                                 "[[force]]\nbody = \"a\"\nfrom = 3.0\nuntil = 3.5\n"
+                                 "force = [1.0, 0.0, 0.0]\n");
+    EXPECT_EQ(tumble({"compile", scene, "-o", "/dev/null"}).text, "");
+    for (const auto* duration : {"2", "3"})
+        EXPECT_TRUE(has(tumble({"compile", scene, "-o", "/dev/null", "--duration", duration}).text,
+                        "force[0] begins when the last step has been taken, so it has no effect"));
+    EXPECT_EQ(tumble({"compile", scene, "-o", "/dev/null", "--duration", "3.25"}).text, "");
+}
+
+TEST(Limits, a_velocity_of_a_fixed_body_is_warned_of) {
+    const std::string fixed = body_of("belt", "box = [4.0, 1.0, 4.0]") + "fixed = true\n";
+    EXPECT_EQ(warnings_of("", fixed + "velocity = [1.0, 0.0, 0.0]\n"),
+              Warnings{"body \"belt\" is fixed, so its velocity has no effect"});
+    EXPECT_EQ(warnings_of("", fixed + "velocity = [0.0, 0.0, 0.0]\nangular_velocity = [0.0, 1.0, 0.0]\n"), Warnings{});
+}
+
+TEST(Limits, what_begins_in_something_else_is_warned_of) {
+    // Of a scene with these bodies, without a floor or with one at a height.
+    const auto said = [](const std::string& bodies, const std::string& floor = "", const std::string& contact = "") {
+        const std::string scene =
+            written("scene.toml", "[world]\nstep = \"1/64\"\nduration = 0\n" + contact + floor + bodies);
+        const Outcome outcome = tumble({"compile", scene, "-o", "/dev/null"});
+        EXPECT_EQ(outcome.status, 0) << outcome.text;
+        return outcome.text;
+    };
+    const auto at = [](const std::string& name, const std::string& shape, const std::string& position,
+                       const std::string& more = "") {
+        return body_of(name, shape) + "position = " + position + "\n" + more;
+    };
+    const std::string floor = "[[plane]]\nname = \"floor\"\nnormal = [0.0, 2.0, 0.0]\noffset = -1.0\n",  // y >= 1
+        wall = "[[plane]]\nname = \"wall\"\nnormal = [-0.6, 0.0, 0.8]\n";
+    const std::string turned = "orientation = [0.8, 0.0, 0.0, 0.6]\n";  // cos 0.28, sin 0.96 about z
+    EXPECT_TRUE(has(said(at("b", "sphere = 0.5", "[0, -2, 0]"), floor),
+                    "body \"b\" begins 3.5 m inside plane \"floor\", which pushes it out slowly"));
+    EXPECT_TRUE(has(said(at("b", "sphere = 0.5", "[0, -8000, 0]"), floor, "[range]\nposition = 32768\n"), "8001.5 m"));
+    // Half of 1 * 0.96 + 2 * 0.28.
+    EXPECT_TRUE(has(said(at("b", "box = [1, 2, 3]", "[0, 1.75, 0]", turned), floor), "begins 0.01 m inside plane"));
+    EXPECT_EQ(said(at("b", "box = [1, 2, 3]", "[0, 1.76, 0]", turned), floor), "");
+    EXPECT_TRUE(has(said(at("b", "cylinder = [0.5, 3]", "[0, 1.4, 0]"), floor), "begins 0.1 m inside plane"));
+    EXPECT_TRUE(has(said(at("b", "capsule = [0.5, 2]", "[0, 0, 1]"), wall), "begins 0.5 m inside plane \"wall\""));
+    EXPECT_EQ(said(at("b", "hoop = 0.5", "[0, 1.5, 0]"), floor), "");
+    // What touches and what is allowed to sink; what does not touch planes.
+    EXPECT_EQ(said(at("b", "sphere = 0.5", "[0, 1.4995, 0]"), floor), "");
+    EXPECT_TRUE(
+        has(said(at("b", "sphere = 0.5", "[0, 1.4995, 0]"), floor, "[contact]\ntolerance = 1e-4\n"), "0.0005 m"));
+    EXPECT_EQ(said(at("b", "sphere = 0.5", "[0, -2, 0]", "fixed = true\n"), floor), "");
+    EXPECT_EQ(said(at("b", "sphere = 0.5", "[0, -2, 0]"), floor, "[contact]\nresponse = \"none\"\n"), "");
+    // Bodies.
+    const auto two = [&](const std::string& a, const std::string& x, const std::string& b, const std::string& y,
+                         const std::string& more = "") { return said(at("a", a, x, more) + at("b", b, y)); };
+    EXPECT_TRUE(has(two("sphere = 0.25", "[0, 0, 0]", "sphere = 0.25", "[0.27, 0, 0.36]"),
+                    "body \"b\" begins 0.05 m inside body \"a\""));
+    EXPECT_TRUE(has(two("sphere = 0.25", "[0, 0, 0]", "sphere = 0.25", "[0, 0, 0]"), "begins 0.5 m inside"));
+    EXPECT_EQ(two("sphere = 0.25", "[0, 0, 0]", "sphere = 0.25", "[0.3, 0, 0.4]"), "");
+    EXPECT_TRUE(has(two("box = [1, 1, 1]", "[0, 0, 0]", "box = [1, 1, 1]", "[0.2, 0.9, -0.3]"), "begins 0.1 m inside"));
+    EXPECT_TRUE(has(two("box = [1, 1, 1]", "[0, 0, 0]", "box = [1, 1, 1]", "[0, 0, 0]"), "begins 1 m inside"));
+    EXPECT_EQ(two("box = [1, 1, 1]", "[0, 0, 0]", "box = [1, 1, 1]", "[0.2, 1, -0.3]"), "");
+    // A sphere by a corner of a box: 0.3 m from it along each axis, 0.5196 m in all.
+    EXPECT_EQ(two("box = [1, 1, 1]", "[0, 0, 0]", "sphere = 0.51", "[0.8, 0.8, 0.8]"), "");
+    EXPECT_TRUE(
+        has(two("box = [1, 1, 1]", "[0, 0, 0]", "sphere = 0.53", "[0.8, -0.8, 0.8]"), "begins 0.0103848 m inside"));
+    EXPECT_TRUE(has(two("sphere = 0.1", "[0, 0.3, 0]", "box = [1, 1, 1]", "[0, 0, 0]"), "begins 0.3 m inside"));
+    // Two boxes edge to edge, apart along the normal of both edges alone.
+    const std::string about_x = "orientation = [0.92387953, 0.38268343, 0.0, 0.0]\n",
+                      about_z = "orientation = [0.92387953, 0.0, 0.0, 0.38268343]\n";
+    const auto crossed = [&](const std::string& height) {
+        return said(at("a", "box = [4, 1, 1]", "[0, 0, 0]", about_x) +
+                    at("b", "box = [1, 1, 4]", "[0, " + height + ", 0]", about_z));
+    };
+    EXPECT_EQ(crossed("1.42"), "");
+    EXPECT_TRUE(has(crossed("1.40"), "begins 0.0142136 m inside body \"a\""));
+}
+
+TEST(Run, an_energy_that_no_double_holds_is_null_and_told) {
+    // Its step is 25000 times too long: the motion grows by 6e8 a step.
+    const std::string scene = "[world]\nstep = \"1/4\"\nduration = 5.0\n" + body_of("a", "sphere = 1.0") +
+                              body_of("b", "sphere = 1.0") + "position = [3.0, 0.0, 0.0]\n" +
+                              "[[spring]]\nbody = \"b\"\nto = [3.0, 1.0, 0.0]\nstiffness = 1e10\n";
+    const std::string path = written("scene.toml", scene);
+    const Outcome outcome = tumble({"run", path, "--numbers", "f64", "--json"}, Process::Errors::pass);
+    EXPECT_EQ(outcome.status, 1);
+    const Json json = Json::parse(outcome.text);
+    EXPECT_TRUE(json["energy_end_j"].is_null()) << outcome.text;
+    EXPECT_TRUE(json["bodies"][1]["position_m"][1].is_number()) << outcome.text;
+    EXPECT_EQ(json["status"], Json::array({"range_left"}));
+    EXPECT_TRUE(has(tumble({"run", path, "--numbers", "f64"}).text, "body \"b\" at 4.75 s (step 19): range_left"));
+}
+
+TEST(Firmware, a_memory_that_is_too_small_is_one_sentence) {
+    EXPECT_EQ(memory_shortage("ld: a.elf section `.bss' will not fit in region `RAM'\n"
+                              "ld: region `RAM' overflowed by 8688 bytes\ncollect2: error: ld returned 1 exit status\n",
+                              "cortex-m0"),
+              "needs 8688 bytes of RAM more than cortex-m0 has");
+    EXPECT_EQ(memory_shortage("ld.lld: error: section '.bss' will not fit in region 'RAM': overflowed by 96 bytes\n"
+                              "ld.lld: error: section '.text' will not fit in region 'FLASH': overflowed by 4 bytes\n",
+                              "cortex-m3"),
+              "needs 96 bytes of RAM and 4 bytes of FLASH more than cortex-m3 has");
+    EXPECT_EQ(memory_shortage("undefined reference to `main'\n", "cortex-m3"), "");
+}
+
 // --- list ------------------------------------------------------------------------------------------------------------
 
 TEST(List, names_integrators_number_systems_ranges_and_cores) {
@@ -780,6 +911,37 @@ TEST(Compile, header_holds_what_the_scene_needs_and_nothing_else) {
     for (const auto* part :
          {"boxes = true", "friction = true", "impulses = true", "forces = true", "drag = true", ".springs ="})
         EXPECT_FALSE(has(header, part)) << part;
+}
+
+// Boxes side by side have more neighbours than a heap of spheres: four by four on a floor 58 pairs.
+std::string packed_boxes(int n) {
+    std::string scene = "[world]\ngravity = [0.0, -9.81, 0.0]\nstep = \"1/256\"\nduration = 0.25\n[contact]\n"
+                        "restitution = 0.0\nfriction = 0.5\n[[plane]]\nname = \"floor\"\nnormal = [0.0, 1.0, 0.0]\n";
+    for (int i = 0; i < n; ++i)
+        for (int j = 0; j < n; ++j)
+            scene += "[[body]]\nname = \"b" + std::to_string(n * i + j) + "\"\nshape = { box = [0.5, 0.5, 0.5] }\n" +
+                     "mass = 1.0\nposition = [" + std::to_string(0.5 * i) + ", 0.25, " + std::to_string(0.5 * j) +
+                     "]\n";
+    return scene;
+}
+
+TEST(Compile, there_is_room_for_the_pairs_of_packed_boxes) {
+    const auto near_pairs = [](const std::string& scene) {
+        const Outcome outcome = tumble({"compile", scene});
+        EXPECT_EQ(outcome.status, 0) << outcome.text;
+        const std::size_t at = outcome.text.find(".near_pairs = ");
+        return at == std::string::npos ? 0 : std::stoi(outcome.text.substr(at + 14));
+    };
+    // Neighbours along two directions and both diagonals, and the floor.
+    for (const int n : {4, 5}) {
+        const int pairs = 2 * n * (n - 1) + 2 * (n - 1) * (n - 1) + n * n;
+        const int room = near_pairs(written("packed.toml", packed_boxes(n)));
+        EXPECT_GE(room, pairs) << n;
+        EXPECT_LE(room, 2 * pairs) << n;
+    }
+    // What has the usual room.
+    for (const char* scene : {"contacts/spheres", "contacts/pyramid", "brick"})
+        EXPECT_EQ(near_pairs(shipped(scene)), 0);
 }
 
 TEST(Compile, takes_a_scene_without_bodies_where_it_is_told_to) {

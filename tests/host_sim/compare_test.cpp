@@ -1,5 +1,7 @@
 // `tumble compare`: the same bits on a core in QEMU as on the host, and a report that names the place where they are
 // not.
+#include <regex>
+
 #include "command_runner.hpp"
 
 namespace tumble::host {
@@ -97,6 +99,42 @@ TEST(Compare, firmware_without_doubles_has_no_double_arithmetic) {
             EXPECT_FALSE(has(symbols, name)) << numbers << ": " << name;
         EXPECT_EQ(has(symbols, "__aeabi_fmul"), std::string(numbers) == "f32") << numbers;
     }
+}
+
+// --- of the deep set -------------------------------------------------------------------------------------------------
+
+TEST(CompareDeep, packed_boxes_have_one_hash) {
+    std::string scene = "[world]\ngravity = [0.0, -9.81, 0.0]\nstep = \"1/256\"\nduration = 0.125\n[contact]\n"
+                        "restitution = 0.0\nfriction = 0.5\n[[plane]]\nname = \"floor\"\nnormal = [0.0, 1.0, 0.0]\n";
+    for (int i = 0; i < 16; ++i)
+        scene += "[[body]]\nname = \"b" + std::to_string(i) + "\"\nshape = { box = [0.5, 0.5, 0.5] }\nmass = 1.0\n" +
+                 "position = [" + std::to_string(0.5 * (i / 4)) + ", 0.25, " + std::to_string(0.5 * (i % 4)) + "]\n";
+    const std::string path = written("packed.toml", scene);
+    for (const auto* core : {"cortex-m3", "cortex-m7"}) {
+        const Outcome outcome = tumble({"compare", path, "--core", core});
+        EXPECT_EQ(outcome.status, 0) << outcome.text;
+        EXPECT_TRUE(has(outcome.text, std::string(core) + " agrees with the host: 33 states")) << outcome.text;
+    }
+    const Outcome small = tumble({"compare", path, "--core", "cortex-m0"});
+    EXPECT_EQ(small.status, 1);
+    EXPECT_TRUE(std::regex_match(small.text, std::regex("tumble: the firmware needs \\d+ bytes of RAM more than "
+                                                        "cortex-m0 has\n")))
+        << small.text;
+}
+
+TEST(CompareDeep, a_difference_comes_with_the_status_of_both_sides) {
+    const std::string scene = written(
+        "falling.toml",
+        "[world]\ngravity = [0.0, -9.81, 0.0]\nstep = \"1/256\"\nduration = 8.0\n[range]\nposition = 64.0\n"
+        "velocity = 32.0\nangular_velocity = 32.0\n[[body]]\nname = \"ball\"\nshape = { sphere = 0.5 }\nmass = 1.0\n");
+    const std::string host = tumble({"run", scene}).text;
+    const std::size_t at = host.find("(step ");
+    ASSERT_NE(at, std::string::npos) << host;
+    const std::string last = std::to_string(std::stoi(host.substr(at + 6)) + 1);
+    const Outcome outcome = tumble({"compare", scene, "--core", "cortex-m3", "--flip", last});
+    EXPECT_EQ(outcome.status, 1);
+    EXPECT_TRUE(has(outcome.text, "differs at step " + last + " ")) << outcome.text;
+    EXPECT_TRUE(has(outcome.text, "status of cortex-m3: range_left; of the host: range_left\n")) << outcome.text;
 }
 
 }  // namespace

@@ -16,6 +16,7 @@
 
 #include <gtest/gtest.h>
 
+#include "scene/data.hpp"
 #include "scene/reader.hpp"
 
 namespace tumble::host {
@@ -118,6 +119,114 @@ TEST(SceneReader, unknown_key_names_file_line_and_key) {
 TEST(SceneReader, wrong_value_names_what_it_got_and_the_unit_expected) {
     EXPECT_EQ(error_of(world + "[[body]]\nname = \"brick\"\nshape = { sphere = 1.0 }\nmass = -3\n"),
               "text.toml:7: body[0].mass: got -3, expected a positive finite number (kg)");
+}
+
+TEST(SceneReader, numbers_whose_products_leave_a_double_are_refused) {
+    const auto gravity = [](const std::string& g) {
+        return "[world]\nstep = \"1/256\"\nduration = 4.0\ngravity = [0, " + g + ", 0]\n" + brick;
+    };
+    EXPECT_EQ(error_of(gravity("-1e300")), "text.toml:4: world.gravity[1]: got -1e+300, expected a finite number "
+                                           "(m/s^2), of a size up to 1e+40");
+    EXPECT_EQ(error_of(gravity("1.1e40")).substr(0, 30), "text.toml:4: world.gravity[1]:");
+    EXPECT_EQ(error_of(gravity("-1e40")), "no error");
+    EXPECT_EQ(error_of(gravity("1e-300")), "no error");
+    const std::string point = "[[body]]\nname = \"a\"\nshape = \"none\"\nmass = ";
+    EXPECT_EQ(error_of(world + point + "1e-300\n"), "text.toml:7: body[0].mass: got 1e-300, expected a positive finite "
+                                                    "number (kg), from 1e-40 to 1e+40");
+    for (const auto* mass : {"1e-40", "1e40"}) EXPECT_EQ(error_of(world + point + mass + "\n"), "no error");
+    for (const std::string number : {"1e41", "1e300", "1e308"}) {
+        const std::string to_step = "[world]\nduration = 0\nstep = ", body = "[[body]]\nname = \"b\"\nmass = 1\n";
+        for (const std::string& scene :
+             {world + point + number + "\n", to_step + number + "\n" + brick, to_step + "\"" + number + "\"\n" + brick,
+              world + "gravitation = " + number + "\n" + brick, world + "linear_drag = " + number + "\n" + brick,
+              world + "[contact]\nstiffness = " + number + "\n" + brick,
+              world + "[[plane]]\nname = \"p\"\nnormal = [0, 1, 0]\noffset = " + number + "\n" + brick,
+              world + body + "shape = { sphere = " + number + " }\n",
+              world + body + "shape = { box = [1, 1, " + number + "] }\n",
+              world + body + "shape = { points = [[0, 0, 1, 1], [1, 0, 0, " + number + "]] }\n",
+              world + brick + "inertia = [1, 1, " + number + "]\n",
+              world + brick + "[[spring]]\nbody = \"brick\"\nto = [0, 0, " + number + "]\nstiffness = 1\n",
+              world + brick + "[[force]]\nbody = \"brick\"\nuntil = 1\ntorque = [0, 0, " + number + "]\n",
+              world + brick + "[[impulse]]\nbody = \"brick\"\ntime = 1\nimpulse = [" + number + ", 0, 0]\n"})
+            EXPECT_NE(error_of(scene).find(", expected "), std::string::npos) << scene;
+    }
+}
+
+TEST(SceneReader, what_lies_too_deep_is_refused_before_it_is_parsed) {
+    const auto repeated = [](int count, const std::string& part, const std::string& between = "") {
+        std::string text;
+        for (int i = 0; i < count; ++i) text += (i > 0 ? between : "") + part;
+        return text;
+    };
+    const std::string message = "text.toml:5: TOML syntax: tables, arrays and parts of keys lie more than 64 deep in "
+                                "each other, expected at most 64";
+    // Whatever stands before it.
+    const std::vector<std::string> befores = {"#\n\n\n\n", "[x]\na = \"\"\"\n# ' \\\\\n\"\"\"\n",
+                                              "a = [ 1,\n 'b', { c = 1.5 },\n\n]\n",
+                                              "a = \"\\\"\" # \"\nb = ''''''\n[ 'c#' ]\n# [[\n"};
+    for (const int count : {65, 66, 1000, 200000}) {
+        const int half = count / 2 + 1;
+        for (const std::string& deep :
+             {repeated(count, "a", ".") + " = 1", repeated(count, "\"a.b\"", " . ") + " = 1",
+              repeated(count, "'='", ".") + "=1", "[" + repeated(count, "a", ".") + "]",
+              " [[ " + repeated(count, "\"]\"", "\t.") + " ]]", repeated(count, "a", "."),
+              "x = " + repeated(count, "{ a = ") + "1" + repeated(count, " }"),
+              "x = " + repeated(count, "[") + repeated(count, "]"),
+              "x = { " + repeated(half, "a", ".") + " = { " + repeated(half, "b", ".") + " = 1 } }",
+              "x = " + repeated(half, "[{ a = ") + "1" + repeated(half, "}]")}) {
+            for (const std::string& before : befores) {
+                if (count > 1000 && before != befores[0]) continue;
+                EXPECT_EQ(error_of(before + deep + "\n"), message) << before << deep.substr(0, 200);
+            }
+        }
+        if (half > 64) continue;
+        // A header and the key below it.
+        EXPECT_EQ(error_of("\n\n\n[" + repeated(half, "a", ".") + "]\n" + repeated(half, "b", ".") + " = 1\n"),
+                  message);
+    }
+    // Deep enough for everybody, and what only looks deep.
+    for (const std::string& shallow :
+         {repeated(64, "a", ".") + " = 1", repeated(60, "a", ".") + " = 1.5", "a = \"" + repeated(100, ".") + "\"",
+          "a = '''\n" + repeated(100, "[") + "'''", "a = 1 # " + repeated(100, "a", "."),
+          "\"" + repeated(100, "a", ".") + "\" = 1", "a = [" + repeated(100, "1.5", ", ") + "]",
+          "a = [" + repeated(100, "[1.5]", ",\n") + "]", "a = [" + repeated(100, "{ a.b = 1.5 }", ",") + "]",
+          repeated(100, "[[a]]\nb.c = 1.5\n"),
+          "[" + repeated(63, "a", ".") + "]\na = 1\n[b]\n" + repeated(63, "a", ".") + " = 1"})
+        EXPECT_NE(error_of(shallow).find("unknown key"), std::string::npos) << shallow << "\n" << error_of(shallow);
+}
+
+TEST(SceneReader, what_there_is_no_room_for_is_told_with_its_line) {
+    const auto bodies = [](int count) {
+        std::string text = world;
+        for (int b = 0; b < count; ++b)
+            text += "[[body]]\nname = \"" + std::to_string(b) + "\"\nshape = { sphere = 1.0 }\nmass = 1.0\n";
+        return text;
+    };
+    const std::string plane = "[[plane]]\nname = \"p",
+                      spring = "[[spring]]\nbody = \"brick\"\nto = [0, 0, 0]\nstiffness = 1\n";
+    EXPECT_EQ(error_of(bodies(max_bodies)), "no error");
+    EXPECT_EQ(error_of(bodies(max_bodies + 1)),
+              "text.toml:" + std::to_string(4 + 4 * max_bodies) + ": body[64]: got 65 of them, expected at most 64");
+    std::string planes = world + brick, springs = world + brick;
+    for (int i = 0; i < max_planes; ++i) planes += plane + std::to_string(i) + "\"\nnormal = [0, 1, 0]\n";
+    for (int i = 0; i < max_springs; ++i) springs += spring;
+    EXPECT_EQ(error_of(planes), "no error");
+    EXPECT_EQ(error_of(springs), "no error");
+    EXPECT_EQ(error_of(planes + plane + "\"\nnormal = [0, 1, 0]\n"),
+              "text.toml:" + std::to_string(8 + 3 * max_planes) + ": plane[16]: got 17 of them, expected at most 16");
+    EXPECT_EQ(error_of(springs + spring),
+              "text.toml:" + std::to_string(8 + 4 * max_springs) + ": spring[64]: got 65 of them, expected at most 64");
+}
+
+TEST(SceneReader, a_file_without_an_end_is_an_error) {
+    if (!fs::exists("/dev/zero")) GTEST_SKIP() << "no /dev/zero";
+    try {
+        (void)read_scene("/dev/zero");
+        FAIL() << "no error";
+    } catch (const SceneError& error) {
+        EXPECT_STREQ(error.what(), "/dev/zero: cannot be read: it is larger than 33554432 bytes, expected a scene file "
+                                   "(TOML)");
+    }
 }
 
 TEST(SceneReader, missing_file_is_an_error_that_names_it) {

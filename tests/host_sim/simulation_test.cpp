@@ -3,7 +3,9 @@
 #include <tumble/body/words.hpp>
 
 #include <cmath>
+#include <ctime>
 #include <numbers>
+#include <stdexcept>
 
 #include "command_runner.hpp"
 #include "scene/data.hpp"
@@ -17,10 +19,6 @@ constexpr const char* head = "name = \"test\"\n[world]\nstep = \"1/256\"\ndurati
 
 SceneDescription scene_with(const std::string& body, const std::string& before = "") {
     return read_scene_text(head + before + "[[body]]\nname = \"body\"\n" + body, "test.toml");
-}
-
-void finish(Simulation& simulation) {
-    while (simulation.steps_taken() < simulation.steps()) simulation.step();
 }
 
 TEST(SceneBuilder, density_times_volume_is_mass) {
@@ -88,10 +86,46 @@ TEST(SceneBuilder, contact_is_as_written) {
 }
 
 TEST(SceneBuilder, more_bodies_than_there_is_room_for_are_refused) {
-    std::string text = head;
-    for (int b = 0; b <= max_bodies; ++b)
-        text += "[[body]]\nname = \"body " + std::to_string(b) + "\"\nshape = { sphere = 1.0 }\nmass = 1.0\n";
-    EXPECT_THROW((void)build_scene(read_scene_text(text, "test.toml")), UnsupportedScene);
+    SceneDescription scene = scene_with("shape = { sphere = 1.0 }\nmass = 1.0\n");
+    scene.bodies.resize(max_bodies, scene.bodies[0]);
+    EXPECT_NO_THROW((void)build_scene(scene));
+    scene.bodies.push_back(scene.bodies[0]);
+    EXPECT_THROW((void)build_scene(scene), UnsupportedScene);
+}
+
+TEST(SceneBuilder, events_are_brought_into_order_in_a_moment_and_those_of_one_step_keep_theirs) {
+    SceneDescription scene = scene_with("shape = { sphere = 1.0 }\nmass = 1.0\n");
+    constexpr int count = 100000;
+    scene.duration = 100.0;  // 25600 steps: about four events in each
+    for (int i = 0; i < count; ++i) {
+        // The last step first, and in a step by turns after and before its time.
+        const double time = (25599 - i / 4 + (i % 2 == 0 ? 0.2 : -0.2)) / 256, tag = 0.001 * (i % 4);
+        scene.impulses.push_back({time, 0, Frame::world, {1.0, tag, 0.0}, {}, {}});
+        scene.forces.push_back({0, time, time + 1.0, Frame::world, {tag, 0.0, 0.0}, {}, {}});
+    }
+    const SceneData data = with_events_in_order(build_scene(scene));
+    for (std::size_t i = 0; i < count; ++i) {
+        ASSERT_EQ(std::round(data.impulses.at(i).time.to_double() * 256), 25600 - count / 4 + static_cast<int>(i) / 4);
+        ASSERT_NEAR(data.impulses[i].impulse.y.to_double(), 0.001 * static_cast<int>(i % 4), 1e-12) << i;
+        ASSERT_NEAR(data.forces.at(i).force.x.to_double(), 0.001 * static_cast<int>(i % 4), 1e-12) << i;
+    }
+    // Moving each event past all later ones takes a minute.
+    const std::clock_t start = std::clock();
+    const auto simulation = make_simulation(scene);
+    EXPECT_LT(static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC, 5.0);
+    EXPECT_TRUE(simulation->troubles().empty());
+}
+
+TEST(SceneBuilder, misuse_of_the_kernel_is_an_exception_that_says_what_failed) {
+    SceneDescription scene = scene_with("shape = { sphere = 1.0 }\nmass = 1.0\n");
+    scene.bodies[0].mass = -1.0;
+    try {
+        (void)make_simulation(scene);
+        FAIL() << "no exception";
+    } catch (const std::logic_error& error) {
+        EXPECT_NE(std::string(error.what()).find("the kernel's assertion "), std::string::npos) << error.what();
+        EXPECT_NE(std::string(error.what()).find(".hpp, line "), std::string::npos) << error.what();
+    }
 }
 
 // --- snapshots -------------------------------------------------------------------------------------------------------

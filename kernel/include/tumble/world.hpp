@@ -167,6 +167,11 @@ public:
         if constexpr (features.springs_touch()) return advance_.loads.largest_safe_step();
         else return {};
     }
+    // Pairs that are near each other, of a body and a plane or another: near_pairs is the room for them.
+    [[nodiscard]] int near_pair_count() const {
+        if constexpr (has_contacts) return contacts_.pair_count();
+        else return 0;
+    }
     // Contact points of the body in the last step.
     [[nodiscard]] int contact_count(BodyId id) const {
         if constexpr (has_contacts) return contacts_.count(place_of(id));

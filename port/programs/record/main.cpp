@@ -1,5 +1,5 @@
-// Replays a scene and writes every recorded state: lines "state STEP WORD ..." in hex, and at the end the sticky status
-// and the digest, "end [ISSUE ...] HASH".
+// Replays a scene and writes every recorded state: lines "state STEP WORD ..." in hex, before one of them the sticky
+// status where it has changed, "status ISSUE ...", and at the end that and the digest, "end [ISSUE ...] HASH".
 #include "port.hpp"
 
 #include "recording.hpp"
@@ -35,7 +35,24 @@ private:
 Scene scene;
 Writer out;
 
+// The names of its issues, each with a space behind it.
+void write(tumble::Status status) {
+    for (const tumble::Issue issue : tumble::all_issues) {
+        if (!status.has(issue)) continue;
+        out.text(tumble::name_of(issue));
+        out.text(" ");
+    }
+}
+
 void record() {
+    static std::uint8_t told = 0;
+    const tumble::Status status = scene.world().status();
+    if (status.bits != told) {
+        out.text("status ");
+        write(status);
+        out.text("\n");
+        told = status.bits;
+    }
     out.text("state ");
     out.hex(scene.world().steps_taken());
     for (int b = 0; b < scene.world().body_count(); ++b) {
@@ -66,11 +83,7 @@ int main() {
         }
     }
     out.text("end ");
-    for (const tumble::Issue issue : tumble::all_issues) {
-        if (!status.has(issue)) continue;
-        out.text(tumble::name_of(issue));
-        out.text(" ");
-    }
+    write(status);
     const std::uint64_t hash = scene.world().hash();
     out.hex(static_cast<std::uint32_t>(hash >> 32));
     out.hex(static_cast<std::uint32_t>(hash));

@@ -34,6 +34,8 @@ public:
     }
     // Body b has a pair in the list.
     [[nodiscard]] TUMBLE_INLINE bool is_near(int b) const { return pairs_of_[b] != 0; }
+    // Pairs in the list.
+    [[nodiscard]] int pair_count() const { return pair_count_; }
     // The body's motion has been changed from outside: what was foreseen of it no longer holds.
     void startle(int b, std::uint32_t now) {
         foreseen_until_[b] = now;

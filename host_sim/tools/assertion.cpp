@@ -1,0 +1,13 @@
+#include "tools/assertion.hpp"
+
+#include <stdexcept>
+#include <string>
+
+namespace tumble::host {
+
+void assertion_failed(const char* condition, const char* file, int line) {
+    throw std::logic_error("the kernel's assertion " + std::string(condition) + " failed in " + file + ", line " +
+                           std::to_string(line));
+}
+
+}  // namespace tumble::host
