@@ -6,11 +6,11 @@
 // `heavy_top`: an asymmetric top's spin against the step. Truth: an integration in long double, of a row once. The
 // error is the angle to the true orientation at 16 times.
 //
-// Energy is that of rotation and of the force, above the least that it can be; of the pendulum relative to what a linear
-// oscillation's energy swings up to in the same method.
+// Energy is that of rotation and of the force, above the least that it can be; of the pendulum relative to what a
+// linear oscillation's energy swings up to in the same method.
 //
-// Rounding: what one rounding of the spin does is what a start that is wrong by as much does to the true motion; N steps
-// make sqrt(N) of it where no residuals are carried, and rounded constants stretch time by one rounding.
+// Rounding: what one rounding of the spin does is what a start that is wrong by as much does to the true motion; N
+// steps make sqrt(N) of it where no residuals are carried, and rounded constants stretch time by one rounding.
 #include <boost/math/special_functions/jacobi_elliptic.hpp>
 
 #include <algorithm>
@@ -125,14 +125,19 @@ private:
 class HeavyTop final : public Map {
 public:
     HeavyTop()
-        : Map("heavy_top", "a heavy asymmetric top, 2 s",
+        : Map("heavy_top", "a heavy asymmetric top, 4 s",
               {"steps_a_second",
                "steps a second",
                "1/s",
                true,
-               {8, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512, 768, 1024, 2048, 4096},
-               {8, 32, 128, 512, 2048}},
-              {"spin", "spin about its axis", "rad/s", false, {1, 3, 6, 10, 15, 20, 30, 40, 50, 60}, {3, 20, 60}}) {}
+               {4, 8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512, 1024, 2048},
+               {4, 16, 64, 256, 1024}},
+              {"spin",
+               "spin about its axis",
+               "rad/s",
+               false,
+               {0.5, 1.5, 3, 5, 7.5, 10, 15, 20, 25, 30},
+               {1.5, 10, 30}}) {}
 
     void prepare(const std::vector<double>& y_values) override {
         for (const double y : y_values) (void)truth(y);
@@ -155,11 +160,11 @@ public:
 protected:
     void change(SceneFile& scene, double x, double y) const override {
         scene.set("world.step", 1 / x);
-        scene.set("body[0].angular_velocity", host::Triple{0.5, 0.5, y});
+        scene.set("body[0].angular_velocity", host::Triple{0.25, 0.25, y});
     }
 
 private:
-    static constexpr double duration = 2;  // s, of the scene's file
+    static constexpr double duration = 4;  // s, of the scene's file
     static constexpr int samples = 16;
 
     struct Truth {
