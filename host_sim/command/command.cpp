@@ -76,7 +76,6 @@ SceneDescription Choice::read() const {
                           std::to_string(max_steps));
     (void)find_number_system(description, numbers, wants_carry());
     require_runs_in(method, numbers);
-    const auto warn = [&](const std::string& of) { std::cerr << "warning: " << scene << ": " << of << "\n"; };
     for (const std::string& limitation : limitations(description)) warn(limitation);
     if (is_run)
         for (const Limit& limit : exceeded_limits(description, integrator, numbers, wants_carry()))
@@ -84,8 +83,17 @@ SceneDescription Choice::read() const {
     return description;
 }
 
+void Choice::warn(const std::string& of) const { std::cerr << "warning: " << scene << ": " << of << "\n"; }
+
 std::unique_ptr<Simulation> Choice::start(const SceneDescription& description) const {
-    return make_simulation(description, integrator, numbers, wants_carry());
+    auto simulation = make_simulation(description, integrator, numbers, wants_carry());
+    const ContactDescription& contact = description.contact;
+    const auto used = static_cast<double>(simulation->contact_tolerance());
+    // A tolerance that is resolved is off by less than a sixteenth of itself.
+    if (contact.response == ContactResponse::impulse && used > contact.tolerance * 17 / 16)
+        warn("contact.tolerance = " + few_digits(contact.tolerance) + " m is too small for " + numbers +
+             " beside this scene's largest body or way in a step: " + few_digits(used) + " m is used");
+    return simulation;
 }
 
 void check_core(const std::string& name) {

@@ -37,7 +37,11 @@ struct Choice {
     }
     // Reads the scene, applies the choice to it and warns of what is not simulated and of exceeded limits.
     [[nodiscard]] SceneDescription read() const;
+    // Warns of a contact tolerance that the numbers do not hold.
     [[nodiscard]] std::unique_ptr<Simulation> start(const SceneDescription& scene) const;
+
+private:
+    void warn(const std::string& of) const;
 };
 
 struct RunOptions : Choice {

@@ -1,6 +1,6 @@
 #include "scene/reader.hpp"
 
-#include <tumble/numbers/systems.hpp>
+#include <tumble/shapes/shape.hpp>
 
 #include <array>
 #include <charconv>
@@ -49,6 +49,9 @@ constexpr RangeDescription field{FieldRange::position, FieldRange::velocity, Fie
 
 // Bytes: some hundred thousand events.
 constexpr std::size_t largest_file = std::size_t{1} << 25;
+
+constexpr double planes_within = 4;    // times the range of positions: what fixed point holds of a plane's offset
+constexpr double longest_reach = 1e8;  // m, of a shape from its centre: what fixed point measures contacts with
 
 constexpr double moment_tolerance = 1e-12;  // relative: rounding of moments computed from a tensor or from points
 
@@ -208,6 +211,9 @@ BodyDescription read_body(Table table, const RangeDescription& range) {
     table.finish();
 
     check_mass(table, body);
+    if (const double reach = reach_of(shape_of(body.shape)).to_double(); reach > longest_reach)
+        table.at("shape").fail("it reaches " + shown(reach) + " m from its centre",
+                               "sizes (m) with which it reaches at most " + shown(longest_reach) + " m");
     if (turned)
         check_not_zero(table.at("orientation"), body.orientation.data(), 4,
                        "a quaternion [w, x, y, z] that is not zero");
@@ -219,7 +225,7 @@ BodyDescription read_body(Table table, const RangeDescription& range) {
     return body;
 }
 
-PlaneDescription read_plane(Table table) {
+PlaneDescription read_plane(Table table, const RangeDescription& range) {
     PlaneDescription plane;
     table.required("name", plane.name);
     table.required("normal", plane.normal, Quantity{Quantity::any, "", "x, y, z"});
@@ -228,6 +234,9 @@ PlaneDescription read_plane(Table table) {
     table.optional("friction", plane.friction, friction);
     table.finish();
     check_not_zero(table.at("normal"), plane.normal.data(), 3, "a vector [x, y, z] that is not zero");
+    if (const double most = planes_within * range.position; std::abs(plane.offset) > most)
+        table.at("offset").refuse("a number from -" + shown(most) + " to " + shown(most) + " (m), " +
+                                  shown(planes_within) + " times the range.position of this scene");
     return plane;
 }
 
@@ -446,7 +455,7 @@ SceneDescription read_root(Table root, const std::string& file, BodyCount count)
     check_count(planes, max_planes);
     check_count(bodies, max_bodies);
     check_count(springs, max_springs);
-    for (Table table : planes) add_named(scene.planes, read_plane(table), table, names);
+    for (Table table : planes) add_named(scene.planes, read_plane(table, scene.range), table, names);
     for (Table table : bodies) add_named(scene.bodies, read_body(table, scene.range), table, names);
     if (scene.angular_drag > 0.0 && !scene.has_rotation())
         world->at("angular_drag").fail("all bodies are point masses, which have no rotation", "0 or no angular_drag");

@@ -60,6 +60,10 @@ public:
     // s; contacts by springs gain energy at longer ones. 0: none of them limits the step.
     [[nodiscard]] virtual long double largest_safe_step() const = 0;
 
+    // m: the band in which bodies touch by impulses, wider than the scene's where the number system does not resolve
+    // that.
+    [[nodiscard]] virtual long double contact_tolerance() const = 0;
+
     // All words of all bodies' states, in the order of a record; and the body and number that a word belongs to.
     virtual void append_words(std::vector<std::uint32_t>& words) const = 0;
     struct Place {

@@ -215,6 +215,9 @@ public:
     [[nodiscard]] long double largest_safe_step() const override {
         return number(Owned::replay.world().largest_safe_step());
     }
+    [[nodiscard]] long double contact_tolerance() const override {
+        return static_cast<double>(Owned::replay.world().contact_tolerance());
+    }
 
     [[nodiscard]] std::string_view integrator() const override { return Method::name; }
     [[nodiscard]] std::string_view numbers() const override { return N::name; }

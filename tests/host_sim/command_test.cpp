@@ -656,6 +656,19 @@ TEST(Limits, shapes_that_touch_no_bodies_are_warned_of_where_there_are_others) {
     EXPECT_EQ(warnings_of("", body_of("a", "box = [1.0, 1.0, 1.0]") + ball), Warnings{});
 }
 
+TEST(Limits, a_contact_tolerance_that_the_numbers_do_not_resolve_is_warned_of) {
+    const auto contact = [](const std::string& tolerance) { return "[contact]\ntolerance = " + tolerance + "\n"; };
+    const std::string ball = body_of("a", "sphere = 1.0"), long_box = body_of("a", "box = [1.0, 1.0, 600.0]");
+    // 600 m take units of 2^-18 m, of which 16 are the least tolerance; a way of 0.5 m in a step units of 2^-28 m.
+    EXPECT_EQ(warnings_of(contact("0.0001"), long_box), Warnings{});
+    EXPECT_EQ(warnings_of(contact("1e-6"), long_box),
+              Warnings{"contact.tolerance = 1e-06 m is too small for q32 beside this scene's largest body or way in a "
+                       "step: 6.10352e-05 m is used"});
+    EXPECT_EQ(warnings_of(contact("1e-6"), ball), Warnings{});
+    EXPECT_EQ(warnings_of(contact("1e-9"), ball).size(), 1u);
+    EXPECT_EQ(warnings_of(contact("1e-9") + "response = \"none\"\n", ball), Warnings{});
+}
+
 TEST(Limits, spring_response_has_neither_friction_nor_sleep) {
     const std::string ball = body_of("a", "sphere = 1.0"), spring = "[contact]\nresponse = \"spring\"\n",
                       rough = "friction = 0.5\n", sleep = "sleep = { speed = 0.1 }\n";

@@ -368,5 +368,137 @@ TEST_P(ContactsOfFew, a_range_that_is_left_between_two_impacts_of_a_step_is_told
     EXPECT_GT(whole, 8);
 }
 
+// Planes up to four times the range of positions away, which is what fixed point holds of an offset.
+TEST_P(ContactsOfFew, a_plane_is_as_far_away_as_it_says) {
+    for (std::uint64_t seed = 0; seed < 150; ++seed) {
+        Random random{seed};
+        const Axes3 axes = random_axes(random);
+        SceneSetup setup{.name = "far plane"};
+        setup.world = {.gravity = real(axes.to_world({0, -9.81L, 0}))};
+        setup.planes = {
+            axes.plane(random.between(0, 1) == 0 ? Vector{0, 1, 0} : direction(random), random.uniform(-0.5, 4) * 64)};
+        setup.bodies = {sphere(random.uniform(0.1, 10), random.uniform(0.05, 1))};
+        setup.bodies[0].position =
+            real(Vector{random.uniform(-60, 60), random.uniform(-60, 60), random.uniform(-60, 60)});
+        setup.bodies[0].velocity = real(direction(random) * random.uniform(0, 10));
+        const auto world = build(setup, GetParam()), truth = build(setup, GetParam().method.name, "f64");
+        for (int step = 0; step < 128 && world->step().ok(); ++step) truth->step();
+        if (!world->status().ok()) continue;
+        EXPECT_LE(norm(world->motion(0).x - truth->motion(0).x), 1e-2L) << "seed " << seed;
+    }
+}
+
+// Lengths are measured in units that the largest body decides, or the largest way in a step.
+TEST(ContactTolerance, below_what_the_numbers_resolve_holds_a_ball_on_a_floor) {
+    struct Floor {
+        RealVec3 edges;
+        Seconds step;
+        Number off;  // m
+    };
+    for (const Floor& floor :
+         {Floor{{600, 1, 600}, {1, 256}, 1e-3L}, Floor{{1, 1, 1e5}, {1, 256}, 0.2L}, Floor{{2, 1, 2}, {1, 4}, 0.05L}}) {
+        for (const double tolerance : {1e-6, 1e-9, 1e-300}) {
+            for (const Case& c : every_case()) {
+                if (std::string_view{c.method.name} != "verlet" && std::string_view{c.method.name} != "rk4") continue;
+                for (const bool plane : {false, true}) {
+                    SceneSetup setup{.name = "floor", .step = floor.step};
+                    setup.world = {.gravity = gravity,
+                                   .contact = {.restitution = 0, .friction = 0.5, .tolerance = Real{tolerance}}};
+                    setup.bodies = {box(1, floor.edges), sphere(1, 0.005)};
+                    setup.bodies[0].fixed = true;
+                    setup.bodies[0].position = {0, plane ? -2.0 : -0.5, 0};
+                    if (plane) setup.planes = {{}};
+                    setup.bodies[1].position = {0, 0.00495, 0};
+                    setup.bodies[1].velocity = {0, -0.001, 0};
+                    const auto world = build(setup, c);
+                    world->run(64);
+                    EXPECT_LE(std::abs(world->motion(1).x.y - 0.005L), floor.off)
+                        << name_of(c) << ", tolerance " << tolerance << ", edges " << number(floor.edges.z);
+                }
+            }
+        }
+    }
+}
+
+// Sizes, steps, masses, speeds and tolerances over many decades, bodies in each other and far below planes: whatever
+// comes of them, it is a number, and in its range.
+TEST_P(ContactsOfFew, extreme_scenes_end_in_numbers_or_are_told) {
+    const auto decades = [](Random& random, double least, double most) {
+        return std::pow(10, random.uniform(least, most));
+    };
+    for (std::uint64_t seed = 0; seed < 120; ++seed) {
+        Random random{seed};
+        SceneSetup setup{.name = "extreme", .step = Seconds{Real{decades(random, -6, 1)}}};
+        setup.world = {.gravity = real(direction(random) * decades(random, -3, 4)),
+                       .contact = {.restitution = random.uniform(0, 1),
+                                   .friction = random.uniform(0, 2),
+                                   .tolerance = decades(random, -12, 1)}};
+        for (int i = random.between(0, 2); i > 0; --i)
+            setup.planes.push_back({.normal = real(direction(random)), .offset = random.uniform(-256, 256)});
+        for (int i = random.between(1, 3); i > 0; --i) {
+            const double size = decades(random, -5, 6), mass = decades(random, -5, 5);
+            BodySpec body = random.between(0, 1) == 0
+                                ? sphere(mass, size)
+                                : box(mass, {size, size * decades(random, -2, 0), size * decades(random, -2, 0)});
+            body.position = real(direction(random) * random.uniform(0, 63));
+            body.fixed = i > 1 && random.between(0, 3) == 0;
+            if (!body.fixed) body.velocity = real(direction(random) * random.uniform(0, 31));
+            body.angular_velocity = real(direction(random) * decades(random, -3, 1));
+            body.orientation = real(exponential(direction(random) * random.uniform(-3, 3)));
+            setup.bodies.push_back(body);
+        }
+        const auto world = build(setup, GetParam());
+        for (int step = 0; step < 30 && world->step().ok(); ++step) {}
+        for (int b = 0; b < world->body_count(); ++b) {
+            const Motion m = world->motion(b);
+            EXPECT_TRUE(!world->status().ok() || std::isfinite(norm(m.x) + norm(m.v) + norm(m.w))) << "seed " << seed;
+        }
+    }
+    // Gravity that moves a body by more than lengths hold in a step, and a plane where nobody reaches it.
+    SceneSetup setup{.name = "fall", .step = Seconds{33, 20}};
+    setup.world.gravity = {0, -1000, 0};
+    setup.bodies = {sphere(1, 0.1)};
+    setup.bodies[0].position = {0, 60, 0};
+    setup.planes = {{.offset = 256}};
+    EXPECT_TRUE(!build(setup, GetParam())->step().ok() || !system().fixed_point);
+}
+
+using ContactDeathTest = ContactsOfFew;
+INSTANTIATE_TEST_SUITE_P(every, ContactDeathTest, testing::ValuesIn(cases_of("verlet")), NameOf{});
+
+TEST_P(ContactDeathTest, values_that_no_contact_has_end_the_program) {
+    SceneSetup good = floor(0.5L, 0.5L);
+    good.bodies = {sphere(1, 1), box(1, {1, 1, 0})};
+    (void)build(good, GetParam());
+    const auto dies = [&](const char* what, auto&& spoil) {
+        SceneSetup bad = good;
+        spoil(bad);
+        EXPECT_DEATH((void)build(bad, GetParam()), "") << what;
+    };
+    using Contact = ContactSpec;
+    for (Real Contact::*value : {&Contact::restitution, &Contact::restitution_threshold, &Contact::friction,
+                                 &Contact::tolerance, &Contact::stiffness, &Contact::damping, &Contact::barrier})
+        dies("a negative value", [&](SceneSetup& bad) { bad.world.contact.*value = -1e-3; });
+    for (Real SleepSpec::*value : {&SleepSpec::speed, &SleepSpec::angular_speed, &SleepSpec::time})
+        dies("a negative limit of sleep", [&](SceneSetup& bad) { bad.world.contact.sleep.*value = -1e-3; });
+    dies("a restitution above 1", [](SceneSetup& bad) { bad.world.contact.restitution = 1.0001; });
+    dies("a body's above 1", [](SceneSetup& bad) { bad.bodies[1].restitution = 5; });
+    dies("a plane's above 1", [](SceneSetup& bad) { bad.planes[0].restitution = 2; });
+    dies("no tolerance", [](SceneSetup& bad) { bad.world.contact.tolerance = 0; });
+    dies("a negative radius", [](SceneSetup& bad) { bad.bodies[0].shape.size.x = -1; });
+    dies("no radius", [](SceneSetup& bad) { bad.bodies[0].shape.size.x = 0; });
+    dies("a negative edge", [](SceneSetup& bad) { bad.bodies[1].shape.size.z = -1; });
+    dies("no edges", [](SceneSetup& bad) { bad.bodies[1].shape.size = {}; });
+    if (!system().fixed_point) return;
+    const double farthest = system().name == std::string_view{"q32_field"} ? 131072 : 256;
+    SceneSetup far = good;
+    far.planes = {{.offset = farthest}, {.offset = -farthest}};
+    (void)build(far, GetParam());
+    dies("a plane too far away", [&](SceneSetup& bad) { bad.planes[0].offset = farthest * 1.001; });
+    dies("a plane too far above", [&](SceneSetup& bad) { bad.planes[0].offset = -1e20; });
+    dies("a sphere of 1e20 m", [](SceneSetup& bad) { bad.bodies[0].shape.size.x = 1e20; });
+    dies("a box of 1e20 m", [](SceneSetup& bad) { bad.bodies[1].shape.size.y = 1e20; });
+}
+
 }  // namespace
 }  // namespace tumble::test

@@ -825,5 +825,22 @@ TEST_P(Resting, nothing_sleeps_in_the_air) {
     EXPECT_LE(std::abs(world->motion(0).v.y + 0.015625L), tolerance::creep);
 }
 
+// In fixed point a step of 2^-16 s is one of the shortest in which a ball feels gravity.
+TEST(Sleep, comes_after_its_time_however_many_steps_that_takes) {
+    for (const char* system : {"q32_near", "f64"}) {
+        for (const int steps : {70000, 140000}) {
+            SceneSetup setup = sleepy_floor();
+            setup.step = Seconds{1, 65536};
+            setup.world.contact.sleep.time = Real{steps} / Real{65536};
+            setup.bodies = {standing(sphere(1, 0.25), 0, 0.25L)};
+            const auto world = build(setup, "verlet", system);
+            world->run(steps - 1);
+            EXPECT_FALSE(world->asleep(0)) << system;
+            world->run(16);
+            EXPECT_TRUE(world->asleep(0)) << system << ", " << steps << " steps";
+        }
+    }
+}
+
 }  // namespace
 }  // namespace tumble::test

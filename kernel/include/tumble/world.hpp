@@ -36,6 +36,7 @@ public:
     // A world without bodies. `step` is the length of every step; a power of two is exact in binary.
     explicit World(Seconds step, const WorldSpec& spec = {})
         : advance_{step, spec}, contacts_{step.value, spec.contact}, sleepers_{step.value, spec.contact.sleep} {
+        if constexpr (features.touches()) TUMBLE_ASSERT(is_valid(spec.contact));
         set_gravity(spec.gravity);
     }
 
@@ -55,6 +56,7 @@ public:
             advance_.bodies.report(Issue::world_full, advance_.bodies.count);
             return {};
         }
+        if constexpr (features.touches()) TUMBLE_ASSERT(is_valid(spec.shape) && is_restitution(spec.restitution));
         const PrincipalInertia inertia = features.rotation ? principal_inertia(spec.inertia) : PrincipalInertia{};
         const int b = advance_.add(spec, inertia);
         if constexpr (has_contacts) {
@@ -67,8 +69,10 @@ public:
         return BodyId{b};
     }
 
-    // Adds a plane; false when there is no room.
+    // Adds a plane; false when there is no room. In fixed point its offset is at most four times the range of
+    // positions.
     bool add(const PlaneSpec& spec) requires(features.planes > 0) {
+        TUMBLE_ASSERT(is_restitution(spec.restitution));
         bool added = true;
         if constexpr (has_contacts) {
             added = contacts_.add(spec);
@@ -171,6 +175,12 @@ public:
     [[nodiscard]] int near_pair_count() const {
         if constexpr (has_contacts) return contacts_.pair_count();
         else return 0;
+    }
+    // The band within which bodies touch, m: the scene's tolerance, or what the number system resolves beside the
+    // largest body. Zero where nothing touches by impulses.
+    [[nodiscard]] Work contact_tolerance() const {
+        if constexpr (has_contacts) return contacts_.tolerance();
+        else return Work(0);
     }
     // Contact points of the body in the last step.
     [[nodiscard]] int contact_count(BodyId id) const {

@@ -105,6 +105,29 @@ struct ContactSpec {
     SleepSpec sleep{};               // of what rests
 };
 
+// True of a restitution that a body or plane may have; a negative one stands for the world's.
+[[nodiscard]] constexpr bool is_restitution(Real e) { return e <= Real{1}; }
+// True of values that contacts can have: none negative, restitution at most 1, the tolerance not 0.
+[[nodiscard]] constexpr bool is_valid(const ContactSpec& spec) {
+    const Real least[] = {
+        spec.restitution, spec.restitution_threshold, spec.friction,  spec.stiffness, spec.damping, spec.barrier,
+        spec.sleep.speed, spec.sleep.angular_speed,   spec.sleep.time};
+    for (const Real& value : least)
+        if (value.is_negative()) return false;
+    return is_restitution(spec.restitution) && spec.tolerance > Real{};
+}
+// True of a shape without negative sizes and, but for none and points, with some extension.
+[[nodiscard]] constexpr bool is_valid(const Shape& shape) {
+    const auto [a, b, c] = shape.size;
+    if (a.is_negative() || b.is_negative() || c.is_negative()) return false;
+    switch (shape.kind) {
+    case ShapeKind::none:
+    case ShapeKind::points: return true;
+    case ShapeKind::box: return a > Real{} || b > Real{} || c > Real{};
+    default: return a > Real{};
+    }
+}
+
 // What acts on all bodies of a world.
 struct WorldSpec {
     RealVec3 gravity{};     // m/s^2, world

@@ -193,7 +193,9 @@ private:
         Work at = high;
         int side = 0;
         for (int i = 0; i < max_resteps; ++i) {
-            at = low + (high - low) * (gap_low / (gap_low - gap_high));
+            // Where rounding has left no difference, halfway.
+            const Work apart = gap_low - gap_high;
+            at = low + (apart > Work(0) ? (high - low) * (gap_low / apart) : N::half_of(high - low));
             if (at < low + shortest) at = low + shortest;
             if (at > high) at = high;
             fly(flight, at, true);

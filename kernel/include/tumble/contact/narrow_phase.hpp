@@ -43,10 +43,12 @@ public:
 
 protected:
     [[nodiscard]] const typename C::LengthScale& scale() const { return shape_.scale(); }
-    // Makes room for a length, m. Lengths that have been taken before are those of another scale when this is true.
+    // Makes room for a length, m. Lengths that have been taken before are those of another scale when this is true. A
+    // tolerance that is rounding beside the largest length is raised above it.
     bool make_room(Real largest) {
         const bool rescaled = shape_.make_room(largest);
-        tolerance_ = scale().length(tolerance_metres_);
+        const Real least = shape_.least_tolerance();
+        tolerance_ = scale().length(tolerance_metres_ < least ? least : tolerance_metres_);
         set_fall();
         return rescaled;
     }
@@ -114,7 +116,7 @@ protected:
     [[nodiscard]] Vec3<Length> reach_between(const Bodies& bodies, int a, int b) const {
         Vec3<Length> reach;
         for (int i = 0; i < 3; ++i)
-            reach[i] = scale().length(N::sum(bodies.state[a].x_w[i]) - N::sum(bodies.state[b].x_w[i]));
+            reach[i] = scale().between(N::sum(bodies.state[a].x_w[i]), N::sum(bodies.state[b].x_w[i]));
         return reach;
     }
     [[nodiscard]] PlaneView<N, features> view_of_plane(const Bodies& bodies, const Pair& pair) const {
@@ -224,7 +226,7 @@ protected:
 
 private:
     void set_fall() {
-        for (int i = 0; i < 3; ++i) fall_[i] = scale().length(fall_metres_[i]);
+        for (int i = 0; i < 3; ++i) fall_[i] = scale().drift(fall_metres_[i]);
         slow_ = N::template constant<Work>(sqrt(dot(fall_metres_, fall_metres_)) * Real{2});
         fall_bound_ = sum_of_magnitudes(fall_);
     }

@@ -19,8 +19,14 @@ public:
             const Real speed = spec.speed * step, spin_speed = spec.angular_speed * step, steps = spec.time / step;
             rules_.speed2 = N::template constant<Work>(speed * speed);
             rules_.spin2 = N::template constant<Work>(spin_speed * spin_speed);
-            const std::int64_t count = steps.to_fixed(0, 64);
-            rules_.steps = static_cast<std::uint16_t>(count > 0xfffe ? 0xfffe : count < 1 ? 1 : count);
+            std::int64_t count = steps.to_fixed(0, 64);
+            if (count < 1) count = 1;
+            // Long times are counted in units of a power of two steps, and so that they are not shorter.
+            while (count > 0xfffe && rules_.unit < 31) {
+                ++rules_.unit;
+                count = (steps.to_fixed(-rules_.unit, 64)) + 2;
+            }
+            rules_.steps = static_cast<std::uint16_t>(count > 0xfffe ? 0xfffe : count);
         }
     }
 
@@ -46,10 +52,11 @@ public:
     [[nodiscard]] bool may_sleep(const Bodies& bodies, const BodyGroup& group, bool rests) requires(features.sleep) {
         if (!rules_.on) return false;
         bool all = rests;
+        const bool counts = (bodies.steps_taken & ((std::uint32_t{1} << rules_.unit) - 1)) == 0;
         for (int k = 0; k < group.count; ++k) {
             const int b = group.id[k];
             if (!rests || !is_slow(bodies, b)) quiet_[b] = 0;
-            else if (quiet_[b] < rules_.steps) ++quiet_[b];
+            else if (counts && quiet_[b] < rules_.steps) ++quiet_[b];
             all = all && quiet_[b] >= rules_.steps;
         }
         return all;
@@ -86,8 +93,9 @@ private:
 
     struct Rules {
         bool on = false;
-        Work speed2{}, spin2{};  // (m a step)^2, (rad a step)^2
-        std::uint16_t steps = 0;
+        Work speed2{}, spin2{};   // (m a step)^2, (rad a step)^2
+        std::uint16_t steps = 0;  // in units of 2^unit
+        std::uint8_t unit = 0;
     };
     int awake_count_ = 0;
     std::int16_t awake_[features.bodies]{};

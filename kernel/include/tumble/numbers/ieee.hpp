@@ -175,8 +175,15 @@ requires(!N::fixed_point) struct ContactNumbers<N> {
         [[nodiscard]] static constexpr int bits() { return 0; }
         [[nodiscard]] static constexpr T length(Real metres) { return N::template constant<T>(metres); }
         [[nodiscard]] static constexpr T length(T metres) { return metres; }
+        [[nodiscard]] static constexpr T between(T a, T b) { return a - b; }
         [[nodiscard]] static constexpr T metres(T l) { return l; }
         [[nodiscard]] static constexpr T drift(T d, typename N::Scale) { return d; }
+        [[nodiscard]] static constexpr T drift(Real metres) { return length(metres); }
+        [[nodiscard]] static constexpr bool holds(Real) { return true; }
+        // m: of contacts. Sixteen roundings of the largest length.
+        [[nodiscard]] static constexpr Real least_tolerance(Real largest) {
+            return largest * Real::scaled(1, sizeof(T) == 4 ? -20 : -49);
+        }
         [[nodiscard]] static constexpr T coarser(T l, LengthScale) { return l; }
     };
     struct PerLength {

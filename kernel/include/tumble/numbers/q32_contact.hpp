@@ -23,7 +23,7 @@ struct ScaledRoot {
     const auto upper = [](std::uint32_t a, std::uint32_t b) {
         return static_cast<std::uint32_t>((static_cast<std::uint64_t>(a) * b) >> 32);
     };
-    const int up = std::countl_zero(s) & ~1;
+    const int up = std::countl_zero(s | 1u) & ~1;
     const auto x = static_cast<std::uint32_t>((s << up) >> 32);  // [1/4, 1) with 32 bits
     // h = 1 / (2 sqrt(x)) with 31 bits: h <- h (3/2 - 2 x h^2)
     std::uint32_t h = 0x883126e9u - upper(x, 0x4d70a3d7u);
@@ -59,7 +59,7 @@ requires(N::fixed_point) struct ContactNumbers<N> {
     using Friction = Fixed<24>;
 
     // Metres to Lengths. The largest length stays below 2^27 units, so that sums of a few cannot wrap; what is farther
-    // away is held at 2^30.
+    // away is held at 2^30, and what moves further in a step at 2^28.
     class LengthScale {
     public:
         static constexpr int room = 27;
@@ -69,29 +69,46 @@ requires(N::fixed_point) struct ContactNumbers<N> {
             s.bits_ = detail::clamp(bits, 0, N::PositionSum::fraction_bits - 4);
             return s;
         }
+        // True of what a shape may be as large as.
+        [[nodiscard]] static constexpr bool holds(Real metres) { return metres <= Real::scaled(1, room); }
+        // m: of contacts. Gaps are whole units.
+        [[nodiscard]] constexpr Real least_tolerance(Real) const { return Real::scaled(16, -bits_); }
         [[nodiscard]] constexpr int bits() const { return bits_; }
         [[nodiscard]] constexpr Length length(Real metres) const {
             return {static_cast<std::int32_t>(metres.to_fixed(bits_, 31))};
         }
+        // To nearest, halves upwards.
         template <int F>
         [[nodiscard]] constexpr Length length(Wide<F> metres) const {
-            return cut((metres.raw + (std::int64_t{1} << (F - bits_ - 1))) >> (F - bits_));
+            return cut(((metres.raw >> (F - bits_ - 1)) + 1) >> 1);
+        }
+        // a - b, which may be farther apart than a sum holds.
+        template <int F>
+        [[nodiscard]] constexpr Length between(Wide<F> a, Wide<F> b) const {
+            Wide<F> difference;
+            if (__builtin_sub_overflow(a.raw, b.raw, &difference.raw))
+                difference.raw =
+                    a.raw < 0 ? std::numeric_limits<std::int64_t>::min() : std::numeric_limits<std::int64_t>::max();
+            return length(difference);
         }
         [[nodiscard]] Length length(Work metres) const { return cut(metres.to_sum(bits_)); }
         [[nodiscard]] Work metres(Length l) const { return Work::of(l.raw, -bits_); }
-        // A drift, rounded down.
+        // A change of place in a step: a drift, rounded down; and gravity's.
         [[nodiscard]] Length drift(typename N::DriftSum d, typename N::Scale s) const {
-            return cut(d.raw >> (N::PositionSum::fraction_bits + s.drift_shift - bits_));
+            const int down = N::PositionSum::fraction_bits + s.drift_shift - bits_;
+            return cut(d.raw >> (down > 63 ? 63 : down), fast);
         }
+        [[nodiscard]] constexpr Length drift(Real metres) const { return cut(metres.to_fixed(bits_, 31), fast); }
         // The same length when a larger body has come.
         [[nodiscard]] constexpr Length coarser(Length l, LengthScale finer) const {
-            return {l.raw >> (finer.bits_ - bits_)};
+            const int down = finer.bits_ - bits_;
+            return {l.raw >> (down > 31 ? 31 : down)};
         }
 
     private:
-        [[nodiscard]] static constexpr Length cut(std::int64_t raw) {
-            constexpr std::int64_t far = std::int64_t{1} << 30;
-            return {static_cast<std::int32_t>(raw > far ? far : raw < -far ? -far : raw)};
+        static constexpr std::int64_t far = std::int64_t{1} << 30, fast = std::int64_t{1} << 28;
+        [[nodiscard]] static constexpr Length cut(std::int64_t raw, std::int64_t most = far) {
+            return {static_cast<std::int32_t>(raw > most ? most : raw < -most ? -most : raw)};
         }
         int bits_ = 24;
     };
@@ -223,7 +240,7 @@ requires(N::fixed_point) struct ContactNumbers<N> {
     }
     // 1 / sqrt(1 + q . q) of levers, at most 1; and a lever times it.
     [[nodiscard]] TUMBLE_INLINE static Unit inverse_root_of_one_and(Wide<48> squares) {
-        const auto root = detail::inverse_root(static_cast<std::uint64_t>(squares.raw + (std::int64_t{1} << 48)));
+        const auto root = detail::inverse_root(static_cast<std::uint64_t>(squares.raw) + (std::uint64_t{1} << 48));
         return {detail::scaled_product(root.raw, 1 << 30, -(root.exponent + 24))};
     }
     [[nodiscard]] TUMBLE_INLINE static Unit unit(Lever q, Unit factor) {

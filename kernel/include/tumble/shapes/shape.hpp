@@ -17,8 +17,12 @@ struct HalfSpace {
     explicit HalfSpace(const PlaneSpec& spec) {
         const RealVec3 n = normalized(spec.normal);
         for (int i = 0; i < 3; ++i) normal[i] = N::template constant<typename N::Unit>(n[i]);
-        if constexpr (N::fixed_point) offset = {spec.offset.to_fixed(N::AlongSum::fraction_bits, 64)};
-        else offset = N::template constant<typename N::Work>(spec.offset);
+        if constexpr (N::fixed_point) {
+            // Up to half of what its sum with n . x holds, which then cannot wrap: four times the range of positions.
+            constexpr int bits = N::AlongSum::fraction_bits;
+            TUMBLE_ASSERT(abs(spec.offset) <= Real::scaled(1, 62 - bits));
+            offset = {spec.offset.to_fixed(bits, 63)};
+        } else offset = N::template constant<typename N::Work>(spec.offset);
     }
 };
 
@@ -112,6 +116,8 @@ public:
         return scale_.bits() != finer.bits();
     }
     [[nodiscard]] const Scale& scale() const { return scale_; }
+    // m: of contacts.
+    [[nodiscard]] Real least_tolerance() const { return scale_.least_tolerance(largest_); }
     [[nodiscard]] CollisionShape<N>& operator[](int b) { return shape_[b]; }
     [[nodiscard]] const CollisionShape<N>& operator[](int b) const { return shape_[b]; }
 
@@ -143,8 +149,10 @@ set_collision_shape(CollisionShape<N>& shape, const BodySpec& spec, const Princi
     using Work = typename N::Work;
     using Unit = typename C::Unit;
     const auto unit = [](Real v) { return N::template constant<Unit>(v); };
-    shape.kind = reach_of(spec.shape) > Real{} ? spec.shape.kind : ShapeKind::none;
-    shape.radius = scale.length(reach_of(spec.shape));
+    const Real reach = reach_of(spec.shape);
+    TUMBLE_ASSERT(C::LengthScale::holds(reach));
+    shape.kind = reach > Real{} ? spec.shape.kind : ShapeKind::none;
+    shape.radius = scale.length(reach);
     shape.restitution = N::template constant<Work>(spec.restitution);
     shape.friction = N::template constant<Work>(spec.friction);
     const Real half = Real::scaled(1, -1), root_mass = sqrt(spec.mass);

@@ -17,8 +17,9 @@ struct SphereSphere {
     Length gap;
 
     explicit SphereSphere(const PairView<N>& view) {
-        if (view.reach == Vec3<Length>::Constant(Length{})) normal = {Unit{}, C::one(), Unit{}};  // any
-        else normal = C::direction(view.reach);
+        const auto distance2 = dot(view.reach, view.reach);
+        if (distance2 > decltype(distance2){}) normal = C::direction(view.reach);
+        else normal = {Unit{}, C::one(), Unit{}};  // any
         gap = narrow<Length>(dot(normal, view.reach)) - view.a.half.x() - view.b.half.x();
     }
     // The same point for both bodies, that of b, so that what one gets the other loses.
