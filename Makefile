@@ -21,7 +21,7 @@ ARGS  ?=
 PROGRAM ?= q32-Verlet
 PAGES := $(wildcard *.md */*.md host_sim/*/*.md)
 
-.PHONY: run test bench bench-contacts ladder peers work-precision work-precision-loads pictures long-run ordinary engines bench-host firmware replay advise flame board sizes check format tables golden build setup clean help
+.PHONY: run test bench bench-contacts ladder peers work-precision work-precision-loads pictures long-run stress stress-coarse ordinary engines bench-host firmware replay advise flame board sizes check format tables golden build setup clean help
 .DEFAULT_GOAL := help
 
 ## help: this list
@@ -142,6 +142,15 @@ pictures: build
 	build/host/bench/tumble_pictures $(wildcard bench/results/work_precision*.jsonl) --ladder bench/results/ladder.jsonl \
 	    --directory bench/results
 	build/host/bench/tumble_host_picture bench/results/host.jsonl bench/results/host.svg
+	test ! -f bench/results/stability.jsonl || build/host/bench/stress/tumble_stress --draw bench/results/stability.jsonl --directory bench/results
+
+## stress: maps of where each method and number system is accurate, drifts, blows up or is silent, as rows and pictures in bench/results
+stress: build
+	build/host/bench/stress/tumble_stress --results bench/results/stability.jsonl --directory bench/results
+
+## stress-coarse: a few cells of each map, into build/results; ARGS="--maps springs --integrators rk4 --numbers q32"
+stress-coarse: build
+	build/host/bench/stress/tumble_stress --coarse --results build/results/stability.jsonl --directory build/results $(ARGS)
 
 ## long-run: what a million steps do to energy and momentum, for every method and number system, into bench/results
 long-run: build

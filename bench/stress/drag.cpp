@@ -54,7 +54,7 @@ protected:
 
 private:
     // Of the scene's file: s, m/s, time constants.
-    static constexpr double time = 0.25, start = 0.5, constants = 32;
+    static constexpr double time = 0.25, start = 0.0625, constants = 32;
 
     static double speed(double y) { return start * std::hypot(1, y); }
 };

@@ -5,13 +5,18 @@
 #include <iostream>
 #include <map>
 
+#include "stress/picture.hpp"
 #include "stress/runner.hpp"
+#include "tools/files.hpp"
 
 namespace {
 
 using namespace tumble::bench;
 namespace stress = tumble::bench::stress;
 namespace fs = std::filesystem;
+
+// The exit status where cells are silent that have no contacts.
+constexpr int silent_status = 3;
 
 // "2/8": the second of eight.
 struct Shard {
@@ -26,30 +31,27 @@ Shard shard_of(const std::string& text) {
     return shard;
 }
 
-// The rows of the files in the order of one run; each row once, and of each map all or none.
-std::vector<Row> merged(const std::vector<fs::path>& files) {
-    const auto key = [](const Row& row) {
-        return row.at("map").get<std::string>() + ", " + row.at("integrator").get<std::string>() + ", " +
-               numbers_of(row);
+// The rows of the files in the order of one run of these jobs; each job's must be there.
+std::vector<Row> merged(const std::vector<fs::path>& files, const std::vector<stress::Job>& jobs) {
+    const auto key = [](const std::string& map, const std::string& integrator, const std::string& numbers, bool carry) {
+        return map + ", " + integrator + ", " + tumble::host::numbers_text(numbers, carry);
     };
     std::map<std::string, Row> found;
     for (const fs::path& file : files) {
-        for (const Row& row : read_rows(file)) {
-            if (!row.contains("cells")) continue;
-            const auto [place, is_new] = found.emplace(key(row), row);
+        for (Row& row : read_rows(file)) {
+            if (!row.contains("silent_cells")) continue;
+            const std::string name = key(row.at("map"), row.at("integrator"), row.at("numbers"), row.at("carry"));
+            const auto [place, is_new] = found.emplace(name, row);
             if (!is_new && place->second != row)
-                throw std::runtime_error{file.string() + ": other cells for " + key(row) + " than a file before it"};
+                throw std::runtime_error{file.string() + ": other cells for " + name + " than a file before it"};
         }
     }
     std::vector<Row> rows;
     std::string missing;
-    for (const stress::Job& job : stress::jobs_of({})) {
-        const Row names = {{"map", job.map->name()},
-                           {"integrator", job.integrator},
-                           {"numbers", job.variant.numbers},
-                           {"carry", job.variant.carry}};
-        const auto row = found.find(key(names));
-        if (row == found.end()) missing += "\n  " + key(names);
+    for (const stress::Job& job : jobs) {
+        const std::string name = key(job.map->name(), job.integrator, job.variant.numbers, job.variant.carry);
+        const auto row = found.find(name);
+        if (row == found.end()) missing += "\n  " + name;
         else rows.push_back(row->second);
     }
     if (!missing.empty()) throw std::runtime_error{"rows are missing:" + missing};
@@ -78,6 +80,45 @@ std::size_t report(const std::vector<Row>& rows) {
     return silent;
 }
 
+// Draws a picture of each map in the rows, stability_NAME.svg.
+void draw(const fs::path& file, const fs::path& directory) {
+    const std::vector<Row> rows = read_rows(file);
+    fs::create_directories(directory);
+    for (const auto& map : stress::maps()) {
+        Row axes;
+        std::vector<Row> of_map;
+        for (const Row& row : rows) {
+            if (row.at("map") != map->name()) continue;
+            if (row.contains("cells")) of_map.push_back(row);
+            else axes = row;
+        }
+        if (of_map.empty()) continue;
+        const fs::path picture = directory / ("stability_" + map->name() + ".svg");
+        tumble::host::write_if_changed(picture, stress::picture_of(*map, axes, of_map));
+    }
+}
+
+// A cell of each row that is chosen: what was measured and what it is taken for.
+void explain(const std::string& map, double x, double y, const stress::Choice& choice) {
+    stress::map_named(map).prepare({y});
+    for (const stress::Job& job : stress::jobs_of(choice)) {
+        if (job.map->name() != map) continue;
+        const stress::Verdict verdict = job.map->judge(x, y, job.method());
+        std::cout << static_cast<char>(verdict.outcome) << ' ' << job.integrator << ' ' << job.variant.name;
+        if (verdict.outcome != stress::Outcome::told) {
+            const stress::Measured run = job.map->measure(x, y, job.method());
+            const auto add = [](const char* what, double value) {
+                std::cout << ", " << what << ' ' << tumble::host::few_digits(value);
+            };
+            add("error", run.error);
+            add("of rounding", job.map->rounding_floor(x, y, job.method()));
+            add("energy ratio", run.energy_most);
+            add("norm error", run.norm_error);
+        }
+        std::cout << (verdict.cause.empty() ? "" : ": ") << verdict.cause << '\n';
+    }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) try {
@@ -88,34 +129,45 @@ int main(int argc, char** argv) try {
     fs::path results = "build/results/stability.jsonl";
     std::string shard_text = "1/1";
     std::vector<fs::path> merge;
-    std::vector<std::string> cell;
+    std::vector<std::string> scene, cell;
+    fs::path drawn, directory;
     app.add_option("--maps", choice.maps, "Names of maps; all if there are none")->delimiter(',');
     app.add_option("--integrators", choice.integrators, "Names of methods; all if there are none")->delimiter(',');
     app.add_option("--numbers", choice.numbers, "Names of number systems; all if there are none")->delimiter(',');
     app.add_flag("--coarse", options.coarse, "A few cells of each map");
     app.add_option("--seconds-a-cell", options.seconds_a_cell, "What a cell may take before it is one without an end");
     app.add_option("--shard", shard_text, "i/n: each n-th row, from the i-th on");
-    app.add_option("--merge", merge, "Rows of all shards: makes the rows of one run of them");
-    app.add_option("--scene", cell, "MAP X Y: write the scene of a cell to standard output")->expected(3);
+    app.add_option("--merge", merge, "Rows of all shards: makes the rows of one run of them")->delimiter(',');
+    app.add_option("--kept", options.kept, "Directory in which finished rows are kept, until the program is another");
+    app.add_flag("--anew", options.anew, "Run rows that are kept, too");
+    app.add_option("--scene", scene, "MAP X Y: write the scene of a cell to standard output")->expected(3);
+    app.add_option("--cell", cell, "MAP X Y: what a cell is taken for, and why, by each method and number system")
+        ->expected(3);
+    app.add_option("--draw", drawn, "Draw the maps of these rows instead of running them");
+    app.add_option("--directory", directory, "Where pictures of the rows go; none are drawn without it");
     app.add_option("--results", results, "Where the rows go, as JSON lines");
     CLI11_PARSE(app, argc, argv);
 
-    if (!cell.empty()) {
-        std::cout << stress::map_named(cell[0]).scene_file(std::stod(cell[1]), std::stod(cell[2])).text();
+    if (!scene.empty()) {
+        std::cout << stress::map_named(scene[0]).scene_file(std::stod(scene[1]), std::stod(scene[2])).text();
         return 0;
     }
-    std::vector<Row> rows;
-    const Shard shard = shard_of(shard_text);
-    if (!merge.empty()) {
-        rows = merged(merge);
-    } else {
-        std::vector<stress::Job> jobs;
-        const auto all = stress::jobs_of(choice);
-        for (std::size_t i = shard.number - 1; i < all.size(); i += shard.count) jobs.push_back(all[i]);
-        rows = stress::run(jobs, options);
+    if (!cell.empty()) {
+        explain(cell[0], std::stod(cell[1]), std::stod(cell[2]), choice);
+        return 0;
     }
+    if (!drawn.empty()) {
+        draw(drawn, directory.empty() ? "." : directory);
+        return 0;
+    }
+    const Shard shard = shard_of(shard_text);
+    std::vector<stress::Job> all = stress::jobs_of(choice), jobs;
+    for (std::size_t i = shard.number - 1; i < all.size(); i += shard.count) jobs.push_back(all[i]);
+    const std::vector<Row> rows = merge.empty() ? stress::run(jobs, options) : merged(merge, jobs);
+    // A shard's rows keep the causes of their silent cells, for whoever merges them.
     write_rows(results, shard.count > 1 ? rows : stress::with_axes(rows, options.coarse));
     const std::size_t silent = report(rows);
     std::cout << rows.size() << " rows in " << results.string() << '\n';
-    return silent > 0 ? 1 : 0;
+    if (!directory.empty()) draw(results, directory);
+    return silent > 0 ? silent_status : 0;
 } catch (...) { return report_failure("tumble_stress"); }

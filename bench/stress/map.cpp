@@ -10,7 +10,6 @@
 #include <utility>
 
 #include "drawing.hpp"
-#include "simulation/limits.hpp"
 #include "tools/text.hpp"
 
 namespace tumble::bench::stress {
@@ -82,15 +81,15 @@ SceneFile Map::scene_file(double x, double y) const {
     return file;
 }
 
-// From a run in f64 with a step at which truncation, not rounding, makes the error: the shortest of the map's that
-// has one, or, where none has, the longest.
+// From a run in f64 with a step at which truncation, not rounding, makes the error: the shortest of the coarse map's
+// that has one, or, where none has, the longest.
 double Map::expected_error(double x, double y, const Method& method) const {
     const auto step_at = [&](double at) { return scene(at, y).step.seconds(); };
     auto anchor = std::find_if(anchors_.begin(), anchors_.end(),
                                [&](const Anchor& a) { return a.integrator == method.integrator && a.y == y; });
     if (anchor == anchors_.end()) {
         std::vector<std::pair<double, double>> steps;  // step, x
-        for (const double at : x_.fine) steps.emplace_back(step_at(at), at);
+        for (const double at : x_.coarse) steps.emplace_back(step_at(at), at);
         std::sort(steps.begin(), steps.end());
         Anchor found{method.integrator, y, 0, 0};
         for (const auto& [step, at] : steps) {
@@ -111,6 +110,27 @@ Measured Map::measure(double x, double y, const Method& method) const {
     return measure(x, y, *simulation);
 }
 
+std::vector<host::Limit> Map::exceeded_limits(double x, double y, const Method& method) const {
+    return host::exceeded_limits(scene(x, y), method.integrator, method.numbers, method.carry);
+}
+
+std::optional<double> Map::limit(double y, const Method& method) const {
+    return limit_where(y, [&](double x) { return !exceeded_limits(x, y, method).empty(); });
+}
+std::optional<double> Map::limit_where(double y, const std::function<bool(double)>& is_beyond) const {
+    std::vector<double> xs = x_.fine;  // from the shortest step on
+    if (scene(xs.front(), y).step.seconds() > scene(xs.back(), y).step.seconds()) std::reverse(xs.begin(), xs.end());
+    const auto first = std::find_if(xs.begin(), xs.end(), is_beyond);
+    if (first == xs.end()) return std::nullopt;
+    if (first == xs.begin()) return *first;
+    double within = *(first - 1), beyond = *first;
+    for (int halving = 0; halving < 8; ++halving) {
+        const double middle = x_.logarithmic ? std::sqrt(within * beyond) : (within + beyond) / 2;
+        (is_beyond(middle) ? beyond : within) = middle;
+    }
+    return within;
+}
+
 Verdict Map::judge(double x, double y, const Method& method) const {
     std::unique_ptr<host::Simulation> simulation;
     try {
@@ -125,7 +145,7 @@ Verdict Map::judge(double x, double y, const Method& method, host::Simulation& s
     expectation.of_order = [&] { return expected_error(x, y, method); };
     expectation.in_f64 = [&] { return measure(x, y, in_f64(method)); };
     expectation.exceeded = [&]() -> std::string {
-        const auto limits = host::exceeded_limits(scene(x, y), method.integrator, method.numbers, method.carry);
+        const auto limits = exceeded_limits(x, y, method);
         return limits.empty() ? "" : limits.front().sentence;
     };
     expectation.is_f64 = method.numbers == "f64";
@@ -147,15 +167,14 @@ Verdict judge(const Measured& run, const Expectation& expectation) {
     else if (run.depth > bounds.depth) wrong = with_number("depth in tolerances", run.depth);
     else if (run.error > bounds.error && !explained_up_to(Bounds::unbounded)) wrong = error;
     if (!wrong.empty() || !run.troubles.empty()) {
+        const std::string status = run.troubles.empty() ? "" : run.troubles.front().issue;
+        const bool range_left = status == name_of(Issue::range_left);
         const std::string limit = expectation.exceeded();
-        if (!limit.empty() && !wrong.empty()) return {Outcome::blows_up, limit};
-        if (!run.troubles.empty()) {
-            const std::string& issue = run.troubles.front().issue;
-            return {issue == name_of(Issue::range_left) ? Outcome::range_left : Outcome::told, issue};
-        }
+        if (!limit.empty() && (!wrong.empty() || range_left)) return {Outcome::blows_up, limit};
+        if (!status.empty()) return {range_left ? Outcome::range_left : Outcome::told, status};
         return {Outcome::silent, wrong};
     }
-    if (explained_up_to(largest_accurate_error)) return {Outcome::accurate, {}};
+    if (run.error <= always_accurate || explained_up_to(largest_accurate_error)) return {Outcome::accurate, {}};
     if (!expectation.is_f64 && run.error > least_silent_error && run.error > number_system_factor * expectation.floor) {
         const Measured in_f64 = expectation.in_f64();
         if (in_f64.troubles.empty() && run.error > number_system_factor * in_f64.error)

@@ -8,10 +8,12 @@
 #include <functional>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "scene/description.hpp"
+#include "simulation/limits.hpp"
 #include "simulation/simulation.hpp"
 #include "stress/scene_file.hpp"
 #include "truth/accuracy.hpp"
@@ -40,7 +42,8 @@ struct Axis {
     std::string label;  // of pictures
     std::string unit;   // empty: a pure number
     bool logarithmic = false;
-    std::vector<double> fine, coarse;  // ascending
+    std::vector<double> fine, coarse;     // ascending
+    std::vector<std::string> names = {};  // of the values 0, 1, 2 ... where these are no quantity; empty: they are
 
     [[nodiscard]] const std::vector<double>& values(bool coarse_ones) const { return coarse_ones ? coarse : fine; }
 };
@@ -48,8 +51,10 @@ struct Axis {
 [[nodiscard]] std::vector<double> logarithmic_values(double first, double last, int count);
 [[nodiscard]] std::vector<double> linear_values(double first, double last, int count);
 
-// An error up to this is an accurate one, rad or relative; and how much more than what is expected it may be.
+// No error beyond the first is an accurate one, rad or relative, and each up to the second is; between them one of up
+// to so many times what is expected.
 inline constexpr double largest_accurate_error = 0.1;
+inline constexpr double always_accurate = 1e-6;
 inline constexpr double accurate_factor = 4;
 // An error beyond this is silent where the number system makes it: it is 1000 times the floor, and that of f64.
 inline constexpr double least_silent_error = 1e-3;
@@ -121,12 +126,19 @@ public:
     // The order at which the error shrinks with the step.
     [[nodiscard]] virtual int order(const host::IntegratorInfo& method) const { return method.order; }
 
+    // Of the cell, told before it is run.
+    [[nodiscard]] std::vector<host::Limit> exceeded_limits(double x, double y, const Method& method) const;
+    // The x up to which, from the shortest step on, the method stands the step in theory; the end of the axis where it
+    // stands none, empty where it stands all. What is told before a run, unless a map has the theory itself.
+    [[nodiscard]] virtual std::optional<double> limit(double y, const Method& method) const;
     // The outcome of a cell; of a simulation that has not begun and stands for the cell's own.
     [[nodiscard]] Verdict judge(double x, double y, const Method& method) const;
     [[nodiscard]] Verdict judge(double x, double y, const Method& method, host::Simulation& simulation) const;
 
 protected:
     virtual void change(SceneFile& scene, double x, double y) const = 0;
+    // Where on the axis of x a limit lies that is_beyond(x) asks for; as limit().
+    [[nodiscard]] std::optional<double> limit_where(double y, const std::function<bool(double)>& is_beyond) const;
 
 private:
     [[nodiscard]] double expected_error(double x, double y, const Method& method) const;

@@ -7,17 +7,12 @@ namespace {
 
 // One a line, in the order of rows.
 constexpr std::unique_ptr<Map> (*makers[])() = {
-    make_springs,
-    make_pendulum,
-    make_heavy_top,
-    make_orbits,
-    make_drag,
-    make_bounce_speed,
-    make_bounce_restitution,
-    make_friction,
-    make_mass_ratio_impact,
-    make_mass_ratio_pile,
-    make_stack,
+    make_free_rotation,   make_springs,
+    make_pendulum,        make_heavy_top,
+    make_orbits,          make_drag,
+    make_bounce_speed,    make_bounce_restitution,
+    make_friction,        make_mass_ratio_impact,
+    make_mass_ratio_pile, make_stack,
 };
 
 }  // namespace

@@ -7,6 +7,7 @@
 
 namespace tumble::bench::stress {
 
+[[nodiscard]] std::unique_ptr<Map> make_free_rotation();
 [[nodiscard]] std::unique_ptr<Map> make_springs();
 [[nodiscard]] std::unique_ptr<Map> make_pendulum();
 [[nodiscard]] std::unique_ptr<Map> make_heavy_top();

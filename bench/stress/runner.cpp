@@ -15,7 +15,9 @@
 #include <stdexcept>
 #include <system_error>
 #include <thread>
+#include <utility>
 
+#include "drawing.hpp"
 #include "tools/files.hpp"
 
 namespace tumble::bench::stress {
@@ -67,6 +69,8 @@ public:
     [[nodiscard]] bool is_done() const { return pipe_ < 0; }
     [[nodiscard]] const Job& job() const { return *job_; }
     [[nodiscard]] const std::vector<Verdict>& verdicts() const { return verdicts_; }
+    // Of each y; null where there is none.
+    [[nodiscard]] const Row& limits() const { return limits_; }
 
     // Takes what has come. Returns what has been done since the last time, in steps.
     std::int64_t read_on() {
@@ -75,8 +79,11 @@ public:
         const std::size_t before = verdicts_.size();
         if (count > 0) {
             text_.append(buffer, static_cast<std::size_t>(count));
-            for (std::size_t end; (end = text_.find('\n')) != std::string::npos; text_.erase(0, end + 1))
-                verdicts_.push_back(verdict_of(text_.substr(0, end)));
+            for (std::size_t end; (end = text_.find('\n')) != std::string::npos; text_.erase(0, end + 1)) {
+                const std::string line = text_.substr(0, end);
+                if (verdicts_.size() < cells_->size()) verdicts_.push_back(verdict_of(line));
+                else limits_ = Row::parse(line);
+            }
             last_ = Clock::now();
         } else {
             finish("");
@@ -119,9 +126,19 @@ private:
     void judge_cells(int out) const {
         for (std::size_t i = verdicts_.size(); i < cells_->size(); ++i) {
             const Cell& cell = (*cells_)[i];
-            const std::string line = line_of(job_->map->judge(cell.x, cell.y, job_->method()));
-            if (::write(out, line.data(), line.size()) != static_cast<ssize_t>(line.size())) _exit(1);
+            write_line(out, line_of(job_->map->judge(cell.x, cell.y, job_->method())));
         }
+        Row limits = Row::array();
+        double y = std::nan("");
+        for (const Cell& cell : *cells_) {
+            if (cell.y == std::exchange(y, cell.y)) continue;
+            const auto limit = job_->map->limit(y, job_->method());
+            limits.push_back(limit ? Row(std::stod(text("%.3g", *limit))) : Row{});
+        }
+        write_line(out, limits.dump() + '\n');
+    }
+    static void write_line(int out, const std::string& line) {
+        if (::write(out, line.data(), line.size()) != static_cast<ssize_t>(line.size())) _exit(1);
     }
 
     // The child has ended, or has been ended for a cause; another one goes on behind the cell that it fell in.
@@ -131,23 +148,28 @@ private:
         text_.clear();
         int status = 0;
         waitpid(child_, &status, 0);
-        if (verdicts_.size() == cells_->size()) return;
+        if (!limits_.is_null()) return;
         const std::string end = WIFSIGNALED(status) ? std::string{"ended by "} + strsignal(WTERMSIG(status))
                                                     : "ended with status " + std::to_string(WEXITSTATUS(status));
+        if (verdicts_.size() == cells_->size())
+            throw std::runtime_error{job_->map->name() + ", " + job_->integrator + ", limits: " + end};
         verdicts_.push_back({Outcome::silent, cause.empty() ? end : cause});
-        if (verdicts_.size() < cells_->size()) start();
+        start();
     }
 
     const Job* job_;
     const std::vector<Cell>* cells_;
     std::vector<Verdict> verdicts_;
+    Row limits_;
     std::string text_;
     int pipe_ = -1;
     pid_t child_ = -1;
     Clock::time_point last_;
 };
 
-Row row_of(const Job& job, const std::vector<Cell>& cells, const std::vector<Verdict>& verdicts) {
+Row row_of(const RunningRow& running, const std::vector<Cell>& cells) {
+    const Job& job = running.job();
+    const std::vector<Verdict>& verdicts = running.verdicts();
     Row row;
     row["map"] = job.map->name();
     row["integrator"] = job.integrator;
@@ -162,6 +184,9 @@ Row row_of(const Job& job, const std::vector<Cell>& cells, const std::vector<Ver
     }
     row["cells"] = letters;
     row["silent"] = causes.size();
+    const Row& limits = running.limits();
+    if (std::any_of(limits.begin(), limits.end(), [](const Row& limit) { return !limit.is_null(); }))
+        row["limit_x"] = limits;
     row["silent_cells"] = causes;
     return row;
 }
@@ -205,7 +230,7 @@ std::vector<Row> run(const std::vector<Job>& jobs, const RunOptions& options) {
     std::map<const Map*, std::int64_t> cost;
     std::int64_t total = 0;
     for (std::size_t i = 0; i < jobs.size(); ++i) {
-        const std::string kept = host::contents_of(file_of(jobs[i]));
+        const std::string kept = options.anew ? "" : host::contents_of(file_of(jobs[i]));
         if (!kept.empty()) {
             Row row = Row::parse(kept, nullptr, false);
             if (!row.is_discarded() && row.value("program", "") == digest) {
@@ -253,7 +278,7 @@ std::vector<Row> run(const std::vector<Job>& jobs, const RunOptions& options) {
                 ++it;
                 continue;
             }
-            rows[i] = row_of(job, cells[job.map], row.verdicts());
+            rows[i] = row_of(row, cells[job.map]);
             Row kept = rows[i];
             kept["program"] = digest;
             const fs::path file = file_of(job), unfinished = file.string() + ".new";
@@ -272,6 +297,10 @@ Row axes_row(const Map& map, bool coarse) {
         row[name] = axis.key;
         if (!axis.unit.empty()) row[name + "_unit"] = axis.unit;
         row[name + "_values"] = axis.values(coarse);
+        if (axis.names.empty()) return;
+        Row names = Row::array();
+        for (const double value : axis.values(coarse)) names.push_back(axis.names.at(static_cast<std::size_t>(value)));
+        row[name + "_names"] = names;
     };
     add("x", map.x());
     add("y", map.y());

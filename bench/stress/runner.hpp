@@ -31,6 +31,7 @@ struct RunOptions {
     bool coarse = false;
     // Where each finished row is kept, and found again by a later run of the same program.
     std::filesystem::path kept = "build/results/stress";
+    bool anew = false;           // what is kept there is not taken
     double seconds_a_cell = 60;  // what a cell may take
 };
 

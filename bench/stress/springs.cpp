@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include "stress/maps.hpp"
@@ -5,8 +6,9 @@
 namespace tumble::bench::stress {
 namespace {
 
-// Of the scene's file: rad/s, kg, m; how far the oscillation turns, rad.
-constexpr double frequency = 16, mass = 1, amplitude = 0.25, turned = 200;
+// Of the scene's file: rad/s, kg, m, m; how far the oscillation turns, and between two looks, rad.
+constexpr double frequency = 8, mass = 1, rest_length = 1, amplitude = 1.0 / 32, turned = 200,
+                 angle_between_looks = 0.7, widest_swing = 100;
 
 // x'' = -w^2 x - 2 ratio w x' from the amplitude at rest, divided by the amplitude.
 long double oscillation(long double ratio, long double angle) {
@@ -23,24 +25,40 @@ class Springs final : public Map {
 public:
     Springs()
         : Map("springs", "a mass on a damped spring, 200 rad",
-              {"frequency_times_step", "frequency times step", "rad", true, logarithmic_values(0.05, 4, 24),
-               logarithmic_values(0.05, 4, 12)},
-              {"damping_ratio", "damping ratio", "", false, linear_values(0, 2, 11), linear_values(0, 2, 5)}) {}
+              {"frequency_times_step",
+               "frequency times step",
+               "rad",
+               true,
+               logarithmic_values(0.05, 4, 24),
+               logarithmic_values(0.05, 4, 12),
+               {}},
+              {"damping_ratio", "damping ratio", "", false, linear_values(0, 2, 11), {0, 0.2, 1, 2}, {}}) {}
 
     using Map::measure;
-    Measured measure(double, double y, host::Simulation& simulation) const override {
-        const long double energy = simulation.energy().total();
-        return run_to_the_end(simulation, 1, [&](Measured& run) {
+    Measured measure(double x, double y, host::Simulation& simulation) const override {
+        // Near its limit a method lets the energy of an oscillation swing about widely without adding to it: what
+        // counts is what the second half has more than the first, or what nothing swings to.
+        const long double start = simulation.energy().total();
+        long double early = start;
+        return run_to_the_end(simulation, std::max(1L, std::lround(angle_between_looks / x)), [&](Measured& run) {
             const long double truth = oscillation(y, frequency * simulation.time());
             run.see_error(std::abs(simulation.body(0).position[0] / amplitude - truth));
-            run.see_energy(simulation.energy().total() / energy);
+            const long double energy = simulation.energy().total();
+            run.see_energy(energy / start / widest_swing);
+            if (2 * simulation.steps_taken() < simulation.steps()) early = std::max(early, energy);
+            else run.see_energy(energy / early);
         });
     }
 
-    // Rounding of the spring's constants turns the motion ahead, and that of each step adds up as a random walk.
+    // Rounding of the spring's constants turns the motion ahead, and that of its length, which is `rest_length` long,
+    // adds up as a random walk where no residuals are carried.
     double rounding_floor(double x, double y, const Method& method) const override {
         const double digits = resolution(scene(x, y), method, Quantity::velocity, frequency * amplitude);
-        return digits * (turned + std::sqrt(turned / x));
+        return digits * (turned + rest_length / amplitude * random_walk(method, turned / x));
+    }
+    std::optional<double> limit(double y, const Method& method) const override {
+        const auto step = host::find_integrator(method.integrator).oscillator_step;
+        return limit_where(y, [&](double x) { return !step(x * x, 2 * y * x).is_stable(); });
     }
 
 protected:
