@@ -12,7 +12,7 @@ namespace tumble::port {
 // Exit statuses that the port itself produces. A fault exits with 128 + its exception number (of a Cortex-M: HardFault
 // 131, MemManage 132, BusFault 133, UsageFault 134; of RISC-V: mcause, as 133 of a load and 135 of a store).
 inline constexpr int abort_status = 120;       // abort(), a failed assert(), integer division by zero
-inline constexpr int text_lost_status = 121;   // exit(0) after some text could not be written
+inline constexpr int text_lost_status = 121;   // exit(0) or the end of main after text was lost
 inline constexpr int no_counter_status = 122;  // the board row promises a counter that does not advance
 
 // A reading of the counter. Raw counts differ from tick_unit() by a rational factor, so a reading has no arithmetic:

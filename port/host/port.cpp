@@ -8,8 +8,21 @@
 namespace tumble::port {
 
 namespace {
+
 bool text_lost = false;
+
+// From here on the program's end, a return from main among them, tells of it.
+void lose_text() {
+    if (text_lost) return;
+    text_lost = true;
+    on_exit(
+        [](int status, void*) {
+            if (status == 0) std::_Exit(text_lost_status);
+        },
+        nullptr);
 }
+
+}  // namespace
 
 void init() {}
 
@@ -29,13 +42,12 @@ std::string_view tick_unit() { return "ns"; }
 std::string_view core() { return "host"; }
 
 void write(std::string_view text) {
-    if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0) text_lost = true;
+    if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0) lose_text();
 }
 
 std::size_t stack_peak() { return 0; }
 
 void exit(int status) {
-    if (status == 0 && text_lost) status = text_lost_status;
     if (status != 0 && (status & 0xFF) == 0) status = 255;
     std::exit(status);
 }

@@ -909,6 +909,18 @@ TEST(Process, input_and_output_larger_than_a_pipe_pass_through) {
     EXPECT_EQ(child.errors(), "done\n");
 }
 
+TEST(Emulator, a_timeout_that_is_no_time_is_refused) {
+    const std::string run = (source_directory / "port/qemu/run").string();
+    for (const std::string timeout : {"abc", "0", "0.0", "-1", "", "1s", "1e3", ".", "inf", "1 2"}) {
+        std::string text;
+        EXPECT_EQ(Process({run, "--timeout", timeout, "cortex-m3", "no.elf"}, {}, Process::Errors::merge).wait(&text),
+                  2);
+        EXPECT_EQ(text, "run: --timeout: got '" + timeout + "', expected a positive number of seconds\n");
+    }
+    for (const std::string timeout : {"1", "0.5", "600"})
+        EXPECT_EQ(Process({run, "--timeout", timeout, "cortex-m3", "no.elf"}, {}, Process::Errors::merge).wait(), 126);
+}
+
 // --- compile ---------------------------------------------------------------------------------------------------------
 
 TEST(Compile, header_holds_what_the_scene_needs_and_nothing_else) {
