@@ -122,7 +122,7 @@ void explain(const std::string& map, double x, double y, const stress::Choice& c
 }  // namespace
 
 int main(int argc, char** argv) try {
-    host::tell_lost_output();
+    tumble::host::tell_lost_output();
     CLI::App app{
         "What becomes of scenes over step and another parameter, for every method and number system, as rows."};
     stress::Choice choice;
