@@ -150,5 +150,51 @@ TEST(accuracy, pdmv_keeps_energy_over_a_million_steps) {
     }
 }
 
+// Discs, hoops and plates, whose largest modified moment passes twice the middle one, and rods, whose smallest is lost
+// beside it, about any of the body's axes: q32 against the same method in double.
+TEST(accuracy, pdmv_q32_orients_flat_and_slender_bodies_as_pdmv_f64) {
+    const std::pair<Vector, Vector> bodies[] = {
+        {{1, 1, 2}, {0.5L, 0.2L, 6}},        {{1, 1, 2}, {1, -0.4L, 12}},
+        {{0.01L, 0.01L, 0.02L}, {3, 7, -9}}, {{1, 1.00001L, 2.00001L}, {-2, 5, 10}},
+        {{1, 1.01L, 2}, {4, -3, 9}},         {{5, 5, 9.9999L}, {0.1L, 0.1L, -11}},
+        {{0.5L, 0.7L, 1.2L}, {5, 5, 5}},     {{1, 1, 1e-5L}, {1, 0.5L, 20}},
+        {{1, 1, 1e-5L}, {12, 9, 3}},         {{1.000004L, 1, 1e-5L}, {-5, 3, 20}},
+        {{3.0012L, 3, 3e-3L}, {5, -3, 20}},  {{2e-4L, 2e-4L, 2e-6L}, {-8, 8, -8}},
+        {{1.03L, 1, 0.1L}, {5, 3, -20}},     {{1, 1, 0.17L}, {-5, 3, 20}},
+    };
+    Number worst = 0;
+    for (const auto& [moments, spin] : bodies) {
+        for (const int steps_per_second : {256, 384, 640}) {
+            const int turned = steps_per_second / 128 % 3;  // the axis that is the body's third
+            const auto about = [&](Vector v) {
+                return Vector{v[turned % 3], v[(turned + 1) % 3], v[(turned + 2) % 3]};
+            };
+            SceneSetup setup{.name = "shape", .step = Seconds{1, steps_per_second}};
+            setup.bodies = {top(real(about(moments)), real(about(spin)))};
+            for (const char* method : {"pdmv4", "pdmv6", "pdmv8", "pdmv10"}) {
+                const auto truth = build(setup, method, "f64");
+                std::vector<Motion> motions{truth->motion(0)};
+                for (int i = 0; i < 20; ++i) {
+                    truth->run(steps_per_second / 4);
+                    motions.push_back(truth->motion(0));
+                }
+                const auto world = build(setup, method, "q32_near");
+                const Number error = orientation_error(*world, motions, steps_per_second / 4);
+                worst = std::max(worst, error);
+                EXPECT_LE(error, tolerance::pdmv_of_any_shape)
+                    << method << ", moments " << moments.x << " " << moments.y << " " << moments.z << ", "
+                    << steps_per_second << " Hz";
+                EXPECT_TRUE(world->status().ok());
+                if (method == std::string_view{"pdmv10"}) {
+                    const auto exact = build(setup, "exact", "f64");
+                    EXPECT_LE(orientation_error(*exact, motions, steps_per_second / 4), tolerance::pdmv10_f64)
+                        << moments.x << " " << moments.y << " " << moments.z;
+                }
+            }
+        }
+    }
+    std::printf("pdmv in q32 and in f64: %.2Lg rad apart at most\n", worst);
+}
+
 }  // namespace
 }  // namespace tumble::test

@@ -19,7 +19,7 @@
 //   half_square     half the square of a block turn, as a block turn: a versine from a sine
 //   half_angle, whole_angle, square                       block turns and their products as angles in rad
 //   angle_per_turn, times_cosine, angle, add_angle, widen  the sphere's turn: a factor in rad per block turn, and sums
-//   share, twice_share, twice, times, stretched, rest      constants of the body or the step times a block turn
+//   share, twice_share, once, twice, times, stretched, rest  constants of the body or the step times a block turn
 //
 // Dither. A rounding is repeated by the next step: a constant spin meets the same numbers at every step, and half a
 // unit of its angle adds up to N/2 units in N steps. Functions that take a Dither, or as `dither` a fraction of a unit
@@ -117,12 +117,15 @@ public:
         return {
             static_cast<std::int64_t>((static_cast<std::uint64_t>(static_cast<std::uint32_t>(a.raw)) << 32) | dither)};
     }
-    // t (1 + c), c * t and 2 c * t, dithered.
+    // t (1 + c), c * t (share, once) and 2 c * t, dithered.
     [[nodiscard]] TUMBLE_INLINE static constexpr Turn stretched(Turn t, Angle c, std::uint32_t dither) {
         return upper_word(mul_add(widen(t, dither), t, c));
     }
     [[nodiscard]] TUMBLE_INLINE static constexpr Turn share(Fixed<32> c, Turn t, Dither d) {
         return upper_word(mul_add(TurnProduct{static_cast<std::int64_t>(d.turn)}, c, t));
+    }
+    [[nodiscard]] TUMBLE_INLINE static constexpr Turn once(Fixed<30> c, Turn t, Dither d) {
+        return {static_cast<std::int32_t>(mul_add(Wide<62>{static_cast<std::int64_t>(d.turn >> 2)}, c, t).raw >> 30)};
     }
     [[nodiscard]] TUMBLE_INLINE static constexpr Turn twice(Fixed<30> c, Turn t, Dither d) {
         return {static_cast<std::int32_t>(mul_add(Wide<62>{static_cast<std::int64_t>(d.turn >> 3)}, c, t).raw >> 29)};

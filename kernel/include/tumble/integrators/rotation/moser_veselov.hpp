@@ -76,22 +76,43 @@ struct MoserVeselovInertia {
     static constexpr int degree = order / 2 - 1;
     static constexpr int terms = degree * (degree + 3) / 2;
 
-    Work moment[3]{};             // I_i / I_y
-    Work s[terms]{}, d[terms]{};  // in |t|^2 and sum t_i^2 / I_i, whose doubles are N and H
-    Factor modified[3]{};         // J_i, for the present spin
+    // Bodies whose smallest moment is below this are slender: their polynomials are in N and H - N, because in N and H
+    // they cancel by a power of the ratio of moments.
+    static constexpr Real slender = 0.15625;
+    // Fixed point, of slender bodies and where J_x is 2 or more, which a factor cannot hold: added to z_shift, for
+    // which no spin has room, so that the flow finds out where it looks for room anyway. See
+    // MoserVeselovFlow::careful_flow.
+    static constexpr int with_care = 64;
+
+    Work x{}, x_less_y{}, z{};    // I_x / I_y, I_x / I_y - 1, I_z / I_y
+    Work s[terms]{}, d[terms]{};  // in |t|^2 and sum t_i^2 / I_i, whose doubles are N and H; see slender
+    Factor modified[3]{};         // J_i, for the present spin; with care J_x - 1, (J_x - J_y) 2^z_shift, J_z 2^z_shift
     Factor inverse[3]{};          // 1 / J_i; that of z times 2^-z_shift
     std::int8_t z_shift = 0, most_up = 0;
+    bool is_slender = false;
 
     [[nodiscard]] static constexpr MoserVeselovInertia of(RealVec3 moments, typename N::Scale scale) {
         const RealVec3 relative = moments * (Real{1} / moments.y);
         const auto terms_of = detail::MoserVeselovTerms::of(relative);
         MoserVeselovInertia inertia{};
-        for (int i = 0; i < 3; ++i) inertia.moment[i] = N::template constant<Work>(relative[i]);
+        inertia.x = N::template constant<Work>(relative.x);
+        inertia.x_less_y = N::template constant<Work>((moments.x - moments.y) / moments.y);
+        inertia.z = N::template constant<Work>(relative.z);
+        inertia.is_slender = relative.z < slender;
+        // N^(p-a) H^a, or with H = N + (H - N) the sum over k of (a over k) N^(p-k) (H - N)^k.
+        const auto coefficient = [&](const Real(&term)[5], int p, int a) {
+            Real sum = term[a];
+            for (int more = 1, choices = 1; inertia.is_slender && a + more <= p; ++more) {
+                choices = choices * (a + more) / more;
+                sum += term[a + more] * Real{choices};
+            }
+            return N::template constant<Work>(sum * Real::scaled(1, p));
+        };
         int at = 0;
         for (int p = 1; p <= degree; ++p) {
             for (int a = 0; a <= p; ++a, ++at) {
-                inertia.s[at] = N::template constant<Work>(terms_of.s[p - 1][a] * Real::scaled(1, p));
-                inertia.d[at] = N::template constant<Work>(terms_of.d[p - 1][a] * Real::scaled(1, p));
+                inertia.s[at] = coefficient(terms_of.s[p - 1], p, a);
+                inertia.d[at] = coefficient(terms_of.d[p - 1], p, a);
             }
         }
         // A factor holds up to 2, and 1 / J_z may exceed 1 / I_z by a quarter at the end of the range.
@@ -104,11 +125,14 @@ struct MoserVeselovInertia {
 
     // Sets the modified moments for a body's spin.
     void prepare(const BodyState<N, Spin::angular_momentum>& body, typename N::Scale scale) {
+        const Work moment[3] = {x, Work(1), z};
         Work n(0), e(0);
         for (int i = 0; i < 3; ++i) {
             const Work t = N::half_turn(N::sum(body.t_b[i]), scale), t2 = t * t;
             n += t2;
-            e += t2 / moment[i];
+            if (!is_slender) e += t2 / moment[i];
+            else if (i == 0) e -= t2 * x_less_y / x;
+            else if (i == 2) e += t2 * (Work(1) - z) / z;
         }
         Work sum_s(0), sum_d(0), n_power(1);
         int at = 0;
@@ -130,11 +154,23 @@ struct MoserVeselovInertia {
             ratio[i] = Work(1) + excess;
             if (!(excess * Work(4) < Work(1) && Work(-1) < excess * Work(4))) converges = false;
         }
+        const int up = z_shift % with_care;
         for (int i = 0; i < 3; ++i) {
             if (!converges) ratio[i] = Work(1);
             modified[i] = N::template factor<30>(moment[i] / ratio[i]);
             const Work reciprocal = ratio[i] / moment[i];
-            inverse[i] = N::template factor<30>(i == 2 ? N::times_power_of_two(reciprocal, -z_shift) : reciprocal);
+            inverse[i] = N::template factor<30>(i == 2 ? N::times_power_of_two(reciprocal, -up) : reciprocal);
+        }
+        if constexpr (N::fixed_point) {
+            const Work j_x = x / ratio[0];
+            const bool care = is_slender || !(j_x < Work(2));
+            z_shift = static_cast<std::int8_t>(care ? with_care + up : up);
+            if (!care) return;
+            // J_x - J_y = (I_x - I_y) (1 + s) / (ratio_x ratio_y), without cancelling.
+            const Work s_one = converges ? Work(1) + sum_s : Work(1);
+            modified[0] = N::template factor<30>(j_x - Work(1));
+            modified[1] = N::template factor<30>(N::times_power_of_two(x_less_y * s_one / (ratio[0] * ratio[1]), up));
+            modified[2] = N::template factor<30>(N::times_power_of_two(z / ratio[2], up));
         }
     }
 };
@@ -156,10 +192,8 @@ struct MoserVeselovFlow {
         const Dither d = step.dither;
         const auto block = Block::of(N::sum(body.t_b.x), N::sum(body.t_b.y), N::sum(body.t_b.z), inertia.z_shift,
                                      inertia.most_up, step.scale);
-        if (block.is_out_of_range()) [[unlikely]] {
-            N::leave_range(body.t_b.z);
-            return true;
-        }
+        if (block.is_out_of_range()) [[unlikely]]
+            return careful_flow<N>(body, inertia, step);
         const Turn z_up = block.turn(N::sum(body.t_b.z), d, inertia.z_shift);
         const Vec3<Turn> t{block.turn(N::sum(body.t_b.x), d), block.turn(N::sum(body.t_b.y), d),
                            block.down(z_up, inertia.z_shift)};
@@ -186,16 +220,82 @@ struct MoserVeselovFlow {
             converged = block.vanishes_times_itself(change, c);
         }
 
-        // The unit quaternion (1 + r, v), and t += 2 (J_j - J_k) v_j v_k.
-        const Angle r = inverse_length_less_one<N>(block.square(dot(c, c)));
-        const Vec3<Turn> v{Block::stretched(c.x(), r, d.turn), Block::stretched(c.y(), r, d.turn),
-                           Block::stretched(c.z(), r, d.turn)};
-        block.lower(body.t_b.x, mul(Block::twice(-difference[0], v.y(), d), v.z()));
-        block.lower(body.t_b.y, mul(Block::twice(-difference[1], v.z(), d), v.x()));
-        block.lower(body.t_b.z, mul(Block::twice(-difference[2], v.x(), d), v.y()));
+        const auto less = [&](int i, Turn v, Turn w) { return mul(Block::twice(-difference[i], v, d), w); };
+        finish<N>(body, block, c, less, step);
+        return converged;
+    }
+
+private:
+    // The unit quaternion (1 + r, v), and t += 2 (J_j - J_k) v_j v_k, of which less(i, v_j, v_k) is the negative.
+    template <class N, class Less>
+    TUMBLE_INLINE static void finish(BodyState<N, Spin::angular_momentum>& body, const typename N::Block& block,
+                                     const Vec3<typename N::Turn>& c, Less&& less, const StepInfo<N>& step) {
+        using Block = typename N::Block;
+        const Dither d = step.dither;
+        const typename N::Angle r = inverse_length_less_one<N>(block.square(dot(c, c)));
+        const Vec3<typename N::Turn> v{Block::stretched(c.x(), r, d.turn), Block::stretched(c.y(), r, d.turn),
+                                       Block::stretched(c.z(), r, d.turn)};
+        block.lower(body.t_b.x, less(0, v.y(), v.z()));
+        block.lower(body.t_b.y, less(1, v.z(), v.x()));
+        block.lower(body.t_b.z, less(2, v.x(), v.y()));
         turn<N>(body.q_wb,
                 Delta<N>{r, {block.whole_angle(v.x(), d), block.whole_angle(v.y(), d), block.whole_angle(v.z(), d)}});
-        return converged;
+    }
+
+    // The flow of a body whose constants need care in fixed point: with J_x and J_y less one, which a factor holds up
+    // to J = 3, and with the whole equation of z times 2^z_shift, which keeps the digits of a small J_z and its spin.
+    // Out of line: few bodies are so flat or so slender; and `step` is a value, because a reference would put it into
+    // memory.
+    template <class N>
+    [[gnu::noinline]] static bool careful_flow(BodyState<N, Spin::angular_momentum>& body, const Inertia<N>& inertia,
+                                               StepInfo<N> step) {
+        if constexpr (N::fixed_point) {
+            using Turn = typename N::Turn;
+            using Angle = typename N::Angle;
+            using Block = typename N::Block;
+            using Factor = typename Inertia<N>::Factor;
+            const Dither d = step.dither;
+            const int up = inertia.z_shift - Inertia<N>::with_care;
+            const auto block =
+                Block::of(N::sum(body.t_b.x), N::sum(body.t_b.y), N::sum(body.t_b.z), up, inertia.most_up, step.scale);
+            if (up < 0 || block.is_out_of_range()) {
+                N::leave_range(body.t_b.z);
+                return true;
+            }
+            const Vec3<Turn> t{block.turn(N::sum(body.t_b.x), d), block.turn(N::sum(body.t_b.y), d),
+                               block.turn(N::sum(body.t_b.z), d, up)};
+            constexpr Factor one = Factor::from_raw(1 << 30);
+            const auto& given = inertia.modified;
+            const Factor j_z{given[2].raw >> up};
+            const Factor J[3] = {given[0], given[0] - Factor{given[1].raw >> up}, given[2]};
+            const Factor difference[3] = {J[1] + one - j_z, j_z - J[0] - one, given[1]};
+
+            Vec3<Turn> c{Block::times(inertia.inverse[0], t.x()), Block::times(inertia.inverse[1], t.y()),
+                         Block::times(inertia.inverse[2], t.z())};
+            bool converged = false;
+            for (int sweep = 0; sweep < max_sweeps && !converged; ++sweep) {
+                const Angle square = block.square(dot(c, c));
+                const Vec3<Turn> product{block.turn(mul(c.y(), c.z())), block.turn(mul(c.z(), c.x())),
+                                         block.turn(mul(c.x(), c.y()))};
+                Vec3<Turn> change;
+                for (int i = 0; i < 3; ++i) {
+                    const Turn stretched = Block::stretched(t[i], square, d.angle);
+                    change[i] = Block::times(inertia.inverse[i], Block::rest(i == 2 ? stretched : stretched - c[i],
+                                                                             difference[i], product[i], J[i], c[i], 0));
+                }
+                c += change;
+                converged = block.vanishes_times_itself(change, c);
+            }
+            // Doubled last: of a rod, twice the difference times v may leave the format of turns.
+            const auto less = [&](int i, Turn v, Turn w) {
+                const auto once = mul(Block::once(-difference[i], v, d), w);
+                return typename N::TurnProduct{i == 2 ? once.raw * 2 >> up : once.raw * 2};
+            };
+            finish<N>(body, block, c, less, step);
+            return converged;
+        } else {
+            return true;  // floating point has room for every spin
+        }
     }
 };
 
