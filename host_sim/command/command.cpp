@@ -114,14 +114,21 @@ std::string message_of(const Trouble& trouble, const SceneDescription& scene, co
     if (trouble.issue == "range_left")
         message +=
             "left what the number system holds: in fixed point the declared [range], and about a quarter of a radian "
-            "in half a step; in floating point a number is not finite. Declare a larger [range] or take a smaller step";
+            "in half a step; in floating point a number is not finite, or a step turns the body further than the "
+            "method "
+            "follows. Declare a larger [range] or take a smaller step";
     else if (trouble.issue == "step_bound_hit")
         message += "an iteration met its bound, so the result is less accurate; take a smaller step";
     else if (trouble.issue == "contacts_full")
         message += "more pairs of bodies near each other than there is room for, so some pass through each other";
     else if (trouble.issue == "step_too_long")
-        message += "contact spring too stiff for the step of " + few_digits(simulation.step_length()) +
-                   " s: the largest safe step is " + four_digits_down(0.999 * simulation.largest_safe_step()) + " s";
+        message +=
+            simulation.largest_safe_step() > 0
+                ? "contact spring too stiff for the step of " + few_digits(simulation.step_length()) +
+                      " s: the largest safe step is " + four_digits_down(0.999 * simulation.largest_safe_step()) + " s"
+                : "the step of " + few_digits(simulation.step_length()) +
+                      " s is too long for what acts and adds to the energy: a spring too stiff, damping or drag too "
+                      "strong, or two bodies that attract each other too near; take a smaller step";
     else message += "no room for another body";
     return message;
 }

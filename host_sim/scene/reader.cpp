@@ -135,11 +135,12 @@ void check_not_zero(const Value& value, const double* numbers, std::size_t count
         value.fail("its length is 0", wanted);
 }
 
-void check_inside(Table& table, const std::string& key, const Triple& numbers, double range, const char* unit) {
+void check_inside(Table& table, const std::string& key, const Triple& numbers, double range, const char* unit,
+                  const std::string& range_key) {
     for (std::size_t i = 0; i < 3; ++i)
         if (std::abs(numbers[i]) > range)
             table.at(key)[i].refuse("a number from -" + shown(range) + " to " + shown(range) + " (" + unit +
-                                    "), the range." + key + " of this scene");
+                                    "), the range." + range_key + " of this scene");
 }
 
 // Mass, density and inertia must together say what the body weighs and how it turns; without shape and inertia it does
@@ -219,9 +220,9 @@ BodyDescription read_body(Table table, const RangeDescription& range) {
                        "a quaternion [w, x, y, z] that is not zero");
     refuse_to_turn(table, "orientation", body.orientation.data() + 1, 3, body, "[1, 0, 0, 0] or no orientation");
     refuse_to_turn(table, "angular_velocity", body.angular_velocity, body);
-    check_inside(table, "position", body.position, range.position, "m");
-    check_inside(table, "velocity", body.velocity, range.velocity, "m/s");
-    check_inside(table, "angular_velocity", body.angular_velocity, range.angular_velocity, "rad/s");
+    check_inside(table, "position", body.position, range.position, "m", "position");
+    check_inside(table, "velocity", body.velocity, range.velocity, "m/s", "velocity");
+    check_inside(table, "angular_velocity", body.angular_velocity, range.angular_velocity, "rad/s", "angular_velocity");
     return body;
 }
 
@@ -317,6 +318,10 @@ SpringDescription read_spring(Table table, const SceneDescription& scene) {
     table.optional("rest_length", spring.rest_length, Quantity{Quantity::not_negative, "m"});
     table.finish();
 
+    const double furthest = scene.range.position;
+    check_inside(table, "point", spring.point, furthest, "m", "position");
+    if (to_world) check_inside(table, "to", spring.to, furthest, "m", "position");
+    if (has_to_point) check_inside(table, "to_point", to_point, furthest, "m", "position");
     spring.body = resolve(table, "body", body, scene);
     refuse_to_turn(table, "point", spring.point, scene.body(spring.body));
     const std::string ends = "either to = [x, y, z] (m, a world point) or to_body = \"name\"";

@@ -121,6 +121,24 @@ TEST(SceneReader, wrong_value_names_what_it_got_and_the_unit_expected) {
               "text.toml:7: body[0].mass: got -3, expected a positive finite number (kg)");
 }
 
+TEST(SceneReader, an_end_of_a_spring_beyond_the_range_is_refused) {
+    const auto scene = [](const std::string& range, const std::string& end) {
+        return world + range + brick + "[[body]]\nname = \"other\"\nshape = { sphere = 1.0 }\nmass = 1.0\n" +
+               "[[spring]]\nbody = \"brick\"\nstiffness = 1\n" + end + "\n";
+    };
+    const std::string near = "[range]\nposition = 64.0\n", other = "to_body = \"other\"\n";
+    EXPECT_EQ(
+        error_of(scene(near, "to = [0, -80, 0]")),
+        "text.toml:17: spring[0].to[1]: got -80, expected a number from -64 to 64 (m), the range.position of this "
+        "scene");
+    for (const std::string inside : {"to = [64, -64, 0]", "to = [0, 0, 63.5]"})
+        EXPECT_EQ(error_of(scene(near, inside)), "no error") << inside;
+    for (const std::string beyond :
+         {std::string{"to = [0, 0, 1024.1]"}, std::string{"to = [0, 0, 0]\npoint = [-1025, 0, 0]"},
+          other + "to_point = [0, 2000, 0]"})
+        EXPECT_NE(error_of(scene("", beyond)).find("the range.position of this scene"), std::string::npos) << beyond;
+}
+
 TEST(SceneReader, numbers_whose_products_leave_a_double_are_refused) {
     const auto gravity = [](const std::string& g) {
         return "[world]\nstep = \"1/256\"\nduration = 4.0\ngravity = [0, " + g + ", 0]\n" + brick;

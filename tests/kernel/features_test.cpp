@@ -130,7 +130,10 @@ protected:
 using MisuseDeathTest = Misuse;
 
 TEST_F(MisuseDeathTest, of_a_body_that_is_not_there_ends_the_program) {
-    for (const BodyId id : {BodyId{}, BodyId{1}, BodyId{-2}, BodyId{1000}}) {
+    // 65536 and its like would be bodies that are there in 16 bits.
+    for (const int index : {-1, 1, -2, 1000, 32768, 65536, 65537, -65536, -0x7fffffff - 1}) {
+        const BodyId id{index};
+        EXPECT_EQ(static_cast<bool>(id), index == 1 || index == 1000) << index;
         EXPECT_DEATH((void)world_.state(id), "") << id.index();
         EXPECT_DEATH((void)world_.position(id), "") << id.index();
         EXPECT_DEATH((void)world_.velocity(id), "") << id.index();
@@ -154,6 +157,16 @@ TEST_F(MisuseDeathTest, of_a_spring_between_bodies_that_are_not_there_ends_the_p
     EXPECT_DEATH((void)world_.add(spring(0, 1)), "");
     EXPECT_DEATH((void)world_.add(spring(0, -2)), "");
     EXPECT_TRUE(world_.add(spring(0, -1)));
+    for (int i = 0; i < 3; ++i) {
+        for (const Real& far : {Real{1024.5}, Real{-3000}, Real{1e300}}) {
+            SpringSpec beyond = spring(0, -1);
+            beyond.to[i] = far;
+            EXPECT_DEATH((void)world_.add(beyond), "") << i;
+            beyond = spring(0, -1);
+            beyond.point[i] = far;
+            EXPECT_DEATH((void)world_.add(beyond), "") << i;
+        }
+    }
     (void)world_.add(sphere(Real{1}, Real{1}));
     EXPECT_TRUE(world_.add(spring(0, 1)));
 }
@@ -161,7 +174,7 @@ TEST_F(MisuseDeathTest, of_a_spring_between_bodies_that_are_not_there_ends_the_p
 TEST_F(MisuseDeathTest, of_an_event_of_a_body_that_is_not_there_ends_the_program) {
     ImpulseSpec impulse;
     ForceSpec force;
-    for (const int body : {-1, 1, 32768}) {
+    for (const int body : {-1, 1, 32768, 65536}) {
         impulse.body = force.body = body;
         EXPECT_DEATH((void)world_.prepare(impulse), "") << body;
         EXPECT_DEATH((void)world_.prepare(force), "") << body;
@@ -220,6 +233,81 @@ TEST(Events, of_a_replay_keep_their_steps_where_the_count_begins_anew) {
         EXPECT_NEAR(static_cast<double>(v.x()), pushed * 0.25, 1e-6) << step;
         EXPECT_NEAR(static_cast<double>(v.y()), step >= 21 ? 0.5 : 0.0, 1e-6) << step;
         EXPECT_EQ(static_cast<double>(v.z()), 0) << step;
+    }
+}
+
+TEST_F(MisuseDeathTest, of_impulses_that_are_not_sorted_and_events_of_no_body_ends_the_program) {
+    using N = World<Pair>::Numbers;
+    Impulse<N> impulses[3]{};
+    TimedForce<N> forces[3]{};
+    for (int i = 0; i < 3; ++i) impulses[i].step = forces[i].from = static_cast<std::uint32_t>(7 * i);
+    world_.set_impulses({impulses, 3});
+    world_.set_forces({forces, 3});
+    for (const int body : {-1, 1, 300}) {
+        impulses[1].body = forces[2].body = static_cast<std::int16_t>(body);
+        EXPECT_DEATH(world_.set_impulses({impulses, 3}), "") << body;
+        EXPECT_DEATH(world_.set_forces({forces, 3}), "") << body;
+    }
+    impulses[1].body = forces[2].body = 0;
+    impulses[2].step = 6;
+    EXPECT_DEATH(world_.set_impulses({impulses, 3}), "");
+}
+
+TEST(Script, another_one_is_read_from_its_beginning) {
+    using N = World<Pair>::Numbers;
+    World<Pair> world{Seconds{1, 256}};
+    (void)world.add(sphere(Real{1}, Real{1}));
+    const auto push = [&](int step) {
+        ImpulseSpec spec;
+        spec.time = Real{step} / Real{256};
+        spec.impulse = {1, 0, 0};
+        return world.prepare(spec);
+    };
+    const Impulse<N> first[] = {push(0), push(2), push(3)}, second[] = {push(1), push(6)};
+    world.set_impulses({first, 3});
+    for (int i = 0; i < 5; ++i) world.step();
+    EXPECT_EQ(static_cast<double>(world.velocity(BodyId{0}).x()), 3);
+    world.set_impulses({second, 2});
+    world.step();
+    EXPECT_EQ(static_cast<double>(world.velocity(BodyId{0}).x()), 3) << "what lies before the present is left out";
+    world.step();
+    EXPECT_EQ(static_cast<double>(world.velocity(BodyId{0}).x()), 4);
+}
+
+TEST(SetUpMisuseDeathTest, of_steps_sizes_and_moments_that_nothing_has_ends_the_program) {
+    for (const Real& step : {Real{}, Real{-1}, Real{-1e-9}}) EXPECT_DEATH((World<Pair>{Seconds{step}}), "");
+    const auto add = [](const BodySpec& body) {
+        World<Pair> world{Seconds{1, 256}};
+        (void)world.add(body);
+    };
+    const ShapeKind kinds[] = {ShapeKind::sphere, ShapeKind::box, ShapeKind::cylinder, ShapeKind::hoop,
+                               ShapeKind::capsule};
+    const int sizes[] = {1, 3, 2, 1, 2};  // how many of the three numbers a shape has
+    for (int k = 0; k < 5; ++k) {
+        BodySpec body = body_of({kinds[k], {1, 2, 1}}, 1);
+        add(body);
+        for (int i = 0; i < sizes[k]; ++i) {
+            const Real kept = body.shape.size[i];
+            for (const Real& bad : {Real{}, Real{-2}}) {
+                if (kinds[k] == ShapeKind::capsule && i == 1 && bad.is_zero()) continue;  // a ball
+                body.shape.size[i] = bad;
+                EXPECT_DEATH(add(body), "") << k << ", size " << i;
+            }
+            body.shape.size[i] = kept;
+        }
+    }
+    BodySpec top;
+    for (int i = 0; i < 3; ++i) {
+        RealVec3 moments{1, 1, 1};
+        moments[i] = 2;
+        top.inertia = {moments.x, moments.y, moments.z, 0, 0, 0};
+        add(top);
+        moments[i] = 2.001;
+        top.inertia = {moments.x, moments.y, moments.z, 0, 0, 0};
+        EXPECT_DEATH(add(top), "") << i;
+        moments[i] = -1;
+        top.inertia = {moments.x, moments.y, moments.z, 0, 0, 0};
+        EXPECT_DEATH(add(top), "") << i;
     }
 }
 

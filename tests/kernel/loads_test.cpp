@@ -1,4 +1,5 @@
 // Loads and events through a whole world: closed forms, momentum, frames, time windows and the order of events.
+#include "random.hpp"
 #include "references.hpp"
 #include "tolerances.hpp"
 
@@ -341,6 +342,166 @@ TEST_P(Stiff, implicit_euler_holds_a_hanging_body_on_a_stiff_damped_spring) {
     EXPECT_LE(std::abs(norm(tip - Vector{0, 1.5L, 0}) - 1), 1e-3L);
     EXPECT_LE(norm(m.v), 1);
     EXPECT_TRUE(world->status().ok()) << "first at step " << world->status().first_step;
+}
+
+// --- steps that are too long for what acts ---------------------------------------------------------------------------
+
+// Springs that start a millimetre from rest, and the stiffness that each needs for h w = 1.
+struct StiffScene {
+    const char* name;
+    SceneSetup setup;
+    Number per_stiffness;  // (h w)^2 / k
+};
+std::vector<StiffScene> stiff_scenes() {
+    constexpr Number h = 1.0L / 256;
+    const auto scene = [](std::vector<SpringSpec> springs) {
+        SceneSetup setup{.name = "stiff", .bodies = {top({0.02, 0.03, 0.04}, {}, 2), top({1, 1, 1}, {}, 0.5)}};
+        setup.bodies[0].position = {1.001, 0, 0};
+        setup.bodies[1].position = {0, 4, 0};
+        setup.springs = std::move(springs);
+        return setup;
+    };
+    const SpringSpec to_world{.rest_length = 1};
+    std::vector<StiffScene> scenes{
+        {"to the world", scene({to_world}), h * h / 2},
+        {"of two bodies", scene({{.body = 1, .to_body = 0, .rest_length = 4.124}}), h * h * (0.5L + 2)},
+        {"with an arm across", scene({{.point = {0, 0.1, 0}, .to = {0, 0.1, 0}, .rest_length = 1}}),
+         h * h * (0.5L + 0.01L / 0.04L)},
+        {"with an arm along", scene({{.point = {0.1, 0, 0}, .to = {0.1, 0, 0}, .rest_length = 1}}), h * h / 2},
+        {"three beside each other", scene({to_world, to_world, to_world}), 3 * h * h / 2},
+        {"from both sides", scene({to_world, {.to = {2, 0, 0}, .rest_length = 1}}), 2 * h * h / 2},
+        {"without a rest length", scene({{.point = {0, 0.1, 0}, .to = {1, 0.1, 0}}}), h * h * (0.5L + 0.01L / 0.02L)},
+        {"in a chain",
+         scene({{.body = 0, .to_body = 1, .rest_length = 4.124}, {.body = 1, .to = {0, 8, 0}, .rest_length = 4}}), 0},
+    };
+    // Two springs on the lighter body: x'' of it is -k (n n^T + y y^T) x / m, the other's far slower.
+    const Number slant = 4 / std::sqrt(Number(17)), a = 2.5L, b = 2, both = 2 * slant;
+    scenes.back().per_stiffness = h * h * ((a + b) / 2 + std::sqrt((a - b) * (a - b) / 4 + both * both));
+    return scenes;
+}
+
+TEST_P(Loads, a_spring_too_stiff_for_the_step_is_told_when_it_is_added_and_no_other) {
+    const Method& method = GetParam().method;
+    const bool has_limit = method.oscillation_limit > 0 && std::isfinite(method.oscillation_limit);
+    const Number limit = has_limit ? method.oscillation_limit : 1;
+    for (const StiffScene& stiff : stiff_scenes()) {
+        for (const Number share : {0.95L, 1.05L, 1.5L}) {
+            for (const Number damping : {0.0L, 0.1L, 1.0L}) {  // ratio
+                SceneSetup setup = stiff.setup;
+                const Number k = share * share * limit * limit / stiff.per_stiffness;
+                const Number w = share * limit * 256;
+                for (SpringSpec& spring : setup.springs) {
+                    spring.stiffness = real(k);
+                    spring.damping = real(2 * damping * k / w);
+                }
+                const auto world = build(setup, GetParam());
+                const std::string what = std::string{stiff.name} + ", " + std::to_string(static_cast<double>(share)) +
+                                         " of the limit, damping " + std::to_string(static_cast<double>(damping));
+                if (has_limit && damping == 0) {
+                    EXPECT_EQ(world->status().has(Issue::step_too_long), share > 1) << what;
+                }
+                if (!has_limit && method.oscillation_limit > 0) { EXPECT_TRUE(world->status().ok()) << what; }
+                Number furthest = 0;
+                for (int i = 0; i < 60 && std::isfinite(method.oscillation_limit); ++i) {
+                    world->step();
+                    for (int b = 0; b < 2; ++b)
+                        furthest = std::max(furthest, norm(world->motion(b).x -
+                                                           vector(setup.bodies[static_cast<std::size_t>(b)].position)));
+                    if (!(furthest < 0.5L)) break;
+                }
+                const bool blew_up = !(furthest < 0.5L);
+                EXPECT_FALSE(blew_up && world->status().ok()) << what;
+            }
+        }
+    }
+}
+
+TEST_P(Loads, a_spring_that_becomes_too_stiff_as_its_body_turns_is_told_then) {
+    const Method& method = GetParam().method;
+    if (!(method.oscillation_limit > 0) || !std::isfinite(method.oscillation_limit)) GTEST_SKIP() << "no limit";
+    // Of the body's mass h w is 0.4 of the limit, of its moment 2.2 times.
+    for (const Number arm : {0.1L, -0.1L}) {
+        SceneSetup setup{.name = "turning", .bodies = {top({1e-3, 1e-3, 1e-3}, {0, 0, 6}, 2)}};
+        setup.bodies[0].position = {1, 0, 0};
+        const Number w = 0.4L * method.oscillation_limit * 256;
+        setup.springs = {{.point = {real(arm), 0, 0}, .to = {0, 0, 0}, .stiffness = real(2 * w * w), .rest_length = 1}};
+        setup.springs[0].rest_length = real(1 + arm);
+        const auto world = build(setup, GetParam());
+        EXPECT_TRUE(world->status().ok());
+        world->run(256);
+        EXPECT_TRUE(world->status().has(Issue::step_too_long)) << arm;
+    }
+}
+
+TEST_P(Loads, drag_too_strong_for_the_step_is_told_and_none_that_is_not) {
+    const Method& method = GetParam().method;
+    if (!std::isfinite(method.drag_limit)) GTEST_SKIP() << "no limit";
+    for (const Number share : {0.9L, 1.1L}) {
+        for (const bool turns : {false, true}) {
+            SceneSetup setup{.name = "drag", .bodies = {top({0.5, 0.25, 0.4}, {}, 2)}};
+            const Real strength = real(share * method.drag_limit * 256);
+            if (turns) setup.world.angular_drag = strength * Real{0.25};
+            else setup.world.linear_drag = strength * Real{2};
+            EXPECT_EQ(build(setup, GetParam())->status().has(Issue::step_too_long), share > 1) << share;
+            setup.bodies[0].fixed = true;
+            EXPECT_TRUE(build(setup, GetParam())->status().ok());
+        }
+    }
+}
+
+TEST_P(Loads, bodies_that_fall_into_each_other_are_told_where_their_energy_is_lost) {
+    if (order() < 2) GTEST_SKIP() << "does not keep an orbit's energy";
+    for (const int count : {2, 3}) {
+        for (const Number sideways : {0.0L, 0.05L, 0.8L}) {
+            for (const Number apart : {1.0L, 1.3L}) {
+                SceneSetup setup{.name = "fall"};
+                setup.world.gravitation = 1;
+                for (int b = 0; b < count; ++b) {
+                    const Number angle = 2 * std::acos(Number(-1)) * b / count, r = apart / 2;
+                    setup.bodies.push_back(top({1, 1, 1}, {}));
+                    setup.bodies.back().position = real(Vector{r * std::cos(angle), r * std::sin(angle), 0});
+                    setup.bodies.back().velocity =
+                        real(Vector{-sideways * std::sin(angle), sideways * std::cos(angle), 0});
+                }
+                const auto world = build(setup, GetParam());
+                const auto energy = [&] {
+                    Number sum = 0;
+                    for (int a = 0; a < count; ++a) {
+                        sum += dot(world->motion(a).v, world->motion(a).v) / 2;
+                        for (int b = 0; b < a; ++b) sum -= 1 / norm(world->motion(a).x - world->motion(b).x);
+                    }
+                    return sum;
+                };
+                const Number start = energy();
+                bool is_lost = false;
+                for (int i = 0; i < 768; ++i) {
+                    world->step();
+                    is_lost |= std::abs(energy() / start - 1) > 0.5L;
+                }
+                EXPECT_FALSE(is_lost && world->status().ok()) << count << " bodies, " << sideways << " m/s";
+                EXPECT_EQ(world->status().has(Issue::step_too_long), sideways < 0.5L) << count << " " << sideways;
+            }
+        }
+    }
+}
+
+TEST_P(Loads, a_spring_pulls_the_right_way_across_the_whole_range) {
+    if (!system().fixed_point) GTEST_SKIP() << "floating point has no ends";
+    Random random{5};
+    const double end = system().name == std::string_view{"q32_field"} ? 32768 : 64;
+    for (int trial = 0; trial < 10; ++trial) {
+        SceneSetup setup{.name = "wide", .bodies = {top({1, 1, 1}, {})}};
+        RealVec3 anchor;
+        for (int i = 0; i < 3; ++i) {
+            setup.bodies[0].position[i] = random.uniform(-0.98, 0.98) * end;
+            anchor[i] = trial < 2 ? (trial == 0 ? end : -end) : random.uniform(-1, 1) * end;
+        }
+        setup.springs = {{.to = anchor, .stiffness = 0.1, .rest_length = random.uniform(0, 1)}};
+        const auto world = build(setup, GetParam()), truth = build(setup, GetParam().method.name, "f64");
+        world->run(4);
+        truth->run(4);
+        EXPECT_LE(norm(world->motion(0).v - truth->motion(0).v), 1e-3L * norm(truth->motion(0).v)) << trial;
+    }
 }
 
 }  // namespace

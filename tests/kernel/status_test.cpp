@@ -224,6 +224,58 @@ TEST_P(Floating, a_spin_without_measure_is_told_and_its_step_ends) {
     }
 }
 
+// Whatever a body's moments and spin, and whether it moves or turns in its place: as long as the status is ok, its
+// numbers are finite and its orientation is one.
+TEST_P(Floating, an_orientation_that_loses_its_unit_length_is_told_by_the_step_that_does_it) {
+    const RealVec3 inertias[] = {{1, 1, 1}, {1, 2, 3}, {3, 1, 2.5}, {1, 1, 1.99}, {0.01, 1, 1}};
+    for (const RealVec3& moments : inertias) {
+        for (const bool fixed : {false, true}) {
+            for (const Number angle : {0.3L, 0.5L, 1.0L, 2.0L, 3.0L, 6.0L, 12.0L, 1e4L}) {  // of a step, rad
+                SceneSetup setup{.name = "spin", .step = Seconds{1, 16}};
+                const Vector w = Vector{0.05L, 1, -0.02L} * (16 * angle);
+                setup.bodies = {top(moments, real(w))};
+                setup.bodies[0].fixed = fixed;
+                const auto world = build(setup, GetParam());
+                for (int i = 0; i < 200 && world->step().ok(); ++i) {
+                    const Motion m = world->motion(0);
+                    ASSERT_LE(std::abs(std::sqrt(m.q.norm2()) - 1), tolerance::unit_while_ok)
+                        << angle << " rad a step, step " << i << (fixed ? ", fixed" : "");
+                    ASSERT_TRUE(std::isfinite(norm(m.x)) && std::isfinite(norm(m.v)) && std::isfinite(norm(m.w)));
+                }
+                const bool is_exact = GetParam().method.name == std::string_view{"exact"};
+                if (is_exact && angle < 100) {
+                    EXPECT_TRUE(world->status().ok()) << "exact follows " << angle << " rad a step";
+                } else if (!is_exact && angle > 3.5L && moments.y >= moments.x) {
+                    EXPECT_FALSE(world->status().ok()) << angle << " rad a step" << (fixed ? ", fixed" : "");
+                }
+            }
+        }
+    }
+}
+
+TEST_P(Floating, a_speed_or_spin_that_is_not_finite_is_told_at_once) {
+    const bool f32 = GetParam().system.bits == 32;
+    const Number huge = f32 ? 3e38L : 1e308L;
+    SceneSetup setup{.name = "push", .step = Seconds{1, 4}};
+    setup.bodies = {top({1, 2, 3}, {}), top({1e-3, 2e-3, 2.5e-3}, {}, 1e-3)};
+    for (const Vector point : {Vector{}, Vector{0, 0, 1}}) {
+        const auto world = build(setup, GetParam());
+        world->apply_impulse(0, {1, 2, 0}, point);
+        EXPECT_TRUE(world->status().ok());
+        world->apply_impulse(1, {huge, huge, 0}, point);
+        EXPECT_TRUE(world->status().has(Issue::range_left));
+        EXPECT_EQ(world->status().first_body, 1);
+    }
+    setup.step = Seconds{16, 1};
+    setup.bodies.pop_back();
+    setup.bodies[0].velocity = {0, real(huge), 0};
+    EXPECT_TRUE(build(setup, GetParam())->status().has(Issue::range_left));
+    setup.bodies[0].velocity = {};
+    EXPECT_TRUE(build(setup, GetParam())->status().ok());
+    setup.bodies[0].angular_velocity = {0, 0, real(huge)};
+    EXPECT_TRUE(build(setup, GetParam())->status().has(Issue::range_left));
+}
+
 TEST(status, a_full_world_adds_nothing_and_says_so) {
     SceneSetup setup = three_spheres();
     for (const Case& c : every_case()) {
@@ -251,6 +303,9 @@ TEST(status, counts_occurrences_keeps_the_first_and_never_wraps) {
     EXPECT_EQ(status.count, 2);
     for (int i = 0; i < 100000; ++i) status.set(Issue::range_left, 0, 0);
     EXPECT_EQ(status.count, 65535);
+    Status of_many;
+    of_many.set(Issue::range_left, 300, 1);
+    EXPECT_EQ(of_many.first_body, 255);
     std::set<std::string_view> names;
     for (const Issue issue : all_issues) names.insert(name_of(issue));
     EXPECT_EQ(names.size(), std::size(all_issues));

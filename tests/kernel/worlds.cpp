@@ -17,7 +17,8 @@ const std::vector<Method>& methods() {
             bool keeps = true;
             if constexpr (requires { M::keeps_the_spin_of_spheres; }) keeps = M::keeps_the_spin_of_spheres;
             constexpr bool is_exact = requires { M::exact_for_spheres; };
-            list.push_back({M::name, M::order, free_order, M::spin == Spin::angular_momentum, is_exact, keeps});
+            list.push_back({M::name, M::order, free_order, M::spin == Spin::angular_momentum, is_exact, keeps,
+                            M::oscillation_limit, M::drag_limit});
         });
         return list;
     }();

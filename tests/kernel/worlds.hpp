@@ -119,6 +119,7 @@ struct Method {
     int free_order;  // of torque-free rotation, where it differs
     bool conserves;  // angular momentum to rounding, energy error bounded
     bool exact_for_spheres, keeps_the_spin_of_spheres;
+    double oscillation_limit, drag_limit;  // of integrators/stability.hpp
 };
 [[nodiscard]] const std::vector<Method>& methods();
 

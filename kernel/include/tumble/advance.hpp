@@ -40,7 +40,12 @@ public:
             if (bodies.rotates(b)) inertia_[b] = Inertia::of(inertia.moments, bodies.scale);
         spin_changed(b);
         if constexpr (has_loads) loads.set_body(b, spec, inertia, bodies);
+        if constexpr (features.drag) loads.check_drag(b, spec, inertia, bodies, Integrator::step_bounds);
         return b;
+    }
+    // Adds a spring; false when there is no room.
+    bool add(const SpringSpec& spec) requires(features.springs > 0) {
+        return loads.add(spec, bodies, Integrator::step_bounds);
     }
     // Call when anything but free rotation has changed the spin.
     TUMBLE_INLINE void spin_changed([[maybe_unused]] int b) {
@@ -50,8 +55,9 @@ public:
     void spins_changed(const BodyGroup& group) {
         for (int k = 0; k < group.count; ++k) spin_changed(group.id[k]);
     }
+    TUMBLE_INLINE void check_range(int b) { bodies.check_range(b, most_turn); }
     void check_range(const BodyGroup& group) {
-        for (int k = 0; k < group.count; ++k) bodies.check_range(group.id[k]);
+        for (int k = 0; k < group.count; ++k) check_range(group.id[k]);
     }
 
     // Gravity's change of drift in a step.
@@ -62,12 +68,15 @@ public:
         if (bodies.constants[b].fixed) return step_fixed(b, info);
         coast(b, gravity_);
         rotate(b, info);
-        bodies.check_range(b);
+        check_range(b);
     }
     // A step of a fixed body, which may turn where there are turntables.
     TUMBLE_INLINE void step_fixed([[maybe_unused]] int b, [[maybe_unused]] const StepInfo<N>& info) {
         if constexpr (features.turntables && rotation)
-            if (bodies.is_turning(b)) rotate(b, info);
+            if (bodies.is_turning(b)) {
+                rotate(b, info);
+                check_range(b);
+            }
     }
     // A step of bodies that loads couple, or of one body.
     void group(const BodyGroup& group, const StepInfo<N>& info) {
@@ -130,6 +139,9 @@ public:
 
 private:
     using Inertia = typename Integrator::template Inertia<N>;
+    // rad; see Bodies::check_range. That of the momentum over the middle moment is twice the half turn at the most.
+    static constexpr double most_turn = requires { Integrator::follows_any_turn; }
+    ? 0 : spin == Spin::angular_momentum ? 1.5 : 0.5;
     // Where sums are exact, gravity is kept and added in halves: the position moves with the mean drift between them.
     static constexpr bool fall_in_halves = Integrator::coasting == Coasting::mean && N::fixed_point && N::carry;
     [[nodiscard]] static constexpr DriftSum whole(DriftSum f) { return fall_in_halves ? f + f : f; }
@@ -182,6 +194,7 @@ private:
     }
     void loaded(const BodyGroup& group, const StepInfo<N>& info, const DriftSum (&fall)[3],
                 Work length) requires has_loads {
+        loads.watch(bodies, Integrator::step_bounds);
         const DriftSum falls[3]{whole(fall[0]), whole(fall[1]), whole(fall[2])};
         const auto evaluate = loads.evaluation(bodies, group, length, falls);
         if (group.count == 1) staged<1>(group, evaluate, info);

@@ -9,7 +9,9 @@ namespace tumble {
 // A bit of Status.
 enum class Issue : std::uint8_t {
     // A position, velocity or spin left what the number system holds. Fixed point: the value is held at the limit and
-    // the trajectory is wrong from here on; declare a larger Range or take a smaller step. Floating point: not finite.
+    // the trajectory is wrong from here on; declare a larger Range or take a smaller step. Floating point: it is not
+    // finite, or the body turned so far in a step that its orientation is wrong or lost its unit length; take a smaller
+    // step.
     range_left = 1,
     // An iteration met its bound: the implicit solver did not converge, or one step had so many impacts that a body was
     // stopped which would have bounced on.
@@ -19,8 +21,10 @@ enum class Issue : std::uint8_t {
     contacts_full = 4,
     // add() was called on a full world; nothing was added. Raise the capacity in the scene.
     world_full = 8,
-    // A contact by springs is too stiff for the step: it would gain energy. World::largest_safe_step() tells which step
-    // is short enough.
+    // The step is too long for what acts: springs, dampers or drag are so stiff, or bodies that attract each other so
+    // near,
+    // that a step adds to their energy. Take a shorter one; for contacts by springs World::largest_safe_step() tells
+    // which is short enough.
     step_too_long = 16,
 };
 // In the order of their bits.
@@ -42,7 +46,7 @@ inline constexpr Issue all_issues[] = {Issue::range_left, Issue::step_bound_hit,
 struct Status {
     std::uint32_t first_step = 0;  // number of the step that set the first bit, from 0, modulo 2^32; where !ok()
     std::uint16_t count = 0;       // occurrences, held at 65535
-    std::uint8_t first_body = 0;   // meaningful when !ok()
+    std::uint8_t first_body = 0;   // meaningful when !ok(); 255: that one or a later one
     std::uint8_t bits = 0;         // of the issues that occurred; 0: none
 
     // True while nothing has gone wrong.
@@ -52,7 +56,7 @@ struct Status {
     // Counts an issue, of a body in a step.
     constexpr void set(Issue issue, int body, std::uint32_t step) {
         if (bits == 0) {
-            first_body = static_cast<std::uint8_t>(body);
+            first_body = static_cast<std::uint8_t>(body < 0xff ? body : 0xff);
             first_step = step;
         }
         bits = static_cast<std::uint8_t>(bits | static_cast<std::uint8_t>(issue));

@@ -29,11 +29,16 @@ public:
     static_assert(runs_in<Integrator, N>,
                   "the scene's Integrator runs in floating point only: not_in_fixed_point says why");
     static_assert(Method<Integrator, N>, "the scene's Integrator lacks what integrators/method.hpp asks of a method");
-    static constexpr Features features = S::features;          // room, and what can happen
+    static constexpr Features features = S::features;  // room, and what can happen
+    static_assert(features.bodies >= 0 && features.bodies <= BodyId::most, "room for 32767 bodies at the most");
+    static_assert(features.planes >= 0 && features.planes <= BodyId::most, "room for 32767 planes at the most");
+    static_assert(features.springs >= 0 && features.springs <= BodyId::most, "room for 32767 springs at the most");
+    static_assert(features.near_pairs >= 0 && (!features.contacts() || features.room_for_pairs() <= BodyId::most),
+                  "room for 32767 near pairs at the most: name fewer by .near_pairs");
     static constexpr bool has_contacts = features.contacts();  // the code of contacts by impulses is there
     static constexpr bool has_loads = features.loads();        // the code of loads is there
 
-    // A world without bodies. `step` is the length of every step; a power of two is exact in binary.
+    // A world without bodies. `step` is the length of every step, positive; a power of two is exact in binary.
     explicit World(Seconds step, const WorldSpec& spec = {})
         : advance_{step, spec}, contacts_{step.value, spec.contact}, sleepers_{step.value, spec.contact.sleep} {
         if constexpr (features.touches()) TUMBLE_ASSERT(is_valid(spec.contact));
@@ -82,19 +87,26 @@ public:
         return added;
     }
 
-    // Adds a spring between bodies already added; false when there is no room.
-    bool add(const SpringSpec& spec) requires(features.springs > 0) {
-        return advance_.loads.add(spec, advance_.bodies);
-    }
+    // Adds a spring between bodies already added; false when there is no room. A step that is too long for it is told
+    // in status().
+    bool add(const SpringSpec& spec) requires(features.springs > 0) { return advance_.add(spec); }
 
     // Set-up values as this world's numbers, for arrays of events that outlive it.
     [[nodiscard]] Impulse<N> prepare(const ImpulseSpec& spec) const { return tumble::prepare(advance_.bodies, spec); }
     // The same of a force that is on for a while.
     [[nodiscard]] TimedForce<N> prepare(const ForceSpec& spec) const { return tumble::prepare(advance_.bodies, spec); }
-    // Impulses for the steps to come, sorted by step, in an array that stays where it is.
-    void set_impulses(Span<Impulse<N>> impulses) requires(features.impulses) { impulses_ = impulses; }
-    // Forces that are on for a while, likewise. Wakes the bodies that they act on.
+    // Impulses for the steps to come, of bodies already added, sorted by step, in an array that stays where it is; in
+    // place of those set before. What lies before the next step is left out.
+    void set_impulses(Span<Impulse<N>> impulses) requires(features.impulses) {
+        require_bodies(impulses);
+        for (int i = 1; i < impulses.count; ++i) TUMBLE_ASSERT(impulses.first[i - 1].step <= impulses.first[i].step);
+        impulses_ = impulses;
+        next_event_ = 0;
+        while (next_event_ < impulses.count && impulses.first[next_event_].step < now()) ++next_event_;
+    }
+    // Forces that are on for a while, likewise, but best sorted and not necessarily. Wakes the bodies that they act on.
     void set_forces(Span<TimedForce<N>> forces) requires(features.forces) {
+        require_bodies(forces);
         advance_.loads.set_forces(forces, now(), [&](int b) { disturb(b); });
     }
 
@@ -201,6 +213,11 @@ private:
         return std::uint64_t{wraps_} << 32 | advance_.bodies.steps_taken;
     }
 
+    // Events of a body that is not there are misuse.
+    template <class Event>
+    void require_bodies(Span<Event> events) const {
+        for (const Event& event : events) (void)advance_.bodies.index_of(event.body);
+    }
     void apply(const Impulse<N>& event) {
         tumble::apply(event, advance_.bodies);
         advance_.spin_changed(event.body);

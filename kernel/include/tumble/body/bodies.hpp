@@ -33,12 +33,15 @@ class BodyId {
 public:
     constexpr BodyId() = default;  // of no body
     // By the place in the order of add(), from 0.
-    constexpr explicit BodyId(int index) : index_{static_cast<std::int16_t>(index)} {}
+    constexpr explicit BodyId(int index)
+        : index_{index < 0 || index > most ? std::int16_t{-1} : static_cast<std::int16_t>(index)} {}
     // True of a body's id; false of what add() returns on a full world.
     [[nodiscard]] constexpr explicit operator bool() const { return index_ >= 0; }
     [[nodiscard]] constexpr BodyId operator*() const { return *this; }
     // The place in the order of add(); -1: of no body.
     [[nodiscard]] constexpr int index() const { return index_; }
+    // The largest that there is.
+    static constexpr int most = 0x7fff;
 
 private:
     std::int16_t index_ = -1;
@@ -130,15 +133,19 @@ public:
     using State = BodyState<N, spin>;
     using Units = SpinUnits<N, spin>;
     using Constants = BodyConstants<N, spin, points>;
-    static constexpr bool rotation = spin != Spin::none;
+    static constexpr bool rotation = spin != Spin::none, has_points = points;
+    static constexpr int room = capacity;
 
     explicit Bodies(Seconds step)
-        : step_length{step.value}, scale{N::Scale::of(step.value, turn_per_spin(step.value))} {}
+        : step_length{step.value}, scale{N::Scale::of(step.value, turn_per_spin(step.value))} {
+        TUMBLE_ASSERT(step.value > Real{});
+    }
 
     // Places a body at the first free place, which there must be. A point mass that is turned or spins is misuse, and
     // so is one where all bodies rotate, and any other where none does.
     [[gnu::noinline]] int add(const BodySpec& spec, [[maybe_unused]] const PrincipalInertia& inertia) {
         TUMBLE_ASSERT(spec.mass > Real{});
+        TUMBLE_ASSERT(has_positive_size(spec.shape));
         const int b = count++;
         Constants& body = constants[b];
         body.drift_per_impulse = N::template constant<Work>(step_length / spec.mass);
@@ -178,6 +185,13 @@ public:
         else return rotate(work_quaternion<N>(constants[b].principal.conjugate()), work_vector<N>(v));
     }
 
+    // h / m of a body, h in s.
+    [[nodiscard]] const Work& step_per_mass(int b) const { return constants[b].drift_per_impulse; }
+    // h / I about principal axis i.
+    [[nodiscard]] Work step_per_moment(int b, int i) const requires(rotation) {
+        return constants[b].units.per_impulse(i) * constants[b].units.rate(i, Work(1));
+    }
+
     // Momentum (world, N s) and angular momentum (principal axes, N m s) into the state.
     void push(int b, const WorkVec3<N>& linear_w, const WorkVec3<N>& angular_b) requires(rotation) {
         for (int i = 0; i < 3; ++i) {
@@ -190,8 +204,9 @@ public:
         for (int i = 0; i < 3; ++i) N::add_any(state[b].d_w[i], linear_w[i] * constants[b].drift_per_impulse, scale);
     }
 
-    TUMBLE_INLINE void check_range(int b) {
-        if (N::out_of_range(state[b])) [[unlikely]]
+    // most_turn: the longest half turn of a step that the method follows in floating point, rad; 0: any.
+    TUMBLE_INLINE void check_range(int b, double most_turn = 0) {
+        if (N::out_of_range(state[b], most_turn)) [[unlikely]]
             leave_range(b);
     }
     [[gnu::noinline]] void leave_range(int b) {
@@ -270,6 +285,7 @@ private:
             return;
         }
         TUMBLE_ASSERT(inertia.moments.z > Real{});
+        TUMBLE_ASSERT(are_of_a_body(inertia.moments));
         body.units = Units::of(inertia.moments, step_length);
         set_unit(body.principal, inertia.principal);
         const RealQuat q = normalized(normalized(spec.orientation) * inertia.principal);

@@ -135,6 +135,25 @@ constexpr void jacobi_rotate(Real (&a)[3][3], Real (&v)[3][3], int p, int q) {
     }
 }
 
+// True if no length of the shape that must be positive is not: a capsule without its straight part is a ball.
+[[nodiscard]] constexpr bool has_positive_size(const Shape& shape) {
+    const auto [a, b, c] = shape.size;
+    const Real zero{};
+    switch (shape.kind) {
+    case ShapeKind::box: return a > zero && b > zero && c > zero;
+    case ShapeKind::cylinder: return a > zero && b > zero;
+    case ShapeKind::capsule: return a > zero && b >= zero;
+    case ShapeKind::sphere:
+    case ShapeKind::hoop: return a > zero;
+    default: return true;
+    }
+}
+// True if a distribution of mass has these principal moments, sorted downwards: none is larger than the sum of the
+// others, but for a millionth of rounding.
+[[nodiscard]] constexpr bool are_of_a_body(const RealVec3& moments) {
+    return moments.x * (Real{1} - Real::scaled(1, -20)) <= moments.y + moments.z;
+}
+
 // m^3; zero for shapes without a volume (none, hoop, points).
 [[nodiscard]] constexpr Real volume_of(const Shape& shape) {
     const Real pi = 3.14159265358979323846;

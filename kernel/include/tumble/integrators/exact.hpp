@@ -14,6 +14,7 @@ struct Exact : KickDriftKick<ExactFlow> {
     static constexpr int order = 2;
     static constexpr int free_order = no_truncation;
     static constexpr bool exact_for_spheres = true;
+    static constexpr bool follows_any_turn = true;
     static constexpr const char* needs = "sqrt and division a step; several, sine and cosine when the spin changes";
     static constexpr const char* not_in_fixed_point =
         "its constants take several square roots, divisions, sine and cosine whenever the spin changes, for what "

@@ -59,6 +59,61 @@ template <class StepOf>
 
 }  // namespace detail
 
+// What a step is surely too long for: a spring and a damper with K = (h w)^2 and C = h c/m where one of the sums
+// of_spring K + of_damper C is above 1. None where both numbers are 0.
+struct StepBounds {
+    static constexpr int sums = 3;
+    double of_spring[sums]{}, of_damper[sums]{};
+};
+
+namespace detail {
+
+// Of a method that adds to every oscillation, the K at which it adds a 512th in a step, an e-fold in 512; damping
+// undoes as much. Others have their limit. The most of damping falls with K, rises with it (the slower of two motions)
+// or neither.
+template <class Linear>
+[[nodiscard]] constexpr StepBounds step_bounds(double oscillation_limit, double drag_limit) {
+    constexpr double infinite = std::numeric_limits<double>::infinity(), growth = 1.0 / 256;
+    StepBounds bounds;
+    if (oscillation_limit == infinite || drag_limit == infinite) return bounds;
+    double most = oscillation_limit * oscillation_limit;
+    if (oscillation_limit == 0) {
+        const auto grows = [](double k) { return Linear::step(k, 0).determinant() > 1 + growth; };
+        double little = 0, much = 16;
+        for (int halving = 0; halving < 45; ++halving) {
+            const double middle = (little + much) / 2;
+            (grows(middle) ? much : little) = middle;
+        }
+        most = much;
+        bounds.of_damper[0] = -1 / growth;
+        // Faster than that, damping undoes no more than the tangent at K = 1 of what it undoes.
+        const auto undone = [](double k) {
+            double less = 0, more = 1;
+            for (int halving = 0; halving < 45; ++halving) {
+                const double middle = (less + more) / 2;
+                (Linear::step(k, middle).determinant() > 1 ? less : more) = middle;
+            }
+            return more;
+        };
+        const double at_one = undone(1), slope = (undone(1.0 + 1.0 / 64) - at_one) * 64;
+        if (slope - at_one > growth) {
+            bounds.of_spring[2] = slope / (slope - at_one);
+            bounds.of_damper[2] = -1 / (slope - at_one);
+        }
+    }
+    bounds.of_spring[0] = 1 / most;
+    bounds.of_damper[1] = 1 / drag_limit;
+    if (oscillation_limit == 0 || Linear::step(most / 2, drag_limit * 1.25).is_stable()) {
+        bounds.of_spring[1] = -1 / (drag_limit * drag_limit);
+    } else if (!Linear::step(most / 2, drag_limit * 0.75).is_stable()) {
+        bounds.of_damper[0] = 1 / drag_limit;
+        bounds.of_spring[1] = 1 / most;
+    }
+    return bounds;
+}
+
+}  // namespace detail
+
 // What a method knows of its limits; Linear::step(k, c) is its step of x'' = -k x - c x', in units of the step.
 template <class Linear>
 struct Stability {
@@ -70,6 +125,8 @@ struct Stability {
         detail::end_of_stability([](double z) { return Linear::step(z * z, 0); });
     // The largest h c/m with which a velocity under drag does not grow.
     static constexpr double drag_limit = detail::end_of_stability([](double z) { return Linear::step(0, z); });
+    // What the world reports as Issue::step_too_long.
+    static constexpr StepBounds step_bounds = detail::step_bounds<Linear>(oscillation_limit, drag_limit);
 };
 
 }  // namespace tumble

@@ -134,7 +134,7 @@ private:
         if (!on_ || !touches_bodies(shape_a.kind) || !touches_bodies(shape_b.kind)) return;
         if (!touching_meet(shape_a.kind, shape_b.kind)) return;
         WorkVec3<N> apart;
-        for (int i = 0; i < 3; ++i) apart[i] = N::metres(a.stage->x_w[i] - b.stage->x_w[i]);
+        for (int i = 0; i < 3; ++i) apart[i] = N::apart(a.stage->x_w[i], b.stage->x_w[i]);
         const Work distance = sqrt(dot(apart, apart)), touch = radius_[index_a] + radius_[index_b];
         if (!(distance < touch) && !has_barrier_) return;
         if (shape_a.is(ShapeKind::sphere) && shape_b.is(ShapeKind::sphere)) {

@@ -13,8 +13,16 @@ struct Drag {
 
     Work linear{}, angular{};  // kg/s, N m s
 
-    Drag(Real, const WorldSpec& spec)
-        : linear{N::template constant<Work>(spec.linear_drag)}, angular{N::template constant<Work>(spec.angular_drag)} {
+    Real linear_in_step, angular_in_step;  // the same times the step, kg, kg m^2
+
+    Drag(Real step, const WorldSpec& spec)
+        : linear{N::template constant<Work>(spec.linear_drag)}, angular{N::template constant<Work>(spec.angular_drag)},
+          linear_in_step{spec.linear_drag * step}, angular_in_step{spec.angular_drag * step} {}
+
+    // True if a step makes more of the body's speed than the method bears; `bound` is of h c / m, 0: any.
+    [[nodiscard]] bool is_too_strong(const BodySpec& spec, const PrincipalInertia& inertia, bool rotates,
+                                     Real bound) const {
+        return linear_in_step * bound > spec.mass || (rotates && angular_in_step * bound > inertia.moments.z);
     }
 
     [[nodiscard]] bool acts_on(const auto& bodies, int b) const {

@@ -11,7 +11,10 @@ class Gravitation {
 public:
     using Work = typename N::Work;
 
-    Gravitation(Real, const WorldSpec& spec) : constant_{N::template constant<Work>(spec.gravitation)} {}
+    Gravitation(Real step, const WorldSpec& spec)
+        : constant_{N::template constant<Work>(spec.gravitation)},
+          near_per_mass_{N::template constant<Work>(spec.gravitation * step * step * Real{least_steps * least_steps})} {
+    }
     void set_body(int b, const BodySpec& spec, const auto&, const auto&) {
         mass_[b] = N::template constant<Work>(spec.mass);
     }
@@ -28,26 +31,34 @@ public:
             const int a = group.members.id[k];
             for (int b = 0; b < group.bodies.count; ++b) {
                 if (b == a || (b < a && group.find(b) != nullptr)) continue;  // a pair of the group once
-                apply(group.loaded[k], mass_[a], *group.other_end(b), mass_[b]);
+                if (!apply(group.loaded[k], mass_[a], *group.other_end(b), mass_[b]))
+                    group.bodies.report(Issue::step_too_long, a);
             }
         }
     }
 
 private:
-    // Bodies at the same place exert no force: there is no direction.
+    // Steps in the time sqrt(r^3 / G (m1 + m2)), in which two bodies at the distance r turn about each other by a
+    // radian or fall into each other: with fewer, their energy is not kept.
+    static constexpr int least_steps = 2;
+
+    // Bodies at the same place exert no force: there is no direction. False where the step is too long for a pair so
+    // near.
     template <class Body>
-    void apply(Body& a, Work mass_a, Body& b, Work mass_b) const {
+    bool apply(Body& a, Work mass_a, Body& b, Work mass_b) const {
         WorkVec3<N> r;
-        for (int i = 0; i < 3; ++i) r[i] = N::metres(b.stage->x_w[i] - a.stage->x_w[i]);
+        for (int i = 0; i < 3; ++i) r[i] = N::apart(b.stage->x_w[i], a.stage->x_w[i]);
         const Work r2 = dot(r, r);
-        if (!(r2 > Work(0))) return;
-        const Work inverse = Work(1) / (r2 * sqrt(r2));
+        if (!(r2 > Work(0))) return false;
+        const Work r3 = r2 * sqrt(r2), inverse = Work(1) / r3;
         const WorkVec3<N> force = scaled_by(r, constant_ * mass_a * mass_b * inverse);
         a.force_w += force;
         b.force_w -= force;
+        return !(r3 < near_per_mass_ * (mass_a + mass_b));
     }
 
-    Work constant_{};  // m^3/(kg s^2)
+    Work constant_{};       // m^3/(kg s^2)
+    Work near_per_mass_{};  // m^3/kg: r^3 below which a pair is too near for the step
     Work mass_[bodies]{};
 };
 

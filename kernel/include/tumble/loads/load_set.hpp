@@ -63,8 +63,19 @@ public:
     [[nodiscard]] Real largest_safe_step() const requires(features.springs_touch()) {
         return contacts_.largest_safe_step();
     }
-    bool add(const SpringSpec& spec, const Bodies& bodies) requires(features.springs > 0) {
-        return springs_.add(spec, bodies);
+    bool add(const SpringSpec& spec, Bodies& bodies, const StepBounds& bounds) requires(features.springs > 0) {
+        if (!springs_.add(spec, bodies)) return false;
+        springs_.check_step(bodies, bounds);
+        return true;
+    }
+    // Reports a step that is too long for the drag of a body that has been added, or for springs as they stand now.
+    void check_drag(int b, const BodySpec& spec, const PrincipalInertia& inertia, Bodies& bodies,
+                    const StepBounds& bounds) const requires(features.drag) {
+        if (!spec.fixed && drag_.is_too_strong(spec, inertia, bodies.rotates(b), bounds.of_damper[1]))
+            bodies.report(Issue::step_too_long, b);
+    }
+    TUMBLE_INLINE void watch([[maybe_unused]] Bodies& bodies, [[maybe_unused]] const StepBounds& bounds) {
+        if constexpr (features.springs > 0) springs_.watch(bodies, bounds);
     }
     // Calls changed(body) for every force that acts in step `now`.
     template <class F>

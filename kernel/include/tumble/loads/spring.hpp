@@ -2,7 +2,8 @@
 // One square root and one division unless the rest length and the damping are zero.
 #pragma once
 
-#include <tumble/body/setup.hpp>
+#include <tumble/body/bodies.hpp>
+#include <tumble/integrators/stability.hpp>
 #include <tumble/loads/loaded_body.hpp>
 
 namespace tumble {
@@ -20,30 +21,134 @@ struct Spring {
     // `other` is null for a world point.
     template <class Body>
     void apply(Body& a, Body* other) const {
-        // Positions are subtracted as the state holds them, before rounding to working numbers.
-        WorkVec3<N> reach;
-        for (int i = 0; i < 3; ++i)
-            reach[i] = N::metres((other != nullptr ? other->stage->x_w[i] : anchor_w[i]) - a.stage->x_w[i]);
-        if constexpr (Body::rotation) {
-            if (a.rotates()) reach -= rotate(a.q_wb, point_b);
-            if (other != nullptr && other->rotates()) reach += rotate(other->q_wb, to);
-        }
+        const WorkVec3<N> reach = reach_of(a, other);
         WorkVec3<N> force = scaled_by(reach, stiffness);
         if (rest_length > Work(0) || damping > Work(0)) {
             const Work length = sqrt(dot(reach, reach));
             if (!(length > Work(0))) return;  // no direction: no force
             const WorkVec3<N> along = scaled_by(reach, Work(1) / length);
             Work strength = stiffness * (length - rest_length);
-            if (damping > Work(0)) {
-                WorkVec3<N> rate = -a.velocity_at(point_b);
-                if (other != nullptr) rate += other->velocity_at(to);
-                strength = mul_add(strength, damping, dot(rate, along));
-            }
+            if (damping > Work(0)) { strength = mul_add(strength, damping, dot(rate_of(a, other), along)); }
             force = scaled_by(along, strength);
         }
+        push(a, other, force);
+    }
+
+    // From its point of `a` to its other end, m, world. Positions are subtracted as the state holds them, before
+    // rounding to working numbers.
+    template <class Body>
+    [[nodiscard]] WorkVec3<N> reach_of(const Body& a, const Body* other) const {
+        WorkVec3<N> reach;
+        for (int i = 0; i < 3; ++i)
+            reach[i] = N::apart(other != nullptr ? other->stage->x_w[i] : anchor_w[i], a.stage->x_w[i]);
+        if constexpr (Body::rotation) {
+            if (a.rotates()) reach -= rotate(a.q_wb, point_b);
+            if (other != nullptr && other->rotates()) reach += rotate(other->q_wb, to);
+        }
+        return reach;
+    }
+    // How that changes, m/s.
+    template <class Body>
+    [[nodiscard]] WorkVec3<N> rate_of(const Body& a, const Body* other) const {
+        WorkVec3<N> rate = -a.velocity_at(point_b);
+        if (other != nullptr) rate += other->velocity_at(to);
+        return rate;
+    }
+    template <class Body>
+    void push(Body& a, Body* other, const WorkVec3<N>& force) const {
         a.push(force, point_b);
         if (other != nullptr) other->push(-force, to);
     }
+};
+
+// Finds the motion of bodies that springs stiffen most, as they stand: the largest eigenvalue of M^-1 W by power
+// iteration from a pull of all springs, where W is their stiffness and damping in shares of what the step bears. What
+// it finds is a Rayleigh quotient, that of a motion: never above the largest.
+template <class N, class Bodies>
+class StiffestMotion {
+public:
+    using Work = typename N::Work;
+
+    explicit StiffestMotion(const Bodies& bodies) : bodies_{bodies} {
+        for (int b = 0; b < bodies.count; ++b) {
+            stage_[b] = stage_of(bodies.state[b]);
+            Body& body = body_[b];
+            body.stage = &stage_[b];
+            if constexpr (Bodies::has_points) body.is_point = !bodies.rotates(b);
+            if constexpr (Bodies::rotation)
+                if (body.rotates()) body.q_wb = work_quaternion<N>(stage_[b].q_wb);
+        }
+    }
+
+    // True if some motion has more than 1: shares of stiffness and damping are K = share k h / m.
+    template <class Springs>
+    [[nodiscard]] bool exceeds(const Springs& springs, Work of_stiffness, Work of_damping) {
+        constexpr int iterations = 12;
+        const Work margin = Work(1) + N::template constant<Work>(Real::scaled(1, -10));
+        rest();
+        for (int s = 0; s < springs.count(); ++s) (void)add(springs[s], of_stiffness, of_damping, s % 3);
+        for (int iteration = 0; iteration < iterations; ++iteration) {
+            const Work size = respond();
+            Work stiffened(0);
+            for (int s = 0; s < springs.count(); ++s) stiffened += add(springs[s], of_stiffness, of_damping);
+            if (size * margin < stiffened) return true;
+        }
+        return false;
+    }
+
+private:
+    using Body = LoadedBody<N, Bodies::rotation, Bodies::has_points>;
+
+    void rest() {
+        for (int b = 0; b < bodies_.count; ++b) {
+            body_[b].force_w = zero_vector<N>();
+            if constexpr (Bodies::rotation) body_[b].torque_b = zero_vector<N>();
+        }
+    }
+    // Velocities from the forces, which end with it: h F / m. Returns their product with the forces.
+    Work respond() {
+        Work size(0);
+        for (int b = 0; b < bodies_.count; ++b) {
+            Body& body = body_[b];
+            const Work movable(bodies_.constants[b].fixed ? 0 : 1);
+            body.v_w = scaled_by(body.force_w, bodies_.step_per_mass(b) * movable);
+            size += dot(body.v_w, body.force_w);
+            if constexpr (Bodies::rotation) {
+                if (!body.rotates()) continue;
+                for (int i = 0; i < 3; ++i) body.w_b[i] = body.torque_b[i] * (bodies_.step_per_moment(b, i) * movable);
+                size += dot(body.w_b, body.torque_b);
+            }
+        }
+        rest();
+        return size;
+    }
+    // The spring's force W u, with u the rate between its ends at the velocities, or for a first pull along the spring
+    // and, most of all, a world axis. Returns u W u.
+    Work add(const Spring<N>& spring, Work of_stiffness, Work of_damping, int pull = -1) {
+        Body& a = body_[spring.body];
+        Body* other = spring.to_body < 0 ? nullptr : &body_[spring.to_body];
+        const WorkVec3<N> reach = spring.reach_of(a, other);
+        const Work length = sqrt(dot(reach, reach)), none(0), share = of_stiffness * spring.stiffness;
+        if (!(length > none) && spring.rest_length > none) return none;  // no direction: no force
+        const WorkVec3<N> along = length > none ? scaled_by(reach, Work(1) / length) : zero_vector<N>();
+        WorkVec3<N> rate = along;
+        if (pull >= 0)
+            for (int i = 0; i < 3; ++i) rate[(i + pull) % 3] += N::template constant<Work>(Real::scaled(1, -1 - i));
+        else rate = spring.rate_of(a, other);
+        const Work rate_along = dot(rate, along);
+        const bool is_stretched = spring.rest_length < length || !(length > none);
+        const Work across = !is_stretched               ? none
+                            : spring.rest_length > none ? share * (Work(1) - spring.rest_length / length)
+                                                        : share;
+        const WorkVec3<N> force =
+            scaled_by(rate, across) + scaled_by(along, (share - across + of_damping * spring.damping) * rate_along);
+        spring.push(a, other, -force);
+        return dot(force, rate);
+    }
+
+    const Bodies& bodies_;
+    StageState<N, Bodies::rotation> stage_[Bodies::room];
+    Body body_[Bodies::room];
 };
 
 // The springs of a world.
@@ -53,9 +158,11 @@ public:
     using Work = typename N::Work;
 
     Springs(Real, const WorldSpec&) {}
-    // False when there is no room. A point of a point mass other than itself is misuse.
+    // False when there is no room. A point of a point mass other than itself is misuse, and so are a world point and
+    // points of bodies that lie beyond the range.
     [[gnu::noinline]] bool add(const SpringSpec& spec, const auto& bodies) {
         TUMBLE_ASSERT(spec.to_body >= -1 && spec.to_body < bodies.count);
+        TUMBLE_ASSERT(is_in_range(spec.point) && is_in_range(spec.to));
         TUMBLE_ASSERT(bodies.rotates(bodies.index_of(spec.body)) || spec.point.is_zero());
         TUMBLE_ASSERT(spec.to_body < 0 || bodies.rotates(spec.to_body) || spec.to.is_zero());
         if (count_ >= capacity) return false;
@@ -71,6 +178,28 @@ public:
         spring.rest_length = N::template constant<Work>(spec.rest_length);
         return true;
     }
+
+    // Reports a step that is too long for the springs as they stand, from the newest on.
+    template <class Bodies>
+    [[gnu::noinline]] void check_step(Bodies& bodies, const StepBounds& bounds) {
+        is_watched_ = false;
+        for (int i = 0; i < StepBounds::sums; ++i) {
+            const Work of_stiffness = N::template constant<Work>(Real{bounds.of_spring[i]} * bodies.step_length),
+                       of_damping = N::template constant<Work>(Real{bounds.of_damper[i]});
+            if (of_stiffness == Work(0) && of_damping == Work(0)) continue;
+            StiffestMotion<N, Bodies> motion{bodies};
+            if (motion.exceeds(*this, of_stiffness, of_damping))
+                bodies.report(Issue::step_too_long, spring_[count_ - 1].body);
+            if (may_exceed(bodies, of_stiffness, of_damping)) is_watched_ = true;
+        }
+    }
+    // The same in a step, of springs that turn with bodies and may become too stiff that way.
+    template <class Bodies>
+    TUMBLE_INLINE void watch(Bodies& bodies, const StepBounds& bounds) {
+        if (is_watched_ && !bodies.status.has(Issue::step_too_long)) check_step(bodies, bounds);
+    }
+    [[nodiscard]] int count() const { return count_; }
+    [[nodiscard]] const Spring<N>& operator[](int s) const { return spring_[s]; }
 
     [[nodiscard]] bool acts_on(const auto&, int b) const {
         for (int s = 0; s < count_; ++s)
@@ -108,13 +237,48 @@ public:
     }
 
 private:
+    [[nodiscard]] static bool is_in_range(const RealVec3& point) {
+        if constexpr (N::fixed_point)
+            for (int i = 0; i < 3; ++i)
+                if (abs(point[i]) > Real{N::Range::position}) return false;
+        return true;
+    }
     [[nodiscard]] static typename N::PositionSum position_sum(Real metres) {
         if constexpr (N::fixed_point) return {metres.to_fixed(N::PositionSum::fraction_bits, 64)};
         else return N::template constant<typename N::PositionSum>(metres);
     }
 
+    // False if no pose of the bodies makes the springs too stiff: Gershgorin's bound, with arms across the forces.
+    template <class Bodies>
+    [[nodiscard]] bool may_exceed(const Bodies& bodies, Work of_stiffness, Work of_damping) const {
+        // The root of the spring's share times what it moves body b by at the most.
+        const auto part = [&](const Spring<N>& s, int b, const WorkVec3<N>& arm) {
+            if (b < 0 || bodies.constants[b].fixed) return Work(0);
+            Work share = of_stiffness * s.stiffness, moved = bodies.step_per_mass(b);
+            if (Work(0) < of_damping) share += of_damping * s.damping;
+            if constexpr (Bodies::rotation)
+                if (bodies.rotates(b)) moved += dot(arm, arm) * bodies.step_per_moment(b, 2);
+            return sqrt(share * moved);
+        };
+        Work of_body[Bodies::room];
+        for (int b = 0; b < bodies.count; ++b) of_body[b] = Work(0);
+        for (int s = 0; s < count_; ++s) {
+            of_body[spring_[s].body] += part(spring_[s], spring_[s].body, spring_[s].point_b);
+            if (spring_[s].to_body >= 0)
+                of_body[spring_[s].to_body] += part(spring_[s], spring_[s].to_body, spring_[s].to);
+        }
+        for (int s = 0; s < count_; ++s) {
+            Work sum = part(spring_[s], spring_[s].body, spring_[s].point_b) * of_body[spring_[s].body];
+            if (spring_[s].to_body >= 0)
+                sum += part(spring_[s], spring_[s].to_body, spring_[s].to) * of_body[spring_[s].to_body];
+            if (Work(1) < sum) return true;
+        }
+        return false;
+    }
+
     Spring<N> spring_[capacity];
     int count_ = 0;
+    bool is_watched_ = false;
 };
 
 }  // namespace tumble

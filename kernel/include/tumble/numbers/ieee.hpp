@@ -8,8 +8,6 @@
 #include <tumble/numbers/functions.hpp>
 #include <tumble/numbers/vectors.hpp>
 
-#include <tumble/numbers/functions.hpp>
-
 namespace tumble {
 
 // IEEE 754 arithmetic without contraction. Units are plain: turns in rad, drift in metres, so Scale is empty.
@@ -89,6 +87,7 @@ struct Float {
 
     [[nodiscard]] static constexpr T sum(const Integrated<T>& x) { return x.value(); }
     [[nodiscard]] static constexpr T metres(T x) { return x; }
+    [[nodiscard]] static constexpr T apart(T to, T from) { return to - from; }
     [[nodiscard]] static constexpr T metres(T d, Scale) { return d; }
     [[nodiscard]] static constexpr T half_turn(T t, Scale) { return t; }
     [[nodiscard]] static constexpr T turn_product(T p, Scale) { return p; }
@@ -123,13 +122,28 @@ struct Float {
         return x[0] * n[0] + x[1] * n[1] + x[2] * n[2];
     }
 
-    // True if a number is not finite: zero times a finite sum is zero; infinities and NaN give NaN. Drift and spin need
-    // not be looked at: the position and every component of the orientation take them over within a step.
+    // True if a number is not finite, if the orientation is not of unit length, |q|^2 off by more than 2^-9, or if the
+    // half turn of a step is longer than `most_turn`, rad (0: no limit). What a step adds to |q|^2 the next one takes
+    // away again to first order, which fails from an angle of 1 rad (Euler's methods) to half a turn on. Zero times a
+    // finite sum is zero; infinities and NaN make it NaN, which is within nothing.
     template <class Body>
-    [[nodiscard]] TUMBLE_INLINE static constexpr bool out_of_range(const Body& b) {
-        T sum = b.x_w.x.value() + b.x_w.y.value() + b.x_w.z.value();
-        if constexpr (requires { b.q_wb; }) sum = sum + b.q_wb.w.value();
-        return !(sum * T(0) == T(0));
+    [[nodiscard]] TUMBLE_INLINE static constexpr bool out_of_range(const Body& b, double most_turn) {
+        constexpr T most_excess = T(0x1p-9);
+        T sum = three(b.x_w) + three(b.d_w), excess = 0;
+        if constexpr (requires { b.q_wb; }) {
+            const Quat<T> q = b.q_wb.value();
+            excess = magnitude(q.w * q.w + dot(q.v, q.v) - T(1));
+            if (most_turn > 0) {
+                const Vec3<T> t = b.t_b.value();
+                excess += dot(t, t) * T(0x1p-9 / (most_turn * most_turn));
+            } else {
+                sum += three(b.t_b);
+            }
+        }
+        return !(excess + sum * T(0) <= most_excess);
+    }
+    [[nodiscard]] TUMBLE_INLINE static constexpr T three(const auto& v) {
+        return v.x.value() + v.y.value() + v.z.value();
     }
     static constexpr void leave_range(auto&) {}
     template <class Body>

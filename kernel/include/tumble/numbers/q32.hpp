@@ -114,6 +114,13 @@ struct Q32 {
     // Between state and working numbers: metres, metres per step, half turns per step.
     [[nodiscard]] static constexpr PositionSum sum(const Integrated<Position>& x) { return x.sum(); }
     [[nodiscard]] static constexpr Work metres(PositionSum x) { return Work::of(x); }
+    // to - from in m. Places at the two ends of the range are further apart than a sum holds.
+    [[nodiscard]] static constexpr Work apart(PositionSum to, PositionSum from) {
+        std::int64_t difference = 0;
+        if (!__builtin_sub_overflow(to.raw, from.raw, &difference)) [[likely]]
+            return Work::of(difference, -PositionSum::fraction_bits);
+        return Work::of((to.raw >> 1) - (from.raw >> 1), 1 - PositionSum::fraction_bits);
+    }
     [[nodiscard]] static constexpr Work metres(DriftSum d, Scale s) {
         return Work::of(d.raw, -(Position::fraction_bits + 32 + s.drift_shift));
     }
@@ -195,7 +202,7 @@ struct Q32 {
         return static_cast<std::uint32_t>(raw) ^ (static_cast<std::uint32_t>(raw) << 1);
     }
     template <class Body>
-    [[nodiscard]] TUMBLE_INLINE static constexpr bool out_of_range(const Body& b) {
+    [[nodiscard]] TUMBLE_INLINE static constexpr bool out_of_range(const Body& b, double) {
         const auto three = [](const auto& v) {
             return range_bits(upper(v.x.sum().raw)) | range_bits(upper(v.y.sum().raw)) |
                    range_bits(upper(v.z.sum().raw));
