@@ -264,8 +264,9 @@ mutants: build/host/build.ninja
 	tests/mutants/run build/host "$(PATTERN)"
 
 ## sanitize: the host tests under the address and undefined-behaviour sanitizers
-# Without what builds projects of its own, without the sanitizers, and without kernel_tests: kernel_tests_deep holds its cases.
-UNSANITIZED := ^(kernel\.shard_|a_project_|a_firmware_as_)
+# Without what builds projects of its own, without the sanitizers, without kernel_tests: kernel_tests_deep holds its cases; and
+# without the new ones of the random scenes.
+UNSANITIZED := ^(kernel\.shard_|a_project_|a_firmware_as_|new_random_)
 .PHONY: sanitize
 sanitize: setup
 	@test -f build/sanitize/build.ninja || cmake --preset host-debug-sanitize > /dev/null
