@@ -111,12 +111,14 @@ std::string message_of(const Trouble& trouble, const SceneDescription& scene, co
     const double time = static_cast<double>(trouble.step) * scene.step.seconds();
     std::string message = scene.path + ": body \"" + body + "\" at " + few_digits(time) + " s (step " +
                           std::to_string(trouble.step) + "): " + trouble.issue + ": ";
-    if (trouble.issue == "range_left")
+    if (trouble.issue == "range_left" && simulation.range().empty())
+        message += "a number is not finite, or the body turns too far in a step. Take a smaller step";
+    else if (trouble.issue == "range_left")
         message +=
-            "left what the number system holds: in fixed point the declared [range], and about a quarter of a radian "
-            "in half a step; in floating point a number is not finite, or a step turns the body further than the "
-            "method "
-            "follows. Declare a larger [range] or take a smaller step";
+            "left what fixed point holds: of place and velocity the declared [range], a quarter of it as the change "
+            "of a velocity in a step; of spin a quarter of a radian a step, whatever the range, and half of that "
+            "about the axis of a disc with methods that keep the angular momentum, as verlet does. Take a smaller "
+            "step, or declare a larger [range] for place and velocity";
     else if (trouble.issue == "step_bound_hit")
         message += "an iteration met its bound, so the result is less accurate; take a smaller step";
     else if (trouble.issue == "contacts_full")

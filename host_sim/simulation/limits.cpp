@@ -6,9 +6,12 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
+#include <tuple>
 
 #include "scene/data.hpp"
 #include "simulation/motion_of.hpp"
+#include "simulation/number_systems.hpp"
 #include "simulation/simulation.hpp"
 #include "tools/text.hpp"
 
@@ -213,10 +216,68 @@ private:
     std::vector<Eigen::MatrixXd> of_spring_, of_damper_;
 };
 
+// What an index of the list of number systems holds of a velocity, m/s, and of a half turn, rad a step, at a step of
+// `step` s; infinite in floating point.
+struct Held {
+    double velocity = std::numeric_limits<double>::infinity(), half_turn = velocity;
+};
+Held held_by(std::size_t system, Real step, Spin spin) {
+    Held held;
+    std::size_t index = 0;
+    const auto look = [&]<class N>(const System<N>&) {
+        if (index++ != system) return;
+        if constexpr (N::fixed_point) {
+            const auto scale = N::Scale::of(step, turn_per_spin(spin, step));
+            held = {static_cast<double>(number(scale.metres(N::largest_drift) / step)),
+                    static_cast<double>(number(scale.angle(N::largest_turn)))};
+        }
+    };
+    std::apply([&](const auto&... systems) { (look(systems), ...); }, number_system_list);
+    return held;
+}
+
+// Two bodies that nothing but each other's gravitation moves, as they begin.
+struct Pair {
+    double strength;        // G (m1 + m2), of what moves; m^3/s^2
+    double distance;        // m, at the start
+    double least_distance;  // m, in the whole run
+    double motion = 0;      // 1/s: mean motion of an ellipse
+};
+
+// Kepler's motion from the relative place and velocity: how close they come within the time.
+Pair two_bodies(double strength, const Vector& reach, const Vector& velocity, double time) {
+    const auto distance = static_cast<double>(norm(reach));
+    Pair pair{strength, distance, distance};
+    if (!(distance > 0)) return pair;
+    const auto speed2 = static_cast<double>(dot(velocity, velocity)),
+               inwards = -static_cast<double>(dot(reach, velocity));
+    const Vector turning = cross(reach, velocity);
+    const double energy = speed2 / 2 - strength / distance, area2 = static_cast<double>(dot(turning, turning)),
+                 axis = -strength / (2 * energy), e = std::sqrt(std::max(0.0, 1 - area2 / (strength * axis)));
+    if (!std::isfinite(axis) || (energy >= 0 && e - 1 < 1e-12)) return pair;
+    const double n = std::sqrt(strength / std::abs(axis * axis * axis)), closest = area2 / (strength * (1 + e));
+    // Mean anomaly before the closest point; an ellipse comes round again.
+    double before = 0;
+    if (energy < 0) {
+        pair.motion = n;
+        const double anomaly = std::acos(std::clamp((1 - distance / axis) / (e > 0 ? e : 1), -1.0, 1.0)),
+                     mean = anomaly - e * std::sin(anomaly);
+        before = inwards > 0 ? mean : 2 * std::numbers::pi - mean;
+    } else {
+        if (inwards <= 0) return pair;
+        const double anomaly = std::acosh(std::max(1.0, (1 - distance / axis) / e));
+        before = e * std::sinh(anomaly) - anomaly;
+    }
+    if (before <= n * time) pair.least_distance = closest;
+    return pair;
+}
+
 class Search {
 public:
-    Search(const SceneDescription& scene, std::string_view integrator)
-        : scene_{scene}, data_{build_scene(scene)}, method_{find_integrator(integrator)},
+    Search(const SceneDescription& scene, std::string_view integrator, std::string_view numbers,
+           std::optional<bool> carry)
+        : scene_{scene}, data_{build_scene(scene)}, method_{find_integrator(integrator)}, system_{find_number_system(
+                                                                                              scene, numbers, carry)},
           step_{static_cast<double>(number(data_.step.value))}, duration_{scene.duration} {
         for (const BodySpec& spec : data_.bodies) bodies_.emplace_back(spec);
     }
@@ -226,12 +287,16 @@ public:
         for (const Mode& mode : springs.modes(scene_)) look_at(mode);
         for (std::size_t b = 0; b < bodies_.size(); ++b) {
             if (data_.bodies[b].fixed || springs.holds(static_cast<int>(b))) continue;
-            const std::string where = "body \"" + scene_.bodies[b].name + "\"";
+            const std::string where = body(b);
             const auto per = [](Real drag, Number inertia) { return static_cast<double>(number(drag) / inertia); };
             look_at({0, per(data_.world.linear_drag, bodies_[b].mass), where, "drag"});
             if (bodies_[b].rotates)
                 look_at({0, per(data_.world.angular_drag, bodies_[b].axes.moments.z), where, "drag"});
         }
+        look_at_gravitation();
+        for (std::size_t b = 0; b < bodies_.size(); ++b) look_at_spin(b);
+        look_at_range();
+        for (std::size_t b = 0; b < bodies_.size(); ++b) look_at_loads(b);
         return std::move(found_);
     }
 
@@ -249,25 +314,211 @@ private:
         if (holds(method_, mode, step_ / safe_share, duration_)) return;
         const double most = longest_step(method_, mode, step_ / safe_share, duration_);
         if (!(most < step_ * (1 - 1e-9))) return;  // but for the rounding of the search
-        const bool is_spring = mode.what == "spring";
+        const bool is_spring = mode.what == "spring" || mode.what == "gravitation";
         const double per_step = is_spring ? std::sqrt(mode.stiffness) : mode.damping;
         const double known = is_spring ? method_.oscillation_limit : method_.drag_limit;
         const bool damped = is_spring ? mode.damping > 0 : mode.stiffness > 0;
         Limit limit{mode.where, mode.what, per_step * step_, damped || known == 0 ? per_step * most : known, most, ""};
         const std::string ratio = is_spring ? "h w" : mode.what == "drag" ? "h c/m" : "h c/m of the damper";
-        limit.sentence = limit.where + ": a step of " + few_digits(step_) + " s makes " + ratio + " " +
-                         few_digits(limit.value) + ", and " + method_.name;
+        limit.sentence = limit.where + ": " + step_and(ratio + " " + few_digits(limit.value)) + ", and " + method_.name;
         if (known == 0 && is_spring)
             limit.sentence += " adds to an oscillation at every step, here more than " +
                               few_digits(100 * (most_growth - 1)) + " % in " + few_digits(duration_) + " s";
-        else limit.sentence += " is stable up to " + few_digits(limit.limit);
-        limit.sentence += ": the largest safe step is " + four_digits_down(most) + " s";
+        else limit.sentence += " is stable up to " + four_digits_down(limit.limit);
+        limit.sentence += ": " + safe(most);
         tell(std::move(limit));
+    }
+
+    [[nodiscard]] std::string body(std::size_t b) const { return "body \"" + scene_.bodies[b].name + "\""; }
+    // "verlet in q32 near"
+    [[nodiscard]] std::string way() const {
+        return method_.name + " in " + system_.name + (system_.range.empty() ? "" : " ") + system_.range;
+    }
+    [[nodiscard]] std::string step_and(const std::string& makes) const {
+        return "a step of " + few_digits(step_) + " s makes " + makes;
+    }
+    // The end of every sentence.
+    [[nodiscard]] static std::string safe(double step) {
+        return "the largest safe step is " + four_digits_down(step) + " s";
+    }
+
+    // Bodies that fall around each other: h w with w^2 = G (m1 + m2) / r^3. Past 1 no method follows the closest
+    // approach, and a half keeps the energy within a factor of about two.
+    void look_at_gravitation() {
+        constexpr double most = 1, advised = 0.5;
+        if (!(data_.world.gravitation > Real{})) return;
+        for (std::size_t b = 1; b < bodies_.size(); ++b) {
+            for (std::size_t a = 0; a < b; ++a) {
+                if (data_.bodies[a].fixed && data_.bodies[b].fixed) continue;
+                const Pair pair = pair_of(a, b);
+                if (!(pair.distance > 0)) continue;
+                const std::string where = body(a) + " and " + body(b);
+                const double w = std::sqrt(pair.strength / std::pow(pair.least_distance, 3));
+                if (pair.motion > 0 && method_.oscillation_limit == 0)
+                    look_at({pair.motion * pair.motion, 0, where, "gravitation"});
+                if (w * step_ <= most) continue;
+                Limit limit{where, "gravitation", w * step_, most, advised / w, ""};
+                const bool later = pair.least_distance < pair.distance;
+                const std::string when =
+                    later ? "where they come to r = " + few_digits(pair.least_distance) + " m" : "at the start";
+                limit.sentence =
+                    where + ": " +
+                    (limit.largest_step > 0
+                         ? step_and("h w " + few_digits(limit.value)) + ", w^2 = G (m1 + m2) / r^3, " + when +
+                               ", and no method follows more than " + few_digits(most) + ": " + safe(limit.largest_step)
+                         : "they fall into each other, for which no step is short enough");
+                tell(std::move(limit));
+            }
+        }
+    }
+    [[nodiscard]] Pair pair_of(std::size_t a, std::size_t b) const {
+        const BodySpec &one = data_.bodies[a], &other = data_.bodies[b];
+        const Vector reach = vector(other.position) - vector(one.position);
+        const auto moving_mass =
+            (other.fixed ? Number(0) : bodies_[a].mass) + (one.fixed ? Number(0) : bodies_[b].mass);
+        const auto strength = static_cast<double>(number(data_.world.gravitation) * moving_mass);
+        const auto distance = static_cast<double>(norm(reach));
+        const bool falls = (one.fixed || other.fixed) && !data_.world.gravity.is_zero();
+        const bool alone = bodies_.size() == 2 && data_.springs.empty() && data_.forces.empty() &&
+                           data_.impulses.empty() && data_.world.linear_drag.is_zero() && !falls;
+        const bool touch = data_.world.contact.response != ContactResponse::none &&
+                           (!data_.planes.empty() || shapes_meet(one.shape.kind, other.shape.kind));
+        if (!alone || touch) return {strength, distance, distance};
+        const auto velocity = [](const BodySpec& spec) { return spec.fixed ? Vector{} : vector(spec.velocity); };
+        return two_bodies(strength, reach, velocity(other) - velocity(one), duration_);
+    }
+
+    // A body alone with its spin, times `share`, for as long as nothing else acts on it: what ends that, or nothing.
+    [[nodiscard]] std::string ended_by(std::size_t b, double share, double step) const {
+        SceneDescription alone = scene_;
+        BodyDescription body = scene_.bodies[b];
+        body.position = body.velocity = {};
+        for (double& w : body.angular_velocity) w *= share;
+        alone.bodies = {body};
+        alone.gravity = {};
+        alone.gravitation = alone.linear_drag = alone.angular_drag = 0;
+        alone.planes.clear();
+        alone.springs.clear();
+        alone.impulses.clear();
+        alone.forces.clear();
+        alone.contact = {};
+        alone.step = {1, 0, step};
+        constexpr double most_steps = 16384;
+        const double steps = turns_freely(b) ? std::min(most_steps, std::ceil(duration_ / step)) : 1;
+        alone.duration = std::max(1.0, steps) * step;
+        const auto simulation = make_simulation(alone, method_.name, system_.name, system_.carry);
+        for (std::int64_t n = 0; n < simulation->steps() && simulation->troubles().empty(); ++n) simulation->step();
+        return simulation->troubles().empty() ? "" : simulation->troubles().front().issue;
+    }
+    // True if nothing but its own motion will change the body's spin.
+    [[nodiscard]] bool turns_freely(std::size_t b) const {
+        const auto acts_on_it = [&](const auto& event) { return static_cast<std::size_t>(event.body) == b; };
+        const auto any = [&](const auto& list) { return std::any_of(list.begin(), list.end(), acts_on_it); };
+        const bool holds = std::any_of(scene_.springs.begin(), scene_.springs.end(), [&](const auto& spring) {
+            return static_cast<std::size_t>(spring.body) == b || static_cast<std::size_t>(spring.to_body) == b;
+        });
+        const auto meets = [&](const BodyDescription& other) {
+            return &other != &scene_.bodies[b] && shapes_meet(other.shape.kind, scene_.bodies[b].shape.kind);
+        };
+        const bool touches = scene_.contact.response != ContactResponse::none &&
+                             (!scene_.planes.empty() || std::any_of(scene_.bodies.begin(), scene_.bodies.end(), meets));
+        return !holds && !touches && !any(scene_.forces) && !any(scene_.impulses) && scene_.angular_drag == 0;
+    }
+
+    // The free flight of a body is tried by itself: its spin about each axis grows and shrinks as the body tumbles, and
+    // what a method keeps of it depends on the moments.
+    void look_at_spin(std::size_t b) {
+        const Body& body_b = bodies_[b];
+        if (!body_b.rotates || data_.bodies[b].angular_velocity.is_zero()) return;
+        const Vector w = body_b.axes.to_user.rotate_back(vector(data_.bodies[b].angular_velocity));
+        const auto spin = static_cast<double>(norm(w));
+        // No spin that its momentum allows comes near any limit.
+        const double most = static_cast<double>(norm(times(body_b.axes.moments, w)) / body_b.axes.moments.z);
+        if (most * step_ < 1.0 / 16 && most < 16) return;
+        const std::string issue = ended_by(b, 1, step_);
+        if (issue.empty()) return;
+        double held = 0, beyond = 1;
+        for (int halving = 0; halving < 12; ++halving) {
+            const double middle = (held + beyond) / 2;
+            (ended_by(b, middle, step_).empty() ? held : beyond) = middle;
+        }
+        double step = step_ * held;
+        for (int halving = 0; halving < 6 && !ended_by(b, 1, step).empty(); ++halving) step /= 2;
+        if (!(step > 0) || !ended_by(b, 1, step).empty()) step = 0;
+        Limit limit{body(b), "spin", spin, spin * held, step, ""};
+        limit.sentence = limit.where + ": it spins at " + few_digits(spin) + " rad/s, and " + way() +
+                         (issue == "range_left" ? " holds " : " follows ") + four_digits_down(limit.limit) +
+                         " rad/s of this motion at a step of " + few_digits(step_) + " s: " +
+                         (step > 0 ? safe(step) : "no step holds it, which a larger [range] angular_velocity may");
+        tell(std::move(limit));
+    }
+
+    // What [range] promises of spins, where the file asks for more than the default.
+    void look_at_range() {
+        if (!system_.fixed_point || scene_.range.angular_velocity <= RangeDescription{}.angular_velocity) return;
+        for (std::size_t b = 0; b < bodies_.size(); ++b) {
+            if (!bodies_[b].rotates) continue;
+            const auto held = [&](double step) {
+                const Vector& moments = bodies_[b].axes.moments;
+                const double most = held_by(index(), Real{step}, method_.spin).half_turn;
+                double least = std::numeric_limits<double>::infinity();
+                for (int i = 0; i < 2; ++i) {  // about the smallest moment a spin is never the first to leave
+                    const double per_spin =
+                        step / 2 *
+                        (method_.spin == Spin::angular_momentum ? static_cast<double>(moments[i] / moments.y) : 1);
+                    least = std::min(least, most / per_spin);
+                }
+                return least;
+            };
+            const double declared = scene_.range.angular_velocity, limit_of_spin = held(step_);
+            if (limit_of_spin >= declared || told_of(body(b), "spin")) continue;
+            double step = step_ * limit_of_spin / declared;
+            for (int halving = 0; halving < 6 && held(step) < declared; ++halving) step /= 2;
+            Limit limit{body(b), "range", declared, limit_of_spin, step, ""};
+            limit.sentence = limit.where + ": [range] asks for spins up to " + few_digits(declared) + " rad/s, and " +
+                             way() + " holds " + four_digits_down(limit_of_spin) + " rad/s of this body at a step of " +
+                             few_digits(step_) + " s: " + safe(step);
+            tell(std::move(limit));
+        }
+    }
+
+    // Fixed point takes at most a quarter of what it holds of a velocity as the change of a step.
+    void look_at_loads(std::size_t b) {
+        if (!system_.fixed_point || method_.takes_any_load || data_.bodies[b].fixed) return;
+        const auto most = [&](double step) { return held_by(index(), Real{step}, method_.spin).velocity / 4; };
+        for (std::size_t f = 0; f < data_.forces.size(); ++f) {
+            const ForceSpec& force = data_.forces[f];
+            if (static_cast<std::size_t>(force.body) != b || force.from.to_double() >= duration_) continue;
+            // In the body's axes the direction in the world is not known: its share along the best axis is.
+            const Vector push = vector(force.force) * (1 / bodies_[b].mass);
+            const auto largest = [](const Vector& v) {
+                return static_cast<double>(std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}));
+            };
+            const double acceleration = force.frame == Frame::world
+                                            ? largest(push + vector(data_.world.gravity))
+                                            : static_cast<double>(norm(push) / std::sqrt(Number(3))) -
+                                                  static_cast<double>(norm(vector(data_.world.gravity)));
+            if (acceleration * step_ <= most(step_)) continue;
+            double step = most(step_) / acceleration;
+            for (int halving = 0; halving < 6 && acceleration * step > most(step); ++halving) step /= 2;
+            Limit limit{"force[" + std::to_string(f) + "]", "load", acceleration * step_, most(step_), step, ""};
+            limit.sentence = limit.where + ": it changes the velocity of " + body(b) + " by " +
+                             few_digits(limit.value) + " m/s in a step of " + few_digits(step_) + " s, and " + way() +
+                             " takes " + four_digits_down(limit.limit) + " m/s: " + safe(step);
+            tell(std::move(limit));
+        }
+    }
+
+    [[nodiscard]] std::size_t index() const { return static_cast<std::size_t>(&system_ - number_systems().data()); }
+    [[nodiscard]] bool told_of(const std::string& where, const std::string& what) const {
+        return std::any_of(found_.begin(), found_.end(),
+                           [&](const Limit& limit) { return limit.where == where && limit.what == what; });
     }
 
     const SceneDescription& scene_;
     SceneData data_;
     const IntegratorInfo& method_;
+    const NumberSystemInfo& system_;
     double step_, duration_;  // s
     std::vector<Body> bodies_;
     std::vector<Limit> found_;
@@ -275,10 +526,9 @@ private:
 
 }  // namespace
 
-std::vector<Limit> exceeded_limits(const SceneDescription& scene, std::string_view integrator,
-                                   [[maybe_unused]] std::string_view numbers,
-                                   [[maybe_unused]] std::optional<bool> carry) {
-    return Search(scene, integrator).run();
+std::vector<Limit> exceeded_limits(const SceneDescription& scene, std::string_view integrator, std::string_view numbers,
+                                   std::optional<bool> carry) {
+    return Search(scene, integrator, numbers, carry).run();
 }
 
 }  // namespace tumble::host

@@ -2,6 +2,7 @@
 // tests and the benchmarks. Everything that it reports is in SI units and the user's body axes.
 #pragma once
 
+#include <tumble/body/state.hpp>
 #include <tumble/integrators/stability.hpp>
 
 #include <array>
@@ -111,6 +112,8 @@ struct IntegratorInfo {
     // Of the linear oscillator: Stability of integrators/stability.hpp.
     double oscillation_limit = 0, drag_limit = 0;
     OscillatorStep (*oscillator_step)(double k, double c) = nullptr;
+    Spin spin = Spin::none;       // what it keeps of a spin
+    bool takes_any_load = false;  // fixed point does not limit the change of a step
 };
 struct NumberSystemInfo {
     std::string name;

@@ -102,6 +102,11 @@ struct SpinUnits<N, Spin::angular_momentum> {
     [[nodiscard]] Work rate(int i, Work steps_per_second) const { return rate_ratio[i] * steps_per_second; }
 };
 
+// The largest half turn in a step, rad, that a spin of 1 rad/s can be.
+[[nodiscard]] constexpr Real turn_per_spin(Spin spin, Real step) {
+    return spin == Spin::angular_velocity ? step * Real::scaled(1, -1) : step;
+}
+
 // What is constant about a body.
 template <class N, Spin spin, bool points>
 struct BodyConstants {
@@ -137,7 +142,7 @@ public:
     static constexpr int room = capacity;
 
     explicit Bodies(Seconds step)
-        : step_length{step.value}, scale{N::Scale::of(step.value, turn_per_spin(step.value))} {
+        : step_length{step.value}, scale{N::Scale::of(step.value, turn_per_spin(spin, step.value))} {
         TUMBLE_ASSERT(step.value > Real{});
     }
 
@@ -296,9 +301,6 @@ private:
         const RealVec3 w = inertia.principal.conjugate().rotate(spec.angular_velocity);
         for (int i = 0; i < 3; ++i)
             assign(s.t_b[i], scale.turn_units(Units::turn_of(inertia.moments, w[i], i, step_length)));
-    }
-    [[nodiscard]] static constexpr Real turn_per_spin(Real step) {
-        return spin == Spin::angular_velocity ? step * Real::scaled(1, -1) : step;
     }
     template <class Number>
     static void assign(Number& number, Real value) {

@@ -13,6 +13,7 @@
 //                                   has as a base
 //   follows_any_turn                only where a step may turn a body by any angle: else more than 1 rad (with angular
 //                                   momentum as the spin, 3 rad of it) is told as range_left in floating point
+//   takes_any_load                  only where fixed point does not limit what loads change in a step
 //   not_in_fixed_point              only where it is for floating point alone: says why to the user; see runs_in
 //   advance<N, capacity>(group, evaluate, step)   one step of bodies whose loads depend on their state; of a group in
 //                                   which a body does not rotate, if it takes any Group

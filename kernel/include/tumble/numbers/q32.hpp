@@ -73,6 +73,8 @@ struct Q32 {
     using DriftSum = Wide<62>;
     using TurnSum = Wide<64>;
     using Work = Scaled;  // loads and contacts: any magnitude, 31 digits
+    // Where the ranges of drifts and turns end; see Scale.
+    static constexpr Real largest_drift = 1, largest_turn = Real::scaled(1, -2);
     template <class T>
     using Integrated = Carried<T, carry>;
     using IntegratedUnit = Carried<Unit, carry, true>;
