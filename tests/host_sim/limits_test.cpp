@@ -1,11 +1,10 @@
 // Limits that are told before a run: what they call safe is safe, and a fifth more is not.
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>
 
+#include "command_runner.hpp"
 #include "scene/reader.hpp"
 #include "simulation/limits.hpp"
 #include "simulation/simulation.hpp"
@@ -124,7 +123,7 @@ class Spins : public testing::TestWithParam<std::pair<const char*, Triple>> {};
 
 TEST_P(Spins, are_held_up_to_the_limit_that_is_told) {
     const auto& [body, direction] = GetParam();
-    SceneDescription scene = with_step(scene_of(std::string("[[body]]\nname = \"b\"\nmass = 0.7\n") + body), 1.0 / 200);
+    SceneDescription scene = with_step(scene_of(std::string("[[body]]\nname = \"b\"\nmass = 0.7\n") + body), 0.01);
     scene.duration = 2;
     const auto spinning = [&, scene](double rate) {
         SceneDescription spun = scene;
@@ -134,13 +133,13 @@ TEST_P(Spins, are_held_up_to_the_limit_that_is_told) {
     for_each_way([&](const IntegratorInfo& method, const std::string& numbers) {
         if (numbers != "q32") return;  // a body in floating point is told of at other spins
         EXPECT_TRUE(exceeded_limits(spinning(5), method.name, numbers).empty());
-        const std::vector<Limit> limits = exceeded_limits(spinning(120), method.name, numbers);
+        const std::vector<Limit> limits = exceeded_limits(spinning(60), method.name, numbers);
         ASSERT_EQ(limits.size(), 1u);
         EXPECT_EQ(limits[0].what, "spin");
-        const double held = limits[0].limit / limits[0].value * 120;
+        const double held = limits[0].limit / limits[0].value * 60;
         EXPECT_FALSE(run(spinning(0.99 * held), method.name, numbers).told);
         EXPECT_TRUE(run(spinning(1.1 * held), method.name, numbers).told);
-        const SceneDescription mended = with_step(spinning(120), limits[0].largest_step);
+        const SceneDescription mended = with_step(spinning(60), limits[0].largest_step);
         EXPECT_TRUE(exceeded_limits(mended, method.name, numbers).empty()) << limits[0].sentence;
         EXPECT_FALSE(run(mended, method.name, numbers).told);
     });
@@ -170,6 +169,30 @@ TEST(Limits, of_bodies_that_fall_around_each_other_are_told_of_the_closest_point
         const auto limits = exceeded_limits(with_step(pair("0.4364358"), 0.05), method.name, "f64");
         ASSERT_EQ(limits.size(), 1u) << method.name;
         EXPECT_NEAR(limits[0].value, 0.05 * std::sqrt(4 / 1e-3), 0.05 * limits[0].value);
+    }
+}
+
+TEST(Limits, are_warned_of_before_a_run_and_do_not_change_its_status) {
+    const std::string scene = (source_directory / "bench/problems/stiff_spring.toml").string();
+    const Outcome gains = tumble({"run", scene, "--integrator", "heun"}), keeps = tumble({"run", scene});
+    EXPECT_EQ(gains.status, 0) << gains.text;
+    EXPECT_NE(gains.text.find("warning: " + scene + ": spring[0]: a step of 0.00390625 s makes h w 0.390625, and heun"),
+              std::string::npos)
+        << gains.text;
+    EXPECT_NE(gains.text.find("the largest safe step is 0.003539 s"), std::string::npos) << gains.text;
+    EXPECT_EQ(keeps.text.find("warning"), std::string::npos) << keeps.text;
+}
+
+// At their own steps, with methods that do not add to oscillations.
+TEST(Limits, of_the_scenes_that_are_here_are_not_exceeded) {
+    for (const char* directory : {"host_sim/scenes", "host_sim/scenes/contacts", "bench/problems", "bench/contacts"}) {
+        for (const auto& entry : std::filesystem::directory_iterator(source_directory / directory)) {
+            if (entry.path().extension() != ".toml") continue;
+            const SceneDescription scene = read_scene(entry.path().string());
+            for (const char* method : {"semi_implicit_euler", "implicit_midpoint", "rk4", "verlet", "suzuki4", "pdmv6"})
+                for (const Limit& limit : exceeded_limits(scene, method, "q32"))
+                    ADD_FAILURE() << entry.path() << ": " << limit.sentence;
+        }
     }
 }
 
