@@ -2,6 +2,7 @@
 // drift from what was measured: everything between `<!-- table NAME -->` or `<!-- value NAME -->` and `<!-- end -->` is
 // replaced, a table by lines of its own and a value within its line. With --check nothing is written, and a difference
 // is an error.
+#include <tumble/integrators/list.hpp>
 #include <tumble/tumble.hpp>
 
 #include <algorithm>
@@ -592,6 +593,56 @@ Table formats_table() {
     return table;
 }
 
+std::string short_text(double value, const char* format = "%.4g") {
+    if (std::isinf(value)) return "any";
+    char text[32];
+    std::snprintf(text, sizeof text, format, value);
+    return text;
+}
+
+// How long a step each method takes, as its header states it.
+Table stability_table() {
+    Table table;
+    table.head = {"method", "order", "spring, `h w` up to", "drag, `h c/m` up to", "spin in `q32` is"};
+    tumble::Integrators::for_each([&]<class Method>() {
+        const bool gains = Method::oscillation_limit == 0;
+        const bool momentum = Method::spin == tumble::Spin::angular_momentum;
+        table.rows.push_back({std::string{"`"} + Method::name + "`", std::to_string(Method::order),
+                              gains ? "none, it gains energy" : short_text(Method::oscillation_limit),
+                              short_text(Method::drag_limit),
+                              requires { Method::not_in_fixed_point; } ? "not there" : momentum ? "L / I_middle" : "w"
+});
+});
+return table;
+}
+
+// The smallest and the largest that fixed point holds in each range, by the step, s.
+Table resolution_table(const std::vector<int>& steps_per_second) {
+    Table table;
+    table.head = {"range",
+                  "step s",
+                  "length m",
+                  "speed m/s",
+                  "spin rad/s",
+                  "spin up to rad/s",
+                  "change of speed in a step up to m/s"};
+    tumble::Ranges::for_each([&]<class Entry>() {
+        using N = tumble::Q32<typename Entry::Range>;
+        for (const int n : steps_per_second) {
+            const tumble::Real step = tumble::Real{1} / tumble::Real{n}, half = step * tumble::Real::scaled(1, -1);
+            const auto scale = N::Scale::of(step, tumble::turn_per_spin(tumble::Spin::angular_velocity, step));
+            const auto last = [](auto number) { return tumble::Real::scaled(1, -decltype(number)::fraction_bits); };
+            const auto smallest = [](tumble::Real value) { return short_text(value.to_double(), "%.1e"); };
+            table.rows.push_back({Entry::name, "1/" + std::to_string(n), smallest(last(typename N::Position{})),
+                                  smallest(scale.metres(last(typename N::Drift{})) / step),
+                                  smallest(scale.angle(last(typename N::Turn{})) / half),
+                                  short_text((scale.angle(N::largest_turn) / half).to_double()),
+                                  short_text((scale.metres(N::largest_drift) / step).to_double() / 4)});
+        }
+    });
+    return table;
+}
+
 // Bounds of a contact step, as the headers state them.
 struct Boxes : tumble::Scene {
     static constexpr tumble::Features features{
@@ -730,6 +781,11 @@ int main(int argc, char** argv) try {
         {"engines", [&] { return engines_table(rows("engines.jsonl")).markdown(); }},
         {"formats", [] { return formats_table().markdown(); }},
         {"bounds", [] { return bounds_table().markdown(); }},
+        {"stability", [] { return stability_table().markdown(); }},
+        {"resolution",
+         [] {
+             return resolution_table({64, 256, 1024}).markdown();
+         }},
     };
     const auto ratio = [&](const char* core, const char* dear, const char* cheap) {
         return [=, &rows] { return times_as_many(rows("free.jsonl"), core, dear, cheap); };

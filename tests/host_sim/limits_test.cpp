@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <nlohmann/json.hpp>
 
 #include "command_runner.hpp"
 #include "scene/reader.hpp"
@@ -181,6 +182,23 @@ TEST(Limits, are_warned_of_before_a_run_and_do_not_change_its_status) {
         << gains.text;
     EXPECT_NE(gains.text.find("the largest safe step is 0.003539 s"), std::string::npos) << gains.text;
     EXPECT_EQ(keeps.text.find("warning"), std::string::npos) << keeps.text;
+}
+
+TEST(Limits, are_named_where_a_method_does_not_reach_a_tolerance) {
+    const std::string scene = (source_directory / "bench/problems/stiff_spring.toml").string();
+    const std::vector<std::string> search{"advise",      scene,  "--core",        "cortex-m3",
+                                          "--tolerance", "1e-9", "--integrators", "explicit_euler,implicit_midpoint",
+                                          "--numbers",   "q32"};
+    EXPECT_NE(tumble(search).text.find("(spring of spring[0]: at most "), std::string::npos);
+    std::vector<std::string> in_json = search;
+    in_json.emplace_back("--json");
+    const auto json = nlohmann::json::parse(tumble(in_json, Process::Errors::keep).text);
+    int named = 0;
+    for (const auto& row : json.at("unreached")) {
+        EXPECT_EQ(row.contains("limit"), row.at("integrator") == "explicit_euler") << row;
+        named += row.contains("limit") ? 1 : 0;
+    }
+    EXPECT_GT(named, 0);
 }
 
 // At their own steps, with methods that do not add to oscillations.
