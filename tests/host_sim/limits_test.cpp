@@ -186,9 +186,10 @@ TEST(Limits, are_warned_of_before_a_run_and_do_not_change_its_status) {
 
 TEST(Limits, are_named_where_a_method_does_not_reach_a_tolerance) {
     const std::string scene = (source_directory / "bench/problems/stiff_spring.toml").string();
-    const std::vector<std::string> search{"advise",      scene,  "--core",        "cortex-m3",
-                                          "--tolerance", "1e-9", "--integrators", "explicit_euler,implicit_midpoint",
-                                          "--numbers",   "q32"};
+    const std::vector<std::string> search{
+        "advise",    scene,         "--core", "cortex-m3",     "--duration",
+        "0.1",       "--tolerance", "1e-9",   "--integrators", "explicit_euler,implicit_midpoint",
+        "--numbers", "q32"};
     EXPECT_NE(tumble(search).text.find("(spring of spring[0]: at most "), std::string::npos);
     std::vector<std::string> in_json = search;
     in_json.emplace_back("--json");

@@ -9,7 +9,8 @@
 //   inertia.prepare(body, scale)           only where those constants depend on the spin: called whenever it is changed
 //   free_order                      only where torque-free rotation has another order than the rest
 //   needs                           only where a step needs sqrt, division or trigonometry: says so to the user
-//   oscillator_step, oscillation_limit, drag_limit, step_bounds   how long a step may be: Stability of stability.hpp, which a method
+//   oscillator_step, oscillation_limit, drag_limit, step_bounds   how long a step may be: Stability of stability.hpp,
+//   which a method
 //                                   has as a base
 //   follows_any_turn                only where a step may turn a body by any angle: else more than 1 rad (with angular
 //                                   momentum as the spin, 3 rad of it) is told as range_left in floating point
