@@ -140,7 +140,7 @@ work-precision-loads: $(LOADS:%=cost-of-%)
 ## pictures: draw all pictures again from the committed rows
 pictures: build
 	build/host/bench/tumble_pictures $(wildcard bench/results/work_precision*.jsonl) --ladder bench/results/ladder.jsonl \
-	    --directory bench/results
+	    --long-runs bench/results/long_run_series.jsonl --directory bench/results
 	build/host/bench/tumble_host_picture bench/results/host.jsonl bench/results/host.svg
 	test ! -f bench/results/stability.jsonl || build/host/bench/stress/tumble_stress --draw bench/results/stability.jsonl --directory bench/results
 
@@ -152,9 +152,11 @@ stress: build
 stress-coarse: build
 	build/host/bench/stress/tumble_stress --coarse --results build/results/stability.jsonl --directory build/results $(ARGS)
 
-## long-run: what a million steps do to energy and momentum, for every method and number system, into bench/results
+## long-run: what a million and ten million steps do to energy and momentum, bodies at rest and elastic impacts, into bench/results
 long-run: build
 	build/host/bench/tumble_long_run bench/problems/generic_top.toml bench/problems/heavy_top.toml --results bench/results/long_run.jsonl
+	build/host/bench/tumble_long_run --results bench/results/long_run_series.jsonl
+	build/host/bench/tumble_pictures --long-runs bench/results/long_run_series.jsonl --directory bench/results
 	build/host/bench/tumble_tables bench/results $(PAGES)
 
 ## ordinary: the kernel's Butcher tables on a harmonic oscillator and the Lorenz system, into bench/results

@@ -35,6 +35,8 @@ std::string compact(std::string svg) {
     replace(R"(<g[^>]*>\n</g>\n)", "");
     replace(R"(<g>\n(<path [^>]*/>)\n?</g>)", "$1");
     replace(R"(<title>gnuplot_plot_\d+[a-z]?</title>\n)", "");
+    replace(R"( id="gnuplot_plot_\d+[a-z]?")", "");
+    replace(R"((\d) L(\d))", "$1 $2");  // what follows a move is a line
     return svg;
 }
 

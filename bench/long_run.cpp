@@ -1,7 +1,10 @@
-// What a method does to the constants of a motion in a long run: the largest drift of energy, momentum and the
-// quaternion's norm within a million steps, for every method and number system. On the host alone, whose bits are the
-// cores'. A run that leaves its range, blows up or does not converge is a row too, with the step at which it did.
-#include "rows.hpp"
+// What a method does to the constants of a motion in a long run. Of problems that are named: the largest drift of
+// energy, momentum and the quaternion's norm within a million steps, for every method and number system. Without a
+// name: the long runs of the list below, each with its errors over time; what a method promises of them is held to
+// that. On the host alone, whose bits are the cores'. A run that leaves its range, blows up or does not converge is a
+// row too, with the step at which it did.
+#include "drawing.hpp"
+#include "long_run_rows.hpp"
 #include "variants.hpp"
 
 #include "truth/accuracy.hpp"
@@ -10,6 +13,8 @@
 
 #include <cmath>
 #include <cstdio>
+#include <mutex>
+#include <set>
 
 namespace {
 
@@ -20,37 +25,203 @@ namespace host = tumble::host;
 
 using namespace tumble::reference;
 
-// SI units; angular momentum about the centre of mass.
+// The long runs: splittings, which keep what they promise over many steps, and others to compare. What a step costs
+// chooses the methods and number systems, and for bodies that touch the number of steps.
+struct LongRuns {
+    const char* scene;
+    std::int64_t steps, every;  // steps of a run, and between two looks
+    std::set<std::string> integrators, variants;
+};
+const std::set<std::string> usual{"q32", "f32_plain", "f64"}, with_plain{"q32", "q32_plain", "f32_plain", "f64"};
+constexpr std::int64_t ten_million = 10000000;
+const std::vector<LongRuns> long_runs{
+    {"bench/problems/generic_top.toml",
+     ten_million,
+     53,
+     {"rk4", "verlet", "strang", "suzuki4", "pdmv4", "pdmv6", "pdmv8", "pdmv10"},
+     usual},
+    {"bench/problems/heavy_top.toml", ten_million, 53, {"rk4", "verlet", "suzuki4", "pdmv6"}, usual},
+    {"bench/problems/kepler.toml", ten_million, 53, {"verlet", "suzuki4"}, usual},
+    {"bench/long_runs/elastic_box.toml", ten_million, 53, {"verlet"}, with_plain},
+    {"bench/long_runs/elastic_box.toml", ten_million, 53, {"semi_implicit_euler", "rk4"}, {"q32"}},
+    {"bench/long_runs/ten_boxes_asleep.toml", ten_million, 53, {"verlet"}, with_plain},
+    {"bench/long_runs/ten_boxes_asleep.toml", ten_million, 53, {"semi_implicit_euler", "rk4"}, {"q32"}},
+    {"host_sim/scenes/contacts/stack.toml", 50000, 53, {"semi_implicit_euler", "rk4"}, {"q32", "f64"}},
+    {"host_sim/scenes/contacts/stack.toml", 50000, 53, {"verlet"}, {"q32_plain", "f32_plain"}},
+    {"host_sim/scenes/contacts/stack.toml", 1000000, 53, {"verlet"}, {"q32", "f64"}},
+};
+
+// SI units; angular momentum about the origin, of the bodies that are not fixed.
 struct Constants {
     Number energy, body_momentum_norm, quaternion_norm;
     Vector world_momentum;
 };
 
-// Of the scene's one body under forces that are constant in the world's frame and have a potential for that reason.
+// Under forces that are constant in the world's frame and have a potential for that reason. Norms are of the first
+// body.
 Constants constants_of(const host::SceneDescription& scene, const host::Simulation& simulation) {
-    const Motion body = host::motion_of(simulation.body(0));
-    const auto& inertia = *scene.bodies.at(0).inertia;
-    const Number norm_of_q = std::sqrt(body.q.norm2());
-    const Rotation unit = body.q * (1 / norm_of_q);
-    const Vector momentum = times(vector_of(inertia), body.w);
-    Constants c{simulation.energy().total(), norm(momentum), norm_of_q, unit.rotate(momentum)};
-    for (const auto& force : scene.forces)
-        c.energy -= dot(vector_of(force.force), body.x + unit.rotate(vector_of(force.point)));
+    Constants c{simulation.energy().total(), 0, 0, {}};
+    for (int b = 0; b < simulation.body_count(); ++b) {
+        const host::BodyDescription& description = scene.body(b);
+        const Motion body = host::motion_of(simulation.body(b));
+        const Number norm_of_q = std::sqrt(body.q.norm2());
+        const Rotation unit = body.q * (1 / norm_of_q);
+        const Vector momentum = description.inertia ? times(vector_of(*description.inertia), body.w) : Vector{};
+        if (b == 0) {
+            c.body_momentum_norm = norm(momentum);
+            c.quaternion_norm = norm_of_q;
+        }
+        if (!description.fixed)
+            c.world_momentum = c.world_momentum + unit.rotate(momentum) +
+                               cross(body.x, body.v * static_cast<Number>(description.mass.value_or(0)));
+        for (const auto& force : scene.forces)
+            if (force.body == b) c.energy -= dot(vector_of(force.force), body.x + unit.rotate(vector_of(force.point)));
+    }
     return c;
 }
 
-// Throws std::invalid_argument for scenes whose constants this program does not know; the forces of the rest last.
-host::SceneDescription checked(host::SceneDescription scene) {
-    const auto& body = scene.bodies.at(0);
-    if (scene.bodies.size() != 1 || !body.inertia || !body.inertia_is_diagonal || !scene.springs.empty() ||
-        !scene.impulses.empty() || !scene.planes.empty() || scene.linear_drag > 0 || scene.angular_drag > 0)
-        throw std::invalid_argument{scene.path + ": long runs are of one body with a diagonal inertia under forces"};
+// Half the extent along a direction of unit length, m.
+Number half_extent(const host::BodyDescription& body, const Rotation& q, const Vector& along) {
+    if (body.shape.kind == tumble::ShapeKind::sphere) return body.shape.size[0];
+    const Vector direction = q.rotate_back(along);
+    Number half = 0;
+    for (int i = 0; i < 3; ++i)
+        half += std::abs(direction[i]) * static_cast<Number>(body.shape.size[static_cast<std::size_t>(i)]) / 2;
+    return half;
+}
+
+// The largest depth of a body in a plane or in another body, m, at least 0. Two boxes are as deep in each other as
+// along the normal of a face along which they are least: of boxes that stand on each other that is the depth.
+Number penetration_of(const host::SceneDescription& scene, const host::Simulation& simulation) {
+    Number deepest = 0;
+    std::vector<Motion> now;
+    for (int b = 0; b < simulation.body_count(); ++b) {
+        const host::BodyDescription& body = scene.body(b);
+        now.push_back(host::motion_of(simulation.body(b)));
+        now.back().q = now.back().q.normalized();
+        const Motion& motion = now.back();
+        for (const auto& plane : scene.planes) {
+            const Vector normal = vector_of(plane.normal);
+            const Vector n = normal * (1 / norm(normal));
+            const Number height = dot(n, motion.x) + static_cast<Number>(plane.offset);
+            deepest = std::max(deepest, half_extent(body, motion.q, n) - height);
+        }
+        for (int a = 0; a < b; ++a) {
+            const Motion& other = now[static_cast<std::size_t>(a)];
+            const Vector apart = motion.x - other.x;
+            const auto depth_along = [&](const Vector& n) {
+                return half_extent(body, motion.q, n) + half_extent(scene.body(a), other.q, n) -
+                       std::abs(dot(apart, n));
+            };
+            Number depth = depth_along(apart * (1 / norm(apart)));
+            if (body.shape.kind == tumble::ShapeKind::box) {
+                depth = std::numeric_limits<Number>::infinity();
+                for (const Rotation& q : {motion.q, other.q})
+                    for (const Vector axis : {Vector{1, 0, 0}, Vector{0, 1, 0}, Vector{0, 0, 1}})
+                        depth = std::min(depth, depth_along(q.rotate(axis)));
+            }
+            deepest = std::max(deepest, depth);
+        }
+    }
+    return deepest;
+}
+
+// Throws std::invalid_argument for scenes whose constants this program does not know; the forces of the rest last for
+// `steps`.
+host::SceneDescription checked(host::SceneDescription scene, std::int64_t steps) {
+    const auto refuse = [&](const char* expected) {
+        throw std::invalid_argument{scene.path + ": long runs are of " + expected};
+    };
+    if (!scene.springs.empty() || !scene.impulses.empty() || scene.linear_drag > 0 || scene.angular_drag > 0)
+        refuse("bodies without springs, impulses and drag");
+    std::set<tumble::ShapeKind> shapes;
+    for (const auto& body : scene.bodies) {
+        shapes.insert(body.shape.kind);
+        if (scene.planes.empty() && !body.is_point_mass() && !(body.inertia && body.inertia_is_diagonal))
+            refuse("bodies with a diagonal inertia where no plane pushes them");
+    }
+    const auto& shape = scene.bodies.at(0).shape.kind;
+    if (!scene.planes.empty() &&
+        (shapes.size() != 1 || (shape != tumble::ShapeKind::sphere && shape != tumble::ShapeKind::box)))
+        refuse("spheres or boxes where there are planes");
     for (auto& force : scene.forces) {
         if (force.from > 0 || force.until < scene.duration || force.frame != tumble::Frame::world ||
             force.torque != host::Triple{})
-            throw std::invalid_argument{scene.path + ": forces are of the world's frame and last for the whole run"};
+            refuse("forces of the world's frame that last for the whole run");
     }
+    scene.duration = static_cast<double>(steps) * scene.step.seconds();
+    for (auto& force : scene.forces) force.until = 2 * scene.duration;
     return scene;
+}
+
+// Three significant digits.
+double rounded(Number value) { return std::strtod(tumble::bench::text("%.2Le", value).c_str(), nullptr); }
+
+// What went wrong in a run, and when.
+void put_failure(Row& row, const host::Simulation& simulation, const std::string& failure) {
+    row["failure"] = failure;
+    row["failure_step"] = simulation.steps_taken();
+}
+bool has_grown(const Constants& now, const Constants& start) {
+    return !std::isfinite(now.energy) || !std::isfinite(now.quaternion_norm) ||
+           now.energy > 1e6L * std::abs(start.energy);
+}
+
+// The errors of one run over time, as long_run_rows.hpp has them. Calls `counted(steps)` now and then.
+Row errors_over_time(const host::SceneDescription& scene, const Variant& variant, const std::string& method,
+                     std::int64_t steps, std::int64_t every, const auto& counted) {
+    const auto simulation = host::make_simulation(scene, method, variant.numbers, variant.carry);
+    const Constants start = constants_of(scene, *simulation);
+    const bool in_contact = !scene.planes.empty(),
+               may_move = !in_contact || norm(host::motion_of(simulation->body(0)).v) > 0;
+    std::vector<Vector> places;
+    for (int b = 0; b < simulation->body_count(); ++b) places.push_back(host::motion_of(simulation->body(b)).x);
+    struct Largest {
+        Number energy = 0, momentum = 0, penetration = 0;
+    } span;
+    Number first_tenth = 0, last_tenth = 0, shift = 0;
+    Row row, at = Row::array(), energy = Row::array(), momentum = Row::array(), penetration = Row::array();
+    double end = static_cast<double>(every);
+    while (simulation->steps_taken() < steps) {
+        const std::int64_t before = simulation->steps_taken(), next = std::min(before + every, steps);
+        while (simulation->steps_taken() < next && simulation->troubles().empty()) simulation->step();
+        counted(simulation->steps_taken() - before);
+        if (!simulation->troubles().empty()) {
+            put_failure(row, *simulation, simulation->troubles().front().issue);
+            return row;
+        }
+        const Constants now = constants_of(scene, *simulation);
+        if (has_grown(now, start)) {
+            put_failure(row, *simulation, "energy grows without end");
+            return row;
+        }
+        const Number energy_error = std::abs(now.energy / start.energy - 1);
+        span.energy = std::max(span.energy, energy_error);
+        if (next <= steps / 10) first_tenth = std::max(first_tenth, energy_error);
+        if (next > steps - steps / 10) last_tenth = std::max(last_tenth, energy_error);
+        const Vector change = now.world_momentum - start.world_momentum;
+        span.momentum = std::max(span.momentum, (scene.forces.empty() ? norm(change) : std::abs(change.z)) /
+                                                    norm(start.world_momentum));
+        if (in_contact) span.penetration = std::max(span.penetration, penetration_of(scene, *simulation));
+        if (!may_move)
+            for (std::size_t b = 0; b < places.size(); ++b)
+                shift = std::max(shift, norm(host::motion_of(simulation->body(static_cast<int>(b))).x - places[b]));
+        if (static_cast<double>(next) < end && next < steps) continue;
+        end = std::max(end, static_cast<double>(next)) * std::sqrt(2.0);
+        at.push_back(next);
+        energy.push_back(rounded(span.energy));
+        if (!in_contact) momentum.push_back(rounded(span.momentum));
+        if (in_contact) penetration.push_back(rounded(span.penetration));
+        span = {};
+    }
+    row["energy_first_tenth"] = rounded(first_tenth);
+    row["energy_last_tenth"] = rounded(last_tenth);
+    if (!may_move) row["shift_m"] = rounded(shift);
+    row["at"] = at;
+    row["energy"] = energy;
+    if (!in_contact) row["momentum"] = momentum;
+    if (in_contact) row["penetration_m"] = penetration;
+    return row;
 }
 
 struct Drift {
@@ -82,14 +253,11 @@ Row measure(const host::SceneDescription& scene, const Variant& variant, const s
         note(drift.world_momentum, norm(now.world_momentum - start.world_momentum) / size);
         note(drift.vertical_momentum, (now.world_momentum.z - start.world_momentum.z) / size);
         note(drift.quaternion, now.quaternion_norm - 1);
-        if (!std::isfinite(now.energy) || !std::isfinite(now.quaternion_norm) ||
-            now.energy > 1e6L * std::abs(start.energy))
-            failure = "energy grows without end";
+        if (has_grown(now, start)) failure = "energy grows without end";
     }
     Row row;
     if (!failure.empty()) {
-        row["failure"] = failure;
-        row["failure_step"] = simulation->steps_taken();
+        put_failure(row, *simulation, failure);
         return row;
     }
     const auto put = [&](const char* key, Number value) { row[key] = static_cast<double>(value); };
@@ -105,28 +273,26 @@ Row measure(const host::SceneDescription& scene, const Variant& variant, const s
     return row;
 }
 
-}  // namespace
+Row names_of(const host::SceneDescription& scene, const Variant& variant, const std::string& method,
+             std::int64_t steps) {
+    Row row;
+    row["scene"] = scene.name;
+    row["core"] = "host";
+    row["numbers"] = variant.numbers;
+    row["carry"] = variant.carry;
+    row["integrator"] = method;
+    row["step_s"] = scene.step.seconds();
+    row["steps"] = steps;
+    return row;
+}
 
-int main(int argc, char** argv) try {
-    tumble::host::tell_lost_output();
-    CLI::App app{"Drift of what a motion conserves within many steps, for every method and number system, as rows."};
-    std::vector<fs::path> problems;
-    fs::path results = "build/results/long_run.jsonl";
-    std::int64_t steps = 1000000, every = 50;
-    app.add_option("problems", problems, "Scene files of one body; their step is used, their duration is not")
-        ->required();
-    app.add_option("--steps", steps, "Steps of each run");
-    app.add_option("--every", every, "Steps between two looks");
-    app.add_option("--results", results, "Where the rows go, as JSON lines");
-    CLI11_PARSE(app, argc, argv);
-    host::check_outputs(tumble::bench::files_of("problems", problems), {{"--results", results}});
-    host::OutputFile rows_file = tumble::bench::rows_file(results);
-
+// Of problems of one body, for every method and number system.
+std::vector<Row> summaries(const std::vector<fs::path>& problems, std::int64_t steps, std::int64_t every) {
     std::vector<Row> rows;
     for (const fs::path& path : problems) {
-        host::SceneDescription scene = checked(host::read_scene(path));
-        scene.duration = static_cast<double>(steps) * scene.step.seconds();
-        for (auto& force : scene.forces) force.until = 2 * scene.duration;
+        const host::SceneDescription scene = checked(host::read_scene(path), steps);
+        if (scene.bodies.size() != 1 || !scene.planes.empty() || scene.bodies[0].is_point_mass())
+            throw std::invalid_argument{scene.path + ": expected one body with a diagonal inertia and no plane"};
         struct Job {
             Variant variant;
             std::string method;
@@ -140,19 +306,125 @@ int main(int argc, char** argv) try {
             jobs[i].row = measure(scene, jobs[i].variant, jobs[i].method, steps, every);
         });
         for (const Job& job : jobs) {
-            Row row;
-            row["scene"] = scene.name;
-            row["core"] = "host";
-            row["numbers"] = job.variant.numbers;
-            row["carry"] = job.variant.carry;
-            row["integrator"] = job.method;
-            row["step_s"] = scene.step.seconds();
-            row["steps"] = steps;
-            row.update(job.row);
-            rows.push_back(row);
+            rows.push_back(names_of(scene, job.variant, job.method, steps));
+            rows.back().update(job.row);
         }
     }
-    tumble::bench::write_rows(rows_file, rows);
+    return rows;
+}
+
+// The long runs of the list, none of more than `most_steps`, of all scenes or of the one that is named. Rows are added
+// to `part` as they come; those that are there from a run of the same bits that was interrupted are not run again.
+std::vector<Row> runs_of_the_list(std::int64_t most_steps, const std::string& only, const fs::path& part) {
+    struct Job {
+        host::SceneDescription scene;
+        Variant variant;
+        std::string method;
+        std::int64_t steps, every, cost;
+        Row row;
+    };
+    std::vector<Job> jobs;
+    for (const LongRuns& runs : long_runs) {
+        if (!only.empty() && fs::path{runs.scene}.stem() != only) continue;
+        const std::int64_t steps = std::min(runs.steps, most_steps);
+        const auto scene = checked(host::read_scene(fs::path{TUMBLE_SOURCE_DIR} / runs.scene), steps);
+        // Of a step, nearly, as a free body's is one: loads cost some ten, boxes that rest on each other fifty each.
+        const bool rests = !scene.planes.empty() && scene.gravity != host::Triple{} && !scene.contact.sleep;
+        const bool is_loaded = !scene.forces.empty() || scene.gravitation > 0;
+        const std::int64_t cost = rests ? 50 * static_cast<std::int64_t>(scene.bodies.size()) : is_loaded ? 10 : 3;
+        for (const auto& integrator : host::integrators())
+            for (const Variant& v : tumble::bench::variants_named({runs.variants.begin(), runs.variants.end()}))
+                if (runs.integrators.contains(integrator.name) && host::runs_in(integrator, v.numbers))
+                    jobs.push_back({scene, v, integrator.name, steps, runs.every, cost, {}});
+    }
+    std::vector<Row> known;
+    if (fs::exists(part)) known = tumble::bench::read_rows(part);
+    std::vector<Job*> to_run;
+    std::int64_t total = 0;
+    for (Job& job : jobs) {
+        job.row = names_of(job.scene, job.variant, job.method, job.steps);
+        job.row["every"] = job.every;
+        const auto is_known = [&](const Row& row) {
+            return row.at("tumble_bits") == TUMBLE_BITS &&
+                   std::all_of(job.row.items().begin(), job.row.items().end(), [&](const auto& name) {
+                       return row.contains(name.key()) && row.at(name.key()) == name.value();
+                   });
+        };
+        const auto found = std::find_if(known.begin(), known.end(), is_known);
+        if (found != known.end()) {
+            job.row = *found;
+            continue;
+        }
+        to_run.push_back(&job);
+        total += job.steps * job.cost;
+    }
+    std::stable_sort(to_run.begin(), to_run.end(),
+                     [](const Job* a, const Job* b) { return a->steps * a->cost > b->steps * b->cost; });
+    if (part.has_parent_path()) fs::create_directories(part.parent_path());
+    std::mutex mutex;
+    std::ofstream file{part, std::ios::app};
+    host::Progress progress(total, host::Progress::Piped::tenths);
+    std::int64_t done = 0;
+    tumble::bench::in_parallel(to_run.size(), [&](std::size_t i) {
+        Job& job = *to_run[i];
+        const std::string name = job.scene.name + ", " + job.method + " " + tumble::bench::numbers_of(job.row);
+        std::int64_t steps = 0;
+        const auto tell = [&] {
+            const std::lock_guard lock{mutex};
+            done += steps * job.cost;
+            steps = 0;
+            progress.show(done, name);
+        };
+        const Row errors =
+            errors_over_time(job.scene, job.variant, job.method, job.steps, job.every, [&](std::int64_t more) {
+                steps += more;
+                if (steps * job.cost > total / 1000) tell();
+            });
+        steps +=
+            job.steps - (errors.contains("failure_step") ? errors.at("failure_step").get<std::int64_t>() : job.steps);
+        tell();
+        job.row.update(errors);
+        job.row["tumble_bits"] = TUMBLE_BITS;
+        const std::lock_guard lock{mutex};
+        file << job.row.dump() << std::endl;
+        if (!file) throw std::runtime_error{part.string() + ": cannot be written"};
+    });
+    std::vector<Row> rows;
+    for (const Job& job : jobs) rows.push_back(job.row);
+    return rows;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) try {
+    CLI::App app{
+        "What long runs do to what a motion conserves, as rows: of problems, the drift for every method and "
+        "number system; without problems, the errors over time of the long runs, held to what methods promise."};
+    std::vector<fs::path> problems;
+    fs::path results = "build/results/long_run.jsonl";
+    std::string only;
+    std::int64_t steps = 1000000, every = 50, most_steps = std::numeric_limits<std::int64_t>::max();
+    app.add_option("problems", problems, "Scene files of one body; their step is used, their duration is not");
+    app.add_option("--steps", steps, "Steps of each run of a problem");
+    app.add_option("--every", every, "Steps between two looks at a problem");
+    app.add_option("--most-steps", most_steps, "The most steps of a long run")->check(CLI::PositiveNumber);
+    app.add_option("--only", only, "The one scene whose long runs are taken, by the name of its file");
+    app.add_option("--results", results, "Where the rows go, as JSON lines");
+    CLI11_PARSE(app, argc, argv);
+
+    if (!problems.empty()) {
+        const std::vector<Row> rows = summaries(problems, steps, every);
+        tumble::bench::write_rows(results, rows);
+        std::printf("%zu rows in %s\n", rows.size(), results.c_str());
+        return 0;
+    }
+    const fs::path part = results.string() + ".part";
+    const std::vector<Row> rows = runs_of_the_list(most_steps, only, part);
+    if (rows.empty()) throw std::invalid_argument{"--only " + only + ": no long run is of that scene"};
+    tumble::bench::write_rows(results, rows);
+    fs::remove(part);
     std::printf("%zu rows in %s\n", rows.size(), results.c_str());
-    return 0;
+    const std::vector<std::string> broken = tumble::bench::broken_promises(rows);
+    for (const std::string& promise : broken) std::cerr << "broken: " << promise << '\n';
+    return broken.empty() ? 0 : 1;
 } catch (...) { return tumble::bench::report_failure("tumble_long_run"); }

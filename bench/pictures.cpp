@@ -6,6 +6,7 @@
 #include "drawing.hpp"
 #include "labels.hpp"
 #include "ladder.hpp"
+#include "long_run_rows.hpp"
 #include "rows.hpp"
 
 #include <CLI/CLI.hpp>
@@ -329,12 +330,14 @@ private:
 
 int main(int argc, char** argv) try {
     tumble::host::tell_lost_output();
-    CLI::App app{"Draws rows of work against precision, a picture a problem, and those of the feature ladder."};
+    CLI::App app{
+        "Draws rows of work against precision, a picture a problem, and those of the feature ladder and of long runs."};
     std::vector<fs::path> files;
-    fs::path directory = "build/results", ladder;
+    fs::path directory = "build/results", ladder, long_runs;
     app.add_option("rows", files, "Files of rows");
     app.add_option("--directory", directory, "Where the pictures go");
     app.add_option("--ladder", ladder, "A file of rows of the feature ladder");
+    app.add_option("--long-runs", long_runs, "A file of rows of long runs");
     CLI11_PARSE(app, argc, argv);
     fs::create_directories(directory);
     for (const fs::path& file : files) {
@@ -350,6 +353,8 @@ int main(int argc, char** argv) try {
     if (!ladder.empty())
         tumble::bench::draw_ladders(tumble::bench::ladders_of(tumble::bench::read_rows(ladder)),
                                     directory / "ladder.svg");
+    if (!long_runs.empty())
+        tumble::bench::draw_long_runs(tumble::bench::read_rows(long_runs), directory / "long_runs.svg");
     return 0;
 } catch (const std::exception& error) {
     std::cerr << "tumble_pictures: " << error.what() << '\n';

@@ -17,8 +17,10 @@
 #include <set>
 #include <sstream>
 
+#include "drawing.hpp"
 #include "host/host_rows.hpp"
 #include "ladder.hpp"
+#include "long_run_rows.hpp"
 #include "port.hpp"
 #include "rows.hpp"
 #include "scene/data.hpp"
@@ -311,6 +313,12 @@ Table front_table(const std::vector<Row>& rows, const char* error_name) {
     return table;
 }
 
+// Of a row, what `cell` says, or where it failed.
+std::string unless_it_failed(const Row& row, const auto& cell) {
+    const auto step = row.find("failure_step");
+    return step == row.end() ? cell(row) : "fails at step " + step->dump();
+}
+
 // What a method does to what its problem conserves: a line an integrator, columns for each number system.
 Table long_run_table(const std::vector<Row>& rows, const std::string& scene,
                      const std::vector<std::pair<const char*, const char*>>& columns) {
@@ -326,15 +334,52 @@ Table long_run_table(const std::vector<Row>& rows, const std::string& scene,
                 const auto found = std::find_if(rows.begin(), rows.end(), [&](const Row& r) {
                     return r.at("scene") == scene && integrator_of(r) == m && numbers_of(r) == n;
                 });
-                if (found == rows.end()) line.push_back("-");
-                else if (found->contains("failure"))
-                    line.push_back("fails at step " + std::to_string(found->at("failure_step").get<long>()));
-                else line.push_back(text_of(*found, key));
+                line.push_back(found == rows.end() ? "-" : unless_it_failed(*found, [&](const Row& r) {
+                    return text_of(r, key);
+                }));
             }
         }
         table.rows.push_back(line);
     }
     return table;
+}
+
+// Long runs: a line a scene and method, of each number system what `cell` says of the row.
+Table long_runs_table(const std::vector<Row>& rows, const std::vector<std::string>& systems, const auto& cell) {
+    Table table;
+    table.head = {"scene", "integrator", "steps"};
+    for (const std::string& n : systems) table.head.push_back(n);
+    const auto line_of = [](const Row& r) {
+        return std::vector<std::string>{r.at("scene"), "`" + integrator_of(r) + "`", text_of(r, "steps")};
+    };
+    for (const Row& row : rows) {
+        const auto first = line_of(row);
+        const auto is_of = [&](const std::vector<std::string>& line) {
+            return std::equal(first.begin(), first.end(), line.begin());
+        };
+        if (std::any_of(table.rows.begin(), table.rows.end(), is_of)) continue;
+        std::vector<std::string> line = first;
+        bool any = false;
+        for (const std::string& n : systems) {
+            const auto found = std::find_if(rows.begin(), rows.end(),
+                                            [&](const Row& r) { return line_of(r) == first && numbers_of(r) == n; });
+            line.push_back(found == rows.end() ? "-" : unless_it_failed(*found, cell));
+            any = any || line.back() != "-";
+        }
+        if (any) table.rows.push_back(line);
+    }
+    return table;
+}
+// The largest errors of the energy in the first and in the last tenth.
+std::string energy_of_tenths(const Row& row) {
+    return text_of(row, "energy_first_tenth") + ", " + text_of(row, "energy_last_tenth");
+}
+// The largest of what a row has of momentum or penetration.
+std::string largest_besides_energy(const Row& row) {
+    double largest = 0;
+    for (const Row& value : row.at(row.contains("momentum") ? "momentum" : "penetration_m"))
+        largest = std::max(largest, value.get<double>());
+    return tumble::bench::text("%.1e", largest);
 }
 
 // The largest error of a system of equations at some steps.
@@ -767,6 +812,17 @@ int main(int argc, char** argv) try {
                                     {"vertical_momentum_max_relative_drift", "vertical momentum"}})
                  .markdown();
          }},
+        {"long_runs_energy",
+         [&] {
+             return long_runs_table(rows("long_run_series.jsonl"), {"q32 carry", "f32 plain", "f64"}, energy_of_tenths)
+                 .markdown();
+         }},
+        {"long_runs_besides",
+         [&] {
+             return long_runs_table(rows("long_run_series.jsonl"), {"q32 carry", "f32 plain", "f64"},
+                                    largest_besides_energy)
+                 .markdown();
+         }},
         {"oscillator",
          [&] {
              return ordinary_table(rows("ordinary.jsonl"), "harmonic oscillator", {2, 4, 6, 8, 10}).markdown();
@@ -825,6 +881,12 @@ int main(int argc, char** argv) try {
                 std::cerr << "'" << name << "' is in no page\n";
                 drifted = true;
             }
+    // What long runs promise.
+    if (check)
+        for (const std::string& promise : tumble::bench::broken_promises(rows("long_run_series.jsonl"))) {
+            std::cerr << "broken in long_run_series.jsonl: " << promise << '\n';
+            drifted = true;
+        }
     return drifted ? 1 : 0;
 } catch (const std::exception& error) {
     std::cerr << "tumble_tables: " << error.what() << '\n';

@@ -1,0 +1,236 @@
+#include "long_run_rows.hpp"
+
+#include "drawing.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+namespace tumble::bench {
+namespace {
+
+// Splittings whose energy oscillates for ever and whose angular momentum is kept to rounding.
+const std::set<std::string> conserving{"verlet", "strang", "suzuki4", "pdmv4", "pdmv6", "pdmv8", "pdmv10"};
+// Those of them that keep the energy of a free rotation to rounding.
+[[nodiscard]] bool keeps_free_energy(const std::string& integrator) { return integrator.starts_with("pdmv"); }
+
+// Of a unit of the number system.
+int bits_of(const std::string& numbers) {
+    return numbers.starts_with("q32") ? 31 : numbers.starts_with("f32") ? 24 : 53;
+}
+
+double largest(const Row& row, const char* key) {
+    double most = 0;
+    for (const Row& value : row.at(key)) most = std::max(most, value.get<double>());
+    return most;
+}
+
+}  // namespace
+
+double rounding_floor(const std::string& numbers, double steps) {
+    return std::ldexp(8 * std::sqrt(steps), -bits_of(numbers));
+}
+double biased_floor(const std::string& numbers, double steps) { return std::ldexp(steps / 16, -bits_of(numbers)); }
+
+std::string Promise::text() const {
+    return quantity + (kind == Kind::below ? bench::text(" at most %.1e", bound)
+                                           : bench::text(" in the last tenth at most twice the first and %.1e", bound));
+}
+
+std::vector<Promise> promises_of(const Row& row) {
+    std::vector<Promise> promises;
+    if (row.contains("failure")) return promises;
+    const std::string scene = row.at("scene"), integrator = row.at("integrator"), numbers = numbers_of(row);
+    const double steps = row.at("steps");
+    double floor = rounding_floor(numbers, steps);
+    const auto below = [&](const char* key, double bound) {
+        promises.push_back({key, Promise::Kind::below, bound, largest(row, key), bound});
+    };
+    const bool in_contact = row.contains("penetration_m");
+    if (in_contact) {
+        // The default tolerance of contacts: bodies in touch overlap by less.
+        below("penetration_m", 1e-3);
+        // Each impact rounds the energy too.
+        below("energy", row.contains("shift_m") ? 1e-3 : 16 * floor);
+        if (row.contains("shift_m"))
+            promises.push_back({"shift_m", Promise::Kind::below, 1e-3, row.at("shift_m").get<double>(), 1e-3});
+    } else if (conserving.contains(integrator)) {
+        const bool free = scene == "generic top", by_pdmv = keeps_free_energy(integrator);
+        // Under loads the rounding of the constants that a pdmv prepares at each step is a drift and no random walk.
+        if (by_pdmv && !free) floor = std::max(floor, biased_floor(numbers, steps));
+        const double first = row.at("energy_first_tenth"), last = row.at("energy_last_tenth");
+        promises.push_back({"energy", Promise::Kind::steady, floor, last, 2 * first + floor});
+        if (by_pdmv && free) {
+            if (numbers == "f64") below("energy", 1e-9);
+            if (numbers == "q32 carry") below("energy", 1e-5);
+        }
+        below("momentum", floor);
+    }
+    return promises;
+}
+
+std::vector<std::string> broken_promises(const std::vector<Row>& rows) {
+    std::vector<std::string> broken;
+    for (const Row& row : rows) {
+        const std::string of = row.at("scene").get<std::string>() + ", " + row.at("integrator").get<std::string>() +
+                               " " + numbers_of(row) + ": ";
+        if (row.contains("failure") && (conserving.contains(row.at("integrator")) || row.contains("penetration_m")))
+            broken.push_back(of + row.at("failure").get<std::string>());
+        for (const Promise& promise : promises_of(row))
+            if (!promise.is_kept()) broken.push_back(of + promise.text() + text(", measured %.2e", promise.measured));
+    }
+    return broken;
+}
+
+namespace {
+
+// Colors of Okabe and Ito, which color-blind readers tell apart, and for text a darker shade of the light ones.
+struct NumberStyle {
+    const char *numbers, *color, *text_color;
+};
+constexpr NumberStyle number_styles[]{{"q32 carry", "#0072b2", "#0072b2"},
+                                      {"q32 plain", "#56b4e9", "#2f83b5"},
+                                      {"f32 plain", "#d55e00", "#c25500"},
+                                      {"f32 carry", "#e69f00", "#a06e00"},
+                                      {"f64", "#009e73", "#00835f"}};
+// Each method has its own mark and dashes.
+struct MethodStyle {
+    const char* integrator;
+    int mark, dashes;
+};
+constexpr MethodStyle method_styles[]{
+    {"verlet", 7, 1}, {"suzuki4", 5, 2}, {"pdmv6", 9, 4}, {"rk4", 2, 3}, {"semi_implicit_euler", 4, 5}};
+
+struct PanelKind {
+    const char *scene, *key, *title, *axis;
+};
+constexpr PanelKind panels[]{{"generic top", "energy", "free top: energy", "largest relative error"},
+                             {"heavy top", "energy", "heavy top: energy", ""},
+                             {"Kepler orbit", "energy", "Kepler orbit: energy", ""},
+                             {"elastic box", "energy", "elastic box: energy", ""},
+                             {"generic top", "momentum", "free top: angular momentum", "largest relative error"},
+                             {"heavy top", "momentum", "heavy top: vertical angular momentum", ""},
+                             {"Kepler orbit", "momentum", "Kepler orbit: angular momentum", ""},
+                             {"elastic box", "penetration_m", "elastic box: penetration, m", ""},
+                             {"ten-box stack", "energy", "ten boxes awake: energy", "largest relative error"},
+                             {"ten-box stack", "penetration_m", "ten boxes awake: penetration, m", ""},
+                             {"ten boxes asleep", "energy", "ten boxes asleep: energy", ""},
+                             {"ten boxes asleep", "penetration_m", "ten boxes asleep: penetration, m", ""}};
+constexpr int columns = 4, panel_rows = 3;
+static_assert(std::size(panels) == columns * panel_rows);
+
+class LongRunPicture {
+public:
+    explicit LongRunPicture(const std::vector<Row>& rows) : rows_(rows) {}
+
+    [[nodiscard]] std::string script() const {
+        std::string out =
+            text("set terminal svg size %g,%g font 'sans-serif,%g' background 'white'\n", width(), height(),
+                 font_size) +
+            "set multiplot\nunset key\nset logscale xy\nset mxtics 1\nset mytics 1\nset format '10^{%L}'\n" +
+            "set grid linecolor '#e4e4e4' linetype 1\nset tics scale 0\nset border linecolor '#808080'\n" +
+            "set tics textcolor 'black'\n";
+        legend(out);
+        for (std::size_t i = 0; i < std::size(panels); ++i) panel(out, i);
+        return out + "unset multiplot\n";
+    }
+
+private:
+    static constexpr double panel_width = 265, panel_height = 200, left = 75, right = 20, top = 104, bottom = 55,
+                            gap = 48, row_gap = 62, font_size = 12;
+    static double width() { return left + columns * (panel_width + gap) - gap + right; }
+    static double height() { return top + panel_rows * (panel_height + row_gap) - row_gap + bottom; }
+
+    void legend(std::string& out) const {
+        double x = left;
+        const auto add = [&](const std::string& what, double from_top, const std::string& more) {
+            out += text("set label '%s' noenhanced at screen %g,%g %s\n", what.c_str(), x / width(),
+                        1 - from_top / height(), more.c_str());
+            x += 0.6 * font_size * static_cast<double>(what.size()) + 16;
+        };
+        add("What is conserved, over the number of steps", 20, "font ',16'");
+        x = left;
+        for (const NumberStyle& style : number_styles) {
+            const auto of_style = [&](const Row& row) { return numbers_of(row) == style.numbers; };
+            if (!std::any_of(rows_.begin(), rows_.end(), of_style)) continue;
+            add("", 44, text("point pointtype 5 pointsize 0.9 linecolor '%s'", style.color));
+            add(style.numbers, 44, text("textcolor '%s'", style.text_color));
+        }
+        x += 30;
+        for (const MethodStyle& style : method_styles) {
+            add("", 44, text("point pointtype %d pointsize 0.7 linecolor '#404040'", style.mark));
+            x -= 4;
+            add(style.integrator, 44, "textcolor '#404040'");
+            x += 8;
+        }
+        x = left;
+        add("each mark: the largest within the steps since the mark before; what is exactly zero has no mark", 62,
+            "textcolor '#606060' font ',11'");
+    }
+
+    void panel(std::string& out, std::size_t index) const {
+        const PanelKind& kind = panels[index];
+        const auto column = static_cast<double>(index % columns), row_of = static_cast<double>(index / columns);
+        const double x = left + column * (panel_width + gap),
+                     y = height() - top - row_of * (panel_height + row_gap) - panel_height;
+        out += text(
+            "set lmargin at screen %g\nset rmargin at screen %g\nset bmargin at screen %g\nset tmargin at screen %g\n",
+            x / width(), (x + panel_width) / width(), y / height(), (y + panel_height) / height());
+        out += std::string{"set title '"} + kind.title + "' offset 0,-0.7\n";
+        out += *kind.axis == 0 ? std::string{"unset ylabel\n"} : std::string{"set ylabel '"} + kind.axis + "'\n";
+        out += index / columns + 1 == panel_rows ? "set xlabel 'steps' offset 0,0.5\n" : "unset xlabel\n";
+        std::string plots, data;
+        double least = 1, most = 1e-30;
+        bool has_rows = false;
+        for (const MethodStyle& method : method_styles) {
+            for (const NumberStyle& style : number_styles) {
+                for (const Row& row : rows_) {
+                    if (row.at("scene") != kind.scene || row.at("integrator") != method.integrator ||
+                        numbers_of(row) != style.numbers || !row.contains(kind.key))
+                        continue;
+                    has_rows = true;
+                    std::string points;
+                    const Row &at = row.at("at"), &values = row.at(kind.key);
+                    double value = 0;
+                    for (std::size_t i = 0; i < at.size(); ++i) {
+                        value = std::max(value, values[i].get<double>());
+                        const bool shown = (at.size() - 1 - i) % 3 == 0;  // three spans are one point
+                        if (!shown || !(value > 0)) continue;
+                        least = std::min(least, value);
+                        most = std::max(most, value);
+                        points += text("%.4g %.3g\n", at[i].get<double>(), value);
+                        value = 0;
+                    }
+                    if (points.empty()) continue;
+                    plots += (plots.empty() ? "plot " : ", ") +
+                             text("'-' with linespoints linewidth 1 dashtype %d pointtype %d pointsize 0.35 "
+                                  "pointinterval 7 linecolor '%s' title '%s %s' noenhanced",
+                                  method.dashes, method.mark, style.color, method.integrator, style.numbers);
+                    data += points + "e\n";
+                }
+            }
+        }
+        if (!has_rows) throw std::runtime_error{std::string{"no rows for the panel "} + kind.title};
+        if (plots.empty()) {
+            plots = "set label 'zero at every look' at graph 0.5,0.5 center\nplot 1e-12 notitle";
+            least = 1e-9, most = 1e-3;
+        }
+        const int low = static_cast<int>(std::floor(std::log10(least))),
+                  high = static_cast<int>(std::ceil(std::log10(most))), decades = std::max(high - low, 1);
+        out += text("set xrange [50:1e7]\nset xtics 100\nset yrange [1e%d:1e%d]\nset ytics %g\n", low, low + decades,
+                    std::pow(10, std::max(1, (decades + 4) / 5)));
+        out += plots + "\n" + data;
+        out += "unset label\n";
+    }
+
+    const std::vector<Row>& rows_;
+};
+
+}  // namespace
+
+void draw_long_runs(const std::vector<Row>& rows, const std::filesystem::path& svg) {
+    draw(LongRunPicture{rows}.script(), svg);
+}
+
+}  // namespace tumble::bench
