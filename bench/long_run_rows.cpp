@@ -165,7 +165,7 @@ private:
             x += 8;
         }
         x = left;
-        add("each mark: the largest within the steps since the mark before; what is exactly zero has no mark", 62,
+        add("each point: the largest within the steps since the point before; what is exactly zero has none", 62,
             "textcolor '#606060' font ',11'");
     }
 
