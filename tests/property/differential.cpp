@@ -421,8 +421,13 @@ Verdict judge_scene(const Trial& trial, const SceneDescription& scene) {
     // Of the two runs in double precision the one with residuals is the better one.
     const bool carried = trial.carry && trial.numbers != "f64";
     const double units_carried = carried_units + (carried ? 0 : 0.5 * static_cast<double>(scene.steps()));
-    for (const double factor : {1.0, 1.0, 8.0})
-        jolts.push_back(run(jolted(scene, units, factor * units_carried, random), trial.integrator, "f64", false, at));
+    const auto jolt = [&](std::initializer_list<double> factors) {
+        for (const double factor : factors) {
+            jolts.push_back(
+                run(jolted(scene, units, factor * units_carried, random), trial.integrator, "f64", false, at));
+        }
+    };
+    jolt({1, 1, 8});
     Number rounding_of_energy = 0;
     for (const Run& jolt : jolts) {
         if (jolt.samples.empty()) continue;
@@ -444,6 +449,12 @@ Verdict judge_scene(const Trial& trial, const SceneDescription& scene) {
     if (verdict.kind == Verdict::Kind::wrong) return verdict;
 
     Comparison(scene, units, base, jolts).hold(other, verdict);
+    if (verdict.kind == Verdict::Kind::wrong) {
+        // A motion that comes to a fork, as where a box lands on an edge, is known by more runs.
+        jolt({1, 1, 1, 1, 1, 1, 8, 8, 8, 8, 64, 64});
+        verdict = {};
+        Comparison(scene, units, base, jolts).hold(other, verdict);
+    }
     told(base, "f64: ");
     told(other, "");
     return verdict;

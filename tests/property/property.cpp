@@ -20,6 +20,7 @@
 #include <thread>
 
 #include "differential.hpp"
+#include "scene/error.hpp"
 #include "scene/reader.hpp"
 #include "scene_text.hpp"
 #include "simulation/simulation.hpp"
@@ -231,7 +232,13 @@ void report(Trial trial, Verdict verdict, const std::string& repeat, const std::
 int judge_files(const Options& options) {
     std::vector<Trial> trials;
     for (const std::string& file : options.files) {
-        const SceneDescription scene = read_scene(file);
+        SceneDescription scene;
+        try {
+            scene = read_scene(file);
+        } catch (const SceneError& error) {
+            std::cout << words.at(Verdict::Kind::refused) << " " << error.what() << "\n";
+            continue;
+        }
         for (const BodyDescription& body : scene.bodies)
             if (!body.mass) throw std::runtime_error(file + ": " + body.name + ": expected mass, not density");
         for (const IntegratorInfo& integrator : integrators()) {
@@ -258,7 +265,7 @@ int judge_files(const Options& options) {
                   << " (compared " << few_digits(100 * verdict.compared) << " %, share " << few_digits(verdict.share)
                   << ")\n";
     }
-    std::cout << trials.size() << " runs, " << wrong << " wrong\n";
+    std::cout << trials.size() << " runs of " << options.files.size() << " scenes, " << wrong << " wrong\n";
     return wrong > 0 ? 1 : 0;
 }
 
