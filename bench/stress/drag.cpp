@@ -46,6 +46,11 @@ public:
         return of_velocity * (all + constants) + of_place * all;
     }
 
+    std::optional<double> limit(double y, const Method& method) const override {
+        const auto step = host::find_integrator(method.integrator).oscillator_step;
+        return limit_where(y, [&](double x) { return !step(0, x).is_stable(); });
+    }
+
 protected:
     void change(SceneFile& scene, double x, double y) const override {
         scene.set("world.step", x * time);

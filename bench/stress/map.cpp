@@ -25,7 +25,7 @@ const char* words_of(Outcome outcome) {
     switch (outcome) {
     case Outcome::accurate: return "accurate";
     case Outcome::drifts: return "drifts";
-    case Outcome::blows_up: return "blows up, as its limit says";
+    case Outcome::blows_up: return "blows up, warned of";
     case Outcome::range_left: return "range left, told";
     case Outcome::told: return "told by another status";
     case Outcome::silent: return "silent";

@@ -229,7 +229,7 @@ private:
                   text("class=\"m\" fill=\"%s\"", look.letter));
             const std::string words = words_of(look.outcome);
             write(x + 21, 47, words);
-            x += 36 + letter_width * font_size * static_cast<double>(words.size());
+            x += 34 + 0.53 * font_size * static_cast<double>(words.size());
         }
         bool has_limits = false;
         for (const Block& block : blocks_)

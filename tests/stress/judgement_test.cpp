@@ -113,6 +113,7 @@ public:
     }
     const std::vector<tumble::host::Trouble>& troubles() const override { return run_->troubles(); }
     long double largest_safe_step() const override { return run_->largest_safe_step(); }
+    long double contact_tolerance() const override { return run_->contact_tolerance(); }
     void append_words(std::vector<std::uint32_t>& words) const override { run_->append_words(words); }
     Place place_of_word(std::size_t index) const override { return run_->place_of_word(index); }
     std::string_view integrator() const override { return run_->integrator(); }
