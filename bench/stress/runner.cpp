@@ -63,7 +63,10 @@ Verdict verdict_of(const std::string& line) { return {static_cast<Outcome>(line.
 // A row under way, and the process that judges its cells from one on.
 class RunningRow {
 public:
-    RunningRow(const Job& job, const std::vector<Cell>& cells) : job_{&job}, cells_{&cells} { start(); }
+    RunningRow(const Job& job, const std::vector<Cell>& cells, bool with_limits)
+        : job_{&job}, cells_{&cells}, with_limits_{with_limits} {
+        start();
+    }
 
     [[nodiscard]] int descriptor() const { return pipe_; }
     [[nodiscard]] bool is_done() const { return pipe_ < 0; }
@@ -132,7 +135,7 @@ private:
         double y = std::nan("");
         for (const Cell& cell : *cells_) {
             if (cell.y == std::exchange(y, cell.y)) continue;
-            const auto limit = job_->map->limit(y, job_->method());
+            const auto limit = with_limits_ ? job_->map->limit(y, job_->method()) : std::nullopt;
             limits.push_back(limit ? Row(std::stod(text("%.3g", *limit))) : Row{});
         }
         write_line(out, limits.dump() + '\n');
@@ -159,6 +162,7 @@ private:
 
     const Job* job_;
     const std::vector<Cell>* cells_;
+    bool with_limits_;  // they cost as much as the runs of a coarse map
     std::vector<Verdict> verdicts_;
     Row limits_;
     std::string text_;
@@ -263,7 +267,7 @@ std::vector<Row> run(const std::vector<Job>& jobs, const RunOptions& options) {
             Map* map = jobs[i].map;
             // What rows share, before they are in processes of their own.
             if (prepared.insert(map).second) map->prepare(map->y().values(options.coarse));
-            running.emplace(i, RunningRow{jobs[i], cells[map]});
+            running.emplace(i, RunningRow{jobs[i], cells[map], !options.coarse});
         }
         std::vector<pollfd> waiting;
         for (const auto& [i, row] : running) waiting.push_back({row.descriptor(), POLLIN, 0});
