@@ -215,5 +215,55 @@ TEST(Limits, of_the_scenes_that_are_here_are_not_exceeded) {
     }
 }
 
+// At rest, with moments of 1, 2 and 1 kg m^2, under 16 N on an arm of 1 m: w = 4 rad/s. `to` turns it about z.
+SceneDescription pendulum(double to, double step) {
+    const auto number = [](double value) { return std::to_string(value); };
+    return with_step(
+        scene_of("[[body]]\nname = \"bob\"\nshape = \"none\"\nmass = 1.0\ninertia = [1.0, 2.0, 1.0]\norientation = [" +
+                 number(std::cos(to / 2)) + ", 0.0, 0.0, " + number(std::sin(to / 2)) +
+                 "]\n[[force]]\nbody = \"bob\"\nfrom = 0.0\nuntil = 4.0\nforce = [0.0, -16.0, 0.0]\n"
+                 "point = [0.0, -1.0, 0.0]\n"),
+        step);
+}
+TEST(Limits, of_forces_at_a_point_are_those_of_a_spring) {
+    for (const IntegratorInfo& method : integrators()) {
+        if (method.oscillation_limit == 0) continue;  // these are told of every swing
+        SCOPED_TRACE(method.name);
+        EXPECT_TRUE(
+            exceeded_limits(pendulum(0.01, 0.8 * std::min(2.0, method.oscillation_limit) / 4), method.name, "f64")
+                .empty());
+        if (!std::isfinite(method.oscillation_limit)) continue;
+        const auto limits = exceeded_limits(pendulum(0.01, 1.1 * method.oscillation_limit / 4), method.name, "f64");
+        ASSERT_EQ(limits.size(), 1u);
+        EXPECT_EQ(limits[0].what, "force");
+        EXPECT_NEAR(limits[0].value, 1.1 * method.oscillation_limit, 1e-6);
+    }
+}
+TEST(Limits, of_the_spin_that_a_force_is_enough_for_are_told_at_rest) {
+    // sqrt(2 * 32 J / 1 kg m^2) from upside down.
+    const auto limits = exceeded_limits(pendulum(3.14159, 0.2), "verlet", "f64");
+    ASSERT_EQ(limits.size(), 1u);
+    EXPECT_EQ(limits[0].what, "spin");
+    EXPECT_NEAR(limits[0].value, 8, 1e-3);
+    EXPECT_NEAR(limits[0].largest_step, 1.5 / 8, 1e-3);
+    EXPECT_TRUE(exceeded_limits(pendulum(3.14159, 0.18), "verlet", "f64").empty());
+}
+
+TEST(Limits, of_orbits_count_the_closest_point_against_what_binds_them) {
+    // From the apoapsis at 39 m with a major half axis of 20 m and an eccentricity of 0.95; G M = 4.
+    const SceneDescription scene =
+        scene_of("[[body]]\nname = \"sun\"\nshape = \"none\"\nmass = 4.0\nfixed = true\n"
+                 "[[body]]\nname = \"comet\"\nshape = \"none\"\nmass = 1.0\nposition = [39.0, 0.0, 0.0]\n"
+                 "velocity = [0.0, 0.0, 0.07161148740394328]\n",
+                 "gravitation = 1.0\n");
+    SceneDescription turn = scene;
+    turn.duration = 300;                                   // of 281 s
+    const double most = std::sqrt(1.5 * 0.05 / 1.95) / 2;  // w = 2 rad/s at 1 m
+    const auto limits = exceeded_limits(with_step(turn, 1.05 * most), "verlet", "f64");
+    ASSERT_EQ(limits.size(), 1u);
+    EXPECT_NEAR(limits[0].limit, 2 * most, 1e-3);
+    EXPECT_TRUE(exceeded_limits(with_step(turn, 0.95 * most), "verlet", "f64").empty());
+}
+
 }  // namespace
 }  // namespace tumble::host
