@@ -133,7 +133,7 @@ TEST(SceneReader, an_end_of_a_spring_beyond_the_range_is_refused) {
         "scene");
     for (const std::string inside : {"to = [64, -64, 0]", "to = [0, 0, 63.5]"})
         EXPECT_EQ(error_of(scene(near, inside)), "no error") << inside;
-    for (const std::string beyond :
+    for (const std::string& beyond :
          {std::string{"to = [0, 0, 1024.1]"}, std::string{"to = [0, 0, 0]\npoint = [-1025, 0, 0]"},
           other + "to_point = [0, 2000, 0]"})
         EXPECT_NE(error_of(scene("", beyond)).find("the range.position of this scene"), std::string::npos) << beyond;
