@@ -184,9 +184,12 @@ TEST(Maps, small_swings_end_at_the_limits_of_the_methods) {
 TEST(Maps, orbits_drift_at_order_1_and_stay_at_order_4) {
     const Map& orbits = map_named("orbits");
     EXPECT_EQ(outcome_of(orbits, 64, 0.3, {"semi_implicit_euler", "f64", false}), 'd');
-    for (const char* numbers : {"f64", "f32", "q32"})
-        EXPECT_EQ(outcome_of(orbits, 64, 0.3, {"suzuki4", numbers, false}), 'a') << numbers;
-    EXPECT_TRUE(is_wrong(outcome_of(orbits, 16, 0.9, {"verlet", "f64", false})));
+    for (const Method& method :
+         {Method{"suzuki4", "f64", false}, Method{"suzuki4", "f32", true}, Method{"suzuki4", "q32", true}})
+        EXPECT_EQ(outcome_of(orbits, 64, 0.3, method), 'a') << method.numbers;
+    // Too long a step at the periapsis is named beforehand or told by the run.
+    const char outcome = outcome_of(orbits, 16, 0.9, {"verlet", "f64", false});
+    EXPECT_TRUE(outcome == 'b' || outcome == 't') << outcome;
 }
 
 }  // namespace
