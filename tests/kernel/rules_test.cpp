@@ -128,6 +128,25 @@ TEST_P(Rules, a_ball_in_a_wedge_too_narrow_for_the_rounds_of_an_impact_is_told_a
     }
 }
 
+// Each that it flies past is looked at, since along the direction from it at the start the ball has come through.
+TEST_P(Rules, a_ball_that_flies_past_more_bodies_in_a_step_than_are_looked_at_is_told_and_past_few_is_not) {
+    for (const Vector along : {Vector{1, 0, 0}, {0, 0, -1}, {0.6L, 0, 0.8L}}) {
+        for (const int passed : {3, 4, 5, 7}) {
+            SceneSetup setup{.name = "past", .step = Seconds{1, 4}};
+            setup.bodies = {placed(sphere(1, 0.125), along * -1, along * 30)};
+            for (int i = 0; i < passed; ++i) {
+                const Number side = i % 2 == 0 ? 0.5L : -0.5L;
+                setup.bodies.push_back(placed(sphere(1, 0.125), along * (i * 0.75L) + Vector{0, side, 0}));
+                setup.bodies.back().fixed = true;
+            }
+            const auto world = build(setup, GetParam());
+            world->step();
+            EXPECT_EQ(world->status().has(Issue::step_bound_hit), passed > 4) << passed;
+            if (passed <= 4) { EXPECT_LE(norm(world->motion(0).v - along * 30), rounding()) << passed; }
+        }
+    }
+}
+
 TEST_P(Rules, a_barrier_that_is_jumped_over_in_one_step_is_told) {
     for (const Vector n : normals) {
         for (const Number speed : {16.0L, 30.0L}) {
