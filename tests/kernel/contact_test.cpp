@@ -468,7 +468,7 @@ INSTANTIATE_TEST_SUITE_P(every, ContactDeathTest, testing::ValuesIn(cases_of("ve
 
 TEST_P(ContactDeathTest, values_that_no_contact_has_end_the_program) {
     SceneSetup good = floor(0.5L, 0.5L);
-    good.bodies = {sphere(1, 1), box(1, {1, 1, 0})};
+    good.bodies = {sphere(1, 1), box(1, {1, 1, 0.125})};
     (void)build(good, GetParam());
     const auto dies = [&](const char* what, auto&& spoil) {
         SceneSetup bad = good;

@@ -128,14 +128,14 @@ TEST_P(Loads, gravitation_between_bodies_conserves_momentum_and_angular_momentum
               32 * tolerance::method_error(order(), 1.0L / 128, 4) + 16 * tolerance::pair_momentum.of(system()));
 }
 
-TEST_P(Loads, bodies_at_the_same_place_do_not_attract_each_other) {
+TEST_P(Loads, bodies_at_the_same_place_do_not_attract_each_other_and_are_told) {
     SceneSetup setup{.name = "same_place"};
     setup.world = {.gravitation = 1, .contact = {.response = ContactResponse::none}};
     setup.bodies = {sphere(1, 0.5), sphere(1, 0.5)};
     const auto world = build(setup, GetParam());
     world->run(16);
     EXPECT_EQ(norm(world->motion(0).x) + norm(world->motion(1).x), 0);
-    EXPECT_TRUE(world->status().ok());
+    EXPECT_TRUE(world->status().has(Issue::step_too_long));  // no step is short enough to tell how they would part
 }
 
 TEST_P(Loads, a_body_frame_force_turns_with_the_body_and_a_world_frame_force_does_not) {
