@@ -149,6 +149,7 @@ Verdict Map::judge(double x, double y, const Method& method, host::Simulation& s
         return limits.empty() ? "" : limits.front().sentence;
     };
     expectation.is_f64 = method.numbers == "f64";
+    expectation.floor_in_f64 = rounding_floor(x, y, in_f64(method));
     expectation.bounds = bounds(host::find_integrator(method.integrator));
     return stress::judge(measure(x, y, simulation), expectation);
 }
@@ -177,7 +178,11 @@ Verdict judge(const Measured& run, const Expectation& expectation) {
     if (run.error <= always_accurate || explained_up_to(largest_accurate_error)) return {Outcome::accurate, {}};
     if (!expectation.is_f64 && run.error > least_silent_error && run.error > number_system_factor * expectation.floor) {
         const Measured in_f64 = expectation.in_f64();
-        if (in_f64.troubles.empty() && run.error > number_system_factor * in_f64.error)
+        // Where rounding makes the error of f64 too, the method makes so much more of a rounding than the floor says.
+        double of_method = in_f64.error / expectation.floor_in_f64;
+        if (!(of_method > 1 && of_method < number_system_factor)) of_method = 1;
+        if (in_f64.troubles.empty() && run.error > number_system_factor * in_f64.error &&
+            run.error > number_system_factor * of_method * expectation.floor)
             return {Outcome::silent, error + ", far beyond its rounding and f64"};
     }
     return {Outcome::drifts, error};

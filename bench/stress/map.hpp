@@ -165,7 +165,7 @@ private:
 
 // What is known of a cell beside the run. The functions are called only where they decide.
 struct Expectation {
-    double floor = 0;                       // error that rounding alone makes
+    double floor = 0, floor_in_f64 = 0;     // error that rounding alone makes
     std::function<double()> of_order;       // error that the method's order gives
     std::function<Measured()> in_f64;       // the same run in f64
     std::function<std::string()> exceeded;  // the first limit that the step is beyond; empty: none

@@ -433,7 +433,8 @@ private:
         tell(std::move(limit));
     }
 
-    // A body alone with its spin, times `share`, for as long as nothing else acts on it: what ends that, or nothing.
+    // A body alone with its spin, times `share`, for as long as nothing else acts on it: the status that ends that, or
+    // "energy" where that of its tumbling doubles, or nothing.
     [[nodiscard]] std::string ended_by(std::size_t b, double share, double step) const {
         SceneDescription alone = scene_;
         BodyDescription body = scene_.bodies[b];
@@ -452,8 +453,15 @@ private:
         const double steps = turns_freely(b) ? std::min(most_steps, std::ceil(duration_ / step)) : 1;
         alone.duration = std::max(1.0, steps) * step;
         const auto simulation = make_simulation(alone, method_.name, system_.name, system_.carry);
-        for (std::int64_t n = 0; n < simulation->steps() && simulation->troubles().empty(); ++n) simulation->step();
-        return simulation->troubles().empty() ? "" : simulation->troubles().front().issue;
+        const auto most = 2 * simulation->energy().kinetic;
+        constexpr std::int64_t between_looks = 16;
+        for (std::int64_t n = 1; n <= simulation->steps(); ++n) {
+            simulation->step();
+            if (!simulation->troubles().empty()) return simulation->troubles().front().issue;
+            if ((n % between_looks == 0 || n == simulation->steps()) && simulation->energy().kinetic > most)
+                return "energy";
+        }
+        return "";
     }
     // True if nothing but its own motion will change the body's spin.
     [[nodiscard]] bool turns_freely(std::size_t b) const {
@@ -477,9 +485,10 @@ private:
         if (!body_b.rotates || data_.bodies[b].angular_velocity.is_zero()) return;
         const Vector w = body_b.axes.to_user.rotate_back(vector(data_.bodies[b].angular_velocity));
         const auto spin = static_cast<double>(norm(w));
-        // No spin that its momentum allows comes near any limit.
+        // No spin that its momentum allows comes near any limit, but for methods that add to it at every step.
         const double most = static_cast<double>(norm(times(body_b.axes.moments, w)) / body_b.axes.moments.z);
-        if (most * step_ < 1.0 / 16 && most < 16) return;
+        const bool adds = method_.spin == Spin::angular_velocity && !(method_.oscillation_limit > 0);
+        if (most * step_ < 1.0 / 16 && most < 16 && !adds) return;
         const std::string issue = ended_by(b, 1, step_);
         if (issue.empty()) return;
         double held = 0, beyond = 1;

@@ -15,7 +15,7 @@ namespace {
 // A run that is judged without anything known against it.
 struct Case {
     Measured run;
-    double floor = 1e-9, of_order = 1e-6;
+    double floor = 1e-9, floor_in_f64 = 1e-17, of_order = 1e-6;
     Measured in_f64 = [] {
         Measured as_wrong;
         as_wrong.error = 1;
@@ -27,6 +27,7 @@ struct Case {
     [[nodiscard]] char letter() const {
         Expectation expectation;
         expectation.floor = floor;
+        expectation.floor_in_f64 = floor_in_f64;
         expectation.of_order = [&] { return of_order; };
         expectation.in_f64 = [&] { return in_f64; };
         expectation.exceeded = [&] { return exceeded; };
@@ -96,6 +97,11 @@ TEST(Outcome, ANumberSystemThatIsWrongByMuchMoreThanItsRoundingIsSilent) {
     stopped.in_f64.error = 0;
     stopped.in_f64.troubles.push_back({"step_bound_hit", 0, 0});
     EXPECT_EQ(stopped.error(2e-3).letter(), 'd');
+    Case of_method;  // f64 is at 100 of its floors as well
+    of_method.floor_in_f64 = 1e-15;
+    of_method.floor = 1e-7;
+    EXPECT_EQ(of_method.error(2e-3).error_in_f64(1e-13).letter(), 'd');
+    EXPECT_EQ(of_method.error(2e-2).error_in_f64(1e-13).letter(), 's');
     Case f64;
     f64.is_f64 = true;
     f64.in_f64.error = 0;
