@@ -168,8 +168,10 @@ private:
         const auto edge = [&] { return short_decimal(size * draw_.uniform(0.3, 1.0)); };
         return {ShapeKind::box, draw_.one_in(3) ? Triple{size, size, size} : Triple{edge(), edge(), edge()}, {}};
     }
+    // The spin about the axis of a rod is resolved the worse the thinner it is.
+    [[nodiscard]] double thinnest() const { return trial_.carry ? 0.001 : 0.05; }
     ShapeDescription any_shape(double size) {
-        const double thin = short_decimal(size * draw_.magnitude(0.001, 1));
+        const double thin = short_decimal(size * draw_.magnitude(thinnest(), 1));
         switch (draw_.between(0, 5)) {
         case 0: return sphere(size);
         case 1: return {ShapeKind::cylinder, {size, thin}, {}};
@@ -333,7 +335,7 @@ private:
             const bool to_next = b + 1 < count && draw_.one_in(2);
             const Vector here = vector_of_place(b), there = to_next ? vector_of_place(b + 1) : centre_;
             SpringDescription& spring = add_spring(b, to_next ? b + 1 : -1, to_next ? Vector{} : there, frequency);
-            if (to_next) spring.to = triple(draw_.direction() * (0.1 * size));
+            if (to_next && thinness(scene_.body(b + 1)) > 0.05) spring.to = triple(draw_.direction() * (0.1 * size));
             if (draw_.one_in(2) && thinness(scene_.body(b)) > 0.05)
                 spring.point = triple(draw_.direction() * (draw_.uniform(0, 0.1) * size));
             spring.rest_length =
@@ -427,7 +429,7 @@ private:
         turn(body, 0.001, largest_spin());
         if (draw_.one_in(4)) {  // discs and rods, near the fastest
             if (draw_.one_in(2)) trial_.integrator = draw_.of<const char*>({"pdmv4", "pdmv6", "pdmv8", "pdmv10"});
-            const double size = body.shape.size[0], thin = short_decimal(size * draw_.magnitude(1e-4, 0.1));
+            const double size = body.shape.size[0], thin = short_decimal(size * draw_.magnitude(0.1 * thinnest(), 0.1));
             body.shape = {draw_.of({ShapeKind::cylinder, ShapeKind::hoop, ShapeKind::capsule}), {size, thin}, {}};
             if (body.shape.kind == ShapeKind::capsule) std::swap(body.shape.size[0], body.shape.size[1]);
             if (body.shape.kind == ShapeKind::hoop) body.shape.size[1] = 0;
