@@ -1,3 +1,5 @@
+#include <tumble/integrators/method.hpp>
+
 #include <cmath>
 #include <map>
 #include <utility>
@@ -82,10 +84,16 @@ public:
         });
     }
 
-    // What a walk of roundings, one a step, makes of the spin, and the motion of that.
+    // What a walk of roundings, one a step, makes of the spin, and the motion of that: angles are rounded in every
+    // step, so that carried residuals save a digit of it and no more. Fixed point holds the angular momentum in the
+    // digits of the largest spin, and `exact` turns it as one vector: what is left for the spin about the least moment
+    // is less.
     double rounding_floor(double x, double y, const Method& method) const override {
+        const host::Triple& moments = tops[static_cast<std::size_t>(y)].moments;
+        const bool as_one =
+            method.numbers == "q32" || host::find_integrator(method.integrator).free_order == tumble::no_truncation;
         return resolution(scene(x, y), method, Quantity::spin, spin) * truth_.at(y).sensitivity *
-               random_walk(method, turned / x);
+               std::sqrt(turned / x) * (method.carry ? 0.1 : 1) * (as_one ? moments[1] / moments[0] : 1);
     }
     int order(const host::IntegratorInfo& method) const override { return method.free_order; }
 
