@@ -406,6 +406,8 @@ private:
         if (data_.bodies[b].fixed || !body_b.rotates) return;
         Vector stiffness;  // about each axis, 1/s^2
         Number work = 0;   // J, that the forces can do
+        Number twist = 0;  // N m s, their angular impulse at most
+        const Number least = std::min({body_b.axes.moments.x, body_b.axes.moments.y, body_b.axes.moments.z});
         for (const ForceSpec& force : data_.forces) {
             if (static_cast<std::size_t>(force.body) != b || force.frame != Frame::world ||
                 force.from.to_double() >= duration_)
@@ -414,16 +416,21 @@ private:
             const Number strength = norm(f), arm = norm(p);
             if (!(arm > 0)) continue;
             work += strength * arm - dot(f, body_b.pose.rotate(p));
+            const Number lasts = std::min(Number(force.until.to_double()), Number(duration_)) - force.from.to_double();
+            twist += strength * arm * lasts;
+            // What ends before a radian of a swing is a push.
+            if (lasts * lasts * strength * arm < least) continue;
             for (int i = 0; i < 3; ++i)
                 stiffness[i] += strength / arm * (arm * arm - p[i] * p[i]) / body_b.axes.moments[i];
         }
-        if (!(norm(stiffness) > 0)) return;
+        if (!(twist > 0)) return;
         for (int i = 0; i < 3; ++i) look_at({static_cast<double>(stiffness[i]), 0, body(b), "force"});
 
         const Vector &moments = body_b.axes.moments,
                      w = body_b.axes.to_user.rotate_back(vector(data_.bodies[b].angular_velocity));
         const Number energy = work + dot(w, times(moments, w)) / 2;
-        const auto spin = static_cast<double>(std::sqrt(2 * energy / std::min({moments.x, moments.y, moments.z})));
+        const auto spin =
+            static_cast<double>(std::min(std::sqrt(2 * energy / least), (norm(times(moments, w)) + twist) / least));
         const double turn = method_.spin == Spin::angular_momentum ? 1.5 : method_.order > 1 ? 0.45 : 0.2;
         if (spin * step_ <= turn) return;
         Limit limit{body(b), "spin", spin, turn / step_, turn / spin, ""};

@@ -416,6 +416,41 @@ TEST_P(Loads, a_spring_too_stiff_for_the_step_is_told_when_it_is_added_and_no_ot
     }
 }
 
+// Without a rest length it pulls as hard across itself, where its damper does nothing.
+TEST_P(Loads, growth_across_a_damped_spring_is_told_of_methods_that_add_to_every_oscillation) {
+    const bool adds = GetParam().method.oscillation_limit == 0;
+    for (const auto& [k, c] : {std::pair{20000.0L, 40.0L}, std::pair{12000.0L, 4.0L}}) {
+        for (const Vector along : {Vector{1, 0, 0}, {0, -0.6L, 0.8L}}) {
+            SceneSetup setup{.name = "damped"};
+            setup.world.contact.response = ContactResponse::none;
+            setup.bodies = {sphere(1, 0.25)};
+            setup.bodies[0].position = real(along * 0.5L);
+            setup.springs = {{.body = 0, .stiffness = real(k), .damping = real(c)}};
+            const auto world = build(setup, GetParam());
+            EXPECT_EQ(world->status().has(Issue::step_too_long), adds) << k << " N/m, " << c << " N s/m";
+        }
+    }
+}
+
+// A fixed body attracts by its mass, and is not moved by the other's.
+TEST_P(Loads, a_light_fixed_body_and_a_heavy_one_are_not_too_near_for_what_moves) {
+    for (const bool fixed_first : {true, false}) {
+        SceneSetup setup{.name = "fixed"};
+        setup.world = {.gravitation = 0.01, .contact = {.response = ContactResponse::none}};
+        setup.bodies = {sphere(1, 0.125), sphere(3e6, 0.125)};
+        setup.bodies[0].fixed = true;
+        setup.bodies[1].position = {0.5, 0, 0};
+        if (!fixed_first) std::swap(setup.bodies[0], setup.bodies[1]);
+        const auto world = build(setup, GetParam());
+        world->run(16);
+        EXPECT_TRUE(world->status().ok()) << fixed_first;
+        setup.bodies[fixed_first ? 0 : 1].mass = 3e6;
+        const auto heavy = build(setup, GetParam());
+        heavy->run(1);
+        EXPECT_TRUE(heavy->status().has(Issue::step_too_long)) << fixed_first;
+    }
+}
+
 TEST_P(Loads, a_spring_that_becomes_too_stiff_as_its_body_turns_is_told_then) {
     const Method& method = GetParam().method;
     if (!(method.oscillation_limit > 0) || !std::isfinite(method.oscillation_limit)) GTEST_SKIP() << "no limit";
@@ -429,7 +464,8 @@ TEST_P(Loads, a_spring_that_becomes_too_stiff_as_its_body_turns_is_told_then) {
         const auto world = build(setup, GetParam());
         EXPECT_TRUE(world->status().ok());
         world->run(256);
-        EXPECT_TRUE(world->status().has(Issue::step_too_long)) << arm;
+        // Springs are looked at every sixteenth step; what grows faster leaves the range, or what floats follow, first.
+        EXPECT_TRUE(world->status().has(Issue::step_too_long) || world->status().has(Issue::range_left)) << arm;
     }
 }
 

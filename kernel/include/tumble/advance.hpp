@@ -40,13 +40,11 @@ public:
             if (bodies.rotates(b)) inertia_[b] = Inertia::of(inertia.moments, bodies.scale);
         spin_changed(b);
         if constexpr (has_loads) loads.set_body(b, spec, inertia, bodies);
-        if constexpr (features.drag) loads.check_drag(b, spec, inertia, bodies, Integrator::step_bounds);
+        if constexpr (features.drag) loads.check_drag(b, spec, inertia, bodies, step_bounds);
         return b;
     }
     // Adds a spring; false when there is no room.
-    bool add(const SpringSpec& spec) requires(features.springs > 0) {
-        return loads.add(spec, bodies, Integrator::step_bounds);
-    }
+    bool add(const SpringSpec& spec) requires(features.springs > 0) { return loads.add(spec, bodies, step_bounds); }
     // Call when anything but free rotation has changed the spin.
     TUMBLE_INLINE void spin_changed([[maybe_unused]] int b) {
         if constexpr (rotation && requires(Inertia & inertia) { inertia.prepare(bodies.state[0], bodies.scale); })
@@ -139,6 +137,11 @@ public:
 
 private:
     using Inertia = typename Integrator::template Inertia<N>;
+    // None of a method that does not know its limits.
+    static constexpr StepBounds step_bounds = [] {
+        if constexpr (requires { Integrator::step_bounds; }) return Integrator::step_bounds;
+        else return StepBounds{};
+    }();
     // rad; see Bodies::check_range. That of the momentum over the middle moment is twice the half turn at the most.
     static constexpr double most_turn = requires { Integrator::follows_any_turn; }
     ? 0 : spin == Spin::angular_momentum ? 1.5 : 0.5;
@@ -194,7 +197,7 @@ private:
     }
     void loaded(const BodyGroup& group, const StepInfo<N>& info, const DriftSum (&fall)[3],
                 Work length) requires has_loads {
-        loads.watch(bodies, Integrator::step_bounds);
+        loads.watch(bodies, step_bounds);
         const DriftSum falls[3]{whole(fall[0]), whole(fall[1]), whole(fall[2])};
         const auto evaluate = loads.evaluation(bodies, group, length, falls);
         if (group.count == 1) staged<1>(group, evaluate, info);

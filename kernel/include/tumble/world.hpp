@@ -61,7 +61,7 @@ public:
             advance_.bodies.report(Issue::world_full, advance_.bodies.count);
             return {};
         }
-        if constexpr (features.touches()) TUMBLE_ASSERT(is_valid(spec.shape) && is_restitution(spec.restitution));
+        if constexpr (features.touches()) TUMBLE_ASSERT(is_restitution(spec.restitution));
         const PrincipalInertia inertia = features.rotation ? principal_inertia(spec.inertia) : PrincipalInertia{};
         const int b = advance_.add(spec, inertia);
         if constexpr (has_contacts) {

@@ -116,17 +116,6 @@ struct ContactSpec {
         if (value.is_negative()) return false;
     return is_restitution(spec.restitution) && spec.tolerance > Real{};
 }
-// True of a shape without negative sizes and, but for none and points, with some extension.
-[[nodiscard]] constexpr bool is_valid(const Shape& shape) {
-    const auto [a, b, c] = shape.size;
-    if (a.is_negative() || b.is_negative() || c.is_negative()) return false;
-    switch (shape.kind) {
-    case ShapeKind::none:
-    case ShapeKind::points: return true;
-    case ShapeKind::box: return a > Real{} || b > Real{} || c > Real{};
-    default: return a > Real{};
-    }
-}
 
 // What acts on all bodies of a world.
 struct WorldSpec {

@@ -3,6 +3,7 @@
 
 #include <tumble/body/setup.hpp>
 #include <tumble/loads/loaded_body.hpp>
+#include <tumble/status.hpp>
 
 namespace tumble {
 
@@ -31,7 +32,7 @@ public:
             const int a = group.members.id[k];
             for (int b = 0; b < group.bodies.count; ++b) {
                 if (b == a || (b < a && group.find(b) != nullptr)) continue;  // a pair of the group once
-                if (!apply(group.loaded[k], mass_[a], *group.other_end(b), mass_[b]))
+                if (!apply(group.loaded[k], mass_[a], *group.other_end(b), mass_[b], group.bodies.constants[b].fixed))
                     group.bodies.report(Issue::step_too_long, a);
             }
         }
@@ -43,9 +44,9 @@ private:
     static constexpr int least_steps = 2;
 
     // Bodies at the same place exert no force: there is no direction. False where the step is too long for a pair so
-    // near.
+    // near; of a pair with a fixed body, only the mass that attracts what moves counts.
     template <class Body>
-    bool apply(Body& a, Work mass_a, Body& b, Work mass_b) const {
+    bool apply(Body& a, Work mass_a, Body& b, Work mass_b, bool b_is_fixed) const {
         WorkVec3<N> r;
         for (int i = 0; i < 3; ++i) r[i] = N::apart(b.stage->x_w[i], a.stage->x_w[i]);
         const Work r2 = dot(r, r);
@@ -54,7 +55,7 @@ private:
         const WorkVec3<N> force = scaled_by(r, constant_ * mass_a * mass_b * inverse);
         a.force_w += force;
         b.force_w -= force;
-        return !(r3 < near_per_mass_ * (mass_a + mass_b));
+        return !(r3 < near_per_mass_ * (b_is_fixed ? mass_b : mass_a + mass_b));
     }
 
     Work constant_{};       // m^3/(kg s^2)

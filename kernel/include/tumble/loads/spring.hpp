@@ -140,8 +140,11 @@ private:
         const Work across = !is_stretched               ? none
                             : spring.rest_length > none ? share * (Work(1) - spring.rest_length / length)
                                                         : share;
-        const WorkVec3<N> force =
-            scaled_by(rate, across) + scaled_by(along, (share - across + of_damping * spring.damping) * rate_along);
+        Work along_it = share + of_damping * spring.damping;
+        // Damping that undoes growth helps this spring's own motion and no other: else what it takes would be the
+        // largest that the iteration finds.
+        if (of_damping < none && along_it < none) along_it = none;
+        const WorkVec3<N> force = scaled_by(rate, across) + scaled_by(along, (along_it - across) * rate_along);
         spring.push(a, other, -force);
         return dot(force, rate);
     }
@@ -193,10 +196,11 @@ public:
             if (may_exceed(bodies, of_stiffness, of_damping)) is_watched_ = true;
         }
     }
-    // The same in a step, of springs that turn with bodies and may become too stiff that way.
+    // The same every sixteenth step, of springs that turn with bodies and may become too stiff that way.
     template <class Bodies>
     TUMBLE_INLINE void watch(Bodies& bodies, const StepBounds& bounds) {
-        if (is_watched_ && !bodies.status.has(Issue::step_too_long)) check_step(bodies, bounds);
+        if (is_watched_ && bodies.steps_taken % 16 == 0 && !bodies.status.has(Issue::step_too_long))
+            check_step(bodies, bounds);
     }
     [[nodiscard]] int count() const { return count_; }
     [[nodiscard]] const Spring<N>& operator[](int s) const { return spring_[s]; }
