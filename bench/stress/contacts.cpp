@@ -201,12 +201,7 @@ class MassRatioImpact final : public ContactMap {
 public:
     MassRatioImpact()
         : ContactMap("mass_ratio_impact", "an elastic impact", "mass_ratio_impact",
-                     {"mass_ratio",
-                      "mass of the ball that flies over that of the one at rest",
-                      "",
-                      true,
-                      mass_ratios,
-                      {1e-4, 1, 1e4}}) {}
+                     {"mass_ratio", "mass ratio", "", true, mass_ratios, {1e-4, 1, 1e4}}) {}
 
     bool takes(const host::IntegratorInfo& method) const override { return method.name == "verlet"; }
 
@@ -278,8 +273,7 @@ class MassRatioPile final : public Piles {
 public:
     MassRatioPile()
         : Piles("mass_ratio_pile", "a box on a box, 1 s", "mass_ratio_pile",
-                {"mass_ratio", "mass of the upper box over that of the lower", "", true, mass_ratios, {1e-4, 1, 1e4}}) {
-    }
+                {"mass_ratio", "upper over lower mass", "", true, mass_ratios, {1e-4, 1, 1e4}}) {}
 
 protected:
     void change(SceneFile& scene, double x, double y) const override {

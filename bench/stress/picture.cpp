@@ -272,8 +272,9 @@ private:
             below = place;
             write(x - 4, y + panel_height - place + 4, tic.text, "class=\"e\"");
         }
-        if (row == (rows_ - 1) / 2 || (index + 1 == blocks_.size() && row < (rows_ - 1) / 2)) {
-            const double at_x = x - left_ + 14, at_y = y + panel_height / 2;
+        if (row == 0) {
+            const double rows = static_cast<double>(std::min(rows_, blocks_.size() - index)), at_x = x - left_ + 14,
+                         at_y = y + (rows * (panel_height + row_gap) - row_gap) / 2;
             write(at_x, at_y, y_.label(),
                   text("text-anchor=\"middle\" transform=\"rotate(-90 %.4g %.4g)\"", at_x, at_y));
         }
