@@ -133,11 +133,12 @@ TEST_P(StableSide, OfEveryMethodIsMetWithinACell) {
                            std::to_string(xs[static_cast<std::size_t>(i)]) + ", " + std::to_string(y) + ", limit " +
                            std::to_string(limit.value_or(-1));
                 };
-                // The iterations of implicit methods need not come to an end, and tell.
+                // The iterations of implicit methods, which have no limit, need not come to an end, and tell; methods
+                // that add to every oscillation tell of the one across the spring, which its damper leaves alone.
+                const std::string stable = limit && integrator.oscillation_limit > 0 ? "ad" : "adt";
                 for (std::ptrdiff_t i : {cell - 3, cell - 2}) {
                     if (i < 0) continue;
-                    EXPECT_TRUE(std::string{"adt"}.find(outcome(i)) != std::string::npos)
-                        << where(i) << ": " << outcome(i);
+                    EXPECT_TRUE(stable.find(outcome(i)) != std::string::npos) << where(i) << ": " << outcome(i);
                 }
                 if (!limit) continue;
                 // What grows at every step may do so slowly: then only the longest step is sure to show it.
