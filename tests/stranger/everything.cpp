@@ -1,5 +1,5 @@
-// Every feature and every method of the number system STRANGER_NUMBERS, instantiated; and what a user may call. Worlds of
-// bodies that rotate and worlds of nothing but point masses; with STRANGER_POINTS the latter alone.
+// Every feature and every method of the number system STRANGER_NUMBERS, instantiated; and what a user may call. Worlds
+// of bodies that rotate and worlds of nothing but point masses; with STRANGER_POINTS the latter alone.
 #include <tumble/tumble.hpp>
 
 namespace {
