@@ -3,6 +3,7 @@
 #include "references.hpp"
 #include "tolerances.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -220,6 +221,27 @@ TEST_P(Loads, an_impulse_of_the_script_does_what_one_applied_by_hand_does) {
     }
 }
 
+TEST_P(Loads, impulses_that_are_set_in_mid_run_are_those_of_the_steps_to_come) {
+    for (const int set : {1, 9, 30}) {
+        SceneSetup setup{.name = "late"};
+        setup.bodies = {sphere(2, 0.5)};
+        const auto world = build(setup, GetParam());
+        world->run(set);
+        std::vector<ImpulseSpec> impulses;
+        for (const int step : {0, 8, 9, 29, 30, 31, 40})
+            impulses.push_back({.time = real(step / 256.0L), .impulse = {1, 0, 0}});
+        world->set_impulses(impulses);
+        for (int step = set; step < 48; ++step) {
+            world->step();
+            const auto due = std::count_if(impulses.begin(), impulses.end(), [&](const ImpulseSpec& i) {
+                const Number at = number(i.time) * 256;
+                return at >= set && at <= step;
+            });
+            EXPECT_LE(std::abs(world->motion(0).v.x - 0.5L * static_cast<Number>(due)), 1e-6L) << set << ", " << step;
+        }
+    }
+}
+
 TEST_P(Loads, impulses_in_one_step_are_applied_in_the_order_of_the_script) {
     if (system().name != std::string_view{"q32_near"}) GTEST_SKIP() << "only saturation tells the order";
     SceneSetup setup{.name = "order"};
@@ -428,6 +450,42 @@ TEST_P(Loads, growth_across_a_damped_spring_is_told_of_methods_that_add_to_every
             setup.springs = {{.body = 0, .stiffness = real(k), .damping = real(c)}};
             const auto world = build(setup, GetParam());
             EXPECT_EQ(world->status().has(Issue::step_too_long), adds) << k << " N/m, " << c << " N s/m";
+        }
+    }
+}
+
+// What a damper takes of a speed in a step: of the centre's, or of that of a point across from it.
+TEST_P(Loads, a_damper_too_strong_for_the_step_is_told_when_it_is_added_and_no_other) {
+    const Method& method = GetParam().method;
+    if (!std::isfinite(method.drag_limit) || !std::isfinite(method.oscillation_limit)) GTEST_SKIP() << "no limit";
+    for (const Number share : {0.9L, 0.97L, 1.03L, 1.5L}) {
+        for (const Number arm : {0.0L, 0.1L}) {
+            SceneSetup setup{.name = "damper", .bodies = {top({0.02, 0.03, 0.04}, {}, 2)}};
+            const Number moved = 0.5L + arm * arm / 0.04L;  // by a force of 1
+            setup.springs = {{.point = {0, real(arm), 0},
+                              .to = {1, real(arm), 0},
+                              .damping = real(share * method.drag_limit * 256 / moved),
+                              .rest_length = 1}};
+            EXPECT_EQ(build(setup, GetParam())->status().has(Issue::step_too_long), share > 1) << share << ", " << arm;
+        }
+    }
+}
+
+// A method that adds to every oscillation: enough damping along a spring undoes it, and nothing is told.
+TEST_P(Loads, a_damped_spring_whose_motion_dies_away_is_not_told) {
+    if (!std::isfinite(GetParam().method.oscillation_limit)) GTEST_SKIP() << "adds to nothing";
+    for (const Number wh : {0.1L, 0.2L, 0.4L}) {
+        for (const Vector along : {Vector{1, 0, 0}, {0, -0.6L, 0.8L}}) {
+            SceneSetup setup{.name = "damped", .bodies = {top({1, 1, 1}, {}, 2)}};
+            const Number w = wh * 256;
+            setup.bodies[0].position = real(along * 1.01L);
+            setup.springs = {{.stiffness = real(2 * w * w),
+                              .damping = real(2 * 0.5L * 2 * w),
+                              .rest_length = 1}};  // half of critical
+            const auto world = build(setup, GetParam());
+            world->run(256);
+            EXPECT_TRUE(world->status().ok()) << wh;
+            EXPECT_LE(std::abs(norm(world->motion(0).x) - 1), 1e-4L) << wh;
         }
     }
 }

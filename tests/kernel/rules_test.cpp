@@ -174,6 +174,25 @@ TEST_P(Rules, a_start_that_leaves_the_range_is_told_before_the_first_step) {
     }
 }
 
+// Gravity drives it beyond the range on its way to a floor that stops it in the same step.
+TEST_P(Rules, a_range_that_is_left_on_the_way_to_an_impact_is_told) {
+    if (!system().fixed_point) GTEST_SKIP() << "floating point has no such range";
+    for (const Vector n : {Vector{0, 1, 0}, {-1, 0, 0}, {0, 0, -1}}) {
+        for (const Number speed : {29.0L, 31.5L}) {
+            constexpr Number h = 1.0L / 16, pull = 32;
+            SceneSetup setup{.name = "fast", .step = Seconds{1, 16}};
+            setup.world = {.gravity = real(n * -pull), .contact = {.restitution = 0}};
+            setup.planes = {{.normal = real(n)}};
+            const Number way = speed * 0.75L * h + pull * 0.75L * h * 0.75L * h / 2;
+            setup.bodies = {placed(sphere(1, 0.5), n * (0.5L + way), n * -speed)};
+            const auto world = build(setup, GetParam());
+            world->step();
+            EXPECT_EQ(world->status().has(Issue::range_left), speed > 30) << speed;
+            EXPECT_LE(norm(world->motion(0).v), pull * h);
+        }
+    }
+}
+
 // --- the largest safe step of contacts by springs ----------------------------------------------------------------
 
 // Half of the oscillator's limit 2 / w.
@@ -228,6 +247,30 @@ TEST_P(Rules, a_body_that_a_force_drives_on_within_a_step_does_not_come_deeper_t
                 world->step();
                 ASSERT_GE(dot(world->motion(0).x, n) - 0.25L, -1.01L * tolerance::contact_band)
                     << "from " << gap << " m, step " << step;
+            }
+        }
+    }
+}
+
+// The same of two bodies, whichever of them is driven.
+TEST_P(Rules, bodies_that_a_force_drives_at_each_other_within_a_step_do_not_come_deeper_than_the_tolerance) {
+    constexpr Number speed = 4, push = 3.875L * 256;
+    for (const Vector n : normals) {
+        for (const int driven : {0, 1}) {
+            for (int place = 0; place < 16; ++place) {
+                const Number gap = speed / 256 * (1 + place / 10.0L);
+                SceneSetup setup{.name = "driven"};
+                setup.world.contact = {.restitution = 0};
+                setup.bodies = {placed(sphere(1, 0.25), n * (0.5L + gap)), placed(sphere(1, 0.25), {})};
+                const Vector along = driven == 0 ? -n : n;
+                setup.bodies[static_cast<std::size_t>(driven)].velocity = real(along * speed);
+                setup.forces = {{.body = driven, .from = 0.0, .until = 8.0, .force = real(along * push)}};
+                const auto world = build(setup, GetParam());
+                for (int step = 0; step < 4; ++step) {
+                    world->step();
+                    ASSERT_GE(dot(world->motion(0).x - world->motion(1).x, n) - 0.5L, -1.01L * tolerance::contact_band)
+                        << "from " << gap << " m, step " << step;
+                }
             }
         }
     }
@@ -303,6 +346,30 @@ TEST_P(Rules, a_spring_wakes_what_is_at_its_other_end) {
     }
 }
 
+// What hovers ahead of a sleeper has been foreseen to meet nobody for half a second; a blow from behind the sleeper
+// comes sooner. Three equal elastic balls in a row: the last takes all.
+TEST_P(Rules, who_wakes_with_its_neighbour_hits_what_had_been_foreseen_to_be_left_alone) {
+    for (const Vector n : normals) {
+        for (const bool reversed : {false, true}) {
+            SceneSetup setup{.name = "row"};
+            setup.world.contact = {.restitution = 1};
+            setup.world.contact.sleep.on = true;
+            setup.bodies = {placed(sphere(1, 0.25), {}), placed(sphere(1, 0.25), n * 0.5L),
+                            placed(sphere(1, 0.25), n * 1.75L)};
+            if (reversed) std::swap(setup.bodies[0], setup.bodies[1]);
+            const int pushed = reversed ? 1 : 0;
+            const auto world = build(setup, GetParam());
+            world->run(second + 4);
+            ASSERT_TRUE(world->asleep(0) && world->asleep(1));
+            world->apply_impulse(pushed, n * 8);
+            EXPECT_FALSE(world->asleep(0) || world->asleep(1));
+            world->run(second / 2);  // 4 m of flight, of which 0.75 m to the last
+            EXPECT_LE(norm(world->motion(2).v - n * 8), 64 * rounding());
+            EXPECT_LE(norm(world->motion(0).v) + norm(world->motion(1).v), 64 * rounding());
+        }
+    }
+}
+
 // Slower than what may sleep, and without friction: it goes on for as long as sleep asks for.
 TEST_P(Rules, who_wakes_is_awake_for_the_whole_time_again) {
     SceneSetup setup = sleepy_floor(0);
@@ -332,6 +399,21 @@ TEST_P(Rules, sleep_comes_with_the_step_that_completes_its_time_and_takes_all_mo
         world->step();
         EXPECT_TRUE(world->asleep(0)) << steps;
         EXPECT_EQ(norm(world->motion(0).v) + norm(world->motion(0).w), 0) << steps;
+    }
+}
+
+// Slow enough all the way down, it is at rest only once it touches: within the tolerance of the floor.
+TEST_P(Rules, the_time_before_sleep_counts_from_the_touch) {
+    for (const Number fall : {0.25L, 0.75L, 1.25L}) {  // s, until then
+        constexpr Number weak = 1.0L / 128;
+        SceneSetup setup = sleepy_floor(0.25L);
+        setup.world.gravity = {0, real(-weak), 0};
+        const Number height = tolerance::contact_band + weak * fall * fall / 2;
+        setup.bodies = {placed(sphere(1, 0.25), {0, 0.25L + height, 0})};
+        const auto world = build(setup, GetParam());
+        int step = 0;
+        for (; step < 4 * second && !world->asleep(0); ++step) world->step();
+        EXPECT_NEAR(static_cast<double>(step), static_cast<double>(fall * second + second / 2), 10) << fall;
     }
 }
 
