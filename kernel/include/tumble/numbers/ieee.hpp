@@ -71,6 +71,7 @@ struct Float {
         [[nodiscard]] TUMBLE_INLINE static constexpr T stretched(T t, T c, std::uint32_t) { return t + t * c; }
         [[nodiscard]] TUMBLE_INLINE static constexpr T share(T c, T t, Dither) { return c * t; }
         [[nodiscard]] TUMBLE_INLINE static constexpr T twice_share(T c, T t, Dither) { return T(2) * c * t; }
+        [[nodiscard]] TUMBLE_INLINE static constexpr bool holds_twice(T, int) { return true; }
         [[nodiscard]] TUMBLE_INLINE static constexpr bool vanishes_times_itself(const auto& change, const auto& c) {
             return is_rounding(change, c);
         }

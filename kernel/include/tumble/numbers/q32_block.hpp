@@ -20,6 +20,7 @@
 //   half_angle, whole_angle, square                       block turns and their products as angles in rad
 //   angle_per_turn, times_cosine, angle, add_angle, widen  the sphere's turn: a factor in rad per block turn, and sums
 //   share, twice_share, once, twice, times, stretched, rest  constants of the body or the step times a block turn
+//   holds_twice     whether a turn leaves room for twice_share, where a method may have moved momentum to the axis
 //
 // Dither. A rounding is repeated by the next step: a constant spin meets the same numbers at every step, and half a
 // unit of its angle adds up to N/2 units in N steps. Functions that take a Dither, or as `dither` a fraction of a unit
@@ -146,6 +147,10 @@ public:
     }
     [[nodiscard]] TUMBLE_INLINE static constexpr Turn twice_share(Fixed<31> c, Turn t, Dither d) {
         return {static_cast<std::int32_t>(mul_add(Wide<63>{static_cast<std::int64_t>(d.turn >> 2)}, c, t).raw >> 30)};
+    }
+    // True if a turn's format has room for twice the turn times 2^up.
+    [[nodiscard]] TUMBLE_INLINE static constexpr bool holds_twice(Turn t, int up) {
+        return ((t.raw ^ (t.raw >> 31)) >> (30 - up)) == 0;
     }
 
 private:

@@ -70,6 +70,9 @@ struct ThreeAxisFlow {
         using std::integral_constant;
         turn_about(integral_constant<int, 0>{}, Block::twice_share(inertia.x_half, now[0], d));
         turn_about(integral_constant<int, 1>{}, now[1]);
+        // The turns about x and y may have brought the momentum to the z axis, whose turn is the fastest.
+        if (!Block::holds_twice(now[2], inertia.z_shift)) [[unlikely]]
+            return N::leave_range(body.t_b.z);
         turn_about(integral_constant<int, 2>{},
                    Block::twice_share(inertia.z_half, z_up - block.turn_up(less[2], inertia.z_shift), d));
         turn_about(integral_constant<int, 1>{}, now[1]);
