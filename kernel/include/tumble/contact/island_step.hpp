@@ -201,7 +201,7 @@ private:
             fly(flight, at, true);
             contacts_.measure(bodies_, flight.island);
             const Work gap = contacts_.least_gap(flight.island, false);
-            if ((gap < close_enough && -close_enough < gap) || high - low < shortest) break;
+            if ((gap < close_enough && -close_enough < gap) || high - low < shortest) return at;
             if (gap > Work(0)) {
                 low = at;
                 gap_low = gap;
@@ -213,6 +213,14 @@ private:
                 if (side < 0) gap_low = N::half_of(gap_low);
                 side = -1;
             }
+        }
+        // Not found. Where something is four tolerances deep by now, the flight ends where nothing was, and the search
+        // goes on from there.
+        const Work twice = contacts_.tolerance() + contacts_.tolerance();
+        if (contacts_.least_gap(flight.island, false) < -(twice + twice)) {
+            at = low > shortest ? low : shortest;
+            fly(flight, at, true);
+            contacts_.measure(bodies_, flight.island);
         }
         return at;
     }

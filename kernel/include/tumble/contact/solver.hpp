@@ -40,9 +40,10 @@ public:
 
     // The forces of the points in touch over a part of the step, such that at its end nothing approaches that touches:
     // as changes of motion in that part, in kick(). Where a point strikes (it is below the surface and comes faster
-    // than what rests may), nothing is pressed unless `struck`: that is an impact, to be resolved first.
+    // than what rests may), nothing is pressed unless `struck`: that is an impact, to be resolved first. A change that
+    // is more than the range is told.
     enum class Touch : std::uint8_t { nothing, presses, strikes };
-    Touch press(const Bodies& bodies, const Island& island, Work part, bool whole, bool struck) {
+    Touch press(Bodies& bodies, const Island& island, Work part, bool whole, bool struck) {
         bool any = false;
         for_each_pair(island, [&](Pair& pair) {
             pair.touched = pair.passed = false;
@@ -83,12 +84,17 @@ public:
             const int b = island.group.id[k];
             const CollisionShape<N>& shape = shape_[b];
             Kick<N>& kick = kick_[b];
+            bool within = true;
             for (int i = 0; i < 3; ++i) {
-                kick.linear[i] = C::template as<typename N::DriftSum>(speeds_.sum(
-                    motion_[b].linear[i] - loaded_[b].linear[i], C::drift_bits(bodies.scale), shape.per_root_mass));
-                kick.angular[i] = C::template as<typename N::TurnSum>(speeds_.sum(
-                    motion_[b].angular[i] - loaded_[b].angular[i], C::turn_bits(bodies.scale), shape.per_weight[i]));
+                kick.linear[i] = C::template as<typename N::DriftSum>(
+                    speeds_.sum(motion_[b].linear[i] - loaded_[b].linear[i], C::drift_bits(bodies.scale),
+                                shape.per_root_mass, within));
+                kick.angular[i] = C::template as<typename N::TurnSum>(
+                    speeds_.sum(motion_[b].angular[i] - loaded_[b].angular[i], C::turn_bits(bodies.scale),
+                                shape.per_weight[i], within));
             }
+            if (!within) [[unlikely]]
+                bodies.report(Issue::range_left, b);
         }
         count_points(island);
         return Touch::presses;

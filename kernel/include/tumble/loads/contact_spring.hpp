@@ -124,8 +124,12 @@ private:
             }
             const Axes<N> axes = Axes<N>::of(body.stage->q_wb);
             FoundPoints<N> found;
-            PlaneView<N, features>{shape, axes, plane.normal, shape_.scale().length(height)}.find(found, band());
-            push_all(found, body, nullptr, b, b, normal, bodies);
+            const Length centre = shape_.scale().length(height);
+            PlaneView<N, features>{shape, axes, plane.normal, centre}.find(found, band());
+            // m: what is left of the centre's height where a length ends.
+            const Work rest =
+                C::LengthScale::is_cut(centre) ? N::metres_along(height) - shape_.scale().metres(centre) : Work(0);
+            push_all(found, rest, body, nullptr, b, b, normal, bodies);
         }
     }
     // Two bodies.
@@ -159,8 +163,8 @@ private:
                 FoundPoints<N> found;
                 contact.find(view, found, band());
                 const WorkVec3<N> normal = work_unit<N>(contact.normal);
-                if (reversed) push_all(found, b, &a, index_b, index_a, normal, bodies);
-                else push_all(found, a, &b, index_a, index_b, normal, bodies);
+                if (reversed) push_all(found, Work(0), b, &a, index_b, index_a, normal, bodies);
+                else push_all(found, Work(0), a, &b, index_a, index_b, normal, bodies);
             });
         }
     }
@@ -168,7 +172,8 @@ private:
     // Points up to here are asked for.
     [[nodiscard]] Length band() const { return has_barrier_ ? C::longest() : Length{}; }
 
-    void push_all(const FoundPoints<N>& found, Loaded& a, Loaded* b, int index_a, int index_b,
+    // `rest` is added to the gap of every point, m.
+    void push_all(const FoundPoints<N>& found, Work rest, Loaded& a, Loaded* b, int index_a, int index_b,
                   const WorkVec3<N>& normal, Bodies& bodies) const {
         for (int i = 0; i < found.count; ++i) {
             const FoundPoint<N>& point = found.point[i];
@@ -177,7 +182,7 @@ private:
                 arm[k] = shape_.scale().metres(point.arm[k]);
                 arm_b[k] = shape_.scale().metres(point.arm_b[k]);
             }
-            push(a, b, index_a, index_b, shape_.scale().metres(point.gap), normal, arm, arm_b, bodies);
+            push(a, b, index_a, index_b, shape_.scale().metres(point.gap) + rest, normal, arm, arm_b, bodies);
         }
     }
     // At one point: `normal` in the world, from b to a; arms in principal axes.

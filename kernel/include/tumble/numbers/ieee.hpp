@@ -192,6 +192,7 @@ requires(!N::fixed_point) struct ContactNumbers<N> {
         [[nodiscard]] static constexpr T length(T metres) { return metres; }
         [[nodiscard]] static constexpr T between(T a, T b) { return a - b; }
         [[nodiscard]] static constexpr T metres(T l) { return l; }
+        [[nodiscard]] static constexpr bool is_cut(T) { return false; }
         [[nodiscard]] static constexpr T drift(T d, typename N::Scale) { return d; }
         [[nodiscard]] static constexpr T drift(Real metres) { return length(metres); }
         [[nodiscard]] static constexpr bool holds(Real) { return true; }
@@ -219,7 +220,7 @@ requires(!N::fixed_point) struct ContactNumbers<N> {
         }
         [[nodiscard]] static T speed(T w) { return w; }
         [[nodiscard]] static T speed(T sum, int, T weight) { return sum * weight; }
-        [[nodiscard]] static T sum(T s, int, T weight) { return s * weight; }
+        [[nodiscard]] static T sum(T s, int, T weight, bool&) { return s * weight; }
         [[nodiscard]] static T work(T s) { return s; }
         [[nodiscard]] static T speed(T l, T weight, LengthScale) { return l * weight; }
         [[nodiscard]] static T from(T s, SpeedScale) { return s; }

@@ -93,6 +93,8 @@ requires(N::fixed_point) struct ContactNumbers<N> {
         }
         [[nodiscard]] Length length(Work metres) const { return cut(metres.to_sum(bits_)); }
         [[nodiscard]] Work metres(Length l) const { return Work::of(l.raw, -bits_); }
+        // True of a length at the end of what is held.
+        [[nodiscard]] static constexpr bool is_cut(Length l) { return l.raw >= far || l.raw <= -far; }
         // A change of place in a step: a drift, rounded down; and gravity's.
         [[nodiscard]] Length drift(typename N::DriftSum d, typename N::Scale s) const {
             const int down = N::PositionSum::fraction_bits + s.drift_shift - bits_;
@@ -158,16 +160,18 @@ requires(N::fixed_point) struct ContactNumbers<N> {
         [[nodiscard]] Speed speed(Length l, Work weight, const LengthScale& scale) const {
             return shifted(l.raw, weight.mantissa(), scale.bits() - weight.exponent() - bits_);
         }
-        // A speed times a weight, as a sum of the state.
-        [[nodiscard]] std::int64_t sum(Speed s, int fraction_bits, Work weight) const {
+        // A speed times a weight, as a sum of the state; clears `within` where it had to be cut.
+        [[nodiscard]] std::int64_t sum(Speed s, int fraction_bits, Work weight, bool& within) const {
             const std::int64_t product = detail::multiply(s.raw, weight.mantissa());
             const int down = bits_ - weight.exponent() - fraction_bits;
             if (down > 0) return down > 62 ? 0 : (product + (std::int64_t{1} << (down - 1))) >> down;
             constexpr std::int64_t most = (std::int64_t{1} << 62) - 1;
             const int room = std::countl_zero(static_cast<std::uint64_t>(product < 0 ? -product : product)) - 2;
-            return product == 0   ? 0
-                   : -down > room ? (product < 0 ? -most : most)
-                                  : product * (std::int64_t{1} << -down);
+            if (product == 0) return 0;
+            if (-down <= room) [[likely]]
+                return product * (std::int64_t{1} << -down);
+            within = false;
+            return product < 0 ? -most : most;
         }
         [[nodiscard]] Work work(Speed s) const { return Work::of(s.raw, -bits_); }
         // A speed of another scale as one of this.
