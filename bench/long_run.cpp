@@ -80,16 +80,6 @@ Constants constants_of(const host::SceneDescription& scene, const host::Simulati
     return c;
 }
 
-// Half the extent along a direction of unit length, m.
-Number half_extent(const host::BodyDescription& body, const Rotation& q, const Vector& along) {
-    if (body.shape.kind == tumble::ShapeKind::sphere) return body.shape.size[0];
-    const Vector direction = q.rotate_back(along);
-    Number half = 0;
-    for (int i = 0; i < 3; ++i)
-        half += std::abs(direction[i]) * static_cast<Number>(body.shape.size[static_cast<std::size_t>(i)]) / 2;
-    return half;
-}
-
 // The largest depth of a body in a plane or in another body, m, at least 0. Two boxes are as deep in each other as
 // along the normal of a face along which they are least: of boxes that stand on each other that is the depth.
 Number penetration_of(const host::SceneDescription& scene, const host::Simulation& simulation) {
@@ -104,13 +94,13 @@ Number penetration_of(const host::SceneDescription& scene, const host::Simulatio
             const Vector normal = vector_of(plane.normal);
             const Vector n = normal * (1 / norm(normal));
             const Number height = dot(n, motion.x) + static_cast<Number>(plane.offset);
-            deepest = std::max(deepest, half_extent(body, motion.q, n) - height);
+            deepest = std::max(deepest, host::half_extent(body, motion.q, n) - height);
         }
         for (int a = 0; a < b; ++a) {
             const Motion& other = now[static_cast<std::size_t>(a)];
             const Vector apart = motion.x - other.x;
             const auto depth_along = [&](const Vector& n) {
-                return half_extent(body, motion.q, n) + half_extent(scene.body(a), other.q, n) -
+                return host::half_extent(body, motion.q, n) + host::half_extent(scene.body(a), other.q, n) -
                        std::abs(dot(apart, n));
             };
             Number depth = depth_along(apart * (1 / norm(apart)));

@@ -508,7 +508,7 @@ private:
             (ended_by(b, middle, step_).empty() ? held : beyond) = middle;
         }
         double step = step_ * held;
-        for (int halving = 0; halving < 6 && !ended_by(b, 1, step).empty(); ++halving) step /= 2;
+        for (int halving = 0; step > 0 && halving < 6 && !ended_by(b, 1, step).empty(); ++halving) step /= 2;
         if (!(step > 0) || !ended_by(b, 1, step).empty()) step = 0;
         Limit limit{body(b), "spin", spin, spin * held, step, ""};
         limit.sentence = limit.where + ": it spins at " + few_digits(spin) + " rad/s, and " + way() +

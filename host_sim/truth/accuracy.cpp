@@ -96,6 +96,17 @@ Samples fine_samples(const SampledScene& scene, const char* integrator, int step
 
 }  // namespace
 
+reference::Number half_extent(const BodyDescription& body, const reference::Rotation& q,
+                              const reference::Vector& along) {
+    if (body.shape.kind == ShapeKind::sphere) return body.shape.size[0];
+    const reference::Vector direction = q.rotate_back(along);
+    reference::Number half = 0;
+    for (int i = 0; i < 3; ++i)
+        half +=
+            std::abs(direction[i]) * static_cast<reference::Number>(body.shape.size[static_cast<std::size_t>(i)]) / 2;
+    return half;
+}
+
 reference::Motion motion_of(const BodySnapshot& body) {
     using namespace reference;
     return {vector_of(body.position), vector_of(body.velocity), rotation_of(body.orientation),

@@ -29,6 +29,9 @@ struct Method {
 };
 
 [[nodiscard]] reference::Motion motion_of(const BodySnapshot& body);
+// Of a sphere or a box, half its extent along a direction of unit length, m.
+[[nodiscard]] reference::Number half_extent(const BodyDescription& body, const reference::Rotation& q,
+                                            const reference::Vector& along);
 
 // The largest seen.
 struct Errors {
