@@ -24,7 +24,7 @@ public:
             // Long times are counted in units of a power of two steps, and so that they are not shorter.
             while (count > 0xfffe && rules_.unit < 31) {
                 ++rules_.unit;
-                count = (steps.to_fixed(-rules_.unit, 64)) + 2;
+                count = steps.to_fixed(-rules_.unit, 64) + 2;
             }
             rules_.steps = static_cast<std::uint16_t>(count > 0xfffe ? 0xfffe : count);
         }

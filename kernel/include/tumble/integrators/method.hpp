@@ -10,8 +10,7 @@
 //   free_order                      only where torque-free rotation has another order than the rest
 //   needs                           only where a step needs sqrt, division or trigonometry: says so to the user
 //   oscillator_step, oscillation_limit, drag_limit, step_bounds   how long a step may be: Stability of stability.hpp,
-//   which a method
-//                                   has as a base
+//                                   which a method has as a base
 //   follows_any_turn                only where a step may turn a body by any angle: else more than 1 rad (with angular
 //                                   momentum as the spin, 3 rad of it) is told as range_left in floating point
 //   takes_any_load                  only where fixed point does not limit what loads change in a step

@@ -200,15 +200,15 @@ requires(!N::fixed_point) struct ContactNumbers<N> {
         [[nodiscard]] static constexpr Real least_tolerance(Real largest) {
             return largest * Real::scaled(1, sizeof(T) == 4 ? -20 : -49);
         }
-        [[nodiscard]] static constexpr T coarser(T l, LengthScale) { return l; }
+        [[nodiscard]] static constexpr T coarser(T l, const LengthScale&) { return l; }
     };
     struct PerLength {
         T inverse{};
-        [[nodiscard]] static constexpr PerLength of(Real length, LengthScale) {
+        [[nodiscard]] static constexpr PerLength of(Real length, const LengthScale&) {
             return {N::template constant<T>(Real{1} / length)};
         }
         [[nodiscard]] TUMBLE_INLINE constexpr T operator()(T l) const { return l * inverse; }
-        void rescale(LengthScale, LengthScale) {}
+        void rescale(const LengthScale&, const LengthScale&) {}
     };
     class SpeedScale {
     public:

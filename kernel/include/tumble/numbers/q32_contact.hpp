@@ -102,7 +102,7 @@ requires(N::fixed_point) struct ContactNumbers<N> {
         }
         [[nodiscard]] constexpr Length drift(Real metres) const { return cut(metres.to_fixed(bits_, 31), fast); }
         // The same length when a larger body has come.
-        [[nodiscard]] constexpr Length coarser(Length l, LengthScale finer) const {
+        [[nodiscard]] constexpr Length coarser(Length l, const LengthScale& finer) const {
             const int down = finer.bits_ - bits_;
             return {l.raw >> (down > 31 ? 31 : down)};
         }
@@ -118,7 +118,7 @@ requires(N::fixed_point) struct ContactNumbers<N> {
     // One over a length, as what a length is multiplied by to give a lever.
     class PerLength {
     public:
-        [[nodiscard]] static constexpr PerLength of(Real length, LengthScale scale) {
+        [[nodiscard]] static constexpr PerLength of(Real length, const LengthScale& scale) {
             const Real inverse = Real{1} / length;
             const int bits = 30 - inverse.ceil_log2();  // of the mantissa's fraction
             return {static_cast<std::int32_t>(inverse.to_fixed(bits, 31)),
@@ -127,7 +127,7 @@ requires(N::fixed_point) struct ContactNumbers<N> {
         [[nodiscard]] TUMBLE_INLINE constexpr Lever operator()(Length l) const {
             return {detail::scaled_product(l.raw, mantissa_, shift_)};
         }
-        void rescale(LengthScale from, LengthScale to) {
+        void rescale(const LengthScale& from, const LengthScale& to) {
             shift_ = static_cast<std::int8_t>(detail::clamp(shift_ + to.bits() - from.bits(), 1, 62));
         }
 

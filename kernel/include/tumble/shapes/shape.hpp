@@ -83,7 +83,7 @@ struct CollisionShape {
     Work restitution{}, friction{};
 
     // To lengths of a coarser scale.
-    void rescale(typename C::LengthScale from, typename C::LengthScale to) {
+    void rescale(const typename C::LengthScale& from, const typename C::LengthScale& to) {
         for (int i = 0; i < 3; ++i) {
             half[i] = to.coarser(half[i], from);
             per_gyration[i].rescale(from, to);
@@ -144,7 +144,7 @@ private:
 template <class N, Spin spin, bool points = false>
 [[gnu::noinline]] void
 set_collision_shape(CollisionShape<N>& shape, const BodySpec& spec, const PrincipalInertia& inertia,
-                    typename ContactNumbers<N>::LengthScale scale, const SpinUnits<N, spin>& units) {
+                    const typename ContactNumbers<N>::LengthScale& scale, const SpinUnits<N, spin>& units) {
     using C = ContactNumbers<N>;
     using Work = typename N::Work;
     using Unit = typename C::Unit;
