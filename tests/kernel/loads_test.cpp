@@ -490,6 +490,57 @@ TEST_P(Loads, a_damped_spring_whose_motion_dies_away_is_not_told) {
     }
 }
 
+// A body on a spring with (h w)^2 = K, and beside it a damper and drag that take the shares of its speed in a step. A
+// spring is looked at with those before it.
+SceneSetup damped_beside(Number K, Number damper, Number drag, Number mass) {
+    SceneSetup setup{.name = "beside", .bodies = {top({1, 2, 2.5}, {}, real(mass))}};
+    setup.world.linear_drag = real(drag * mass * 256);
+    setup.bodies[0].position = {0.1, 0, 0};
+    setup.springs = {{.to = {0.35, 0, 0}, .stiffness = 1e-3, .damping = real(damper * mass * 256), .rest_length = 0.25},
+                     {.to = {0, 0, 0}, .stiffness = real(K * mass * 256 * 256), .rest_length = 0.09375}};
+    return setup;
+}
+TEST_P(Loads, growth_that_damping_beside_the_spring_undoes_is_not_told) {
+    if (GetParam().method.oscillation_limit > 0) GTEST_SKIP() << "does not add to every oscillation";
+    for (const Number K : {0.14L, 0.17L}) {
+        for (const Number mass : {0.5L, 3.0L}) {
+            const Number undone = 1.5L * (order() > 1 ? K * K / 4 : K);
+            EXPECT_TRUE(build(damped_beside(K, 0, 0, mass), GetParam())->status().has(Issue::step_too_long));
+            EXPECT_TRUE(build(damped_beside(K, undone, 0, mass), GetParam())->status().ok());
+            EXPECT_TRUE(build(damped_beside(K, 0, undone, mass), GetParam())->status().ok());
+        }
+    }
+}
+TEST_P(Loads, damping_and_drag_that_are_too_strong_together_are_told) {
+    const Method& method = GetParam().method;
+    if (!std::isfinite(method.drag_limit)) GTEST_SKIP() << "no limit";
+    for (const Number share : {0.35L, 0.6L}) {
+        for (const Number mass : {0.5L, 3.0L}) {
+            const Number C = share * method.drag_limit;
+            EXPECT_EQ(build(damped_beside(1e-3L, C, C, mass), GetParam())->status().has(Issue::step_too_long),
+                      share > 0.5L);
+            EXPECT_TRUE(build(damped_beside(1e-3L, C, 0, mass), GetParam())->status().ok());
+        }
+    }
+}
+
+// Of the square of an amplitude: 2 / n in a step, which is an e-fold of the amplitude in n.
+TEST_P(Loads, growth_that_has_lasted_is_told_of_methods_that_add_to_every_oscillation) {
+    const bool adds = GetParam().method.oscillation_limit == 0;
+    for (const std::uint32_t n : {1024u, 4096u, 65536u}) {
+        for (const Number share : {0.8L, 1.2L}) {
+            const Number growth = share * 2 / n;
+            SceneSetup setup = damped_beside(order() > 1 ? 2 * std::sqrt(growth) : growth, 0, 0, n / 4096.0L);
+            setup.start = n - 1;
+            const auto world = build(setup, GetParam());
+            world->step();
+            EXPECT_TRUE(world->status().ok()) << n;
+            world->step();
+            EXPECT_EQ(world->status().has(Issue::step_too_long), adds && share > 1) << n << " " << share;
+        }
+    }
+}
+
 // A fixed body attracts by its mass, and is not moved by the other's.
 TEST_P(Loads, a_light_fixed_body_and_a_heavy_one_are_not_too_near_for_what_moves) {
     for (const bool fixed_first : {true, false}) {

@@ -65,7 +65,7 @@ public:
     }
     bool add(const SpringSpec& spec, Bodies& bodies, const StepBounds& bounds) requires(features.springs > 0) {
         if (!springs_.add(spec, bodies)) return false;
-        springs_.check_step(bodies, bounds);
+        springs_.check_step(bodies, drag_, bounds);
         return true;
     }
     // Reports a step that is too long for the drag of a body that has been added, or for springs as they stand now.
@@ -75,7 +75,7 @@ public:
             bodies.report(Issue::step_too_long, b);
     }
     TUMBLE_INLINE void watch([[maybe_unused]] Bodies& bodies, [[maybe_unused]] const StepBounds& bounds) {
-        if constexpr (features.springs > 0) springs_.watch(bodies, bounds);
+        if constexpr (features.springs > 0) springs_.watch(bodies, drag_, bounds);
     }
     // Calls changed(body) for every force that acts in step `now`.
     template <class F>

@@ -62,8 +62,8 @@ struct Spring {
 };
 
 // Finds the motion of bodies that springs stiffen most, as they stand: the largest eigenvalue of M^-1 W by power
-// iteration from a pull of all springs, where W is their stiffness and damping in shares of what the step bears. What
-// it finds is a Rayleigh quotient, that of a motion: never above the largest.
+// iteration from a pull of all springs, where W is their stiffness and damping, and drag, in shares of what the step
+// bears. What it finds is a Rayleigh quotient, that of a motion: never above the largest.
 template <class N, class Bodies>
 class StiffestMotion {
 public:
@@ -80,16 +80,16 @@ public:
         }
     }
 
-    // True if some motion has more than 1: shares of stiffness and damping are K = share k h / m.
-    template <class Springs>
-    [[nodiscard]] bool exceeds(const Springs& springs, Work of_stiffness, Work of_damping) {
+    // True if some motion has more than 1: shares of stiffness and damping are K = share k h / m. `drag` may be
+    // nothing.
+    [[nodiscard]] bool exceeds(const auto& springs, const auto& drag, Work of_stiffness, Work of_damping) {
         constexpr int iterations = 12;
         const Work margin = Work(1) + N::template constant<Work>(Real::scaled(1, -10));
         rest();
         for (int s = 0; s < springs.count(); ++s) (void)add(springs[s], of_stiffness, of_damping, s % 3);
         for (int iteration = 0; iteration < iterations; ++iteration) {
             const Work size = respond();
-            Work stiffened(0);
+            Work stiffened = slow(drag, of_damping);
             for (int s = 0; s < springs.count(); ++s) stiffened += add(springs[s], of_stiffness, of_damping);
             if (size * margin < stiffened) return true;
         }
@@ -122,8 +122,28 @@ private:
         rest();
         return size;
     }
+    // Drag's force W u on all bodies, with u their velocities, where it is against them. Returns u W u.
+    Work slow([[maybe_unused]] const auto& drag, [[maybe_unused]] Work of_damping) {
+        Work slowed(0);
+        if constexpr (requires { drag.linear; }) {
+            const Work linear = of_damping * drag.linear;
+            for (int b = 0; b < bodies_.count; ++b) {
+                Body& body = body_[b];
+                slowed += linear * dot(body.v_w, body.v_w);
+                if (linear > Work(0)) body.force_w += scaled_by(body.v_w, linear);
+                if constexpr (Bodies::rotation) {
+                    if (!body.rotates()) continue;
+                    const Work angular = of_damping * drag.angular;
+                    slowed += angular * dot(body.w_b, body.w_b);
+                    if (angular > Work(0)) body.torque_b += scaled_by(body.w_b, angular);
+                }
+            }
+        }
+        return slowed;
+    }
     // The spring's force W u, with u the rate between its ends at the velocities, or for a first pull along the spring
-    // and, most of all, a world axis. Returns u W u.
+    // and, most of all, a world axis; without what is negative of W, whose size would be the largest that the iteration
+    // finds. Returns u W u, with it.
     Work add(const Spring<N>& spring, Work of_stiffness, Work of_damping, int pull = -1) {
         Body& a = body_[spring.body];
         Body* other = spring.to_body < 0 ? nullptr : &body_[spring.to_body];
@@ -140,13 +160,12 @@ private:
         const Work across = !is_stretched               ? none
                             : spring.rest_length > none ? share * (Work(1) - spring.rest_length / length)
                                                         : share;
-        Work along_it = share + of_damping * spring.damping;
-        // Damping that undoes growth helps this spring's own motion and no other: else what it takes would be the
-        // largest that the iteration finds.
-        if (of_damping < none && along_it < none) along_it = none;
-        const WorkVec3<N> force = scaled_by(rate, across) + scaled_by(along, (along_it - across) * rate_along);
-        spring.push(a, other, -force);
-        return dot(force, rate);
+        const Work along_it = share + of_damping * spring.damping;
+        const auto force = [&](Work w_across, Work w_along) -> WorkVec3<N> {
+            return scaled_by(rate, w_across) + scaled_by(along, (w_along - w_across) * rate_along);
+        };
+        spring.push(a, other, -force(across < none ? none : across, along_it < none ? none : along_it));
+        return dot(force(across, along_it), rate);
     }
 
     const Bodies& bodies_;
@@ -182,25 +201,20 @@ public:
         return true;
     }
 
-    // Reports a step that is too long for the springs as they stand, from the newest on.
-    template <class Bodies>
-    [[gnu::noinline]] void check_step(Bodies& bodies, const StepBounds& bounds) {
+    // Reports a step that is too long for the springs as they stand, and for drag; from the newest on.
+    [[gnu::noinline]] void check_step(auto& bodies, const auto& drag, const StepBounds& bounds) {
         is_watched_ = false;
-        for (int i = 0; i < StepBounds::sums; ++i) {
-            const Work of_stiffness = N::template constant<Work>(Real{bounds.of_spring[i]} * bodies.step_length),
-                       of_damping = N::template constant<Work>(Real{bounds.of_damper[i]});
-            if (of_stiffness == Work(0) && of_damping == Work(0)) continue;
-            StiffestMotion<N, Bodies> motion{bodies};
-            if (motion.exceeds(*this, of_stiffness, of_damping))
-                bodies.report(Issue::step_too_long, spring_[count_ - 1].body);
-            if (may_exceed(bodies, of_stiffness, of_damping)) is_watched_ = true;
-        }
+        for (int i = 0; i < StepBounds::sums; ++i)
+            is_watched_ |= check_sum(bodies, drag, Real{bounds.of_spring[i]}, Real{bounds.of_damper[i]});
     }
-    // The same every sixteenth step, of springs that turn with bodies and may become too stiff that way.
-    template <class Bodies>
-    TUMBLE_INLINE void watch(Bodies& bodies, const StepBounds& bounds) {
-        if (is_watched_ && bodies.steps_taken % 16 == 0 && !bodies.status.has(Issue::step_too_long))
-            check_step(bodies, bounds);
+    // The same every sixteenth step, of springs that turn with bodies and may become too stiff that way; and where a
+    // method adds to every oscillation, after 2^10, 2^11 and so on steps, whether one grows e-fold in so many.
+    TUMBLE_INLINE void watch(auto& bodies, const auto& drag, const StepBounds& bounds) {
+        const std::uint32_t steps = bodies.steps_taken;
+        if (bodies.status.has(Issue::step_too_long)) return;
+        if (is_watched_ && steps % 16 == 0) check_step(bodies, drag, bounds);
+        if (bounds.slowing > 0 && steps > e_fold_steps && (steps & (steps - 1)) == 0)
+            check_growth(bodies, drag, bounds, steps);
     }
     [[nodiscard]] int count() const { return count_; }
     [[nodiscard]] const Spring<N>& operator[](int s) const { return spring_[s]; }
@@ -241,6 +255,28 @@ public:
     }
 
 private:
+    static constexpr std::uint32_t e_fold_steps = 512;  // in which what step_bounds bears of growth does
+
+    [[gnu::noinline]] void check_growth(auto& bodies, const auto& drag, const StepBounds& bounds, std::uint32_t steps) {
+        Real spring{bounds.of_spring[0]}, damper{bounds.of_damper[0]};
+        for (; steps > e_fold_steps; steps /= 2) {
+            spring *= Real{bounds.slowing};
+            damper *= Real{2};
+        }
+        (void)check_sum(bodies, drag, spring, damper);
+    }
+    // Reports a motion that is beyond a bound; true if another pose of the bodies may have one.
+    template <class Bodies>
+    [[nodiscard]] bool check_sum(Bodies& bodies, const auto& drag, Real of_spring, Real of_damper) const {
+        const Work of_stiffness = N::template constant<Work>(of_spring * bodies.step_length),
+                   of_damping = N::template constant<Work>(of_damper);
+        if (of_stiffness == Work(0) && of_damping == Work(0)) return false;
+        StiffestMotion<N, Bodies> motion{bodies};
+        if (motion.exceeds(*this, drag, of_stiffness, of_damping))
+            bodies.report(Issue::step_too_long, spring_[count_ - 1].body);
+        return may_exceed(bodies, drag, of_stiffness, of_damping);
+    }
+
     [[nodiscard]] static bool is_in_range(const RealVec3& point) {
         if constexpr (N::fixed_point)
             for (int i = 0; i < 3; ++i)
@@ -252,9 +288,11 @@ private:
         else return N::template constant<typename N::PositionSum>(metres);
     }
 
-    // False if no pose of the bodies makes the springs too stiff: Gershgorin's bound, with arms across the forces.
+    // False if no pose of the bodies makes the springs too stiff: Gershgorin's bound, with arms across the forces, and
+    // the most of drag.
     template <class Bodies>
-    [[nodiscard]] bool may_exceed(const Bodies& bodies, Work of_stiffness, Work of_damping) const {
+    [[nodiscard]] bool may_exceed(const Bodies& bodies, [[maybe_unused]] const auto& drag, Work of_stiffness,
+                                  Work of_damping) const {
         // The root of the spring's share times what it moves body b by at the most.
         const auto part = [&](const Spring<N>& s, int b, const WorkVec3<N>& arm) {
             if (b < 0 || bodies.constants[b].fixed) return Work(0);
@@ -264,8 +302,18 @@ private:
                 if (bodies.rotates(b)) moved += dot(arm, arm) * bodies.step_per_moment(b, 2);
             return sqrt(share * moved);
         };
-        Work of_body[Bodies::room];
-        for (int b = 0; b < bodies.count; ++b) of_body[b] = Work(0);
+        Work of_body[Bodies::room], of_drag(0);
+        for (int b = 0; b < bodies.count; ++b) {
+            of_body[b] = Work(0);
+            if constexpr (requires { drag.linear; }) {
+                const auto see = [&](Work slowed) {
+                    if (of_drag < slowed) of_drag = slowed;
+                };
+                see(of_damping * drag.linear * bodies.step_per_mass(b));
+                if constexpr (Bodies::rotation)
+                    if (bodies.rotates(b)) see(of_damping * drag.angular * bodies.step_per_moment(b, 2));
+            }
+        }
         for (int s = 0; s < count_; ++s) {
             of_body[spring_[s].body] += part(spring_[s], spring_[s].body, spring_[s].point_b);
             if (spring_[s].to_body >= 0)
@@ -275,7 +323,7 @@ private:
             Work sum = part(spring_[s], spring_[s].body, spring_[s].point_b) * of_body[spring_[s].body];
             if (spring_[s].to_body >= 0)
                 sum += part(spring_[s], spring_[s].to_body, spring_[s].to) * of_body[spring_[s].to_body];
-            if (Work(1) < sum) return true;
+            if (Work(1) < sum + of_drag) return true;
         }
         return false;
     }
