@@ -111,7 +111,8 @@ std::string message_of(const Trouble& trouble, const SceneDescription& scene, co
     const double time = static_cast<double>(trouble.step) * scene.step.seconds();
     std::string message = scene.path + ": body \"" + body + "\" at " + few_digits(time) + " s (step " +
                           std::to_string(trouble.step) + "): " + trouble.issue + ": ";
-    if (trouble.issue == "range_left" && simulation.range().empty())
+    if (!trouble.why.empty()) message += trouble.why;
+    else if (trouble.issue == "range_left" && simulation.range().empty())
         message += "a number is not finite, or the body turns too far in a step. Take a smaller step";
     else if (trouble.issue == "range_left")
         message +=

@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "command/command.hpp"
+#include "simulation/watch.hpp"
 #include "tools/files.hpp"
 #include "tools/firmware.hpp"
 #include "tools/process.hpp"
@@ -41,7 +42,7 @@ std::string status_text(const Simulation& simulation) {
 class Reference {
 public:
     Reference(const CompareOptions& options, const SceneDescription& scene)
-        : options_(options), scene_(scene), simulation_(options.start(scene)) {}
+        : options_(options), scene_(scene), simulation_(options.start(scene)), range_(scene, *simulation_) {}
 
     [[nodiscard]] bool at_end() const {
         return simulation_->steps_taken() >= simulation_->steps() || simulation_->has_trouble("range_left");
@@ -49,6 +50,8 @@ public:
     [[nodiscard]] bool is_over() const { return is_over_; }
     [[nodiscard]] std::int64_t states() const { return states_; }
     [[nodiscard]] const Simulation& simulation() const { return *simulation_; }
+    // What went wrong on the host; the kernel knows no range of floating point.
+    [[nodiscard]] std::vector<Trouble> troubles() const { return with(simulation_->troubles(), range_.trouble()); }
 
     // Compares the next recorded state with a line "step word word ...", in hex; prints what differs.
     [[nodiscard]] bool agrees(const std::string& line) {
@@ -105,13 +108,16 @@ private:
             is_over_ = true;
             return;
         }
-        do simulation_->step();
-        while (!at_end() && simulation_->steps_taken() % options_.every != 0);
+        do {
+            simulation_->step();
+            range_.see(*simulation_);
+        } while (!at_end() && simulation_->steps_taken() % options_.every != 0);
     }
 
     const CompareOptions& options_;
     const SceneDescription& scene_;
     std::unique_ptr<Simulation> simulation_;
+    RangeWatch range_;
     std::int64_t states_ = 0;
     bool is_over_ = false;
 };
@@ -159,9 +165,9 @@ int compare(const CompareOptions& options) {
     std::cout << options.core << " agrees with the host: " << reference.states() << " states, "
               << reference.simulation().integrator() << ", " << reference.simulation().numbers() << ", hash "
               << hex(reference.simulation().hash()) << "\n";
-    for (const Trouble& trouble : reference.simulation().troubles())
-        std::cerr << message_of(trouble, scene, reference.simulation()) << "\n";
-    return reference.simulation().troubles().empty() ? done : failed;
+    const std::vector<Trouble> troubles = reference.troubles();
+    for (const Trouble& trouble : troubles) std::cerr << message_of(trouble, scene, reference.simulation()) << "\n";
+    return troubles.empty() ? done : failed;
 }
 
 }  // namespace tumble::host

@@ -9,6 +9,7 @@
 
 #include "command/command.hpp"
 #include "command/plot.hpp"
+#include "simulation/watch.hpp"
 #include "tools/output.hpp"
 #include "tools/progress.hpp"
 #include "tools/text.hpp"
@@ -79,21 +80,16 @@ std::string json_array(const Numbers& numbers) {
     return text + "]";
 }
 
-// What went wrong, with an energy that no double holds: speeds whose squares leave it are as wrong as those that do.
-std::vector<Trouble> troubles_of(const Simulation& simulation, const EnergyWatch& energy) {
-    std::vector<Trouble> troubles = simulation.troubles();
+// What went wrong, with what only the host finds, and an energy that no double holds: speeds whose squares leave it are
+// as wrong as those that do.
+std::vector<Trouble> troubles_of(const Simulation& simulation, const EnergyWatch& energy, const RangeWatch& range,
+                                 const EnergyGrowthWatch& growth) {
+    std::vector<Trouble> troubles = with(simulation.troubles(), growth.trouble());
+    troubles = with(std::move(troubles), range.trouble());
     const bool is_held = std::isfinite(static_cast<double>(energy.end())) &&
                          std::isfinite(static_cast<double>(energy.largest_relative_drift()));
-    if (is_held || simulation.has_trouble("range_left")) return troubles;
-    int fastest = 0;
-    const auto speed = [&](int body) {
-        const auto& v = simulation.body(body).velocity;
-        return std::hypot(v[0], v[1], v[2]);
-    };
-    for (int b = 1; b < simulation.body_count(); ++b)
-        if (speed(b) > speed(fastest)) fastest = b;
-    troubles.push_back({"range_left", fastest, simulation.steps_taken() - 1});
-    return troubles;
+    if (is_held) return troubles;
+    return with(std::move(troubles), Trouble{"range_left", fastest_body(simulation), simulation.steps_taken() - 1});
 }
 
 void print_json(const SceneDescription& scene, const Simulation& simulation, const EnergyWatch& energy,
@@ -170,23 +166,28 @@ int run(const RunOptions& options) {
 
     Energy now = simulation->energy();
     EnergyWatch energy(now);
+    EnergyGrowthWatch growth(scene, now);
+    RangeWatch range(scene, *simulation);
     {
         Progress progress(simulation->steps());
         for (;;) {
             // A trajectory that has left the range is wrong from there on.
-            const bool last = simulation->steps_taken() >= simulation->steps() || simulation->has_trouble("range_left");
+            const bool last = simulation->steps_taken() >= simulation->steps() ||
+                              simulation->has_trouble("range_left") || range.trouble();
             if (trajectory) trajectory->record(*simulation, last);
             if (plot) plot->sample(*simulation, now, last);
             if (last) break;
             simulation->step();
             now = simulation->energy();
             energy.see(now);
+            growth.see(*simulation, now);
+            range.see(*simulation);
             if (trajectory && !trajectory->good()) trajectory->close();  // throws
             if (simulation->steps_taken() % 256 == 0) progress.show(simulation->steps_taken());
         }
     }
     if (trajectory) trajectory->close();
-    const std::vector<Trouble> troubles = troubles_of(*simulation, energy);
+    const std::vector<Trouble> troubles = troubles_of(*simulation, energy, range, growth);
     if (options.json) print_json(scene, *simulation, energy, troubles);
     else print_table(scene, *simulation, energy);
     if (plot) {

@@ -92,6 +92,7 @@ struct ForceDescription {
 
 struct RangeDescription {
     double position = 1024.0, velocity = 128.0, angular_velocity = 64.0;
+    bool is_declared = false;  // the file has [range]
 };
 
 struct SleepDescription {

@@ -263,6 +263,7 @@ void read_range(Table table, RangeDescription& range) {
     read("position", range.position, field.position, "m");
     read("velocity", range.velocity, field.velocity, "m/s");
     read("angular_velocity", range.angular_velocity, field.angular_velocity, "rad/s");
+    range.is_declared = true;
     table.finish();
 }
 

@@ -1,6 +1,7 @@
 #include "simulation/limits.hpp"
 
 #include <tumble/body/mass.hpp>
+#include <tumble/status.hpp>
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
@@ -59,8 +60,15 @@ double log_radius(const OscillatorStep& step) {
     if (square < 0) return std::log(step.determinant()) / 2;
     return std::log(std::abs(step.trace()) / 2 + std::sqrt(square));
 }
-// True if the mode's energy does not grow by more than most_growth in the time, s.
+// True of what the kernel tells of as step_too_long.
+bool is_told(const StepBounds& bounds, double k, double c) {
+    for (int i = 0; i < StepBounds::sums; ++i)
+        if (bounds.of_spring[i] * k + bounds.of_damper[i] * c > 1) return true;
+    return false;
+}
+// True if the mode's energy does not grow by more than most_growth in the time, s, and nothing is told of it.
 bool holds(const IntegratorInfo& method, const Mode& mode, double h, double time) {
+    if (is_told(method.step_bounds, h * h * mode.stiffness, h * mode.damping)) return false;
     // Some methods are stable again in a window beyond the limit, which no motion that is not linear stays in.
     if (mode.damping == 0 && method.oscillation_limit > 0 && h * std::sqrt(mode.stiffness) > method.oscillation_limit)
         return false;
@@ -79,8 +87,8 @@ double longest_step(const IntegratorInfo& method, const Mode& mode, double too_l
     return method.oscillation_limit > 0 ? safe_share * good : good;
 }
 
-// The linear oscillations about the start of all bodies that springs hold, with drag: the eigenvectors of stiffness and
-// of damping, both per mass.
+// The linear oscillations about the start of all bodies that springs hold, with drag: the eigenvectors of stiffness, of
+// damping, both per mass, and of the sums of both that the kernel looks at.
 class SpringModes {
 public:
     SpringModes(const SceneData& scene, const std::vector<Body>& bodies) : scene_{scene}, bodies_{bodies} {
@@ -103,14 +111,23 @@ public:
     }
 
     [[nodiscard]] bool holds(int body) const { return first_.count(body) > 0; }
-    [[nodiscard]] std::vector<Mode> modes(const SceneDescription& names) const {
+    [[nodiscard]] std::vector<Mode> modes(const SceneDescription& names, const StepBounds& bounds, double step) const {
         std::vector<Mode> modes;
         if (size_ == 0) return modes;
         const Eigen::MatrixXd all_damping = damping_ + drag_;
+        const auto axes_of = [](const Eigen::MatrixXd& matrix) -> Eigen::MatrixXd {
+            return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(matrix).eigenvectors();
+        };
         for (const Eigen::MatrixXd* matrix : {&stiffness_, &all_damping}) {
             if (matrix->isZero(0)) continue;
-            const Eigen::MatrixXd axes = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(*matrix).eigenvectors();
+            const Eigen::MatrixXd axes = axes_of(*matrix);
             for (Eigen::Index k = 0; k < size_; ++k) modes.push_back(mode_along(axes.col(k), all_damping, names));
+        }
+        if (damping_.isZero(0) && drag_.isZero(0)) return modes;
+        for (int i = 0; i < StepBounds::sums; ++i) {
+            const Eigen::MatrixXd axes =
+                axes_of(bounds.of_spring[i] * step * step * stiffness_ + bounds.of_damper[i] * step * all_damping);
+            modes.push_back(mode_along(axes.col(size_ - 1), all_damping, names));
         }
         return modes;
     }
@@ -289,7 +306,8 @@ public:
 
     [[nodiscard]] std::vector<Limit> run() {
         const SpringModes springs(data_, bodies_);
-        for (const Mode& mode : springs.modes(scene_)) look_at(mode);
+        for (const Mode& mode : springs.modes(scene_, method_.step_bounds, step_)) look_at(mode);
+        look_at_what_is_told();
         for (std::size_t b = 0; b < bodies_.size(); ++b) {
             if (data_.bodies[b].fixed || springs.holds(static_cast<int>(b))) continue;
             const std::string where = body(b);
@@ -301,6 +319,7 @@ public:
         look_at_gravitation();
         for (std::size_t b = 0; b < bodies_.size(); ++b) look_at_swings(b);
         for (std::size_t b = 0; b < bodies_.size(); ++b) look_at_spin(b);
+        for (std::size_t b = 0; b < bodies_.size(); ++b) look_at_impacts(b);
         look_at_range();
         for (std::size_t b = 0; b < bodies_.size(); ++b) look_at_loads(b);
         return std::move(found_);
@@ -324,14 +343,45 @@ private:
         const double per_step = is_spring ? std::sqrt(mode.stiffness) : mode.damping;
         const double known = is_spring ? method_.oscillation_limit : method_.drag_limit;
         const bool damped = is_spring ? mode.damping > 0 : mode.stiffness > 0;
-        Limit limit{mode.where, mode.what, per_step * step_, damped || known == 0 ? per_step * most : known, most, ""};
+        const double longest = method_.oscillation_limit > 0 ? most / safe_share : most;
+        Limit limit{mode.where, mode.what, per_step * step_, damped || known == 0 ? per_step * longest : known,
+                    most,       ""};
         const std::string ratio = is_spring ? "h w" : mode.what == "drag" ? "h c/m" : "h c/m of the damper";
         limit.sentence = limit.where + ": " + step_and(ratio + " " + few_digits(limit.value)) + ", and " + method_.name;
         if (known == 0 && is_spring)
             limit.sentence += " adds to an oscillation at every step, here more than " +
                               few_digits(100 * (most_growth - 1)) + " % in " + few_digits(duration_) + " s";
-        else limit.sentence += " is stable up to " + four_digits_down(limit.limit);
+        else
+            limit.sentence += " is stable up to " + four_digits_down(limit.limit) +
+                              (limit.value < limit.limit ? ", of which nine tenths are safe" : "");
         limit.sentence += ": " + safe(most);
+        tell(std::move(limit));
+    }
+
+    // The kernel looks at springs one after another, in the order of the file, and takes them to be stretched: what it
+    // tells when they are added is told here too.
+    void look_at_what_is_told() {
+        if (!found_.empty() || data_.springs.empty()) return;
+        const auto told_at = [&](double step) -> std::optional<Trouble> {
+            SceneDescription scene = scene_;
+            scene.step = {1, 0, step};
+            scene.duration = 0;
+            const auto simulation = make_simulation(scene, method_.name, system_.name, system_.carry);
+            for (const Trouble& trouble : simulation->troubles())
+                if (trouble.issue == name_of(Issue::step_too_long)) return trouble;
+            return {};
+        };
+        const auto told = told_at(step_);
+        if (!told) return;
+        double good = step_ / 2, bad = step_;
+        while (good > 0 && told_at(good)) bad = std::exchange(good, good / 2);
+        for (int halving = 0; halving < 8; ++halving) {
+            const double middle = (good + bad) / 2;
+            (told_at(middle) ? bad : good) = middle;
+        }
+        Limit limit{body(static_cast<std::size_t>(told->body)), "spring", step_, good, safe_share * good, ""};
+        limit.sentence = limit.where + ": " + step_and("its springs too stiff, each with those before it") + ": " +
+                         safe(limit.largest_step);
         tell(std::move(limit));
     }
 
@@ -518,23 +568,91 @@ private:
         tell(std::move(limit));
     }
 
+    // rad/s about a principal axis of the body.
+    [[nodiscard]] double held_spin(std::size_t b, int axis, double step) const {
+        const Vector& moments = bodies_[b].axes.moments;
+        const double per_spin =
+            step / 2 * (method_.spin == Spin::angular_momentum ? static_cast<double>(moments[axis] / moments.y) : 1);
+        return held_by(index(), Real{step}, method_.spin).half_turn / per_spin;
+    }
+
+    // m/s: how fast a body may meet what it falls on, a plane below it or a fixed body; 0 where there is nothing.
+    [[nodiscard]] double landing_speed(std::size_t b) const {
+        const Vector x = vector(data_.bodies[b].position), v = vector(data_.bodies[b].velocity),
+                     g = vector(data_.world.gravity), size = vector(data_.bodies[b].shape.size);
+        const ShapeKind kind = data_.bodies[b].shape.kind;
+        const Number reach = kind == ShapeKind::box ? std::min({size.x, size.y, size.z}) / 2 : size.x, pull = norm(g);
+        const Vector down = pull > 0 ? g * (1 / pull) : Vector{};
+        const Number infinite = std::numeric_limits<Number>::infinity();
+        Number height = infinite;
+        for (const PlaneSpec& plane : data_.planes) {
+            const Vector n = vector(normalized(plane.normal));
+            if (const Number slope = -dot(n, down); slope > Number(0.01))
+                height = std::min(height, (dot(n, x) + number(plane.offset)) / slope - reach);
+        }
+        Number lowest = 0;
+        for (const BodySpec& other : data_.bodies)
+            if (other.fixed && shapes_meet(kind, other.shape.kind))
+                lowest = std::max(lowest, dot(vector(other.position) - x, down) - reach);
+        if (height == infinite) height = lowest;
+        const Number time = duration_;
+        if ((data_.planes.empty() && height == 0) || height > (norm(v) + pull * time / 2) * time) return 0;
+        const Number fall = std::min(pull * duration_, std::sqrt(2 * pull * std::max(Number(0), height)));
+        return static_cast<double>(std::sqrt(dot(v, v) + fall * fall));
+    }
+    // An impact across a body turns it at (1 + e) v m d / (I + m d^2), at the most (1 + e) v / 2 over the gyration
+    // radius; friction turns a sphere until it rolls, at 5/7 of v / r.
+    void look_at_impacts(std::size_t b) {
+        const BodySpec& spec = data_.bodies[b];
+        const BodyDescription& named = scene_.bodies[b];
+        if (!system_.fixed_point || spec.fixed || spec.shape.kind == ShapeKind::none ||
+            scene_.contact.response == ContactResponse::none || told_of(body(b), "spin"))
+            return;
+        const double e = named.restitution.value_or(scene_.contact.restitution);
+        double spin = 0, speed = landing_speed(b);
+        if (spec.shape.kind == ShapeKind::sphere) {
+            const Vector v = vector(spec.velocity), g = vector(data_.world.gravity);
+            const Number pull = norm(g), along = pull > 0 ? dot(v, g) / pull : Number(0);
+            if (!(named.friction.value_or(scene_.contact.friction) > 0) || data_.planes.empty()) return;
+            speed = static_cast<double>(std::sqrt(std::max(Number(0), dot(v, v) - along * along)));
+            spin = static_cast<double>(speed * 5 / 7 / number(spec.shape.size.x));
+        } else {
+            spin = static_cast<double>((1 + e) / 2 * speed / std::sqrt(bodies_[b].axes.moments.y / bodies_[b].mass));
+        }
+        const double held = held_spin(b, 1, step_);
+        if (!(spin > held)) return;
+        Limit limit{body(b), "impact", spin, held, 0, ""};
+        limit.sentence = limit.where + ": what it meets at " + few_digits(speed) + " m/s may turn it at " +
+                         few_digits(spin) + " rad/s, and " + way() + " holds " + four_digits_down(held) +
+                         " rad/s of this body at a step of " + few_digits(step_) + " s: ";
+        if (spin <= system_of_most().second) {
+            limit.largest_step = step_;
+            const auto most = [&](double step) {
+                return held_by(system_of_most().first, Real{step}, method_.spin).half_turn * 2 / step;
+            };
+            while (most(limit.largest_step) < spin) limit.largest_step /= 2;
+            limit.sentence += "a [range] angular_velocity of " + few_digits(spin) + " and a step of " +
+                              four_digits_down(limit.largest_step) + " s hold it";
+        } else limit.sentence += "no [range] holds it, but floating point does";
+        tell(std::move(limit));
+    }
+    // Of the systems that differ in their range the last, and the fastest spin that it holds of a sphere, rad/s.
+    [[nodiscard]] std::pair<std::size_t, double> system_of_most() const {
+        const auto& systems = number_systems();
+        std::size_t last = index();
+        for (std::size_t i = 0; i < systems.size(); ++i)
+            if (systems[i].name == system_.name && systems[i].carry == system_.carry) last = i;
+        const Real shortest = Real::scaled(1, -14);
+        return {last, held_by(last, shortest, method_.spin).half_turn * 2 / shortest.to_double()};
+    }
+
     // What [range] promises of spins, where the file asks for more than the default.
     void look_at_range() {
         if (!system_.fixed_point || scene_.range.angular_velocity <= RangeDescription{}.angular_velocity) return;
         for (std::size_t b = 0; b < bodies_.size(); ++b) {
             if (!bodies_[b].rotates) continue;
-            const auto held = [&](double step) {
-                const Vector& moments = bodies_[b].axes.moments;
-                const double most = held_by(index(), Real{step}, method_.spin).half_turn;
-                double least = std::numeric_limits<double>::infinity();
-                for (int i = 0; i < 2; ++i) {  // about the smallest moment a spin is never the first to leave
-                    const double per_spin =
-                        step / 2 *
-                        (method_.spin == Spin::angular_momentum ? static_cast<double>(moments[i] / moments.y) : 1);
-                    least = std::min(least, most / per_spin);
-                }
-                return least;
-            };
+            // About the smallest moment a spin is never the first to leave.
+            const auto held = [&](double step) { return std::min(held_spin(b, 0, step), held_spin(b, 1, step)); };
             const double declared = scene_.range.angular_velocity, limit_of_spin = held(step_);
             if (limit_of_spin >= declared || told_of(body(b), "spin")) continue;
             double step = step_ * limit_of_spin / declared;

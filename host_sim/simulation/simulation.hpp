@@ -40,6 +40,7 @@ struct Trouble {
     std::string issue;  // the name of a sticky status bit
     int body = 0;
     std::int64_t step = 0;  // the step that met it, from 0
+    std::string why{};      // where the host found it and not the kernel: the rest of the message
 };
 
 class Simulation {
@@ -114,6 +115,7 @@ struct IntegratorInfo {
     OscillatorStep (*oscillator_step)(double k, double c) = nullptr;
     Spin spin = Spin::none;       // what it keeps of a spin
     bool takes_any_load = false;  // fixed point does not limit the change of a step
+    StepBounds step_bounds{};     // beyond which the kernel tells of springs, dampers and drag
 };
 struct NumberSystemInfo {
     std::string name;

@@ -4,6 +4,7 @@
 #include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <random>
 
 #include "command_runner.hpp"
 #include "scene/reader.hpp"
@@ -266,6 +267,182 @@ TEST(Limits, of_orbits_count_the_closest_point_against_what_binds_them) {
     ASSERT_EQ(limits.size(), 1u);
     EXPECT_NEAR(limits[0].limit, 2 * most, 1e-3);
     EXPECT_TRUE(exceeded_limits(with_step(turn, 0.95 * most), "verlet", "f64").empty());
+}
+
+// Bodies that springs with dampers tie to each other and to the world, all of them near what a step bears.
+SceneDescription tied(std::mt19937& random, const IntegratorInfo& method) {
+    const auto uniform = [&](double least, double most) {
+        return least + (most - least) * static_cast<double>(random()) / 4294967296.0;
+    };
+    const auto triple = [&](double size) {
+        return Triple{uniform(-size, size), uniform(-size, size), uniform(-size, size)};
+    };
+    SceneDescription scene = scene_of("[[body]]\nname = \"b\"\nshape = \"none\"\nmass = 1.0\n");
+    scene.duration = 2;
+    scene.step = {1, static_cast<std::int64_t>(uniform(50, 400)), 0};
+    const double h = scene.step.seconds(), of_springs = method.oscillation_limit > 0 ? method.oscillation_limit : 0.4,
+                 of_damping = method.drag_limit;
+    const int bodies = static_cast<int>(uniform(1, 5)), springs = static_cast<int>(uniform(1, 7));
+    const BodyDescription first = scene.bodies[0];
+    scene.bodies.clear();
+    for (int b = 0; b < bodies; ++b) {
+        BodyDescription body = first;
+        body.name += std::to_string(b);
+        body.mass = std::pow(10, uniform(-1.0, 1.0));
+        body.position = triple(2);
+        if (random() % 2 == 0) {
+            body.shape = {ShapeKind::box, {uniform(0.1, 1), uniform(0.1, 1), uniform(0.1, 1)}, {}};
+            body.orientation = {1, uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)};
+            body.angular_velocity = triple(0.5);
+        }
+        scene.bodies.push_back(body);
+    }
+    for (int s = 0; s < springs; ++s) {
+        SpringDescription spring;
+        spring.body = static_cast<int>(random() % static_cast<unsigned>(bodies));
+        spring.to_body = static_cast<int>(random() % static_cast<unsigned>(bodies + 1)) - 1;
+        if (spring.to_body == spring.body) spring.to_body = -1;
+        if (spring.to_body < 0) spring.to = triple(2);
+        const double m = *scene.body(spring.body).mass, share = uniform(0.1, 1.1);
+        if (!scene.body(spring.body).is_point_mass()) spring.point = triple(0.3);
+        spring.stiffness = m * std::pow(share * of_springs / h, 2);
+        if (random() % 2 == 0) spring.damping = m / h * of_damping * uniform(0, 0.7);
+        if (random() % 2 == 0) spring.rest_length = uniform(0, 3);
+        scene.springs.push_back(spring);
+    }
+    if (random() % 3 == 0) scene.linear_drag = of_damping / h * uniform(0, 0.7) * *scene.body(0).mass;
+    if (random() % 3 == 0) scene.angular_drag = of_damping / h * uniform(0, 0.01);
+    return scene;
+}
+TEST(Limits, are_warned_of_wherever_the_kernel_tells_of_them_at_the_start) {
+    std::mt19937 random(11);
+    int told = 0;
+    for (int trial = 0; trial < 400; ++trial) {
+        const IntegratorInfo& method = integrators()[random() % integrators().size()];
+        if (!std::isfinite(method.drag_limit)) continue;
+        const SceneDescription scene = tied(random, method);
+        if (!make_simulation(scene, method.name, "f64")->has_trouble("step_too_long")) continue;
+        ++told;
+        EXPECT_FALSE(exceeded_limits(scene, method.name, "f64").empty()) << method.name << " trial " << trial;
+    }
+    EXPECT_GT(told, 100);
+}
+
+// How `tumble run` ends a scene, whose text has been written to a file.
+Outcome run_of(const std::string& text, std::vector<std::string> options) {
+    options.insert(options.begin(), {"run", written("scene.toml", text)});
+    return tumble(options);
+}
+std::string thrown(const std::string& range, const std::string& how) {
+    return "name = \"thrown\"\n[world]\nstep = \"1/64\"\nduration = 20.0\ngravity = [0.0, -10.0, 0.0]\n" + range +
+           "[[body]]\nname = \"b\"\nshape = \"none\"\nmass = 2.0\ninertia = [0.1, 0.1, 0.1]\n" + how;
+}
+TEST(Limits, of_a_declared_range_are_told_in_floating_point_too) {
+    const std::string near = "[range]\nposition = 64.0\nvelocity = 32.0\nangular_velocity = 32.0\n",
+                      high = "[range]\nposition = 30000.0\nvelocity = 2000.0\nangular_velocity = 8.0\n",
+                      fast = "velocity = [-30.0, 25.0, 0.0]\n",
+                      spun = "[[force]]\nbody = \"b\"\nfrom = 0.0\nuntil = 20.0\nforce = [0.0, 0.0, 0.0]\n"
+                             "torque = [0.0, -0.05, 0.0]\n";
+    for (const char* numbers : {"q32", "f32", "f64"}) {
+        SCOPED_TRACE(numbers);
+        const auto told = [&](const std::string& range, const std::string& how, const std::string& duration) {
+            const Outcome outcome = run_of(thrown(range, how), {"--numbers", numbers, "--duration", duration});
+            const bool is_told = outcome.text.find("range_left") != std::string::npos;
+            EXPECT_EQ(outcome.status, is_told ? 1 : 0) << outcome.text;
+            EXPECT_EQ(is_told, outcome.text.find("declared [range]") != std::string::npos) << outcome.text;
+            return is_told;
+        };
+        EXPECT_FALSE(told(near, fast, "2"));
+        EXPECT_TRUE(told(near, fast, "2.3"));  // 69 m
+        EXPECT_FALSE(told(near, "", "3.1"));   // 31 m/s
+        EXPECT_TRUE(told(near, "", "3.3"));
+        EXPECT_FALSE(told(high, fast, "15"));
+        EXPECT_FALSE(told(high, spun, "15"));                                  // 7.5 rad/s
+        EXPECT_TRUE(told(high, spun, "20") || numbers == std::string{"q32"});  // it holds 16 rad/s
+        if (numbers != std::string{"q32"}) { EXPECT_FALSE(told("", "velocity = [-100.0, 100.0, 0.0]\n", "20")); }
+    }
+}
+
+// Energy that a method has added is no result, whether or not the kernel knows how long it ran.
+TEST(Limits, of_growth_in_a_whole_run_fail_it) {
+    const auto oscillator = [](const std::string& more) {
+        return "name = \"gains\"\n[world]\nstep = \"1/256\"\nduration = 60.0\n" + more +
+               "[[body]]\nname = \"b\"\nshape = \"none\"\nmass = 0.5\nposition = [0.0, -0.3, 0.1]\n"
+               "[[spring]]\nbody = \"b\"\nto = [0.0, 0.0, 0.0]\nstiffness = 2949.12\n";  // h w = 0.3
+    };
+    const std::string damped = oscillator("linear_drag = 0.15\n"),
+                      forced = oscillator("") +
+                               "[[force]]\nbody = \"b\"\nfrom = 0.0\nuntil = 1.0\nforce = [1.0, 0.0, 0.0]\n";
+    for (const std::string& text : {oscillator(""), damped, forced}) {
+        for (const char* method : {"heun", "midpoint"}) {
+            const Outcome outcome = run_of(text, {"--integrator", method, "--numbers", "f64"});
+            EXPECT_EQ(outcome.status, 1) << method << outcome.text;
+            EXPECT_NE(outcome.text.find("step_too_long"), std::string::npos) << outcome.text;
+            EXPECT_NE(outcome.text.find("warning: "), std::string::npos) << outcome.text;
+        }
+        for (const char* method : {"verlet", "rk4", "implicit_midpoint"}) {
+            const Outcome outcome = run_of(text, {"--integrator", method, "--numbers", "f64"});
+            EXPECT_EQ(outcome.status, 0) << method << outcome.text;
+        }
+    }
+}
+
+// A die of `edge` that falls from `height`, to a table whose normal is `up`.
+std::string falling_die(double edge, double height, Triple up, const std::string& shape = "") {
+    const auto triple = [&](double size) {
+        return "[" + std::to_string(size * up[0]) + ", " + std::to_string(size * up[1]) + ", " +
+               std::to_string(size * up[2]) + "]\n";
+    };
+    const std::string e = std::to_string(edge);
+    return "gravity = " + triple(-9.81) +
+           "[contact]\nrestitution = 0.3\n[[plane]]\nname = \"table\"\nnormal = " + triple(1) +
+           "[[body]]\nname = \"die\"\nmass = 0.005\nposition = " + triple(height) +
+           "shape = " + (shape.empty() ? "{ box = [" + e + ", " + e + ", " + e + "] }" : shape) + "\n";
+}
+TEST(Limits, of_the_spin_that_an_impact_may_give_a_small_body_are_warned_of) {
+    const auto warned = [](const std::string& rest, const char* numbers) {
+        const auto limits = exceeded_limits(
+            read_scene_text("name = \"dice\"\n[world]\nstep = \"1/256\"\nduration = 0.8\n" + rest, "dice.toml"),
+            "verlet", numbers);
+        return std::any_of(limits.begin(), limits.end(), [](const Limit& limit) { return limit.what == "impact"; });
+    };
+    for (const Triple& up : {Triple{0, 1, 0}, Triple{-1, 0, 0}, Triple{0, 0, 1}}) {
+        EXPECT_TRUE(warned(falling_die(0.01, 1, up), "q32"));
+        EXPECT_FALSE(warned(falling_die(0.01, 1, up), "f64"));
+        EXPECT_TRUE(warned(falling_die(0.02, 0.6, up), "q32"));
+        EXPECT_FALSE(warned(falling_die(0.5, 1, up), "q32"));
+        EXPECT_FALSE(warned(falling_die(0.01, 0.005, up), "q32"));                    // at rest
+        EXPECT_FALSE(warned(falling_die(0.01, 1, up, "{ sphere = 0.005 }"), "q32"));  // without friction
+        EXPECT_TRUE(warned(falling_die(0.01, 1, up, "{ cylinder = [0.005, 0.05] }"), "q32"));
+    }
+}
+
+// What the page of stability says in its own words.
+TEST(Limits, on_the_page_of_stability_are_what_methods_do) {
+    const std::string page = contents((source_directory / "bench/STABILITY.md").string());
+    const auto says = [&](const char* words) { EXPECT_NE(page.find(words), std::string::npos) << words; };
+    says("| springs | `verlet` for ever, `rk4` or `suzuki4` for digits | `h w < 0.1` for errors of a thousandth");
+    for (const char* name : {"verlet", "rk4", "suzuki4"})
+        EXPECT_NEAR(std::acos(find_integrator(name).oscillator_step(0.01, 0).trace() / 2), 0.1, 1e-4) << name;
+    says("| dampers and drag | `verlet`, `rk4`; strong ones `implicit_midpoint` | `h c/m < 1` keeps the sign");
+    for (const char* name : {"verlet", "rk4", "implicit_midpoint"})
+        EXPECT_GT(find_integrator(name).oscillator_step(0, 1).vv, 0) << name;
+    says("in `q32` a turn of 1/4 rad: `h < 1/(4 abs(w))`, half of that about the axis of a disc");
+    const auto turn_held = [](const std::string& shape) {
+        const SceneDescription scene = with_step(scene_of("[[body]]\nname = \"b\"\nmass = 0.7\nshape = " + shape +
+                                                          "\nangular_velocity = [0.0, 0.0, 60.0]\n"),
+                                                 1.0 / 128);
+        const auto limits = exceeded_limits(scene, "verlet", "q32");
+        return limits.size() == 1 ? limits[0].limit / 128 : 0;
+    };
+    EXPECT_NEAR(turn_held("{ sphere = 0.1 }"), 0.25, 0.01);
+    EXPECT_NEAR(turn_held("{ hoop = 0.1 }"), 0.125, 0.005);
+    says("`z = 1/16` on for `explicit_euler`, from 0.354 on for the others");
+    const auto told_from = [](const char* name) {
+        return 1 / std::sqrt(find_integrator(name).step_bounds.of_spring[0]);
+    };
+    EXPECT_NEAR(told_from("explicit_euler"), 1.0 / 16, 1e-6);
+    for (const char* name : {"heun", "midpoint"}) EXPECT_NEAR(told_from(name), 0.354, 5e-4);
 }
 
 }  // namespace
