@@ -10,8 +10,6 @@
 namespace tumble::host {
 namespace {
 
-// In SI units: what blows up passes it, and what moves does not.
-constexpr double beyond_all = 1e9;
 // Of a range: initial values may lie at its end, and rounding takes them beyond.
 constexpr double rounding_of_range = 1.0 / 1024;
 
@@ -56,10 +54,7 @@ RangeWatch::RangeWatch(const SceneDescription& scene, const Simulation& simulati
     : bounds_{{{"position", &BodySnapshot::position, scene.range.position, "m"},
                {"velocity", &BodySnapshot::velocity, scene.range.velocity, "m/s"},
                {"angular velocity", &BodySnapshot::angular_velocity, scene.range.angular_velocity, "rad/s"}}},
-      is_declared_{scene.range.is_declared}, is_on_{simulation.range().empty()} {
-    if (!is_declared_)
-        for (Bound& bound : bounds_) bound.most = beyond_all;
-}
+      is_on_{scene.range.is_declared && simulation.range().empty()} {}
 
 void RangeWatch::see(const Simulation& simulation) {
     if (!is_on_ || trouble_) return;
@@ -71,9 +66,8 @@ void RangeWatch::see(const Simulation& simulation) {
             if (std::none_of(now.begin(), now.end(), [&](long double x) { return std::abs(x) > most; })) continue;
             trouble_ = {"range_left", b, simulation.steps_taken() - 1,
                         "a component of the " + bound.of + " left the " + few_digits(bound.most) + " " + bound.unit +
-                            (is_declared_ ? " of the declared [range]. Declare a larger one, or take a smaller step "
-                                            "where the motion has blown up"
-                                          : " that nothing moves at. Take a smaller step")};
+                            " of the declared [range]. Declare a larger one, or take a smaller step where the motion "
+                            "has blown up"};
             return;
         }
     }

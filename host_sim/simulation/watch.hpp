@@ -17,8 +17,7 @@ namespace tumble::host {
 // With what was found, unless the same issue is there.
 [[nodiscard]] std::vector<Trouble> with(std::vector<Trouble> troubles, const std::optional<Trouble>& found);
 
-// The first body of a run in floating point that leaves the range which the file declares, by more than rounding; where
-// it declares none, what no body moves at.
+// The first body of a run in floating point that leaves the range which the file declares, by more than rounding.
 class RangeWatch {
 public:
     RangeWatch(const SceneDescription& scene, const Simulation& simulation);
@@ -36,7 +35,7 @@ private:
     };
 
     std::array<Bound, 3> bounds_;
-    bool is_declared_, is_on_;
+    bool is_on_;
     std::optional<Trouble> trouble_;
 };
 
