@@ -470,7 +470,7 @@ Verdict judge_scene(const Trial& trial, const SceneDescription& scene) {
     Comparison(scene, units, base, jolts).hold(other, verdict);
     if (verdict.kind == Verdict::Kind::wrong) {
         // A motion that comes to a fork, as where a box lands on an edge, is known by more runs.
-        jolt({1, 1, 1, 1, 1, 8, 8, 8, 8});
+        jolt({1, 1, 1, 1, 1, 8, 8, 8, 64});
         verdict = {};
         Comparison(scene, units, base, jolts).hold(other, verdict);
     }

@@ -9,7 +9,7 @@
 // motion itself magnifies rounding; the bound is `safety` times the largest of it so far, and of contacts the band
 // within which bodies touch. As soon as it exceeds a tenth of what the motion has reached by then, the scene is
 // chaotic or too small for the numbers, and the comparison ends: what remains is held against the laws alone.
-// What is beyond its bound is wrong only if it stays so with four times as many runs.
+// What is beyond its bound is wrong only if it stays so with four times as many runs, one of them eight times wider.
 #pragma once
 
 #include <cstdint>
