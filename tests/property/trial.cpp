@@ -348,8 +348,7 @@ private:
             const Vector here = vector_of_place(b), there = to_next ? vector_of_place(b + 1) : centre_;
             SpringDescription& spring = add_spring(b, to_next ? b + 1 : -1, to_next ? Vector{} : there, frequency);
             // Not beside the axis of a slender body, which a spring turns about it at some radians a step once it
-            // pulls: of 1845 such scenes three gained energy in double precision, at 0.8 of the limit, and in one pdmv
-            // in fixed point lost the spin about that axis, in the last octave of what it holds of it.
+            // pulls: of 1845 such scenes three gained energy in double precision, at 0.8 of the limit.
             if (to_next && thinness(scene_.body(b + 1)) > 0.05) spring.to = triple(draw_.direction() * (0.1 * size));
             if (draw_.one_in(2) && thinness(scene_.body(b)) > 0.05)
                 spring.point = triple(draw_.direction() * (draw_.uniform(0, 0.1) * size));

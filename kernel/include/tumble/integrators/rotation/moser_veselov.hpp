@@ -79,8 +79,8 @@ struct MoserVeselovInertia {
     // Bodies whose smallest moment is below this are slender: their polynomials are in N and H - N, because in N and H
     // they cancel by a power of the ratio of moments.
     static constexpr Real slender = 0.15625;
-    // Fixed point, of slender bodies and where J_x is 2 or more, which a factor cannot hold: added to z_shift, for
-    // which no spin has room, so that the flow finds out where it looks for room anyway. See
+    // Fixed point, of slender bodies, of fast spins about z, and where J_x is 2 or more, which a factor cannot hold:
+    // added to z_shift, for which no spin has room, so that the flow finds out where it looks for room anyway. See
     // MoserVeselovFlow::careful_flow.
     static constexpr int with_care = 64;
 
@@ -163,7 +163,12 @@ struct MoserVeselovInertia {
         }
         if constexpr (N::fixed_point) {
             const Work j_x = x / ratio[0];
-            const bool care = is_slender || !(j_x < Work(2));
+            // The same where t_z, whose square is at most (e - n / I_x) / (1 / I_z - 1 / I_x) in this motion, times
+            // 2 (J_x - J_z) / J_z may come near the end of what a turn holds, 1/2: beyond 0.43.
+            const Work most =
+                N::times_power_of_two(z, -2 * scale.turn_shift) * N::template constant<Work>(Real{0.046875});
+            const bool fast = !is_slender && !((x - z) * (e * x - n) < most);
+            const bool care = is_slender || fast || !(j_x < Work(2));
             z_shift = static_cast<std::int8_t>(care ? with_care + up : up);
             if (!care) return;
             // J_x - J_y = (I_x - I_y) (1 + s) / (ratio_x ratio_y), without cancelling.
@@ -244,8 +249,8 @@ private:
 
     // The flow of a body whose constants need care in fixed point: with J_x and J_y less one, which a factor holds up
     // to J = 3, and with the whole equation of z times 2^z_shift, which keeps the digits of a small J_z and its spin.
-    // Out of line: few bodies are so flat or so slender; and `step` is a value, because a reference would put it into
-    // memory.
+    // Out of line: few bodies are so flat, so slender or so fast; and `step` is a value, because a reference would put
+    // it into memory.
     template <class N>
     [[gnu::noinline]] static bool careful_flow(BodyState<N, Spin::angular_momentum>& body, const Inertia<N>& inertia,
                                                StepInfo<N> step) {
