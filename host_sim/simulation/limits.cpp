@@ -611,11 +611,15 @@ private:
         const double e = named.restitution.value_or(scene_.contact.restitution);
         double spin = 0, speed = landing_speed(b);
         if (spec.shape.kind == ShapeKind::sphere) {
-            const Vector v = vector(spec.velocity), g = vector(data_.world.gravity);
-            const Number pull = norm(g), along = pull > 0 ? dot(v, g) / pull : Number(0);
             if (!(named.friction.value_or(scene_.contact.friction) > 0) || data_.planes.empty()) return;
-            speed = static_cast<double>(std::sqrt(std::max(Number(0), dot(v, v) - along * along)));
-            spin = static_cast<double>(speed * 5 / 7 / number(spec.shape.size.x));
+            const Vector v = vector(spec.velocity), g = vector(data_.world.gravity);
+            const Number pull = norm(g);
+            if (!(pull > 0)) return;
+            // About the axis across gravity and the way, in the body's axes, of which each is held by itself.
+            const Vector across = cross(g * (1 / pull), v), w = bodies_[b].pose.rotate_back(across);
+            speed = static_cast<double>(norm(across));
+            spin = static_cast<double>(std::max({std::abs(w.x), std::abs(w.y), std::abs(w.z)}) * 5 / 7 /
+                                       number(spec.shape.size.x));
         } else {
             spin = static_cast<double>((1 + e) / 2 * speed / std::sqrt(bodies_[b].axes.moments.y / bodies_[b].mass));
         }

@@ -414,6 +414,12 @@ TEST(Limits, of_the_spin_that_an_impact_may_give_a_small_body_are_warned_of) {
         EXPECT_FALSE(warned(falling_die(0.01, 0.005, up), "q32"));                    // at rest
         EXPECT_FALSE(warned(falling_die(0.01, 1, up, "{ sphere = 0.005 }"), "q32"));  // without friction
         EXPECT_TRUE(warned(falling_die(0.01, 1, up, "{ cylinder = [0.005, 0.05] }"), "q32"));
+        // A marble that rolls at 5/7 of its speed.
+        for (const char* v : {"0.6", "0.3"}) {
+            const std::string rolling =
+                std::string("{ sphere = 0.005 }\nfriction = 0.5\nvelocity = [") + v + ", " + v + ", " + v + "]";
+            EXPECT_EQ(warned(falling_die(0.01, 0.005, up, rolling), "q32"), v == std::string{"0.6"});
+        }
     }
 }
 

@@ -203,12 +203,12 @@ std::optional<Number> height(const BodyDescription& body, const Motion& m, const
     return dot(n, m.x) + plane.offset - half_extent(body, m.q.normalized(), n);
 }
 
-// The limit that is exceeded, or nothing. A range that is not held to its end may be enough for the motion, and is told
-// where it is not.
+// The limit that is exceeded, or nothing. A range that is not held to its end, or for the hardest of impacts, may be
+// enough for the motion, and is told where it is not.
 std::optional<Limit> exceeded_limit(const SceneDescription& scene, const std::string& integrator,
                                     const std::string& numbers, bool carry) {
     for (const Limit& limit : exceeded_limits(scene, integrator, numbers, carry))
-        if (limit.what != "range") return limit;
+        if (limit.what != "range" && limit.what != "impact") return limit;
     return {};
 }
 
