@@ -399,6 +399,8 @@ std::vector<StiffScene> stiff_scenes() {
     // Two springs on the lighter body: x'' of it is -k (n n^T + y y^T) x / m, the other's far slower.
     const Number slant = 4 / std::sqrt(Number(17)), a = 2.5L, b = 2, both = 2 * slant;
     scenes.back().per_stiffness = h * h * ((a + b) / 2 + std::sqrt((a - b) * (a - b) / 4 + both * both));
+    scenes.push_back({"to a light fixed body", scene({{.body = 0, .to_body = 1, .rest_length = 4.124}}), h * h / 2});
+    scenes.back().setup.bodies[1].fixed = true;
     return scenes;
 }
 

@@ -276,6 +276,35 @@ TEST_P(Rules, bodies_that_a_force_drives_at_each_other_within_a_step_do_not_come
     }
 }
 
+// What hovers before a floor has been foreseen to meet nobody for half a second, when another comes softly into touch
+// and a force upon that one presses both down.
+TEST_P(Rules, who_is_pressed_on_by_another_does_not_come_deeper_than_the_tolerance) {
+    for (const Vector n : normals) {
+        for (const bool reversed : {false, true}) {
+            for (const Number push : {1.5L, 3.0L}) {
+                constexpr Number above = 0.05L, apart = 0.002L, drift = 0.04L;
+                SceneSetup setup{.name = "pressed"};
+                setup.world.contact = {.restitution = 0};
+                setup.planes = {{.normal = real(n)}};
+                setup.bodies = {placed(sphere(1, 0.25), n * (0.25L + above)),
+                                placed(sphere(1, 0.25), n * (0.75L + above + apart), n * -drift)};
+                if (reversed) std::swap(setup.bodies[0], setup.bodies[1]);
+                const int lower = reversed ? 1 : 0;
+                setup.forces = {{.body = 1 - lower,
+                                 .from = real(10 / 256.0L),  // half a millimetre apart
+                                 .until = 8.0,
+                                 .force = real(n * -push)}};
+                const auto world = build(setup, GetParam());
+                for (int step = 0; step < second; ++step) {
+                    world->step();
+                    ASSERT_GE(dot(world->motion(lower).x, n) - 0.25L, -1.01L * tolerance::contact_band)
+                        << push << " N, step " << step;
+                }
+            }
+        }
+    }
+}
+
 TEST_P(Rules, new_gravity_is_felt_by_what_had_been_foreseen_to_fly_free) {
     for (const Vector n : normals) {
         SceneSetup setup{.name = "gravity"};
