@@ -137,5 +137,16 @@ TEST(CompareDeep, a_difference_comes_with_the_status_of_both_sides) {
     EXPECT_TRUE(has(outcome.text, "status of cortex-m3: range_left; of the host: range_left\n")) << outcome.text;
 }
 
+// Only the host knows the range of floating point: what it tells is no difference.
+TEST(CompareDeep, a_range_that_floating_point_leaves_is_told_where_all_states_agree) {
+    const std::string scene =
+        written("fast.toml", "[world]\nstep = \"1/64\"\nduration = 3.0\n[range]\nposition = 16.0\n[[body]]\n"
+                             "name = \"ball\"\nshape = { sphere = 0.5 }\nmass = 1.0\nvelocity = [0.0, 0.0, -10.0]\n");
+    const Outcome outcome = tumble({"compare", scene, "--core", "cortex-m3", "--numbers", "f32"});
+    EXPECT_EQ(outcome.status, 1);
+    EXPECT_TRUE(has(outcome.text, "cortex-m3 agrees with the host: 193 states")) << outcome.text;
+    EXPECT_TRUE(has(outcome.text, "range_left: a component of the position left the 16 m")) << outcome.text;
+}
+
 }  // namespace
 }  // namespace tumble::host

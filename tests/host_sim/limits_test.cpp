@@ -328,6 +328,44 @@ TEST(Limits, are_warned_of_wherever_the_kernel_tells_of_them_at_the_start) {
     EXPECT_GT(told, 100);
 }
 
+// `bodies` of 0.3 kg in a row between two walls, `beside` springs in each gap; w^2 = 2 k/m (1 - cos(n pi / (n + 1))).
+SceneDescription row_of(int bodies, int beside, double h_w, std::size_t axis) {
+    SceneDescription scene = with_step(scene_of("[[body]]\nname = \"b\"\nshape = \"none\"\nmass = 0.3\n"), 1.0 / 128);
+    const BodyDescription one = scene.bodies[0];
+    scene.bodies.clear();
+    for (int b = 0; b < bodies; ++b) {
+        scene.bodies.push_back(one);
+        scene.bodies.back().name += std::to_string(b);
+        scene.bodies.back().position[axis] = b + 1 + (b == 1 ? 1e-3 : 0);
+    }
+    const double stiffest = 2 * (1 - std::cos(bodies * std::acos(-1.0) / (bodies + 1)));
+    SpringDescription spring;
+    spring.stiffness = h_w * h_w * 128 * 128 * 0.3 / stiffest / beside;
+    spring.rest_length = 1;
+    for (int gap = 0; gap <= bodies; ++gap) {
+        spring.body = std::max(0, gap - 1);
+        spring.to_body = gap == 0 || gap == bodies ? -1 : gap;
+        spring.to[axis] = gap == bodies ? bodies + 1 : 0;
+        for (int s = 0; s < beside; ++s) scene.springs.push_back(spring);
+    }
+    return scene;
+}
+TEST(Limits, of_springs_in_rows_and_beside_each_other_are_those_of_their_fastest_motion) {
+    for (const char* method : {"verlet", "semi_implicit_euler", "rk4"}) {
+        const double limit = find_integrator(method).oscillation_limit;
+        for (const auto& [bodies, beside] : {std::pair{1, 1}, std::pair{1, 6}, std::pair{5, 1}, std::pair{5, 4}}) {
+            for (const std::size_t axis : {0u, 2u}) {
+                for (const double share : {0.85, 0.97, 1.03}) {
+                    const SceneDescription row = row_of(bodies, beside, share * limit, axis);
+                    const bool is_told = make_simulation(row, method, "f64")->has_trouble("step_too_long");
+                    EXPECT_EQ(is_told, share > 1) << method << ", " << bodies << " bodies, " << share;
+                    EXPECT_EQ(exceeded_limits(row, method, "f64").empty(), share < 0.9) << method << " " << share;
+                }
+            }
+        }
+    }
+}
+
 // How `tumble run` ends a scene, whose text has been written to a file.
 Outcome run_of(const std::string& text, std::vector<std::string> options) {
     options.insert(options.begin(), {"run", written("scene.toml", text)});
