@@ -258,7 +258,7 @@ check: setup
 	build/host/bench/tumble_tables --check bench/results $(PAGES)
 	$(MAKE) api
 
-## mutants: wrong kernels, one line each, that the kernel's tests must find without committed bits (an hour); PATTERN=part of a name
+## mutants: wrong kernels, one line each, that the kernel's tests must find without committed bits (half an hour; goes on where it was stopped); PATTERN=part of a name
 PATTERN ?=
 .PHONY: mutants
 mutants: build/host/build.ninja
