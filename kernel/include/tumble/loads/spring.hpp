@@ -208,12 +208,12 @@ public:
             is_watched_ |= check_sum(bodies, drag, Real{bounds.of_spring[i]}, Real{bounds.of_damper[i]});
     }
     // The same every sixteenth step, of springs that turn with bodies and may become too stiff that way; and where a
-    // method adds to every oscillation, after 2^10, 2^11 and so on steps, whether one grows e-fold in so many.
+    // method adds to every oscillation, after 2^11, 2^12 and so on steps, whether one grows e^2-fold in so many.
     TUMBLE_INLINE void watch(auto& bodies, const auto& drag, const StepBounds& bounds) {
         const std::uint32_t steps = bodies.steps_taken;
         if (bodies.status.has(Issue::step_too_long)) return;
         if (is_watched_ && steps % 16 == 0) check_step(bodies, drag, bounds);
-        if (bounds.slowing > 0 && steps > e_fold_steps && (steps & (steps - 1)) == 0)
+        if (bounds.slowing > 0 && steps > growth_steps && (steps & (steps - 1)) == 0)
             check_growth(bodies, drag, bounds, steps);
     }
     [[nodiscard]] int count() const { return count_; }
@@ -255,11 +255,12 @@ public:
     }
 
 private:
-    static constexpr std::uint32_t e_fold_steps = 512;  // in which what step_bounds bears of growth does
+    // In which the most growth that step_bounds bears is e^2.
+    static constexpr std::uint32_t growth_steps = 1024;
 
     [[gnu::noinline]] void check_growth(auto& bodies, const auto& drag, const StepBounds& bounds, std::uint32_t steps) {
         Real spring{bounds.of_spring[0]}, damper{bounds.of_damper[0]};
-        for (; steps > e_fold_steps; steps /= 2) {
+        for (; steps > growth_steps; steps /= 2) {
             spring *= Real{bounds.slowing};
             damper *= Real{2};
         }
