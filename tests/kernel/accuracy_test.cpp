@@ -52,21 +52,21 @@ TEST(reference, turns_a_symmetric_top_as_its_closed_form_does) {
 }
 
 TEST(accuracy, rk4_q32_orients_the_top_to_2e_6_rad_after_100_s) {
-    EXPECT_LE(error_of("rk4", "q32_near"), tolerance::top_rk4_q32);
+    EXPECT_LE(error_of("rk4", "q32_near"), tolerance::top_after_100_s.of(number_system("q32_near")));
 }
 TEST(accuracy, pdmv6_q32_orients_the_top_to_1e_5_rad_after_100_s) {
-    EXPECT_LE(error_of("pdmv6", "q32_near"), tolerance::top_pdmv6_q32);
+    EXPECT_LE(error_of("pdmv6", "q32_near"), tolerance::top_after_100_s.of(number_system("q32_near")));
 }
 TEST(accuracy, rk4_f32_orients_the_top_to_5e_5_rad_after_100_s) {
-    EXPECT_LE(error_of("rk4", "f32"), tolerance::top_rk4_f32);
+    EXPECT_LE(error_of("rk4", "f32"), tolerance::top_after_100_s.of(number_system("f32")));
 }
 TEST(accuracy, rk4_f64_orients_the_top_to_2e_9_rad_after_100_s) {
-    EXPECT_LE(error_of("rk4", "f64"), tolerance::top_rk4_f64);
+    EXPECT_LE(error_of("rk4", "f64"), tolerance::top_after_100_s.of(number_system("f64")));
 }
 TEST(accuracy, verlet_q32_orients_the_top_as_well_as_verlet_f64) {
     const Number exact_arithmetic = error_of("verlet", "f64");
-    EXPECT_LE(exact_arithmetic, tolerance::top_verlet_f64);
-    EXPECT_LE(std::abs(error_of("verlet", "q32_near") / exact_arithmetic - 1), tolerance::top_verlet_q32_excess);
+    EXPECT_LE(exact_arithmetic, tolerance::top_after_100_s.of(number_system("f64")));
+    EXPECT_LE(std::abs(error_of("verlet", "q32_near") / exact_arithmetic - 1), tolerance::top_excess);
 }
 
 // 0.005 s has no end in binary digits.
@@ -75,10 +75,10 @@ Number error_at_5_ms(std::string_view method, std::string_view system) {
 }
 TEST(accuracy, verlet_q32_orients_the_top_as_well_as_verlet_f64_at_a_decimal_step) {
     EXPECT_LE(std::abs(error_at_5_ms("verlet", "q32_near") / error_at_5_ms("verlet", "f64") - 1),
-              tolerance::decimal_step_verlet_q32_excess);
+              tolerance::top_excess);
 }
 TEST(accuracy, rk4_q32_orients_the_top_at_a_decimal_step_as_at_a_binary_one) {
-    EXPECT_LE(error_at_5_ms("rk4", "q32_near"), tolerance::decimal_step_rk4_q32_growth * error_of("rk4", "q32_near"));
+    EXPECT_LE(error_at_5_ms("rk4", "q32_near"), tolerance::top_growth * error_of("rk4", "q32_near"));
 }
 
 // The generic top, rates (1, 1, 1), 20 s.
@@ -92,9 +92,9 @@ Number error_of_the_generic_top(std::string_view method, Seconds step) {
     return orientation_error(*world, reference, steps_per_second);
 }
 TEST(accuracy, preprocessed_moser_veselov_orients_the_generic_top_at_a_step_of_50_ms) {
-    EXPECT_LE(error_of_the_generic_top("pdmv6", Seconds{1, 20}), 1e-8L);
-    EXPECT_LE(error_of_the_generic_top("pdmv8", Seconds{1, 20}), 1e-10L);
-    EXPECT_LE(error_of_the_generic_top("pdmv10", Seconds{1, 20}), 1e-12L);
+    EXPECT_LE(error_of_the_generic_top("pdmv6", Seconds{1, 20}), tolerance::generic_top.of_order(6));
+    EXPECT_LE(error_of_the_generic_top("pdmv8", Seconds{1, 20}), tolerance::generic_top.of_order(8));
+    EXPECT_LE(error_of_the_generic_top("pdmv10", Seconds{1, 20}), tolerance::generic_top.of_order(10));
 }
 
 TEST(accuracy, suzuki4_orients_the_heavy_top_at_a_step_of_10_ms) {
@@ -108,7 +108,7 @@ TEST(accuracy, suzuki4_orients_the_heavy_top_at_a_step_of_10_ms) {
             return reference::Wrench{{0, 0, -0.981}, cross(Vector{0, 0, 1}, m.q.rotate_back({0, 0, -0.981}))};
         });
     const auto world = build(setup, "suzuki4", "f64");
-    EXPECT_LE(orientation_error(*world, reference, 10), 2e-6L);
+    EXPECT_LE(orientation_error(*world, reference, 10), tolerance::heavy_top);
 }
 
 TEST(accuracy, integers_and_carried_floats_beat_plain_float) {
@@ -129,7 +129,7 @@ TEST(accuracy, rk4_q32_orients_the_top_to_1e_4_rad_after_1000_s) {
     const auto reference = reference::free_trajectory(reference_body(setup.bodies[0]), start_of(setup.bodies[0]),
                                                       reference::sample_times(10, 100));
     const auto world = build(setup, "rk4", "q32_near");
-    EXPECT_LE(orientation_error(*world, reference, 2560), 1e-4L);
+    EXPECT_LE(orientation_error(*world, reference, 2560), tolerance::top_after_1000_s);
 }
 
 TEST(accuracy, pdmv_keeps_energy_over_a_million_steps) {
@@ -145,7 +145,7 @@ TEST(accuracy, pdmv_keeps_energy_over_a_million_steps) {
             worst = std::max(worst, std::abs(spin_energy(world->motion(0), moments) / start - 1));
         }
         std::printf("%s %s: energy off by %.2Lg at most in 1e6 steps\n", method, system, worst);
-        EXPECT_LE(worst, system == std::string_view{"f64"} ? 1e-12L : 1e-6L) << method << " " << system;
+        EXPECT_LE(worst, tolerance::million_steps_energy.of(number_system(system))) << method << " " << system;
         EXPECT_TRUE(world->status().ok());
     }
 }
@@ -187,7 +187,7 @@ TEST(accuracy, pdmv_q32_orients_flat_and_slender_bodies_as_pdmv_f64) {
                 EXPECT_TRUE(world->status().ok());
                 if (method == std::string_view{"pdmv10"}) {
                     const auto exact = build(setup, "exact", "f64");
-                    EXPECT_LE(orientation_error(*exact, motions, steps_per_second / 4), tolerance::pdmv10_f64)
+                    EXPECT_LE(orientation_error(*exact, motions, steps_per_second / 4), tolerance::pdmv10_of_any_shape)
                         << moments.x << " " << moments.y << " " << moments.z;
                 }
             }

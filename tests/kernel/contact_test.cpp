@@ -101,10 +101,10 @@ TEST_P(Contacts, a_ball_comes_to_rest_and_stays) {
             lowest = std::min(lowest, height);
             highest = std::max(highest, height);
         }
-        EXPECT_GE(lowest, -tolerance::contact_band) << restitution;
+        EXPECT_LE(-lowest, tolerance::depth.of(system())) << restitution;
         // Order 1 may add g h to the speed of every hop, which lasts until restitution takes as much.
         const Number hop = GetParam().method.order == 1 ? 2 * g / 256 / (1 - restitution) : g / 256 * 1.01L;
-        EXPECT_LE(highest, tolerance::contact_band + hop * hop / 2 / g) << restitution;
+        EXPECT_LE(highest - hop * hop / 2 / g, tolerance::depth.of(system())) << restitution;
         EXPECT_LE(norm(world->motion(0).v), hop) << restitution;
     }
 }
@@ -118,8 +118,9 @@ TEST_P(Contacts, a_ball_pressed_down_by_a_force_rests_too) {
     world->run(256 * 4);
     // A hop of order 1 adds (g + f) h to the speed, which lasts until restitution takes as much.
     const Number step_speed = (g + 100) / 256;
-    EXPECT_LE(norm(world->motion(0).v), GetParam().method.order == 1 ? 4 * step_speed : tolerance::rest_speed);
-    EXPECT_LE(std::abs(world->motion(0).x.y - 0.5L), 2 * tolerance::contact_band);
+    EXPECT_LE(norm(world->motion(0).v), GetParam().method.order == 1 ? tolerance::pressed_hop.of(system()) * step_speed
+                                                                     : tolerance::rest_speed.of(system()));
+    EXPECT_LE(std::abs(world->motion(0).x.y - 0.5L), tolerance::place.of(system()));
 }
 
 TEST_P(Contacts, a_ball_that_meets_more_impacts_in_a_step_than_are_resolved_says_so) {
@@ -145,11 +146,11 @@ TEST_P(Contacts, a_tilted_box_comes_to_rest_on_a_face) {
     const Motion m = world->motion(0);
     const Vector up = m.q.normalized().rotate_back({0, 1, 0});  // the plane's normal in the box's axes
     const Number upright = std::max({std::abs(up.x), std::abs(up.y), std::abs(up.z)});
-    EXPECT_LE(norm(m.v), tolerance::rest_speed) << "height " << m.x.y;
-    EXPECT_LE(norm(m.w), tolerance::rest_speed);
-    EXPECT_LE(1 - upright, tolerance::rest_tilt);
+    EXPECT_LE(norm(m.v), tolerance::rest_speed.of(system())) << "height " << m.x.y;
+    EXPECT_LE(norm(m.w), tolerance::rest_speed.of(system()));
+    EXPECT_LE(1 - upright, tolerance::rest_tilt.of(system()));
     const Number half = std::abs(up.x) == upright ? 0.5L : std::abs(up.y) == upright ? 0.25L : 0.375L;
-    EXPECT_LE(std::abs(m.x.y - half), 2 * tolerance::contact_band);
+    EXPECT_LE(std::abs(m.x.y - half), tolerance::place.of(system()));
     EXPECT_FALSE(world->status().has(Issue::contacts_full) || world->status().has(Issue::range_left));
 }
 
@@ -217,9 +218,9 @@ TEST_P(Contacts, a_ball_in_a_groove_of_two_planes_stays_in_its_middle) {
     const auto world = build(setup, GetParam());
     for (int step = 0; step < 2560; ++step) {
         world->step();
-        ASSERT_LE(std::abs(world->motion(0).x.x), tolerance::contact_band) << step;
+        ASSERT_LE(std::abs(world->motion(0).x.x), tolerance::place.of(system())) << step;
     }
-    EXPECT_LE(std::abs(world->motion(0).x.y - 0.5L * std::sqrt(Number(2))), 3 * tolerance::contact_band);
+    EXPECT_LE(std::abs(world->motion(0).x.y - 0.5L * std::sqrt(Number(2))), tolerance::place.of(system()));
     EXPECT_TRUE(world->status().ok());
 }
 
@@ -230,9 +231,9 @@ TEST_P(Contacts, a_sliding_box_stops_where_friction_stops_it) {
     setup.bodies[0].velocity = {3, 0, 0};
     const auto world = build(setup, GetParam());
     world->run(512);
-    EXPECT_LE(norm(world->motion(0).v - Vector{0, world->motion(0).v.y, 0}), tolerance::rest_speed);
+    EXPECT_LE(norm(world->motion(0).v - Vector{0, world->motion(0).v.y, 0}), tolerance::rest_speed.of(system()));
     const Number distance_exact = 9 / (2 * 0.5L * g);
-    EXPECT_LE(std::abs(world->motion(0).x.x / distance_exact - 1), tolerance::stop_distance);
+    EXPECT_LE(std::abs(world->motion(0).x.x / distance_exact - 1), tolerance::stop_distance.of(system()));
 }
 
 TEST_P(Contacts, a_ball_that_slides_comes_to_roll_with_five_sevenths_of_its_speed) {
@@ -242,8 +243,8 @@ TEST_P(Contacts, a_ball_that_slides_comes_to_roll_with_five_sevenths_of_its_spee
     setup.bodies[0].velocity = {3.5, 0, 0};
     const auto world = build(setup, GetParam());
     world->run(512);
-    EXPECT_LE(std::abs(world->motion(0).v.x / 2.5L - 1), tolerance::roll_speed);
-    EXPECT_LE(std::abs(world->motion(0).q.rotate(world->motion(0).w).z / -5 - 1), tolerance::roll_speed);
+    EXPECT_LE(std::abs(world->motion(0).v.x / 2.5L - 1), tolerance::roll_speed.of(system()));
+    EXPECT_LE(std::abs(world->motion(0).q.rotate(world->motion(0).w).z / -5 - 1), tolerance::roll_speed.of(system()));
 }
 
 TEST_P(Contacts, a_body_with_restitution_of_its_own_takes_the_larger) {
@@ -279,7 +280,7 @@ TEST_P(Contacts, a_body_that_starts_below_the_floor_comes_out_and_rests) {
     setup.bodies[0].position = {0, 0.25, 0};
     const auto world = build(setup, GetParam());
     world->run(2560);
-    EXPECT_LE(std::abs(world->motion(0).x.y - 0.5L), tolerance::contact_band);
+    EXPECT_LE(std::abs(world->motion(0).x.y - 0.5L), tolerance::place.of(system()));
     EXPECT_LE(norm(world->motion(0).v), 1);
 }
 
@@ -320,7 +321,7 @@ TEST_P(ContactsOfFew, a_ball_between_walls_is_never_beyond_one) {
         setup.bodies[0].position = real(axes.to_world({x, radius, 0}));
         setup.bodies[0].velocity = real(axes.to_world({random.between(0, 1) == 0 ? speed : -speed, 0, 0}));
         const auto world = build(setup, GetParam());
-        EXPECT_LE(deepest(*world, axes, radius, width, 150), tolerance::contact_band * 1.01L) << "seed " << seed;
+        EXPECT_LE(deepest(*world, axes, radius, width, 150), tolerance::depth.of(system())) << "seed " << seed;
         EXPECT_TRUE(world->status().ok()) << "seed " << seed;
     }
 }
@@ -338,7 +339,7 @@ TEST_P(ContactsOfFew, a_ball_that_meets_more_impacts_in_a_step_than_are_resolved
         setup.bodies[0].position = real(axes.to_world({radius + room * random.uniform(0.1, 0.9), 10, 0}));
         setup.bodies[0].velocity = real(axes.to_world({random.uniform(5, 30), 0, 0}));
         const auto world = build(setup, GetParam());
-        EXPECT_LE(deepest(*world, axes, radius, 2 * radius + room, 64), tolerance::contact_band * 1.01L)
+        EXPECT_LE(deepest(*world, axes, radius, 2 * radius + room, 64), tolerance::depth.of(system()))
             << "seed " << seed;
         EXPECT_FALSE(world->status().has(Issue::range_left)) << "seed " << seed;
         told += world->status().has(Issue::step_bound_hit) ? 1 : 0;
@@ -396,7 +397,7 @@ TEST_P(ContactsOfFew, a_plane_is_as_far_away_as_it_says) {
         const auto world = build(setup, GetParam()), truth = build(setup, GetParam().method.name, "f64");
         for (int step = 0; step < 128 && world->step().ok(); ++step) truth->step();
         if (!world->status().ok()) continue;
-        EXPECT_LE(norm(world->motion(0).x - truth->motion(0).x), 1e-2L) << "seed " << seed;
+        EXPECT_LE(norm(world->motion(0).x - truth->motion(0).x), tolerance::far_plane.of(system())) << "seed " << seed;
     }
 }
 

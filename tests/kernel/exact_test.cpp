@@ -63,7 +63,7 @@ TEST_P(ExactRotation, has_no_error_but_rounding) {
     const auto world = build(setup, "exact", system.name);
     const Vector moments = vector(flight.moments);
     const Motion start = world->motion(0);
-    const Number allowed = tolerance::exact_rotation.of(system) * flight.growth;
+    const Bound allowed = tolerance::exact_rotation.of(system) * flight.growth;
     for (const Motion& expected : reference) {
         if (&expected != &reference.front()) world->run(flight.steps / samples);
         ASSERT_TRUE(world->status().ok());
@@ -73,7 +73,7 @@ TEST_P(ExactRotation, has_no_error_but_rounding) {
         const Number momentum = norm(angular_momentum(start, moments));
         EXPECT_LE(norm(angular_momentum(m, moments) - angular_momentum(start, moments)),
                   tolerance::exact_rotation.of(system) * momentum);
-        EXPECT_LE(std::abs(std::sqrt(m.q.norm2()) - 1), tolerance::flight_rounding.of(system));
+        EXPECT_LE(std::abs(std::sqrt(m.q.norm2()) - 1), tolerance::unit_rounding.of(system));
     }
 }
 
@@ -94,8 +94,8 @@ TEST(exact, keeps_energy_and_momentum_over_a_million_steps) {
         std::printf("exact f64, %Lg s: energy off by %.2Lg, |m| by %.2Lg at most in 1e6 steps\n", number(step.value),
                     worst, worst_momentum);
         const bool is_long = step.value > Real{1};
-        EXPECT_LE(worst, is_long ? tolerance::million_long_steps : tolerance::million_exact_steps);
-        EXPECT_LE(worst_momentum, tolerance::million_exact_steps);
+        EXPECT_LE(worst, is_long ? tolerance::million_long_steps_energy : tolerance::million_steps_energy);
+        EXPECT_LE(worst_momentum, tolerance::million_steps_momentum);
     }
 }
 
@@ -130,7 +130,7 @@ TEST(exact, is_finite_for_every_spin_and_span) {
                         ASSERT_TRUE(std::isfinite(end.q.norm2()) && std::isfinite(norm(end.w)))
                             << system << " " << number(m.x) << " " << number(m.y) << " " << number(m.z) << ": "
                             << number(x) << " " << number(y) << " " << number(z);
-                        ASSERT_LE(std::abs(end.q.norm2() - 1), 1e-5L);
+                        ASSERT_LE(std::abs(end.q.norm2() - 1), tolerance::unit);
                     }
                 }
             }

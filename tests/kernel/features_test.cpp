@@ -230,8 +230,8 @@ TEST(Events, of_a_replay_keep_their_steps_where_the_count_begins_anew) {
         replay.step();
         const auto v = world.velocity(BodyId{0});
         const int pushed = std::clamp(step - 9, 0, 9);  // steps of a quarter of a metre a second
-        EXPECT_NEAR(static_cast<double>(v.x()), pushed * 0.25, 1e-6) << step;
-        EXPECT_NEAR(static_cast<double>(v.y()), step >= 21 ? 0.5 : 0.0, 1e-6) << step;
+        EXPECT_EQ(static_cast<double>(v.x()), pushed * 0.25) << step;
+        EXPECT_EQ(static_cast<double>(v.y()), step >= 21 ? 0.5 : 0.0) << step;
         EXPECT_EQ(static_cast<double>(v.z()), 0) << step;
     }
 }

@@ -115,8 +115,8 @@ TEST_P(Laws, free_flight_conserves_angular_momentum_to_the_methods_order) {
     const Vector moments{1, 2, 3}, start = angular_momentum(world->motion(0), moments);
     world->run(1280);
     const Number drift = norm(angular_momentum(world->motion(0), moments) - start) / norm(start);
-    const Number of_method =
-        GetParam().method.conserves ? 0 : tolerance::method_error(GetParam().method.order, 2.0L / 256, 5);
+    const Bound of_method =
+        GetParam().method.conserves ? Bound{} : tolerance::method_error(GetParam().method.order, 2.0L / 256, 5);
     EXPECT_LE(drift, of_method + tolerance::flight_rounding.of(system()));
     EXPECT_TRUE(world->status().ok());
 }
@@ -160,10 +160,12 @@ TEST_P(Laws, a_sphere_keeps_its_spin_and_turns_uniformly) {
     const auto world = build(setup, GetParam());
     const Vector w = world->motion(0).w;
     world->run(512);
-    const Number of_spin = GetParam().method.keeps_the_spin_of_spheres ? 0 : tolerance::method_error(2, 3.0L / 256, 3);
+    const Bound of_spin =
+        GetParam().method.keeps_the_spin_of_spheres ? Bound{} : tolerance::method_error(2, 3.0L / 256, 3);
     EXPECT_LE(norm(world->motion(0).w - w), of_spin + tolerance::flight_rounding.of(system()));
-    const Number of_method =
-        GetParam().method.exact_for_spheres ? 0 : tolerance::method_error(GetParam().method.free_order, 3.0L / 512, 6);
+    const Bound of_method = GetParam().method.exact_for_spheres
+                                ? Bound{}
+                                : tolerance::method_error(GetParam().method.free_order, 3.0L / 512, 6);
     EXPECT_LE(angle_between(world->motion(0).q, exponential(w * 2)), of_method + tolerance::same_flight.of(system()));
 }
 
@@ -199,9 +201,9 @@ TEST_P(Laws, bodies_of_extreme_inertia_keep_momentum_energy_and_unit_length) {
             const Number h = number(step.value), w = norm(start.w);
             world->run(256);
             const Motion end = world->motion(0);
-            const Number of_method = tolerance::method_error(GetParam().method.order, h * w, 256 * h * w);
+            const Bound of_method = tolerance::method_error(GetParam().method.order, h * w, 256 * h * w);
             const Number momentum = norm(angular_momentum(start, moments)), energy = spin_energy(start, moments);
-            const Number allowed = tolerance::flight_rounding.of(system()) + of_method;
+            const Bound allowed = tolerance::flight_rounding.of(system()) + of_method;
             EXPECT_LE(norm(angular_momentum(end, moments) - angular_momentum(start, moments)) / momentum,
                       GetParam().method.conserves ? tolerance::flight_rounding.of(system()) : allowed)
                 << extreme.name;
@@ -223,13 +225,12 @@ TEST_P(Laws, spins_near_the_limit_stay_in_range_and_turn_right) {
         const auto world = build(setup, GetParam());
         const Vector w = vector(spin);
         EXPECT_TRUE(world->run(64).ok());
-        const Number of_spin =
-            GetParam().method.keeps_the_spin_of_spheres ? 0 : tolerance::method_error(2, norm(w) / 128, norm(w));
+        const Bound of_spin =
+            GetParam().method.keeps_the_spin_of_spheres ? Bound{} : tolerance::method_error(2, norm(w) / 128, norm(w));
         EXPECT_LE(norm(world->motion(0).w - w), of_spin + tolerance::flight_rounding.of(system()) * norm(w));
-        const Number of_method =
-            GetParam().method.exact_for_spheres
-                ? 0
-                : tolerance::method_error(GetParam().method.free_order, norm(w) / 128, norm(w) / 2);
+        const Bound of_method = GetParam().method.exact_for_spheres
+                                    ? Bound{}
+                                    : tolerance::method_error(GetParam().method.free_order, norm(w) / 128, norm(w) / 2);
         EXPECT_LE(angle_between(world->motion(0).q, exponential(w * 0.5L)),
                   of_method + tolerance::same_flight.of(system()) * norm(w));
     }
@@ -278,9 +279,11 @@ TEST_P(Splitting, conserves_the_norm_of_angular_momentum_over_1e5_steps_and_boun
     }
     std::printf("%s: |L| drift %.3Lg, energy error %.3Lg then %.3Lg\n", name_of(GetParam()).c_str(), worst, early,
                 late);
-    EXPECT_LE(worst, tolerance::momentum_norm(GetParam().system));
-    EXPECT_LE(early, tolerance::splitting_energy + 2 * tolerance::momentum_norm(GetParam().system));
-    EXPECT_LE(late, tolerance::splitting_energy + 2 * tolerance::momentum_norm(GetParam().system));
+    EXPECT_LE(worst, tolerance::momentum_norm.of(GetParam().system));
+    EXPECT_LE(early,
+              tolerance::splitting_energy.of(GetParam().system) + 2 * tolerance::momentum_norm.of(GetParam().system));
+    EXPECT_LE(late,
+              tolerance::splitting_energy.of(GetParam().system) + 2 * tolerance::momentum_norm.of(GetParam().system));
 }
 
 class Default : public testing::TestWithParam<Case> {};

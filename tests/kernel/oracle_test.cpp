@@ -187,14 +187,14 @@ const std::map<std::string, Motion (*)(const Problem&, Motion)>& oracles() {
 
 class Oracle : public testing::TestWithParam<Case> {
 protected:
-    static void expect_agreement(const SceneSetup& setup, Number rounding) {
+    static void expect_agreement(const SceneSetup& setup, const Bound& rounding) {
         const auto oracle = oracles().find(GetParam().method.name);
         ASSERT_NE(oracle, oracles().end()) << "no oracle of " << GetParam().method.name;
         const BodySpec& body = setup.bodies[0];
         const Problem problem{reference_body(body), reference_load(setup), number(setup.step.value)};
         const auto world = build(setup, GetParam());
         Motion expected = start_of(body);
-        const Number worst = rounding + steps * truncation(setup);
+        const Bound worst = rounding + steps * truncation(setup);
         Number greatest = 0;
         for (int step = 0; step < steps; ++step) {
             world->step();
@@ -210,11 +210,11 @@ protected:
     }
     // The error of a step, rad, where the oracle is the motion that the method approximates: a rotation of order n is
     // off by the angle of a step to the power n + 1.
-    static Number truncation(const SceneSetup& setup) {
+    static Bound truncation(const SceneSetup& setup) {
         const Method& method = GetParam().method;
-        if (oracles().at(method.name) != exact) return 0;
+        if (oracles().at(method.name) != exact) return {};
         const Number angle = norm(vector(setup.bodies[0].angular_velocity)) * number(setup.step.value);
-        return std::pow(angle, static_cast<Number>(method.free_order) + 1);
+        return tolerance::truncation_error(method.free_order, angle);
     }
     static constexpr int steps = 300;
     // Moments sorted downwards: the body's axes are the principal ones.
@@ -250,7 +250,7 @@ TEST_P(Oracle, a_body_on_a_spring_moves_as_the_textbook_formula_says) {
     spring.stiffness = 8;
     spring.rest_length = 0.25;
     setup.springs = {spring};
-    expect_agreement(setup, tolerance::loaded_oracle.of(GetParam().system));
+    expect_agreement(setup, tolerance::oracle.of(GetParam().system));
 }
 
 TEST_P(Oracle, a_body_with_damping_and_drag_moves_as_the_textbook_formula_says) {
@@ -261,7 +261,7 @@ TEST_P(Oracle, a_body_with_damping_and_drag_moves_as_the_textbook_formula_says) 
     setup.world.angular_drag = 0.25;
     setup.springs = {
         {.point = {0.5, 0.25, -0.5}, .to = {0, 1, 0.5}, .stiffness = 8, .damping = 0.5, .rest_length = 0.25}};
-    expect_agreement(setup, tolerance::loaded_oracle.of(GetParam().system));
+    expect_agreement(setup, tolerance::oracle.of(GetParam().system));
 }
 
 }  // namespace

@@ -53,7 +53,7 @@ Bounce bounce(AnyWorld& world, Gap&& gap, Number step) {
 class Springs : public testing::TestWithParam<Case> {
 protected:
     static const System& system() { return GetParam().system; }
-    static Number rounding() { return tolerance::spring_rounding.of(system()); }
+    static Bound rounding() { return tolerance::spring_rounding.of(system()); }
 };
 INSTANTIATE_TEST_SUITE_P(every, Springs, testing::ValuesIn(contact_cases()), NameOf{});
 
@@ -68,9 +68,9 @@ TEST_P(Springs, a_penalty_bounce_lasts_half_a_period_and_keeps_its_speed) {
                 const Bounce made = bounce(
                     *world, [&] { return world->motion(0).x.y - 0.5L; }, step);
                 const Number omega = std::sqrt(stiffness), wh = omega * step;
-                EXPECT_LE(std::abs(made.time / (pi / omega) - 1), tolerance::spring_time(wh) + rounding() / speed)
+                EXPECT_LE(std::abs(made.time / (pi / omega) - 1), tolerance::spring_time(wh) + rounding() * (1 / speed))
                     << "k " << stiffness << ", v " << speed;
-                EXPECT_LE(std::abs(made.speed / speed - 1), tolerance::spring_speed(wh) + rounding() / speed)
+                EXPECT_LE(std::abs(made.speed / speed - 1), tolerance::spring_speed(wh) + rounding() * (1 / speed))
                     << "k " << stiffness << ", v " << speed;
                 EXPECT_FALSE(made.pulled);
                 EXPECT_TRUE(world->status().ok());
@@ -144,7 +144,8 @@ TEST_P(Springs, a_damped_ball_and_box_come_to_rest_as_deep_as_their_weight_press
         const auto world = build(setup, GetParam());
         world->run(8 * 1024);
         const Number depth = 2 * g / (boxed ? 4 * 512 : 512);
-        EXPECT_LE(std::abs((0.5L - world->motion(0).x.y) / depth - 1), 1e-3L) << (boxed ? "box" : "ball");
+        EXPECT_LE(std::abs((0.5L - world->motion(0).x.y) / depth - 1), tolerance::rest_depth)
+            << (boxed ? "box" : "ball");
         EXPECT_LE(norm(world->motion(0).v) + norm(world->motion(0).w), tolerance::creep) << (boxed ? "box" : "ball");
     }
 }
@@ -165,7 +166,7 @@ TEST_P(Springs, a_barrier_turns_a_ball_where_its_energy_is_spent_and_gives_it_ba
             if (m.v.y > 0 && m.x.y > 2.25L) leaves = m.v.y * m.v.y / 2 + barrier / (m.x.y - 0.25L);
         }
         EXPECT_LE(std::abs(nearest / (barrier / energy) - 1), tolerance::closest_approach) << speed;
-        EXPECT_LE(std::abs(leaves / energy - 1), 1e-4L + 4 * rounding()) << speed;
+        EXPECT_LE(std::abs(leaves / energy - 1), tolerance::barrier_energy + 4 * rounding()) << speed;
         EXPECT_TRUE(world->status().ok());
     }
 }
@@ -202,7 +203,7 @@ TEST_P(Springs, a_barrier_reaches_from_a_box_to_a_ball_far_away) {
         world->run(1024);
         const Motion m = world->motion(0);
         const Number gained = barrier / gap - barrier / (m.x.x - 0.5L);
-        EXPECT_LE(std::abs(m.v.x * m.v.x / 2 / gained - 1), 1e-4L + 64 * rounding()) << gap;
+        EXPECT_LE(std::abs(m.v.x * m.v.x / 2 / gained - 1), tolerance::barrier_energy + 64 * rounding()) << gap;
         EXPECT_TRUE(world->status().ok());
     }
 }
@@ -214,7 +215,7 @@ TEST_P(Springs, a_ball_hovers_where_the_barrier_carries_its_weight) {
     setup.bodies = {falling(sphere(1, 0.25), 0.25L + height, 0)};
     const auto world = build(setup, GetParam());
     world->run(2048);
-    EXPECT_LE(std::abs(world->motion(0).x.y - 0.25L - height), 1e-6L + 4 * rounding());
+    EXPECT_LE(std::abs(world->motion(0).x.y - 0.25L - height), tolerance::barrier_height + 4 * rounding());
 }
 
 // --- the largest safe step: against 2 / w, w the fastest oscillation of a body on its springs ---------------------
@@ -282,7 +283,7 @@ TEST_P(Springs, at_nine_tenths_of_the_largest_safe_step_an_oscillation_does_not_
     const Number rest = 0.5L - g / 1000;
     for (int i = 0; i < 2000; ++i) {
         world->step();
-        ASSERT_LE(std::abs(world->motion(0).x.y - rest), tolerance::stable_growth * 0.1L * g / 1000) << "step " << i;
+        ASSERT_LE(std::abs(world->motion(0).x.y - rest), tolerance::stable_growth * (0.1L * g / 1000)) << "step " << i;
     }
     EXPECT_FALSE(world->status().has(Issue::step_too_long));
 }
@@ -315,7 +316,8 @@ TEST_P(Springs, at_nine_tenths_of_the_largest_safe_step_a_damped_ball_comes_to_r
         setup.bodies[0].position.y = 0.625;
         const auto world = build(setup, GetParam());
         world->run(4000);
-        EXPECT_LE(std::abs((0.5L - world->motion(0).x.y) / (g / 1000) - 1), 1e-3L) << "damping ratio " << z;
+        EXPECT_LE(std::abs((0.5L - world->motion(0).x.y) / (g / 1000) - 1), tolerance::rest_depth)
+            << "damping ratio " << z;
         EXPECT_LE(norm(world->motion(0).v), tolerance::creep) << "damping ratio " << z;
         EXPECT_FALSE(world->status().has(Issue::step_too_long)) << "damping ratio " << z;
     }

@@ -44,8 +44,8 @@ TEST_P(Fixed32, a_position_that_leaves_its_range_is_held_at_the_limit_and_told) 
     EXPECT_EQ(status.first_body, 1);
     EXPECT_EQ(status.first_step, 15u);
     world->run(600);
-    EXPECT_LE(std::abs(world->motion(1).x.y - 64), 1e-6L);
-    EXPECT_LE(std::abs(world->motion(2).x.x + 64), 1e-6L);
+    EXPECT_LE(std::abs(world->motion(1).x.y - 64), tolerance::saturated);
+    EXPECT_LE(std::abs(world->motion(2).x.x + 64), tolerance::saturated);
     EXPECT_EQ(world->status().first_body, 1);  // sticky: the first
     EXPECT_EQ(world->status().first_step, 15u);
     EXPECT_GT(world->status().count, 600);
@@ -76,7 +76,7 @@ TEST_P(Fixed32, a_velocity_that_leaves_its_range_is_held_at_the_limit_and_told) 
     world->run(2);                     // 32 m/s is the end of the range, 34 is out
     EXPECT_EQ(world->status().first_body, 2);
     EXPECT_EQ(world->status().first_step, 16u);
-    EXPECT_LE(std::abs(world->motion(2).v.y + 32), 1e-6L);
+    EXPECT_LE(std::abs(world->motion(2).v.y + 32), tolerance::saturated);
 }
 
 TEST_P(Fixed32, an_impulse_of_any_strength_saturates_and_is_told_at_once) {
@@ -88,7 +88,7 @@ TEST_P(Fixed32, an_impulse_of_any_strength_saturates_and_is_told_at_once) {
         EXPECT_TRUE(world->status().has(Issue::range_left)) << strength;
         EXPECT_EQ(world->status().first_body, 1);
         EXPECT_EQ(world->status().first_step, 3u);
-        EXPECT_LE(std::abs(world->motion(1).v.y + 32), 1e-6L) << strength;
+        EXPECT_LE(std::abs(world->motion(1).v.y + 32), tolerance::saturated) << strength;
     }
 }
 
