@@ -265,10 +265,17 @@ mutants: build/host/build.ninja
 	@cmake --build build/host --target kernel_tests
 	tests/mutants/run build/host "$(PATTERN)"
 
+## tolerances: every tolerance of the kernel's tests beside the largest error, and the test that measured it
+.PHONY: tolerances
+tolerances: build/host/build.ninja
+	@cmake --build build/host --target kernel_tests
+	@ctest --test-dir build/host -j $(JOBS) -R '^kernel\.tolerances_are_used$$' > build/host/tests/kernel/tolerances.log || cat build/host/tests/kernel/tolerances.log
+	@tests/kernel/tolerances build/host/tests/kernel/tolerances/*
+
 ## sanitize: the host tests under the address and undefined-behaviour sanitizers
 # Without what builds projects of its own, without the sanitizers, without kernel_tests: kernel_tests_deep holds its cases; and
 # without the new ones of the random scenes.
-UNSANITIZED := ^(kernel\.shard_|a_project_|a_firmware_as_|new_random_)
+UNSANITIZED := ^(kernel\.(shard_|tolerances_are_used)|a_project_|a_firmware_as_|new_random_)
 .PHONY: sanitize
 sanitize: setup
 	@test -f build/sanitize/build.ninja || cmake --preset host-debug-sanitize > /dev/null
