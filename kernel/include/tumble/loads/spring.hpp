@@ -208,7 +208,7 @@ public:
             is_watched_ |= check_sum(bodies, drag, Real{bounds.of_spring[i]}, Real{bounds.of_damper[i]});
     }
     // The same every sixteenth step, of springs that turn with bodies and may become too stiff that way; and where a
-    // method adds to every oscillation, after 2^11, 2^12 and so on steps, whether one grows e^2-fold in so many.
+    // method adds to every oscillation, after 2^12, 2^13 and so on steps, whether one grows e^4-fold in so many.
     TUMBLE_INLINE void watch(auto& bodies, const auto& drag, const StepBounds& bounds) {
         const std::uint32_t steps = bodies.steps_taken;
         if (bodies.status.has(Issue::step_too_long)) return;
@@ -255,8 +255,8 @@ public:
     }
 
 private:
-    // In which the most growth that step_bounds bears is e^2.
-    static constexpr std::uint32_t growth_steps = 1024;
+    // In which the most growth that step_bounds bears is e^4.
+    static constexpr std::uint32_t growth_steps = 2048;
 
     [[gnu::noinline]] void check_growth(auto& bodies, const auto& drag, const StepBounds& bounds, std::uint32_t steps) {
         Real spring{bounds.of_spring[0]}, damper{bounds.of_damper[0]};
