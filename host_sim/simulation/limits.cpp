@@ -258,11 +258,12 @@ Held held_by(std::size_t system, Real step, Spin spin) {
 
 // Two bodies that nothing but each other's gravitation moves, as they begin.
 struct Pair {
-    double strength;          // G (m1 + m2), of what moves; m^3/s^2
-    double distance;          // m, at the start
-    double least_distance;    // m, in the whole run
-    double motion = 0;        // 1/s: mean motion of an ellipse
-    double eccentricity = 0;  // of an ellipse
+    double strength;             // G (m1 + m2), of what moves; m^3/s^2
+    double distance;             // m, at the start
+    double least_distance;       // m, in the whole run
+    double motion = 0;           // 1/s: mean motion of an ellipse
+    double eccentricity = 0;     // of an ellipse
+    bool comes_closest = false;  // to the closest point of an ellipse, in the run
 };
 
 // Kepler's motion from the relative place and velocity: how close they come within the time.
@@ -279,6 +280,20 @@ Pair two_bodies(double strength, const Vector& reach, const Vector& velocity, do
     const double n = std::sqrt(strength / std::abs(axis * axis * axis)), closest = area2 / (strength * (1 + e));
     // Mean anomaly before the closest point; an ellipse comes round again.
     double before = 0;
+    // The distance at the end, where the mean anomaly of size `left` is anomaly - e sin(anomaly), or that of a
+    // hyperbola.
+    const auto distance_at = [&](double left) {
+        const auto mean = [&](double anomaly) {
+            return energy < 0 ? anomaly - e * std::sin(anomaly) : e * std::sinh(anomaly) - anomaly;
+        };
+        double less = 0, more = std::numbers::pi;
+        while (mean(more) < left) more *= 2;
+        for (int halving = 0; halving < 60; ++halving) {
+            const double middle = (less + more) / 2;
+            (mean(middle) < left ? less : more) = middle;
+        }
+        return axis * (1 - e * (energy < 0 ? std::cos(less) : std::cosh(less)));
+    };
     if (energy < 0) {
         pair.motion = n;
         pair.eccentricity = e;
@@ -290,7 +305,8 @@ Pair two_bodies(double strength, const Vector& reach, const Vector& velocity, do
         const double anomaly = std::acosh(std::max(1.0, (1 - distance / axis) / e));
         before = e * std::sinh(anomaly) - anomaly;
     }
-    if (before <= n * time) pair.least_distance = closest;
+    pair.comes_closest = before <= n * time;
+    pair.least_distance = pair.comes_closest ? closest : std::min(distance, distance_at(before - n * time));
     return pair;
 }
 
@@ -412,11 +428,13 @@ private:
                 if (!(pair.distance > 0)) continue;
                 const std::string where = body(a) + " and " + body(b);
                 const double w = std::sqrt(pair.strength / std::pow(pair.least_distance, 3)), e = pair.eccentricity;
-                // w^2 in the mean over a turn.
-                if (pair.motion > 0 && method_.oscillation_limit == 0)
-                    look_at({pair.motion * pair.motion * std::pow(1 - e * e, -1.5), 0, where, "gravitation"});
-                const double most = std::min(closest, std::sqrt(most_of_binding * (1 - e) / (1 + e)));
-                if (w * step_ <= most) continue;
+                // w^2 in the mean over a turn, which is no more than it is where they are closest.
+                const double mean = std::min(w * w, pair.motion * pair.motion * std::pow(1 - e * e, -1.5));
+                if (mean > 0 && std::isfinite(mean) && method_.oscillation_limit == 0)
+                    look_at({mean, 0, where, "gravitation"});
+                const double of_binding = std::sqrt(most_of_binding * (1 - e) / (1 + e)),
+                             most = pair.comes_closest ? std::min(closest, of_binding) : closest;
+                if (!(w * step_ > most)) continue;
                 Limit limit{where, "gravitation", w * step_, most, most / 2 / w, ""};
                 const bool later = pair.least_distance < pair.distance;
                 const std::string when =
@@ -478,11 +496,12 @@ private:
 
         const Vector &moments = body_b.axes.moments,
                      w = body_b.axes.to_user.rotate_back(vector(data_.bodies[b].angular_velocity));
-        const Number energy = work + dot(w, times(moments, w)) / 2;
+        // What pulls outward along its arm does no work, but for its rounding.
+        const Number energy = std::max(Number(0), work) + dot(w, times(moments, w)) / 2;
         const auto spin =
             static_cast<double>(std::min(std::sqrt(2 * energy / least), (norm(times(moments, w)) + twist) / least));
         const double turn = method_.spin == Spin::angular_momentum ? 1.5 : method_.order > 1 ? 0.45 : 0.2;
-        if (spin * step_ <= turn) return;
+        if (!(spin * step_ > turn)) return;
         Limit limit{body(b), "spin", spin, turn / step_, turn / spin, ""};
         limit.sentence = limit.where + ": the energy of its start is enough for " + few_digits(spin) + " rad/s, and " +
                          step_and(few_digits(spin * step_) + " rad of it") + ", where " + method_.name + " follows " +
@@ -568,12 +587,16 @@ private:
         tell(std::move(limit));
     }
 
-    // rad/s about a principal axis of the body.
-    [[nodiscard]] double held_spin(std::size_t b, int axis, double step) const {
+    // rad/s about a principal axis of the body, in an index of the list of number systems.
+    [[nodiscard]] double held_spin(std::size_t b, int axis, double step, std::size_t system) const {
         const Vector& moments = bodies_[b].axes.moments;
         const double per_spin =
             step / 2 * (method_.spin == Spin::angular_momentum ? static_cast<double>(moments[axis] / moments.y) : 1);
-        return held_by(index(), Real{step}, method_.spin).half_turn / per_spin;
+        return held_by(system, Real{step}, method_.spin).half_turn / per_spin;
+    }
+    // About any axis: about the smallest moment a spin is never the first to leave.
+    [[nodiscard]] double least_held_spin(std::size_t b, double step, std::size_t system) const {
+        return std::min(held_spin(b, 0, step, system), held_spin(b, 1, step, system));
     }
 
     // m/s: how fast a body may meet what it falls on, a plane below it or a fixed body; 0 where there is nothing.
@@ -623,31 +646,29 @@ private:
         } else {
             spin = static_cast<double>((1 + e) / 2 * speed / std::sqrt(bodies_[b].axes.moments.y / bodies_[b].mass));
         }
-        const double held = held_spin(b, 1, step_);
+        const double held = held_spin(b, 1, step_, index());
         if (!(spin > held)) return;
         Limit limit{body(b), "impact", spin, held, 0, ""};
         limit.sentence = limit.where + ": what it meets at " + few_digits(speed) + " m/s may turn it at " +
                          few_digits(spin) + " rad/s, and " + way() + " holds " + four_digits_down(held) +
                          " rad/s of this body at a step of " + few_digits(step_) + " s: ";
-        if (spin <= system_of_most().second) {
-            limit.largest_step = step_;
-            const auto most = [&](double step) {
-                return held_by(system_of_most().first, Real{step}, method_.spin).half_turn * 2 / step;
-            };
-            while (most(limit.largest_step) < spin) limit.largest_step /= 2;
-            limit.sentence += "a [range] angular_velocity of " + few_digits(spin) + " and a step of " +
-                              four_digits_down(limit.largest_step) + " s hold it";
+        // A [range] asks for no more than the reader takes, and its number system holds more at some steps.
+        SceneDescription asking = scene_;
+        double& declared = asking.range.angular_velocity;
+        declared = std::max(declared, std::min(spin, double{FieldRange::spin}));
+        const std::size_t system = index_of(find_number_system(asking, system_.name, system_.carry));
+        const auto is_held = [&](double step) {
+            return held_spin(b, 1, step, system) >= spin && least_held_spin(b, step, system) >= declared;
+        };
+        constexpr double shortest = 0x1p-14;
+        double step = step_;
+        while (step > shortest && !is_held(step)) step /= 2;
+        if (is_held(step)) {
+            limit.largest_step = step;
+            limit.sentence += "a [range] angular_velocity of " + few_digits(declared) + " and a step of " +
+                              four_digits_down(step) + " s hold it";
         } else limit.sentence += "no [range] holds it, but floating point does";
         tell(std::move(limit));
-    }
-    // Of the systems that differ in their range the last, and the fastest spin that it holds of a sphere, rad/s.
-    [[nodiscard]] std::pair<std::size_t, double> system_of_most() const {
-        const auto& systems = number_systems();
-        std::size_t last = index();
-        for (std::size_t i = 0; i < systems.size(); ++i)
-            if (systems[i].name == system_.name && systems[i].carry == system_.carry) last = i;
-        const Real shortest = Real::scaled(1, -14);
-        return {last, held_by(last, shortest, method_.spin).half_turn * 2 / shortest.to_double()};
     }
 
     // What [range] promises of spins, where the file asks for more than the default.
@@ -655,8 +676,7 @@ private:
         if (!system_.fixed_point || scene_.range.angular_velocity <= RangeDescription{}.angular_velocity) return;
         for (std::size_t b = 0; b < bodies_.size(); ++b) {
             if (!bodies_[b].rotates) continue;
-            // About the smallest moment a spin is never the first to leave.
-            const auto held = [&](double step) { return std::min(held_spin(b, 0, step), held_spin(b, 1, step)); };
+            const auto held = [&](double step) { return least_held_spin(b, step, index()); };
             const double declared = scene_.range.angular_velocity, limit_of_spin = held(step_);
             if (limit_of_spin >= declared || told_of(body(b), "spin")) continue;
             double step = step_ * limit_of_spin / declared;
@@ -696,7 +716,10 @@ private:
         }
     }
 
-    [[nodiscard]] std::size_t index() const { return static_cast<std::size_t>(&system_ - number_systems().data()); }
+    [[nodiscard]] static std::size_t index_of(const NumberSystemInfo& system) {
+        return static_cast<std::size_t>(&system - number_systems().data());
+    }
+    [[nodiscard]] std::size_t index() const { return index_of(system_); }
     [[nodiscard]] bool told_of(const std::string& where, const std::string& what) const {
         return std::any_of(found_.begin(), found_.end(),
                            [&](const Limit& limit) { return limit.where == where && limit.what == what; });
