@@ -258,12 +258,12 @@ Held held_by(std::size_t system, Real step, Spin spin) {
 
 // Two bodies that nothing but each other's gravitation moves, as they begin.
 struct Pair {
-    double strength;             // G (m1 + m2), of what moves; m^3/s^2
-    double distance;             // m, at the start
-    double least_distance;       // m, in the whole run
-    double motion = 0;           // 1/s: mean motion of an ellipse
-    double eccentricity = 0;     // of an ellipse
-    bool comes_closest = false;  // to the closest point of an ellipse, in the run
+    double strength;          // G (m1 + m2), of what moves; m^3/s^2
+    double distance;          // m, at the start
+    double least_distance;    // m, in the whole run
+    double motion = 0;        // 1/s: mean motion of an ellipse
+    double eccentricity = 0;  // of an ellipse
+    double kinetic = 0;       // energy there, of an ellipse, in parts of what binds them
 };
 
 // Kepler's motion from the relative place and velocity: how close they come within the time.
@@ -305,8 +305,8 @@ Pair two_bodies(double strength, const Vector& reach, const Vector& velocity, do
         const double anomaly = std::acosh(std::max(1.0, (1 - distance / axis) / e));
         before = e * std::sinh(anomaly) - anomaly;
     }
-    pair.comes_closest = before <= n * time;
-    pair.least_distance = pair.comes_closest ? closest : std::min(distance, distance_at(before - n * time));
+    pair.least_distance = before <= n * time ? closest : std::min(distance, distance_at(before - n * time));
+    if (energy < 0) pair.kinetic = std::max(0.0, 2 * axis / pair.least_distance - 1);
     return pair;
 }
 
@@ -415,9 +415,10 @@ private:
     }
 
     // Bodies that fall around each other: h w with w^2 = G (m1 + m2) / r^3. Past 1 no method follows the closest
-    // approach. On an ellipse what goes wrong there counts against what binds them, of which the kinetic energy there
-    // is (1 + e) / (1 - e): the maps of stability show orbits changed by as much as their energy from (h w)^2 times
-    // that ratio of 1.6 on, with the methods of order 1, and up to 20 with suzuki4. Half of the limit keeps the energy.
+    // approach. On an ellipse what goes wrong there counts against what binds them, of which the kinetic energy at the
+    // closest point is (1 + e) / (1 - e): the maps of stability show orbits changed by as much as their energy from
+    // (h w)^2 times that ratio of 1.6 on, with the methods of order 1, and up to 20 with suzuki4. Half of the limit
+    // keeps the energy.
     void look_at_gravitation() {
         constexpr double closest = 1, most_of_binding = 1.5;
         if (!(data_.world.gravitation > Real{})) return;
@@ -432,8 +433,7 @@ private:
                 const double mean = std::min(w * w, pair.motion * pair.motion * std::pow(1 - e * e, -1.5));
                 if (mean > 0 && std::isfinite(mean) && method_.oscillation_limit == 0)
                     look_at({mean, 0, where, "gravitation"});
-                const double of_binding = std::sqrt(most_of_binding * (1 - e) / (1 + e)),
-                             most = pair.comes_closest ? std::min(closest, of_binding) : closest;
+                const double most = std::min(closest, std::sqrt(most_of_binding / pair.kinetic));
                 if (!(w * step_ > most)) continue;
                 Limit limit{where, "gravitation", w * step_, most, most / 2 / w, ""};
                 const bool later = pair.least_distance < pair.distance;

@@ -301,6 +301,15 @@ TEST(Limits, of_orbits_count_the_closest_point_against_what_binds_them) {
     ASSERT_EQ(limits.size(), 1u);
     EXPECT_NEAR(limits[0].limit, 2 * most, 1e-3);
     EXPECT_TRUE(exceeded_limits(with_step(turn, 0.95 * most), "verlet", "f64").empty());
+    // From there on, and not on the way before it.
+    SceneDescription away = turn, before = turn;
+    away.bodies[1].position = {1, 0, 0};
+    away.bodies[1].velocity = {0, 0, std::sqrt(4 * 1.95)};
+    away.duration = 10;
+    before.duration = 100;
+    EXPECT_EQ(exceeded_limits(with_step(away, 1.05 * most), "verlet", "f64").size(), 1u);
+    EXPECT_TRUE(exceeded_limits(with_step(away, 0.95 * most), "verlet", "f64").empty());
+    EXPECT_TRUE(exceeded_limits(with_step(before, 1.05 * most), "verlet", "f64").empty());
 }
 
 // From rest two bodies at r = 1 m fall into each other after pi/2 sqrt(r^3 / (2 G M)); at 0.5 s of 1.11 they are at
