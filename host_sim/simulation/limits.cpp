@@ -11,6 +11,7 @@
 #include <tuple>
 
 #include "scene/data.hpp"
+#include "scene/reader.hpp"
 #include "simulation/motion_of.hpp"
 #include "simulation/number_systems.hpp"
 #include "simulation/simulation.hpp"
@@ -323,7 +324,7 @@ public:
     [[nodiscard]] std::vector<Limit> run() {
         const SpringModes springs(data_, bodies_);
         for (const Mode& mode : springs.modes(scene_, method_.step_bounds, step_)) look_at(mode);
-        look_at_what_is_told();
+        look_at_reports_of_springs();
         for (std::size_t b = 0; b < bodies_.size(); ++b) {
             if (data_.bodies[b].fixed || springs.holds(static_cast<int>(b))) continue;
             const std::string where = body(b);
@@ -370,15 +371,14 @@ private:
         else
             limit.sentence += " is stable up to " + four_digits_down(limit.limit) +
                               (limit.value < limit.limit ? ", of which nine tenths are safe" : "");
-        limit.sentence += ": " + safe(most);
         tell(std::move(limit));
     }
 
     // The kernel looks at springs one after another, in the order of the file, and takes them to be stretched: what it
-    // tells when they are added is told here too.
-    void look_at_what_is_told() {
+    // reports when they are added, where nothing else is told of them.
+    void look_at_reports_of_springs() {
         if (!found_.empty() || data_.springs.empty()) return;
-        const auto told_at = [&](double step) -> std::optional<Trouble> {
+        const auto report_at = [&](double step) -> std::optional<Trouble> {
             SceneDescription scene = scene_;
             scene.step = {1, 0, step};
             scene.duration = 0;
@@ -387,17 +387,16 @@ private:
                 if (trouble.issue == name_of(Issue::step_too_long)) return trouble;
             return {};
         };
-        const auto told = told_at(step_);
-        if (!told) return;
+        const auto report = report_at(step_);
+        if (!report) return;
         double good = step_ / 2, bad = step_;
-        while (good > 0 && told_at(good)) bad = std::exchange(good, good / 2);
+        while (good > 0 && report_at(good)) bad = std::exchange(good, good / 2);
         for (int halving = 0; halving < 8; ++halving) {
             const double middle = (good + bad) / 2;
-            (told_at(middle) ? bad : good) = middle;
+            (report_at(middle) ? bad : good) = middle;
         }
-        Limit limit{body(static_cast<std::size_t>(told->body)), "spring", step_, good, safe_share * good, ""};
-        limit.sentence = limit.where + ": " + step_and("its springs too stiff, each with those before it") + ": " +
-                         safe(limit.largest_step);
+        Limit limit{body(static_cast<std::size_t>(report->body)), "spring", step_, good, safe_share * good, ""};
+        limit.sentence = limit.where + ": " + step_and("its springs too stiff, each with those before it");
         tell(std::move(limit));
     }
 
@@ -408,10 +407,6 @@ private:
     }
     [[nodiscard]] std::string step_and(const std::string& makes) const {
         return "a step of " + few_digits(step_) + " s makes " + makes;
-    }
-    // The end of every sentence.
-    [[nodiscard]] static std::string safe(double step) {
-        return "the largest safe step is " + four_digits_down(step) + " s";
     }
 
     // Bodies that fall around each other: h w with w^2 = G (m1 + m2) / r^3. Past 1 no method follows the closest
@@ -439,12 +434,11 @@ private:
                 const bool later = pair.least_distance < pair.distance;
                 const std::string when =
                     later ? "where they come to r = " + few_digits(pair.least_distance) + " m" : "at the start";
-                limit.sentence =
-                    where + ": " +
-                    (limit.largest_step > 0
-                         ? step_and("h w " + few_digits(limit.value)) + ", w^2 = G (m1 + m2) / r^3, " + when +
-                               ", and no method follows more than " + few_digits(most) + ": " + safe(limit.largest_step)
-                         : "they fall into each other, for which no step is short enough");
+                limit.sentence = where + ": " +
+                                 (limit.largest_step > 0
+                                      ? step_and("h w " + few_digits(limit.value)) + ", w^2 = G (m1 + m2) / r^3, " +
+                                            when + ", and no method follows more than " + few_digits(most)
+                                      : "they fall into each other, for which no step is short enough");
                 tell(std::move(limit));
             }
         }
@@ -505,7 +499,7 @@ private:
         Limit limit{body(b), "spin", spin, turn / step_, turn / spin, ""};
         limit.sentence = limit.where + ": the energy of its start is enough for " + few_digits(spin) + " rad/s, and " +
                          step_and(few_digits(spin * step_) + " rad of it") + ", where " + method_.name + " follows " +
-                         few_digits(turn) + " rad: " + safe(limit.largest_step);
+                         few_digits(turn) + " rad";
         tell(std::move(limit));
     }
 
@@ -582,8 +576,8 @@ private:
         Limit limit{body(b), "spin", spin, spin * held, step, ""};
         limit.sentence = limit.where + ": it spins at " + few_digits(spin) + " rad/s, and " + way() +
                          (issue == "range_left" ? " holds " : " follows ") + four_digits_down(limit.limit) +
-                         " rad/s of this motion at a step of " + few_digits(step_) + " s: " +
-                         (step > 0 ? safe(step) : "no step holds it, which a larger [range] angular_velocity may");
+                         " rad/s of this motion at a step of " + few_digits(step_) + " s" +
+                         (step > 0 ? "" : ": no step holds it, which a larger [range] angular_velocity may");
         tell(std::move(limit));
     }
 
@@ -684,7 +678,7 @@ private:
             Limit limit{body(b), "range", declared, limit_of_spin, step, ""};
             limit.sentence = limit.where + ": [range] asks for spins up to " + few_digits(declared) + " rad/s, and " +
                              way() + " holds " + four_digits_down(limit_of_spin) + " rad/s of this body at a step of " +
-                             few_digits(step_) + " s: " + safe(step);
+                             few_digits(step_) + " s";
             tell(std::move(limit));
         }
     }
@@ -711,7 +705,7 @@ private:
             Limit limit{"force[" + std::to_string(f) + "]", "load", acceleration * step_, most(step_), step, ""};
             limit.sentence = limit.where + ": it changes the velocity of " + body(b) + " by " +
                              few_digits(limit.value) + " m/s in a step of " + few_digits(step_) + " s, and " + way() +
-                             " takes " + four_digits_down(limit.limit) + " m/s: " + safe(step);
+                             " takes " + four_digits_down(limit.limit) + " m/s";
             tell(std::move(limit));
         }
     }
@@ -738,7 +732,33 @@ private:
 
 std::vector<Limit> exceeded_limits(const SceneDescription& scene, std::string_view integrator, std::string_view numbers,
                                    std::optional<bool> carry) {
-    return Search(scene, integrator, numbers, carry).run();
+    const auto search = [&](const SceneDescription& at) { return Search(at, integrator, numbers, carry).run(); };
+    const auto tells_step = [](const Limit& limit) { return limit.largest_step > 0 && limit.what != "impact"; };
+    // Of those that tell a step the one of the shortest.
+    const auto strictest = [&](std::vector<Limit>& limits) -> Limit* {
+        Limit* least = nullptr;
+        for (Limit& limit : limits)
+            if (tells_step(limit) && (least == nullptr || limit.largest_step < least->largest_step)) least = &limit;
+        return least;
+    };
+    std::vector<Limit> limits = search(scene);
+    if (Limit* limit = strictest(limits)) {
+        // Springs and dampers together move otherwise at another step: what is told there may be a shorter one.
+        constexpr int most_rounds = 64;
+        for (int round = 0; round < most_rounds; ++round) {
+            SceneDescription shorter = scene;
+            shorter.step = {1, 0, std::stod(four_digits_down(limit->largest_step))};
+            if (!(scene.duration / shorter.step.seconds() < static_cast<double>(max_steps))) break;
+            std::vector<Limit> still = search(shorter);
+            const Limit* next = strictest(still);
+            if (next == nullptr || !(next->largest_step < shorter.step.seconds())) break;
+            limit->largest_step = next->largest_step;
+        }
+    }
+    for (Limit& limit : limits)
+        if (tells_step(limit))
+            limit.sentence += ": the largest safe step is " + four_digits_down(limit.largest_step) + " s";
+    return limits;
 }
 
 }  // namespace tumble::host

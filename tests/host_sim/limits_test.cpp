@@ -399,6 +399,39 @@ TEST(Limits, are_warned_of_wherever_the_kernel_tells_of_them_at_the_start) {
     EXPECT_GT(told, 100);
 }
 
+// The shortest of the steps that are told, as it is printed, is one of which nothing is told.
+bool expect_safe(const SceneDescription& scene, const IntegratorInfo& method) {
+    double shortest = std::numeric_limits<double>::infinity();
+    for (const Limit& limit : exceeded_limits(scene, method.name, "f64"))
+        shortest = std::min(shortest, std::stod(four_digits_down(limit.largest_step)));
+    if (!(shortest > 0) || std::isinf(shortest)) return false;
+    const SceneDescription safe = with_step(scene, shortest);
+    for (const Limit& limit : exceeded_limits(safe, method.name, "f64"))
+        ADD_FAILURE() << method.name << " at " << shortest << " s: " << limit.sentence;
+    EXPECT_FALSE(make_simulation(safe, method.name, "f64")->has_trouble("step_too_long")) << method.name;
+    return true;
+}
+TEST(Limits, of_springs_tell_steps_of_which_nothing_more_is_told) {
+    std::mt19937 random(23);
+    int told = 0;
+    for (int trial = 0; trial < 150; ++trial) {
+        SCOPED_TRACE(trial);
+        const IntegratorInfo& method = integrators()[random() % integrators().size()];
+        if (std::isfinite(method.drag_limit)) told += expect_safe(tied(random, method), method) ? 1 : 0;
+    }
+    EXPECT_GT(told, 50);
+    // Each spring alone bears more than what the kernel, which adds them one after another, takes of both.
+    const SceneDescription pair = scene_of(
+        "[[body]]\nname = \"b\"\nshape = { box = [0.5, 0.4, 0.3] }\nmass = 2.625\nposition = [0.0, 0.0646, -0.0576]\n"
+        "velocity = [0.228, 0.249, 0.5]\nangular_velocity = [0.5, 0.4, -0.3]\n"
+        "[[spring]]\nbody = \"b\"\npoint = [0.056, -0.197, 0.1]\nto = [0.612, 1.0, 0.0]\nstiffness = 2.57e5\n"
+        "damping = 2.826\n"
+        "[[spring]]\nbody = \"b\"\npoint = [0.212, -0.159, 0.1]\nto = [0.174, 1.0, 0.0]\nstiffness = 2.57e5\n"
+        "rest_length = 1.0\n");
+    for (const char* method : {"exact", "verlet", "pdmv6"})
+        EXPECT_TRUE(expect_safe(with_step(pair, 0.004), find_integrator(method)));
+}
+
 // `bodies` of 0.3 kg in a row between two walls, `beside` springs in each gap; w^2 = 2 k/m (1 - cos(n pi / (n + 1))).
 SceneDescription row_of(int bodies, int beside, double h_w, std::size_t axis) {
     SceneDescription scene = with_step(scene_of("[[body]]\nname = \"b\"\nshape = \"none\"\nmass = 0.3\n"), 1.0 / 128);
