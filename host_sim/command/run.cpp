@@ -166,7 +166,7 @@ int run(const RunOptions& options) {
 
     Energy now = simulation->energy();
     EnergyWatch energy(now);
-    EnergyGrowthWatch growth(scene, now);
+    EnergyGrowthWatch growth(scene, *simulation);
     RangeWatch range(scene, *simulation);
     {
         Progress progress(simulation->steps());

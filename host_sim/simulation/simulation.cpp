@@ -41,15 +41,10 @@ std::string listed(const std::vector<Values...>& values) {
 }
 
 bool holds(std::string_view range, const SceneDescription& scene) {
-    const RangeDescription& needed = scene.range;
+    if (range.empty()) return true;
+    const RangeDescription &needed = scene.range, held = held_by(range);
     const double spin = scene.has_rotation() ? needed.angular_velocity : 0.0;
-    bool fits = range.empty();
-    Ranges::for_each([&]<class Named>() {
-        using R = typename Named::Range;
-        if (range == Named::name)
-            fits = needed.position <= R::position && needed.velocity <= R::velocity && spin <= R::spin;
-    });
-    return fits;
+    return needed.position <= held.position && needed.velocity <= held.velocity && spin <= held.angular_velocity;
 }
 
 std::size_t index_of(const SceneDescription& scene, std::string_view numbers, std::optional<bool> carry) {
@@ -210,6 +205,15 @@ void require_runs_in(const IntegratorInfo& integrator, std::string_view numbers)
     throw std::invalid_argument("integrator \"" + integrator.name + "\" does not run in " + std::string(numbers) +
                                 ", because " + integrator.not_in_fixed_point + "; expected --numbers to be one of " +
                                 listed(systems));
+}
+
+RangeDescription held_by(std::string_view range) {
+    RangeDescription held;
+    Ranges::for_each([&]<class Named>() {
+        using R = typename Named::Range;
+        if (range == Named::name) held = {R::position, R::velocity, R::spin};
+    });
+    return held;
 }
 
 const NumberSystemInfo& find_number_system(const SceneDescription& scene, std::string_view numbers,

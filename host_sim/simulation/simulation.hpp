@@ -132,6 +132,8 @@ struct NumberSystemInfo {
 // std::invalid_argument that says why and what to choose.
 [[nodiscard]] bool runs_in(const IntegratorInfo& integrator, std::string_view numbers);
 void require_runs_in(const IntegratorInfo& integrator, std::string_view numbers);
+// The numbers of a range of fixed point: near, room or field.
+[[nodiscard]] RangeDescription held_by(std::string_view range);
 [[nodiscard]] const NumberSystemInfo& find_number_system(const SceneDescription& scene, std::string_view numbers,
                                                          std::optional<bool> carry);
 

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "scene/data.hpp"
 #include "simulation/long_double.hpp"
 #include "tools/text.hpp"
+#include "truth/smooth_motion.hpp"
 
 namespace tumble::host {
 namespace {
@@ -13,22 +15,37 @@ namespace {
 // Of a range: initial values may lie at its end, and rounding takes them beyond.
 constexpr double rounding_of_range = 1.0 / 1024;
 
-constexpr long double most_growth = 100;
+// The smallest that is not below x > 0.
+double next_power_of_two(double x) {
+    int exponent = 0;
+    return std::frexp(x, &exponent) == 0.5 ? x : std::ldexp(1.0, exponent);
+}
+
+// Gains in times of what the motion had: of a moment, and of all of the last steps. Stable steps of kick-drift-kick and
+// of semi-implicit Euler swing by 1/(1 - (h w)^2/4) and 1/(1 - h w/2) times the energy at most, and back.
+constexpr long double most_growth = 100, most_lasting_growth = 3;
 // m/s: of a motion that is not taken to be rounding.
 constexpr long double slowest = 1e-5L;
 
-// True where nothing but springs, gravity, gravitation and drag changes the energy of the motion.
-bool keeps_energy(const SceneDescription& scene) {
-    const auto is_fed = [&](const BodyDescription& body) { return body.fixed && body.angular_velocity != Triple{}; };
-    const auto touches = [&](const BodyDescription& body) {
-        return std::any_of(scene.bodies.begin(), scene.bodies.end(), [&](const BodyDescription& other) {
-            return &other != &body && shapes_meet(other.shape.kind, body.shape.kind);
-        });
+// The distance of neighbouring numbers, of orientations and, times the scene's size, of places.
+struct Resolution {
+    long double place;  // m
+    long double turn;   // rad
+};
+Resolution resolution(const SceneDescription& scene, const Simulation& simulation) {
+    if (!simulation.range().empty()) {
+        constexpr long double of_range = 0x1p-30L;
+        return {held_by(simulation.range()).position * of_range, of_range};
+    }
+    double farthest = 0;
+    const auto reach = [&](const Triple& x) {
+        for (const double component : x) farthest = std::max(farthest, std::abs(component));
     };
-    const bool may_touch = scene.contact.response != ContactResponse::none &&
-                           (!scene.planes.empty() || std::any_of(scene.bodies.begin(), scene.bodies.end(), touches));
-    return !may_touch && scene.forces.empty() && scene.impulses.empty() &&
-           std::none_of(scene.bodies.begin(), scene.bodies.end(), is_fed);
+    for (const BodyDescription& body : scene.bodies) reach(body.position);
+    for (const SpringDescription& spring : scene.springs) reach(spring.to);
+    const long double spacing =
+        simulation.numbers() == "f32" ? std::numeric_limits<float>::epsilon() : std::numeric_limits<double>::epsilon();
+    return {farthest * spacing, spacing};
 }
 
 }  // namespace
@@ -51,10 +68,17 @@ std::vector<Trouble> with(std::vector<Trouble> troubles, const std::optional<Tro
 }
 
 RangeWatch::RangeWatch(const SceneDescription& scene, const Simulation& simulation)
-    : bounds_{{{"position", &BodySnapshot::position, scene.range.position, "m"},
-               {"velocity", &BodySnapshot::velocity, scene.range.velocity, "m/s"},
-               {"angular velocity", &BodySnapshot::angular_velocity, scene.range.angular_velocity, "rad/s"}}},
-      is_on_{scene.range.is_declared && simulation.range().empty()} {}
+    : is_on_{scene.range.is_declared && simulation.range().empty()} {
+    const RangeDescription held = held_by(find_number_system(scene, "q32", {}).range);
+    const auto step = static_cast<double>(simulation.step_length());
+    const double velocity = next_power_of_two(held.velocity * step) / step;
+    // The state holds half turns, of the angular momentum those of twice the spin.
+    const double of_spin = find_integrator(simulation.integrator()).spin == Spin::angular_momentum ? step : step / 2;
+    const double spin = next_power_of_two(held.angular_velocity * of_spin) * 2 / step;
+    bounds_ = {{{"position", &BodySnapshot::position, held.position, "m"},
+                {"velocity", &BodySnapshot::velocity, velocity, "m/s"},
+                {"angular velocity", &BodySnapshot::angular_velocity, spin, "rad/s"}}};
+}
 
 void RangeWatch::see(const Simulation& simulation) {
     if (!is_on_ || trouble_) return;
@@ -66,27 +90,77 @@ void RangeWatch::see(const Simulation& simulation) {
             if (std::none_of(now.begin(), now.end(), [&](long double x) { return std::abs(x) > most; })) continue;
             trouble_ = {"range_left", b, simulation.steps_taken() - 1,
                         "a component of the " + bound.of + " left the " + few_digits(bound.most) + " " + bound.unit +
-                            " of the declared [range]. Declare a larger one, or take a smaller step where the motion "
-                            "has blown up"};
+                            " that q32 holds of the declared [range] at this step. Declare a larger one, or take a "
+                            "smaller step where the motion has blown up"};
             return;
         }
     }
 }
 
-EnergyGrowthWatch::EnergyGrowthWatch(const SceneDescription& scene, const Energy& start)
-    : is_on_{keeps_energy(scene)}, start_{start.total()}, most_kept_{start.kinetic}, rounding_{0} {
-    const SceneData data = build_scene(scene);
-    for (const BodySpec& body : data.bodies) rounding_ += number(body.mass) * slowest * slowest;
+EnergyGrowthWatch::EnergyGrowthWatch(const SceneDescription& scene, const Simulation& simulation)
+    : is_gravitation_alone_{scene.gravitation > 0 && scene.springs.empty() && scene.gravity == Triple{}}, swing_{0},
+      push_{0}, rounding_{0} {
+    const Energy start = simulation.energy();
+    start_ = before_ = start.total();
+    most_kept_ = motion_at_start_ = start.kinetic;
+    const SmoothMotion at_start(scene, shapes_meet);
+    may_touch_ = scene.contact.response != ContactResponse::none && at_start.can_touch();
+    is_on_ = !(may_touch_ && scene.contact.response == ContactResponse::spring) &&
+             std::none_of(scene.bodies.begin(), scene.bodies.end(),
+                          [](const BodyDescription& body) { return body.fixed && body.angular_velocity != Triple{}; });
+    for (const ImpulseDescription& impulse : scene.impulses) {
+        const std::int64_t step = nearest_step(impulse.time, scene.step);
+        fed_.push_back({step, step + 1});
+    }
+    for (const ForceDescription& force : scene.forces)
+        fed_.push_back({nearest_step(force.from, scene.step), nearest_step(force.until, scene.step) + 1});
+
+    long double depth = simulation.contact_tolerance();
+    if (may_touch_)
+        for (const auto& overlap : at_start.overlaps()) depth = std::max(depth, overlap.depth);
+    const auto& g = scene.gravity;
+    const Resolution least = resolution(scene, simulation);
+    const long double speed = least.place / simulation.step_length(), spin = least.turn / simulation.step_length();
+    for (const BodySpec& body : build_scene(scene).bodies) {
+        if (body.fixed) continue;
+        const auto moments = vector(principal_inertia(body.inertia).moments);
+        const long double mass = number(body.mass);
+        rounding_ += 4 * (mass * speed * speed + std::max({moments.x, moments.y, moments.z}) * spin * spin);
+        push_ += mass * (slowest * slowest + (may_touch_ ? std::hypot(g[0], g[1], g[2]) * depth : 0));
+    }
+}
+
+bool EnergyGrowthWatch::is_fed(std::int64_t step) const {
+    return std::any_of(fed_.begin(), fed_.end(),
+                       [&](const Steps& steps) { return steps.first <= step && step < steps.end; });
 }
 
 void EnergyGrowthWatch::see(const Simulation& simulation, const Energy& now) {
     if (!is_on_ || trouble_) return;
+    const std::int64_t taken = simulation.steps_taken();
+    if (is_fed(taken - 1)) {
+        start_ += now.total() - before_;
+        most_kept_ += std::abs(now.total() - before_);
+    }
+    before_ = now.total();
     most_kept_ = std::max(most_kept_, start_ - now.potential);
     const long double gained = now.total() - start_;
-    if (!(gained > most_growth * (most_kept_ + rounding_) && gained > 1e-6L * std::abs(now.potential))) return;
-    trouble_ = {"step_too_long", fastest_body(simulation), simulation.steps_taken() - 1,
-                "the method has added " + few_digits(gained) + " J where the motion had " + few_digits(most_kept_) +
-                    " J; take a smaller step, or a method that keeps the energy"};
+    gains_[static_cast<std::size_t>(taken) % gains_.size()] = gained;
+    if (taken <= first_steps) {
+        swing_ = std::max({swing_, now.kinetic, std::abs(gained)});
+        return;
+    }
+    const long double had = std::max(most_kept_, swing_) + push_ + rounding_ * static_cast<long double>(taken);
+    const long double lasting =
+        taken < first_steps + lasting_steps ? 0 : *std::min_element(gains_.begin(), gains_.end());
+    const bool is_much = gained > most_growth * had || (!may_touch_ && lasting > most_lasting_growth * had);
+    const bool is_unbound =
+        is_gravitation_alone_ && start_ < 0 && lasting > std::max(-start_, motion_at_start_) + push_;
+    if (!(is_much || is_unbound) || !(gained > 1e-6L * std::abs(now.potential))) return;
+    trouble_ = {"step_too_long", fastest_body(simulation), taken - 1,
+                "the method has added " + few_digits(gained) + " J where the motion had " +
+                    (is_much ? few_digits(had) + " J" : few_digits(start_) + " J, which bound the bodies") +
+                    "; take a smaller step, or a method that keeps the energy"};
 }
 
 }  // namespace tumble::host

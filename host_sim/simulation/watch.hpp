@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -17,7 +18,8 @@ namespace tumble::host {
 // With what was found, unless the same issue is there.
 [[nodiscard]] std::vector<Trouble> with(std::vector<Trouble> troubles, const std::optional<Trouble>& found);
 
-// The first body of a run in floating point that leaves the range which the file declares, by more than rounding.
+// The first body of a run in floating point that leaves, by more than rounding, what q32 holds of the range that the
+// file declares: its smallest range that is as large, with velocities and spins up to the next power of two a step.
 class RangeWatch {
 public:
     RangeWatch(const SceneDescription& scene, const Simulation& simulation);
@@ -39,19 +41,39 @@ private:
     std::optional<Trouble> trouble_;
 };
 
-// Energy that nothing but the method can have added: of a scene without events, contacts and fixed bodies that turn, a
-// hundred times what its motion had at the most while energy was kept.
+// Energy that nothing but the method can have added: what springs, gravity, gravitation, drag and impacts neither have
+// nor give. It is held against the largest kinetic energy that the motion has while its energy is kept. What changes in
+// steps with impulses or forces is theirs. Contacts by springs and fixed bodies that turn feed the motion: then there
+// is no watch.
 class EnergyGrowthWatch {
 public:
-    EnergyGrowthWatch(const SceneDescription& scene, const Energy& start);
+    // At the start of the run.
+    EnergyGrowthWatch(const SceneDescription& scene, const Simulation& simulation);
 
     // To be called after every step with the energy then.
     void see(const Simulation& simulation, const Energy& now);
     [[nodiscard]] const std::optional<Trouble>& trouble() const { return trouble_; }
 
 private:
-    bool is_on_;
-    long double start_, most_kept_, rounding_;  // J
+    // A method swings about the energy that it keeps, and from rest its first steps add more than the motion has.
+    static constexpr std::int64_t first_steps = 8, lasting_steps = 64;
+
+    struct Steps {
+        std::int64_t first, end;
+    };
+
+    [[nodiscard]] bool is_fed(std::int64_t step) const;
+
+    bool is_on_, may_touch_;
+    bool is_gravitation_alone_;                       // the energy is negative where the bodies are bound to each other
+    std::vector<Steps> fed_;                          // by impulses and forces
+    long double start_, before_;                      // J, in all: with what fed it since; after the step before
+    long double motion_at_start_;                     // J
+    long double most_kept_;                           // J: largest kinetic energy, as far as energy was kept
+    long double swing_;                               // J: of the first steps
+    long double push_;                                // J: of bodies pushed out of each other
+    long double rounding_;                            // J a step: its square root is added at random
+    std::array<long double, lasting_steps> gains_{};  // J, of the last steps
     std::optional<Trouble> trouble_;
 };
 
