@@ -154,8 +154,9 @@ void EnergyGrowthWatch::see(const Simulation& simulation, const Energy& now) {
     const long double lasting =
         taken < first_steps + lasting_steps ? 0 : *std::min_element(gains_.begin(), gains_.end());
     const bool is_much = gained > most_growth * had || (!may_touch_ && lasting > most_lasting_growth * had);
-    const bool is_unbound =
-        is_gravitation_alone_ && start_ < 0 && lasting > std::max(-start_, motion_at_start_) + push_;
+    // Not at a close point, where a method's energy swings with the potential.
+    const bool is_unbound = is_gravitation_alone_ && start_ < 0 && gained > std::abs(now.potential) / 8 &&
+                            lasting > std::max(-start_, motion_at_start_) + push_;
     if (!(is_much || is_unbound) || !(gained > 1e-6L * std::abs(now.potential))) return;
     trouble_ = {"step_too_long", fastest_body(simulation), taken - 1,
                 "the method has added " + few_digits(gained) + " J where the motion had " +
