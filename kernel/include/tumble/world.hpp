@@ -223,11 +223,11 @@ private:
         advance_.spin_changed(event.body);
         disturb(event.body);
     }
-    // Call after an impulse, a force that switches or new gravity: drops the body's time-to-contact bounds and wakes
-    // it.
+    // Call after an impulse, a force that switches or new gravity: drops the time-to-contact bounds of the body, and of
+    // what it may push, and wakes it.
     void disturb([[maybe_unused]] int b) {
         if constexpr (has_contacts) {
-            contacts_.startle(b, advance_.bodies.steps_taken);
+            contacts_.startle_all_near(b, advance_.bodies.steps_taken);
             wake(b);
         }
     }

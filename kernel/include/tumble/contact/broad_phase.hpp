@@ -49,6 +49,13 @@ public:
         }
     }
 
+    // The same, where it may push what is near it otherwise from now on.
+    void startle_all_near(int b, std::uint32_t now) {
+        startle(b, now);
+        for (int other = 0; is_near(b) && other < features.bodies; ++other)
+            if (is_near(other)) startle(other, now);
+    }
+
     // Looks at the surroundings of body b where its time to contact may have run out. is_loaded(b) tells bodies that
     // feel anything but gravity, is_still(b) fixed and sleeping ones; wake(b) is called for a sleeping body that it may
     // touch.
@@ -59,7 +66,11 @@ public:
             foreseen_until_[b] = now + longest_look;
             return;
         }
-        const bool loaded = is_loaded(b), was_near = is_near(b);
+        const bool was_near = is_near(b);
+        // What is near something may be pushed by the loads of others.
+        bool loaded = is_loaded(b);
+        for (int other = 0; was_near && other < bodies.count; ++other)
+            loaded = loaded || (is_near(other) && is_loaded(other));
         if (!was_near) touching_[b] = 0;
         int until = longest_look;
         // Looks at a pair if it is due; near() and apart() take it up and drop it.
