@@ -22,9 +22,8 @@ enum class Issue : std::uint8_t {
     // add() was called on a full world; nothing was added. Raise the capacity in the scene.
     world_full = 8,
     // The step is too long for what acts: springs, dampers or drag are so stiff, or bodies that attract each other so
-    // near, that a step adds to their energy, or steps have added to it for so long that it has grown many times. Take
-    // a
-    // shorter one; for contacts by springs World::largest_safe_step() tells which is short enough.
+    // near, that a step adds to their energy, or steps have added to it for so long that it has grown many times. A
+    // shorter one does; for contacts by springs World::largest_safe_step() tells which is short enough.
     step_too_long = 16,
 };
 // In the order of their bits.

@@ -214,8 +214,8 @@ private:
                 side = -1;
             }
         }
-        // Not found. Where something is four tolerances deep by now, the flight ends where nothing was, and the search
-        // goes on from there.
+        // Not found. Where something is four tolerances deep by now, the flight ends where nothing was, or else after
+        // the shortest part of a step, and the search goes on from there.
         const Work twice = contacts_.tolerance() + contacts_.tolerance();
         if (contacts_.least_gap(flight.island, false) < -(twice + twice)) {
             at = low > shortest ? low : shortest;

@@ -95,6 +95,8 @@ public:
         }
         return false;
     }
+    // The body with the largest part of the motion, by energy.
+    [[nodiscard]] int body() const { return most_moved_; }
 
 private:
     using Body = LoadedBody<N, Bodies::rotation, Bodies::has_points>;
@@ -107,16 +109,23 @@ private:
     }
     // Velocities from the forces, which end with it: h F / m. Returns their product with the forces.
     Work respond() {
-        Work size(0);
+        Work size(0), most(0);
         for (int b = 0; b < bodies_.count; ++b) {
             Body& body = body_[b];
             const Work movable(bodies_.constants[b].fixed ? 0 : 1);
             body.v_w = scaled_by(body.force_w, bodies_.step_per_mass(b) * movable);
-            size += dot(body.v_w, body.force_w);
+            Work part = dot(body.v_w, body.force_w);
             if constexpr (Bodies::rotation) {
-                if (!body.rotates()) continue;
-                for (int i = 0; i < 3; ++i) body.w_b[i] = body.torque_b[i] * (bodies_.step_per_moment(b, i) * movable);
-                size += dot(body.w_b, body.torque_b);
+                if (body.rotates()) {
+                    for (int i = 0; i < 3; ++i)
+                        body.w_b[i] = body.torque_b[i] * (bodies_.step_per_moment(b, i) * movable);
+                    part += dot(body.w_b, body.torque_b);
+                }
+            }
+            size += part;
+            if (most < part) {
+                most = part;
+                most_moved_ = b;
             }
         }
         rest();
@@ -171,6 +180,7 @@ private:
     const Bodies& bodies_;
     StageState<N, Bodies::rotation> stage_[Bodies::room];
     Body body_[Bodies::room];
+    int most_moved_ = 0;
 };
 
 // The springs of a world.
@@ -208,12 +218,12 @@ public:
             is_watched_ |= check_sum(bodies, drag, Real{bounds.of_spring[i]}, Real{bounds.of_damper[i]});
     }
     // The same every sixteenth step, of springs that turn with bodies and may become too stiff that way; and where a
-    // method adds to every oscillation, after 2^12, 2^13 and so on steps, whether one grows e^4-fold in so many.
+    // method adds to every oscillation, after 2^12, 2^13 and so on steps, whether one grows e-fold in so many.
     TUMBLE_INLINE void watch(auto& bodies, const auto& drag, const StepBounds& bounds) {
         const std::uint32_t steps = bodies.steps_taken;
         if (bodies.status.has(Issue::step_too_long)) return;
         if (is_watched_ && steps % 16 == 0) check_step(bodies, drag, bounds);
-        if (bounds.slowing > 0 && steps > growth_steps && (steps & (steps - 1)) == 0)
+        if (bounds.slowing > 0 && steps >= first_growth_check && (steps & (steps - 1)) == 0)
             check_growth(bodies, drag, bounds, steps);
     }
     [[nodiscard]] int count() const { return count_; }
@@ -255,27 +265,31 @@ public:
     }
 
 private:
-    // In which the most growth that step_bounds bears is e^4.
-    static constexpr std::uint32_t growth_steps = 2048;
+    static constexpr std::uint32_t first_growth_check = 4096;
+    // In which the most growth that step_bounds bears is e-fold.
+    static constexpr std::uint32_t e_fold_steps = 512;
 
     [[gnu::noinline]] void check_growth(auto& bodies, const auto& drag, const StepBounds& bounds, std::uint32_t steps) {
         Real spring{bounds.of_spring[0]}, damper{bounds.of_damper[0]};
-        for (; steps > growth_steps; steps /= 2) {
+        for (; steps > e_fold_steps; steps /= 2) {
             spring *= Real{bounds.slowing};
             damper *= Real{2};
         }
-        (void)check_sum(bodies, drag, spring, damper);
+        report_beyond(bodies, drag, N::template constant<Work>(spring * bodies.step_length),
+                      N::template constant<Work>(damper));
     }
     // Reports a motion that is beyond a bound; true if another pose of the bodies may have one.
-    template <class Bodies>
-    [[nodiscard]] bool check_sum(Bodies& bodies, const auto& drag, Real of_spring, Real of_damper) const {
+    [[nodiscard]] bool check_sum(auto& bodies, const auto& drag, Real of_spring, Real of_damper) const {
         const Work of_stiffness = N::template constant<Work>(of_spring * bodies.step_length),
                    of_damping = N::template constant<Work>(of_damper);
         if (of_stiffness == Work(0) && of_damping == Work(0)) return false;
-        StiffestMotion<N, Bodies> motion{bodies};
-        if (motion.exceeds(*this, drag, of_stiffness, of_damping))
-            bodies.report(Issue::step_too_long, spring_[count_ - 1].body);
+        report_beyond(bodies, drag, of_stiffness, of_damping);
         return may_exceed(bodies, drag, of_stiffness, of_damping);
+    }
+    template <class Bodies>
+    void report_beyond(Bodies& bodies, const auto& drag, Work of_stiffness, Work of_damping) const {
+        StiffestMotion<N, Bodies> motion{bodies};
+        if (motion.exceeds(*this, drag, of_stiffness, of_damping)) bodies.report(Issue::step_too_long, motion.body());
     }
 
     [[nodiscard]] static bool is_in_range(const RealVec3& point) {
