@@ -311,6 +311,33 @@ Pair two_bodies(double strength, const Vector& reach, const Vector& velocity, do
     return pair;
 }
 
+// m: of a shape no point is farther from its centre than `most`, and all that are nearer than `least` are of it.
+struct Reach {
+    Number least = 0, most = 0;
+
+    explicit Reach(const Shape& shape) {
+        const Vector size = vector(shape.size);
+        switch (shape.kind) {
+        case ShapeKind::box:
+            least = std::min({size.x, size.y, size.z}) / 2;
+            most = norm(size) / 2;
+            break;
+        case ShapeKind::cylinder:
+            least = std::min(size.x, size.y / 2);
+            most = std::hypot(size.x, size.y / 2);
+            break;
+        case ShapeKind::capsule:
+            least = size.x;
+            most = size.x + size.y / 2;
+            break;
+        case ShapeKind::sphere: least = most = size.x; break;
+        case ShapeKind::hoop: most = size.x; break;
+        case ShapeKind::points:
+        case ShapeKind::none: break;
+        }
+    }
+};
+
 class Search {
 public:
     Search(const SceneDescription& scene, std::string_view integrator, std::string_view numbers,
@@ -400,6 +427,10 @@ private:
         tell(std::move(limit));
     }
 
+    // rad in a step: beyond it the energy or the quaternion's length is wrong by the maps of stability.
+    [[nodiscard]] double most_turn() const {
+        return method_.spin == Spin::angular_momentum ? 1.5 : method_.order > 1 ? 0.45 : 0.2;
+    }
     [[nodiscard]] std::string body(std::size_t b) const { return "body \"" + scene_.bodies[b].name + "\""; }
     // "verlet in q32 near"
     [[nodiscard]] std::string way() const {
@@ -494,7 +525,7 @@ private:
         const Number energy = std::max(Number(0), work) + dot(w, times(moments, w)) / 2;
         const auto spin =
             static_cast<double>(std::min(std::sqrt(2 * energy / least), (norm(times(moments, w)) + twist) / least));
-        const double turn = method_.spin == Spin::angular_momentum ? 1.5 : method_.order > 1 ? 0.45 : 0.2;
+        const double turn = most_turn();
         if (!(spin * step_ > turn)) return;
         Limit limit{body(b), "spin", spin, turn / step_, turn / spin, ""};
         limit.sentence = limit.where + ": the energy of its start is enough for " + few_digits(spin) + " rad/s, and " +
@@ -588,80 +619,136 @@ private:
             step / 2 * (method_.spin == Spin::angular_momentum ? static_cast<double>(moments[axis] / moments.y) : 1);
         return held_by(system, Real{step}, method_.spin).half_turn / per_spin;
     }
+    // That a method which keeps the momentum follows too: about a small moment its state holds more than it turns by.
+    [[nodiscard]] double followed_spin(std::size_t b, int axis, double step, std::size_t system) const {
+        const double held = held_spin(b, axis, step, system);
+        return method_.spin == Spin::angular_momentum ? std::min(held, most_turn() / step) : held;
+    }
     // About any axis: about the smallest moment a spin is never the first to leave.
     [[nodiscard]] double least_held_spin(std::size_t b, double step, std::size_t system) const {
         return std::min(held_spin(b, 0, step, system), held_spin(b, 1, step, system));
     }
 
-    // m/s: how fast a body may meet what it falls on, a plane below it or a fixed body; 0 where there is nothing.
-    [[nodiscard]] double landing_speed(std::size_t b) const {
-        const Vector x = vector(data_.bodies[b].position), v = vector(data_.bodies[b].velocity),
-                     g = vector(data_.world.gravity), size = vector(data_.bodies[b].shape.size);
-        const ShapeKind kind = data_.bodies[b].shape.kind;
-        const Number reach = kind == ShapeKind::box ? std::min({size.x, size.y, size.z}) / 2 : size.x, pull = norm(g);
-        const Vector down = pull > 0 ? g * (1 / pull) : Vector{};
-        const Number infinite = std::numeric_limits<Number>::infinity();
-        Number height = infinite;
-        for (const PlaneSpec& plane : data_.planes) {
-            const Vector n = vector(normalized(plane.normal));
-            if (const Number slope = -dot(n, down); slope > Number(0.01))
-                height = std::min(height, (dot(n, x) + number(plane.offset)) / slope - reach);
+    // m/s: how fast a body may meet what is `gap(place)` m away from its centre of mass, which moves from x with v
+    // under g; 0 where it does not within the run. How it is turned then is not known: between its least and most
+    // reach.
+    template <class Gap>
+    [[nodiscard]] Number meeting_speed(std::size_t b, const Vector& x, const Vector& v, const Vector& g,
+                                       Gap&& gap) const {
+        const Reach reach(data_.bodies[b].shape);
+        const Number time = duration_, fastest = norm(v) + norm(g) * time;
+        if (!(fastest > 0)) return 0;
+        const bool is_rough = scene_.bodies[b].friction.value_or(scene_.contact.friction) > 0;
+        constexpr int most_looks = 16384;
+        Number speed = 0;
+        for (Number t = 0; t <= time;) {
+            const Vector place = x + v * t + g * (t * t / 2), velocity = v + g * t;
+            const Number away = gap(place), moment = reach.most / fastest / 1024,
+                         approach = (away - gap(place + velocity * moment)) / moment;
+            if (away <= reach.most && approach > 0) speed = std::max(speed, is_rough ? norm(velocity) : approach);
+            if (speed > 0 && (away <= reach.least || away > reach.most)) break;
+            t += std::max(time / most_looks, std::max(away - reach.most, reach.most / 8) / fastest);
         }
-        Number lowest = 0;
-        for (const BodySpec& other : data_.bodies)
-            if (other.fixed && shapes_meet(kind, other.shape.kind))
-                lowest = std::max(lowest, dot(vector(other.position) - x, down) - reach);
-        if (height == infinite) height = lowest;
-        const Number time = duration_;
-        if ((data_.planes.empty() && height == 0) || height > (norm(v) + pull * time / 2) * time) return 0;
-        const Number fall = std::min(pull * duration_, std::sqrt(2 * pull * std::max(Number(0), height)));
-        return static_cast<double>(std::sqrt(dot(v, v) + fall * fall));
+        return speed;
     }
-    // An impact across a body turns it at (1 + e) v m d / (I + m d^2), at the most (1 + e) v / 2 over the gyration
-    // radius; friction turns a sphere until it rolls, at 5/7 of v / r.
+    [[nodiscard]] Number speed_to(const PlaneSpec& plane, std::size_t b) const {
+        const Vector n = vector(normalized(plane.normal));
+        const Number offset = number(plane.offset);
+        return meeting_speed(b, vector(data_.bodies[b].position), vector(data_.bodies[b].velocity),
+                             vector(data_.world.gravity), [&](const Vector& x) { return dot(n, x) + offset; });
+    }
+    // Where both move, gravity moves neither against the other. What spins is taken to fill the ball of its reach.
+    [[nodiscard]] Number speed_to(const BodySpec& other, std::size_t b) const {
+        const BodySpec& own = data_.bodies[b];
+        const bool is_box = other.shape.kind == ShapeKind::box && other.angular_velocity.is_zero();
+        const Rotation pose = rotation(other.orientation).normalized();
+        const Vector half = vector(other.shape.size) * Number(0.5);
+        const Number ball = Reach(other.shape).most;
+        const auto gap = [&](const Vector& x) {
+            if (!is_box) return norm(x) - ball;
+            Vector outside = pose.rotate_back(x);
+            for (int i = 0; i < 3; ++i) outside[i] = std::max(Number(0), std::abs(outside[i]) - half[i]);
+            return norm(outside);
+        };
+        return meeting_speed(b, vector(own.position) - vector(other.position),
+                             other.fixed ? vector(own.velocity) : vector(own.velocity) - vector(other.velocity),
+                             other.fixed ? vector(data_.world.gravity) : Vector{}, gap);
+    }
+    // What meets a body at a speed v, m/s, d m beside its centre of mass turns it at (1 + e) v d / (a I + d^2), with a
+    // the sum of 1/m of both: fastest where d^2 = a I, if it reaches so far. Friction turns a sphere until it rolls, at
+    // 5/7 of v / r.
     void look_at_impacts(std::size_t b) {
         const BodySpec& spec = data_.bodies[b];
         const BodyDescription& named = scene_.bodies[b];
         if (!system_.fixed_point || spec.fixed || spec.shape.kind == ShapeKind::none ||
             scene_.contact.response == ContactResponse::none || told_of(body(b), "spin"))
             return;
-        const double e = named.restitution.value_or(scene_.contact.restitution);
-        double spin = 0, speed = landing_speed(b);
+        Number speed = 0;
+        Vector spin;  // rad/s, principal axes
         if (spec.shape.kind == ShapeKind::sphere) {
-            if (!(named.friction.value_or(scene_.contact.friction) > 0) || data_.planes.empty()) return;
-            const Vector v = vector(spec.velocity), g = vector(data_.world.gravity);
-            const Number pull = norm(g);
-            if (!(pull > 0)) return;
+            const Number pull = norm(vector(data_.world.gravity));
+            const bool meets = std::any_of(data_.planes.begin(), data_.planes.end(),
+                                           [&](const PlaneSpec& plane) { return speed_to(plane, b) > 0; });
+            if (!(named.friction.value_or(scene_.contact.friction) > 0) || !meets || !(pull > 0)) return;
             // About the axis across gravity and the way, in the body's axes, of which each is held by itself.
-            const Vector across = cross(g * (1 / pull), v), w = bodies_[b].pose.rotate_back(across);
-            speed = static_cast<double>(norm(across));
-            spin = static_cast<double>(std::max({std::abs(w.x), std::abs(w.y), std::abs(w.z)}) * 5 / 7 /
-                                       number(spec.shape.size.x));
+            const Vector across = cross(vector(data_.world.gravity) * (1 / pull), vector(spec.velocity)),
+                         w = bodies_[b].pose.rotate_back(across);
+            speed = norm(across);
+            for (int i = 0; i < 3; ++i) spin[i] = std::abs(w[i]) * 5 / 7 / number(spec.shape.size.x);
         } else {
-            spin = static_cast<double>((1 + e) / 2 * speed / std::sqrt(bodies_[b].axes.moments.y / bodies_[b].mass));
+            const Number e = named.restitution.value_or(scene_.contact.restitution), most = Reach(spec.shape).most;
+            const auto meet = [&](Number at, Number per_mass) {
+                for (int i = 0; i < 3 && at > 0; ++i) {
+                    const Number beside = per_mass * bodies_[b].axes.moments[i], d = std::min(most, std::sqrt(beside)),
+                                 turn = (1 + e) * at * d / (beside + d * d);
+                    if (!(turn > spin[i])) continue;
+                    spin[i] = turn;
+                    speed = std::max(speed, at);
+                }
+            };
+            const Number own = 1 / bodies_[b].mass;
+            for (const PlaneSpec& plane : data_.planes) meet(speed_to(plane, b), own);
+            for (std::size_t other = 0; other < bodies_.size(); ++other)
+                if (other != b && shapes_meet(spec.shape.kind, data_.bodies[other].shape.kind))
+                    meet(speed_to(data_.bodies[other], b),
+                         data_.bodies[other].fixed ? own : own + 1 / bodies_[other].mass);
         }
-        const double held = held_spin(b, 1, step_, index());
-        if (!(spin > held)) return;
-        Limit limit{body(b), "impact", spin, held, 0, ""};
+        const auto spin_of = [&](int i) { return static_cast<double>(spin[i]); };
+        const auto excess = [&](int i) { return spin_of(i) / followed_spin(b, i, step_, index()); };
+        int worst = 0;
+        for (const int i : {1, 2})
+            if (excess(i) >= excess(worst)) worst = i;
+        if (!(excess(worst) > 1)) return;
+        const double held = followed_spin(b, worst, step_, index());
+        Limit limit{body(b), "impact", spin_of(worst), held, 0, ""};
         limit.sentence = limit.where + ": what it meets at " + few_digits(speed) + " m/s may turn it at " +
-                         few_digits(spin) + " rad/s, and " + way() + " holds " + four_digits_down(held) +
+                         few_digits(limit.value) + " rad/s, and " + way() + " holds " + four_digits_down(held) +
                          " rad/s of this body at a step of " + few_digits(step_) + " s: ";
+        // Where the moments differ more, impacts in a row hand the spin of one axis to another, and no bound is known.
+        constexpr Number most_alike = 2;
+        const bool is_alike = bodies_[b].axes.moments.x <= most_alike * bodies_[b].axes.moments.z;
         // A [range] asks for no more than the reader takes, and its number system holds more at some steps.
         SceneDescription asking = scene_;
         double& declared = asking.range.angular_velocity;
-        declared = std::max(declared, std::min(spin, double{FieldRange::spin}));
+        for (int i = 0; i < 3; ++i) {
+            // As that of a sphere.
+            const double alike = spin_of(i) * held_spin(b, 1, step_, index()) / held_spin(b, i, step_, index());
+            declared = std::max(declared, std::min(alike, double{FieldRange::spin}));
+        }
         const std::size_t system = index_of(find_number_system(asking, system_.name, system_.carry));
         const auto is_held = [&](double step) {
-            return held_spin(b, 1, step, system) >= spin && least_held_spin(b, step, system) >= declared;
+            for (int i = 0; i < 3; ++i)
+                if (followed_spin(b, i, step, system) < spin_of(i)) return false;
+            return declared <= RangeDescription{}.angular_velocity || least_held_spin(b, step, system) >= declared;
         };
         constexpr double shortest = 0x1p-14;
         double step = step_;
         while (step > shortest && !is_held(step)) step /= 2;
-        if (is_held(step)) {
+        if (is_alike && is_held(step)) {
             limit.largest_step = step;
             limit.sentence += "a [range] angular_velocity of " + few_digits(declared) + " and a step of " +
                               four_digits_down(step) + " s hold it";
-        } else limit.sentence += "no [range] holds it, but floating point does";
+        } else limit.sentence += "no [range] is sure to hold it, but floating point does";
         tell(std::move(limit));
     }
 
