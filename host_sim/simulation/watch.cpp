@@ -114,6 +114,7 @@ EnergyGrowthWatch::EnergyGrowthWatch(const SceneDescription& scene, const Simula
     }
     for (const ForceDescription& force : scene.forces)
         fed_.push_back({nearest_step(force.from, scene.step), nearest_step(force.until, scene.step) + 1});
+    std::sort(fed_.begin(), fed_.end(), [](const Steps& a, const Steps& b) { return a.first < b.first; });
 
     long double depth = simulation.contact_tolerance();
     if (may_touch_)
@@ -130,9 +131,10 @@ EnergyGrowthWatch::EnergyGrowthWatch(const SceneDescription& scene, const Simula
     }
 }
 
-bool EnergyGrowthWatch::is_fed(std::int64_t step) const {
-    return std::any_of(fed_.begin(), fed_.end(),
-                       [&](const Steps& steps) { return steps.first <= step && step < steps.end; });
+bool EnergyGrowthWatch::is_fed(std::int64_t step) {
+    for (; begun_ < fed_.size() && fed_[begun_].first <= step; ++begun_)
+        fed_until_ = std::max(fed_until_, fed_[begun_].end);
+    return step < fed_until_;
 }
 
 void EnergyGrowthWatch::see(const Simulation& simulation, const Energy& now) {

@@ -62,11 +62,14 @@ private:
         std::int64_t first, end;
     };
 
-    [[nodiscard]] bool is_fed(std::int64_t step) const;
+    // To be asked of ascending steps.
+    [[nodiscard]] bool is_fed(std::int64_t step);
 
     bool is_on_, may_touch_;
     bool is_gravitation_alone_;                       // the energy is negative where the bodies are bound to each other
-    std::vector<Steps> fed_;                          // by impulses and forces
+    std::vector<Steps> fed_;                          // by impulses and forces, in the order of their first steps
+    std::size_t begun_ = 0;                           // of these
+    std::int64_t fed_until_ = 0;                      // the last end of those that have begun
     long double start_, before_;                      // J, in all: with what fed it since; after the step before
     long double motion_at_start_;                     // J
     long double most_kept_;                           // J: largest kinetic energy, as far as energy was kept

@@ -72,12 +72,18 @@ TEST(Compare, a_flipped_bit_is_reported_with_its_step_body_and_number) {
         << outcome.text;
 }
 
+// A scene file of a ball that leaves the smallest range.
+std::string ball_in_the_smallest_range(const std::string& name, const std::string& world,
+                                       const std::string& motion = "") {
+    return written(name, "[world]\n" + world +
+                             "[range]\nposition = 64.0\nvelocity = 32.0\nangular_velocity = 32.0\n"
+                             "[[body]]\nname = \"ball\"\nshape = { sphere = 0.5 }\nmass = 1.0\n" +
+                             motion);
+}
+const std::string falling = "gravity = [0.0, -9.81, 0.0]\nstep = \"1/256\"\nduration = 8.0\n";
+
 TEST(Compare, leaving_the_range_is_a_failure_on_both_sides) {
-    const std::string scene = written(
-        "falling.toml",
-        "name = \"falling\"\n[world]\ngravity = [0.0, -9.81, 0.0]\nstep = \"1/256\"\nduration = 8.0\n[range]\nposition "
-        "= 64.0\n"
-        "velocity = 32.0\nangular_velocity = 32.0\n[[body]]\nname = \"ball\"\nshape = { sphere = 0.5 }\nmass = 1.0\n");
+    const std::string scene = ball_in_the_smallest_range("falling.toml", falling);
     const Outcome outcome = tumble({"compare", scene, "--core", "cortex-m3", "--every", "64"});
     EXPECT_EQ(outcome.status, 1);
     EXPECT_TRUE(has(outcome.text, "agrees with the host")) << outcome.text;
@@ -123,10 +129,7 @@ TEST(CompareDeep, packed_boxes_have_one_hash) {
 }
 
 TEST(CompareDeep, a_difference_comes_with_the_status_of_both_sides) {
-    const std::string scene = written(
-        "falling.toml",
-        "[world]\ngravity = [0.0, -9.81, 0.0]\nstep = \"1/256\"\nduration = 8.0\n[range]\nposition = 64.0\n"
-        "velocity = 32.0\nangular_velocity = 32.0\n[[body]]\nname = \"ball\"\nshape = { sphere = 0.5 }\nmass = 1.0\n");
+    const std::string scene = ball_in_the_smallest_range("falling.toml", falling);
     const std::string host = tumble({"run", scene}).text;
     const std::size_t at = host.find("(step ");
     ASSERT_NE(at, std::string::npos) << host;
@@ -139,10 +142,8 @@ TEST(CompareDeep, a_difference_comes_with_the_status_of_both_sides) {
 
 // Only the host knows the range of floating point: what it tells is no difference.
 TEST(CompareDeep, a_range_that_floating_point_leaves_is_told_where_all_states_agree) {
-    const std::string scene = written(
-        "fast.toml", "[world]\nstep = \"1/64\"\nduration = 3.0\n[range]\nposition = 64.0\nvelocity = 32.0\n"
-                     "angular_velocity = 32.0\n[[body]]\nname = \"ball\"\nshape = { sphere = 0.5 }\nmass = 1.0\n"
-                     "velocity = [0.0, 0.0, -30.0]\n");
+    const std::string scene =
+        ball_in_the_smallest_range("fast.toml", "step = \"1/64\"\nduration = 3.0\n", "velocity = [0.0, 0.0, -30.0]\n");
     const Outcome outcome = tumble({"compare", scene, "--core", "cortex-m3", "--numbers", "f32"});
     EXPECT_EQ(outcome.status, 1);
     EXPECT_TRUE(has(outcome.text, "cortex-m3 agrees with the host: 193 states")) << outcome.text;
