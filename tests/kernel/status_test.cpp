@@ -147,6 +147,33 @@ TEST_P(Fixed32, a_spin_beyond_its_range_is_told_or_still_right_whatever_the_body
     }
 }
 
+// Friction spins a ball within a step to more than it has at the end of it.
+TEST_P(Fixed32, a_ball_that_starts_to_roll_turns_by_its_spin_or_is_told) {
+    constexpr Number h = 1.0L / 32, radius = 0.14L;
+    for (int direction = 0; direction < 64; ++direction) {
+        for (Number speed = 1.5L; speed < 2.3L; speed *= 1.01L) {
+            SceneSetup setup{.name = "ball", .step = Seconds{1, 32}};
+            setup.world = {.gravity = {0, -7.1, 0}, .contact = {.restitution = 0, .friction = 0.6}};
+            setup.planes = {{}};
+            setup.bodies = {sphere(3, real(radius))};
+            setup.bodies[0].position = {0, real(radius), 0};
+            const Number angle = direction * 0.09817477L;
+            setup.bodies[0].velocity = real(Vector{speed * std::cos(angle), 0, speed * std::sin(angle)});
+            const auto world = build(setup, GetParam());
+            Motion before = world->motion(0);
+            for (int step = 0; step < 6; ++step) {
+                world->step();
+                if (!world->status().ok()) break;
+                const Motion now = world->motion(0);
+                const Rotation turned = before.q * exponential((before.w + now.w) * (h / 2));
+                ASSERT_LE(angle_between(turned, now.q), 0.125L)
+                    << speed << " m/s, direction " << direction << ", step " << step;
+                before = now;
+            }
+        }
+    }
+}
+
 TEST_P(Fixed32, gravity_beyond_the_format_is_told) {
     for (const double gravity : {1e4, 1e5, 1e6, 1e9}) {
         SceneSetup setup = three_spheres();
