@@ -106,7 +106,8 @@ public:
     [[nodiscard]] static constexpr Carried from(Real value) {
         Carried c;
         c.value_ = from_real<T>(value);
-        c.residual_ = from_real<T>(value - tumble::to_real(c.value_));
+        // Of what is beyond T, which is infinite there, nothing is left.
+        if (c.value_ - c.value_ == T(0)) c.residual_ = from_real<T>(value - tumble::to_real(c.value_));
         return c;
     }
     [[nodiscard]] TUMBLE_INLINE constexpr T value() const { return value_; }
