@@ -107,45 +107,6 @@ TEST_P(Rules, an_elastic_ball_keeps_its_energy_wherever_in_the_second_half_of_a_
     }
 }
 
-// The same of bounces that reach their height, or end, within the step of the impact: on a floor and on a body that
-// does not move, under gravity and under a force.
-TEST_P(Rules, a_bounce_that_is_shorter_than_the_rest_of_its_step_gains_no_energy) {
-    constexpr Number h = 0.125L, radius = 0.25L;
-    for (const Vector n : normals) {
-        for (const bool floor : {true, false}) {
-            for (const bool by_force : {false, true}) {
-                for (const Number restitution : {0.3L, 0.5L, 0.8L, 1.0L}) {
-                    for (int place = 2; place < 16; ++place) {
-                        const Number landing = h * static_cast<Number>(place) / 20, drop = g * landing * landing / 2;
-                        SceneSetup setup{.name = "ball", .step = Seconds{real(h)}};
-                        setup.world.contact = {.restitution = real(restitution)};
-                        if (by_force)
-                            setup.forces = {{.body = 0, .from = 0.0, .until = 8.0, .force = real(n * -(3 * g))}};
-                        else setup.world.gravity = real(n * -g);
-                        setup.bodies = {placed(sphere(3, real(radius)), n * (radius + drop))};
-                        if (floor) {
-                            setup.planes = {{.normal = real(n)}};
-                        } else {
-                            setup.bodies.push_back(placed(sphere(1, real(radius)), n * -radius));
-                            setup.bodies.back().fixed = true;
-                        }
-                        const auto world = build(setup, GetParam());
-                        Number had = g * drop;
-                        for (int step = 0; step < 8 && world->status().ok(); ++step) {
-                            world->step();
-                            const Motion m = world->motion(0);
-                            const Number has = g * (dot(m.x, n) - radius) + dot(m.v, m.v) / 2;
-                            ASSERT_LE((has - had) / g, tolerance::depth)
-                                << "landing at " << place << "/20 of a step, " << restitution << ", step " << step;
-                            had = has;
-                        }
-                    }
-                }
-            }
-        }
-    }
-}
-
 // --- bounds of a step --------------------------------------------------------------------------------------------
 
 // Between two planes that meet at an angle a, reflections turn the velocity by 2 a each until it leads out: about

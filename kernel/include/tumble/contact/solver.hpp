@@ -39,10 +39,9 @@ public:
     [[nodiscard]] Kick<N>& kick(int b) { return kick_[b]; }
 
     // The forces of the points in touch over a part of the step, such that at its end nothing approaches that touches:
-    // as changes of motion in that part, in kick(). What leaves is not held where loads bring it back within the
-    // part: that is another impact. Where a point strikes (it is below the surface and comes faster than what rests
-    // may), nothing is pressed unless `struck`: that is an impact, to be resolved first. A change that is more than the
-    // range is told.
+    // as changes of motion in that part, in kick(). Where a point strikes (it is below the surface and comes faster
+    // than what rests may), nothing is pressed unless `struck`: that is an impact, to be resolved first. A change that
+    // is more than the range is told.
     enum class Touch : std::uint8_t { nothing, presses, strikes };
     Touch press(Bodies& bodies, const Island& island, Work part, bool whole, bool struck) {
         bool any = false;
@@ -55,7 +54,7 @@ public:
         if (!any) return Touch::nothing;
         weigh(bodies, island.group, part, whole);
         int active = 0;
-        bool strikes = false, leaves = false;
+        bool strikes = false;
         for_each_pair(island, [&](Pair& pair) {
             if (pair.count == 0) return;
             const Speed slow = pair_speed(pair, slow_);
@@ -70,8 +69,6 @@ public:
                     continue;
                 }
                 strikes = strikes || (!above && fast);
-                if (-approach > speeds_.enough_at_rest()) [[unlikely]]
-                    leaves = leaves || -approach > along(point, pair_speed(pair, this->tolerance()));
                 point.target = above ? -closing : correction(pair, point);
                 for (Speed& pushed : point.pushed) pushed = speeds_.from(pushed, pair.scale);
                 pair.touched = true;
@@ -79,8 +76,6 @@ public:
             }
             pair.scale = speeds_;
         });
-        if (leaves) [[unlikely]]
-            active -= release(island, part, whole);
         if (active == 0) return Touch::nothing;
         if (strikes && !struck) return Touch::strikes;
         for_each_active(island, [&](Pair& pair, auto& point) { push_all(pair, point); });
@@ -307,30 +302,6 @@ private:
         const Length most = C::eighth(tolerance_);
         if (lift > most) lift = most;
         return speed(pair, point, lift);
-    }
-    // Takes out of those in touch the points that leave, by more than the tolerance in the part of the step if nothing
-    // changed it, and that loads bring back within the part: a force that stopped one at the end would lift it by half
-    // of that way. Returns how many.
-    [[gnu::noinline]] int release(const Island& island, Work part, bool whole) {
-        int released = 0;
-        for_each_pair(island, [&](Pair& pair) {
-            pair.touched = false;
-            for (int i = 0; i < pair.count; ++i) {
-                Point& point = pair.point[i];
-                if (!point.active) continue;
-                Speed away = velocity(start_, pair, point);
-                if (!whole) away = narrow<Speed>(mul(away, C::unit(part)));
-                point.active = !(velocity(motion_, pair, point) < Speed{}) ||
-                               !(away > along(point, pair_speed(pair, this->tolerance())));
-                if (point.active) {
-                    pair.touched = true;
-                } else {
-                    for (Speed& pushed : point.pushed) pushed = Speed{};
-                    ++released;
-                }
-            }
-        });
-        return released;
     }
     // True of an approach that bounces: one above the scene's threshold whose bounce lasts longer than an eighth of a
     // step under the loads.
