@@ -630,6 +630,37 @@ TEST(Limits, of_growth_are_told_with_events_and_planes_too) {
             EXPECT_FALSE(gains(on_spring({1, 0, 40, 1, 1, 0, 1.5}, more), method.name, "f64")) << method.name << more;
 }
 
+// A bounce that is shorter than its step gains what gravity moves in an eighth of the step squared.
+TEST(Limits, of_growth_are_told_of_bounces_that_end_higher_than_they_began) {
+    const auto dropped = [](const std::string& normal, const std::string& gravity, const std::string& position,
+                            const char* step, const std::string& more = "") {
+        return read_scene_text(
+            "name = \"test\"\n[world]\nduration = 20.0\nstep = " + std::string{step} + "\ngravity = " + gravity +
+                "\n[contact]\nrestitution = 0.8\n[[plane]]\nname = \"floor\"\nnormal = " + normal +
+                "\n[[body]]\nname = \"ball\"\nmass = 3.0\nshape = { sphere = 0.25 }\nposition = " + position + "\n" +
+                more,
+            "test.toml");
+    };
+    const std::string up = "[0.0, 1.0, 0.0]", tilted = "[-0.6, 0.0, 0.8]";
+    const std::string below =
+        "[[body]]\nname = \"low\"\nmass = 1.0\nshape = { sphere = 0.25 }\nposition = [0.0, 0.25, 0.0]\n";
+    for (const char* numbers : {"q32", "f32", "f64"}) {
+        for (const char* method : {"verlet", "rk4", "pdmv6"}) {
+            SCOPED_TRACE(std::string{numbers} + " " + method);
+            EXPECT_TRUE(gains(dropped(up, "[0.0, -9.8, 0.0]", "[0.0, 0.3, 0.0]", "0.5"), method, numbers));
+            EXPECT_TRUE(gains(dropped(tilted, "[6.0, 0.0, -8.0]", "[-0.18, 0.0, 0.24]", "0.5"), method, numbers));
+            EXPECT_TRUE(gains(dropped(up, "[0.0, -9.8, 0.0]", "[0.0, 0.8, 0.0]", "0.5", below), method, numbers));
+            for (const char* step : {"0.0625", "0.015625"}) {
+                EXPECT_FALSE(gains(dropped(up, "[0.0, -9.8, 0.0]", "[0.0, 0.3, 0.0]", step), method, numbers)) << step;
+                EXPECT_FALSE(gains(dropped(tilted, "[6.0, 0.0, -8.0]", "[-0.6, 0.0, 0.8]", step), method, numbers))
+                    << step;
+                EXPECT_FALSE(gains(dropped(up, "[0.0, -9.8, 0.0]", "[0.0, 0.8, 0.0]", step, below), method, numbers))
+                    << step;
+            }
+        }
+    }
+}
+
 // A spring of a length whose end comes near its anchor turns about within a step.
 TEST(Limits, of_growth_are_told_of_springs_that_swing_through_their_anchors) {
     const auto swung = [](double z, double step) {

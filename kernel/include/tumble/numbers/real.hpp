@@ -7,7 +7,7 @@
 
 namespace tumble {
 
-// Set-up runs once: its functions are kept out of line, small before fast.
+// Set-up runs once: its functions are small before fast.
 class Real {
 public:
     constexpr Real() = default;
@@ -42,7 +42,7 @@ public:
         r.negative_ = mantissa_ != 0 && !negative_;
         return r;
     }
-    [[gnu::noinline]] friend constexpr Real operator+(Real a, Real b) {
+    TUMBLE_SET_UP friend constexpr Real operator+(Real a, Real b) {
         if (a.mantissa_ == 0) return b;
         if (b.mantissa_ == 0) return a;
         if (a.exponent_ < b.exponent_) {
@@ -65,7 +65,7 @@ public:
         return make(a.negative_, a.mantissa_ - z, a.exponent_);
     }
     friend constexpr Real operator-(Real a, Real b) { return a + (-b); }
-    [[gnu::noinline]] friend constexpr Real operator*(Real a, Real b) {
+    TUMBLE_SET_UP friend constexpr Real operator*(Real a, Real b) {
         if (a.mantissa_ == 0 || b.mantissa_ == 0) return {};
         const std::uint64_t a1 = a.mantissa_ >> 32, a0 = a.mantissa_ & 0xffffffffu;
         const std::uint64_t b1 = b.mantissa_ >> 32, b0 = b.mantissa_ & 0xffffffffu;
@@ -78,7 +78,7 @@ public:
         return rounded(negative, (high << 1) | (rest >> 63), ((rest >> 62) & 1) != 0, exponent - 1);
     }
     // Long division, 65 rounds; b must not be zero.
-    [[gnu::noinline]] friend constexpr Real operator/(Real a, Real b) {
+    TUMBLE_SET_UP friend constexpr Real operator/(Real a, Real b) {
         TUMBLE_ASSERT(b.mantissa_ != 0);
         if (a.mantissa_ == 0) return {};
         int exponent = a.exponent_ - b.exponent_ - 63;
@@ -111,7 +111,7 @@ public:
     friend constexpr bool operator>=(Real a, Real b) { return !(a < b); }
 
     // Nearest integer to value * 2^fraction_bits, ties away from zero; clamped to +-(2^(bits-1) - 1).
-    [[nodiscard, gnu::noinline]] constexpr std::int64_t to_fixed(int fraction_bits, int bits = 32) const {
+    TUMBLE_SET_UP [[nodiscard]] constexpr std::int64_t to_fixed(int fraction_bits, int bits = 32) const {
         const std::int64_t limit = static_cast<std::int64_t>((std::uint64_t{1} << (bits - 1)) - 1);
         if (mantissa_ == 0) return 0;
         const int shift = -(exponent_ + fraction_bits);  // right shift of the mantissa
@@ -183,7 +183,7 @@ private:
 [[nodiscard]] constexpr Real abs(Real a) { return a.is_negative() ? -a : a; }
 
 // Square root by Newton's iteration from a power of two; negative arguments are misuse.
-[[nodiscard, gnu::noinline]] constexpr Real sqrt(Real a) {
+TUMBLE_SET_UP [[nodiscard]] constexpr Real sqrt(Real a) {
     TUMBLE_ASSERT(!a.is_negative());
     if (a.is_zero()) return a;
     Real y = Real::scaled(1, (a.ceil_log2() + 1) / 2);
