@@ -74,13 +74,13 @@ static_assert(sizeof(0.1) == sizeof(double),
 #define TUMBLE_INLINE [[gnu::always_inline]] inline
 #endif
 
-// Set-up is kept out of line, and whole: of functions that take numbers of set-up by value GCC 12 makes copies at -O3,
-// cut to the parts that callers need (IPA-SRA), which read what was not passed (measured on ARM and RISC-V: three
-// constants of pdmv6 in doubles were wrong).
 #ifndef TUMBLE_SET_UP
 #ifdef __clang__
 #define TUMBLE_SET_UP [[gnu::noinline]]
 #else
+// Set-up is kept out of line, and whole: of functions that take numbers of set-up by value GCC 12 makes copies at -O3,
+// cut to the parts that callers need (IPA-SRA), which read what was not passed (measured on ARM and RISC-V: three
+// constants of pdmv6 in doubles were wrong).
 #define TUMBLE_SET_UP [[gnu::noinline, gnu::noclone]]
 #endif
 #endif
