@@ -122,7 +122,7 @@ EnergyGrowthWatch::EnergyGrowthWatch(const SceneDescription& scene, const Simula
 
     // What is too deep leaves by an eighth of the tolerance a step.
     const long double tolerance = simulation.contact_tolerance(), leaves = tolerance / 8 / simulation.step_length();
-    long double depth = most_hop * tolerance;
+    long double depth = only_loses_ ? most_hop * tolerance : tolerance;
     if (may_touch_)
         for (const auto& overlap : at_start.overlaps()) depth = std::max(depth, overlap.depth);
     const auto& g = scene.gravity;
@@ -155,9 +155,10 @@ void EnergyGrowthWatch::see(const Simulation& simulation, const Energy& now) {
     most_kept_ = std::max(most_kept_, start_ - now.potential);
     const long double gained = now.total() - start_;
     gains_[static_cast<std::size_t>(taken) % gains_.size()] = gained;
+    const long double spare = push_ + rounding_ * static_cast<long double>(taken);
+    const bool is_rounding = !(gained > 1e-6L * std::abs(now.potential));
     if (only_loses_) {
-        const long double had = most_kept_ * most_bounced + push_ + rounding_ * static_cast<long double>(taken);
-        if (gained > had && gained > 1e-6L * std::abs(now.potential))
+        if (!is_rounding && gained > most_bounced * most_kept_ + spare)
             tell(simulation, gained, few_digits(most_kept_) + " J");
         return;
     }
@@ -165,14 +166,14 @@ void EnergyGrowthWatch::see(const Simulation& simulation, const Energy& now) {
         swing_ = std::max({swing_, now.kinetic, std::abs(gained)});
         return;
     }
-    const long double had = std::max(most_kept_, swing_) + push_ + rounding_ * static_cast<long double>(taken);
+    const long double had = std::max(most_kept_, swing_) + spare;
     const long double lasting =
         taken < first_steps + lasting_steps ? 0 : *std::min_element(gains_.begin(), gains_.end());
     const bool is_much = gained > most_growth * had || (!may_touch_ && lasting > most_lasting_growth * had);
     // Not at a close point, where a method's energy swings with the potential.
     const bool is_unbound = is_gravitation_alone_ && start_ < 0 && gained > std::abs(now.potential) / 8 &&
                             lasting > std::max(-start_, motion_at_start_) + push_;
-    if (!(is_much || is_unbound) || !(gained > 1e-6L * std::abs(now.potential))) return;
+    if (!(is_much || is_unbound) || is_rounding) return;
     tell(simulation, gained, is_much ? few_digits(had) + " J" : few_digits(start_) + " J, which bound the bodies");
 }
 
