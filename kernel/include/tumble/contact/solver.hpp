@@ -55,6 +55,7 @@ public:
         weigh(bodies, island.group, part, whole);
         int active = 0;
         bool strikes = false;
+        const bool impact = struck || !whole;
         for_each_pair(island, [&](Pair& pair) {
             if (pair.count == 0) return;
             const Speed slow = pair_speed(pair, slow_);
@@ -62,8 +63,11 @@ public:
             for (int i = 0; i < pair.count; ++i) {
                 auto& point = pair.point[i];
                 const Speed approach = -velocity(start_, pair, point), closing = speed(pair, point, point.gap);
-                const bool fast = approach > along(point, slow), above = point.gap > Length{};
-                point.active = !(above && fast && approach > closing);
+                const Speed rests = along(point, slow);
+                const bool fast = approach > rests, above = point.gap > Length{};
+                // An impact of this step has left such points approaching at just `closing`: rounding must not tell one
+                // from another, so what comes by less than what rests may is held too.
+                point.active = !(above && fast && approach - (impact ? rests : Speed{}) > closing);
                 if (!point.active) {
                     for (Speed& pushed : point.pushed) pushed = Speed{};
                     continue;
