@@ -366,6 +366,7 @@ public:
         for (std::size_t b = 0; b < bodies_.size(); ++b) look_at_impacts(b);
         look_at_range();
         for (std::size_t b = 0; b < bodies_.size(); ++b) look_at_loads(b);
+        for (std::size_t b = 0; b < bodies_.size(); ++b) look_at_place(b);
         return std::move(found_);
     }
 
@@ -795,6 +796,33 @@ private:
                              " takes " + four_digits_down(limit.limit) + " m/s";
             tell(std::move(limit));
         }
+    }
+
+    // Floats hold a place to a part of its distance from the origin, and impacts happen within a quarter of the
+    // contact tolerance.
+    void look_at_place(std::size_t b) {
+        const ContactDescription& contact = scene_.contact;
+        if (system_.fixed_point || contact.response != ContactResponse::impulse || !touches(b)) return;
+        double away = 0;  // along an axis
+        for (const double x : scene_.bodies[b].position) away = std::max(away, std::abs(x));
+        const double unit = std::ldexp(system_.name == "f32" ? 0x1p-23 : 0x1p-52, std::ilogb(std::max(away, 1.0))),
+                     near = contact.tolerance / 4;
+        if (!(unit > near)) return;
+        Limit limit{body(b), "place", unit, near, 0, ""};
+        limit.sentence = limit.where + ": " + system_.name + " holds its place, " + few_digits(away) +
+                         " m from the origin, to " + few_digits(unit) + " m, and what it meets is found within " +
+                         few_digits(near) +
+                         " m, a quarter of [contact] tolerance: move the scene, declare a larger "
+                         "tolerance, or take numbers that hold more digits";
+        tell(std::move(limit));
+    }
+    [[nodiscard]] bool touches(std::size_t b) const {
+        const ShapeKind own = data_.bodies[b].shape.kind;
+        if (own == ShapeKind::none) return false;
+        if (!data_.planes.empty()) return true;
+        for (std::size_t other = 0; other < bodies_.size(); ++other)
+            if (other != b && shapes_meet(own, data_.bodies[other].shape.kind)) return true;
+        return false;
     }
 
     [[nodiscard]] static std::size_t index_of(const NumberSystemInfo& system) {

@@ -725,6 +725,45 @@ TEST(Limits, of_the_spin_that_an_impact_may_give_a_small_body_are_warned_of) {
     }
 }
 
+TEST(Limits, of_places_that_floats_hold_less_finely_than_contacts_are_found_are_warned_of) {
+    const auto warned = [](double away, int axis, double tolerance, const std::string& rest, const char* numbers,
+                           bool carry = false) {
+        std::string place;
+        for (int i = 0; i < 3; ++i) place += (i > 0 ? ", " : "") + std::to_string(i == axis ? away : 0);
+        const auto limits = exceeded_limits(
+            read_scene_text("name = \"far\"\n[world]\nstep = \"1/256\"\nduration = 1.0\n[range]\nposition = 32768.0\n"
+                            "velocity = 2048.0\nangular_velocity = 64.0\n[contact]\ntolerance = " +
+                                std::to_string(tolerance) + "\n" + rest + "[[body]]\nname = \"ball\"\nmass = 1.0\n" +
+                                "shape = { sphere = 0.5 }\nposition = [" + place + "]\n",
+                            "far.toml"),
+            "verlet", numbers, carry);
+        for (const Limit& limit : limits) {
+            if (limit.what != "place") continue;
+            EXPECT_EQ(limit.where, "body \"ball\"");
+            EXPECT_NE(limit.sentence.find("tolerance"), std::string::npos) << limit.sentence;
+            return true;
+        }
+        return false;
+    };
+    const std::string plane = "[[plane]]\nname = \"floor\"\nnormal = [0.0, 1.0, 0.0]\n",
+                      other = "[[body]]\nname = \"other\"\nmass = 1.0\nshape = { box = [1.0, 1.0, 1.0] }\n";
+    for (const int axis : {0, 1, 2}) {
+        for (const double side : {1.0, -1.0}) {
+            for (const bool carry : {false, true}) {
+                for (const std::string& rest : {plane, other}) {
+                    EXPECT_TRUE(warned(side * 22892, axis, 0.001, rest, "f32", carry));  // 1.95 mm
+                    EXPECT_TRUE(warned(side * 2048, axis, 0.0009, rest, "f32", carry));  // 0.244 mm
+                    EXPECT_FALSE(warned(side * 2047, axis, 0.001, rest, "f32", carry));  // 0.122 mm
+                    EXPECT_FALSE(warned(side * 22892, axis, 0.01, rest, "f32", carry));
+                }
+            }
+            EXPECT_FALSE(warned(side * 22892, axis, 0.001, plane, "f64"));
+            EXPECT_FALSE(warned(side * 22892, axis, 0.001, plane, "q32"));
+            EXPECT_FALSE(warned(side * 22892, axis, 0.001, "", "f32"));  // touches nothing
+        }
+    }
+}
+
 // A small box in a scene, and what else is there: it is warned of what it meets in 1 s, and of nothing else.
 TEST(Limits, of_impacts_are_told_where_something_is_met_in_the_run) {
     const auto warned = [](const std::string& gravity, const std::string& velocity, const std::string& rest,
