@@ -381,7 +381,6 @@ TEST_P(ContactsOfFew, a_range_that_is_left_between_two_impacts_of_a_step_is_told
     EXPECT_GT(whole, 8);
 }
 
-// Planes up to four times the range of positions away, which is what fixed point holds of an offset.
 // A die that rattles to rest on its corners, whatever its axes, mass, size, friction, speed and step.
 SceneSetup thrown_die(std::uint64_t seed) {
     Random random{seed};
@@ -425,6 +424,7 @@ TEST_P(ContactsOfFew, dice_rattle_to_rest_in_the_way_they_take_in_doubles) {
     EXPECT_LE(other_way, 4);  // 36 and more where rounding decides
 }
 
+// Planes up to four times the range of positions away, which is what fixed point holds of an offset.
 TEST_P(ContactsOfFew, a_plane_is_as_far_away_as_it_says) {
     for (std::uint64_t seed = 0; seed < 150; ++seed) {
         Random random{seed};

@@ -392,6 +392,31 @@ TEST_P(Pairs, a_long_row_in_touch_passes_a_blow_on_from_either_end) {
     }
 }
 
+// What one impact does, another pair within the tolerance is about to have by itself.
+TEST_P(Pairs, a_row_with_a_gap_below_the_tolerance_passes_an_elastic_blow_on_whole) {
+    for (std::uint64_t seed = 0; seed < 60; ++seed) {
+        Random random{seed};
+        const Axes3 axes = random_axes(random);
+        const int rate = seed % 2 == 0 ? 256 : 60;
+        // What approaches by less than gravity changes in two steps rests.
+        const Number radius = 0.05L, speed = random.uniform(1.05, 4) * 2 * 9.81L / rate,
+                     gap = random.uniform(0.2e-3, 0.95e-3);
+        SceneSetup setup{.name = "row", .step = {1, rate}};
+        setup.world.contact.restitution = 1;
+        setup.world.gravity = real(axes.to_world({0, 0, -9.81L}));
+        setup.planes = {axes.plane({0, 0, 1})};
+        for (const Number x : {-0.11L, 0.0L, 2 * radius + gap}) {
+            setup.bodies.push_back(sphere(1, real(radius)));
+            setup.bodies.back().position = real(axes.to_world({x, 0, radius}));
+        }
+        setup.bodies[0].velocity = real(axes.to_world({speed, 0, 0}));
+        const auto world = build(setup, GetParam());
+        for (int step = 0; step < 200 && axes.from_world(world->motion(2).v).x < 0.01L * speed; ++step) world->step();
+        EXPECT_GE(axes.from_world(world->motion(2).v).x, 0.999L * speed) << "seed " << seed;
+        EXPECT_LE(norm(world->motion(1).v), 0.01L * speed) << "seed " << seed;
+    }
+}
+
 // The lower ball comes near the upper one by its bounce on the floor, in a step in which that has flown already.
 TEST_P(Pairs, a_body_that_another_comes_near_within_a_step_flies_through_it_once) {
     for (const bool upper_first : {false, true}) {

@@ -46,7 +46,8 @@ public:
     Touch press(Bodies& bodies, const Island& island, Work part, bool whole, bool struck) {
         bool any = false;
         for_each_pair(island, [&](Pair& pair) {
-            pair.touched = pair.passed = false;
+            pair.passed = false;
+            if (pair.count == 0) pair.touched = false;
             pair.start_gap = pair.gap;
             if constexpr (features.pairs) pair.start_normal = pair.normal;
             any = any || pair.count > 0;
@@ -55,19 +56,20 @@ public:
         weigh(bodies, island.group, part, whole);
         int active = 0;
         bool strikes = false;
-        const bool impact = struck || !whole;
         for_each_pair(island, [&](Pair& pair) {
             if (pair.count == 0) return;
+            // An impact of this step has left points of its pair that approach at just `closing`: rounding must not
+            // tell which of them are held.
+            const bool hit = pair.touched && (struck || !whole);
+            pair.touched = false;
             const Speed slow = pair_speed(pair, slow_);
             make_rows(bodies, pair);
             for (int i = 0; i < pair.count; ++i) {
                 auto& point = pair.point[i];
                 const Speed approach = -velocity(start_, pair, point), closing = speed(pair, point, point.gap);
-                const Speed rests = along(point, slow);
-                const bool fast = approach > rests, above = point.gap > Length{};
-                // An impact of this step has left such points approaching at just `closing`: rounding must not tell one
-                // from another, so what comes by less than what rests may is held too.
-                point.active = !(above && fast && approach - (impact ? rests : Speed{}) > closing);
+                const bool fast = approach > along(point, slow), above = point.gap > Length{};
+                const Speed late = hit ? C::eighth(C::eighth(closing)) : Speed{};
+                point.active = !(above && fast && approach - late > closing);
                 if (!point.active) {
                     for (Speed& pushed : point.pushed) pushed = Speed{};
                     continue;
