@@ -799,29 +799,35 @@ private:
     }
 
     // Floats hold a place to a part of its distance from the origin, and impacts happen within a quarter of the
-    // contact tolerance.
+    // contact tolerance, which the kernel raises where lengths are larger than floats resolve it.
     void look_at_place(std::size_t b) {
-        const ContactDescription& contact = scene_.contact;
-        if (system_.fixed_point || contact.response != ContactResponse::impulse || !touches(b)) return;
-        double away = 0;  // along an axis
+        if (system_.fixed_point || data_.bodies[b].fixed || scene_.contact.response != ContactResponse::impulse ||
+            !meets_anything(b))
+            return;
+        const bool single = system_.name == "f32";
+        double away = 0, tolerance = scene_.contact.tolerance;  // m
         for (const double x : scene_.bodies[b].position) away = std::max(away, std::abs(x));
-        const double unit = std::ldexp(system_.name == "f32" ? 0x1p-23 : 0x1p-52, std::ilogb(std::max(away, 1.0))),
-                     near = contact.tolerance / 4;
+        for (const BodySpec& spec : data_.bodies)
+            tolerance = std::max(tolerance, static_cast<double>(Reach(spec.shape).most) * (single ? 0x1p-20 : 0x1p-49));
+        const double unit = away > 0 ? std::ldexp(single ? 0x1p-23 : 0x1p-52, std::ilogb(away)) : 0,
+                     near = tolerance / 4;
         if (!(unit > near)) return;
         Limit limit{body(b), "place", unit, near, 0, ""};
         limit.sentence = limit.where + ": " + system_.name + " holds its place, " + few_digits(away) +
                          " m from the origin, to " + few_digits(unit) + " m, and what it meets is found within " +
                          few_digits(near) +
-                         " m, a quarter of [contact] tolerance: move the scene, declare a larger "
-                         "tolerance, or take numbers that hold more digits";
+                         " m, a quarter of the contact tolerance: move the scene to the origin, "
+                         "declare a larger tolerance, or take numbers that hold more digits";
         tell(std::move(limit));
     }
-    [[nodiscard]] bool touches(std::size_t b) const {
+    [[nodiscard]] bool meets_anything(std::size_t b) const {
         const ShapeKind own = data_.bodies[b].shape.kind;
         if (own == ShapeKind::none) return false;
-        if (!data_.planes.empty()) return true;
+        for (const PlaneSpec& plane : data_.planes)
+            if (speed_to(plane, b) > 0) return true;
         for (std::size_t other = 0; other < bodies_.size(); ++other)
-            if (other != b && shapes_meet(own, data_.bodies[other].shape.kind)) return true;
+            if (other != b && shapes_meet(own, data_.bodies[other].shape.kind) && speed_to(data_.bodies[other], b) > 0)
+                return true;
         return false;
     }
 

@@ -725,16 +725,32 @@ TEST(Limits, of_the_spin_that_an_impact_may_give_a_small_body_are_warned_of) {
     }
 }
 
+// A ball so far from the origin, 1 m above a plane or before a box that it falls or flies to.
 TEST(Limits, of_places_that_floats_hold_less_finely_than_contacts_are_found_are_warned_of) {
-    const auto warned = [](double away, int axis, double tolerance, const std::string& rest, const char* numbers,
-                           bool carry = false) {
-        std::string place;
-        for (int i = 0; i < 3; ++i) place += (i > 0 ? ", " : "") + std::to_string(i == axis ? away : 0);
+    struct Far {
+        double away, tolerance;  // m
+        int axis;
+        bool plane, moves, fixed;
+    };
+    const auto warned = [](const Far& far, const char* numbers, bool carry = false) {
+        const int up = (far.axis + 1) % 3;
+        const auto triple = [&](double along, double upwards) {
+            Triple t{};
+            t[static_cast<std::size_t>(far.axis)] = along;
+            t[static_cast<std::size_t>(up)] = upwards;
+            return "[" + std::to_string(t[0]) + ", " + std::to_string(t[1]) + ", " + std::to_string(t[2]) + "]\n";
+        };
+        const std::string other = far.plane ? "[[plane]]\nname = \"floor\"\nnormal = " + triple(0, 1)
+                                            : "[[body]]\nname = \"box\"\nmass = 1.0\nfixed = true\n"
+                                              "shape = { box = [1.0, 1.0, 1.0] }\nposition = " +
+                                                  triple(far.away, -0.5);
         const auto limits = exceeded_limits(
             read_scene_text("name = \"far\"\n[world]\nstep = \"1/256\"\nduration = 1.0\n[range]\nposition = 32768.0\n"
                             "velocity = 2048.0\nangular_velocity = 64.0\n[contact]\ntolerance = " +
-                                std::to_string(tolerance) + "\n" + rest + "[[body]]\nname = \"ball\"\nmass = 1.0\n" +
-                                "shape = { sphere = 0.5 }\nposition = [" + place + "]\n",
+                                std::to_string(far.tolerance) + "\n" + other +
+                                "[[body]]\nname = \"ball\"\nmass = 1.0\nshape = { sphere = 0.5 }\nposition = " +
+                                triple(far.away, 1) + (far.fixed ? "fixed = true\n" : "") +
+                                (far.moves ? "velocity = " + triple(0, -4) : ""),
                             "far.toml"),
             "verlet", numbers, carry);
         for (const Limit& limit : limits) {
@@ -745,23 +761,24 @@ TEST(Limits, of_places_that_floats_hold_less_finely_than_contacts_are_found_are_
         }
         return false;
     };
-    const std::string plane = "[[plane]]\nname = \"floor\"\nnormal = [0.0, 1.0, 0.0]\n",
-                      other = "[[body]]\nname = \"other\"\nmass = 1.0\nshape = { box = [1.0, 1.0, 1.0] }\n";
     for (const int axis : {0, 1, 2}) {
         for (const double side : {1.0, -1.0}) {
-            for (const bool carry : {false, true}) {
-                for (const std::string& rest : {plane, other}) {
-                    EXPECT_TRUE(warned(side * 22892, axis, 0.001, rest, "f32", carry));  // 1.95 mm
-                    EXPECT_TRUE(warned(side * 2048, axis, 0.0009, rest, "f32", carry));  // 0.244 mm
-                    EXPECT_FALSE(warned(side * 2047, axis, 0.001, rest, "f32", carry));  // 0.122 mm
-                    EXPECT_FALSE(warned(side * 22892, axis, 0.01, rest, "f32", carry));
+            for (const bool plane : {true, false}) {
+                for (const bool carry : {false, true}) {
+                    EXPECT_TRUE(warned({side * 22892, 0.001, axis, plane, true, false}, "f32", carry));  // 1.95 mm
+                    EXPECT_TRUE(warned({side * 2048, 0.0009, axis, plane, true, false}, "f32", carry));  // 0.244 mm
+                    EXPECT_FALSE(warned({side * 2047, 0.001, axis, plane, true, false}, "f32", carry));  // 0.122 mm
+                    EXPECT_FALSE(warned({side * 22892, 0.01, axis, plane, true, false}, "f32", carry));
                 }
+                EXPECT_FALSE(warned({side * 22892, 0.001, axis, plane, true, false}, "f64"));
+                EXPECT_FALSE(warned({side * 22892, 0.001, axis, plane, true, false}, "q32"));
+                EXPECT_FALSE(warned({side * 22892, 0.001, axis, plane, false, false}, "f32"));  // it meets nothing
             }
-            EXPECT_FALSE(warned(side * 22892, axis, 0.001, plane, "f64"));
-            EXPECT_FALSE(warned(side * 22892, axis, 0.001, plane, "q32"));
-            EXPECT_FALSE(warned(side * 22892, axis, 0.001, "", "f32"));  // touches nothing
+            EXPECT_FALSE(warned({side * 22892, 0.001, axis, true, false, true}, "f32"));
         }
     }
+    // A tolerance below what floats resolve of the shapes is raised.
+    EXPECT_FALSE(warned({0.008, 0.000001, 0, true, true, false}, "f32"));
 }
 
 // A small box in a scene, and what else is there: it is warned of what it meets in 1 s, and of nothing else.

@@ -209,11 +209,11 @@ std::optional<Number> height(const BodyDescription& body, const Motion& m, const
 }
 
 // The limit that is exceeded, or nothing. A range that is not held to its end, or for the hardest of impacts, may be
-// enough for the motion, and is told where it is not.
+// enough for the motion, and is told where it is not; a coarse place for what touches little.
 std::optional<Limit> exceeded_limit(const SceneDescription& scene, const std::string& integrator,
                                     const std::string& numbers, bool carry) {
     for (const Limit& limit : exceeded_limits(scene, integrator, numbers, carry))
-        if (limit.what != "range" && limit.what != "impact") return limit;
+        if (limit.what != "range" && limit.what != "impact" && limit.what != "place") return limit;
     return {};
 }
 
@@ -320,7 +320,8 @@ Differences reached(const Run& run, const SceneDescription& scene, std::size_t b
 
 class Comparison {
 public:
-    // `fork`: velocities that differ by as much as they may move what has them apart, for the rest of the run.
+    // `fork`: velocities that differ by as much as they may move what has them apart from the start on, up to a tenth
+    // of what the motion reaches.
     Comparison(const SceneDescription& scene, const Units& units, const Run& base, const std::vector<Run>& jolted,
                bool fork)
         : scene_(scene), units_(units), base_(base), jolted_(jolted), fork_(fork), magnified_(scene.bodies.size()) {
@@ -383,8 +384,8 @@ private:
         Differences band = band_of(b);
         if (fork_) {
             const Number time = scene_.step.seconds() * static_cast<Number>(step);
-            band.position += band.velocity * time;
-            band.angle += band.spin * time;
+            band.position += std::min(band.velocity * time, useful * reached_[b].position);
+            band.angle += std::min(band.spin * time, useful * reached_[b].angle);
         }
         return {safety * (m.position + u.position) + band.position, safety * (m.velocity + u.velocity) + band.velocity,
                 safety * (m.angle + u.angle) + band.angle, safety * (m.spin + u.spin) + band.spin};
@@ -481,10 +482,15 @@ Verdict judge_scene(const Trial& trial, const SceneDescription& scene) {
     law(other, all, trial.numbers);
     if (verdict.kind == Verdict::Kind::wrong) return verdict;
 
-    // Bodies that rounding moves by their size meet others than they would.
-    const bool meets =
-        scene.contact.response == ContactResponse::none || units.of.position * units_carried < smallest_reach(scene);
-    if (meets) Comparison(scene, units, base, jolts, false).hold(other, verdict);
+    // Bodies that rounding moves by their size may meet others than they would.
+    const bool touches =
+        scene.contact.response != ContactResponse::none && (!scene.planes.empty() || scene.bodies.size() > 1);
+    if (touches && !(units.of.position * units_carried < smallest_reach(scene))) {
+        verdict.kind = Verdict::Kind::named;
+        verdict.what = "rounding moves a body by its size";
+        return verdict;
+    }
+    Comparison(scene, units, base, jolts, false).hold(other, verdict);
     if (verdict.kind == Verdict::Kind::wrong) {
         // A motion that comes to a fork, as where a box lands on an edge, or what is pushed away loses touch a step
         // later, is known by more runs.
