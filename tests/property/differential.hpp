@@ -9,9 +9,9 @@
 // motion itself magnifies rounding; the bound is `safety` times the largest of it so far, and of contacts the band
 // within which bodies touch. As soon as it exceeds a tenth of what the motion has reached by then, the scene is
 // chaotic or too small for the numbers, and the comparison ends: what remains is held against the laws alone.
-// What is beyond its bound is wrong only if it stays so with four times as many runs, some of them wider, and a bound of
-// places and angles that grows with what the band lets velocities differ by: what a contact has pushed may lose touch a
-// step later. Where rounding alone moves a body of a scene with contacts by its size, the laws alone hold.
+// What is beyond its bound is wrong only if it stays so with four times as many runs, some of them wider, and a bound
+// of places and angles that grows with what the band lets velocities differ by: what a contact has pushed may lose
+// touch a step later. Where rounding alone moves a body of a scene with contacts by its size, the laws alone hold.
 #pragma once
 
 #include <cstdint>
