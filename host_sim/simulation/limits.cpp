@@ -1,6 +1,7 @@
 #include "simulation/limits.hpp"
 
 #include <tumble/body/mass.hpp>
+#include <tumble/shapes/shape.hpp>
 #include <tumble/status.hpp>
 
 #include <Eigen/Eigenvalues>
@@ -675,6 +676,20 @@ private:
                              other.fixed ? vector(own.velocity) : vector(own.velocity) - vector(other.velocity),
                              other.fixed ? vector(data_.world.gravity) : Vector{}, gap);
     }
+    // Calls meet(speed, inverse_mass) for each plane and body that a body may touch: m/s, at which they meet within the
+    // run, or 0, and 1/kg, the sum of 1/m of what is free to move.
+    template <class Meet>
+    void for_each_meeting(std::size_t b, Meet&& meet) const {
+        const Number own = 1 / bodies_[b].mass;
+        const ShapeKind shape = data_.bodies[b].shape.kind;
+        if (shape == ShapeKind::none) return;
+        for (const PlaneSpec& plane : data_.planes) meet(speed_to(plane, b), own);
+        for (std::size_t i = 0; i < bodies_.size(); ++i) {
+            const BodySpec& other = data_.bodies[i];
+            if (i != b && shapes_meet(shape, other.shape.kind))
+                meet(speed_to(other, b), other.fixed ? own : own + 1 / bodies_[i].mass);
+        }
+    }
     // What meets a body at a speed v, m/s, d m beside its centre of mass turns it at (1 + e) v d / (a I + d^2), with a
     // the sum of 1/m of both: fastest where d^2 = a I, if it reaches so far. Friction turns a sphere until it rolls, at
     // 5/7 of v / r.
@@ -698,7 +713,7 @@ private:
             for (int i = 0; i < 3; ++i) spin[i] = std::abs(w[i]) * 5 / 7 / number(spec.shape.size.x);
         } else {
             const Number e = named.restitution.value_or(scene_.contact.restitution), most = Reach(spec.shape).most;
-            const auto meet = [&](Number at, Number per_mass) {
+            for_each_meeting(b, [&](Number at, Number per_mass) {
                 for (int i = 0; i < 3 && at > 0; ++i) {
                     const Number beside = per_mass * bodies_[b].axes.moments[i], d = std::min(most, std::sqrt(beside)),
                                  turn = (1 + e) * at * d / (beside + d * d);
@@ -706,13 +721,7 @@ private:
                     spin[i] = turn;
                     speed = std::max(speed, at);
                 }
-            };
-            const Number own = 1 / bodies_[b].mass;
-            for (const PlaneSpec& plane : data_.planes) meet(speed_to(plane, b), own);
-            for (std::size_t other = 0; other < bodies_.size(); ++other)
-                if (other != b && shapes_meet(spec.shape.kind, data_.bodies[other].shape.kind))
-                    meet(speed_to(data_.bodies[other], b),
-                         data_.bodies[other].fixed ? own : own + 1 / bodies_[other].mass);
+            });
         }
         const auto spin_of = [&](int i) { return static_cast<double>(spin[i]); };
         const auto excess = [&](int i) { return spin_of(i) / followed_spin(b, i, step_, index()); };
@@ -799,19 +808,22 @@ private:
     }
 
     // Floats hold a place to a part of its distance from the origin, and impacts happen within a quarter of the
-    // contact tolerance, which the kernel raises where lengths are larger than floats resolve it.
+    // contact tolerance, which the kernel raises where floats do not resolve it beside the largest body.
     void look_at_place(std::size_t b) {
-        if (system_.fixed_point || data_.bodies[b].fixed || scene_.contact.response != ContactResponse::impulse ||
-            !meets_anything(b))
-            return;
+        if (system_.fixed_point || data_.bodies[b].fixed || scene_.contact.response != ContactResponse::impulse) return;
         const bool single = system_.name == "f32";
-        double away = 0, tolerance = scene_.contact.tolerance;  // m
+        double away = 0;  // m
         for (const double x : scene_.bodies[b].position) away = std::max(away, std::abs(x));
-        for (const BodySpec& spec : data_.bodies)
-            tolerance = std::max(tolerance, static_cast<double>(Reach(spec.shape).most) * (single ? 0x1p-20 : 0x1p-49));
+        Real largest{};
+        for (const BodySpec& spec : data_.bodies) largest = std::max(largest, reach_of(spec.shape));
+        const Real least = single ? ContactNumbers<F32>::LengthScale::least_tolerance(largest)
+                                  : ContactNumbers<F64>::LengthScale::least_tolerance(largest);
         const double unit = away > 0 ? std::ldexp(single ? 0x1p-23 : 0x1p-52, std::ilogb(away)) : 0,
-                     near = tolerance / 4;
+                     near = std::max(scene_.contact.tolerance, least.to_double()) / 4;
         if (!(unit > near)) return;
+        bool meets = false;
+        for_each_meeting(b, [&](Number speed, Number) { meets = meets || speed > 0; });
+        if (!meets) return;
         Limit limit{body(b), "place", unit, near, 0, ""};
         limit.sentence = limit.where + ": " + system_.name + " holds its place, " + few_digits(away) +
                          " m from the origin, to " + few_digits(unit) + " m, and what it meets is found within " +
@@ -819,16 +831,6 @@ private:
                          " m, a quarter of the contact tolerance: move the scene to the origin, "
                          "declare a larger tolerance, or take numbers that hold more digits";
         tell(std::move(limit));
-    }
-    [[nodiscard]] bool meets_anything(std::size_t b) const {
-        const ShapeKind own = data_.bodies[b].shape.kind;
-        if (own == ShapeKind::none) return false;
-        for (const PlaneSpec& plane : data_.planes)
-            if (speed_to(plane, b) > 0) return true;
-        for (std::size_t other = 0; other < bodies_.size(); ++other)
-            if (other != b && shapes_meet(own, data_.bodies[other].shape.kind) && speed_to(data_.bodies[other], b) > 0)
-                return true;
-        return false;
     }
 
     [[nodiscard]] static std::size_t index_of(const NumberSystemInfo& system) {
