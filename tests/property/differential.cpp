@@ -16,6 +16,7 @@
 #include "scene_text.hpp"
 #include "simulation/limits.hpp"
 #include "simulation/simulation.hpp"
+#include "simulation/watch.hpp"
 #include "tools/text.hpp"
 #include "truth/accuracy.hpp"
 
@@ -68,9 +69,11 @@ struct Sample {
 };
 
 struct Run {
-    std::vector<Sample> samples;  // before the first status
-    std::string told;             // its name and step
-    std::string range;
+    std::string integrator, numbers;
+    bool carry;
+    std::vector<Sample> samples{};  // before the first status
+    std::string told{};             // its name and step
+    std::string range{};
 };
 
 // Triples of neighbouring steps, spread over the run: an impact at the very end of a step may fall into the next one in
@@ -89,7 +92,7 @@ std::vector<std::int64_t> sample_steps(std::int64_t steps) {
 Run run(const SceneDescription& scene, const std::string& integrator, const std::string& numbers, bool carry,
         const std::vector<std::int64_t>& at) {
     const auto simulation = make_simulation(scene, integrator, numbers, carry);
-    Run run;
+    Run run{integrator, numbers, carry};
     run.range = simulation->range();
     for (const std::int64_t step : at) {
         while (simulation->steps_taken() < step && simulation->troubles().empty()) simulation->step();
@@ -103,6 +106,25 @@ Run run(const SceneDescription& scene, const std::string& integrator, const std:
         run.samples.push_back(std::move(sample));
     }
     return run;
+}
+
+// Ends a run at what the command tells in its first `steps` steps and the kernel does not: energy that only the method
+// can have added, and, of a run that is judged, its [range]. False if there is nothing.
+bool end_where_command_tells(Run& run, const SceneDescription& scene, std::int64_t steps, bool is_judged) {
+    const auto simulation = make_simulation(scene, run.integrator, run.numbers, run.carry);
+    EnergyGrowthWatch growth(scene, *simulation);
+    RangeWatch range(scene, *simulation);
+    while (simulation->steps_taken() < steps) {
+        simulation->step();
+        growth.see(*simulation, simulation->energy());
+        range.see(*simulation);
+        const auto& trouble = is_judged && range.trouble() ? range.trouble() : growth.trouble();
+        if (!trouble) continue;
+        run.told = trouble->issue + " at step " + std::to_string(trouble->step) + ", by the command";
+        std::erase_if(run.samples, [&](const Sample& sample) { return sample.step > trouble->step; });
+        return true;
+    }
+    return false;
 }
 
 double smallest_reach(const SceneDescription& scene) {
@@ -241,8 +263,8 @@ bool keeps_energy(const std::string& integrator) {
 }
 
 // The law that a run breaks without a status, or nothing.
-std::string broken_law(const SceneDescription& scene, const std::string& integrator, const Run& run, const Units& units,
-                       Number rounding_of_energy, std::int64_t& step) {
+std::string broken_law(const SceneDescription& scene, const Run& run, const Units& units, Number rounding_of_energy,
+                       std::int64_t& step) {
     const ContactDescription& contact = scene.contact;
     const auto rough = [](const auto& side) { return side.friction.value_or(0.0) > 0; };
     const bool has_friction = contact.friction > 0 || std::any_of(scene.planes.begin(), scene.planes.end(), rough);
@@ -250,7 +272,7 @@ std::string broken_law(const SceneDescription& scene, const std::string& integra
     for (const PlaneDescription& plane : scene.planes) bounciest = std::max(bounciest, plane.restitution.value_or(0.0));
     // Newton's law of restitution with friction may gain energy (Kane's paradox); springs between boxes have no
     // potential here.
-    const bool energy_is_bounded = !is_driven(scene) && keeps_energy(integrator) &&
+    const bool energy_is_bounded = !is_driven(scene) && keeps_energy(run.integrator) &&
                                    !(has_friction && bounciest > 0.7) && contact.response != ContactResponse::spring;
     const bool momentum_is_kept =
         !is_driven(scene) && scene.planes.empty() && scene.gravity == Triple{} && scene.linear_drag == 0 &&
@@ -291,7 +313,7 @@ std::string broken_law(const SceneDescription& scene, const std::string& integra
         const Number gain = sample.energy.total() - start.total(),
                      most = start.kinetic + std::max(freed, start.potential);
         if (energy_is_bounded && gain > most_gain * std::abs(most) + rounding_of_energy &&
-            !is_near_limit(scene, integrator))
+            !is_near_limit(scene, run.integrator))
             return "energy rises from " + few_digits(start.total()) + " J to " + few_digits(sample.energy.total()) +
                    " J";
         if (sample.step == 0) momentum_at_start = momentum;
@@ -440,8 +462,8 @@ Verdict judge_scene(const Trial& trial, const SceneDescription& scene) {
         return verdict;
     }
     const std::vector<std::int64_t> at = sample_steps(scene.steps());
-    const Run base = run(scene, trial.integrator, "f64", false, at),
-              other = run(scene, trial.integrator, trial.numbers, trial.carry, at);
+    Run base = run(scene, trial.integrator, "f64", false, at),
+        other = run(scene, trial.integrator, trial.numbers, trial.carry, at);
     if (base.samples.empty() || other.samples.empty()) {
         told(base, "f64: ");
         told(other, "");
@@ -467,19 +489,19 @@ Verdict judge_scene(const Trial& trial, const SceneDescription& scene) {
         rounding_of_energy = std::max(rounding_of_energy, safety * std::abs(change));
     }
 
-    const auto law = [&](const Run& of, const Units& in, const std::string& numbers) {
+    const auto law = [&](Run& of, const Units& in) {
         if (verdict.kind == Verdict::Kind::wrong) return;
         std::int64_t step = 0;
-        const std::string law = broken_law(scene, trial.integrator, of, in, rounding_of_energy, step);
-        if (law.empty()) return;
+        const std::string law = broken_law(scene, of, in, rounding_of_energy, step);
+        if (law.empty() || end_where_command_tells(of, scene, step, true)) return;
         verdict.kind = Verdict::Kind::wrong;
-        verdict.what = numbers + ": " + law;
+        verdict.what = of.numbers + ": " + law;
         verdict.step = step;
     };
-    law(base, fine, "f64");
+    law(base, fine);
     Units all = units;  // of a run
     all.of.position *= units_carried;
-    law(other, all, trial.numbers);
+    law(other, all);
     if (verdict.kind == Verdict::Kind::wrong) return verdict;
 
     // Bodies that rounding moves by their size may meet others than they would.
@@ -490,13 +512,18 @@ Verdict judge_scene(const Trial& trial, const SceneDescription& scene) {
         verdict.what = "rounding moves a body by its size";
         return verdict;
     }
-    Comparison(scene, units, base, jolts, false).hold(other, verdict);
-    if (verdict.kind == Verdict::Kind::wrong) {
+    const auto compare = [&](bool fork) {
+        verdict = {};
+        Comparison(scene, units, base, jolts, fork).hold(other, verdict);
+        return verdict.kind == Verdict::Kind::wrong;
+    };
+    if (compare(false)) {
         // A motion that comes to a fork, as where a box lands on an edge, or what is pushed away loses touch a step
         // later, is known by more runs.
         jolt({1, 1, 1, 1, 1, 8, 8, 8, 64});
-        verdict = {};
-        Comparison(scene, units, base, jolts, true).hold(other, verdict);
+        if (compare(true) && (end_where_command_tells(other, scene, verdict.step, true) ||
+                              end_where_command_tells(base, scene, verdict.step, false)))
+            compare(true);
     }
     told(base, "f64: ");
     told(other, "");

@@ -1,6 +1,7 @@
 // Does a run end wrong without a word? The run of a trial is held against the same method and step in double precision,
 // and both against what holds of any motion. What has a status, or is beyond a limit that is named beforehand, may be
-// wrong from there on.
+// wrong from there on. The status is the kernel's; what is wrong without one may have that of the command, which knows
+// the energy and the file's [range].
 //
 // The bound. A number system rounds the start, the constants and every step. Its unit of each number is what it
 // resolves (of fixed point, its range's last place; of floats, the last place of the largest value). Double precision
