@@ -275,7 +275,11 @@ int command(int argc, const char* const* argv) {
             throw BadArgument("got \"" + std::string(argv[1]) +
                               "\", expected run, compile, compare, advise, profile or list");
         app.parse(argc, argv);
-        if (run_command->parsed()) return run(run_options);
+        if (run_command->parsed()) {
+            if (run_command->count("--every") > 0 && run_options.trajectory.empty())
+                std::cerr << "warning: --every has no effect without --trajectory\n";
+            return run(run_options);
+        }
         if (compile_command->parsed()) return compile(compile_options);
         if (compare_command->parsed()) return compare(compare_options);
         if (advise_command->parsed()) return advise(advise_options);

@@ -120,6 +120,18 @@ TEST(Run, trajectory_has_the_columns_of_the_contract) {
     for (const std::string& line : lines) EXPECT_EQ(std::count(line.begin(), line.end(), ','), 14) << line;
 }
 
+TEST(Run, every_without_a_trajectory_is_warned_of) {
+    const std::string warning = "warning: --every has no effect without --trajectory";
+    const Outcome without = tumble({"run", shipped("orbit"), "--duration", "1", "--every", "25"}),
+                  with = tumble({"run", shipped("orbit"), "--duration", "1", "--trajectory", temporary("out.csv"),
+                                 "--every", "25"}),
+                  neither = tumble({"run", shipped("orbit"), "--duration", "1"});
+    EXPECT_EQ(without.status, 0);
+    EXPECT_TRUE(has(without.text, warning)) << without.text;
+    EXPECT_FALSE(has(with.text, warning));
+    EXPECT_FALSE(has(neither.text, warning));
+}
+
 TEST(Run, step_and_duration_replace_those_of_the_scene) {
     const Outcome outcome =
         tumble({"run", shipped("brick"), "--step", "1/128", "--duration", "0.51", "--json"}, Process::Errors::pass);
