@@ -361,11 +361,13 @@ public:
             if (bodies_[b].rotates)
                 look_at({0, per(data_.world.angular_drag, bodies_[b].axes.moments.z), where, "drag"});
         }
+        for (std::size_t b = 0; b < bodies_.size(); ++b) look_at_contact_springs(b);
         look_at_gravitation();
         for (std::size_t b = 0; b < bodies_.size(); ++b) look_at_swings(b);
         for (std::size_t b = 0; b < bodies_.size(); ++b) look_at_spin(b);
         for (std::size_t b = 0; b < bodies_.size(); ++b) look_at_impacts(b);
         look_at_range();
+        look_at_gravity();
         for (std::size_t b = 0; b < bodies_.size(); ++b) look_at_loads(b);
         for (std::size_t b = 0; b < bodies_.size(); ++b) look_at_place(b);
         return std::move(found_);
@@ -385,7 +387,8 @@ private:
         if (holds(method_, mode, step_ / safe_share, duration_)) return;
         const double most = longest_step(method_, mode, step_ / safe_share, duration_);
         if (!(most < step_ * (1 - 1e-9))) return;  // but for the rounding of the search
-        const bool is_spring = mode.what == "spring" || mode.what == "gravitation" || mode.what == "force";
+        const bool is_spring = mode.what == "spring" || mode.what == "contact spring" || mode.what == "gravitation" ||
+                               mode.what == "force";
         const double per_step = is_spring ? std::sqrt(mode.stiffness) : mode.damping;
         const double known = is_spring ? method_.oscillation_limit : method_.drag_limit;
         const bool damped = is_spring ? mode.damping > 0 : mode.stiffness > 0;
@@ -396,7 +399,8 @@ private:
         limit.sentence = limit.where + ": " + step_and(ratio + " " + few_digits(limit.value)) + ", and " + method_.name;
         if (known == 0 && is_spring)
             limit.sentence += " adds to an oscillation at every step, here more than " +
-                              few_digits(100 * (most_growth - 1)) + " % in " + few_digits(duration_) + " s";
+                              few_digits(100 * (most_growth - 1)) + " % in " + few_digits(duration_) + " s" +
+                              (mode.what == "contact spring" ? " of contact" : "");
         else
             limit.sentence += " is stable up to " + four_digits_down(limit.limit) +
                               (limit.value < limit.limit ? ", of which nine tenths are safe" : "");
@@ -690,6 +694,19 @@ private:
                 meet(speed_to(other, b), other.fixed ? own : own + 1 / bodies_[i].mass);
         }
     }
+    // The kernel tells of steps that no explicit method stands, but not of a method that adds to every oscillation:
+    // here as if the body stayed in contact, on one spring.
+    void look_at_contact_springs(std::size_t b) {
+        const ContactDescription& contact = scene_.contact;
+        if (contact.response != ContactResponse::spring || !(contact.stiffness > 0) || data_.bodies[b].fixed ||
+            method_.oscillation_limit > 0)
+            return;
+        for_each_meeting(b, [&](Number speed, Number per_mass) {
+            if (!(speed > 0)) return;
+            const auto inverse = static_cast<double>(per_mass);
+            look_at({contact.stiffness * inverse, contact.damping * inverse, body(b), "contact spring"});
+        });
+    }
     // What meets a body at a speed v, m/s, d m beside its centre of mass turns it at (1 + e) v d / (a I + d^2), with a
     // the sum of 1/m of both: fastest where d^2 = a I, if it reaches so far. Friction turns a sphere until it rolls, at
     // 5/7 of v / r.
@@ -778,6 +795,21 @@ private:
                              few_digits(step_) + " s";
             tell(std::move(limit));
         }
+    }
+
+    // Fixed point cuts gravity at what it holds of a velocity as the change of a step.
+    void look_at_gravity() {
+        if (!system_.fixed_point) return;
+        const auto most = [&](double step) { return held_by(index(), Real{step}, method_.spin).velocity; };
+        double pull = 0;  // m/s^2, the largest component
+        for (const double g : scene_.gravity) pull = std::max(pull, std::abs(g));
+        if (pull * step_ <= most(step_)) return;
+        double step = most(step_) / pull;
+        for (int halving = 0; halving < 6 && pull * step > most(step); ++halving) step /= 2;
+        Limit limit{"gravity", "load", pull * step_, most(step_), step, ""};
+        limit.sentence = limit.where + ": it changes velocities by " + few_digits(limit.value) + " m/s in a step of " +
+                         few_digits(step_) + " s, and " + way() + " takes " + four_digits_down(limit.limit) + " m/s";
+        tell(std::move(limit));
     }
 
     // Fixed point takes at most a quarter of what it holds of a velocity as the change of a step.

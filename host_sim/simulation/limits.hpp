@@ -12,8 +12,8 @@
 namespace tumble::host {
 
 struct Limit {
-    std::string where;    // spring[0], body "b", force[0]
-    std::string what;     // spring, damper, drag, gravitation, force, spin, range, impact, load, place
+    std::string where;    // spring[0], body "b", force[0], gravity
+    std::string what;     // spring, contact spring, damper, drag, gravitation, force, spin, range, impact, load, place
     double value, limit;  // what the step makes of it, and what method and number system stand: without unit where a
                           // step is multiplied by a rate, rad/s of spins, ranges and impacts, m/s of loads, m of places
     double largest_step;  // s: safe, and not far below what is not; 0: no step is. At the shortest nothing more is told

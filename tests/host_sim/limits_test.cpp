@@ -781,6 +781,111 @@ TEST(Limits, of_places_that_floats_hold_less_finely_than_contacts_are_found_are_
     EXPECT_FALSE(warned({0.008, 0.000001, 0, true, true, false}, "f32"));
 }
 
+// A point mass that hangs on a spring under its weight, along one axis.
+TEST(Limits, of_gravity_are_told_where_fixed_point_cuts_it) {
+    const auto hanging = [](std::size_t axis, double g, double mass, const std::string& step) {
+        SceneDescription scene = read_scene_text(
+            "name = \"hanging\"\n[world]\nstep = \"" + step +
+                "\"\nduration = 1.0\n[range]\nposition = 64.0\nvelocity = 32.0\nangular_velocity = 32.0\n"
+                "[contact]\nresponse = \"none\"\n[[body]]\nname = \"b\"\nshape = \"none\"\nmass = 1.0\n"
+                "[[spring]]\nbody = \"b\"\nto = [0.0, 0.0, 0.0]\nstiffness = 1.0\n",
+            "hanging.toml");
+        scene.gravity[axis] = g;
+        scene.bodies[0].mass = mass;
+        scene.bodies[0].position[axis] = g > 0 ? 13.75 : -13.75;
+        scene.springs[0].stiffness = mass * std::abs(g) / 13.75;
+        return scene;
+    };
+    const auto limit_of = [](const SceneDescription& scene, const std::string& method, const char* numbers,
+                             bool carry) -> std::optional<Limit> {
+        for (const Limit& limit : exceeded_limits(scene, method, numbers, carry))
+            if (limit.where == "gravity") return limit;
+        return {};
+    };
+    for (const std::size_t axis : {0U, 1U, 2U}) {
+        for (const double side : {1.0, -1.0}) {
+            for (const char* method : {"implicit_euler", "implicit_midpoint", "verlet", "explicit_euler", "rk4"}) {
+                for (const bool carry : {false, true}) {
+                    SCOPED_TRACE(std::string(method) + " " + std::to_string(axis) + " " + std::to_string(carry));
+                    // It holds 32 m/s at this step.
+                    const SceneDescription beyond = hanging(axis, side * 9011.2, 1, "1/256");  // 35.2 m/s
+                    const auto limit = limit_of(beyond, method, "q32", carry);
+                    ASSERT_TRUE(limit.has_value());
+                    EXPECT_NEAR(limit->value, 35.2, 1e-3);
+                    EXPECT_NEAR(limit->limit, 32, 0.01);
+                    EXPECT_FALSE(limit_of(with_step(beyond, limit->largest_step), method, "q32", carry));
+                    EXPECT_TRUE(limit_of(hanging(axis, side * 4505.6, 70, "1/128"), method, "q32", carry));
+                    EXPECT_FALSE(limit_of(hanging(axis, side * 8000, 1, "1/256"), method, "q32", carry));
+                    for (const char* numbers : {"f32", "f64"}) EXPECT_FALSE(limit_of(beyond, method, numbers, carry));
+                }
+            }
+        }
+    }
+    // Within the limit it hangs still, beyond it does not.
+    const auto moved = [&](double g) {
+        const auto simulation = make_simulation(hanging(1, g, 1, "1/256"), "implicit_euler", "q32");
+        while (simulation->steps_taken() < simulation->steps()) simulation->step();
+        return std::abs(static_cast<double>(simulation->body(0).position[1]) - 13.75);
+    };
+    EXPECT_LT(moved(8000), 1e-6);
+    EXPECT_GT(moved(9011.2), 0.1);
+}
+
+// A ball that bounces on a contact spring: methods that add to it say so before the run.
+TEST(Limits, of_contact_springs_are_told_of_methods_that_add_to_every_oscillation) {
+    const auto bouncing = [](double up, double stiffness, double mass, double damping, bool on_ball) {
+        SceneDescription scene = read_scene_text(
+            std::string("name = \"bouncing\"\n[world]\nstep = \"1/256\"\nduration = 8.0\n[contact]\nresponse = "
+                        "\"spring\"\n[[body]]\nname = \"ball\"\nshape = { sphere = 0.1 }\nmass = 1.0\n") +
+                (on_ball ? "[[body]]\nname = \"ground\"\nfixed = true\nmass = 1.0\nshape = { sphere = 1.0 }\n"
+                         : "[[plane]]\nname = \"ground\"\nnormal = [0.0, 1.0, 0.0]\n"),
+            "bouncing.toml");
+        scene.bodies[0].position[1] = up;
+        if (on_ball) scene.bodies[1].position[1] = up > 0 ? -1 : 1;
+        else scene.planes[0].normal[1] = up > 0 ? 1 : -1;
+        scene.gravity[1] = up > 0 ? -9.81 : 9.81;
+        scene.bodies[0].mass = mass;
+        scene.contact.stiffness = stiffness;
+        scene.contact.damping = damping;
+        return scene;
+    };
+    const auto is_told = [](const SceneDescription& scene, const std::string& method, const char* numbers) {
+        const auto limits = exceeded_limits(scene, method, numbers);
+        for (const Limit& limit : limits) {
+            EXPECT_EQ(limit.where, "body \"ball\"");
+            EXPECT_EQ(limit.what, "contact spring");
+            EXPECT_NE(limit.sentence.find("of contact"), std::string::npos) << limit.sentence;
+            EXPECT_TRUE(exceeded_limits(with_step(scene, limit.largest_step), method, numbers).empty());
+        }
+        return !limits.empty();
+    };
+    for (const char* numbers : {"q32", "f32", "f64"}) {
+        for (const double up : {0.5, -0.5}) {
+            for (const bool on_ball : {false, true}) {
+                for (const char* method : {"heun", "midpoint", "explicit_euler"}) {
+                    SCOPED_TRACE(std::string(method) + " " + numbers + " " + std::to_string(up));
+                    EXPECT_TRUE(is_told(bouncing(up, 16384, 1, 0, on_ball), method, numbers));  // h w = 1/2
+                    EXPECT_TRUE(is_told(bouncing(up, 1024, 0.0625, 0, on_ball), method, numbers));
+                    EXPECT_FALSE(is_told(bouncing(up, 16384, 1, 100, on_ball), method, numbers));
+                    EXPECT_FALSE(is_told(bouncing(up, 0, 1, 0, on_ball), method, numbers));
+                }
+                EXPECT_FALSE(is_told(bouncing(up, 256, 1, 0, on_ball), "heun", numbers));  // h w = 1/16
+                for (const char* method : {"verlet", "rk4", "implicit_euler", "semi_implicit_euler", "pdmv8"})
+                    EXPECT_FALSE(is_told(bouncing(up, 16384, 1, 0, on_ball), method, numbers)) << method;
+            }
+        }
+        SceneDescription away = bouncing(0.5, 16384, 1, 0, false);
+        away.gravity = {};
+        EXPECT_FALSE(is_told(away, "heun", numbers));  // it meets nothing
+    }
+    // What is told: heun doubles the energy.
+    const Ended of_heun = run(bouncing(0.5, 16384, 1, 0, false), "heun", "f64"),
+                of_rk4 = run(bouncing(0.5, 16384, 1, 0, false), "rk4", "f64");
+    EXPECT_FALSE(of_heun.told);
+    EXPECT_GT(of_heun.most_energy, 1.5);
+    EXPECT_LT(of_rk4.most_energy, 1.1);
+}
+
 // A small box in a scene, and what else is there: it is warned of what it meets in 1 s, and of nothing else.
 TEST(Limits, of_impacts_are_told_where_something_is_met_in_the_run) {
     const auto warned = [](const std::string& gravity, const std::string& velocity, const std::string& rest,
