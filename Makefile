@@ -274,9 +274,9 @@ tolerances: build/host/build.ninja
 
 ## sanitize: the host tests under the address and undefined-behaviour sanitizers
 # GCC's warnings of array bounds and of uninitialized values are off there: with sanitizers it sees what is not.
-# Without what builds projects of its own, without the sanitizers, without kernel_tests: kernel_tests_deep holds its cases; and
-# without the new ones of the random scenes.
-UNSANITIZED := ^(kernel\.(shard_|tolerances_are_used)|a_project_|a_firmware_as_|new_random_)
+# Without what builds projects of its own, without the sanitizers, without kernel_tests: kernel_tests_deep holds its cases;
+# without the new ones of the random scenes, and without what runs for millions of steps: long runs and maps of stability.
+UNSANITIZED := ^(kernel\.(shard_|tolerances_are_used)|a_project_|a_firmware_as_|new_random_|long_runs_|the_maps_|maps_of_|no_cell_of_)
 .PHONY: sanitize
 sanitize: setup
 	@test -f build/sanitize/build.ninja || cmake --preset host-debug-sanitize > /dev/null
