@@ -368,7 +368,7 @@ public:
         for (std::size_t b = 0; b < bodies_.size(); ++b) look_at_impacts(b);
         look_at_range();
         look_at_gravity();
-        for (std::size_t b = 0; b < bodies_.size(); ++b) look_at_loads(b);
+        for (std::size_t b = 0; b < bodies_.size(); ++b) look_at_forces(b);
         for (std::size_t b = 0; b < bodies_.size(); ++b) look_at_place(b);
         return std::move(found_);
     }
@@ -387,8 +387,7 @@ private:
         if (holds(method_, mode, step_ / safe_share, duration_)) return;
         const double most = longest_step(method_, mode, step_ / safe_share, duration_);
         if (!(most < step_ * (1 - 1e-9))) return;  // but for the rounding of the search
-        const bool is_spring = mode.what == "spring" || mode.what == "contact spring" || mode.what == "gravitation" ||
-                               mode.what == "force";
+        const bool is_spring = mode.what != "damper" && mode.what != "drag";
         const double per_step = is_spring ? std::sqrt(mode.stiffness) : mode.damping;
         const double known = is_spring ? method_.oscillation_limit : method_.drag_limit;
         const bool damped = is_spring ? mode.damping > 0 : mode.stiffness > 0;
@@ -797,45 +796,38 @@ private:
         }
     }
 
-    // Fixed point cuts gravity at what it holds of a velocity as the change of a step.
-    void look_at_gravity() {
-        if (!system_.fixed_point) return;
-        const auto most = [&](double step) { return held_by(index(), Real{step}, method_.spin).velocity; };
-        double pull = 0;  // m/s^2, the largest component
-        for (const double g : scene_.gravity) pull = std::max(pull, std::abs(g));
-        if (pull * step_ <= most(step_)) return;
-        double step = most(step_) / pull;
-        for (int halving = 0; halving < 6 && pull * step > most(step); ++halving) step /= 2;
-        Limit limit{"gravity", "load", pull * step_, most(step_), step, ""};
-        limit.sentence = limit.where + ": it changes velocities by " + few_digits(limit.value) + " m/s in a step of " +
-                         few_digits(step_) + " s, and " + way() + " takes " + four_digits_down(limit.limit) + " m/s";
+    // m/s^2. Fixed point takes a share of what it holds of a velocity as the change of a step: a quarter of forces,
+    // all of gravity, which it cuts beyond.
+    void look_at_load(const std::string& where, const std::string& changed, double acceleration, double share) {
+        const auto most = [&](double step) { return held_by(index(), Real{step}, method_.spin).velocity * share; };
+        if (acceleration * step_ <= most(step_)) return;
+        double step = most(step_) / acceleration;
+        for (int halving = 0; halving < 6 && acceleration * step > most(step); ++halving) step /= 2;
+        Limit limit{where, "load", acceleration * step_, most(step_), step, ""};
+        limit.sentence = limit.where + ": it changes " + changed + " by " + few_digits(limit.value) +
+                         " m/s in a step of " + few_digits(step_) + " s, and " + way() + " takes " +
+                         four_digits_down(limit.limit) + " m/s";
         tell(std::move(limit));
     }
-
-    // Fixed point takes at most a quarter of what it holds of a velocity as the change of a step.
-    void look_at_loads(std::size_t b) {
+    [[nodiscard]] static double largest_component(const Vector& v) {
+        return static_cast<double>(std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}));
+    }
+    void look_at_gravity() {
+        if (!system_.fixed_point) return;
+        look_at_load("gravity", "velocities", largest_component(vector(data_.world.gravity)), 1);
+    }
+    void look_at_forces(std::size_t b) {
         if (!system_.fixed_point || method_.takes_any_load || data_.bodies[b].fixed) return;
-        const auto most = [&](double step) { return held_by(index(), Real{step}, method_.spin).velocity / 4; };
         for (std::size_t f = 0; f < data_.forces.size(); ++f) {
             const ForceSpec& force = data_.forces[f];
             if (static_cast<std::size_t>(force.body) != b || force.from.to_double() >= duration_) continue;
             // In the body's axes the direction in the world is not known: its share along the best axis is.
-            const Vector push = vector(force.force) * (1 / bodies_[b].mass);
-            const auto largest = [](const Vector& v) {
-                return static_cast<double>(std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}));
-            };
-            const double acceleration = force.frame == Frame::world
-                                            ? largest(push + vector(data_.world.gravity))
-                                            : static_cast<double>(norm(push) / std::sqrt(Number(3))) -
-                                                  static_cast<double>(norm(vector(data_.world.gravity)));
-            if (acceleration * step_ <= most(step_)) continue;
-            double step = most(step_) / acceleration;
-            for (int halving = 0; halving < 6 && acceleration * step > most(step); ++halving) step /= 2;
-            Limit limit{"force[" + std::to_string(f) + "]", "load", acceleration * step_, most(step_), step, ""};
-            limit.sentence = limit.where + ": it changes the velocity of " + body(b) + " by " +
-                             few_digits(limit.value) + " m/s in a step of " + few_digits(step_) + " s, and " + way() +
-                             " takes " + four_digits_down(limit.limit) + " m/s";
-            tell(std::move(limit));
+            const Vector push = vector(force.force) * (1 / bodies_[b].mass), gravity = vector(data_.world.gravity);
+            const double acceleration =
+                force.frame == Frame::world
+                    ? largest_component(push + gravity)
+                    : static_cast<double>(norm(push) / std::sqrt(Number(3))) - static_cast<double>(norm(gravity));
+            look_at_load("force[" + std::to_string(f) + "]", "the velocity of " + body(b), acceleration, 0.25);
         }
     }
 
