@@ -49,6 +49,7 @@ struct Mode {
     double stiffness = 0;  // 1/s^2
     double damping = 0;    // 1/s
     std::string where, what;
+    bool is_known_to_kernel = true;  // which tells of steps beyond the bounds of its method
 
     [[nodiscard]] OscillatorStep step_of(const IntegratorInfo& method, double h) const {
         return method.oscillator_step(h * h * stiffness, h * damping);
@@ -70,7 +71,7 @@ bool is_told(const StepBounds& bounds, double k, double c) {
 }
 // True if the mode's energy does not grow by more than most_growth in the time, s, and nothing is told of it.
 bool holds(const IntegratorInfo& method, const Mode& mode, double h, double time) {
-    if (is_told(method.step_bounds, h * h * mode.stiffness, h * mode.damping)) return false;
+    if (mode.is_known_to_kernel && is_told(method.step_bounds, h * h * mode.stiffness, h * mode.damping)) return false;
     // Some methods are stable again in a window beyond the limit, which no motion that is not linear stays in.
     if (mode.damping == 0 && method.oscillation_limit > 0 && h * std::sqrt(mode.stiffness) > method.oscillation_limit)
         return false;
@@ -694,16 +695,19 @@ private:
         }
     }
     // The kernel tells of steps that no explicit method stands, but not of a method that adds to every oscillation:
-    // here as if the body stayed in contact, on one spring.
+    // here as if the body stayed in contact, on one spring, with all that it meets, or may meet where more than uniform
+    // gravity moves it.
     void look_at_contact_springs(std::size_t b) {
         const ContactDescription& contact = scene_.contact;
         if (contact.response != ContactResponse::spring || !(contact.stiffness > 0) || data_.bodies[b].fixed ||
             method_.oscillation_limit > 0)
             return;
+        const bool is_thrown =
+            scene_.impulses.empty() && scene_.forces.empty() && scene_.springs.empty() && scene_.gravitation == 0;
         for_each_meeting(b, [&](Number speed, Number per_mass) {
-            if (!(speed > 0)) return;
+            if (is_thrown && !(speed > 0)) return;
             const auto inverse = static_cast<double>(per_mass);
-            look_at({contact.stiffness * inverse, contact.damping * inverse, body(b), "contact spring"});
+            look_at({contact.stiffness * inverse, contact.damping * inverse, body(b), "contact spring", false});
         });
     }
     // What meets a body at a speed v, m/s, d m beside its centre of mass turns it at (1 + e) v d / (a I + d^2), with a
@@ -797,7 +801,7 @@ private:
     }
 
     // m/s^2. Fixed point takes a share of what it holds of a velocity as the change of a step: a quarter of forces,
-    // all of gravity, which it cuts beyond.
+    // all of gravity, which it cuts beyond, or twice that where it adds it in halves.
     void look_at_load(const std::string& where, const std::string& changed, double acceleration, double share) {
         const auto most = [&](double step) { return held_by(index(), Real{step}, method_.spin).velocity * share; };
         if (acceleration * step_ <= most(step_)) return;
@@ -813,8 +817,11 @@ private:
         return static_cast<double>(std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}));
     }
     void look_at_gravity() {
-        if (!system_.fixed_point) return;
-        look_at_load("gravity", "velocities", largest_component(vector(data_.world.gravity)), 1);
+        const bool is_felt =
+            std::any_of(data_.bodies.begin(), data_.bodies.end(), [](const BodySpec& spec) { return !spec.fixed; });
+        if (!system_.fixed_point || !is_felt) return;
+        const bool is_halved = system_.carry && method_.coasts_with_mean;
+        look_at_load("gravity", "velocities", largest_component(vector(data_.world.gravity)), is_halved ? 2 : 1);
     }
     void look_at_forces(std::size_t b) {
         if (!system_.fixed_point || method_.takes_any_load || data_.bodies[b].fixed) return;

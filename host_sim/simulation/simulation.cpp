@@ -162,7 +162,7 @@ const std::vector<IntegratorInfo>& integrators() {
             if constexpr (requires { Method::takes_any_load; }) takes_any_load = Method::takes_any_load;
             infos.push_back({Method::name, type_name<Method>(), Method::order, free_order, needs, not_in_fixed_point,
                              Method::oscillation_limit, Method::drag_limit, &Method::oscillator_step, Method::spin,
-                             takes_any_load, Method::step_bounds});
+                             takes_any_load, Method::coasting == Coasting::mean, Method::step_bounds});
         });
         return infos;
     }();

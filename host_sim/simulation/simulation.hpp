@@ -113,9 +113,10 @@ struct IntegratorInfo {
     // Of the linear oscillator: Stability of integrators/stability.hpp.
     double oscillation_limit = 0, drag_limit = 0;
     OscillatorStep (*oscillator_step)(double k, double c) = nullptr;
-    Spin spin = Spin::none;       // what it keeps of a spin
-    bool takes_any_load = false;  // fixed point does not limit the change of a step
-    StepBounds step_bounds{};     // beyond which the kernel tells of springs, dampers and drag
+    Spin spin = Spin::none;         // what it keeps of a spin
+    bool takes_any_load = false;    // fixed point does not limit the change of a step
+    bool coasts_with_mean = false;  // of a step's velocities at its start and end
+    StepBounds step_bounds{};       // beyond which the kernel tells of springs, dampers and drag
 };
 struct NumberSystemInfo {
     std::string name;

@@ -22,8 +22,9 @@ double next_power_of_two(double x) {
 }
 
 // Gains in times of what the motion had: of a moment, and of all of the last steps. Stable steps of kick-drift-kick and
-// of semi-implicit Euler swing by 1/(1 - (h w)^2/4) and 1/(1 - h w/2) times the energy at most, and back.
-constexpr long double most_growth = 100, most_lasting_growth = 3;
+// of semi-implicit Euler swing by 1/(1 - (h w)^2/4) and 1/(1 - h w/2) times the energy at most, and back; off a contact
+// spring no method swings.
+constexpr long double most_growth = 100, most_lasting_growth = 3, most_lasting_growth_of_bounces = 0.25L;
 // Of the motion, where it can only lose energy; and how far impacts of what rests may lift it, in contact tolerances.
 constexpr long double most_bounced = 0.25L, most_hop = 8;
 // m/s: of a motion that is not taken to be rounding.
@@ -48,6 +49,28 @@ Resolution resolution(const SceneDescription& scene, const Simulation& simulatio
     const long double spacing =
         simulation.numbers() == "f32" ? std::numeric_limits<float>::epsilon() : std::numeric_limits<double>::epsilon();
     return {farthest * spacing, spacing};
+}
+
+// True if contacts by springs may give energy that they are not known to have: a barrier, or an overlap at the start,
+// of cylinders, capsules, hoops or a box and another body.
+bool gives_unknown_energy(const SceneDescription& scene, const SmoothMotion& at_start) {
+    if (scene.contact.response != ContactResponse::spring) return false;
+    using Kind = ShapeKind;
+    const auto kind = [&](std::size_t b) { return scene.bodies[b].shape.kind; };
+    const auto is_known = [&](std::size_t body, std::size_t other, bool with_plane) {
+        return with_plane ? kind(body) == Kind::sphere || kind(body) == Kind::box
+                          : kind(body) == Kind::sphere && kind(other) == Kind::sphere;
+    };
+    for (const auto& overlap : at_start.overlaps())
+        if (!is_known(overlap.body, overlap.other, overlap.with_plane)) return true;
+    if (!(scene.contact.barrier > 0)) return false;
+    for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
+        if (kind(b) == Kind::none || kind(b) == Kind::points) continue;
+        if (!scene.planes.empty() && !is_known(b, b, true)) return true;
+        for (std::size_t other = 0; other < b; ++other)
+            if (shapes_meet(kind(b), kind(other)) && !is_known(b, other, false)) return true;
+    }
+    return false;
 }
 
 }  // namespace
@@ -107,11 +130,15 @@ EnergyGrowthWatch::EnergyGrowthWatch(const SceneDescription& scene, const Simula
     most_kept_ = motion_at_start_ = start.kinetic;
     const SmoothMotion at_start(scene, shapes_meet);
     may_touch_ = scene.contact.response != ContactResponse::none && at_start.can_touch();
-    is_on_ = !(may_touch_ && scene.contact.response == ContactResponse::spring) &&
+    is_on_ = !(may_touch_ && gives_unknown_energy(scene, at_start)) &&
              std::none_of(scene.bodies.begin(), scene.bodies.end(),
                           [](const BodyDescription& body) { return body.fixed && body.angular_velocity != Triple{}; });
-    only_loses_ = may_touch_ && scene.springs.empty() && scene.gravitation == 0 &&
+    const bool on_springs = may_touch_ && scene.contact.response == ContactResponse::spring;
+    only_loses_ = may_touch_ && !on_springs && scene.springs.empty() && scene.gravitation == 0 &&
                   find_integrator(simulation.integrator()).order > 1;
+    if (!may_touch_) most_lasting_ = most_lasting_growth;
+    else if (on_springs && scene.gravitation == 0) most_lasting_ = most_lasting_growth_of_bounces;
+    else most_lasting_ = std::numeric_limits<long double>::infinity();
     for (const ImpulseDescription& impulse : scene.impulses) {
         const std::int64_t step = nearest_step(impulse.time, scene.step);
         fed_.push_back({step, step + 1});
@@ -169,7 +196,7 @@ void EnergyGrowthWatch::see(const Simulation& simulation, const Energy& now) {
     const long double had = std::max(most_kept_, swing_) + spare;
     const long double lasting =
         taken < first_steps + lasting_steps ? 0 : *std::min_element(gains_.begin(), gains_.end());
-    const bool is_much = gained > most_growth * had || (!may_touch_ && lasting > most_lasting_growth * had);
+    const bool is_much = gained > most_growth * had || lasting > most_lasting_ * had;
     // Not at a close point, where a method's energy swings with the potential.
     const bool is_unbound = is_gravitation_alone_ && start_ < 0 && gained > std::abs(now.potential) / 8 &&
                             lasting > std::max(-start_, motion_at_start_) + push_;

@@ -42,10 +42,11 @@ private:
 };
 
 // Energy that nothing but the method can have added: what springs, gravity, gravitation, drag and impacts neither have
-// nor give. It is held against the largest kinetic energy that the motion has while its energy is kept; where only
-// contacts by impulses and uniform gravity act, of which methods of order 2 and more add nothing, against a quarter of
-// it. What changes in steps with impulses or forces is theirs. Contacts by springs and fixed bodies that turn feed the
-// motion: then there is no watch.
+// nor give. It is held against the largest kinetic energy that the motion has while its energy is kept; against a
+// quarter of it where only contacts by impulses and uniform gravity act, of which methods of order 2 and more add
+// nothing, and where contacts by springs have added it for a while. What changes in steps with impulses or forces is
+// theirs. Fixed bodies that turn feed the motion, and so may contacts by springs whose energy is not known: then there
+// is no watch.
 class EnergyGrowthWatch {
 public:
     // At the start of the run.
@@ -69,6 +70,7 @@ private:
 
     bool is_on_, may_touch_;
     bool only_loses_;                                 // impacts and gravity alone, by a method that is exact in it
+    long double most_lasting_;                        // growth of all of the last steps
     bool is_gravitation_alone_;                       // the energy is negative where the bodies are bound to each other
     std::vector<Steps> fed_;                          // by impulses and forces, in the order of their first steps
     std::size_t begun_ = 0;                           // of these
