@@ -29,6 +29,8 @@ using reference::Vector;
 constexpr double most_growth = 1.1;
 // A safe step is this share of the longest stable one, where an oscillation may swing to a multiple of its size.
 constexpr double safe_share = 0.9;
+// Of what floats hold of a place, how deep contact springs are to be pressed.
+constexpr double least_depth = 16;
 
 // Mass properties and pose at the start, in principal axes.
 struct Body {
@@ -340,6 +342,21 @@ struct Reach {
     }
 };
 
+// m: of the box around it.
+Vector half_extents(const Shape& shape) {
+    const Vector size = vector(shape.size);
+    switch (shape.kind) {
+    case ShapeKind::box: return size * Number(0.5);
+    case ShapeKind::cylinder: return {size.x, size.x, size.y / 2};
+    case ShapeKind::capsule: return {size.x, size.x, size.y / 2 + size.x};
+    case ShapeKind::sphere: return {size.x, size.x, size.x};
+    case ShapeKind::hoop: return {size.x, size.x, 0};
+    case ShapeKind::points:
+    case ShapeKind::none: break;
+    }
+    return {};
+}
+
 class Search {
 public:
     Search(const SceneDescription& scene, std::string_view integrator, std::string_view numbers,
@@ -371,6 +388,7 @@ public:
         look_at_gravity();
         for (std::size_t b = 0; b < bodies_.size(); ++b) look_at_forces(b);
         for (std::size_t b = 0; b < bodies_.size(); ++b) look_at_place(b);
+        for (std::size_t b = 0; b < bodies_.size(); ++b) look_at_place_on_contact_springs(b);
         return std::move(found_);
     }
 
@@ -680,34 +698,58 @@ private:
                              other.fixed ? vector(own.velocity) : vector(own.velocity) - vector(other.velocity),
                              other.fixed ? vector(data_.world.gravity) : Vector{}, gap);
     }
-    // Calls meet(speed, inverse_mass) for each plane and body that a body may touch: m/s, at which they meet within the
-    // run, or 0, and 1/kg, the sum of 1/m of what is free to move.
+    // What a body may touch: a plane, or another body.
+    struct Meeting {
+        Number speed;                      // m/s, at which they meet within the run, or 0
+        Vector normal;                     // the plane's, or from the other to the body where they begin
+        std::optional<std::size_t> other;  // body
+    };
     template <class Meet>
     void for_each_meeting(std::size_t b, Meet&& meet) const {
-        const Number own = 1 / bodies_[b].mass;
         const ShapeKind shape = data_.bodies[b].shape.kind;
         if (shape == ShapeKind::none) return;
-        for (const PlaneSpec& plane : data_.planes) meet(speed_to(plane, b), own);
+        for (const PlaneSpec& plane : data_.planes)
+            meet(Meeting{speed_to(plane, b), vector(normalized(plane.normal)), {}});
         for (std::size_t i = 0; i < bodies_.size(); ++i) {
             const BodySpec& other = data_.bodies[i];
-            if (i != b && shapes_meet(shape, other.shape.kind))
-                meet(speed_to(other, b), other.fixed ? own : own + 1 / bodies_[i].mass);
+            if (i == b || !shapes_meet(shape, other.shape.kind)) continue;
+            const Vector reach = vector(data_.bodies[b].position) - vector(other.position);
+            const Number distance = norm(reach);
+            meet(Meeting{speed_to(other, b), distance > 0 ? reach * (1 / distance) : Vector{}, i});
         }
     }
+    // What own(body) is of both, if they are free to move.
+    template <class Own>
+    [[nodiscard]] Number sum_of(std::size_t b, std::optional<std::size_t> other, Own&& own) const {
+        return own(b) + (other && !data_.bodies[*other].fixed ? own(*other) : 0);
+    }
+    // 1/kg: of contact springs the stiffness of the fastest motion, per stiffness and mass, as in ContactSprings: a
+    // sphere's on one, of others on four that lift or tilt it.
+    [[nodiscard]] Number compliance(std::size_t b) const {
+        const Shape& shape = data_.bodies[b].shape;
+        Number most = 1 / bodies_[b].mass;
+        if (shape.kind == ShapeKind::sphere) return most;
+        const InertiaTensor& t = data_.bodies[b].inertia;
+        const Vector half = half_extents(shape), moments(number(t.xx), number(t.yy), number(t.zz));
+        for (int i = 0; i < 3; ++i)
+            for (int j = 0; j < 3; ++j)
+                if (i != j) most = std::max(most, half[j] * half[j] / moments[i]);
+        return 4 * most;
+    }
     // The kernel tells of steps that no explicit method stands, but not of a method that adds to every oscillation:
-    // here as if the body stayed in contact, on one spring, with all that it meets, or may meet where more than uniform
-    // gravity moves it.
+    // here as if the body stayed in contact with all that it meets, or may meet where more than uniform gravity moves
+    // it or it turns.
     void look_at_contact_springs(std::size_t b) {
         const ContactDescription& contact = scene_.contact;
         if (contact.response != ContactResponse::spring || !(contact.stiffness > 0) || data_.bodies[b].fixed ||
             method_.oscillation_limit > 0)
             return;
-        const bool is_thrown =
-            scene_.impulses.empty() && scene_.forces.empty() && scene_.springs.empty() && scene_.gravitation == 0;
-        for_each_meeting(b, [&](Number speed, Number per_mass) {
-            if (is_thrown && !(speed > 0)) return;
-            const auto inverse = static_cast<double>(per_mass);
-            look_at({contact.stiffness * inverse, contact.damping * inverse, body(b), "contact spring", false});
+        const bool is_thrown = scene_.impulses.empty() && scene_.forces.empty() && scene_.springs.empty() &&
+                               scene_.gravitation == 0 && data_.bodies[b].angular_velocity.is_zero();
+        for_each_meeting(b, [&](const Meeting& met) {
+            if (is_thrown && !(met.speed > 0)) return;
+            const auto both = static_cast<double>(sum_of(b, met.other, [&](std::size_t i) { return compliance(i); }));
+            look_at({contact.stiffness * both, contact.damping * both, body(b), "contact spring", false});
         });
     }
     // What meets a body at a speed v, m/s, d m beside its centre of mass turns it at (1 + e) v d / (a I + d^2), with a
@@ -733,7 +775,9 @@ private:
             for (int i = 0; i < 3; ++i) spin[i] = std::abs(w[i]) * 5 / 7 / number(spec.shape.size.x);
         } else {
             const Number e = named.restitution.value_or(scene_.contact.restitution), most = Reach(spec.shape).most;
-            for_each_meeting(b, [&](Number at, Number per_mass) {
+            for_each_meeting(b, [&](const Meeting& met) {
+                const Number at = met.speed,
+                             per_mass = sum_of(b, met.other, [&](std::size_t i) { return 1 / bodies_[i].mass; });
                 for (int i = 0; i < 3 && at > 0; ++i) {
                     const Number beside = per_mass * bodies_[b].axes.moments[i], d = std::min(most, std::sqrt(beside)),
                                  turn = (1 + e) * at * d / (beside + d * d);
@@ -838,30 +882,55 @@ private:
         }
     }
 
+    // m: what a float holds of a place, x m from the origin.
+    [[nodiscard]] double unit_at(double x) const {
+        return x == 0 ? 0 : std::ldexp(system_.name == "f32" ? 0x1p-23 : 0x1p-52, std::ilogb(x));
+    }
+    void tell_place(std::size_t b, double away, double unit, double near, const std::string& what_it_meets) {
+        Limit limit{body(b), "place", unit, near, 0, ""};
+        limit.sentence = limit.where + ": " + system_.name + " holds its place, " + few_digits(away) +
+                         " m from the origin, to " + few_digits(unit) + " m, and what it meets " + what_it_meets +
+                         ", or take numbers that hold more digits";
+        tell(std::move(limit));
+    }
     // Floats hold a place to a part of its distance from the origin, and impacts happen within a quarter of the
     // contact tolerance, which the kernel raises where floats do not resolve it beside the largest body.
     void look_at_place(std::size_t b) {
         if (system_.fixed_point || data_.bodies[b].fixed || scene_.contact.response != ContactResponse::impulse) return;
-        const bool single = system_.name == "f32";
         double away = 0;  // m
         for (const double x : scene_.bodies[b].position) away = std::max(away, std::abs(x));
         Real largest{};
         for (const BodySpec& spec : data_.bodies) largest = std::max(largest, reach_of(spec.shape));
-        const Real least = single ? ContactNumbers<F32>::LengthScale::least_tolerance(largest)
-                                  : ContactNumbers<F64>::LengthScale::least_tolerance(largest);
-        const double unit = away > 0 ? std::ldexp(single ? 0x1p-23 : 0x1p-52, std::ilogb(away)) : 0,
-                     near = std::max(scene_.contact.tolerance, least.to_double()) / 4;
+        const Real least = system_.name == "f32" ? ContactNumbers<F32>::LengthScale::least_tolerance(largest)
+                                                 : ContactNumbers<F64>::LengthScale::least_tolerance(largest);
+        const double unit = unit_at(away), near = std::max(scene_.contact.tolerance, least.to_double()) / 4;
         if (!(unit > near)) return;
         bool meets = false;
-        for_each_meeting(b, [&](Number speed, Number) { meets = meets || speed > 0; });
-        if (!meets) return;
-        Limit limit{body(b), "place", unit, near, 0, ""};
-        limit.sentence = limit.where + ": " + system_.name + " holds its place, " + few_digits(away) +
-                         " m from the origin, to " + few_digits(unit) + " m, and what it meets is found within " +
-                         few_digits(near) +
-                         " m, a quarter of the contact tolerance: move the scene to the origin, "
-                         "declare a larger tolerance, or take numbers that hold more digits";
-        tell(std::move(limit));
+        for_each_meeting(b, [&](const Meeting& met) { meets = meets || met.speed > 0; });
+        if (meets)
+            tell_place(b, away, unit, near,
+                       "is found within " + few_digits(near) +
+                           " m, a quarter of the contact tolerance: move the scene to the origin, declare a larger "
+                           "tolerance");
+    }
+    // Contact springs of w^2 = k / m are pressed v / w deep along a normal.
+    void look_at_place_on_contact_springs(std::size_t b) {
+        const ContactDescription& contact = scene_.contact;
+        if (system_.fixed_point || data_.bodies[b].fixed || contact.response != ContactResponse::spring ||
+            !(contact.stiffness > 0))
+            return;
+        for_each_meeting(b, [&](const Meeting& met) {
+            double away = 0;
+            for (int i = 0; i < 3; ++i)
+                away = std::max(away, std::abs(scene_.bodies[b].position[static_cast<std::size_t>(i)] *
+                                               static_cast<double>(met.normal[i])));
+            const Number both = sum_of(b, met.other, [&](std::size_t i) { return compliance(i); });
+            const auto depth = static_cast<double>(met.speed / std::sqrt(contact.stiffness * both));
+            if (depth > 0 && unit_at(away) * least_depth > depth)
+                tell_place(b, away, unit_at(away), depth / least_depth,
+                           "presses its contact springs " + few_digits(depth) +
+                               " m: move the scene to the origin, declare softer springs");
+        });
     }
 
     [[nodiscard]] static std::size_t index_of(const NumberSystemInfo& system) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "scene/data.hpp"
 #include "simulation/long_double.hpp"
@@ -22,8 +23,8 @@ double next_power_of_two(double x) {
 }
 
 // Gains in times of what the motion had: of a moment, and of all of the last steps. Stable steps of kick-drift-kick and
-// of semi-implicit Euler swing by 1/(1 - (h w)^2/4) and 1/(1 - h w/2) times the energy at most, and back; off a contact
-// spring no method swings.
+// of semi-implicit Euler swing by 1/(1 - (h w)^2/4) and 1/(1 - h w/2) times the energy at most, and back; what leaves a
+// contact spring no longer does.
 constexpr long double most_growth = 100, most_lasting_growth = 3, most_lasting_growth_of_bounces = 0.25L;
 // Of the motion, where it can only lose energy; and how far impacts of what rests may lift it, in contact tolerances.
 constexpr long double most_bounced = 0.25L, most_hop = 8;
@@ -51,34 +52,58 @@ Resolution resolution(const SceneDescription& scene, const Simulation& simulatio
     return {farthest * spacing, spacing};
 }
 
-// True if contacts by springs may give energy that they are not known to have: a barrier, or an overlap at the start,
-// of cylinders, capsules, hoops or a box and another body.
-bool gives_unknown_energy(const SceneDescription& scene, const SmoothMotion& at_start) {
-    if (scene.contact.response != ContactResponse::spring) return false;
-    using Kind = ShapeKind;
-    const auto kind = [&](std::size_t b) { return scene.bodies[b].shape.kind; };
-    const auto is_known = [&](std::size_t body, std::size_t other, bool with_plane) {
-        return with_plane ? kind(body) == Kind::sphere || kind(body) == Kind::box
-                          : kind(body) == Kind::sphere && kind(other) == Kind::sphere;
-    };
-    for (const auto& overlap : at_start.overlaps())
-        if (!is_known(overlap.body, overlap.other, overlap.with_plane)) return true;
-    if (!(scene.contact.barrier > 0)) return false;
-    for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
-        if (kind(b) == Kind::none || kind(b) == Kind::points) continue;
-        if (!scene.planes.empty() && !is_known(b, b, true)) return true;
-        for (std::size_t other = 0; other < b; ++other)
-            if (shapes_meet(kind(b), kind(other)) && !is_known(b, other, false)) return true;
+// Of contacts by springs: those of spheres and boxes with planes, and of spheres, have an energy that is known. Others
+// keep what they take where the watch does not see it.
+class SpringContacts {
+public:
+    SpringContacts(const SceneDescription& scene, const SmoothMotion& at_start) {
+        for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
+            const BodyDescription& body = scene.bodies[b];
+            const ShapeKind kind = body.shape.kind;
+            if (!body.fixed && !scene.planes.empty() && kind != ShapeKind::none && kind != ShapeKind::points)
+                some_unknown_ = some_unknown_ || !is_known_on_planes(kind);
+            for (std::size_t a = 0; a < b; ++a) {
+                const ShapeKind other = scene.bodies[a].shape.kind;
+                if ((body.fixed && scene.bodies[a].fixed) || !shapes_meet(kind, other)) continue;
+                some_unknown_ = some_unknown_ || !is_known_pair(kind, other);
+                boxes_meet_ = boxes_meet_ || (kind == ShapeKind::box && other == ShapeKind::box);
+            }
+        }
+        for (const auto& overlap : at_start.overlaps()) {
+            const ShapeKind kind = scene.bodies[overlap.body].shape.kind;
+            const bool is_known = overlap.with_plane ? is_known_on_planes(kind)
+                                                     : is_known_pair(kind, scene.bodies[overlap.other].shape.kind);
+            starts_unknown_ = starts_unknown_ || !is_known;
+        }
     }
-    return false;
-}
+
+    // May one give what the watch has not seen it take: from before the start, at a distance, or in steps that are
+    // counted as a force's?
+    [[nodiscard]] bool may_give(const SceneDescription& scene) const {
+        return starts_unknown_ || (some_unknown_ && (scene.contact.barrier > 0 || !scene.forces.empty()));
+    }
+    // Between two boxes that are deep in each other the axis of contact may change, and with it the energy.
+    [[nodiscard]] bool boxes_meet() const { return boxes_meet_; }
+
+private:
+    [[nodiscard]] static bool is_known_on_planes(ShapeKind kind) {
+        return kind == ShapeKind::sphere || kind == ShapeKind::box;
+    }
+    [[nodiscard]] static bool is_known_pair(ShapeKind a, ShapeKind b) {
+        return a == ShapeKind::sphere && b == ShapeKind::sphere;
+    }
+
+    bool some_unknown_ = false, starts_unknown_ = false, boxes_meet_ = false;
+};
 
 }  // namespace
 
 int fastest_body(const Simulation& simulation) {
+    // Of those that do not move, what turns fastest.
     const auto speed = [&](int body) {
-        const auto v = simulation.body(body).velocity;
-        return std::hypot(v[0], v[1], v[2]);
+        const BodySnapshot at = simulation.body(body);
+        const auto &v = at.velocity, &w = at.angular_velocity;
+        return std::pair{std::hypot(v[0], v[1], v[2]), std::hypot(w[0], w[1], w[2])};
     };
     int fastest = 0;
     for (int b = 1; b < simulation.body_count(); ++b)
@@ -130,14 +155,16 @@ EnergyGrowthWatch::EnergyGrowthWatch(const SceneDescription& scene, const Simula
     most_kept_ = motion_at_start_ = start.kinetic;
     const SmoothMotion at_start(scene, shapes_meet);
     may_touch_ = scene.contact.response != ContactResponse::none && at_start.can_touch();
-    is_on_ = !(may_touch_ && gives_unknown_energy(scene, at_start)) &&
+    const bool on_springs = may_touch_ && scene.contact.response == ContactResponse::spring;
+    const SpringContacts contacts(scene, at_start);
+    is_on_ = !(on_springs && contacts.may_give(scene)) &&
              std::none_of(scene.bodies.begin(), scene.bodies.end(),
                           [](const BodyDescription& body) { return body.fixed && body.angular_velocity != Triple{}; });
-    const bool on_springs = may_touch_ && scene.contact.response == ContactResponse::spring;
     only_loses_ = may_touch_ && !on_springs && scene.springs.empty() && scene.gravitation == 0 &&
                   find_integrator(simulation.integrator()).order > 1;
     if (!may_touch_) most_lasting_ = most_lasting_growth;
-    else if (on_springs && scene.gravitation == 0) most_lasting_ = most_lasting_growth_of_bounces;
+    else if (on_springs && scene.gravitation == 0 && !contacts.boxes_meet())
+        most_lasting_ = most_lasting_growth_of_bounces;
     else most_lasting_ = std::numeric_limits<long double>::infinity();
     for (const ImpulseDescription& impulse : scene.impulses) {
         const std::int64_t step = nearest_step(impulse.time, scene.step);
@@ -147,10 +174,10 @@ EnergyGrowthWatch::EnergyGrowthWatch(const SceneDescription& scene, const Simula
         fed_.push_back({nearest_step(force.from, scene.step), nearest_step(force.until, scene.step) + 1});
     std::sort(fed_.begin(), fed_.end(), [](const Steps& a, const Steps& b) { return a.first < b.first; });
 
-    // What is too deep leaves by an eighth of the tolerance a step.
+    // What is too deep for contacts by impulses leaves by an eighth of the tolerance a step.
     const long double tolerance = simulation.contact_tolerance(), leaves = tolerance / 8 / simulation.step_length();
     long double depth = only_loses_ ? most_hop * tolerance : tolerance;
-    if (may_touch_)
+    if (may_touch_ && !on_springs)
         for (const auto& overlap : at_start.overlaps()) depth = std::max(depth, overlap.depth);
     const auto& g = scene.gravity;
     const Resolution least = resolution(scene, simulation);
@@ -161,7 +188,7 @@ EnergyGrowthWatch::EnergyGrowthWatch(const SceneDescription& scene, const Simula
         const long double mass = number(body.mass);
         rounding_ += 4 * (mass * speed * speed + std::max({moments.x, moments.y, moments.z}) * spin * spin);
         push_ += mass * slowest * slowest;
-        if (may_touch_) push_ += mass * (leaves * leaves + std::hypot(g[0], g[1], g[2]) * depth);
+        if (may_touch_ && !on_springs) push_ += mass * (leaves * leaves + std::hypot(g[0], g[1], g[2]) * depth);
     }
 }
 
@@ -193,7 +220,7 @@ void EnergyGrowthWatch::see(const Simulation& simulation, const Energy& now) {
         swing_ = std::max({swing_, now.kinetic, std::abs(gained)});
         return;
     }
-    const long double had = std::max(most_kept_, swing_) + spare;
+    const long double motion = std::max(most_kept_, swing_), had = motion + spare;
     const long double lasting =
         taken < first_steps + lasting_steps ? 0 : *std::min_element(gains_.begin(), gains_.end());
     const bool is_much = gained > most_growth * had || lasting > most_lasting_ * had;
@@ -201,7 +228,7 @@ void EnergyGrowthWatch::see(const Simulation& simulation, const Energy& now) {
     const bool is_unbound = is_gravitation_alone_ && start_ < 0 && gained > std::abs(now.potential) / 8 &&
                             lasting > std::max(-start_, motion_at_start_) + push_;
     if (!(is_much || is_unbound) || is_rounding) return;
-    tell(simulation, gained, is_much ? few_digits(had) + " J" : few_digits(start_) + " J, which bound the bodies");
+    tell(simulation, gained, is_much ? few_digits(motion) + " J" : few_digits(start_) + " J, which bound the bodies");
 }
 
 void EnergyGrowthWatch::tell(const Simulation& simulation, long double gained, const std::string& had) {

@@ -5,6 +5,8 @@
 #include <tumble/replay.hpp>
 #include <tumble/tumble.hpp>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -132,8 +134,8 @@ private:
     [[nodiscard]] virtual int contact_count(int b) const = 0;
     [[nodiscard]] virtual bool is_asleep(int b) const = 0;
 
-    // Of contacts by springs: of spheres and boxes, by their vertices, with planes, and of spheres with each other.
-    // Left out are pairs with a box, and cylinders, capsules and hoops.
+    // Of contacts by springs: of spheres and boxes, by their lowest vertices, with planes, and of spheres with each
+    // other. Left out are pairs with a box, and cylinders, capsules and hoops.
     [[nodiscard]] long double contact_potential(const std::vector<reference::Motion>& now) const {
         const long double stiffness = number(data_.world.contact.stiffness),
                           barrier = number(data_.world.contact.barrier);
@@ -150,11 +152,15 @@ private:
                 const long double height = dot(plane.normal, now[b].x) + plane.offset;
                 if (spec.shape.kind == ShapeKind::sphere) add_point(height - size.x);
                 if (spec.shape.kind != ShapeKind::box) continue;
-                for (unsigned corner = 0; corner < 8; ++corner) {
+                std::array<long double, 8> gaps;
+                for (unsigned corner = 0; corner < gaps.size(); ++corner) {
                     Vector arm;
                     for (int i = 0; i < 3; ++i) arm[i] = ((corner >> i) & 1) != 0 ? size[i] / 2 : -size[i] / 2;
-                    add_point(height + dot(plane.normal, now[b].q.normalized().rotate(arm)));
+                    gaps[corner] = height + dot(plane.normal, now[b].q.normalized().rotate(arm));
                 }
+                // As many of the lowest as the kernel keeps.
+                std::sort(gaps.begin(), gaps.end());
+                std::for_each(gaps.begin(), gaps.begin() + contact::max_points, add_point);
             }
             for (std::size_t a = 0; a < b; ++a) {
                 const BodySpec& other = data_.bodies[a];

@@ -691,7 +691,8 @@ TEST(Limits, of_growth_are_told_of_contact_springs) {
     const auto is_told = [](const SceneDescription& scene, const char* method, const char* numbers) {
         const auto simulation = make_simulation(scene, method, numbers);
         (void)finish(*simulation);
-        return simulation->has_trouble("range_left") || gains(scene, method, numbers);
+        return (simulation->has_trouble("range_left") && numbers == std::string{"q32"}) ||
+               gains(scene, method, numbers);
     };
     const std::string box = "{ box = [0.2, 0.2, 0.2] }";
     for (const char* numbers : {"q32", "f64"}) {
@@ -718,6 +719,73 @@ TEST(Limits, of_growth_are_told_of_contact_springs) {
                 EXPECT_FALSE(gains(with_step(ball, 1.0 / 512), "implicit_midpoint", numbers));
             }
         }
+    }
+}
+
+// A body that falls to a floor of contact springs, in a scene with more.
+SceneDescription dropped_on_springs(const std::string& shape, double height, double stiffness, double barrier,
+                                    const std::string& more = "") {
+    SceneDescription scene = read_scene_text("name = \"dropped\"\n[world]\nstep = \"1/1024\"\nduration = 4.0\n"
+                                             "gravity = [0.0, -9.81, 0.0]\n[contact]\nresponse = \"spring\"\n"
+                                             "[[plane]]\nname = \"floor\"\nnormal = [0.0, 1.0, 0.0]\n"
+                                             "[[body]]\nname = \"b\"\nmass = 1.0\nshape = " +
+                                                 shape + "\n" + more,
+                                             "dropped.toml");
+    scene.bodies[0].position = {0, height, 0};
+    scene.contact.stiffness = stiffness;
+    scene.contact.barrier = barrier;
+    return scene;
+}
+// What contact springs have taken is no gain when they give it back, whether or not it is known.
+TEST(Limits, of_growth_are_not_met_by_what_contact_springs_give_back) {
+    const std::string box = "{ box = [0.4, 0.05, 0.3] }", cube = "{ box = [0.2, 0.2, 0.2] }",
+                      cylinder = "{ cylinder = [0.1, 0.2] }", capsule = "{ capsule = [0.1, 0.2] }",
+                      hoop = "{ hoop = 0.2 }", sphere = "{ sphere = 0.1 }",
+                      below = "[[body]]\nname = \"low\"\nmass = 1.0\nfixed = true\nposition = [0.0, 0.1, 0.0]\n"
+                              "shape = { box = [2.0, 0.2, 2.0] }\n";
+    std::vector<SceneDescription> scenes;
+    const auto turned = [](SceneDescription scene) {
+        scene.bodies[0].orientation = {0.9, 0.3, -0.2, 0.25};
+        scene.bodies[0].angular_velocity = {3, -1, 2};
+        return scene;
+    };
+    for (const std::string& shape : {box, cube, cylinder, capsule, hoop, sphere}) {
+        // With a barrier below it, and so soft that it sinks past its own size.
+        for (const SceneDescription& scene :
+             {dropped_on_springs(shape, 1, 0, 0.5), dropped_on_springs(shape, 1, 60, 0)})
+            for (const SceneDescription& at : {scene, turned(scene)}) scenes.push_back(at);
+        // From deep within, and pressed by a force that ends.
+        scenes.push_back(turned(dropped_on_springs(shape, 0.01, 4000, 0)));
+        SceneDescription pressed = dropped_on_springs(shape, 0.2, 400, 0);
+        pressed.gravity = {};
+        pressed.forces.push_back({0, 0, 0.1, Frame::world, {0, -20, 0}});
+        scenes.push_back(pressed);
+    }
+    // On a box that stands, whose contacts with boxes may change their axis.
+    for (const std::string& shape : {box, cube, sphere}) {
+        scenes.push_back(dropped_on_springs(shape, 1, 1000, 0, below));
+        scenes.push_back(turned(dropped_on_springs(shape, 1, 500, 0, below)));
+        scenes.back().bodies[0].velocity = {0.3, -4, -0.2};
+    }
+    for (std::size_t s = 0; s < scenes.size(); ++s)
+        for (const auto& [method, numbers] : {std::pair{"verlet", "q32"}, {"rk4", "f64"}, {"rk4", "f32"}})
+            EXPECT_FALSE(gains(scenes[s], method, numbers)) << s << " " << method << " " << numbers;
+
+    // What is not known does not hide what a method adds, nor does what is fixed or a large tolerance.
+    const std::string fixed = "[[body]]\nname = \"post\"\nmass = 1.0\nfixed = true\nposition = [9.0, 0.0, 0.0]\n"
+                              "shape = { cylinder = [0.1, 3.0] }\n";
+    for (const std::string& shape : {cylinder, capsule, cube, sphere}) {
+        const SceneDescription hops = dropped_on_springs(shape, 1, shape == sphere ? 40000 : 14000, 0);
+        EXPECT_TRUE(gains(with_step(hops, 1.0 / 256), "heun", "f64")) << shape;
+        EXPECT_FALSE(gains(hops, "verlet", "f64")) << shape;
+    }
+    const SceneDescription barred = dropped_on_springs(sphere, 2, 4000, 0.5, fixed);
+    EXPECT_TRUE(gains(barred, "explicit_euler", "f64"));
+    EXPECT_FALSE(gains(barred, "verlet", "f64"));
+    SceneDescription coarse = between({0.7, 62259.2, 1, 0, -0.05, 0, 60});  // h w = 0.97
+    for (const double tolerance : {0.001, 0.1}) {
+        coarse.contact.tolerance = tolerance;
+        EXPECT_TRUE(gains(coarse, "suzuki4", "f64")) << tolerance;
     }
 }
 
@@ -839,6 +907,44 @@ TEST(Limits, of_places_that_floats_hold_less_finely_than_contacts_are_found_are_
     }
     // A tolerance below what floats resolve of the shapes is raised.
     EXPECT_FALSE(warned({0.008, 0.000001, 0, true, true, false}, "f32"));
+}
+
+TEST(Limits, of_places_that_floats_hold_less_finely_than_contact_springs_are_pressed_are_warned_of) {
+    // A ball between two walls `away` m from the origin, beside which it flies along the axis or across it.
+    const auto far = [](double away, double speed, double stiffness, double mass, std::size_t axis, bool across) {
+        SceneDescription scene = between({speed, stiffness, mass, axis});
+        const std::size_t to = across ? (axis + 1) % 3 : axis;
+        scene.bodies[0].position[to] = away;
+        scene.range = {32768, 128, 64, true};
+        if (!across)
+            for (std::size_t p : {0U, 1U}) scene.planes[p].offset -= (p == 0 ? 1 : -1) * away;
+        return scene;
+    };
+    const auto warned = [](const SceneDescription& scene, const char* numbers, bool carry = false) {
+        const auto limits = exceeded_limits(scene, "verlet", numbers, carry);
+        for (const Limit& limit : limits) {
+            EXPECT_EQ(limit.where, "body \"b\"");
+            EXPECT_EQ(limit.what, "place");
+            EXPECT_NE(limit.sentence.find("contact springs"), std::string::npos) << limit.sentence;
+        }
+        return !limits.empty();
+    };
+    for (const std::size_t axis : {0U, 1U, 2U}) {
+        for (const double side : {1.0, -1.0}) {
+            for (const bool carry : {false, true}) {
+                SCOPED_TRACE(std::to_string(axis) + " " + std::to_string(side));
+                // 1.95 mm of 1.7 mm, and of 55 mm
+                EXPECT_TRUE(warned(far(side * 20000, 0.3, 30000, 1, axis, false), "f32", carry));
+                EXPECT_TRUE(warned(far(side * 20000, -0.3, 120000, 4, axis, false), "f32", carry));
+                EXPECT_FALSE(warned(far(side * 20000, 5, 8192, 1, axis, false), "f32", carry));
+                EXPECT_FALSE(warned(far(side * 20000, 0.3, 30000, 1, axis, true), "f32", carry));
+                EXPECT_FALSE(warned(far(side * 500, 0.3, 30000, 1, axis, false), "f32", carry));
+            }
+            for (const char* numbers : {"f64", "q32"})
+                EXPECT_FALSE(warned(far(side * 20000, 0.3, 30000, 1, axis, false), numbers));
+            EXPECT_FALSE(warned(far(side * 20000, 0, 30000, 1, axis, false), "f32"));
+        }
+    }
 }
 
 // A point mass that hangs on a spring under its weight, along one axis.
@@ -1055,6 +1161,18 @@ TEST(Limits, of_contact_springs_are_told_of_methods_that_add_to_every_oscillatio
         EXPECT_FALSE(is_told(pair, "heun", numbers));
         pair.bodies[1].mass = 0.05;
         EXPECT_TRUE(is_told(pair, "heun", numbers));
+        // A rod is lifted by four springs at most, and tilted by them all the faster; and it may turn into contact.
+        SceneDescription rod = bouncing(0.5, 800, 1, 0, false), turning = rod;
+        EXPECT_FALSE(is_told(rod, "heun", numbers));
+        for (SceneDescription* scene : {&rod, &turning}) {
+            scene->bodies[0].shape = {ShapeKind::capsule, {0.02, 0.3, 0}, {}};
+            scene->duration = 1;
+        }
+        turning.gravity = {};
+        EXPECT_FALSE(is_told(turning, "heun", numbers));
+        turning.bodies[0].angular_velocity = {1, 0, 0};
+        if (numbers == std::string{"q32"}) continue;  // in which impacts may turn it too fast, besides
+        for (const SceneDescription& scene : {rod, turning}) EXPECT_TRUE(is_told(scene, "heun", numbers));
     }
     // What is told: heun doubles the energy.
     const Ended of_heun = run(bouncing(0.5, 16384, 1, 0, false), "heun", "f64"),
