@@ -156,14 +156,15 @@ EnergyGrowthWatch::EnergyGrowthWatch(const SceneDescription& scene, const Simula
     const SmoothMotion at_start(scene, shapes_meet);
     may_touch_ = scene.contact.response != ContactResponse::none && at_start.can_touch();
     const bool on_springs = may_touch_ && scene.contact.response == ContactResponse::spring;
-    const SpringContacts contacts(scene, at_start);
-    is_on_ = !(on_springs && contacts.may_give(scene)) &&
+    std::optional<SpringContacts> springs;
+    if (on_springs) springs.emplace(scene, at_start);
+    is_on_ = !(springs && springs->may_give(scene)) &&
              std::none_of(scene.bodies.begin(), scene.bodies.end(),
                           [](const BodyDescription& body) { return body.fixed && body.angular_velocity != Triple{}; });
     only_loses_ = may_touch_ && !on_springs && scene.springs.empty() && scene.gravitation == 0 &&
                   find_integrator(simulation.integrator()).order > 1;
     if (!may_touch_) most_lasting_ = most_lasting_growth;
-    else if (on_springs && scene.gravitation == 0 && !contacts.boxes_meet())
+    else if (springs && scene.gravitation == 0 && !springs->boxes_meet())
         most_lasting_ = most_lasting_growth_of_bounces;
     else most_lasting_ = std::numeric_limits<long double>::infinity();
     for (const ImpulseDescription& impulse : scene.impulses) {
