@@ -615,8 +615,7 @@ private:
             for (double& edge : body.shape.size) scale(edge);
             break;
         case 2:
-            // In fixed point a body loses its restitution where another is 3e4 times heavier; from 1e4 on bounds are
-            // passed.
+            // Fixed point tells of masses that are more unlike than 1e4.
             if (scene_.contact.response == ContactResponse::impulse && scene_.bodies.size() > 1)
                 factor = std::clamp(factor, 0.01, 100.0);
             scale(*body.mass);
