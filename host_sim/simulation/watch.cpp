@@ -23,9 +23,10 @@ double next_power_of_two(double x) {
 }
 
 // Gains in times of what the motion had: of a moment, and of all of the last steps. Stable steps of kick-drift-kick and
-// of semi-implicit Euler swing by 1/(1 - (h w)^2/4) and 1/(1 - h w/2) times the energy at most, and back; what leaves a
-// contact spring no longer does.
-constexpr long double most_growth = 100, most_lasting_growth = 3, most_lasting_growth_of_bounces = 0.25L;
+// of semi-implicit Euler swing by 1/(1 - (h w)^2/4) and 1/(1 - h w/2) times the energy at most, and back; what has
+// left a contact spring does not, and where boxes are deep in each other the contact's axis may change, and the energy.
+constexpr long double most_growth = 100, most_lasting_growth = 3, most_lasting_growth_of_bounces = 0.25L,
+                      most_lasting_growth_of_boxes = 1;
 // Of the motion, where it can only lose energy; and how far impacts of what rests may lift it, in contact tolerances.
 constexpr long double most_bounced = 0.25L, most_hop = 8;
 // m/s: of a motion that is not taken to be rounding.
@@ -78,12 +79,15 @@ public:
     }
 
     // May one give what the watch has not seen it take: from before the start, at a distance, or in steps that are
-    // counted as a force's?
+    // counted as those of events?
     [[nodiscard]] bool may_give(const SceneDescription& scene) const {
-        return starts_unknown_ || (some_unknown_ && (scene.contact.barrier > 0 || !scene.forces.empty()));
+        const bool has_events = !scene.forces.empty() || !scene.impulses.empty();
+        return starts_unknown_ || (some_unknown_ && (scene.contact.barrier > 0 || has_events));
     }
-    // Between two boxes that are deep in each other the axis of contact may change, and with it the energy.
-    [[nodiscard]] bool boxes_meet() const { return boxes_meet_; }
+    [[nodiscard]] long double most_lasting_growth_of(const SceneDescription& scene) const {
+        if (!scene.springs.empty() || scene.gravitation > 0) return most_lasting_growth;
+        return boxes_meet_ ? most_lasting_growth_of_boxes : most_lasting_growth_of_bounces;
+    }
 
 private:
     [[nodiscard]] static bool is_known_on_planes(ShapeKind kind) {
@@ -163,9 +167,8 @@ EnergyGrowthWatch::EnergyGrowthWatch(const SceneDescription& scene, const Simula
                           [](const BodyDescription& body) { return body.fixed && body.angular_velocity != Triple{}; });
     only_loses_ = may_touch_ && !on_springs && scene.springs.empty() && scene.gravitation == 0 &&
                   find_integrator(simulation.integrator()).order > 1;
-    if (!may_touch_) most_lasting_ = most_lasting_growth;
-    else if (springs && scene.gravitation == 0 && !springs->boxes_meet())
-        most_lasting_ = most_lasting_growth_of_bounces;
+    if (springs) most_lasting_ = springs->most_lasting_growth_of(scene);
+    else if (!may_touch_) most_lasting_ = most_lasting_growth;
     else most_lasting_ = std::numeric_limits<long double>::infinity();
     for (const ImpulseDescription& impulse : scene.impulses) {
         const std::int64_t step = nearest_step(impulse.time, scene.step);

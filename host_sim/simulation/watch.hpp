@@ -44,9 +44,10 @@ private:
 // Energy that nothing but the method can have added: what springs, gravity, gravitation, drag and impacts neither have
 // nor give. It is held against the largest kinetic energy that the motion has while its energy is kept; against a
 // quarter of it where only contacts by impulses and uniform gravity act, of which methods of order 2 and more add
-// nothing, and where contacts by springs have added it for a while. What changes in steps with impulses or forces is
-// theirs. Fixed bodies that turn feed the motion, and so may contacts by springs whose energy is not known: then there
-// is no watch.
+// nothing, and where only contacts by springs and uniform gravity have added it for a while, all of it if boxes may
+// meet. What changes in steps with impulses or forces is theirs. Fixed bodies that turn feed the motion, and so may
+// contacts by springs whose energy is not known, by what the start, a barrier or events have charged them with: then
+// there is no watch.
 class EnergyGrowthWatch {
 public:
     // At the start of the run.

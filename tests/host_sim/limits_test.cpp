@@ -760,6 +760,12 @@ TEST(Limits, of_growth_are_not_met_by_what_contact_springs_give_back) {
         pressed.gravity = {};
         pressed.forces.push_back({0, 0, 0.1, Frame::world, {0, -20, 0}});
         scenes.push_back(pressed);
+        // Impulses across the way, while it is pressed.
+        SceneDescription nudged = dropped_on_springs(shape, 0.3, 10, 0);
+        nudged.gravity = {};
+        nudged.bodies[0].velocity = {0, -1, 0};
+        for (int i = 0; i < 40; ++i) nudged.impulses.push_back({0.2 + 0.01 * i, 0, Frame::world, {1e-4, 0, 0}});
+        scenes.push_back(nudged);
     }
     // On a box that stands, whose contacts with boxes may change their axis.
     for (const std::string& shape : {box, cube, sphere}) {
@@ -779,6 +785,14 @@ TEST(Limits, of_growth_are_not_met_by_what_contact_springs_give_back) {
         EXPECT_TRUE(gains(with_step(hops, 1.0 / 256), "heun", "f64")) << shape;
         EXPECT_FALSE(gains(hops, "verlet", "f64")) << shape;
     }
+    // Boxes that might meet, and gravitation that does nothing, tell of a multiple.
+    const std::string far = "[[body]]\nname = \"far\"\nmass = 1.0\nfixed = true\nposition = [50.0, 0.5, 0.0]\n"
+                            "shape = { box = [1.0, 1.0, 1.0] }\n";
+    SceneDescription beside = with_step(dropped_on_springs(cube, 1, 14000, 0, far), 1.0 / 256), drawn = beside;
+    beside.duration = drawn.duration = 20;
+    drawn.bodies.pop_back();
+    drawn.gravitation = 1e-12;
+    for (const SceneDescription& scene : {beside, drawn}) EXPECT_TRUE(gains(scene, "heun", "f64"));
     const SceneDescription barred = dropped_on_springs(sphere, 2, 4000, 0.5, fixed);
     EXPECT_TRUE(gains(barred, "explicit_euler", "f64"));
     EXPECT_FALSE(gains(barred, "verlet", "f64"));
@@ -943,6 +957,59 @@ TEST(Limits, of_places_that_floats_hold_less_finely_than_contact_springs_are_pre
             for (const char* numbers : {"f64", "q32"})
                 EXPECT_FALSE(warned(far(side * 20000, 0.3, 30000, 1, axis, false), numbers));
             EXPECT_FALSE(warned(far(side * 20000, 0, 30000, 1, axis, false), "f32"));
+        }
+    }
+}
+
+// A light ball and a heavy one that hit each other.
+TEST(Limits, of_masses_are_told_where_impacts_in_fixed_point_lose_the_lighter_one) {
+    const auto pair = [](double ratio, std::size_t axis, bool heavy_first, bool is_box) {
+        SceneDescription scene = read_scene_text(
+            std::string("name = \"pair\"\n[world]\nstep = \"1/256\"\nduration = 1.0\n[contact]\nrestitution = 0.8\n"
+                        "[[body]]\nname = \"a\"\nmass = 1.0\nshape = { sphere = 0.1 }\n[[body]]\nname = \"b\"\n"
+                        "mass = 1.0\nshape = ") +
+                (is_box ? "{ box = [0.2, 0.2, 0.2] }\n" : "{ sphere = 0.1 }\n"),
+            "pair.toml");
+        scene.bodies[heavy_first ? 0 : 1].mass = 0.5 * ratio;
+        scene.bodies[heavy_first ? 1 : 0].mass = 0.5;
+        scene.bodies[0].position[axis] = 1;
+        scene.bodies[heavy_first ? 0 : 1].velocity[axis] = heavy_first ? -1 : 1;
+        return scene;
+    };
+    const auto told = [](const SceneDescription& scene, const char* numbers, bool carry = true) {
+        const auto limits = exceeded_limits(scene, "verlet", numbers, carry);
+        for (const Limit& limit : limits) EXPECT_EQ(limit.what, "mass") << limit.sentence;
+        return !limits.empty();
+    };
+    const auto bounced = [](const SceneDescription& scene, const char* numbers) {
+        const auto simulation = make_simulation(scene, "verlet", numbers);
+        (void)finish(*simulation);
+        double fastest = 0;
+        for (int b = 0; b < 2; ++b)
+            for (const long double v : simulation->body(b).velocity)
+                fastest = std::max(fastest, static_cast<double>(std::abs(v)));
+        return fastest;
+    };
+    for (const std::size_t axis : {0U, 1U, 2U}) {
+        for (const bool heavy_first : {false, true}) {
+            for (const bool is_box : {false, true}) {
+                for (const bool carry : {false, true}) {
+                    EXPECT_TRUE(told(pair(1.1e4, axis, heavy_first, is_box), "q32", carry));
+                    EXPECT_FALSE(told(pair(9e3, axis, heavy_first, is_box), "q32", carry));
+                }
+                const SceneDescription lost = pair(3e5, axis, heavy_first, is_box);
+                for (const char* numbers : {"f32", "f64"}) EXPECT_FALSE(told(lost, numbers));
+                SceneDescription held = lost, soft = lost, free = lost;
+                held.bodies[heavy_first ? 0 : 1].fixed = true;
+                held.bodies[heavy_first ? 0 : 1].velocity = {};
+                soft.contact.response = ContactResponse::spring;
+                soft.contact.stiffness = 100;
+                free.contact.response = ContactResponse::none;
+                for (const SceneDescription& scene : {held, soft, free}) EXPECT_FALSE(told(scene, "q32"));
+            }
+            // Of a limit that is kept the impact is right.
+            EXPECT_NEAR(bounced(pair(9e3, axis, heavy_first, false), "q32"), 1.8, 1e-3);
+            EXPECT_GT(std::abs(bounced(pair(3e5, axis, heavy_first, false), "q32") - 1.8), 0.1);
         }
     }
 }
@@ -1169,8 +1236,13 @@ TEST(Limits, of_contact_springs_are_told_of_methods_that_add_to_every_oscillatio
             scene->duration = 1;
         }
         turning.gravity = {};
+        turning.bodies[0].position[1] = 0.15;
         EXPECT_FALSE(is_told(turning, "heun", numbers));
         turning.bodies[0].angular_velocity = {1, 0, 0};
+        SceneDescription high = turning, round = turning;
+        high.bodies[0].position[1] = 0.5;
+        round.bodies[0].shape = {ShapeKind::sphere, {0.2, 0, 0}, {}};
+        for (const SceneDescription& scene : {high, round}) EXPECT_FALSE(is_told(scene, "heun", numbers));
         if (numbers == std::string{"q32"}) continue;  // in which impacts may turn it too fast, besides
         for (const SceneDescription& scene : {rod, turning}) EXPECT_TRUE(is_told(scene, "heun", numbers));
     }
