@@ -158,18 +158,17 @@ EnergyGrowthWatch::EnergyGrowthWatch(const SceneDescription& scene, const Simula
     start_ = before_ = start.total();
     most_kept_ = motion_at_start_ = start.kinetic;
     const SmoothMotion at_start(scene, shapes_meet);
-    may_touch_ = scene.contact.response != ContactResponse::none && at_start.can_touch();
-    const bool on_springs = may_touch_ && scene.contact.response == ContactResponse::spring;
+    const bool may_touch = scene.contact.response != ContactResponse::none && at_start.can_touch(),
+               by_impulses = may_touch && scene.contact.response == ContactResponse::impulse;
     std::optional<SpringContacts> springs;
-    if (on_springs) springs.emplace(scene, at_start);
+    if (may_touch && !by_impulses) springs.emplace(scene, at_start);
     is_on_ = !(springs && springs->may_give(scene)) &&
              std::none_of(scene.bodies.begin(), scene.bodies.end(),
                           [](const BodyDescription& body) { return body.fixed && body.angular_velocity != Triple{}; });
-    only_loses_ = may_touch_ && !on_springs && scene.springs.empty() && scene.gravitation == 0 &&
+    only_loses_ = by_impulses && scene.springs.empty() && scene.gravitation == 0 &&
                   find_integrator(simulation.integrator()).order > 1;
     if (springs) most_lasting_ = springs->most_lasting_growth_of(scene);
-    else if (!may_touch_) most_lasting_ = most_lasting_growth;
-    else most_lasting_ = std::numeric_limits<long double>::infinity();
+    else most_lasting_ = by_impulses ? std::numeric_limits<long double>::infinity() : most_lasting_growth;
     for (const ImpulseDescription& impulse : scene.impulses) {
         const std::int64_t step = nearest_step(impulse.time, scene.step);
         fed_.push_back({step, step + 1});
@@ -181,7 +180,7 @@ EnergyGrowthWatch::EnergyGrowthWatch(const SceneDescription& scene, const Simula
     // What is too deep for contacts by impulses leaves by an eighth of the tolerance a step.
     const long double tolerance = simulation.contact_tolerance(), leaves = tolerance / 8 / simulation.step_length();
     long double depth = only_loses_ ? most_hop * tolerance : tolerance;
-    if (may_touch_ && !on_springs)
+    if (by_impulses)
         for (const auto& overlap : at_start.overlaps()) depth = std::max(depth, overlap.depth);
     const auto& g = scene.gravity;
     const Resolution least = resolution(scene, simulation);
@@ -192,7 +191,7 @@ EnergyGrowthWatch::EnergyGrowthWatch(const SceneDescription& scene, const Simula
         const long double mass = number(body.mass);
         rounding_ += 4 * (mass * speed * speed + std::max({moments.x, moments.y, moments.z}) * spin * spin);
         push_ += mass * slowest * slowest;
-        if (may_touch_ && !on_springs) push_ += mass * (leaves * leaves + std::hypot(g[0], g[1], g[2]) * depth);
+        if (by_impulses) push_ += mass * (leaves * leaves + std::hypot(g[0], g[1], g[2]) * depth);
     }
 }
 

@@ -69,7 +69,7 @@ private:
     // To be asked of ascending steps.
     [[nodiscard]] bool is_fed(std::int64_t step);
 
-    bool is_on_, may_touch_;
+    bool is_on_;
     bool only_loses_;                                 // impacts and gravity alone, by a method that is exact in it
     long double most_lasting_;                        // growth of all of the last steps
     bool is_gravitation_alone_;                       // the energy is negative where the bodies are bound to each other
