@@ -2,10 +2,10 @@
 // compared; what a step costs printed and written as JSON lines. A row whose hash differs from the host's is marked and
 // makes the whole run fail; so does a firmware that faults or does not end.
 #include "command/command.hpp"
+#include "firmware/cost.hpp"
+#include "firmware/firmware.hpp"
 #include "rows.hpp"
-#include "tools/cost.hpp"
 #include "tools/files.hpp"
-#include "tools/firmware.hpp"
 #include "tools/text.hpp"
 #include "variants.hpp"
 

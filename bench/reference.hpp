@@ -2,7 +2,7 @@
 #pragma once
 
 #include "scene/description.hpp"
-#include "truth/accuracy.hpp"
+#include "verdict/accuracy.hpp"
 
 #include <array>
 #include <cstdint>

@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/cost.hpp"
+#include "firmware/cost.hpp"
 #include "tools/output.hpp"
 #include "tools/text.hpp"
 

@@ -18,13 +18,13 @@
 #include <sstream>
 
 #include "drawing.hpp"
+#include "firmware/cost.hpp"
 #include "host/host_rows.hpp"
 #include "ladder.hpp"
 #include "long_run_rows.hpp"
 #include "port.hpp"
 #include "rows.hpp"
 #include "scene/data.hpp"
-#include "tools/cost.hpp"
 
 namespace {
 

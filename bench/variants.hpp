@@ -1,9 +1,9 @@
 // What the programs that measure share: number systems, integrators and processors to loop over, and how they end.
 #pragma once
 
+#include "firmware/firmware.hpp"
 #include "scene/reader.hpp"
 #include "simulation/simulation.hpp"
-#include "tools/firmware.hpp"
 #include "tools/parallel.hpp"
 #include "tools/progress.hpp"
 

@@ -16,7 +16,7 @@
 #include "simulation/limits.hpp"
 #include "simulation/simulation.hpp"
 #include "stress/scene_file.hpp"
-#include "truth/accuracy.hpp"
+#include "verdict/accuracy.hpp"
 
 namespace tumble::bench::stress {
 

@@ -12,15 +12,15 @@
 #include <map>
 
 #include "command/command.hpp"
+#include "firmware/cost.hpp"
+#include "firmware/firmware.hpp"
 #include "scene/reader.hpp"
 #include "simulation/limits.hpp"
-#include "tools/cost.hpp"
 #include "tools/files.hpp"
-#include "tools/firmware.hpp"
 #include "tools/parallel.hpp"
 #include "tools/progress.hpp"
 #include "tools/text.hpp"
-#include "truth/accuracy.hpp"
+#include "verdict/accuracy.hpp"
 
 namespace tumble::host {
 namespace {

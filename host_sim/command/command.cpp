@@ -9,10 +9,10 @@
 #include <cmath>
 #include <iostream>
 
+#include "firmware/firmware.hpp"
 #include "scene/data.hpp"
 #include "scene/reader.hpp"
 #include "simulation/limits.hpp"
-#include "tools/firmware.hpp"
 #include "tools/text.hpp"
 
 namespace tumble::host {

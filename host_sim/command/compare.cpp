@@ -8,9 +8,9 @@
 #include <sstream>
 
 #include "command/command.hpp"
+#include "firmware/firmware.hpp"
 #include "simulation/watch.hpp"
 #include "tools/files.hpp"
-#include "tools/firmware.hpp"
 #include "tools/process.hpp"
 #include "tools/text.hpp"
 

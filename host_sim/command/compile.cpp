@@ -10,8 +10,8 @@
 #include <string_view>
 
 #include "command/command.hpp"
+#include "command/near_pairs.hpp"
 #include "scene/data.hpp"
-#include "simulation/near_pairs.hpp"
 #include "tools/output.hpp"
 #include "tools/text.hpp"
 

@@ -6,9 +6,9 @@
 #include <iostream>
 
 #include "command/command.hpp"
+#include "firmware/firmware.hpp"
 #include "scene/data.hpp"
 #include "simulation/number_systems.hpp"
-#include "tools/firmware.hpp"
 
 namespace tumble::host {
 namespace {

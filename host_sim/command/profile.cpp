@@ -8,8 +8,8 @@
 #include <sstream>
 
 #include "command/command.hpp"
+#include "firmware/firmware.hpp"
 #include "tools/files.hpp"
-#include "tools/firmware.hpp"
 #include "tools/output.hpp"
 #include "tools/process.hpp"
 #include "tools/text.hpp"

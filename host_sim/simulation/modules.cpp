@@ -12,7 +12,7 @@
 #include "simulation/number_systems.hpp"
 #include "sources_digest.hpp"
 #include "tools/files.hpp"
-#include "tools/firmware.hpp"
+#include "tools/process.hpp"
 #include "tools/text.hpp"
 
 namespace tumble::host {

@@ -9,9 +9,9 @@
 #include <string_view>
 #include <vector>
 
+#include "firmware/firmware.hpp"
 #include "scene/reader.hpp"
 #include "simulation/simulation.hpp"
-#include "tools/firmware.hpp"
 #include "tools/output.hpp"
 
 int main(int count, char** paths) try {

@@ -7,7 +7,7 @@
 #include "command_runner.hpp"
 #include "scene/reader.hpp"
 #include "tools/text.hpp"
-#include "truth/accuracy.hpp"
+#include "verdict/accuracy.hpp"
 
 namespace tumble::host {
 namespace {

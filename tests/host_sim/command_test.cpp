@@ -18,9 +18,9 @@
 #include <nlohmann/json.hpp>
 
 #include "command_runner.hpp"
+#include "firmware/firmware.hpp"
 #include "rows.hpp"
 #include "simulation/simulation.hpp"
-#include "tools/firmware.hpp"
 #include "tools/output.hpp"
 
 namespace tumble::host {

@@ -1,6 +1,6 @@
 // Cycles in rows: measured firmware of the budgets, run with the plugin.
 #include "command_runner.hpp"
-#include "tools/firmware.hpp"
+#include "firmware/firmware.hpp"
 
 namespace tumble::host {
 namespace {

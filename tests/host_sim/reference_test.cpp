@@ -7,8 +7,8 @@
 #include "scene/data.hpp"
 #include "scene/reader.hpp"
 #include "simulation/simulation.hpp"
-#include "truth/accuracy.hpp"
 #include "truth/smooth_motion.hpp"
+#include "verdict/accuracy.hpp"
 
 namespace tumble::host {
 namespace {

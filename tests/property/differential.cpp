@@ -18,7 +18,7 @@
 #include "simulation/simulation.hpp"
 #include "simulation/watch.hpp"
 #include "tools/text.hpp"
-#include "truth/accuracy.hpp"
+#include "verdict/accuracy.hpp"
 
 namespace tumble::test {
 namespace {

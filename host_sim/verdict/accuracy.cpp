@@ -1,4 +1,4 @@
-#include "truth/accuracy.hpp"
+#include "verdict/accuracy.hpp"
 
 #include <algorithm>
 #include <cmath>

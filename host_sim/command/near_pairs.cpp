@@ -1,4 +1,4 @@
-#include "simulation/near_pairs.hpp"
+#include "command/near_pairs.hpp"
 
 #include <tumble/replay.hpp>
 #include <tumble/tumble.hpp>

@@ -1,4 +1,4 @@
-#include "tools/firmware.hpp"
+#include "firmware/firmware.hpp"
 
 #include <tumble/numbers/systems.hpp>
 
@@ -12,7 +12,7 @@
 #include <stdexcept>
 #include <tuple>
 
-#include "tools/callgrind.hpp"
+#include "firmware/callgrind.hpp"
 #include "tools/files.hpp"
 #include "tools/process.hpp"
 #include "tools/text.hpp"
