@@ -15,7 +15,6 @@
 #include "firmware/cost.hpp"
 #include "firmware/firmware.hpp"
 #include "scene/reader.hpp"
-#include "simulation/limits.hpp"
 #include "tools/files.hpp"
 #include "tools/parallel.hpp"
 #include "tools/progress.hpp"
@@ -292,27 +291,13 @@ std::vector<Attempt> search(const std::vector<Method>& methods, double tolerance
     return attempts;
 }
 
-// A method that does not reach the tolerance, at the step with the smallest error.
-struct Rejected {
-    Attempt attempt;
-    std::optional<Limit> limit;  // the first that this step is beyond, or else the next longer one
-};
-std::optional<Limit> limit_of(const Attempt& attempt, const SampledScene& scene) {
-    const Method& method = attempt.method;
-    for (int step = attempt.step; step <= std::min(attempt.step + 1, scene.longest()); ++step) {
-        auto limits = exceeded_limits(scene.with_step(step), method.integrator, method.numbers, method.carry);
-        if (!limits.empty()) return limits.front();
-    }
-    return std::nullopt;
-}
-
 // Everything that is found out.
 struct Advice {
     Unit unit;
     Truth truth;
     std::vector<Candidate> ranking, not_measured;
-    std::vector<Rejected> unreached;  // the closest first
-    std::string message;              // why there is no recommendation
+    std::vector<Attempt> unreached;  // at the step with the smallest error, the closest first
+    std::string message;             // why there is no recommendation
 };
 
 void print_json(const AdviseOptions& options, const SampledScene& sampled, const Advice& advice) {
@@ -335,11 +320,7 @@ void print_json(const AdviseOptions& options, const SampledScene& sampled, const
     for (const char* key : {"ranking", "not_measured", "unreached"}) json[key] = Json::array();
     for (const Candidate& candidate : advice.ranking) json["ranking"].push_back(json_of(options, candidate));
     for (const Candidate& candidate : advice.not_measured) json["not_measured"].push_back(json_of(options, candidate));
-    for (const Rejected& rejected : advice.unreached) {
-        Json row = json_of(rejected.attempt);
-        if (rejected.limit) row["limit"] = rejected.limit->sentence;
-        json["unreached"].push_back(row);
-    }
+    for (const Attempt& attempt : advice.unreached) json["unreached"].push_back(json_of(attempt));
     std::cout << json.dump(2) << "\n";
 }
 
@@ -427,13 +408,7 @@ void print_table(const AdviseOptions& options, const SceneDescription& scene, co
         print_list("not measured: " + reason, names);
     }
     std::vector<std::string> names;
-    for (const auto& [attempt, limit] : advice.unreached) {
-        names.push_back(name_of(attempt) + " " + closest_text(attempt));
-        if (!limit) continue;
-        names.back() +=
-            " (" + limit->what + " of " + limit->where + ": " +
-            (limit->largest_step > 0 ? "at most " + four_digits_down(limit->largest_step) + " s)" : "none)");
-    }
+    for (const Attempt& attempt : advice.unreached) names.push_back(name_of(attempt) + " " + closest_text(attempt));
     if (!names.empty()) print_list("not within the tolerance, with the smallest error", names);
 }
 
@@ -463,13 +438,13 @@ int advise(const AdviseOptions& options) {
         std::vector<Candidate> candidates;
         for (const Attempt& attempt : search(methods, options.tolerance, sampled, advice.truth)) {
             if (attempt.error() > options.tolerance) {
-                advice.unreached.push_back({attempt, limit_of(attempt, sampled)});
+                advice.unreached.push_back(attempt);
                 continue;
             }
             candidates.push_back({attempt, variant_of(attempt.method.numbers, attempt.method.carry), {}, 0, {}});
         }
         std::sort(advice.unreached.begin(), advice.unreached.end(),
-                  [](const Rejected& a, const Rejected& b) { return a.attempt.error() < b.attempt.error(); });
+                  [](const Attempt& a, const Attempt& b) { return a.error() < b.error(); });
         if (!candidates.empty()) Measurement(options, unit, scene, sampled).run(candidates);
         for (Candidate& candidate : candidates)
             (candidate.is_measured() ? advice.ranking : advice.not_measured).push_back(std::move(candidate));
@@ -482,8 +457,8 @@ int advise(const AdviseOptions& options) {
             advice.message =
                 "nothing keeps the error under " + few_digits(options.tolerance) +
                 (advice.unreached.empty() ? std::string()
-                                          : "; the closest is " + name_of(advice.unreached.front().attempt) + " with " +
-                                                closest_text(advice.unreached.front().attempt));
+                                          : "; the closest is " + name_of(advice.unreached.front()) + " with " +
+                                                closest_text(advice.unreached.front()));
     }
     if (options.json) print_json(options, sampled, advice);
     else print_table(options, scene, advice);

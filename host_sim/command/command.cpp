@@ -9,10 +9,10 @@
 #include <cmath>
 #include <iostream>
 
+#include "command/messages.hpp"
 #include "firmware/firmware.hpp"
 #include "scene/data.hpp"
 #include "scene/reader.hpp"
-#include "simulation/limits.hpp"
 #include "tools/text.hpp"
 
 namespace tumble::host {
@@ -77,9 +77,6 @@ SceneDescription Choice::read() const {
     (void)find_number_system(description, numbers, wants_carry());
     require_runs_in(method, numbers);
     for (const std::string& limitation : limitations(description)) warn(limitation);
-    if (is_run)
-        for (const Limit& limit : exceeded_limits(description, integrator, numbers, wants_carry()))
-            warn(limit.sentence);
     return description;
 }
 
@@ -93,6 +90,7 @@ std::unique_ptr<Simulation> Choice::start(const SceneDescription& description) c
     if (contact.response == ContactResponse::impulse && used > contact.tolerance * 17 / 16)
         warn("contact.tolerance = " + few_digits(contact.tolerance) + " m is too small for " + numbers +
              " beside this scene's largest body or way in a step: " + few_digits(used) + " m is used");
+    if (const std::string unheld = unheld_spin(description, *simulation); !unheld.empty()) warn(unheld);
     return simulation;
 }
 
@@ -104,36 +102,6 @@ void check_core(const std::string& name) {
         known += (known.empty() ? "" : ", ") + core.name;
     }
     throw BadArgument("--core: got \"" + name + "\", expected one of " + known);
-}
-
-std::string message_of(const Trouble& trouble, const SceneDescription& scene, const Simulation& simulation) {
-    const std::string body = scene.bodies.at(static_cast<std::size_t>(trouble.body)).name;
-    const double time = static_cast<double>(trouble.step) * scene.step.seconds();
-    std::string message = scene.path + ": body \"" + body + "\" at " + few_digits(time) + " s (step " +
-                          std::to_string(trouble.step) + "): " + trouble.issue + ": ";
-    if (!trouble.why.empty()) message += trouble.why;
-    else if (trouble.issue == "range_left" && simulation.range().empty())
-        message += "a number is not finite, or the body turns too far in a step. Take a smaller step";
-    else if (trouble.issue == "range_left")
-        message +=
-            "left what fixed point holds: of place and velocity the declared [range], a quarter of it as the change "
-            "of a velocity in a step; of spin a quarter of a radian a step, whatever the range, and half of that "
-            "about the axis of a disc with methods that keep the angular momentum, as verlet does. Take a smaller "
-            "step, or declare a larger [range] for place and velocity";
-    else if (trouble.issue == "step_bound_hit")
-        message += "an iteration met its bound, so the result is less accurate; take a smaller step";
-    else if (trouble.issue == "contacts_full")
-        message += "more pairs of bodies near each other than there is room for, so some pass through each other";
-    else if (trouble.issue == "step_too_long")
-        message +=
-            simulation.largest_safe_step() > 0
-                ? "contact spring too stiff for the step of " + few_digits(simulation.step_length()) +
-                      " s: the largest safe step is " + four_digits_down(0.999 * simulation.largest_safe_step()) + " s"
-                : "the step of " + few_digits(simulation.step_length()) +
-                      " s is too long for what acts and adds to the energy: a spring too stiff, damping or drag too "
-                      "strong, or two bodies that attract each other too near; take a smaller step";
-    else message += "no room for another body";
-    return message;
 }
 
 int command(int argc, const char* const* argv) {

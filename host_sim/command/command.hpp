@@ -98,10 +98,6 @@ int list();
 // Throws BadArgument unless the name is that of a core that QEMU emulates.
 void check_core(const std::string& name);
 
-// "brick at 1.25 s (step 320): range_left", with the consequence.
-[[nodiscard]] std::string message_of(const Trouble& trouble, const SceneDescription& scene,
-                                     const Simulation& simulation);
-
 // Parses the arguments and runs a subcommand; every error becomes a message and a status.
 int command(int argc, const char* const* argv);
 

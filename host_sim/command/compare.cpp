@@ -8,11 +8,12 @@
 #include <sstream>
 
 #include "command/command.hpp"
+#include "command/messages.hpp"
 #include "firmware/firmware.hpp"
-#include "simulation/watch.hpp"
 #include "tools/files.hpp"
 #include "tools/process.hpp"
 #include "tools/text.hpp"
+#include "verdict/range_watch.hpp"
 
 namespace tumble::host {
 namespace {
@@ -51,7 +52,11 @@ public:
     [[nodiscard]] std::int64_t states() const { return states_; }
     [[nodiscard]] const Simulation& simulation() const { return *simulation_; }
     // What went wrong on the host; the kernel knows no range of floating point.
-    [[nodiscard]] std::vector<Trouble> troubles() const { return with(simulation_->troubles(), range_.trouble()); }
+    [[nodiscard]] std::vector<Trouble> troubles() const {
+        std::vector<Trouble> troubles = simulation_->troubles();
+        if (range_.trouble()) troubles.push_back(*range_.trouble());
+        return troubles;
+    }
 
     // Compares the next recorded state with a line "step word word ...", in hex; prints what differs.
     [[nodiscard]] bool agrees(const std::string& line) {

@@ -8,11 +8,13 @@
 #include <optional>
 
 #include "command/command.hpp"
+#include "command/messages.hpp"
 #include "command/plot.hpp"
-#include "simulation/watch.hpp"
 #include "tools/output.hpp"
 #include "tools/progress.hpp"
 #include "tools/text.hpp"
+#include "verdict/range_watch.hpp"
+#include "verdict/verdict.hpp"
 
 namespace tumble::host {
 namespace {
@@ -80,16 +82,27 @@ std::string json_array(const Numbers& numbers) {
     return text + "]";
 }
 
-// What went wrong, with what only the host finds, and an energy that no double holds: speeds whose squares leave it are
-// as wrong as those that do.
-std::vector<Trouble> troubles_of(const Simulation& simulation, const EnergyWatch& energy, const RangeWatch& range,
-                                 const EnergyGrowthWatch& growth) {
-    std::vector<Trouble> troubles = with(simulation.troubles(), growth.trouble());
-    troubles = with(std::move(troubles), range.trouble());
+int fastest_body(const Simulation& simulation) {
+    const auto speed = [&](int body) {
+        const auto& v = simulation.body(body).velocity;
+        return std::hypot(v[0], v[1], v[2]);
+    };
+    int fastest = 0;
+    for (int b = 1; b < simulation.body_count(); ++b)
+        if (speed(b) > speed(fastest)) fastest = b;
+    return fastest;
+}
+
+// What the kernel tells, and what only the host finds: a declared [range] that floating point leaves, and speeds whose
+// energy no double holds.
+std::vector<Trouble> troubles_of(const Simulation& simulation, const EnergyWatch& energy, const RangeWatch& range) {
+    std::vector<Trouble> troubles = simulation.troubles();
+    if (range.trouble()) troubles.push_back(*range.trouble());
     const bool is_held = std::isfinite(static_cast<double>(energy.end())) &&
                          std::isfinite(static_cast<double>(energy.largest_relative_drift()));
-    if (is_held) return troubles;
-    return with(std::move(troubles), Trouble{"range_left", fastest_body(simulation), simulation.steps_taken() - 1});
+    if (!is_held && !simulation.has_trouble("range_left") && !range.trouble())
+        troubles.push_back({"range_left", fastest_body(simulation), simulation.steps_taken() - 1});
+    return troubles;
 }
 
 void print_json(const SceneDescription& scene, const Simulation& simulation, const EnergyWatch& energy,
@@ -166,7 +179,6 @@ int run(const RunOptions& options) {
 
     Energy now = simulation->energy();
     EnergyWatch energy(now);
-    EnergyGrowthWatch growth(scene, *simulation);
     RangeWatch range(scene, *simulation);
     {
         Progress progress(simulation->steps());
@@ -180,14 +192,13 @@ int run(const RunOptions& options) {
             simulation->step();
             now = simulation->energy();
             energy.see(now);
-            growth.see(*simulation, now);
             range.see(*simulation);
             if (trajectory && !trajectory->good()) trajectory->close();  // throws
             if (simulation->steps_taken() % 256 == 0) progress.show(simulation->steps_taken());
         }
     }
     if (trajectory) trajectory->close();
-    const std::vector<Trouble> troubles = troubles_of(*simulation, energy, range, growth);
+    const std::vector<Trouble> troubles = troubles_of(*simulation, energy, range);
     if (options.json) print_json(scene, *simulation, energy, troubles);
     else print_table(scene, *simulation, energy);
     if (plot) {

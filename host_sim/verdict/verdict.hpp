@@ -31,16 +31,17 @@ struct Verdict {
     enum class Cause { none, numbers, method, step };
 
     Kind kind = Kind::unchecked;
-    double time_s = 0;                     // wrong, told, no_reference: from when
-    int body = -1;                         // wrong, told, no_reference: whose; -1: no single one
-    Errors error, doubt;                   // largest at `time_s` if wrong, else of all moments with a reference
-    bool is_as_large_as_motion = false;    // wrong: by as much as the body has moved or turned
-    bool gains_energy = false;             // no_reference: the references gain energy that no load gave
-    std::optional<Trouble> trouble;        // told
-    std::vector<Trouble> troubles;         // all that the run's status tells
-    Cause cause = Cause::none;             // wrong, told: what to change
-    std::optional<Way> cure;               // a way of running the scene that is right
-    double cost_s = 0;                     // unchecked: processor time that the check takes, about
+    double time_s = 0;  // wrong, told, no_reference: from when on
+    int body = -1;      // wrong, told, no_reference: which; -1: no single one
+    Errors error;       // wrong: of the body at `time_s`; else the largest up to there or to the end
+    Errors doubt;       // no_reference: distance of the references at `time_s`; else the largest
+    bool is_as_large_as_motion =
+        false;                      // wrong: at some moment the error reaches all that the body has moved or turned
+    bool gains_energy = false;      // no_reference: the references gain energy that no load gave
+    std::vector<Trouble> troubles;  // told: what the status says, the first first
+    Cause cause = Cause::none;      // wrong, told: what has to change
+    std::optional<Way> cure;        // wrong, told: a way of running the scene that is right
+    double cost_s = 0;              // unchecked: processor time of the check, about
 };
 
 struct VerdictOptions {
@@ -51,12 +52,11 @@ struct VerdictOptions {
     bool explains = true;                  // looks for cause and cure
 };
 
-// Runs the scene with `method` and decides. Throws std::invalid_argument as make_simulation() does. A scene without a
-// step is right.
+// Runs the scene with `method` and decides. Throws what make_simulation() throws. A run without a step is right.
 [[nodiscard]] Verdict verdict_of(const SceneDescription& scene, const Method& method,
                                  const VerdictOptions& options = {});
 
-// "right": error at most 1.2e-05 m and 0.0003 rad", one line without a full stop.
+// "right: the error is at most 1.2e-05 m and 0.0003 rad": one line without a full stop.
 [[nodiscard]] std::string sentence_of(const Verdict& verdict, const SceneDescription& scene, const Method& method);
 
 // The names of --json: right, wrong, told, no_reference, unchecked; numbers, method, step, or empty.
