@@ -522,26 +522,21 @@ void add_advise(CommandLine& line) {
     Subcommand command = line.add(
         "advise", "measure which integrator, number system and step keep an error at the least cost on a core",
         [=] { return advise(*options); }, footer);
-    command.require(options->scene,
-                    {"scene", "SCENE.toml", "scene file (TOML), or - for standard input", input_file()});
-    command.require(options->core, {"--core", "NAME", "a core of `tumble list`"});
-    command.require(options->tolerance,
-                    {"--tolerance", "E", "the largest error, in m and in rad", positive("of metres and of radians")});
-    command.add(options->integrators, {"--integrators", "NAME,...", "search only these; see `tumble list`"});
-    command.add(options->numbers, {"--numbers", "q32,f32,f64", "search only these number systems"});
-    command.add(options->duration, {"--duration", "T", "length of the run in s, instead of the scene's", duration()});
-    command.add(options->cost,
-                {"--cost",
-                 "cycles|insn",
-                 "what to rank by; default: cycles, or instructions on a core whose cycles are not published",
-                 {"cycles or insn", [](const std::string& text) { return text == "cycles" || text == "insn"; }}});
-    command.add(options->clock,
-                {"--clock",
-                 "F",
-                 "clock of the core, as 16MHz: say what share of a step's time its mean cost and its worst step take",
-                 {"a positive frequency, as 16MHz, \"32.768 kHz\" or 48e6 (Hz)", read_frequency}});
-    command.add(options->all, {"--all", "", "measure also what cannot be the cheapest"});
-    command.add(options->json, {"--json", "", "print one JSON object"});
+    command.require(options->scene, "scene SCENE.toml", "scene file (TOML), or - for standard input", input_file());
+    command.require(options->core, "--core NAME", "a core of `tumble list`");
+    command.require(options->tolerance, "--tolerance E", "the largest error, in m and in rad",
+                    positive("of metres and of radians"));
+    command.add(options->integrators, "--integrators NAME,...", "search only these; see `tumble list`");
+    command.add(options->numbers, "--numbers q32,f32,f64", "search only these number systems");
+    command.add(options->duration, "--duration T", "length of the run in s, instead of the scene's", duration());
+    command.add(options->cost, "--cost cycles|insn",
+                "what to rank by; default: cycles, or instructions on a core whose cycles are not published",
+                one_of("cycles", "insn"));
+    command.add(options->clock, "--clock F",
+                "clock of the core, as 16MHz: say what share of a step's time its mean cost and its worst step take",
+                {"a positive frequency, as 16MHz, \"32.768 kHz\" or 48e6 (Hz)", read_frequency});
+    command.add(options->all, "--all", "measure also what cannot be the cheapest");
+    command.add(options->json, "--json", "print one JSON object");
 }
 
 }  // namespace tumble::host

@@ -12,18 +12,16 @@
 namespace tumble::host {
 
 void Choice::add_to(Subcommand& command) {
-    command.require(scene, {"scene", "SCENE.toml", "scene file (TOML), or - for standard input", input_file()});
-    command.add(integrator, {"--integrator", "NAME", "see `tumble list`"});
-    command.add(numbers, {"--numbers", "q32|f32|f64", "number system"});
-    command.add(carry,
-                {"--carry", "on|off",
-                 "carry the rounding residual of the state (default: on for q32 and f32, off for f64)", on_or_off()});
-    command.add(step, {"--step",
-                       "S",
-                       "step length in s, as 1/256 or 0.005, instead of the scene's",
-                       {"a positive number of seconds or a fraction such as 1/256",
-                        [](const std::string& text) { return parse_step(text).has_value(); }}});
-    command.add(duration, {"--duration", "T", "length of the run in s, instead of the scene's", host::duration()});
+    command.require(scene, "scene SCENE.toml", "scene file (TOML), or - for standard input", input_file());
+    command.add(integrator, "--integrator NAME", "see `tumble list`");
+    command.add(numbers, "--numbers q32|f32|f64", "number system");
+    command.add(carry, "--carry on|off",
+                "carry the rounding residual of the state (default: on for q32 and f32, off for f64)",
+                one_of("on", "off"));
+    command.add(step, "--step S", "step length in s, as 1/256 or 0.005, instead of the scene's",
+                {"a positive number of seconds or a fraction such as 1/256",
+                 [](const std::string& text) { return parse_step(text).has_value(); }});
+    command.add(duration, "--duration T", "length of the run in s, instead of the scene's", host::duration());
 }
 
 SceneDescription Choice::read() const {

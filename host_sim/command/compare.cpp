@@ -183,13 +183,12 @@ void add_compare(CommandLine& line) {
         line.add("compare", "replay a scene on a core in QEMU and on the host, and compare every recorded bit",
                  [=] { return compare(*options); });
     options->add_to(command);
-    command.require(options->core, {"--core", "NAME", "a core of `tumble list`"});
-    command.add(options->every, {"--every", "K", "steps between recorded states", at_least(1, "steps")});
-    command.add(options->timeout, {"--timeout", "S", "seconds that the emulation may take", at_least(1, "seconds")});
-    command.add(options->flip,
-                {"--flip", "STEP",
-                 "self-test: flip one bit of the host's record at this step; the comparison must report it",
-                 at_least(0, "steps")});
+    command.require(options->core, "--core NAME", "a core of `tumble list`");
+    command.add(options->every, "--every K", "steps between recorded states", at_least(1, "steps"));
+    command.add(options->timeout, "--timeout S", "seconds that the emulation may take", at_least(1, "seconds"));
+    command.add(options->flip, "--flip STEP",
+                "self-test: flip one bit of the host's record at this step; the comparison must report it",
+                at_least(0, "steps"));
 }
 
 }  // namespace tumble::host

@@ -280,15 +280,14 @@ void add_compile(CommandLine& line) {
     Subcommand command =
         line.add("compile", "write a scene as a C++ header for firmware", [=] { return compile(*options); });
     options->add_to(command);
-    command.add(options->output,
-                {"-o,--output", "scene.hpp", "the header; default: standard output, as for -", output_file()});
-    command.add(options->name, {"--struct",
-                                "NAME",
-                                "name of the struct in the header; default: the file's name in PascalCase",
-                                {"a name in C++ that no member of the struct has",
-                                 [](const std::string& text) { return is_struct_name(text); }}});
-    command.add(options->no_bodies,
-                {"--no-bodies", "", "take a scene without bodies too: what a world costs before its first"});
+    command.add(options->output, "-o,--output scene.hpp", "the header; default: standard output, as for -",
+                output_file());
+    command.add(options->name, "--struct NAME",
+                "name of the struct in the header; default: the file's name in PascalCase",
+                {"a name in C++ that no member of the struct has",
+                 [](const std::string& text) { return is_struct_name(text); }});
+    command.add(options->no_bodies, "--no-bodies",
+                "take a scene without bodies too: what a world costs before its first");
 }
 
 }  // namespace tumble::host

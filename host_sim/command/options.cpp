@@ -31,6 +31,8 @@ Expected file_name(const std::string& standard_stream) {
             }};
 }
 
+std::string name_of(const std::string& option) { return option.substr(0, option.find(' ')); }
+
 std::vector<std::string> subcommands_of(const CLI::App& app) {
     std::vector<std::string> names;
     for (const CLI::App* each : app.get_subcommands([](const CLI::App*) { return true; }))
@@ -57,8 +59,8 @@ void refuse_unknown_option(const CLI::App& app) {
 
 Expected input_file() { return file_name("/dev/stdin"); }
 Expected output_file() { return file_name(standard_output); }
-Expected on_or_off() {
-    return {"on or off", [](const std::string& text) { return text == "on" || text == "off"; }};
+Expected one_of(const std::string& one, const std::string& other) {
+    return {one + " or " + other, [=](const std::string& text) { return text == one || text == other; }};
 }
 Expected duration() {
     return number<double>("a number of seconds >= 0",
@@ -73,32 +75,33 @@ Expected positive(const std::string& of_what) {
 }
 
 template <class T>
-void Subcommand::add(T& value, const Option& option) {
+void Subcommand::add(T& value, const std::string& option, const std::string& help, const Expected& expected) {
     if constexpr (std::is_same_v<T, bool>) {
-        app_->add_flag(option.name, value, option.help);
+        app_->add_flag(option, value, help);
     } else {
-        CLI::Option* const added = app_->add_option(option.name, value, option.help)->type_name(option.value);
-        if constexpr (std::is_same_v<T, std::vector<std::string>>) added->delimiter(',')->allow_extra_args(false);
-        else if (value != T{}) added->capture_default_str();
-        if (!option.expected.accepts) return;
+        CLI::Option& added = *app_->add_option(name_of(option), value, help);
+        added.type_name(option.substr(option.find(' ') + 1));
+        if constexpr (std::is_same_v<T, std::vector<std::string>>) added.delimiter(',')->allow_extra_args(false);
+        else if (value != T{}) added.capture_default_str();
+        if (!expected.accepts) return;
         // CLI11 puts the option's name before the message.
-        const auto check = [expected = option.expected](std::string& text) {
+        const auto check = [expected](std::string& text) {
             const std::string given = text;
             return expected.accepts(text) ? "" : "got " + in_quotes(given) + ", expected " + expected.what;
         };
-        added->transform(CLI::Validator(check, ""));
+        added.transform(CLI::Validator(check, ""));
     }
 }
-template void Subcommand::add(std::string&, const Option&);
-template void Subcommand::add(bool&, const Option&);
-template void Subcommand::add(int&, const Option&);
-template void Subcommand::add(std::int64_t&, const Option&);
-template void Subcommand::add(double&, const Option&);
-template void Subcommand::add(std::optional<std::int64_t>&, const Option&);
-template void Subcommand::add(std::optional<double>&, const Option&);
-template void Subcommand::add(std::vector<std::string>&, const Option&);
+template void Subcommand::add(std::string&, const std::string&, const std::string&, const Expected&);
+template void Subcommand::add(bool&, const std::string&, const std::string&, const Expected&);
+template void Subcommand::add(int&, const std::string&, const std::string&, const Expected&);
+template void Subcommand::add(std::int64_t&, const std::string&, const std::string&, const Expected&);
+template void Subcommand::add(double&, const std::string&, const std::string&, const Expected&);
+template void Subcommand::add(std::optional<std::int64_t>&, const std::string&, const std::string&, const Expected&);
+template void Subcommand::add(std::optional<double>&, const std::string&, const std::string&, const Expected&);
+template void Subcommand::add(std::vector<std::string>&, const std::string&, const std::string&, const Expected&);
 
-void Subcommand::require(const std::string& option) { app_->get_option(option)->required(); }
+void Subcommand::make_required(const std::string& option) { app_->get_option(name_of(option))->required(); }
 
 CommandLine::CommandLine()
     : app_(std::make_unique<CLI::App>("Rigid bodies on small hardware: replay scenes on the host, compile them for "

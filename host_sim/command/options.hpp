@@ -31,38 +31,32 @@ struct Expected {
 [[nodiscard]] Expected input_file();
 [[nodiscard]] Expected output_file();
 inline constexpr const char* standard_output = "/dev/stdout";
-[[nodiscard]] Expected on_or_off();
+[[nodiscard]] Expected one_of(const std::string& one, const std::string& other);
 [[nodiscard]] Expected duration();
 // "a whole number of steps >= 1"
 [[nodiscard]] Expected at_least(std::int64_t least, const std::string& of_what);
 // "a positive number, of metres and of radians"
 [[nodiscard]] Expected positive(const std::string& of_what);
 
-struct Option {
-    std::string name;   // "--every", "-o,--output", or "scene" for an argument that has no name on the command line
-    std::string value;  // stands for the value in the help: "K"
-    std::string help;
-    Expected expected{};  // nothing: every text that converts to the type
-};
-
 class Subcommand {
 public:
     explicit Subcommand(CLI::App& app) : app_(&app) {}
 
-    // T: std::string, int, std::int64_t, double, std::optional of the last two, bool (a flag without a value), and
-    // std::vector<std::string> (one argument, separated by commas). The help shows the value from before as the
-    // default.
+    // `option` is its name and what stands for its value in the help: "--every K", "-o,--output scene.hpp", "--json",
+    // or "scene SCENE.toml" for an argument without a name. T: std::string, int, std::int64_t, double, std::optional of
+    // the last two, bool (a flag without a value), and std::vector<std::string> (one argument, separated by commas).
+    // The help shows the value from before as the default.
     template <class T>
-    void add(T& value, const Option& option);
+    void add(T& value, const std::string& option, const std::string& help, const Expected& expected = {});
     // The same for an option that must be given.
     template <class T>
-    void require(T& value, const Option& option) {
-        add(value, option);
-        require(option.name);
+    void require(T& value, const std::string& option, const std::string& help, const Expected& expected = {}) {
+        add(value, option, help, expected);
+        make_required(option);
     }
 
 private:
-    void require(const std::string& option);
+    void make_required(const std::string& option);
 
     CLI::App* app_;
 };

@@ -214,15 +214,14 @@ void add_run(CommandLine& line) {
     const auto options = std::make_shared<RunOptions>();
     Subcommand command = line.add("run", "replay a scene on the host", [=] { return run(*options); });
     options->add_to(command);
-    command.add(options->trajectory,
-                {"--trajectory", "out.csv", "write every state as CSV; - is standard output", output_file()});
-    command.add(options->every,
-                {"--every", "K", "steps between rows of the trajectory (default: 1)", at_least(1, "steps")});
-    command.add(options->json, {"--json", "", "print one JSON object"});
-    command.add(options->plot, {"--plot", "out.svg",
-                                "plot positions, angular velocities and energies as SVG, with marks at impulses and "
-                                "contacts (needs gnuplot); - is standard output",
-                                output_file()});
+    command.add(options->trajectory, "--trajectory out.csv", "write every state as CSV; - is standard output",
+                output_file());
+    command.add(options->every, "--every K", "steps between rows of the trajectory (default: 1)", at_least(1, "steps"));
+    command.add(options->json, "--json", "print one JSON object");
+    command.add(options->plot, "--plot out.svg",
+                "plot positions, angular velocities and energies as SVG, with marks at impulses and "
+                "contacts (needs gnuplot); - is standard output",
+                output_file());
 }
 
 }  // namespace tumble::host
