@@ -27,6 +27,17 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
+struct AdviseOptions {
+    std::string scene, core;
+    double tolerance = 0;                           // of positions in m and of orientations in rad
+    std::optional<double> duration;                 // s; empty: the file's
+    std::vector<std::string> integrators, numbers;  // to search; empty: all
+    std::string cost;             // "cycles", "insn", or empty: cycles where the core has a timing table
+    std::optional<double> clock;  // Hz: what share of a step's time it takes
+    bool all = false;             // measure also what cannot be the cheapest
+    bool json = false;
+};
+
 // Longer runs are measured up to here: the mean of a step has settled, and an emulation takes seconds.
 constexpr std::int64_t most_measured_steps = 16384;
 
@@ -412,8 +423,6 @@ void print_table(const AdviseOptions& options, const SceneDescription& scene, co
     if (!names.empty()) print_list("not within the tolerance, with the smallest error", names);
 }
 
-}  // namespace
-
 int advise(const AdviseOptions& options) {
     check_core(options.core);
     if (!core_named(options.core).has_insn())
@@ -464,6 +473,45 @@ int advise(const AdviseOptions& options) {
     else print_table(options, scene, advice);
     if (!advice.message.empty()) std::cerr << scene.path << ": " << advice.message << "\n";
     return advice.message.empty() ? done : failed;
+}
+
+constexpr const char* footer =
+    "The error is the largest over 20 equally spaced times and all bodies, of positions in m and of orientations in "
+    "rad, against\nan integration in long double; with contacts, against two fine runs in double precision that must "
+    "agree to a tenth of E.\nThe cost is of a simulated second: cycles of the core at zero wait states, as its manual "
+    "has them, or\ninstructions. Steps are the scene's times powers of two, at which every event keeps its time. Each "
+    "method that\nis measured is built for the core; narrow the search to shorten that.\n"
+    "Exit status: 0 something reaches E, 1 nothing does, 2 bad input.";
+
+// A frequency, which is then in Hz.
+bool read_frequency(std::string& text) {
+    const std::optional<double> hertz = parse_frequency(text);
+    if (hertz) text = seventeen_digits(*hertz);
+    return hertz.has_value();
+}
+
+}  // namespace
+
+void add_advise(CommandLine& line) {
+    const auto options = std::make_shared<AdviseOptions>();
+    Subcommand command = line.add(
+        "advise", "measure which integrator, number system and step keep an error at the least cost on a core",
+        [=] { return advise(*options); }, footer);
+    command.require(options->scene, "scene SCENE.toml", "scene file (TOML), or - for standard input", input_file());
+    command.require(options->core, "--core NAME", "a core of `tumble list`");
+    command.require(options->tolerance, "--tolerance E", "the largest error, in m and in rad",
+                    positive("of metres and of radians"));
+    command.add(options->integrators, "--integrators NAME,...", "search only these; see `tumble list`");
+    command.add(options->numbers, "--numbers q32,f32,f64", "search only these number systems");
+    command.add(options->duration, "--duration T", "length of the run in s, instead of the scene's", duration());
+    command.add(options->cost, "--cost cycles|insn",
+                "what to rank by; default: cycles, or instructions on a core whose cycles are not published",
+                one_of("cycles", "insn"));
+    command.add(options->clock, "--clock F",
+                "clock of the core, as 16MHz: say what share of a step's time its mean cost and its worst step take",
+                {"a positive frequency, as 16MHz, \"32.768 kHz\" or 48e6 (Hz)", read_frequency});
+    command.add(options->all, "--all", "measure also what cannot be the cheapest");
+    command.add(options->json, "--json", "print one JSON object");
 }
 
 }  // namespace tumble::host

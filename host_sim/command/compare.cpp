@@ -20,6 +20,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
+struct CompareOptions : Choice {
+    std::string core;
+    std::int64_t every = 1;            // steps between recorded states
+    std::optional<std::int64_t> flip;  // self-test: the step whose record gets one bit flipped on the host
+    int timeout = 600;                 // s of emulation
+};
+
 fs::path build_firmware(const CompareOptions& options, const SceneDescription& scene, const fs::path& build) {
     fs::create_directories(build / "scene");
     write_if_changed(build / "scene/scene.hpp", compiled_scene(scene, options));
@@ -127,8 +134,6 @@ private:
     bool is_over_ = false;
 };
 
-}  // namespace
-
 int compare(const CompareOptions& options) {
     check_core(options.core);
     const SceneDescription scene = options.read();
@@ -173,6 +178,22 @@ int compare(const CompareOptions& options) {
     const std::vector<Trouble> troubles = reference.troubles();
     for (const Trouble& trouble : troubles) std::cerr << message_of(trouble, scene, reference.simulation()) << "\n";
     return troubles.empty() ? done : failed;
+}
+
+}  // namespace
+
+void add_compare(CommandLine& line) {
+    const auto options = std::make_shared<CompareOptions>();
+    Subcommand command =
+        line.add("compare", "replay a scene on a core in QEMU and on the host, and compare every recorded bit",
+                 [=] { return compare(*options); });
+    options->add_to(command);
+    command.require(options->core, "--core NAME", "a core of `tumble list`");
+    command.add(options->every, "--every K", "steps between recorded states", at_least(1, "steps"));
+    command.add(options->timeout, "--timeout S", "seconds that the emulation may take", at_least(1, "seconds"));
+    command.add(options->flip, "--flip STEP",
+                "self-test: flip one bit of the host's record at this step; the comparison must report it",
+                at_least(0, "steps"));
 }
 
 }  // namespace tumble::host

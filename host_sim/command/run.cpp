@@ -19,6 +19,12 @@
 namespace tumble::host {
 namespace {
 
+struct RunOptions : Choice {
+    std::string trajectory, plot;       // files; empty: none
+    std::optional<std::int64_t> every;  // steps between rows of the trajectory
+    bool json = false;
+};
+
 // Energies of a run. The drift is relative to the energy at the start; where that is 0, to the largest kinetic energy.
 class EnergyWatch {
 public:
@@ -143,33 +149,37 @@ std::string columns(const Numbers& numbers) {
     return text;
 }
 
-void print_table(const SceneDescription& scene, const Simulation& simulation, const EnergyWatch& energy) {
-    std::cout << (scene.name.empty() ? scene.path : scene.name) << ": " << simulation.integrator() << ", "
-              << simulation.numbers();
-    if (!simulation.range().empty()) std::cout << " " << simulation.range();
-    std::cout << (simulation.carry() ? "" : ", no carry") << ", " << simulation.steps_taken() << " steps of "
-              << few_digits(simulation.step_length()) << " s, " << few_digits(simulation.time()) << " s\n";
+void print_table(std::ostream& out, const SceneDescription& scene, const Simulation& simulation,
+                 const EnergyWatch& energy) {
+    out << (scene.name.empty() ? scene.path : scene.name) << ": " << simulation.integrator() << ", "
+        << simulation.numbers();
+    if (!simulation.range().empty()) out << " " << simulation.range();
+    out << (simulation.carry() ? "" : ", no carry") << ", " << simulation.steps_taken() << " steps of "
+        << few_digits(simulation.step_length()) << " s, " << few_digits(simulation.time()) << " s\n";
     for (int b = 0; b < simulation.body_count(); ++b) {
         const BodySnapshot body = simulation.body(b);
-        std::cout << scene.bodies[static_cast<std::size_t>(b)].name << "\n"
-                  << "  position         m    " << columns(body.position) << "\n  velocity         m/s  "
-                  << columns(body.velocity) << "\n  angular velocity rad/s" << columns(body.angular_velocity)
-                  << "\n  orientation      wxyz " << columns(body.orientation) << "\n";
-        if (body.contacts > 0) std::cout << "  contact points        " << std::setw(13) << body.contacts << "\n";
+        out << scene.bodies[static_cast<std::size_t>(b)].name << "\n"
+            << "  position         m    " << columns(body.position) << "\n  velocity         m/s  "
+            << columns(body.velocity) << "\n  angular velocity rad/s" << columns(body.angular_velocity)
+            << "\n  orientation      wxyz " << columns(body.orientation) << "\n";
+        if (body.contacts > 0) out << "  contact points        " << std::setw(13) << body.contacts << "\n";
+        if (body.asleep) out << "  asleep\n";
     }
-    std::cout << "energy " << few_digits(energy.start()) << " J at the start, " << few_digits(energy.end())
-              << " J at the end, largest relative drift " << few_digits(energy.largest_relative_drift()) << "\nstate  "
-              << hex(simulation.hash()) << "\n";
+    out << "energy " << few_digits(energy.start()) << " J at the start, " << few_digits(energy.end())
+        << " J at the end, largest relative drift " << few_digits(energy.largest_relative_drift()) << "\nstate  "
+        << hex(simulation.hash()) << "\n";
 }
 
-}  // namespace
-
 int run(const RunOptions& options) {
-    check_outputs({{"the scene", options.scene}}, {{"--trajectory", options.trajectory}, {"--plot", options.plot}});
+    const std::vector<FileArgument> outputs = {{"--trajectory", options.trajectory}, {"--plot", options.plot}};
+    check_outputs({{"the scene", options.scene}}, outputs);
+    std::ostream& report = takes_standard_output(outputs, options.json) ? std::cerr : std::cout;
+    if (options.every && options.trajectory.empty())
+        std::cerr << "warning: --every has no effect without --trajectory\n";
     const SceneDescription scene = options.read();
     const auto simulation = options.start(scene);
     std::optional<Trajectory> trajectory;
-    if (!options.trajectory.empty()) trajectory.emplace(options.trajectory, options.every, scene);
+    if (!options.trajectory.empty()) trajectory.emplace(options.trajectory, options.every.value_or(1), scene);
     std::optional<Plot> plot;
     std::optional<OutputFile> plot_file;
     if (!options.plot.empty()) {
@@ -200,13 +210,29 @@ int run(const RunOptions& options) {
     if (trajectory) trajectory->close();
     const std::vector<Trouble> troubles = troubles_of(*simulation, energy, range);
     if (options.json) print_json(scene, *simulation, energy, troubles);
-    else print_table(scene, *simulation, energy);
+    else print_table(report, scene, *simulation, energy);
     if (plot) {
         plot_file->stream() << plot->drawn();
         plot_file->commit();
     }
     for (const Trouble& trouble : troubles) std::cerr << message_of(trouble, scene, *simulation) << "\n";
     return troubles.empty() ? done : failed;
+}
+
+}  // namespace
+
+void add_run(CommandLine& line) {
+    const auto options = std::make_shared<RunOptions>();
+    Subcommand command = line.add("run", "replay a scene on the host", [=] { return run(*options); });
+    options->add_to(command);
+    command.add(options->trajectory, "--trajectory out.csv", "write every state as CSV; - is standard output",
+                output_file());
+    command.add(options->every, "--every K", "steps between rows of the trajectory (default: 1)", at_least(1, "steps"));
+    command.add(options->json, "--json", "print one JSON object");
+    command.add(options->plot, "--plot out.svg",
+                "plot positions, angular velocities and energies as SVG, with marks at impulses and "
+                "contacts (needs gnuplot); - is standard output",
+                output_file());
 }
 
 }  // namespace tumble::host
