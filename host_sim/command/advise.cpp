@@ -431,7 +431,6 @@ int advise(const AdviseOptions& options) {
     Choice choice;
     choice.scene = options.scene;
     choice.duration = options.duration;
-    choice.is_run = false;  // it searches for the method and the step
     const SceneDescription scene = choice.read();
     const SampledScene sampled(scene);
     const std::vector<Method> methods = chosen_methods(options, scene);
@@ -463,11 +462,10 @@ int advise(const AdviseOptions& options) {
             advice.message = "what keeps the error under " + few_digits(options.tolerance) + " does not fit " +
                              options.core + "'s memory";
         else if (advice.ranking.empty())
-            advice.message =
-                "nothing keeps the error under " + few_digits(options.tolerance) +
-                (advice.unreached.empty() ? std::string()
-                                          : "; the closest is " + name_of(advice.unreached.front()) + " with " +
-                                                closest_text(advice.unreached.front()));
+            advice.message = "nothing keeps the error under " + few_digits(options.tolerance) +
+                             (advice.unreached.empty() ? std::string()
+                                                       : "; the closest is " + name_of(advice.unreached.front()) +
+                                                             " with " + closest_text(advice.unreached.front()));
     }
     if (options.json) print_json(options, sampled, advice);
     else print_table(options, scene, advice);

@@ -20,16 +20,15 @@ struct Choice {
     std::string step;                // empty: the file's
     std::optional<double> duration;  // s; empty: the file's
     bool no_bodies = false;          // the file may be without
-    bool is_run = true;              // with this method and step: warn of the limits that they exceed
 
     // The options of every replay.
     void add_to(Subcommand& command);
     [[nodiscard]] std::optional<bool> wants_carry() const {
         return carry.empty() ? std::nullopt : std::optional{carry == "on"};
     }
-    // Reads the scene, applies the choice to it and warns of what is not simulated and of exceeded limits.
+    // Reads the scene, applies the choice to it and warns of what is not simulated.
     [[nodiscard]] SceneDescription read() const;
-    // Warns of a contact tolerance that the numbers do not hold.
+    // Warns of a contact tolerance and of spins of [range] that the numbers do not hold at this step.
     [[nodiscard]] std::unique_ptr<Simulation> start(const SceneDescription& scene) const;
 
 private:
