@@ -29,6 +29,22 @@ std::string order_of() {
     return order;
 }
 
+template <bool bodies_touch, bool boxes_touch, bool has_friction, int room>
+struct Touching : Scene {
+    static constexpr Features features{.bodies = 6,
+                                       .planes = 2,
+                                       .near_pairs = room,
+                                       .pairs = bodies_touch,
+                                       .boxes = boxes_touch,
+                                       .friction = has_friction};
+};
+template <bool... options>
+std::string bytes_of_a_pair() {
+    constexpr std::size_t pairs = 8;
+    return std::to_string((sizeof(World<Touching<options..., 4 + pairs>>) - sizeof(World<Touching<options..., 4>>)) /
+                          pairs);
+}
+
 struct Boxes : Scene {
     static constexpr Features features{.bodies = 2, .planes = 1, .pairs = true, .boxes = true, .friction = true};
 };
@@ -125,6 +141,14 @@ Table bounds_table() {
     for (const Bound& bound : bounds)
         table.lines.push_back({in_code(bound.name), bound.what, std::to_string(bound.most)});
     return table;
+}
+
+Table near_pairs_table() {
+    return {{"bytes of a near pair", "without friction", "with friction"},
+            {{"spheres and planes", bytes_of_a_pair<false, false, false>(), bytes_of_a_pair<false, false, true>()},
+             {"boxes and planes", bytes_of_a_pair<false, true, false>(), bytes_of_a_pair<false, true, true>()},
+             {"spheres and each other", bytes_of_a_pair<true, false, false>(), bytes_of_a_pair<true, false, true>()},
+             {"boxes and each other", bytes_of_a_pair<true, true, false>(), bytes_of_a_pair<true, true, true>()}}};
 }
 
 std::string largest_turn() {

@@ -442,6 +442,7 @@ const Makers<Table> tables{
     {"engines", [](R r) { return engines_table(r["engines"]); }},
     {"formats", [](R) { return formats_table(); }},
     {"bounds", [](R) { return bounds_table(); }},
+    {"near_pairs", [](R) { return near_pairs_table(); }},
     {"stability", [](R) { return stability_table(); }},
     {"resolution", [](R) { return resolution_table(); }},
 };
