@@ -92,10 +92,10 @@ public:
 
     // Configures the build directory. `scenes` is one header, which all programs replay, or a directory with a header
     // for each program, named after it; `scene` is the name of the struct in them. `integrators`: those that programs
-    // are made of; all if there are none.
+    // are made of; all if there are none. `optimize`: the compiler's level.
     StepFirmware(std::filesystem::path build, std::string core, const std::string& scene,
                  const std::filesystem::path& scenes, const std::vector<std::string>& integrators = {},
-                 Lines lines = Lines::none);
+                 Lines lines = Lines::none, const std::string& optimize = "-O2");
 
     // Builds programs, on all processors: about 20 s for all of a number system that replay one scene, and 4 s for each
     // that has a scene of its own. What cannot be built is reported by run().
