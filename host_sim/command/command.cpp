@@ -76,6 +76,7 @@ SceneDescription Choice::read() const {
                           std::to_string(max_steps));
     (void)find_number_system(description, numbers, wants_carry());
     require_runs_in(method, numbers);
+    require_range(description, numbers);
     for (const std::string& limitation : limitations(description)) warn(limitation);
     if (is_run)
         for (const Limit& limit : exceeded_limits(description, integrator, numbers, wants_carry()))
