@@ -1,4 +1,8 @@
 # What a person types. CMake does the building; this file only drives it.
+
+# Builds targets of the host: one line of progress on a terminal, none where output is piped.
+compile = @if [ -t 1 ]; then NINJA_STATUS='compiling %f of %t: ' cmake --build build/host --target $(1); \
+    else cmake --build build/host --target $(1) -- --quiet; fi
 # What is built for the tests: all, which the quick set needs, on its cores; with deep, what the deep set needs besides.
 TARGETS := all
 CORES := $(shell awk '/^[^\#]/ { print $$1 }' port/boards.txt)
@@ -21,12 +25,19 @@ help:
 	@awk '/^## / { colon = index($$0, ": "); printf "  make %-20s %s\n", substr($$0, 4, colon - 4), substr($$0, colon + 2) }' \
 	    $(MAKEFILE_LIST)
 
-## run: the main job: replay a scene on the host and on the cores of the quick set, compare the bits, print what a step costs; ARGS=--all for every core and number system
+## run: replay a scene on the host and on the cores of the quick set, compare the bits, say which method is the cheapest; ARGS=--all for every method, number system and core
 # The first module of worlds beside the command, on the other processor; the commands build what else they need.
-run: build/host/build.ninja $(if $(findstring --all,$(ARGS)),deep-setup)
-	@cmake --build build/host --target tumble tumble_matrix tumble_worlds_0
-	build/host/tumble run $(SCENE)
-	build/host/bench/tumble_matrix $(SCENE) --tolerance $(TOLERANCE) $(ARGS)
+run: say-run build/host/build.ninja $(if $(findstring --all,$(ARGS)),deep-setup)
+	$(call compile,tumble tumble_matrix tumble_worlds_0)
+	@build/host/tumble run $(SCENE)
+	@echo
+	@build/host/bench/tumble_matrix $(SCENE) --tolerance $(TOLERANCE) --front bench/results/free.jsonl $(ARGS)
+
+.PHONY: say-run
+say-run:
+	@echo "Replays $(SCENE) on the host and, in QEMU, on $(TESTED_CORES);"
+	@echo "compares the bits, and measures which method keeps an error of $(TOLERANCE) for the fewest cycles."
+	@echo "Takes 1 to 2 minutes the first time, which compiles the simulator, and 10 to 20 s later$(if $(findstring --all,$(ARGS)),; with --all 10 minutes more)."
 
 ## test: the quick set of tests, of every kind: on the host, with other compilers, and on its cores in QEMU
 test: firmware
@@ -52,17 +63,19 @@ $(CORES:%=configured-%): configured-%:
 	    TUMBLE_CORE=$* cmake --preset firmware > /dev/null; }
 
 ## replay: run a scene on the host: make replay SCENE=path ARGS="--integrator rk4 --json"
-replay: build
+replay: build/host/build.ninja
+	$(call compile,tumble)
 	build/host/tumble run $(SCENE) $(ARGS)
 
 ## advise: the cheapest integrator, numbers and step that keep an error: SCENE=path CORE=cortex-m3 TOLERANCE=1e-3 ARGS="--clock 16MHz"
 advise: SCENE = host_sim/scenes/brick.toml
-advise: build
+advise: build/host/build.ninja
+	$(call compile,tumble)
 	build/host/tumble advise $(SCENE) --core $(CORE) --tolerance $(TOLERANCE) $(ARGS)
 
 ## flame: where the cycles of a step go, as a table and a flame graph: SCENE=path CORE=cortex-m3 ARGS="--integrator rk4"
 flame: build/host/build.ninja
-	@cmake --build build/host --target tumble
+	$(call compile,tumble)
 	build/host/tumble profile $(SCENE) --core $(CORE) --flame build/flame.svg $(ARGS)
 
 ## bench: measure rows of bench/results anew, with their pictures and tables: ONLY=ladder, or ONLY=list for all names (bench/results.txt)

@@ -271,7 +271,12 @@ private:
 
 std::vector<Method> chosen_methods(const AdviseOptions& options, const SceneDescription& scene) {
     for (const std::string& integrator : options.integrators) (void)find_integrator(integrator);
-    for (const std::string& numbers : options.numbers) (void)find_number_system(scene, numbers, {});
+    for (const std::string& numbers : options.numbers) {
+        (void)find_number_system(scene, numbers, {});
+        require_range(scene, numbers);
+    }
+    if (scene.range.beyond_default)
+        std::cerr << "warning: fixed point is left out: " << scene.range.beyond_default->what() << "\n";
     const auto is_chosen = [](const std::vector<std::string>& list, const std::string& name) {
         return list.empty() || std::find(list.begin(), list.end(), name) != list.end();
     };
@@ -279,7 +284,7 @@ std::vector<Method> chosen_methods(const AdviseOptions& options, const SceneDesc
     for (const IntegratorInfo& integrator : integrators()) {
         for (const NumberVariant& variant : number_variants()) {
             if (is_chosen(options.integrators, integrator.name) && is_chosen(options.numbers, variant.numbers) &&
-                runs_in(integrator, variant.numbers))
+                runs_in(integrator, variant.numbers) && has_range_for(scene, variant.numbers))
                 methods.push_back({integrator.name, variant.numbers, variant.carry});
         }
     }

@@ -34,6 +34,7 @@ SceneDescription Choice::read() const {
                           std::to_string(max_steps));
     (void)find_number_system(description, numbers, wants_carry());
     require_runs_in(method, numbers);
+    require_range(description, numbers);
     for (const std::string& limitation : limitations(description)) warn(limitation);
     return description;
 }

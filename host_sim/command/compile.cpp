@@ -136,7 +136,7 @@ std::string list_text(const char* type, const char* name, const std::vector<Desc
     return list + "    }};\n";
 }
 
-std::string step_text(const StepSize& step) {
+std::string step_in_cpp(const StepSize& step) {
     if (step.denominator == 0) return "{tumble::Real{" + cpp_number(step.decimal) + "}}";
     constexpr std::int64_t largest = std::numeric_limits<std::int32_t>::max();
     const std::string above = std::to_string(step.numerator), below = std::to_string(step.denominator);
@@ -242,7 +242,7 @@ std::string compiled_scene(const SceneDescription& scene, const Choice& choice, 
             "namespace tumble::scenes {\n\nstruct "
          << (name.empty() ? struct_name(scene.path) : name)
          << " {\n    static constexpr const char* name = " << cpp_text(scene.name)
-         << ";\n    static constexpr tumble::Seconds step" << step_text(scene.step)
+         << ";\n    static constexpr tumble::Seconds step" << step_in_cpp(scene.step)
          << ";\n    static constexpr std::uint32_t steps = " << data.steps << "u;\n"
          << world_text(data.world) << list_text("BodySpec", "bodies", scene.bodies, data.bodies, body_text)
          << list_text("PlaneSpec", "planes", scene.planes, data.planes, plane_text)

@@ -7,7 +7,6 @@
 #include <cstdio>
 #include <fstream>
 #include <map>
-#include <regex>
 #include <sstream>
 #include <stdexcept>
 #include <tuple>
@@ -178,10 +177,11 @@ std::vector<Core> cores() {
     for (std::string line; std::getline(boards, line);) {
         std::istringstream row(line);
         Core core;
-        std::string skipped, numbers;
+        std::string skipped, clock, numbers;
         if (!(row >> core.name) || core.name.starts_with("#")) continue;
-        row >> core.port >> core.machine >> skipped >> core.counter >> skipped >> skipped >> skipped >> core.timing >>
+        row >> core.port >> core.machine >> clock >> core.counter >> skipped >> skipped >> skipped >> core.timing >>
             core.set >> numbers >> std::ws;
+        core.clock = parse_frequency(clock).value_or(0);
         std::istringstream words(numbers);
         for (std::string word; std::getline(words, word, ',');) {
             const auto& known = number_variants();
@@ -212,12 +212,17 @@ Core core_named(const std::string& name) {
 
 std::string memory_shortage(const std::string& messages, const std::string& core) {
     // GNU: region `RAM' overflowed by 8688 bytes; LLVM: will not fit in region 'RAM': overflowed by 8688 bytes.
-    static const std::regex overflow("region .(\\w+).:? overflowed by (\\d+) bytes");
+    const std::string before = "region ", middle = " overflowed by ", after = " bytes";
     std::string text;
-    std::smatch match;
-    for (std::string rest = messages; std::regex_search(rest, match, overflow); rest = match.suffix())
-        if (const std::string part = match.str(2) + " bytes of " + match.str(1); text.find(part) == std::string::npos)
-            text += (text.empty() ? "needs " : " and ") + part;
+    for (std::size_t at = messages.find(middle); at != std::string::npos; at = messages.find(middle, at + 1)) {
+        const std::size_t name = messages.rfind(before, at), number = at + middle.size();
+        const std::size_t end = messages.find(after, number);
+        if (name == std::string::npos || end == std::string::npos) continue;
+        const std::size_t first = name + before.size() + 1;  // after the quote
+        const std::string region = messages.substr(first, messages.find('\'', first) - first);
+        const std::string part = messages.substr(number, end - number) + after + " of " + region;
+        if (text.find(part) == std::string::npos) text += (text.empty() ? "needs " : " and ") + part;
+    }
     return text.empty() ? text : text + " more than " + core + " has";
 }
 

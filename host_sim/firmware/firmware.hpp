@@ -17,6 +17,7 @@ namespace tumble::host {
 struct Core {
     std::string name, port, machine, counter, timing, set;  // as the file explains its columns
     std::vector<std::string> numbers;                       // those that suit it, named as in NumberVariant
+    double clock = 0;                                       // Hz; 0 where the row has none
     std::string flags;
     std::string compiler, tools;
 

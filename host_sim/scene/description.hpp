@@ -1,6 +1,6 @@
 // What a scene file says, in the user's words: SI units, the user's body axes, names instead of indices.
 // The reader fills it and checks it; the builder turns it into a World; the compiler prints it as a firmware header.
-// Every value here has been checked, by the rules of reader.cpp, once read_scene() has returned it.
+// read_scene() has checked every value here by the rules of the format.
 #pragma once
 
 #include <tumble/body/setup.hpp>
@@ -12,20 +12,13 @@
 #include <string>
 #include <vector>
 
+#include "scene/error.hpp"
+#include "scene/step_size.hpp"
+
 namespace tumble::host {
 
 using Triple = std::array<double, 3>;     // x, y, z
 using Quadruple = std::array<double, 4>;  // quaternion: w, x, y, z
-
-// A step size as it was written: an exact fraction, or a decimal (then denominator == 0 and `decimal` counts).
-struct StepSize {
-    std::int64_t numerator = 1;
-    std::int64_t denominator = 256;
-    double decimal = 0.0;
-    [[nodiscard]] double seconds() const {
-        return denominator == 0 ? decimal : static_cast<double>(numerator) / static_cast<double>(denominator);
-    }
-};
 
 struct PointDescription {
     Triple position{};  // m
@@ -42,7 +35,7 @@ struct ShapeDescription {
 struct BodyDescription {
     std::string name;
     ShapeDescription shape;
-    std::optional<double> mass;     // kg; exactly one of mass and density, none for `points` (their sum)
+    std::optional<double> mass;     // kg; exactly one of mass and density, neither for `points`, whose sum it is
     std::optional<double> density;  // kg/m^3
     std::optional<std::array<double, 6>>
         inertia;  // Ixx, Iyy, Izz, Ixy, Ixz, Iyz; three given numbers leave the products 0
@@ -92,7 +85,8 @@ struct ForceDescription {
 
 struct RangeDescription {
     double position = 1024.0, velocity = 128.0, angular_velocity = 64.0;
-    bool is_declared = false;  // the file has [range]
+    bool is_declared = false;                    // the file has [range]
+    std::optional<SceneError> beyond_default{};  // the file has none, and a number that these do not hold
 };
 
 struct SleepDescription {

@@ -4,7 +4,6 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <optional>
 #include <string>
 #include <string_view>
 
@@ -27,10 +26,5 @@ enum class BodyCount { at_least_one, any };
 // The same for TOML that is already in memory; `name` stands for the file in messages and in SceneDescription::path.
 [[nodiscard]] SceneDescription read_scene_text(std::string_view toml, std::string_view name,
                                                BodyCount bodies = BodyCount::at_least_one);
-
-// A step size as a person writes it: "1/256" or "0.005". Empty when it is neither, or not positive.
-[[nodiscard]] std::optional<StepSize> parse_step(std::string_view text);
-// And as a person reads it: 1/256, or a few digits.
-[[nodiscard]] std::string step_text(const StepSize& step);
 
 }  // namespace tumble::host

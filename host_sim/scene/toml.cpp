@@ -170,11 +170,11 @@ std::string shown(double x) {
     return {text.data(), end};
 }
 
-void Place::fail(const std::string& problem, const std::string& wanted) const {
-    throw SceneError(file, line, key, problem + ", expected " + wanted);
+SceneError Place::error(const std::string& problem, const std::string& wanted) const {
+    return {file, line, key, problem + ", expected " + wanted};
 }
 
-void Value::refuse(const std::string& wanted) const { fail("got " + shown(*node_), wanted); }
+SceneError Value::refusal(const std::string& wanted) const { return place_.error("got " + shown(*node_), wanted); }
 
 Value Value::operator[](std::size_t i) const {
     const toml::node& element = *node_->as_array()->get(i);

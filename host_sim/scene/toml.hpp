@@ -51,7 +51,10 @@ struct Place {
     int line = 0;
     std::string key;
 
-    [[noreturn]] void fail(const std::string& problem, const std::string& wanted) const;
+    [[nodiscard]] SceneError error(const std::string& problem, const std::string& wanted) const;
+    [[noreturn]] void fail(const std::string& problem, const std::string& wanted) const {
+        throw error(problem, wanted);
+    }
 };
 
 class Value {
@@ -63,8 +66,9 @@ public:
     [[noreturn]] void fail(const std::string& problem, const std::string& wanted) const {
         place_.fail(problem, wanted);
     }
-    // The problem is what the file has.
-    [[noreturn]] void refuse(const std::string& wanted) const;
+    // The problem is the value that the file has.
+    [[nodiscard]] SceneError refusal(const std::string& wanted) const;
+    [[noreturn]] void refuse(const std::string& wanted) const { throw refusal(wanted); }
 
     // Element i of an array.
     [[nodiscard]] Value operator[](std::size_t i) const;

@@ -65,6 +65,12 @@ std::size_t index_of(const SceneDescription& scene, std::string_view numbers, st
     return found;
 }
 
+bool is_fixed_point(std::string_view numbers) {
+    const auto& all = number_systems();
+    return std::any_of(all.begin(), all.end(),
+                       [&](const NumberSystemInfo& info) { return info.name == numbers && info.fixed_point; });
+}
+
 std::string acts_on_fixed(const BodyDescription& body) {
     return "acts on body \"" + body.name + "\", which is fixed, so it has no effect";
 }
@@ -148,6 +154,7 @@ std::unique_ptr<Simulation> make_simulation(const SceneDescription& scene, std::
     const IntegratorInfo& method = find_integrator(integrator);
     const std::size_t system = index_of(scene, numbers, carry);
     require_runs_in(method, numbers);
+    require_range(scene, numbers);
     return make_in_module(system, build_scene(scene), method.name);
 }
 
@@ -194,10 +201,15 @@ const IntegratorInfo& find_integrator(std::string_view name) {
 }
 
 bool runs_in(const IntegratorInfo& integrator, std::string_view numbers) {
-    const auto& all = number_systems();
-    return integrator.not_in_fixed_point.empty() || std::none_of(all.begin(), all.end(), [&](const auto& info) {
-               return info.name == numbers && info.fixed_point;
-           });
+    return integrator.not_in_fixed_point.empty() || !is_fixed_point(numbers);
+}
+
+bool has_range_for(const SceneDescription& scene, std::string_view numbers) {
+    return !scene.range.beyond_default || !is_fixed_point(numbers);
+}
+
+void require_range(const SceneDescription& scene, std::string_view numbers) {
+    if (!has_range_for(scene, numbers)) throw SceneError(*scene.range.beyond_default);
 }
 
 void require_runs_in(const IntegratorInfo& integrator, std::string_view numbers) {

@@ -145,6 +145,10 @@ struct NumberSystemInfo {
 // std::invalid_argument that says why and what to choose.
 [[nodiscard]] bool runs_in(const IntegratorInfo& integrator, std::string_view numbers);
 void require_runs_in(const IntegratorInfo& integrator, std::string_view numbers);
+// False in fixed point where the file declares no [range] and the scene exceeds the default one. Then require_range
+// throws the reader's SceneError.
+[[nodiscard]] bool has_range_for(const SceneDescription& scene, std::string_view numbers);
+void require_range(const SceneDescription& scene, std::string_view numbers);
 // The numbers of a range of fixed point: near, room or field.
 [[nodiscard]] RangeDescription held_by(std::string_view range);
 [[nodiscard]] const NumberSystemInfo& find_number_system(const SceneDescription& scene, std::string_view numbers,

@@ -1,0 +1,37 @@
+// What the readers of a scene's tables share: quantities, and checks that several of them make.
+#pragma once
+
+#include "scene/description.hpp"
+#include "scene/toml.hpp"
+
+namespace tumble::host {
+
+inline constexpr Quantity metres{Quantity::any, "m", "x, y, z"};
+inline constexpr Quantity restitution{Quantity::zero_to_one, ""};
+inline constexpr Quantity friction{Quantity::not_negative, ""};
+inline constexpr Quantity stiffness{Quantity::not_negative, "N/m"};
+inline constexpr Quantity damping{Quantity::not_negative, "N s/m"};
+inline constexpr Quantity seconds{Quantity::not_negative, "s"};
+
+// One table each, checked. Springs, impulses and forces name bodies, which the scene has by then.
+[[nodiscard]] BodyDescription read_body(Table table, const SceneDescription& scene, RangeDescription& range);
+[[nodiscard]] SpringDescription read_spring(Table table, const SceneDescription& scene, RangeDescription& range);
+[[nodiscard]] ImpulseDescription read_impulse(Table table, const SceneDescription& scene);
+[[nodiscard]] ForceDescription read_force(Table table, const SceneDescription& scene);
+
+// Throws where the length of a vector or a quaternion is 0.
+void check_not_zero(const Value& value, const double* numbers, std::size_t count, const std::string& wanted);
+
+// Throws where a number exceeds `most`, and the file declares a range. Where it declares none, `range` keeps the error
+// of the first such number: fixed point refuses the scene with it, floating point takes the scene. `what` names the
+// limit.
+void check_range(const Value& value, double number, double most, const std::string& unit, const std::string& what,
+                 RangeDescription& range);
+// The same of a vector, if the table has it; `what` is a key of [range].
+void check_range(Table& table, const std::string& key, const Triple& numbers, const std::string& what,
+                 RangeDescription& range);
+
+// Throws where numbers ask a point mass to turn: it has no rotation.
+void refuse_to_turn(Table& table, const std::string& key, const Triple& numbers, const BodyDescription& body);
+
+}  // namespace tumble::host
