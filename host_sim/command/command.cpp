@@ -72,6 +72,13 @@ void check_core(const std::string& name) {
                       joined(names));
 }
 
+std::string cores_with_cycles() {
+    std::vector<std::string> names;
+    for (const Core& core : cores())
+        if (core.has_cycles()) names.push_back(core.name);
+    return joined(names);
+}
+
 int command(int argc, const char* const* argv) {
     try {
         CommandLine line;

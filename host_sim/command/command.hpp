@@ -20,7 +20,6 @@ struct Choice {
     std::string step;                // empty: the file's
     std::optional<double> duration;  // s; empty: the file's
     bool no_bodies = false;          // the file may be without
-    bool is_run = true;              // with this method and step: warn of the limits that they exceed
 
     // The options of every replay.
     void add_to(Subcommand& command);
@@ -56,6 +55,8 @@ void add_list(CommandLine& line);
 
 // Throws BadArgument unless the name is that of a core that QEMU emulates.
 void check_core(const std::string& name);
+// "cortex-m0, cortex-m3": the cores whose manuals give the cycles of their instructions.
+[[nodiscard]] std::string cores_with_cycles();
 
 // Parses the arguments and runs a subcommand; every error becomes a message and a status.
 int command(int argc, const char* const* argv);

@@ -139,18 +139,11 @@ void print_json(Json row, const std::vector<Function>& functions, const Branches
     std::cout << row.dump(2) << "\n";
 }
 
-// A core with a table of what its instructions cost.
-void check_core_with_cycles(const std::string& name) {
-    check_core(name);
-    if (core_named(name).has_cycles()) return;
-    std::string known;
-    for (const Core& core : cores())
-        if (core.has_cycles()) known += (known.empty() ? "" : ", ") + core.name;
-    throw BadArgument("--core: got \"" + name + "\", whose cycles no manual gives, expected one of " + known);
-}
-
 int profile(const ProfileOptions& options) {
-    check_core_with_cycles(options.core);
+    check_core(options.core);
+    if (!core_named(options.core).has_cycles())
+        throw BadArgument("--core: got \"" + options.core + "\", whose cycles no manual gives, expected one of " +
+                          cores_with_cycles());
     const SceneDescription scene = options.read();
     const NumberSystemInfo& system = find_number_system(scene, options.numbers, options.wants_carry());
     const NumberVariant& variant = variant_of(system.name, system.carry);
