@@ -1,4 +1,4 @@
-// What a step of several methods costs on a core.
+// Measures the cost of a step of several methods on a core.
 #pragma once
 
 #include <nlohmann/json.hpp>
