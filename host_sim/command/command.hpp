@@ -28,7 +28,7 @@ struct Choice {
     }
     // Reads the scene, applies the choice to it, and warns of everything in it that is not simulated.
     [[nodiscard]] SceneDescription read() const;
-    // Warns where the numbers cannot represent the scene's contact tolerance.
+    // Warns where the numbers cannot represent the contact tolerance or the largest spin that the scene declares.
     [[nodiscard]] std::unique_ptr<Simulation> start(const SceneDescription& scene) const;
 
 private:

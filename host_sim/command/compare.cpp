@@ -7,8 +7,8 @@
 #include <iostream>
 #include <sstream>
 
+#include "command/check.hpp"
 #include "command/command.hpp"
-#include "command/messages.hpp"
 #include "firmware/firmware.hpp"
 #include "tools/files.hpp"
 #include "tools/process.hpp"
@@ -25,6 +25,7 @@ struct CompareOptions : Choice {
     std::int64_t every = 1;            // steps between recorded states
     std::optional<std::int64_t> flip;  // self-test: one bit of the host's record is flipped at this step
     int timeout = 600;                 // s of emulation
+    CheckOptions check;
 };
 
 fs::path build_firmware(const CompareOptions& options, const SceneDescription& scene, const fs::path& build) {
@@ -175,9 +176,9 @@ int compare(const CompareOptions& options) {
     std::cout << options.core << " agrees with the host: " << reference.states() << " states, "
               << reference.simulation().integrator() << ", " << reference.simulation().numbers() << ", hash "
               << hex(reference.simulation().hash()) << "\n";
-    const std::vector<Trouble> troubles = reference.troubles();
-    for (const Trouble& trouble : troubles) std::cerr << message_of(trouble, scene, reference.simulation()) << "\n";
-    return troubles.empty() ? done : failed;
+    const Verdict verdict = options.check.verdict(options, scene, reference.simulation(), reference.troubles());
+    std::cout << verdict_line(options.check, verdict, scene, reference.simulation());
+    return report(verdict, scene, reference.simulation());
 }
 
 }  // namespace
@@ -191,6 +192,7 @@ void add_compare(CommandLine& line) {
     command.require(options->core, "--core NAME", "a core of `tumble list`");
     command.add(options->every, "--every K", "steps between recorded states", at_least(1, "steps"));
     command.add(options->timeout, "--timeout S", "seconds that the emulation may take", at_least(1, "seconds"));
+    options->check.add_to(command);
     command.add(options->flip, "--flip STEP",
                 "self-test: flip one bit of the host's record at this step; the comparison must report it",
                 at_least(0, "steps"));

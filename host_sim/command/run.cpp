@@ -7,14 +7,13 @@
 #include <iostream>
 #include <optional>
 
+#include "command/check.hpp"
 #include "command/command.hpp"
-#include "command/messages.hpp"
 #include "command/plot.hpp"
 #include "tools/output.hpp"
 #include "tools/progress.hpp"
 #include "tools/text.hpp"
 #include "verdict/range_watch.hpp"
-#include "verdict/verdict.hpp"
 
 namespace tumble::host {
 namespace {
@@ -23,6 +22,7 @@ struct RunOptions : Choice {
     std::string trajectory, plot;       // files; empty: none
     std::optional<std::int64_t> every;  // steps between rows of the trajectory
     bool json = false;
+    CheckOptions check;
 };
 
 // Energies of a run. The drift is relative to the energy at the start; where that is 0, to the largest kinetic energy.
@@ -111,10 +111,26 @@ std::vector<Trouble> troubles_of(const Simulation& simulation, const EnergyWatch
     return troubles;
 }
 
+// Keys that do not apply are null.
+std::string json_of(const Verdict& verdict, const SceneDescription& scene, const Simulation& simulation) {
+    using enum Verdict::Kind;
+    const bool has_time = verdict.kind == wrong || verdict.kind == told || verdict.kind == no_reference,
+               has_errors = verdict.kind != unchecked;
+    const auto number = [](bool is_there, double value) { return is_there ? json_number(value) : std::string("null"); };
+    const auto text = [](const std::string& value) { return value.empty() ? std::string("null") : json_text(value); };
+    const Method method{std::string(simulation.integrator()), std::string(simulation.numbers()), simulation.carry()};
+    return "{\"kind\": " + json_text(name_of(verdict.kind)) + ", \"time_s\": " + number(has_time, verdict.time_s) +
+           ", \"body\": " + text(verdict.body < 0 ? "" : scene.body(verdict.body).name) +
+           ", \"error_m\": " + number(has_errors, verdict.error.position_m) +
+           ", \"error_rad\": " + number(has_errors, verdict.error.orientation_rad) +
+           ", \"cause\": " + text(name_of(verdict.cause)) +
+           ", \"cure\": " + text(verdict.cure ? options_of(*verdict.cure, {method, scene.step}) : "") + "}";
+}
+
 void print_json(const SceneDescription& scene, const Simulation& simulation, const EnergyWatch& energy,
-                const std::vector<Trouble>& troubles) {
+                const Verdict& verdict) {
     std::string status;
-    for (const Trouble& trouble : troubles) status += (status.empty() ? "" : ", ") + json_text(trouble.issue);
+    for (const Trouble& trouble : verdict.troubles) status += (status.empty() ? "" : ", ") + json_text(trouble.issue);
     std::cout << "{\n  \"tumble_bits\": " << TUMBLE_BITS << ",\n  \"scene\": " << json_text(scene.name)
               << ",\n  \"integrator\": " << json_text(simulation.integrator())
               << ",\n  \"numbers\": " << json_text(simulation.numbers())
@@ -124,7 +140,8 @@ void print_json(const SceneDescription& scene, const Simulation& simulation, con
               << ",\n  \"energy_start_j\": " << json_number(energy.start())
               << ",\n  \"energy_end_j\": " << json_number(energy.end())
               << ",\n  \"energy_max_relative_drift\": " << json_number(energy.largest_relative_drift())
-              << ",\n  \"status\": [" << status << "],\n  \"bodies\": [";
+              << ",\n  \"status\": [" << status << "],\n  \"verdict\": " << json_of(verdict, scene, simulation)
+              << ",\n  \"bodies\": [";
     for (int b = 0; b < simulation.body_count(); ++b) {
         const BodySnapshot body = simulation.body(b);
         std::cout << (b > 0 ? "," : "")
@@ -137,6 +154,19 @@ void print_json(const SceneDescription& scene, const Simulation& simulation, con
                   << ",\n      \"contacts\": " << body.contacts << "\n    }";
     }
     std::cout << "\n  ]\n}\n";
+}
+
+// Does nothing in the scene change the energy on purpose?
+bool keeps_energy(const SceneDescription& scene) {
+    if (!scene.impulses.empty() || !scene.forces.empty() || scene.linear_drag > 0 || scene.angular_drag > 0)
+        return false;
+    for (const SpringDescription& spring : scene.springs)
+        if (spring.damping > 0) return false;
+    const auto has_shape = [](const BodyDescription& body) {
+        return body.shape.kind != ShapeKind::none && body.shape.kind != ShapeKind::points;
+    };
+    const auto shapes = std::count_if(scene.bodies.begin(), scene.bodies.end(), has_shape);
+    return scene.contact.response == ContactResponse::none || shapes == 0 || (scene.planes.empty() && shapes == 1);
 }
 
 template <class Numbers>
@@ -166,14 +196,15 @@ void print_table(std::ostream& out, const SceneDescription& scene, const Simulat
         if (body.asleep) out << "  asleep\n";
     }
     out << "energy " << few_digits(energy.start()) << " J at the start, " << few_digits(energy.end())
-        << " J at the end, largest relative drift " << few_digits(energy.largest_relative_drift()) << "\nstate  "
-        << hex(simulation.hash()) << "\n";
+        << " J at the end";
+    if (keeps_energy(scene)) out << ", largest relative drift " << few_digits(energy.largest_relative_drift());
+    out << "\nstate  " << hex(simulation.hash()) << "\n";
 }
 
 int run(const RunOptions& options) {
     const std::vector<FileArgument> outputs = {{"--trajectory", options.trajectory}, {"--plot", options.plot}};
     check_outputs({{"the scene", options.scene}}, outputs);
-    std::ostream& report = takes_standard_output(outputs, options.json) ? std::cerr : std::cout;
+    std::ostream& table = takes_standard_output(outputs, options.json) ? std::cerr : std::cout;
     if (options.every && options.trajectory.empty())
         std::cerr << "warning: --every has no effect without --trajectory\n";
     const SceneDescription scene = options.read();
@@ -208,15 +239,17 @@ int run(const RunOptions& options) {
         }
     }
     if (trajectory) trajectory->close();
-    const std::vector<Trouble> troubles = troubles_of(*simulation, energy, range);
-    if (options.json) print_json(scene, *simulation, energy, troubles);
-    else print_table(report, scene, *simulation, energy);
+    const Verdict verdict = options.check.verdict(options, scene, *simulation, troubles_of(*simulation, energy, range));
+    if (options.json) print_json(scene, *simulation, energy, verdict);
+    else {
+        print_table(table, scene, *simulation, energy);
+        table << verdict_line(options.check, verdict, scene, *simulation);
+    }
     if (plot) {
         plot_file->stream() << plot->drawn();
         plot_file->commit();
     }
-    for (const Trouble& trouble : troubles) std::cerr << message_of(trouble, scene, *simulation) << "\n";
-    return troubles.empty() ? done : failed;
+    return report(verdict, scene, *simulation);
 }
 
 }  // namespace
@@ -228,6 +261,7 @@ void add_run(CommandLine& line) {
     command.add(options->trajectory, "--trajectory out.csv", "write every state as CSV; - is standard output",
                 output_file());
     command.add(options->every, "--every K", "steps between rows of the trajectory (default: 1)", at_least(1, "steps"));
+    options->check.add_to(command);
     command.add(options->json, "--json", "print one JSON object");
     command.add(options->plot, "--plot out.svg",
                 "plot positions, angular velocities and energies as SVG, with marks at impulses and "

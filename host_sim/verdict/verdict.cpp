@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdio>
 #include <utility>
 
 #include "scene/data.hpp"
@@ -262,7 +263,13 @@ void explain(Verdict& verdict, const Judge& judge, const Way& way, const Process
 }
 
 std::string errors_text(const Errors& errors) {
-    return few_digits(errors.position_m) + " m and " + few_digits(errors.orientation_rad) + " rad";
+    // An error is known to two digits at best.
+    const auto two_digits = [](double error) {
+        std::array<char, 32> text{};
+        std::snprintf(text.data(), text.size(), "%.2g", error);
+        return std::string(text.data());
+    };
+    return two_digits(errors.position_m) + " m and " + two_digits(errors.orientation_rad) + " rad";
 }
 
 }  // namespace
