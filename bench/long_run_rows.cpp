@@ -94,13 +94,28 @@ constexpr NumberStyle number_styles[]{{"q32 carry", "#0072b2", "#0072b2"},
                                       {"f32 plain", "#d55e00", "#c25500"},
                                       {"f32 carry", "#e69f00", "#a06e00"},
                                       {"f64", "#009e73", "#00835f"}};
-// Each method has its own mark and dashes.
+// Each method has its own mark and dashes, and its own shade of a number system's color: below 0 towards black, above 0
+// towards white.
 struct MethodStyle {
     const char* integrator;
     int mark, dashes;
+    double shade;
 };
-constexpr MethodStyle method_styles[]{
-    {"verlet", 7, 1}, {"suzuki4", 5, 2}, {"pdmv6", 9, 4}, {"rk4", 2, 3}, {"semi_implicit_euler", 4, 5}};
+constexpr MethodStyle method_styles[]{{"verlet", 7, 1, 0},
+                                      {"suzuki4", 5, 2, -0.5},
+                                      {"pdmv6", 9, 4, 0.45},
+                                      {"rk4", 2, 3, -0.25},
+                                      {"semi_implicit_euler", 4, 5, 0.25}};
+
+// "#rrggbb"
+std::string shaded(const std::string& color, double shade) {
+    std::string result = "#";
+    for (std::size_t i = 1; i < 7; i += 2) {
+        const int channel = std::stoi(color.substr(i, 2), nullptr, 16), end = shade < 0 ? 0 : 255;
+        result += text("%02x", channel + static_cast<int>(std::abs(shade) * (end - channel)));
+    }
+    return result;
+}
 
 struct PanelKind {
     const char *scene, *key, *title, *axis;
@@ -159,14 +174,17 @@ private:
         }
         x += 30;
         for (const MethodStyle& style : method_styles) {
-            add("", 44, text("point pointtype %d pointsize 0.7 linecolor '#404040'", style.mark));
+            add("", 44,
+                text("point pointtype %d pointsize 0.7 linecolor '%s'", style.mark,
+                     shaded("#606060", style.shade).c_str()));
             x -= 4;
             add(style.integrator, 44, "textcolor '#404040'");
             x += 8;
         }
         x = left;
-        add("each point: the largest within the steps since the point before; what is exactly zero has none", 62,
-            "textcolor '#606060' font ',11'");
+        add("each point: the largest since the point before; zero has no point; a method has its own shade of the "
+            "color",
+            62, "textcolor '#606060' font ',11'");
     }
 
     void panel(std::string& out, std::size_t index) const {
@@ -204,16 +222,17 @@ private:
                     }
                     if (points.empty()) continue;
                     plots += (plots.empty() ? "plot " : ", ") +
-                             text("'-' with linespoints linewidth 1 dashtype %d pointtype %d pointsize 0.35 "
+                             text("'-' with linespoints linewidth 1 dashtype %d pointtype %d pointsize 0.45 "
                                   "pointinterval 7 linecolor '%s' title '%s %s' noenhanced",
-                                  method.dashes, method.mark, style.color, method.integrator, style.numbers);
+                                  method.dashes, method.mark, shaded(style.color, method.shade).c_str(),
+                                  method.integrator, style.numbers);
                     data += points + "e\n";
                 }
             }
         }
         if (!has_rows) throw std::runtime_error{std::string{"no rows for the panel "} + kind.title};
         if (plots.empty()) {
-            plots = "set label 'zero at every look' at graph 0.5,0.5 center\nplot 1e-12 notitle";
+            plots = "set label 'zero whenever measured' at graph 0.5,0.5 center\nplot 1e-12 notitle";
             least = 1e-9, most = 1e-3;
         }
         const int low = static_cast<int>(std::floor(std::log10(least))),

@@ -1,8 +1,9 @@
-// Draws rows of work against precision: one picture a problem, one panel a core, all panels on the same axes: estimated
-// cycles where the core has a timing table, instructions where it has none. The front
-// is colored: at each error the run that is cheapest over all methods and number systems. A panel labels the eight
-// curves that hold most of it, at their ends, in one color a number system; all others are grey. A curve keeps only
-// runs that gain accuracy for their cost: where rounding stops a method, its curve ends.
+// Draws rows of work against precision: one picture a problem, one panel a core. All panels have the same axes:
+// estimated cycles where the core has a timing table, instructions where it has none. The front of a panel is, at each
+// error, the cheapest run over all methods and number systems. The eight curves that hold most of it are colored by
+// number system and labelled at their ends. The twelve other curves whose cost comes closest to the front's are grey;
+// the rest is not drawn. A curve keeps only runs that gain accuracy for their cost: where rounding stops a method, its
+// curve ends.
 #include "drawing.hpp"
 #include "labels.hpp"
 #include "ladder.hpp"
@@ -28,13 +29,14 @@ namespace fs = std::filesystem;
 
 // An orientation wrong by a radian, or a position by a metre, is no answer to any of the problems.
 constexpr double useless_error = 1;
-constexpr std::size_t most_labels = 8;
+constexpr std::size_t most_labels = 8, most_grey = 12;
 
 struct ErrorKind {
     const char *key, *axis;
 };
 constexpr std::array<ErrorKind, 2> error_kinds{
-    {{"orientation_error_rad", "largest orientation error, rad"}, {"position_error_m", "largest position error, m"}}};
+    {{"orientation_error_rad", "largest orientation error, rad (smaller to the right)"},
+     {"position_error_m", "largest position error, m (smaller to the right)"}}};
 
 // Colors of Okabe and Ito, which color-blind readers tell apart, and for text a darker shade of the light ones. Each
 // has a mark of its own too (gnuplot's point types), and the light ones a word in their labels.
@@ -99,7 +101,21 @@ void end_at_rounding(Curve& curve) {
     }
 }
 
-// Finds the front of a panel, and moves the curves that are labelled to the beginning.
+// The least that a curve costs at some error, as a multiple of the front's cost there. The front's runs ascend in cost.
+double distance_from(const std::vector<Run>& front, const Curve& curve) {
+    double least = std::numeric_limits<double>::infinity();
+    for (const Run& run : curve.runs) {
+        if (!(run.error < useless_error)) continue;
+        for (const Run& best : front) {
+            if (best.error > run.error) continue;
+            least = std::min(least, run.cost / best.cost);
+            break;
+        }
+    }
+    return least;
+}
+
+// Finds the front of a panel, and keeps the curves to draw: the labelled ones first, then the grey ones.
 void find_front(Panel& panel) {
     struct Entry {
         Run run;
@@ -112,9 +128,11 @@ void find_front(Panel& panel) {
     }
     std::stable_sort(entries.begin(), entries.end(),
                      [](const Entry& a, const Entry& b) { return cheaper(a.run, b.run); });
+    std::vector<Run> front;
     double best = useless_error;
     for (const auto& [run, curve] : entries) {
         if (!(run.error < best)) continue;
+        front.push_back(run);
         curve->front.push_back(run);
         curve->decades_on_front += std::log10(best / run.error);
         best = run.error;
@@ -124,6 +142,10 @@ void find_front(Panel& panel) {
     for (Curve& curve : panel.curves) end_at_rounding(curve);
     while (panel.labelled < std::min(most_labels, panel.curves.size()) && !panel.curves[panel.labelled].front.empty())
         ++panel.labelled;
+    const auto grey = panel.curves.begin() + static_cast<std::ptrdiff_t>(panel.labelled);
+    std::stable_sort(grey, panel.curves.end(),
+                     [&](const Curve& a, const Curve& b) { return distance_from(front, a) < distance_from(front, b); });
+    panel.curves.erase(grey + std::min<std::ptrdiff_t>(most_grey, panel.curves.end() - grey), panel.curves.end());
 }
 
 std::string file_name(std::string scene) {
@@ -241,7 +263,8 @@ private:
             add(style.numbers, 48, text("textcolor '%s'", style.text_color));
             x += 10;
         }
-        add("marks: cheapest at some error; at most eight curves a panel, all others grey", 48, "textcolor '#606060'");
+        add("marks: cheapest at some error; grey: the twelve next cheapest curves of a panel", 48,
+            "textcolor '#606060'");
     }
     [[nodiscard]] bool is_labelled(const NumberStyle& style) const {
         for (const Panel& panel : panels_)

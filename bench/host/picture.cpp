@@ -1,5 +1,5 @@
-// Draws the time of a body's step against the number of bodies in one world, a panel a scene: this kernel in each
-// number system, and each engine's fastest method.
+// Draws the time of a step, divided by the number of bodies, against that number, a panel a scene: this kernel in each
+// number system and each engine's fastest method.
 #include "drawing.hpp"
 #include "host/host_rows.hpp"
 
@@ -24,7 +24,8 @@ constexpr Style styles[]{{"tumble q32", "tumble", "q32 carry", "#0072b2", 7},
                          {"ODE", "ODE", "", "#a06e00", 3},
                          {"MuJoCo", "MuJoCo", "", "#2f83b5", 4}};
 
-constexpr double panel_width = 400, panel_height = 250, left = 75, top = 90, bottom = 60, gap = 45, right = 25;
+constexpr double panel_width = 400, panel_height = 250, left = 75, top = 90, bottom = 60, gap = 45, row_gap = 72,
+                 right = 25;
 constexpr double width = left + 2 * panel_width + gap + right;
 
 std::optional<double> ns(const HostRows& rows, const std::string& scene, int bodies, const Style& style) {
@@ -39,12 +40,12 @@ std::string script(const HostRows& rows) {
     const auto scenes = rows.scenes(true);
     if (scenes.empty()) throw std::runtime_error{"no scene has rows of several numbers of bodies"};
     const std::size_t lines = (scenes.size() + 1) / 2;
-    const double height = top + static_cast<double>(lines) * (panel_height + gap) - gap + bottom;
-    std::string out =
-        text("set terminal svg size %g,%g font 'sans-serif,13' background 'white'\n", width, height) +
-        "set multiplot\nunset key\nset logscale xy\nset format '10^{%L}'\nset mxtics 1\nset mytics 1\n" +
-        "set grid linecolor '#e4e4e4' linetype 1\nset tics scale 0\nset border linecolor '#808080'\n" +
-        text("set label 'time of a step, a body' at screen %g,%g font ',18'\n", left / width, 1 - 22 / height);
+    const double height = top + static_cast<double>(lines) * (panel_height + row_gap) - row_gap + bottom;
+    std::string out = text("set terminal svg size %g,%g font 'sans-serif,13' background 'white'\n", width, height) +
+                      "set multiplot\nunset key\nset logscale xy\nset format '10^{%L}'\nset mxtics 1\nset mytics 1\n" +
+                      "set grid linecolor '#e4e4e4' linetype 1\nset tics scale 0\nset border linecolor '#808080'\n" +
+                      text("set label 'time of a step, divided by the bodies' at screen %g,%g font ',18'\n",
+                           left / width, 1 - 22 / height);
     double x = left;
     for (const Style& style : styles) {
         out += text("set label '' at screen %g,%g point pointtype %d pointsize 0.7 linecolor '%s'\n", (x + 5) / width,
@@ -55,7 +56,7 @@ std::string script(const HostRows& rows) {
     }
     for (std::size_t i = 0; i < scenes.size(); ++i) {
         const double from_left = left + static_cast<double>(i % 2) * (panel_width + gap),
-                     from_bottom = height - top - static_cast<double>(i / 2) * (panel_height + gap) - panel_height;
+                     from_bottom = height - top - static_cast<double>(i / 2) * (panel_height + row_gap) - panel_height;
         out += text(
             "set lmargin at screen %g\nset rmargin at screen %g\nset bmargin at screen %g\nset tmargin at screen %g\n",
             from_left / width, (from_left + panel_width) / width, from_bottom / height,

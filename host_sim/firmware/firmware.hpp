@@ -94,10 +94,10 @@ public:
 
     // Configures the build directory. `scenes` is one header for all programs, or a directory that has a header for
     // each program, named after it. `scene` is the name of the struct in the headers. Programs are made of the
-    // integrators that are given, or of all where none is.
+    // integrators that are given, or of all where none is. `optimize` is the compiler's level.
     StepFirmware(std::filesystem::path build, std::string core, const std::string& scene,
                  const std::filesystem::path& scenes, const std::vector<std::string>& integrators = {},
-                 Lines lines = Lines::none);
+                 Lines lines = Lines::none, const std::string& optimize = "-O2");
 
     // Builds programs on all processors. All programs of a number system that replay one scene take about 20 s; a
     // program that has a scene of its own takes 4 s. run() reports programs that could not be built.

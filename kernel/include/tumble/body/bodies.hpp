@@ -1,6 +1,5 @@
-// The bodies of a world in fixed-size arrays: their state, what is constant about them, and what has gone wrong. Knows
-// nothing of the method of integration, so worlds that differ in it alone share this code, the loads' and the
-// contacts'.
+// The bodies of a world in fixed-size arrays: their state, their constants, and the status. The code does not depend on
+// the method of integration, so worlds that differ only in the method share this code, the loads' and the contacts'.
 #pragma once
 
 #include <tumble/body/setup.hpp>
@@ -12,7 +11,7 @@ namespace tumble {
 
 namespace detail {
 
-// An array of n, which takes no room where n is 0.
+// An array of n elements, which takes no room if n is 0.
 template <class T, int n>
 struct RoomFor {
     using Array = T[n];
@@ -20,7 +19,7 @@ struct RoomFor {
 template <class T>
 struct RoomFor<T, 0> {
     struct Array {
-        // Of no element: never called.
+        // Never called: there is no element.
         [[nodiscard]] T& operator[](int) { __builtin_unreachable(); }
         [[nodiscard]] const T& operator[](int) const { __builtin_unreachable(); }
     };
@@ -28,26 +27,26 @@ struct RoomFor<T, 0> {
 
 }  // namespace detail
 
-// A body's number in its world. False where add() found no room.
+// The number of a body in its world. False if add() found no room.
 class BodyId {
 public:
-    constexpr BodyId() = default;  // of no body
-    // By the place in the order of add(), from 0.
+    constexpr BodyId() = default;  // the id of no body
+    // From the body's place in the order of add(), from 0.
     constexpr explicit BodyId(int index)
         : index_{index < 0 || index > most ? std::int16_t{-1} : static_cast<std::int16_t>(index)} {}
-    // True of a body's id; false of what add() returns on a full world.
+    // True of a body's id. False of the result of add() on a full world.
     [[nodiscard]] constexpr explicit operator bool() const { return index_ >= 0; }
     [[nodiscard]] constexpr BodyId operator*() const { return *this; }
-    // The place in the order of add(); -1: of no body.
+    // The body's place in the order of add(), from 0. -1: the id of no body.
     [[nodiscard]] constexpr int index() const { return index_; }
-    // The largest that there is.
+    // The largest index that an id can hold.
     static constexpr int most = 0x7fff;
 
 private:
     std::int16_t index_ = -1;
 };
 
-// Bodies that a step advances together, because loads couple them; or one body alone.
+// Bodies that a step advances together, because loads couple them. A body alone is a group too.
 template <int capacity>
 struct BodyGroup {
     int count = 0;
@@ -61,7 +60,7 @@ struct BodyGroup {
     void add(int body) { id[count++] = static_cast<std::int16_t>(body); }
 };
 
-// How spin relates to angular velocity and momentum: half_turn_i = turn_per_impulse_i * L_i;  w_i = rate_i *
+// Converts a spin to angular velocity and from angular momentum: half_turn_i = turn_per_impulse_i * L_i, w_i = rate_i *
 // half_turn_i.
 template <class N, Spin spin>
 struct SpinUnits;
@@ -107,28 +106,28 @@ struct SpinUnits<N, Spin::angular_momentum> {
     return spin == Spin::angular_velocity ? step * Real::scaled(1, -1) : step;
 }
 
-// What is constant about a body.
+// The constants of a body.
 template <class N, Spin spin, bool points>
 struct BodyConstants {
-    SpinUnits<N, spin> units{};            // of spin
+    SpinUnits<N, spin> units{};            // units of the spin
     typename N::Work drift_per_impulse{};  // h / m
     Quat<typename N::Unit> principal{};    // principal axes to the user's body axes
-    bool fixed = true;                     // so is a place that no body has taken yet
+    bool fixed = true;                     // a place without a body counts as fixed
 };
-// The same of a point mass in a world of nothing else.
+// The constants of a point mass, in a world that has only point masses.
 template <class N>
 struct BodyConstants<N, Spin::none, false> {
     typename N::Work drift_per_impulse{};  // h / m
-    bool fixed = true;                     // so is a place that no body has taken yet
+    bool fixed = true;                     // a place without a body counts as fixed
 };
-// The same of a body that may be a point mass.
+// The constants of a body that may be a point mass.
 template <class N, Spin spin>
 struct BodyConstants<N, spin, true> : BodyConstants<N, spin, false> {
     bool is_point = false;  // without rotation
 };
 
-// A point mass has no orientation and no spin: without a spin all bodies are point masses, with `points` some may be.
-// Of the latter the state's orientation stays the identity and its spin zero.
+// Without a spin all bodies are point masses; with `points` some may be. A point mass has no orientation and no spin:
+// in a world with rotation, its orientation stays the identity and its spin zero.
 template <class N, Spin spin, int capacity, bool points = false>
 class Bodies {
     static_assert(!(spin == Spin::none && points), "where nothing rotates, all bodies are point masses");
@@ -146,8 +145,8 @@ public:
         TUMBLE_ASSERT(step.value > Real{});
     }
 
-    // Places a body at the first free place, which there must be. A point mass that is turned or spins is misuse, and
-    // so is one where all bodies rotate, and any other where none does.
+    // Adds a body at the first free place, which must exist. Misuse: a point mass with a rotation or a spin, a point
+    // mass in a world without point masses, and any other body in a world without rotation.
     [[gnu::noinline]] int add(const BodySpec& spec, [[maybe_unused]] const PrincipalInertia& inertia) {
         TUMBLE_ASSERT(spec.mass > Real{});
         TUMBLE_ASSERT(has_positive_size(spec.shape));
@@ -173,18 +172,18 @@ public:
         else return rotation;
     }
 
-    // The step that a moment is nearest to; 0 for what lies before the start, 2^63 - 1 for what lies after 2^63 steps.
+    // The step nearest to a time. 0 for times before the start, 2^63 - 1 for times after 2^63 steps.
     [[nodiscard]] std::uint64_t step_of(Real time) const {
         const std::int64_t n = (time / step_length).to_fixed(0, 64);
         return n < 0 ? 0 : static_cast<std::uint64_t>(n);
     }
-    // The place of a body that has been added; any other is misuse.
+    // The index of a body that has been added. Any other id is misuse.
     [[nodiscard]] TUMBLE_INLINE int index_of(BodyId id) const { return index_of(id.index()); }
     [[nodiscard]] TUMBLE_INLINE int index_of(int b) const {
         TUMBLE_ASSERT(b >= 0 && b < count);
         return b;
     }
-    // User's body axes to principal axes.
+    // From the user's body axes to principal axes.
     [[nodiscard]] WorkVec3<N> principal_vector([[maybe_unused]] int b, RealVec3 v) const {
         if constexpr (!rotation) return work_vector<N>(v);
         else return rotate(work_quaternion<N>(constants[b].principal.conjugate()), work_vector<N>(v));
@@ -197,19 +196,20 @@ public:
         return constants[b].units.per_impulse(i) * constants[b].units.rate(i, Work(1));
     }
 
-    // Momentum (world, N s) and angular momentum (principal axes, N m s) into the state.
+    // Adds a momentum (world, N s) and an angular momentum (principal axes, N m s) to the state.
     void push(int b, const WorkVec3<N>& linear_w, const WorkVec3<N>& angular_b) requires(rotation) {
         for (int i = 0; i < 3; ++i) {
             N::add_any(state[b].d_w[i], linear_w[i] * constants[b].drift_per_impulse, scale);
             N::add_any(state[b].t_b[i], angular_b[i] * constants[b].units.per_impulse(i), scale);
         }
     }
-    // The same of a point mass.
+    // The same for a point mass.
     void push(int b, const WorkVec3<N>& linear_w) {
         for (int i = 0; i < 3; ++i) N::add_any(state[b].d_w[i], linear_w[i] * constants[b].drift_per_impulse, scale);
     }
 
-    // most_turn: the longest half turn of a step that the method follows in floating point, rad; 0: any.
+    // Reports range_left if the body left its range. most_turn: the longest half turn in a step that the method follows
+    // in floating point, rad; 0: any.
     TUMBLE_INLINE void check_range(int b, double most_turn = 0) {
         if (N::out_of_range(state[b], most_turn)) [[unlikely]]
             leave_range(b);
@@ -233,7 +233,7 @@ public:
         return h.value();
     }
 
-    // The state in SI units; see World.
+    // The state in SI units. World documents these functions.
     [[nodiscard]] WorkVec3<N> position(int b) const {
         const State& s = state[b];
         return {N::metres(N::sum(s.x_w.x)), N::metres(N::sum(s.x_w.y)), N::metres(N::sum(s.x_w.z))};
@@ -244,7 +244,7 @@ public:
         for (int i = 0; i < 3; ++i) v[i] = N::metres(N::sum(state[b].d_w[i]), scale) * rate;
         return v;
     }
-    // Angle turned in a step about principal axis i, rad.
+    // The angle turned in a step about principal axis i, rad.
     [[nodiscard]] Work turn(int b, int i) const requires(rotation) {
         return N::half_turn(N::sum(state[b].t_b[i]), scale) * constants[b].units.rate(i, Work(1));
     }

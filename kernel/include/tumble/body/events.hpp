@@ -1,13 +1,13 @@
-// Timed events as a world's own numbers: impulses, applied before the step that begins at their time, and forces that
-// are on for a while. Arrays of them are sorted by their first step; what starts together keeps its order. Steps of
-// events are counted in 64 bits, from the start of the world on.
+// Timed events in the numbers of a world: impulses, applied before the step that begins at their time, and forces that
+// act for a while. Arrays of events are sorted by their first step; events with equal steps keep their order. Events
+// count steps in 64 bits from the start of the world.
 #pragma once
 
 #include <tumble/body/bodies.hpp>
 
 namespace tumble {
 
-// An instantaneous change of momentum; World::prepare() makes it.
+// An instantaneous change of momentum. World::prepare() makes it from an ImpulseSpec.
 template <class N>
 struct Impulse {
     std::uint64_t step = 0;                  // applied before this step is taken
@@ -18,35 +18,36 @@ struct Impulse {
     WorkVec3<N> point_b = zero_vector<N>();  // m, principal axes
 };
 
-// A constant force at a point of a body and a constant torque while it is on; World::prepare() makes it.
+// A constant force at a point of a body and a constant torque, both acting for a while. World::prepare() makes it from
+// a ForceSpec.
 template <class N>
 struct TimedForce {
     std::int16_t body = 0;                   // index
     Frame frame = Frame::world;              // of force and torque
-    std::uint64_t from = 0;                  // the first step that it is on in
-    std::uint64_t until = 0;                 // the first step that it is off again in
+    std::uint64_t from = 0;                  // the first step in which it acts
+    std::uint64_t until = 0;                 // the first step in which it no longer acts
     WorkVec3<N> force = zero_vector<N>();    // N, in `frame` (body: principal axes)
     WorkVec3<N> torque = zero_vector<N>();   // N m, in `frame`
     WorkVec3<N> point_b = zero_vector<N>();  // m, principal axes
 
-    // True in the steps that it acts in.
+    // True in the steps in which it acts.
     [[nodiscard]] bool is_on(std::uint64_t step) const { return from <= step && step < until; }
 };
 
-// Constant arrays that outlive the world: flash in a firmware.
+// A constant array that outlives the world: flash in a firmware.
 template <class T>
 struct Span {
-    const T* first = nullptr;  // of the array
-    int count = 0;             // of its elements
+    const T* first = nullptr;  // the first element
+    int count = 0;             // number of elements
 
     // For loops over the elements.
     [[nodiscard]] const T* begin() const { return first; }
-    // Behind the last element.
+    // Past the last element.
     [[nodiscard]] const T* end() const { return first + count; }
 };
 
-// A set-up value as the numbers of the bodies' world. Its body must have been added; what would turn a point mass, or
-// is in axes that it does not have, is misuse.
+// An event in the numbers of the bodies' world. The body must exist. Misuse: a rotation of a point mass, and the frame
+// of a body that has none.
 template <class N, Spin spin, int capacity, bool points>
 [[gnu::noinline, nodiscard]] Impulse<N> prepare(const Bodies<N, spin, capacity, points>& bodies,
                                                 const ImpulseSpec& spec) {
@@ -60,7 +61,7 @@ template <class N, Spin spin, int capacity, bool points>
             in_body ? bodies.principal_vector(spec.body, spec.angular_impulse) : work_vector<N>(spec.angular_impulse),
             bodies.principal_vector(spec.body, spec.point)};
 }
-// The same of a force that is on for a while.
+// The same for a force that acts for a while.
 template <class N, Spin spin, int capacity, bool points>
 [[gnu::noinline, nodiscard]] TimedForce<N> prepare(const Bodies<N, spin, capacity, points>& bodies,
                                                    const ForceSpec& spec) {
@@ -76,7 +77,7 @@ template <class N, Spin spin, int capacity, bool points>
             bodies.principal_vector(spec.body, spec.point)};
 }
 
-// An impulse's change of momentum, at once.
+// Applies the impulse's change of momentum at once.
 template <class N, Spin spin, int capacity, bool points>
 inline void apply(const Impulse<N>& event, Bodies<N, spin, capacity, points>& bodies) {
     using Work = typename N::Work;
@@ -111,7 +112,7 @@ template <class N>
 
 }  // namespace detail
 
-// The world's own numbers, sorted by their first step; what starts together keeps its order.
+// Events in the numbers of the world, sorted by their first step. Events with equal steps keep their order.
 template <class Events, class Specs, class Bodies>
 [[nodiscard]] auto prepare_sorted(Events& events, const Specs& specs, const Bodies& bodies) {
     if constexpr (requires { events.resize(specs.size()); }) events.resize(specs.size());

@@ -7,14 +7,15 @@
 
 namespace tumble {
 
-// Symmetric tensor, kg m^2; xy, xz, yz are its elements (minus the products of inertia).
+// A symmetric tensor, kg m^2, about the centre of mass. xy, xz and yz are its elements, which are minus the products of
+// inertia.
 struct InertiaTensor {
     Real xx;  // the moment about x
     Real yy;  // the moment about y
     Real zz;  // the moment about z
-    Real xy;  // minus the product of x and y
-    Real xz;  // minus the product of x and z
-    Real yz;  // minus the product of y and z
+    Real xy;  // minus the product of inertia of x and y
+    Real xz;  // minus the product of inertia of x and z
+    Real yz;  // minus the product of inertia of y and z
 };
 
 struct PrincipalInertia {
@@ -22,19 +23,20 @@ struct PrincipalInertia {
     RealQuat principal;  // rotates principal-frame vectors into the user's body frame
 };
 
-// Solids, and the hoop, a thin ring. Points and none touch nothing.
+// Solids, and the hoop, a thin ring. Bodies of shape `points` and `none` collide with nothing.
 enum class ShapeKind : std::uint8_t { none, sphere, box, cylinder, hoop, capsule, points };
 
-// A shape about its centre of mass. size: box: full edges; sphere: radius; cylinder, capsule: radius, length along z
-// (a capsule's length is that of its straight part); hoop: radius, about z.  All in metres.
+// A shape about its centre of mass. The meaning of size, in metres:
+//   box: full edges; sphere: radius; hoop: radius, about z;
+//   cylinder: radius and length along z; capsule: radius and length of the straight part, along z.
 struct Shape {
-    ShapeKind kind = ShapeKind::none;  // none: mass alone
+    ShapeKind kind = ShapeKind::none;  // none: a mass without extension
     RealVec3 size{};                   // m, as above
 };
 
 namespace detail {
 
-// One Jacobi rotation that zeroes element (p, q) of the symmetric matrix a; v collects the rotations.
+// One Jacobi rotation, which zeroes element (p, q) of the symmetric matrix a. v accumulates the rotations.
 constexpr void jacobi_rotate(Real (&a)[3][3], Real (&v)[3][3], int p, int q) {
     if (a[p][q].is_zero()) return;
     const Real theta = (a[q][q] - a[p][p]) / (a[p][q] * Real{2});
@@ -58,7 +60,7 @@ constexpr void jacobi_rotate(Real (&a)[3][3], Real (&v)[3][3], int p, int q) {
     }
 }
 
-// The unit quaternion of a rotation matrix given by its columns (Shepperd's choice of the largest pivot).
+// The unit quaternion of a rotation matrix that is given by its columns (Shepperd: the largest pivot).
 [[nodiscard]] constexpr RealQuat quaternion_of(RealVec3 x, RealVec3 y, RealVec3 z) {
     const Real trace = x.x + y.y + z.z;
     RealQuat q;
@@ -85,7 +87,7 @@ constexpr void jacobi_rotate(Real (&a)[3][3], Real (&v)[3][3], int p, int q) {
         detail::jacobi_rotate(a, v, 0, 2);
         detail::jacobi_rotate(a, v, 1, 2);
     }
-    int order[3] = {0, 1, 2};  // stable: equal moments keep the user's order
+    int order[3] = {0, 1, 2};  // the sort is stable: equal moments keep the user's order
     const auto swap_if_less = [&](int m, int n) {
         if (a[order[m]][order[m]] < a[order[n]][order[n]]) {
             const int t = order[m];
@@ -102,7 +104,7 @@ constexpr void jacobi_rotate(Real (&a)[3][3], Real (&v)[3][3], int p, int q) {
             detail::quaternion_of(x, y, cross(x, y))};
 }
 
-// The tensor of a homogeneous solid (hoop: a thin ring) of the given mass, kg m^2. `none` has none: zero.
+// The tensor of a homogeneous solid (of a thin ring for a hoop) of the given mass, kg m^2. Zero for `none`.
 [[nodiscard]] constexpr InertiaTensor inertia_of(const Shape& shape, Real mass) {
     const auto [a, b, c] = shape.size;
     const auto diagonal = [&](Real x, Real y, Real z) { return InertiaTensor{mass * x, mass * y, mass * z, 0, 0, 0}; };
@@ -123,7 +125,7 @@ constexpr void jacobi_rotate(Real (&a)[3][3], Real (&v)[3][3], int p, int q) {
         return diagonal(t, t, a * a);
     }
     case ShapeKind::capsule: {
-        // Straight part and the two caps share the mass as their volumes, length : 4/3 radius.
+        // The straight part and the two caps share the mass in proportion to their volumes, length : 4/3 radius.
         const Real caps_length = a * Real{4} / Real{3}, straight = b / (b + caps_length),
                    caps = caps_length / (b + caps_length);
         const Real axial = straight * a * a / Real{2} + caps * a * a * Real{2} / Real{5};
@@ -135,7 +137,7 @@ constexpr void jacobi_rotate(Real (&a)[3][3], Real (&v)[3][3], int p, int q) {
     }
 }
 
-// True if no length of the shape that must be positive is not: a capsule without its straight part is a ball.
+// True if all lengths of the shape are positive. The straight part of a capsule may be 0: it is then a ball.
 [[nodiscard]] constexpr bool has_positive_size(const Shape& shape) {
     const auto [a, b, c] = shape.size;
     const Real zero{};
@@ -148,8 +150,8 @@ constexpr void jacobi_rotate(Real (&a)[3][3], Real (&v)[3][3], int p, int q) {
     default: return true;
     }
 }
-// True if a distribution of mass has these principal moments, sorted downwards: none is larger than the sum of the
-// others, but for a millionth of rounding.
+// True if a body can have these principal moments, sorted downwards: the largest is at most the sum of the others, with
+// a millionth as the margin for rounding.
 [[nodiscard]] constexpr bool are_of_a_body(const RealVec3& moments) {
     return moments.x * (Real{1} - Real::scaled(1, -20)) <= moments.y + moments.z;
 }
@@ -167,18 +169,18 @@ constexpr void jacobi_rotate(Real (&a)[3][3], Real (&v)[3][3], int p, int q) {
     }
 }
 
-// One of the masses that point_cloud() makes a body of.
+// One of the masses from which point_cloud() makes a body.
 struct PointMass {
     RealVec3 position;  // m
     Real mass;          // kg
 };
-// What rigidly connected point masses are as one body.
+// The mass properties of rigidly connected point masses.
 struct PointCloud {
     Real mass;              // kg
-    RealVec3 centre;        // m, of mass
+    RealVec3 centre;        // m, the centre of mass
     InertiaTensor inertia;  // kg m^2, about the centre of mass
 };
-// Sums up `count` points, of which one at least has mass.
+// Adds up `count` points. At least one must have mass.
 [[nodiscard]] constexpr PointCloud point_cloud(const PointMass* points, int count) {
     PointCloud cloud{};
     for (int i = 0; i < count; ++i) {

@@ -1,12 +1,12 @@
-// Turning a unit quaternion by a small delta that is kept relative to identity: delta = (1 + w, v), |v| < 1/2.
-// One rounding a component a step; the renormalisation is folded into it, so that no square root is needed.
+// Rotates a unit quaternion by a small delta, which is kept relative to the identity: delta = (1 + w, v), |v| < 1/2.
+// Each component is rounded once a step. The renormalisation is part of the product and needs no square root.
 #pragma once
 
 #include <tumble/body/state.hpp>
 
 namespace tumble {
 
-// A rotation less the identity: the quaternion (1 + w, v). w is minus the sine-square part, so it stays accurate.
+// A rotation less the identity: the quaternion (1 + w, v). w is computed as minus 2 sin^2, so it stays accurate.
 template <class N>
 struct Delta {
     typename N::Angle w;
@@ -16,15 +16,15 @@ struct Delta {
         constexpr typename N::Angle zero{};
         return {zero, {zero, zero, zero}};
     }
-    // The rotation by tan(angle/2) = |half_turn|, of unit length to |half_turn|^4 / 8: Euler's, with its own
-    // renormalisation.
+    // The rotation with tan(angle/2) = |half_turn|. Its length is 1 to |half_turn|^4 / 8. For Euler's methods, with a
+    // renormalisation of its own.
     [[nodiscard]] TUMBLE_INLINE static Delta of(const Vec3<typename N::Angle>& half_turn) {
         return {-N::half_angle(upper_word(dot(half_turn, half_turn))), half_turn};
     }
 };
 
-// (1 + z)^(-1/2) - 1 for 0 <= z < 1/4: what makes (1, c) a unit quaternion, z = |c|^2. Three terms of the series and a
-// Newton step in fixed point; a square root and a division in floating point.
+// (1 + z)^(-1/2) - 1 for 0 <= z < 1/4, which makes (1, c) a unit quaternion, z = |c|^2. In fixed point: three terms of
+// the series and a Newton step. In floating point: a square root and a division.
 template <class N>
 [[nodiscard]] TUMBLE_INLINE typename N::Angle inverse_length_less_one(typename N::Angle z) {
     using Angle = typename N::Angle;
@@ -42,7 +42,7 @@ template <class N>
     }
 }
 
-// (|q|^2 - 1) / 2, the first-order excess of the norm.
+// (|q|^2 - 1) / 2, the excess of the norm to first order.
 template <class N>
 [[nodiscard]] TUMBLE_INLINE typename N::Angle norm_excess(const Quat<typename N::Unit>& q) {
     const auto norm2 = mul_add(mul_add(mul_add(mul(q.w, q.w), q.v.x(), q.v.x()), q.v.y(), q.v.y()), q.v.z(), q.v.z());
@@ -54,7 +54,7 @@ template <class N>
     }
 }
 
-// q <- q (1 + delta) (1 - excess): a product of 16 multiplications whose sums go to the carried state unrounded.
+// q <- q (1 + delta) (1 - excess). 16 multiplications, whose sums go unrounded to the carried state.
 template <class N>
 TUMBLE_INLINE void turn(IntegratedQuat<N>& q_wb, Delta<N> delta) {
     const Quat<typename N::Unit> q = q_wb.value();
@@ -68,7 +68,7 @@ TUMBLE_INLINE void turn(IntegratedQuat<N>& q_wb, Delta<N> delta) {
     q_wb.z.accumulate(q.w, v.z(), [&](auto sum) { return add_cross_component<2>(mul_add(sum, q.v.z(), w), q.v, v); });
 }
 
-// q (1 + delta), rounded to unit-quaternion components; not renormalised.
+// q (1 + delta), rounded to the components of a unit quaternion, without renormalisation.
 template <class N>
 [[nodiscard]] TUMBLE_INLINE Quat<typename N::Unit> turned(const Quat<typename N::Unit>& q, const Delta<N>& delta) {
     using Unit = typename N::Unit;

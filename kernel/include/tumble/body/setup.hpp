@@ -1,66 +1,67 @@
-// What is set up once, in SI units and the user's body axes, as set-up numbers: bodies, planes, springs, timed events
-// and the world's own values. `tumble compile` writes these from a scene file.
+// The set-up values of a world in SI units and in the user's body axes: bodies, planes, springs, timed events, and the
+// world's own values. `tumble compile` writes them from a scene file.
 #pragma once
 
 #include <tumble/body/mass.hpp>
 
 namespace tumble {
 
-// The axes that a vector is given in: of the world, or of the body as its user set it up, turning with it.
+// The axes of a vector: those of the world, or the user's body axes, which rotate with the body.
 enum class Frame : std::uint8_t { world, body };
 
-// A step or a moment, seconds; exact for fractions.
+// A duration in seconds: the step, or a time.
 struct Seconds {
     Real value;  // s
 
-    // A fraction; steps of a power of two are exact in binary.
+    // A fraction of a second. A step that is a power of two is exact in binary.
     constexpr Seconds(int numerator, int denominator) : value{Real{numerator} / Real{denominator}} {}
-    // A decimal, to the nearest set-up number.
+    // A decimal number of seconds, to the nearest set-up number.
     constexpr explicit Seconds(Real seconds) : value{seconds} {}
 };
 
-// Everything about a body but its place in the world's arrays.
+// A body as it is added to a world.
 struct BodySpec {
-    Shape shape{};                // what touches; none: nothing does
+    Shape shape{};                // collides; none: collides with nothing
     Real mass = 1;                // kg
-    InertiaTensor inertia{};      // kg m^2, about the centre of mass, user's axes; none and no shape: a point mass
+    InertiaTensor inertia{};      // kg m^2, about the centre of mass, user's axes; zero and no shape: a point mass
     RealVec3 position{};          // m, world
     RealVec3 velocity{};          // m/s, world
     RealQuat orientation{};       // user's body axes to world; normalised when added
     RealVec3 angular_velocity{};  // rad/s, user's body axes
-    Real restitution = -1;        // of impacts, 0 to 1; negative: the world's default
-    Real friction = -1;           // Coulomb's coefficient; negative: the world's default
-    bool fixed = false;           // its place never changes; it may turn
+    Real restitution = -1;        // of impacts, 0 to 1; negative: the world's value
+    Real friction = -1;           // Coulomb's coefficient; negative: the world's value
+    bool fixed = false;           // its position never changes; it may rotate
 };
 
-// True of a body without shape and without inertia: a point mass. It touches nothing, and has neither orientation nor
-// spin; what would turn it is misuse.
+// True of a point mass: a body without shape and inertia. It collides with nothing, and has neither orientation nor
+// spin. A rotation of it is misuse.
 [[nodiscard]] constexpr bool is_point_mass(const BodySpec& spec) {
     const InertiaTensor& i = spec.inertia;
     return spec.shape.kind == ShapeKind::none && i.xx.is_zero() && i.yy.is_zero() && i.zz.is_zero() && i.xy.is_zero() &&
            i.xz.is_zero() && i.yz.is_zero();
 }
 
-// A fixed plane that bodies touch; as it is, the ground y = 0.
+// A fixed plane. By default the ground y = 0.
 struct PlaneSpec {
     RealVec3 normal{0, 1, 0};  // normalised when added; the free side is where normal . x + offset > 0
     Real offset = 0;           // m
-    Real restitution = -1;     // of impacts, 0 to 1; negative: the world's default
-    Real friction = -1;        // Coulomb's coefficient; negative: the world's default
+    Real restitution = -1;     // of impacts, 0 to 1; negative: the world's value
+    Real friction = -1;        // Coulomb's coefficient; negative: the world's value
 };
 
-// F = -k (length - rest_length) - c (rate of length), between a point of `body` and a world point or another body's.
+// F = -k (length - rest_length) - c (rate of length), between a point of `body` and a point of the world or of another
+// body.
 struct SpringSpec {
     int body = 0;          // index, in the order of add()
     RealVec3 point{};      // m, user's body axes, from the centre of mass
-    int to_body = -1;      // index; -1: `to` is a world point
-    RealVec3 to{};         // m, world; or to_body's axes
+    int to_body = -1;      // index of the other body; -1: `to` is a point of the world
+    RealVec3 to{};         // m, world, or user's axes of `to_body` from its centre of mass
     Real stiffness = 0;    // N/m
     Real damping = 0;      // N s/m
     Real rest_length = 0;  // m
 };
 
-// An instantaneous change of momentum before the step that begins at `time` (rounded to the nearest step).
+// An instantaneous change of momentum before the step that begins at `time`, which is rounded to the nearest step.
 struct ImpulseSpec {
     Real time = 0;               // s
     int body = 0;                // index, in the order of add()
@@ -70,7 +71,7 @@ struct ImpulseSpec {
     RealVec3 angular_impulse{};  // N m s, in `frame`
 };
 
-// A constant force and torque while from <= t < until (both rounded to the nearest step).
+// A constant force and torque while from <= t < until. Both times are rounded to the nearest step.
 struct ForceSpec {
     int body = 0;                // index, in the order of add()
     Real from = 0;               // s
@@ -81,33 +82,33 @@ struct ForceSpec {
     RealVec3 torque{};           // N m, in `frame`
 };
 
-// What bodies that touch do: nothing, impulses (restitution and friction), or springs.
+// The response of contacts: nothing, impulses (with restitution and friction), or springs.
 enum class ContactResponse : std::uint8_t { none, impulse, spring };
 
-// A group of bodies in touch falls asleep when all of them have been slower than this for so long.
+// An island falls asleep when all its bodies have been slower than these speeds for the given time.
 struct SleepSpec {
-    bool on = false;            // where Features::sleep is compiled in
+    bool on = false;            // needs Features::sleep
     Real speed = 0.03;          // m/s
     Real angular_speed = 0.05;  // rad/s
     Real time = 0.5;            // s
 };
 
-// How bodies touch planes and each other.
+// Contacts of bodies with planes and with each other.
 struct ContactSpec {
-    ContactResponse response = ContactResponse::impulse;  // compiled in by Features
-    Real restitution = 0.5;          // of impacts, 0 to 1, where a body or plane has none of its own
-    Real restitution_threshold = 0;  // m/s: slower impacts do not bounce
-    Real friction = 0;               // Coulomb's coefficient, where a body or plane has none of its own
-    Real tolerance = 0.001;          // m: the band in which bodies touch, and the depth at which a step is redone
-    Real stiffness = 10000;          // N/m of a point; ContactResponse::spring
-    Real damping = 0;                // N s/m of a point; ContactResponse::spring
-    Real barrier = 0;                // N m^2: a force of barrier / gap^2; ContactResponse::spring
-    SleepSpec sleep{};               // of what rests
+    ContactResponse response = ContactResponse::impulse;  // must be compiled in by Features
+    Real restitution = 0.5;          // of impacts, 0 to 1; for bodies and planes without a value of their own
+    Real restitution_threshold = 0;  // m/s; slower impacts do not bounce
+    Real friction = 0;               // Coulomb's coefficient; for bodies and planes without a value of their own
+    Real tolerance = 0.001;          // m; the gap within which bodies touch, and the depth at which a step is redone
+    Real stiffness = 10000;          // N/m for each contact point; for ContactResponse::spring
+    Real damping = 0;                // N s/m for each contact point; for ContactResponse::spring
+    Real barrier = 0;                // N m^2; the force is barrier / gap^2; for ContactResponse::spring
+    SleepSpec sleep{};               // when resting bodies fall asleep
 };
 
-// True of a restitution that a body or plane may have; a negative one stands for the world's.
+// True of a restitution that a body or plane may have. Negative values stand for the world's.
 [[nodiscard]] constexpr bool is_restitution(Real e) { return e <= Real{1}; }
-// True of values that contacts can have: none negative, restitution at most 1, the tolerance not 0.
+// True of values that contacts can have: none is negative, the restitution is at most 1, the tolerance is above 0.
 [[nodiscard]] constexpr bool is_valid(const ContactSpec& spec) {
     const Real least[] = {
         spec.restitution, spec.restitution_threshold, spec.friction,  spec.stiffness, spec.damping, spec.barrier,
@@ -117,16 +118,16 @@ struct ContactSpec {
     return is_restitution(spec.restitution) && spec.tolerance > Real{};
 }
 
-// What acts on all bodies of a world.
+// Values that act on all bodies of a world.
 struct WorldSpec {
     RealVec3 gravity{};     // m/s^2, world
-    Real gravitation = 0;   // m^3/(kg s^2): attraction between all bodies
+    Real gravitation = 0;   // m^3/(kg s^2); attraction between all bodies
     Real linear_drag = 0;   // kg/s
     Real angular_drag = 0;  // N m s
-    ContactSpec contact{};  // how bodies touch
+    ContactSpec contact{};  // contacts
 };
 
-// A body of the given shape and mass at the origin, at rest. Masses in kg, lengths in m.
+// A body of the given shape and mass, at rest at the origin.
 [[nodiscard]] constexpr BodySpec body_of(Shape shape, Real mass) {
     TUMBLE_ASSERT(mass > Real{});
     BodySpec spec;
@@ -135,28 +136,29 @@ struct WorldSpec {
     spec.inertia = inertia_of(shape, mass);
     return spec;
 }
-// A mass without extension, in a world whose Features have point_masses.
+// A point mass, kg. For worlds whose Features have point_masses.
 [[nodiscard]] constexpr BodySpec point_mass(Real mass) {
     TUMBLE_ASSERT(mass > Real{});
     BodySpec spec;
     spec.mass = mass;
     return spec;
 }
-// A box of a mass and full edges.
+// A box with its mass, kg, and its full edges, m.
 [[nodiscard]] constexpr BodySpec box(Real mass, RealVec3 edges) { return body_of({ShapeKind::box, edges}, mass); }
-// A solid sphere.
+// A solid sphere with its mass, kg, and its radius, m.
 [[nodiscard]] constexpr BodySpec sphere(Real mass, Real radius) {
     return body_of({ShapeKind::sphere, {radius, 0, 0}}, mass);
 }
-// A solid cylinder along z.
+// A solid cylinder along z with its mass, kg, its radius and its height, m.
 [[nodiscard]] constexpr BodySpec cylinder(Real mass, Real radius, Real height) {
     return body_of({ShapeKind::cylinder, {radius, height, 0}}, mass);
 }
-// A thin ring about z.
+// A thin ring about z with its mass, kg, and its radius, m.
 [[nodiscard]] constexpr BodySpec hoop(Real mass, Real radius) {
     return body_of({ShapeKind::hoop, {radius, 0, 0}}, mass);
 }
-// A solid cylinder along z between two half spheres; length is that of the straight part.
+// A solid cylinder along z between two half spheres, with its mass, kg, its radius and the length of the straight part,
+// m.
 [[nodiscard]] constexpr BodySpec capsule(Real mass, Real radius, Real length) {
     return body_of({ShapeKind::capsule, {radius, length, 0}}, mass);
 }

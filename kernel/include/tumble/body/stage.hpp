@@ -1,29 +1,30 @@
-// What a step hands to and fro between a method, the loads and the contacts: a body in the middle of a step, and the
-// change of its motion.
+// Data that a step passes between a method, the loads and the contacts: a body in the middle of a step, and the change
+// of its motion.
 #pragma once
 
 #include <tumble/body/state.hpp>
 
 namespace tumble {
 
-// position += the velocity at the step's start, at its end, or their mean (exact for a constant acceleration).
+// The velocity by which a position advances: that of the step's start, that of its end, or their mean, which is exact
+// for a constant acceleration.
 enum class Coasting : std::uint8_t { start, end, mean };
 
-// What a step needs besides the bodies.
+// The data of a step besides the bodies.
 template <class N>
 struct StepInfo {
     typename N::Scale scale;
     Dither dither;
 };
 
-// Part of a step, for steps that an impact interrupts; whole steps cost nothing extra.
+// A part of a step, for steps that an impact interrupts. Whole steps cost nothing extra.
 template <class Work>
 struct Portion {
     bool whole = true;
     Work length = Work(1);  // of the step, (0, 1]
 };
 
-// A body as the loads see it in the middle of a step. Without rotation: in a world of point masses.
+// A body in the middle of a step, as loads see it. The version without rotation is for worlds of point masses.
 template <class N, bool rotation = true>
 struct StageState {
     typename N::PositionSum x_w[3];
@@ -37,8 +38,8 @@ struct StageState<N, false> {
     typename N::DriftSum d_w[3]{};
 };
 
-// The change of drift and spin over a whole step that loads would make at their present strength. Of a point mass the
-// spin's part stays as it is.
+// The change of drift and spin in a whole step that the loads would make at their present strength. The spin's part is
+// unused for a point mass.
 template <class N, bool rotation = true>
 struct Kick {
     typename N::DriftSum linear[3]{};
@@ -49,7 +50,7 @@ struct Kick<N, false> {
     typename N::DriftSum linear[3]{};
 };
 
-// The same in working numbers, m and rad: for a solver, whose trials may lie far outside a format's range.
+// The same in working numbers, m and rad. For a solver, whose trial values may lie far outside the range of a format.
 template <class N, bool rotation = true>
 struct WorkKick {
     Vec3<typename N::Work> linear, angular;

@@ -1,5 +1,5 @@
-// BodyState: all that a step writes of one body. Plain data of fixed layout, trivially copyable: it can be
-// snapshotted, rolled back, hashed and sent. Units are those of a World's step (numbers/systems.hpp): ask the World for
+// BodyState: all that a step writes of one body. It is plain data with a fixed layout, trivially copyable, so it can be
+// stored, rolled back, hashed and sent. Its units are those of a World's step (numbers/systems.hpp); World returns
 // metres per second and radians per second.
 #pragma once
 
@@ -7,7 +7,7 @@
 
 namespace tumble {
 
-// Three carried numbers, seen as a vector.
+// Three carried numbers as a vector.
 template <class N, class T>
 struct IntegratedVec3 {
     typename N::template Integrated<T> x, y, z;
@@ -28,12 +28,13 @@ struct IntegratedQuat {
     friend constexpr bool operator==(const IntegratedQuat&, const IntegratedQuat&) = default;
 };
 
-// What a state's spin is. Angular velocity makes Euler's equations cheap: their coefficients lie in [-1, 1] for every
-// body. Angular momentum makes rotations cheap and conserves its norm exactly; divided by the middle moment, it is
-// bounded by twice the spin. None: of point masses, which have no orientation either.
+// The spin in the state of a body. Angular velocity makes Euler's equations cheap: their coefficients lie in [-1, 1]
+// for every body. Angular momentum makes rotations cheap and keeps its norm exactly; divided by the middle moment, it
+// is at most twice the spin. None: for point masses, which have no orientation either.
 enum class Spin : std::uint8_t { angular_velocity, angular_momentum, none };
 
-// Spin about the three body axes. Angular velocity drives its own change by its rounded value, so that value is shaped.
+// The spin about the three body axes. An angular velocity drives its own change by its rounded value, so that value is
+// shaped (numbers/carried.hpp).
 template <class N, Spin spin>
 using SpinNumber = std::conditional_t<spin == Spin::angular_velocity, Shaped<typename N::Turn, N::carry>,
                                       Carried<typename N::Turn, N::carry>>;
@@ -54,12 +55,12 @@ template <class N, Spin spin>
 struct BodyState {
     IntegratedVec3<N, typename N::Position> x_w;  // m, of the centre of mass
     IntegratedVec3<N, typename N::Drift> d_w;     // velocity, as displacement per step
-    IntegratedQuat<N> q_wb;                       // unit; body (principal axes) to world
-    SpinVec3<N, spin> t_b;                        // half the angle per step, rad: h/2 omega, or h/2 L / I_y
+    IntegratedQuat<N> q_wb;                       // unit quaternion; body (principal axes) to world
+    SpinVec3<N, spin> t_b;                        // half the angle in a step, rad: h/2 omega, or h/2 L / I_y
 
     friend constexpr bool operator==(const BodyState&, const BodyState&) = default;
 };
-// Of a point mass in a world of nothing else.
+// The state of a point mass, in a world that has only point masses.
 template <class N>
 struct BodyState<N, Spin::none> {
     IntegratedVec3<N, typename N::Position> x_w;  // m
@@ -68,7 +69,7 @@ struct BodyState<N, Spin::none> {
     friend constexpr bool operator==(const BodyState&, const BodyState&) = default;
 };
 
-// Copies of up to `capacity` states; a place that nothing was kept in is not initialised, which costs nothing.
+// Copies of up to `capacity` states. Places without a copy are not initialised, which saves time.
 template <class State, int capacity>
 class StateCopies {
 public:

@@ -1,12 +1,12 @@
-// The words of a state, in the order in which records hold them and Hash digests them.
+// The words of a state, in the order of records and of Hash.
 #pragma once
 
 #include <tumble/body/state.hpp>
 
 namespace tumble {
 
-// Calls f(name, number) for each carried number of a body's state, in the order of a state's words. A body that does
-// not rotate, a point mass, has the first six, whether its world has room for a rotation or not.
+// Calls f(name, number) for each carried number of a body's state, in the order of its words. A point mass has the
+// first six numbers only, whether its world has rotation or not.
 template <class N, Spin spin, class F>
 constexpr void for_each_number(const BodyState<N, spin>& body, F&& f, [[maybe_unused]] bool rotates = true) {
     f("x_w.x", body.x_w.x);
@@ -45,7 +45,7 @@ constexpr void for_each_word_of(double value, F&& f) {
 
 }  // namespace detail
 
-// Calls f(word) for the 32-bit words of one carried number; the lower half of a longer one first.
+// Calls f(word) for the 32-bit words of a carried number. The lower half of a 64-bit number comes first.
 template <class T, bool carry, bool biased, class F>
 constexpr void for_each_word(const Carried<T, carry, biased>& number, F&& f) {
     if constexpr (std::floating_point<T>) {
@@ -72,12 +72,12 @@ constexpr void for_each_word(const BodyState<N, spin>& body, F&& f, bool rotates
         body, [&](const char*, const auto& number) { for_each_word(number, f); }, rotates);
 }
 
-// A digest of words: FNV-1a over 32-bit words, widened to 64 bits. Two runs agree in every bit of every body exactly
-// when their digests agree (but for a chance of 2^-64). About 10 instructions a word on a 32-bit core.
+// A hash of words: FNV-1a over 32-bit words, widened to 64 bits. Two runs with equal hashes agree in every bit of every
+// body, except with a chance of 2^-64. About 10 instructions for a word on a 32-bit core.
 class Hash {
 public:
     [[gnu::noinline]] constexpr void add(std::uint32_t word) {
-        for (int i = 0; i < 2; ++i) {  // 16 bits at a time keeps FNV's mixing and halves its multiplications
+        for (int i = 0; i < 2; ++i) {  // 16 bits at a time keep FNV's mixing and halve the number of multiplications
             value_ ^= word & 0xffffu;
             value_ *= 0x100000001b3u;
             word >>= 16;

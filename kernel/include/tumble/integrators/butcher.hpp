@@ -1,12 +1,12 @@
-// Butcher tables of explicit Runge-Kutta methods, and weighted sums whose weights are known at compile time:
-// zero entries cost nothing, powers of two a shift. One stepping function (runge_kutta.hpp) runs every table.
+// Butcher tables of explicit Runge-Kutta methods, and weighted sums whose weights are known at compile time: a zero
+// entry costs nothing, a power of two costs a shift. One stepping function (runge_kutta.hpp) runs every table.
 #pragma once
 
 #include <tumble/numbers/systems.hpp>
 
 namespace tumble {
 
-// A fraction known at compile time, such as an entry of a Butcher table.
+// A fraction known at compile time, for example an entry of a Butcher table.
 struct Rational {
     int numerator = 0;
     int denominator = 1;
@@ -46,7 +46,7 @@ TUMBLE_INLINE void unroll(F&& f) {
     (std::make_integer_sequence<int, N>{});
 }
 
-// Greatest common divisor taken out, so that 2/2 is 1.
+// The fraction in lowest terms, so that 2/2 is 1.
 [[nodiscard]] constexpr Rational reduced(Rational r) {
     int a = r.numerator < 0 ? -r.numerator : r.numerator, b = r.denominator;
     while (b != 0) {
@@ -57,12 +57,12 @@ TUMBLE_INLINE void unroll(F&& f) {
     return a == 0 ? Rational{} : Rational{r.numerator / a, r.denominator / a};
 }
 
-// 2^bits * r, nearest.
+// 2^bits * r, rounded to nearest.
 [[nodiscard]] constexpr std::int64_t scaled_rational(Rational r, int bits) {
     return (Real{r.numerator} / Real{r.denominator}).to_fixed(bits, 64);
 }
 
-// r * a: a shift for dyadic r, else one division by a small constant (a libgcc call on a 32-bit core).
+// r * a: a shift for dyadic r, otherwise one division by a small constant (a libgcc call on a 32-bit core).
 template <Rational r, int F>
 [[nodiscard]] TUMBLE_INLINE Wide<F> times(Wide<F> a) {
     if constexpr (r == Rational{1, 1}) return a;
@@ -72,7 +72,7 @@ template <Rational r, int F>
             log2_of(r.denominator)};
     else return {a.raw / r.denominator * r.numerator};
 }
-// r * a as an accumulator with 32 more fraction bits.
+// r * a, as an accumulator with 32 more fraction bits.
 template <Rational r, int F>
 [[nodiscard]] TUMBLE_INLINE Wide<F + 32> weighted(Fixed<F> a) {
     if constexpr (r.is_dyadic()) {

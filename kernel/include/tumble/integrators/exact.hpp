@@ -1,6 +1,6 @@
-// Kick-drift-kick with the exact rotation of a free rigid body, by Jacobi's elliptic functions. Of a body without
-// torques a step may be as long as one likes, over any number of turns and flips, and its error is rounding alone; with
-// torques the order is 2, because the kicks are of order 2. Floating point only.
+// Kick-drift-kick with the exact rotation of a free rigid body, by Jacobi's elliptic functions. Without torques a step
+// may have any length, over any number of turns and flips, and its only error is rounding. With torques the order is 2,
+// because the kicks are of order 2. Floating point only.
 #pragma once
 
 #include <tumble/integrators/kick_drift_kick.hpp>

@@ -1,6 +1,6 @@
-// Carried: integrated state that keeps what rounding left behind, so that a step's error does not accumulate.
-// Fixed point: a 64-bit sum whose upper word is the value. Floating point: a compensated (Kahan) pair.
-// With carry switched off it is the bare value, rounded at every addition.
+// Carried: integrated state that keeps its rounding residual, so that rounding errors do not accumulate.
+// In fixed point it is a 64-bit sum, whose upper word is the value. In floating point it is a compensated (Kahan) pair.
+// Without carry it is the bare value, rounded at every addition.
 #pragma once
 
 #include <tumble/numbers/fixed.hpp>
@@ -10,8 +10,8 @@ namespace tumble {
 template <class T, bool carry, bool biased = false>
 class Carried;
 
-// A biased pair is stored with half a unit added, so that its upper word is the value rounded to nearest for free:
-// for state that is read as a value in every step. An unbiased one gives its sum for free.
+// A biased number stores its sum plus half a unit. Its upper word is then the value rounded to nearest at no cost: for
+// state that every step reads as a value. An unbiased number gives its sum at no cost.
 template <int F, bool biased>
 class Carried<Fixed<F>, true, biased> {
 public:
@@ -34,7 +34,7 @@ public:
         return Wide<F + 32>{stored_} - Wide<F + 32>{bias};
     }
     TUMBLE_INLINE constexpr void add(Wide<F + 32> increment) { stored_ = (Wide<F + 32>{stored_} + increment).raw; }
-    // Adds a * b and what `more` adds to the sum that it is given: multiplications accumulate in the state itself.
+    // Adds a * b, and then what `more` adds to the sum: products accumulate in the state itself.
     template <class A, class B, class More>
     TUMBLE_INLINE constexpr void accumulate(A a, B b, More&& more) {
         stored_ = more(mul_add(Wide<F + 32>{stored_}, a, b)).raw;
@@ -74,7 +74,7 @@ private:
     Value value_{};
 };
 
-// What the floating-point specialisations share. T is float or double.
+// Shared by the floating-point specialisations. T is float or double.
 template <class T>
 [[nodiscard]] constexpr T from_real(Real value);
 template <>
@@ -106,7 +106,7 @@ public:
     [[nodiscard]] static constexpr Carried from(Real value) {
         Carried c;
         c.value_ = from_real<T>(value);
-        // Of what is beyond T, which is infinite there, nothing is left.
+        // A value beyond T's range is infinite and has no residual.
         if (c.value_ - c.value_ == T(0)) c.residual_ = from_real<T>(value - tumble::to_real(c.value_));
         return c;
     }
@@ -156,9 +156,9 @@ private:
     T value_ = 0;
 };
 
-// Carried, for a quantity whose rounded value drives its own rate of change. What a step's rounding left out is fed
-// back into the next step's (first-order noise shaping), so the mean of the values used is exact and the rounding noise
-// does not random-walk: on a tumbling top near its unstable axis that is three to twenty times less error.
+// Carried, for a quantity whose rounded value drives its own rate of change. Each step adds the rounding error of the
+// value that the step before it used (first-order noise shaping). The mean of the used values is then exact, and the
+// rounding noise does not random-walk: 3 to 20 times less error on a top that tumbles near its unstable axis.
 template <class T, bool carry>
 class Shaped : public Carried<T, carry> {
 public:
@@ -166,7 +166,7 @@ public:
     constexpr Shaped() = default;
     [[nodiscard]] static constexpr Shaped from(Real value) { return Shaped{Base::from(value)}; }
     [[nodiscard]] static constexpr Shaped from_sum(auto sum) { return Shaped{Base::from_sum(sum)}; }
-    // The value to use in this step.
+    // The value to use in this step. Its rounding error goes into the next step's value.
     [[nodiscard]] TUMBLE_INLINE constexpr T take() { return this->value(); }
     friend constexpr bool operator==(Shaped, Shaped) = default;
 
@@ -174,7 +174,7 @@ protected:
     constexpr explicit Shaped(Base base) : Base{base} {}
 };
 
-// Kept as words: three of them make a spin of 36 bytes, where a 64-bit member would make it 48.
+// Kept as 32-bit words: three of them make a spin of 36 bytes; a 64-bit member would make it 48.
 template <int F>
 class Shaped<Fixed<F>, true> {
 public:

@@ -1,8 +1,10 @@
-// Dither: rounding offsets for quantities that would be rounded the same way at every step.
-// A constant spin rounded to nearest has a constant error, which grows with time. A low-discrepancy sequence in place
-// of the one half makes the mean of the rounded values exact: after N steps the sum is off by O(log N) units, not N/2.
-// The sequences are Weyl's, n * alpha mod 1, with the alphas of M. Roberts' R3 sequence so that three roundings in one
-// step do not correlate. They depend on the step number alone, so every machine and every replay uses the same ones.
+// Dither: rounding offsets for quantities that every step would round the same way.
+// A constant spin that is rounded to nearest has a constant error, which adds up over the steps. With an offset from a
+// low-discrepancy sequence in place of 1/2, the mean of the rounded values is exact: after N steps the sum is off by
+// O(log N) units instead of N/2.
+// The sequences are Weyl's, n * alpha mod 1, with the alphas of M. Roberts' R3 sequence, so that the three roundings of
+// a step do not correlate. They depend on the number of the step alone, so they are the same on every machine and in
+// every replay.
 #pragma once
 
 #include <tumble/config.hpp>

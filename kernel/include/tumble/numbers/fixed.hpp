@@ -1,6 +1,6 @@
-// Fixed<F>: a 32-bit signed number with F fraction bits; Wide<F>: the 64-bit accumulator that products live in.
-// A product is exact, sums of products stay wide, and one rounding to nearest brings the result back (narrow).
-// Truncation would bias every update by half a unit and costs a hundred times the accuracy in free rotation.
+// Fixed<F>: a 32-bit signed number with F fraction bits. Wide<F>: the 64-bit accumulator of its products.
+// A product is exact, sums of products stay 64 bits wide, and narrow() rounds the result once, to nearest. Truncation
+// would bias every update by half a unit and cost a hundred times the accuracy in free rotation.
 #pragma once
 
 #include <tumble/config.hpp>
@@ -18,15 +18,16 @@ struct Fixed {
     std::int32_t raw;  // not initialised by default, so that arrays of stages cost nothing; Fixed{} is zero
 
     [[nodiscard]] static constexpr Fixed from_raw(std::int32_t raw_value) { return Fixed{raw_value}; }
-    // Nearest; saturates at the format's ends.
+    // Rounds to nearest. Saturates at the ends of the format.
     [[nodiscard]] static constexpr Fixed from(Real value) {
         return Fixed{static_cast<std::int32_t>(value.to_fixed(F))};
     }
-    // Exact: a double holds every Fixed. For hosts and tests; a firmware that calls it pulls in double arithmetic.
+    // Exact: a double holds every Fixed. For hosts and tests: a firmware that calls it links double arithmetic.
     [[nodiscard]] explicit constexpr operator double() const { return Real::scaled(raw, -F).to_double(); }
     [[nodiscard]] explicit constexpr operator float() const { return Real::scaled(raw, -F).to_float(); }
 
-    // Sums wrap at 2^32 instead of being undefined; formats leave a bit above the declared range so that they do not.
+    // Sums wrap at 2^32, which is defined. Formats have one bit more than the declared range needs, so sums within the
+    // range do not wrap.
     friend constexpr Fixed operator+(Fixed a, Fixed b) { return {wrap(bits(a) + bits(b))}; }
     friend constexpr Fixed operator-(Fixed a, Fixed b) { return {wrap(bits(a) - bits(b))}; }
     constexpr Fixed operator-() const { return {wrap(0u - bits(*this))}; }
@@ -62,7 +63,8 @@ private:
 namespace detail {
 
 #if defined(__ARM_ARCH_6M__)
-// A core with 32-bit products only: four of them, half as long as the library's 64 x 64 bits, and out of line.
+// For a core with 32-bit products only: four of them, out of line. It takes half as long as the library's 64 x 64-bit
+// product.
 [[nodiscard, gnu::noinline]] inline std::int64_t multiply_halves(std::int32_t a, std::int32_t b) {
     const std::uint32_t a_low = static_cast<std::uint16_t>(a), b_low = static_cast<std::uint16_t>(b);
     const std::int32_t a_high = a >> 16, b_high = b >> 16;
@@ -75,10 +77,10 @@ namespace detail {
 }
 #endif
 
-// a * b and sum + a * b with all 64 bits. Compilers that see a sign extension used twice make a 64 x 64 bit product of
-// it, four instructions for one; the assembly says what is meant. It names both words, which leaves registers free that
-// a 64-bit operand would bind in pairs, and is volatile, because a scheduler that moves products away from their uses
-// spills a sixth more. Other cores use plain C++; the bits are the same.
+// a * b, and sum + a * b, with all 64 bits. Where a sign extension is used twice, compilers make a 64 x 64-bit product:
+// four instructions in place of one. The assembly avoids this. It names both words, which keeps registers free that a
+// 64-bit operand would bind in pairs. It is volatile, because a scheduler that moves products away from their uses
+// spills a sixth more. Other cores use plain C++ and give the same bits.
 [[nodiscard]] TUMBLE_INLINE constexpr std::int64_t multiply(std::int32_t a, std::int32_t b) {
 #if defined(__thumb2__)
     if (!std::is_constant_evaluated() && !__builtin_constant_p(a) && !__builtin_constant_p(b)) {
@@ -103,7 +105,7 @@ namespace detail {
     return static_cast<std::int64_t>(static_cast<std::uint64_t>(sum) + static_cast<std::uint64_t>(multiply(a, b)));
 }
 
-// A constant that goes into a register whole: as an operand, compilers split it into up to four short ones.
+// Loads a constant into a register as a whole. As an operand, compilers split it into up to four short constants.
 [[nodiscard]] TUMBLE_INLINE constexpr std::int32_t whole(std::int32_t constant) {
 #if defined(__thumb2__)
     if (!std::is_constant_evaluated()) asm volatile("" : "+r"(constant));
@@ -111,8 +113,8 @@ namespace detail {
     return constant;
 }
 
-// What lies in memory is loaded again from here on. Compilers keep a loaded word for its later use, and where registers
-// are few that means a store and a load for one load.
+// Makes the compiler load words from memory again. It would keep a loaded word for a later use, which costs a store and
+// a load where registers are few.
 TUMBLE_INLINE constexpr void forget_loaded() {
 #if defined(__thumb2__)
     if (!std::is_constant_evaluated()) asm volatile("" ::: "memory");
@@ -121,7 +123,7 @@ TUMBLE_INLINE constexpr void forget_loaded() {
 
 }  // namespace detail
 
-// The exact product, and sums of products: one SMULL or SMLAL each where the core has them.
+// The exact product, and sums of products: one SMULL or SMLAL each on a core that has them.
 template <int A, int B>
 [[nodiscard]] TUMBLE_INLINE constexpr Wide<A + B> mul(Fixed<A> a, Fixed<B> b) {
     return {detail::multiply(a.raw, b.raw)};
@@ -135,7 +137,7 @@ template <int A, int B>
     return {detail::multiply_add(sum.raw, (-a).raw, b.raw)};
 }
 
-// Nearest Fixed, ties upwards. The caller's ranges guarantee that the result fits.
+// Rounds to the nearest Fixed, ties upwards. The caller's ranges guarantee that the result fits.
 template <class To, int F>
 [[nodiscard]] TUMBLE_INLINE constexpr To narrow(Wide<F> a) {
     constexpr int shift = F - To::fraction_bits;
@@ -145,8 +147,8 @@ template <class To, int F>
         static_cast<std::int32_t>(static_cast<std::int64_t>(static_cast<std::uint64_t>(a.raw) + half) >> shift));
 }
 
-// The upper word of a product, rounded down: free on a 32-bit core. For corrections that are small against what they
-// are taken from, where half a unit of bias does not count.
+// The upper word of a product, rounded down, which is free on a 32-bit core. For small corrections, in which a bias of
+// half a unit does not matter.
 template <int F>
 [[nodiscard]] TUMBLE_INLINE constexpr Fixed<F - 32> upper_word(Wide<F> a) {
     return {static_cast<std::int32_t>(a.raw >> 32)};

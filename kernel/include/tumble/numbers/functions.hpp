@@ -1,4 +1,4 @@
-// Square roots and small-angle sines that give the same bits everywhere: integers for Scaled and Fixed, correctly
+// Square roots and small-angle sines with the same bits everywhere: in integers for Scaled and Fixed, in correctly
 // rounded IEEE operations for float and double. No library mathematics.
 #pragma once
 
@@ -6,7 +6,7 @@
 
 namespace tumble {
 
-// floor(sqrt(a)), one result bit a round: 32 rounds of shift, compare and subtract.
+// floor(sqrt(a)): 32 rounds of shift, compare and subtract, one bit of the result each.
 [[nodiscard, gnu::noinline]] constexpr std::uint32_t integer_sqrt(std::uint64_t a) {
     std::uint64_t rest = a, root = 0;
     for (std::uint64_t bit = std::uint64_t{1} << 62; bit != 0; bit >>= 2) {
@@ -20,7 +20,7 @@ namespace tumble {
     return static_cast<std::uint32_t>(root);
 }
 
-// a >= 0 (a negative argument, which only rounding can produce, counts as zero).
+// a >= 0. A negative argument, which only rounding can produce, counts as zero.
 [[nodiscard]] constexpr Scaled sqrt(Scaled a) {
     if (a <= Scaled{}) return {};
     const int odd = a.exponent() & 1;
@@ -30,7 +30,8 @@ namespace tumble {
 
 namespace detail {
 
-// Correctly rounded sqrt from the bits of an IEEE number: what hardware gives, for cores that have none.
+// The correctly rounded square root, computed from the bits of an IEEE number, for cores without a hardware root. Equal
+// to the hardware's.
 template <class T, class Bits, int fraction_bits, int bias>
 [[nodiscard]] constexpr T ieee_sqrt(T a) {
     const auto bits = std::bit_cast<Bits>(a);
@@ -54,10 +55,10 @@ template <class T, class Bits, int fraction_bits, int bias>
         mantissa <<= 1;
         --exponent;
     }
-    // Digit by digit: fraction_bits + 2 result bits, the last of them for rounding.
+    // Digit by digit: fraction_bits + 2 result bits, the last of which decides the rounding.
     Bits root = 0, rest = 0;
     for (int i = fraction_bits + 1; i >= 0; --i) {
-        const int position = 2 * i - (fraction_bits + 2);  // of the next two radicand bits within the mantissa
+        const int position = 2 * i - (fraction_bits + 2);  // place of the next two radicand bits within the mantissa
         const Bits next = position >= 0 ? (mantissa >> position) & 3 : position == -1 ? (mantissa << 1) & 3 : 0;
         rest = (rest << 2) | next;
         const Bits trial = (root << 2) | 1;
@@ -67,14 +68,14 @@ template <class T, class Bits, int fraction_bits, int bias>
             root |= 1;
         }
     }
-    // A root is never halfway: the last bit decides, whatever the rest.
+    // A root is never halfway between two numbers, so the last bit decides, whatever the rest.
     const Bits rounded = (root >> 1) + (root & 1);
     return std::bit_cast<T>(static_cast<Bits>(rounded + (static_cast<Bits>(exponent / 2 + bias - 1) << fraction_bits)));
 }
 
 }  // namespace detail
 
-// IEEE square root, ties to even; negative arguments give 0.
+// IEEE square root, ties to even. Negative arguments give 0.
 [[nodiscard]] constexpr float sqrt(float a) {
 #if defined(__SSE2__) || (defined(__ARM_FP) && (__ARM_FP & 4))
     if (!std::is_constant_evaluated()) return a > 0 ? __builtin_sqrtf(a) : 0.0f;
@@ -88,12 +89,12 @@ template <class T, class Bits, int fraction_bits, int bias>
     return detail::ieee_sqrt<double, std::uint64_t, 52, 1023>(a);
 }
 
-// The even series of a rotation by the half angle x, in z = x^2, less one so that nothing cancels:
-// cosine = 1 + cos_less_one, sine = x + x * sinc_less_one. Both are needed together, from the same z.
+// The series of sine and cosine of the half angle x, in z = x^2. The leading terms are left out, so that nothing
+// cancels: cosine = 1 + cos_less_one, sine = x + x * sinc_less_one. Both come from the same z.
 template <class T>
 struct SinCosSeries;
 
-// |x| <= 1/4: truncated below 2^-33. 3 and 3 multiplications; 2 and 2 for |x| <= 1/16.
+// For |x| <= 1/4, with an error below 2^-33: 3 and 3 multiplications. For |x| <= 1/16: 2 and 2.
 template <>
 struct SinCosSeries<Fixed<32>> {
     using T = Fixed<32>;
@@ -104,7 +105,7 @@ struct SinCosSeries<Fixed<32>> {
                 upper_word(mul(z, upper_word(mul(z, over<24>() - upper_word(mul(z, over<720>())))))) - half(z)};
     }
     [[nodiscard]] TUMBLE_INLINE static constexpr SinCosSeries of_small(T z) {
-        // z^3 / 720 reaches 2^-33.5 at the end of the range and is left out.
+        // z^3 / 720 is left out: it is at most 2^-33.5.
         return {upper_word(mul(z, upper_word(mul(z, over<120>())) - over<6>())),
                 upper_word(mul(z, upper_word(mul(z, over<24>())))) - half(z)};
     }
@@ -118,7 +119,8 @@ private:
     static constexpr T half(T z) { return {z.raw >> 1}; }
 };
 
-// float and double, any x: the series serves |x| <= 1/4 to the last bits, larger angles are halved and doubled back.
+// float and double, for any x. The series serves |x| <= 1/4 to rounding. Larger angles are halved and then doubled
+// back.
 template <class T>
 struct SinCosSeries {
     T sinc_less_one, cos_less_one;
@@ -132,7 +134,7 @@ struct SinCosSeries {
     [[nodiscard]] TUMBLE_INLINE static constexpr SinCosSeries of_small(T z) { return of(z); }
 
 private:
-    // Out of line: copies of it would be most of a step's code.
+    // Out of line: inlined copies would be most of the code of a step.
     [[nodiscard, gnu::noinline, gnu::cold]] static constexpr SinCosSeries of_large(T z) {
         if (!(z - z == T(0))) return {z - z, z - z};
         int doublings = 0;

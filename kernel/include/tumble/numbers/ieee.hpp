@@ -1,5 +1,5 @@
-// Float<T, carry>: the number systems of float and double, IEEE 754 arithmetic without contraction. A number carries a
-// power of two of its own, so formats, blocks and scales are plain numbers here; the functions are those of q32.hpp,
+// Float<T, carry>: the number systems of float and double, in IEEE 754 arithmetic without contraction. Floating point
+// needs no scales, so formats, blocks and scales are plain numbers here. The functions are those of q32.hpp,
 // q32_block.hpp and q32_contact.hpp.
 #pragma once
 
@@ -10,7 +10,7 @@
 
 namespace tumble {
 
-// IEEE 754 arithmetic without contraction. Units are plain: turns in rad, drift in metres, so Scale is empty.
+// IEEE 754 arithmetic without contraction. Turns are in rad and drifts in metres, so Scale is empty.
 template <class T, bool with_carry>
 struct Float {
     static constexpr const char* name = sizeof(T) == 4 ? "f32" : "f64";
@@ -44,7 +44,7 @@ struct Float {
         [[nodiscard]] constexpr Real angle(Real turn) const { return turn; }
     };
 
-    // Floating point carries a power of two with every number.
+    // A block of turns. Every floating-point number has its own exponent, so these functions are plain arithmetic.
     struct Block {
         [[nodiscard]] TUMBLE_INLINE static constexpr Block of(T, T, T, int, int, Scale) { return {}; }
         [[nodiscard]] static constexpr int most_up(Scale, int) { return 0; }
@@ -58,7 +58,7 @@ struct Float {
         [[nodiscard]] TUMBLE_INLINE static constexpr T half_angle(T t) { return t * T(0.5); }
         [[nodiscard]] TUMBLE_INLINE static constexpr T half_angle(T t, Dither) { return t * T(0.5); }
         [[nodiscard]] TUMBLE_INLINE static constexpr T half_square(T t, Dither) { return t * t * T(0.5); }
-        // Kept less one: 1 + c would lose c's digits.
+        // The result is less one: 1 + c would lose digits of c.
         [[nodiscard]] TUMBLE_INLINE static constexpr T angle_per_turn(T c, Dither) { return c; }
         [[nodiscard]] TUMBLE_INLINE static constexpr T times_cosine(T factor, T c, std::uint32_t) {
             return factor + c + factor * c;
@@ -123,10 +123,10 @@ struct Float {
         return x[0] * n[0] + x[1] * n[1] + x[2] * n[2];
     }
 
-    // True if a number is not finite, if the orientation is not of unit length, |q|^2 off by more than 2^-9, or if the
-    // half turn of a step is longer than `most_turn`, rad (0: no limit). What a step adds to |q|^2 the next one takes
-    // away again to first order, which fails from an angle of 1 rad (Euler's methods) to half a turn on. Zero times a
-    // finite sum is zero; infinities and NaN make it NaN, which is within nothing.
+    // True if a number is not finite, if |q|^2 is off 1 by more than 2^-9, or if the half turn of a step is longer than
+    // `most_turn`, rad (0: no limit). The first-order renormalisation of |q|^2 fails for turns from 1 rad (Euler's
+    // methods) up to half a turn, depending on the method. The sum is multiplied by zero: the product is zero for
+    // finite sums and NaN for infinities and NaN, which fails every comparison.
     template <class Body>
     [[nodiscard]] TUMBLE_INLINE static constexpr bool out_of_range(const Body& b, double most_turn) {
         constexpr T most_excess = T(0x1p-9);
@@ -171,7 +171,7 @@ struct Float {
     TUMBLE_INLINE static constexpr void add_turn(Integrated<T>& t, T c, T p, Scale) { t.add(c * p); }
 };
 
-// The numbers of contacts, as in q32_contact.hpp: floating point needs no scales.
+// The numbers of contacts, as in q32_contact.hpp. Floating point needs no scales.
 template <class N>
 struct ContactNumbers;
 
@@ -196,7 +196,7 @@ requires(!N::fixed_point) struct ContactNumbers<N> {
         [[nodiscard]] static constexpr T drift(T d, typename N::Scale) { return d; }
         [[nodiscard]] static constexpr T drift(Real metres) { return length(metres); }
         [[nodiscard]] static constexpr bool holds(Real) { return true; }
-        // m: of contacts. Sixteen roundings of the largest length.
+        // m, of contacts: sixteen rounding errors of the largest length.
         [[nodiscard]] static constexpr Real least_tolerance(Real largest) {
             return largest * Real::scaled(1, sizeof(T) == 4 ? -20 : -49);
         }

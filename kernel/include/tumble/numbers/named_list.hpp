@@ -1,4 +1,4 @@
-// Lists of types that have names: what an entry of the lists in systems.hpp is made of.
+// Lists of types with names. The entries of the lists in systems.hpp are such types.
 #pragma once
 
 #include <tumble/config.hpp>
@@ -34,10 +34,10 @@ struct NamedRange {
     using Range = R;
 };
 
-// Where a number system runs: f64 with a carried residual is a reference, and no firmware is made of it.
+// Where a number system runs. f64 with a carried residual is a reference for the host; no firmware is built with it.
 enum class Runs : std::uint8_t { everywhere, on_the_host };
 
-// A number system whose formats follow from the range that a scene declares; and one that has no range to declare.
+// FixedPoint: a number system whose formats follow from the declared range. FloatingPoint: one without a range.
 template <detail::Name system_name, template <class, bool> class Type, bool carry, Runs where = Runs::everywhere>
 struct FixedPoint {
     static constexpr detail::Name key = system_name;

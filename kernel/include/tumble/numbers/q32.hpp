@@ -1,6 +1,6 @@
-// Q32<Range, carry>: a number system of integers only. Every quantity is a 32-bit Fixed in a format that the declared
-// range decides; sums and products are 64 bits wide and rounded once. Block (q32_block.hpp) serves free rotation,
-// ContactNumbers (q32_contact.hpp) contacts; Float of ieee.hpp has the same functions under the same names.
+// Q32<Range, carry>: a number system in integers. Every quantity is a 32-bit Fixed in a format that follows from the
+// declared range. Sums and products have 64 bits and are rounded once. Block (q32_block.hpp) serves free rotation,
+// ContactNumbers (q32_contact.hpp) contacts. Float in ieee.hpp has the same functions under the same names.
 #pragma once
 
 #include <tumble/numbers/carried.hpp>
@@ -9,7 +9,7 @@
 
 namespace tumble {
 
-// What fixed point must be able to hold: metres from the origin, m/s, rad/s. Formats round each up to a power of two.
+// The declared range: metres from the origin, m/s, rad/s. Formats round each up to a power of two.
 template <int position_m = 1024, int velocity_m_s = 128, int spin_rad_s = 64>
 struct Range {
     static constexpr int position = position_m;
@@ -28,7 +28,8 @@ namespace detail {
                                      lower);
 }
 
-// The upper word of (a << shift) + rest, for 0 <= shift <= 31. A product moves the lower word up in one instruction.
+// The upper word of (a << shift) + rest, for 0 <= shift <= 31. A multiplication by a power of two moves the lower word
+// up in one instruction.
 [[nodiscard]] TUMBLE_INLINE constexpr std::int32_t upper_shifted_left(std::int64_t a, int shift,
                                                                       std::uint32_t rest = 0) {
     const std::uint32_t power = std::uint32_t{1} << shift;
@@ -50,7 +51,7 @@ namespace detail {
 
 }  // namespace detail
 
-// 32-bit integers with 64-bit accumulation. Ranges decide the formats; see Scale for what the step decides.
+// 32-bit integers with 64-bit accumulation. The range decides the formats, the step decides Scale.
 template <class R = Range<>, bool with_carry = true>
 struct Q32 {
     using Range = R;
@@ -60,9 +61,9 @@ struct Q32 {
     static constexpr bool fixed_point = true;
 
     using Position = Fixed<30 - detail::log2_of(R::position)>;  // m; one bit above the range
-    using Drift = Fixed<30>;        // displacement per step / Scale's unit; +-1 is the range
-    using Turn = Fixed<32>;         // half turn per step, rad, times 2^turn_shift; +-1/4 is the range
-    using Angle = Fixed<32>;        // rad, |angle| < 1/2: half turns and what is computed from them
+    using Drift = Fixed<30>;        // displacement in a step, in units of Scale; the range is +-1
+    using Turn = Fixed<32>;         // half turn in a step, rad, times 2^turn_shift; the range is +-1/4
+    using Angle = Fixed<32>;        // rad, |angle| < 1/2: half turns and angles computed from them
     using Unit = Fixed<30>;         // components of unit quaternions and unit vectors
     using Coefficient = Fixed<31>;  // dimensionless constants in [-1, 1]
     template <int bits>
@@ -73,28 +74,28 @@ struct Q32 {
     using DriftSum = Wide<62>;
     using TurnSum = Wide<64>;
     using Work = Scaled;  // loads and contacts: any magnitude, 31 digits
-    // Where the ranges of drifts and turns end; see Scale.
+    // The ends of the ranges of drifts and turns, in the units of Scale.
     static constexpr Real largest_drift = 1, largest_turn = Real::scaled(1, -2);
     template <class T>
     using Integrated = Carried<T, carry>;
     using IntegratedUnit = Carried<Unit, carry, true>;
 
-    // Where the binary points stand, from the ranges and the step size.
+    // Places of the binary points, from the ranges and the step.
     struct Scale {
-        // Drift has drift_shift more fraction bits (of a metre) than Position: a step moves by a quarter of the range
-        // at most.
+        // Fraction bits of Drift (in metres) beyond those of Position. At least 2: a step moves by at most a quarter of
+        // the range.
         std::int8_t drift_shift = 2;
         std::int8_t turn_shift = 1;                 // Turn is the half turn times 2^turn_shift
-        static constexpr int most_turn_shift = 14;  // squares of angles are shifted by up to 2 (14 + 1) < 32
+        static constexpr int most_turn_shift = 14;  // squares of angles are shifted by up to 2 (14 + 1) < 32 bits
 
-        // `turn_per_spin`: the largest half turn per step that a spin of 1 rad/s can mean (h/2, h for momentum).
+        // `turn_per_spin`: the largest half turn in a step that a spin of 1 rad/s can be, s (h/2; h for momentum).
         [[nodiscard]] static constexpr Scale of(Real step, Real turn_per_spin) {
             const int drift_bits = 30 - (Real{R::velocity} * step).ceil_log2_bound();
             const int turn_bits = -2 - (Real{R::spin} * turn_per_spin).ceil_log2_bound();
             return {static_cast<std::int8_t>(detail::clamp(drift_bits - Position::fraction_bits, 2, 30)),
                     static_cast<std::int8_t>(detail::clamp(turn_bits, 1, most_turn_shift))};
         }
-        // Set-up: metres per step (or per step^2) and half turns per step, as the numbers that state holds.
+        // For set-up: metres in a step (or in a step^2), and half turns in a step, in the units of the state.
         [[nodiscard]] constexpr Real drift_units(Real metres) const {
             return metres * Real::scaled(1, Position::fraction_bits + drift_shift - Drift::fraction_bits);
         }
@@ -105,7 +106,7 @@ struct Q32 {
         [[nodiscard]] constexpr Real angle(Real turn) const { return turn * Real::scaled(1, -turn_shift); }
     };
 
-    // Turns for one step of a free rotation: q32_block.hpp.
+    // The turns of one step of a free rotation: q32_block.hpp.
     class Block;
 
     template <class T>
@@ -113,10 +114,10 @@ struct Q32 {
         return T::from(value);
     }
 
-    // Between state and working numbers: metres, metres per step, half turns per step.
+    // Conversions between state and working numbers: metres, metres in a step, half turns in a step.
     [[nodiscard]] static constexpr PositionSum sum(const Integrated<Position>& x) { return x.sum(); }
     [[nodiscard]] static constexpr Work metres(PositionSum x) { return Work::of(x); }
-    // to - from in m. Places at the two ends of the range are further apart than a sum holds.
+    // to - from, m. It may be larger than a sum holds, for places at opposite ends of the range.
     [[nodiscard]] static constexpr Work apart(PositionSum to, PositionSum from) {
         std::int64_t difference = 0;
         if (!__builtin_sub_overflow(to.raw, from.raw, &difference)) [[likely]]
@@ -142,21 +143,22 @@ struct Q32 {
         return {half_turn.to_sum(64 + s.turn_shift)};
     }
 
-    // A constant change of drift. What leaves the range in one step is held at its end: sums with it cannot wrap.
+    // A constant change of drift in a step. It is held at the end of the range, so that sums with it cannot wrap.
     [[nodiscard]] static constexpr DriftSum fall(Real units) {
         constexpr std::int64_t limit = (std::int64_t{1} << 62) + (std::int64_t{1} << 32);
         const std::int64_t raw = units.to_fixed(DriftSum::fraction_bits, 64);
         return {raw > limit ? limit : raw < -limit ? -limit : raw};
     }
-    // state += change, for changes of any size: what would wrap stops beyond the range, where it is told.
+    // state += change, for changes of any size. A sum that would wrap stops beyond the range, where the range check
+    // finds it.
     TUMBLE_INLINE static constexpr void add_any(Integrated<Drift>& d, Work metres, Scale s) {
         d.add({no_wrap(d.sum().raw, metres.to_sum(Position::fraction_bits + 32 + s.drift_shift, widest))});
     }
     TUMBLE_INLINE static constexpr void add_any(auto& turn, Work half_turn, Scale s) {
         turn.add({no_wrap(turn.sum().raw, half_turn.to_sum(64 + s.turn_shift, widest))});
     }
-    // A load's change of a step, within a quarter of the range, which no stage of a method can make wrap; clears
-    // `within` where it had to be cut.
+    // A load's change in a step, held within a quarter of the range, so that no stage of a method can wrap. Clears
+    // `within` if the change was held.
     template <int F>
     [[nodiscard]] TUMBLE_INLINE static constexpr Wide<F> limited(Wide<F> kick, bool& within) {
         constexpr std::int64_t limit = std::int64_t{1} << 60;
@@ -166,22 +168,23 @@ struct Q32 {
         return {kick.raw < 0 ? -limit : limit};
     }
 
-    // True if a correction to `t` is only rounding; and the relative rounding of working numbers, with a margin.
+    // is_rounding(): true if a correction to `t` is only rounding. Below: the relative rounding error of working
+    // numbers, with a margin.
     [[nodiscard]] static constexpr bool is_rounding(const auto& correction, const auto&) {
-        const auto small = [](Turn c) { return c.raw >= -3 && c.raw <= 3; };  // three roundings make the correction
+        const auto small = [](Turn c) { return c.raw >= -3 && c.raw <= 3; };  // a correction has three roundings
         return small(correction[0]) && small(correction[1]) && small(correction[2]);
     }
     [[nodiscard]] static constexpr Work rounding_unit() { return Work::of(1, -28); }
 
     [[nodiscard]] static constexpr Work half_of(Work w) { return w.times_power_of_two(-1); }
     [[nodiscard]] static constexpr Work times_power_of_two(Work w, int n) { return w.times_power_of_two(n); }
-    // A working number as a constant of a step, nearest.
+    // A working number as a constant of a step, rounded to nearest.
     template <int bits>
     [[nodiscard]] static constexpr CoefficientOf<bits> factor(Work w) {
         return w.template to_fixed<CoefficientOf<bits>>();
     }
 
-    // For part of a step: sums times a fraction in (0, 1).
+    // For a part of a step: sums times a fraction in (0, 1).
     using Fraction = Fixed<31>;
     [[nodiscard]] static constexpr Fraction fraction(Work w) { return w.template to_fixed<Fraction>(); }
     [[nodiscard]] static constexpr Work work(Fraction f) { return Work::of(f); }
@@ -190,7 +193,7 @@ struct Q32 {
         return {static_cast<std::int64_t>(static_cast<std::uint64_t>(mul_sum({a.raw}, f).raw) << 1)};
     }
 
-    // n . x in m, for unit n.
+    // n . x in m, for a unit vector n.
     using AlongSum = Wide<Position::fraction_bits + Unit::fraction_bits>;
     [[nodiscard]] static constexpr AlongSum along(const PositionSum (&x)[3], const auto& n) {
         const auto term = [&](int i) { return AlongSum{mul_sum({x[i].raw}, n[i]).raw}; };
@@ -198,8 +201,8 @@ struct Q32 {
     }
     [[nodiscard]] static constexpr Work metres_along(AlongSum x) { return Work::of(x); }
 
-    // The top bit is set if the value is outside the declared range: one bit of headroom tells before anything can
-    // wrap.
+    // The top bit is set if the value is outside the declared range. Formats have one bit more than the range needs, so
+    // the check comes before anything can wrap.
     [[nodiscard]] TUMBLE_INLINE static constexpr std::uint32_t range_bits(std::int32_t raw) {
         return static_cast<std::uint32_t>(raw) ^ (static_cast<std::uint32_t>(raw) << 1);
     }
@@ -213,7 +216,7 @@ struct Q32 {
         if constexpr (requires { b.t_b; }) bits |= three(b.t_b);
         return (bits >> 31) != 0;
     }
-    // Marks a number for out_of_range().
+    // Moves a number out of its range, so that out_of_range() reports it.
     static constexpr void leave_range(auto& number) {
         constexpr std::int64_t beyond = std::int64_t{3} << 61;
         number = std::remove_reference_t<decltype(number)>::from_sum(
@@ -236,7 +239,7 @@ struct Q32 {
     [[nodiscard]] TUMBLE_INLINE static constexpr std::int32_t upper(std::int64_t raw) {
         return static_cast<std::int32_t>(raw >> 32);
     }
-    // `change`, cut so that sum + change stays within the widest sum.
+    // `change`, held so that sum + change stays within the widest sum.
     static constexpr std::int64_t widest = INT64_MAX - (std::int64_t{1} << 32);
     [[nodiscard]] static constexpr std::int64_t no_wrap(std::int64_t sum, std::int64_t change) {
         if (sum > 0 && change > widest - sum) return widest - sum;
@@ -244,8 +247,8 @@ struct Q32 {
         return change;
     }
 
-    // position += drift: the carried sums differ only in where the binary point stands. A product with a power of two
-    // shifts the upper word down, into the sum itself.
+    // position += drift. The two sums differ only in the place of the binary point. Multiplying by a power of two
+    // shifts the upper word down, straight into the sum.
     TUMBLE_INLINE static constexpr void move(Integrated<Position>& x, DriftSum drift, Scale s) {
         const auto low = static_cast<std::int64_t>(static_cast<std::uint32_t>(drift.raw) >> s.drift_shift);
         if constexpr (carry)
@@ -258,7 +261,7 @@ struct Q32 {
     [[nodiscard]] TUMBLE_INLINE static constexpr Wide<F> half(Wide<F> sum) {
         return {sum.raw >> 1};
     }
-    // position += drift + extra, with all that the drift carries.
+    // position += drift + extra, with the drift's residual.
     TUMBLE_INLINE static constexpr void coast(Integrated<Position>& x, const Integrated<Drift>& d, DriftSum extra,
                                               Scale s) {
         move(x, d.sum() + extra, s);
@@ -269,7 +272,7 @@ struct Q32 {
     [[nodiscard]] TUMBLE_INLINE static constexpr Angle half_angle(Angle a) { return {a.raw >> 1}; }
     TUMBLE_INLINE static constexpr void add(Integrated<Drift>& d, Wide<62> increment) { d.add(increment); }
 
-    // The angle of a turn, unscaled and dithered.
+    // The angle of a turn, without its scale, dithered.
     [[nodiscard]] TUMBLE_INLINE static constexpr Angle angle(Turn t, Scale s, Dither d) {
         const auto fraction = static_cast<std::int32_t>((d.angle >> 1) >> (31 - s.turn_shift));
         return {(t.raw + fraction) >> s.turn_shift};
@@ -278,8 +281,8 @@ struct Q32 {
     [[nodiscard]] TUMBLE_INLINE static constexpr Angle round_angle(AngleSum a, Dither d) {
         return {static_cast<std::int32_t>((a + AngleSum{static_cast<std::int64_t>(d.delta)}).raw >> 32)};
     }
-    // A turn's sum times a 32-bit number, both words of it: what drives the spin is not rounded to 32 bits, because
-    // white noise there grows as time^1.5 in the orientation.
+    // The sum of a turn times a 32-bit number, with both words of the sum. Changes of the spin are not rounded to 32
+    // bits, because white noise in the spin grows as time^1.5 in the orientation.
     template <int F>
     [[nodiscard]] TUMBLE_INLINE static constexpr Wide<32 + F> mul_sum(TurnSum t, Fixed<F> c) {
         const auto upper = static_cast<std::int32_t>(t.raw >> 32);
@@ -288,17 +291,17 @@ struct Q32 {
     }
     [[nodiscard]] TUMBLE_INLINE static constexpr TurnSum sum(const Carried<Turn, carry>& t) { return t.sum(); }
     [[nodiscard]] TUMBLE_INLINE static constexpr TurnSum sum(const Shaped<Turn, carry>& t) { return t.sum(); }
-    // A sum as a turn, to nearest.
+    // A sum as a turn, rounded to nearest.
     [[nodiscard]] TUMBLE_INLINE static constexpr Turn narrow_turn(TurnSum t) { return narrow<Turn>(t); }
-    // coefficient * p / 2^turn_shift as a turn: for stages, where the product's upper word is enough.
+    // coefficient * p / 2^turn_shift as a turn. For stages, where the upper word of the product is enough.
     [[nodiscard]] TUMBLE_INLINE static constexpr Turn stage_turn(Coefficient c, TurnProduct p, Scale s) {
-        // The upper word is the product rounded down; c / 2 puts back the half unit that is missing on average: a bias
-        // would drive the spin like a torque.
+        // The upper word is the product rounded down. c / 2 adds the half unit that is missing on average; without it,
+        // the bias would act on the spin like a torque.
         const auto upper = static_cast<std::int32_t>(p.raw >> 32);
         const auto product = static_cast<std::int32_t>(detail::multiply(c.raw, 2 * upper + 1) >> 32);
         return {(product + (1 << s.turn_shift >> 1)) >> s.turn_shift};
     }
-    // t += coefficient * p, to the last bit of the carried sum: 96 bits of product, of which 64 are kept.
+    // t += coefficient * p, to the last bit of the carried sum: 64 bits of the 96-bit product are kept.
     template <int F>
     TUMBLE_INLINE static constexpr void add_turn(Shaped<Turn, carry>& t, Fixed<F> c, TurnProduct p, Scale s) {
         t.add({detail::shift_right(static_cast<std::int64_t>(static_cast<std::uint64_t>(mul_sum(p, c).raw) << (32 - F)),

@@ -1,7 +1,7 @@
-// ContactNumbers of a fixed-point system. A Length is a 32-bit distance whose binary point the largest body decides; a
-// Lever is an arm over a radius of gyration; a Unit is a component of a direction or of a row of unit length; a Speed
-// is a velocity times the root of the mass, whose binary point the fastest body of an island decides; a Friction is a
-// coefficient of friction. Roots are Newton's steps on 32-bit words: no division.
+// ContactNumbers of a fixed-point system. A Length is a 32-bit distance; the largest body decides its binary point. A
+// Lever is an arm over a radius of gyration. A Unit is a component of a direction or of a row of unit length. A Speed
+// is a velocity times the root of the mass; the fastest body of an island decides its binary point. A Friction is a
+// coefficient of friction. Roots take Newton steps on 32-bit words, without division.
 #pragma once
 
 #include <tumble/numbers/functions.hpp>
@@ -18,7 +18,7 @@ struct ScaledRoot {
     int exponent;
 };
 
-// 1 / sqrt(s) for s > 0, to 2^-29: a line through the middle of the curve, and four of Newton's steps. No division.
+// 1 / sqrt(s) for s > 0, to 2^-29: a straight line as the first guess, and four Newton steps. No division.
 [[nodiscard]] constexpr ScaledRoot inverse_root(std::uint64_t s) {
     const auto upper = [](std::uint32_t a, std::uint32_t b) {
         return static_cast<std::uint32_t>((static_cast<std::uint64_t>(a) * b) >> 32);
@@ -34,7 +34,7 @@ struct ScaledRoot {
     return {static_cast<std::int32_t>((h + 1u) >> 1), (up >> 1) - 61};
 }
 
-// (a * b) >> shift to nearest, held at +-(2^31 - 1). shift in 0 .. 62.
+// (a * b) >> shift, rounded to nearest and held at +-(2^31 - 1). shift is in 0 .. 62.
 [[nodiscard]] TUMBLE_INLINE constexpr std::int32_t scaled_product(std::int32_t a, std::int32_t b, int shift) {
     const std::int64_t half = (std::int64_t{1} << shift) >> 1;
     const std::int64_t product = (multiply(a, b) + half) >> shift;
@@ -53,13 +53,13 @@ template <class N>
 requires(N::fixed_point) struct ContactNumbers<N> {
     using Work = typename N::Work;
     using Unit = Fixed<30>;
-    using Length = Fixed<24>;  // by name: the scale says where the binary point is
+    using Length = Fixed<24>;  // Fixed for its operations only: LengthScale has the binary point
     using Lever = Fixed<24>;
-    using Speed = Fixed<30>;  // by name: the island says where the binary point is
+    using Speed = Fixed<30>;  // Fixed for its operations only: SpeedScale has the binary point
     using Friction = Fixed<24>;
 
-    // Metres to Lengths. The largest length stays below 2^27 units, so that sums of a few cannot wrap; what is farther
-    // away is held at 2^30, and what moves further in a step at 2^28.
+    // Converts metres to Lengths. The largest length stays below 2^27 units, so that sums of a few cannot wrap. Larger
+    // distances are held at 2^30 units, larger displacements in a step at 2^28.
     class LengthScale {
     public:
         static constexpr int room = 27;
@@ -69,20 +69,20 @@ requires(N::fixed_point) struct ContactNumbers<N> {
             s.bits_ = detail::clamp(bits, 0, N::PositionSum::fraction_bits - 4);
             return s;
         }
-        // True of what a shape may be as large as.
+        // True if a shape may be that large.
         [[nodiscard]] static constexpr bool holds(Real metres) { return metres <= Real::scaled(1, room); }
-        // m: of contacts. Gaps are whole units.
+        // m, of contacts. Gaps are whole units.
         [[nodiscard]] constexpr Real least_tolerance(Real) const { return Real::scaled(16, -bits_); }
         [[nodiscard]] constexpr int bits() const { return bits_; }
         [[nodiscard]] constexpr Length length(Real metres) const {
             return {static_cast<std::int32_t>(metres.to_fixed(bits_, 31))};
         }
-        // To nearest, halves upwards.
+        // Rounds to nearest, ties upwards.
         template <int F>
         [[nodiscard]] constexpr Length length(Wide<F> metres) const {
             return cut(((metres.raw >> (F - bits_ - 1)) + 1) >> 1);
         }
-        // a - b, which may be farther apart than a sum holds.
+        // a - b, which may be larger than a sum holds.
         template <int F>
         [[nodiscard]] constexpr Length between(Wide<F> a, Wide<F> b) const {
             Wide<F> difference;
@@ -93,15 +93,15 @@ requires(N::fixed_point) struct ContactNumbers<N> {
         }
         [[nodiscard]] Length length(Work metres) const { return cut(metres.to_sum(bits_)); }
         [[nodiscard]] Work metres(Length l) const { return Work::of(l.raw, -bits_); }
-        // True of a length at the end of what is held.
+        // True of a length that was held at the end of the format.
         [[nodiscard]] static constexpr bool is_cut(Length l) { return l.raw >= far || l.raw <= -far; }
-        // A change of place in a step: a drift, rounded down; and gravity's.
+        // The displacement of a drift in a step, and that of gravity, rounded down.
         [[nodiscard]] Length drift(typename N::DriftSum d, typename N::Scale s) const {
             const int down = N::PositionSum::fraction_bits + s.drift_shift - bits_;
             return cut(d.raw >> (down > 63 ? 63 : down), fast);
         }
         [[nodiscard]] constexpr Length drift(Real metres) const { return cut(metres.to_fixed(bits_, 31), fast); }
-        // The same length when a larger body has come.
+        // The same length in a coarser scale, which a larger body has set.
         [[nodiscard]] constexpr Length coarser(Length l, const LengthScale& finer) const {
             const int down = finer.bits_ - bits_;
             return {l.raw >> (down > 31 ? 31 : down)};
@@ -115,7 +115,7 @@ requires(N::fixed_point) struct ContactNumbers<N> {
         int bits_ = 24;
     };
 
-    // One over a length, as what a length is multiplied by to give a lever.
+    // One over a length: a length times it is a lever.
     class PerLength {
     public:
         [[nodiscard]] static constexpr PerLength of(Real length, const LengthScale& scale) {
@@ -139,17 +139,18 @@ requires(N::fixed_point) struct ContactNumbers<N> {
         std::int8_t shift_ = 1;
     };
 
-    // Weighted velocities of one island: where their binary point is.
+    // The binary point of the weighted velocities of one island.
     class SpeedScale {
     public:
-        // For speeds whose largest component is below 2^log2, of so many bodies whose masses differ by a factor of
-        // 4^spread: their norm, which no solution exceeds by much, and the impulses then stay below 2^29 units.
+        // The scale for speeds whose largest component is below 2^log2, with this number of bodies and masses that
+        // differ by a factor of up to 4^spread. The norm of the speeds, which no solution exceeds by much, and the
+        // impulses then stay below 2^29 units.
         [[nodiscard]] static SpeedScale of(int log2, int bodies, int spread) {
             const int norm = (static_cast<int>(std::bit_width(static_cast<std::uint32_t>(6 * bodies - 1))) + 1) / 2;
             return SpeedScale{29 - log2 - norm - spread};
         }
         [[nodiscard]] Speed speed(Work w) const { return {static_cast<std::int32_t>(w.to_sum(bits_, 0x3fffffff))}; }
-        // A sum of the state with so many fraction bits, times a weight.
+        // A sum of the state with `fraction_bits` fraction bits, times a weight.
         [[nodiscard]] Speed speed(std::int64_t sum, int fraction_bits, Work weight) const {
             if (sum == 0) return {0};
             const int room = std::countl_zero(static_cast<std::uint64_t>(sum < 0 ? -sum : sum)) - 1;
@@ -160,7 +161,7 @@ requires(N::fixed_point) struct ContactNumbers<N> {
         [[nodiscard]] Speed speed(Length l, Work weight, const LengthScale& scale) const {
             return shifted(l.raw, weight.mantissa(), scale.bits() - weight.exponent() - bits_);
         }
-        // A speed times a weight, as a sum of the state; clears `within` where it had to be cut.
+        // A speed times a weight, as a sum of the state. Clears `within` if the sum was held.
         [[nodiscard]] std::int64_t sum(Speed s, int fraction_bits, Work weight, bool& within) const {
             const std::int64_t product = detail::multiply(s.raw, weight.mantissa());
             const int down = bits_ - weight.exponent() - fraction_bits;
@@ -174,16 +175,17 @@ requires(N::fixed_point) struct ContactNumbers<N> {
             return product < 0 ? -most : most;
         }
         [[nodiscard]] Work work(Speed s) const { return Work::of(s.raw, -bits_); }
-        // A speed of another scale as one of this.
+        // A speed in another scale, converted to this one.
         [[nodiscard]] Speed from(Speed s, SpeedScale other) const {
             const int up = bits_ - other.bits_;
             if (up <= 0) return {up < -31 ? 0 : s.raw >> -up};
-            // What would be too large was another step's; it is no guess for this one.
+            // A guess from another step that is too large for this scale is dropped.
             if (up > 30 || ((s.raw ^ (s.raw >> 31)) >> (30 - up)) != 0) return {0};
             return {s.raw << up};
         }
-        // Changes of speed at which sweeps stop: at rest 2^-21 of the norm (more of a norm that leaves room for unequal
-        // masses), because the next step's sweeps go on from there; in an impact, which is solved once, rounding.
+        // Changes of speed below which sweeps stop. At rest it is 2^-21 of the norm (more if the norm leaves room for
+        // unequal masses), because the sweeps of the next step continue from there. In an impact, which is solved once,
+        // it is rounding.
         [[nodiscard]] static constexpr Speed enough_at_rest() { return {256}; }
         [[nodiscard]] static constexpr Speed enough_in_impact() { return {2}; }
 
@@ -199,7 +201,7 @@ requires(N::fixed_point) struct ContactNumbers<N> {
         }
         int bits_ = 0;
     };
-    // The size of a sum of the state times a weight, as SpeedScale::of takes it: a power of two that it is below.
+    // The size of a sum of the state times a weight, for SpeedScale::of: the power of two above it.
     [[nodiscard]] static int size(std::int64_t sum, int fraction_bits, Work weight) {
         if (sum == 0) return nothing();
         return 64 - std::countl_zero(static_cast<std::uint64_t>(sum < 0 ? -sum : sum)) - fraction_bits + 31 +
@@ -218,7 +220,8 @@ requires(N::fixed_point) struct ContactNumbers<N> {
         return {raw};
     }
 
-    // A bound of what is moved in k steps; true if it is more than a gap, or than what is left of a distance.
+    // travel(): an upper bound of the displacement in k steps. Below: true if it exceeds a gap, or the rest of a
+    // distance.
     [[nodiscard]] static std::int64_t travel(Length speed, Length fall, int k) {
         return (static_cast<std::int64_t>(speed.raw) + static_cast<std::int64_t>(fall.raw) * k) * k;
     }
@@ -231,7 +234,7 @@ requires(N::fixed_point) struct ContactNumbers<N> {
 
     [[nodiscard]] static constexpr Unit one() { return {1 << 30}; }
     [[nodiscard]] static constexpr Length longest() { return {1 << 30}; }
-    // v / |v|, and |v|; v must not be zero.
+    // v / |v|, and below |v|. v must not be zero.
     [[nodiscard]] static Vec3<Unit> direction(const Vec3<Length>& v) {
         const auto root = detail::inverse_root(static_cast<std::uint64_t>(dot(v, v).raw));
         const int shift = -(root.exponent + 30);
@@ -242,7 +245,7 @@ requires(N::fixed_point) struct ContactNumbers<N> {
     [[nodiscard]] static Vec3<Unit> direction(const Vec3<Unit>& v) {
         return direction(Vec3<Length>{Length{v.x().raw}, Length{v.y().raw}, Length{v.z().raw}});
     }
-    // 1 / sqrt(1 + q . q) of levers, at most 1; and a lever times it.
+    // 1 / sqrt(1 + q . q) of levers, at most 1. Below: a lever times that.
     [[nodiscard]] TUMBLE_INLINE static Unit inverse_root_of_one_and(Wide<48> squares) {
         const auto root = detail::inverse_root(static_cast<std::uint64_t>(squares.raw) + (std::uint64_t{1} << 48));
         return {detail::scaled_product(root.raw, 1 << 30, -(root.exponent + 24))};
@@ -260,7 +263,7 @@ requires(N::fixed_point) struct ContactNumbers<N> {
     [[nodiscard]] TUMBLE_INLINE static T eighth(T a) {
         return {a.raw >> 3};
     }
-    // mu * s, the most that friction can push beside a push of s.
+    // mu * s: the largest friction impulse for a normal impulse s.
     [[nodiscard]] static Speed times_friction(Friction mu, Speed s) {
         return {detail::scaled_product(mu.raw, s.raw, 24)};
     }
@@ -271,7 +274,7 @@ requires(N::fixed_point) struct ContactNumbers<N> {
         const auto root = detail::inverse_root(static_cast<std::uint64_t>(squares.raw));
         return {detail::scaled_product(limit.raw, root.raw, -(root.exponent + 30))};
     }
-    // s / u^2 for 0 < u <= 1, where that is at most as large as what s was before it was multiplied by less than u^2.
+    // s / u^2 for 0 < u <= 1. s is a product with a factor below u^2, so the result fits.
     [[nodiscard]] static Speed over_square(Speed s, Unit u) {
         const auto root = detail::inverse_root(static_cast<std::uint64_t>(mul(u, u).raw));
         const int shift = -(root.exponent + 30);
@@ -282,21 +285,21 @@ requires(N::fixed_point) struct ContactNumbers<N> {
     [[nodiscard]] static Unit ratio(T a, T b) {
         return {static_cast<std::int32_t>((static_cast<std::int64_t>(a.raw) << 30) / b.raw)};
     }
-    // Axes with a larger cosine are taken as parallel, 2^-10 rad.
+    // Axes with a larger cosine (an angle below 2^-10 rad) count as parallel.
     [[nodiscard]] static constexpr Unit nearly_parallel() { return {(1 << 30) - (1 << 9)}; }
-    // l / sqrt(1 - c^2) for c below that.
+    // l / sqrt(1 - c^2), for a c that is not nearly parallel.
     [[nodiscard]] static Length over_sine(Length l, Unit c) {
         const auto root = detail::inverse_root(static_cast<std::uint64_t>((std::int64_t{1} << 60) - mul(c, c).raw));
         return {detail::scaled_product(l.raw, root.raw, -(root.exponent + 30))};
     }
-    // l / 2^16, what is only rounding beside l; and l / 16.
+    // hair(): l / 2^16, which is only rounding beside l. Below: l / 16.
     [[nodiscard]] static Length hair(Length l) { return {(l.raw >> 16) + 1}; }
     [[nodiscard]] static Length sixteenth(Length l) { return {l.raw >> 4}; }
-    // The norm of a part of a unit vector.
+    // The norm of some components of a unit vector.
     [[nodiscard]] static Unit unit_norm(const Vec3<Unit>& v) {
         return {static_cast<std::int32_t>(integer_sqrt(static_cast<std::uint64_t>(dot(v, v).raw)))};
     }
-    // A norm of such a part that is only rounding, 2^-16.
+    // A norm of such components that is only rounding, 2^-16.
     [[nodiscard]] static constexpr Unit flat() { return {1 << 14}; }
 };
 

@@ -1,17 +1,18 @@
-// Real: a software floating-point number with a 64-bit mantissa, for set-up only (masses, inertia, step constants).
-// Integers alone, so the constants come out with the same bits at compile time, at run time, on every core, and a
-// firmware without double arithmetic can still add bodies. Results are within one unit of 2^-63, not always nearest.
+// Real: a software floating-point number with a 64-bit mantissa, for set-up only (masses, inertia, constants of a
+// step). It uses integers only, so constants have the same bits at compile time, at run time and on every core, and a
+// firmware without double arithmetic can still add bodies. Results are within one unit of 2^-63, but not always the
+// nearest.
 #pragma once
 
 #include <tumble/config.hpp>
 
 namespace tumble {
 
-// Set-up runs once: its functions are small before fast.
+// Set-up runs once, so its functions are compiled for size.
 class Real {
 public:
     constexpr Real() = default;
-    // Exact. Reads the bits of the double: no floating-point instruction is executed. NaN and infinity are misuse.
+    // Exact. Reads the bits of the double without a floating-point instruction. NaN and infinity are misuse.
     constexpr Real(double value) {  // NOLINT(google-explicit-constructor): literals read as numbers
         const auto bits = std::bit_cast<std::uint64_t>(value);
         const auto exponent = static_cast<int>((bits >> 52) & 0x7ff);
@@ -32,9 +33,9 @@ public:
         return make(negative, negative ? 0u - magnitude : magnitude, exponent);
     }
 
-    // Of either sign there is one zero.
+    // There is one zero, without a sign.
     [[nodiscard]] constexpr bool is_zero() const { return mantissa_ == 0; }
-    // Below zero.
+    // True below zero.
     [[nodiscard]] constexpr bool is_negative() const { return negative_; }
 
     [[nodiscard]] constexpr Real operator-() const {
@@ -52,15 +53,16 @@ public:
         }
         const int gap = a.exponent_ - b.exponent_;
         if (gap > 64) return a;
-        // One bit of headroom for the carry: both mantissas move down by one.
+        // One bit of headroom for the carry: both mantissas are shifted down by one.
         const std::uint64_t x = a.mantissa_ >> 1;
         const std::uint64_t y = gap >= 63 ? 0 : (b.mantissa_ >> 1) >> gap;
         if (a.negative_ == b.negative_) return make(a.negative_, x + y, a.exponent_ + 1);
-        if (gap == 0) {  // cancellation: keep the lowest bit, so that a - a' of neighbours is exact
+        if (gap == 0) {  // cancellation: keeps the lowest bit, so that the difference of neighbours is exact
             if (a.mantissa_ >= b.mantissa_) return make(a.negative_, a.mantissa_ - b.mantissa_, a.exponent_);
             return make(b.negative_, b.mantissa_ - a.mantissa_, a.exponent_);
         }
-        // gap >= 1: a's mantissa has its top bit set, so the difference is positive; b's lost bit is below a's unit.
+        // gap >= 1: the top bit of a's mantissa is set, so the difference is positive; the bit that b loses is below
+        // a's unit.
         const std::uint64_t z = gap >= 64 ? 0 : b.mantissa_ >> gap;
         return make(a.negative_, a.mantissa_ - z, a.exponent_);
     }
@@ -77,7 +79,7 @@ public:
         if ((high >> 63) != 0) return rounded(negative, high, (rest >> 63) != 0, exponent);
         return rounded(negative, (high << 1) | (rest >> 63), ((rest >> 62) & 1) != 0, exponent - 1);
     }
-    // Long division, 65 rounds; b must not be zero.
+    // Long division, 65 rounds. b must not be zero.
     TUMBLE_SET_UP friend constexpr Real operator/(Real a, Real b) {
         TUMBLE_ASSERT(b.mantissa_ != 0);
         if (a.mantissa_ == 0) return {};
@@ -110,7 +112,7 @@ public:
     friend constexpr bool operator<=(Real a, Real b) { return !(b < a); }
     friend constexpr bool operator>=(Real a, Real b) { return !(a < b); }
 
-    // Nearest integer to value * 2^fraction_bits, ties away from zero; clamped to +-(2^(bits-1) - 1).
+    // The nearest integer to value * 2^fraction_bits, ties away from zero, held at +-(2^(bits-1) - 1).
     TUMBLE_SET_UP [[nodiscard]] constexpr std::int64_t to_fixed(int fraction_bits, int bits = 32) const {
         const std::int64_t limit = static_cast<std::int64_t>((std::uint64_t{1} << (bits - 1)) - 1);
         if (mantissa_ == 0) return 0;
@@ -122,17 +124,18 @@ public:
         if (magnitude > static_cast<std::uint64_t>(limit)) return negative_ ? -limit : limit;
         return negative_ ? -static_cast<std::int64_t>(magnitude) : static_cast<std::int64_t>(magnitude);
     }
-    // The power of two above the magnitude: |value| < 2^result, result least. Zero gives a very small number.
+    // The exponent of the power of two above the magnitude: the least result with |value| < 2^result. Zero gives a very
+    // small number.
     [[nodiscard]] constexpr int ceil_log2() const { return mantissa_ == 0 ? -100000 : exponent_ + 64; }
 
-    // The least n with |value| <= 2^n: an exact power of two is its own bound.
+    // The least n with |value| <= 2^n. An exact power of two is its own bound.
     [[nodiscard]] constexpr int ceil_log2_bound() const {
         return mantissa_ == std::uint64_t{1} << 63 ? exponent_ + 63 : ceil_log2();
     }
 
-    // Nearest double, ties to even; written bit by bit so that no floating-point code is needed.
+    // The nearest double, ties to even. Built from bits, without floating-point instructions.
     [[nodiscard]] constexpr double to_double() const { return std::bit_cast<double>(ieee(52, 1023)); }
-    // Nearest float, likewise.
+    // The nearest float, ties to even. Built from bits.
     [[nodiscard]] constexpr float to_float() const {
         return std::bit_cast<float>(static_cast<std::uint32_t>(ieee(23, 127)));
     }
@@ -168,7 +171,7 @@ private:
         const std::uint64_t half = std::uint64_t{1} << (drop - 1);
         const std::uint64_t below = drop == 64 ? mantissa_ : mantissa_ & ((half << 1) - 1);
         std::uint64_t bits = kept + ((below > half || (below == half && (kept & 1) != 0)) ? 1 : 0);
-        // The leading 1 of a normal number adds one to the exponent field, and so does a carry out of the fraction.
+        // The leading 1 of a normal number adds one to the exponent field. So does a carry out of the fraction.
         bits += static_cast<std::uint64_t>(exponent == 0 ? 0 : exponent - 1) << fraction_bits;
         const std::uint64_t infinity = static_cast<std::uint64_t>(2 * bias + 1) << fraction_bits;
         return sign | (bits > infinity ? infinity : bits);
@@ -211,7 +214,7 @@ struct RealVec3 {
 [[nodiscard]] constexpr RealVec3 cross(RealVec3 a, RealVec3 b) {
     return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
-// Of length 1; a must not be zero.
+// The vector with length 1. a must not be zero.
 [[nodiscard]] constexpr RealVec3 normalized(RealVec3 a) { return a * (Real{1} / sqrt(dot(a, a))); }
 
 // Hamilton's quaternion w + xi + yj + zk of set-up numbers.
@@ -222,15 +225,15 @@ struct RealQuat {
     friend constexpr RealQuat operator*(RealQuat a, RealQuat b) {
         return {a.w * b.w - dot(a.v, b.v), b.v * a.w + a.v * b.w + cross(a.v, b.v)};
     }
-    // The rotation back, of a unit quaternion.
+    // The inverse rotation, of a unit quaternion.
     [[nodiscard]] constexpr RealQuat conjugate() const { return {w, v * Real{-1}}; }
-    // The vector turned; of unit length the quaternion must be.
+    // Rotates a vector. The quaternion must have unit length.
     [[nodiscard]] constexpr RealVec3 rotate(RealVec3 r) const {
         const RealVec3 t = cross(v, r) * Real{2};
         return r + t * w + cross(v, t);
     }
 };
-// Of length 1; q must not be zero.
+// The quaternion with length 1. q must not be zero.
 [[nodiscard]] constexpr RealQuat normalized(RealQuat q) {
     const Real s = Real{1} / sqrt(q.w * q.w + dot(q.v, q.v));
     return {q.w * s, q.v * s};

@@ -1,22 +1,23 @@
-// Scaled: a run-time number with a 31-bit mantissa and an exponent, in integers: what a Q32 world uses where magnitudes
-// span many decades and the cost of normalising is bearable (loads other than gravity, contacts). Twice the digits of
-// float (relative rounding 2^-31) and no range to leave. About 10 instructions a product and 25 a sum on a Cortex-M3.
+// Scaled: a run-time number in integers, with a 31-bit mantissa and an exponent. A Q32 world uses it for numbers that
+// span many decades and are computed rarely enough: loads other than gravity, and contacts. It has twice the digits of
+// float (relative rounding error 2^-31) and no range. About 10 instructions for a product and 25 for a sum on a
+// Cortex-M3.
 #pragma once
 
 #include <tumble/numbers/fixed.hpp>
 
 namespace tumble {
 
-// A number of a Q32 world's accessors: mantissa * 2^exponent, to 31 bits.
+// The numbers that a Q32 world's accessors return: mantissa * 2^exponent, 31 bits.
 class Scaled {
 public:
     constexpr Scaled() = default;  // zero
-    // To 31 bits.
+    // Rounded to 31 bits.
     constexpr Scaled(int value)
         : Scaled{of(value, 0)} {}  // NOLINT(google-explicit-constructor): 0, 1, -1 read as numbers
-    // A set-up number, to 31 bits.
+    // A set-up number, rounded to 31 bits.
     [[nodiscard]] static constexpr Scaled from(Real value) {
-        // Nearest at 31 bits: place the leading bit at 2^30, round, and let `of` renormalise a carry.
+        // The leading bit goes to 2^30, rounded to nearest; `of` renormalises a carry.
         if (value.is_zero()) return {};
         const int up = 31 - value.ceil_log2();
         return of(value.to_fixed(up, 64), -up);
@@ -39,24 +40,24 @@ public:
         const auto m = static_cast<std::int32_t>(magnitude);
         return Scaled{negative ? -m : m, exponent + drop};
     }
-    // Of fixed point, exact.
+    // A fixed-point number, exact.
     template <int F>
     [[nodiscard]] static constexpr Scaled of(Fixed<F> a) {
         return of(a.raw, -F);
     }
-    // Of a sum in fixed point, to 31 bits.
+    // A sum in fixed point, rounded to 31 bits.
     template <int F>
     [[nodiscard]] static constexpr Scaled of(Wide<F> a) {
         return of(a.raw, -F);
     }
 
-    // The number as a 64-bit sum with F fraction bits, rounded; saturates below 2^62, so that a sum of two cannot wrap,
+    // The number as a 64-bit sum with F fraction bits, rounded. Saturates below 2^62, so that a sum of two cannot wrap,
     // or at `limit`.
     template <int F>
     [[nodiscard]] constexpr Wide<F> to_wide() const {
         return {to_sum(F)};
     }
-    // The same with the number of fraction bits known at run time, as the raw sum.
+    // The same, as a raw sum, with the number of fraction bits known at run time.
     [[nodiscard, gnu::noinline]] constexpr std::int64_t to_sum(int fraction_bits,
                                                                std::int64_t limit = (std::int64_t{1} << 62) - 1) const {
         const int up = exponent_ + fraction_bits;
@@ -68,23 +69,23 @@ public:
         }
         return (static_cast<std::int64_t>(mantissa_) + (std::int64_t{1} << (-up - 1))) >> -up;
     }
-    // Nearest Fixed; saturates at the format's ends.
+    // The nearest Fixed. Saturates at the ends of the format.
     template <class To>
     [[nodiscard]] constexpr To to_fixed() const {
         const std::int64_t raw = to_wide<To::fraction_bits>().raw;
         constexpr std::int64_t limit = 0x7fffffff;
         return To::from_raw(static_cast<std::int32_t>(raw > limit ? limit : raw < -limit ? -limit : raw));
     }
-    // As a set-up number, exact.
+    // The number as a set-up number, exact.
     [[nodiscard]] constexpr Real to_real() const { return Real::scaled(mantissa_, exponent_); }
-    // As a double, exact; in integers.
+    // The number as a double, exact. Computed in integers.
     [[nodiscard]] explicit constexpr operator double() const { return to_real().to_double(); }
 
     // 2^30 <= |mantissa| < 2^31, or 0.
     [[nodiscard]] constexpr std::int32_t mantissa() const { return mantissa_; }
-    // Of two; 0 of zero.
+    // The exponent of 2. 0 for zero.
     [[nodiscard]] constexpr int exponent() const { return exponent_; }
-    // There is one zero.
+    // True of zero. There is one zero.
     [[nodiscard]] constexpr bool is_zero() const { return mantissa_ == 0; }
     // value * 2^n, exact.
     [[nodiscard]] constexpr Scaled times_power_of_two(int n) const {
@@ -110,7 +111,7 @@ public:
     friend constexpr Scaled operator*(Scaled a, Scaled b) {
         return of(static_cast<std::int64_t>(a.mantissa_) * b.mantissa_, a.exponent_ + b.exponent_);
     }
-    // b must not be zero.
+    // The quotient. b must not be zero.
     [[gnu::noinline]] friend constexpr Scaled operator/(Scaled a, Scaled b) {
         TUMBLE_ASSERT(b.mantissa_ != 0);
         return of((static_cast<std::int64_t>(a.mantissa_) * (std::int64_t{1} << 32)) / b.mantissa_,

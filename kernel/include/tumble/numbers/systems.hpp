@@ -1,9 +1,10 @@
-// Number systems: Q32<Range> (integers only), F32 and F64. Each names the type of every physical quantity and the few
-// operations that differ between fixed and floating point, so that loads, integrators and contacts are written once.
+// Number systems: Q32<Range> (integers only), F32 and F64. Each names the type of every physical quantity, and has the
+// few operations that differ between fixed and floating point. Loads, integrators and contacts are therefore written
+// once.
 //
-// Inside a world time is counted in steps, not seconds. Velocity is kept as `Drift`, the displacement per step, and
-// spin as `Turn`, half the angle turned per step: position += drift, and a half turn is what a quaternion needs. The
-// step size then enters only when constants are made, so a step such as 0.005 s costs no accuracy and no cycles.
+// A world counts time in steps, not in seconds. It keeps a velocity as `Drift`, the displacement in a step, and a spin
+// as `Turn`, half the angle in a step: position += drift, and quaternions contain half angles. The step then enters
+// only the constants, so a step such as 0.005 s costs no accuracy and no cycles.
 #pragma once
 
 #include <tumble/numbers/ieee.hpp>
@@ -19,12 +20,12 @@ using NearRange = Range<64, 32, 32>;
 using RoomRange = Range<>;
 // 32768 m, 2048 m/s, 256 rad/s.
 using FieldRange = Range<32768, 2048, 256>;
-// The ranges to choose from, the smallest first, under the names that scenes use.
+// The ranges to choose from, the smallest first, with their names in scenes.
 using Ranges = NamedList<NamedRange<"near", NearRange>, NamedRange<"room", RoomRange>, NamedRange<"field", FieldRange>>;
 
-// The list of number systems: builds (lists.cmake), the simulator, firmware and tests take theirs from here, so a new
-// one is its type and one entry. Of those of one type, the first is what a scene gets that asks neither for a carried
-// residual nor for none.
+// The list of number systems. Builds (lists.cmake), the simulator, firmware and tests read it, so a new system is its
+// type and one entry. Among systems of one type, the first is the default of a scene that does not choose a carried
+// residual.
 // clang-format off
 using NumberSystems = NamedList<
     FixedPoint<"q32", Q32, true>,
@@ -35,20 +36,20 @@ using NumberSystems = NamedList<
     FloatingPoint<"f64_carried", double, true, Runs::on_the_host>>;
 // clang-format on
 
-// The type of the number system of a name, for the range that a scene declares: NumbersOf<"q32", NearRange>.
+// The number system of this name, for a scene's range: NumbersOf<"q32", NearRange>.
 template <detail::Name name, class Range>
 using NumbersOf = typename NumberSystems::Named<name>::template Numbers<Range>;
-// The range of a name: RangeOf<"near">.
+// The range of this name: RangeOf<"near">.
 template <detail::Name name>
 using RangeOf = typename Ranges::Named<name>::Range;
 
-// Float with compensated sums: carried residuals.
+// Float with carried residuals, by compensated sums.
 using F32 = Float<float, true>;
-// Float as it is, the fastest with an FPU.
+// Plain float: the fastest system with an FPU.
 using F32Plain = Float<float, false>;
 // Double.
 using F64 = Float<double, false>;
-// Double with compensated sums.
+// Double with carried residuals, by compensated sums.
 using F64Carried = Float<double, true>;
 
 }  // namespace tumble

@@ -1,6 +1,6 @@
-// Vectors and quaternions: Eigen's fixed-size storage for every number system, and the products that keep sums wide.
-// dot, cross and rotate are functions here, because Eigen's own would round each product; sums, differences, blocks,
-// maps and .cast<double>() are Eigen's.
+// Vectors and quaternions: Eigen's fixed-size storage for every number system, and products that keep sums wide. dot,
+// cross and rotate are functions of the kernel, because Eigen's own would round each product. Sums, differences,
+// blocks, maps and .cast<double>() are Eigen's.
 #pragma once
 
 #include <tumble/numbers/scaled.hpp>
@@ -31,7 +31,7 @@ namespace tumble {
 template <class T>
 using Vec3 = Eigen::Matrix<T, 3, 1>;
 
-// Hamilton's w + xi + yj + zk. A plain value: normalisation is the business of whoever integrates it.
+// Hamilton's w + xi + yj + zk. A plain value: whoever integrates it normalises it.
 template <class T>
 struct Quat {
     T w{};
@@ -40,9 +40,9 @@ struct Quat {
     [[nodiscard]] Quat conjugate() const { return {w, -v}; }
 };
 
-// Products of the other numbers, so that one formula serves all systems.
+// Products of the other number types, so that one formula serves all number systems.
 template <class T>
-concept SelfContained = std::floating_point<T> || std::same_as<T, Scaled>;  // its products are of its own type
+concept SelfContained = std::floating_point<T> || std::same_as<T, Scaled>;  // the product of two has the type itself
 template <SelfContained T>
 [[nodiscard]] TUMBLE_INLINE constexpr T mul(T a, T b) {
     return a * b;
@@ -60,13 +60,13 @@ template <SelfContained To>
     return a;
 }
 
-// a . b, exact in fixed point; left to right in floating point.
+// a . b: exact in fixed point, summed left to right in floating point.
 template <class A, class B>
 [[nodiscard]] TUMBLE_INLINE auto dot(const Vec3<A>& a, const Vec3<B>& b) {
     return mul_add(mul_add(mul(a.x(), b.x()), a.y(), b.y()), a.z(), b.z());
 }
 
-// Component i of a x b, exact in fixed point; and added to a sum.
+// Component i of a x b, exact in fixed point. Below: the same added to a sum.
 template <int i, class A, class B>
 [[nodiscard]] TUMBLE_INLINE auto cross_component(const Vec3<A>& a, const Vec3<B>& b) {
     constexpr int j = (i + 1) % 3, k = (i + 2) % 3;
@@ -78,7 +78,7 @@ template <int i, class Sum, class A, class B>
     return mul_sub(mul_add(sum, a[j], b[k]), a[k], b[j]);
 }
 
-// a x b, rounded once a component to To.
+// a x b, with each component rounded once to To.
 template <class To, class A, class B>
 [[nodiscard]] TUMBLE_INLINE Vec3<To> cross(const Vec3<A>& a, const Vec3<B>& b) {
     return {narrow<To>(cross_component<0>(a, b)), narrow<To>(cross_component<1>(a, b)),
@@ -90,19 +90,19 @@ template <class T>
     return a < T{} ? -a : a;
 }
 
-// A bound of |v| that needs no root.
+// An upper bound of |v| without a root.
 template <class T>
 [[nodiscard]] TUMBLE_INLINE constexpr T sum_of_magnitudes(const Vec3<T>& v) {
     return magnitude_of(v.x()) + magnitude_of(v.y()) + magnitude_of(v.z());
 }
 
-// A length along a direction.
+// A direction times a length.
 template <class Unit, class Length>
 [[nodiscard]] Vec3<Length> along(const Vec3<Unit>& u, Length l) {
     return {narrow<Length>(mul(u.x(), l)), narrow<Length>(mul(u.y(), l)), narrow<Length>(mul(u.z(), l))};
 }
 
-// A vector of working numbers, in SI units where nothing else is said.
+// A vector of working numbers, in SI units unless stated otherwise.
 template <class N>
 using WorkVec3 = Vec3<typename N::Work>;
 
@@ -111,8 +111,8 @@ template <class N>
     return WorkVec3<N>::Constant(typename N::Work(0));
 }
 
-// q v q*, body to world: (w^2 - |u|^2) v + 2 (u . v) u + 2 w u x v with q = (w, u). Of a q that rounding has left a
-// little off unit length it is still a rotation, times |q|^2; the form that is shorter by a product is not.
+// q v q*, body to world: (w^2 - |u|^2) v + 2 (u . v) u + 2 w u x v with q = (w, u). For a q whose length is off 1 by
+// rounding it is still a rotation, times |q|^2. The form that is shorter by one product is not.
 template <class Work>
 [[nodiscard]] inline Vec3<Work> rotate(const Quat<Work>& q, const Vec3<Work>& v) {
     const Work along = q.w * q.w - dot(q.v, q.v), twice_dot = dot(q.v, v) * Work(2), twice_w = q.w * Work(2);
@@ -131,7 +131,7 @@ template <class Work>
     return {v.x() * s, v.y() * s, v.z() * s};
 }
 
-// Numbers of set-up, and quaternions and directions of the state, as working numbers.
+// Set-up numbers, and quaternions and directions of the state, as working numbers.
 template <class N>
 [[nodiscard]] constexpr WorkVec3<N> work_vector(RealVec3 v) {
     using Work = typename N::Work;

@@ -1,11 +1,11 @@
-// A body's axes in the world, as shapes need them: a rotation as a matrix.
+// The axes of a body in the world, for shapes: a rotation as a matrix.
 #pragma once
 
 #include <tumble/numbers/systems.hpp>
 
 namespace tumble {
 
-// Columns are a body's axes in the world.
+// The columns are the body's axes in the world.
 template <class N>
 struct Axes {
     using C = ContactNumbers<N>;
@@ -13,7 +13,7 @@ struct Axes {
 
     Vec3<Unit> row[3];  // row[i][j]: component i (world) of axis j
 
-    // Times |q|^2, which rounding has left a little off 1.
+    // The rotation matrix of q, times |q|^2, which is off 1 by rounding.
     [[nodiscard]] static Axes of(const Quat<Unit>& q) {
         const auto ww = mul(q.w, q.w), xx = mul(q.v.x(), q.v.x()), yy = mul(q.v.y(), q.v.y()),
                    zz = mul(q.v.z(), q.v.z());
@@ -37,7 +37,7 @@ struct Axes {
     friend bool operator==(const Axes& a, const Axes& b) {
         return a.row[0] == b.row[0] && a.row[1] == b.row[1] && a.row[2] == b.row[2];
     }
-    // This rotation after another.
+    // This rotation after another one.
     [[nodiscard]] Axes times(const Axes& first) const {
         Axes product;
         for (int i = 0; i < 3; ++i)

@@ -1,13 +1,13 @@
-// Two boxes: the separating axis test over their 15 axes (Gottschalk, Lin and Manocha 1996), and the contact points: a
-// face clipped against a face, of which four points are kept, or the nearest points of two edges.
+// Two boxes: the separating axis test over their 15 axes (Gottschalk, Lin and Manocha 1996), and the contact points.
+// These are either a face clipped against a face, reduced to four points, or the nearest points of two edges.
 #pragma once
 
 #include <tumble/shapes/pair_view.hpp>
 
 namespace tumble {
 
-// The axis along which two boxes are farthest apart: 0-2 across a face of a, 3-5 of b, then across an edge of each; and
-// whether b is on its negative side.
+// The axis along which two boxes are farthest apart: 0-2 is the normal of a face of a, 3-5 that of a face of b, the
+// others are cross products of an edge of each. Also: whether b is on the negative side of the axis.
 struct BoxAxis {
     std::int8_t index = 0;
     bool negative = false;
@@ -24,10 +24,10 @@ public:
     Length gap;
     BoxAxis axis;
 
-    // `bias`, >= 0: by how much an edge pair must be farther apart than the best faces to be taken, so that the choice
-    // does not flicker.
+    // `bias`, >= 0: an axis of two edges is chosen only if it is farther apart than the best face by this length, so
+    // that the choice does not alternate.
     BoxBox(const PairView<N>& view, Length bias) : axes_{view.a.axes(view.axes_a), view.b.axes(view.axes_b)} {
-        // Everything in the axes of a; r takes b's axes to a's. t goes from a to b.
+        // In the axes of a. r converts b's axes to a's. t goes from a to b.
         const Vec3<Length>&h = view.a.half, &k = view.b.half;
         const Vec3<Length> t = -axes_[0].to_body(view.reach);
         Vec3<Unit> r[3], size[3];
@@ -75,7 +75,7 @@ public:
         }
         if (!axis.negative) normal = -normal;
     }
-    // What the test has found of boxes that have not moved since.
+    // Reuses the result of the test for boxes that have not moved since.
     BoxBox(const PairView<N>& view, const BoxAxis& found, const Vec3<Unit>& along, Length apart)
         : normal{along}, gap{apart}, axis{found}, axes_{view.a.axes(view.axes_a), view.b.axes(view.axes_b)} {}
 
@@ -86,21 +86,21 @@ public:
 
 private:
     struct Vertex {
-        Length u, v, gap;  // in the face's plane, and above it
+        Length u, v, gap;  // in the plane of the face, and above it
     };
-    // A face clipped against the four sides of another has at most eight vertices.
+    // A face that is clipped against the four sides of another has at most eight vertices.
     struct Polygon {
         Vertex vertex[8];
         int count = 0;
     };
 
-    // The incident face (of the other box, most against the reference face's normal), clipped against the sides of the
-    // reference face. Both bodies get the same points: those of the incident face.
+    // Clips the incident face (of the other box, the one that points most against the normal of the reference face)
+    // against the sides of the reference face. Both bodies get the same points: those of the incident face.
     void find_on_faces(const PairView<N>& view, FoundPoints<N>& found, Length band) const {
         const int side = axis.index < 3 ? 0 : 1, other = 1 - side, face = axis.index % 3, iu = (face + 1) % 3,
                   iv = (face + 2) % 3;
         const Axes<N>&axes = axes_[side], &incident = axes_[other];
-        // Outwards from the reference box: against `normal` for a, along it for b.
+        // Away from the reference box: against `normal` for a, along it for b.
         const Vec3<Unit> outward = side == 0 ? Vec3<Unit>(-normal) : normal;
         const bool flipped = axis.negative == (side == 0);
         const Vec3<Unit> n = incident.to_body(outward);
@@ -108,10 +108,10 @@ private:
         for (int i = 1; i < 3; ++i)
             if (magnitude_of(n[i]) > magnitude_of(n[k])) k = i;
         const int k1 = (k + 1) % 3, k2 = (k + 2) % 3;
-        const bool up = n[k] < Unit{};  // the face at +k looks against the normal
+        const bool up = n[k] < Unit{};  // the face at +k points against the normal
         const CollisionShape<N>&reference_shape = side == 0 ? view.a : view.b,
               &incident_shape = side == 0 ? view.b : view.a;
-        // From the reference box to the incident one, in the reference's axes.
+        // From the reference box to the incident box, in the reference axes.
         const Vec3<Length> to_incident = axes.to_body(side == 0 ? Vec3<Length>(-view.reach) : view.reach);
         Vec3<Length> centre = to_incident, edge[2];
         {
@@ -163,7 +163,7 @@ private:
         polygon = clipped;
     }
 
-    // At most four: the lowest, the farthest from it, the farthest from their line on either side.
+    // Keeps at most four points: the lowest, the farthest from it, and the farthest from their line on either side.
     static void reduce(Polygon& polygon, Length band) {
         int count = 0;
         for (int i = 0; i < polygon.count; ++i)
@@ -201,7 +201,7 @@ private:
         polygon = kept;
     }
 
-    // The point of a's edge that is nearest to the line along b's.
+    // The point on a's edge that is nearest to the line of b's edge.
     void find_on_edges(const PairView<N>& view, FoundPoints<N>& found) const {
         const int i = (axis.index - 6) / 3, j = (axis.index - 6) % 3;
         const Vec3<Unit> na = axes_[0].to_body(normal), nb = axes_[1].to_body(normal);

@@ -1,4 +1,4 @@
-// Two shapes in place: where one body is relative to another, and how far they are apart along a direction.
+// Two shapes at their places: the position of one body relative to another, and their separation along a direction.
 #pragma once
 
 #include <tumble/shapes/points.hpp>
@@ -18,7 +18,7 @@ struct PairView {
 
     [[nodiscard]] PairView reversed() const { return {b, a, axes_b, axes_a, -reach}; }
 
-    // Along a direction: how far the surfaces are apart.
+    // The distance of the surfaces along a direction.
     [[nodiscard]] Length separation(const Vec3<Unit>& normal, bool boxes) const {
         return narrow<Length>(dot(normal, reach)) - extent(a, axes_a, normal, boxes) - extent(b, axes_b, normal, boxes);
     }

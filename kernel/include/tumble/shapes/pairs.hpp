@@ -1,5 +1,5 @@
-// The pairs of shapes that touch each other. A pair is one header with its geometry and one entry here: what may touch,
-// which pair is tested where, and in which order, follows from the table.
+// The pairs of shapes that collide. A pair is one header with its geometry and one entry in the table below. The table
+// decides which shapes collide, which test they get, and in which order.
 #pragma once
 
 #include <tumble/scene.hpp>
@@ -8,7 +8,8 @@
 
 namespace tumble {
 
-// Geometry<N>{view} knows where a body of the first shape is relative to one of the second: normal, gap, and find().
+// Geometry<N>{view} computes the normal, the gap and, by find(), the points of a body of the first shape and one of the
+// second.
 template <ShapeKind first_shape, ShapeKind second_shape, template <class> class Geometry>
 struct ShapePair {
     static constexpr ShapeKind first = first_shape, second = second_shape;
@@ -18,7 +19,7 @@ struct ShapePair {
 
 namespace detail {
 
-// A pair in one of the orders in which its bodies may come.
+// A pair of shapes in one order of its bodies.
 struct ShapeOrder {
     ShapeKind a, b;
     int entry;
@@ -30,7 +31,7 @@ struct ShapeOrders {
     int count = 0;
 
     constexpr void add(const ShapeOrder& o) { order[count++] = o; }
-    // True if, of the orders from `at` on, no other has the same a (b): then a (b) alone tells.
+    // True if no later order, from `at` on, has the same a (b). Then a (b) alone identifies the order.
     [[nodiscard]] constexpr bool a_tells(int at) const {
         for (int i = at + 1; i < count; ++i)
             if (order[i].a == order[at].a) return false;
@@ -43,7 +44,7 @@ struct ShapeOrders {
     }
 };
 
-// True if worlds of these features have bodies of the shape that touch.
+// True if worlds of these features have colliding bodies of this shape.
 [[nodiscard]] constexpr bool has_shape(const Features& features, ShapeKind kind) {
     return kind == ShapeKind::sphere || (kind == ShapeKind::box ? features.boxes : features.round_shapes);
 }
@@ -73,7 +74,7 @@ struct ShapePairList {
                 if (has(ShapeKind(a)) && has(ShapeKind(b)) && !has(ShapeKind(a), ShapeKind(b))) return false;
         return true;
     }
-    // All orders in which two bodies may come in worlds of these features, in the order of the list.
+    // All orders of two bodies in worlds of these features, in the order of the list.
     [[nodiscard]] static constexpr auto orders(const Features& features) {
         detail::ShapeOrders<2 * static_cast<int>(sizeof...(Pairs))> orders;
         int entry = 0;
@@ -97,11 +98,11 @@ using ShapePairs = ShapePairList<
     ShapePair<ShapeKind::sphere, ShapeKind::sphere, SphereSphere>>;
 // clang-format on
 
-// True if bodies of the two shapes touch each other.
+// True if bodies of the two shapes collide.
 [[nodiscard]] constexpr bool meets(ShapeKind a, ShapeKind b) { return ShapePairs::has(a, b); }
-// True if a body of the shape touches bodies of some shape.
+// True if a body of the shape collides with bodies of any shape.
 [[nodiscard]] TUMBLE_INLINE constexpr bool touches_bodies(ShapeKind kind) { return ShapePairs::has(kind); }
-// meets(a, b) of two shapes that touch bodies: not asked where all such do.
+// meets(a, b) for two shapes that collide with bodies. Constant if all such shapes meet.
 [[nodiscard]] TUMBLE_INLINE constexpr bool touching_meet(ShapeKind a, ShapeKind b) {
     return ShapePairs::is_complete() || meets(a, b);
 }
@@ -130,12 +131,12 @@ TUMBLE_INLINE void with_contact_from(const PairView<N>& view, Make& make, F& f) 
 
 }  // namespace detail
 
-// True if worlds of these features have pairs of other shapes than two spheres.
+// True if worlds of these features have pairs other than two spheres.
 template <Features features>
 inline constexpr bool has_other_pairs_than_spheres = detail::shape_orders<features>.count > 1;
 
-// Calls f(what is known of two shapes that meet, the view in its order, whether that is reversed), where
-// make<Contact>(view) is asked for what is known.
+// Calls f(geometry, view in the pair's order, whether that order is reversed) for two shapes that meet.
+// make<Contact>(view) makes the geometry.
 template <Features features, class N, class Make, class F>
 void with_contact(const PairView<N>& view, Make&& make, F&& f) {
     detail::with_contact_from<features, 0>(view, make, f);

@@ -1,6 +1,6 @@
-// Where a body is relative to a plane: the gap of its nearest point, and the points that may touch. A box touches with
-// its vertices, a capsule with its two round ends, a cylinder or hoop with points of its rims: the lowest of each, and
-// three more of the rim that it stands on.
+// A body relative to a plane: the gap of its nearest point, and the points that may touch. These are the vertices of a
+// box, the two round ends of a capsule, and points on the rims of a cylinder or hoop: the lowest point of each rim, and
+// three more of the rim on which it stands.
 #pragma once
 
 #include <tumble/scene.hpp>
@@ -16,7 +16,7 @@ public:
     using Length = typename C::Length;
     using Unit = typename C::Unit;
 
-    // `height` is the centre's; `principal` are the body's principal axes.
+    // `height` is the height of the centre. `principal` are the body's principal axes.
     PlaneView(const CollisionShape<N>& shape, const Axes<N>& principal, const Vec3<Unit>& normal, Length height)
         : shape_{shape}, normal_{principal.to_body(normal)}, height_{height} {
         if (features.boxes && shape.is(ShapeKind::box)) {
@@ -27,7 +27,7 @@ public:
             reach_[1] = narrow<Length>(mul(upright, shape.half.y()));
             reach_[0] = shape.half.x();
             if (shape.is_round()) {
-                // Down the slope of the end face, from its centre: the part of -n across the axis.
+                // Down the slope of the end face, from its centre: the component of -n across the axis.
                 for (int i = 0; i < 3; ++i) down_[i] = narrow<Unit>(mul(upright, shape.axis[i])) - normal_[i];
                 const Unit slope = this->slope();
                 flat_ = slope == Unit{};
@@ -39,14 +39,14 @@ public:
         }
     }
 
-    // Signed distance of the nearest point.
+    // The signed distance of the nearest point.
     [[nodiscard]] Length gap() const {
         Length g = height_;
         for (int i = 0; i < 3; ++i) g -= magnitude_of(reach_[i]);
         return g;
     }
 
-    // The points no higher than `band`.
+    // The points that are not higher than `band`.
     void find(FoundPoints<N>& found, Length band) const {
         const auto add = [&](Length gap, const Vec3<Length>& arm) {
             if (!(gap > band)) found.add_lowest({arm, Vec3<Length>::Constant(Length{}), gap});
@@ -82,14 +82,14 @@ public:
     }
 
 private:
-    // The sine of the angle between axis and normal, or zero where the direction down the slope would be rounding.
+    // The sine of the angle between axis and normal. Zero if the direction down the slope would be only rounding.
     [[nodiscard]] Unit slope() const {
         const Unit slope = C::unit_norm(down_);
         return slope > C::flat() ? slope : Unit{};
     }
     template <class Add>
     void find_on_rims(Add&& add) const {
-        // e and f span the end faces; e points down the slope.
+        // e and f span the end faces. e points down the slope.
         Vec3<Unit> e = down_;
         if (flat_) {
             Vec3<Unit> pair[2];
@@ -99,7 +99,7 @@ private:
         const Vec3<Unit> f = cross<Unit>(shape_.axis, e);
         const Vec3<Length> radius_e = along(e, shape_.half.x()), radius_f = along(f, shape_.half.x());
         const Length fall = flat_ ? Length{} : reach_[0];
-        // A hoop has one rim, not two.
+        // A hoop has one rim.
         for (int end = shape_.is(ShapeKind::hoop) ? 1 : 0; end < 2; ++end) {
             const Vec3<Length> centre = along(shape_.axis, end == 0 ? shape_.half.y() : -shape_.half.y());
             const Length height = height_ + (end == 0 ? reach_[1] : -reach_[1]);

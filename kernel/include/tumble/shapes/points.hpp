@@ -9,7 +9,7 @@ namespace contact {
 inline constexpr int max_points = 4;  // of a pair
 }  // namespace contact
 
-// A point that has been found: from the centres of mass, in principal axes of either body.
+// A contact point: its place from the centre of mass of each body, in that body's principal axes.
 template <class N>
 struct FoundPoint {
     using Length = typename ContactNumbers<N>::Length;
@@ -17,7 +17,7 @@ struct FoundPoint {
     Length gap;
 };
 
-// The lowest of the points added: at most as many as a pair has.
+// The lowest of the points that are added, at most as many as a pair has.
 template <class N>
 struct FoundPoints {
     FoundPoint<N> point[contact::max_points];

@@ -1,5 +1,5 @@
-// What touches: planes, and spheres, boxes, capsules, cylinders and hoops, with the constants of a body that contacts
-// need. Lengths are in units of ContactNumbers::LengthScale.
+// Shapes that collide: planes, spheres, boxes, capsules, cylinders and hoops, with the constants of a body that
+// contacts need. Lengths are in units of ContactNumbers::LengthScale.
 #pragma once
 
 #include <tumble/body/bodies.hpp>
@@ -18,7 +18,8 @@ struct HalfSpace {
         const RealVec3 n = normalized(spec.normal);
         for (int i = 0; i < 3; ++i) normal[i] = N::template constant<typename N::Unit>(n[i]);
         if constexpr (N::fixed_point) {
-            // Up to half of what its sum with n . x holds, which then cannot wrap: four times the range of positions.
+            // The offset is held at half of what its sum with n . x holds, so that the sum cannot wrap: four times the
+            // range of positions.
             constexpr int bits = N::AlongSum::fraction_bits;
             TUMBLE_ASSERT(abs(spec.offset) <= Real::scaled(1, 62 - bits));
             offset = {spec.offset.to_fixed(bits, 63)};
@@ -26,12 +27,12 @@ struct HalfSpace {
     }
 };
 
-// Two directions that make a right-handed frame with n.
+// Two directions that form a right-handed frame with n.
 template <class N>
 void set_tangents(const Vec3<typename N::Unit>& n, Vec3<typename N::Unit> (&tangent)[2]) {
     using C = ContactNumbers<N>;
     using Unit = typename N::Unit;
-    // Across the axis that n is least along, the first of equals. With each axis a constant, its zeros cost nothing.
+    // Across the axis along which n is least, the first of equals. With the axis as a constant, its zeros cost nothing.
     const auto across = [&](auto axis) {
         Vec3<Unit> e = Vec3<Unit>::Constant(Unit{});
         e[axis] = C::one();
@@ -50,8 +51,8 @@ template <class N>
 struct Plane : HalfSpace<N> {
     using Work = typename N::Work;
 
-    Vec3<typename N::Unit> tangent[2] = {this->normal, this->normal};  // with the normal a right-handed frame
-    Work restitution{}, friction{};                                    // negative: the world's default
+    Vec3<typename N::Unit> tangent[2] = {this->normal, this->normal};  // form a right-handed frame with the normal
+    Work restitution{}, friction{};                                    // negative: the world's values
 
     Plane() = default;
     explicit Plane(const PlaneSpec& spec) : HalfSpace<N>{spec} {
@@ -69,20 +70,20 @@ struct CollisionShape {
     using Length = typename C::Length;
 
     ShapeKind kind = ShapeKind::none;
-    bool turned = false;  // are a box's edges along other than principal axes? `edges` are then its axes among them
-    // Half edges of a box (along principal axes unless it is turned); a sphere's radius; radius and half the length of
-    // what is round about an axis.
+    bool turned = false;  // true if a box's edges are not along principal axes; `edges` are then its axes among them
+    // Half the edges of a box (along principal axes unless it is turned); the radius of a sphere; the radius and half
+    // the length of a round shape.
     Vec3<Length> half = Vec3<Length>::Constant(Length{});
-    Length radius{};                                 // of the sphere about the centre of mass that holds all of it
-    Vec3<Unit> axis = Vec3<Unit>::Constant(Unit{});  // of a cylinder, capsule or hoop, among principal axes
+    Length radius{};                                 // of the sphere about the centre of mass that contains the shape
+    Vec3<Unit> axis = Vec3<Unit>::Constant(Unit{});  // of a cylinder, capsule or hoop, among the principal axes
     Axes<N> edges{};
     typename C::PerLength per_gyration[3]{};  // one over the radii of gyration
     Work root_mass{};                         // sqrt(m)
-    Work weight[3]{}, per_weight[3]{};        // sqrt(I_i) w_i h from half turns, and back
+    Work weight[3]{}, per_weight[3]{};        // from half turns to sqrt(I_i) w_i h, and back
     Work per_root_mass{};
     Work restitution{}, friction{};
 
-    // To lengths of a coarser scale.
+    // Converts the lengths to a coarser scale.
     void rescale(const typename C::LengthScale& from, const typename C::LengthScale& to) {
         for (int i = 0; i < 3; ++i) {
             half[i] = to.coarser(half[i], from);
@@ -98,14 +99,14 @@ struct CollisionShape {
     [[nodiscard]] Vec3<Length> principal(const Vec3<Length>& arm) const { return turned ? edges.to_world(arm) : arm; }
 };
 
-// The shapes of a world's bodies, in one scale of lengths: that of the largest.
+// The shapes of a world's bodies, in one scale of lengths, which the largest shape decides.
 template <class N, int bodies>
 class Shapes {
 public:
     using Scale = typename ContactNumbers<N>::LengthScale;
 
-    // Makes room for a length, m; shapes that have been set before are brought to the new scale. False when that is the
-    // old one.
+    // Makes room for a length, m, and converts the shapes that are already set to the new scale. False if the scale
+    // does not change.
     bool make_room(Real length) {
         if (!(length > largest_)) return false;
         largest_ = length;
@@ -116,7 +117,7 @@ public:
         return scale_.bits() != finer.bits();
     }
     [[nodiscard]] const Scale& scale() const { return scale_; }
-    // m: of contacts.
+    // m, of contacts.
     [[nodiscard]] Real least_tolerance() const { return scale_.least_tolerance(largest_); }
     [[nodiscard]] CollisionShape<N>& operator[](int b) { return shape_[b]; }
     [[nodiscard]] const CollisionShape<N>& operator[](int b) const { return shape_[b]; }
@@ -127,7 +128,7 @@ private:
     Real largest_{};
 };
 
-// How far the shape reaches from its centre of mass, m.
+// The largest distance of a point of the shape from its centre of mass, m.
 [[nodiscard]] constexpr Real reach_of(const Shape& shape) {
     const auto [a, b, c] = shape.size;
     switch (shape.kind) {
@@ -140,7 +141,7 @@ private:
     }
 }
 
-// With `points` it may be that of a point mass, which touches nothing but may be tied to what does.
+// With `points` the body may be a point mass, which collides with nothing but may be tied to colliding bodies.
 template <class N, Spin spin, bool points = false>
 [[gnu::noinline]] void
 set_collision_shape(CollisionShape<N>& shape, const BodySpec& spec, const PrincipalInertia& inertia,
@@ -160,7 +161,7 @@ set_collision_shape(CollisionShape<N>& shape, const BodySpec& spec, const Princi
     const RealQuat back = inertia.principal.conjugate();
     const RealVec3 axis[3] = {back.rotate({1, 0, 0}), back.rotate({0, 1, 0}), back.rotate({0, 0, 1})};
     if (shape.kind == ShapeKind::box) {
-        // The principal axis that an edge is along, to 2^-40 of a right angle.
+        // The principal axis along which an edge lies, to 2^-40 of a right angle.
         shape.turned = false;
         for (int j = 0; j < 3; ++j) {
             bool along_one = false;

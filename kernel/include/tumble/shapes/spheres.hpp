@@ -1,6 +1,7 @@
-// Where two bodies are relative to each other: spheres and boxes. The gap is the distance of the surfaces along
-// `normal`, which points from the second to the first; of boxes apart it is the widest separation along an axis, never
-// more than the distance. find() gives the points of a pair that is nearer than `band`, those of boxes up to it.
+// Two bodies relative to each other: spheres and boxes. The gap is the distance of the surfaces along `normal`, which
+// points from the second body to the first. For separate boxes it is the widest separation along an axis, which is at
+// most the distance. find() returns the points of a pair that is nearer than `band`; for boxes, the points up to
+// `band`.
 #pragma once
 
 #include <tumble/shapes/pair_view.hpp>
@@ -19,10 +20,10 @@ struct SphereSphere {
     explicit SphereSphere(const PairView<N>& view) {
         const auto distance2 = dot(view.reach, view.reach);
         if (distance2 > decltype(distance2){}) normal = C::direction(view.reach);
-        else normal = {Unit{}, C::one(), Unit{}};  // any
+        else normal = {Unit{}, C::one(), Unit{}};  // any direction
         gap = narrow<Length>(dot(normal, view.reach)) - view.a.half.x() - view.b.half.x();
     }
-    // The same point for both bodies, that of b, so that what one gets the other loses.
+    // Both bodies get the same point, that of b, so that the impulses are equal and opposite.
     void find(const PairView<N>& view, FoundPoints<N>& found, Length) const {
         found.add() = {along(view.axes_a.to_body(normal), -(view.a.half.x() + gap)),
                        along(view.axes_b.to_body(normal), view.b.half.x()), gap};
@@ -38,7 +39,7 @@ struct SphereBox {
 
     Vec3<Unit> normal;
     Length gap;
-    Vec3<Length> nearest;  // point of the box, its own axes
+    Vec3<Length> nearest;  // point of the box, in its own axes
 
     explicit SphereBox(const PairView<N>& view) {
         const Axes<N> axes = view.b.axes(view.axes_b);
@@ -55,7 +56,7 @@ struct SphereBox {
             n = C::direction(apart);
             gap = narrow<Length>(dot(n, apart)) - radius;
         } else {
-            // The centre is in the box: out through the nearest face.
+            // The centre is inside the box: the way out is through the nearest face.
             int face = 0;
             Length depth = view.b.half[0] - magnitude_of(centre[0]);
             for (int i = 1; i < 3; ++i) {

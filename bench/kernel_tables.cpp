@@ -1,0 +1,163 @@
+#include "kernel_tables.hpp"
+
+#include <tumble/integrators/list.hpp>
+#include <tumble/tumble.hpp>
+
+#include <cmath>
+
+namespace tumble::bench {
+namespace {
+
+std::string short_text(double value, const char* format = "%.4g") {
+    return std::isinf(value) ? "any" : text(format, value);
+}
+
+// The last digit of a fixed-point number.
+template <class Number>
+Real last_digit() {
+    return Real::scaled(1, -Number::fraction_bits);
+}
+
+// The orders of a method: with loads, and of a free rotation where that differs.
+template <class Method>
+std::string order_of() {
+    std::string order = std::to_string(Method::order);
+    if constexpr (requires { Method::free_order; }) {
+        if (Method::free_order == no_truncation) order += ", free: exact";
+        else if (Method::free_order != Method::order) order += ", free: " + std::to_string(Method::free_order);
+    }
+    return order;
+}
+
+template <bool bodies_touch, bool boxes_touch, bool has_friction, int room>
+struct Touching : Scene {
+    static constexpr Features features{.bodies = 6,
+                                       .planes = 2,
+                                       .near_pairs = room,
+                                       .pairs = bodies_touch,
+                                       .boxes = boxes_touch,
+                                       .friction = has_friction};
+};
+template <bool... options>
+std::string bytes_of_a_pair() {
+    constexpr std::size_t pairs = 8;
+    return std::to_string((sizeof(World<Touching<options..., 4 + pairs>>) - sizeof(World<Touching<options..., 4>>)) /
+                          pairs);
+}
+
+struct Boxes : Scene {
+    static constexpr Features features{.bodies = 2, .planes = 1, .pairs = true, .boxes = true, .friction = true};
+};
+
+}  // namespace
+
+Table integrators_table(const Rows& free_body) {
+    Table table{{"integrator", "order", "a step needs", "cortex-m3, q32", "worst", "cortex-m4f, plain float", "worst"},
+                {}};
+    Integrators::for_each([&]<class Method>() {
+        std::string needs = "-";
+        if constexpr (requires { Method::needs; }) needs = Method::needs;
+        Strings line{in_code(Method::name), order_of<Method>(), needs};
+        for (const Where& where : {Where{{"core", "cortex-m3"}, {"numbers", "q32 carry"}},
+                                   Where{{"core", "cortex-m4f"}, {"numbers", "f32 plain"}}}) {
+            Where of_method = where;
+            of_method.emplace_back("integrator", Method::name);
+            const Row* row = find(free_body, of_method);
+            line.push_back(row == nullptr ? "-" : host::cost_of(*row).mean_text());
+            line.push_back(row == nullptr ? "-" : host::cost_of(*row).worst_text());
+        }
+        table.lines.push_back(line);
+    });
+    return table;
+}
+
+Table formats_table() {
+    Table table{{"range preset", "position", "velocity", "spin"}, {}};
+    Ranges::for_each([&]<class Entry>() {
+        using R = typename Entry::Range;
+        using N = Q32<R>;
+        const Real step = Real{1} / Real{256}, half{Real::scaled(1, -1)};
+        const auto scale = N::Scale::of(step, step * half);
+        const auto cell = [](int range, const char* unit, Real unit_in_last_place) {
+            return text("±%d %s, to %.1e", range, unit, unit_in_last_place.to_double());
+        };
+        table.lines.push_back({Entry::name, cell(R::position, "m", last_digit<typename N::Position>()),
+                               cell(R::velocity, "m/s", scale.metres(last_digit<typename N::Drift>()) / step),
+                               cell(R::spin, "rad/s", scale.angle(last_digit<typename N::Turn>()) / (step * half))});
+    });
+    return table;
+}
+
+Table stability_table() {
+    Table table{{"method", "order", "spring, `h w` up to", "drag, `h c/m` up to", "spin in `q32` is"}, {}};
+    Integrators::for_each([&]<class Method>() {
+        const bool gains = Method::oscillation_limit == 0;
+        std::string spin = Method::spin == Spin::angular_momentum ? "L / I_middle" : "w";
+        if constexpr (requires { Method::not_in_fixed_point; }) spin = "not there";
+        table.lines.push_back({in_code(Method::name), std::to_string(Method::order),
+                               gains ? "none, it gains energy" : short_text(Method::oscillation_limit),
+                               short_text(Method::drag_limit), spin});
+    });
+    return table;
+}
+
+Table resolution_table() {
+    Table table{{"range", "step s", "length m", "speed m/s", "spin rad/s", "spin up to rad/s",
+                 "change of speed in a step up to m/s"},
+                {}};
+    Ranges::for_each([&]<class Entry>() {
+        using N = Q32<typename Entry::Range>;
+        for (const int n : {64, 256, 1024}) {
+            const Real step = Real{1} / Real{n}, half = step * Real::scaled(1, -1);
+            const auto scale = N::Scale::of(step, turn_per_spin(Spin::angular_velocity, step));
+            const auto smallest = [](Real value) { return short_text(value.to_double(), "%.1e"); };
+            table.lines.push_back({Entry::name, "1/" + std::to_string(n), smallest(last_digit<typename N::Position>()),
+                                   smallest(scale.metres(last_digit<typename N::Drift>()) / step),
+                                   smallest(scale.angle(last_digit<typename N::Turn>()) / half),
+                                   short_text((scale.angle(N::largest_turn) / half).to_double()),
+                                   short_text((scale.metres(N::largest_drift) / step).to_double() / 4)});
+        }
+    });
+    return table;
+}
+
+Table bounds_table() {
+    using Step = IslandStep<Boxes::Numbers, Boxes::Integrator::spin, Boxes::features>;
+    struct Bound {
+        const char *name, *what;
+        int most;
+    };
+    const Bound bounds[]{
+        {"IslandStep::max_impacts", "impacts of an island's step that are resolved at their own time",
+         Step::max_impacts},
+        {"IslandStep::max_resteps", "flights redone to find one impact", Step::max_resteps},
+        {"IslandStep::max_crossings", "pairs looked at because they may have passed through each other",
+         Step::max_crossings},
+        {"contact::max_points", "contact points of a pair", contact::max_points},
+        {"contact::max_sweeps", "sweeps over the points of what rests", contact::max_sweeps},
+        {"contact::max_impact_sweeps", "sweeps over the points of an impact", contact::max_impact_sweeps},
+        {"contact::max_rounds", "rounds of impacts that pass from pair to pair at one moment", contact::max_rounds}};
+    Table table{{"bound", "of what", ""}, {}};
+    for (const Bound& bound : bounds)
+        table.lines.push_back({in_code(bound.name), bound.what, std::to_string(bound.most)});
+    return table;
+}
+
+Table near_pairs_table() {
+    return {{"bytes of a near pair", "without friction", "with friction"},
+            {{"spheres and planes", bytes_of_a_pair<false, false, false>(), bytes_of_a_pair<false, false, true>()},
+             {"boxes and planes", bytes_of_a_pair<false, true, false>(), bytes_of_a_pair<false, true, true>()},
+             {"spheres and each other", bytes_of_a_pair<true, false, false>(), bytes_of_a_pair<true, false, true>()},
+             {"boxes and each other", bytes_of_a_pair<true, true, false>(), bytes_of_a_pair<true, true, true>()}}};
+}
+
+std::string largest_turn() {
+    World<Scene> world{Seconds{1, 1}};
+    BodySpec ball = sphere(1, 1);
+    ball.angular_velocity = {1, 0, 0};
+    const auto id = world.add(ball);
+    if (!id || world.step().ok()) throw std::runtime_error{"1 rad in a step is within the numbers"};
+    return text("%.3g", world.angular_velocity(*id).x().to_real().to_double());
+}
+
+}  // namespace tumble::bench
