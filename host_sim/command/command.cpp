@@ -45,7 +45,7 @@ std::unique_ptr<Simulation> Choice::start(const SceneDescription& description) c
     auto simulation = make_simulation(description, integrator, numbers, wants_carry());
     const ContactDescription& contact = description.contact;
     const auto used = static_cast<double>(simulation->contact_tolerance());
-    // A tolerance that is resolved is off by less than a sixteenth of itself.
+    // A tolerance that the numbers can represent is rounded by less than a sixteenth.
     if (contact.response == ContactResponse::impulse && used > contact.tolerance * 17 / 16)
         warn("contact.tolerance = " + few_digits(contact.tolerance) + " m is too small for " + numbers +
              " beside this scene's largest body or way in a step: " + few_digits(used) + " m is used");
@@ -71,6 +71,13 @@ void check_core(const std::string& name) {
     if (std::find(names.begin(), names.end(), name) != names.end()) return;
     throw BadArgument("--core: got " + in_quotes(name) + suggestion(name, names) + ", expected one of " +
                       joined(names));
+}
+
+std::string cores_with_cycles() {
+    std::vector<std::string> names;
+    for (const Core& core : cores())
+        if (core.has_cycles()) names.push_back(core.name);
+    return joined(names);
 }
 
 int command(int argc, const char* const* argv) {

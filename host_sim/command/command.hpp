@@ -11,7 +11,7 @@
 
 namespace tumble::host {
 
-// Which scene, and how it is replayed.
+// A scene, and how to replay it.
 struct Choice {
     std::string scene;  // the file
     std::string integrator = "verlet";
@@ -19,23 +19,23 @@ struct Choice {
     std::string carry;               // "on", "off" or empty: the number system's default
     std::string step;                // empty: the file's
     std::optional<double> duration;  // s; empty: the file's
-    bool no_bodies = false;          // the file may be without
+    bool no_bodies = false;          // is a scene without bodies allowed?
 
     // The options of every replay.
     void add_to(Subcommand& command);
     [[nodiscard]] std::optional<bool> wants_carry() const {
         return carry.empty() ? std::nullopt : std::optional{carry == "on"};
     }
-    // Reads the scene, applies the choice to it and warns of what is not simulated.
+    // Reads the scene, applies the choice to it, and warns of everything in it that is not simulated.
     [[nodiscard]] SceneDescription read() const;
-    // Warns of a contact tolerance and of spins of [range] that the numbers do not hold at this step.
+    // Warns where the numbers cannot represent the contact tolerance or the largest spin that the scene declares.
     [[nodiscard]] std::unique_ptr<Simulation> start(const SceneDescription& scene) const;
 
 private:
     void warn(const std::string& of) const;
 };
 
-// Each adds its subcommand and the options of it.
+// Each adds one subcommand with its options.
 void add_run(CommandLine& line);
 void add_compile(CommandLine& line);
 void add_compare(CommandLine& line);
@@ -49,14 +49,16 @@ void add_list(CommandLine& line);
 // The name of the struct in it: the file's name in PascalCase.
 [[nodiscard]] std::string struct_name(const std::string& path);
 
-// Does an output take standard output? What else is printed then goes to standard error. Throws BadArgument where two
-// would take it, of which the JSON object is one.
+// Does an output go to standard output? The table then goes to standard error. Throws BadArgument where two outputs,
+// or an output and the JSON object, would go there.
 [[nodiscard]] bool takes_standard_output(const std::vector<FileArgument>& outputs, bool json);
 
 // Throws BadArgument unless the name is that of a core that QEMU emulates.
 void check_core(const std::string& name);
+// "cortex-m0, cortex-m3": the cores whose manuals give the cycles of their instructions.
+[[nodiscard]] std::string cores_with_cycles();
 
-// Parses the arguments and runs a subcommand; every error becomes a message and a status.
+// Reads the arguments, runs a subcommand and returns the exit status. Prints a message for each error.
 int command(int argc, const char* const* argv);
 
 }  // namespace tumble::host

@@ -1,5 +1,5 @@
-// `tumble compare`: builds the record firmware of a scene, runs it in QEMU, and holds every line that it writes against
-// the host's own state at the same step.
+// `tumble compare`: builds the record firmware of a scene, runs it in QEMU, and compares every state that it writes
+// with the host's state at the same step.
 #include <tumble/status.hpp>
 
 #include <algorithm>
@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 struct CompareOptions : Choice {
     std::string core;
     std::int64_t every = 1;            // steps between recorded states
-    std::optional<std::int64_t> flip;  // self-test: the step whose record gets one bit flipped on the host
+    std::optional<std::int64_t> flip;  // self-test: one bit of the host's record is flipped at this step
     int timeout = 600;                 // s of emulation
     CheckOptions check;
 };
@@ -32,14 +32,14 @@ fs::path build_firmware(const CompareOptions& options, const SceneDescription& s
     fs::create_directories(build / "scene");
     write_if_changed(build / "scene/scene.hpp", compiled_scene(scene, options));
     write_if_changed(build / "scene/recording.hpp",
-                     "// What is recorded, written by `tumble compare`.\n#pragma once\n\n#include "
+                     "// Written by `tumble compare`: which steps the firmware records.\n#pragma once\n\n#include "
                      "\"scene.hpp\"\n\nusing RecordedScene = tumble::scenes::" +
                          struct_name(scene.path) + ";\ninline constexpr std::uint32_t record_every = " +
                          std::to_string(std::min<std::int64_t>(options.every, 0xffffffff)) + "u;\n");
     return build_record_firmware(build, options.core, build / "scene");
 }
 
-// The names of the issues so far, in the kernel's order, each with a space behind it.
+// The names of the issues so far, in the kernel's order, each followed by a space.
 std::string status_text(const Simulation& simulation) {
     std::string text;
     for (const Issue issue : all_issues)
@@ -47,7 +47,7 @@ std::string status_text(const Simulation& simulation) {
     return text;
 }
 
-// The host's side: the states that the firmware records, and what is said where they differ.
+// The host's run of the scene, which goes on from one recorded state to the next.
 class Reference {
 public:
     Reference(const CompareOptions& options, const SceneDescription& scene)
@@ -59,14 +59,14 @@ public:
     [[nodiscard]] bool is_over() const { return is_over_; }
     [[nodiscard]] std::int64_t states() const { return states_; }
     [[nodiscard]] const Simulation& simulation() const { return *simulation_; }
-    // What went wrong on the host; the kernel knows no range of floating point.
+    // The kernel's issues and those that only the host finds: the kernel has no range in floating point.
     [[nodiscard]] std::vector<Trouble> troubles() const {
         std::vector<Trouble> troubles = simulation_->troubles();
         if (range_.trouble()) troubles.push_back(*range_.trouble());
         return troubles;
     }
 
-    // Compares the next recorded state with a line "step word word ...", in hex; prints what differs.
+    // Compares the next recorded state with a line "step word word ..." in hex. Prints the first difference.
     [[nodiscard]] bool agrees(const std::string& line) {
         std::istringstream fields(line);
         std::uint64_t step = 0;
@@ -106,7 +106,7 @@ public:
                          "Config with a larger near_pairs has more\n";
     }
 
-    std::string core_status;  // its issues so far, each with a space behind it
+    std::string core_status;  // its issues so far, each followed by a space
 
 private:
     // The words of one number, the highest first.
@@ -115,7 +115,7 @@ private:
         for (std::size_t i = place.count; i-- > 0;) text += hex(words[place.first + i]).substr(8);
         return text;
     }
-    // To the next step that is recorded: every K-th, and the last.
+    // Goes on to the next recorded step: every K-th, and the last.
     void advance() {
         if (at_end()) {
             is_over_ = true;

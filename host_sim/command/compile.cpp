@@ -1,4 +1,4 @@
-// `tumble compile`: a scene as a struct of constants, for a firmware that has room for it and for nothing else.
+// `tumble compile`: writes a scene as a struct of constants, with the capacities that it needs and no more.
 #include <tumble/version.hpp>
 
 #include <algorithm>
@@ -21,7 +21,7 @@ namespace {
 std::string number(Real value) { return cpp_number(value.to_double()); }
 std::string vector(const RealVec3& v) { return "{" + number(v.x) + ", " + number(v.y) + ", " + number(v.z) + "}"; }
 
-// The initialiser of one struct: a member a line, those that have their default left out.
+// The initialiser of a struct, with a line for each member that differs from its default.
 class Members {
 public:
     explicit Members(std::string indent) : indent_(std::move(indent)) {}
@@ -122,7 +122,7 @@ std::string comment_of(const BodyDescription& body) { return "   // " + cpp_text
 std::string comment_of(const PlaneDescription& plane) { return "   // " + cpp_text(plane.name); }
 std::string comment_of(const auto&) { return ""; }
 
-// A std::array of specs, each with its description's name.
+// A std::array of specs, each with the name of its description in a comment.
 template <class Description, class Spec>
 std::string list_text(const char* type, const char* name, const std::vector<Description>& descriptions,
                       const std::vector<Spec>& specs, std::string (*text)(const Description&, const Spec&)) {

@@ -19,7 +19,7 @@ void print_range(const char* name) {
               << R::spin << " rad/s\n";
 }
 
-// "2", and where rotation without torques has another order, "2 (free 6)".
+// "2", or "2 (free 6)" where rotation without torques has another order.
 std::string order_of(const IntegratorInfo& info) {
     std::string order = std::to_string(info.order);
     if (info.free_order == no_truncation) order += " (free exact)";

@@ -11,7 +11,7 @@
 namespace tumble::host {
 namespace {
 
-// What it costs to count is bounded: in this many steps a pile has come to rest.
+// The count ends after so many steps, in which a pile comes to rest.
 constexpr std::uint32_t most_steps = 16384;
 
 using Counted = Replay<SceneOf<NumbersOf<"f64", RoomRange>, integrators::Verlet, host_features>, SceneData>;

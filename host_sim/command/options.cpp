@@ -40,7 +40,7 @@ std::vector<std::string> subcommands_of(const CLI::App& app) {
     return names;
 }
 
-// The first option that a subcommand does not have says more than what is missing because of it.
+// CLI11 reports a missing option first, although a misspelt one is often the reason; so this is called before.
 void refuse_unknown_option(const CLI::App& app) {
     for (const CLI::App* subcommand : app.get_subcommands()) {
         std::vector<std::string> names;

@@ -16,18 +16,18 @@ namespace tumble::host {
 // Exit statuses.
 inline constexpr int done = 0, failed = 1, bad_input = 2;
 
-// What is wrong with the arguments; status 2.
+// An error in the arguments; the exit status is 2.
 class BadArgument : public std::runtime_error {
 public:
     using std::runtime_error::runtime_error;
 };
 
-// What the text of an option must be. `accepts` may replace the text by the spelling that the program uses.
+// The texts that an option accepts. `what` describes them in messages; `accepts` may also rewrite the text.
 struct Expected {
     std::string what;
     std::function<bool(std::string& text)> accepts;
 };
-// The name of a file; "-" is standard input or standard output, which then has the name of its device.
+// The name of a file. It replaces "-" by the device of standard input or standard output.
 [[nodiscard]] Expected input_file();
 [[nodiscard]] Expected output_file();
 inline constexpr const char* standard_output = "/dev/stdout";
@@ -42,10 +42,10 @@ class Subcommand {
 public:
     explicit Subcommand(CLI::App& app) : app_(&app) {}
 
-    // `option` is its name and what stands for its value in the help: "--every K", "-o,--output scene.hpp", "--json",
+    // `option` is the name, and the value as the help shows it: "--every K", "-o,--output scene.hpp", "--json",
     // or "scene SCENE.toml" for an argument without a name. T: std::string, int, std::int64_t, double, std::optional of
     // the last two, bool (a flag without a value), and std::vector<std::string> (one argument, separated by commas).
-    // The help shows the value from before as the default.
+    // The help shows the value that the variable has now as the default.
     template <class T>
     void add(T& value, const std::string& option, const std::string& help, const Expected& expected = {});
     // The same for an option that must be given.
@@ -68,10 +68,11 @@ public:
     CommandLine(const CommandLine&) = delete;
     CommandLine& operator=(const CommandLine&) = delete;
 
-    // A subcommand; `run` returns its exit status. `footer` stands below the options in the help.
+    // Adds a subcommand; `run` returns its exit status. The help prints `footer` below the options.
     Subcommand add(const std::string& name, const std::string& help, std::function<int()> run,
                    const std::string& footer = {});
-    // Reads the arguments and runs the subcommand; the exit status. Throws BadArgument, and what the subcommand throws.
+    // Reads the arguments, runs the subcommand and returns the exit status. Throws BadArgument, and the exceptions of
+    // the subcommand.
     int run(int argc, const char* const* argv);
 
 private:

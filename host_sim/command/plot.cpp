@@ -12,12 +12,12 @@
 namespace tumble::host {
 namespace {
 
-// Colors of Okabe and Ito, which color-blind readers tell apart, with grey for their yellow.
+// The colors of Okabe and Ito, which color-blind readers can distinguish, with grey instead of yellow.
 constexpr std::array<const char*, Plot::most_bodies> colors{"#0072b2", "#d55e00", "#009e73", "#cc79a7",
                                                             "#e69f00", "#56b4e9", "#000000", "#999999"};
 
-// The picture in pixels: two columns of panels, three of the same height above a higher one, which holds the names on
-// the right.
+// The picture in pixels: two columns of panels, each with three low panels above a high one. The high one on the right
+// holds the names.
 constexpr double width = 1000, height = 880, left = 95, right = 20, top = 90, bottom = 62, gap_x = 105, gap_y = 20;
 constexpr double panel_width = (width - left - right - gap_x) / 2, last_height = 200,
                  panel_height = (height - top - bottom - 4 * gap_y - last_height) / 3, line_height = 18;
@@ -29,7 +29,7 @@ std::string in_gnuplot_quotes(const std::string& text) {
     return quoted + "'";
 }
 
-// At most so many characters of a text in UTF-8.
+// The first characters of a text in UTF-8, at most `most` of them.
 std::string shortened(const std::string& text, std::size_t most) {
     std::size_t characters = 0, end = 0;
     for (std::size_t i = 0; i < text.size(); ++i) {
@@ -45,7 +45,7 @@ struct Panel {
     // From the left and from the top.
     [[nodiscard]] double x() const { return left + static_cast<double>(column) * (panel_width + gap_x); }
     [[nodiscard]] double y() const {
-        // The last row stands apart: it is another quantity.
+        // The last row shows another quantity, so it has a larger gap.
         return top + static_cast<double>(row) * (panel_height + gap_y) + (row == 3 ? gap_y : 0);
     }
     [[nodiscard]] double high() const { return row == 3 ? last_height : panel_height; }
@@ -80,7 +80,7 @@ struct Range {
     [[nodiscard]] double span() const { return low <= high ? high - low : 0; }
 };
 
-// About four ticks of 1, 2 or 5 times a power of ten over a range that is at least so wide.
+// The distance of about four ticks over a range: 1, 2 or 5 times a power of ten.
 std::string y_axis(const Panel& panel, const std::string& name, const Range& range, double least_span) {
     const double middle = range.low <= range.high ? (range.low + range.high) / 2 : 0,
                  span = 1.1 * std::max(range.span(), least_span), ten = std::pow(10, std::floor(std::log10(span / 4)));
@@ -187,7 +187,7 @@ std::string Plot::motion_panels() const {
         for (std::size_t row = 0; row < 3; ++row) {
             const Panel panel{column, row};
             const std::string axis(1, "xyz"[row]);
-            // Beside a large motion rounding is flat.
+            // The panel is at least so high that rounding of a large motion looks flat.
             out += panel.margins() + time_axis(column == 1 && row == 2) +
                    y_axis(panel, column == 0 ? axis + ", m" : "about " + axis + ", rad/s", ranges[row],
                           widest > 0 ? 1e-3 * widest : 2);
@@ -208,7 +208,7 @@ std::string Plot::motion_panels() const {
     return out;
 }
 
-// The names, and what the marks mean, where the last panel on the right would be.
+// The names and the meaning of the marks, in the place of the last panel on the right.
 std::string Plot::key() const {
     const Panel panel{1, 3};
     const double x = panel.x();
@@ -252,7 +252,7 @@ std::string Plot::script() const {
     Range range;
     for (const auto& row : energies_)
         for (std::size_t i = 1; i < row.size(); ++i) range.add(row[i]);
-    // Rounding is flat here too.
+    // Rounding looks flat here too.
     const double largest = std::max(std::abs(range.low), std::abs(range.high));
     out += panel.margins() + time_axis(true) + key() +
            y_axis(panel, "energy, J", range, std::isfinite(largest) && largest > 0 ? 1e-3 * largest : 2);

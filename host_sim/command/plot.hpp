@@ -1,5 +1,5 @@
-// Plots of a run as SVG: positions, angular velocities and energies over time, with marks where impulses act and where
-// contacts begin. Contacts by springs have no beginning that a world tells, and no marks.
+// Plots of a run as SVG: positions, angular velocities and energies over time. Marks show where impulses act and where
+// contacts begin. Contact springs get no marks, since a world does not report where they begin.
 #pragma once
 
 #include <array>
@@ -12,12 +12,12 @@ namespace tumble::host {
 
 class Plot {
 public:
-    // Bodies drawn. Of more, the first in the file that are not fixed.
+    // At most so many bodies are drawn: the first in the file that are not fixed.
     static constexpr std::size_t most_bodies = 8;
 
     // Keeps about five hundred samples of a run.
     Plot(const Simulation& simulation, const SceneDescription& scene);
-    // To be called before the first step and after each; the last of them ends the axis of time.
+    // Call it before the first step and after each step. The last call ends the time axis.
     void sample(const Simulation& simulation, const Energy& energy, bool last);
 
     // The SVG, drawn by gnuplot; throws std::runtime_error when that fails.
@@ -34,7 +34,7 @@ private:
         std::vector<double> impulse_times;  // s, rising
         std::size_t impulses_seen = 0;
         int contact_points = 0;
-        // A mark less than a hundredth of the run after one of its kind is left out.
+        // Less than a hundredth of the run after a mark of its kind there is no other.
         std::vector<State> states, impulses, contacts;
     };
     // For gnuplot.

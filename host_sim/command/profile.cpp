@@ -1,5 +1,6 @@
-// `tumble profile`: where the cycles of a scene's step go on a core: mean and worst step, instructions by kind,
-// functions (inlined ones too), branches that only ever went one way, and a flame graph.
+// `tumble profile`: where the cycles of a scene's step go on a core. It prints the mean and the worst step,
+// instructions by kind, functions (inlined ones too) and branches that always went the same way, and draws a flame
+// graph.
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
@@ -23,17 +24,17 @@ using Json = nlohmann::ordered_json;
 struct ProfileOptions : Choice {
     std::string core;
     std::string flame;   // file; empty: none
-    int functions = 20;  // that the table names
+    int functions = 20;  // rows of the table
     bool json = false;
     int timeout = 600;  // s of emulation
 };
 
-// Estimated cycles of all steps: a function's own, and with what it calls and inlines.
+// Estimated cycles of all steps: of the function alone, and with the functions that it calls or inlines.
 struct Function {
     std::uint64_t own = 0, with_callees = 0;
     std::string name;
 };
-// A conditional branch that was taken always or never.
+// A conditional branch that was always taken or never.
 struct Branch {
     std::string address, line;  // file:line below the repository
     std::uint64_t taken = 0, not_taken = 0;
@@ -139,18 +140,11 @@ void print_json(Json row, const std::vector<Function>& functions, const Branches
     std::cout << row.dump(2) << "\n";
 }
 
-// A core with a table of what its instructions cost.
-void check_core_with_cycles(const std::string& name) {
-    check_core(name);
-    if (core_named(name).has_cycles()) return;
-    std::string known;
-    for (const Core& core : cores())
-        if (core.has_cycles()) known += (known.empty() ? "" : ", ") + core.name;
-    throw BadArgument("--core: got \"" + name + "\", whose cycles no manual gives, expected one of " + known);
-}
-
 int profile(const ProfileOptions& options) {
-    check_core_with_cycles(options.core);
+    check_core(options.core);
+    if (!core_named(options.core).has_cycles())
+        throw BadArgument("--core: got \"" + options.core + "\", whose cycles no manual gives, expected one of " +
+                          cores_with_cycles());
     const SceneDescription scene = options.read();
     const NumberSystemInfo& system = find_number_system(scene, options.numbers, options.wants_carry());
     const NumberVariant& variant = variant_of(system.name, system.carry);
@@ -164,7 +158,7 @@ int profile(const ProfileOptions& options) {
     const DirectoryLock lock(build);
     const fs::path header = build / "scene.hpp";
     write_if_changed(header, compiled_scene(scene, Choice{}));  // the firmware has its own method
-    // Lines for inlined functions; the code of a step is the same with them.
+    // Debug lines name the inlined functions; they do not change the code of a step.
     StepFirmware firmware(build, options.core, struct_name(scene.path), header, {options.integrator},
                           StepFirmware::Lines::known);
     const std::string name = StepFirmware::name_of(variant, options.integrator);

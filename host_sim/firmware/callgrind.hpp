@@ -1,5 +1,4 @@
-// Instructions of the host inside one function, counted by valgrind's callgrind: a count, not a time, so a re-run gives
-// the same number.
+// Counts the host's instructions inside one function by valgrind's callgrind. A second run gives the same number.
 #pragma once
 
 #include <array>
@@ -15,11 +14,11 @@ struct Counted {
     std::string text;  // what the command wrote to standard output
 };
 
-// Runs `command` (for the shell) and counts what is executed in `function` and below it. The function must be a symbol
-// of its own: not inlined, with C linkage or a unique name; `*` matches anything. Throws std::runtime_error when
-// valgrind is missing or the command fails.
+// Runs a shell command and counts the instructions of `function` and of all that it calls. The function must not be
+// inlined, and its symbol must be unique; `*` in the name matches anything. Throws std::runtime_error when valgrind is
+// missing or the command fails.
 [[nodiscard]] inline Counted instructions_in(const std::string& function, const std::string& command) {
-    // A fixed environment: what lies above the stack moves it, and copies of memory depend on alignment.
+    // The environment lies above the stack, and its size changes the alignment of the stack; so it is fixed.
     const std::string whole =
         "env -i PATH=/usr/bin:/bin valgrind --tool=callgrind --callgrind-out-file=/dev/null --toggle-collect='" +
         function + "' " + command;

@@ -1,4 +1,4 @@
-// What a step costs, as its row says: estimated cycles with their range, for zero wait states, or instructions where
+// The cost of a step, from a result row: estimated cycles at zero wait states with their range, or instructions where
 // the core has no timing table.
 #pragma once
 
@@ -9,7 +9,7 @@
 
 namespace tumble::host {
 
-// Whole cycles or instructions; a range only where it is one: "1260 (889..1321)", "6037".
+// A number of cycles or instructions, with its range unless that is one number: "1260 (889..1321)", "6037".
 [[nodiscard]] inline std::string range_text(double expected, double least, double most) {
     const auto whole = [](double value) { return std::to_string(std::llround(value)); };
     const std::string text = whole(expected);
@@ -18,11 +18,11 @@ namespace tumble::host {
 
 struct StepCost {
     bool in_cycles = false;
-    // Not a number where it is not counted, as single steps on the host.
-    double mean = 0, least = 0, most = 0;  // over all steps; least and most by the core's manual
-    double worst = 0;                      // the dearest step, at most
+    // NaN where it is not counted, as the worst step on the host.
+    double mean = 0, least = 0, most = 0;  // of all steps; least and most are the bounds of the core's manual
+    double worst = 0;                      // the most expensive step, at most
 
-    // "1260 (889..1321)", "516 insn"; "-" where it is not counted.
+    // "1260 (889..1321)", "516 insn"; "-" for NaN.
     [[nodiscard]] std::string mean_text() const { return with_unit(mean, least, most); }
     [[nodiscard]] std::string worst_text() const { return with_unit(worst, worst, worst); }
 

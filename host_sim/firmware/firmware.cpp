@@ -26,10 +26,10 @@ const fs::path boards_file = source_directory / "port/boards.txt";
 const fs::path families_file = source_directory / "port/families.txt";
 const fs::path toolchain_file = source_directory / "port/toolchain.cmake";
 
-// A project of port/programs, "step" or "record".
+// The directory of a program of port/programs: "step" or "record".
 std::string source_of(const char* program) { return (source_directory / "port/programs" / program).string(); }
 
-// Has the build directory been configured for this program, of this checkout, with its tool chain?
+// Is the build directory configured for this program of this checkout, with the core's toolchain?
 bool is_configured(const char* program, const fs::path& build, const std::string& core) {
     const std::string cache = contents_of(build / "CMakeCache.txt");
     const auto has = [&](const std::string& text) { return cache.find(text + "\n") != std::string::npos; };
@@ -37,7 +37,7 @@ bool is_configured(const char* program, const fs::path& build, const std::string
            (core == StepFirmware::host || has("=" + toolchain_file.string())) && fs::exists(build / "build.ninja");
 }
 
-// CMake refuses a build directory of another source: what that has left there goes.
+// CMake refuses a build directory that was configured for other sources, so their cache is removed.
 void configure(const char* program, const fs::path& build, const std::string& core,
                const std::vector<std::string>& settings) {
     if (!is_configured(program, build, core)) {
@@ -83,7 +83,7 @@ void add_sizes(nlohmann::ordered_json& row, const fs::path& elf) {
     row["step_stack_bound_bytes"] = most;
 }
 
-// The row that a program for the host prints, with its times replaced by what valgrind has counted.
+// The row of a program for the host, with valgrind's count of instructions instead of times.
 nlohmann::ordered_json counted(const fs::path& program) {
     const Counted counted = instructions_in("*step_world*", "'" + program.string() + "'");
     const auto row = nlohmann::ordered_json::parse(counted.text);
@@ -96,7 +96,7 @@ nlohmann::ordered_json counted(const fs::path& program) {
     return with_count;
 }
 
-// What program and plugin print: rows, a line each, and messages.
+// The output of program and plugin: rows of one line each, and messages.
 struct Printed {
     std::vector<nlohmann::ordered_json> rows;
     std::string messages;
@@ -111,7 +111,7 @@ Printed parse(const std::string& text) {
     return printed;
 }
 
-// Adds what the plugin has counted to the firmware's row; returns what is wrong with it, if anything is.
+// Adds the plugin's counts to the firmware's row. Returns an error message, or an empty text.
 std::string add_cycles(nlohmann::ordered_json& row, const nlohmann::ordered_json& cycles, const std::string& messages,
                        int insn_of_call) {
     if (row.at("steps") == 0) return {};
@@ -141,7 +141,7 @@ std::string add_cycles(nlohmann::ordered_json& row, const nlohmann::ordered_json
                              "', expected number systems joined by commas, of: " + known);
 }
 
-// Of each port: its compiler, and its tools with * for their names.
+// By port: the compiler, and the name of a binary utility with * for "size" or "nm".
 std::map<std::string, std::pair<std::string, std::string>> compilers_and_tools() {
     std::ifstream families(families_file);
     std::map<std::string, std::pair<std::string, std::string>> list;
@@ -269,7 +269,7 @@ StepOutcome run_step_program(const Core& core, const fs::path& elf, int timeout,
     if (core.has_cycles())
         outcome.error = add_cycles(printed.rows.front(), printed.rows.back(), printed.messages, step.insn_of_call);
     if (outcome.error.empty()) outcome.row = std::move(printed.rows.front());
-    // 0 is what a port says that cannot measure it.
+    // A port that cannot measure its stack prints 0.
     if (outcome.row.contains("stack_bytes") && outcome.row.at("stack_bytes") == 0) outcome.row.erase("stack_bytes");
     return outcome;
 }
@@ -328,7 +328,7 @@ StepOutcome StepFirmware::run(const std::string& name, int timeout, const std::v
     };
     const std::size_t not_linked = messages_.find("FAILED: " + name + ".elf");
     if (not_linked != std::string::npos) {
-        // What the linker says stands between this failure and the next.
+        // The linker's message stands between this failure and the next.
         const std::size_t end = messages_.find("FAILED: ", not_linked + 1);
         outcome.shortage = memory_shortage(messages_.substr(not_linked, end - not_linked), core_);
     }

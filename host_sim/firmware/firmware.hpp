@@ -1,5 +1,5 @@
-// What the host builds for a core and runs in QEMU: the record firmware of `tumble compare`, and the firmware that
-// measures a step. All of it throws std::runtime_error with the tool's own words when a tool fails.
+// Firmware that the host builds for a core and runs in QEMU: the one that records states, for `tumble compare`, and the
+// one that measures a step. All functions throw std::runtime_error with the tool's message when a tool fails.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -13,42 +13,43 @@
 
 namespace tumble::host {
 
-// Rows of port/boards.txt, with what port/families.txt has for their ports.
+// A row of port/boards.txt, with the compiler and the tools of its port from port/families.txt.
 struct Core {
-    std::string name, port, machine, counter, timing, set;  // as the file explains its columns
-    std::vector<std::string> numbers;                       // those that suit it, named as in NumberVariant
-    double clock = 0;                                       // Hz; 0 where the row has none
+    std::string name, port, machine, counter, timing, set;  // the columns, which the file explains
+    std::vector<std::string> numbers;  // number systems that suit the core, named as in NumberVariant
+    double clock = 0;                  // Hz; 0 where the row has none
     std::string flags;
     std::string compiler, tools;
 
-    // Options of GCC are for it.
+    // Does the compiler take GCC's options?
     [[nodiscard]] bool compiled_by_gcc() const { return compiler.ends_with("-g++"); }
     // The name of a binary utility, "size".
     [[nodiscard]] std::string tool(const std::string& name) const;
-    // Has port/qemu/cycles a table of what its instructions cost?
+    // Does port/qemu/cycles have a timing table of its instructions?
     [[nodiscard]] bool has_cycles() const { return timing != "-"; }
-    // Are its instructions counted, so that a step has a cost that repeats?
+    // Are its instructions counted? Their number is the same in every run.
     [[nodiscard]] bool has_insn() const { return counter.starts_with("insn"); }
-    // A Cortex-M7 issues two at most: its cycles are at least half its instructions.
+    // A Cortex-M7 issues at most two instructions a cycle, so it takes at least half as many cycles as instructions.
     [[nodiscard]] bool issues_two() const { return flags.find("-mcpu=cortex-m7") != std::string::npos; }
 };
 [[nodiscard]] std::vector<Core> cores();
-// Throws std::invalid_argument for a name that is in no row.
+// Throws std::invalid_argument for an unknown name.
 [[nodiscard]] Core core_named(const std::string& name);
 
-// "needs 8688 bytes of RAM more than cortex-m0 has", of the messages of a linker; empty where no memory is too small.
+// "needs 8688 bytes of RAM more than cortex-m0 has", from the linker's messages; empty where the memory is large
+// enough.
 [[nodiscard]] std::string memory_shortage(const std::string& messages, const std::string& core);
 
-// Firmware that replays a scene and writes its states: port/programs/record. `scene` is the directory of scene.hpp and
-// recording.hpp, the same one whenever a build directory is used.
+// Builds the firmware that replays a scene and writes its states: port/programs/record. `scene` is the directory of
+// scene.hpp and recording.hpp; a build directory always has the same one.
 [[nodiscard]] std::filesystem::path build_record_firmware(const std::filesystem::path& build, const std::string& core,
                                                           const std::filesystem::path& scene);
 
-// A program in emulation, which ends after `timeout` s. `options` of port/qemu/run stand before the core.
+// Starts a program in QEMU, which ends after `timeout` s at the latest. `options` are those of port/qemu/run.
 [[nodiscard]] Process run_in_qemu(const std::string& core, const std::filesystem::path& elf, int timeout,
                                   const std::vector<std::string>& options = {});
 
-// The kernel's number systems that firmware is made of: the name in the list, the type's own name, and carry.
+// A number system of the kernel that firmware can use: its name in the kernel's list, the name of its type, and carry.
 struct NumberVariant {
     std::string name, numbers;
     bool carry;
@@ -56,55 +57,55 @@ struct NumberVariant {
 [[nodiscard]] const std::vector<NumberVariant>& number_variants();
 [[nodiscard]] const NumberVariant& variant_of(const std::string& numbers, bool carry);
 
-// What firmware that measures a step gives in emulation.
+// The result of firmware that measures a step.
 struct StepOutcome {
     nlohmann::ordered_json row;
-    std::string error;     // empty: the row is there
-    std::string shortage;  // of the core's memory, as memory_shortage(); no row and no error then
+    std::string error;     // empty: there is a row
+    std::string shortage;  // from memory_shortage(); not empty: there is neither row nor error
 };
 
-// The function that firmware measures, by a part of its symbol, and the instructions that the firmware counts beside
-// it: the call, and the moves of what the counter gave before it and of what the function returns.
+// The function that firmware measures, by a part of its symbol. The firmware's own count has `insn_of_call`
+// instructions more: the call, and moves of the counter's value and of the function's result.
 struct MeasuredStep {
     std::string function = "step_world";
     int insn_of_call = 4;
 };
 
-// Runs such firmware in QEMU, which ends after `timeout` s, and returns the row that it prints. On a core with a timing
-// table the row has the cycles of the step: keys as in bench/README.md. An instruction without a timing is an error, as
-// is a plugin that has not counted the instructions that the firmware has. `reports` are more of what the plugin writes
-// there, "places=FILE" (port/qemu/cycles/report.hpp).
+// Runs such firmware in QEMU and returns the row that it prints; bench/README.md explains the keys. On a core with a
+// timing table the row has the cycles of the step. It is an error if an instruction has no timing, or if plugin and
+// firmware count different numbers of instructions. `reports` are further outputs of the plugin, as "places=FILE"
+// (port/qemu/cycles/report.hpp).
 [[nodiscard]] StepOutcome run_step_program(const Core& core, const std::filesystem::path& elf, int timeout = 900,
                                            const MeasuredStep& step = {}, const std::vector<std::string>& reports = {});
 
-// Throws where a program's row ends with another state than the rest of the simulation does.
+// Runs the simulation to its end. Throws where its final state differs from that of the row.
 void check_state(const nlohmann::ordered_json& row, Simulation& simulation, const std::string& program);
 
-// Firmware that replays a scene and counts the instructions of every step: port/programs/step, for one core.
+// Firmware for one core that replays a scene and counts the instructions of every step: port/programs/step.
 class StepFirmware {
 public:
-    // The core whose programs run natively, under valgrind, which counts the instructions of a mean step only.
+    // The name of the host as a core. Its programs run under valgrind, which counts the instructions of a mean step
+    // only.
     static constexpr const char* host = "host";
 
     // A program's name: "q32-Rk4".
     [[nodiscard]] static std::string name_of(const NumberVariant& variant, const std::string& integrator);
 
-    enum class Lines { none, known };  // debug information; the instructions of a step are the same with it
+    enum class Lines { none, known };  // debug information, which does not change the code of a step
 
-    // Configures the build directory. `scenes` is one header, which all programs replay, or a directory with a header
-    // for each program, named after it; `scene` is the name of the struct in them. `integrators`: those that programs
-    // are made of; all if there are none. `optimize`: the compiler's level.
+    // Configures the build directory. `scenes` is one header for all programs, or a directory that has a header for
+    // each program, named after it. `scene` is the name of the struct in the headers. Programs are made of the
+    // integrators that are given, or of all where none is. `optimize` is the compiler's level.
     StepFirmware(std::filesystem::path build, std::string core, const std::string& scene,
                  const std::filesystem::path& scenes, const std::vector<std::string>& integrators = {},
                  Lines lines = Lines::none, const std::string& optimize = "-O2");
 
-    // Builds programs, on all processors: about 20 s for all of a number system that replay one scene, and 4 s for each
-    // that has a scene of its own. What cannot be built is reported by run().
+    // Builds programs on all processors. All programs of a number system that replay one scene take about 20 s; a
+    // program that has a scene of its own takes 4 s. run() reports programs that could not be built.
     void build(const std::vector<std::string>& names);
 
-    // run_step_program() of a program of the last build(), with its sizes (text_bytes: all that lies in flash,
-    // code_bytes, rodata_bytes, ram_bytes, and on a Cortex-M step_stack_bound_bytes) added. The caller checks its
-    // state_hash.
+    // Calls run_step_program() for a program of the last build() and adds its sizes: text_bytes (everything in flash),
+    // code_bytes, rodata_bytes, ram_bytes, and on a Cortex-M step_stack_bound_bytes. The caller checks state_hash.
     [[nodiscard]] StepOutcome run(const std::string& name, int timeout = 900,
                                   const std::vector<std::string>& reports = {}) const;
 

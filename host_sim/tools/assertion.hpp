@@ -1,5 +1,5 @@
-// What a failed assertion of the kernel does on the host: the command says what failed and ends with status 1. Included
-// before everything else, by the compiler's command line.
+// On the host a failed assertion of the kernel throws, so that the command prints a message and ends with status 1. The
+// compiler's command line includes this file before every source.
 #pragma once
 
 namespace tumble::host {

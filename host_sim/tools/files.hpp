@@ -1,4 +1,4 @@
-// Files that a build reads, and a build directory for one user at a time. All of it throws std::runtime_error.
+// Files for a build, and the lock of a build directory. The functions throw std::runtime_error.
 #pragma once
 
 #include <filesystem>
@@ -6,13 +6,13 @@
 
 namespace tumble::host {
 
-// Empty for a file that cannot be read.
+// The text of a file; empty where it cannot be read.
 [[nodiscard]] std::string contents_of(const std::filesystem::path& path);
 
-// Leaves a file that says the same alone, so that nothing is built again.
+// Writes a file unless it has this text already; its time then stays, and nothing is built again.
 void write_if_changed(const std::filesystem::path& path, const std::string& text);
 
-// One user of a directory at a time; the lock ends with the process.
+// Lets one process at a time use a directory. The lock ends with the process at the latest.
 class DirectoryLock {
 public:
     explicit DirectoryLock(const std::filesystem::path& directory);

@@ -1,11 +1,11 @@
-// Drawings by gnuplot.
+// Draws with gnuplot.
 #pragma once
 
 #include <string>
 
 namespace tumble::host {
 
-// What gnuplot draws by a script whose terminal is svg and which names no output. Throws std::runtime_error.
+// The SVG that a script draws. The script sets the terminal svg and no output. Throws std::runtime_error.
 [[nodiscard]] std::string svg_by_gnuplot(const std::string& script);
 
 }  // namespace tumble::host

@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 
 std::string reason(int error) { return std::generic_category().message(error); }
 
-// Where the links of a path lead, also those to a file that is not there yet.
+// The path that symbolic links lead to; the last one may lead to a file that does not exist yet.
 fs::path resolved(fs::path path) {
     std::error_code error;
     for (int i = 0; i < 40 && fs::is_symlink(fs::symlink_status(path, error)); ++i)
@@ -35,7 +35,7 @@ fs::path resolved(fs::path path) {
     return (error ? directory : canonical) / path.filename();
 }
 
-// The standard stream that is this file; -1 when none is.
+// The descriptor of the standard stream that writes to this file, or -1.
 int stream_of(const struct stat& file) {
     for (const int stream : {STDOUT_FILENO, STDERR_FILENO}) {
         struct stat other {};
@@ -44,8 +44,8 @@ int stream_of(const struct stat& file) {
     return -1;
 }
 
-// Names of temporary files for a signal handler, which may read no more than this. A place is taken where its first
-// character is not 0; the name is complete before that.
+// The names of temporary files, which a signal handler removes. It reads only entries whose flag `named` is set, which
+// happens after the name is complete.
 struct Unfinished {
     std::atomic_flag taken;
     std::atomic<bool> named;
@@ -80,7 +80,7 @@ void forget(const std::string& name) {
 
 }  // namespace
 
-// Text on its way to a file; it keeps the first error.
+// Buffers text for a file descriptor and keeps the first error.
 class OutputFile::Descriptor : public std::streambuf {
 public:
     explicit Descriptor(int file) : file_(file) { setp(part_.data(), part_.data() + part_.size()); }
@@ -128,7 +128,7 @@ OutputFile::OutputFile(const fs::path& path, std::string_view argument)
     const int standard = exists ? stream_of(before) : -1;
     int file = -1;
     if (standard >= 0) {
-        // What has been printed so far comes first, and one place in the file is shared.
+        // Text that was printed before comes first in the file; the duplicate shares its position.
         std::cout.flush();
         std::fflush(nullptr);
         file = dup(standard);

@@ -1,4 +1,4 @@
-// Output that is not lost without a sign: files that are written whole or not at all, and what goes to standard output.
+// Output whose loss is always reported: files that are written whole or not at all, and standard output.
 #pragma once
 
 #include <filesystem>
@@ -10,22 +10,22 @@
 
 namespace tumble::host {
 
-// A file that is written whole or not at all. Text goes to a temporary file beside it, which takes its name in
-// commit(); until then, and without it, the file is as it was, also where a signal ends the program. What is no regular
-// file, as /dev/stdout or a pipe, is written in place, and so is a file whose directory takes no other.
+// A file that is written whole or not at all. The text goes to a temporary file beside it, which commit() renames.
+// Without commit(), also where a signal ends the program, the old file stays as it was. A device or a pipe, as
+// /dev/stdout, is written in place, and so is a file in a directory where no other file can be made.
 class OutputFile {
 public:
-    // Throws std::invalid_argument where nothing can be written there. `argument` is what named the file, as --plot;
-    // messages begin with it.
+    // Throws std::invalid_argument where the file cannot be written. Messages begin with `argument`, the option that
+    // named the file, as --plot.
     explicit OutputFile(const std::filesystem::path& path, std::string_view argument = {});
     ~OutputFile();
     OutputFile(const OutputFile&) = delete;
     OutputFile& operator=(const OutputFile&) = delete;
 
     [[nodiscard]] std::ostream& stream() { return stream_; }
-    // False when something has been lost already: commit() will throw.
+    // False after an error of writing; commit() will throw.
     [[nodiscard]] bool good() const { return stream_.good(); }
-    // Throws std::runtime_error with the system's reason when not all has been written.
+    // Throws std::runtime_error with the system's reason where the text was not written completely.
     void commit();
 
 private:
@@ -33,13 +33,13 @@ private:
     [[noreturn]] void fail();
 
     std::string name_, argument_;
-    std::filesystem::path path_;  // what links lead to
+    std::filesystem::path path_;  // after symbolic links
     std::string temporary_;       // empty: written in place
     std::unique_ptr<Descriptor> descriptor_;
     std::ostream stream_;
 };
 
-// The same for a text.
+// Writes a text to an OutputFile.
 void write_file(const std::filesystem::path& path, std::string_view text);
 
 // A file that an argument names.
@@ -47,11 +47,11 @@ struct FileArgument {
     std::string argument;  // as --plot
     std::filesystem::path path;
 };
-// Throws std::invalid_argument for an output that is the same file as an input or as another output, by whatever name,
-// link or hard link. Empty paths are none, and what is no regular file may be named twice.
+// Throws std::invalid_argument where an output is the same file as an input or another output; links are followed, and
+// hard links count as the same file. Empty paths are skipped. Only regular files are checked.
 void check_outputs(const std::vector<FileArgument>& inputs, const std::vector<FileArgument>& outputs);
 
-// At the end of the program, what standard output has not taken is told on standard error, and the status is 1.
+// Makes the program end with a message and status 1 where its standard output could not be written.
 void tell_lost_output();
 
 }  // namespace tumble::host

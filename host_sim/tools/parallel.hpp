@@ -1,4 +1,4 @@
-// Independent pieces of work on all processors.
+// Runs independent pieces of work on all processors.
 #pragma once
 
 #include <algorithm>
@@ -11,8 +11,8 @@
 
 namespace tumble::host {
 
-// Calls work(i) for all i < count, and returns when all have ended. What one throws is thrown again here, the first of
-// them; no more are started then.
+// Calls work(i) for all i < count, and returns when all calls have ended. After an exception no further call starts,
+// and the first exception is thrown again.
 template <class Work>
 void in_parallel(std::size_t count, const Work& work) {
     std::atomic<std::size_t> next{0};

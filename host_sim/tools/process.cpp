@@ -27,7 +27,7 @@ std::array<int, 2> make_pipe() {
     return ends;
 }
 
-// A file in memory, to be read from its start.
+// A file in memory with this content, which is read from its start.
 int make_file(std::string_view text) {
     const int file = memfd_create("tumble", MFD_CLOEXEC);
     if (file < 0) fail("memfd_create");
@@ -40,7 +40,7 @@ int make_file(std::string_view text) {
     return file;
 }
 
-// The groups of the children that run, 0 where a place is free; a signal handler may read no more than this.
+// The process groups of running children, 0 for a free entry. A signal handler reads this.
 std::array<std::atomic<pid_t>, 1024> running;
 static_assert(std::atomic<pid_t>::is_always_lock_free);
 
@@ -51,21 +51,21 @@ void replace(pid_t old, pid_t child) {
     }
 }
 
-// Children have groups of their own, which the terminal's Ctrl-C does not reach.
+// The terminal's Ctrl-C does not reach children, since they have process groups of their own.
 void end_children() {
     for (const auto& place : running)
         if (const pid_t child = place; child > 0) kill(-child, SIGTERM);
 }
 
 void end_group(int) {
-    signal(SIGTERM, SIG_IGN);  // not this process, which still waits for the child
+    signal(SIGTERM, SIG_IGN);  // this process still waits for the child
     kill(0, SIGTERM);
 }
 
-// The life of the process between this program and `child`, its own: it waits for the child and ends as that does. If
-// the program ends before, whatever ends it, then so does the whole group. `program` is the program's id.
+// Runs in the process between this program and the child. It waits for the child and ends with the same status. If the
+// program (its id is `program`) ends first, for any reason, it ends the whole group.
 [[noreturn]] void guard(pid_t child, pid_t program) {
-    close_range(3, ~0U, 0);  // pipes and locks of the program
+    close_range(3, ~0U, 0);  // closes pipes and locks of the program
     struct sigaction action {};
     action.sa_handler = end_group;
     sigaction(SIGTERM, &action, nullptr);
@@ -84,7 +84,7 @@ Process::Process(const std::vector<std::string>& command, std::string_view input
     arguments.push_back(nullptr);
     static std::once_flag registered;
     std::call_once(registered, [] { before_ending(end_children); });
-    // A file, since a pipe could fill up while the child waits for its output to be read.
+    // Not a pipe: it could fill up while the child waits until its output is read.
     const int in = make_file(input);
     const auto out = make_pipe();
     if (errors == Errors::keep) errors_ = make_file({});
@@ -93,7 +93,7 @@ Process::Process(const std::vector<std::string>& command, std::string_view input
     child_ = fork();
     if (child_ < 0) fail("fork");
     if (child_ == 0) {
-        setpgid(0, 0);  // its own group, so that it ends with all that it has started
+        setpgid(0, 0);  // a group of its own, so that all processes that the child starts end with it
         if (const pid_t child = fork(); child != 0) {
             if (child < 0) _exit(126);
             guard(child, program);

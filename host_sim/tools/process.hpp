@@ -12,10 +12,10 @@ namespace tumble::host {
 
 class Process {
 public:
-    enum class Errors { pass, merge, keep };  // standard error: ours, into what is read, or for errors()
+    enum class Errors { pass, merge, keep };  // standard error: shared, merged into the output, or kept for errors()
 
-    // Starts `command` (looked up in PATH) and gives it `input`. A command that cannot be started ends with status 127.
-    // When this program ends, whatever ends it, the child ends with all that it has started.
+    // Starts a command, found by PATH, with `input` as its standard input. A command that cannot be started ends with
+    // status 127. When this program ends, for any reason, the child ends with all processes that it has started.
     explicit Process(const std::vector<std::string>& command, std::string_view input = {},
                      Errors errors = Errors::pass);
     // Ends the child if it still runs.
@@ -23,13 +23,13 @@ public:
     Process(const Process&) = delete;
     Process& operator=(const Process&) = delete;
 
-    // The next line without its end; false when there are no more.
+    // Reads the next line, without its line break. False at the end of the output.
     [[nodiscard]] bool read_line(std::string& line);
 
-    // Reads what is left, and waits. The exit status, or 128 + the signal's number.
+    // Reads the rest of the output and waits. Returns the exit status, or 128 + the number of a signal.
     [[nodiscard]] int wait(std::string* rest = nullptr);
 
-    // What has come from standard error so far, if it is kept.
+    // The standard error so far, where it is kept.
     [[nodiscard]] std::string errors() const;
 
 private:
@@ -38,7 +38,7 @@ private:
     std::FILE* output_ = nullptr;
 };
 
-// Runs a command; its output is shown only in the std::runtime_error that is thrown when it fails.
+// Runs a command. Where it fails, throws std::runtime_error with its output, which is not shown otherwise.
 void run_quietly(const std::vector<std::string>& command);
 
 }  // namespace tumble::host

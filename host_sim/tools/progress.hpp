@@ -1,5 +1,5 @@
-// How far a long job has come, on standard error: a bar on a terminal once it has taken a moment, with the time that is
-// left if the rest goes on as what is done; where output is piped, nothing, or a line for each tenth.
+// Shows the progress of a long job on standard error. On a terminal it is a bar with the remaining time, after half a
+// second. Where the output is piped it is nothing, or a line for each tenth.
 #pragma once
 
 #include <unistd.h>
@@ -24,12 +24,12 @@ public:
     Progress(const Progress&) = delete;
     Progress& operator=(const Progress&) = delete;
 
-    // Any thread may call either. `what` stands behind the bar.
+    // Both functions may be called by any thread. `what` is shown behind the bar.
     void show(std::int64_t done, const std::string& what = {}) {
         const std::lock_guard lock(mutex_);
         advance_to(done, what);
     }
-    // One more is done.
+    // Counts one more as done.
     void step(const std::string& what) {
         const std::lock_guard lock(mutex_);
         advance_to(done_ + 1, what);
@@ -44,7 +44,7 @@ private:
         else if (piped_ == Piped::tenths && done * 10 / total_ != before * 10 / total_)
             std::cerr << "[" << done << "/" << total_ << "] " << what << time_left() << std::endl;
     }
-    // ", 2:05 left"; nothing at the end, nor before there is anything to go by.
+    // ", 2:05 left", if the rest takes as long as the part before; empty at the start and at the end.
     [[nodiscard]] std::string time_left() const {
         if (done_ <= 0 || done_ >= total_) return {};
         const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start_;

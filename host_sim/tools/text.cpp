@@ -18,8 +18,8 @@ std::string formatted(const char* format, long double value) {
     return text.data();
 }
 
-// In quotes, with a backslash before quotes and backslashes; `escape` gives what stands for another character, or
-// nothing where it stands for itself.
+// The text in quotes, with a backslash before quotes and backslashes. `escape` gives the replacement of any other
+// character; an empty one leaves the character as it is.
 template <class Escape>
 std::string quoted(std::string_view text, const Escape& escape) {
     std::string quoted = "\"";

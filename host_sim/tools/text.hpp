@@ -16,19 +16,19 @@ namespace tumble::host {
 // A few digits for a table.
 [[nodiscard]] std::string few_digits(long double value);
 
-// Four digits, rounded down, so that a step of what is printed is safe.
+// Four digits, rounded down: a largest safe step is still safe as printed.
 [[nodiscard]] std::string four_digits_down(long double value);
 
 // The shortest decimal that reads back as the same double, with a point or an exponent.
 [[nodiscard]] std::string cpp_number(double value);
 
-// A number system with what it carries: "q32 carry", "f32 plain", "f64".
+// A number system with or without carry: "q32 carry", "f32 plain", "f64".
 [[nodiscard]] inline std::string numbers_text(const std::string& numbers, bool carry) {
     return numbers + (carry ? " carry" : numbers == "f64" ? "" : " plain");
 }
 
-// Hz: a number, with or without a unit behind it, as in 48000000, 16e6, 16MHz and "32.768 kHz"; units are Hz, kHz, MHz
-// and GHz. None where it is not a positive, finite number of one of them.
+// The frequency in Hz of a text such as 48000000, 16e6, 16MHz or "32.768 kHz". The unit is Hz, kHz, MHz, GHz or
+// nothing. Empty for any other text, and where the number is not positive and finite.
 [[nodiscard]] std::optional<double> parse_frequency(std::string_view text);
 
 // A hash as 16 hex digits.
@@ -79,7 +79,7 @@ template <class Names>
 [[nodiscard]] std::string json_number(long double value);
 [[nodiscard]] std::string json_text(std::string_view text);
 
-// A text in C++ in quotes, in ASCII whatever is in it; safe in a comment as well.
+// A string literal of C++ in ASCII; it is safe in a comment as well.
 [[nodiscard]] std::string cpp_text(std::string_view text);
 
 // A CSV field, in quotes when it needs them.

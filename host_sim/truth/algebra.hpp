@@ -1,5 +1,6 @@
-// Vectors and quaternions for references and oracles, in any floating-point type. Written apart from the kernel's on
-// purpose: plain formulas, every product rounded, no shared code. Hamilton's convention, q rotates body into world.
+// Vectors and quaternions for references and oracles, in any floating-point type. They share no code with the kernel on
+// purpose: the formulas are plain, and every product is rounded. Quaternions follow Hamilton's convention; q rotates a
+// vector from the body frame into the world frame.
 #pragma once
 
 #include <cmath>
@@ -32,7 +33,7 @@ template <class T>
 [[nodiscard]] T norm(Vec<T> a) {
     return std::sqrt(dot(a, a));
 }
-// Element by element: a diagonal matrix times a vector.
+// The product by elements: a diagonal matrix times a vector.
 template <class T>
 [[nodiscard]] Vec<T> times(Vec<T> d, Vec<T> a) {
     return {d.x * a.x, d.y * a.y, d.z * a.z};
@@ -56,14 +57,14 @@ struct Quaternion {
     [[nodiscard]] Quaternion conjugate() const { return {w, -v}; }
     [[nodiscard]] T norm2() const { return w * w + dot(v, v); }
     [[nodiscard]] Quaternion normalized() const { return *this * (T(1) / std::sqrt(norm2())); }
-    // q (0, r) q*: for a q that is not of unit length, |q|^2 times the rotation.
+    // q (0, r) q*. Where q has another length than 1, it is |q|^2 times the rotated vector.
     [[nodiscard]] Vec<T> rotate(Vec<T> r) const {
         return (w * w - dot(v, v)) * r + T(2) * dot(v, r) * v + T(2) * w * cross(v, r);
     }
     [[nodiscard]] Vec<T> rotate_back(Vec<T> r) const { return conjugate().rotate(r); }
 };
 
-// The rotation by a vector's length about its direction.
+// The rotation about a vector's direction by its length, rad.
 template <class T>
 [[nodiscard]] Quaternion<T> exponential(Vec<T> angle) {
     const T a = norm(angle);
@@ -71,7 +72,7 @@ template <class T>
     return {std::cos(a / 2), angle * (std::sin(a / 2) / a)};
 }
 
-// The angle between two orientations, rad; neither needs to be of exactly unit length.
+// The angle between two orientations, rad. Their lengths may differ from 1.
 template <class T>
 [[nodiscard]] T angle_between(Quaternion<T> a, Quaternion<T> b) {
     const Quaternion<T> d = a.conjugate() * b;

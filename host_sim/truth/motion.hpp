@@ -1,4 +1,4 @@
-// The motion of one rigid body and what drives it, in long double and SI units.
+// The motion of one rigid body, its mass and its loads, in long double and SI units.
 #pragma once
 
 #include "truth/algebra.hpp"
@@ -9,7 +9,7 @@ using Number = long double;
 using Vector = Vec<Number>;
 using Rotation = Quaternion<Number>;
 
-// Of arrays x, y, z and w, x, y, z.
+// From arrays x, y, z and w, x, y, z.
 [[nodiscard]] Vector vector_of(const auto& array) { return {array[0], array[1], array[2]}; }
 [[nodiscard]] Rotation rotation_of(const auto& array) { return {array[0], {array[1], array[2], array[3]}}; }
 

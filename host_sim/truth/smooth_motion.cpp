@@ -33,7 +33,7 @@ Number mass_of(const BodyDescription& body) {
     return body.mass ? Number(*body.mass) : Number(body.density.value()) * volume_of(body.shape);
 }
 
-// Principal moments of a solid of uniform density about its centre of mass; of a hoop, along its rim.
+// Principal moments of a solid of uniform density about its centre of mass. A hoop's mass lies on its rim.
 Vector moments_of(const ShapeDescription& shape, Number mass) {
     const Number a = shape.size[0], b = shape.size[1], c = shape.size[2];
     switch (shape.kind) {
@@ -48,7 +48,7 @@ Vector moments_of(const ShapeDescription& shape, Number mass) {
     }
     case ShapeKind::hoop: return {mass * a * a / 2, mass * a * a / 2, mass * a * a};
     case ShapeKind::capsule: {
-        // A cylinder and two half balls, whose centres of mass are 3/8 of the radius outside the cylinder's ends.
+        // A cylinder and two half balls. Their centres of mass lie 3/8 of the radius outside the cylinder's ends.
         const Number balls = mass * (4 * a / 3) / (b + 4 * a / 3), middle = mass - balls;
         const Number across = middle * (3 * a * a + b * b) / 12 + balls * (2 * a * a / 5 + b * b / 4 + 3 * a * b / 8);
         return {across, across, middle * a * a / 2 + 2 * balls * a * a / 5};
@@ -66,7 +66,7 @@ std::int64_t nearest_step(double time, const StepSize& step) { return std::llrou
 
 Vector SmoothMotion::Tensor::operator*(const Vector& v) const { return {dot(x, v), dot(y, v), dot(z, v)}; }
 
-// The adjugate over the determinant; symmetric.
+// The adjugate divided by the determinant; the tensor is symmetric.
 SmoothMotion::Tensor SmoothMotion::Tensor::inverse() const {
     const Vector a = cross(y, z), b = cross(z, x), c = cross(x, y);
     const Number scale = 1 / dot(x, a);
@@ -216,8 +216,8 @@ void SmoothMotion::add_loads(const std::vector<Motion>& motions, std::int64_t st
     }
 }
 
-// Newton's and Euler's equations of all bodies, while the same timed loads act. Only bodies that move have a part in
-// the state.
+// Newton's and Euler's equations of all bodies between two changes of the timed loads. The state has only the bodies
+// that move.
 void SmoothMotion::flow(std::int64_t from, std::int64_t to) {
     std::vector<Number> state;
     for (std::size_t i = 0; i < bodies_.size(); ++i) {
@@ -287,8 +287,8 @@ bool SmoothMotion::may_touch(std::size_t i, std::size_t j) const {
     return i != j && shapes_meet_(a.kind, b.kind) && !(a.fixed && b.fixed);
 }
 
-// The widest gap that a plane leaves between them, of those across the line of centres, along a face and along two
-// edges; negative only where spheres and boxes overlap, by the least that they must move to be apart.
+// The widest gap between two bodies along a set of axes: the line of centres, the faces' normals, and the normals to an
+// edge of each. It is negative only where spheres and boxes overlap: then it is the least distance that separates them.
 Number SmoothMotion::distance_bound(std::size_t i, std::size_t j) const {
     const Motion &a = now_[i], &b = now_[j];
     const Vector line = b.x - a.x;
@@ -301,8 +301,8 @@ Number SmoothMotion::distance_bound(std::size_t i, std::size_t j) const {
     for (const Vector& axis : axes)
         widest = std::max({widest, gap_along(a.q.rotate(axis)), gap_along(b.q.rotate(axis))});
     if (widest >= 0) return widest;
-    // Where none of these parts them, two boxes may be apart along what is normal to an edge of each, and a sphere and
-    // a box along the line from the box's nearest point.
+    // Without a gap along these axes, two boxes may have one along a normal to an edge of each, and a sphere and a box
+    // along the line from the box's nearest point.
     const auto try_along = [&](const Vector& n) {
         if (const Number size = norm(n); size > 1e-9L) widest = std::max(widest, gap_along(n * (1 / size)));
     };

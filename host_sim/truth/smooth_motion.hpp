@@ -1,8 +1,7 @@
-// The true motion of a scene between contacts: every load and event of the scene format in long double, integrated far
-// below the error of any kernel method. Its formulas are written apart from the kernel's and share no code with it:
-// from the kernel it has the names of shapes, and from its caller which of them touch each other. Contacts are left
-// out: ask clearance() whether the motion is still the scene's. A fixed body that turns does so at a constant angular
-// velocity.
+// The true motion of a scene between contacts. Every load and event of the scene format is integrated in long double,
+// with an error far below that of any kernel method. It shares no code with the kernel except the names of shapes; its
+// caller says which shapes touch each other. It leaves out contacts: clearance() tells whether the motion is still that
+// of the scene. A fixed body may turn at a constant angular velocity.
 #pragma once
 
 #include <array>
@@ -16,34 +15,34 @@ namespace tumble::host {
 
 class SmoothMotion {
 public:
-    // True of two kinds of shapes that touch each other, in either order; shapes_meet() of scene/data.hpp.
+    // Do two kinds of shapes touch each other, in either order? See shapes_meet() of scene/data.hpp.
     using ShapesMeet = bool (*)(ShapeKind, ShapeKind);
 
-    // At time 0. Event times are rounded to the nearest of the scene's steps, as the kernel rounds them.
+    // The motion starts at time 0. Event times are rounded to the nearest step of the scene, as in the kernel.
     SmoothMotion(const SceneDescription& scene, ShapesMeet shapes_meet);
 
-    // To the start of a step, before its impulses; earlier steps leave it where it is. Throws std::runtime_error where
-    // bodies fall into each other, or the loads are so stiff that a run would not end.
+    // Advances to the start of a step, before its impulses; an earlier step changes nothing. Throws std::runtime_error
+    // where bodies fall into each other, or where the loads are so stiff that the run would not end.
     void advance_to(std::int64_t step);
 
-    // x_w and v_w in the world; w in the user's body axes, which q turns into the world. Fixed bodies stay where they
-    // are.
+    // x and v in the world frame; w in the user's body axes, which q rotates into the world frame. Fixed bodies keep
+    // their place.
     [[nodiscard]] const std::vector<reference::Motion>& bodies() const { return now_; }
 
-    // Is there anything that may touch?
+    // Can any contact occur?
     [[nodiscard]] bool can_touch() const { return !planes_.empty() || has_pairs_; }
-    // The least distance of what may touch, m: the height of a body's lowest point over a plane, and of two bodies no
-    // more than their distance. Negative where they overlap; very large where nothing can touch.
+    // The least gap of a possible contact, m: the height of a body's lowest point over a plane, or a lower bound of the
+    // distance of two bodies. Negative where they overlap; very large where no contact is possible.
     [[nodiscard]] reference::Number clearance() const;
-    // Which of these are in each other, and how deep, m: a body in a plane (other: the plane), or in a body before it
-    // in the scene.
+    // The overlaps and their depths, m: of a body with a plane (other: the plane), or with an earlier body of the
+    // scene.
     struct Overlap {
         std::size_t body, other;
         bool with_plane;
         reference::Number depth;
     };
     [[nodiscard]] std::vector<Overlap> overlaps() const;
-    // A bound of the speed at which it shrinks, m/s.
+    // An upper bound of the speed at which the clearance shrinks, m/s.
     [[nodiscard]] reference::Number closing_speed() const;
 
 private:
@@ -55,7 +54,7 @@ private:
     struct Body {
         reference::Number mass = 0;         // kg
         Tensor inertia, inverse;            // kg m^2, user's axes; both zero of a point mass
-        bool fixed = false, turns = false;  // turns: though fixed
+        bool fixed = false, turns = false;  // turns: a fixed body with a spin
         ShapeKind kind = ShapeKind::none;
         reference::Vector size;  // m, as in ShapeDescription
 
@@ -63,7 +62,8 @@ private:
         [[nodiscard]] bool touches_planes() const {
             return !fixed && kind != ShapeKind::none && kind != ShapeKind::points;
         }
-        // How far it reaches along a unit vector, user's axes; and the farthest point that its spin moves, m.
+        // The extent along a unit vector in the user's axes, and the distance of the farthest point that the spin
+        // moves, m.
         [[nodiscard]] reference::Number reach(const reference::Vector& n) const;
         [[nodiscard]] reference::Number swept() const;
     };
@@ -96,7 +96,7 @@ private:
     ShapesMeet shapes_meet_;
     reference::Number step_length_ = 0;  // s
     std::vector<Body> bodies_;
-    std::vector<Plane> planes_;  // none where nothing can touch them
+    std::vector<Plane> planes_;  // empty where no body can touch them
     bool has_pairs_ = false;     // of bodies that may touch
     std::vector<Kick> kicks_;    // by step, then in file order
     std::vector<TimedForce> forces_;
@@ -106,7 +106,7 @@ private:
     std::size_t next_kick_ = 0;
 };
 
-// The scene's step, s, with all digits; and the step nearest to a time.
+// The scene's step with all digits, s, and the step nearest to a time.
 [[nodiscard]] reference::Number long_seconds(const StepSize& step);
 [[nodiscard]] std::int64_t nearest_step(double time, const StepSize& step);
 

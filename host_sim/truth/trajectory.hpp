@@ -1,6 +1,6 @@
-// The reference that accuracy is measured against: equations of motion in long double, integrated by Boost.Odeint's
-// Runge-Kutta-Fehlberg 7(8) with error control far below anything a kernel method can reach. Nothing here includes the
-// kernel, so the host command, tests and benchmarks share it.
+// The reference for the accuracy of methods: equations of motion in long double, integrated by Boost.Odeint's
+// Runge-Kutta-Fehlberg 7(8). Its error is far below that of any kernel method. It includes nothing of the kernel; the
+// command, tests and benchmarks use it.
 #pragma once
 
 #include "truth/motion.hpp"
@@ -20,8 +20,8 @@ namespace tumble::reference {
 inline constexpr Number tolerance = 1e-17L;  // of each step, absolute and relative
 inline constexpr long most_steps = 10'000'000;
 
-// Advances a state (an array or a vector of Number) from one time to another, s. The right side must be smooth between
-// them. equations(state, rate, time) sets the rate. Throws std::runtime_error where the motion is singular (bodies that
+// Advances a state (an array or a vector of Number) from one time to another, s. equations(state, rate, time) sets the
+// rate, which must be smooth between the two times. Throws std::runtime_error where the motion is singular (bodies that
 // fall into each other) or takes more than most_steps.
 template <class State, class Equations>
 void integrate(const Equations& equations, State& state, Number from, Number to) {
@@ -73,13 +73,13 @@ template <class Load>
     return motions;
 }
 
-// Without loads.
+// The same without loads.
 [[nodiscard]] inline std::vector<Motion> free_trajectory(const Body& body, const Motion& start,
                                                          const std::vector<Number>& times) {
     return trajectory(body, start, times, [](const Motion&, Number) { return Wrench{}; });
 }
 
-// 0, interval, 2 interval, ... up to and including the end.
+// The times 0, interval, 2 interval, ... up to and including the end.
 [[nodiscard]] inline std::vector<Number> sample_times(Number interval, int count) {
     std::vector<Number> times;
     for (int i = 0; i <= count; ++i) times.push_back(interval * static_cast<Number>(i));

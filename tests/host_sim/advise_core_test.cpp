@@ -55,7 +55,7 @@ TEST(Advise, cheapest_method_on_a_core_keeps_the_tolerance) {
 }
 
 // Carry adds work, yet a core may take less for it.
-TEST(Advise, twin_with_carry_of_the_cheapest_is_measured_too) {
+TEST(Advise, the_cheapest_method_is_measured_with_carry_too) {
     const Outcome outcome = tumble({"advise", shipped("free"), "--core", "cortex-m3", "--tolerance", "1e-4",
                                     "--integrators", "pdmv4", "--numbers", "q32", "--json"},
                                    Process::Errors::pass);
@@ -67,7 +67,7 @@ TEST(Advise, twin_with_carry_of_the_cheapest_is_measured_too) {
               json["ranking"][1]["cycles_per_simulated_second_est"]);
 }
 
-TEST(Advise, cost_is_in_instructions_where_they_are_asked_for_or_nothing_else_is_known) {
+TEST(Advise, cost_is_in_instructions_on_request_and_without_a_timing_table) {
     const auto advise = [](const char* core, const char* tolerance, std::vector<std::string> more) {
         more.insert(more.begin(), {"advise", shipped("free"), "--core", core, "--tolerance", tolerance, "--integrators",
                                    "rk4", "--numbers", "q32"});

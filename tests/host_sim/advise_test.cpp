@@ -1,5 +1,4 @@
-// `tumble advise` without a core: which steps are compared, what an error is, and what is said when there is nothing to
-// recommend.
+// `tumble advise` without a core: the steps that are compared, the errors, and the message without a recommendation.
 #include <cmath>
 
 #include <nlohmann/json.hpp>
@@ -159,7 +158,7 @@ TEST(Accuracy, range_left_is_a_failure) {
     EXPECT_EQ(run->failure, "range_left");
 }
 
-TEST(Accuracy, contacts_have_two_fine_runs_for_a_reference) {
+TEST(Accuracy, contacts_have_two_fine_runs_as_reference) {
     const SampledScene scene(read_scene_text(bounce, "bounce.toml"));
     const Truth truth = truth_of(scene);
     EXPECT_TRUE(truth.has_contacts);
@@ -170,7 +169,7 @@ TEST(Accuracy, contacts_have_two_fine_runs_for_a_reference) {
                 1e-6);
 }
 
-TEST(Accuracy, bodies_that_meet_have_two_fine_runs_for_a_reference) {
+TEST(Accuracy, colliding_bodies_have_two_fine_runs_as_reference) {
     const auto ball = [](const char* name, const char* start) {
         return std::string("[[body]]\nname = \"") + name + "\"\nshape = { sphere = 0.5 }\nmass = 1.0\n" + start;
     };
@@ -194,7 +193,7 @@ TEST(Accuracy, bodies_that_meet_have_two_fine_runs_for_a_reference) {
     EXPECT_TRUE(truth(spring + "barrier = 0.001\n", past).has_contacts);
 }
 
-TEST(Accuracy, planes_that_nothing_comes_near_leave_the_motion_smooth) {
+TEST(Accuracy, distant_planes_leave_the_motion_smooth) {
     SceneDescription scene = read_scene_text(bounce, "bounce.toml");
     scene.bodies[0].position[1] = 20.0;
     EXPECT_FALSE(truth_of(SampledScene(scene)).has_contacts);

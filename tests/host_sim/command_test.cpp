@@ -67,7 +67,7 @@ TEST(Run, json_has_the_keys_of_the_contract) {
     const Json json = Json::parse(outcome.text);
     EXPECT_EQ(keys_of(json), (std::set<std::string>{"tumble_bits", "scene", "integrator", "numbers", "step_s", "steps",
                                                     "time_s", "state_hash", "energy_start_j", "energy_end_j",
-                                                    "energy_max_relative_drift", "status", "bodies"}));
+                                                    "energy_max_relative_drift", "status", "verdict", "bodies"}));
     EXPECT_EQ(json["tumble_bits"], TUMBLE_BITS);
     EXPECT_EQ(json["scene"], "Kepler orbit");
     EXPECT_EQ(json["integrator"], "rk4");
@@ -120,7 +120,7 @@ TEST(Run, trajectory_has_the_columns_of_the_contract) {
     for (const std::string& line : lines) EXPECT_EQ(std::count(line.begin(), line.end(), ','), 14) << line;
 }
 
-TEST(Run, every_without_a_trajectory_is_warned_of) {
+TEST(Run, every_without_a_trajectory_gives_a_warning) {
     const std::string warning = "warning: --every has no effect without --trajectory";
     const Outcome without = tumble({"run", shipped("orbit"), "--duration", "1", "--every", "25"}),
                   with = tumble({"run", shipped("orbit"), "--duration", "1", "--trajectory", temporary("out.csv"),
@@ -148,7 +148,7 @@ TEST(Run, carry_changes_the_state) {
     EXPECT_NE(hash("on"), hash("off"));
 }
 
-// What gnuplot wrote for a scene; empty where there is no gnuplot.
+// The plot of a scene; empty where gnuplot is missing.
 std::string plot_of(const std::string& scene) {
     const std::string path = temporary("out's.svg");
     const Outcome outcome = tumble({"run", written("scene.toml", scene), "--plot", path});
@@ -156,7 +156,7 @@ std::string plot_of(const std::string& scene) {
     EXPECT_EQ(outcome.status, 0) << outcome.text;
     return contents(path);
 }
-// From the left edge, in the order drawn, of the marks of one of gnuplot's shapes.
+// The distances from the left edge of the marks of one of gnuplot's shapes, in the order of drawing.
 std::vector<double> marks_in(const std::string& svg, const std::string& shape) {
     const std::string start = "<use xlink:href='#" + shape + "' transform='translate(";
     std::vector<double> places;
@@ -252,7 +252,7 @@ TEST(Run, the_panels_of_a_plot_are_aligned_and_inside_the_picture) {
     EXPECT_EQ(rows.size(), 4u);
     EXPECT_EQ(other_rows.size(), 3u);
     EXPECT_TRUE(std::includes(rows.begin(), rows.end(), other_rows.begin(), other_rows.end()));
-    // What stands beside the axes has its margins.
+    // The labels beside the axes have their margins.
     EXPECT_GT(positions.first, 80);
     EXPECT_GT(velocities.first - positions.second, 80);
     EXPECT_LT(velocities.second, 990);
@@ -306,7 +306,7 @@ TEST(Run, the_table_shows_which_bodies_are_asleep) {
     EXPECT_FALSE(has(tumble({"run", scene, "--duration", "0.4"}).text, "asleep"));
 }
 
-TEST(Run, json_tells_who_sleeps_and_who_touches) {
+TEST(Run, json_has_sleep_and_contacts_of_each_body) {
     for (const auto* numbers : {"q32", "f32", "f64"}) {
         const auto box = [&](const std::string& sleep, const char* duration) {
             const Outcome outcome = tumble({"run", written("resting.toml", resting(sleep)), "--numbers", numbers,
@@ -333,7 +333,7 @@ std::string on_springs(const std::string& stiffness, const std::string& height) 
            height + ", 0.0]\n";
 }
 
-TEST(Run, contact_springs_give_back_what_they_take) {
+TEST(Run, contact_springs_conserve_energy) {
     const Outcome outcome = tumble({"run", written("soft.toml", on_springs("10000.0", "1.0")), "--numbers", "f64",
                                     "--step", "1/1024", "--duration", "0.65", "--json"},
                                    Process::Errors::pass);
@@ -350,8 +350,8 @@ TEST(Run, a_step_too_long_for_a_contact_spring_fails_and_names_the_largest_safe_
     const Outcome outcome = tumble({"run", scene});
     EXPECT_EQ(outcome.status, 1) << outcome.text;
     const std::string message =
-        "body \"ball\" at 0 s (step 0): step_too_long: contact spring too stiff for the step of "
-        "0.015625 s: the largest safe step is ";
+        "body \"ball\" at 0 s (step 0): step_too_long: a contact spring is too stiff for the step of 0.015625 s. The "
+        "energy grows. Use a step of at most ";
     const std::size_t at = outcome.text.find(message);
     ASSERT_NE(at, std::string::npos) << outcome.text;
     const std::string rest = outcome.text.substr(at + message.size()), safe = rest.substr(0, rest.find(" s\n"));
@@ -372,7 +372,7 @@ TEST(Run, a_step_too_long_for_a_contact_spring_fails_and_names_the_largest_safe_
 
 // --- output ----------------------------------------------------------------------------------------------------------
 
-// The command with what a shell makes of its standard output.
+// Runs the command in a shell, which redirects its standard output.
 Outcome tumble_in_shell(const std::string& arguments, const std::string& output) {
     Outcome outcome{};
     outcome.status = Process({"sh", "-c", std::string(TUMBLE_COMMAND) + " " + arguments + " 2>&1 " + output}, {},
@@ -381,7 +381,7 @@ Outcome tumble_in_shell(const std::string& arguments, const std::string& output)
     return outcome;
 }
 
-TEST(Output, text_that_standard_output_does_not_take_is_told) {
+TEST(Output, lost_standard_output_is_reported) {
     if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "no /dev/full";
     EXPECT_TRUE(has(tumble_in_shell("list", ">/dev/full").text,
                     "tumble: writing to standard output failed: No space left on device\n"));
@@ -502,7 +502,7 @@ TEST(OutputFile, is_written_whole_or_not_at_all) {
     }
 }
 
-TEST(OutputFile, what_is_lost_throws) {
+TEST(OutputFile, a_write_error_throws) {
     if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "no /dev/full";
     EXPECT_THROW(write_file("/dev/full", "text"), std::runtime_error);
     EXPECT_THROW(write_file("/nonexistent/file", "text"), std::invalid_argument);
@@ -536,7 +536,7 @@ TEST(OutputFile, what_is_lost_throws) {
 struct BadCall {
     std::vector<std::string> arguments;
     std::string message;
-    // How a test's name shows it.
+    // Prints the call in the name of a test.
     friend void PrintTo(const BadCall& call, std::ostream* out) {
         for (std::size_t i = 0; i < call.arguments.size(); ++i)
             *out << (i > 0 ? " " : "") << std::filesystem::path(call.arguments[i]).filename().string();
@@ -612,7 +612,8 @@ TEST(Command, help_is_not_an_error) {
     EXPECT_FALSE(has(tumble({"run", "--help"}).text, "00000000"));  // the limits of a double, digit by digit
 }
 
-// --- what is not simulated -------------------------------------------------------------------------------------------
+// --- warnings before a run
+// --------------------------------------------------------------------------------------------
 
 std::string scene_of(const std::string& contact, const std::string& bodies) {
     return "name = \"test\"\n[world]\nstep = \"1/256\"\nduration = 0.1\n" + contact +
@@ -648,7 +649,7 @@ TEST(Run, a_plot_that_cannot_be_written_is_refused_before_the_run) {
     EXPECT_TRUE(has(outcome.text, "--plot: cannot write /nonexistent/a.svg")) << outcome.text;
 }
 
-TEST(Run, an_unknown_integrator_is_answered_with_all_names) {
+TEST(Run, an_unknown_integrator_is_refused_with_all_names) {
     const Outcome outcome =
         tumble({"run", written("names.toml", scene_of("", body_of("a", "sphere = 1.0"))), "--integrator", "foo"});
     EXPECT_EQ(outcome.status, 2);
@@ -668,7 +669,7 @@ std::vector<std::string> warnings_of(const std::string& contact, const std::stri
 }
 using Warnings = std::vector<std::string>;
 
-TEST(Limits, shapes_that_touch_no_bodies_are_warned_of_where_there_are_others) {
+TEST(Limits, shapes_without_body_contacts_give_a_warning_beside_other_bodies) {
     const std::string ball = body_of("ball", "sphere = 1.0") + "position = [8.0, 0.0, 0.0]\n";
     const auto warning = [](const std::string& shape, const std::string& what) {
         return Warnings{"body \"a\": contacts of " + shape + " with " + what + " are not simulated, it passes through"};
@@ -705,7 +706,7 @@ TEST(Limits, shapes_that_touch_no_bodies_are_warned_of_where_there_are_others) {
     EXPECT_EQ(warnings_of("", body_of("a", "box = [1.0, 1.0, 1.0]") + ball), Warnings{});
 }
 
-TEST(Limits, a_contact_tolerance_that_the_numbers_do_not_resolve_is_warned_of) {
+TEST(Limits, a_contact_tolerance_below_the_resolution_of_the_numbers_gives_a_warning) {
     const auto contact = [](const std::string& tolerance) { return "[contact]\ntolerance = " + tolerance + "\n"; };
     const std::string ball = body_of("a", "sphere = 1.0"), long_box = body_of("a", "box = [1.0, 1.0, 600.0]");
     // 600 m take units of 2^-18 m, of which 16 are the least tolerance; a way of 0.5 m in a step units of 2^-28 m.
@@ -732,7 +733,7 @@ TEST(Limits, spring_response_has_neither_friction_nor_sleep) {
     EXPECT_EQ(warnings_of("[contact]\n" + rough + sleep, ball), Warnings{});
 }
 
-TEST(Limits, events_without_an_effect_are_warned_of) {
+TEST(Limits, events_without_an_effect_give_a_warning) {
     const auto output = [](const std::string& contact, const std::string& bodies) {
         const Outcome outcome = tumble({"run", written("scene.toml", scene_of(contact, bodies))});
         EXPECT_EQ(outcome.status, 0) << outcome.text;
@@ -753,8 +754,8 @@ TEST(Limits, events_without_an_effect_are_warned_of) {
     EXPECT_FALSE(has(output("", body_of("a", "sphere = 1.0") + force), "warning: "));
 }
 
-TEST(Limits, a_force_whose_impulse_is_another_in_whole_steps_is_warned_of) {
-    // What is said of a force between two times, at a step; 1000 N and 0.5 s unless they are others.
+TEST(Limits, a_force_whose_impulse_changes_in_whole_steps_gives_a_warning) {
+    // The warning about a force between two times, at a step; 1000 N and 0.5 s by default.
     const auto said = [](const std::string& step, const std::string& from, const std::string& until,
                          const std::string& what = "force = [600.0, 0.0, -800.0]\n",
                          const std::string& duration = "0.5") {
@@ -775,7 +776,7 @@ TEST(Limits, a_force_whose_impulse_is_another_in_whole_steps_is_warned_of) {
     EXPECT_TRUE(has(said("1/64", "0.102", "0.108", "torque = [0.0, 3.0, 4.0]\n"), "0 N m s instead of 0.03 N m s"));
     EXPECT_TRUE(has(said("0.1", "0.14", "0.26", "force = [1.0, 0.0, 0.0]\ntorque = [2.0, 0.0, 0.0]\n"),
                     "2 steps of 0.1 s, so its impulse is 0.2 N s and 0.4 N m s instead of 0.12 N s and 0.24 N m s"));
-    // Within a tenth; nothing; and what the end of the run cuts off as well.
+    // No warning: within a tenth, without a force, and for the part after the end of the run.
     EXPECT_EQ(said("1/64", "0.1", "0.3"), "");
     EXPECT_EQ(said("1/8192", "0.102", "0.108"), "");
     EXPECT_EQ(said("1/64", "0.102", "0.108", "force = [0.0, 0.0, 0.0]\n"), "");
@@ -792,14 +793,14 @@ TEST(Limits, a_force_whose_impulse_is_another_in_whole_steps_is_warned_of) {
     EXPECT_EQ(tumble({"compile", scene, "-o", "/dev/null", "--duration", "3.25"}).text, "");
 }
 
-TEST(Limits, a_velocity_of_a_fixed_body_is_warned_of) {
+TEST(Limits, a_velocity_of_a_fixed_body_gives_a_warning) {
     const std::string fixed = body_of("belt", "box = [4.0, 1.0, 4.0]") + "fixed = true\n";
     EXPECT_EQ(warnings_of("", fixed + "velocity = [1.0, 0.0, 0.0]\n"),
               Warnings{"body \"belt\" is fixed, so its velocity has no effect"});
     EXPECT_EQ(warnings_of("", fixed + "velocity = [0.0, 0.0, 0.0]\nangular_velocity = [0.0, 1.0, 0.0]\n"), Warnings{});
 }
 
-TEST(Limits, what_begins_in_something_else_is_warned_of) {
+TEST(Limits, an_overlap_at_the_start_gives_a_warning) {
     // Of a scene with these bodies, without a floor or with one at a height.
     const auto said = [](const std::string& bodies, const std::string& floor = "", const std::string& contact = "") {
         const std::string scene =
@@ -856,7 +857,7 @@ TEST(Limits, what_begins_in_something_else_is_warned_of) {
     EXPECT_TRUE(has(crossed("1.40"), "begins 0.0142136 m inside body \"a\""));
 }
 
-TEST(Run, an_energy_that_no_double_holds_is_null_and_told) {
+TEST(Run, an_energy_beyond_double_is_null_and_a_failure) {
     // Its step is 25000 times too long: the motion grows by 6e8 a step.
     const std::string scene = "[world]\nstep = \"1/4\"\nduration = 5.0\n" + body_of("a", "sphere = 1.0") +
                               body_of("b", "sphere = 1.0") + "position = [3.0, 0.0, 0.0]\n" +
@@ -873,7 +874,7 @@ TEST(Run, an_energy_that_no_double_holds_is_null_and_told) {
     EXPECT_TRUE(has(tumble({"run", path, "--numbers", "f64"}).text, "at 4.75 s (step 19): range_left"));
 }
 
-TEST(Firmware, a_memory_that_is_too_small_is_one_sentence) {
+TEST(Firmware, a_memory_shortage_is_one_sentence) {
     EXPECT_EQ(memory_shortage("ld: a.elf section `.bss' will not fit in region `RAM'\n"
                               "ld: region `RAM' overflowed by 8688 bytes\ncollect2: error: ld returned 1 exit status\n",
                               "cortex-m0"),
@@ -917,7 +918,7 @@ TEST(List, shows_the_order_of_free_rotation_where_it_differs) {
 
 // --- processes -------------------------------------------------------------------------------------------------------
 
-TEST(Process, whatever_ends_this_program_ends_its_children_and_theirs) {
+TEST(Process, all_processes_end_when_the_program_ends) {
     for (const int signal : {SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGABRT, SIGKILL, SIGSEGV}) {
         std::array<int, 2> held{};  // its writing end stays open for as long as one of them runs
         ASSERT_EQ(pipe(held.data()), 0);
@@ -960,7 +961,7 @@ TEST(Process, input_and_output_larger_than_a_pipe_pass_through) {
     EXPECT_EQ(child.errors(), "done\n");
 }
 
-TEST(Emulator, a_timeout_that_is_no_time_is_refused) {
+TEST(Emulator, a_timeout_that_is_not_a_positive_number_is_refused) {
     const std::string run = (source_directory / "port/qemu/run").string();
     for (const std::string timeout : {"abc", "0", "0.0", "-1", "", "1s", "1e3", ".", "inf", "1 2"}) {
         std::string text;
@@ -1015,12 +1016,12 @@ TEST(Compile, there_is_room_for_the_pairs_of_packed_boxes) {
         EXPECT_GE(room, pairs) << n;
         EXPECT_LE(room, 2 * pairs) << n;
     }
-    // What has the usual room.
+    // These scenes have the default room.
     for (const char* scene : {"contacts/spheres", "contacts/pyramid", "brick"})
         EXPECT_EQ(near_pairs(shipped(scene)), 0);
 }
 
-TEST(Compile, takes_a_scene_without_bodies_where_it_is_told_to) {
+TEST(Compile, a_scene_without_bodies_needs_an_option) {
     const std::string scene = written("bodiless.toml", "[world]\nstep = 0.1\nduration = 1.0\n");
     EXPECT_EQ(tumble({"compile", scene}).status, 2);
     const Outcome outcome = tumble({"compile", scene, "--no-bodies"});
@@ -1051,7 +1052,7 @@ TEST(Compile, names_cannot_break_the_header) {
     EXPECT_TRUE(has(outcome.text, "step{tumble::Real{0.1}}")) << outcome.text;
 }
 
-// What of a header's features is other than in tumble::Features, but for the numbers of bodies and planes.
+// The features of a header that differ from their default, without the numbers of bodies and planes.
 std::set<std::string> features_of(const std::string& scene) {
     const Outcome outcome = tumble({"compile", written("scene.toml", scene)}, Process::Errors::pass);
     EXPECT_EQ(outcome.status, 0) << scene;
@@ -1119,7 +1120,7 @@ TEST(Compile, features_are_those_of_the_contact_response) {
 }
 
 TEST(Compile, contact_has_the_members_of_its_response) {
-    // What stands between the braces of `.contact = {`, without indentation and comments.
+    // The lines between the braces of `.contact = {`, without indentation and comments.
     const auto members = [](const std::string& contact) {
         const Outcome outcome =
             tumble({"compile", written("scene.toml", scene_of("[contact]\n" + contact, body_of("a", "sphere = 1.0")))},

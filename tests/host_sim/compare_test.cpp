@@ -1,5 +1,4 @@
-// `tumble compare`: the same bits on a core in QEMU as on the host, and a report that names the place where they are
-// not.
+// `tumble compare`: a core in QEMU has the same bits as the host, and the first difference is reported with its place.
 #include <regex>
 
 #include "command_runner.hpp"
@@ -28,7 +27,7 @@ TEST(CompareDeep, every_load_gives_the_same_bits) {
     }
 }
 
-// The host has every feature compiled in, the core what the scene needs.
+// The host is compiled with every feature, the core with those that the scene needs.
 TEST(CompareDeep, every_contact_gives_the_same_bits) {
     const std::string head = "[world]\ngravity = [0.0, -9.81, 0.0]\nstep = \"1/256\"\nduration = 2.0\n",
                       floor = "[[plane]]\nname = \"floor\"\nnormal = [0.0, 1.0, 0.0]\n",
@@ -141,8 +140,8 @@ TEST(CompareDeep, a_difference_comes_with_the_status_of_both_sides) {
     EXPECT_TRUE(has(outcome.text, "status of cortex-m3: range_left; of the host: range_left\n")) << outcome.text;
 }
 
-// Only the host knows the range of floating point: what it tells is no difference.
-TEST(CompareDeep, a_range_that_floating_point_leaves_is_told_where_all_states_agree) {
+// Only the host knows the range of floating point, so its report is not a difference.
+TEST(CompareDeep, a_declared_range_left_in_floating_point_is_reported_where_all_states_agree) {
     const std::string scene =
         ball_in_the_smallest_range("fast.toml", "step = \"1/64\"\nduration = 3.0\n", "velocity = [0.0, 0.0, -30.0]\n");
     const Outcome outcome = tumble({"compare", scene, "--core", "cortex-m3", "--numbers", "f32"});

@@ -1,4 +1,4 @@
-// `tumble profile`: the functions of a step add up to its cycles, and what it cannot do is told.
+// `tumble profile`: the functions of a step add up to its cycles, and bad input is refused.
 #include <nlohmann/json.hpp>
 
 #include "command_runner.hpp"
@@ -39,7 +39,7 @@ TEST(Profile, functions_add_up_to_the_cycles_of_a_step) {
     EXPECT_NE(contents(flame).find("<title>step_world"), std::string::npos);
 }
 
-TEST(Profile, bad_input_is_told) {
+TEST(Profile, bad_input_is_refused) {
     const auto expect = [](std::vector<std::string> arguments, const std::string& message) {
         arguments.insert(arguments.begin(), {"profile", shipped("free")});
         const Outcome outcome = tumble(arguments);
