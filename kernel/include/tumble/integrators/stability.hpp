@@ -1,28 +1,29 @@
-// How long a step a method takes on what springs, dampers and drag are made of, x'' = -k x - c x', before it adds to
-// it. Every method says what a step of its own is there, and its limits follow from that, at compile time (E. Hairer,
-// C. Lubich and G. Wanner, Geometric Numerical Integration, I.1 and VI; E. Hairer and G. Wanner, Solving Ordinary
-// Differential Equations II, IV.2). Nothing of this is in a program that does not ask for it.
+// The longest step of a method that does not add energy to springs, dampers and drag: x'' = -k x - c x'. Each method
+// gives its own step of this equation, and its limits follow from that at compile time (E. Hairer, C. Lubich and G.
+// Wanner, Geometric Numerical Integration, I.1 and VI; E. Hairer and G. Wanner, Solving Ordinary Differential Equations
+// II, IV.2). A program that does not use the limits contains none of this.
 #pragma once
 
 #include <tumble/config.hpp>
 
 namespace tumble {
 
-// A linear map of place and velocity, both in metres: (x, v) becomes (xx x + xv v, vx x + vv v), v per step.
+// A linear map of position and velocity, both in metres: (x, v) becomes (xx x + xv v, vx x + vv v), with v in metres a
+// step.
 struct OscillatorStep {
     double xx = 1, xv = 0, vx = 0, vv = 1;
 
     [[nodiscard]] constexpr double determinant() const { return xx * vv - xv * vx; }
     [[nodiscard]] constexpr double trace() const { return xx + vv; }
-    // True if no number of steps makes anything grow without bound: both eigenvalues lie in the unit circle (Jury). A
-    // growth of less than 1e-12 in a step is rounding.
+    // True if repeated steps stay bounded: both eigenvalues lie in the unit circle (Jury). A growth of less than 1e-12
+    // in a step counts as rounding.
     [[nodiscard]] constexpr bool is_stable() const {
         constexpr double rounding = 1e-12;
         const double d = determinant(), t = trace() < 0 ? -trace() : trace();
         return -d <= 1 + rounding && d <= 1 + rounding && t <= 1 + d + rounding;
     }
 
-    // The equation itself, whose step is in units of the method's: k = (h w)^2, c = h c / m.
+    // The equation itself, with time in steps: k = (h w)^2, c = h c / m.
     [[nodiscard]] static constexpr OscillatorStep of_equation(double k, double c) { return {0, 1, -k, -c}; }
 
     friend constexpr OscillatorStep operator+(const OscillatorStep& a, const OscillatorStep& b) {
@@ -31,7 +32,7 @@ struct OscillatorStep {
     friend constexpr OscillatorStep operator*(double s, const OscillatorStep& a) {
         return {s * a.xx, s * a.xv, s * a.vx, s * a.vv};
     }
-    // b first.
+    // The map b followed by the map a.
     friend constexpr OscillatorStep operator*(const OscillatorStep& a, const OscillatorStep& b) {
         return {a.xx * b.xx + a.xv * b.vx, a.xx * b.xv + a.xv * b.vv, a.vx * b.xx + a.vv * b.vx,
                 a.vx * b.xv + a.vv * b.vv};
@@ -40,8 +41,8 @@ struct OscillatorStep {
 
 namespace detail {
 
-// Up to where step_of(z) is stable for all z from 0 on; 0 where it is not for small z either. Beyond 64 it is taken to
-// be stable for ever: no explicit method comes near that.
+// The largest z up to which step_of is stable from 0 on. 0 if it is not stable for small z. Beyond 64 it counts as
+// stable for every z: no explicit method comes near that.
 template <class StepOf>
 [[nodiscard]] constexpr double end_of_stability(StepOf&& step_of) {
     constexpr int strides = 64, furthest = 64;
