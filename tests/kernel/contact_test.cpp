@@ -123,7 +123,7 @@ TEST_P(Contacts, a_ball_pressed_down_by_a_force_rests_too) {
     EXPECT_LE(std::abs(world->motion(0).x.y - 0.5L), tolerance::place.of(system()));
 }
 
-TEST_P(Contacts, a_ball_that_meets_more_impacts_in_a_step_than_are_resolved_says_so) {
+TEST_P(Contacts, too_many_impacts_in_a_step_are_reported) {
     SceneSetup setup = floor(1);
     setup.world.gravity = {};
     setup.planes = {{}, {.normal = {0, -1, 0}, .offset = 0.25}};  // 0.05 m of room, 0.4 m a step
@@ -247,7 +247,7 @@ TEST_P(Contacts, a_ball_that_slides_comes_to_roll_with_five_sevenths_of_its_spee
     EXPECT_LE(std::abs(world->motion(0).q.rotate(world->motion(0).w).z / -5 - 1), tolerance::roll_speed.of(system()));
 }
 
-TEST_P(Contacts, a_body_with_restitution_of_its_own_takes_the_larger) {
+TEST_P(Contacts, a_body_bounces_with_the_larger_of_two_restitutions) {
     SceneSetup setup = floor(0.5L);
     setup.world.gravity = {};
     setup.bodies = {sphere(1, 0.5)};
@@ -303,7 +303,7 @@ TEST_P(ContactsOfFew, an_elastic_ball_never_gains_energy_in_1e4_bounces) {
     bounce_without_gain(*build(elastic_ball(), GetParam()), GetParam(), 10000);
 }
 
-TEST_P(ContactsOfFew, a_ball_between_walls_is_never_beyond_one) {
+TEST_P(ContactsOfFew, a_ball_between_walls_never_passes_a_wall) {
     const Seconds steps[] = {{1, 100}, {1, 100}, {1, 200}, {1, 128}, {1, 256}};
     for (std::uint64_t seed = 0; seed < 200; ++seed) {
         Random random{seed};
@@ -326,7 +326,7 @@ TEST_P(ContactsOfFew, a_ball_between_walls_is_never_beyond_one) {
     }
 }
 
-TEST_P(ContactsOfFew, a_ball_that_meets_more_impacts_in_a_step_than_are_resolved_stays_between_its_walls) {
+TEST_P(ContactsOfFew, a_ball_with_too_many_impacts_in_a_step_stays_between_its_walls) {
     int told = 0;
     for (std::uint64_t seed = 0; seed < 100; ++seed) {
         Random random{seed};
@@ -350,7 +350,7 @@ TEST_P(ContactsOfFew, a_ball_that_meets_more_impacts_in_a_step_than_are_resolved
 
 // Small dice: an edge that hits sends them beyond the range of spin, and the next corner within the same step brings
 // them back. As long as nothing is told, they move as in double precision: until one step takes them apart.
-TEST_P(ContactsOfFew, a_range_that_is_left_between_two_impacts_of_a_step_is_told) {
+TEST_P(ContactsOfFew, leaving_the_range_between_two_impacts_of_a_step_is_reported) {
     int told = 0, whole = 0;
     for (std::uint64_t seed = 0; seed < 75; ++seed) {
         Random random{seed};
@@ -402,7 +402,7 @@ SceneSetup thrown_die(std::uint64_t seed) {
 }
 
 // An impact leaves corners that arrive at the end of the step, just so: rounding must not tell which of them are held.
-TEST_P(ContactsOfFew, dice_rattle_to_rest_in_the_way_they_take_in_doubles) {
+TEST_P(ContactsOfFew, dice_come_to_rest_as_they_do_in_double) {
     constexpr int dice = 200;
     Case precise = GetParam();
     for (const Case& c : cases_of(precise.method.name))
@@ -425,7 +425,7 @@ TEST_P(ContactsOfFew, dice_rattle_to_rest_in_the_way_they_take_in_doubles) {
 }
 
 // Planes up to four times the range of positions away, which is what fixed point holds of an offset.
-TEST_P(ContactsOfFew, a_plane_is_as_far_away_as_it_says) {
+TEST_P(ContactsOfFew, a_ball_meets_a_far_plane_as_it_does_in_double) {
     for (std::uint64_t seed = 0; seed < 150; ++seed) {
         Random random{seed};
         const Axes3 axes = random_axes(random);
@@ -445,7 +445,7 @@ TEST_P(ContactsOfFew, a_plane_is_as_far_away_as_it_says) {
 }
 
 // Lengths are measured in units that the largest body decides, or the largest way in a step.
-TEST(ContactTolerance, below_what_the_numbers_resolve_holds_a_ball_on_a_floor) {
+TEST(ContactTolerance, below_the_resolution_of_the_numbers_still_holds_a_ball_on_a_floor) {
     struct Floor {
         RealVec3 edges;
         Seconds step;
@@ -478,7 +478,7 @@ TEST(ContactTolerance, below_what_the_numbers_resolve_holds_a_ball_on_a_floor) {
 
 // Sizes, steps, masses, speeds and tolerances over many decades, bodies in each other and far below planes: whatever
 // comes of them, it is a number, and in its range.
-TEST_P(ContactsOfFew, extreme_scenes_end_in_numbers_or_are_told) {
+TEST_P(ContactsOfFew, extreme_scenes_stay_finite_or_are_reported) {
     const auto decades = [](Random& random, double least, double most) {
         return std::pow(10, random.uniform(least, most));
     };
@@ -522,7 +522,7 @@ TEST_P(ContactsOfFew, extreme_scenes_end_in_numbers_or_are_told) {
 using ContactDeathTest = ContactsOfFew;
 INSTANTIATE_TEST_SUITE_P(every, ContactDeathTest, testing::ValuesIn(cases_of("verlet")), NameOf{});
 
-TEST_P(ContactDeathTest, values_that_no_contact_has_end_the_program) {
+TEST_P(ContactDeathTest, impossible_contact_values_end_the_program) {
     SceneSetup good = floor(0.5L, 0.5L);
     good.bodies = {sphere(1, 1), box(1, {1, 1, 0.125})};
     (void)build(good, GetParam());

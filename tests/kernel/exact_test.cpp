@@ -99,7 +99,7 @@ TEST(exact, keeps_energy_and_momentum_over_a_million_steps) {
     }
 }
 
-TEST(exact, many_steps_are_one_step) {
+TEST(exact, many_short_steps_equal_one_long_step) {
     for (const char* system : {"f64", "f32"}) {
         SceneSetup setup{.name = "spans", .step = Seconds{1, 64}};
         setup.bodies = {top({1, 2, 3}, {1, 1.25, 0.75})};

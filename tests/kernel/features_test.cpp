@@ -50,7 +50,7 @@ TEST(Features, a_union_has_room_for_both) {
     EXPECT_TRUE(b.united_with(a) == both);
 }
 
-TEST(Features, everything_keeps_the_room) {
+TEST(Features, a_scene_with_every_feature_keeps_its_room) {
     constexpr Features all = Features{.bodies = 7, .near_pairs = 9, .contact_impulses = false}.with_everything();
     Features::for_each([&]<class T>(const char* name, T Features::*member) {
         const bool is_on = !std::is_same_v<T, bool> || all.*member;
@@ -104,7 +104,7 @@ struct Complete : Mute {
 static_assert(!tumble::Method<int, Q32<>> && !tumble::Method<Stepless, Q32<>> && !tumble::Method<Mute, Q32<>> &&
               tumble::Method<Complete, Q32<>> && tumble::Method<Complete, F64>);
 
-TEST(Method, every_integrator_of_the_list_is_one) {
+TEST(Method, every_listed_integrator_satisfies_the_concept) {
     int count = 0;
     const auto check = [&]<class N>() {
         Integrators::for_each_in<N>([&]<class M>() {
@@ -184,7 +184,7 @@ TEST_F(MisuseDeathTest, of_an_event_of_a_body_that_is_not_there_ends_the_program
     EXPECT_EQ(world_.prepare(force).body, 0);
 }
 
-TEST(Events, have_the_step_that_their_moment_is_nearest_to_however_late) {
+TEST(Events, happen_at_the_step_nearest_to_their_time_however_late) {
     World<Pair> world{Seconds{1, 256}};
     (void)world.add(sphere(Real{1}, Real{1}));
     constexpr double turn = 4294967296.0;
@@ -220,7 +220,7 @@ struct Late {
         ForceSpec{.from = 0.0, .until = 26.0 / 256, .force = {0, 0, 512}}};
 };
 
-TEST(Events, of_a_replay_keep_their_steps_where_the_count_begins_anew) {
+TEST(Events, of_a_replay_keep_their_steps_when_the_step_counter_wraps) {
     Replay<Pair, Late> replay;
     auto& world = replay.world();
     using Bodies = std::remove_cvref_t<decltype(world.bodies())>;
@@ -253,7 +253,7 @@ TEST_F(MisuseDeathTest, of_impulses_that_are_not_sorted_and_events_of_no_body_en
     EXPECT_DEATH(world_.set_impulses({impulses, 3}), "");
 }
 
-TEST(Script, another_one_is_read_from_its_beginning) {
+TEST(Script, a_new_script_is_read_from_its_beginning) {
     using N = World<Pair>::Numbers;
     World<Pair> world{Seconds{1, 256}};
     (void)world.add(sphere(Real{1}, Real{1}));
@@ -274,7 +274,7 @@ TEST(Script, another_one_is_read_from_its_beginning) {
     EXPECT_EQ(static_cast<double>(world.velocity(BodyId{0}).x()), 4);
 }
 
-TEST(SetUpMisuseDeathTest, of_steps_sizes_and_moments_that_nothing_has_ends_the_program) {
+TEST(SetUpMisuseDeathTest, of_impossible_steps_sizes_and_moments_ends_the_program) {
     for (const Real& step : {Real{}, Real{-1}, Real{-1e-9}}) EXPECT_DEATH((World<Pair>{Seconds{step}}), "");
     const auto add = [](const BodySpec& body) {
         World<Pair> world{Seconds{1, 256}};

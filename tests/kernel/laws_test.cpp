@@ -32,7 +32,7 @@ Vector momentum_of(const InertiaTensor& i, Vector w) {
     return {dot(rows[0], w), dot(rows[1], w), dot(rows[2], w)};
 }
 
-TEST_P(Laws, a_body_starts_where_it_was_put) {
+TEST_P(Laws, a_body_starts_at_its_given_position) {
     SceneSetup setup{.name = "start"};
     setup.bodies = {skew_body()};
     const auto world = build(setup, GetParam());
@@ -84,7 +84,7 @@ TEST_P(Laws, an_impulse_of_zero_changes_no_bit) {
     EXPECT_EQ(world->hash(), hash);
 }
 
-TEST_P(Laws, a_thousandfold_of_masses_obeys_the_same_impulse_formula) {
+TEST_P(Laws, masses_over_twelve_decades_obey_the_same_impulse_formula) {
     for (const double mass : {1e-6, 1e-3, 1.0, 1e3, 1e6}) {
         SceneSetup setup{.name = "masses"};
         setup.bodies = {box(mass, {0.5, 0.25, 1})};

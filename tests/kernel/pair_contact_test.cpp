@@ -44,7 +44,7 @@ TEST_P(Pairs, equal_elastic_spheres_exchange_their_velocities) {
     }
 }
 
-TEST_P(Pairs, unequal_spheres_part_as_mass_and_restitution_say) {
+TEST_P(Pairs, unequal_spheres_separate_by_the_impulse_formula) {
     for (const Vector& along : directions) {
         for (const Number restitution : {0.0L, 0.5L, 1.0L}) {
             SceneSetup setup = space(restitution);
@@ -77,7 +77,7 @@ TEST_P(Pairs, an_elastic_ball_off_a_resting_one_leaves_at_right_angles_to_it) {
     }
 }
 
-TEST_P(Pairs, spheres_that_meet_anyhow_follow_the_impulse_formula_and_coulombs_law) {
+TEST_P(Pairs, any_two_spheres_follow_the_impulse_formula_and_coulombs_law) {
     Random random{4};
     int stuck = 0, slid = 0;
     for (int i = 0; i < 40; ++i) {
@@ -111,7 +111,7 @@ TEST_P(Pairs, spheres_that_meet_anyhow_follow_the_impulse_formula_and_coulombs_l
     EXPECT_GE(std::min(stuck, slid), 5) << stuck << " stick, " << slid << " slide";
 }
 
-TEST_P(Pairs, a_sphere_that_hits_a_plane_askew_sticks_or_slides_as_coulomb_says) {
+TEST_P(Pairs, a_sphere_that_hits_a_plane_obliquely_sticks_or_slides_by_coulombs_law) {
     struct Throw {
         Vector velocity, spin;
     };
@@ -344,7 +344,7 @@ SceneSetup cradle(int moving) {
     return setup;
 }
 
-TEST_P(Pairs, a_cradle_sends_as_many_spheres_away_as_come) {
+TEST_P(Pairs, a_cradle_sends_away_as_many_spheres_as_arrive) {
     for (const int moving : {1, 2}) {
         const SceneSetup setup = cradle(moving);
         const auto world = build(setup, GetParam());
@@ -362,7 +362,7 @@ TEST_P(Pairs, a_cradle_sends_as_many_spheres_away_as_come) {
 }
 
 // Eleven exchanges at one moment, in either order of the pairs.
-TEST_P(Pairs, a_long_row_in_touch_passes_a_blow_on_from_either_end) {
+TEST_P(Pairs, a_long_row_passes_on_an_impact_from_either_end) {
     constexpr int balls = 12;
     std::vector<Motion> after[2];
     const Bound allowed = (balls - 1) * 2 * tolerance::exchange.of(system());
@@ -393,7 +393,7 @@ TEST_P(Pairs, a_long_row_in_touch_passes_a_blow_on_from_either_end) {
 }
 
 // What one impact does, another pair within the tolerance is about to have by itself.
-TEST_P(Pairs, a_row_with_a_gap_below_the_tolerance_passes_an_elastic_blow_on_whole) {
+TEST_P(Pairs, a_row_with_a_gap_below_the_tolerance_passes_on_the_whole_impact) {
     for (std::uint64_t seed = 0; seed < 60; ++seed) {
         Random random{seed};
         const Axes3 axes = random_axes(random);
@@ -418,7 +418,7 @@ TEST_P(Pairs, a_row_with_a_gap_below_the_tolerance_passes_an_elastic_blow_on_who
 }
 
 // The lower ball comes near the upper one by its bounce on the floor, in a step in which that has flown already.
-TEST_P(Pairs, a_body_that_another_comes_near_within_a_step_flies_through_it_once) {
+TEST_P(Pairs, a_body_approached_by_another_within_a_step_flies_only_once) {
     for (const bool upper_first : {false, true}) {
         SceneSetup setup = space(1);
         setup.step = Seconds{1, 64};
@@ -536,7 +536,7 @@ TEST_P(Pairs, elastic_spheres_in_a_box_of_planes_keep_their_energy_and_stay_insi
         EXPECT_GT(norm(world->motion(b).v - first[static_cast<std::size_t>(b)]), 1e-3L) << "sphere " << b;
 }
 
-TEST(pairs, more_pairs_near_each_other_than_there_is_room_for_are_told) {
+TEST(pairs, more_near_pairs_than_there_is_room_for_are_reported) {
     for (const char* name : {"q32_near", "f32"}) {
         if (!has_minimal_worlds(name)) continue;
         SceneSetup setup = space(0.5L);
@@ -643,7 +643,7 @@ Number distance_to_box(Vector p, Vector half) {
     return norm(Vector{beyond(p.x, half.x), beyond(p.y, half.y), beyond(p.z, half.z)});
 }
 
-TEST_P(Bullets, hit_a_thin_box_where_their_path_does_and_nowhere_else) {
+TEST_P(Bullets, hit_a_thin_box_exactly_where_their_path_crosses_it) {
     Random random{3};
     const Vector half{1, 1, 0.025L};
     int hits = 0, misses = 0;
@@ -718,7 +718,7 @@ TEST_P(Bullets, hit_each_other_where_their_paths_cross) {
     EXPECT_GT(std::min(hits, misses), 20) << hits << " hits, " << misses << " misses";
 }
 
-TEST_P(Bullets, do_not_pass_a_free_box_either) {
+TEST_P(Bullets, do_not_pass_through_a_free_box) {
     Random random{6};
     for (int shot = 0; shot < shots / 2; ++shot) {
         SceneSetup setup = range();

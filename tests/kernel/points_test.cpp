@@ -44,7 +44,7 @@ void expect_one_motion(const SceneSetup& one, const SceneSetup& other, const Cas
     }
 }
 
-TEST_P(Points, fly_freely_as_bodies_that_spin_do_bit_by_bit) {
+TEST_P(Points, fly_with_the_same_bits_as_spinning_bodies) {
     SceneSetup setup{.name = "thrown"};
     setup.world = {.gravity = {0, -9.81, 0}};
     setup.bodies = {point_mass(0.3)};
@@ -53,7 +53,7 @@ TEST_P(Points, fly_freely_as_bodies_that_spin_do_bit_by_bit) {
     expect_one_motion(setup, with_spheres(setup, {1, -2, 0.5}), GetParam());
 }
 
-TEST_P(Points, move_under_loads_as_bodies_that_do_not_turn_do_bit_by_bit) {
+TEST_P(Points, move_under_loads_with_the_same_bits_as_bodies_that_do_not_turn) {
     SceneSetup setup{.name = "loaded"};
     setup.world = {
         .gravity = {0, -1, 0}, .gravitation = 2, .linear_drag = 0.05, .contact = {.response = ContactResponse::none}};
@@ -104,7 +104,7 @@ TEST_P(Points, on_an_orbit_keep_their_energy_and_angular_momentum) {
     EXPECT_TRUE(world->status().ok());
 }
 
-TEST_P(Points, pull_at_a_body_and_do_not_turn) {
+TEST_P(Points, pull_a_body_and_do_not_rotate) {
     SceneSetup setup{.name = "mixed"};
     setup.world = {.angular_drag = 0.25};
     setup.bodies = {point_mass(2), top({3, 2, 1}, {0.25, 0.5, 0.125}, 3)};
@@ -152,7 +152,7 @@ template <class S>
 using PointMisuseDeathTest = PointMisuse<S>;
 TYPED_TEST_SUITE_P(PointMisuseDeathTest);
 
-TYPED_TEST_P(PointMisuseDeathTest, of_a_point_mass_that_is_to_turn_ends_the_program) {
+TYPED_TEST_P(PointMisuseDeathTest, of_a_rotation_of_a_point_mass_ends_the_program) {
     auto& world = this->world_;
     const BodyId id{0};
     EXPECT_DEATH(world.apply_impulse(id, {1, 0, 0}, {0, 0.5, 0}), "");
@@ -181,7 +181,7 @@ TYPED_TEST_P(PointMisuseDeathTest, of_a_point_mass_that_is_to_turn_ends_the_prog
     EXPECT_DEATH((void)world.add(SpringSpec{.to_body = 1, .to = {1, 0, 0}, .stiffness = 1}), "");
     EXPECT_TRUE(world.add(SpringSpec{.to_body = 1, .stiffness = 1}));
 }
-REGISTER_TYPED_TEST_SUITE_P(PointMisuseDeathTest, of_a_point_mass_that_is_to_turn_ends_the_program);
+REGISTER_TYPED_TEST_SUITE_P(PointMisuseDeathTest, of_a_rotation_of_a_point_mass_ends_the_program);
 using WorldsOfPoints = testing::Types<Cloud, Mixed>;
 INSTANTIATE_TYPED_TEST_SUITE_P(worlds, PointMisuseDeathTest, WorldsOfPoints);
 
@@ -200,7 +200,7 @@ TEST(PointsDeathTest, only_worlds_with_point_masses_take_them_and_only_those_wit
     EXPECT_TRUE(bodies.add(sphere(1, 1)));
 }
 
-TEST(PointWorlds, the_hash_of_a_world_of_them_is_that_of_a_mixed_one) {
+TEST(PointWorlds, a_world_of_point_masses_has_the_hash_of_a_mixed_world) {
     World<Cloud> cloud{Seconds{1, 256}};
     World<Mixed> mixed{Seconds{1, 256}};
     (void)cloud.add(point_mass(1));

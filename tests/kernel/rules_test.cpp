@@ -55,7 +55,7 @@ TEST_P(Rules, an_approach_below_the_restitution_threshold_does_not_bounce) {
     }
 }
 
-TEST_P(Rules, the_threshold_is_of_the_speed_at_which_two_bodies_approach) {
+TEST_P(Rules, the_threshold_applies_to_the_relative_speed_of_two_bodies) {
     for (const Number share : {0.9L, 1.1L}) {
         SceneSetup setup{.name = "threshold"};
         setup.world.contact = {.restitution = 1, .restitution_threshold = 2};
@@ -72,7 +72,7 @@ TEST_P(Rules, the_threshold_is_of_the_speed_at_which_two_bodies_approach) {
 
 // A ball lands 0.95 of a step after it was let go. Its bounce would last 2 e v / g: more or less than an eighth of a
 // step.
-TEST_P(Rules, a_bounce_that_lasts_less_than_an_eighth_of_a_step_is_none) {
+TEST_P(Rules, a_bounce_shorter_than_an_eighth_of_a_step_is_suppressed) {
     constexpr Number h = 1.0L / 16, landing = 0.95L * h;
     for (const Number share : {0.0625L, 0.115L, 0.135L, 0.1875L}) {
         const Number speed = g * landing, restitution = share * g * h / (2 * speed);
@@ -111,7 +111,7 @@ TEST_P(Rules, an_elastic_ball_keeps_its_energy_wherever_in_the_second_half_of_a_
 
 // Between two planes that meet at an angle a, reflections turn the velocity by 2 a each until it leads out: about
 // pi / a of them, of which a round takes two.
-TEST_P(Rules, a_ball_in_a_wedge_too_narrow_for_the_rounds_of_an_impact_is_told_and_in_a_wide_one_leaves) {
+TEST_P(Rules, a_wedge_that_needs_too_many_impact_rounds_is_reported_and_a_wide_one_releases_the_ball) {
     for (const Number mirror : {1.0L, -1.0L}) {
         for (const bool narrow : {false, true}) {
             const Number half = narrow ? 0.03L : 0.3L, radius = 0.25L;
@@ -129,7 +129,7 @@ TEST_P(Rules, a_ball_in_a_wedge_too_narrow_for_the_rounds_of_an_impact_is_told_a
 }
 
 // Each that it flies past is looked at, since along the direction from it at the start the ball has come through.
-TEST_P(Rules, a_ball_that_flies_past_more_bodies_in_a_step_than_are_looked_at_is_told_and_past_few_is_not) {
+TEST_P(Rules, passing_more_bodies_in_a_step_than_are_examined_is_reported_and_passing_few_is_not) {
     for (const Vector along : {Vector{1, 0, 0}, {0, 0, -1}, {0.6L, 0, 0.8L}}) {
         for (const int passed : {3, 4, 5, 7}) {
             SceneSetup setup{.name = "past", .step = Seconds{1, 4}};
@@ -147,7 +147,7 @@ TEST_P(Rules, a_ball_that_flies_past_more_bodies_in_a_step_than_are_looked_at_is
     }
 }
 
-TEST_P(Rules, a_barrier_that_is_jumped_over_in_one_step_is_told) {
+TEST_P(Rules, jumping_over_a_barrier_in_one_step_is_reported) {
     for (const Vector n : normals) {
         for (const Number speed : {16.0L, 30.0L}) {
             SceneSetup setup{.name = "barrier", .step = Seconds{1, 16}};
@@ -162,7 +162,7 @@ TEST_P(Rules, a_barrier_that_is_jumped_over_in_one_step_is_told) {
     }
 }
 
-TEST_P(Rules, a_start_that_leaves_the_range_is_told_before_the_first_step) {
+TEST_P(Rules, a_start_outside_the_range_is_reported_before_the_first_step) {
     if (!system().fixed_point) GTEST_SKIP() << "floating point holds any start that is finite";
     for (const auto& [position, velocity] :
          {std::pair<Vector, Vector>{{0, 80, 0}, {}}, {{-65, 0, 0}, {}}, {{}, {0, 0, 40}}, {{}, {-33, 0, 0}}}) {
@@ -175,7 +175,7 @@ TEST_P(Rules, a_start_that_leaves_the_range_is_told_before_the_first_step) {
 }
 
 // Gravity drives it beyond the range on its way to a floor that stops it in the same step.
-TEST_P(Rules, a_range_that_is_left_on_the_way_to_an_impact_is_told) {
+TEST_P(Rules, leaving_the_range_on_the_way_to_an_impact_is_reported) {
     if (!system().fixed_point) GTEST_SKIP() << "floating point has no such range";
     for (const Vector n : {Vector{0, 1, 0}, {-1, 0, 0}, {0, 0, -1}}) {
         for (const Number speed : {29.0L, 31.5L}) {
@@ -194,7 +194,7 @@ TEST_P(Rules, a_range_that_is_left_on_the_way_to_an_impact_is_told) {
 }
 
 // A heavy ball that comes behind drives a light one beyond the range, and gravity brings it back within the same step.
-TEST_P(Rules, a_range_that_an_impact_leaves_is_told_though_the_rest_of_the_step_comes_back_into_it) {
+TEST_P(Rules, leaving_the_range_by_an_impact_is_reported_even_if_the_rest_of_the_step_returns) {
     if (!system().fixed_point) GTEST_SKIP() << "floating point has no such range";
     for (const Vector n : {Vector{0, 1, 0}, {-1, 0, 0}, {0, 0, -1}}) {
         for (const Number speed : {10.0L, 24.0L}) {  // of the heavy one; half of the approach is added to it
@@ -296,7 +296,7 @@ TEST_P(Rules, bodies_that_a_force_drives_at_each_other_within_a_step_do_not_come
 
 // What hovers before a floor has been foreseen to meet nobody for half a second, when another comes softly into touch
 // and a force upon that one presses both down.
-TEST_P(Rules, who_is_pressed_on_by_another_does_not_come_deeper_than_the_tolerance) {
+TEST_P(Rules, a_body_pressed_by_another_does_not_come_deeper_than_the_tolerance) {
     for (const Vector n : normals) {
         for (const bool reversed : {false, true}) {
             for (const Number push : {1.5L, 3.0L, 64.0L, 200.0L}) {
@@ -324,7 +324,7 @@ TEST_P(Rules, who_is_pressed_on_by_another_does_not_come_deeper_than_the_toleran
 }
 
 // A slope turns gravity towards a wall that gravity itself runs along.
-TEST_P(Rules, who_slides_down_a_slope_to_an_upright_wall_does_not_come_deeper_than_the_tolerance) {
+TEST_P(Rules, a_body_that_slides_down_a_slope_to_a_wall_does_not_come_deeper_than_the_tolerance) {
     for (const Number mirror : {1.0L, -1.0L}) {
         for (int place = 0; place < 24; ++place) {
             const Number gap = 0.0015L * (1 + place * place / 8.0L), x = 0.25L + gap;
@@ -343,7 +343,7 @@ TEST_P(Rules, who_slides_down_a_slope_to_an_upright_wall_does_not_come_deeper_th
     }
 }
 
-TEST_P(Rules, new_gravity_is_felt_by_what_had_been_foreseen_to_fly_free) {
+TEST_P(Rules, new_gravity_stops_a_body_at_a_plane_that_was_not_tested) {
     for (const Vector n : normals) {
         SceneSetup setup{.name = "gravity"};
         setup.world.contact = {.restitution = 0};
@@ -361,7 +361,7 @@ TEST_P(Rules, new_gravity_is_felt_by_what_had_been_foreseen_to_fly_free) {
     }
 }
 
-TEST_P(Rules, a_plane_that_is_added_in_mid_run_stops_what_had_been_foreseen_to_fly_free) {
+TEST_P(Rules, a_plane_added_during_a_run_stops_a_body_that_was_clear_of_contact) {
     for (const Vector n : normals) {
         SceneSetup setup{.name = "plane"};
         setup.world.contact = {.restitution = 0.5};
@@ -377,7 +377,7 @@ TEST_P(Rules, a_plane_that_is_added_in_mid_run_stops_what_had_been_foreseen_to_f
 // --- who wakes whom ----------------------------------------------------------------------------------------------
 
 // Cubes on each other, in any order of their places in the world.
-TEST_P(Rules, who_is_pushed_wakes_what_it_rests_on_and_what_that_rests_on) {
+TEST_P(Rules, a_pushed_body_wakes_all_bodies_below_it) {
     for (const bool reversed : {false, true}) {
         for (int pushed = 0; pushed < 3; ++pushed) {
             SceneSetup setup = sleepy_floor(0.5L);
@@ -393,7 +393,7 @@ TEST_P(Rules, who_is_pushed_wakes_what_it_rests_on_and_what_that_rests_on) {
     }
 }
 
-TEST_P(Rules, a_spring_wakes_what_is_at_its_other_end) {
+TEST_P(Rules, a_spring_wakes_the_body_at_its_other_end) {
     for (const int pushed : {0, 1}) {
         for (const bool reversed : {false, true}) {
             SceneSetup setup = sleepy_floor(0.5L);
@@ -415,7 +415,7 @@ TEST_P(Rules, a_spring_wakes_what_is_at_its_other_end) {
 
 // What hovers ahead of a sleeper has been foreseen to meet nobody for half a second; a blow from behind the sleeper
 // comes sooner. Three equal elastic balls in a row: the last takes all.
-TEST_P(Rules, who_wakes_with_its_neighbour_hits_what_had_been_foreseen_to_be_left_alone) {
+TEST_P(Rules, a_body_woken_with_its_neighbour_hits_a_body_that_was_clear_of_contact) {
     for (const Vector n : normals) {
         for (const bool reversed : {false, true}) {
             SceneSetup setup{.name = "row"};
@@ -438,7 +438,7 @@ TEST_P(Rules, who_wakes_with_its_neighbour_hits_what_had_been_foreseen_to_be_lef
 }
 
 // Slower than what may sleep, and without friction: it goes on for as long as sleep asks for.
-TEST_P(Rules, who_wakes_is_awake_for_the_whole_time_again) {
+TEST_P(Rules, a_woken_body_stays_awake_for_the_whole_sleep_time) {
     SceneSetup setup = sleepy_floor(0);
     setup.bodies = {cube(0, 0.5L)};
     const auto world = build(setup, GetParam());
@@ -453,7 +453,7 @@ TEST_P(Rules, who_wakes_is_awake_for_the_whole_time_again) {
     EXPECT_TRUE(world->asleep(0));
 }
 
-TEST_P(Rules, sleep_comes_with_the_step_that_completes_its_time_and_takes_all_motion) {
+TEST_P(Rules, sleep_begins_with_the_step_that_completes_its_time_and_stops_all_motion) {
     for (const int steps : {16, 128, 300}) {
         SceneSetup setup = sleepy_floor(0);
         setup.world.contact.sleep.time = real(steps / 256.0L);
@@ -470,7 +470,7 @@ TEST_P(Rules, sleep_comes_with_the_step_that_completes_its_time_and_takes_all_mo
 }
 
 // A force carries it half a tenth of a millimetre above what touches, for longer than sleep asks for; then it sinks.
-TEST_P(Rules, the_time_before_sleep_counts_from_the_touch) {
+TEST_P(Rules, the_sleep_time_counts_from_the_contact) {
     for (const Number mass : {1.0L, 4.0L}) {
         SceneSetup setup = sleepy_floor(0.25L);
         setup.bodies = {placed(sphere(real(mass), 0.25), {0, 0.25L + tolerance::contact_band + 5e-5L, 0})};
@@ -501,7 +501,7 @@ TEST_P(Rules, new_gravity_wakes_sleepers) {
     EXPECT_LE(std::abs((world->motion(0).x.x - start.x) / (g / 8) - 1), 2 * tolerance::sliding);  // (g/2 - g/4) / 2
 }
 
-TEST_P(Rules, a_plane_that_is_added_in_mid_run_wakes_sleepers) {
+TEST_P(Rules, a_plane_added_during_a_run_wakes_sleepers) {
     SceneSetup setup = sleepy_floor(0.5L);
     setup.bodies = {cube(0, 0.5L)};
     const auto world = build(setup, GetParam());
@@ -536,7 +536,7 @@ TEST_P(Rules, nothing_sleeps_on_a_turntable) {
 // --- depth -------------------------------------------------------------------------------------------------------
 
 // An eighth of what is deeper than a quarter of the tolerance in a step, at most an eighth of the tolerance.
-TEST_P(Rules, what_is_too_deep_comes_out_as_slowly_as_promised) {
+TEST_P(Rules, a_deep_penetration_is_corrected_as_slowly_as_promised) {
     for (const Number depth : {0.0625L, 0.0009765625L}) {
         for (const bool boxed : {false, true}) {
             SceneSetup setup{.name = "deep"};
@@ -567,7 +567,7 @@ INSTANTIATE_TEST_SUITE_P(every, Impulses, testing::ValuesIn(every_case()), NameO
 
 // What a method has prepared for the spin is prepared anew: a body that is struck in mid-flight moves on as one that
 // starts with the motion that the impulse gave it.
-TEST_P(Impulses, a_body_that_is_struck_turns_on_as_one_that_starts_so) {
+TEST_P(Impulses, a_struck_body_moves_like_one_that_starts_with_its_motion) {
     const System& system = GetParam().system;
     for (const Vector impulse : {Vector{0, 0, 2}, {1, -0.5L, 0.25L}, {-2, 1, 3}}) {
         SceneSetup setup{.name = "struck"};
