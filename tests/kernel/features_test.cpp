@@ -1,4 +1,4 @@
-// The list of features, what a scene type must be, and misuse that ends in TUMBLE_ASSERT.
+// The list of features, the requirements on a scene type, and misuse that ends in TUMBLE_ASSERT.
 #include <tumble/tumble.hpp>
 
 #include "worlds.hpp"
@@ -9,7 +9,7 @@
 namespace tumble::test {
 namespace {
 
-// Converts to any member, for counting those of an aggregate.
+// Converts to any member. Counts the members of an aggregate.
 struct Anything {
     template <class T>
     constexpr operator T() const;
@@ -61,7 +61,7 @@ TEST(Features, a_scene_with_every_feature_keeps_its_room) {
     EXPECT_EQ(all.planes, 0);
 }
 
-// Whatever else it asks for.
+// A scene without bodies, with any other features.
 struct Bodiless : Scene {
     static constexpr Features features{
         .bodies = 0, .planes = 1, .drag = true, .forces = true, .impulses = true, .pairs = true, .sleep = true};
@@ -81,7 +81,7 @@ TEST(Features, a_world_without_room_for_bodies_only_counts_its_steps) {
     EXPECT_FALSE(World<Bodiless>::has_loads);
 }
 
-// A method that lacks its step.
+// A method without a step.
 struct Stepless {
     static constexpr const char* name = "stepless";
     static constexpr int order = 1;
@@ -90,7 +90,7 @@ struct Stepless {
     template <class N>
     using Inertia = integrators::Verlet::Inertia<N>;
 };
-// What it lacks, and a step that does not say whether it converged.
+// The missing step, which does not return whether it converged.
 struct Mute : Stepless {
     template <class N>
     static void rotate(BodyState<N, spin>&, const Inertia<N>&, const StepInfo<N>&);
@@ -130,7 +130,7 @@ protected:
 using MisuseDeathTest = Misuse;
 
 TEST_F(MisuseDeathTest, of_a_body_that_is_not_there_ends_the_program) {
-    // 65536 and its like would be bodies that are there in 16 bits.
+    // 65536 and similar numbers would be existing bodies in 16 bits.
     for (const int index : {-1, 1, -2, 1000, 32768, 65536, 65537, -65536, -0x7fffffff - 1}) {
         const BodyId id{index};
         EXPECT_EQ(static_cast<bool>(id), index == 1 || index == 1000) << index;
@@ -206,7 +206,7 @@ TEST(Events, happen_at_the_step_nearest_to_their_time_however_late) {
     EXPECT_EQ(world.prepare(force).until, (std::uint64_t{1} << 63) - 1);
 }
 
-// A force that ended early, one across the turn of the count of steps and an impulse after it.
+// A force that ends early, one that acts while the step counter wraps, and an impulse after it.
 struct Late {
     static constexpr const char* name = "late";
     static constexpr Seconds step{1, 256};
@@ -224,12 +224,12 @@ TEST(Events, of_a_replay_keep_their_steps_when_the_step_counter_wraps) {
     Replay<Pair, Late> replay;
     auto& world = replay.world();
     using Bodies = std::remove_cvref_t<decltype(world.bodies())>;
-    const_cast<Bodies&>(world.bodies()).steps_taken = 0xfffffff0u;  // 16 before the turn
+    const_cast<Bodies&>(world.bodies()).steps_taken = 0xfffffff0u;  // 16 before the counter wraps
     for (int step = 0; step < 40; ++step) {
         EXPECT_EQ(world.steps_taken(), 0xfffffff0u + static_cast<std::uint32_t>(step));
         replay.step();
         const auto v = world.velocity(BodyId{0});
-        const int pushed = std::clamp(step - 9, 0, 9);  // steps of a quarter of a metre a second
+        const int pushed = std::clamp(step - 9, 0, 9);  // number of changes by 1/4 m/s
         EXPECT_EQ(static_cast<double>(v.x()), pushed * 0.25) << step;
         EXPECT_EQ(static_cast<double>(v.y()), step >= 21 ? 0.5 : 0.0) << step;
         EXPECT_EQ(static_cast<double>(v.z()), 0) << step;
@@ -282,7 +282,7 @@ TEST(SetUpMisuseDeathTest, of_impossible_steps_sizes_and_moments_ends_the_progra
     };
     const ShapeKind kinds[] = {ShapeKind::sphere, ShapeKind::box, ShapeKind::cylinder, ShapeKind::hoop,
                                ShapeKind::capsule};
-    const int sizes[] = {1, 3, 2, 1, 2};  // how many of the three numbers a shape has
+    const int sizes[] = {1, 3, 2, 1, 2};  // number of sizes that the shape has
     for (int k = 0; k < 5; ++k) {
         BodySpec body = body_of({kinds[k], {1, 2, 1}}, 1);
         add(body);

@@ -14,7 +14,7 @@ protected:
 };
 INSTANTIATE_TEST_SUITE_P(every, Laws, testing::ValuesIn(every_case()), NameOf{});
 
-// A body with axes of its own: a full tensor, an orientation, a velocity.
+// A body with general axes: a full tensor, an orientation, a velocity.
 BodySpec skew_body() {
     BodySpec body;
     body.mass = 2.5;
@@ -57,7 +57,7 @@ TEST_P(Laws, an_impulse_off_centre_gives_the_textbook_velocity_and_spin) {
     world->apply_impulse(0, impulse, point);
     const Motion after = world->motion(0);
     EXPECT_LE(norm(after.v - before.v - impulse * (1 / number(body.mass))), tolerance::impulse.of(system()));
-    // What is added to the angular momentum is r x J, in the body's axes: momentum is added to, never replaced.
+    // The angular momentum grows by r x J, in the body's axes. An impulse adds to the momentum and never replaces it.
     const Vector gained = momentum_of(body.inertia, after.w) - momentum_of(body.inertia, before.w);
     EXPECT_LE(norm(gained - cross(point, before.q.rotate_back(impulse))), tolerance::impulse.of(system()));
     EXPECT_EQ(before.x, after.x);

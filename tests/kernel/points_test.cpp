@@ -1,5 +1,5 @@
-// Point masses: they move as the centre of mass of any body does, and have no rotation. That a world of nothing else
-// has the bits of one with everything compiled in, skipping_test.cpp shows.
+// Point masses: they move like the centre of mass of any body, and have no rotation. skipping_test.cpp shows that a
+// world of point masses only has the same bits as one with every feature.
 #include "references.hpp"
 #include "tolerances.hpp"
 
@@ -17,7 +17,7 @@ protected:
 };
 INSTANTIATE_TEST_SUITE_P(every, Points, testing::ValuesIn(every_case()), NameOf{});
 
-// The scene with spheres of the same masses in place of its point masses.
+// The scene with a sphere of the same mass in place of each point mass.
 SceneSetup with_spheres(SceneSetup setup, RealVec3 spin) {
     for (BodySpec& body : setup.bodies) {
         if (!is_point_mass(body)) continue;
@@ -79,14 +79,14 @@ TEST_P(Points, thrown_follow_the_parabola) {
     world->run(512);
     const Motion m = world->motion(0);
     const Vector expected{6, 0, -2};
-    // Order 1 keeps the velocity of one end of the step: g t h / 2.
+    // A method of order 1 advances by the velocity of one end of the step: the error is g t h / 2.
     const Bound of_method = order() == 1 ? tolerance::method_error(1, 8.0L / 512, 2) : Bound{};
     EXPECT_LE(norm(m.x - expected), of_method + tolerance::coasting.of(system()));
     EXPECT_LE(norm(m.v - Vector{3, -8, -1}), tolerance::coasting.of(system()));
 }
 
 TEST_P(Points, on_an_orbit_keep_their_energy_and_angular_momentum) {
-    // About a fixed mass: a = 4 m, G M = 64: period 2 pi; eccentricity 1/4, from the perihelion.
+    // About a fixed mass: a = 4 m, G M = 64, period 2 pi, eccentricity 1/4, from the perihelion.
     SceneSetup setup{.name = "orbit", .step = Seconds{1, 512}};
     setup.world.gravitation = 0.5;
     setup.bodies = {point_mass(128), point_mass(1)};

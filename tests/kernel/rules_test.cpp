@@ -1,5 +1,5 @@
-// The rules of contacts and of sleep at their edges: what bounces and what does not, who wakes whom, what a change in
-// mid-run does, and when a bound that a step meets is told.
+// The rules of contacts and of sleep at their limits: which approaches bounce, which body wakes which, the effect of a
+// change during a run, and the reports of bounds that a step reaches.
 #include "contact_cases.hpp"
 
 #include <utility>
@@ -17,7 +17,7 @@ protected:
 };
 INSTANTIATE_TEST_SUITE_P(every, Rules, testing::ValuesIn(contact_cases()), NameOf{});
 
-// Directions that are no axes of the world, and one that is.
+// Directions that are not axes of the world, and one that is.
 const Vector normals[] = {{0, 1, 0}, {-1, 0, 0}, {0.6L, 0, -0.8L}, {2 / 7.0L, -3 / 7.0L, 6 / 7.0L}};
 
 BodySpec placed(BodySpec body, Vector position, Vector velocity = {}) {
@@ -63,14 +63,14 @@ TEST_P(Rules, the_threshold_applies_to_the_relative_speed_of_two_bodies) {
                         placed(sphere(3, 0.25), {0.375L, 0, 0}, {-0.5L * share, 0, 0})};
         const auto world = build(setup, GetParam());
         world->run(second);
-        // Their centre of mass is at rest: they turn back, or stay together.
+        // The centre of mass is at rest: the bodies turn back or stay together.
         const Number leaves = share > 1 ? share : 0;
         EXPECT_LE(norm(world->motion(0).v + Vector{1.5L * leaves, 0, 0}), 4 * rounding());
         EXPECT_LE(norm(world->motion(1).v - Vector{0.5L * leaves, 0, 0}), 4 * rounding());
     }
 }
 
-// A ball lands 0.95 of a step after it was let go. Its bounce would last 2 e v / g: more or less than an eighth of a
+// A ball lands 0.95 of a step after its release. Its bounce would last 2 e v / g: more or less than an eighth of a
 // step.
 TEST_P(Rules, a_bounce_shorter_than_an_eighth_of_a_step_is_suppressed) {
     constexpr Number h = 1.0L / 16, landing = 0.95L * h;
@@ -87,8 +87,8 @@ TEST_P(Rules, a_bounce_shorter_than_an_eighth_of_a_step_is_suppressed) {
     }
 }
 
-// The moment of an impact is found whatever the flight to it, here from rest in a step of up to 1/8 s. It rises until
-// after the end of the step.
+// The moment of an impact is found for any flight, here from rest in a step of up to 1/8 s. The ball rises until after
+// the end of the step.
 TEST_P(Rules, an_elastic_ball_keeps_its_energy_wherever_in_the_second_half_of_a_long_step_it_lands) {
     for (const Number h : {0.125L, 0.0625L}) {
         for (int place = 10; place < 20; ++place) {
@@ -109,8 +109,8 @@ TEST_P(Rules, an_elastic_ball_keeps_its_energy_wherever_in_the_second_half_of_a_
 
 // --- bounds of a step --------------------------------------------------------------------------------------------
 
-// Between two planes that meet at an angle a, reflections turn the velocity by 2 a each until it leads out: about
-// pi / a of them, of which a round takes two.
+// Between two planes that meet at an angle a, each reflection turns the velocity by 2 a until it leads out. That takes
+// about pi / a reflections; a round takes two of them.
 TEST_P(Rules, a_wedge_that_needs_too_many_impact_rounds_is_reported_and_a_wide_one_releases_the_ball) {
     for (const Number mirror : {1.0L, -1.0L}) {
         for (const bool narrow : {false, true}) {
@@ -128,7 +128,8 @@ TEST_P(Rules, a_wedge_that_needs_too_many_impact_rounds_is_reported_and_a_wide_o
     }
 }
 
-// Each that it flies past is looked at, since along the direction from it at the start the ball has come through.
+// Each body that the ball flies past is examined, because along the direction from that body at the start the ball has
+// passed.
 TEST_P(Rules, passing_more_bodies_in_a_step_than_are_examined_is_reported_and_passing_few_is_not) {
     for (const Vector along : {Vector{1, 0, 0}, {0, 0, -1}, {0.6L, 0, 0.8L}}) {
         for (const int passed : {3, 4, 5, 7}) {
@@ -151,7 +152,7 @@ TEST_P(Rules, jumping_over_a_barrier_in_one_step_is_reported) {
     for (const Vector n : normals) {
         for (const Number speed : {16.0L, 30.0L}) {
             SceneSetup setup{.name = "barrier", .step = Seconds{1, 16}};
-            // Too weak to be felt, and to be too stiff, where the step begins and where it ends.
+            // The barrier is too weak to act, and to be too stiff, at the beginning and at the end of the step.
             setup.world.contact = {.response = ContactResponse::spring, .stiffness = 1, .barrier = 1e-6};
             setup.planes = {{.normal = real(n)}};
             setup.bodies = {placed(sphere(1, 0.25), n * (0.25L + speed / 32), n * -speed)};
@@ -174,7 +175,7 @@ TEST_P(Rules, a_start_outside_the_range_is_reported_before_the_first_step) {
     }
 }
 
-// Gravity drives it beyond the range on its way to a floor that stops it in the same step.
+// Gravity drives the ball out of the range on its way to a floor, which stops it in the same step.
 TEST_P(Rules, leaving_the_range_on_the_way_to_an_impact_is_reported) {
     if (!system().fixed_point) GTEST_SKIP() << "floating point has no such range";
     for (const Vector n : {Vector{0, 1, 0}, {-1, 0, 0}, {0, 0, -1}}) {
@@ -193,7 +194,7 @@ TEST_P(Rules, leaving_the_range_on_the_way_to_an_impact_is_reported) {
     }
 }
 
-// A heavy ball that comes behind drives a light one beyond the range, and gravity brings it back within the same step.
+// A heavy ball from behind drives a light one out of the range, and gravity brings it back within the same step.
 TEST_P(Rules, leaving_the_range_by_an_impact_is_reported_even_if_the_rest_of_the_step_returns) {
     if (!system().fixed_point) GTEST_SKIP() << "floating point has no such range";
     for (const Vector n : {Vector{0, 1, 0}, {-1, 0, 0}, {0, 0, -1}}) {
@@ -229,7 +230,8 @@ TEST_P(Rules, the_largest_safe_step_is_half_the_limit_of_the_fastest_oscillation
             << "a ball of " << mass << " kg";
         for (const Vector edges : {Vector{1, 1, 1}, {2, 1, 1}, {0.25L, 3, 0.5L}, {4, 4, 0.125L}}) {
             setup.bodies = {placed(box(real(mass), real(edges)), {0, 4, 0})};
-            // Four springs: lifting, and tilting about edge i by springs half an edge j away, whatever face it is on.
+            // Four springs: lifting, and tilting about edge i by springs that are half an edge j away, for every face
+            // below.
             Number fastest = 4 * stiffness / mass;
             for (int i = 0; i < 3; ++i)
                 for (int j = 0; j < 3; ++j)
@@ -240,7 +242,8 @@ TEST_P(Rules, the_largest_safe_step_is_half_the_limit_of_the_fastest_oscillation
                 << mass << " kg, edges " << edges.x << ", " << edges.y << ", " << edges.z << " m";
         }
     }
-    // Where bodies touch each other in a row, the fastest has neighbours in opposition: 3 k / m of three equal ones.
+    // In a row of touching bodies, neighbours move against each other in the fastest oscillation: 3 k / m for three
+    // equal bodies.
     setup.planes.clear();
     setup.bodies.clear();
     for (int i = 0; i < 3; ++i) setup.bodies.push_back(placed(sphere(2, 0.25), {0.5L * i, 0, 0}));
@@ -249,7 +252,8 @@ TEST_P(Rules, the_largest_safe_step_is_half_the_limit_of_the_fastest_oscillation
 
 // --- foresight ---------------------------------------------------------------------------------------------------
 
-// A load may change a closing speed within a step in which the body was far enough to be left alone at that speed.
+// A load may change a closing speed within a step, though the body was far enough to be clear of contact at the earlier
+// speed.
 TEST_P(Rules, a_body_that_a_force_drives_on_within_a_step_does_not_come_deeper_than_the_tolerance) {
     constexpr Number speed = 4, push = 3.875L * 256;
     for (const Vector n : {normals[0], normals[3]}) {
@@ -270,7 +274,7 @@ TEST_P(Rules, a_body_that_a_force_drives_on_within_a_step_does_not_come_deeper_t
     }
 }
 
-// The same of two bodies, whichever of them is driven.
+// The same for two bodies, with either of them driven.
 TEST_P(Rules, bodies_that_a_force_drives_at_each_other_within_a_step_do_not_come_deeper_than_the_tolerance) {
     constexpr Number speed = 4, push = 3.875L * 256;
     for (const Vector n : normals) {
@@ -294,8 +298,8 @@ TEST_P(Rules, bodies_that_a_force_drives_at_each_other_within_a_step_do_not_come
     }
 }
 
-// What hovers before a floor has been foreseen to meet nobody for half a second, when another comes softly into touch
-// and a force upon that one presses both down.
+// A body hovers above a floor and has been clear of contact for half a second. Another body touches it softly, and a
+// force on that one presses both down.
 TEST_P(Rules, a_body_pressed_by_another_does_not_come_deeper_than_the_tolerance) {
     for (const Vector n : normals) {
         for (const bool reversed : {false, true}) {
@@ -323,7 +327,7 @@ TEST_P(Rules, a_body_pressed_by_another_does_not_come_deeper_than_the_tolerance)
     }
 }
 
-// A slope turns gravity towards a wall that gravity itself runs along.
+// A slope deflects gravity towards a wall that is parallel to gravity.
 TEST_P(Rules, a_body_that_slides_down_a_slope_to_a_wall_does_not_come_deeper_than_the_tolerance) {
     for (const Number mirror : {1.0L, -1.0L}) {
         for (int place = 0; place < 24; ++place) {
@@ -350,7 +354,7 @@ TEST_P(Rules, new_gravity_stops_a_body_at_a_plane_that_was_not_tested) {
         setup.planes = {{.normal = real(n)}};
         setup.bodies = {placed(sphere(1, 0.25), n * 2.25L)};
         const auto world = build(setup, GetParam());
-        world->run(3);  // at rest, and foreseen to be for half a second
+        world->run(3);  // at rest, with a bound on the time to contact of half a second
         world->set_gravity(n * -25);
         for (int step = 0; step < second; ++step) {
             world->step();  // 0.4 s of fall
@@ -376,7 +380,7 @@ TEST_P(Rules, a_plane_added_during_a_run_stops_a_body_that_was_clear_of_contact)
 
 // --- who wakes whom ----------------------------------------------------------------------------------------------
 
-// Cubes on each other, in any order of their places in the world.
+// Cubes on each other, in any order in the world.
 TEST_P(Rules, a_pushed_body_wakes_all_bodies_below_it) {
     for (const bool reversed : {false, true}) {
         for (int pushed = 0; pushed < 3; ++pushed) {
@@ -413,8 +417,8 @@ TEST_P(Rules, a_spring_wakes_the_body_at_its_other_end) {
     }
 }
 
-// What hovers ahead of a sleeper has been foreseen to meet nobody for half a second; a blow from behind the sleeper
-// comes sooner. Three equal elastic balls in a row: the last takes all.
+// A body hovers ahead of a sleeping one and has been clear of contact for half a second. An impulse from behind the
+// sleeping body arrives sooner. Three equal elastic balls in a row: the last takes all momentum.
 TEST_P(Rules, a_body_woken_with_its_neighbour_hits_a_body_that_was_clear_of_contact) {
     for (const Vector n : normals) {
         for (const bool reversed : {false, true}) {
@@ -437,7 +441,7 @@ TEST_P(Rules, a_body_woken_with_its_neighbour_hits_a_body_that_was_clear_of_cont
     }
 }
 
-// Slower than what may sleep, and without friction: it goes on for as long as sleep asks for.
+// Slower than the speed limit of sleep, and without friction, it goes on for the whole sleep time.
 TEST_P(Rules, a_woken_body_stays_awake_for_the_whole_sleep_time) {
     SceneSetup setup = sleepy_floor(0);
     setup.bodies = {cube(0, 0.5L)};
@@ -469,7 +473,7 @@ TEST_P(Rules, sleep_begins_with_the_step_that_completes_its_time_and_stops_all_m
     }
 }
 
-// A force carries it half a tenth of a millimetre above what touches, for longer than sleep asks for; then it sinks.
+// A force holds the body 0.05 mm above the gap of a contact, for longer than the sleep time. Then it sinks.
 TEST_P(Rules, the_sleep_time_counts_from_the_contact) {
     for (const Number mass : {1.0L, 4.0L}) {
         SceneSetup setup = sleepy_floor(0.25L);
@@ -513,7 +517,7 @@ TEST_P(Rules, a_plane_added_during_a_run_wakes_sleepers) {
     EXPECT_TRUE(world->asleep(0));
 }
 
-// It moves with the table, more slowly than what may sleep.
+// The body moves with the table, more slowly than the speed limit of sleep.
 TEST_P(Rules, nothing_sleeps_on_a_turntable) {
     for (const Number turns : {0.015625L, -0.015625L}) {
         SceneSetup setup = sleepy_floor(1);
@@ -535,7 +539,7 @@ TEST_P(Rules, nothing_sleeps_on_a_turntable) {
 
 // --- depth -------------------------------------------------------------------------------------------------------
 
-// An eighth of what is deeper than a quarter of the tolerance in a step, at most an eighth of the tolerance.
+// In a step, an eighth of the penetration beyond a quarter of the tolerance, at most an eighth of the tolerance.
 TEST_P(Rules, a_deep_penetration_is_corrected_as_slowly_as_promised) {
     for (const Number depth : {0.0625L, 0.0009765625L}) {
         for (const bool boxed : {false, true}) {
@@ -565,8 +569,8 @@ TEST_P(Rules, a_deep_penetration_is_corrected_as_slowly_as_promised) {
 class Impulses : public testing::TestWithParam<Case> {};
 INSTANTIATE_TEST_SUITE_P(every, Impulses, testing::ValuesIn(every_case()), NameOf{});
 
-// What a method has prepared for the spin is prepared anew: a body that is struck in mid-flight moves on as one that
-// starts with the motion that the impulse gave it.
+// A method prepares its constants anew after an impulse: a body that is struck in flight moves like one that starts
+// with the motion after the impulse.
 TEST_P(Impulses, a_struck_body_moves_like_one_that_starts_with_its_motion) {
     const System& system = GetParam().system;
     for (const Vector impulse : {Vector{0, 0, 2}, {1, -0.5L, 0.25L}, {-2, 1, 3}}) {
