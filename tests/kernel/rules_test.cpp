@@ -148,7 +148,7 @@ TEST_P(Rules, passing_more_bodies_in_a_step_than_are_examined_is_reported_and_pa
     }
 }
 
-TEST_P(Rules, jumping_over_a_barrier_in_one_step_is_reported) {
+TEST_P(Rules, a_barrier_that_is_jumped_over_in_one_step_is_told) {
     for (const Vector n : normals) {
         for (const Number speed : {16.0L, 30.0L}) {
             SceneSetup setup{.name = "barrier", .step = Seconds{1, 16}};
