@@ -60,8 +60,8 @@ template <class StepOf>
 
 }  // namespace detail
 
-// What a step is surely too long for: a spring and a damper with K = (h w)^2 and C = h c/m where one of the sums
-// of_spring K + of_damper C is above 1. None where both numbers are 0.
+// Bounds beyond which a step is surely too long. A spring and a damper have K = (h w)^2 and C = h c/m; a bound is
+// exceeded if its of_spring K + of_damper C is above 1. A bound with two zeros is unused.
 struct StepBounds {
     static constexpr int sums = 3;
     double of_spring[sums]{}, of_damper[sums]{};
@@ -72,9 +72,9 @@ struct StepBounds {
 
 namespace detail {
 
-// Of a method that adds to every oscillation, the K at which it adds a 512th in a step, an e-fold in 512; damping
-// undoes as much. Others have their limit. The most of damping falls with K, rises with it (the slower of two motions)
-// or neither.
+// The bounds of a method. For a method that adds to every oscillation, the bound is the K at which it adds a 512th of
+// the amplitude in a step (a factor e in 512 steps), less the damping that undoes it. For other methods it is the limit
+// of stability. The largest damping falls with K, rises with K (the slower of two motions) or does not depend on it.
 template <class Linear>
 [[nodiscard]] constexpr StepBounds step_bounds(double oscillation_limit, double drag_limit) {
     constexpr double infinite = std::numeric_limits<double>::infinity(), growth = 1.0 / 256;
@@ -93,7 +93,7 @@ template <class Linear>
         most = at_growth(growth);
         bounds.slowing = most / at_growth(growth / 2);
         bounds.of_damper[0] = -1 / growth;
-        // Faster than that, damping undoes no more than the tangent at K = 1 of what it undoes.
+        // For larger K, the growth that damping undoes is at most the tangent at K = 1.
         const auto undone = [](double k) {
             double less = 0, more = 1;
             for (int halving = 0; halving < 45; ++halving) {
@@ -121,18 +121,18 @@ template <class Linear>
 
 }  // namespace detail
 
-// What a method knows of its limits; Linear::step(k, c) is its step of x'' = -k x - c x', in units of the step.
+// The limits of a method. Linear::step(k, c) is its step of x'' = -k x - c x', with time in steps.
 template <class Linear>
 struct Stability {
     static constexpr OscillatorStep oscillator_step(double k, double c) { return Linear::step(k, c); }
 
-    // The largest h w with which an oscillation without damping does not grow, of a spring w^2 = k/m: 0 where it grows
-    // at every step, infinity where it does at none.
+    // The largest h w with which an oscillation without damping does not grow, for a spring with w^2 = k/m. 0 if it
+    // grows at every step, infinity if it grows at none.
     static constexpr double oscillation_limit =
         detail::end_of_stability([](double z) { return Linear::step(z * z, 0); });
     // The largest h c/m with which a velocity under drag does not grow.
     static constexpr double drag_limit = detail::end_of_stability([](double z) { return Linear::step(0, z); });
-    // What the world reports as Issue::step_too_long.
+    // The bounds beyond which the world reports Issue::step_too_long.
     static constexpr StepBounds step_bounds = detail::step_bounds<Linear>(oscillation_limit, drag_limit);
 };
 
