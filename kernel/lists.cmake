@@ -1,15 +1,16 @@
-# The kernel's own lists, for builds that make one program an entry. The headers are the source; nothing is listed twice.
+# The kernel's lists, for builds that make one program for each entry. They are read from the headers, so nothing is
+# listed twice.
 #   TUMBLE_INTEGRATORS                 integrators/list.hpp, in its order
-#   TUMBLE_FLOATING_POINT_INTEGRATORS  those with a member not_in_fixed_point, as runs_in of integrators/method.hpp asks
+#   TUMBLE_FLOATING_POINT_INTEGRATORS  those with a member not_in_fixed_point, see runs_in in integrators/method.hpp
 #   TUMBLE_NUMBER_SYSTEMS              numbers/systems.hpp, in its order
-#   TUMBLE_FIXED_POINT_SYSTEMS         those of integers
-#   TUMBLE_NUMBER_VARIANTS             those that firmware is made of
+#   TUMBLE_FIXED_POINT_SYSTEMS         those in integers
+#   TUMBLE_NUMBER_VARIANTS             those with which firmware is built
 #   TUMBLE_RANGES                      the ranges of fixed point, the smallest first
-# A list is read entry by entry, whatever its lines are, and what is no entry stops the build. The tests of the kernel
-# compare the result with what a compiler makes of the headers (tests/kernel/lists_test.cpp).
+# A list is read entry by entry; line breaks do not matter. Text that is not an entry stops the build. A test compares
+# the result with the compiled headers (tests/kernel/lists_test.cpp).
 set(kernel_headers ${CMAKE_CURRENT_LIST_DIR}/include/tumble)
 
-# The text of a header without its comments; the build is configured again when it changes.
+# The text of a header without its comments. When the header changes, the build is configured again.
 function(tumble_read_header header result)
     set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${header})
     file(READ ${header} text)
@@ -37,7 +38,7 @@ tumble_read_list(${kernel_headers}/integrators/list.hpp Integrators IntegratorLi
     TUMBLE_INTEGRATORS)
 list(TRANSFORM TUMBLE_INTEGRATORS REPLACE "^integrators::" "")
 
-# A method's structure is the last that begins before the member.
+# A member belongs to the last struct that begins before it.
 set(TUMBLE_FLOATING_POINT_INTEGRATORS "")
 file(GLOB method_headers CONFIGURE_DEPENDS ${kernel_headers}/integrators/*.hpp)
 foreach(header IN LISTS method_headers)
@@ -84,9 +85,10 @@ function(tumble_integrators_of variant result)
     set(${result} ${methods} PARENT_SCOPE)
 endfunction()
 
-# Compiler options that suit a number system. GCC schedules before it allocates registers; 13 of them full of 64-bit sums
-# then spill, which costs integer systems 4 to 8 % of a step. Floating point has its own registers and gains from it.
-# Registers renamed after allocation save 2 %, and no partial redundancy elimination, which lengthens lives, 1 %.
+# The best compiler options for a number system. GCC schedules before it allocates registers. The 13 registers of a core
+# then spill 64-bit sums, which costs integer systems 4 to 8 % of a step. Floating point has registers of its own and
+# gains from scheduling. Renaming registers after allocation saves 2 %. Partial redundancy elimination lengthens the
+# lives of values; without it a step is 1 % shorter.
 function(tumble_variant_options variant result)
     set(options "")
     if(variant IN_LIST TUMBLE_FIXED_POINT_SYSTEMS)

@@ -1,7 +1,8 @@
-# tumble_eigen_directories(<variable> [<missing>]): the directories to search for Eigen's headers, all that the kernel needs
-# besides itself. Where there are none, an error, or with <missing> its text in that variable. The first of these that there is: TUMBLE_EIGEN_DIR, a directory that holds Eigen/Core; the target Eigen3::Eigen
-# of the project; the package Eigen3; the usual places. Headers serve every core, so the last looks outside
-# CMAKE_FIND_ROOT_PATH too.
+# tumble_eigen_directories(<variable> [<missing>]): the directories of Eigen's headers, which are all that the kernel
+# needs besides itself. They are the first that exists of: TUMBLE_EIGEN_DIR, the directory that holds Eigen/Core; the
+# project's target Eigen3::Eigen; the package Eigen3; the usual directories. Headers serve every core, so the last
+# search looks outside CMAKE_FIND_ROOT_PATH too. If none exists, it is an error, or with <missing> that variable gets
+# the text of the error.
 function(tumble_eigen_directories result)
     set(${result} "" PARENT_SCOPE)
     set(missing ${ARGV1})

@@ -1,5 +1,5 @@
-// A drone under commands: heights and headings arrive while it flies, and a controller answers the state of each step
-// with the impulses of its rotors.
+// A drone under commands. Heights and headings arrive while it flies. A controller reads the state after each step and
+// applies the impulses of the rotors.
 #include <tumble/tumble.hpp>
 
 using namespace tumble::literals;
@@ -20,21 +20,21 @@ struct Command {
     Real height;              // m
     Real half_cos, half_sin;  // of half the heading about the vertical
 };
-constexpr Command commands[] = {{2, 1, 0}, {2, 0.70710678, 0.70710678}, {0.5, 1, 0}};  // up; a quarter turn; down, back
+constexpr Command commands[] = {{2, 1, 0}, {2, 0.70710678, 0.70710678}, {0.5, 1, 0}};  // up; quarter turn; back down
 
 Real clamped(Real value, Real limit) { return value > limit ? limit : value < -limit ? -limit : value; }
 
-// Lift against gravity and towards the height, shared by the rotors; a couple of them towards the heading.
+// The rotors share the lift, against gravity and towards the height. Their couple turns the drone to its heading.
 void control(World& world, tumble::BodyId drone, const Command& to) {
     const auto q = world.orientation(drone);
     const Real height = world.position(drone).y().to_real(), yaw_rate = world.angular_velocity(drone).y().to_real();
-    // Rotors push before a step and gravity pulls during it: the mean velocity is half a pull from that at its end.
+    // The impulses act before a step, gravity during it: the mean velocity is g h / 2 above the velocity at its end.
     const Real climb = world.velocity(drone).y().to_real() + gravity * step / 2;
     const Real half_yaw_left = to.half_sin * q.w.to_real() - to.half_cos * q.v.y().to_real();
-    // Critically damped, 1/3 s each. N s of a rotor in a step.
+    // Both controllers are critically damped, with 1/3 s. N s of a rotor in a step.
     const Real lift = body.mass * clamped(gravity + (to.height - height) * 9 - climb * 6, 2 * gravity) * step / 2;
     const Real couple = body.inertia.yy * (half_yaw_left * 18 - yaw_rate * 6) * step / 2 / rotors[0].x;
-    // Along the drone's z axis, in the world.
+    // The drone's z axis in the world.
     const Real cos = 1 - 2 * q.v.y().to_real() * q.v.y().to_real(), sin = 2 * q.w.to_real() * q.v.y().to_real();
     world.apply_impulse(drone, {-couple * sin, lift, -couple * cos}, rotors[0]);
     world.apply_impulse(drone, {couple * sin, lift, couple * cos}, rotors[1]);

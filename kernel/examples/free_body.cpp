@@ -1,12 +1,12 @@
-// A free body: a box thrown into a spin about its middle axis turns over, again and again, while what a free body keeps
-// stays what it was: its kinetic energy and the length of its angular momentum.
+// A free body. A box that spins about its middle axis turns over again and again. Its kinetic energy and the length of
+// its angular momentum stay the same.
 #include <tumble/tumble.hpp>
 
 using namespace tumble::literals;
 
 namespace {
 
-struct Box : tumble::Scene {};  // one body, in 32-bit integers, by the default method; no loads, no contacts
+struct Box : tumble::Scene {};  // one body in 32-bit integers, with the default method; no loads, no contacts
 
 constexpr tumble::BodySpec box() {
     tumble::BodySpec spec = tumble::box(1.5_kg, {0.1_m, 0.2_m, 0.3_m});

@@ -1,5 +1,5 @@
-// A box that lands: it falls on an edge, bounces, slides, tips over onto a face, comes to rest, and from then on costs
-// nothing.
+// A box that lands. It falls on an edge, bounces, slides, tips over onto a face and comes to rest. From then on it
+// costs nothing.
 #include <tumble/tumble.hpp>
 
 using namespace tumble::literals;
@@ -39,16 +39,16 @@ int main() {
         if (!world.step().ok()) return 2;
         if (world.steps_taken() > 10 * 256) return 3;  // not at rest after 10 s
     }
-    // On a face: its centre is half an edge above the ground, within the tolerance of contacts.
+    // On a face: the centre is half an edge above the ground, to within the contact tolerance.
     const Real height = world.position(id).y().to_real();
     bool on_a_face = false;
     for (int i = 0; i < 3; ++i) on_a_face = on_a_face || abs(height - edges[i] / 2) < earth.contact.tolerance;
     if (!on_a_face) return 4;
-    // Asleep nothing moves, not by a bit, until something pushes.
+    // A sleeping body does not move by a bit until an impulse wakes it.
     const std::uint64_t hash = world.hash();
     for (int i = 0; i < 256; ++i) world.step();
     if (world.hash() != hash) return 5;
-    world.apply_impulse(id, {0, 6, 0});  // N s: up with 3 m/s
+    world.apply_impulse(id, {0, 6, 0});  // N s: upwards, 3 m/s
     world.step();
     return !world.asleep(id) && world.velocity(id).y() > 2 ? 0 : 6;
 }

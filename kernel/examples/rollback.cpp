@@ -1,7 +1,7 @@
-// Snapshot and rollback, as games over a network do it: the other player's pushes arrive a few steps late. A world is a
-// value, without a heap or pointers of its own, so a snapshot is a copy. The world is put back to the moment of the
-// push, which then acts, and the steps since are taken again. In the end not one bit tells it from a world in which
-// everything came in time.
+// Snapshot and rollback, as in network games: the impulses of the other player arrive a few steps late. A world is a
+// value without heap and pointers of its own, so a copy is a snapshot. The program restores the snapshot of the
+// impulse's step, applies the impulse and repeats the steps since then. In the end the world equals, bit for bit, one
+// in which every impulse came in time.
 #include <tumble/tumble.hpp>
 
 using namespace tumble::literals;
@@ -28,7 +28,7 @@ World set_up() {
     return world;
 }
 
-// Every 64 steps a player pushes its ball towards the other's.
+// Every 64 steps each player pushes its own ball towards the other's.
 bool is_push(int step) { return step % 64 == 0; }
 void step(World& world, int number, bool other_is_known) {
     if (is_push(number)) {
@@ -47,7 +47,7 @@ int main() {
     for (int now = 0; now < steps; ++now) {
         step(in_time, now, true);
         if (is_push(now)) snapshot = late;
-        step(late, now, false);  // what can be shown already
+        step(late, now, false);  // the state without the late impulse, for display
         if (now < delay || !is_push(now - delay)) continue;
         const std::uint64_t guess = late.hash();
         late = snapshot;
@@ -56,7 +56,8 @@ int main() {
         rollbacks_that_changed += late.hash() != guess;
     }
     if (late.hash() != in_time.hash() || rollbacks_that_changed != steps / 64) return 2;
-    // They have met: the other's ball, pushed to the left, was driven to the right, and none passed through the other.
+    // The balls have met: the other's ball was pushed to the left and driven to the right, and no ball passed through
+    // the other.
     const auto x = in_time.position(mine).x(), other_x = in_time.position(theirs).x();
     const bool met = other_x > 1 && (other_x - x).to_real() > 0.199;
     return met && in_time.status().ok() ? 0 : 3;

@@ -1,13 +1,13 @@
-// Sums of doubles, correctly rounded, for cores that have no double arithmetic. GCC 12's own routines for ARMv7-M lose
-// what is shifted out when the exponents differ by 32 or more, and so round a few differences wrongly (measured: 14 of
-// 60000 with sparse mantissas, for example 0x403000000007ffff + 0xbe200000000003ff); the bits would not be the host's.
-// The linker puts these in their place (--wrap); what is nearer than 32 binary places goes to GCC's routine.
-// Empty for every other machine: tumble::f64 compiles it wherever it is linked.
+// Correctly rounded sums of doubles, for cores without double arithmetic. GCC 12's routines for ARMv7-M lose the bits
+// that are shifted out when the exponents differ by 32 or more, and so round a few differences wrongly: 14 of 60000
+// measured with sparse mantissas, for example 0x403000000007ffff + 0xbe200000000003ff. The bits would then differ from
+// the host's. The linker puts these functions in their place (--wrap). Exponents that differ by less go to GCC's
+// routine. This file is empty for every other machine, because tumble::f64 compiles it wherever it is linked.
 #if defined(__ARM_EABI__) && !(defined(__ARM_FP) && (__ARM_FP & 8) != 0)
 #include <bit>
 #include <cstdint>
 
-// Run-time routines take their operands in core registers, on cores with floating-point registers too.
+// Run-time routines take their operands in core registers, also on cores with floating-point registers.
 extern "C" {
 [[gnu::pcs("aapcs")]] double __real___aeabi_dadd(double a, double b);
 [[gnu::pcs("aapcs")]] double __wrap___aeabi_dadd(double a, double b);
@@ -35,8 +35,8 @@ double __wrap___aeabi_dadd(double a, double b) {
     const int exponent = exponent_of(large), gap = exponent - exponent_of(small);
     if (gap < 32 || exponent == 0x7ff) return __real___aeabi_dadd(a, b);
 
-    // The larger number is normal. Ten bits below the last place, the lowest of them sticky; a sum moves the leading
-    // bit by one place at most.
+    // The larger number is normal. Ten bits are kept below the last place; the lowest of them is sticky. A sum moves
+    // the leading bit by at most one place.
     constexpr int extra = 10;
     const std::uint64_t big = ((large & fraction_mask) | (fraction_mask + 1)) << extra;
     const bool is_normal = exponent_of(small) != 0;

@@ -1,4 +1,4 @@
-// How accurate a tumbling top is after 100 s, against an independent integration in long double.
+// Accuracy of a tumbling top after 100 s, against an independent integration in long double.
 #include "references.hpp"
 #include "tolerances.hpp"
 
@@ -69,7 +69,7 @@ TEST(accuracy, verlet_q32_orients_the_top_as_well_as_verlet_f64) {
     EXPECT_LE(std::abs(error_of("verlet", "q32_near") / exact_arithmetic - 1), tolerance::top_excess);
 }
 
-// 0.005 s has no end in binary digits.
+// 0.005 s has no finite binary expansion.
 Number error_at_5_ms(std::string_view method, std::string_view system) {
     return error_of(method, system, Seconds{Real{0.005}}, 50);
 }
@@ -115,7 +115,7 @@ TEST(accuracy, integers_and_carried_floats_beat_plain_float) {
     if (!has_number_system("f32_plain")) GTEST_SKIP() << "the deep set has plain floats";
     for (const Case& c : cases_in("f32_plain")) {
         if (c.method.order < 2) continue;
-        // A method's own error hides both.
+        // The method's own error is larger than both.
         const Number own = error_of(c.method.name, "f64"), plain = error_of(c.method.name, "f32_plain");
         if (number_system("q32_near").has(c.method.name)) {
             EXPECT_LE(error_of(c.method.name, "q32_near"), std::max(plain / 100, 1.5L * own)) << c.method.name;
@@ -150,8 +150,8 @@ TEST(accuracy, pdmv_keeps_energy_over_a_million_steps) {
     }
 }
 
-// Discs, hoops and plates, whose largest modified moment passes twice the middle one, and rods, whose smallest is lost
-// beside it, about any of the body's axes: q32 against the same method in double.
+// Discs, hoops and plates have a largest modified moment of more than twice the middle one. The smallest moment of rods
+// is lost beside the middle one. The bodies turn about each of their axes: q32 against the same method in double.
 TEST(accuracy, pdmv_q32_orients_flat_and_slender_bodies_as_pdmv_f64) {
     const std::pair<Vector, Vector> bodies[] = {
         {{1, 1, 2}, {0.5L, 0.2L, 6}},        {{1, 1, 2}, {1, -0.4L, 12}},
@@ -165,7 +165,7 @@ TEST(accuracy, pdmv_q32_orients_flat_and_slender_bodies_as_pdmv_f64) {
     Number worst = 0;
     for (const auto& [moments, spin] : bodies) {
         for (const int steps_per_second : {256, 384, 640}) {
-            const int turned = steps_per_second / 128 % 3;  // the axis that is the body's third
+            const int turned = steps_per_second / 128 % 3;  // the axis that becomes the body's third
             const auto about = [&](Vector v) {
                 return Vector{v[turned % 3], v[(turned + 1) % 3], v[(turned + 2) % 3]};
             };

@@ -1,5 +1,5 @@
-// Reads the table of tolerances, and writes how much of each a run has used: a line for each row, column and test, into
-// the file that TUMBLE_TOLERANCES names.
+// Reads the table of tolerances. Writes the share of each tolerance that a run has used, one line for each row, column
+// and test, to the file that TUMBLE_TOLERANCES names.
 #include "bound.hpp"
 
 #include <gtest/gtest.h>
@@ -24,7 +24,7 @@ namespace {
 
 using Place = std::tuple<std::string, std::string, std::string>;  // row, test, column
 
-// Without what it is instantiated with.
+// Without the parameters of the instantiation.
 std::string name_of(const testing::TestInfo& test) {
     std::string_view suite = test.test_suite_name(), name = test.name();
     if (const auto slash = suite.find('/'); slash != suite.npos) suite.remove_prefix(slash + 1);
@@ -65,7 +65,7 @@ struct Use {
     Number tolerance;
     Number error;            // the largest, in the row's units
     Number share;            // the largest, of its bound
-    bool is_judged = false;  // not always beside a larger one
+    bool is_judged = false;  // whether it is not always beside a larger one
 };
 
 class Uses : public testing::EmptyTestEventListener {
@@ -140,7 +140,7 @@ void Bound::note(Number error) const {
     Use& use = Uses::all().of(row_, column_);
     use.is_judged = true;
     use.error = std::max(use.error, error / factor_);
-    // What is to be exact and is has used all of it.
+    // An exact result that must be exact has used all of its tolerance.
     use.share = std::max(use.share, value_ == 0 && error <= 0 ? Number(1) : error / value_);
 }
 

@@ -1,5 +1,5 @@
-// Bounds of errors, made of tolerances. Every comparison of an error with a bound is noted, so that a run of all tests
-// tells how much of each tolerance is used, and finds those that are much larger than any error.
+// Bounds of errors, made of tolerances. Every comparison of an error with a bound is recorded. A run of all tests then
+// shows the used share of each tolerance, and finds tolerances that are much larger than any error.
 #pragma once
 
 #include "worlds.hpp"
@@ -8,7 +8,7 @@
 
 namespace tumble::test {
 
-// A tolerance times what a case asks for, or a sum of such, which counts as its largest part.
+// A tolerance times a factor of the case, or a sum of such terms, which counts as its largest term.
 class Bound {
 public:
     Bound() = default;  // zero
@@ -29,7 +29,7 @@ public:
         sum.value_ = a.value_ + b.value_;
         return sum;
     }
-    // Notes the error too. One that is below zero, of what has only one side, needs no tolerance.
+    // Also records the error. A negative error, of a quantity with one side only, needs no tolerance.
     friend bool operator<=(Number error, const Bound& bound) {
         bound.note(error);
         return error <= bound.value_;
@@ -46,7 +46,7 @@ private:
     Number value_ = 0;                   // of the whole
 };
 
-// A name in the first column of tolerances.txt: what the running test has there.
+// A name in the first column of tolerances.txt, with the values for the running test.
 class Tolerance {
 public:
     constexpr explicit Tolerance(const char* name) : name_{name} {}

@@ -1,4 +1,4 @@
-// Sums that lose nothing: Carried, Shaped and Dither.
+// Sums without rounding loss: Carried, Shaped and Dither.
 #include <tumble/integrators/butcher.hpp>
 #include <tumble/numbers/systems.hpp>
 
@@ -99,7 +99,7 @@ TEST(shaped, the_mean_of_the_values_taken_is_the_sum_itself) {
         for (int i = 0; i < n; ++i) taken += x.take().raw;
         const Number exact = std::ldexp(static_cast<Number>(sum.raw), -32) * n;
         ASSERT_LE(std::abs(static_cast<Number>(taken) - exact), tolerance::shaped_units);
-        ASSERT_EQ(x.sum(), sum);  // taking does not change the state
+        ASSERT_EQ(x.sum(), sum);  // take() does not change the sum
     }
 }
 

@@ -1,5 +1,5 @@
-// What the tests of contacts share: their cases, random directions, what impacts conserve, and the impulse formula in
-// long double.
+// Shared by the tests of contacts: their cases, random directions, the conserved quantities of impacts, and the impulse
+// formula in long double.
 #pragma once
 
 #include "random.hpp"
@@ -14,7 +14,7 @@ namespace tumble::test {
 inline constexpr Number g = 9.8125L;  // m/s^2, exact in binary
 inline constexpr RealVec3 gravity{0, -9.8125, 0};
 
-// The default method and one whose stages lie within a step, in a number system of each kind.
+// The default method and one with stages within a step, in a number system of each kind.
 [[nodiscard]] inline std::vector<Case> contact_cases(std::string_view fixed_point = "q32_near") {
     std::vector<Case> cases;
     for (const char* method : {"verlet", "rk4"})
@@ -32,7 +32,7 @@ inline constexpr RealVec3 gravity{0, -9.8125, 0};
         if (norm(v) > 0.1L && norm(v) < 1) return v * (1 / norm(v));
     }
 }
-// Axes that a scene is set up in: the world's, or turned and mirrored at random.
+// The axes of a scene: those of the world, or rotated and mirrored at random.
 class Axes3 {
 public:
     Axes3() = default;
@@ -52,19 +52,19 @@ private:
     bool mirrored_ = false;
 };
 [[nodiscard]] inline Axes3 random_axes(Random& random) { return random.between(0, 2) == 0 ? Axes3{} : Axes3{random}; }
-// To so many decimals, as scene files have them.
+// Rounded to this number of decimals, as in scene files.
 [[nodiscard]] inline Number decimal(Number value, int digits) {
     const Number unit = std::pow(Number(10), static_cast<Number>(-digits));
     return std::round(value / unit) * unit;
 }
 
-// Of a body whose tensor is diagonal in its own axes.
+// The moments of a body whose tensor is diagonal in its own axes.
 [[nodiscard]] inline Vector moments_of(const BodySpec& body) {
     return {number(body.inertia.xx), number(body.inertia.yy), number(body.inertia.zz)};
 }
 [[nodiscard]] inline Vector world_spin(const Motion& m) { return m.q.normalized().rotate(m.w); }
 
-// Over the bodies that are free.
+// Sums over the free bodies.
 struct Sums {
     Vector linear{}, angular{};  // N s; N m s about the origin
     Number energy = 0;           // J, kinetic
@@ -83,14 +83,14 @@ struct Sums {
     return sums;
 }
 
-// A body where it is hit: `arm` from its centre of mass, world axes.
+// A body at the point of an impact: `arm` is that point from the centre of mass, in world axes.
 struct Struck {
     Motion motion;
     const BodySpec& body;
     Vector arm;
 
     [[nodiscard]] Vector velocity() const { return motion.v + cross(motion.q.rotate(motion.w), arm); }
-    // What a unit impulse along d changes of the velocity along d there.
+    // The change of velocity along d at the point by a unit impulse along d.
     [[nodiscard]] Number response(Vector d) const {
         if (body.fixed) return 0;
         const Vector turning = motion.q.rotate_back(cross(arm, d));
@@ -102,9 +102,9 @@ struct Struck {
         motion.w = motion.w + over(motion.q.rotate_back(cross(arm, impulse)), moments_of(body));
     }
 };
-// The impulse formula, J = -(1 + e) v_n / (sum of responses), and Coulomb's law beside it: what stops the slip, or mu J
-// against it. n points from b to a. With friction it is exact where a push along n causes no slip, as on spheres.
-// Returns whether they stick.
+// The impulse formula, J = -(1 + e) v_n / (sum of responses), with Coulomb's law: the impulse that stops the slip, or
+// mu J against it. n points from b to a. With friction it is exact if an impulse along n causes no slip, as on spheres.
+// Returns whether the bodies stick.
 inline bool collide(Struck& a, Struck& b, Vector n, Number restitution, Number friction) {
     const auto response = [&](Vector d) { return a.response(d) + b.response(d); };
     const Vector v = a.velocity() - b.velocity();

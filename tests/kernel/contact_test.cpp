@@ -14,7 +14,7 @@ protected:
         setup.planes = {{}};
         return setup;
     }
-    // 0.1 m above the floor: 0.29 s a bounce.
+    // 0.1 m above the floor: a bounce takes 0.29 s.
     static SceneSetup elastic_ball() {
         SceneSetup setup = floor(1);
         setup.bodies = {sphere(1, 0.5)};
@@ -24,8 +24,8 @@ protected:
 };
 INSTANTIATE_TEST_SUITE_P(every, Contacts, testing::ValuesIn(every_case()), NameOf{});
 
-// The greatest relative error of the first ten apex heights of a ball dropped from 1 m. In flight the energy is the
-// apex.
+// The largest relative error of the first ten apex heights of a ball dropped from 1 m. During flight the energy gives
+// the apex.
 Number worst_apex(AnyWorld& world, Number restitution) {
     Number worst = 0, expected = 1;
     bool falling = true;
@@ -59,7 +59,7 @@ TEST_P(Contacts, a_ball_bounces_to_its_heights) {
     }
 }
 
-// An elastic ball, dropped from 0.1 m, bounces so often and never gains energy.
+// An elastic ball, dropped from 0.1 m, bounces `wanted` times and never gains energy.
 void bounce_without_gain(AnyWorld& world, const Case& c, int wanted) {
     const Number start = g * 0.1015625L;
     Number greatest = 0, least = 1e9L;
@@ -102,7 +102,7 @@ TEST_P(Contacts, a_ball_comes_to_rest_and_stays) {
             highest = std::max(highest, height);
         }
         EXPECT_LE(-lowest, tolerance::depth.of(system())) << restitution;
-        // Order 1 may add g h to the speed of every hop, which lasts until restitution takes as much.
+        // A method of order 1 may add g h to the speed of every hop. The hops last until restitution takes as much.
         const Number hop = GetParam().method.order == 1 ? 2 * g / 256 / (1 - restitution) : g / 256 * 1.01L;
         EXPECT_LE(highest - hop * hop / 2 / g, tolerance::depth.of(system())) << restitution;
         EXPECT_LE(norm(world->motion(0).v), hop) << restitution;
@@ -116,14 +116,14 @@ TEST_P(Contacts, a_ball_pressed_down_by_a_force_rests_too) {
     setup.forces = {{.body = 0, .from = 0.0, .until = 100.0, .force = {0, -100, 0}}};
     const auto world = build(setup, GetParam());
     world->run(256 * 4);
-    // A hop of order 1 adds (g + f) h to the speed, which lasts until restitution takes as much.
+    // A hop of a method of order 1 adds (g + f) h to the speed. The hops last until restitution takes as much.
     const Number step_speed = (g + 100) / 256;
     EXPECT_LE(norm(world->motion(0).v), GetParam().method.order == 1 ? tolerance::pressed_hop.of(system()) * step_speed
                                                                      : tolerance::rest_speed.of(system()));
     EXPECT_LE(std::abs(world->motion(0).x.y - 0.5L), tolerance::place.of(system()));
 }
 
-TEST_P(Contacts, a_ball_that_meets_more_impacts_in_a_step_than_are_resolved_says_so) {
+TEST_P(Contacts, too_many_impacts_in_a_step_are_reported) {
     SceneSetup setup = floor(1);
     setup.world.gravity = {};
     setup.planes = {{}, {.normal = {0, -1, 0}, .offset = 0.25}};  // 0.05 m of room, 0.4 m a step
@@ -183,8 +183,8 @@ TEST_P(Contacts, a_box_hit_off_centre_gets_the_spin_of_the_impulse_formula) {
             ASSERT_TRUE(world->status().ok());
             const Motion after = world->motion(0);
             EXPECT_LE(norm(after.v - v), tolerance::contact_impulse.of(system())) << restitution;
-            // What is left of the step after the impact turns w a little where the body is not a sphere: momentum
-            // compares.
+            // The rest of the step after the impact rotates w a little if the body is not a sphere, so momenta are
+            // compared.
             EXPECT_LE(norm(angular_momentum(after, moments) - before.q.rotate(times(moments, w))),
                       tolerance::contact_impulse.of(system()) +
                           tolerance::method_error(GetParam().method.order, norm(w) / 256, norm(w) / 256))
@@ -247,7 +247,7 @@ TEST_P(Contacts, a_ball_that_slides_comes_to_roll_with_five_sevenths_of_its_spee
     EXPECT_LE(std::abs(world->motion(0).q.rotate(world->motion(0).w).z / -5 - 1), tolerance::roll_speed.of(system()));
 }
 
-TEST_P(Contacts, a_body_with_restitution_of_its_own_takes_the_larger) {
+TEST_P(Contacts, a_body_bounces_with_the_larger_of_two_restitutions) {
     SceneSetup setup = floor(0.5L);
     setup.world.gravity = {};
     setup.bodies = {sphere(1, 0.5)};
@@ -287,7 +287,7 @@ TEST_P(Contacts, a_body_that_starts_below_the_floor_comes_out_and_rests) {
 class ContactsOfFew : public Contacts {};
 INSTANTIATE_TEST_SUITE_P(every, ContactsOfFew, testing::ValuesIn(contact_cases()), NameOf{});
 
-// How far a ball of the given radius is beyond walls at x = 0 and x = width, or a floor at y = 0, at worst.
+// The largest distance of a ball of the given radius beyond walls at x = 0 and x = width, or beyond a floor at y = 0.
 Number deepest(AnyWorld& world, const Axes3& axes, Number radius, Number width, int steps) {
     Number deep = 0;
     for (int step = 0; step < steps; ++step) {
@@ -298,12 +298,12 @@ Number deepest(AnyWorld& world, const Axes3& axes, Number radius, Number width, 
     return deep;
 }
 
-// Of impacts at the very end of a step, which decimal speeds, places and steps bring about.
+// Decimal speeds, positions and steps give impacts at the very end of a step.
 TEST_P(ContactsOfFew, an_elastic_ball_never_gains_energy_in_1e4_bounces) {
     bounce_without_gain(*build(elastic_ball(), GetParam()), GetParam(), 10000);
 }
 
-TEST_P(ContactsOfFew, a_ball_between_walls_is_never_beyond_one) {
+TEST_P(ContactsOfFew, a_ball_between_walls_never_passes_a_wall) {
     const Seconds steps[] = {{1, 100}, {1, 100}, {1, 200}, {1, 128}, {1, 256}};
     for (std::uint64_t seed = 0; seed < 200; ++seed) {
         Random random{seed};
@@ -326,7 +326,7 @@ TEST_P(ContactsOfFew, a_ball_between_walls_is_never_beyond_one) {
     }
 }
 
-TEST_P(ContactsOfFew, a_ball_that_meets_more_impacts_in_a_step_than_are_resolved_stays_between_its_walls) {
+TEST_P(ContactsOfFew, a_ball_with_too_many_impacts_in_a_step_stays_between_its_walls) {
     int told = 0;
     for (std::uint64_t seed = 0; seed < 100; ++seed) {
         Random random{seed};
@@ -349,8 +349,8 @@ TEST_P(ContactsOfFew, a_ball_that_meets_more_impacts_in_a_step_than_are_resolved
 }
 
 // Small dice: an edge that hits sends them beyond the range of spin, and the next corner within the same step brings
-// them back. As long as nothing is told, they move as in double precision: until one step takes them apart.
-TEST_P(ContactsOfFew, a_range_that_is_left_between_two_impacts_of_a_step_is_told) {
+// them back. While nothing is reported, they move as in double precision, until one step separates them.
+TEST_P(ContactsOfFew, leaving_the_range_between_two_impacts_of_a_step_is_reported) {
     int told = 0, whole = 0;
     for (std::uint64_t seed = 0; seed < 75; ++seed) {
         Random random{seed};
@@ -381,7 +381,7 @@ TEST_P(ContactsOfFew, a_range_that_is_left_between_two_impacts_of_a_step_is_told
     EXPECT_GT(whole, 8);
 }
 
-// A die that rattles to rest on its corners, whatever its axes, mass, size, friction, speed and step.
+// A die that rattles to rest on its corners, with random axes, mass, size, friction, speed and step.
 SceneSetup thrown_die(std::uint64_t seed) {
     Random random{seed};
     const Axes3 axes = random_axes(random);
@@ -401,8 +401,8 @@ SceneSetup thrown_die(std::uint64_t seed) {
     return setup;
 }
 
-// An impact leaves corners that arrive at the end of the step, just so: rounding must not tell which of them are held.
-TEST_P(ContactsOfFew, dice_rattle_to_rest_in_the_way_they_take_in_doubles) {
+// An impact leaves corners that arrive exactly at the end of the step. Rounding must not decide which of them are held.
+TEST_P(ContactsOfFew, dice_come_to_rest_as_they_do_in_double) {
     constexpr int dice = 200;
     Case precise = GetParam();
     for (const Case& c : cases_of(precise.method.name))
@@ -421,11 +421,11 @@ TEST_P(ContactsOfFew, dice_rattle_to_rest_in_the_way_they_take_in_doubles) {
         if (apart > 0.3L) ++other_way;  // rad/s
     }
     std::printf("%s: %d of %d dice go another way\n", name_of(GetParam()).c_str(), other_way, dice);
-    EXPECT_LE(other_way, 4);  // 36 and more where rounding decides
+    EXPECT_LE(other_way, 4);  // at least 36 if rounding decides
 }
 
-// Planes up to four times the range of positions away, which is what fixed point holds of an offset.
-TEST_P(ContactsOfFew, a_plane_is_as_far_away_as_it_says) {
+// Planes at offsets of up to four times the range of positions, the most in fixed point.
+TEST_P(ContactsOfFew, a_ball_meets_a_far_plane_as_it_does_in_double) {
     for (std::uint64_t seed = 0; seed < 150; ++seed) {
         Random random{seed};
         const Axes3 axes = random_axes(random);
@@ -444,8 +444,8 @@ TEST_P(ContactsOfFew, a_plane_is_as_far_away_as_it_says) {
     }
 }
 
-// Lengths are measured in units that the largest body decides, or the largest way in a step.
-TEST(ContactTolerance, below_what_the_numbers_resolve_holds_a_ball_on_a_floor) {
+// The unit of length follows from the largest body, or from the largest displacement in a step.
+TEST(ContactTolerance, below_the_resolution_of_the_numbers_still_holds_a_ball_on_a_floor) {
     struct Floor {
         RealVec3 edges;
         Seconds step;
@@ -476,9 +476,9 @@ TEST(ContactTolerance, below_what_the_numbers_resolve_holds_a_ball_on_a_floor) {
     }
 }
 
-// Sizes, steps, masses, speeds and tolerances over many decades, bodies in each other and far below planes: whatever
-// comes of them, it is a number, and in its range.
-TEST_P(ContactsOfFew, extreme_scenes_end_in_numbers_or_are_told) {
+// Sizes, steps, masses, speeds and tolerances over many decades, bodies inside each other and far below planes. The
+// result is finite and in its range, or the status reports it.
+TEST_P(ContactsOfFew, extreme_scenes_stay_finite_or_are_reported) {
     const auto decades = [](Random& random, double least, double most) {
         return std::pow(10, random.uniform(least, most));
     };
@@ -510,7 +510,7 @@ TEST_P(ContactsOfFew, extreme_scenes_end_in_numbers_or_are_told) {
             EXPECT_TRUE(!world->status().ok() || std::isfinite(norm(m.x) + norm(m.v) + norm(m.w))) << "seed " << seed;
         }
     }
-    // Gravity that moves a body by more than lengths hold in a step, and a plane where nobody reaches it.
+    // Gravity that moves a body further in a step than lengths hold, and a plane that no body reaches.
     SceneSetup setup{.name = "fall", .step = Seconds{33, 20}};
     setup.world.gravity = {0, -1000, 0};
     setup.bodies = {sphere(1, 0.1)};
@@ -522,7 +522,7 @@ TEST_P(ContactsOfFew, extreme_scenes_end_in_numbers_or_are_told) {
 using ContactDeathTest = ContactsOfFew;
 INSTANTIATE_TEST_SUITE_P(every, ContactDeathTest, testing::ValuesIn(cases_of("verlet")), NameOf{});
 
-TEST_P(ContactDeathTest, values_that_no_contact_has_end_the_program) {
+TEST_P(ContactDeathTest, impossible_contact_values_end_the_program) {
     SceneSetup good = floor(0.5L, 0.5L);
     good.bodies = {sphere(1, 1), box(1, {1, 1, 0.125})};
     (void)build(good, GetParam());

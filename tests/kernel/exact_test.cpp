@@ -1,5 +1,5 @@
-// The exact free rotation against an independent integration in long double: the motions that its elliptic functions
-// find hard, and steps that no other method could take.
+// The exact free rotation against an independent integration in long double: motions that are difficult for its
+// elliptic functions, and steps that are too long for every other method.
 #include "references.hpp"
 #include "tolerances.hpp"
 
@@ -13,7 +13,7 @@ struct Flight {
     RealVec3 moments, spin;
     Real step = Real::scaled(1, -4);
     int steps = 320;
-    Number growth = 1;  // of a small error over the flight: by instability, a rod's fast spin, many turns
+    Number growth = 1;  // growth of a small error in the flight: by instability, a rod's fast spin, many turns
 };
 
 const Flight flights[] = {
@@ -99,7 +99,7 @@ TEST(exact, keeps_energy_and_momentum_over_a_million_steps) {
     }
 }
 
-TEST(exact, many_steps_are_one_step) {
+TEST(exact, many_short_steps_equal_one_long_step) {
     for (const char* system : {"f64", "f32"}) {
         SceneSetup setup{.name = "spans", .step = Seconds{1, 64}};
         setup.bodies = {top({1, 2, 3}, {1, 1.25, 0.75})};
@@ -113,7 +113,7 @@ TEST(exact, many_steps_are_one_step) {
 }
 
 TEST(exact, is_finite_for_every_spin_and_span) {
-    // Spins and moments of any size in any proportion, on the separatrix and beside it.
+    // Spins and moments of all sizes and proportions, on the separatrix and near it.
     const Real sizes[] = {0, 1e-300, 1e-160, 1e-30, 1e-12, 1e-3, 1, 1e3, 1e9};
     const RealVec3 moments[] = {{1, 2, 3}, {1, 1, 1}, {1, 1, 2}, {1, 2, 2}, {1e-9, 1, 1}, {1e-6, 1, 1.0000005}};
     for (const char* system : {"f64", "f32"}) {
@@ -122,7 +122,7 @@ TEST(exact, is_finite_for_every_spin_and_span) {
                 for (const Real& y : sizes) {
                     for (const Real& z : sizes) {
                         SceneSetup setup{.name = "any", .step = Seconds{1, 1}};
-                        // On the separatrix alpha m_x^2 = beta m_z^2: of moments 1, 2, 3 where w_x^2 = 3 w_z^2.
+                        // On the separatrix alpha m_x^2 = beta m_z^2: for moments 1, 2, 3 if w_x^2 = 3 w_z^2.
                         setup.bodies = {top(m, {x * Real{1.7320508075688772}, y, -z})};
                         const auto world = build(setup, "exact", system);
                         world->run(4);

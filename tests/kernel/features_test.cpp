@@ -1,4 +1,4 @@
-// The list of features, what a scene type must be, and misuse that ends in TUMBLE_ASSERT.
+// The list of features, the requirements on a scene type, and misuse that ends in TUMBLE_ASSERT.
 #include <tumble/tumble.hpp>
 
 #include "worlds.hpp"
@@ -9,7 +9,7 @@
 namespace tumble::test {
 namespace {
 
-// Converts to any member, for counting those of an aggregate.
+// Converts to any member. Counts the members of an aggregate.
 struct Anything {
     template <class T>
     constexpr operator T() const;
@@ -50,7 +50,7 @@ TEST(Features, a_union_has_room_for_both) {
     EXPECT_TRUE(b.united_with(a) == both);
 }
 
-TEST(Features, everything_keeps_the_room) {
+TEST(Features, a_scene_with_every_feature_keeps_its_room) {
     constexpr Features all = Features{.bodies = 7, .near_pairs = 9, .contact_impulses = false}.with_everything();
     Features::for_each([&]<class T>(const char* name, T Features::*member) {
         const bool is_on = !std::is_same_v<T, bool> || all.*member;
@@ -61,7 +61,7 @@ TEST(Features, everything_keeps_the_room) {
     EXPECT_EQ(all.planes, 0);
 }
 
-// Whatever else it asks for.
+// A scene without bodies, with any other features.
 struct Bodiless : Scene {
     static constexpr Features features{
         .bodies = 0, .planes = 1, .drag = true, .forces = true, .impulses = true, .pairs = true, .sleep = true};
@@ -81,7 +81,7 @@ TEST(Features, a_world_without_room_for_bodies_only_counts_its_steps) {
     EXPECT_FALSE(World<Bodiless>::has_loads);
 }
 
-// A method that lacks its step.
+// A method without a step.
 struct Stepless {
     static constexpr const char* name = "stepless";
     static constexpr int order = 1;
@@ -90,7 +90,7 @@ struct Stepless {
     template <class N>
     using Inertia = integrators::Verlet::Inertia<N>;
 };
-// What it lacks, and a step that does not say whether it converged.
+// The missing step, which does not return whether it converged.
 struct Mute : Stepless {
     template <class N>
     static void rotate(BodyState<N, spin>&, const Inertia<N>&, const StepInfo<N>&);
@@ -104,7 +104,7 @@ struct Complete : Mute {
 static_assert(!tumble::Method<int, Q32<>> && !tumble::Method<Stepless, Q32<>> && !tumble::Method<Mute, Q32<>> &&
               tumble::Method<Complete, Q32<>> && tumble::Method<Complete, F64>);
 
-TEST(Method, every_integrator_of_the_list_is_one) {
+TEST(Method, every_listed_integrator_satisfies_the_concept) {
     int count = 0;
     const auto check = [&]<class N>() {
         Integrators::for_each_in<N>([&]<class M>() {
@@ -130,7 +130,7 @@ protected:
 using MisuseDeathTest = Misuse;
 
 TEST_F(MisuseDeathTest, of_a_body_that_is_not_there_ends_the_program) {
-    // 65536 and its like would be bodies that are there in 16 bits.
+    // 65536 and similar numbers would be existing bodies in 16 bits.
     for (const int index : {-1, 1, -2, 1000, 32768, 65536, 65537, -65536, -0x7fffffff - 1}) {
         const BodyId id{index};
         EXPECT_EQ(static_cast<bool>(id), index == 1 || index == 1000) << index;
@@ -184,7 +184,7 @@ TEST_F(MisuseDeathTest, of_an_event_of_a_body_that_is_not_there_ends_the_program
     EXPECT_EQ(world_.prepare(force).body, 0);
 }
 
-TEST(Events, have_the_step_that_their_moment_is_nearest_to_however_late) {
+TEST(Events, happen_at_the_step_nearest_to_their_time_however_late) {
     World<Pair> world{Seconds{1, 256}};
     (void)world.add(sphere(Real{1}, Real{1}));
     constexpr double turn = 4294967296.0;
@@ -206,7 +206,7 @@ TEST(Events, have_the_step_that_their_moment_is_nearest_to_however_late) {
     EXPECT_EQ(world.prepare(force).until, (std::uint64_t{1} << 63) - 1);
 }
 
-// A force that ended early, one across the turn of the count of steps and an impulse after it.
+// A force that ends early, one that acts while the step counter wraps, and an impulse after it.
 struct Late {
     static constexpr const char* name = "late";
     static constexpr Seconds step{1, 256};
@@ -220,16 +220,16 @@ struct Late {
         ForceSpec{.from = 0.0, .until = 26.0 / 256, .force = {0, 0, 512}}};
 };
 
-TEST(Events, of_a_replay_keep_their_steps_where_the_count_begins_anew) {
+TEST(Events, of_a_replay_keep_their_steps_when_the_step_counter_wraps) {
     Replay<Pair, Late> replay;
     auto& world = replay.world();
     using Bodies = std::remove_cvref_t<decltype(world.bodies())>;
-    const_cast<Bodies&>(world.bodies()).steps_taken = 0xfffffff0u;  // 16 before the turn
+    const_cast<Bodies&>(world.bodies()).steps_taken = 0xfffffff0u;  // 16 before the counter wraps
     for (int step = 0; step < 40; ++step) {
         EXPECT_EQ(world.steps_taken(), 0xfffffff0u + static_cast<std::uint32_t>(step));
         replay.step();
         const auto v = world.velocity(BodyId{0});
-        const int pushed = std::clamp(step - 9, 0, 9);  // steps of a quarter of a metre a second
+        const int pushed = std::clamp(step - 9, 0, 9);  // number of changes by 1/4 m/s
         EXPECT_EQ(static_cast<double>(v.x()), pushed * 0.25) << step;
         EXPECT_EQ(static_cast<double>(v.y()), step >= 21 ? 0.5 : 0.0) << step;
         EXPECT_EQ(static_cast<double>(v.z()), 0) << step;
@@ -253,7 +253,7 @@ TEST_F(MisuseDeathTest, of_impulses_that_are_not_sorted_and_events_of_no_body_en
     EXPECT_DEATH(world_.set_impulses({impulses, 3}), "");
 }
 
-TEST(Script, another_one_is_read_from_its_beginning) {
+TEST(Script, a_new_script_is_read_from_its_beginning) {
     using N = World<Pair>::Numbers;
     World<Pair> world{Seconds{1, 256}};
     (void)world.add(sphere(Real{1}, Real{1}));
@@ -274,7 +274,7 @@ TEST(Script, another_one_is_read_from_its_beginning) {
     EXPECT_EQ(static_cast<double>(world.velocity(BodyId{0}).x()), 4);
 }
 
-TEST(SetUpMisuseDeathTest, of_steps_sizes_and_moments_that_nothing_has_ends_the_program) {
+TEST(SetUpMisuseDeathTest, of_impossible_steps_sizes_and_moments_ends_the_program) {
     for (const Real& step : {Real{}, Real{-1}, Real{-1e-9}}) EXPECT_DEATH((World<Pair>{Seconds{step}}), "");
     const auto add = [](const BodySpec& body) {
         World<Pair> world{Seconds{1, 256}};
@@ -282,7 +282,7 @@ TEST(SetUpMisuseDeathTest, of_steps_sizes_and_moments_that_nothing_has_ends_the_
     };
     const ShapeKind kinds[] = {ShapeKind::sphere, ShapeKind::box, ShapeKind::cylinder, ShapeKind::hoop,
                                ShapeKind::capsule};
-    const int sizes[] = {1, 3, 2, 1, 2};  // how many of the three numbers a shape has
+    const int sizes[] = {1, 3, 2, 1, 2};  // number of sizes that the shape has
     for (int k = 0; k < 5; ++k) {
         BodySpec body = body_of({kinds[k], {1, 2, 1}}, 1);
         add(body);

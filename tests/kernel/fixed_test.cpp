@@ -87,7 +87,7 @@ TEST(fixed, narrows_to_the_nearest_with_ties_upwards) {
 TEST(fixed, mean_rounding_error_of_narrow_is_zero) {
     std::int64_t sum = 0;
     for (int i = 0; i < 1 << 16; ++i) sum += (static_cast<std::int64_t>(narrow<Fixed<16>>(Wide<24>{i}).raw) << 8) - i;
-    EXPECT_EQ(sum, (1 << 16) / 2);  // only the ties, one in 256, go half a unit (128) up
+    EXPECT_EQ(sum, (1 << 16) / 2);  // only the ties, one in 256, are rounded half a unit (128) up
 }
 
 // Numbers of many magnitudes, with extremes among them.

@@ -1,4 +1,5 @@
-// The names that the kernel's headers may not use, behind all that they include: no heap, no exceptions, no output.
+// Names that the kernel's headers may not use. Included after all headers that they include: no heap, no exceptions, no
+// output.
 #pragma once
 
 #include <tumble/config.hpp>

@@ -27,7 +27,7 @@ void expect_root_of_every_pattern(std::uint64_t seed) {
         if (std::isnan(a)) continue;
         check(a);
         check(std::abs(a));
-        const T r = std::abs(std::bit_cast<T>(static_cast<Bits>(random.bits() >> 2)));  // squares and their neighbours
+        const T r = std::abs(std::bit_cast<T>(static_cast<Bits>(random.bits() >> 2)));  // squares and numbers near them
         if (std::isfinite(r * r)) {
             check(r * r);
             check(std::nextafter(r * r, T(0)));

@@ -1,6 +1,6 @@
-// Golden trajectories: the digest of the state after so many steps, for every scene, integrator and number system. They
-// must be the same for every compiler, optimisation level and machine. After a change that means to change bits, write
-// them anew with  make golden  and commit the files with the change.
+// Golden trajectories: the hash of the state after given numbers of steps, for every scene, integrator and number
+// system. The hashes are the same for every compiler, optimisation level and machine. After a change that is meant to
+// change bits, write the files anew with `make golden` and commit them with the change.
 #include "scenes.hpp"
 
 #include <cinttypes>

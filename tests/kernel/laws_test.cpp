@@ -14,7 +14,7 @@ protected:
 };
 INSTANTIATE_TEST_SUITE_P(every, Laws, testing::ValuesIn(every_case()), NameOf{});
 
-// A body with axes of its own: a full tensor, an orientation, a velocity.
+// A body with general axes: a full tensor, an orientation, a velocity.
 BodySpec skew_body() {
     BodySpec body;
     body.mass = 2.5;
@@ -32,7 +32,7 @@ Vector momentum_of(const InertiaTensor& i, Vector w) {
     return {dot(rows[0], w), dot(rows[1], w), dot(rows[2], w)};
 }
 
-TEST_P(Laws, a_body_starts_where_it_was_put) {
+TEST_P(Laws, a_body_starts_at_its_given_position) {
     SceneSetup setup{.name = "start"};
     setup.bodies = {skew_body()};
     const auto world = build(setup, GetParam());
@@ -57,7 +57,7 @@ TEST_P(Laws, an_impulse_off_centre_gives_the_textbook_velocity_and_spin) {
     world->apply_impulse(0, impulse, point);
     const Motion after = world->motion(0);
     EXPECT_LE(norm(after.v - before.v - impulse * (1 / number(body.mass))), tolerance::impulse.of(system()));
-    // What is added to the angular momentum is r x J, in the body's axes: momentum is added to, never replaced.
+    // The angular momentum grows by r x J, in the body's axes. An impulse adds to the momentum and never replaces it.
     const Vector gained = momentum_of(body.inertia, after.w) - momentum_of(body.inertia, before.w);
     EXPECT_LE(norm(gained - cross(point, before.q.rotate_back(impulse))), tolerance::impulse.of(system()));
     EXPECT_EQ(before.x, after.x);
@@ -84,7 +84,7 @@ TEST_P(Laws, an_impulse_of_zero_changes_no_bit) {
     EXPECT_EQ(world->hash(), hash);
 }
 
-TEST_P(Laws, a_thousandfold_of_masses_obeys_the_same_impulse_formula) {
+TEST_P(Laws, masses_over_twelve_decades_obey_the_same_impulse_formula) {
     for (const double mass : {1e-6, 1e-3, 1.0, 1e3, 1e6}) {
         SceneSetup setup{.name = "masses"};
         setup.bodies = {box(mass, {0.5, 0.25, 1})};

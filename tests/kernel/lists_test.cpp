@@ -1,5 +1,5 @@
-// The kernel's lists: kernel/lists.cmake reads from the text of the headers what a compiler makes of them; and the
-// table of pairs of shapes says the same in either order.
+// The kernel's lists. kernel/lists.cmake reads the same lists from the text of the headers as a compiler does. The
+// table of pairs of shapes gives the same answer in either order.
 #include <tumble/integrators/list.hpp>
 #include <tumble/shapes/pairs.hpp>
 
@@ -16,7 +16,7 @@ void append(std::string& list, std::string_view name) {
     list += name;
 }
 
-// The structure's name without its namespace, as the compiler spells it in this function's own name.
+// The name of the struct without its namespace, as the compiler spells it in the name of this function.
 template <class Method>
 std::string_view type_of() {
     constexpr std::string_view space = "tumble::integrators::";

@@ -1,4 +1,4 @@
-// Worlds with more bodies than a byte counts.
+// Worlds with more bodies than fit into a byte.
 #include <tumble/tumble.hpp>
 
 #include "tolerances.hpp"
@@ -14,7 +14,7 @@ struct Tray : Scene {
     static constexpr Features features{.bodies = 301, .planes = 1, .pairs = true, .boxes = true};
 };
 
-// Whatever their number is modulo 256: 255 balls and the floor are 256 pairs.
+// 255 balls and the floor are 256 pairs, which is 0 modulo 256.
 TEST(ManyBodies, a_tray_carries_as_many_balls_as_are_put_on_it) {
     for (const int balls : {200, 255, 256, 300}) {
         WorldSpec spec;

@@ -121,7 +121,7 @@ TEST(mass, moments_of_shapes_are_proportional_to_mass) {
 }
 
 TEST(mass, a_cloud_of_points_filling_a_box_tends_to_the_box) {
-    // n^3 cells: each cell's own moment is missing, a relative 1 / n^2.
+    // n^3 cells. The own moment of each cell is missing, a relative error of 1 / n^2.
     const int n = 8;
     const Number edges[3] = {1, 2, 3};
     std::vector<PointMass> points;

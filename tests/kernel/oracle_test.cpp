@@ -1,5 +1,5 @@
 // Every integrator against its textbook formula on position, velocity, quaternion and body rates: a few lines each, in
-// long double, with nothing of the kernel's in them. Not the true motion is compared, but the method's own.
+// long double, without code of the kernel. The comparison is with the method's own result, not with the true motion.
 #include "references.hpp"
 #include "tolerances.hpp"
 
@@ -80,8 +80,8 @@ Motion rk4(const Problem& p, const Motion& m) {
     return finished(plus(plus(plus(plus(m, p.h / 6, k1), p.h / 3, k2), p.h / 3, k3), p.h / 6, k4), m);
 }
 
-// Half the impulse of the loads, a free flight whose rotation is rotate(q, l, h), and the other half at its end, where
-// it depends on the velocities there.
+// Half the impulse of the loads, a free flight with the rotation rotate(q, l, h), and the other half at its end, which
+// may depend on the velocities there.
 template <class Rotate>
 Motion kick_drift_kick(const Problem& p, Motion m, const Rotate& rotate) {
     const Vector i = p.body.moments;
@@ -99,7 +99,7 @@ Motion kick_drift_kick(const Problem& p, Motion m, const Rotate& rotate) {
     return end;
 }
 
-// The body turns: its axes see l turn back.
+// Rotates the body. l is constant in the world, so in the body's axes it rotates back.
 void turn(Rotation& q, Vector& l, Vector angle) {
     q = q * exponential(angle);
     l = exponential(angle).rotate_back(l);
@@ -116,8 +116,8 @@ Motion verlet(const Problem& p, Motion m) {
     });
 }
 
-// The rotation of Euler's equations themselves. Of discrete Moser-Veselov this is the limit: its steps are off by a
-// power of the angle, which expect_agreement() allows for.
+// The rotation of Euler's equations themselves. It is the limit of discrete Moser-Veselov, whose steps are off by a
+// power of the angle; expect_agreement() allows for that.
 Motion exact(const Problem& p, Motion m) {
     return kick_drift_kick(p, m, [&](Rotation& q, Vector& l, Number h) {
         const Motion end = reference::free_trajectory(p.body, {{}, {}, q, over(l, p.body.moments)}, {h}).back();
@@ -202,14 +202,14 @@ protected:
             const Motion got = world->motion(0);
             greatest = std::max(greatest, distance(got, expected));
             ASSERT_LE(distance(got, expected), worst) << "step " << step;
-            // Lengths too: the renormalisation is part of the method.
+            // Compares lengths too, because the renormalisation is part of the method.
             ASSERT_LE(std::abs(got.q.norm2() - expected.q.norm2()), worst) << "step " << step;
         }
         ASSERT_TRUE(world->status().ok());
         RecordProperty("greatest_difference", std::to_string(greatest * 1e12L) + "e-12");
     }
-    // The error of a step, rad, where the oracle is the motion that the method approximates: a rotation of order n is
-    // off by the angle of a step to the power n + 1.
+    // The error of a step, rad, if the oracle is the motion that the method approximates: a rotation of order n is off
+    // by the angle of the step to the power n + 1.
     static Bound truncation(const SceneSetup& setup) {
         const Method& method = GetParam().method;
         if (oracles().at(method.name) != exact) return {};
@@ -217,7 +217,7 @@ protected:
         return tolerance::truncation_error(method.free_order, angle);
     }
     static constexpr int steps = 300;
-    // Moments sorted downwards: the body's axes are the principal ones.
+    // Moments sorted downwards, so that the body's axes are the principal axes.
     static SceneSetup sorted_top() {
         SceneSetup setup{.name = "top"};
         setup.bodies = {top({3, 2, 1}, {0.5, 2, -0.25})};

@@ -14,7 +14,7 @@ protected:
         setup.step = Seconds{Real::scaled(1, -exponent)};
         return setup;
     }
-    // The error after `seconds` at two steps, and the ratio that the order asks for.
+    // The error after `seconds` at two steps, and the ratio that follows from the order.
     static void expect_order(const SceneSetup& setup, int order, int seconds,
                              const std::function<Number(const Motion&)>& error) {
         const int n = tests::order_step_exponent(order);
@@ -25,7 +25,7 @@ protected:
             ASSERT_TRUE(world->status().ok());
             errors[i] = error(world->motion(0));
         }
-        if (std::max(errors[0], errors[1]) < tests::exactly) return;  // exact for this load
+        if (std::max(errors[0], errors[1]) < tests::exactly) return;  // the method is exact for this load
         EXPECT_LE(std::abs(std::log2(errors[0] / errors[1]) - order), tolerance::order)
             << "errors " << errors[0] << " " << errors[1] << " at 2^-" << n << " s and half of it";
     }

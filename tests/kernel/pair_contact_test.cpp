@@ -1,5 +1,5 @@
-// Impacts of bodies with each other: the closed forms of two spheres, Coulomb's law, the impulse formula off centre,
-// what is conserved, and that nothing passes through anything however fast it is.
+// Impacts between bodies: the closed forms of two spheres, Coulomb's law, the impulse formula off the centre, the
+// conserved quantities, and that no body passes through another at any speed.
 #include "contact_cases.hpp"
 
 namespace tumble::test {
@@ -16,7 +16,7 @@ BodySpec placed(BodySpec body, Vector position, Vector velocity = {}, Vector spi
     body.angular_velocity = real(spin);
     return body;
 }
-// Of unit length, at right angles to n.
+// A random unit vector perpendicular to n.
 Vector across(Vector n, Random& random) {
     const Vector c = cross(n, direction(random));
     return norm(c) > 0.1L ? c * (1 / norm(c)) : across(n, random);
@@ -44,7 +44,7 @@ TEST_P(Pairs, equal_elastic_spheres_exchange_their_velocities) {
     }
 }
 
-TEST_P(Pairs, unequal_spheres_part_as_mass_and_restitution_say) {
+TEST_P(Pairs, unequal_spheres_separate_by_the_impulse_formula) {
     for (const Vector& along : directions) {
         for (const Number restitution : {0.0L, 0.5L, 1.0L}) {
             SceneSetup setup = space(restitution);
@@ -70,14 +70,14 @@ TEST_P(Pairs, an_elastic_ball_off_a_resting_one_leaves_at_right_angles_to_it) {
         EXPECT_GT(norm(a), 0.5L);
         EXPECT_GT(norm(b), 0.5L);
         EXPECT_LE(std::abs(dot(a, b)), 16 * tolerance::exchange.of(system())) << offset;
-        // Along the line of centres at touch: sin = offset / 2 r.
+        // Along the line of centres at contact: sin = offset / 2 r.
         const Number sine = 2 * static_cast<Number>(offset), cosine = std::sqrt(1 - sine * sine);
         EXPECT_LE(norm(b - Vector{4 * cosine * cosine, -4 * sine * cosine, 0}), 4 * tolerance::oblique.of(system()))
             << offset;
     }
 }
 
-TEST_P(Pairs, spheres_that_meet_anyhow_follow_the_impulse_formula_and_coulombs_law) {
+TEST_P(Pairs, any_two_spheres_follow_the_impulse_formula_and_coulombs_law) {
     Random random{4};
     int stuck = 0, slid = 0;
     for (int i = 0; i < 40; ++i) {
@@ -88,7 +88,7 @@ TEST_P(Pairs, spheres_that_meet_anyhow_follow_the_impulse_formula_and_coulombs_l
             return sphere(mass, radius);
         };
         BodySpec a = any_sphere(), b = any_sphere();
-        // Meets after a random time with the line of centres along n.
+        // They meet after a random time with the line of centres along n.
         const Vector n = direction(random), tangent = across(n, random), common = direction(random);
         const Number cosine = random.uniform(0.5, 1), speed = random.uniform(2, 6), time = random.uniform(0.0625, 0.25);
         const Vector relative = (n * -cosine + tangent * std::sqrt(1 - cosine * cosine)) * speed;
@@ -104,19 +104,19 @@ TEST_P(Pairs, spheres_that_meet_anyhow_follow_the_impulse_formula_and_coulombs_l
         const Bound allowed = 16 * tolerance::oblique.of(system());
         EXPECT_LE(norm(world->motion(0).v - first.motion.v), allowed) << "meeting " << i;
         EXPECT_LE(norm(world->motion(1).v - second.motion.v), allowed) << "meeting " << i;
-        // The least radius turns speed to spin.
+        // The smallest radius converts speed to spin.
         EXPECT_LE(norm(world_spin(world->motion(0)) - first.motion.w), 10 * allowed) << "meeting " << i;
         EXPECT_LE(norm(world_spin(world->motion(1)) - second.motion.w), 10 * allowed) << "meeting " << i;
     }
     EXPECT_GE(std::min(stuck, slid), 5) << stuck << " stick, " << slid << " slide";
 }
 
-TEST_P(Pairs, a_sphere_that_hits_a_plane_askew_sticks_or_slides_as_coulomb_says) {
+TEST_P(Pairs, a_sphere_that_hits_a_plane_obliquely_sticks_or_slides_by_coulombs_law) {
     struct Throw {
         Vector velocity, spin;
     };
     const Vector n{0, 1, 0};
-    BodySpec wall = sphere(1, 1);  // stands for the plane in the formula
+    BodySpec wall = sphere(1, 1);  // in the formula, it takes the place of the plane
     wall.fixed = true;
     int stuck = 0, slid = 0;
     for (const Throw& thrown :
@@ -166,7 +166,7 @@ TEST_P(Pairs, a_rod_hit_off_its_centre_by_a_sphere_gets_the_spin_of_the_impulse_
                 const Bound allowed = 8 * tolerance::levered.of(system());
                 EXPECT_LE(norm(world->motion(0).v - hits.motion.v), allowed) << offset.x << ", e " << restitution;
                 EXPECT_LE(norm(world->motion(1).v - hit.motion.v), allowed) << offset.x << ", e " << restitution;
-                // The rest of the step turns w where the body is not a sphere: momentum compares.
+                // The rest of the step rotates w if the body is not a sphere, so momenta are compared.
                 const Vector moments = moments_of(rod), expected = angular_momentum(hit.motion, moments);
                 const Number angle = norm(hit.motion.w) / 256;
                 EXPECT_LE(norm(angular_momentum(world->motion(1), moments) - expected),
@@ -219,7 +219,7 @@ TEST_P(Pairs, an_edge_and_a_corner_of_a_box_send_a_sphere_back_the_way_it_came) 
         const auto world = build(setup, GetParam());
         ASSERT_TRUE(step_to_impact(*world, 0));
         EXPECT_LE(norm(world->motion(0).v - n * 4), 4 * tolerance::oblique.of(system()));
-        // It turned where its surface met the edge or the corner, at sqrt(2) / 2 or sqrt(3) / 2.
+        // It turned back where its surface met the edge or the corner, at sqrt(2) / 2 or sqrt(3) / 2.
         world->run(64);
         const Number turn = norm(towards) / 2 + 0.25L;
         const Number flown = (world->motion(0).x.x / n.x - turn) + (3 - turn);
@@ -239,13 +239,13 @@ TEST_P(Pairs, the_larger_restitution_and_the_geometric_mean_of_friction_count) {
         return world->motion(1).v.x;
     };
     const Bound allowed = 4 * tolerance::exchange.of(system());
-    EXPECT_LE(std::abs(rebound() - 1), allowed);  // the world's
+    EXPECT_LE(std::abs(rebound() - 1), allowed);  // the world's value
     setup.bodies[0].restitution = 0.25;
-    EXPECT_LE(std::abs(rebound() - 0.5L), allowed);  // the only one named
+    EXPECT_LE(std::abs(rebound() - 0.5L), allowed);  // the only given value
     setup.bodies[1].restitution = 0.75;
     EXPECT_LE(std::abs(rebound() - 1.5L), allowed);
 
-    // Spinning about the line's normal: friction slides, J = mu m v, and turns the speed across.
+    // A spin about the normal of the line: friction slides, J = mu m v, and deflects the speed sideways.
     setup.bodies[0].angular_velocity = {0, 0, 30};
     setup.bodies[0].friction = 0.5;
     setup.bodies[1].friction = 0.02;
@@ -264,7 +264,7 @@ TEST_P(Pairs, without_a_response_bodies_pass_through_each_other) {
     EXPECT_EQ(world->contact_count(0), 0);
 }
 
-// The momenta before and after each step, through the whole of a meeting.
+// Compares the momenta before and after each step, through a whole collision.
 void expect_conserved(const SceneSetup& setup, const Case& c, const std::string& what) {
     const auto world = build(setup, c);
     const Vector start = world->motion(0).v;
@@ -290,7 +290,7 @@ void expect_conserved(const SceneSetup& setup, const Case& c, const std::string&
             << what << ", step " << step;
         const Bound of_method =
             c.method.conserves ? Bound{} : 2 * tolerance::method_error(c.method.order, spin / 256, spin / 256) * method;
-        // A contact that lasts pushes at both ends of the step, at points that slide apart meanwhile.
+        // The impulses of a lasting contact act at both ends of the step, at points that slide apart meanwhile.
         const Number slid = (norm(a.v - b.v) + 2 * spin) / 256,
                      pushed = number(setup.bodies[0].mass) * norm(world->motion(0).v - a.v) / 2;
         const Bound of_sliding =
@@ -330,8 +330,8 @@ TEST_P(Pairs, two_boxes_keep_their_momentum_and_angular_momentum) {
     expect_meetings_conserve(Kind::box, Kind::box, GetParam());
 }
 
-// Five equal spheres on a floor without friction; those that move come from the left with 2 m/s, in touch, and have a
-// metre to go.
+// Five equal spheres on a floor without friction. The moving ones come from the left at 2 m/s, touch each other, and
+// have one metre to go.
 SceneSetup cradle(int moving) {
     SceneSetup setup = space(1);
     setup.world.gravity = gravity;
@@ -344,7 +344,7 @@ SceneSetup cradle(int moving) {
     return setup;
 }
 
-TEST_P(Pairs, a_cradle_sends_as_many_spheres_away_as_come) {
+TEST_P(Pairs, a_cradle_sends_away_as_many_spheres_as_arrive) {
     for (const int moving : {1, 2}) {
         const SceneSetup setup = cradle(moving);
         const auto world = build(setup, GetParam());
@@ -361,8 +361,8 @@ TEST_P(Pairs, a_cradle_sends_as_many_spheres_away_as_come) {
     }
 }
 
-// Eleven exchanges at one moment, in either order of the pairs.
-TEST_P(Pairs, a_long_row_in_touch_passes_a_blow_on_from_either_end) {
+// Eleven exchanges at one moment, with the pairs in either order.
+TEST_P(Pairs, a_long_row_passes_on_an_impact_from_either_end) {
     constexpr int balls = 12;
     std::vector<Motion> after[2];
     const Bound allowed = (balls - 1) * 2 * tolerance::exchange.of(system());
@@ -392,13 +392,13 @@ TEST_P(Pairs, a_long_row_in_touch_passes_a_blow_on_from_either_end) {
     }
 }
 
-// What one impact does, another pair within the tolerance is about to have by itself.
-TEST_P(Pairs, a_row_with_a_gap_below_the_tolerance_passes_an_elastic_blow_on_whole) {
+// The impact of one pair reaches another pair, within the tolerance, that is about to collide by itself.
+TEST_P(Pairs, a_row_with_a_gap_below_the_tolerance_passes_on_the_whole_impact) {
     for (std::uint64_t seed = 0; seed < 60; ++seed) {
         Random random{seed};
         const Axes3 axes = random_axes(random);
         const int rate = seed % 2 == 0 ? 256 : 60;
-        // What approaches by less than gravity changes in two steps rests.
+        // A point that approaches by less than the change of speed by gravity in two steps rests.
         const Number radius = 0.05L, speed = random.uniform(1.05, 4) * 2 * 9.81L / rate,
                      gap = random.uniform(0.2e-3, 0.95e-3);
         SceneSetup setup{.name = "row", .step = {1, rate}};
@@ -417,8 +417,9 @@ TEST_P(Pairs, a_row_with_a_gap_below_the_tolerance_passes_an_elastic_blow_on_who
     }
 }
 
-// The lower ball comes near the upper one by its bounce on the floor, in a step in which that has flown already.
-TEST_P(Pairs, a_body_that_another_comes_near_within_a_step_flies_through_it_once) {
+// The lower ball bounces off the floor and comes near the upper ball, in a step in which the upper ball has already
+// flown.
+TEST_P(Pairs, a_body_approached_by_another_within_a_step_flies_only_once) {
     for (const bool upper_first : {false, true}) {
         SceneSetup setup = space(1);
         setup.step = Seconds{1, 64};
@@ -462,8 +463,8 @@ TEST_P(Pairs, a_cradle_between_walls_passes_its_momentum_to_and_fro) {
     }
 }
 
-// Up to eight bounces in a step, as many as are resolved. Each may round the speed, and is found within 2^-16 of the
-// contact band: twice that in place, 3e-5 m after a thousand.
+// Up to eight bounces in a step, the most that are resolved. Each may round the speed, and is found to within 2^-16 of
+// the contact band: twice that in position, 3e-5 m after a thousand bounces.
 TEST_P(Pairs, an_elastic_ball_between_near_walls_keeps_its_speed_and_stays_between_them) {
     constexpr Number room = 0.03125L, radius = 0.125L;
     for (const Number thickness : {0.5L, 0.0625L}) {
@@ -536,7 +537,7 @@ TEST_P(Pairs, elastic_spheres_in_a_box_of_planes_keep_their_energy_and_stay_insi
         EXPECT_GT(norm(world->motion(b).v - first[static_cast<std::size_t>(b)]), 1e-3L) << "sphere " << b;
 }
 
-TEST(pairs, more_pairs_near_each_other_than_there_is_room_for_are_told) {
+TEST(pairs, more_near_pairs_than_there_is_room_for_are_reported) {
     for (const char* name : {"q32_near", "f32"}) {
         if (!has_minimal_worlds(name)) continue;
         SceneSetup setup = space(0.5L);
@@ -554,7 +555,7 @@ TEST(pairs, more_pairs_near_each_other_than_there_is_room_for_are_told) {
         enough->run(256);
         EXPECT_TRUE(few->status().has(Issue::contacts_full)) << name;
         EXPECT_TRUE(enough->status().ok()) << name;
-        // Two alone are as many as there is room for.
+        // There is room for the pairs of two bodies.
         setup.bodies.pop_back();
         const auto pair = build_minimal(setup, c);
         pair->run(256);
@@ -575,12 +576,12 @@ protected:
         setup.step = Seconds{1, 64};
         return setup;
     }
-    // Against n, askew by as much as 70 degrees.
+    // A direction against n, inclined by up to 70 degrees.
     static Vector askew(Vector n, Random& random) {
         const Number cosine = random.uniform(0.34, 1);
         return n * -cosine + across(n, random) * std::sqrt(1 - cosine * cosine);
     }
-    // A shot that reaches `at` with the direction `along`, after `flight` metres, and leaves as off a wall.
+    // A shot that reaches `at` with the direction `along`, after `flight` metres, and leaves as from a wall.
     static void expect_rebound(const SceneSetup& setup, Vector n, Vector at, Vector along, Number flight, int shot) {
         const auto world = build(setup, GetParam());
         constexpr int steps = 5;
@@ -611,7 +612,7 @@ TEST_P(Bullets, bounce_off_a_plane_from_every_side) {
     }
 }
 
-// A fixed wall of 0.05 m, two metres square, in any place.
+// A fixed wall, 0.05 m thick and two metres square, at a random place.
 BodySpec thin_wall(Random& random) {
     BodySpec wall = box(100, {2, 2, 0.05});
     wall.position = {random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
@@ -637,13 +638,13 @@ TEST_P(Bullets, bounce_off_the_faces_of_a_thin_box) {
     }
 }
 
-// From a point to a box in its own axes.
+// The distance of a point from a box, in the axes of the box.
 Number distance_to_box(Vector p, Vector half) {
     const auto beyond = [](Number x, Number h) { return std::max(std::abs(x) - h, Number(0)); };
     return norm(Vector{beyond(p.x, half.x), beyond(p.y, half.y), beyond(p.z, half.z)});
 }
 
-TEST_P(Bullets, hit_a_thin_box_where_their_path_does_and_nowhere_else) {
+TEST_P(Bullets, hit_a_thin_box_exactly_where_their_path_crosses_it) {
     Random random{3};
     const Vector half{1, 1, 0.025L};
     int hits = 0, misses = 0;
@@ -651,11 +652,11 @@ TEST_P(Bullets, hit_a_thin_box_where_their_path_does_and_nowhere_else) {
         SceneSetup setup = range();
         const BodySpec wall = thin_wall(random);
         const Motion place = start_of(wall);
-        // Through some point in or beside the wall.
+        // Through a random point in or beside the wall.
         const Vector through{random.uniform(-1.3, 1.3), random.uniform(-1.3, 1.3), random.uniform(-0.2, 0.2)};
         const Vector along_b = direction(random), start_b = through - along_b * Number(random.uniform(4, 8));
         if (distance_to_box(start_b, half) < 2 * radius) continue;
-        // The distance from a convex body is convex along a line: its least by golden section.
+        // The distance from a convex body is convex along a line. Its minimum is found by golden section.
         const auto at = [&](Number s) { return distance_to_box(start_b + along_b * s, half); };
         Number low = 0, high = 16;
         for (int i = 0; i < 100; ++i) {
@@ -688,7 +689,7 @@ TEST_P(Bullets, hit_each_other_where_their_paths_cross) {
         const Vector meet = direction(random), along = direction(random), other = direction(random);
         const Vector relative = (along - other) * speed;
         if (norm(relative) < speed) continue;
-        // When the first is at `meet` the second is beside it, at right angles to their relative velocity.
+        // When the first body is at `meet`, the second is beside it, perpendicular to their relative velocity.
         const Number time = random.uniform(0.005, 0.04), beside = random.uniform(0, 0.3);
         if (std::abs(beside - 2 * radius) < 5 * tolerance::contact_band) continue;  // too close to call
         const Vector gap = across(relative * (1 / norm(relative)), random) * beside;
@@ -709,7 +710,7 @@ TEST_P(Bullets, hit_each_other_where_their_paths_cross) {
         } else {
             ++misses;
         }
-        // Glancing, the normal is as many times less certain.
+        // In a glancing impact, the error of the normal is larger by this factor.
         const Number glance =
             beside < 2 * radius ? 1 / std::sqrt(1 - beside * beside / (4 * radius * radius)) : Number(1);
         EXPECT_LE(norm(world->motion(0).v - first.motion.v), speed * tolerance::bullet * glance) << "shot " << shot;
@@ -718,7 +719,7 @@ TEST_P(Bullets, hit_each_other_where_their_paths_cross) {
     EXPECT_GT(std::min(hits, misses), 20) << hits << " hits, " << misses << " misses";
 }
 
-TEST_P(Bullets, do_not_pass_a_free_box_either) {
+TEST_P(Bullets, do_not_pass_through_a_free_box) {
     Random random{6};
     for (int shot = 0; shot < shots / 2; ++shot) {
         SceneSetup setup = range();

@@ -1,5 +1,5 @@
-// Point masses: they move as the centre of mass of any body does, and have no rotation. That a world of nothing else
-// has the bits of one with everything compiled in, skipping_test.cpp shows.
+// Point masses: they move like the centre of mass of any body, and have no rotation. skipping_test.cpp shows that a
+// world of point masses only has the same bits as one with every feature.
 #include "references.hpp"
 #include "tolerances.hpp"
 
@@ -17,7 +17,7 @@ protected:
 };
 INSTANTIATE_TEST_SUITE_P(every, Points, testing::ValuesIn(every_case()), NameOf{});
 
-// The scene with spheres of the same masses in place of its point masses.
+// The scene with a sphere of the same mass in place of each point mass.
 SceneSetup with_spheres(SceneSetup setup, RealVec3 spin) {
     for (BodySpec& body : setup.bodies) {
         if (!is_point_mass(body)) continue;
@@ -44,7 +44,7 @@ void expect_one_motion(const SceneSetup& one, const SceneSetup& other, const Cas
     }
 }
 
-TEST_P(Points, fly_freely_as_bodies_that_spin_do_bit_by_bit) {
+TEST_P(Points, fly_with_the_same_bits_as_spinning_bodies) {
     SceneSetup setup{.name = "thrown"};
     setup.world = {.gravity = {0, -9.81, 0}};
     setup.bodies = {point_mass(0.3)};
@@ -53,7 +53,7 @@ TEST_P(Points, fly_freely_as_bodies_that_spin_do_bit_by_bit) {
     expect_one_motion(setup, with_spheres(setup, {1, -2, 0.5}), GetParam());
 }
 
-TEST_P(Points, move_under_loads_as_bodies_that_do_not_turn_do_bit_by_bit) {
+TEST_P(Points, move_under_loads_with_the_same_bits_as_bodies_that_do_not_turn) {
     SceneSetup setup{.name = "loaded"};
     setup.world = {
         .gravity = {0, -1, 0}, .gravitation = 2, .linear_drag = 0.05, .contact = {.response = ContactResponse::none}};
@@ -79,14 +79,14 @@ TEST_P(Points, thrown_follow_the_parabola) {
     world->run(512);
     const Motion m = world->motion(0);
     const Vector expected{6, 0, -2};
-    // Order 1 keeps the velocity of one end of the step: g t h / 2.
+    // A method of order 1 advances by the velocity of one end of the step: the error is g t h / 2.
     const Bound of_method = order() == 1 ? tolerance::method_error(1, 8.0L / 512, 2) : Bound{};
     EXPECT_LE(norm(m.x - expected), of_method + tolerance::coasting.of(system()));
     EXPECT_LE(norm(m.v - Vector{3, -8, -1}), tolerance::coasting.of(system()));
 }
 
 TEST_P(Points, on_an_orbit_keep_their_energy_and_angular_momentum) {
-    // About a fixed mass: a = 4 m, G M = 64: period 2 pi; eccentricity 1/4, from the perihelion.
+    // About a fixed mass: a = 4 m, G M = 64, period 2 pi, eccentricity 1/4, from the perihelion.
     SceneSetup setup{.name = "orbit", .step = Seconds{1, 512}};
     setup.world.gravitation = 0.5;
     setup.bodies = {point_mass(128), point_mass(1)};
@@ -104,7 +104,7 @@ TEST_P(Points, on_an_orbit_keep_their_energy_and_angular_momentum) {
     EXPECT_TRUE(world->status().ok());
 }
 
-TEST_P(Points, pull_at_a_body_and_do_not_turn) {
+TEST_P(Points, pull_a_body_and_do_not_rotate) {
     SceneSetup setup{.name = "mixed"};
     setup.world = {.angular_drag = 0.25};
     setup.bodies = {point_mass(2), top({3, 2, 1}, {0.25, 0.5, 0.125}, 3)};
@@ -152,7 +152,7 @@ template <class S>
 using PointMisuseDeathTest = PointMisuse<S>;
 TYPED_TEST_SUITE_P(PointMisuseDeathTest);
 
-TYPED_TEST_P(PointMisuseDeathTest, of_a_point_mass_that_is_to_turn_ends_the_program) {
+TYPED_TEST_P(PointMisuseDeathTest, of_a_rotation_of_a_point_mass_ends_the_program) {
     auto& world = this->world_;
     const BodyId id{0};
     EXPECT_DEATH(world.apply_impulse(id, {1, 0, 0}, {0, 0.5, 0}), "");
@@ -181,7 +181,7 @@ TYPED_TEST_P(PointMisuseDeathTest, of_a_point_mass_that_is_to_turn_ends_the_prog
     EXPECT_DEATH((void)world.add(SpringSpec{.to_body = 1, .to = {1, 0, 0}, .stiffness = 1}), "");
     EXPECT_TRUE(world.add(SpringSpec{.to_body = 1, .stiffness = 1}));
 }
-REGISTER_TYPED_TEST_SUITE_P(PointMisuseDeathTest, of_a_point_mass_that_is_to_turn_ends_the_program);
+REGISTER_TYPED_TEST_SUITE_P(PointMisuseDeathTest, of_a_rotation_of_a_point_mass_ends_the_program);
 using WorldsOfPoints = testing::Types<Cloud, Mixed>;
 INSTANTIATE_TYPED_TEST_SUITE_P(worlds, PointMisuseDeathTest, WorldsOfPoints);
 
@@ -200,7 +200,7 @@ TEST(PointsDeathTest, only_worlds_with_point_masses_take_them_and_only_those_wit
     EXPECT_TRUE(bodies.add(sphere(1, 1)));
 }
 
-TEST(PointWorlds, the_hash_of_a_world_of_them_is_that_of_a_mixed_one) {
+TEST(PointWorlds, a_world_of_point_masses_has_the_hash_of_a_mixed_world) {
     World<Cloud> cloud{Seconds{1, 256}};
     World<Mixed> mixed{Seconds{1, 256}};
     (void)cloud.add(point_mass(1));

@@ -1,4 +1,4 @@
-// What tests compare a world's first body with: the same scene for the reference, and what it conserves.
+// The references for the first body of a world: the same scene in the reference, and its conserved quantities.
 #pragma once
 
 #include "worlds.hpp"
@@ -18,7 +18,7 @@ namespace tumble::test {
     return body;
 }
 
-// Tumbles: it turns about its middle axis, which is unstable.
+// A top that tumbles: it turns about its middle axis, which is unstable.
 [[nodiscard]] inline SceneSetup free_top(Seconds step) {
     SceneSetup setup{.name = "free_top", .step = step};
     setup.bodies = {top({1, 2, 3}, {0.1, 2, 0.1})};
@@ -28,7 +28,7 @@ namespace tumble::test {
 [[nodiscard]] inline reference::Body reference_body(const BodySpec& body) {
     return {number(body.mass), {number(body.inertia.xx), number(body.inertia.yy), number(body.inertia.zz)}};
 }
-// Gravity, drag and springs to world points, on the first body.
+// Gravity, drag and springs to points of the world, on the first body.
 [[nodiscard]] inline auto reference_load(const SceneSetup& setup) {
     const Number mass = number(setup.bodies[0].mass);
     return [=](const Motion& m, Number) {
@@ -51,12 +51,12 @@ namespace tumble::test {
             vector(body.angular_velocity)};
 }
 
-// The largest of the distances in m, m/s, rad and rad/s.
+// The largest of the differences in m, m/s, rad and rad/s.
 [[nodiscard]] inline Number distance(const Motion& a, const Motion& b) {
     return std::max({norm(a.x - b.x), norm(a.v - b.v), angle_between(a.q, b.q), norm(a.w - b.w)});
 }
 
-// The largest orientation error of the first body, rad, over samples every so many steps.
+// The largest orientation error of the first body, rad, over samples at equal numbers of steps.
 [[nodiscard]] inline Number orientation_error(AnyWorld& world, const std::vector<Motion>& reference,
                                               int steps_per_sample) {
     Number worst = 0;

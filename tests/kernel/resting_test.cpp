@@ -113,7 +113,7 @@ TEST_P(Resting, a_stack_of_ten_boxes_stands_for_a_minute_and_sleeps_without_a_bi
     }
 }
 
-TEST_P(Resting, a_stack_whose_boxes_are_shifted_stands_too) {
+TEST_P(Resting, a_stack_of_shifted_boxes_stands) {
     const SceneSetup setup = stack(false, 0.03125L);
     const auto world = build(setup, GetParam());
     expect_stack_stands(*world, setup, 10);
@@ -250,7 +250,7 @@ TEST_P(Resting, a_box_that_is_put_down_stays_where_it_is) {
 // of up to 8 m between them they meet within what is foreseen at the start, half a second, and after it. From above
 // that the blow goes deep into the floor below the box within a step, and the moment of the impact must be found among
 // points that only rest.
-TEST_P(Resting, a_ball_that_drops_on_a_box_which_lies_awake_comes_to_rest_on_top_of_it) {
+TEST_P(Resting, a_ball_dropped_on_an_awake_box_comes_to_rest_on_it) {
     for (const bool ball_first : {false, true}) {
         for (const Number gap : {0.25L, 0.5L, 1.0L, 2.0L, 8.0L, 14.0L, 18.0L, 20.0L}) {
             SceneSetup setup = floor(0, 0.5L);
@@ -290,7 +290,7 @@ TEST_P(Resting, a_hoop_that_lies_flat_rests_on_four_points_of_its_rim) {
 }
 
 // Both islands see the table where it is at the end of the step.
-TEST_P(Resting, what_falls_on_one_end_of_a_tilting_table_does_not_change_what_happens_at_the_other) {
+TEST_P(Resting, a_body_that_falls_on_one_end_of_a_tilting_table_does_not_change_the_other_end) {
     std::vector<Motion> alone;
     for (const bool with_another : {false, true}) {
         SceneSetup setup = floor(0.5L, 0.5L);
@@ -313,7 +313,7 @@ TEST_P(Resting, what_falls_on_one_end_of_a_tilting_table_does_not_change_what_ha
 
 // In fixed point a larger body makes the unit of length coarser; what had been measured in the finer one must not be
 // taken for lengths in it.
-TEST_P(Resting, boxes_at_rest_do_not_notice_that_a_much_larger_one_is_added_far_away) {
+TEST_P(Resting, a_much_larger_box_added_far_away_does_not_disturb_boxes_at_rest) {
     for (const Number edge : {16.0L, 32.0L}) {
         for (const bool fixed : {false, true}) {
             SceneSetup setup = floor(0, 0.5L);
@@ -423,7 +423,7 @@ std::vector<Roller> rollers() {
             {hoop(2, 0.25), 0.25L, "hoop"}};
 }
 
-TEST_P(Resting, what_is_round_slides_until_it_rolls) {
+TEST_P(Resting, round_bodies_slide_until_they_roll) {
     for (const Roller& roller : rollers()) {
         SceneSetup setup = floor(0, 0.5L);
         setup.bodies = {standing(roller.body, 0, roller.radius)};
@@ -438,7 +438,7 @@ TEST_P(Resting, what_is_round_slides_until_it_rolls) {
     }
 }
 
-TEST_P(Resting, what_is_round_rolls_down_an_incline_with_the_closed_form) {
+TEST_P(Resting, round_bodies_roll_down_an_incline_with_the_closed_form) {
     for (const Roller& roller : rollers()) {
         SceneSetup setup = incline(0.625L);
         setup.bodies = {standing(roller.body, 0, 0)};
@@ -549,7 +549,7 @@ TEST_P(Resting, a_ball_on_a_turntable_rolls_in_a_circle_at_two_sevenths_of_its_t
     EXPECT_TRUE(world->status().ok());
 }
 
-TEST_P(Resting, a_ball_that_spins_as_the_turntable_below_it_stays_where_it_is) {
+TEST_P(Resting, a_ball_that_spins_with_its_turntable_stays_where_it_is) {
     SceneSetup setup = turntable(3.5L);
     setup.bodies.push_back(standing(sphere(1, 0.25), -2, 0.25L));
     setup.bodies[1].angular_velocity = {-28, 0, 0};
@@ -652,7 +652,7 @@ TEST_P(Resting, a_timed_force_wakes_a_sleeper_when_it_begins) {
     EXPECT_TRUE(world->asleep(0));
 }
 
-TEST_P(Resting, a_force_that_is_set_while_it_is_on_wakes_a_sleeper_and_is_foreseen) {
+TEST_P(Resting, a_force_that_is_set_while_it_acts_wakes_a_sleeper_and_stops_at_the_floor) {
     SceneSetup setup = sleepy_floor();
     setup.bodies = {sleeper()};
     const auto world = build(setup, GetParam());
@@ -672,7 +672,7 @@ TEST_P(Resting, a_force_that_is_set_while_it_is_on_wakes_a_sleeper_and_is_forese
     EXPECT_LE(0.25L - floating->motion(0).x.y, tolerance::depth);
 }
 
-TEST_P(Resting, contacts_and_sleep_go_on_where_a_count_of_steps_begins_anew) {
+TEST_P(Resting, contacts_and_sleep_continue_when_a_step_counter_wraps) {
     // A sleeper that a force pushes for a while, a ball that bounces, one on a spring, and one that rolls to the
     // sleeper.
     const auto scene = [&](std::uint64_t start) {
@@ -739,7 +739,7 @@ TEST_P(Resting, a_force_that_does_not_move_a_sleeper_moves_nothing) {
     EXPECT_TRUE(world->asleep(0));
 }
 
-TEST_P(Resting, the_touch_of_a_moving_body_wakes_a_sleeper_and_a_passing_one_does_not) {
+TEST_P(Resting, a_touching_body_wakes_a_sleeper_and_a_passing_one_does_not) {
     for (const bool touches : {true, false}) {
         SceneSetup setup = sleepy_floor();
         setup.bodies = {sleeper(), standing(sphere(2, 0.25), -8, 0.25L)};
@@ -769,7 +769,7 @@ TEST_P(Resting, the_touch_of_a_moving_body_wakes_a_sleeper_and_a_passing_one_doe
     }
 }
 
-TEST_P(Resting, who_is_pushed_wakes_those_that_rest_on_it) {
+TEST_P(Resting, a_pushed_body_wakes_the_bodies_on_it) {
     SceneSetup setup = sleepy_floor();
     setup.bodies = {sleeper(), standing(box(1, {0.5, 0.5, 0.5}), 0.125L, 0.75L), standing(box(1, {1, 1, 1}), 4, 0.5L)};
     const auto world = build(setup, GetParam());
@@ -788,7 +788,7 @@ TEST_P(Resting, who_is_pushed_wakes_those_that_rest_on_it) {
     for (int b = 0; b < 3; ++b) EXPECT_TRUE(world->asleep(b)) << b;
 }
 
-TEST_P(Resting, who_loses_what_it_lay_on_falls) {
+TEST_P(Resting, a_body_that_loses_its_support_falls) {
     SceneSetup setup = sleepy_floor(0);
     setup.bodies = {sleeper(), standing(box(1, {0.5, 0.5, 0.5}), 0, 0.75L)};
     const auto world = build(setup, GetParam());
@@ -800,7 +800,7 @@ TEST_P(Resting, who_loses_what_it_lay_on_falls) {
     EXPECT_GT(world->motion(1).x.y, 0.2L);
 }
 
-TEST_P(Resting, who_moves_a_little_faster_than_the_limit_never_sleeps) {
+TEST_P(Resting, a_body_slightly_faster_than_the_limit_never_sleeps) {
     SceneSetup setup = sleepy_floor(0);
     setup.bodies = {standing(sphere(1, 0.25), 0, 0.25L), standing(sphere(1, 0.25), 2, 0.25L)};
     setup.bodies[0].velocity = {0.0625, 0, 0};          // slides
@@ -826,7 +826,7 @@ TEST_P(Resting, nothing_sleeps_in_the_air) {
 }
 
 // In fixed point a step of 2^-16 s is one of the shortest in which a ball feels gravity.
-TEST(Sleep, comes_after_its_time_however_many_steps_that_takes) {
+TEST(Sleep, begins_after_its_time_for_any_number_of_steps) {
     for (const char* system : {"q32_near", "f64"}) {
         for (const int steps : {70000, 140000}) {
             SceneSetup setup = sleepy_floor();

@@ -1,5 +1,5 @@
-// The rules of contacts and of sleep at their edges: what bounces and what does not, who wakes whom, what a change in
-// mid-run does, and when a bound that a step meets is told.
+// The rules of contacts and of sleep at their limits: which approaches bounce, which body wakes which, the effect of a
+// change during a run, and the reports of bounds that a step reaches.
 #include "contact_cases.hpp"
 
 #include <utility>
@@ -17,7 +17,7 @@ protected:
 };
 INSTANTIATE_TEST_SUITE_P(every, Rules, testing::ValuesIn(contact_cases()), NameOf{});
 
-// Directions that are no axes of the world, and one that is.
+// Directions that are not axes of the world, and one that is.
 const Vector normals[] = {{0, 1, 0}, {-1, 0, 0}, {0.6L, 0, -0.8L}, {2 / 7.0L, -3 / 7.0L, 6 / 7.0L}};
 
 BodySpec placed(BodySpec body, Vector position, Vector velocity = {}) {
@@ -55,7 +55,7 @@ TEST_P(Rules, an_approach_below_the_restitution_threshold_does_not_bounce) {
     }
 }
 
-TEST_P(Rules, the_threshold_is_of_the_speed_at_which_two_bodies_approach) {
+TEST_P(Rules, the_threshold_applies_to_the_relative_speed_of_two_bodies) {
     for (const Number share : {0.9L, 1.1L}) {
         SceneSetup setup{.name = "threshold"};
         setup.world.contact = {.restitution = 1, .restitution_threshold = 2};
@@ -63,16 +63,16 @@ TEST_P(Rules, the_threshold_is_of_the_speed_at_which_two_bodies_approach) {
                         placed(sphere(3, 0.25), {0.375L, 0, 0}, {-0.5L * share, 0, 0})};
         const auto world = build(setup, GetParam());
         world->run(second);
-        // Their centre of mass is at rest: they turn back, or stay together.
+        // The centre of mass is at rest: the bodies turn back or stay together.
         const Number leaves = share > 1 ? share : 0;
         EXPECT_LE(norm(world->motion(0).v + Vector{1.5L * leaves, 0, 0}), 4 * rounding());
         EXPECT_LE(norm(world->motion(1).v - Vector{0.5L * leaves, 0, 0}), 4 * rounding());
     }
 }
 
-// A ball lands 0.95 of a step after it was let go. Its bounce would last 2 e v / g: more or less than an eighth of a
+// A ball lands 0.95 of a step after its release. Its bounce would last 2 e v / g: more or less than an eighth of a
 // step.
-TEST_P(Rules, a_bounce_that_lasts_less_than_an_eighth_of_a_step_is_none) {
+TEST_P(Rules, a_bounce_shorter_than_an_eighth_of_a_step_is_suppressed) {
     constexpr Number h = 1.0L / 16, landing = 0.95L * h;
     for (const Number share : {0.0625L, 0.115L, 0.135L, 0.1875L}) {
         const Number speed = g * landing, restitution = share * g * h / (2 * speed);
@@ -87,8 +87,8 @@ TEST_P(Rules, a_bounce_that_lasts_less_than_an_eighth_of_a_step_is_none) {
     }
 }
 
-// The moment of an impact is found whatever the flight to it, here from rest in a step of up to 1/8 s. It rises until
-// after the end of the step.
+// The moment of an impact is found for any flight, here from rest in a step of up to 1/8 s. The ball rises until after
+// the end of the step.
 TEST_P(Rules, an_elastic_ball_keeps_its_energy_wherever_in_the_second_half_of_a_long_step_it_lands) {
     for (const Number h : {0.125L, 0.0625L}) {
         for (int place = 10; place < 20; ++place) {
@@ -109,9 +109,9 @@ TEST_P(Rules, an_elastic_ball_keeps_its_energy_wherever_in_the_second_half_of_a_
 
 // --- bounds of a step --------------------------------------------------------------------------------------------
 
-// Between two planes that meet at an angle a, reflections turn the velocity by 2 a each until it leads out: about
-// pi / a of them, of which a round takes two.
-TEST_P(Rules, a_ball_in_a_wedge_too_narrow_for_the_rounds_of_an_impact_is_told_and_in_a_wide_one_leaves) {
+// Between two planes that meet at an angle a, each reflection turns the velocity by 2 a until it leads out. That takes
+// about pi / a reflections; a round takes two of them.
+TEST_P(Rules, a_wedge_that_needs_too_many_impact_rounds_is_reported_and_a_wide_one_releases_the_ball) {
     for (const Number mirror : {1.0L, -1.0L}) {
         for (const bool narrow : {false, true}) {
             const Number half = narrow ? 0.03L : 0.3L, radius = 0.25L;
@@ -128,8 +128,9 @@ TEST_P(Rules, a_ball_in_a_wedge_too_narrow_for_the_rounds_of_an_impact_is_told_a
     }
 }
 
-// Each that it flies past is looked at, since along the direction from it at the start the ball has come through.
-TEST_P(Rules, a_ball_that_flies_past_more_bodies_in_a_step_than_are_looked_at_is_told_and_past_few_is_not) {
+// Each body that the ball flies past is examined, because along the direction from that body at the start the ball has
+// passed.
+TEST_P(Rules, passing_more_bodies_in_a_step_than_are_examined_is_reported_and_passing_few_is_not) {
     for (const Vector along : {Vector{1, 0, 0}, {0, 0, -1}, {0.6L, 0, 0.8L}}) {
         for (const int passed : {3, 4, 5, 7}) {
             SceneSetup setup{.name = "past", .step = Seconds{1, 4}};
@@ -151,7 +152,7 @@ TEST_P(Rules, a_barrier_that_is_jumped_over_in_one_step_is_told) {
     for (const Vector n : normals) {
         for (const Number speed : {16.0L, 30.0L}) {
             SceneSetup setup{.name = "barrier", .step = Seconds{1, 16}};
-            // Too weak to be felt, and to be too stiff, where the step begins and where it ends.
+            // The barrier is too weak to act, and to be too stiff, at the beginning and at the end of the step.
             setup.world.contact = {.response = ContactResponse::spring, .stiffness = 1, .barrier = 1e-6};
             setup.planes = {{.normal = real(n)}};
             setup.bodies = {placed(sphere(1, 0.25), n * (0.25L + speed / 32), n * -speed)};
@@ -162,7 +163,7 @@ TEST_P(Rules, a_barrier_that_is_jumped_over_in_one_step_is_told) {
     }
 }
 
-TEST_P(Rules, a_start_that_leaves_the_range_is_told_before_the_first_step) {
+TEST_P(Rules, a_start_outside_the_range_is_reported_before_the_first_step) {
     if (!system().fixed_point) GTEST_SKIP() << "floating point holds any start that is finite";
     for (const auto& [position, velocity] :
          {std::pair<Vector, Vector>{{0, 80, 0}, {}}, {{-65, 0, 0}, {}}, {{}, {0, 0, 40}}, {{}, {-33, 0, 0}}}) {
@@ -174,8 +175,8 @@ TEST_P(Rules, a_start_that_leaves_the_range_is_told_before_the_first_step) {
     }
 }
 
-// Gravity drives it beyond the range on its way to a floor that stops it in the same step.
-TEST_P(Rules, a_range_that_is_left_on_the_way_to_an_impact_is_told) {
+// Gravity drives the ball out of the range on its way to a floor, which stops it in the same step.
+TEST_P(Rules, leaving_the_range_on_the_way_to_an_impact_is_reported) {
     if (!system().fixed_point) GTEST_SKIP() << "floating point has no such range";
     for (const Vector n : {Vector{0, 1, 0}, {-1, 0, 0}, {0, 0, -1}}) {
         for (const Number speed : {29.0L, 31.5L}) {
@@ -193,8 +194,8 @@ TEST_P(Rules, a_range_that_is_left_on_the_way_to_an_impact_is_told) {
     }
 }
 
-// A heavy ball that comes behind drives a light one beyond the range, and gravity brings it back within the same step.
-TEST_P(Rules, a_range_that_an_impact_leaves_is_told_though_the_rest_of_the_step_comes_back_into_it) {
+// A heavy ball from behind drives a light one out of the range, and gravity brings it back within the same step.
+TEST_P(Rules, leaving_the_range_by_an_impact_is_reported_even_if_the_rest_of_the_step_returns) {
     if (!system().fixed_point) GTEST_SKIP() << "floating point has no such range";
     for (const Vector n : {Vector{0, 1, 0}, {-1, 0, 0}, {0, 0, -1}}) {
         for (const Number speed : {10.0L, 24.0L}) {  // of the heavy one; half of the approach is added to it
@@ -229,7 +230,8 @@ TEST_P(Rules, the_largest_safe_step_is_half_the_limit_of_the_fastest_oscillation
             << "a ball of " << mass << " kg";
         for (const Vector edges : {Vector{1, 1, 1}, {2, 1, 1}, {0.25L, 3, 0.5L}, {4, 4, 0.125L}}) {
             setup.bodies = {placed(box(real(mass), real(edges)), {0, 4, 0})};
-            // Four springs: lifting, and tilting about edge i by springs half an edge j away, whatever face it is on.
+            // Four springs: lifting, and tilting about edge i by springs that are half an edge j away, for every face
+            // below.
             Number fastest = 4 * stiffness / mass;
             for (int i = 0; i < 3; ++i)
                 for (int j = 0; j < 3; ++j)
@@ -240,7 +242,8 @@ TEST_P(Rules, the_largest_safe_step_is_half_the_limit_of_the_fastest_oscillation
                 << mass << " kg, edges " << edges.x << ", " << edges.y << ", " << edges.z << " m";
         }
     }
-    // Where bodies touch each other in a row, the fastest has neighbours in opposition: 3 k / m of three equal ones.
+    // In a row of touching bodies, neighbours move against each other in the fastest oscillation: 3 k / m for three
+    // equal bodies.
     setup.planes.clear();
     setup.bodies.clear();
     for (int i = 0; i < 3; ++i) setup.bodies.push_back(placed(sphere(2, 0.25), {0.5L * i, 0, 0}));
@@ -249,7 +252,8 @@ TEST_P(Rules, the_largest_safe_step_is_half_the_limit_of_the_fastest_oscillation
 
 // --- foresight ---------------------------------------------------------------------------------------------------
 
-// A load may change a closing speed within a step in which the body was far enough to be left alone at that speed.
+// A load may change a closing speed within a step, though the body was far enough to be clear of contact at the earlier
+// speed.
 TEST_P(Rules, a_body_that_a_force_drives_on_within_a_step_does_not_come_deeper_than_the_tolerance) {
     constexpr Number speed = 4, push = 3.875L * 256;
     for (const Vector n : {normals[0], normals[3]}) {
@@ -270,7 +274,7 @@ TEST_P(Rules, a_body_that_a_force_drives_on_within_a_step_does_not_come_deeper_t
     }
 }
 
-// The same of two bodies, whichever of them is driven.
+// The same for two bodies, with either of them driven.
 TEST_P(Rules, bodies_that_a_force_drives_at_each_other_within_a_step_do_not_come_deeper_than_the_tolerance) {
     constexpr Number speed = 4, push = 3.875L * 256;
     for (const Vector n : normals) {
@@ -294,9 +298,9 @@ TEST_P(Rules, bodies_that_a_force_drives_at_each_other_within_a_step_do_not_come
     }
 }
 
-// What hovers before a floor has been foreseen to meet nobody for half a second, when another comes softly into touch
-// and a force upon that one presses both down.
-TEST_P(Rules, who_is_pressed_on_by_another_does_not_come_deeper_than_the_tolerance) {
+// A body hovers above a floor and has been clear of contact for half a second. Another body touches it softly, and a
+// force on that one presses both down.
+TEST_P(Rules, a_body_pressed_by_another_does_not_come_deeper_than_the_tolerance) {
     for (const Vector n : normals) {
         for (const bool reversed : {false, true}) {
             for (const Number push : {1.5L, 3.0L, 64.0L, 200.0L}) {
@@ -323,8 +327,8 @@ TEST_P(Rules, who_is_pressed_on_by_another_does_not_come_deeper_than_the_toleran
     }
 }
 
-// A slope turns gravity towards a wall that gravity itself runs along.
-TEST_P(Rules, who_slides_down_a_slope_to_an_upright_wall_does_not_come_deeper_than_the_tolerance) {
+// A slope deflects gravity towards a wall that is parallel to gravity.
+TEST_P(Rules, a_body_that_slides_down_a_slope_to_a_wall_does_not_come_deeper_than_the_tolerance) {
     for (const Number mirror : {1.0L, -1.0L}) {
         for (int place = 0; place < 24; ++place) {
             const Number gap = 0.0015L * (1 + place * place / 8.0L), x = 0.25L + gap;
@@ -343,14 +347,14 @@ TEST_P(Rules, who_slides_down_a_slope_to_an_upright_wall_does_not_come_deeper_th
     }
 }
 
-TEST_P(Rules, new_gravity_is_felt_by_what_had_been_foreseen_to_fly_free) {
+TEST_P(Rules, new_gravity_stops_a_body_at_a_plane_that_was_not_tested) {
     for (const Vector n : normals) {
         SceneSetup setup{.name = "gravity"};
         setup.world.contact = {.restitution = 0};
         setup.planes = {{.normal = real(n)}};
         setup.bodies = {placed(sphere(1, 0.25), n * 2.25L)};
         const auto world = build(setup, GetParam());
-        world->run(3);  // at rest, and foreseen to be for half a second
+        world->run(3);  // at rest, with a bound on the time to contact of half a second
         world->set_gravity(n * -25);
         for (int step = 0; step < second; ++step) {
             world->step();  // 0.4 s of fall
@@ -361,7 +365,7 @@ TEST_P(Rules, new_gravity_is_felt_by_what_had_been_foreseen_to_fly_free) {
     }
 }
 
-TEST_P(Rules, a_plane_that_is_added_in_mid_run_stops_what_had_been_foreseen_to_fly_free) {
+TEST_P(Rules, a_plane_added_during_a_run_stops_a_body_that_was_clear_of_contact) {
     for (const Vector n : normals) {
         SceneSetup setup{.name = "plane"};
         setup.world.contact = {.restitution = 0.5};
@@ -376,8 +380,8 @@ TEST_P(Rules, a_plane_that_is_added_in_mid_run_stops_what_had_been_foreseen_to_f
 
 // --- who wakes whom ----------------------------------------------------------------------------------------------
 
-// Cubes on each other, in any order of their places in the world.
-TEST_P(Rules, who_is_pushed_wakes_what_it_rests_on_and_what_that_rests_on) {
+// Cubes on each other, in any order in the world.
+TEST_P(Rules, a_pushed_body_wakes_all_bodies_below_it) {
     for (const bool reversed : {false, true}) {
         for (int pushed = 0; pushed < 3; ++pushed) {
             SceneSetup setup = sleepy_floor(0.5L);
@@ -393,7 +397,7 @@ TEST_P(Rules, who_is_pushed_wakes_what_it_rests_on_and_what_that_rests_on) {
     }
 }
 
-TEST_P(Rules, a_spring_wakes_what_is_at_its_other_end) {
+TEST_P(Rules, a_spring_wakes_the_body_at_its_other_end) {
     for (const int pushed : {0, 1}) {
         for (const bool reversed : {false, true}) {
             SceneSetup setup = sleepy_floor(0.5L);
@@ -413,9 +417,9 @@ TEST_P(Rules, a_spring_wakes_what_is_at_its_other_end) {
     }
 }
 
-// What hovers ahead of a sleeper has been foreseen to meet nobody for half a second; a blow from behind the sleeper
-// comes sooner. Three equal elastic balls in a row: the last takes all.
-TEST_P(Rules, who_wakes_with_its_neighbour_hits_what_had_been_foreseen_to_be_left_alone) {
+// A body hovers ahead of a sleeping one and has been clear of contact for half a second. An impulse from behind the
+// sleeping body arrives sooner. Three equal elastic balls in a row: the last takes all momentum.
+TEST_P(Rules, a_body_woken_with_its_neighbour_hits_a_body_that_was_clear_of_contact) {
     for (const Vector n : normals) {
         for (const bool reversed : {false, true}) {
             SceneSetup setup{.name = "row"};
@@ -437,8 +441,8 @@ TEST_P(Rules, who_wakes_with_its_neighbour_hits_what_had_been_foreseen_to_be_lef
     }
 }
 
-// Slower than what may sleep, and without friction: it goes on for as long as sleep asks for.
-TEST_P(Rules, who_wakes_is_awake_for_the_whole_time_again) {
+// Slower than the speed limit of sleep, and without friction, it goes on for the whole sleep time.
+TEST_P(Rules, a_woken_body_stays_awake_for_the_whole_sleep_time) {
     SceneSetup setup = sleepy_floor(0);
     setup.bodies = {cube(0, 0.5L)};
     const auto world = build(setup, GetParam());
@@ -453,7 +457,7 @@ TEST_P(Rules, who_wakes_is_awake_for_the_whole_time_again) {
     EXPECT_TRUE(world->asleep(0));
 }
 
-TEST_P(Rules, sleep_comes_with_the_step_that_completes_its_time_and_takes_all_motion) {
+TEST_P(Rules, sleep_begins_with_the_step_that_completes_its_time_and_stops_all_motion) {
     for (const int steps : {16, 128, 300}) {
         SceneSetup setup = sleepy_floor(0);
         setup.world.contact.sleep.time = real(steps / 256.0L);
@@ -469,8 +473,8 @@ TEST_P(Rules, sleep_comes_with_the_step_that_completes_its_time_and_takes_all_mo
     }
 }
 
-// A force carries it half a tenth of a millimetre above what touches, for longer than sleep asks for; then it sinks.
-TEST_P(Rules, the_time_before_sleep_counts_from_the_touch) {
+// A force holds the body 0.05 mm above the gap of a contact, for longer than the sleep time. Then it sinks.
+TEST_P(Rules, the_sleep_time_counts_from_the_contact) {
     for (const Number mass : {1.0L, 4.0L}) {
         SceneSetup setup = sleepy_floor(0.25L);
         setup.bodies = {placed(sphere(real(mass), 0.25), {0, 0.25L + tolerance::contact_band + 5e-5L, 0})};
@@ -501,7 +505,7 @@ TEST_P(Rules, new_gravity_wakes_sleepers) {
     EXPECT_LE(std::abs((world->motion(0).x.x - start.x) / (g / 8) - 1), 2 * tolerance::sliding);  // (g/2 - g/4) / 2
 }
 
-TEST_P(Rules, a_plane_that_is_added_in_mid_run_wakes_sleepers) {
+TEST_P(Rules, a_plane_added_during_a_run_wakes_sleepers) {
     SceneSetup setup = sleepy_floor(0.5L);
     setup.bodies = {cube(0, 0.5L)};
     const auto world = build(setup, GetParam());
@@ -513,7 +517,7 @@ TEST_P(Rules, a_plane_that_is_added_in_mid_run_wakes_sleepers) {
     EXPECT_TRUE(world->asleep(0));
 }
 
-// It moves with the table, more slowly than what may sleep.
+// The body moves with the table, more slowly than the speed limit of sleep.
 TEST_P(Rules, nothing_sleeps_on_a_turntable) {
     for (const Number turns : {0.015625L, -0.015625L}) {
         SceneSetup setup = sleepy_floor(1);
@@ -535,8 +539,8 @@ TEST_P(Rules, nothing_sleeps_on_a_turntable) {
 
 // --- depth -------------------------------------------------------------------------------------------------------
 
-// An eighth of what is deeper than a quarter of the tolerance in a step, at most an eighth of the tolerance.
-TEST_P(Rules, what_is_too_deep_comes_out_as_slowly_as_promised) {
+// In a step, an eighth of the penetration beyond a quarter of the tolerance, at most an eighth of the tolerance.
+TEST_P(Rules, a_deep_penetration_is_corrected_as_slowly_as_promised) {
     for (const Number depth : {0.0625L, 0.0009765625L}) {
         for (const bool boxed : {false, true}) {
             SceneSetup setup{.name = "deep"};
@@ -565,9 +569,9 @@ TEST_P(Rules, what_is_too_deep_comes_out_as_slowly_as_promised) {
 class Impulses : public testing::TestWithParam<Case> {};
 INSTANTIATE_TEST_SUITE_P(every, Impulses, testing::ValuesIn(every_case()), NameOf{});
 
-// What a method has prepared for the spin is prepared anew: a body that is struck in mid-flight moves on as one that
-// starts with the motion that the impulse gave it.
-TEST_P(Impulses, a_body_that_is_struck_turns_on_as_one_that_starts_so) {
+// A method prepares its constants anew after an impulse: a body that is struck in flight moves like one that starts
+// with the motion after the impulse.
+TEST_P(Impulses, a_struck_body_moves_like_one_that_starts_with_its_motion) {
     const System& system = GetParam().system;
     for (const Vector impulse : {Vector{0, 0, 2}, {1, -0.5L, 0.25L}, {-2, 1, 3}}) {
         SceneSetup setup{.name = "struck"};

@@ -1,5 +1,4 @@
-// What a scene does not use changes no bit: a world with only the features that a scene needs, and one with all of
-// them.
+// Unused features change no bit: a world with only the features of a scene against one with all features.
 #include "scenes.hpp"
 
 namespace tumble::test {
@@ -32,13 +31,13 @@ TEST_P(Skipping, features_that_are_present_but_do_nothing_change_no_bit) {
     for (const SceneSetup& scene : scenes()) {
         SceneSetup busy = scene;
         const int body = static_cast<int>(busy.bodies.size());
-        busy.bodies.push_back(sphere(1, 0.25));  // far away, without ties to the others
+        busy.bodies.push_back(sphere(1, 0.25));  // far away, not connected to the others
         busy.bodies.back().position = {-40, 0, 40};
         busy.bodies.back().fixed = true;
         busy.forces.push_back({.body = body, .from = 0.0, .until = 100.0, .force = {1, 0, 0}});
         busy.impulses.push_back({.time = 0.5, .body = body, .impulse = {1, 0, 0}});
         if (!scene.planes.empty()) busy.planes.push_back({.normal = {1, 0, 0}, .offset = 50});
-        // Nothing is without ties there.
+        // In these scenes every body is connected to every other.
         if (scene.needs.gravitation || !scene.world.contact.barrier.is_zero()) continue;
         const auto plain = build(scene, GetParam()), other = build(busy, GetParam());
         for (int step = 0; step < 200; ++step) {

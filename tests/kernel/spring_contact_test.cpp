@@ -264,7 +264,7 @@ TEST_P(Springs, the_largest_safe_step_of_a_box_is_safe_for_its_rocking_too) {
     EXPECT_GE(safe, tolerance::safe_step_least * tolerance::safe_step_least * rocking);
 }
 
-TEST_P(Springs, a_step_beyond_the_limit_is_told_and_one_within_it_is_not) {
+TEST_P(Springs, a_step_beyond_the_limit_is_reported_and_one_within_it_is_not) {
     const Number safe = safe_step(oscillator(limit / 8), GetParam());
     for (const Number share : {0.5L, 0.9L, 1.1L, 2.5L}) {
         const auto world = build(oscillator(share * safe), GetParam());

@@ -31,7 +31,7 @@ SceneSetup three_spheres() {
     return setup;
 }
 
-TEST_P(Fixed32, a_position_that_leaves_its_range_is_held_at_the_limit_and_told) {
+TEST_P(Fixed32, a_position_that_leaves_its_range_is_held_at_the_limit_and_reported) {
     SceneSetup setup = three_spheres();
     setup.bodies[1].position = {0, 63, 0};
     setup.bodies[1].velocity = {0, 16, 0};   // 1/16 m a step: out after 16 steps, at 64 m
@@ -53,7 +53,7 @@ TEST_P(Fixed32, a_position_that_leaves_its_range_is_held_at_the_limit_and_told) 
     EXPECT_TRUE(world->status().ok());
 }
 
-TEST_P(Fixed32, the_step_that_left_the_range_is_told_wherever_the_count_of_steps_begins) {
+TEST_P(Fixed32, the_step_that_left_the_range_is_reported_wherever_the_step_counter_starts) {
     for (const std::uint32_t start : {0x7ffffff8u, 0xfffffff1u, 0xfffffff0u, 0xffffffeeu}) {
         SceneSetup setup = three_spheres();
         setup.start = start;
@@ -67,7 +67,7 @@ TEST_P(Fixed32, the_step_that_left_the_range_is_told_wherever_the_count_of_steps
     }
 }
 
-TEST_P(Fixed32, a_velocity_that_leaves_its_range_is_held_at_the_limit_and_told) {
+TEST_P(Fixed32, a_velocity_that_leaves_its_range_is_held_at_the_limit_and_reported) {
     SceneSetup setup = three_spheres();
     setup.world.gravity = {0, -512, 0};  // 2 m/s a step
     setup.bodies[0].fixed = setup.bodies[1].fixed = true;
@@ -79,7 +79,7 @@ TEST_P(Fixed32, a_velocity_that_leaves_its_range_is_held_at_the_limit_and_told) 
     EXPECT_LE(std::abs(world->motion(2).v.y + 32), tolerance::saturated);
 }
 
-TEST_P(Fixed32, an_impulse_of_any_strength_saturates_and_is_told_at_once) {
+TEST_P(Fixed32, an_impulse_of_any_strength_saturates_and_is_reported_at_once) {
     for (const Number strength : {40.0L, 1e3L, 1e6L, 1e12L, 1e30L}) {
         SceneSetup setup = three_spheres();
         const auto world = build(setup, GetParam());
@@ -92,7 +92,7 @@ TEST_P(Fixed32, an_impulse_of_any_strength_saturates_and_is_told_at_once) {
     }
 }
 
-TEST_P(Fixed32, an_impulse_that_would_leave_the_range_is_told_in_both_directions) {
+TEST_P(Fixed32, an_impulse_beyond_the_range_is_reported_in_both_directions) {
     for (const Number before : {-30.0L, -16.0L, 0.0L, 16.0L, 30.0L}) {
         for (const Number impulse : {-1e6L, -100.0L, -60.0L, -40.0L, 40.0L, 60.0L, 100.0L, 1e6L}) {
             SceneSetup setup = three_spheres();
@@ -114,7 +114,7 @@ TEST_P(Fixed32, an_impulse_that_would_leave_the_range_is_told_in_both_directions
     }
 }
 
-TEST_P(Fixed32, a_spin_beyond_its_range_is_told_or_still_right_whatever_the_body) {
+TEST_P(Fixed32, a_spin_beyond_its_range_is_reported_or_still_right_for_every_body) {
     // Formats may hold more than the range declares, for bodies that are easy to turn about one axis much more.
     const RealVec3 inertias[] = {{1, 1, 1}, {1, 2, 3}, {1, 1, 1.99}, {1, 1, 0.25}, {1, 1, 1e-2}, {1, 1, 1e-5}};
     for (const RealVec3& moments : inertias) {
@@ -148,7 +148,7 @@ TEST_P(Fixed32, a_spin_beyond_its_range_is_told_or_still_right_whatever_the_body
 }
 
 // Friction spins a ball within a step to more than it has at the end of it.
-TEST_P(Fixed32, a_ball_that_starts_to_roll_turns_by_its_spin_or_is_told) {
+TEST_P(Fixed32, a_ball_that_starts_to_roll_turns_by_its_spin_or_is_reported) {
     constexpr Number h = 1.0L / 32, radius = 0.14L;
     for (int direction = 0; direction < 64; ++direction) {
         for (Number speed = 1.5L; speed < 2.3L; speed *= 1.01L) {
@@ -174,7 +174,7 @@ TEST_P(Fixed32, a_ball_that_starts_to_roll_turns_by_its_spin_or_is_told) {
     }
 }
 
-TEST_P(Fixed32, gravity_beyond_the_format_is_told) {
+TEST_P(Fixed32, gravity_beyond_the_format_is_reported) {
     for (const double gravity : {1e4, 1e5, 1e6, 1e9}) {
         SceneSetup setup = three_spheres();
         setup.world.gravity = {0, -gravity, 0};
@@ -183,7 +183,7 @@ TEST_P(Fixed32, gravity_beyond_the_format_is_told) {
     }
 }
 
-TEST_P(Fixed32, a_start_outside_the_range_is_told_by_the_first_step) {
+TEST_P(Fixed32, a_start_outside_the_range_is_reported_by_the_first_step) {
     for (const Real& x : {Real{65}, Real{100}, Real{200}, Real{-1e6}}) {
         SceneSetup setup = three_spheres();
         setup.bodies[0].position = {x, 0, 0};
@@ -224,7 +224,7 @@ std::vector<Case> floating_cases() {
 }
 INSTANTIATE_TEST_SUITE_P(every, Floating, testing::ValuesIn(floating_cases()), NameOf{});
 
-TEST_P(Floating, a_motion_that_is_not_finite_is_told) {
+TEST_P(Floating, a_motion_that_is_not_finite_is_reported) {
     const bool f32 = GetParam().system.bits == 32;
     SceneSetup setup = three_spheres();
     setup.world.gravity = {0, f32 ? -3e38 : -1e308, 0};
@@ -236,7 +236,7 @@ TEST_P(Floating, a_motion_that_is_not_finite_is_told) {
     EXPECT_EQ(world->status().first_body, 1);
 }
 
-TEST_P(Floating, a_spin_without_measure_is_told_and_its_step_ends) {
+TEST_P(Floating, a_huge_spin_is_reported_and_its_step_ends) {
     const bool f32 = GetParam().system.bits == 32;
     for (const Number spin : {1e3L, 1e10L, f32 ? 1e25L : 1e200L, f32 ? 3e37L : 1e307L}) {
         SceneSetup setup{.name = "spin"};
@@ -257,7 +257,7 @@ TEST_P(Floating, a_spin_without_measure_is_told_and_its_step_ends) {
 
 // Whatever a body's moments and spin, and whether it moves or turns in its place: as long as the status is ok, its
 // numbers are finite and its orientation is one.
-TEST_P(Floating, an_orientation_that_loses_its_unit_length_is_told_by_the_step_that_does_it) {
+TEST_P(Floating, an_orientation_that_loses_its_unit_length_is_reported_by_that_step) {
     const RealVec3 inertias[] = {{1, 1, 1}, {1, 2, 3}, {3, 1, 2.5}, {1, 1, 1.99}, {0.01, 1, 1}};
     for (const RealVec3& moments : inertias) {
         for (const bool fixed : {false, true}) {
@@ -284,7 +284,7 @@ TEST_P(Floating, an_orientation_that_loses_its_unit_length_is_told_by_the_step_t
     }
 }
 
-TEST_P(Floating, a_speed_or_spin_that_is_not_finite_is_told_at_once) {
+TEST_P(Floating, a_speed_or_spin_that_is_not_finite_is_reported_at_once) {
     const bool f32 = GetParam().system.bits == 32;
     const Number huge = f32 ? 3e38L : 1e308L;
     SceneSetup setup{.name = "push", .step = Seconds{1, 4}};

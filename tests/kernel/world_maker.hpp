@@ -1,5 +1,5 @@
-// make_world<N>: AnyWorld for every integrator of the list in one number system, with everything compiled in; and
-// make_world_with, for one set of features.
+// make_world<N>: an AnyWorld for every integrator of the list in one number system, with every feature.
+// make_world_with: the same for one set of features.
 #pragma once
 
 #include <tumble/tumble.hpp>
@@ -95,8 +95,8 @@ std::unique_ptr<AnyWorld> make_world_of(std::string_view method, Seconds step, c
     });
     return world;
 }
-// Every method in the systems that differ most; elsewhere those that share no more than a coefficient table with
-// another.
+// Every method in the systems that differ most. In the other systems, methods that differ from others by more than a
+// table of coefficients.
 template <class N>
 constexpr bool has_every_method = std::is_same_v<N, systems::q32_near> || std::is_same_v<N, systems::f64>;
 using DistinctIntegrators =
@@ -115,7 +115,7 @@ bool has_world(std::string_view method) {
     IntegratorsOf<N>::template for_each_in<N>([&]<class Method>() { found |= method == Method::name; });
     return found;
 }
-// A method of each kind is enough for what depends on the world's features; null for the others.
+// One method of each kind is enough for tests of features. Null for the others.
 template <class N, Features f>
 std::unique_ptr<AnyWorld> make_minimal_world(std::string_view method, Seconds step, const WorldSpec& spec) {
     return make_world_of<N, f, IntegratorList<integrators::ImplicitEuler, integrators::Rk4, integrators::Verlet>>(

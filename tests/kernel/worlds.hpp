@@ -1,5 +1,5 @@
-// A World of any integrator, number system and set of compiled features behind one interface, so that a scene is
-// written once and run in all of them. States are read exactly, as long double, in the user's body axes.
+// A World of any integrator, number system and set of features behind one interface, so that a scene is written once
+// and runs in all of them. States are read exactly, as long double, in the user's body axes.
 #pragma once
 
 #include <tumble/body/setup.hpp>
@@ -68,11 +68,11 @@ inline constexpr Features with_points_among_bodies{
     .bodies = 4, .springs = 3, .point_masses = true, .drag = true, .forces = true, .impulses = true};
 inline constexpr Features with_point_and_plane{.bodies = 2, .planes = 1, .springs = 1, .point_masses = true};
 
-// A scene: everything a world is built from.
+// A scene: all data of a world.
 struct SceneSetup {
     const char* name = "";
     Seconds step{1, 256};
-    std::uint32_t start = 0;  // as if so many steps had been taken
+    std::uint32_t start = 0;  // number of steps counted as already taken
     WorldSpec world{};
     std::vector<BodySpec> bodies{};
     std::vector<PlaneSpec> planes{};
@@ -95,7 +95,8 @@ public:
     virtual void set_gravity(Vector gravity) = 0;  // m/s^2
     virtual Status step() = 0;
     virtual void clear_status() = 0;
-    virtual void start_at(std::uint32_t step) = 0;  // before anything is added: as if so many steps had been taken
+    // Counts this number of steps as already taken. Called before anything is added.
+    virtual void start_at(std::uint32_t step) = 0;
 
     [[nodiscard]] virtual Motion motion(int body) const = 0;    // every bit of the state
     [[nodiscard]] virtual Motion reported(int body) const = 0;  // through the world's accessors
@@ -116,8 +117,8 @@ public:
 struct Method {
     const char* name;
     int order;
-    int free_order;  // of torque-free rotation, where it differs
-    bool conserves;  // angular momentum to rounding, energy error bounded
+    int free_order;  // order of torque-free rotation, if it differs
+    bool conserves;  // angular momentum to rounding, energy with a bounded error
     bool exact_for_spheres, keeps_the_spin_of_spheres;
     double oscillation_limit, drag_limit;  // of integrators/stability.hpp
 };
@@ -131,7 +132,7 @@ struct System {
                                       const WorldSpec&);  // null: not in this system
     bool (*has)(std::string_view method);
 };
-// Those of the program: the quick set has fewer than number_systems.hpp lists.
+// The number systems of this program. The quick set has fewer than number_systems.hpp lists.
 [[nodiscard]] const std::vector<System>& number_systems();
 [[nodiscard]] bool has_number_system(std::string_view name);
 [[nodiscard]] const System& number_system(std::string_view name);
@@ -145,7 +146,7 @@ struct MinimalWorlds {
 [[nodiscard]] const std::vector<MinimalWorlds>& minimal_worlds();
 [[nodiscard]] bool has_minimal_worlds(std::string_view system);
 
-// An integrator in a number system: what most tests are instantiated over.
+// An integrator in a number system. Most tests are instantiated over these cases.
 struct Case {
     Method method;
     System system;
@@ -161,13 +162,13 @@ struct NameOf {
     std::string operator()(const testing::TestParamInfo<Method>& info) const { return info.param.name; }
 };
 
-// A world with everything compiled in.
+// A world with every feature.
 [[nodiscard]] std::unique_ptr<AnyWorld> build(const SceneSetup& setup, std::string_view method,
                                               std::string_view system);
 [[nodiscard]] inline std::unique_ptr<AnyWorld> build(const SceneSetup& setup, const Case& c) {
     return build(setup, c.method.name, c.system.name);
 }
-// A world with exactly setup.needs compiled in; null for a system or a method that has no minimal worlds.
+// A world with exactly setup.needs. Null for a system or a method without minimal worlds.
 [[nodiscard]] std::unique_ptr<AnyWorld> build_minimal(const SceneSetup& setup, const Case& c);
 
 }  // namespace tumble::test

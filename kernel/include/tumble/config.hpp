@@ -1,12 +1,13 @@
-// Switches that every tumble header agrees on; each of them includes this first, so users never order includes.
-// Eigen is used for fixed-size storage and element-wise work only: no heap, no streams, no SIMD reordering of sums.
+// Switches on which every tumble header agrees. Each header includes this one first, so users need no order of
+// includes. Eigen is used for fixed-size storage and element-wise work only: no heap, no streams, no SIMD that reorders
+// sums.
 //
-// Conventions of the whole kernel: SI units and radians; world frame `_w`, body frame `_b` (origin at the centre of
-// mass, axes along the principal axes); quaternions are Hamilton's, stored w, x, y, z, and `q_wb` rotates body
-// vectors into the world.
+// Conventions of the whole kernel: SI units and radians. World frame `_w`; body frame `_b`, with its origin at the
+// centre of mass and its axes along the principal axes. Quaternions are Hamilton's, stored w, x, y, z; `q_wb` rotates
+// body vectors into the world.
 #pragma once
 
-// What would give other bits than every other build has; each with the option that mends it.
+// Options that would change the bits are errors. Each message names the option that cures it.
 #if __cplusplus < 202002L
 #error "tumble needs C++20: compile with -std=c++20 or newer"
 #endif
@@ -42,8 +43,8 @@ static_assert(sizeof(0.1) == sizeof(double),
 #define eigen_assert(condition) ((void)0)
 #endif
 
-// All that the kernel uses of others. A warning of Eigen's code, where its directory is not a system's, is nobody's
-// here.
+// All headers of others that the kernel uses. Warnings in Eigen's code are switched off, also if its directory is not a
+// system directory.
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wconversion"
 #pragma GCC diagnostic ignored "-Wold-style-cast"
@@ -63,13 +64,14 @@ static_assert(sizeof(0.1) == sizeof(double),
 #include <type_traits>
 #include <utility>
 
-// Misuse (a bad id, a mass that is not positive) ends here. Define it before the first include to send it elsewhere,
-// for example to a semihosting console; it must not return.
+// Misuse (a bad id, a mass that is not positive) ends here. Define the macro before the first include to handle misuse
+// otherwise, for example to print to a semihosting console. It must not return.
 #ifndef TUMBLE_ASSERT
 #define TUMBLE_ASSERT(condition) ((condition) ? (void)0 : __builtin_trap())
 #endif
 
-// The step's inner functions must be inlined for values to stay in registers; compilers stop too early at -O2.
+// The inner functions of a step must be inlined, so that values stay in registers. At -O2 compilers inline too few of
+// them.
 #ifndef TUMBLE_INLINE
 #define TUMBLE_INLINE [[gnu::always_inline]] inline
 #endif
@@ -78,18 +80,18 @@ static_assert(sizeof(0.1) == sizeof(double),
 #ifdef __clang__
 #define TUMBLE_SET_UP [[gnu::noinline]]
 #else
-// Set-up is kept out of line, and whole: of functions that take numbers of set-up by value GCC 12 makes copies at -O3,
-// cut to the parts that callers need (IPA-SRA), which read what was not passed (measured on ARM and RISC-V: three
-// constants of pdmv6 in doubles were wrong).
+// Set-up functions are neither inlined nor cloned. At -O3, GCC 12 clones functions that take set-up numbers by value
+// and passes only the parts that callers need (IPA-SRA). The clones read parts that were not passed: on ARM and RISC-V
+// three constants of pdmv6 in double were wrong.
 #define TUMBLE_SET_UP [[gnu::noinline, gnu::noclone]]
 #endif
 #endif
 
-// A product and a sum are rounded each, whatever the compiler's own choice is for the core: from here on no
-// multiply-add is fused. <tumble/tumble.hpp> ends that where the kernel ends; behind another header that is included
-// first it holds to the end of the file. GCC does not inline functions with such an option of their own into the
-// user's, so they have it only where there is an instruction that fuses; with -ffp-contract=off on the command line
-// nothing differs. What -ffp-contract=fast makes of clang, no pragma ends: give it -ffp-contract=on or off.
+// From here on no multiply-add is fused, so a product and a sum are rounded each, whatever the compiler's default for
+// the core. At the end of the kernel <tumble/tumble.hpp> restores the user's choice. If another header of the kernel is
+// included first, the setting holds to the end of the file. GCC does not inline functions with this option into
+// functions without it, so they have it only on cores with fused instructions. With -ffp-contract=off on the command
+// line nothing differs. No pragma ends clang's -ffp-contract=fast: use -ffp-contract=on or off.
 #if defined(__clang__)
 #pragma clang diagnostic push
 #pragma clang diagnostic ignored "-Wignored-pragmas"  // not every core has float_control

@@ -1,9 +1,10 @@
-// Replay<Config, Data>: a world set up from a scene's data, and stepped. A firmware (constant data) and the host (data
-// read at run time) both set up here, so both do the same arithmetic in the same order.
+// Replay<Config, Data>: a world that is set up from a scene's data. A firmware (constant data) and the host (data read
+// at run time) both set up their worlds here, so both do the same arithmetic in the same order.
 //
-// Data has the members name, step (Seconds), steps, world (WorldSpec) and the lists bodies, planes, springs, impulses
-// and forces of their *Spec, all static constexpr in what `tumble compile` writes. A list is a std::array or anything
-// with size() that resize() can grow. Config is a Scene with room for all of it and the features it needs.
+// Data has the members name, step (Seconds), steps, world (WorldSpec), and the lists bodies, planes, springs, impulses
+// and forces of their *Spec types. In the output of `tumble compile` all of them are static constexpr. A list is a
+// std::array, or any type with size() that resize() can grow. Config is a Scene with room for all data and the features
+// that it needs.
 #pragma once
 
 #include <tumble/world.hpp>
@@ -12,7 +13,7 @@ namespace tumble {
 
 namespace detail {
 
-// A list like List, of T: as many of them, or as growable.
+// A list of T of the same kind as List: as long, or as growable.
 template <class List, class T>
 struct ListOf;
 template <template <class, std::size_t> class Array, class Spec, std::size_t size, class T>
@@ -26,7 +27,7 @@ struct ListOf<List<Spec, Rest...>, T> {
 
 }  // namespace detail
 
-// A world with a scene's bodies and what acts on them.
+// A world with a scene's bodies and everything that acts on them.
 template <class Config, class Data>
 class Replay {
     using N = typename Config::Numbers;
@@ -34,8 +35,8 @@ class Replay {
     using Prepared = typename detail::ListOf<std::remove_cvref_t<List>, T>::type;
 
 public:
-    // Sets up the scene's bodies and what acts on them. A scene without room for them sets Issue::world_full or drops
-    // what is too much: check Config against the data first.
+    // Sets up the scene. Without enough room in Config, Issue::world_full is set or the excess is dropped: check Config
+    // against the data first.
     explicit Replay(const Data& data = Data{}) : world_{data.step, data.world} {
         if constexpr (Config::features.bodies > 0)
             for (const BodySpec& body : data.bodies) (void)world_.add(body);
@@ -47,15 +48,15 @@ public:
             world_.set_impulses(prepare_sorted(impulses_, data.impulses, world_.bodies()));
         if constexpr (Config::features.forces) world_.set_forces(prepare_sorted(forces_, data.forces, world_.bodies()));
     }
-    // The world points into the prepared arrays.
+    // The world points to the prepared arrays.
     Replay(const Replay&) = delete;
     Replay& operator=(const Replay&) = delete;
 
-    // Takes one step; returns the sticky status.
+    // Takes one step. Returns the sticky status.
     Status step() { return world_.step(); }
-    // What is stepped.
+    // The world.
     [[nodiscard]] World<Config>& world() { return world_; }
-    // What is stepped.
+    // The world.
     [[nodiscard]] const World<Config>& world() const { return world_; }
 
 private:

@@ -1,5 +1,5 @@
-// What is decided of a scene at compile time: number system, integrator, capacities and features. What it leaves out is
-// not in the image. `tumble compile` writes it from a scene file.
+// The compile-time decisions of a scene: number system, integrator, capacities and features. A feature that is off is
+// not in the image. `tumble compile` writes a scene from a scene file.
 #pragma once
 
 #include <tumble/numbers/systems.hpp>
@@ -10,31 +10,31 @@ namespace integrators {
 struct Verlet;
 }  // namespace integrators
 
-// What a scene has room for and what can happen in it; what it leaves out is not in the image. This is the list of
-// features; what combines or prints them goes through for_each().
+// The list of features: the room of a scene, and what can happen in it. A feature that is off is not in the image. Code
+// that combines or prints features uses for_each().
 struct Features {
-    int bodies = 1;                // room for bodies, fixed ones too; 0: a world that counts its steps
+    int bodies = 1;                // room for bodies, fixed ones included; 0: the world only counts its steps
     int planes = 0;                // room for planes
     int springs = 0;               // room for springs
-    int near_pairs = 0;            // pairs near at one time, of a body and a plane or another; 0: as usual
-    bool rotation = true;          // bodies rotate; without, all of them are point masses
-    bool point_masses = false;     // bodies may be point masses, which do not
+    int near_pairs = 0;            // room for pairs that are near each other at one time; 0: the usual room
+    bool rotation = true;          // bodies rotate; if false, all of them are point masses
+    bool point_masses = false;     // some bodies may be point masses, which do not rotate
     bool drag = false;             // world-wide linear and angular drag
-    bool gravitation = false;      // between all bodies
-    bool forces = false;           // timed forces and torques
-    bool impulses = false;         // timed impulses
-    bool pairs = false;            // bodies touch bodies
-    bool boxes = false;            // boxes touch (spheres always do where there are planes or pairs)
-    bool round_shapes = false;     // cylinders, capsules and hoops touch planes
-    bool friction = false;         // at contacts by impulses
-    bool sleep = false;            // what rests falls asleep
-    bool turntables = false;       // fixed bodies may turn
+    bool gravitation = false;      // attraction between all bodies
+    bool forces = false;           // forces and torques at set times
+    bool impulses = false;         // impulses at set times
+    bool pairs = false;            // bodies collide with bodies
+    bool boxes = false;            // boxes collide (spheres always do if there are planes or pairs)
+    bool round_shapes = false;     // cylinders, capsules and hoops collide with planes
+    bool friction = false;         // for contacts by impulses
+    bool sleep = false;            // resting bodies fall asleep; for contacts by impulses
+    bool turntables = false;       // fixed bodies may rotate
     bool contact_impulses = true;  // ContactResponse::impulse
     bool contact_springs = false;  // ContactResponse::spring
 
     friend constexpr bool operator==(const Features&, const Features&) = default;
 
-    // Calls f(name, pointer to the member) for each of them, in the order above.
+    // Calls f(name, pointer to the member) for each feature, in the order above.
     template <class F>
     static constexpr void for_each(F&& f) {
         f("bodies", &Features::bodies);
@@ -56,7 +56,7 @@ struct Features {
         f("contact_impulses", &Features::contact_impulses);
         f("contact_springs", &Features::contact_springs);
     }
-    // What either has room for and needs.
+    // The features and the room that either of the two has.
     [[nodiscard]] constexpr Features united_with(const Features& other) const {
         Features both = *this;
         for_each([&](const char*, auto member) {
@@ -64,7 +64,7 @@ struct Features {
         });
         return both;
     }
-    // All that can happen, in this room.
+    // All features, in this room.
     [[nodiscard]] constexpr Features with_everything() const {
         Features all = *this;
         for_each([&]<class T>(const char*, T Features::*member) {
@@ -73,19 +73,20 @@ struct Features {
         return all;
     }
 
-    // True where some bodies rotate and others, point masses, do not.
+    // True if some bodies rotate and others, point masses, do not.
     [[nodiscard]] constexpr bool mixed() const { return rotation && point_masses; }
-    // True where there is something for a body to touch; point masses touch nothing.
+    // True if a body can collide with something. Point masses collide with nothing.
     [[nodiscard]] constexpr bool touches() const { return bodies > 0 && rotation && (planes > 0 || pairs); }
-    // True where the code of contacts by impulses is compiled in.
+    // True if the code of contacts by impulses is compiled in.
     [[nodiscard]] constexpr bool contacts() const { return touches() && contact_impulses; }
-    // True where the code of contacts by springs is compiled in.
+    // True if the code of contacts by springs is compiled in.
     [[nodiscard]] constexpr bool springs_touch() const { return touches() && contact_springs; }
-    // True where something but gravity may push bodies.
+    // True if anything other than gravity may push bodies.
     [[nodiscard]] constexpr bool loads() const {
         return bodies > 0 && (drag || gravitation || forces || springs > 0 || springs_touch());
     }
-    // Every pair of a few bodies; of many, as many as a heap of spheres has. Boxes packed side by side have more.
+    // Room for every pair of a few bodies; for many bodies, room for the pairs of a heap of spheres. Boxes that are
+    // packed side by side have more pairs.
     [[nodiscard]] constexpr int room_for_pairs() const {
         if (near_pairs > 0) return near_pairs;
         const int all = bodies * planes + (pairs ? bodies * (bodies - 1) / 2 : 0), usual = 3 * bodies + planes;
@@ -93,14 +94,14 @@ struct Features {
     }
 };
 
-// The base of every scene type: override what differs.
+// The base of every scene type. Override the members that differ.
 struct Scene {
     using Numbers = Q32<>;                   // the number system
     using Integrator = integrators::Verlet;  // one of tumble::integrators
-    static constexpr Features features{};    // room, and what can happen
+    static constexpr Features features{};    // room and features
 };
 
-// A scene type made of its parts, for programs that vary them.
+// A scene type from its parts, for programs that vary them.
 template <class N, class Method, Features what>
 struct SceneOf {
     using Numbers = N;                          // as in Scene
@@ -110,7 +111,7 @@ struct SceneOf {
 
 namespace detail {
 
-// Takes no room where a feature is absent; the tag keeps two of them at one address.
+// Takes no room if a feature is absent. The tag allows two of them at one address.
 template <int tag>
 struct Nothing {
     constexpr Nothing() = default;
@@ -120,7 +121,7 @@ struct Nothing {
 
 }  // namespace detail
 
-// A member that is there only where a scene needs it; the tag tells it from others of its class.
+// A member that exists only if a scene needs it. The tag distinguishes it from others of its class.
 template <bool present, class T, int tag>
 using If = std::conditional_t<present, T, detail::Nothing<tag>>;
 

@@ -1,8 +1,8 @@
-// tumble: rigid bodies on small hardware, the same bits everywhere. Includes the whole kernel. Behind it the user's
-// macros and treatment of floating point are what they were before.
+// tumble: rigid bodies on small hardware, with the same bits everywhere. Includes the whole kernel. After it, the
+// user's macros and floating-point options are the same as before.
 #pragma once
 
-// Macros of Arduino and others, by names that the kernel, Eigen and the standard library use.
+// Macros of Arduino and others whose names the kernel, Eigen or the standard library use.
 #pragma push_macro("B1")
 #pragma push_macro("F")
 #pragma push_macro("abs")
@@ -24,7 +24,7 @@
 #pragma clang diagnostic pop
 #elif defined(__GNUC__)
 #pragma GCC push_options
-// GCC takes the constant bound of an array, an int, for a conversion of its sign.
+// GCC warns that the constant bound of an array, an int, changes its sign.
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wsign-conversion"
 #endif

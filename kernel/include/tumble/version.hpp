@@ -1,16 +1,16 @@
-// The version of the kernel, and the version of its results. This is the only place that states them: CMake and the
-// tests of the package manifests read the three numbers here.
+// The version of the kernel and the version of its results. Stated only here: CMake and the tests of the package
+// manifests read these three numbers.
 #pragma once
 
-// A program for one version builds with the next unless this has risen, or before 1.0 the minor number.
+// A program for one version builds with a later one unless this number differs (before 1.0: the minor number).
 #define TUMBLE_VERSION_MAJOR 0
-// Rises with what is added.
+// Rises with additions.
 #define TUMBLE_VERSION_MINOR 1
-// Rises with what is mended.
+// Rises with corrections.
 #define TUMBLE_VERSION_PATCH 0
 
-// It rises by one whenever a recorded state hash changes: programs with equal TUMBLE_BITS give equal bits for every
-// scene that both can run.
+// Rises by one when a recorded state hash changes. Programs with equal TUMBLE_BITS give equal bits for every scene that
+// both can run.
 #define TUMBLE_BITS 2
 
 #define TUMBLE_VERSION_TEXT(major, minor, patch) #major "." #minor "." #patch

@@ -1,7 +1,7 @@
-// Implicit one-stage methods: the loads and the gyroscopic term at one point of the step, by Newton's iteration with a
-// fixed bound. A free body needs 3 x 3 Newton steps on its spin only; bodies under loads are solved together, with a
-// Jacobian of the loads by differences and a dense elimination in working numbers: use them for stiff springs, not for
-// speed. (6 n)^3 / 3 multiplications and 6 n divisions a step for n loaded bodies.
+// Implicit one-stage methods: the loads and the gyroscopic term at one point of the step, solved by Newton's iteration
+// with a fixed bound. A free body needs 3 x 3 Newton steps on its spin only. Bodies under loads are solved together, by
+// a Jacobian of the loads from differences and a dense elimination in working numbers: (6 n)^3 / 3 multiplications and
+// 6 n divisions a step for n loaded bodies. Use these methods for stiff springs, not for speed.
 #pragma once
 
 #include <tumble/integrators/butcher.hpp>
@@ -11,12 +11,12 @@
 
 namespace tumble {
 
-// Where the one stage stands: at the end of the step or in its middle.
+// The point of the one stage: the end of the step or its middle.
 enum class Stage : std::uint8_t { end, middle };
 
 namespace detail {
 
-// (1 - share A)^-1 (1 + (1 - share) A), A the equation.
+// (1 - share A)^-1 (1 + (1 - share) A) with A the equation.
 template <Stage stage>
 struct OneStageOnOscillator {
     static constexpr OscillatorStep step(double k, double c) {
@@ -39,9 +39,9 @@ struct OneStageImplicit : Stability<detail::OneStageOnOscillator<stage>> {
     template <class N>
     using Inertia = EulerInertia<N, 1>;
 
-    // Newton for t' = t + 2 kappa t' t', or for the mean spin m = t + kappa m m. The linear system is 1 - E with E
-    // small, so E's series solves it without a division; what the series leaves is what the next iteration corrects.
-    // Converges while the body turns less than about half a radian in a step; returns false otherwise.
+    // Newton's iteration for t' = t + 2 kappa t' t', or for the mean spin m = t + kappa m m. The linear system is 1 - E
+    // with a small E, so the series of E solves it without a division; the next iteration corrects the truncation.
+    // Converges if the body turns less than about half a radian in a step, and otherwise returns false.
     template <class N>
     TUMBLE_INLINE static bool rotate(BodyState<N, spin>& body, const Inertia<N>& inertia, const StepInfo<N>& step) {
         using Turn = typename N::Turn;
@@ -73,8 +73,9 @@ struct OneStageImplicit : Stability<detail::OneStageOnOscillator<stage>> {
     }
 
 private:
-    // The turn of the step for the stage's half turn. In the middle it is Cayley's map, which turns the momentum in the
-    // body as the implicit midpoint rule does: energy, momentum norm and the world's momentum are then all exact.
+    // The turn of the step from the half turn of the stage. In the middle it is Cayley's map, which rotates the
+    // momentum in the body as the implicit midpoint rule does. Energy, momentum norm and the world's momentum are then
+    // all exact.
     template <class N>
     [[nodiscard]] TUMBLE_INLINE static Delta<N> delta_of(const Vec3<typename N::Angle>& u) {
         if constexpr (stage == Stage::end) {
@@ -86,7 +87,7 @@ private:
         }
     }
 
-    // E v with E_ij the derivative of the gyroscopic term.
+    // E v, with E_ij the derivative of the gyroscopic term.
     template <class N>
     [[nodiscard]] static Vec3<typename N::Turn> coupling(const Inertia<N>& inertia, const Vec3<typename N::Turn>& t,
                                                          const Vec3<typename N::Turn>& v, const StepInfo<N>& step) {
@@ -99,8 +100,8 @@ private:
         return r;
     }
 
-    // Newton on the increments z of drift (m) and of spin (half turns) of all bodies: z = kick(end of step) +
-    // gyroscopic. A point mass has the first three alone.
+    // Newton's iteration on the increments z of drift (m) and spin (half turns) of all bodies: z = kick(end of step) +
+    // gyroscopic term. A point mass has the first three only.
     template <class N, int capacity, class Group, class Evaluate>
     struct Solver {
         using Work = typename N::Work;
@@ -119,7 +120,7 @@ private:
                     if (group.rotates(b)) start[b].t_b = group.body[b]->t_b.take();
             }
             const int n = first_of(group.count);
-            bool converged = false;  // from z = 0: the loads' own first guess is far off where they are stiff
+            bool converged = false;  // z starts from 0: the explicit guess is far off for stiff loads
             for (int iteration = 0; iteration < max_iterations && !converged; ++iteration) {
                 right_hand_side(value);
                 if (iteration == 0) differentiate(n);
@@ -128,8 +129,8 @@ private:
                 converged = true;
                 for (int b = 0; b < group.count; ++b) {
                     const int first = first_of(b);
-                    // Corrections below the rounding of the numbers themselves are noise: of metres, or of the body's
-                    // whole spin.
+                    // Corrections below the rounding error of the numbers are noise: of metres, or of the whole spin of
+                    // the body.
                     const auto correct = [&](int i, auto&& add_size) {
                         z[i] += column[i];
                         Work size = magnitude(z[i]);
@@ -167,7 +168,7 @@ private:
     private:
         [[nodiscard]] static Work magnitude(Work a) { return a < Work(0) ? -a : a; }
 
-        // Where the body's unknowns begin.
+        // The index of the body's first unknown.
         [[nodiscard]] int first_of(int body) const {
             if constexpr (!Group::has_points) return of_body * body;
             int first = 0;
@@ -175,10 +176,10 @@ private:
             return first;
         }
 
-        // What of z the stage has.
+        // The share of z at the stage.
         [[nodiscard]] static Work share(Work of_z) { return stage == Stage::end ? of_z : N::half_of(of_z); }
 
-        // The stage, and with it the end of the step, that z leads to.
+        // Computes the stage and the end of the step from z.
         void place_ends() {
             for (int b = 0; b < group.count; ++b) {
                 const auto& from = start[b];
@@ -201,7 +202,7 @@ private:
             }
         }
 
-        // The increments that the loads and the gyroscopic term make at the end of the step reached with z.
+        // The increments that the loads and the gyroscopic term make at the end of a step reached with z.
         void right_hand_side(Work* out) {
             WorkKick<N, Group::rotation> kick[capacity];
             place_ends();
@@ -221,7 +222,7 @@ private:
             }
         }
 
-        // jacobian = 1 - d(right hand side)/dz by forward differences of 2^-12 (m, rad).
+        // jacobian = 1 - d(right hand side)/dz, by forward differences of 2^-12 (m, rad).
         void differentiate(int n) {
             const Work difference = N::template constant<Work>(Real::scaled(1, -12)), inverse = Work(4096);
             for (int j = 0; j < n; ++j) {
@@ -235,8 +236,8 @@ private:
             right_hand_side(value);
         }
 
-        // Gaussian elimination; the factors stay in the matrix for the next iterations. The matrix is near 1 or
-        // dominated by its stiffness, so the pivots are taken in order.
+        // Gaussian elimination. The factors stay in the matrix for later iterations. The matrix is near 1 or dominated
+        // by its stiffness, so the pivots are taken in order.
         void eliminate_or_substitute(int n, bool eliminate) {
             for (int k = 0; k < n; ++k) {
                 if (eliminate) {
@@ -271,8 +272,8 @@ struct ImplicitEuler : OneStageImplicit<Stage::end> {
 };
 
 // The implicit midpoint rule: everything in the middle of the step. Order 2, symmetric in time, A-stable without
-// damping; of a free body it conserves energy, the momentum's norm and the world's angular momentum to the solver's
-// rounding. In floating point a step takes a square root and a division.
+// damping. For a free body it conserves energy, momentum norm and the world's angular momentum to the rounding of the
+// solver. In floating point a step takes a square root and a division.
 struct ImplicitMidpoint : OneStageImplicit<Stage::middle> {
     static constexpr const char* name = "implicit_midpoint";
     static constexpr int order = 2;

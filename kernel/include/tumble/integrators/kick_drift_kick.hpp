@@ -1,10 +1,11 @@
 // Kick-drift-kick: half a kick by forces and torques, a drift of the centre of mass with a torque-free rotation, and
-// half a kick. Order 2, reversible in time. RotationFlow supplies the rotation; with no loads only it and the drift
-// run. Velocity-dependent loads (drag, damping) keep the symmetry: the first half kick is explicit Euler's, the second
-// is implicit Euler's, its adjoint, solved by fixed-point iteration.
+// half a kick. Order 2, reversible in time. RotationFlow is the rotation. Without loads only the drift and the rotation
+// run. Loads that depend on velocity (drag, damping) keep the symmetry: the first half kick is that of explicit Euler,
+// the second that of implicit Euler, its adjoint, solved by fixed-point iteration.
 //
-// Composed<RotationFlow, Parts> takes several such steps, of parts of a step that cancel the leading errors. Loads that
-// depend on position alone are evaluated once between two parts, because both kick with the same force.
+// Composed<RotationFlow, Parts> consists of several such steps, whose lengths are parts of a step that cancel the
+// leading errors. Loads that depend on position alone are evaluated once between two parts, because both kicks have the
+// same force.
 #pragma once
 
 #include <tumble/integrators/method.hpp>
@@ -14,16 +15,16 @@ namespace tumble {
 
 namespace detail {
 
-// A whole step, as a composition of one.
+// A whole step, as a composition of one part.
 struct OnePart {
     static constexpr int count = 1;
     [[nodiscard]] static constexpr Real of(int) { return 1; }
 };
 
-// Fixed-point iterations of the half kick that ends a part.
+// Fixed-point iterations for the half kick that ends a part.
 inline constexpr int end_kick_iterations = 6;
 
-// The half kick that ends a part, where loads depend on velocity: kick = the loads at the velocity that it leads to.
+// The half kick that ends a part, for loads that depend on velocity: kick = the loads at the velocity after the kick.
 template <class N, int capacity, class Group, class Evaluate, class HalfOf>
 void solve_end_kick(const Group& group, const typename Group::Stage (&state)[capacity],
                     typename Group::Kick (&kick)[capacity], Evaluate& evaluate, HalfOf&& half) {
@@ -40,15 +41,15 @@ void solve_end_kick(const Group& group, const typename Group::Stage (&state)[cap
     }
 }
 
-// Half a kick, a drift and half a kick of each part. The kick that ends a part has the velocity that the iterations
-// above find; without damping they change nothing.
+// Half a kick, a drift and half a kick of each part, on the oscillator. The kick that ends a part has the velocity from
+// the iterations above; without damping they change nothing.
 template <class Parts>
 struct KickDriftKickOnOscillator {
     struct Lengths {
         consteval Lengths() {
             for (int i = 0; i < Parts::count; ++i) of[i] = Parts::of(i).to_double();
         }
-        double of[Parts::count]{};  // steps
+        double of[Parts::count]{};  // lengths of the parts, in steps
     };
     static constexpr Lengths lengths{};
 
@@ -56,7 +57,7 @@ struct KickDriftKickOnOscillator {
         OscillatorStep all;
         for (int part = 0; part < Parts::count; ++part) {
             const double length = lengths.of[part], half = length / 2;
-            OscillatorStep kick = OscillatorStep::of_equation(k, c);  // its lower row
+            OscillatorStep kick = OscillatorStep::of_equation(k, c);  // its lower row is used
             for (int iteration = 0; iteration < end_kick_iterations; ++iteration)
                 kick = {0, 1, -k - c * half * kick.vx, -c - c * half * kick.vv};
             const OscillatorStep begin{1, 0, -half * k, 1 - half * c}, drift{1, length, 0, 1},
@@ -85,7 +86,7 @@ struct KickDriftKick : Stability<tumble::detail::KickDriftKickOnOscillator<Parts
         return RotationFlow::template flow<N>(body, inertia, step);
     }
 
-    // True of a flow whose constants depend on the spin: whoever changes the spin calls prepare.
+    // True if the constants of the flow depend on the spin. Code that changes the spin then calls prepare.
     template <class N>
     static constexpr bool needs_preparation = requires(Inertia<N>& inertia, const BodyState<N, spin>& body,
                                                        typename N::Scale scale) {
@@ -96,7 +97,7 @@ struct KickDriftKick : Stability<tumble::detail::KickDriftKickOnOscillator<Parts
     static bool advance(const Group& group, Evaluate&& evaluate, const StepInfo<N>& step) {
         typename Group::Stage state[capacity];
         typename Group::Kick kick[capacity];
-        // Loads at the present state, and the drifts and spins that a half kick of theirs makes.
+        // Evaluates the loads at the present state.
         const auto look = [&] {
             for (int b = 0; b < group.count; ++b) state[b] = stage_of(*group.body[b]);
             evaluate(state, kick);
@@ -156,7 +157,7 @@ private:
         if constexpr (Parts::count == 1) N::coast(x, d, {}, scale);
         else N::move(x, N::part(N::sum(d), fractions<N>.of[part]), scale);
     }
-    // A flow of one part has no number; flows that cannot fail return nothing.
+    // A flow of one part has no part number. A flow that cannot fail returns nothing.
     template <class N>
     [[nodiscard]] TUMBLE_INLINE static bool turn_part(BodyState<N, Spin::angular_momentum>& body,
                                                       const Inertia<N>& inertia, [[maybe_unused]] int part,

@@ -1,5 +1,5 @@
-// All integrators: a new method is one header and one line here. The simulator, the firmware, the tests and the
-// benchmarks go through this list.
+// All integrators. A new method is one header and one line here. The simulator, the firmware, the tests and the
+// benchmarks read this list.
 #pragma once
 
 #include <tumble/integrators/exact.hpp>
@@ -17,12 +17,12 @@ template <class... Methods>
 struct IntegratorList {
     static constexpr int count = sizeof...(Methods);
 
-    // Calls f.template operator()<Method>() for each.
+    // Calls f.template operator()<Method>() for each method.
     template <class F>
     static constexpr void for_each(F&& f) {
         (f.template operator()<Methods>(), ...);
     }
-    // The same, for those that run in the number system N.
+    // The same for the methods that run in the number system N.
     template <class N, class F>
     static constexpr void for_each_in(F&& f) {
         for_each([&]<class Method>() {
@@ -31,7 +31,7 @@ struct IntegratorList {
     }
 };
 
-// One a line: builds read them from here.
+// One entry a line, because builds read them (kernel/lists.cmake).
 // clang-format off
 using Integrators = IntegratorList<
     integrators::ExplicitEuler,

@@ -1,24 +1,25 @@
-// What every integration method provides, and the small types they share.
+// What an integration method provides, and the small types that methods share.
 //
 // A method is a struct with:
 //   name, order                     for the command line and for tests
-//   spin                            what the state's spin is: see Spin in body/state.hpp
-//   coasting                        how position advances under constant acceleration
+//   spin                            the kind of the state's spin: see Spin in body/state.hpp
+//   coasting                        the advance of a position under constant acceleration
 //   Inertia<N>::of(moments, step, scale)   the constants of a body that its rotation needs
 //   rotate<N>(body, inertia, step)         one step of torque-free rotation
-//   inertia.prepare(body, scale)           only where those constants depend on the spin: called whenever it is changed
-//   free_order                      only where torque-free rotation has another order than the rest
-//   needs                           only where a step needs sqrt, division or trigonometry: says so to the user
-//   oscillator_step, oscillation_limit, drag_limit, step_bounds   how long a step may be: Stability of stability.hpp,
-//                                   which a method has as a base
-//   follows_any_turn                only where a step may turn a body by any angle: else more than 1 rad (with angular
-//                                   momentum as the spin, 3 rad of it) is told as range_left in floating point
-//   takes_any_load                  only where fixed point does not limit what loads change in a step
-//   not_in_fixed_point              only where it is for floating point alone: says why to the user; see runs_in
-//   advance<N, capacity>(group, evaluate, step)   one step of bodies whose loads depend on their state; of a group in
-//                                   which a body does not rotate, if it takes any Group
-// A new method is one such header and one line in integrators/list.hpp. World asks for what every method must have by
-// the concept Method below.
+//   oscillator_step, oscillation_limit, drag_limit, step_bounds   limits of the step: a method has them from its base
+//                                   Stability in stability.hpp
+//   advance<N, capacity>(group, evaluate, step)   one step of bodies whose loads depend on their state. A method whose
+//                                   advance() takes any Group can step bodies that do not rotate
+// Optional members:
+//   inertia.prepare(body, scale)    if the constants of a body depend on its spin; called after each change of the spin
+//   free_order                      if torque-free rotation has another order than the rest
+//   needs                           if a step needs sqrt, division or trigonometry: the text for the user
+//   follows_any_turn                if a step may turn a body by any angle. Without it, floating point sets range_left
+//                                   for more than 1 rad, or for more than 3 rad if the spin is the angular momentum
+//   takes_any_load                  if fixed point does not limit the change that loads make in a step
+//   not_in_fixed_point              if the method is for floating point only: the reason for the user; see runs_in
+// A new method is one such header and one line in integrators/list.hpp. World checks the required members by the
+// concept Method below.
 #pragma once
 
 #include <tumble/body/orientation.hpp>
@@ -29,13 +30,14 @@ namespace tumble {
 // The free_order of a rotation without truncation error.
 inline constexpr int no_truncation = 0x7fffffff;
 
-// True of a method that runs in a number system. All loops over methods and number systems ask this, and builds ask
-// the same member of the headers (lists.cmake).
+// True if the method runs in the number system. All loops over methods and number systems use this. Builds read the
+// same member from the headers (lists.cmake).
 template <class Method, class N>
 inline constexpr bool runs_in = !(N::fixed_point && requires { Method::not_in_fixed_point; });
 
-// Bodies that must be staged together, because loads couple them; or one body alone. With `points` some of them may be
-// point masses, without a spin all of them are: their orientation and spin are not touched, and need not be there.
+// Bodies that have their stages together, because loads couple them, or one body alone. With `points` some of them may
+// be point masses; without a spin all of them are. The orientation and spin of a point mass are not used and may be
+// absent.
 template <class N, Spin spin, class Inertia, int capacity, bool points = false>
 struct Group {
     static constexpr bool rotation = true, has_points = points;
@@ -44,7 +46,7 @@ struct Group {
 
     int count = 0;
     BodyState<N, spin>* body[capacity]{};
-    Inertia* inertia[capacity]{};  // none of a point mass
+    Inertia* inertia[capacity]{};  // null for a point mass
 
     [[nodiscard]] TUMBLE_INLINE bool rotates([[maybe_unused]] int b) const {
         if constexpr (points) return inertia[b] != nullptr;
@@ -65,7 +67,7 @@ struct Group<N, Spin::none, Inertia, capacity, false> {
 
 namespace detail {
 
-// Loads of no body, for asking whether a method can be called with loads.
+// Loads that act on no body: tests by them whether a method can be called with loads.
 template <class N>
 struct NoLoads {
     static constexpr bool may_depend_on_velocity = true;
@@ -85,8 +87,8 @@ concept DescribesItself = requires {
 
 }  // namespace detail
 
-// M can step the bodies of a world in the number system N. rotate() returns nothing or whether it converged, advance()
-// whether it did.
+// M can step the bodies of a world in the number system N. advance() returns whether it converged. rotate() returns
+// nothing or whether it converged.
 template <class M, class N>
 concept Method = detail::DescribesItself<M, N> &&
     requires(BodyState<N, M::spin>& body, const typename M::template Inertia<N>& inertia, const StepInfo<N>& step,

@@ -1,8 +1,8 @@
-// Explicit Runge-Kutta methods: one stepping function for every Butcher table, on translation and rotation.
-// Rotation is integrated as a delta quaternion relative to identity: stage s has K_s = (1 + sum_j a_sj K_j) u_s with
-// u_s the stage's half turn, which is the method applied to q' = q u because that equation is linear in q from the
-// left. Cost: per stage 3 multiplications for spin and 12 for the delta (the first stage none), 20 to turn the
-// quaternion.
+// Explicit Runge-Kutta methods: one stepping function for every Butcher table, on translation and rotation. The
+// rotation is integrated as a delta quaternion relative to identity: stage s has K_s = (1 + sum_j a_sj K_j) u_s, with
+// u_s the half turn of the stage. This is the method applied to q' = q u, because that equation is linear in q from the
+// left. Cost: 3 multiplications for the spin and 12 for the delta in each stage but the first, and 20 for the product
+// with the quaternion.
 #pragma once
 
 #include <tumble/integrators/butcher.hpp>
@@ -12,7 +12,7 @@
 
 namespace tumble::detail {
 
-// One stage of rotation: what the weighted sums at the end of the step need.
+// A stage of the rotation, as the weighted sums at the end of the step need it.
 template <class N>
 struct RotationStage {
     Delta<N> delta;
@@ -37,7 +37,7 @@ TUMBLE_INLINE void add_times(Delta<N>& sum, const Delta<N>& delta) {
     sum.v.z() += times<a>(delta.v.z());
 }
 
-// The spin of a stage from the stages before it, without torques.
+// The spin of a stage, from the stages before it, without torques.
 template <const auto& table, int s, class N, class Inertia>
 [[nodiscard]] TUMBLE_INLINE Vec3<typename N::Turn> stage_turn(Vec3<typename N::Turn> t, const RotationStage<N>* stages,
                                                               const Inertia& inertia, typename N::Scale scale) {
@@ -141,7 +141,7 @@ struct RungeKutta : Stability<tumble::detail::RungeKuttaOnOscillator<table>> {
         detail::finish_rotation<table, N>(body, stages, inertia, step);
     }
 
-    // All bodies of the group stage by stage; `evaluate(stage states, kicks)` is called once a stage.
+    // Steps all bodies of the group stage by stage. Calls `evaluate(stage states, kicks)` once a stage.
     template <class N, int capacity, class Group, class Evaluate>
     static bool advance(const Group& group, Evaluate&& evaluate, const StepInfo<N>& step) {
         [[maybe_unused]] detail::RotationStage<N> rotation[Group::rotation ? capacity : 1][table.stages];
@@ -187,7 +187,8 @@ struct RungeKutta : Stability<tumble::detail::RungeKuttaOnOscillator<table>> {
                         travelled += detail::times<weight>(drift[s][b][i] - start[b].d_w[i]);
                     }
                 });
-                // The drift at the start has weight 1 altogether; only the stages' differences from it are averaged.
+                // The drift at the start has the total weight 1. Only the differences of the stages from it are
+                // averaged.
                 N::coast(body.x_w[i], body.d_w[i], detail::times<share>(travelled), step.scale);
                 N::add(body.d_w[i], detail::times<share>(linear));
             }
@@ -228,7 +229,7 @@ private:
     }
 };
 
-// Order 1; gains energy, unstable on oscillations.
+// Order 1. Gains energy, unstable on oscillations.
 struct ExplicitEuler : RungeKutta<euler_table> {
     static constexpr const char* name = "explicit_euler";
     static constexpr int order = 1;

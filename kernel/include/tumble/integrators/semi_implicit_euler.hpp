@@ -1,5 +1,5 @@
-// Semi-implicit Euler: velocity first, then position with the new velocity; the same for spin and orientation.
-// What game engines run, here with the gyroscopic term. Order 1. No division, no square root.
+// Semi-implicit Euler: velocity first, then position with the new velocity; the same for spin and orientation. Game
+// engines use it; this version has the gyroscopic term. Order 1. No division, no square root.
 #pragma once
 
 #include <tumble/integrators/method.hpp>

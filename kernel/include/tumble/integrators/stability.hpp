@@ -1,28 +1,29 @@
-// How long a step a method takes on what springs, dampers and drag are made of, x'' = -k x - c x', before it adds to
-// it. Every method says what a step of its own is there, and its limits follow from that, at compile time (E. Hairer,
-// C. Lubich and G. Wanner, Geometric Numerical Integration, I.1 and VI; E. Hairer and G. Wanner, Solving Ordinary
-// Differential Equations II, IV.2). Nothing of this is in a program that does not ask for it.
+// The longest step of a method that does not add energy to springs, dampers and drag: x'' = -k x - c x'. Each method
+// gives its own step of this equation, and its limits follow from that at compile time (E. Hairer, C. Lubich and G.
+// Wanner, Geometric Numerical Integration, I.1 and VI; E. Hairer and G. Wanner, Solving Ordinary Differential Equations
+// II, IV.2). A program that does not use the limits contains none of this.
 #pragma once
 
 #include <tumble/config.hpp>
 
 namespace tumble {
 
-// A linear map of place and velocity, both in metres: (x, v) becomes (xx x + xv v, vx x + vv v), v per step.
+// A linear map of position and velocity, both in metres: (x, v) becomes (xx x + xv v, vx x + vv v), with v in metres a
+// step.
 struct OscillatorStep {
     double xx = 1, xv = 0, vx = 0, vv = 1;
 
     [[nodiscard]] constexpr double determinant() const { return xx * vv - xv * vx; }
     [[nodiscard]] constexpr double trace() const { return xx + vv; }
-    // True if no number of steps makes anything grow without bound: both eigenvalues lie in the unit circle (Jury). A
-    // growth of less than 1e-12 in a step is rounding.
+    // True if repeated steps stay bounded: both eigenvalues lie in the unit circle (Jury). A growth of less than 1e-12
+    // in a step counts as rounding.
     [[nodiscard]] constexpr bool is_stable() const {
         constexpr double rounding = 1e-12;
         const double d = determinant(), t = trace() < 0 ? -trace() : trace();
         return -d <= 1 + rounding && d <= 1 + rounding && t <= 1 + d + rounding;
     }
 
-    // The equation itself, whose step is in units of the method's: k = (h w)^2, c = h c / m.
+    // The equation itself, with time in steps: k = (h w)^2, c = h c / m.
     [[nodiscard]] static constexpr OscillatorStep of_equation(double k, double c) { return {0, 1, -k, -c}; }
 
     friend constexpr OscillatorStep operator+(const OscillatorStep& a, const OscillatorStep& b) {
@@ -31,7 +32,7 @@ struct OscillatorStep {
     friend constexpr OscillatorStep operator*(double s, const OscillatorStep& a) {
         return {s * a.xx, s * a.xv, s * a.vx, s * a.vv};
     }
-    // b first.
+    // The map b followed by the map a.
     friend constexpr OscillatorStep operator*(const OscillatorStep& a, const OscillatorStep& b) {
         return {a.xx * b.xx + a.xv * b.vx, a.xx * b.xv + a.xv * b.vv, a.vx * b.xx + a.vv * b.vx,
                 a.vx * b.xv + a.vv * b.vv};
@@ -40,8 +41,8 @@ struct OscillatorStep {
 
 namespace detail {
 
-// Up to where step_of(z) is stable for all z from 0 on; 0 where it is not for small z either. Beyond 64 it is taken to
-// be stable for ever: no explicit method comes near that.
+// The largest z up to which step_of is stable from 0 on. 0 if it is not stable for small z. Beyond 64 it counts as
+// stable for every z: no explicit method comes near that.
 template <class StepOf>
 [[nodiscard]] constexpr double end_of_stability(StepOf&& step_of) {
     constexpr int strides = 64, furthest = 64;
@@ -59,8 +60,8 @@ template <class StepOf>
 
 }  // namespace detail
 
-// What a step is surely too long for: a spring and a damper with K = (h w)^2 and C = h c/m where one of the sums
-// of_spring K + of_damper C is above 1. None where both numbers are 0.
+// Bounds beyond which a step is surely too long. A spring and a damper have K = (h w)^2 and C = h c/m; a bound is
+// exceeded if its of_spring K + of_damper C is above 1. A bound with two zeros is unused.
 struct StepBounds {
     static constexpr int sums = 3;
     double of_spring[sums]{}, of_damper[sums]{};
@@ -71,9 +72,9 @@ struct StepBounds {
 
 namespace detail {
 
-// Of a method that adds to every oscillation, the K at which it adds a 512th in a step, an e-fold in 512; damping
-// undoes as much. Others have their limit. The most of damping falls with K, rises with it (the slower of two motions)
-// or neither.
+// The bounds of a method. For a method that adds to every oscillation, the bound is the K at which it adds a 512th of
+// the amplitude in a step (a factor e in 512 steps), less the damping that undoes it. For other methods it is the limit
+// of stability. The largest damping falls with K, rises with K (the slower of two motions) or does not depend on it.
 template <class Linear>
 [[nodiscard]] constexpr StepBounds step_bounds(double oscillation_limit, double drag_limit) {
     constexpr double infinite = std::numeric_limits<double>::infinity(), growth = 1.0 / 256;
@@ -92,7 +93,7 @@ template <class Linear>
         most = at_growth(growth);
         bounds.slowing = most / at_growth(growth / 2);
         bounds.of_damper[0] = -1 / growth;
-        // Faster than that, damping undoes no more than the tangent at K = 1 of what it undoes.
+        // For larger K, the growth that damping undoes is at most the tangent at K = 1.
         const auto undone = [](double k) {
             double less = 0, more = 1;
             for (int halving = 0; halving < 45; ++halving) {
@@ -120,18 +121,18 @@ template <class Linear>
 
 }  // namespace detail
 
-// What a method knows of its limits; Linear::step(k, c) is its step of x'' = -k x - c x', in units of the step.
+// The limits of a method. Linear::step(k, c) is its step of x'' = -k x - c x', with time in steps.
 template <class Linear>
 struct Stability {
     static constexpr OscillatorStep oscillator_step(double k, double c) { return Linear::step(k, c); }
 
-    // The largest h w with which an oscillation without damping does not grow, of a spring w^2 = k/m: 0 where it grows
-    // at every step, infinity where it does at none.
+    // The largest h w with which an oscillation without damping does not grow, for a spring with w^2 = k/m. 0 if it
+    // grows at every step, infinity if it grows at none.
     static constexpr double oscillation_limit =
         detail::end_of_stability([](double z) { return Linear::step(z * z, 0); });
     // The largest h c/m with which a velocity under drag does not grow.
     static constexpr double drag_limit = detail::end_of_stability([](double z) { return Linear::step(0, z); });
-    // What the world reports as Issue::step_too_long.
+    // The bounds beyond which the world reports Issue::step_too_long.
     static constexpr StepBounds step_bounds = detail::step_bounds<Linear>(oscillation_limit, drag_limit);
 };
 

@@ -1,5 +1,5 @@
-// Verlet: kick-drift-kick with the symmetric-top splitting of the rotation. The default: order 2, reversible in time,
-// momentum norm exact to rounding, energy error bounded for ever. No division, no square root.
+// Verlet: kick-drift-kick with the symmetric-top splitting of the rotation. The default method: order 2, reversible in
+// time, momentum norm exact to rounding, bounded energy error over any number of steps. No division, no square root.
 #pragma once
 
 #include <tumble/integrators/kick_drift_kick.hpp>
@@ -7,7 +7,7 @@
 
 namespace tumble::integrators {
 
-// The default: order 2, reversible in time, energy error bounded; no division, no square root.
+// The default method: order 2, reversible in time, bounded energy error. No division, no square root.
 struct Verlet : KickDriftKick<SymmetricTopFlow> {
     static constexpr const char* name = "verlet";
     static constexpr int order = 2;

@@ -1,4 +1,4 @@
-// A turn about one body axis: what every splitting of the free rotation is made of.
+// A turn about one body axis, the element of every splitting of the free rotation.
 #pragma once
 
 #include <tumble/body/orientation.hpp>
@@ -8,14 +8,14 @@ namespace tumble {
 
 namespace detail {
 
-// A turn about a body axis, by twice the half angle that its quaternion needs.
+// A turn about a body axis. The half angle is that of its quaternion; the turn is twice the half angle.
 template <class N>
 struct AxisTurn {
     using Turn = typename N::Turn;
     using Angle = typename N::Angle;
 
     Turn sine;              // of the whole angle; block turns
-    Turn versine;           // 1 - cosine of the whole angle, 2 s^2 by the half angle's sine s
+    Turn versine;           // 1 - cosine of the whole angle, which is 2 s^2 with the half angle's sine s
     Angle half_sine;        // of the half angle
     Angle cosine_less_one;  // of the half angle
 

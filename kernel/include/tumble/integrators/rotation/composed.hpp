@@ -1,4 +1,4 @@
-// Compositions: a symmetric rotation of order 2, taken in parts of a step whose leading errors cancel.
+// Compositions: a symmetric rotation of order 2, in parts of a step whose leading errors cancel.
 #pragma once
 
 #include <tumble/body/orientation.hpp>
@@ -6,7 +6,7 @@
 
 namespace tumble {
 
-// How much of a step a flow takes: all of it, or a part that a composition asks for.
+// The length of a flow: a whole step, or a part of a step in a composition.
 template <class N>
 struct WholeStep {
     [[nodiscard]] static constexpr WholeStep of(Real) { return {}; }
@@ -17,7 +17,7 @@ struct WholeStep {
 };
 template <class N>
 struct PartOfStep {
-    typename N::Coefficient half;  // of the part, which may be negative; |part| < 1
+    typename N::Coefficient half;  // half of the part; the part may be negative, |part| < 1
 
     [[nodiscard]] static constexpr PartOfStep of(Real part) {
         return {N::template constant<typename N::Coefficient>(part * Real::scaled(1, -1))};
@@ -30,7 +30,7 @@ struct PartOfStep {
     }
 };
 
-// Parts: count, of(i) in order; kinds of different length, kind(i) and of_kind(k).
+// Parts has count and of(i), in order, and the kinds of different length, kind(i) and of_kind(k).
 template <class Flow, class Parts>
 struct Composed {
     template <class N>
@@ -49,7 +49,7 @@ struct Composed {
     static void flow(BodyState<N, Spin::angular_momentum>& body, const Inertia<N>& inertia, const StepInfo<N>& step) {
         for (int part = 0; part < Parts::count; ++part) flow_part<N>(body, inertia, part, step);
     }
-    // Out of line: copies of it would cost more flash than calls cost time.
+    // Out of line: inlined copies would cost more flash than the calls cost time.
     template <class N>
     [[gnu::noinline]] static void flow_part(BodyState<N, Spin::angular_momentum>& body, const Inertia<N>& inertia,
                                             int part, const StepInfo<N>& step) {

@@ -1,15 +1,14 @@
-// The two elliptic functions that the exact free rotation begins with, for arguments so small that a short series is
-// exact to rounding. Larger arguments are reached by doubling (exact_flow.hpp). float and double; no square root but
-// one.
+// The two elliptic functions with which the exact free rotation begins, for arguments so small that a short series is
+// exact to rounding. exact_flow.hpp reaches larger arguments by doubling. For float and double. One square root.
 #pragma once
 
 #include <tumble/numbers/functions.hpp>
 
 namespace tumble {
 
-// f(1), where f(0) = 0 and f' = sqrt((1 - a f^2) (1 - b f^2)): sn(sqrt(a), k) / sqrt(a) of the modulus k^2 = b / a, but
-// symmetric in a and b, so that neither need be the larger and both may be zero. 0 <= a, b <= 1/256; the first term
-// left out is below a third of a unit in the last place. Maclaurin's series of sn (DLMF 22.10.4), in a + b and ab.
+// f(1), where f(0) = 0 and f' = sqrt((1 - a f^2) (1 - b f^2)). This is sn(sqrt(a), k) / sqrt(a) with the modulus k^2 =
+// b / a, but symmetric in a and b: either may be the larger, and both may be zero. 0 <= a, b <= 1/256. The first
+// omitted term is below a third of a unit in the last place. Maclaurin's series of sn (DLMF 22.10.4), in a + b and ab.
 template <class T>
 [[nodiscard]] constexpr T elliptic_sine(T a, T b) {
     const T sum = a + b, square = sum * sum, product = a * b;
@@ -25,10 +24,10 @@ template <class T>
     }
 }
 
-// The integral of f^2 / (1 - c f^2) over dt, from 0 to where f is what it is at the end, for squares a f^2, b f^2 and
-// c f^2 in [0, 1/256] and c between a and b: f^3 / 3 R_J(1 - a f^2, 1 - b f^2, 1, 1 - c f^2). This is R_J, by the
-// series about its arguments' mean (B. C. Carlson, Numer. Algorithms 10 (1995) 13; DLMF 19.36.2) to 1e-13 in double and
-// 1e-5 in float, which is less than rounding in a term that is a thousandth of what it is added to. One square root.
+// R_J in the integral of f^2 / (1 - c f^2) over t, which is f^3 / 3 R_J(1 - a f^2, 1 - b f^2, 1, 1 - c f^2), from 0 to
+// the end value of f. For a f^2, b f^2 and c f^2 in [0, 1/256] and c between a and b. By the series about the mean of
+// the arguments (B. C. Carlson, Numer. Algorithms 10 (1995) 13; DLMF 19.36.2), to 1e-13 in double and 1e-5 in float.
+// The term is a thousandth of the number to which it is added, so that error is below rounding. One square root.
 template <class T>
 [[nodiscard]] constexpr T carlson_rj_near_one(T a, T b, T c) {
     const T mean = (a + b + c + c) * T(0.2), inverse = T(1) / (T(1) - mean), leading = inverse * sqrt(inverse);

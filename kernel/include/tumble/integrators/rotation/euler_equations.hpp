@@ -1,7 +1,6 @@
-// Rotation by Euler's equations in the body frame, for methods whose spin is the angular velocity.
-// With t the half turn per step, the equations lose the step size:  dt_i/dn = 2 kappa_i t_j t_k,  (i, j, k) cyclic,
-// kappa_i = (I_j - I_k) / I_i, and the triangle inequality of moments puts every kappa in [-1, 1]: one format for all
-// bodies.
+// Rotation by Euler's equations in the body frame, for methods whose spin is the angular velocity. With t the half turn
+// in a step, the equations do not contain the step: dt_i/dn = 2 kappa_i t_j t_k, (i, j, k) cyclic, kappa_i = (I_j -
+// I_k) / I_i. The triangle inequality of moments bounds every kappa to [-1, 1], so one format serves all bodies.
 #pragma once
 
 #include <tumble/body/orientation.hpp>
@@ -11,7 +10,7 @@ namespace tumble {
 
 template <class N, int weight_denominator>
 struct EulerInertia {
-    // 2 kappa / weight_denominator in as many bits as fit: weighted sums of stages divide for free.
+    // 2 kappa / weight_denominator, in as many bits as fit, so that weighted sums of stages need no division.
     static constexpr int summed_bits = weight_denominator == 1 ? 30 : weight_denominator == 2 ? 31 : 32;
     using Summed = typename N::template CoefficientOf<summed_bits>;
 

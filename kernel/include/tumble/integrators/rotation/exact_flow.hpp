@@ -91,7 +91,7 @@ public:
     }
 
 private:
-    // What the header's text calls by these letters; d is D.
+    // The letters are those of the header's text; d is D.
     struct Motion {
         T mm, twice_energy, x2, z2, gamma_x2, gamma_z2, a, b, d;
     };
@@ -101,7 +101,7 @@ private:
 
     [[nodiscard]] HalfStep half_step(const Motion& m) const {
         const T inverse_length = T(1) / sqrt(m.mm), rate = m.twice_energy * inverse_length;
-        // The bound is that of the exponents; finite numbers never meet it.
+        // The loop's bound follows from the exponents. Finite numbers never reach it.
         constexpr int most_doublings = sizeof(T) == 4 ? 70 : 520;
         T part = 1, part2 = 1;
         int doublings = 0;
@@ -114,9 +114,9 @@ private:
         HalfStep h = small_part(m, part, inverse_length, rate);
         if (doublings == 0) return h;
 
-        // A - B, from D so that it keeps its digits near the separatrix. On it, where the spin tends to the middle axis
-        // for ever, it is held this far from zero, which is less than the spin's own rounding, so that p and q are not
-        // lost by underflow.
+        // A - B, computed from D so that it keeps its digits near the separatrix. On the separatrix, where the spin
+        // tends to the middle axis for ever, it is held this far from zero. That is less than the spin's own rounding
+        // error and keeps p and q from underflow.
         constexpr T least = sizeof(T) == 4 ? T(0x1p-30) : T(0x1p-64);
         T a_less_b = gamma_ * m.d;
         if (N::magnitude(a_less_b) < least * m.a) a_less_b = least * m.a;
@@ -124,7 +124,7 @@ private:
         return h;
     }
 
-    // Half a step that is a small part of the whole.
+    // A part of the half step.
     [[nodiscard]] HalfStep small_part(const Motion& m, T part, T inverse_length, T rate) const {
         HalfStep h{};
         const T part2 = part * part;
@@ -144,13 +144,13 @@ private:
         return h;
     }
 
-    // y from x or from z, whichever has more digits: x is as good as it matters, which is little where X is small.
+    // y from x or from z, whichever has more digits. The accuracy of x matters little where X is small.
     [[nodiscard]] T middle(const HalfStep& h, const Motion& m) const {
         return m.x2 > m.z2 ? h.p * h.x + alpha_ * h.f * h.w : h.q * h.z - beta_ * h.f * h.w;
     }
 
-    // Twice the half step: the turns of two steps composed, and the double argument. Both are scaled to where they
-    // belong, w^2 + X^2 x^2 + Z^2 z^2 = 1 and p^2 + A f^2 = q^2 + B f^2 = 1, so that rounding is not doubled with them.
+    // Twice the half step: the product of the turns of two steps, and the double argument. Both are scaled to w^2 + X^2
+    // x^2 + Z^2 z^2 = 1 and p^2 + A f^2 = q^2 + B f^2 = 1, so that their rounding errors do not double.
     [[nodiscard]] HalfStep doubled(const HalfStep& h, const Motion& m, T a_less_b) const {
         HalfStep twice{};
         const T x = h.q * h.x, y = h.f * h.y, z = h.p * h.z;
@@ -170,10 +170,10 @@ private:
     }
 
     T inverse_x_{}, inverse_z_{};   // I_y / I_x, I_y / I_z
-    T alpha_{}, beta_{}, gamma_{};  // of the header's text
+    T alpha_{}, beta_{}, gamma_{};  // as in the header's text
     T root_alpha_{}, root_beta_{};
     T share_x_{}, share_z_{};                               // beta / gamma, alpha / gamma
-    T constant_{}, square_{}, linear_[3]{}, product_[3]{};  // for the present spin: see turn_of
+    T constant_{}, square_{}, linear_[3]{}, product_[3]{};  // for the present spin; see turn_of
 };
 
 struct ExactFlow {
@@ -186,13 +186,13 @@ struct ExactFlow {
         using T = typename N::Work;
         const Vec3<T> m{N::sum(body.t_b.x), N::sum(body.t_b.y), N::sum(body.t_b.z)};
         Quat<T> turned = inertia.turn_of(m);
-        // The same turn by less than pi, so that one less the cosine is |v|^2 / (1 + cosine) for every step.
+        // The same turn, but by less than pi, so that 1 - cosine is |v|^2 / (1 + cosine) in every step.
         if (turned.w < T(0)) turned = {-turned.w, {-turned.v.x(), -turned.v.y(), -turned.v.z()}};
         const T vv = dot(turned.v, turned.v), length = sqrt(turned.w * turned.w + vv);
         const T excess = length + turned.w, inverse = T(1) / (length * excess), unit = excess * inverse;
         const T less = -(vv * inverse);
         const Vec3<T> v{turned.v.x() * unit, turned.v.y() * unit, turned.v.z() * unit};
-        // m <- m turned back: m + 2 (v x k - (1 + less) k), k = v x m.
+        // m <- m rotated back: m + 2 (v x k - (1 + less) k), k = v x m.
         const Vec3<T> k{T(2) * (v.y() * m.z() - v.z() * m.y()), T(2) * (v.z() * m.x() - v.x() * m.z()),
                         T(2) * (v.x() * m.y() - v.y() * m.x())};
         body.t_b.x.add((v.y() * k.z() - v.z() * k.y() - less * k.x()) - k.x());

@@ -1,14 +1,13 @@
 // Free rotation by the discrete Moser-Veselov map with modified moments (E. Hairer and G. Vilmart, J. Phys. A 39 (2006)
-// 13225: "preprocessed", order 4, 6, 8 or 10). Conserves energy, |m| and the world's angular momentum exactly to
-// rounding.
+// 13225: "preprocessed", order 4, 6, 8 or 10). Conserves energy, |m| and the world's angular momentum to rounding.
 //
-// With I_y = 1 and t = h/2 m the step turns the body by the quaternion (1, c) / sqrt(1 + |c|^2), where c solves
+// With I_y = 1 and t = h/2 m, a step turns the body by the quaternion (1, c) / sqrt(1 + |c|^2), where c solves
 //   J_i c_i = (1 + |c|^2) t_i + (J_j - J_k) c_j c_k,   (i, j, k) cyclic,
 // and t_i += 2 (J_j - J_k) c_j c_k / (1 + |c|^2). The modified moments J, 1/J_i = (1 + s) / I_i + d, are constant in
-// free flight: s and d are polynomials in |t|^2 and the energy, and computed anew only when something has changed the
-// spin. The same rounded J stand in every place, so rounding makes another body of it and no drift. No trigonometry; c
-// is found by iteration with a fixed bound, one division a moment when the spin changes, one square root and one
-// division a step in floating point and none in fixed point.
+// free flight: s and d are polynomials in |t|^2 and the energy. They are computed anew only after something else has
+// changed the spin. The same rounded J are in every place, so rounding makes the motion that of a slightly different
+// body, without drift. No trigonometry. Cost: an iteration for c with a fixed bound; one division for each moment when
+// the spin is changed; in floating point one square root and one division a step, in fixed point none.
 #pragma once
 
 #include <tumble/body/orientation.hpp>
@@ -19,7 +18,7 @@ namespace tumble {
 
 namespace detail {
 
-// The polynomials' coefficients for moments in units of the middle one: term [p - 1][a] belongs to N^(p-a) H^a, with
+// Coefficients of the polynomials, for moments in units of the middle one. Term [p - 1][a] belongs to N^(p-a) H^a, with
 // N = h^2 |m|^2 / 2 and H = h^2 times the energy.
 struct MoserVeselovTerms {
     Real s[4][5]{}, d[4][5]{};
@@ -76,16 +75,16 @@ struct MoserVeselovInertia {
     static constexpr int degree = order / 2 - 1;
     static constexpr int terms = degree * (degree + 3) / 2;
 
-    // Bodies whose smallest moment is below this are slender: their polynomials are in N and H - N, because in N and H
-    // they cancel by a power of the ratio of moments.
+    // Bodies whose smallest moment is below this, in units of the middle one, are slender. Their polynomials are in N
+    // and H - N, because those in N and H cancel by a power of the ratio of moments.
     static constexpr Real slender = 0.15625;
-    // Fixed point, of slender bodies, of fast spins about z, and where J_x is 2 or more, which a factor cannot hold:
-    // added to z_shift, for which no spin has room, so that the flow finds out where it looks for room anyway. See
-    // MoserVeselovFlow::careful_flow.
+    // Fixed point needs care for slender bodies, for fast spins about z, and for J_x >= 2, which a factor cannot hold.
+    // For these, this number is added to z_shift. No spin has room for such a shift, so the flow's existing check of
+    // room finds it. See MoserVeselovFlow::careful_flow.
     static constexpr int with_care = 64;
 
     Work x{}, x_less_y{}, z{};    // I_x / I_y, I_x / I_y - 1, I_z / I_y
-    Work s[terms]{}, d[terms]{};  // in |t|^2 and sum t_i^2 / I_i, whose doubles are N and H; see slender
+    Work s[terms]{}, d[terms]{};  // in |t|^2 and sum t_i^2 / I_i, whose doubles are N and H; see `slender`
     Factor modified[3]{};         // J_i, for the present spin; with care J_x - 1, (J_x - J_y) 2^z_shift, J_z 2^z_shift
     Factor inverse[3]{};          // 1 / J_i; that of z times 2^-z_shift
     std::int8_t z_shift = 0, most_up = 0;
@@ -99,7 +98,7 @@ struct MoserVeselovInertia {
         inertia.x_less_y = N::template constant<Work>((moments.x - moments.y) / moments.y);
         inertia.z = N::template constant<Work>(relative.z);
         inertia.is_slender = relative.z < slender;
-        // N^(p-a) H^a, or with H = N + (H - N) the sum over k of (a over k) N^(p-k) (H - N)^k.
+        // N^(p-a) H^a; or with H = N + (H - N) the sum over k of (a over k) N^(p-k) (H - N)^k.
         const auto coefficient = [&](const Real(&term)[5], int p, int a) {
             Real sum = term[a];
             for (int more = 1, choices = 1; inertia.is_slender && a + more <= p; ++more) {
@@ -115,7 +114,7 @@ struct MoserVeselovInertia {
                 inertia.d[at] = coefficient(terms_of.d[p - 1], p, a);
             }
         }
-        // A factor holds up to 2, and 1 / J_z may exceed 1 / I_z by a quarter at the end of the range.
+        // A factor holds up to 2. 1 / J_z may exceed 1 / I_z by a quarter at the end of the range.
         if (N::fixed_point && relative.z < Real{0.625}) {
             inertia.z_shift = static_cast<std::int8_t>((Real{0.625} / relative.z).ceil_log2_bound());
         }
@@ -123,7 +122,7 @@ struct MoserVeselovInertia {
         return inertia;
     }
 
-    // Sets the modified moments for a body's spin.
+    // Computes the modified moments for the body's spin.
     void prepare(const BodyState<N, Spin::angular_momentum>& body, typename N::Scale scale) {
         const Work moment[3] = {x, Work(1), z};
         Work n(0), e(0);
@@ -145,8 +144,8 @@ struct MoserVeselovInertia {
                 if (a < p && n > Work(0)) product = product * (e / n);
             }
         }
-        // Beyond a quarter of a moment the series has left the region where it converges (a thin rod, a very long
-        // step): there the map without it, of order 2, is the better one.
+        // A correction beyond a quarter of a moment is outside the region of convergence of the series (a thin rod, a
+        // very long step). The map without correction, of order 2, is then the better one.
         Work ratio[3];
         bool converges = true;
         for (int i = 0; i < 3; ++i) {
@@ -163,15 +162,15 @@ struct MoserVeselovInertia {
         }
         if constexpr (N::fixed_point) {
             const Work j_x = x / ratio[0];
-            // The same where t_z, whose square is at most (e - n / I_x) / (1 / I_z - 1 / I_x) in this motion, times
-            // 2 (J_x - J_z) / J_z may come near the end of what a turn holds, 1/2: beyond 0.43.
+            // Fast spins about z need care too. t_z^2 is at most (e - n / I_x) / (1 / I_z - 1 / I_x) in this motion.
+            // Care begins where t_z times 2 (J_x - J_z) / J_z may exceed 0.43; a turn holds 1/2.
             const Work most =
                 N::times_power_of_two(z, -2 * scale.turn_shift) * N::template constant<Work>(Real{0.046875});
             const bool fast = !is_slender && !((x - z) * (e * x - n) < most);
             const bool care = is_slender || fast || !(j_x < Work(2));
             z_shift = static_cast<std::int8_t>(care ? with_care + up : up);
             if (!care) return;
-            // J_x - J_y = (I_x - I_y) (1 + s) / (ratio_x ratio_y), without cancelling.
+            // J_x - J_y = (I_x - I_y) (1 + s) / (ratio_x ratio_y), without cancellation.
             const Work s_one = converges ? Work(1) + sum_s : Work(1);
             modified[0] = N::template factor<30>(j_x - Work(1));
             modified[1] = N::template factor<30>(N::times_power_of_two(x_less_y * s_one / (ratio[0] * ratio[1]), up));
@@ -187,7 +186,7 @@ struct MoserVeselovFlow {
     template <class N>
     using Inertia = MoserVeselovInertia<N, order>;
 
-    // False when c was not found within max_sweeps.
+    // False if c was not found within max_sweeps.
     template <class N>
     TUMBLE_INLINE static bool flow(BodyState<N, Spin::angular_momentum>& body, const Inertia<N>& inertia,
                                    const StepInfo<N>& step) {
@@ -231,7 +230,8 @@ struct MoserVeselovFlow {
     }
 
 private:
-    // The unit quaternion (1 + r, v), and t += 2 (J_j - J_k) v_j v_k, of which less(i, v_j, v_k) is the negative.
+    // Applies the unit quaternion (1 + r, v), and t += 2 (J_j - J_k) v_j v_k. less(i, v_j, v_k) is the negative of that
+    // change.
     template <class N, class Less>
     TUMBLE_INLINE static void finish(BodyState<N, Spin::angular_momentum>& body, const typename N::Block& block,
                                      const Vec3<typename N::Turn>& c, Less&& less, const StepInfo<N>& step) {
@@ -247,10 +247,10 @@ private:
                 Delta<N>{r, {block.whole_angle(v.x(), d), block.whole_angle(v.y(), d), block.whole_angle(v.z(), d)}});
     }
 
-    // The flow of a body whose constants need care in fixed point: with J_x and J_y less one, which a factor holds up
-    // to J = 3, and with the whole equation of z times 2^z_shift, which keeps the digits of a small J_z and its spin.
-    // Out of line: few bodies are so flat, so slender or so fast; and `step` is a value, because a reference would put
-    // it into memory.
+    // The flow of a body whose constants need care in fixed point. It uses J_x and J_y less one, which a factor holds
+    // up to J = 3, and the whole equation of z times 2^z_shift, which keeps the digits of a small J_z and its spin. Out
+    // of line, because few bodies are so flat, so slender or so fast. `step` is a value, because a reference would
+    // force it into memory.
     template <class N>
     [[gnu::noinline]] static bool careful_flow(BodyState<N, Spin::angular_momentum>& body, const Inertia<N>& inertia,
                                                StepInfo<N> step) {
@@ -291,7 +291,7 @@ private:
                 c += change;
                 converged = block.vanishes_times_itself(change, c);
             }
-            // Doubled last: of a rod, twice the difference times v may leave the format of turns.
+            // Doubled last: for a rod, twice the difference times v may leave the format of turns.
             const auto less = [&](int i, Turn v, Turn w) {
                 const auto once = mul(Block::once(-difference[i], v, d), w);
                 return typename N::TurnProduct{i == 2 ? once.raw * 2 >> up : once.raw * 2};

@@ -1,9 +1,9 @@
 // Free rotation by splitting off a symmetric top (Touma & Wisdom 1994; McLachlan 1993). The Hamiltonian |m|^2 / 2I_y of
-// a sphere with the middle moment is exact and common to all axes; what is left turns about the x axis (largest moment)
-// and the z axis (smallest):  sphere for h, x for h/2, z for h, x for h/2.  |m|^2 commutes with everything, so where
-// the sphere's turn stands does not matter: the map is symmetric in time. Order 2, |m| and the world's angular momentum
-// exact to rounding, exact for spheres and symmetric tops. No division, no square root. Error constant: |1/I_x - 1/I_y|
-// |1/I_z - 1/I_y|.
+// a sphere with the middle moment is exact and common to all axes. The rest turns about the x axis (largest moment) and
+// the z axis (smallest): sphere for h, x for h/2, z for h, x for h/2. |m|^2 commutes with everything, so the map is
+// symmetric in time wherever the sphere's turn stands. Order 2. |m| and the world's angular momentum are exact to
+// rounding. Exact for spheres and symmetric tops. No division, no square root. Error constant: |1/I_x - 1/I_y| |1/I_z -
+// 1/I_y|.
 #pragma once
 
 #include <tumble/integrators/rotation/axis_turn.hpp>
@@ -16,7 +16,7 @@ struct SymmetricTopInertia {
     typename N::template CoefficientOf<32>
         x_angle;                           // I_y/I_x - 1, in [-1/2, 0]: angle of the half step about x, per turn
     typename N::Coefficient z_half_angle;  // (I_y/I_z - 1) / 2^z_shift: half angle of the full step about z, per turn
-    std::int8_t z_shift;                   // a thin rod's spin is large for its momentum: 0 up to I_y = 2 I_z
+    std::int8_t z_shift;                   // a thin rod has a large spin for its momentum; 0 up to I_y = 2 I_z
     std::int8_t most_up;                   // for N::Block
     [[no_unique_address]] Part<N> part;
 
@@ -51,14 +51,15 @@ struct SymmetricTopFlow {
                                      inertia.most_up, step.scale);
         if (block.is_out_of_range()) [[unlikely]]
             return N::leave_range(body.t_b.z);
-        // All turns below share the block's power of two. z times 2^z_shift keeps the digits that a rod's spin needs.
+        // All turns below share the block's power of two. The factor 2^z_shift keeps the digits of a rod's spin about
+        // z.
         const Turn z_up = block.turn(N::sum(body.t_b.z), d, inertia.z_shift);
         const Turn x = block.turn(N::sum(body.t_b.x), d), y = block.turn(N::sum(body.t_b.y), d),
                    z = block.down(z_up, inertia.z_shift);
 
         // Each turn is m <- R(-angle) m:  m_j -= (1 - cos) m_j - sin m_k,  m_k -= sin m_j + (1 - cos) m_k.  The versine
-        // is the square of the sine that the sine is made of, and dithered, so |m| stays to a unit over any number of
-        // steps. x for half a step, |half angle| <= 1/16 because I_x <= I_y + I_z
+        // is computed from the same sine and dithered, so |m| stays the same to a unit over any number of steps. x for
+        // half a step: |half angle| <= 1/16 because I_x <= I_y + I_z.
         const Turn angle1 = block.share(inertia.x_angle, x, d);
         const auto x1 = AxisTurn<N>::of(angle1, Series::of_small(square_of(block.half_angle(angle1))), block, d);
         auto less_z = mul_add(mul(x1.sine, y), x1.versine, z);
@@ -85,8 +86,8 @@ struct SymmetricTopFlow {
         block.lower(body.t_b.z, less_z);
         forget_loaded();
 
-        // The three turns together: (cos b cos(a1 + a2), cos b sin(a1 + a2), sin b sin(a2 - a1), sin b cos(a2 - a1))
-        // with the half angles a1, b, a2; the cosine less one.
+        // The three turns together, with the half angles a1, b, a2: (cos b cos(a1 + a2), cos b sin(a1 + a2), sin b
+        // sin(a2 - a1), sin b cos(a2 - a1)), with the first component less one.
         const Angle s1 = x1.half_sine, s2 = x2.half_sine, c1 = x1.cosine_less_one, c2 = x2.cosine_less_one;
         const Angle u1 = Block::stretched(s1, c2, d.delta), u2 = Block::stretched(s2, c1, d.delta);
         const Angle cosines = c1 + c2 + upper_word(mul(c1, c2)), sines = upper_word(mul(s1, s2));

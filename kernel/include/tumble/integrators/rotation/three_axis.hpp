@@ -1,7 +1,7 @@
 // Free rotation by splitting into turns about the three body axes (McLachlan 1993, Reich 1994; the NO_SQUISH scheme of
-// molecular dynamics is the same flow): x and y for h/2, z for h, y and x for h/2, with the middle moment second, which
-// is the best order of the axes. Order 2, symmetric, |m| exact to rounding; exact for no body but one that turns about
-// an axis: here to compare with. No division, no square root.
+// molecular dynamics is the same flow): x and y for h/2, z for h, y and x for h/2. The middle moment is second, the
+// best order of the axes. Order 2, symmetric, |m| exact to rounding. Exact only for a body that turns about an axis.
+// For comparison. No division, no square root.
 #pragma once
 
 #include <tumble/integrators/rotation/axis_turn.hpp>
@@ -56,7 +56,7 @@ struct ThreeAxisFlow {
             less[j] = mul_add(mul_add(less[j], a.sine, now[i]), a.versine, now[j]);
             now[i] = start[i] - block.turn(less[i]);
             now[j] = start[j] - block.turn(less[j]);
-            // (1 + w, v) (1 + c, s e_k), less one: every product as a dithered angle.
+            // (1 + w, v) (1 + c, s e_k), less one. Each product becomes a dithered angle.
             const auto with = [&](Angle to, std::uint32_t dither, Angle p, Angle q) {
                 return upper_word(mul_add(Block::widen(to, dither), p, q));
             };
@@ -70,7 +70,7 @@ struct ThreeAxisFlow {
         using std::integral_constant;
         turn_about(integral_constant<int, 0>{}, Block::twice_share(inertia.x_half, now[0], d));
         turn_about(integral_constant<int, 1>{}, now[1]);
-        // The turns about x and y may have brought the momentum to the z axis, whose turn is the fastest.
+        // The turns about x and y may have moved momentum to the z axis, about which the body turns fastest.
         if (!Block::holds_twice(now[2], inertia.z_shift)) [[unlikely]]
             return N::leave_range(body.t_b.z);
         turn_about(integral_constant<int, 2>{},
