@@ -1,4 +1,4 @@
-// What the pictures share: text of a format, and a drawing of gnuplot's as a small SVG file.
+// Shared by the pictures: formatted text, and a drawing by gnuplot as a small SVG file.
 #pragma once
 
 #include <cstdio>

@@ -10,12 +10,12 @@
 namespace tumble::bench {
 namespace {
 
-// Splittings whose energy oscillates for ever and whose angular momentum is kept to rounding.
+// Splittings: their energy error is bounded, and their angular momentum changes by rounding only.
 const std::set<std::string> conserving{"verlet", "strang", "suzuki4", "pdmv4", "pdmv6", "pdmv8", "pdmv10"};
-// Those of them that keep the energy of a free rotation to rounding.
+// Splittings whose energy of a free rotation changes by rounding only.
 [[nodiscard]] bool keeps_free_energy(const std::string& integrator) { return integrator.starts_with("pdmv"); }
 
-// Of a unit of the number system.
+// A unit of the number system is 2^-bits.
 int bits_of(const std::string& numbers) {
     return numbers.starts_with("q32") ? 31 : numbers.starts_with("f32") ? 24 : 53;
 }
@@ -49,7 +49,7 @@ std::vector<Promise> promises_of(const Row& row) {
     };
     const bool in_contact = row.contains("penetration_m");
     if (in_contact) {
-        // The default tolerance of contacts: bodies in touch overlap by less.
+        // Touching bodies overlap by less than the default tolerance of contacts, 1 mm.
         below("penetration_m", 1e-3);
         // Each impact rounds the energy too.
         below("energy", row.contains("shift_m") ? 1e-3 : 16 * floor);
@@ -57,7 +57,7 @@ std::vector<Promise> promises_of(const Row& row) {
             promises.push_back({"shift_m", Promise::Kind::below, 1e-3, row.at("shift_m").get<double>(), 1e-3});
     } else if (conserving.contains(integrator)) {
         const bool free = scene == "generic top", by_pdmv = keeps_free_energy(integrator);
-        // Under loads the rounding of the constants that a pdmv prepares at each step is a drift and no random walk.
+        // With loads a pdmv prepares constants at each step. Their rounding is a drift, not a random walk.
         if (by_pdmv && !free) floor = std::max(floor, biased_floor(numbers, steps));
         const double first = row.at("energy_first_tenth"), last = row.at("energy_last_tenth");
         promises.push_back({"energy", Promise::Kind::steady, floor, last, 2 * first + floor});
