@@ -85,15 +85,6 @@ std::vector<std::string> broken_promises(const std::vector<Row>& rows) {
 
 namespace {
 
-// Colors of Okabe and Ito, which color-blind readers tell apart, and for text a darker shade of the light ones.
-struct NumberStyle {
-    const char *numbers, *color, *text_color;
-};
-constexpr NumberStyle number_styles[]{{"q32 carry", "#0072b2", "#0072b2"},
-                                      {"q32 plain", "#56b4e9", "#2f83b5"},
-                                      {"f32 plain", "#d55e00", "#c25500"},
-                                      {"f32 carry", "#e69f00", "#a06e00"},
-                                      {"f64", "#009e73", "#00835f"}};
 // Each method has its own mark and dashes, and its own shade of a number system's color: below 0 towards black, above 0
 // towards white.
 struct MethodStyle {
@@ -192,9 +183,7 @@ private:
         const auto column = static_cast<double>(index % columns), row_of = static_cast<double>(index / columns);
         const double x = left + column * (panel_width + gap),
                      y = height() - top - row_of * (panel_height + row_gap) - panel_height;
-        out += text(
-            "set lmargin at screen %g\nset rmargin at screen %g\nset bmargin at screen %g\nset tmargin at screen %g\n",
-            x / width(), (x + panel_width) / width(), y / height(), (y + panel_height) / height());
+        out += panel_at(x, y, panel_width, panel_height, width(), height());
         out += std::string{"set title '"} + kind.title + "' offset 0,-0.7\n";
         out += *kind.axis == 0 ? std::string{"unset ylabel\n"} : std::string{"set ylabel '"} + kind.axis + "'\n";
         out += index / columns + 1 == panel_rows ? "set xlabel 'steps' offset 0,0.5\n" : "unset xlabel\n";

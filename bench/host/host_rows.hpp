@@ -64,4 +64,7 @@ private:
     std::vector<Row> rows_;
 };
 
+// Draws the time of a step against the number of bodies. Throws std::runtime_error.
+void draw_host(const HostRows& rows, const std::filesystem::path& svg);
+
 }  // namespace tumble::bench
