@@ -204,6 +204,82 @@ void fill(Curve& curve, const host::SceneDescription& scene, const Truth& truth,
     }
 }
 
+// The rows of the cost of a step, by problem, core, number system and method.
+class Costs {
+public:
+    void read(const fs::path& path, bool of_problem) {
+        for (const Row& row : tumble::bench::read_rows(path)) {
+            measured_.push_back(row);
+            rows_[key(of_problem ? row.at("scene").get<std::string>() : "", row.at("core"), row.at("numbers"),
+                      row.at("carry"), row.at("integrator"))] = row;
+        }
+    }
+    [[nodiscard]] const std::vector<Row>& measured() const { return measured_; }
+    // Of the problem, or else of the scene with the same work a step; null if there is none.
+    [[nodiscard]] const Row* find(const std::string& problem, const Curve& curve, const std::string& core) const {
+        for (const std::string& name : {problem, std::string{}}) {
+            const auto found = rows_.find(key(name, core, curve.variant.numbers, curve.variant.carry, curve.method));
+            if (found != rows_.end()) return &found->second;
+        }
+        return nullptr;
+    }
+
+private:
+    [[nodiscard]] static std::string key(const std::string& problem, const std::string& core,
+                                         const std::string& numbers, bool carry, const std::string& method) {
+        return problem + " " + core + " " + numbers + (carry ? " carry " : " ") + method;
+    }
+
+    std::vector<Row> measured_;
+    std::map<std::string, Row> rows_;
+};
+
+// The methods of this kernel and of the peer in their number systems, of which a core has a cost.
+std::vector<Curve> curves_of(const host::SceneDescription& scene, const std::vector<std::string>& cores,
+                             const Costs& costs) {
+    std::vector<Curve> curves;
+    for (const Variant& v : tumble::bench::variants)
+        for (const auto& integrator : host::integrators())
+            if (host::runs_in(integrator, v.numbers)) curves.push_back({v, integrator.name, {}});
+    if (scene.planes.empty())
+        for (const char* name : {"odeint_euler", "odeint_midpoint", "odeint_rk4"})
+            for (const Variant& v : {Variant{"f32_plain", "f32", false}, Variant{"f64", "f64", false}})
+                curves.push_back({v, name, {}});
+    std::erase_if(curves, [&](const Curve& curve) {
+        return std::none_of(cores.begin(), cores.end(),
+                            [&](const auto& core) { return costs.find(scene.name, curve, core); });
+    });
+    if (curves.empty()) throw std::runtime_error{"no cost of any method on " + scene.name};
+    return curves;
+}
+
+// The row of a point of a curve on a core whose step costs `step`.
+Row row_of(const std::string& scene, const Truth& truth, const Curve& curve, std::size_t point, const std::string& core,
+           const Row& step) {
+    const Point& p = curve.points[point];
+    Row row;
+    row["scene"] = scene;
+    row["core"] = core;
+    row["numbers"] = curve.variant.numbers;
+    row["carry"] = curve.variant.carry;
+    row["integrator"] = curve.method;
+    row["step_s"] = std::ldexp(1.0, -p.exponent);
+    for (const auto& [of_second, of_step] : {std::pair{"insn_per_simulated_second", "insn_per_step"},
+                                             {"cycles_per_simulated_second_min", "cycles_per_step_min"},
+                                             {"cycles_per_simulated_second_est", "cycles_per_step_est"},
+                                             {"cycles_per_simulated_second_max", "cycles_per_step_max"}})
+        if (step.contains(of_step)) row[of_second] = step.at(of_step).get<double>() * std::ldexp(1.0, p.exponent);
+    if (step.contains("cycles_worst_step_max")) row["cycles_worst_step_max"] = step.at("cycles_worst_step_max");
+    if (!p.failure.empty()) {
+        row["failure"] = p.failure;
+        return row;
+    }
+    row[truth.key()] = p.error;
+    if (point > 0 && curve.points[point - 1].failure.empty() && p.error > 0)
+        row["observed_order"] = std::round(std::log2(curve.points[point - 1].error / p.error) * 100) / 100;
+    return row;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) try {
@@ -231,88 +307,24 @@ int main(int argc, char** argv) try {
         host::check_outputs(tumble::bench::files_of(argument, *files), {{"--results", results}});
     host::OutputFile rows_file = tumble::bench::rows_file(results);
 
-    std::vector<Row> measured;
-    std::map<std::string, Row> cost;  // of a step; key "problem core numbers carry integrator"
-    const auto key = [](const std::string& problem, const std::string& core, const std::string& numbers, bool carry,
-                        const std::string& method) {
-        return problem + " " + core + " " + numbers + (carry ? " carry " : " ") + method;
-    };
-    const auto read_costs = [&](const fs::path& path, bool of_problem) {
-        for (const Row& row : tumble::bench::read_rows(path)) {
-            measured.push_back(row);
-            cost[key(of_problem ? row.at("scene").get<std::string>() : "", row.at("core"), row.at("numbers"),
-                     row.at("carry"), row.at("integrator"))] = row;
-        }
-    };
-    for (const fs::path& path : alike) read_costs(path, false);
-    for (const fs::path& path : own) read_costs(path, true);
+    Costs costs;
+    for (const fs::path& path : alike) costs.read(path, false);
+    for (const fs::path& path : own) costs.read(path, true);
 
     std::vector<Row> rows;
     for (const fs::path& path : problems) {
         const host::SceneDescription scene = host::read_scene(path);
         const Truth truth = truth_of(scene);
-        for (const Row& row : measured) check_answer(scene, truth, row);
-        const auto cost_of = [&](const Curve& curve, const std::string& core) -> const Row* {
-            for (const std::string& problem : {scene.name, std::string{}}) {
-                const auto found =
-                    cost.find(key(problem, core, curve.variant.numbers, curve.variant.carry, curve.method));
-                if (found != cost.end()) return &found->second;
-            }
-            return nullptr;
-        };
-        std::vector<Curve> curves;
-        for (const Variant& v : tumble::bench::variants)
-            for (const auto& integrator : host::integrators())
-                if (host::runs_in(integrator, v.numbers)) curves.push_back({v, integrator.name, {}});
-        if (scene.planes.empty()) {
-            for (const char* name : {"odeint_euler", "odeint_midpoint", "odeint_rk4"}) {
-                for (const Variant& v : {Variant{"f32_plain", "f32", false}, Variant{"f64", "f64", false}})
-                    curves.push_back({v, name, {}});
-            }
-        }
-        std::erase_if(curves, [&](const Curve& curve) {
-            return std::none_of(cores.begin(), cores.end(), [&](const auto& core) { return cost_of(curve, core); });
-        });
-        if (curves.empty()) throw std::runtime_error{"no cost of any method on " + scene.name};
+        for (const Row& row : costs.measured()) check_answer(scene, truth, row);
+        std::vector<Curve> curves = curves_of(scene, cores, costs);
         const int first = std::max(coarsest, static_cast<int>(std::ceil(-std::log2(truth.interval))));
         tumble::bench::in_parallel_counted(path.stem().string(), curves.size(),
                                            [&](std::size_t i) { fill(curves[i], scene, truth, first, finest); });
-        for (const Curve& curve : curves) {
-            for (std::size_t i = 0; i < curve.points.size(); ++i) {
-                const Point& p = curve.points[i];
-                for (const std::string& core : cores) {
-                    const Row* step = cost_of(curve, core);
-                    if (step == nullptr) continue;
-                    Row row;
-                    row["scene"] = scene.name;
-                    row["core"] = core;
-                    row["numbers"] = curve.variant.numbers;
-                    row["carry"] = curve.variant.carry;
-                    row["integrator"] = curve.method;
-                    row["step_s"] = std::ldexp(1.0, -p.exponent);
-                    const auto add = [&](const char* key, const char* of_step, double steps) {
-                        if (step->contains(of_step)) row[key] = step->at(of_step).get<double>() * steps;
-                    };
-                    const double steps_per_second = std::ldexp(1.0, p.exponent);
-                    add("insn_per_simulated_second", "insn_per_step", steps_per_second);
-                    add("cycles_per_simulated_second_min", "cycles_per_step_min", steps_per_second);
-                    add("cycles_per_simulated_second_est", "cycles_per_step_est", steps_per_second);
-                    add("cycles_per_simulated_second_max", "cycles_per_step_max", steps_per_second);
-                    if (step->contains("cycles_worst_step_max"))
-                        row["cycles_worst_step_max"] = step->at("cycles_worst_step_max");
-                    if (p.failure.empty()) {
-                        row[truth.key()] = p.error;
-                        if (i > 0 && curve.points[i - 1].failure.empty() && p.error > 0) {
-                            row["observed_order"] =
-                                std::round(std::log2(curve.points[i - 1].error / p.error) * 100) / 100;
-                        }
-                    } else {
-                        row["failure"] = p.failure;
-                    }
-                    rows.push_back(row);
-                }
-            }
-        }
+        for (const Curve& curve : curves)
+            for (std::size_t i = 0; i < curve.points.size(); ++i)
+                for (const std::string& core : cores)
+                    if (const Row* step = costs.find(scene.name, curve, core))
+                        rows.push_back(row_of(scene.name, truth, curve, i, core, *step));
     }
     tumble::bench::write_rows(rows_file, rows);
     std::printf("%zu rows in %s\n", rows.size(), results.c_str());
