@@ -302,16 +302,15 @@ std::vector<Row> summaries(const std::vector<fs::path>& problems, std::int64_t s
     return rows;
 }
 
-// The long runs of the list, each of at most `most_steps`, for all scenes or for the named one. Finished rows are
-// appended to `part`; rows there from an interrupted run of the same bits are not run again.
-std::vector<Row> runs_of_the_list(std::int64_t most_steps, const std::string& only, const fs::path& part) {
-    struct Job {
-        host::SceneDescription scene;
-        Variant variant;
-        std::string method;
-        std::int64_t steps, every, cost;
-        Row row;
-    };
+// A long run of the list. Its row starts without results.
+struct Job {
+    host::SceneDescription scene;
+    Variant variant;
+    std::string method;
+    std::int64_t steps, every, cost;
+    Row row;
+};
+std::vector<Job> jobs_of_the_list(std::int64_t most_steps, const std::string& only) {
     std::vector<Job> jobs;
     for (const LongRuns& runs : long_runs) {
         if (!only.empty() && fs::path{runs.scene}.stem() != only) continue;
@@ -326,6 +325,13 @@ std::vector<Row> runs_of_the_list(std::int64_t most_steps, const std::string& on
                 if (runs.integrators.contains(integrator.name) && host::runs_in(integrator, v.numbers))
                     jobs.push_back({scene, v, integrator.name, steps, runs.every, cost, {}});
     }
+    return jobs;
+}
+
+// The long runs of the list, each of at most `most_steps`, for all scenes or for the named one. Finished rows are
+// appended to `part`; rows there from an interrupted run of the same bits are not run again.
+std::vector<Row> runs_of_the_list(std::int64_t most_steps, const std::string& only, const fs::path& part) {
+    std::vector<Job> jobs = jobs_of_the_list(most_steps, only);
     std::vector<Row> known;
     if (fs::exists(part)) known = tumble::bench::read_rows(part);
     std::vector<Job*> to_run;
