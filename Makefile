@@ -17,7 +17,7 @@ ARGS  ?=
 PROGRAM ?= q32-Verlet
 PAGES := $(wildcard *.md */*.md host_sim/*/*.md)
 
-.PHONY: run test bench pictures firmware replay advise flame board sizes check format tables golden build setup clean help
+.PHONY: header api arduino run test bench pictures firmware replay advise flame board sizes check format tables golden build setup clean help
 .DEFAULT_GOAL := help
 
 ## help: this list
@@ -117,20 +117,17 @@ tables: build
 	build/host/bench/tumble_tables bench/results $(PAGES)
 
 ## header: the whole kernel as one header, build/header/tumble/tumble.hpp
-.PHONY: header
 header:
 	@mkdir -p build/header/tumble
 	kernel/amalgamate > build/header/tumble/tumble.hpp
 
 ## api: pages of the public interface, build/api/index.html; a public name without a comment is an error
-.PHONY: api
 api:
 	@port/setup api
 	@mkdir -p build/api
 	doxygen kernel/Doxyfile
 
 ## arduino: the kernel as an Arduino library, build/arduino/tumble
-.PHONY: arduino
 arduino: setup
 	kernel/arduino_library build/arduino
 

@@ -1,4 +1,4 @@
-// The true motion of problems that have a formula, in long double. Nothing here is the kernel's.
+// The true motion of problems with a closed form, in long double. No code is shared with the kernel.
 #pragma once
 
 #include "scene/description.hpp"
@@ -11,8 +11,8 @@ namespace tumble::bench {
 
 using Position = std::array<long double, 3>;  // m, world
 
-// Where the scene's one moving body is at 0, interval, 2 interval, ... (s; samples + 1 positions). Empty for a scene
-// whose motion has no formula here. Formulas are known for
+// The positions of the scene's one moving body at 0, interval, 2 interval, ... (s; samples + 1 positions). Empty for a
+// scene without a closed form here. There is one for
 //   two bodies that attract each other, one of them fixed (Kepler's problem, on an ellipse);
 //   a mass on a spring to a world point, on one line with gravity, whether damped less than critically or not at all;
 //   a mass under gravity with drag that grows with velocity;

@@ -23,7 +23,7 @@ std::string compact(std::string svg) {
     if (const auto from = svg.find("<filter"), to = svg.rfind(filters_end); to != std::string::npos)
         svg.erase(from, to + filters_end.size() - from);
     replace(R"(<tspan font-size="13.0" dy="6.5"></tspan>)", "");
-    // What most groups say alike is said once, around them.
+    // Attributes that most groups share stand once, around them.
     const std::string font = R"( font-family="sans-serif")",
                       usual = R"( fill="none" color="black" stroke="currentColor" stroke-width="1.0")"
                               R"( stroke-linecap="butt" stroke-linejoin="miter")";

@@ -1,4 +1,4 @@
-// What the pictures share: text of a format, and a drawing of gnuplot's as a small SVG file.
+// Shared by the pictures: formatted text, and a drawing by gnuplot as a small SVG file.
 #pragma once
 
 #include <cstdio>
@@ -11,6 +11,27 @@ namespace tumble::bench {
     char buffer[256];
     std::snprintf(buffer, sizeof buffer, format, values...);
     return buffer;
+}
+
+// Colors of Okabe and Ito, which color-blind readers tell apart, and for text a darker shade of the light ones. Each
+// has a mark of its own too (gnuplot's point types), and the light ones a word in their labels.
+struct NumberStyle {
+    const char *numbers, *color, *text_color;
+    int mark;
+    const char* word;
+};
+inline constexpr NumberStyle number_styles[]{{"q32 carry", "#0072b2", "#0072b2", 7, ""},
+                                             {"q32 plain", "#56b4e9", "#2f83b5", 6, " plain"},
+                                             {"f32 plain", "#d55e00", "#c25500", 5, ""},
+                                             {"f32 carry", "#e69f00", "#a06e00", 4, " carry"},
+                                             {"f64", "#009e73", "#00835f", 9, ""}};
+
+// Gnuplot's commands for a panel at x and y, pixels from the lower left corner of the picture.
+[[nodiscard]] inline std::string panel_at(double x, double y, double panel_width, double panel_height, double width,
+                                          double height) {
+    return text(
+        "set lmargin at screen %g\nset rmargin at screen %g\nset bmargin at screen %g\nset tmargin at screen %g\n",
+        x / width, (x + panel_width) / width, y / height, (y + panel_height) / height);
 }
 
 // Writes to `svg` what svg_by_gnuplot() draws, in fewer characters: tenths of a pixel, and no groups of nothing.

@@ -62,50 +62,63 @@ struct LabelledPath {
     Point size;  // of its label
 };
 
-// A box for the label of each of the first paths, beside the path's end: as near as the other labels allow, on as
-// little of any path as can be. Throws std::runtime_error where there is no room.
+// A place for a label, and what it costs to be there.
+struct Candidate {
+    Box box;
+    double cost;
+};
+
+// What a box for the label of path i costs: its distance from the path's end, and the paths that it hides. The first
+// `count` paths have labels.
+[[nodiscard]] inline double cost_of_box(const std::vector<LabelledPath>& paths, std::size_t count, std::size_t i,
+                                        const Box& box, double distance, double direction_x) {
+    constexpr double away = 20;  // desired distance of a label from other paths
+    const Point end = paths[i].points.back(), tip = box.nearest(end);
+    double cost = distance + 4 * (1 - direction_x);  // a reader looks to the right first
+    for (std::size_t p = 0; p < paths.size(); ++p) {
+        const auto& points = paths[p].points;
+        const double weight = p < count ? 10 : 1;
+        double nearest = away;
+        for (std::size_t k = 0; k < points.size(); ++k) {
+            const Point &a = points[k > 0 ? k - 1 : 0], &b = points[k];
+            cost += weight * box.length_inside(a, b);
+            if (p >= count || p == i) continue;
+            const Box marker{{b.x - 5, b.y - 5}, {b.x + 5, b.y + 5}};
+            cost += (box.overlaps(marker) ? 40 : 0) + 5 * marker.length_inside(end, tip);
+            nearest = std::min(nearest, distance_between(b, box.nearest(b)));
+        }
+        cost += away - nearest;  // a label must not seem to belong to another path
+    }
+    return cost;
+}
+
+// The places for the label of path i inside the frame. Throws std::runtime_error if there is none.
+[[nodiscard]] inline std::vector<Candidate> candidates_of(const std::vector<LabelledPath>& paths, std::size_t count,
+                                                          std::size_t i, const Box& frame) {
+    std::vector<Candidate> candidates;
+    const Point end = paths[i].points.back(), half{paths[i].size.x / 2, paths[i].size.y / 2};
+    for (double distance = 8; distance < 200; distance *= 1.25) {
+        for (int direction = 0; direction < 24; ++direction) {
+            const double angle = 2 * std::numbers::pi * direction / 24, x = std::cos(angle), y = std::sin(angle);
+            // The middle is so far out that the border has the distance.
+            const double out = std::min(half.x / std::max(std::abs(x), 1e-9), half.y / std::max(std::abs(y), 1e-9));
+            const Point middle{end.x + (out + distance) * x, end.y + (out + distance) * y};
+            const Box box{{middle.x - half.x, middle.y - half.y}, {middle.x + half.x, middle.y + half.y}};
+            if (frame.contains(box)) candidates.push_back({box, cost_of_box(paths, count, i, box, distance, x)});
+        }
+    }
+    if (candidates.empty()) throw std::runtime_error{"a label is larger than its panel"};
+    return candidates;
+}
+
+// Boxes for the labels of the first paths, beside the paths' ends: as near as the other labels allow, and crossing as
+// little of any path as possible. Throws std::runtime_error if there is no room.
 [[nodiscard]] inline std::vector<Box> place_labels(const std::vector<LabelledPath>& paths, std::size_t count,
                                                    const Box& frame) {
-    struct Candidate {
-        Box box;
-        double cost;
-    };
-    std::vector<std::vector<Candidate>> candidates(count);
-    constexpr double away = 20;  // what a label would be from other paths
-    for (std::size_t i = 0; i < count; ++i) {
-        const Point end = paths[i].points.back(), half{paths[i].size.x / 2, paths[i].size.y / 2};
-        for (double distance = 8; distance < 200; distance *= 1.25) {
-            for (int direction = 0; direction < 24; ++direction) {
-                const double angle = 2 * std::numbers::pi * direction / 24, x = std::cos(angle), y = std::sin(angle);
-                // The middle of the label goes as far out as brings its border to the distance.
-                const double out = std::min(half.x / std::max(std::abs(x), 1e-9), half.y / std::max(std::abs(y), 1e-9));
-                const Point middle{end.x + (out + distance) * x, end.y + (out + distance) * y};
-                const Box box{{middle.x - half.x, middle.y - half.y}, {middle.x + half.x, middle.y + half.y}};
-                if (!frame.contains(box)) continue;
-                const Point tip = box.nearest(end);
-                // To the right is where a reader looks first.
-                double cost = distance + 4 * (1 - x);
-                for (std::size_t p = 0; p < paths.size(); ++p) {
-                    const auto& points = paths[p].points;
-                    const double weight = p < count ? 10 : 1;
-                    double nearest = away;
-                    for (std::size_t k = 0; k < points.size(); ++k) {
-                        const Point &a = points[k > 0 ? k - 1 : 0], &b = points[k];
-                        cost += weight * box.length_inside(a, b);
-                        if (p >= count || p == i) continue;
-                        const Box marker{{b.x - 5, b.y - 5}, {b.x + 5, b.y + 5}};
-                        cost += (box.overlaps(marker) ? 40 : 0) + 5 * marker.length_inside(end, tip);
-                        nearest = std::min(nearest, distance_between(b, box.nearest(b)));
-                    }
-                    cost += away - nearest;  // a label must not seem to be another's
-                }
-                candidates[i].push_back({box, cost});
-            }
-        }
-        if (candidates[i].empty()) throw std::runtime_error{"a label is larger than its panel"};
-    }
-    // One label after the other goes to its best place among the others, until none moves. Overlap is dear, not
-    // forbidden, on the way. Of the ends that different first labels lead to, the best.
+    std::vector<std::vector<Candidate>> candidates;
+    for (std::size_t i = 0; i < count; ++i) candidates.push_back(candidates_of(paths, count, i, frame));
+    // One label after the other moves to its best place among the others, until none moves. Overlap is expensive on the
+    // way, not forbidden. Each label is once the first to move; the cheapest result is taken.
     constexpr std::size_t nowhere = std::numeric_limits<std::size_t>::max();
     using Places = std::vector<std::size_t>;
     const auto cost_of = [&](const Places& places, std::size_t i, std::size_t place) {

@@ -1,5 +1,5 @@
-// The picture of the feature ladder: a row a feature, a panel each for flash, RAM, stack and cycles, a bar for each
-// core. The dark end of a bar is what the feature adds to the rung above.
+// The picture of the feature ladder: a row for each feature, panels for flash, RAM, stack and cycles, a bar for each
+// core. The dark end of a bar is the amount that the feature adds to the rung above.
 #include "ladder.hpp"
 
 #include <array>
@@ -22,7 +22,7 @@ struct Panel {
     const char *axis, *format;
     double (*of)(const Row&);
     bool logarithmic;
-    const char* mark;  // key of what a mark stands for; none: ""
+    const char* mark;  // key of the value that a mark shows; none: ""
 };
 constexpr std::array<Panel, 4> panels{{
     {"flash, KiB", "%+.1f", [](const Row& row) { return row.at("text_bytes").get<double>() / 1024; }, false, ""},
@@ -37,7 +37,7 @@ constexpr std::array<Panel, 4> panels{{
 constexpr double left = 128, panel_width = 205, gap = 22, right = 14, top = 74, bottom = 52, font_size = 12;
 constexpr double bar = 6, row_gap = 10;
 
-// The part of a panel, beyond the longest bar, in which the numbers of what is added stand.
+// The share of a panel beyond the longest bar, for the numbers of the added amounts.
 constexpr double numbers_share = 0.31;
 
 class LadderPicture {
@@ -45,7 +45,7 @@ public:
     explicit LadderPicture(const std::vector<Ladder>& ladders) : ladders_(ladders) {
         if (ladders.size() > shades.size())
             throw std::runtime_error{"no color for the feature ladder of " + ladders[shades.size()].name()};
-        // Whose numbers are written.
+        // The ladder whose numbers are written.
         for (std::size_t i = 0; i < ladders.size(); ++i)
             if (ladders[i].core == "cortex-m3") written_ = i;
     }

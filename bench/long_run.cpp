@@ -1,8 +1,8 @@
-// What a method does to the constants of a motion in a long run. Of problems that are named: the largest drift of
-// energy, momentum and the quaternion's norm within a million steps, for every method and number system. Without a
-// name: the long runs of the list below, each with its errors over time; what a method promises of them is held to
-// that. On the host alone, whose bits are the cores'. A run that leaves its range, blows up or does not converge is a
-// row too, with the step at which it did.
+// Drift of conserved quantities in long runs. With problems as arguments: the largest drift of energy, momentum and the
+// quaternion's norm within a million steps, for every method and number system. Without: the long runs of the list
+// below, each with its errors over time, which are checked against the bounds of long_run_rows.hpp. All runs are on the
+// host, whose bits are the cores' bits. A run that leaves its range, blows up or does not converge is a row too, with
+// the step of its failure.
 #include "drawing.hpp"
 #include "long_run_rows.hpp"
 #include "variants.hpp"
@@ -25,11 +25,11 @@ namespace host = tumble::host;
 
 using namespace tumble::reference;
 
-// The long runs: splittings, which keep what they promise over many steps, and others to compare. What a step costs
-// chooses the methods and number systems, and for bodies that touch the number of steps.
+// The long runs: splittings, whose errors are bounded over many steps, and others to compare. The cost of a step limits
+// the methods and number systems, and the number of steps of bodies in contact.
 struct LongRuns {
     const char* scene;
-    std::int64_t steps, every;  // steps of a run, and between two looks
+    std::int64_t steps, every;  // steps of a run, and between two measurements
     std::set<std::string> integrators, variants;
 };
 const std::set<std::string> usual{"q32", "f32_plain", "f64"}, with_plain{"q32", "q32_plain", "f32_plain", "f64"};
@@ -57,8 +57,7 @@ struct Constants {
     Vector world_momentum;
 };
 
-// Under forces that are constant in the world's frame and have a potential for that reason. Norms are of the first
-// body.
+// Under forces that are constant in the world frame and thus have a potential. Norms are of the first body.
 Constants constants_of(const host::SceneDescription& scene, const host::Simulation& simulation) {
     Constants c{simulation.energy().total(), 0, 0, {}};
     for (int b = 0; b < simulation.body_count(); ++b) {
@@ -80,8 +79,8 @@ Constants constants_of(const host::SceneDescription& scene, const host::Simulati
     return c;
 }
 
-// The largest depth of a body in a plane or in another body, m, at least 0. Two boxes are as deep in each other as
-// along the normal of a face along which they are least: of boxes that stand on each other that is the depth.
+// The largest penetration of a body into a plane or another body, m, at least 0. The penetration of two boxes is the
+// least along the normals of their faces: for boxes that stand on each other that is the depth.
 Number penetration_of(const host::SceneDescription& scene, const host::Simulation& simulation) {
     Number deepest = 0;
     std::vector<Motion> now;
@@ -116,11 +115,11 @@ Number penetration_of(const host::SceneDescription& scene, const host::Simulatio
     return deepest;
 }
 
-// Throws std::invalid_argument for scenes whose constants this program does not know; the forces of the rest last for
-// `steps`.
+// Throws std::invalid_argument for scenes whose conserved quantities this program does not know. Forces of other scenes
+// last for `steps`.
 host::SceneDescription checked(host::SceneDescription scene, std::int64_t steps) {
     const auto refuse = [&](const char* expected) {
-        throw std::invalid_argument{scene.path + ": long runs are of " + expected};
+        throw std::invalid_argument{scene.path + ": a long run needs " + expected};
     };
     if (!scene.springs.empty() || !scene.impulses.empty() || scene.linear_drag > 0 || scene.angular_drag > 0)
         refuse("bodies without springs, impulses and drag");
@@ -147,7 +146,7 @@ host::SceneDescription checked(host::SceneDescription scene, std::int64_t steps)
 // Three significant digits.
 double rounded(Number value) { return std::strtod(tumble::bench::text("%.2Le", value).c_str(), nullptr); }
 
-// What went wrong in a run, and when.
+// The failure of a run, and its step.
 void put_failure(Row& row, const host::Simulation& simulation, const std::string& failure) {
     row["failure"] = failure;
     row["failure_step"] = simulation.steps_taken();
@@ -157,7 +156,7 @@ bool has_grown(const Constants& now, const Constants& start) {
            now.energy > 1e6L * std::abs(start.energy);
 }
 
-// The errors of one run over time, as long_run_rows.hpp has them. Calls `counted(steps)` now and then.
+// The errors of one run over time, with the keys of long_run_rows.hpp. Calls `counted(steps)` from time to time.
 Row errors_over_time(const host::SceneDescription& scene, const Variant& variant, const std::string& method,
                      std::int64_t steps, std::int64_t every, const auto& counted) {
     const auto simulation = host::make_simulation(scene, method, variant.numbers, variant.carry);
@@ -233,7 +232,7 @@ Row measure(const host::SceneDescription& scene, const Variant& variant, const s
             break;
         }
         const Constants now = constants_of(scene, *simulation);
-        // NaN is the largest of all.
+        // NaN counts as the largest.
         const auto note = [](Number& largest, Number error) {
             if (!(std::abs(error) <= largest)) largest = std::abs(error);
         };
@@ -276,7 +275,7 @@ Row names_of(const host::SceneDescription& scene, const Variant& variant, const 
     return row;
 }
 
-// Of problems of one body, for every method and number system.
+// Rows of problems with one body, for every method and number system.
 std::vector<Row> summaries(const std::vector<fs::path>& problems, std::int64_t steps, std::int64_t every) {
     std::vector<Row> rows;
     for (const fs::path& path : problems) {
@@ -303,22 +302,21 @@ std::vector<Row> summaries(const std::vector<fs::path>& problems, std::int64_t s
     return rows;
 }
 
-// The long runs of the list, none of more than `most_steps`, of all scenes or of the one that is named. Rows are added
-// to `part` as they come; those that are there from a run of the same bits that was interrupted are not run again.
-std::vector<Row> runs_of_the_list(std::int64_t most_steps, const std::string& only, const fs::path& part) {
-    struct Job {
-        host::SceneDescription scene;
-        Variant variant;
-        std::string method;
-        std::int64_t steps, every, cost;
-        Row row;
-    };
+// A long run of the list. Its row starts without results.
+struct Job {
+    host::SceneDescription scene;
+    Variant variant;
+    std::string method;
+    std::int64_t steps, every, cost;
+    Row row;
+};
+std::vector<Job> jobs_of_the_list(std::int64_t most_steps, const std::string& only) {
     std::vector<Job> jobs;
     for (const LongRuns& runs : long_runs) {
         if (!only.empty() && fs::path{runs.scene}.stem() != only) continue;
         const std::int64_t steps = std::min(runs.steps, most_steps);
         const auto scene = checked(host::read_scene(fs::path{TUMBLE_SOURCE_DIR} / runs.scene), steps);
-        // Of a step, nearly, as a free body's is one: loads cost some ten, boxes that rest on each other fifty each.
+        // Rough cost of a step in steps of a free body: loads cost about ten, and each box of a stack fifty.
         const bool rests = !scene.planes.empty() && scene.gravity != host::Triple{} && !scene.contact.sleep;
         const bool is_loaded = !scene.forces.empty() || scene.gravitation > 0;
         const std::int64_t cost = rests ? 50 * static_cast<std::int64_t>(scene.bodies.size()) : is_loaded ? 10 : 3;
@@ -327,6 +325,13 @@ std::vector<Row> runs_of_the_list(std::int64_t most_steps, const std::string& on
                 if (runs.integrators.contains(integrator.name) && host::runs_in(integrator, v.numbers))
                     jobs.push_back({scene, v, integrator.name, steps, runs.every, cost, {}});
     }
+    return jobs;
+}
+
+// The long runs of the list, each of at most `most_steps`, for all scenes or for the named one. Finished rows are
+// appended to `part`; rows there from an interrupted run of the same bits are not run again.
+std::vector<Row> runs_of_the_list(std::int64_t most_steps, const std::string& only, const fs::path& part) {
+    std::vector<Job> jobs = jobs_of_the_list(most_steps, only);
     std::vector<Row> known;
     if (fs::exists(part)) known = tumble::bench::read_rows(part);
     std::vector<Job*> to_run;
@@ -387,18 +392,18 @@ std::vector<Row> runs_of_the_list(std::int64_t most_steps, const std::string& on
 }  // namespace
 
 int main(int argc, char** argv) try {
-    CLI::App app{
-        "What long runs do to what a motion conserves, as rows: of problems, the drift for every method and "
-        "number system; without problems, the errors over time of the long runs, held to what methods promise."};
+    CLI::App app{"Drift of conserved quantities in long runs, as rows. With problems: the drift for every method and "
+                 "number system. "
+                 "Without: the errors over time of the long runs, checked against their bounds."};
     std::vector<fs::path> problems;
     fs::path results = "build/results/long_run.jsonl";
     std::string only;
     std::int64_t steps = 1000000, every = 50, most_steps = std::numeric_limits<std::int64_t>::max();
     app.add_option("problems", problems, "Scene files of one body; their step is used, their duration is not");
     app.add_option("--steps", steps, "Steps of each run of a problem");
-    app.add_option("--every", every, "Steps between two looks at a problem");
+    app.add_option("--every", every, "Steps between two measurements of a problem");
     app.add_option("--most-steps", most_steps, "The most steps of a long run")->check(CLI::PositiveNumber);
-    app.add_option("--only", only, "The one scene whose long runs are taken, by the name of its file");
+    app.add_option("--only", only, "Run the long runs of this scene only, named as its file");
     app.add_option("--results", results, "Where the rows go, as JSON lines");
     CLI11_PARSE(app, argc, argv);
 
@@ -410,7 +415,7 @@ int main(int argc, char** argv) try {
     }
     const fs::path part = results.string() + ".part";
     const std::vector<Row> rows = runs_of_the_list(most_steps, only, part);
-    if (rows.empty()) throw std::invalid_argument{"--only " + only + ": no long run is of that scene"};
+    if (rows.empty()) throw std::invalid_argument{"--only " + only + ": no long run has that scene"};
     tumble::bench::write_rows(results, rows);
     fs::remove(part);
     std::printf("%zu rows in %s\n", rows.size(), results.c_str());

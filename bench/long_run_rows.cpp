@@ -10,12 +10,12 @@
 namespace tumble::bench {
 namespace {
 
-// Splittings whose energy oscillates for ever and whose angular momentum is kept to rounding.
+// Splittings: their energy error is bounded, and their angular momentum changes by rounding only.
 const std::set<std::string> conserving{"verlet", "strang", "suzuki4", "pdmv4", "pdmv6", "pdmv8", "pdmv10"};
-// Those of them that keep the energy of a free rotation to rounding.
+// Splittings whose energy of a free rotation changes by rounding only.
 [[nodiscard]] bool keeps_free_energy(const std::string& integrator) { return integrator.starts_with("pdmv"); }
 
-// Of a unit of the number system.
+// A unit of the number system is 2^-bits.
 int bits_of(const std::string& numbers) {
     return numbers.starts_with("q32") ? 31 : numbers.starts_with("f32") ? 24 : 53;
 }
@@ -49,7 +49,7 @@ std::vector<Promise> promises_of(const Row& row) {
     };
     const bool in_contact = row.contains("penetration_m");
     if (in_contact) {
-        // The default tolerance of contacts: bodies in touch overlap by less.
+        // Touching bodies overlap by less than the default tolerance of contacts, 1 mm.
         below("penetration_m", 1e-3);
         // Each impact rounds the energy too.
         below("energy", row.contains("shift_m") ? 1e-3 : 16 * floor);
@@ -57,7 +57,7 @@ std::vector<Promise> promises_of(const Row& row) {
             promises.push_back({"shift_m", Promise::Kind::below, 1e-3, row.at("shift_m").get<double>(), 1e-3});
     } else if (conserving.contains(integrator)) {
         const bool free = scene == "generic top", by_pdmv = keeps_free_energy(integrator);
-        // Under loads the rounding of the constants that a pdmv prepares at each step is a drift and no random walk.
+        // With loads a pdmv prepares constants at each step. Their rounding is a drift, not a random walk.
         if (by_pdmv && !free) floor = std::max(floor, biased_floor(numbers, steps));
         const double first = row.at("energy_first_tenth"), last = row.at("energy_last_tenth");
         promises.push_back({"energy", Promise::Kind::steady, floor, last, 2 * first + floor});
@@ -85,15 +85,6 @@ std::vector<std::string> broken_promises(const std::vector<Row>& rows) {
 
 namespace {
 
-// Colors of Okabe and Ito, which color-blind readers tell apart, and for text a darker shade of the light ones.
-struct NumberStyle {
-    const char *numbers, *color, *text_color;
-};
-constexpr NumberStyle number_styles[]{{"q32 carry", "#0072b2", "#0072b2"},
-                                      {"q32 plain", "#56b4e9", "#2f83b5"},
-                                      {"f32 plain", "#d55e00", "#c25500"},
-                                      {"f32 carry", "#e69f00", "#a06e00"},
-                                      {"f64", "#009e73", "#00835f"}};
 // Each method has its own mark and dashes, and its own shade of a number system's color: below 0 towards black, above 0
 // towards white.
 struct MethodStyle {
@@ -192,9 +183,7 @@ private:
         const auto column = static_cast<double>(index % columns), row_of = static_cast<double>(index / columns);
         const double x = left + column * (panel_width + gap),
                      y = height() - top - row_of * (panel_height + row_gap) - panel_height;
-        out += text(
-            "set lmargin at screen %g\nset rmargin at screen %g\nset bmargin at screen %g\nset tmargin at screen %g\n",
-            x / width(), (x + panel_width) / width(), y / height(), (y + panel_height) / height());
+        out += panel_at(x, y, panel_width, panel_height, width(), height());
         out += std::string{"set title '"} + kind.title + "' offset 0,-0.7\n";
         out += *kind.axis == 0 ? std::string{"unset ylabel\n"} : std::string{"set ylabel '"} + kind.axis + "'\n";
         out += index / columns + 1 == panel_rows ? "set xlabel 'steps' offset 0,0.5\n" : "unset xlabel\n";

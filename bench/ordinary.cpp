@@ -1,6 +1,6 @@
-// The two systems with which texts on integrators show what Euler's method cannot do, through the kernel's own Butcher
-// tables: a harmonic oscillator, whose energy explicit Euler pumps up at any step, and the Lorenz equations, where
-// every error grows a thousandfold within seconds. Errors are against a closed form and an integration in long double.
+// Two systems on which explicit Euler fails, integrated with the kernel's Butcher tables: a harmonic oscillator, to
+// which explicit Euler adds energy at any step, and the Lorenz equations, where every error grows a thousandfold within
+// seconds. Errors are against a closed form and an integration in long double.
 #include "ordinary.hpp"
 
 #include "rows.hpp"

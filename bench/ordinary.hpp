@@ -1,9 +1,9 @@
 // Any system of ordinary equations y' = f(y), stepped by the kernel's own Butcher tables in float, double or fixed
 // point.
 //
-// The kernel's stepping function (integrators/runge_kutta.hpp) is made for rigid bodies: its stages are delta
-// quaternions and drifts, and its state is a BodyState. What it shares with this one are the tables, the sums weighted
-// at compile time and the carried numbers; the loop over stages is its own, a dozen lines.
+// The kernel's stepping function (integrators/runge_kutta.hpp) is for rigid bodies: its stages are delta quaternions
+// and drifts, and its state is a BodyState. This one shares the tables, the sums weighted at compile time and the
+// carried numbers; its loop over stages is its own, a dozen lines.
 #pragma once
 
 #include <tumble/integrators/butcher.hpp>
@@ -14,8 +14,8 @@
 
 namespace tumble::bench {
 
-// The arithmetic of an equation: Value is what it reads, Product what sums of products live in, Increment what a step
-// of 2^-n s adds to the state.
+// The arithmetic of an equation: it reads Values and sums products in a Product; a step of 2^-n s adds an Increment to
+// the state.
 template <class T, bool with_carry>
 struct FloatArithmetic {
     static constexpr const char* name = sizeof(T) == 4 ? "f32" : "f64";
@@ -31,8 +31,8 @@ struct FloatArithmetic {
     [[nodiscard]] static Value at(const State& y, Increment change) { return y.value() + change; }
     [[nodiscard]] static bool holds(Value a) { return std::isfinite(a); }
 };
-// Values with F fraction bits in 32; |value| < 2^(31 - F), and so must be a step's increments times the denominator of
-// the table.
+// Values with F fraction bits in 32. |value| < 2^(31 - F), and a step's increments times the denominator of the table
+// have the same limit.
 template <int F, bool with_carry>
 struct FixedArithmetic {
     static constexpr const char* name = "q32";
@@ -50,7 +50,7 @@ struct FixedArithmetic {
                           : (rate.raw + (std::int64_t{1} << (-left - 1))) >> -left};
     }
     [[nodiscard]] static Value at(const State& y, Increment change) { return narrow<Value>(y.sum() + change); }
-    // Half of the format is kept free for what a stage may add.
+    // Half of the range is kept free for the increment of a stage.
     [[nodiscard]] static bool holds(Value a) {
         const std::int32_t raw = a.raw;
         return raw < (1 << 30) && raw > -(1 << 30);

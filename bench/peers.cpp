@@ -1,4 +1,5 @@
-// What a step of the peers' firmware costs on a core: a row for each program, of cores with a timing table with cycles.
+// The cost of a step of the peers' firmware on a core: a row for each program, with cycles if the core has a timing
+// table.
 #include "rows.hpp"
 #include "variants.hpp"
 
@@ -6,7 +7,7 @@
 
 namespace {
 
-// step_run() returns nothing to move.
+// step_run() returns nothing, so no move follows its call.
 constexpr int insn_of_call = 3;
 
 }  // namespace

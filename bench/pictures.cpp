@@ -5,6 +5,7 @@
 // the rest is not drawn. A curve keeps only runs that gain accuracy for their cost: where rounding stops a method, its
 // curve ends.
 #include "drawing.hpp"
+#include "host/host_rows.hpp"
 #include "labels.hpp"
 #include "ladder.hpp"
 #include "long_run_rows.hpp"
@@ -25,6 +26,7 @@
 namespace {
 
 using tumble::bench::numbers_of, tumble::bench::Row, tumble::bench::Point, tumble::bench::Box, tumble::bench::text;
+using tumble::bench::NumberStyle, tumble::bench::number_styles;
 namespace fs = std::filesystem;
 
 // An orientation wrong by a radian, or a position by a metre, is no answer to any of the problems.
@@ -38,23 +40,10 @@ constexpr std::array<ErrorKind, 2> error_kinds{
     {{"orientation_error_rad", "largest orientation error, rad (smaller to the right)"},
      {"position_error_m", "largest position error, m (smaller to the right)"}}};
 
-// Colors of Okabe and Ito, which color-blind readers tell apart, and for text a darker shade of the light ones. Each
-// has a mark of its own too (gnuplot's point types), and the light ones a word in their labels.
-struct NumberStyle {
-    const char *numbers, *color, *text_color;
-    int mark;
-    const char* word;
-};
-constexpr std::array<NumberStyle, 5> number_styles{{{"q32 carry", "#0072b2", "#0072b2", 7, ""},
-                                                    {"q32 plain", "#56b4e9", "#2f83b5", 6, " plain"},
-                                                    {"f32 plain", "#d55e00", "#c25500", 5, ""},
-                                                    {"f32 carry", "#e69f00", "#a06e00", 4, " carry"},
-                                                    {"f64", "#009e73", "#00835f", 9, ""}}};
-
 const NumberStyle& style_of(const std::string& numbers) {
-    const auto* found = std::find_if(number_styles.begin(), number_styles.end(),
+    const auto* found = std::find_if(std::begin(number_styles), std::end(number_styles),
                                      [&](const NumberStyle& style) { return style.numbers == numbers; });
-    if (found == number_styles.end()) throw std::runtime_error{"no color for number system '" + numbers + "'"};
+    if (found == std::end(number_styles)) throw std::runtime_error{"no color for number system '" + numbers + "'"};
     return *found;
 }
 
@@ -278,9 +267,7 @@ private:
         const std::size_t row = index / 2;
         const double x = left + static_cast<double>(index % 2) * (panel_width + gap),
                      y = height() - top - static_cast<double>(row) * (panel_height + gap) - panel_height;
-        out += text(
-            "set lmargin at screen %g\nset rmargin at screen %g\nset bmargin at screen %g\nset tmargin at screen %g\n",
-            x / width(), (x + panel_width) / width(), y / height(), (y + panel_height) / height());
+        out += tumble::bench::panel_at(x, y, panel_width, panel_height, width(), height());
         out += "set title '" + panel.core + "' offset 0,-0.6\n";
         // The axes are the same: they are written once a row and once a column. Their units may not be.
         const std::string unit = std::string{"'"} + (panel.in_cycles ? cycles_axis : insn_axis) + "' font ',10.5'\n";
@@ -353,14 +340,15 @@ private:
 
 int main(int argc, char** argv) try {
     tumble::host::tell_lost_output();
-    CLI::App app{
-        "Draws rows of work against precision, a picture a problem, and those of the feature ladder and of long runs."};
+    CLI::App app{"Draws rows of work against precision, a picture a problem, and those of the feature ladder, long "
+                 "runs and the host."};
     std::vector<fs::path> files;
-    fs::path directory = "build/results", ladder, long_runs;
+    fs::path directory = "build/results", ladder, long_runs, host;
     app.add_option("rows", files, "Files of rows");
     app.add_option("--directory", directory, "Where the pictures go");
     app.add_option("--ladder", ladder, "A file of rows of the feature ladder");
     app.add_option("--long-runs", long_runs, "A file of rows of long runs");
+    app.add_option("--host", host, "A file of rows of bench/host");
     CLI11_PARSE(app, argc, argv);
     fs::create_directories(directory);
     for (const fs::path& file : files) {
@@ -378,6 +366,8 @@ int main(int argc, char** argv) try {
                                     directory / "ladder.svg");
     if (!long_runs.empty())
         tumble::bench::draw_long_runs(tumble::bench::read_rows(long_runs), directory / "long_runs.svg");
+    if (!host.empty())
+        tumble::bench::draw_host(tumble::bench::HostRows{tumble::bench::read_rows(host)}, directory / "host.svg");
     return 0;
 } catch (const std::exception& error) {
     std::cerr << "tumble_pictures: " << error.what() << '\n';

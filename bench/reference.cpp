@@ -27,7 +27,7 @@ Flight::Error Flight::error_of(const std::string& integrator, const std::string&
         simulation->step();
         std::vector<host::BodySnapshot> bodies;
         for (std::size_t b = 0; b < expected.size(); ++b) bodies.push_back(simulation->body(static_cast<int>(b)));
-        // A method that falls too low touches before the true motion does; what it does then is no error of flight.
+        // A method that falls too low touches before the true motion does. Its motion after that is no error of flight.
         if (std::any_of(bodies.begin(), bodies.end(), [](const auto& body) { return body.contacts > 0; })) break;
         for (std::size_t b = 0; b < expected.size(); ++b) error.largest.see(expected[b], host::motion_of(bodies[b]));
         ++error.steps;

@@ -1,4 +1,4 @@
-// What a method gets wrong, against the host's reference in long double, which shares no code with the kernel.
+// Errors of a method against the host's reference in long double, which shares no code with the kernel.
 #pragma once
 
 #include "scene/description.hpp"
@@ -11,15 +11,15 @@
 
 namespace tumble::bench {
 
-// The true flight of a scene's bodies, step by step, until one first touches or the scene ends.
+// The true flight of a scene's bodies, step by step, until the first contact or the end of the scene.
 class Flight {
 public:
     explicit Flight(const host::SceneDescription& scene);
 
-    // The largest over all bodies and the steps of the flight, until the method itself has a body touch.
+    // The largest error of all bodies in the flight, until the first contact of the method's own run.
     struct Error {
         host::Errors largest;
-        std::int64_t steps = 0;  // that were compared; fewer than the scene has where a contact has ended the flight
+        std::int64_t steps = 0;  // compared; fewer than the scene has if a contact ended the flight
     };
     [[nodiscard]] Error error_of(const std::string& integrator, const std::string& numbers, bool carry) const;
 
@@ -30,8 +30,8 @@ private:
 
 using Quaternion = std::array<long double, 4>;  // w, x, y, z
 
-// The true orientation of a scene's first body at 0, 1/samples, 2/samples, ... of its duration. For scenes without
-// impulses whose forces last for the whole run; throws std::invalid_argument for others.
+// The true orientation of a scene's first body at 0, 1/samples, 2/samples, ... of its duration. The scene has no
+// impulses, and its forces last for the whole run; throws std::invalid_argument otherwise.
 [[nodiscard]] std::vector<Quaternion> reference_orientations(const host::SceneDescription& scene, int samples);
 
 // The angle between two orientations, rad.

@@ -1,6 +1,5 @@
 // Result rows: one JSON object a line, with the keys that every tool shares (units in the names).
-// A row that is written says of which bits it is: `tumble_bits`, the kernel's TUMBLE_BITS. A row without it is of
-// bits 1.
+// Each row has the kernel's TUMBLE_BITS as `tumble_bits`. A row without it has bits 1.
 #pragma once
 
 #include <tumble/version.hpp>
@@ -33,7 +32,7 @@ using Row = nlohmann::ordered_json;
     return rows;
 }
 
-// The files of an argument, for check_outputs().
+// The files of a command-line argument, for check_outputs().
 [[nodiscard]] inline std::vector<host::FileArgument> files_of(const std::string& argument,
                                                               const std::vector<std::filesystem::path>& paths) {
     std::vector<host::FileArgument> files;
@@ -41,13 +40,14 @@ using Row = nlohmann::ordered_json;
     return files;
 }
 
-// For rows that a program works for: it says at its start whether they can be written, and makes missing directories.
+// Opens the file of a program's rows at its start, so that an error is found before the work; makes missing
+// directories.
 [[nodiscard]] inline host::OutputFile rows_file(const std::filesystem::path& path) {
     if (path.has_parent_path()) std::filesystem::create_directories(path.parent_path());
     return host::OutputFile{path};
 }
 
-// All rows or none; what is lost throws.
+// Writes all rows or none; throws if they cannot be written.
 inline void write_rows(host::OutputFile& file, const std::vector<Row>& rows) {
     for (Row row : rows) {
         row["tumble_bits"] = TUMBLE_BITS;
@@ -64,8 +64,8 @@ inline void write_rows(const std::filesystem::path& path, const std::vector<Row>
     return host::numbers_text(row.at("numbers"), row.at("carry"));
 }
 
-// What a simulated second costs in a row of work against precision: estimated cycles with their range where the core
-// has a timing table, or instructions.
+// The cost of a simulated second in a row of work against precision: estimated cycles with their range if the core has
+// a timing table, otherwise instructions.
 struct SecondCost {
     bool in_cycles = false;
     double expected = 0, least = 0, most = 0;
@@ -83,7 +83,7 @@ struct SecondCost {
             row.at("cycles_per_simulated_second_max")};
 }
 
-// The median of observed orders, where halving the step has gained something: neither too large a step nor rounding.
+// The median of the observed orders above 0.5. Smaller ones come from too large a step or from rounding.
 [[nodiscard]] inline std::optional<double> median_order(std::vector<double> orders) {
     std::erase_if(orders, [](double order) { return !(order > 0.5); });
     if (orders.empty()) return {};

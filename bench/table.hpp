@@ -32,6 +32,8 @@ struct Table {
         for (const Strings& line : lines) write(line);
         return out.str();
     }
+    // Behind the mark of a page: on lines of its own.
+    operator std::string() const { return "\n" + markdown(); }
 };
 
 // The value of a key as text: "numbers" with its carry, "q32 carry"; a float with two digits; "-" where there is none.

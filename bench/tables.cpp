@@ -9,60 +9,19 @@
 #include <map>
 #include <set>
 
-#include "firmware/cost.hpp"
+#include "cells.hpp"
 #include "host/host_tables.hpp"
 #include "kernel_tables.hpp"
 #include "ladder.hpp"
 #include "long_run_rows.hpp"
+#include "pages.hpp"
 #include "port.hpp"
 #include "scene/data.hpp"
-#include "table.hpp"
 
 namespace {
 
 using namespace tumble::bench;
-using tumble::host::cost_of, tumble::host::has_cycles, tumble::host::range_text;
-
-std::string mean(const Row& row) { return cost_of(row).mean_text(); }
-std::string worst(const Row& row) { return cost_of(row).worst_text(); }
-// The same without a unit, for tables that name it in their head.
-std::string bare_mean(const Row& row) {
-    const auto cost = cost_of(row);
-    return std::isnan(cost.mean) ? "-" : range_text(cost.mean, cost.least, cost.most);
-}
-std::string bare_worst(const Row& row) {
-    const auto cost = cost_of(row);
-    return std::isnan(cost.worst) ? "-" : range_text(cost.worst, cost.worst, cost.worst);
-}
-std::string last(const Row& row) {
-    if (!has_cycles(row)) return text_of(row, "insn_per_step_last") + " insn";
-    return range_text(row.at("cycles_last_step_est"), row.at("cycles_last_step_min"), row.at("cycles_last_step_max"));
-}
-// A cell of a run that may have failed.
-Cell unless_failed(const Cell& cell) {
-    return [cell](const Row& row) {
-        const auto step = row.find("failure_step");
-        return step == row.end() ? cell(row) : "fails at step " + step->dump();
-    };
-}
-
-// The method of an engine, and for how long its error was small.
-std::string way(const Row& row) { return row.at("engine") == "tumble" ? method(row) : text_of(row, "integrator"); }
-std::string within(const Row& row) { return text("%ld", std::lround(row.at("within_100_mrad_s").get<double>())); }
-const std::map<std::string, Cell> cells{{"@method", method},      {"@mean", mean}, {"@worst", worst},  {"@last", last},
-                                        {"@engine", engine_name}, {"@way", way},   {"@within", within}};
-// Of "head:key|head:key", where a key is one of a row or of `cells`.
-std::vector<Column> columns(const std::string& spec) {
-    std::vector<Column> all;
-    std::istringstream parts{spec};
-    for (std::string part; std::getline(parts, part, '|');) {
-        const std::size_t colon = part.find(':');
-        const std::string key = part.substr(colon + 1);
-        const auto cell = cells.find(key);
-        all.push_back({part.substr(0, colon), cell == cells.end() ? value(key) : cell->second});
-    }
-    return all;
-}
+using tumble::host::cost_of, tumble::host::has_cycles;
 
 // The row of these values, which the table cannot do without.
 const Row& row_of(const Rows& rows, const Where& where) {
@@ -135,6 +94,16 @@ Table cores_table(const Rows& rows) {
                   {"RAM, plain float", bytes("ram_bytes"), plain}});
 }
 
+// Memory of a free body's program on an M3, in the number systems that the table of costs has.
+Table size_table(Rows rows) {
+    std::erase_if(rows,
+                  [](const Row& row) { return numbers_of(row) != "q32 carry" && numbers_of(row) != "f32 plain"; });
+    return list(rows, {{"core", "cortex-m3"}},
+                columns("cortex-m3:@method|numbers:numbers|text bytes:text_bytes|RAM bytes:ram_bytes|"
+                        "world bytes:world_bytes|stack bytes:stack_bytes|bound of a step:step_stack_bound_bytes|"
+                        "cycles a step:@mean|worst step:@worst"));
+}
+
 // What -Os saves and costs beside -O2.
 Table optimization_table(const Rows& rows) {
     const auto change = [](double from, double to) { return text("%+.1f %%", 100 * (to / from - 1)); };
@@ -182,16 +151,14 @@ Table skipped_table(const Rows& rows) {
 
 // What each rung of a ladder adds to those above it, between the empty world and the sum.
 Table ladder_table(const Rows& rows, const std::string& name) {
-    constexpr std::pair<const char*, const char*> columns[] = {
-        {"code, B", "code_bytes"},
-        {"constants, B", "rodata_bytes"},
-        {"RAM, B", "ram_bytes"},
-        {"stack, B", "step_stack_bytes"},
-        {"its bound, B", "step_stack_bound_bytes"},
-        {"cycles a step", "cycles_per_step_est"},
-        {"worst step", "cycles_worst_step_max"},
-        {"last step", "cycles_last_step_est"},
-    };
+    constexpr std::pair<const char*, const char*> columns[] = {{"code, B", "code_bytes"},
+                                                               {"constants, B", "rodata_bytes"},
+                                                               {"RAM, B", "ram_bytes"},
+                                                               {"stack, B", "step_stack_bytes"},
+                                                               {"its bound, B", "step_stack_bound_bytes"},
+                                                               {"cycles a step", "cycles_per_step_est"},
+                                                               {"worst step", "cycles_worst_step_max"},
+                                                               {"last step", "cycles_last_step_est"}};
     const auto ladders = ladders_of(rows);
     const auto ladder = std::find_if(ladders.begin(), ladders.end(), [&](const auto& l) { return l.name() == name; });
     if (ladder == ladders.end()) throw std::runtime_error{"no feature ladder of " + name};
@@ -371,142 +338,82 @@ std::string times_as_many(const Rows& rows, const std::string& core, const std::
     return most == 0 ? "-" : text("%.1f to %.1f", least, most);
 }
 
-// The files of rows, each read once.
-class Results {
-public:
-    explicit Results(std::filesystem::path directory) : directory_(std::move(directory)) {}
-    [[nodiscard]] const Rows& operator[](const std::string& name) const {
-        const auto [file, is_new] = files_.try_emplace(name);
-        if (is_new) file->second = read_rows(directory_ / (name + ".jsonl"));
-        return file->second;
-    }
-    [[nodiscard]] const std::filesystem::path& directory() const { return directory_; }
-
-private:
-    std::filesystem::path directory_;
-    mutable std::map<std::string, Rows> files_;
-};
-
-template <class T>
-using Makers = std::map<std::string, std::function<T(const Results&)>>;
-
-const char *size_columns = "cortex-m3:@method|numbers:numbers|text bytes:text_bytes|RAM bytes:ram_bytes|"
-                           "world bytes:world_bytes|stack bytes:stack_bytes|"
-                           "bound of a step:step_stack_bound_bytes|cycles a step:@mean|worst step:@worst",
-           *contact_columns = "scene:scene|core:core|numbers:numbers|cycles a step:@mean|last step:@last|"
+const char* contact_columns = "scene:scene|core:core|numbers:numbers|cycles a step:@mean|last step:@last|"
                               "worst step:@worst|text bytes:text_bytes|RAM bytes:ram_bytes";
 
 using R = const Results&;
-const Makers<Table> tables{
-    {"boards", [](R r) { return boards_table(r.directory() / "../../port/boards.txt"); }},
-    {"cores", [](R r) { return cores_table(r["free"]); }},
-    {"free", [](R r) { return free_table(r["free"], true); }},
-    {"free_insn", [](R r) { return free_table(r["free"], false); }},
-    {"size",
-     [](R r) {
-         return list(r["free"], {{"core", "cortex-m3"}}, columns(size_columns));
-     }},
-    {"optimization", [](R r) { return optimization_table(r["optimization"]); }},
-    {"integrators", [](R r) { return integrators_table(r["free"]); }},
-    {"cube", [](R r) { return cube_table(r["cube"]); }},
-    {"front", [](R r) { return front_table(r["work_precision"], "error below, rad"); }},
-    {"front_loads", [](R r) { return front_table(r["work_precision_loads"], "error below, m or rad"); }},
-    {"contacts", [](R r) { return list(r["contacts"], {}, columns(contact_columns)); }},
-    {"skipped", [](R r) { return skipped_table(r["contacts"]); }},
-    {"ladder_cortex_m0", [](R r) { return ladder_table(r["ladder"], "cortex-m0 q32 carry"); }},
-    {"ladder_cortex_m3", [](R r) { return ladder_table(r["ladder"], "cortex-m3 q32 carry"); }},
-    {"ladder_cortex_m4f", [](R r) { return ladder_table(r["ladder"], "cortex-m4f q32 carry"); }},
-    {"ladder_cortex_m4f_float", [](R r) { return ladder_table(r["ladder"], "cortex-m4f f32 plain"); }},
-    {"long_run_free",
-     [](R r) {
-         return long_run_table(r["long_run"], "generic top", {"world_momentum_max_relative_drift", "momentum"});
-     }},
-    {"long_run_heavy",
-     [](R r) {
-         return long_run_table(r["long_run"], "heavy top",
-                               {"vertical_momentum_max_relative_drift", "vertical momentum"});
-     }},
-    {"long_runs_energy", [](R r) { return long_runs_table(r["long_run_series"], energy_of_tenths); }},
-    {"long_runs_besides", [](R r) { return long_runs_table(r["long_run_series"], largest_besides_energy); }},
-    {"oscillator",
-     [](R r) {
-         return ordinary_table(r["ordinary"], "harmonic oscillator", {2, 4, 6, 8, 10});
-     }},
-    {"lorenz",
-     [](R r) {
-         return ordinary_table(r["ordinary"], "Lorenz system", {6, 8, 10, 12});
-     }},
-    {"host", [](R r) { return host_table(r["host"]); }},
-    {"host_many", [](R r) { return host_many_table(r["host"]); }},
-    {"host_growth", [](R r) { return host_growth_table(r["host"]); }},
-    {"engines", [](R r) { return engines_table(r["engines"]); }},
-    {"formats", [](R) { return formats_table(); }},
-    {"bounds", [](R) { return bounds_table(); }},
-    {"near_pairs", [](R) { return near_pairs_table(); }},
-    {"stability", [](R) { return stability_table(); }},
-    {"resolution", [](R) { return resolution_table(); }},
-};
 // The error of rk4 on the tests' top after 100 s.
 std::string top_error(R r, const char* numbers) {
     return text_of(row_of(r["engines"], {{"engine", "tumble"}, {"integrator", "rk4"}, {"numbers", numbers}}),
                    "orientation_error_rad");
 }
-const Makers<std::string> values{
-    {"float_on_m0", [](R r) { return times_as_many(r["free"], "cortex-m0", "f32 plain", "q32 carry"); }},
-    {"float_on_m3", [](R r) { return times_as_many(r["free"], "cortex-m3", "f32 plain", "q32 carry"); }},
-    {"q32_on_m4f", [](R r) { return times_as_many(r["free"], "cortex-m4f", "q32 carry", "f32 plain"); }},
-    {"q32_on_m4f_both_carry", [](R r) { return times_as_many(r["free"], "cortex-m4f", "q32 carry", "f32 carry"); }},
-    {"top_error_q32", [](R r) { return top_error(r, "q32 carry"); }},
-    {"top_error_f32", [](R r) { return top_error(r, "f32 plain"); }},
-    {"max_bodies", [](R) { return std::to_string(tumble::host::max_bodies); }},
-    {"max_planes", [](R) { return std::to_string(tumble::host::max_planes); }},
-    {"max_springs", [](R) { return std::to_string(tumble::host::max_springs); }},
-    {"max_near_pairs", [](R) { return std::to_string(tumble::host::max_near_pairs); }},
-    {"largest_turn_q32", [](R) { return largest_turn(); }},
-    {"abort_status", [](R) { return std::to_string(tumble::port::abort_status); }},
-    {"text_lost_status", [](R) { return std::to_string(tumble::port::text_lost_status); }},
-    {"no_counter_status", [](R) { return std::to_string(tumble::port::no_counter_status); }},
+const Makers makers{
+    {"table boards", [](R r) { return boards_table(r.directory() / "../../port/boards.txt"); }},
+    {"table cores", [](R r) { return cores_table(r["free"]); }},
+    {"table free", [](R r) { return free_table(r["free"], true); }},
+    {"table free_insn", [](R r) { return free_table(r["free"], false); }},
+    {"table size", [](R r) { return size_table(r["free"]); }},
+    {"table optimization", [](R r) { return optimization_table(r["optimization"]); }},
+    {"table integrators", [](R r) { return integrators_table(r["free"]); }},
+    {"table cube", [](R r) { return cube_table(r["cube"]); }},
+    {"table front", [](R r) { return front_table(r["work_precision"], "error below, rad"); }},
+    {"table front_loads", [](R r) { return front_table(r["work_precision_loads"], "error below, m or rad"); }},
+    {"table contacts", [](R r) { return list(r["contacts"], {}, columns(contact_columns)); }},
+    {"table skipped", [](R r) { return skipped_table(r["contacts"]); }},
+    {"table ladder_cortex_m0", [](R r) { return ladder_table(r["ladder"], "cortex-m0 q32 carry"); }},
+    {"table ladder_cortex_m3", [](R r) { return ladder_table(r["ladder"], "cortex-m3 q32 carry"); }},
+    {"table ladder_cortex_m4f", [](R r) { return ladder_table(r["ladder"], "cortex-m4f q32 carry"); }},
+    {"table ladder_cortex_m4f_float", [](R r) { return ladder_table(r["ladder"], "cortex-m4f f32 plain"); }},
+    {"table long_run_free",
+     [](R r) {
+         return long_run_table(r["long_run"], "generic top", {"world_momentum_max_relative_drift", "momentum"});
+     }},
+    {"table long_run_heavy",
+     [](R r) {
+         return long_run_table(r["long_run"], "heavy top",
+                               {"vertical_momentum_max_relative_drift", "vertical momentum"});
+     }},
+    {"table long_runs_energy", [](R r) { return long_runs_table(r["long_run_series"], energy_of_tenths); }},
+    {"table long_runs_besides", [](R r) { return long_runs_table(r["long_run_series"], largest_besides_energy); }},
+    {"table oscillator",
+     [](R r) {
+         return ordinary_table(r["ordinary"], "harmonic oscillator", {2, 4, 6, 8, 10});
+     }},
+    {"table lorenz",
+     [](R r) {
+         return ordinary_table(r["ordinary"], "Lorenz system", {6, 8, 10, 12});
+     }},
+    {"table host", [](R r) { return host_table(r["host"]); }},
+    {"table host_many", [](R r) { return host_many_table(r["host"]); }},
+    {"table host_growth", [](R r) { return host_growth_table(r["host"]); }},
+    {"table engines", [](R r) { return engines_table(r["engines"]); }},
+    {"table formats", [](R) { return formats_table(); }},
+    {"table bounds", [](R) { return bounds_table(); }},
+    {"table near_pairs", [](R) { return near_pairs_table(); }},
+    {"table stability", [](R) { return stability_table(); }},
+    {"table resolution", [](R) { return resolution_table(); }},
+    {"value float_on_m0", [](R r) { return times_as_many(r["free"], "cortex-m0", "f32 plain", "q32 carry"); }},
+    {"value float_on_m3", [](R r) { return times_as_many(r["free"], "cortex-m3", "f32 plain", "q32 carry"); }},
+    {"value q32_on_m4f", [](R r) { return times_as_many(r["free"], "cortex-m4f", "q32 carry", "f32 plain"); }},
+    {"value q32_on_m4f_both_carry",
+     [](R r) { return times_as_many(r["free"], "cortex-m4f", "q32 carry", "f32 carry"); }},
+    {"value top_error_q32", [](R r) { return top_error(r, "q32 carry"); }},
+    {"value top_error_f32", [](R r) { return top_error(r, "f32 plain"); }},
+    {"value max_bodies", [](R) { return std::to_string(tumble::host::max_bodies); }},
+    {"value max_planes", [](R) { return std::to_string(tumble::host::max_planes); }},
+    {"value max_springs", [](R) { return std::to_string(tumble::host::max_springs); }},
+    {"value max_near_pairs", [](R) { return std::to_string(tumble::host::max_near_pairs); }},
+    {"value largest_turn_q32", [](R) { return largest_turn(); }},
+    {"value abort_status", [](R) { return std::to_string(tumble::port::abort_status); }},
+    {"value text_lost_status", [](R) { return std::to_string(tumble::port::text_lost_status); }},
+    {"value no_counter_status", [](R) { return std::to_string(tumble::port::no_counter_status); }},
 };
 
-std::string read_file(const std::filesystem::path& path) {
-    std::ifstream in{path};
-    if (!in) throw std::runtime_error{path.string() + ": cannot be read"};
-    return {std::istreambuf_iterator<char>{in}, {}};
-}
-
-// The page with what its marks name; adds the names to `used`.
-std::string filled_in(const std::string& page, const std::string& text, R results, std::set<std::string>& used) {
-    std::string out;
-    std::size_t at = 0;
-    while (true) {
-        const std::size_t table_mark = text.find("<!-- table ", at), value_mark = text.find("<!-- value ", at);
-        const std::size_t mark = std::min(table_mark, value_mark);
-        if (mark == std::string::npos) break;
-        const std::size_t close = text.find(" -->", mark), stop = text.find("<!-- end -->", mark);
-        if (close == std::string::npos || stop == std::string::npos || text.find("<!-- ", close) != stop)
-            throw std::runtime_error{page + ": a mark without its end: " + text.substr(mark, 40)};
-        const std::size_t name_at = mark + std::string{"<!-- table "}.size();
-        const std::string name = text.substr(name_at, close - name_at);
-        const bool is_table = mark == table_mark;
-        if (is_table ? !tables.contains(name) : !values.contains(name))
-            throw std::runtime_error{page + ": there is no " + (is_table ? "table" : "value") + " '" + name + "'"};
-        used.insert(name);
-        out += text.substr(at, close + 4 - at);
-        out += is_table ? "\n" + tables.at(name)(results).markdown() : values.at(name)(results);
-        at = stop;
-    }
-    return out + text.substr(at);
-}
-
-// Sentences of what the pages do not show and of the promises that the rows of the long runs break.
+// The makers that no page uses, and the promises that the rows of the long runs break.
 Strings faults_of(R results, const std::set<std::string>& used) {
     Strings faults;
-    const auto add_unused = [&](const auto& makers) {
-        for (const auto& [name, maker] : makers)
-            if (!used.contains(name)) faults.push_back("'" + name + "' is in no page");
-    };
-    add_unused(tables);
-    add_unused(values);
+    for (const auto& [name, maker] : makers)
+        if (!used.contains(name)) faults.push_back(name + " is in no page");
     for (const std::string& promise : broken_promises(results["long_run_series"]))
         faults.push_back("broken in long_run_series.jsonl: " + promise);
     return faults;
@@ -526,7 +433,7 @@ int main(int argc, char** argv) try {
     std::set<std::string> used;
     Strings faults;
     for (int i = first + 1; i < argc; ++i) {
-        const std::string page = argv[i], now = read_file(page), wanted = filled_in(page, now, results, used);
+        const std::string page = argv[i], now = read_file(page), wanted = filled_in(page, now, makers, results, used);
         if (now == wanted) continue;
         if (check)
             faults.push_back(page + ": its tables differ from the rows of " + argv[first] + "; run `make tables`");

@@ -1,4 +1,4 @@
-// What the programs that measure share: number systems, integrators and processors to loop over, and how they end.
+// Shared by the measuring programs: number systems and integrators to loop over, parallel loops, and exit statuses.
 #pragma once
 
 #include "firmware/firmware.hpp"
@@ -29,7 +29,7 @@ inline const std::vector<Variant>& variants = host::number_variants();
     for (const auto& integrator : host::integrators()) names.push_back(integrator.name);
     return names;
 }
-// The variants of these names, in this order; throws std::invalid_argument for a name that is none.
+// The variants of these names, in this order. Throws std::invalid_argument for an unknown name.
 [[nodiscard]] inline std::vector<Variant> variants_named(const std::vector<std::string>& names) {
     std::vector<Variant> chosen;
     for (const std::string& name : names) {
@@ -41,7 +41,7 @@ inline const std::vector<Variant>& variants = host::number_variants();
     return chosen;
 }
 
-// in_parallel, telling how far it has come.
+// in_parallel with a progress line.
 inline void in_parallel_counted(const std::string& what, std::size_t count, const auto& work) {
     host::Progress progress(static_cast<std::int64_t>(count), host::Progress::Piped::tenths);
     in_parallel(count, [&](std::size_t i) {
@@ -50,7 +50,7 @@ inline void in_parallel_counted(const std::string& what, std::size_t count, cons
     });
 }
 
-// For the handler of a main: says on standard error what went wrong, and returns the exit status.
+// For the handler of a main: prints the exception on standard error and returns the exit status.
 [[nodiscard]] inline int report_failure(const char* program) {
     try {
         throw;

@@ -1,8 +1,8 @@
-// Work against precision: how wrong each method is on a problem at each step, beside what a simulated second costs on a
-// core. Errors are the largest over fixed sample times against a formula or an integration in long double, neither of
-// which shares code with the kernel, never against a method's own finest run; the host's bits are the cores'. Costs are
-// cycles and instructions of a step in QEMU, from the rows of the problem or of a scene that does the same work a step.
-// A run that leaves its range, blows up or does not converge is a row too.
+// Work against precision: the error of each method on a problem at each step, beside the cost of a simulated second on
+// a core. An error is the largest at fixed sample times against a formula or an integration in long double. Neither
+// shares code with the kernel, and no method is compared with its own finest run. The host's bits are the cores' bits.
+// Costs are cycles and instructions of a step in QEMU, from rows of the problem or of a scene with the same work a
+// step. A run that leaves its range, blows up or does not converge is a row too.
 #include "closed_form.hpp"
 #include "peers/odeint.hpp"
 #include "reference.hpp"
@@ -25,13 +25,13 @@ using tumble::bench::Variant;
 namespace fs = std::filesystem;
 namespace host = tumble::host;
 
-// The true motion at times that every step of 2^-n s not longer than the interval meets.
+// The true motion at multiples of the interval. Every step of 2^-n s up to the interval divides them.
 struct Truth {
     double interval = 0;  // s, a power of two
     int samples = 0;
-    std::vector<tumble::bench::Quaternion> orientations;  // one of the two, samples + 1 of them
+    std::vector<tumble::bench::Quaternion> orientations;  // samples + 1; empty if positions are not
     std::vector<tumble::bench::Position> positions;
-    double blown_up = 0;  // an error that no motion which deserves the name can have, rad or m
+    double blown_up = 0;  // rad or m: a run with a larger error has blown up
 
     [[nodiscard]] const char* key() const { return positions.empty() ? "orientation_error_rad" : "position_error_m"; }
     [[nodiscard]] double error(int sample, const host::BodySnapshot& body) const {
@@ -52,15 +52,14 @@ Truth truth_of(const host::SceneDescription& scene) {
     if (const auto positions = tumble::bench::closed_form(scene, truth.interval, truth.samples))
         truth.positions = *positions;
     else truth.orientations = tumble::bench::reference_orientations(scene, truth.samples);
-    // Orientations are never further apart than half a turn; positions may be by a hundred times what the motion
-    // reaches.
+    // Orientations are at most half a turn apart. Positions may differ by a hundred times the extent of the motion.
     truth.blown_up = 4;
     for (const auto& x : truth.positions)
         truth.blown_up = std::max(truth.blown_up, 100 * static_cast<double>(std::hypot(x[0], x[1], x[2])));
     return truth;
 }
 
-// The body that moves; of Kepler's two, the second.
+// The moving body: of Kepler's two, the second.
 int moving_body(const host::SceneDescription& scene) {
     int index = 0;
     while (scene.bodies.at(static_cast<std::size_t>(index)).fixed) ++index;
@@ -79,8 +78,8 @@ struct Curve {
     std::vector<Point> points;
 };
 
-// The largest error at the samples of a run that advance(sample) takes to each of them; it returns what has gone wrong,
-// if anything has. snapshot() is the moving body then.
+// The largest error at the samples. advance(sample) runs to a sample and returns its failure, if any; snapshot()
+// returns the moving body there.
 template <class Advance, class Snapshot>
 Point largest_error(const Truth& truth, int exponent, Advance&& advance, Snapshot&& snapshot) {
     Point point{exponent, 0, {}};
@@ -97,7 +96,7 @@ Point largest_error(const Truth& truth, int exponent, Advance&& advance, Snapsho
     return point;
 }
 
-// At a step of 2^-exponent s.
+// The error at a step of 2^-exponent s.
 Point measure(host::SceneDescription scene, const Truth& truth, const Variant& variant, const std::string& method,
               int exponent) {
     scene.step = {1, std::int64_t{1} << exponent, 0};
@@ -112,7 +111,7 @@ Point measure(host::SceneDescription scene, const Truth& truth, const Variant& v
     return largest_error(truth, exponent, advance, [&] { return simulation->body(body); });
 }
 
-// The same of Boost.Odeint.
+// The error of Boost.Odeint at that step.
 template <template <class> class Stepper, class Equations>
 Point measure_peer(const host::SceneDescription& scene, const Truth& truth, int exponent) {
     using T = typename Equations::T;
@@ -172,7 +171,7 @@ const std::map<std::string, Peer> peers = {
     {"odeint_rk4 f64", peer_of<tumble::bench::OdeintRk4, double>()},
 };
 
-// Throws std::runtime_error where a core's run of a peer has not given the host's bits: its cost is then of another
+// Throws std::runtime_error if a peer's bits on a core differ from the host's: its cost would be that of another
 // answer.
 void check_answer(const host::SceneDescription& scene, const Truth& truth, const Row& row) {
     const std::string name = row.at("integrator").get<std::string>() + " " + row.at("numbers").get<std::string>();
@@ -185,8 +184,8 @@ void check_answer(const host::SceneDescription& scene, const Truth& truth, const
                                  expected};
 }
 
-// From the coarsest step that the samples allow to the round-off floor: halving stops when it has not helped three
-// times.
+// From the coarsest step that the samples allow down to the rounding floor. Halving stops after three steps without
+// gain.
 void fill(Curve& curve, const host::SceneDescription& scene, const Truth& truth, int coarsest, int finest) {
     double best = 1e9;
     int since_best = 0;
@@ -205,11 +204,87 @@ void fill(Curve& curve, const host::SceneDescription& scene, const Truth& truth,
     }
 }
 
+// The rows of the cost of a step, by problem, core, number system and method.
+class Costs {
+public:
+    void read(const fs::path& path, bool of_problem) {
+        for (const Row& row : tumble::bench::read_rows(path)) {
+            measured_.push_back(row);
+            rows_[key(of_problem ? row.at("scene").get<std::string>() : "", row.at("core"), row.at("numbers"),
+                      row.at("carry"), row.at("integrator"))] = row;
+        }
+    }
+    [[nodiscard]] const std::vector<Row>& measured() const { return measured_; }
+    // Of the problem, or else of the scene with the same work a step; null if there is none.
+    [[nodiscard]] const Row* find(const std::string& problem, const Curve& curve, const std::string& core) const {
+        for (const std::string& name : {problem, std::string{}}) {
+            const auto found = rows_.find(key(name, core, curve.variant.numbers, curve.variant.carry, curve.method));
+            if (found != rows_.end()) return &found->second;
+        }
+        return nullptr;
+    }
+
+private:
+    [[nodiscard]] static std::string key(const std::string& problem, const std::string& core,
+                                         const std::string& numbers, bool carry, const std::string& method) {
+        return problem + " " + core + " " + numbers + (carry ? " carry " : " ") + method;
+    }
+
+    std::vector<Row> measured_;
+    std::map<std::string, Row> rows_;
+};
+
+// The methods of this kernel and of the peer in their number systems, of which a core has a cost.
+std::vector<Curve> curves_of(const host::SceneDescription& scene, const std::vector<std::string>& cores,
+                             const Costs& costs) {
+    std::vector<Curve> curves;
+    for (const Variant& v : tumble::bench::variants)
+        for (const auto& integrator : host::integrators())
+            if (host::runs_in(integrator, v.numbers)) curves.push_back({v, integrator.name, {}});
+    if (scene.planes.empty())
+        for (const char* name : {"odeint_euler", "odeint_midpoint", "odeint_rk4"})
+            for (const Variant& v : {Variant{"f32_plain", "f32", false}, Variant{"f64", "f64", false}})
+                curves.push_back({v, name, {}});
+    std::erase_if(curves, [&](const Curve& curve) {
+        return std::none_of(cores.begin(), cores.end(),
+                            [&](const auto& core) { return costs.find(scene.name, curve, core); });
+    });
+    if (curves.empty()) throw std::runtime_error{"no cost of any method on " + scene.name};
+    return curves;
+}
+
+// The row of a point of a curve on a core whose step costs `step`.
+Row row_of(const std::string& scene, const Truth& truth, const Curve& curve, std::size_t point, const std::string& core,
+           const Row& step) {
+    const Point& p = curve.points[point];
+    Row row;
+    row["scene"] = scene;
+    row["core"] = core;
+    row["numbers"] = curve.variant.numbers;
+    row["carry"] = curve.variant.carry;
+    row["integrator"] = curve.method;
+    row["step_s"] = std::ldexp(1.0, -p.exponent);
+    for (const auto& [of_second, of_step] : {std::pair{"insn_per_simulated_second", "insn_per_step"},
+                                             {"cycles_per_simulated_second_min", "cycles_per_step_min"},
+                                             {"cycles_per_simulated_second_est", "cycles_per_step_est"},
+                                             {"cycles_per_simulated_second_max", "cycles_per_step_max"}})
+        if (step.contains(of_step)) row[of_second] = step.at(of_step).get<double>() * std::ldexp(1.0, p.exponent);
+    if (step.contains("cycles_worst_step_max")) row["cycles_worst_step_max"] = step.at("cycles_worst_step_max");
+    if (!p.failure.empty()) {
+        row["failure"] = p.failure;
+        return row;
+    }
+    row[truth.key()] = p.error;
+    if (point > 0 && curve.points[point - 1].failure.empty() && p.error > 0)
+        row["observed_order"] = std::round(std::log2(curve.points[point - 1].error / p.error) * 100) / 100;
+    return row;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) try {
     tumble::host::tell_lost_output();
-    CLI::App app{"Error against cost of every method on problems that have a known solution, as rows."};
+    CLI::App app{"Error against cost of every method on problems with a known solution, as rows."};
     std::vector<fs::path> problems;
     std::vector<fs::path> alike, own;
     fs::path results = "build/results/work_precision.jsonl";
@@ -219,10 +294,10 @@ int main(int argc, char** argv) try {
     cores.emplace_back(host::StepFirmware::host);
     int coarsest = 3, finest = 13;
     app.add_option("problems", problems, "Scene files")->required();
-    app.add_option("--cost", alike, "Rows of a scene that does the same work a step as all problems");
+    app.add_option("--cost", alike, "Rows of a scene with the same work a step as all problems");
     app.add_option("--cost-of-problem", own, "Rows of the problems themselves, found by their names");
-    app.add_option("--cores", cores, "Cores whose cost counts")->delimiter(',');
-    app.add_option("--coarsest", coarsest, "Largest step, 2^-N s; not longer than the time between samples in any case")
+    app.add_option("--cores", cores, "Cores of the rows")->delimiter(',');
+    app.add_option("--coarsest", coarsest, "Largest step, 2^-N s; at most the time between samples")
         ->check(CLI::Range(0, 30));
     app.add_option("--finest", finest, "Smallest step, 2^-N s")->check(CLI::Range(0, 30));
     app.add_option("--results", results, "Where the rows go, as JSON lines");
@@ -232,88 +307,24 @@ int main(int argc, char** argv) try {
         host::check_outputs(tumble::bench::files_of(argument, *files), {{"--results", results}});
     host::OutputFile rows_file = tumble::bench::rows_file(results);
 
-    std::vector<Row> measured;
-    std::map<std::string, Row> cost;  // of "problem core numbers carry integrator", what a step costs
-    const auto key = [](const std::string& problem, const std::string& core, const std::string& numbers, bool carry,
-                        const std::string& method) {
-        return problem + " " + core + " " + numbers + (carry ? " carry " : " ") + method;
-    };
-    const auto read_costs = [&](const fs::path& path, bool of_problem) {
-        for (const Row& row : tumble::bench::read_rows(path)) {
-            measured.push_back(row);
-            cost[key(of_problem ? row.at("scene").get<std::string>() : "", row.at("core"), row.at("numbers"),
-                     row.at("carry"), row.at("integrator"))] = row;
-        }
-    };
-    for (const fs::path& path : alike) read_costs(path, false);
-    for (const fs::path& path : own) read_costs(path, true);
+    Costs costs;
+    for (const fs::path& path : alike) costs.read(path, false);
+    for (const fs::path& path : own) costs.read(path, true);
 
     std::vector<Row> rows;
     for (const fs::path& path : problems) {
         const host::SceneDescription scene = host::read_scene(path);
         const Truth truth = truth_of(scene);
-        for (const Row& row : measured) check_answer(scene, truth, row);
-        const auto cost_of = [&](const Curve& curve, const std::string& core) -> const Row* {
-            for (const std::string& problem : {scene.name, std::string{}}) {
-                const auto found =
-                    cost.find(key(problem, core, curve.variant.numbers, curve.variant.carry, curve.method));
-                if (found != cost.end()) return &found->second;
-            }
-            return nullptr;
-        };
-        std::vector<Curve> curves;
-        for (const Variant& v : tumble::bench::variants)
-            for (const auto& integrator : host::integrators())
-                if (host::runs_in(integrator, v.numbers)) curves.push_back({v, integrator.name, {}});
-        if (scene.planes.empty()) {
-            for (const char* name : {"odeint_euler", "odeint_midpoint", "odeint_rk4"}) {
-                for (const Variant& v : {Variant{"f32_plain", "f32", false}, Variant{"f64", "f64", false}})
-                    curves.push_back({v, name, {}});
-            }
-        }
-        std::erase_if(curves, [&](const Curve& curve) {
-            return std::none_of(cores.begin(), cores.end(), [&](const auto& core) { return cost_of(curve, core); });
-        });
-        if (curves.empty()) throw std::runtime_error{"no cost of any method on " + scene.name};
+        for (const Row& row : costs.measured()) check_answer(scene, truth, row);
+        std::vector<Curve> curves = curves_of(scene, cores, costs);
         const int first = std::max(coarsest, static_cast<int>(std::ceil(-std::log2(truth.interval))));
         tumble::bench::in_parallel_counted(path.stem().string(), curves.size(),
                                            [&](std::size_t i) { fill(curves[i], scene, truth, first, finest); });
-        for (const Curve& curve : curves) {
-            for (std::size_t i = 0; i < curve.points.size(); ++i) {
-                const Point& p = curve.points[i];
-                for (const std::string& core : cores) {
-                    const Row* step = cost_of(curve, core);
-                    if (step == nullptr) continue;
-                    Row row;
-                    row["scene"] = scene.name;
-                    row["core"] = core;
-                    row["numbers"] = curve.variant.numbers;
-                    row["carry"] = curve.variant.carry;
-                    row["integrator"] = curve.method;
-                    row["step_s"] = std::ldexp(1.0, -p.exponent);
-                    const auto add = [&](const char* key, const char* of_step, double steps) {
-                        if (step->contains(of_step)) row[key] = step->at(of_step).get<double>() * steps;
-                    };
-                    const double steps_per_second = std::ldexp(1.0, p.exponent);
-                    add("insn_per_simulated_second", "insn_per_step", steps_per_second);
-                    add("cycles_per_simulated_second_min", "cycles_per_step_min", steps_per_second);
-                    add("cycles_per_simulated_second_est", "cycles_per_step_est", steps_per_second);
-                    add("cycles_per_simulated_second_max", "cycles_per_step_max", steps_per_second);
-                    if (step->contains("cycles_worst_step_max"))
-                        row["cycles_worst_step_max"] = step->at("cycles_worst_step_max");
-                    if (p.failure.empty()) {
-                        row[truth.key()] = p.error;
-                        if (i > 0 && curve.points[i - 1].failure.empty() && p.error > 0) {
-                            row["observed_order"] =
-                                std::round(std::log2(curve.points[i - 1].error / p.error) * 100) / 100;
-                        }
-                    } else {
-                        row["failure"] = p.failure;
-                    }
-                    rows.push_back(row);
-                }
-            }
-        }
+        for (const Curve& curve : curves)
+            for (std::size_t i = 0; i < curve.points.size(); ++i)
+                for (const std::string& core : cores)
+                    if (const Row* step = costs.find(scene.name, curve, core))
+                        rows.push_back(row_of(scene.name, truth, curve, i, core, *step));
     }
     tumble::bench::write_rows(rows_file, rows);
     std::printf("%zu rows in %s\n", rows.size(), results.c_str());

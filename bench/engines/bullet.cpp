@@ -1,5 +1,5 @@
 // Bullet, in the precision that BT_USE_DOUBLE_PRECISION selects: a discrete dynamics world with one body, no gravity,
-// no damping and no sleeping, with each way that btRigidBody has to treat the gyroscopic torque.
+// no damping and no sleeping, with each of btRigidBody's treatments of the gyroscopic torque.
 #include "contender.hpp"
 
 #include <btBulletDynamicsCommon.h>

@@ -1,8 +1,7 @@
 // The contest of engines: a free asymmetric top (principal moments 1, 2, 3 kg m^2; angular velocity 0.1, 2, 0.1 rad/s
-// in the body frame; the tests' own top) for 100 s at 1/256 s. One row a contender: how far its orientation is from an
-// integration in long double that shares no code with any of them, what happens to energy and momentum, and how many
-// instructions of x86-64 a whole step takes. Instructions are counted by valgrind's callgrind: counts, not times, and
-// the same at every run.
+// in the body frame; the tests' own top) for 100 s at 1/256 s. One row for each contender: the error of its orientation
+// against an integration in long double that shares no code with any of them, the drift of energy and momentum, and the
+// instructions of a whole step on x86-64. Valgrind's callgrind counts the instructions; the count repeats.
 #pragma once
 
 #include <array>
@@ -42,7 +41,7 @@ struct Contender {
             2 * (x * z + w * y) * r[0] + 2 * (y * z - w * x) * r[1] + (1 - 2 * (x * x + y * y)) * r[2]};
 }
 
-// main() of a contest: prints one row a contender. Runs itself under valgrind to count.
+// main() of a contest: prints one row for each contender. Runs itself under valgrind to count instructions.
 int contest(int argc, char** argv, const std::vector<Contender>& contenders);
 
 }  // namespace tumble::bench

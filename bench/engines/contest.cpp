@@ -17,7 +17,7 @@ constexpr int samples_per_second = 4, counted_steps = 1024;
 
 }  // namespace
 
-// What callgrind counts: a step with its call. Found by its name.
+// Callgrind counts this function, which it finds by name: a step with its call.
 extern "C" [[gnu::noinline]] void counted_step(Runner& runner) { runner.step(); }
 
 namespace tumble::bench {
@@ -61,7 +61,7 @@ int contest(int argc, char** argv, const std::vector<Contender>& contenders) try
     host::tell_lost_output();
     if (argc == 3 && std::string{argv[1]} == "--count") {
         const auto runner = contenders.at(std::stoul(argv[2])).make();
-        for (int i = 0; i < 64; ++i) runner->step();  // what an engine sets up in its first steps is left out
+        for (int i = 0; i < 64; ++i) runner->step();  // an engine's set-up in its first steps is not counted
         for (int i = 0; i < counted_steps; ++i) counted_step(*runner);
         return 0;
     }

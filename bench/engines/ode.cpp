@@ -1,6 +1,6 @@
 // The Open Dynamics Engine: one body without gravity, with and without its gyroscopic torque (implicit), and with both
-// of its ways to turn an orientation: by the derivative of the quaternion ("infinitesimal", the default) or by the
-// rotation about the present axis ("finite").
+// of its updates of an orientation: by the derivative of the quaternion ("infinitesimal", the default) or by a rotation
+// about the current axis ("finite").
 #include "contender.hpp"
 
 #include <ode/ode.h>
@@ -15,7 +15,8 @@ public:
         dMass mass;
         dMassSetParameters(&mass, 1, 0, 0, 0, top_moments[0], top_moments[1], top_moments[2], 0, 0, 0);
         dBodySetMass(body_, &mass);
-        dBodySetAngularVel(body_, top_spin[0], top_spin[1], top_spin[2]);  // world frame, which is the body's at first
+        dBodySetAngularVel(body_, top_spin[0], top_spin[1],
+                           top_spin[2]);  // world frame: at first the body frame
         dBodySetGyroscopicMode(body_, gyroscopic ? 1 : 0);
         dBodySetFiniteRotationMode(body_, finite ? 1 : 0);
     }

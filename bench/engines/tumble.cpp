@@ -20,7 +20,7 @@ public:
         top_ = world_.add(body);
     }
 
-    // The whole step is one function, as in the firmware that is measured on cores.
+    // The whole step is one function, as in the firmware that the cores run.
     [[gnu::flatten]] void step() override { (void)world_.step(); }
     [[nodiscard]] std::array<double, 4> orientation() const override {
         const auto& q = world_.state(top_).q_wb;

@@ -1,5 +1,5 @@
-// Bullet, in float as it is by default: a discrete dynamics world with the sequential-impulse solver and its default
-// settings. Drag is its damping; it has no springs to a point and no gravitation.
+// Bullet in float, its default: a discrete dynamics world with the sequential-impulse solver and its default settings.
+// Drag is Bullet's damping. It has no springs to a point and no gravitation.
 #include "contender.hpp"
 
 #include <btBulletDynamicsCommon.h>
@@ -23,10 +23,10 @@ public:
         const SceneData& scene = problem.scene;
         const ContactSpec& contact = scene.world.contact;
         world_.setGravity(vector(scene.world.gravity));
-        // Where all of them sleep, nobody's bounds change.
+        // While all bodies sleep, their bounds do not change.
         if (problem.sleeps()) world_.setForceUpdateAllAabbs(false);
         const auto touch = [&](btRigidBody& body) {
-            // Of two sides the engine takes the product.
+            // Bullet multiplies the restitutions of the two sides.
             body.setRestitution(std::sqrt(scalar(contact.restitution)));
             body.setFriction(std::sqrt(scalar(contact.friction)));
         };
@@ -43,13 +43,13 @@ public:
             body->setCenterOfMassTransform(place);
             body->setLinearVelocity(vector(spec.velocity));
             body->setAngularVelocity(place.getBasis() * vector(spec.angular_velocity));
-            // The share of a velocity that is lost in a second.
+            // The share of the velocity that is lost in a second.
             body->setDamping(1 - std::exp(-scalar(scene.world.linear_drag / spec.mass)), 0);
             if (problem.sleeps())
                 body->setSleepingThresholds(scalar(contact.sleep.speed), scalar(contact.sleep.angular_speed));
             else body->setActivationState(DISABLE_DEACTIVATION);
-            // Its default is implicit, by a solution that takes determinants below 1e-7 for singular: those of the
-            // moments of small bodies.
+            // Bullet's default is an implicit solution, which treats determinants below 1e-7 as singular. The moments
+            // of small bodies have such determinants.
             body->setFlags(BT_ENABLE_GYROSCOPIC_FORCE_EXPLICIT);
             touch(*body);
             constexpr int bodies = 1, planes = 2;

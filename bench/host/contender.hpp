@@ -1,6 +1,6 @@
-// What is timed on the host: a problem, a scene of bench or host_sim with as many bodies of its kind as asked for, and
-// those who can run it: this kernel, Boost.Odeint and other engines. Each makes a world of the same scene (bodies,
-// step, gravity, contacts), steps it, and tells where the bodies are.
+// A problem to time on the host, and its contenders: this kernel, Boost.Odeint and other engines. A problem is a scene
+// of bench or host_sim with a number of copies of its body. Each contender makes a world of the same scene (bodies,
+// step, gravity, contacts), steps it, and returns the poses of the bodies.
 #pragma once
 
 #include "scene/data.hpp"
@@ -18,19 +18,19 @@ using host::SceneData;
 struct Problem {
     std::string name;
     std::string table;  // the table that shows it: one, or many
-    SceneData scene;    // its steps are those of a timed run
-    Features features;  // what a world needs for it
-    // Of what starts again for each run. What rests stays as it is: it is stepped this often before, and goes on.
+    SceneData scene;    // its number of steps is that of a timed run
+    Features features;  // that a world needs for it
+    // 0: each run starts again. Otherwise the world takes these steps once, and each run continues the one before.
     int steps_before = 0;
-    // Where each body that moves is after the steps of a sample, and how far from there an answer may be.
+    // The true poses of the moving bodies at each sample, and the largest error of an answer.
     struct Sample {
         int steps;
         std::vector<reference::Motion> bodies;
     };
     std::vector<Sample> truth;
     double position_within = 0;     // m
-    double orientation_within = 0;  // rad; 0: the problem does not ask for it
-    // Names of contenders that are known to have no answer, or one that is farther away: they are told, not timed.
+    double orientation_within = 0;  // rad; 0: not checked
+    // Names of contenders without an answer or with a larger error: they have a row, but are not timed.
     std::vector<std::string> fail{};
 
     [[nodiscard]] bool starts_again() const { return steps_before == 0; }
@@ -44,14 +44,14 @@ struct Problem {
     [[nodiscard]] double step() const { return scene.step.value.to_double(); }  // s
 };
 
-// A problem in somebody's world.
+// A problem in a contender's world.
 class Runner {
 public:
     virtual ~Runner() = default;
     // Back to the start of the scene.
     virtual void restart() = 0;
     virtual void run(int steps) = 0;
-    // Of the problem's body, by its place in the scene. Orientation: its axes to the world's.
+    // The pose of a body, by its index in the scene. Orientation: body to world.
     [[nodiscard]] virtual reference::Motion motion(int body) const = 0;
     [[nodiscard]] virtual bool asleep(int body) const = 0;
 };
@@ -60,7 +60,7 @@ struct Contender {
     std::string engine, version, method;
     std::string numbers;  // q32, f32 or f64
     bool carry;
-    // Null where it has not what the problem asks for; throws std::runtime_error where it cannot do as much of it.
+    // Null if the engine lacks a feature of the problem; throws std::runtime_error if the problem is too large for it.
     std::function<std::unique_ptr<Runner>(const Problem&)> make;
 };
 
@@ -73,13 +73,13 @@ void add_bullet(std::vector<Contender>& contenders);
 void add_ode(std::vector<Contender>& contenders);
 void add_mujoco(std::vector<Contender>& contenders);
 
-// Set-up vectors in an engine's numbers.
+// Set-up vectors in the numbers of an engine.
 template <class T>
 [[nodiscard]] std::array<T, 3> array_of(const RealVec3& v) {
     return {static_cast<T>(v.x.to_double()), static_cast<T>(v.y.to_double()), static_cast<T>(v.z.to_double())};
 }
-// Of a body whose axes are its principal ones, as those of all problems are; throws std::runtime_error otherwise. An
-// engine whose bodies all rotate takes a point mass for a ball of 0.1 m.
+// The principal moments of a body whose axes are its principal ones, as in all problems; throws std::runtime_error
+// otherwise. For engines whose bodies all rotate, a point mass has the moments of a ball of 0.1 m.
 [[nodiscard]] std::array<double, 3> principal_moments(const BodySpec& body);
 
 }  // namespace tumble::bench

@@ -1,4 +1,4 @@
-// Rows of bench/host as tables and pictures ask for them.
+// Queries of the rows of bench/host, for tables and pictures.
 #pragma once
 
 #include "../rows.hpp"
@@ -9,8 +9,8 @@ class HostRows {
 public:
     explicit HostRows(std::vector<Row> rows) : rows_(std::move(rows)) {}
 
-    // Names in order of their first row: scenes, of one size or of several; engines that run a scene, without this
-    // kernel; and numbers of bodies of a scene.
+    // In the order of their first rows: scenes of one size or of several, engines of a scene without this kernel, and
+    // numbers of bodies of a scene.
     [[nodiscard]] std::vector<std::string> scenes(bool of_several_sizes) const {
         std::vector<std::string> names = distinct<std::string>("scene", [](const Row&) { return true; });
         std::erase_if(names, [&](const std::string& name) { return (sizes(name).size() > 1) != of_several_sizes; });
@@ -26,7 +26,7 @@ public:
     [[nodiscard]] std::vector<int> sizes() const {
         return distinct<int>("bodies", [](const Row&) { return true; });
     }
-    // This kernel's row; null where there is none.
+    // This kernel's row; null if there is none.
     [[nodiscard]] const Row* kernel(const std::string& scene, int bodies, const std::string& numbers,
                                     const std::string& method) const {
         for (const Row& row : rows_)
@@ -34,7 +34,7 @@ public:
                 return &row;
         return nullptr;
     }
-    // An engine's fastest row; where it has none with a time, the first; null where it has none.
+    // An engine's fastest row; the first if none has a time; null if there is none.
     [[nodiscard]] const Row* fastest(const std::string& scene, int bodies, const std::string& engine) const {
         const Row* best = nullptr;
         for (const Row& row : rows_) {
@@ -63,5 +63,8 @@ private:
 
     std::vector<Row> rows_;
 };
+
+// Draws the time of a step against the number of bodies. Throws std::runtime_error.
+void draw_host(const HostRows& rows, const std::filesystem::path& svg);
 
 }  // namespace tumble::bench

@@ -1,10 +1,9 @@
 // Times this kernel, Boost.Odeint, Bullet, ODE and MuJoCo on the same problems in one run of one program, and writes a
-// row each. Nobody is timed whose answer is wrong.
+// row each. A contender with a wrong answer is not timed.
 //
-// The time of a step is the smallest of the repetitions, in CPU time of the thread: what else runs on a machine only
-// ever adds to it, so the smallest is the nearest to what the program costs, while a median is of a machine half of the
-// time busy. Repetitions of all contenders of a problem are interleaved at random, so that a change of the machine's
-// clock meets all of them.
+// The time of a step is the smallest CPU time of the repetitions. Other load on the machine only adds to a time, so the
+// smallest is nearest to the cost of the program. Repetitions of all contenders of a problem are interleaved at random,
+// so that a change of the machine's clock affects all of them.
 #include "problems.hpp"
 #include "rows.hpp"
 
@@ -25,7 +24,7 @@ struct Errors {
     double position = 0, orientation = 0;  // m, rad; the largest
 };
 
-// Runs the problem from its start and compares. Throws std::runtime_error for an answer that is too far away.
+// Runs the problem from its start and compares. Throws std::runtime_error if an error exceeds its bound.
 Errors check(const Problem& problem, Runner& runner) {
     Errors errors;
     int steps = 0;
@@ -37,7 +36,7 @@ Errors check(const Problem& problem, Runner& runner) {
             const reference::Motion now = runner.motion(b), &truth = sample.bodies[static_cast<std::size_t>(b)];
             const double position = static_cast<double>(norm(now.x - truth.x)),
                          orientation = static_cast<double>(angle_between(now.q, truth.q));
-            // A comparison that is false for what is not a number.
+            // This comparison is false for NaN.
             if (!(position <= problem.position_within) ||
                 (problem.orientation_within > 0 && !(orientation <= problem.orientation_within)))
                 throw std::runtime_error{"body " + std::to_string(b) + " is " + std::to_string(position) + " m and " +
@@ -58,13 +57,13 @@ double cpu_seconds() {
     return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-// One who runs a problem.
+// A contender on a problem.
 struct Entry {
     const Contender* contender;
     std::unique_ptr<Runner> runner;
     Errors errors;
     std::string failure = {};     // why it is not timed
-    std::vector<double> ns = {};  // a step and body, a repetition each
+    std::vector<double> ns = {};  // of a step and body, for each repetition
     [[nodiscard]] double least() const { return *std::min_element(ns.begin(), ns.end()); }
     [[nodiscard]] double median() const {
         std::vector<double> sorted = ns;
@@ -104,7 +103,7 @@ void measure(const Problem& problem, std::vector<Entry>& entries) {
         Runner& runner = *entries[i].runner;
         const int steps = static_cast<int>(problem.scene.steps);
         const std::string name = std::to_string(i);
-        // A restart is not timed; where there is none, no clock is read between runs.
+        // A restart is not timed. Without restarts the clock is not read between runs.
         if (problem.starts_again()) {
             const auto timed = [steps, &runner](benchmark::State& state) {
                 for ([[maybe_unused]] auto _ : state) {
@@ -123,7 +122,7 @@ void measure(const Problem& problem, std::vector<Entry>& entries) {
     }
     Collector collector{problem, entries};
     benchmark::RunSpecifiedBenchmarks(&collector);
-    // What went on from run to run must still be where it was.
+    // Bodies that continued from run to run must still be at their place.
     for (Entry& entry : entries) {
         if (problem.starts_again() || !entry.runner) continue;
         Problem after = problem;
@@ -148,7 +147,7 @@ std::map<std::string, double> best_of_engines(const std::vector<Entry>& entries)
     return best;
 }
 
-// Who runs the problem, each with its answer or the reason why it has none.
+// The contenders of the problem, each with its answer or the reason why it has none.
 std::vector<Entry> entries_of(const Problem& problem, const std::vector<Contender>& contenders) {
     std::vector<Entry> entries;
     for (const Contender& contender : contenders) {
@@ -246,7 +245,7 @@ int main(int argc, char** argv) try {
                 std::find(problem.fail.begin(), problem.fail.end(), entry.name()) != problem.fail.end();
             if (may_fail != entry.failure.empty()) continue;
             std::cerr << problem.name << ": " << entry.name()
-                      << (may_fail ? " is expected to fail, and does not\n" : " fails\n");
+                      << (may_fail ? " is expected to fail and does not\n" : " fails\n");
             as_known = false;
         }
     }

@@ -1,7 +1,7 @@
-// MuJoCo, with its Euler and its RK4, and its solvers of constraints: Newton's method where a scene is small, and
-// conjugate gradients, which need no matrix of all bodies. Contacts are soft, as they are by default; one that bounces
-// is a spring with the damping of its restitution. A spring is a tendon, drag the damping of a joint. It has no
-// gravitation and, in this version, no sleep.
+// MuJoCo with its Euler and its RK4, and with its constraint solvers: Newton's method for small scenes, and conjugate
+// gradients, which need no matrix of all bodies. Contacts are soft, the default; a bouncing contact is a spring with
+// the damping of its restitution. A spring is a tendon, and drag is the damping of a joint. MuJoCo has no gravitation
+// and, in this version, no sleep.
 #include "contender.hpp"
 #include "engines/mujoco_model.hpp"
 
@@ -34,7 +34,7 @@ std::string xml_of(const Problem& problem, const Method& method) {
     std::ostringstream xml;
     xml << "<mujoco><option timestep='" << text(problem.step()) << "' gravity='" << text(scene.world.gravity)
         << "' integrator='" << method.integrator << "' solver='" << method.solver << "'/>";
-    // Four points a body with the plane, twice as many where it also stands on others; with friction four rows each.
+    // Four points for each body on the plane, twice as many in a stack; with friction four rows for each point.
     const bool rough = problem.features.friction;
     const std::size_t points = problem.touches() ? (rough ? 8 : 4) * bodies : 0;
     xml << "<size nconmax='" << points << "' njmax='" << (rough ? 4 : 1) * points << "'/>";
@@ -43,7 +43,7 @@ std::string xml_of(const Problem& problem, const Method& method) {
         rough ? "condim='3' friction='" + text(scene.world.contact.friction.to_double()) + " 0 0'" : "condim='1'";
     const double restitution = scene.world.contact.restitution.to_double();
     if (restitution > 0) {
-        // A half oscillation of a frequency that ten steps resolve, at whose end the speed is that of the restitution.
+        // The contact is half an oscillation that ten steps resolve; at its end the speed is that of the restitution.
         const double rate = std::numbers::pi / (5 * problem.step()), log = -std::log(restitution);
         const double damping = log / std::hypot(log, std::numbers::pi);
         contact +=
@@ -98,7 +98,7 @@ public:
     MujocoRunner(const Problem& problem, const Method& method)
         : bodies_{problem.scene.bodies}, model_{mujoco_model(xml_of(problem, method))}, data_{
                                                                                             mj_makeData(model_.get())} {
-        if (!data_) throw std::runtime_error{"MuJoCo has no memory"};
+        if (!data_) throw std::runtime_error{"MuJoCo cannot allocate its data"};
         restart();
     }
 
@@ -135,8 +135,7 @@ private:
 }  // namespace
 
 void tumble::bench::add_mujoco(std::vector<Contender>& contenders) {
-    // Above this many bodies, Newton's matrix of all of them is out of reach; without contacts there is nothing to
-    // solve.
+    // With more bodies Newton's matrix is too large. Without contacts there is nothing to solve.
     constexpr std::size_t most_for_newton = 10;
     static constexpr Method methods[]{{"Euler", "Euler", "CG"},
                                       {"RK4", "RK4", "CG"},

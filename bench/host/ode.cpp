@@ -1,6 +1,6 @@
-// The Open Dynamics Engine: its step by a direct solution of the contacts, and its quick step by iteration; without
-// contacts the first alone. Bodies that do not touch each other are tested against the plane only. Drag is its damping;
-// it has no springs to a point and no gravitation.
+// The Open Dynamics Engine with its direct step and its iterative quick step; without contacts the direct step only.
+// Bodies that cannot touch each other are tested against the plane only. Drag is ODE's damping. ODE has no springs to a
+// point and no gravitation.
 #include "contender.hpp"
 
 #include <ode/ode.h>
@@ -15,13 +15,13 @@ using namespace tumble::bench;
 
 dReal scalar(Real value) { return static_cast<dReal>(value.to_double()); }
 
-// The engine's library, for as long as there are worlds.
+// Keeps the library initialized while there are worlds.
 class Library {
 public:
     Library() {
         dInitODE2(0);
         dAllocateODEDataForThread(dAllocateMaskAll);
-        // It tells of every step whose contacts it has not solved; the answers are looked at instead.
+        // ODE prints a message for every step whose contacts it has not solved. The answers are checked instead.
         dSetMessageHandler([](int, const char*, va_list) {});
     }
     Library(const Library&) = delete;
@@ -65,7 +65,7 @@ public:
             dBodyVectorToWorld(body, w[0], w[1], w[2], spin);
             dBodySetAngularVel(body, spin[0], spin[1], spin[2]);
             if (scene.world.linear_drag > Real{}) {
-                // The share of a velocity that is lost in a step.
+                // The share of the velocity that a step loses.
                 dBodySetLinearDamping(body,
                                       1 - std::exp(-scalar(scene.world.linear_drag / spec.mass) * problem.step()));
                 dBodySetLinearDampingThreshold(body, 0);
@@ -100,7 +100,7 @@ public:
                     dSpaceCollide2(plane, reinterpret_cast<dGeomID>(space_), this, meet);
         }
         if ((quick_ ? dWorldQuickStep(world_, seconds) : dWorldStep(world_, seconds)) == 0)
-            throw std::runtime_error{"ODE has no memory for a step"};
+            throw std::runtime_error{"ODE cannot allocate memory for a step"};
         dJointGroupEmpty(contacts_);
     }
     [[nodiscard]] dBodyID body(int index) const { return bodies_[static_cast<std::size_t>(index)]; }

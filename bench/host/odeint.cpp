@@ -1,4 +1,4 @@
-// Boost.Odeint's RK4, as its documentation shows it, on what moves by a formula: a free body, and points under loads.
+// Boost.Odeint's RK4, as in its documentation, on free bodies and on point masses under loads.
 #include "peers/odeint.hpp"
 #include "contender.hpp"
 
@@ -48,7 +48,7 @@ struct BodyEquations {
     }
 };
 
-// Of a scene's only body that moves.
+// The equations of a scene's only moving body.
 template <class Number>
 struct LoadedPoint : PointEquations<Number> {
     using typename PointEquations<Number>::State;
@@ -61,7 +61,7 @@ struct LoadedPoint : PointEquations<Number> {
     static reference::Motion motion(const State& s) { return {{s[0], s[1], s[2]}, {s[3], s[4], s[5]}}; }
 };
 
-// Bodies that do not feel each other: the same equations and stepper for all, one after the other.
+// Independent bodies: the same equations and stepper for each, one after the other.
 template <class Equations>
 class OdeintRunner final : public Runner {
     using T = typename Equations::T;
@@ -92,7 +92,7 @@ public:
 private:
     Equations equations_;
     std::vector<typename Equations::State> start_, states_;
-    int first_ = 0;  // body that moves
+    int first_ = 0;  // the first moving body
     T step_;
     OdeintRk4<Equations> stepper_;
 };

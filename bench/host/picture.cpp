@@ -4,12 +4,10 @@
 #include "host/host_rows.hpp"
 
 #include <cmath>
-#include <iostream>
 #include <optional>
 
+namespace tumble::bench {
 namespace {
-
-using namespace tumble::bench;
 
 struct Style {
     const char *name, *engine, *numbers, *color;
@@ -57,10 +55,7 @@ std::string script(const HostRows& rows) {
     for (std::size_t i = 0; i < scenes.size(); ++i) {
         const double from_left = left + static_cast<double>(i % 2) * (panel_width + gap),
                      from_bottom = height - top - static_cast<double>(i / 2) * (panel_height + row_gap) - panel_height;
-        out += text(
-            "set lmargin at screen %g\nset rmargin at screen %g\nset bmargin at screen %g\nset tmargin at screen %g\n",
-            from_left / width, (from_left + panel_width) / width, from_bottom / height,
-            (from_bottom + panel_height) / height);
+        out += panel_at(from_left, from_bottom, panel_width, panel_height, width, height);
         out += "set title '" + scenes[i] + "' noenhanced offset 0,-0.6\n";
         out += i % 2 == 0 ? "set ylabel 'ns'\n" : "unset ylabel\n";
         out += i / 2 + 1 == lines ? "set xlabel 'bodies in the world'\n" : "unset xlabel\n";
@@ -82,16 +77,6 @@ std::string script(const HostRows& rows) {
 
 }  // namespace
 
-int main(int argc, char** argv) try {
-    tumble::host::tell_lost_output();
-    if (argc != 3) {
-        std::cerr << "usage: tumble_host_picture RESULTS.jsonl PICTURE.svg\n";
-        return 2;
-    }
-    tumble::host::check_outputs({{"RESULTS.jsonl", argv[1]}}, {{"PICTURE.svg", argv[2]}});
-    draw(script(HostRows{read_rows(argv[1])}), argv[2]);
-    return 0;
-} catch (const std::exception& error) {
-    std::cerr << "tumble_host_picture: " << error.what() << '\n';
-    return 1;
-}
+void draw_host(const HostRows& rows, const std::filesystem::path& svg) { draw(script(rows), svg); }
+
+}  // namespace tumble::bench

@@ -15,7 +15,7 @@ using host::SceneDescription;
 using reference::Motion;
 
 constexpr int samples = 16;  // of a run
-constexpr double apart = 2;  // m, between the bodies of a row and the rows
+constexpr double apart = 2;  // m, between neighbouring bodies
 
 Motion start_of(const BodySpec& body) {
     const auto vector = [](const RealVec3& v) { return reference::vector_of(array_of<double>(v)); };
@@ -26,7 +26,7 @@ Motion start_of(const BodySpec& body) {
 
 class Maker {
 public:
-    // A scene file below the project's directory; `denominator`: of another step than the file's.
+    // A scene file below the project's directory. `denominator`: of the step in s, if it differs from the file's.
     explicit Maker(const std::string& file, int denominator = 0)
         : description_{host::read_scene(std::string{TUMBLE_SOURCE_DIR} + "/" + file)} {
         if (denominator > 0) description_.step = {1, denominator, 0};
@@ -53,7 +53,7 @@ public:
         problem_.orientation_within = radians;
         return *this;
     }
-    // As many of the scene's only body, in rows along x.
+    // Copies of the scene's only body, in rows along x.
     Maker& bodies(int count) {
         auto& bodies = problem_.scene.bodies;
         if (bodies.size() != 1) throw std::runtime_error{problem_.name + ": expected one body to repeat"};
@@ -80,7 +80,7 @@ public:
         problem_.features.sleep = true;
         return *this;
     }
-    // Of a timed run.
+    // Steps of a timed run.
     Maker& steps(int count) {
         problem_.scene.steps = static_cast<std::uint32_t>(count);
         return *this;
@@ -112,13 +112,13 @@ public:
         }
         return problem_;
     }
-    // A scene in which nothing should move, but does by and by where contacts are solved by iteration.
+    // A scene at rest, in which iterative contact solvers let bodies creep.
     [[nodiscard]] Problem stands() {
         Problem::Sample& truth = problem_.truth.emplace_back(static_cast<int>(problem_.scene.steps));
         for (const BodySpec& body : problem_.scene.bodies) truth.bodies.push_back(start_of(body));
         return problem_;
     }
-    // A scene in which nothing moves.
+    // A scene at rest.
     [[nodiscard]] Problem rests(int steps_before) {
         problem_.steps_before = steps_before;
         Problem::Sample& truth = problem_.truth.emplace_back(steps_before);
@@ -145,7 +145,7 @@ std::array<double, 3> principal_moments(const BodySpec& body) {
 }
 
 std::vector<Problem> problems(int most) {
-    // Distances are what a method of first order needs, and for contacts an engine whose contacts are soft.
+    // The bounds admit a first-order method, and for contacts an engine with soft contacts.
     std::vector<Problem> all{
         Maker{"host_sim/scenes/free.toml"}.within(0.03, 0.1).moves(),
         Maker{"bench/problems/projectile_drag.toml", 256}.within(0.2).moves(),
@@ -155,13 +155,13 @@ std::vector<Problem> problems(int most) {
         Maker{"bench/contacts/resting_box.toml"}.within(0.01).rests(256),
         Maker{"host_sim/scenes/contacts/stack.toml"}.steps(256).within(0.01).fails("ODE, step, f64").stands(),
     };
-    // The Jacobian of all contacts has room for every body; and this kernel has room for all pairs of bodies.
+    // Not enough memory: for MuJoCo's Jacobian of all contacts, and for all pairs of bodies in this kernel.
     const std::vector<std::string> no_memory{"MuJoCo, Euler, conjugate gradients, f64"},
         all_pairs{"tumble, verlet, q32 carry", "tumble, verlet, f32 plain", "tumble, verlet, f64"};
     const std::string box = "bench/contacts/resting_box.toml";
     for (int bodies = 1; bodies <= most; bodies *= 10) {
-        // Steps of a timed run and before it, for a world that costs about as much a body. This kernel looks at what is
-        // near every eighth step: a run is a multiple of that.
+        // Steps of a timed run and before it. This kernel examines near pairs every eighth step, so a run is a multiple
+        // of 8 steps.
         const int steps = std::clamp(20000 / bodies, 16, 512) & ~7, before = std::clamp(100000 / bodies, 64, 256);
         all.push_back(Maker{"host_sim/scenes/free.toml"}
                           .named("free bodies")

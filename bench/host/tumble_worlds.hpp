@@ -1,4 +1,4 @@
-// This kernel in bench/host: a world for each set of features that the problems need, in one number system.
+// This kernel in bench/host, in one number system: a world for each set of features that the problems need.
 #pragma once
 
 #include "contender.hpp"
@@ -18,7 +18,7 @@ public:
     }
 
     void restart() override { world() = start_; }
-    // The whole step is one function, as in the firmware that is measured on cores.
+    // The whole step is one function, as in the firmware that the cores run.
     [[gnu::flatten]] void run(int steps) override {
         for (int i = 0; i < steps; ++i) (void)world().step();
     }
@@ -36,8 +36,8 @@ private:
     std::vector<host::PrincipalAxes> axes_;
 };
 
-// Calls f<features>() for the worlds of one body and of small scenes; and for those of many, which the default method
-// alone runs.
+// Calls f<features>() for the worlds of one body and of small scenes, and for those of many bodies, which only the
+// default method runs.
 template <class F>
 void for_each_small_world(F&& f) {
     f.template operator()<Features{.bodies = 1}>();
@@ -60,13 +60,13 @@ void for_each_world_of(F&& f) {
         f.template operator()<Features{.bodies = bodies, .planes = 1, .pairs = true, .boxes = true}>();
 }
 
-// The runner in the world whose features are the problem's.
+// The runner in the world with the features of the problem.
 template <class N, class Method>
 std::unique_ptr<Runner> make_tumble(const Problem& problem) {
     constexpr bool is_default = std::is_same_v<Method, integrators::Verlet>;
     if (problem.table == "many" && !is_default) return nullptr;
     if (problem.features.pairs && problem.features.bodies > most_that_look_for_each_other)
-        throw std::runtime_error{"not timed: every pair of bodies has its room and is looked at"};
+        throw std::runtime_error{"not timed: the world has room for every pair of bodies and examines all of them"};
     std::unique_ptr<Runner> made;
     const auto consider = [&]<Features features>() {
         if (problem.features == features) made = std::make_unique<TumbleRunner<N, Method, features>>(problem);

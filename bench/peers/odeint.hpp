@@ -1,6 +1,6 @@
-// The peer: one body integrated by Boost.Odeint in float or double, as its documentation shows. It is spared what the
-// problem does not ask for: where the error is an orientation, the centre of mass is not integrated; where it is a
-// position, the rotation is not. The same source is timed on cores and measured for error on the host.
+// The peer: one body integrated by Boost.Odeint in float or double, as its documentation shows. It integrates only what
+// the error needs: the rotation if the error is an orientation, the centre of mass if it is a position. The same source
+// is timed on cores and measured for error on the host.
 #pragma once
 
 #include <boost/numeric/odeint/stepper/euler.hpp>
@@ -16,7 +16,7 @@
 
 namespace tumble::bench {
 
-// Set-up numbers of a scene's data (see tumble/replay.hpp) as T.
+// Numbers of a scene's data (tumble/replay.hpp) as T.
 template <class T>
 [[nodiscard]] T as(auto number) {
     if constexpr (std::same_as<T, float>) return number.to_float();
@@ -33,7 +33,7 @@ template <class Number, bool forced>
 struct TopEquations {
     using T = Number;
     using State = std::array<T, 7>;
-    static constexpr bool has_orientation = true;  // in the first four
+    static constexpr bool has_orientation = true;  // in the first four numbers
 
     std::array<T, 3> moments;         // kg m^2
     std::array<T, 3> force{}, arm{};  // N, world; m, body axes
@@ -91,7 +91,7 @@ template <class Number>
 struct PointEquations {
     using T = Number;
     using State = std::array<T, 6>;
-    static constexpr bool has_orientation = false;  // a position, in the first three
+    static constexpr bool has_orientation = false;  // a position, in the first three numbers
 
     std::array<T, 3> gravity;                       // m/s^2
     T drag = 0;                                     // 1/s
@@ -154,7 +154,7 @@ template <class E>
 using OdeintRk4 =
     boost::numeric::odeint::runge_kutta4<typename E::State, typename E::T, typename E::State, typename E::T>;
 
-// A scene that is stepped by a fixed step, s.
+// A scene with a fixed step, s.
 template <template <class> class Stepper, class Equations>
 class OdeintRun {
 public:
@@ -169,7 +169,7 @@ public:
         Equations::normalise(state_);
     }
     [[nodiscard]] const typename Equations::State& state() const { return state_; }
-    // Digest of the state's bits (FNV-1a over bytes, the lowest first), to compare a core's answer with the host's.
+    // Digest of the state's bits (FNV-1a over bytes, the lowest first): compares a core's answer with the host's.
     [[nodiscard]] std::uint64_t hash() const {
         using Bits = std::conditional_t<sizeof(T) == 4, std::uint32_t, std::uint64_t>;
         std::uint64_t hash = 0xcbf29ce484222325u;

@@ -1,5 +1,5 @@
-// What a step of the peer costs on this core: one row, as the kernel's own firmware prints it. Its state hash is for
-// the host to check.
+// The cost of a step of the peer on this core: one row, as the kernel's own firmware prints it. The host checks its
+// state hash.
 #include <tumble/tumble.hpp>
 
 #include "odeint.hpp"
@@ -15,11 +15,11 @@ void throw_exception(const std::exception&) { __builtin_trap(); }
 void throw_exception(const std::exception&, const source_location&) { __builtin_trap(); }
 }  // namespace boost
 
-// Odeint's headers include <iostream>, which nothing here uses and a firmware has not.
+// Odeint's headers include <iostream>. Nothing here uses it, and firmware does not have it.
 std::ios_base::Init::Init() = default;
 std::ios_base::Init::~Init() = default;
 
-// Where the C library's square root of a negative number would be reported.
+// The C library reports the square root of a negative number here.
 extern "C" int* __errno() {
     static int number;
     return &number;

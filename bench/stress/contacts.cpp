@@ -1,21 +1,19 @@
-// Contacts by impulses against the step. What is right has a formula (heights of bounces, places of a body that slides,
-// speeds after an impact, nothing that moves), and three bounds hold whatever the method: a touching pair is not deeper
-// than a few tolerances, energy does not come from nothing, and what is wrong by more than a tenth is explained by the
-// method's order or by the stated floor.
+// Contacts by impulses against the step. The true motion is a formula: heights of bounces, distances slid, velocities
+// after an impact, or rest. Three bounds hold for every method: the penetration of a pair is at most a few tolerances,
+// energy does not grow, and an error above a tenth is explained by the method's order or by the floor.
 //
 // `bounce_speed`, `bounce_restitution`: a ball falls on a plane. The error is the largest of its height after every
-// step, relative to the height it falls from. Floor: the tolerance of contacts, and g h^2 / 8, the height of a bounce
-// that is over within a step.
-// `friction`: a box is thrown down an incline, slides on or stops. The error is the largest of the distance that it has
-// slid, relative to all of it. Floor: a h^2 / 8, half of what its last step before it stops would reach, 2^-16 of the
-// tolerance, within which an impact is found, and a random walk of roundings.
-// `mass_ratio_impact`: an elastic impact, head-on. The error is that of the two velocities, each relative to its own.
-// `mass_ratio_pile`, `stack`: boxes rest on each other. The error is the largest distance of a body from where it
-// started, relative to 100 tolerances, so that a tolerance is accurate and ten are no longer the same motion. Energy is
-// relative to what lifts all by one tolerance.
+// step, relative to the height of the fall. Floor: the tolerance of contacts, and g h^2 / 8, the height of a bounce
+// that is over within a step. `friction`: a box is thrown down an incline, slides on or stops. The error is the largest
+// of the distance slid, relative to all of it. Floor: a h^2 / 8, half the length of the last step before it stops;
+// 2^-16 of the tolerance, within which an impact is found; and a random walk of roundings. `mass_ratio_impact`: an
+// elastic impact, head-on. The error is that of the two velocities, each relative to its own. `mass_ratio_pile`,
+// `stack`: boxes rest on each other. The error is the largest displacement of a body, relative to 100 tolerances: one
+// tolerance is accurate, and ten are no longer the same motion. Energy is relative to that of lifting all bodies by one
+// tolerance.
 //
-// The methods: one for each way in which a position advances under a constant acceleration, and rk4; the others differ
-// in the rotation of free bodies alone, of which there is next to none here.
+// The methods are one for each way in which a position advances under a constant acceleration, and rk4. The others
+// differ in the rotation of free bodies only, which hardly occurs here.
 #include <algorithm>
 #include <cmath>
 
@@ -43,9 +41,9 @@ public:
         constexpr const char* different[] = {"explicit_euler", "semi_implicit_euler", "verlet", "rk4"};
         return std::find(std::begin(different), std::end(different), method.name) != std::end(different);
     }
-    // What contacts leave open is no noise: beyond it the method makes the error.
+    // The floor of contacts is no noise: beyond it the method makes the error.
     double floors_of_truncation() const override { return 1; }
-    // A method of order 1 changes energy in flight by as much again as an impact may.
+    // In flight a method of order 1 changes energy by as much as an impact may.
     Bounds bounds(const host::IntegratorInfo& method) const override {
         Bounds bounds;
         if (method.order > 1) bounds.energy = 1.01;
@@ -58,12 +56,12 @@ protected:
     static void set_step(SceneFile& scene, double x) { scene.set("world.step", 1 / x); }
 };
 
-// In tolerances; 0 where the shape is clear of it.
+// In tolerances; 0 if the shape is clear of it.
 double depth_of(Number gap, const host::SceneDescription& scene) {
     return static_cast<double>(std::max(0.0L, -gap) / scene.contact.tolerance);
 }
 
-// Over the plane, m, of a ball that is let go at a height and bounces.
+// Height over the plane, m, of a ball that is released at a height and bounces.
 Number bounce(Number height, Number restitution, Number time) {
     Number speed = 0;
     while (speed > 1e-9L || height > 0) {
@@ -158,7 +156,7 @@ public:
             const auto now = host::motion_of(simulation.body(0));
             const Number slid = way(y, simulation.time());
             run.see_error(norm(now.x - start - downhill * slid) / all);
-            // What friction has not taken.
+            // The energy that friction has not dissipated.
             const Number lost = y * mass * gravity * up.y * slid;
             run.see_energy(1 + (simulation.energy().total() + lost - energy) / (mass * (gravity * all + 1)));
             const Vector n = now.q.rotate_back(up);
@@ -187,7 +185,7 @@ private:
     static constexpr Vector up{-0.6L, 0.8L, 0}, downhill{-0.8L, -0.6L, 0};
 
     static Number acceleration(Number friction) { return gravity * (0.6L - 0.8L * friction); }
-    // That it has slid, m.
+    // The distance slid, m.
     static Number way(Number friction, Number time) {
         const Number a = acceleration(friction);
         if (speed + a * time < 0) return speed * speed / (-2 * a);
@@ -247,7 +245,7 @@ public:
         for (const auto& body : description.bodies) mass += *body.mass;
         return run_to_the_end(simulation, 1, [&](Measured& run) {
             run.see_energy(1 + (simulation.energy().total() - energy) / (mass * gravity * tolerance));
-            Number top = 0;  // of what is below
+            Number top = 0;  // of the body below
             for (int b = 0; b < simulation.body_count(); ++b) {
                 const auto& start = description.body(b);
                 const Vector now = vector_of(simulation.body(b).position);

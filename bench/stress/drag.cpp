@@ -1,11 +1,11 @@
-// Drag times step over mass, against how gravity compares with the throw. Truth: the closed form. The error is the
-// distance from the true place after each step, relative to the way that what is lost of the velocity takes. What
-// drag takes for good is the energy of the velocity's distance from the final one; it never exceeds the start's.
+// Drag times step over mass, against the ratio of final speed to start speed. Truth: the closed form. The error is the
+// distance from the true position after each step, in units of the distance of one time constant. The energy is that of
+// the difference between velocity and final velocity; drag dissipates it, so it never exceeds that at the start.
 //
-// Rounding: a velocity that is off by one rounding moves on by one time constant's way, and a place stays off by one.
-// What falls at its final speed is rounded the same way in every step, so that plain floats make N roundings of N
-// steps; fixed point is dithered and makes sqrt(N), and what is carried stays at one. Rounded constants make a place
-// that is off by as much of the whole way.
+// Rounding: one rounding of the velocity moves the body by the distance of one time constant; one rounding of the
+// position stays. A body at its final speed is rounded the same way in every step, so plain floats make N roundings in
+// N steps. Fixed point is dithered and makes sqrt(N); carried residuals keep it at one. Rounded constants shift the
+// position by the same share of the whole distance.
 #include <algorithm>
 #include <cmath>
 

@@ -1,16 +1,15 @@
 // Bodies that turn about a fixed point under a force that is constant in the world's frame.
 //
-// `pendulum`: amplitude against omega h, where omega is what small swings have. Truth: Jacobi's elliptic functions. The
-// error is the angle to the true orientation after each step, over 100 rad of omega t; relative to amplitudes below
-// 1 rad.
-// `heavy_top`: an asymmetric top's spin against the step. Truth: an integration in long double, of a row once. The
-// error is the angle to the true orientation at 16 times.
+// `pendulum`: amplitude against omega h, where omega is the frequency of small swings. Truth: Jacobi's elliptic
+// functions. The error is the angle to the true orientation after each step, over 100 rad of omega t; relative to
+// amplitudes below 1 rad. `heavy_top`: an asymmetric top's spin against the step. Truth: an integration in long double,
+// of a row once. The error is the angle to the true orientation at 16 times.
 //
-// Energy is that of rotation and of the force, above the least that it can be; of the pendulum relative to what a
-// linear oscillation's energy swings up to in the same method.
+// Energy is that of rotation and of the force, above its minimum. For the pendulum it is relative to the largest energy
+// of a linear oscillation in the same method.
 //
-// Rounding: what one rounding of the spin does is what a start that is wrong by as much does to the true motion; N
-// steps make sqrt(N) of it where no residuals are carried, and rounded constants stretch time by one rounding.
+// Rounding: one rounding of the spin changes the motion as much as the same change of the start. N steps make sqrt(N)
+// roundings without carried residuals, and rounded constants stretch time by one rounding.
 #include <boost/math/special_functions/jacobi_elliptic.hpp>
 
 #include <algorithm>
@@ -31,7 +30,7 @@ using reference::vector_of;
 // A relative change that stands for an infinitesimal one.
 constexpr Number nearby = 1e-6L;
 
-// Of the scene's first body under forces whose sum is zero, J.
+// Energy of the scene's first body under forces whose sum is zero, J.
 Number energy_of(const host::SceneDescription& scene, const host::Simulation& simulation) {
     const Rotation q = host::motion_of(simulation.body(0)).q.normalized();
     Number energy = simulation.energy().kinetic;
@@ -42,7 +41,7 @@ Number energy_of(const host::SceneDescription& scene, const host::Simulation& si
     return energy;
 }
 
-// What errors are relative to, rad, and energies, of the start's.
+// The units of errors, rad, and of energies, relative to the start.
 struct Sizes {
     Number angle = 1, energy = 1;
 };
@@ -97,12 +96,12 @@ protected:
     }
 
 private:
-    // Of the scene's file: rad/s of small swings; and how far they turn, rad.
+    // Of the scene's file: frequency of small swings, rad/s; and the phase of the whole run, rad.
     static constexpr double frequency = 4, turned = 100;
 
     static double size(double amplitude) { return std::min(1.0, amplitude); }
 
-    // The most that the energy of a linear oscillation, let go at rest, is of the start's, in a method that is stable.
+    // The largest energy of a linear oscillation that is released at rest, relative to the start, in a stable method.
     static double swing(std::string_view integrator, double x) {
         const auto step = host::find_integrator(integrator).oscillator_step(x * x, 0);
         double place = 1, velocity = 0, most = 1;  // velocity per step
@@ -115,7 +114,7 @@ private:
         return most;
     }
 
-    // The angle from the lowest position, rad, after it has been let go at an amplitude.
+    // The angle from the lowest position, rad, after a release at an amplitude.
     static Number angle(Number amplitude, Number phase) {
         const Number modulus = std::sin(amplitude / 2);
         return 2 * std::asin(modulus * boost::math::jacobi_cd(modulus, phase));
@@ -171,7 +170,7 @@ private:
         std::vector<Quaternion> orientations;
         double of_start = 0, of_time = 0;  // rad, of a relative change of 1
     };
-    // Computed when it is first asked for.
+    // Computed on the first call.
     const Truth& truth(double y) const {
         const auto known = truths_.find(y);
         if (known != truths_.end()) return known->second;

@@ -14,11 +14,11 @@ constexpr double spin = 16, turned = 1000;  // rad/s, rad
 constexpr int samples = 20;
 
 struct Top {
-    const char* name;  // its moments, and what is special about it
+    const char* name;  // its moments and its special feature
     host::Triple moments;
     host::Triple direction;  // of the spin, principal axes; of any length
 };
-// Near its middle axis a body turns over again and again. At 1e-9 doubles do not hold the distance to the separatrix,
+// Near its middle axis a body flips again and again. At 1e-9 doubles cannot represent the distance to the separatrix,
 // which is its square.
 constexpr Top tops[] = {
     {"1:1:1", {1, 1, 1}, {1, 2, 3}},
@@ -84,10 +84,9 @@ public:
         });
     }
 
-    // What a walk of roundings, one a step, makes of the spin, and the motion of that: angles are rounded in every
-    // step, so that carried residuals save a digit of it and no more. Fixed point holds the angular momentum in the
-    // digits of the largest spin, and `exact` turns it as one vector: what is left for the spin about the least moment
-    // is less.
+    // A random walk of the spin, one rounding a step, and its effect on the motion. Angles are rounded in every step,
+    // so carried residuals gain one digit only. Fixed point holds the angular momentum in the digits of the largest
+    // spin, and `exact` turns it as one vector: fewer digits remain for the spin about the least moment.
     double rounding_floor(double x, double y, const Method& method) const override {
         const host::Triple& moments = tops[static_cast<std::size_t>(y)].moments;
         const bool as_one =

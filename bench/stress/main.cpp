@@ -1,4 +1,4 @@
-// Maps of stability: what becomes of scenes over step and another parameter, for every method and number system.
+// Maps of stability: the outcome of scenes over the step and another parameter, for every method and number system.
 #include <CLI/CLI.hpp>
 
 #include <cstdio>
@@ -15,7 +15,7 @@ using namespace tumble::bench;
 namespace stress = tumble::bench::stress;
 namespace fs = std::filesystem;
 
-// The exit status where cells are silent that have no contacts.
+// The exit status if cells without contacts are silent.
 constexpr int silent_status = 3;
 
 // "2/8": the second of eight.
@@ -31,7 +31,7 @@ Shard shard_of(const std::string& text) {
     return shard;
 }
 
-// The rows of the files in the order of one run of these jobs; each job's must be there.
+// The rows of the files in the order of one run of these jobs. Each job must have its row.
 std::vector<Row> merged(const std::vector<fs::path>& files, const std::vector<stress::Job>& jobs) {
     const auto key = [](const std::string& map, const std::string& integrator, const std::string& numbers, bool carry) {
         return map + ", " + integrator + ", " + tumble::host::numbers_text(numbers, carry);
@@ -43,7 +43,8 @@ std::vector<Row> merged(const std::vector<fs::path>& files, const std::vector<st
             const std::string name = key(row.at("map"), row.at("integrator"), row.at("numbers"), row.at("carry"));
             const auto [place, is_new] = found.emplace(name, row);
             if (!is_new && place->second != row)
-                throw std::runtime_error{file.string() + ": other cells for " + name + " than a file before it"};
+                throw std::runtime_error{file.string() + ": the cells of " + name +
+                                         " differ from those of a file before it"};
         }
     }
     std::vector<Row> rows;
@@ -58,7 +59,7 @@ std::vector<Row> merged(const std::vector<fs::path>& files, const std::vector<st
     return rows;
 }
 
-// Counts and silent cells of rows with causes. Returns how many of these are silent without contacts.
+// Prints counts and silent cells of rows with causes. Returns the number of silent cells without contacts.
 std::size_t report(const std::vector<Row>& rows) {
     std::map<char, std::size_t> counts;
     std::size_t silent = 0, with_contacts = 0;
@@ -98,7 +99,7 @@ void draw(const fs::path& file, const fs::path& directory) {
     }
 }
 
-// A cell of each row that is chosen: what was measured and what it is taken for.
+// Prints one cell of each chosen row: its measurements and its outcome.
 void explain(const std::string& map, double x, double y, const stress::Choice& choice) {
     stress::map_named(map).prepare({y});
     for (const stress::Job& job : stress::jobs_of(choice)) {
@@ -123,8 +124,7 @@ void explain(const std::string& map, double x, double y, const stress::Choice& c
 
 int main(int argc, char** argv) try {
     tumble::host::tell_lost_output();
-    CLI::App app{
-        "What becomes of scenes over step and another parameter, for every method and number system, as rows."};
+    CLI::App app{"Outcome of scenes over the step and another parameter, for every method and number system, as rows."};
     stress::Choice choice;
     stress::RunOptions options;
     fs::path results = "build/results/stability.jsonl";
@@ -136,16 +136,17 @@ int main(int argc, char** argv) try {
     app.add_option("--integrators", choice.integrators, "Names of methods; all if there are none")->delimiter(',');
     app.add_option("--numbers", choice.numbers, "Names of number systems; all if there are none")->delimiter(',');
     app.add_flag("--coarse", options.coarse, "A few cells of each map");
-    app.add_option("--seconds-a-cell", options.seconds_a_cell, "What a cell may take before it is one without an end");
+    app.add_option("--seconds-a-cell", options.seconds_a_cell,
+                   "Time limit of a cell, s; a cell that exceeds it has no end");
     app.add_option("--shard", shard_text, "i/n: each n-th row, from the i-th on");
-    app.add_option("--merge", merge, "Rows of all shards: makes the rows of one run of them")->delimiter(',');
-    app.add_option("--kept", options.kept, "Directory in which finished rows are kept, until the program is another");
-    app.add_flag("--anew", options.anew, "Run rows that are kept, too");
+    app.add_option("--merge", merge, "Rows of all shards: joins them as the rows of one run")->delimiter(',');
+    app.add_option("--kept", options.kept, "Directory of finished rows; they are kept until the program changes");
+    app.add_flag("--anew", options.anew, "Run kept rows again");
     app.add_option("--scene", scene, "MAP X Y: write the scene of a cell to standard output")->expected(3);
-    app.add_option("--cell", cell, "MAP X Y: what a cell is taken for, and why, by each method and number system")
+    app.add_option("--cell", cell, "MAP X Y: the outcome of a cell and its cause, for each method and number system")
         ->expected(3);
     app.add_option("--draw", drawn, "Draw the maps of these rows instead of running them");
-    app.add_option("--directory", directory, "Where pictures of the rows go; none are drawn without it");
+    app.add_option("--directory", directory, "Where the pictures go; without it none are drawn");
     app.add_option("--results", results, "Where the rows go, as JSON lines");
     CLI11_PARSE(app, argc, argv);
 
@@ -165,7 +166,7 @@ int main(int argc, char** argv) try {
     std::vector<stress::Job> all = stress::jobs_of(choice), jobs;
     for (std::size_t i = shard.number - 1; i < all.size(); i += shard.count) jobs.push_back(all[i]);
     const std::vector<Row> rows = merge.empty() ? stress::run(jobs, options) : merged(merge, jobs);
-    // A shard's rows keep the causes of their silent cells, for whoever merges them.
+    // A shard's rows keep the causes of their silent cells for the merge.
     write_rows(results, shard.count > 1 ? rows : stress::with_axes(rows, options.coarse));
     const std::size_t silent = report(rows);
     std::cout << rows.size() << " rows in " << results.string() << '\n';

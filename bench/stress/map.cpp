@@ -81,8 +81,8 @@ SceneFile Map::scene_file(double x, double y) const {
     return file;
 }
 
-// From a run in f64 with a step at which truncation, not rounding, makes the error: the shortest of the coarse map's
-// that has one, or, where none has, the longest.
+// The error of truncation, from an f64 run at the shortest step of the coarse map at which truncation dominates
+// rounding, or at the longest step if there is none.
 double Map::expected_error(double x, double y, const Method& method) const {
     const auto step_at = [&](double at) { return scene(at, y).step.seconds(); };
     auto anchor = std::find_if(anchors_.begin(), anchors_.end(),

@@ -1,7 +1,7 @@
-// Maps of stability: for every method and number system, what becomes of a scene over two of its parameters, one of
-// which is or sets the step. A map is a scene file, what the two parameters change in it, and how a run of it is
-// measured; a cell's outcome follows from what is measured by rules that all maps share (judge). A new map is one
-// file here, one scene, and a line in the list of maps.cpp.
+// Maps of stability: for every method and number system, the outcome of a scene over two of its parameters, one of
+// which is or sets the step. A map is a scene file, the changes of its two parameters, and the measurement of a run. A
+// cell's outcome follows from the measurement by rules that all maps share (judge). A new map is one file here, one
+// scene, and a line in the list of maps.cpp.
 #pragma once
 
 #include <filesystem>
@@ -22,7 +22,7 @@ namespace tumble::bench::stress {
 
 using host::Method;
 
-// Letters as rows have them.
+// The letters of the rows.
 enum class Outcome : char {
     accurate = 'a',    // as accurate as the method's order and the number system's rounding let it be, and within 0.1
     drifts = 'd',      // wrong, but a motion of the same kind: bounded energy, orientation of unit length, no status
@@ -34,7 +34,7 @@ enum class Outcome : char {
 };
 inline constexpr Outcome all_outcomes[] = {Outcome::accurate,   Outcome::drifts, Outcome::blows_up,
                                            Outcome::range_left, Outcome::told,   Outcome::silent};
-// In a few words, for legends and counts.
+// A few words, for legends and counts.
 [[nodiscard]] const char* words_of(Outcome outcome);
 
 struct Axis {
@@ -47,41 +47,41 @@ struct Axis {
 
     [[nodiscard]] const std::vector<double>& values(bool coarse_ones) const { return coarse_ones ? coarse : fine; }
 };
-// Numbers of equal ratio, or of equal distance, both ends among them; of four digits.
+// Numbers of equal ratio, or of equal distance, with both ends; rounded to four digits.
 [[nodiscard]] std::vector<double> logarithmic_values(double first, double last, int count);
 [[nodiscard]] std::vector<double> linear_values(double first, double last, int count);
 
-// No error beyond the first is an accurate one, rad or relative, and each up to the second is; between them one of up
-// to so many times what is expected.
+// In rad or relative. An error beyond the first is not accurate, one up to the second always is; between them it is
+// accurate up to this multiple of the expected error.
 inline constexpr double largest_accurate_error = 0.1;
 inline constexpr double always_accurate = 1e-6;
 inline constexpr double accurate_factor = 4;
-// An error beyond this is silent where the number system makes it: it is 1000 times the floor, and that of f64.
+// A larger error is silent if the number system makes it: it is 1000 times the floor and 1000 times that of f64.
 inline constexpr double least_silent_error = 1e-3;
 inline constexpr double number_system_factor = 1000;
 
-// Within these a wrong motion is still one of the same kind.
+// A wrong motion within these bounds is of the same kind.
 struct Bounds {
-    double energy = 2;         // the most, of what it should be at most
+    double energy = 2;         // relative to the largest energy of the true motion
     double norm_error = 1e-3;  // of a quaternion's length
-    double depth = unbounded;  // of what touches, in tolerances of contacts
+    double depth = unbounded;  // penetration, in tolerances of contacts
     double error = unbounded;  // unless the method's order or the floor explains it
 
     static constexpr double unbounded = std::numeric_limits<double>::infinity();
 };
 
-// What a run did that its outcome follows from.
+// The measurements of a run, from which its outcome follows.
 struct Measured {
     // Largest distance from the truth over the samples of the map: rad, or relative to the size of the motion.
     double error = 0;
-    // The most that the energy was of what it should have been at most.
+    // The largest energy, relative to the largest of the true motion.
     double energy_most = 1;
     double norm_error = 0;  // of a quaternion's length
-    double depth = 0;       // of what touches, in tolerances of contacts
+    double depth = 0;       // penetration, in tolerances of contacts
     bool finite = true;
     std::vector<host::Trouble> troubles;
 
-    // NaN counts as the largest of all.
+    // NaN counts as the largest.
     void see_error(long double now);
     void see_energy(long double ratio);
     void see_norm(long double length);
@@ -108,36 +108,36 @@ public:
     [[nodiscard]] SceneFile scene_file(double x, double y) const;
     [[nodiscard]] host::SceneDescription scene(double x, double y) const { return scene_file(x, y).description(); }
 
-    // Silent cells of contacts are listed, those of others are an error.
+    // Silent cells of contacts are listed; those of other maps are an error.
     [[nodiscard]] virtual bool has_contacts() const { return false; }
-    // Computes what runs share, such as the truth of each y; called once before any other cell is measured.
+    // Computes the data that runs share, such as the truth of each y. Called once before the first measurement.
     virtual void prepare(const std::vector<double>& /*y_values*/) {}
 
-    // Of the cell's scene in a simulation that has not begun.
+    // Measures the cell's scene in a simulation that has not begun.
     [[nodiscard]] virtual Measured measure(double x, double y, host::Simulation& simulation) const = 0;
     [[nodiscard]] Measured measure(double x, double y, const Method& method) const;
     // The error that rounding alone makes in this cell, in the unit of Measured::error. See resolution().
     [[nodiscard]] virtual double rounding_floor(double x, double y, const Method& method) const = 0;
-    // An integrator that it does not take has no row.
+    // An integrator for which this is false has no row.
     [[nodiscard]] virtual bool takes(const host::IntegratorInfo& /*method*/) const { return true; }
     [[nodiscard]] virtual Bounds bounds(const host::IntegratorInfo& /*method*/) const { return {}; }
-    // The error of a run by which what the order gives is known, in floors: beyond it truncation makes the error.
+    // In floors: beyond this error truncation dominates rounding, so that the run shows the error of the order.
     [[nodiscard]] virtual double floors_of_truncation() const { return number_system_factor; }
     // The order at which the error shrinks with the step.
     [[nodiscard]] virtual int order(const host::IntegratorInfo& method) const { return method.order; }
 
-    // Of the cell, told before it is run.
+    // The limits that the cell exceeds, known before its run.
     [[nodiscard]] std::vector<host::Limit> exceeded_limits(double x, double y, const Method& method) const;
-    // The x up to which, from the shortest step on, the method stands the step in theory; the end of the axis where it
-    // stands none, empty where it stands all. What is told before a run, unless a map has the theory itself.
+    // The largest x, from the shortest step on, at which the method is stable in theory; the end of the axis if there
+    // is none, empty if it is stable everywhere. From the warnings before a run, unless the map has a formula.
     [[nodiscard]] virtual std::optional<double> limit(double y, const Method& method) const;
-    // The outcome of a cell; of a simulation that has not begun and stands for the cell's own.
+    // The outcome of a cell, or of a simulation of it that has not begun.
     [[nodiscard]] Verdict judge(double x, double y, const Method& method) const;
     [[nodiscard]] Verdict judge(double x, double y, const Method& method, host::Simulation& simulation) const;
 
 protected:
     virtual void change(SceneFile& scene, double x, double y) const = 0;
-    // Where on the axis of x a limit lies that is_beyond(x) asks for; as limit().
+    // The position on the x axis at which is_beyond(x) becomes true; as limit().
     [[nodiscard]] std::optional<double> limit_where(double y, const std::function<bool(double)>& is_beyond) const;
 
 private:
@@ -158,12 +158,12 @@ private:
 
 // The maps, each made once.
 [[nodiscard]] const std::vector<std::unique_ptr<Map>>& maps();
-// Throws std::invalid_argument for a name that is none.
+// Throws std::invalid_argument for an unknown name.
 [[nodiscard]] Map& map_named(const std::string& name);
 
-// ---- What judging is made of, and measuring shares. ----
+// ---- Parts of judging, and helpers of the measurements. ----
 
-// What is known of a cell beside the run. The functions are called only where they decide.
+// Facts of a cell beside its run. The functions are called only if the outcome depends on them.
 struct Expectation {
     double floor = 0, floor_in_f64 = 0;     // error that rounding alone makes
     std::function<double()> of_order;       // error that the method's order gives
@@ -174,16 +174,15 @@ struct Expectation {
 };
 [[nodiscard]] Verdict judge(const Measured& run, const Expectation& expectation);
 
-// The relative error of one rounding: 2^-53 of f64, 2^-24 of f32; of fixed point half the last digit of a quantity of
-// this size, which has 30 digits below the limit of the scene's range.
+// The relative error of one rounding: 2^-53 in f64, 2^-24 in f32; in fixed point half the last digit of a quantity of
+// this size, which has 30 bits below the limit of the scene's range.
 enum class Quantity { position, velocity, spin };
 [[nodiscard]] double resolution(const host::SceneDescription& scene, const Method& method, Quantity quantity,
                                 double size);
-// What the roundings of many steps add up to, of one: a random walk, which carried residuals keep at its start.
+// The sum of the roundings of many steps, in units of one: a random walk, or 1 with carried residuals.
 [[nodiscard]] double random_walk(const Method& method, double steps);
 
-// Steps until the simulation has told of trouble, or is not finite, or has come to its end; after_steps() is called
-// after each `every` steps.
+// Steps until the simulation has a status, is not finite, or has ended. Calls after_steps() after each `every` steps.
 [[nodiscard]] Measured run_to_the_end(host::Simulation& simulation, std::int64_t every,
                                       const std::function<void(Measured&)>& after_steps);
 

@@ -1,9 +1,9 @@
-// Orbits' eccentricity against the steps of a turn. Truth: Kepler's equation. The error is the distance from the true
-// place at 8 times of each of five turns, relative to the major half axis; of the
-// energy it is the change that counts, relative to what binds the planet: with all of it lost it never comes back.
+// Eccentricity of an orbit against the steps of a turn. Truth: Kepler's equation. The error is the distance from the
+// true position at 8 times of each of five turns, relative to the major half axis. The change of energy is relative to
+// the binding energy: a planet that gains all of it never returns.
 //
-// Rounding: what one rounding of the velocity does is what a start that is wrong by as much does to the true motion; N
-// steps make sqrt(N) of it where no residuals are carried, and rounded constants do what one does.
+// Rounding: one rounding of the velocity changes the motion as much as the same change of the start. N steps make
+// sqrt(N) roundings without carried residuals; rounded constants make one.
 #include <algorithm>
 #include <cmath>
 #include <numbers>

@@ -26,7 +26,7 @@ constexpr std::array looks{
 // Pixels.
 constexpr double panel_width = 132, panel_height = 96, panel_gap = 8, block_gap = 34, row_gap = 26;
 constexpr double top = 92, bottom = 46, right = 14, letter_size = 11, font_size = 12, small_size = 11;
-// Of a letter of the font, nearly.
+// Approximate width of a letter.
 constexpr double letter_width = 0.56;
 
 struct Shown {
@@ -42,7 +42,7 @@ std::string escaped(const std::string& plain) {
     return out;
 }
 
-// The axis as a row of cells has it: value i stands in the middle of cell i.
+// The axis of a row of cells: value i is at the middle of cell i.
 class Scale {
 public:
     Scale(const Row& axes, const std::string& name, const Axis& axis)
@@ -190,7 +190,7 @@ public:
                     "font-size=\"%g\">\n",
                     width(), height(), font_size);
         out_ += "<title>" + escaped(map_.title()) + "</title>\n<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n";
-        // Of panels: cells without a pixel between them, frame and limit; small text to the middle, and to the end.
+        // Classes of panels: cells without gaps, frame and limit; small text, centered and right-aligned.
         out_ += text("<style>.c{shape-rendering:crispEdges}.f{fill:none;stroke:#808080}.l{fill:none;stroke:#000;"
                      "stroke-width:1.6;stroke-dasharray:5 3}.h{fill:none;stroke:#fff;stroke-width:3.2}"
                      ".m{text-anchor:middle;font-size:%gpx}.e{text-anchor:end;font-size:%gpx}</style>\n",
@@ -204,7 +204,7 @@ private:
     static constexpr std::size_t columns = 2;
     static constexpr double block_width = shown.size() * (panel_width + panel_gap) - panel_gap;
 
-    // What the tics and the label of y take.
+    // Width of the tics and the label of y.
     [[nodiscard]] double margin() const {
         std::size_t longest = 0;
         for (const auto& tic : y_.tics(most_y_tics)) longest = std::max(longest, tic.text.size());
@@ -326,8 +326,7 @@ private:
         if (row->contains("limit_x")) limit(row->at("limit_x"), x, y);
     }
 
-    // Upright through each row of cells, and from one to the next; nothing through rows without a limit, or whose limit
-    // is beyond the map.
+    // Vertical through each row of cells, and from one row to the next. Rows without a limit on the map have no line.
     void limit(const Row& limits, double x, double y) {
         std::string path;
         bool is_down = false;

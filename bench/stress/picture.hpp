@@ -1,5 +1,5 @@
-// The picture of a map: a block of panels for each method, or for methods that do the same, a panel for each number
-// system; a cell's color and letter are its outcome, a line is the limit of the method.
+// The picture of a map: a block of panels for each method, or for methods with the same cells, and a panel for each
+// number system. A cell's color and letter are its outcome; a line is the limit of the method.
 #pragma once
 
 #include <string>

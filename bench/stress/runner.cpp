@@ -26,7 +26,7 @@ namespace {
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
-// Of this program and all that it reads but its modules of worlds, which are of the same sources.
+// Digest of this program and of the files that it reads, except its modules of worlds, which have the same sources.
 std::string digest_of_program() {
     std::string all = host::contents_of("/proc/self/exe");
     std::vector<fs::path> scenes;
@@ -38,10 +38,10 @@ std::string digest_of_program() {
 
 struct Cell {
     double x = 0, y = 0;
-    std::int64_t steps = 0;  // what it costs, nearly
+    std::int64_t steps = 0;  // approximate cost
 };
 
-// Rows of cells by ascending y, in each of them by ascending x.
+// Cells row by row: y ascends, and x ascends in each row.
 std::vector<Cell> cells_of(const Map& map, bool coarse) {
     std::vector<Cell> cells;
     for (const double y : map.y().values(coarse))
@@ -52,7 +52,7 @@ std::vector<Cell> cells_of(const Map& map, bool coarse) {
     return cells;
 }
 
-// What is said of a cell on its way from one process to another.
+// The message about a cell from a child process.
 std::string line_of(const Verdict& verdict) {
     std::string cause = verdict.cause.substr(0, 200);
     std::replace(cause.begin(), cause.end(), '\n', ' ');
@@ -60,7 +60,7 @@ std::string line_of(const Verdict& verdict) {
 }
 Verdict verdict_of(const std::string& line) { return {static_cast<Outcome>(line.at(0)), line.substr(1)}; }
 
-// A row under way, and the process that judges its cells from one on.
+// An unfinished row, and the process that judges its cells from a given one on.
 class RunningRow {
 public:
     RunningRow(const Job& job, const std::vector<Cell>& cells, bool with_limits)
@@ -72,10 +72,10 @@ public:
     [[nodiscard]] bool is_done() const { return pipe_ < 0; }
     [[nodiscard]] const Job& job() const { return *job_; }
     [[nodiscard]] const std::vector<Verdict>& verdicts() const { return verdicts_; }
-    // Of each y; null where there is none.
+    // For each y; null if there is none.
     [[nodiscard]] const Row& limits() const { return limits_; }
 
-    // Takes what has come. Returns what has been done since the last time, in steps.
+    // Reads the messages that have arrived. Returns the steps done since the last call.
     std::int64_t read_on() {
         char buffer[4096];
         const ssize_t count = ::read(pipe_, buffer, sizeof buffer);
@@ -93,7 +93,7 @@ public:
         }
         return steps_since(before);
     }
-    // Ends a cell that has taken too long.
+    // Ends a cell that exceeds its time.
     std::int64_t watch(double seconds) {
         if (std::chrono::duration<double>(Clock::now() - last_).count() < seconds) return 0;
         const std::size_t before = verdicts_.size();
@@ -144,7 +144,7 @@ private:
         if (::write(out, line.data(), line.size()) != static_cast<ssize_t>(line.size())) _exit(1);
     }
 
-    // The child has ended, or has been ended for a cause; another one goes on behind the cell that it fell in.
+    // The child has ended, or was ended for a cause. Another child continues after the cell of the failure.
     void finish(const std::string& cause) {
         close(pipe_);
         pipe_ = -1;
@@ -251,7 +251,7 @@ std::vector<Row> run(const std::vector<Job>& jobs, const RunOptions& options) {
         left.push_back(i);
         total += cost[map];
     }
-    // The dearest first, so that none of them is alone at the end.
+    // The most expensive first, so that none runs alone at the end.
     std::stable_sort(left.begin(), left.end(),
                      [&](std::size_t a, std::size_t b) { return cost[jobs[a].map] > cost[jobs[b].map]; });
 
@@ -265,7 +265,7 @@ std::vector<Row> run(const std::vector<Job>& jobs, const RunOptions& options) {
         while (next < left.size() && running.size() < processors) {
             const std::size_t i = left[next++];
             Map* map = jobs[i].map;
-            // What rows share, before they are in processes of their own.
+            // The shared data of rows, before the processes are forked.
             if (prepared.insert(map).second) map->prepare(map->y().values(options.coarse));
             running.emplace(i, RunningRow{jobs[i], cells[map], !options.coarse});
         }

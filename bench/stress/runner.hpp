@@ -1,5 +1,5 @@
-// Runs maps in processes, one at a time on each core: a cell that crashes or does not end is an outcome of its row, and
-// the run goes on behind it.
+// Runs maps in processes, one at a time on each core. A cell that crashes or does not end is an outcome of its row, and
+// the run continues after it.
 #pragma once
 
 #include <filesystem>
@@ -29,19 +29,19 @@ struct Choice {
 
 struct RunOptions {
     bool coarse = false;
-    // Where each finished row is kept, and found again by a later run of the same program.
+    // Directory of finished rows, for a later run of the same program.
     std::filesystem::path kept = "build/results/stress";
-    bool anew = false;           // what is kept there is not taken
-    double seconds_a_cell = 60;  // what a cell may take
+    bool anew = false;           // ignore kept rows
+    double seconds_a_cell = 60;  // time limit of a cell
 };
 
-// The rows of jobs, in their order. Rows have the causes of silent cells: without_causes() takes them out.
+// The rows of jobs, in their order. Rows have the causes of silent cells; without_causes() removes them.
 [[nodiscard]] std::vector<Row> run(const std::vector<Job>& jobs, const RunOptions& options);
 
 // The row of a map's axes, which explains the cells of its other rows.
 [[nodiscard]] Row axes_row(const Map& map, bool coarse);
 
-// All rows: before those of each map, its axes.
+// All rows; the axes of a map precede its rows.
 [[nodiscard]] std::vector<Row> with_axes(const std::vector<Row>& rows, bool coarse);
 [[nodiscard]] Row without_causes(Row row);
 

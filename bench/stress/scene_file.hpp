@@ -1,4 +1,4 @@
-// A scene file whose values can be changed: what a cell of a map runs, and what `tumble run` replays.
+// A scene file whose values can be changed. A cell of a map runs it, and `tumble run` replays it.
 #pragma once
 
 #include <cstddef>
@@ -17,19 +17,19 @@ public:
     SceneFile(const SceneFile& other);
     ~SceneFile();
 
-    // The value at a path as toml++ writes one: "world.step", "body[1].velocity". The table that holds it must be
-    // there, the value need not; throws std::invalid_argument otherwise.
+    // The value at a path in toml++'s notation: "world.step", "body[1].velocity". Its table must exist, the value need
+    // not; throws std::invalid_argument otherwise.
     void set(const std::string& path, double value);
     void set(const std::string& path, const std::string& value);
     void set(const std::string& path, const host::Triple& value);
     void set(const std::string& path, const host::Quadruple& value);
 
-    // Appends a copy of an element to the array of tables that it is in, "body[0]"; the copy's index.
+    // Appends a copy of an element, "body[0]", to its array of tables; returns the copy's index.
     std::size_t append_copy(const std::string& element);
 
-    // As a scene file.
+    // The text of the scene file.
     [[nodiscard]] std::string text() const;
-    // Checked by every rule of the format; throws host::SceneError.
+    // The scene, checked by all rules of the format; throws host::SceneError.
     [[nodiscard]] host::SceneDescription description() const;
 
 private:

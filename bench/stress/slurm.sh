@@ -5,7 +5,7 @@
 #   job=$(sbatch --parsable --array=1-16 bench/stress/slurm.sh)
 #   sbatch --dependency=afterok:$job bench/stress/slurm.sh merge
 #
-# Shard i of n writes build/results/stability-i-of-n.jsonl. One that has been interrupted goes on where it was when its job
+# Shard i of n writes build/results/stability-i-of-n.jsonl. An interrupted shard continues where it stopped when its job
 # is submitted again: sbatch --array=3 --export=ALL,SHARDS=16 bench/stress/slurm.sh
 #SBATCH --job-name=tumble-stress
 #SBATCH --ntasks=1
@@ -21,7 +21,7 @@ if [ "${1:-}" = merge ]; then
     exit $status
 fi
 shards=${SHARDS:-$SLURM_ARRAY_TASK_COUNT}
-# Silent cells, status 3, are told by the merge.
+# The merge reports silent cells, status 3.
 "$program" --shard "$SLURM_ARRAY_TASK_ID/$shards" \
     --results "build/results/stability-$SLURM_ARRAY_TASK_ID-of-$shards.jsonl" || status=$?
 [ "$status" -eq 3 ] || exit "$status"

@@ -6,7 +6,7 @@
 namespace tumble::bench::stress {
 namespace {
 
-// Of the scene's file: rad/s, kg, m, m; how far the oscillation turns, and between two looks, rad.
+// Of the scene's file: rad/s, kg, m, m; the phase of the whole run and between two measurements, rad.
 constexpr double frequency = 8, mass = 1, rest_length = 1, amplitude = 1.0 / 32, turned = 200,
                  angle_between_looks = 0.7, widest_swing = 100;
 
@@ -36,8 +36,8 @@ public:
 
     using Map::measure;
     Measured measure(double x, double y, host::Simulation& simulation) const override {
-        // Near its limit a method lets the energy of an oscillation swing about widely without adding to it: what
-        // counts is what the second half has more than the first, or what nothing swings to.
+        // Near its limit a method lets the energy of an oscillation vary widely without growth. Growth is a second half
+        // with more energy than the first, or an energy that no stable oscillation reaches.
         const long double start = simulation.energy().total();
         long double early = start;
         return run_to_the_end(simulation, std::max(1L, std::lround(angle_between_looks / x)), [&](Measured& run) {
@@ -50,8 +50,8 @@ public:
         });
     }
 
-    // Rounding of the spring's constants turns the motion ahead, and that of its length, which is `rest_length` long,
-    // adds up as a random walk where no residuals are carried.
+    // Rounding of the spring's constants shifts the phase. Rounding of its length, about `rest_length`, adds up as a
+    // random walk without carried residuals.
     double rounding_floor(double x, double y, const Method& method) const override {
         const double digits = resolution(scene(x, y), method, Quantity::velocity, frequency * amplitude);
         return digits * (turned + rest_length / amplitude * random_walk(method, turned / x));
