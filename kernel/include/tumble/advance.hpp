@@ -44,7 +44,10 @@ public:
         return b;
     }
     // Adds a spring; false when there is no room.
-    bool add(const SpringSpec& spec) requires(features.springs > 0) { return loads.add(spec, bodies, step_bounds); }
+    bool add(const SpringSpec& spec) requires(features.springs > 0) {
+        static constexpr SpringBounds<N> bounds{step_bounds};
+        return loads.add(spec, bodies, bounds);
+    }
     // Call when anything but free rotation has changed the spin.
     TUMBLE_INLINE void spin_changed([[maybe_unused]] int b) {
         if constexpr (rotation && requires(Inertia & inertia) { inertia.prepare(bodies.state[0], bodies.scale); })
@@ -197,7 +200,6 @@ private:
     }
     void loaded(const BodyGroup& group, const StepInfo<N>& info, const DriftSum (&fall)[3],
                 Work length) requires has_loads {
-        loads.watch(bodies, step_bounds);
         const DriftSum falls[3]{whole(fall[0]), whole(fall[1]), whole(fall[2])};
         const auto evaluate = loads.evaluation(bodies, group, length, falls);
         if (group.count == 1) staged<1>(group, evaluate, info);

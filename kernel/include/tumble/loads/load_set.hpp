@@ -63,19 +63,32 @@ public:
     [[nodiscard]] Real largest_safe_step() const requires(features.springs_touch()) {
         return contacts_.largest_safe_step();
     }
-    bool add(const SpringSpec& spec, Bodies& bodies, const StepBounds& bounds) requires(features.springs > 0) {
+    // Adds a spring; false when there is no room. Reports a step that is surely too long for it and what acts beside
+    // it.
+    [[gnu::noinline, gnu::cold]] bool add(const SpringSpec& spec, Bodies& bodies,
+                                          const SpringBounds<N>& bounds) requires(features.springs > 0) {
         if (!springs_.add(spec, bodies)) return false;
-        springs_.check_step(bodies, drag_, bounds);
+        const bool is_straight = !spec.rest_length.is_zero();
+        for (int axis = is_straight ? 3 : 0; axis < (is_straight ? 4 : 3); ++axis) {
+            const Evaluate at_rest{bodies, *this, {}, seconds_, Work{}, {}};  // no steps a second: no velocities
+            Loaded loaded[features.bodies];
+            Stage stage[features.bodies];
+            for (int b = 0; b < bodies.count; ++b) {
+                stage[b] = stage_of(bodies.state[b]);
+                load(loaded[b], b, stage[b], at_rest);
+            }
+            const int b = springs_.body_beyond(bounds, bodies, loaded, drag_, seconds_, axis);
+            if (b < 0) continue;
+            bodies.report(Issue::step_too_long, b);
+            break;
+        }
         return true;
     }
-    // Reports a step that is too long for the drag of a body that has been added, or for springs as they stand now.
+    // Reports a step that is too long for the drag of a body that has been added.
     void check_drag(int b, const BodySpec& spec, const PrincipalInertia& inertia, Bodies& bodies,
                     const StepBounds& bounds) const requires(features.drag) {
         if (!spec.fixed && drag_.is_too_strong(spec, inertia, bodies.rotates(b), bounds.of_damper[1]))
             bodies.report(Issue::step_too_long, b);
-    }
-    TUMBLE_INLINE void watch([[maybe_unused]] Bodies& bodies, [[maybe_unused]] const StepBounds& bounds) {
-        if constexpr (features.springs > 0) springs_.watch(bodies, drag_, bounds);
     }
     // Calls changed(body) for every force that acts in step `now`.
     template <class F>
@@ -183,6 +196,7 @@ private:
         Loaded loaded[features.bodies];
         for (int k = 0; k < e.group.count; ++k) load(loaded[k], e.group.id[k], stages[k], e);
         const auto find = [&](int b) -> Loaded* {
+            if constexpr (features.bodies == 1) return loaded;
             for (int k = 0; k < e.group.count; ++k)
                 if (e.group.id[k] == b) return &loaded[k];
             return nullptr;
@@ -190,6 +204,7 @@ private:
         Stage still_stage;  // a fixed body at the other end of a load
         Loaded still;
         const auto other_end = [&](int b) -> Loaded* {
+            if constexpr (features.bodies == 1) return find(b);
             if (Loaded* found = find(b)) return found;
             still_stage = stage_of(e.bodies.state[b]);
             load(still, b, still_stage, e);
