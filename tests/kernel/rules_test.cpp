@@ -212,7 +212,7 @@ TEST_P(Rules, piles_that_come_to_rest_report_nothing) {
     for (SceneSetup& setup : scenes) {
         for (const Seconds step : {Seconds{1, 60}, {1, 256}, {1, 1000}, {1, 1024}}) {
             // At 1/60 s small balls spin faster than q32 holds.
-            if (setup.bodies.size() > 4 && real(60) == Real{1} / step.value) continue;
+            if (setup.bodies.size() > 4 && step.value > Real{0.01}) continue;
             setup.step = step;
             const auto world = build(setup, GetParam());
             world->run(static_cast<int>((Real{3} / step.value).to_fixed(0)));
@@ -228,20 +228,19 @@ TEST_P(Rules, piles_that_come_to_rest_report_nothing) {
     }
 }
 
-// A wedge so narrow that a ball bounces in it more often than a moment has rounds: under gravity too it is reported
-// where the ball comes fast, and not where it comes more slowly than gravity changes a speed in two steps.
+// In a narrow wedge a ball bounces more often than a moment has rounds. What they leave is an error where the ball
+// comes fast. It is none where the ball approaches the planes more slowly than what rests.
 TEST_P(Rules, a_fast_bounce_that_is_cut_off_is_reported_under_gravity_and_a_slow_one_is_not) {
-    for (const bool fast : {false, true}) {
+    for (const Number speed : {20.0L, 2.0L}) {
         const Number half = 0.03L, radius = 0.25L;
         SceneSetup setup{.name = "wedge"};
         setup.world = {.gravity = gravity, .contact = {.restitution = 1}};
         setup.planes = {{.normal = {real(std::cos(half)), real(std::sin(half)), 0}},
                         {.normal = {real(-std::cos(half)), real(std::sin(half)), 0}}};
-        const Number above = fast ? 0.001953125L : 0.000001L;
-        setup.bodies = {placed(sphere(1, 0.25), {0, radius / std::sin(half) + above, 0}, {0, fast ? -2 : -0.001L, 0})};
+        setup.bodies = {placed(sphere(1, 0.25), {0, radius / std::sin(half) + 0.001953125L, 0}, {0, -speed, 0})};
         const auto world = build(setup, GetParam());
         world->step();
-        EXPECT_EQ(world->status().has(Issue::step_bound_hit), fast);
+        EXPECT_EQ(world->status().has(Issue::step_bound_hit), speed > 10) << speed;
     }
 }
 
