@@ -34,8 +34,8 @@ struct Spring {
         push(a, other, force);
     }
 
-    // From its point of `a` to its other end, m, world. Positions are subtracted as the state holds them, before
-    // rounding to working numbers.
+    // The vector from its point of `a` to its other end, m, world. Positions are subtracted in the state's format,
+    // before they are rounded to working numbers.
     template <class Body>
     [[nodiscard]] WorkVec3<N> reach_of(const Body& a, const Body* other) const {
         WorkVec3<N> reach;
@@ -47,7 +47,7 @@ struct Spring {
         }
         return reach;
     }
-    // How that changes, m/s.
+    // The rate of reach_of(), m/s.
     template <class Body>
     [[nodiscard]] WorkVec3<N> rate_of(const Body& a, const Body* other) const {
         WorkVec3<N> rate = -a.velocity_at(point_b);
@@ -81,8 +81,8 @@ public:
     using Work = typename N::Work;
 
     Springs(Real, const WorldSpec&) {}
-    // False when there is no room. A point of a point mass other than itself is misuse, and so are a world point and
-    // points of bodies that lie beyond the range.
+    // Adds a spring; false when there is no room. Misuse: a point other than zero of a point mass, and a point outside
+    // the range.
     [[gnu::noinline, gnu::cold]] bool add(const SpringSpec& spec, const auto& bodies) {
         TUMBLE_ASSERT(spec.to_body >= -1 && spec.to_body < bodies.count);
         TUMBLE_ASSERT(is_in_range(spec.point) && is_in_range(spec.to));
