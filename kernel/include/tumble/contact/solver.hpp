@@ -147,9 +147,9 @@ public:
                 if (pair.touched && collide(pair)) bounced = true;
             });
         }
-        const bool is_cut_off = bounced || stop;
+        if (bounced || stop) [[unlikely]]
+            report_cut_off(bodies, island);
         for_each_active(island, [&](Pair& pair, auto& point) {
-            if (is_cut_off && bounces_far(pair, point)) bodies.report(Issue::step_bound_hit, pair.a);
             point.target = point.gap > Length{} ? -speed(pair, point, point.gap) : Speed{};
             for (Speed& p : point.pushed) p = Speed{};
         });
@@ -323,6 +323,11 @@ private:
         const Speed bounce = narrow<Speed>(mul(approach, pair.restitution));
         return bounces(pair, point, approach, point.loads) && bounce > point.loads &&
                bounce > along(point, pair_speed(pair, slow_));
+    }
+    [[gnu::noinline]] void report_cut_off(Bodies& bodies, const Island& island) {
+        for_each_active(island, [&](Pair& pair, Point& point) {
+            if (bounces_far(pair, point)) bodies.report(Issue::step_bound_hit, pair.a);
+        });
     }
     void push_all(const Pair& pair, const Point& point) {
         for (int k = 0; k < Rows::rows(pair); ++k)
