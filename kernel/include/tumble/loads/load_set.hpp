@@ -63,8 +63,8 @@ public:
     [[nodiscard]] Real largest_safe_step() const requires(features.springs_touch()) {
         return contacts_.largest_safe_step();
     }
-    // Adds a spring; false when there is no room. Reports a step that is surely too long for it and what acts beside
-    // it.
+    // Adds a spring; false when there is no room. Reports a step that is surely too long for the spring, together with
+    // the springs, dampers and drag beside it.
     [[gnu::noinline, gnu::cold]] bool add(const SpringSpec& spec, Bodies& bodies,
                                           const SpringBounds<N>& bounds) requires(features.springs > 0) {
         if (!springs_.add(spec, bodies)) return false;
