@@ -1,5 +1,5 @@
-// Advance<Scene>: how bodies move over a step or a part of it by the scene's method: freely, under loads, or fixed in
-// their place. It owns the bodies, their inertia, loads and gravity, and knows no contact.
+// Advance<Scene> moves bodies over a step or a part of it with the scene's method: freely, under loads, or fixed in
+// their place. It owns the bodies, their inertia, the loads and gravity. It knows no contact.
 #pragma once
 
 #include <tumble/integrators/verlet.hpp>
@@ -44,8 +44,11 @@ public:
         return b;
     }
     // Adds a spring; false when there is no room.
-    bool add(const SpringSpec& spec) requires(features.springs > 0) { return loads.add(spec, bodies, step_bounds); }
-    // Call when anything but free rotation has changed the spin.
+    bool add(const SpringSpec& spec) requires(features.springs > 0) {
+        static constexpr SpringBounds<N> bounds{step_bounds};
+        return loads.add(spec, bodies, bounds);
+    }
+    // Call after every change of the spin other than by free rotation.
     TUMBLE_INLINE void spin_changed([[maybe_unused]] int b) {
         if constexpr (rotation && requires(Inertia & inertia) { inertia.prepare(bodies.state[0], bodies.scale); })
             if (bodies.rotates(b)) inertia_[b].prepare(bodies.state[b], bodies.scale);
@@ -58,7 +61,7 @@ public:
         for (int k = 0; k < group.count; ++k) check_range(group.id[k]);
     }
 
-    // Gravity's change of drift in a step.
+    // Change of drift by gravity in a step.
     [[nodiscard]] DriftSum whole_fall(int i) const { return whole(gravity_[i]); }
 
     // A step of a body that feels gravity alone.
@@ -76,19 +79,20 @@ public:
                 check_range(b);
             }
     }
-    // A step of bodies that loads couple, or of one body.
+    // A step of one body, or of bodies that loads couple.
     void group(const BodyGroup& group, const StepInfo<N>& info) {
         portion(group, info, {});
         check_range(group);
     }
-    // A portion of a step, of bodies that are not fixed. Nothing looks at their range.
+    // A portion of a step, of bodies that are not fixed. It does not check their range.
     void portion(const BodyGroup& group, const StepInfo<N>& info, const Portion& portion) {
         if (portion.whole) {
             over(group, info, gravity_, Work(1));
             return;
         }
-        // In units of the portion, drift and spin shrink with it and accelerations with its square; the same code then
-        // steps over the portion. Only the changes are scaled back, so that what did not change stays exact.
+        // With the portion as the unit of time, drift and spin shrink with it, and accelerations with its square. Then
+        // the same code steps over the portion. Only the changes are scaled back, so that a drift that loads do not
+        // change stays exact.
         const auto part = N::fraction(portion.length);
         const Work inverse = Work(1) / portion.length;
         StateCopies<State, features.bodies> whole, scaled;
@@ -137,15 +141,15 @@ public:
 
 private:
     using Inertia = typename Integrator::template Inertia<N>;
-    // None of a method that does not know its limits.
+    // No bounds for a method that does not name its own.
     static constexpr StepBounds step_bounds = [] {
         if constexpr (requires { Integrator::step_bounds; }) return Integrator::step_bounds;
         else return StepBounds{};
     }();
-    // rad; see Bodies::check_range. That of the momentum over the middle moment is twice the half turn at the most.
+    // rad; see Bodies::check_range. The spin of a momentum is at most twice the half turn.
     static constexpr double most_turn = requires { Integrator::follows_any_turn; }
     ? 0 : spin == Spin::angular_momentum ? 1.5 : 0.5;
-    // Where sums are exact, gravity is kept and added in halves: the position moves with the mean drift between them.
+    // Where sums are exact, gravity is kept and added in halves. Between the two the drift is the step's mean.
     static constexpr bool fall_in_halves = Integrator::coasting == Coasting::mean && N::fixed_point && N::carry;
     [[nodiscard]] static constexpr DriftSum whole(DriftSum f) { return fall_in_halves ? f + f : f; }
 
@@ -176,7 +180,7 @@ private:
         }
     }
 
-    // Over a stretch of the given length, in steps, in whose units the state and `fall` are.
+    // Moves the bodies over a part of a step of this length, in steps. State and `fall` have it as the unit of time.
     void over(const BodyGroup& group, const StepInfo<N>& info, const DriftSum (&fall)[3], Work length) {
         if constexpr (has_loads) {
             BodyGroup coupled;
@@ -197,7 +201,6 @@ private:
     }
     void loaded(const BodyGroup& group, const StepInfo<N>& info, const DriftSum (&fall)[3],
                 Work length) requires has_loads {
-        loads.watch(bodies, step_bounds);
         const DriftSum falls[3]{whole(fall[0]), whole(fall[1]), whole(fall[2])};
         const auto evaluate = loads.evaluation(bodies, group, length, falls);
         if (group.count == 1) staged<1>(group, evaluate, info);

@@ -13,20 +13,21 @@ enum class Issue : std::uint8_t {
     // finite, or the body turned so far in a step that its orientation is wrong or lost its unit length; take a smaller
     // step.
     range_left = 1,
-    // An iteration met its bound: the implicit solver did not converge, or one step had so many impacts that a body was
-    // stopped which would have bounced on.
-    // The state is usable but less accurate; take a smaller step.
+    // An iteration met its bound: an implicit method did not converge (take a smaller step), or a step had more impacts
+    // than it resolves, and a bounce faster than what loads change in a step was left out (set restitution_threshold).
+    // The state is usable but less accurate.
     step_bound_hit = 2,
     // More pairs near each other than the scene has room for; some bodies pass through others. Raise near_pairs.
     contacts_full = 4,
     // add() was called on a full world; nothing was added. Raise the capacity in the scene.
     world_full = 8,
-    // The step is too long for what acts: springs, dampers or drag are so stiff, or bodies that attract each other so
-    // near, that a step adds to their energy, or steps have added to it for so long that it has grown many times. A
-    // shorter one does; for contacts by springs World::largest_safe_step() tells which is short enough.
+    // The step is too long, so that it adds energy: for the stiffness of a spring, a damper or drag when it was added,
+    // for
+    // contacts by springs, or for two bodies that attract each other. Take a smaller step; for contacts by springs at
+    // most World::largest_safe_step().
     step_too_long = 16,
 };
-// In the order of their bits.
+// All issues, in the order of their bits.
 inline constexpr Issue all_issues[] = {Issue::range_left, Issue::step_bound_hit, Issue::contacts_full,
                                        Issue::world_full, Issue::step_too_long};
 

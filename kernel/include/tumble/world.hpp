@@ -1,8 +1,8 @@
-// World<Scene>: the only thing that steps. It owns bodies, loads and contacts in fixed-size arrays and advances them by
-// one fixed step at a time with the scene's method. Nothing is allocated; nothing throws.
+// World<Scene> owns bodies, loads and contacts in fixed-size arrays. step() advances them by one fixed step with the
+// scene's method. It allocates nothing and throws nothing.
 //
-// What is computed depends on what the scene contains (a body without loads is advanced without stages), never on what
-// is compiled in, so a minimal firmware and a host with every feature give the same bits.
+// The computation depends on what the scene contains (a body without loads has no stages), never on what is compiled
+// in. So a minimal firmware and a host with every feature give the same bits.
 #pragma once
 
 #include <tumble/advance.hpp>
@@ -11,8 +11,8 @@
 
 namespace tumble {
 
-// Bodies, and what acts on them, in the room that the scene type S names. A value: a copy keeps all that later steps
-// depend on, but for the arrays of set_impulses() and set_forces(), which it points to.
+// Bodies, loads and contacts, with the capacities of the scene type S. A world is a value: a copy goes on with the same
+// bits. The arrays of set_impulses() and set_forces() are not copied; both worlds point to them.
 template <class S>
 class World {
 public:
@@ -54,8 +54,8 @@ public:
         advance_.set_gravity(gravity);
     }
 
-    // Adds a body; false (and Issue::world_full) when there is no room. Mass and moments must be positive, but for a
-    // point mass in a world that has them. A start that leaves the range is told in status().
+    // Adds a body; false (and Issue::world_full) when there is no room. Mass and moments must be positive; a point mass
+    // has no moments. status() reports a start outside the range.
     BodyId add(const BodySpec& spec) requires(features.bodies > 0) {
         if (advance_.bodies.count >= features.bodies) {
             advance_.bodies.report(Issue::world_full, advance_.bodies.count);
@@ -67,7 +67,7 @@ public:
         if constexpr (has_contacts) {
             contacts_.set_shape(b, spec, inertia, advance_.bodies.constants[b].units);
             if (!spec.fixed) sleepers_.add(b);
-            // Before the first step nothing is foreseen and nobody sleeps.
+            // Before the first step no body has a time to contact, and none sleeps.
             if (advance_.bodies.steps_taken > 0)
                 for (int other = 0; other <= b; ++other) disturb(other);
         }
@@ -87,16 +87,16 @@ public:
         return added;
     }
 
-    // Adds a spring between bodies already added; false when there is no room. A step that is too long for it is told
-    // in status().
+    // Adds a spring between bodies already added; false when there is no room. status() reports a step that is surely
+    // too long for it.
     bool add(const SpringSpec& spec) requires(features.springs > 0) { return advance_.add(spec); }
 
-    // Set-up values as this world's numbers, for arrays of events that outlive it.
+    // Converts an impulse to this world's numbers, for set_impulses().
     [[nodiscard]] Impulse<N> prepare(const ImpulseSpec& spec) const { return tumble::prepare(advance_.bodies, spec); }
-    // The same of a force that is on for a while.
+    // Converts a timed force to this world's numbers, for set_forces().
     [[nodiscard]] TimedForce<N> prepare(const ForceSpec& spec) const { return tumble::prepare(advance_.bodies, spec); }
-    // Impulses for the steps to come, of bodies already added, sorted by step, in an array that stays where it is; in
-    // place of those set before. What lies before the next step is left out.
+    // Sets the impulses for the steps to come, in place of those set before. The array is sorted by step and must
+    // outlive their use. Impulses before the next step are skipped. The bodies must have been added.
     void set_impulses(Span<Impulse<N>> impulses) requires(features.impulses) {
         require_bodies(impulses);
         for (int i = 1; i < impulses.count; ++i) TUMBLE_ASSERT(impulses.first[i - 1].step <= impulses.first[i].step);
@@ -104,14 +104,14 @@ public:
         next_event_ = 0;
         while (next_event_ < impulses.count && impulses.first[next_event_].step < now()) ++next_event_;
     }
-    // Forces that are on for a while, likewise, but best sorted and not necessarily. Wakes the bodies that they act on.
+    // Sets the timed forces likewise. A sorted array is faster, but need not be. Wakes the bodies that they act on.
     void set_forces(Span<TimedForce<N>> forces) requires(features.forces) {
         require_bodies(forces);
         advance_.loads.set_forces(forces, now(), [&](int b) { disturb(b); });
     }
 
-    // Changes the body's momentum by `impulse` (N s, world frame) at a point of it (m, user's body axes); at once, and
-    // once. The position is unchanged. A point mass has no point but itself: any other is misuse.
+    // Applies an impulse (N s, world frame) at once, at a point of the body (m, user's body axes). The position does
+    // not change. For a point mass, a point other than zero is misuse.
     void apply_impulse(BodyId id, RealVec3 impulse, RealVec3 point = {}) {
         const int b = place_of(id);
         TUMBLE_ASSERT(advance_.bodies.rotates(b) || point.is_zero());
@@ -119,7 +119,7 @@ public:
                advance_.bodies.principal_vector(b, point)});
     }
 
-    // Takes one step of every body: events that are due, loads, motion, contacts. Returns the sticky status.
+    // Advances every body by one step: events that are due, loads, motion, contacts. Returns the sticky status.
     Status step() {
         if constexpr (features.impulses) {
             while (next_event_ < impulses_.count && impulses_.first[next_event_].step <= now())
@@ -143,18 +143,18 @@ public:
         return advance_.bodies.status;
     }
 
-    // Of bodies added.
+    // Number of bodies added.
     [[nodiscard]] int body_count() const { return advance_.bodies.count; }
-    // Since the start, modulo 2^32; time is this times the step. Steps go on as before where it starts again from 0.
+    // Number of steps since the start, modulo 2^32. Time is this times the step.
     [[nodiscard]] std::uint32_t steps_taken() const { return advance_.bodies.steps_taken; }
     // The sticky status.
     [[nodiscard]] Status status() const { return advance_.bodies.status; }
-    // Forgets what went wrong.
+    // Clears all bits of the status.
     void clear_status() { advance_.bodies.status = {}; }
 
-    // The body's state as the step keeps it. x_w is in metres; the accessors below give the rest in SI units.
+    // The body's state in the formats of the step. The accessors below return SI units.
     [[nodiscard]] const State& state(BodyId id) const { return advance_.bodies.state[place_of(id)]; }
-    // Of the centre of mass, m, world frame; x(), y() and z() of the vector.
+    // Position of the centre of mass, m, world frame.
     [[nodiscard]] WorkVec3<N> position(BodyId id) const { return advance_.bodies.position(place_of(id)); }
     // m/s, world frame.
     [[nodiscard]] WorkVec3<N> velocity(BodyId id) const { return advance_.bodies.velocity(place_of(id)); }
@@ -168,33 +168,33 @@ public:
     // Digest of every body's state.
     [[nodiscard]] std::uint64_t hash() const { return advance_.bodies.hash(); }
 
-    // The bodies whatever the method; for readers that want more digits than working numbers have (the host).
+    // The bodies, for readers that need more digits than working numbers have.
     using Bodies = typename tumble::Advance<S>::Bodies;
-    // As they are stored.
+    // The bodies as they are stored.
     [[nodiscard]] const Bodies& bodies() const { return advance_.bodies; }
 
-    // True of a body that rests at no cost until something touches or pushes it.
+    // True where the body sleeps: it rests at no cost until something touches or pushes it.
     [[nodiscard]] bool asleep([[maybe_unused]] BodyId id) const {
         if constexpr (has_contacts) return sleepers_.is_asleep(place_of(id));
         else return false;
     }
-    // The largest step at which contacts by springs are stable, s; zero where none of them limits the step.
+    // The largest safe step for contacts by springs, s; zero where they do not limit the step.
     [[nodiscard]] Real largest_safe_step() const {
         if constexpr (features.springs_touch()) return advance_.loads.largest_safe_step();
         else return {};
     }
-    // Pairs that are near each other, of a body and a plane or another: near_pairs is the room for them.
+    // Number of near pairs, of a body and a plane or of two bodies. Features::near_pairs is the room for them.
     [[nodiscard]] int near_pair_count() const {
         if constexpr (has_contacts) return contacts_.pair_count();
         else return 0;
     }
-    // The band within which bodies touch, m: the scene's tolerance, or what the number system resolves beside the
-    // largest body. Zero where nothing touches by impulses.
+    // The distance within which bodies touch, m: the scene's tolerance, or the least that the number system resolves
+    // beside the largest body. Zero without contacts by impulses.
     [[nodiscard]] Work contact_tolerance() const {
         if constexpr (has_contacts) return contacts_.tolerance();
         else return Work(0);
     }
-    // Contact points of the body in the last step.
+    // Number of contact points of the body in the last step.
     [[nodiscard]] int contact_count(BodyId id) const {
         if constexpr (has_contacts) return contacts_.count(place_of(id));
         else return 0;
@@ -208,12 +208,12 @@ private:
     static constexpr bool has_events = features.impulses || features.forces;
 
     [[nodiscard]] TUMBLE_INLINE int place_of(BodyId id) const { return advance_.bodies.index_of(id); }
-    // The step to be taken, as events count steps.
+    // The next step's number, which does not wrap; events count so.
     [[nodiscard]] TUMBLE_INLINE std::uint64_t now() const requires has_events {
         return std::uint64_t{wraps_} << 32 | advance_.bodies.steps_taken;
     }
 
-    // Events of a body that is not there are misuse.
+    // An event of a body that has not been added is misuse.
     template <class Event>
     void require_bodies(Span<Event> events) const {
         for (const Event& event : events) (void)advance_.bodies.index_of(event.body);
@@ -223,8 +223,8 @@ private:
         advance_.spin_changed(event.body);
         disturb(event.body);
     }
-    // Call after an impulse, a force that switches or new gravity: drops the time-to-contact bounds of the body, and of
-    // what it may push, and wakes it.
+    // Call after an impulse, a force that switches or new gravity: drops the bounds on the time to contact of the body
+    // and of all that it may push, and wakes it.
     void disturb([[maybe_unused]] int b) {
         if constexpr (has_contacts) {
             contacts_.startle_all_near(b, advance_.bodies.steps_taken);
@@ -232,7 +232,7 @@ private:
         }
     }
 
-    // One step of a world with loads: bodies that they couple advance together, the others one by one.
+    // One step of a world with loads. Bodies that loads couple advance together, the others one by one.
     void step_groups(const StepInfo<N>& info) {
         BodyGroup coupled;
         for (int b = 0; b < advance_.bodies.count; ++b) {
@@ -245,8 +245,8 @@ private:
 
     // --- contacts ------------------------------------------------------------------------------------------------
 
-    // One step of a world with contacts. Bodies that can touch nothing in it fly freely; the others advance together
-    // with those they may touch.
+    // One step of a world with contacts. Bodies that can touch nothing in this step fly freely. The others advance
+    // together with the bodies that they may touch.
     void step_islands(const StepInfo<N>& info) {
         const std::uint32_t now = advance_.bodies.steps_taken;
         if constexpr (features.turntables) {
@@ -278,14 +278,14 @@ private:
             [&](int other) { return advance_.bodies.constants[other].fixed || sleepers_.is_asleep(other); },
             [&](int other) { wake(other); });
     }
-    // Wakes the body and all that rest on each other with it.
+    // Wakes the body and all sleeping bodies that touch it, directly or through others.
     void wake([[maybe_unused]] int b) {
         if constexpr (features.sleep)
             if (sleepers_.is_asleep(b)) wake_all_with(b);
     }
-    // Depth first, each before its neighbours. Out of line: it is rare.
+    // Depth first, without recursion. Out of line, because it is rare.
     [[gnu::noinline]] void wake_all_with(int b) requires(features.sleep) {
-        // From b to the one that woke last; each is a neighbour of the one before.
+        // The path from b to the body that woke last, from neighbour to neighbour.
         BodyGroup path;
         int next = b;
         do {
@@ -317,8 +317,8 @@ private:
         using Island = typename Contacts::Island;
         Islands<features.bodies> islands;
         islands.clear(advance_.bodies.count);
-        // Those that have not flown freely. A body that an impact in this step brings near something, or that it wakes,
-        // joins in the next.
+        // The bodies that have not flown freely. A body that wakes or comes near something in this step joins in the
+        // next.
         bool joins[features.bodies]{};
         int coupled = -1;
         for (int k = 0; k < sleepers_.awake_count(); ++k) {
@@ -332,7 +332,7 @@ private:
         contacts_.connect(islands, advance_.bodies, [&](int b) { return !sleepers_.is_asleep(b); });
         Asked asked{*this, info};
         IslandStep<N, Integrator::spin, features> step{advance_.bodies, contacts_, islands, flyer(asked)};
-        // Sleeping changes the list of those awake: first all islands fly.
+        // Sleep changes the list of awake bodies, so it waits until all islands have flown.
         BodyGroup to_sleep;
         for (int root = 0; root < advance_.bodies.count; ++root) {
             if (!joins[root] || islands.root(root) != root) continue;
@@ -356,7 +356,7 @@ private:
         }
     }
 
-    // What an island's step asks of the world.
+    // The world as an island's step sees it, through Flyer.
     struct Asked {
         World& world;
         const StepInfo<N>& info;
@@ -376,8 +376,8 @@ private:
         };
     }
 
-    // What loads will change in the whole step, into the contacts' kick(): gravity, and what else acts at its present
-    // strength.
+    // Writes the change of motion by gravity and by the loads, at their present strength, over the whole step into the
+    // contacts' kick().
     void foresee_loads(const BodyGroup& group) {
         const typename N::DriftSum whole[3]{advance_.whole_fall(0), advance_.whole_fall(1), advance_.whole_fall(2)};
         BodyGroup loaded;

@@ -1,5 +1,5 @@
-// Broad phase: the pairs that may touch within a step, found without testing those that surely do not. For every
-// other pair a lower bound on the time to contact says in which step it must be looked at again.
+// Broad phase: finds the pairs that may touch within a step. For every other pair it keeps a lower bound on the time to
+// contact, and examines the pair again only when that time is over.
 #pragma once
 
 #include <tumble/contact/islands.hpp>
@@ -21,7 +21,7 @@ public:
 
     BroadPhase(Real step, const ContactSpec& spec) : Base(step, spec), response_{spec.response} {}
 
-    // What of body b touches.
+    // Sets the collision shape of body b.
     [[gnu::noinline]] void set_shape(int b, const BodySpec& spec, const PrincipalInertia& inertia,
                                      const SpinUnits<N, spin>& units) {
         if (make_room(reach_of(spec.shape))) forget_all();
@@ -36,7 +36,7 @@ public:
     [[nodiscard]] TUMBLE_INLINE bool is_near(int b) const { return pairs_of_[b] != 0; }
     // Pairs in the list.
     [[nodiscard]] int pair_count() const { return pair_count_; }
-    // The body's motion has been changed from outside: what was foreseen of it no longer holds.
+    // Call where the body's motion changes other than by its flight: drops its bounds on the time to contact.
     void startle(int b, std::uint32_t now) {
         foreseen_until_[b] = now;
         for (int p = 0; p < plane_count_; ++p) due_[plane_slot(b, p)] = static_cast<std::uint16_t>(now);
@@ -49,16 +49,15 @@ public:
         }
     }
 
-    // The same, where it may push what is near it otherwise from now on.
+    // The same for the body and for all bodies near something, which it may push.
     void startle_all_near(int b, std::uint32_t now) {
         startle(b, now);
         for (int other = 0; is_near(b) && other < features.bodies; ++other)
             if (is_near(other)) startle(other, now);
     }
 
-    // Looks at the surroundings of body b where its time to contact may have run out. is_loaded(b) tells bodies that
-    // feel anything but gravity, is_still(b) fixed and sleeping ones; wake(b) is called for a sleeping body that it may
-    // touch.
+    // Examines the pairs of body b whose time to contact may be over. is_loaded(b) is true of bodies with loads other
+    // than gravity, is_still(b) of fixed and sleeping ones. Calls wake(b) for a sleeping body that b may touch.
     template <class IsLoaded, class IsStill, class Wake>
     [[gnu::noinline]] void look_around(Bodies& bodies, int b, IsLoaded&& is_loaded, IsStill&& is_still, Wake&& wake) {
         const std::uint32_t now = bodies.steps_taken;
@@ -67,13 +66,13 @@ public:
             return;
         }
         const bool was_near = is_near(b);
-        // What is near something may be pushed by the loads of others.
+        // A body near something may be pushed by others, which have loads of their own.
         bool loaded = is_loaded(b);
         for (int other = 0; was_near && other < bodies.count; ++other)
             loaded = loaded || (is_near(other) && is_loaded(other));
         if (!was_near) touching_[b] = 0;
         int until = longest_look;
-        // Looks at a pair if it is due; near() and apart() take it up and drop it.
+        // Examines a pair if it is due: near() adds it to the list, apart() removes it.
         const auto meet = [&](int slot, auto&& clear_steps, auto&& near, auto&& apart) {
             int steps =
                 static_cast<std::int16_t>(static_cast<std::uint16_t>(due_[slot] - static_cast<std::uint16_t>(now)));
@@ -115,15 +114,14 @@ public:
                     [&] { forget(first, second); });
             }
         }
-        // A body that has just come near something is clear until the next step only; one that has left everything
-        // touches nothing in the next step.
+        // Examined again in the next step: a body that has just come near something, and one that has just left
+        // everything.
         if (was_near != is_near(b)) until = 1;
         foreseen_until_[b] = now + static_cast<std::uint32_t>(until);
     }
 
-    // Connects the bodies of every pair that is awake: a pair sleeps with the bodies of it that move. Measures the
-    // pairs that are not as they were at the end of the last step: those left out of it, and those with a body that
-    // turns.
+    // Connects the bodies of every pair that is awake. A pair sleeps where its moving bodies do. Measures the pairs
+    // that have changed since the end of the last step: those left out of it, and those with a fixed body that turns.
     template <class IsAwake>
     void connect(Islands<features.bodies>& islands, const Bodies& bodies, IsAwake&& is_awake) {
         for (int i = 0; i < pair_count_; ++i) {
@@ -136,8 +134,8 @@ public:
             if (moves_b(pair) && is_awake(pair.a) && is_awake(pair.b)) islands.connect(pair.a, pair.b);
         }
     }
-    // Lists the pairs of an island, by its root. Two bodies that have come near each other since the islands were
-    // connected are left to the next step.
+    // Lists the pairs of the island with this root. A pair of two islands, which has come near only in this step, is
+    // left out until the next.
     [[nodiscard]] int list(Islands<features.bodies>& islands, int root) {
         int first = -1;
         for (int i = pair_count_ - 1; i >= 0; --i) {
@@ -185,8 +183,8 @@ protected:
     CountTo<most_pairs_of_a_body * Pair::max_points> touching_[features.bodies]{};  // contact points in the last step
 
 private:
-    static constexpr int longest_look = 128;  // steps foreseen
-    static constexpr int near_look = 8;       // steps that a pair which is near stays so
+    static constexpr int longest_look = 128;  // most steps between two examinations
+    static constexpr int near_look = 8;       // the same of a near pair
     static constexpr int slots =
         features.bodies * features.planes + (features.pairs ? features.bodies * (features.bodies - 1) / 2 : 0);
 
@@ -208,8 +206,8 @@ private:
         }
         return steps;
     }
-    // How far a pair is foreseen. Loads may double a speed within a step, not more; what is near something may be
-    // pushed.
+    // The most steps that a pair is foreseen. The bounds assume that loads at most double a speed within a step. A body
+    // near something may be pushed.
     [[nodiscard]] static int foresight(bool loaded, bool near) { return loaded ? 1 : near ? near_look : longest_look; }
     [[nodiscard]] int steps_to_plane(const Bodies& bodies, int b, int p, bool loaded) const {
         const Plane<N>& plane = plane_[p];
@@ -233,13 +231,13 @@ private:
         if (loaded) closing = closing + closing;
         const Length touch = shape_[a].radius + shape_[b].radius + tolerance_;
         const auto distance2 = dot(reach, reach);
-        // Two that fall freely, fall together; but one of them may be held up.
+        // Two free bodies fall alike, but something may hold one of them up.
         const bool near = is_near(a) || is_near(b);
         const Length fall = C::rounded_up(near ? fall_bound_ + fall_bound_ : fall_bound_);
         return clear_steps(closing, fall, foresight(loaded, near),
                            [&](auto travel) { return C::reaches(travel, touch, distance2); });
     }
-    // How far a point of the body may move in one step.
+    // Bound on the way of a point of the body in one step.
     [[nodiscard]] Length reach_in_step(const Bodies& bodies, int b) const {
         Work turn(0);
         for (int i = 0; i < 3; ++i) turn += magnitude_of(bodies.turn(b, i));
@@ -252,10 +250,10 @@ private:
         return features.bodies * features.planes + high * (high - 1) / 2 + low;
     }
 
-    // The list of near pairs.
+    // --- near pairs ----------------------------------------------------------------------------------------------
 
-    // The pair, made where it is new; null (and told) when there is no room. Pairs are kept in the order of their keys,
-    // so that the order of the solution does not depend on which met first.
+    // Returns the pair, and adds it where it is new. Null, and reported, when there is no room. Pairs are sorted by
+    // their keys, so that the solution does not depend on which came near first.
     Pair* pair_of(Bodies& bodies, int a, int b) {
         const std::uint32_t key = Pair::key_of(a, b);
         int at = 0;
@@ -276,7 +274,7 @@ private:
         look_at(bodies, pair);
         return &pair;
     }
-    // Places, measures and finds what touches, from nothing that was known.
+    // Places the bodies of a new pair, measures it and finds its contact points.
     void look_at(const Bodies& bodies, Pair& pair) {
         place(bodies, pair.a);
         if (!pair.with_plane()) place(bodies, pair.b);
@@ -299,9 +297,9 @@ private:
     }
 
     ContactResponse response_;
-    std::uint32_t foreseen_until_[features.bodies]{};  // the step before which its surroundings are looked at again
+    std::uint32_t foreseen_until_[features.bodies]{};  // its pairs are examined again in this step
     CountTo<most_pairs_of_a_body> pairs_of_[features.bodies]{};
-    Array<std::uint16_t, slots> due_{};  // the lower half of the step when a pair must be looked at again
+    Array<std::uint16_t, slots> due_{};  // the lower half of the step in which a pair is examined again
 };
 
 }  // namespace tumble

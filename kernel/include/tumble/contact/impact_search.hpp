@@ -1,5 +1,5 @@
-// What the search for an impact asks of an island's pairs: how deep they are at the end of a flight, and which may have
-// passed through each other.
+// The search for an impact: how deep the pairs of an island are at the end of a flight, and which may have passed
+// through each other.
 #pragma once
 
 #include <tumble/contact/broad_phase.hpp>
@@ -27,12 +27,12 @@ public:
         int first_pair;  // -1: none is near
     };
 
-    // Where the bodies of the island and its pairs are now.
+    // Measures the bodies and pairs of the island where they are now.
     void measure(const Bodies& bodies, const Island& island) {
         for (int k = 0; k < island.group.count; ++k) place(bodies, island.group.id[k]);
         for_each_pair(island, [&](Pair& pair) { measure(bodies, pair); });
     }
-    // The points of the pairs as they are measured.
+    // Finds the contact points of the pairs, which have been measured.
     void find(const Bodies& bodies, const Island& island) {
         for_each_pair(island, [&](Pair& pair) { find(bodies, pair); });
     }
@@ -49,8 +49,7 @@ public:
         });
         return scale().metres(least);
     }
-    // Seeks the impacts of the pairs that have come below their level: others, which rest beside them, would mislead
-    // the search.
+    // Selects the pairs below their level for the search. Pairs that rest beside them would mislead it.
     void seek(const Island& island) {
         for_each_pair(island, [&](Pair& pair) { pair.sought = pair.gap < level(pair); });
     }
@@ -88,8 +87,8 @@ public:
         }
         return found;
     }
-    // Of the flight from now to its end, the part that surely leaves the pair apart: until the separation along the
-    // direction of now runs out. Negative: all of it.
+    // The part of the rest of the flight in which the pair surely stays apart: until the separation along its present
+    // direction runs out. Negative: the whole rest.
     [[nodiscard]] Work part_apart(const Crossing& crossing) const {
         const Pair& pair = *crossing.pair;
         const PairView<N> end{shape_[pair.a], shape_[pair.b], crossing.a, crossing.b, crossing.reach};

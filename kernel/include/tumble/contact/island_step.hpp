@@ -1,5 +1,5 @@
-// One step of an island of bodies that may touch each other or planes, with its impacts. Knows the method only by what
-// it asks of the world through Flyer, so that worlds which differ in the method share this code.
+// One step of an island of bodies that may touch each other or planes, with its impacts. It calls the method through
+// Flyer only, so that worlds with different methods share this code.
 #pragma once
 
 #include <tumble/contact/solver.hpp>
@@ -13,7 +13,7 @@ struct Flyer {
     void* world;
     Coasting coasting;
     void (*fly)(void* world, const BodyGroup& group, const Portion<Work>& portion);  // free motion and loads
-    void (*spins_changed)(void* world, const BodyGroup& group);                      // otherwise than by flying
+    void (*spins_changed)(void* world, const BodyGroup& group);                      // call after any but fly()
     void (*foresee_loads)(void* world, const BodyGroup& group);                      // into the contacts' kick()
     void (*look_around)(void* world, int body);
 };
@@ -29,18 +29,18 @@ public:
     using State = typename Bodies::State;
 
     // Bounds of one step.
-    static constexpr int max_impacts = 8;    // impacts resolved at their own time
-    static constexpr int max_crossings = 4;  // pairs that are looked at because they may have passed through each other
+    static constexpr int max_impacts = 8;    // impacts that are resolved at their own time
+    static constexpr int max_crossings = 4;  // pairs that are examined because they may have passed through each other
     static constexpr int max_resteps = 12;   // flights redone to find one impact, or for one such pair
 
     IslandStep(Bodies& bodies, Contacts& contacts, Islands<features.bodies>& islands,
                const Flyer<Work, features.bodies>& flyer)
         : bodies_{bodies}, contacts_{contacts}, islands_{islands}, flyer_{flyer} {}
 
-    // One step of an island, with its impacts. A flight in which a pair comes deeper than it may, or passes through, is
-    // discarded and redone to the impact; then the rest of the step follows. After max_impacts (a ball coming to rest
-    // bounces without end in finite time) the rest of the step is taken without another search and what still
-    // approaches is stopped; where it would come far below a surface by then, the step ends at that surface.
+    // One step of an island, with its impacts. Where a pair comes too deep in a flight, or passes through, the flight
+    // is redone up to the impact. Then the rest of the step follows. A ball that comes to rest bounces without end in
+    // finite time, so max_impacts bounds the search: the rest of the step is then flown without a search, and the
+    // points that still approach are stopped. Where the rest ends far below a surface, the step ends at that surface.
     [[gnu::noinline]] void take(Island& island) {
         const BodyGroup& group = island.group;
         contacts_.forget_touching(group);
@@ -71,13 +71,13 @@ public:
             if (last) {
                 const bool far_below = deep && contacts_.is_far_too_deep(island);
                 if (far_below) (void)land(flight, length);
-                // What is left of a step that ends at the surface of something is lost.
+                // The step ends at a surface: the rest of its time is lost.
                 if (crossed || far_below) bodies_.report(Issue::step_bound_hit, island.root);
             } else if (deep) {
                 landed = land(flight, length);
             }
             resolve(island, last);
-            // However little of the step is left: what was foreseen before the impact holds no longer.
+            // Always, however short the rest of the step is: an impact ends the bounds on the time to contact.
             look_again(island);
             span -= landed;
             if (last || !(span > min_portion())) break;
@@ -85,7 +85,7 @@ public:
     }
 
 private:
-    // After an impact bodies move otherwise than was foreseen, and may be near others.
+    // After an impact the bodies' bounds on the time to contact hold no longer, and other bodies may be near.
     void look_again(Island& island) {
         for (int k = 0; k < island.group.count; ++k) {
             contacts_.startle(island.group.id[k], bodies_.steps_taken);
@@ -102,13 +102,12 @@ private:
         for (int k = 0; k < group.count; ++k) bodies_.state[group.id[k]] = saved[k];
     }
 
-    // A flight of an island from `start` through `length` of the step, under the forces of contacts that kick() holds
-    // for the first `span` of it.
+    // A flight of an island from `start`, under the contact forces in kick(), which are for `span` of the step.
     struct Flight {
         const Island& island;
         const Saved& start;
-        Work span;   // what is left of the step
-        bool whole;  // nothing has interrupted the step so far
+        Work span;   // the rest of the step, as a part of it
+        bool whole;  // no impact has interrupted the step so far
         bool pressed;
     };
     void fly(const Flight& flight, Work length, bool restart) {
@@ -119,7 +118,7 @@ private:
         }
         const bool all = length == flight.span;
         const Work part = all ? Work(1) : length / flight.span;
-        // Forces of contacts act as gravity does on a method: before the drift, after it, or half and half.
+        // Contact forces act as gravity does in the method: before the drift, after it, or half before and half after.
         if (flight.pressed && flyer_.coasting != Coasting::start) push(group, part, all, false);
         flyer_.fly(flyer_.world, group, {flight.whole && all, length});
         if (flight.pressed && flyer_.coasting != Coasting::end) push(group, part, all, true);
@@ -141,13 +140,13 @@ private:
         flyer_.spins_changed(flyer_.world, group);
     }
 
-    // Below this fraction of a step the rest is not worth a flight.
+    // The shortest flight, as a part of a step.
     [[nodiscard]] static constexpr Work min_portion() { return N::template constant<Work>(Real::scaled(1, -20)); }
 
-    // Conservative advancement (Mirtich 1996): where a pair may have passed through, the flight is redone up to the
-    // moment at which the separation along the direction in which it was apart runs out, and from there on, until it
-    // touches or has gone past. Returns how far the bodies have flown: less than the span where a pair is stopped at
-    // its surface.
+    // Conservative advancement (Mirtich 1996) of pairs that may have passed through each other. The flight is redone up
+    // to the moment when the separation along its first direction runs out. From there it is redone again, until the
+    // bodies touch or have gone past each other. Returns the part of the step flown, which is less than the span where
+    // a pair is stopped at its surface.
     Work stop_before_crossing(const Flight& flight) {
         Work end = flight.span;
         for (int pair = 0; pair < max_crossings; ++pair) {
@@ -171,7 +170,7 @@ private:
                 fly(flight, end, true);
                 contacts_.measure(bodies_, flight.island);
             } else {
-                end = from;  // at the surface, or where it surely has not been reached
+                end = from;  // at the surface, or surely before it
             }
         }
         if (contacts_.find_crossing(bodies_, flight.island).pair != nullptr)
@@ -214,8 +213,8 @@ private:
                 side = -1;
             }
         }
-        // Not found. Where something is four tolerances deep by now, the flight ends where nothing was, or else after
-        // the shortest part of a step, and the search goes on from there.
+        // Not found. Where a pair is four tolerances deep, the flight ends at the last time when none was, or after the
+        // shortest flight. The next search starts from there.
         const Work twice = contacts_.tolerance() + contacts_.tolerance();
         if (contacts_.least_gap(flight.island, false) < -(twice + twice)) {
             at = low > shortest ? low : shortest;
@@ -225,7 +224,7 @@ private:
         return at;
     }
 
-    // What leaves the range here is told here: another impact of the same step may bring it back.
+    // The range is checked at once: another impact of the same step may bring a body back into it.
     void resolve(const Island& island, bool stop) {
         check_range(island.group);
         flyer_.foresee_loads(flyer_.world, island.group);

@@ -1,4 +1,4 @@
-// Which bodies a step must advance together: those that near pairs or loads between bodies connect.
+// Islands: the bodies that a step must advance together, because near pairs or loads connect them.
 #pragma once
 
 #include <tumble/config.hpp>

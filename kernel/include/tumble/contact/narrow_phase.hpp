@@ -1,4 +1,4 @@
-// What touches and where it is: the shapes of a world's bodies, its planes, and what is measured of a pair of them.
+// Narrow phase: the shapes of the bodies, the planes, and the gap, normal and contact points of a pair.
 #pragma once
 
 #include <tumble/contact/pair.hpp>
@@ -32,7 +32,7 @@ public:
         set_fall();
     }
 
-    // False when there is no room.
+    // Adds a plane; false when there is no room.
     [[gnu::noinline]] bool add(const PlaneSpec& spec) {
         if (plane_count_ >= features.planes) return false;
         plane_[plane_count_++] = Plane<N>{spec};
@@ -43,8 +43,8 @@ public:
 
 protected:
     [[nodiscard]] const typename C::LengthScale& scale() const { return shape_.scale(); }
-    // Makes room for a length, m. Lengths that have been taken before are those of another scale when this is true. A
-    // tolerance that is rounding beside the largest length is raised above it.
+    // Makes room for a length, m. True where the scale of lengths has changed: lengths from before are invalid then.
+    // Raises the tolerance to the least that the scale resolves.
     bool make_room(Real largest) {
         const bool rescaled = shape_.make_room(largest);
         const Real least = shape_.least_tolerance();
@@ -59,14 +59,14 @@ protected:
     [[nodiscard]] static Work combined_restitution(Work a, Work b, Work otherwise) {
         const Work none(0);
         if (a < none && b < none) return otherwise;
-        return a < b ? b : a;  // the larger of what is named
+        return a < b ? b : a;  // the larger one
     }
-    // The geometric mean; a side that names none takes the world's.
+    // The geometric mean. A side without a coefficient has the world's.
     [[nodiscard]] static Work combined_friction(Work a, Work b, Work otherwise) {
         const Work x = a < Work(0) ? otherwise : a, y = b < Work(0) ? otherwise : b;
         return x == y ? x : sqrt(x * y);
     }
-    // What does not change while a pair is near.
+    // Sets the constants of a new pair.
     void set_up(Pair& pair, [[maybe_unused]] const Bodies& bodies) {
         const CollisionShape<N>& a = shape_[pair.a];
         Work restitution, friction;
@@ -144,7 +144,7 @@ protected:
             return;
         }
         if constexpr (features.pairs) {
-            // Rows depend on a body that does not move through the normal alone.
+            // On a fixed body b the rows depend through the normal only.
             pair.moved = pair.moved || (moves_b(pair) && turned_[pair.b]);
             with_pair(bodies, pair, false, [&](const auto& contact, const auto&, bool reversed) {
                 pair.gap = contact.gap;
@@ -156,7 +156,8 @@ protected:
             });
         }
     }
-    // The points within the tolerance of a pair that has been measured; those of the step before keep their impulses.
+    // Finds the contact points of a measured pair: those within the tolerance. Points of the step before keep their
+    // impulses for the warm start.
     void find(const Bodies& bodies, Pair& pair) {
         if (pair.gap > tolerance_) {
             pair.count = 0;
@@ -181,7 +182,7 @@ protected:
         }
         take(pair, found);
     }
-    // A point inherits the impulses of the one that was where it is now.
+    // Takes the points over. A point inherits the impulses of the one that was at its place.
     void take(Pair& pair, const FoundPoints<N>& found) const {
         const Length near = C::sixteenth(shape_[pair.a].radius);
         const auto is_same = [&](const Vec3<Length>& p, const Vec3<Length>& q) {
@@ -218,7 +219,7 @@ protected:
 
     Length tolerance_{}, fall_bound_{};
     Vec3<Length> fall_ = Vec3<Length>::Constant(Length{});  // gravity's change of drift in a step
-    Work slow_{};                                           // m: twice that; a body that moves less in a step rests
+    Work slow_{};                                           // m: twice that; a slower approach is no impact
     Array<Plane<N>, features.planes> plane_{};
     int plane_count_ = 0;
     Shapes<N, features.bodies> shape_{};
@@ -234,7 +235,7 @@ private:
     Work restitution_, friction_;  // where neither side names its own
     Real tolerance_metres_;
     RealVec3 fall_metres_{};
-    bool turned_[features.bodies]{};  // when it was last placed
+    bool turned_[features.bodies]{};  // since it was placed before
 };
 
 }  // namespace tumble

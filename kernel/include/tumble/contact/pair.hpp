@@ -1,5 +1,5 @@
-// A pair that may touch: a body and a plane, or two bodies. It keeps the impulses of its points from step to step,
-// which is where the next step's solution starts.
+// A pair that may touch: a body and a plane, or two bodies. It keeps the impulses of its points from step to step, for
+// the warm start.
 #pragma once
 
 #include <tumble/scene.hpp>
@@ -18,9 +18,9 @@ template <int most>
 using CountTo =
     std::conditional_t<(most > 0xffff), std::uint32_t, std::conditional_t<(most > 0xff), std::uint16_t, std::uint8_t>>;
 
-// One of the directions of a point (the normal, two tangents) as a row of the weighted constraint matrix, of unit
-// length: with velocities weighted by the roots of mass and moments, its product with them is the velocity, and what is
-// pushed adds up along it.
+// A row of the constraint matrix, for one direction of a point (the normal or a tangent). It is weighted by the roots
+// of mass and moments and of unit length. Its product with the weighted velocities is the velocity along the direction,
+// and an impulse adds its own size along it.
 template <class N, bool pairs>
 struct ContactRow {
     using Unit = typename ContactNumbers<N>::Unit;
@@ -42,8 +42,8 @@ struct ContactPoint {
     Length gap;
     bool active;             // part of the present solution
     bool rows_hold = false;  // for where the bodies are
-    Speed target;            // what the velocity along the normal must not be below
-    Speed loads;             // what loads change of it in a step
+    Speed target;            // least velocity along the normal
+    Speed loads;             // its change by the loads in a step
     Speed pushed[directions];
     Speed before[directions], course[directions];  // the impulse before this sweep; the conjugate direction
     [[no_unique_address]] If<features.turntables, Speed[directions], 1> carried;  // the surface's own velocity
@@ -62,11 +62,11 @@ struct NearPair {
     std::int16_t a = 0, b = 0;  // a moves; b < 0: plane -1 - b
     std::int16_t next = -1;     // of the same island
     std::uint8_t count = 0;     // points within the tolerance
-    bool moved = true;          // rows must be made anew: a body has turned or the normal has changed
-    bool touched = false;       // it pressed, or was hit, at the start of the flight
-    bool left_out = false;      // of the step that it came near in, between two islands
-    bool passed = false;        // its crossing has been looked at: it went past
-    bool sought = false;        // it is one of those whose impact is searched for
+    bool moved = true;          // a body has turned or the normal has changed: the rows are invalid
+    bool touched = false;       // it had contact forces or an impact at the start of the flight
+    bool left_out = false;      // it came near in this step, between two islands
+    bool passed = false;        // its bodies went past each other in this flight
+    bool sought = false;        // the search for an impact considers it
     bool rubs = false, turns = false;
     Length gap{};                                      // least distance; of boxes apart a lower bound
     Length start_gap{};                                // where the flight began
@@ -78,7 +78,7 @@ struct NearPair {
     typename N::Work weight{};  // root of the reduced mass
     Unit restitution{};
     typename C::Friction friction{};
-    typename C::SpeedScale scale{};  // of what the points have pushed
+    typename C::SpeedScale scale{};  // of the points' impulses
     Point point[max_points];
 
     // Another pair in this place.
@@ -92,7 +92,7 @@ struct NearPair {
     }
     [[nodiscard]] bool with_plane() const { return b < 0; }
     [[nodiscard]] int plane() const { return -1 - b; }
-    // In the order in which pairs are looked at.
+    // Pairs are sorted by it.
     [[nodiscard]] std::uint32_t key() const { return key_of(a, b); }
     [[nodiscard]] static std::uint32_t key_of(int a, int b) {
         return static_cast<std::uint32_t>(a) << 16 |

@@ -1,10 +1,9 @@
-// Impulses at the points of an island of bodies by sequential impulses (Catto 2005): sweeps over the points, each of
-// which is given the velocity that it wants by the impulse that it takes. At a single point it is the textbook impulse
-// J = -(1 + e) v_n / (1/m_a + 1/m_b + (r x n) . I^-1 (r x n) of both), exact after one visit.
+// Sequential impulses (Catto 2005): sweeps over the points of an island. A visit gives a point its target velocity by
+// an impulse. At a single point this is the textbook impulse J = -(1 + e) v_n / (1/m_a + 1/m_b + (r x n) . I^-1 (r x n)
+// of both), exact after one visit.
 //
-// Velocities are weighted by the roots of mass and moments (principal axes), so that the masses are ones; rows are of
-// unit length. Then every number of a row lies in [-1, 1] whatever the masses, and a push adds to the velocities what
-// it adds to the impulse.
+// Velocities are weighted by the roots of mass and moments (principal axes), so that every effective mass is 1 and rows
+// are of unit length. Then every number of a row lies in [-1, 1] whatever the masses are.
 #pragma once
 
 #include <tumble/contact/pair.hpp>
@@ -29,7 +28,7 @@ public:
     using Row = ContactRow<N, features.pairs>;
     using Motion = WeightedMotion<N>;
 
-    // The directions of a pair's rows, in the principal axes of its bodies and times the shares of the motion.
+    // The directions of a pair's rows, in the principal axes of its bodies, times the bodies' shares of the motion.
     struct Directions {
         Vec3<Unit> linear[Point::directions], angular[Point::directions];
         [[no_unique_address]] If<features.pairs, Vec3<Unit>[Point::directions], 0> linear_b;
@@ -102,7 +101,7 @@ public:
         }
     }
 
-    // One visit of a point; the largest change of an impulse is noted in `most`.
+    // One visit of a point. Raises `most` to the largest change of an impulse.
     static void visit(const Pair& pair, Point& point, Motion& a, Motion* b, Speed& most) {
         Speed pushed = point.pushed[0] + (point.target - velocity(point.row[0], a, b));
         if (pushed < Speed{}) pushed = Speed{};
@@ -114,10 +113,9 @@ public:
     }
 
 private:
-    // Coulomb's cone: the point is stopped along the surface, direction by direction; or, where that takes more than
-    // friction times the normal impulse, pushed against its slip as far as the cone allows. For that both directions
-    // are given steps in the same proportion to their velocities and then brought back to the cone: where this no
-    // longer changes anything, the push is opposite to the slip.
+    // Coulomb's cone. The impulse stops the point along both tangents. Where that takes more than friction times the
+    // normal impulse, the point slips: both tangents take steps in proportion to their velocities, and the sum is
+    // scaled back to the cone. Once this changes nothing any more, friction is opposite to the slip.
     static void rub(const Pair& pair, Point& point, Motion& a, Motion* b, Speed& most) {
         const Speed limit = C::times_friction(pair.friction, product(point.pushed[0], point.row[0].inverse));
         const Speed before[2] = {point.pushed[1], point.pushed[2]};

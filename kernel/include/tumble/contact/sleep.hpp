@@ -1,5 +1,5 @@
-// Awake bodies, and the rule of sleep. An island that has been slow for long enough, and rests on something, falls
-// asleep as a whole: its bodies are held where they are, and a step does not visit them.
+// Awake bodies, and the rule of sleep. An island falls asleep as a whole where it rests on something and has been slow
+// for long enough. A step does not visit sleeping bodies; they keep their place.
 #pragma once
 
 #include <tumble/contact/solver.hpp>
@@ -21,7 +21,7 @@ public:
             rules_.spin2 = N::template constant<Work>(spin_speed * spin_speed);
             std::int64_t count = steps.to_fixed(0, 64);
             if (count < 1) count = 1;
-            // Long times are counted in units of a power of two steps, and so that they are not shorter.
+            // Long times are counted in units of a power of two steps, rounded up.
             while (count > 0xfffe && rules_.unit < 31) {
                 ++rules_.unit;
                 count = steps.to_fixed(-rules_.unit, 64) + 2;
@@ -30,9 +30,9 @@ public:
         }
     }
 
-    // A body that moves: awake.
+    // Adds an awake body.
     void add(int b) { awake_[awake_count_++] = static_cast<std::int16_t>(b); }
-    // Bodies that move, in the order in which they were added or woke.
+    // Awake bodies, in the order in which they were added or woke.
     [[nodiscard]] TUMBLE_INLINE int awake_count() const { return awake_count_; }
     [[nodiscard]] TUMBLE_INLINE int awake(int k) const {
         if constexpr (features.bodies == 1) return 0;
@@ -48,7 +48,7 @@ public:
         quiet_[b] = 0;
         add(b);
     }
-    // Counts the step; true when all bodies of the island have been slow for the time.
+    // Counts the step. True when all bodies of the island have been slow for long enough.
     [[nodiscard]] bool may_sleep(const Bodies& bodies, const BodyGroup& group, bool rests) requires(features.sleep) {
         if (!rules_.on) return false;
         bool all = rests;

@@ -1,7 +1,7 @@
 // The contacts of a world by impulses. A step with contacts: pairs that could touch within it are found (look_around);
 // what is in touch already is given the forces that keep it apart, which act through the whole step as gravity does
-// (press); after the flight the pairs are measured, and where one has come too deep the flight is redone to the moment
-// of its impact, which is resolved there (resolve). World does the flying.
+// (press). After the flight the pairs are measured. Where one is too deep, the flight is redone up to its impact, and
+// the impact is resolved there (resolve). World does the flying.
 #pragma once
 
 #include <tumble/body/stage.hpp>
@@ -35,13 +35,13 @@ public:
         for (int k = 0; k < group.count; ++k) touching_[group.id[k]] = 0;
     }
 
-    // What the loads will change in the whole step, foreseen; press() replaces it by what the contacts push.
+    // Before press(): the change of motion by loads over the whole step, as foreseen. After it: the change by contacts.
     [[nodiscard]] Kick<N>& kick(int b) { return kick_[b]; }
 
-    // The forces of the points in touch over a part of the step, such that at its end nothing approaches that touches:
-    // as changes of motion in that part, in kick(). Where a point strikes (it is below the surface and comes faster
-    // than what rests may), nothing is pressed unless `struck`: that is an impact, to be resolved first. A change that
-    // is more than the range is told.
+    // Solves for the contact forces over a part of the step: at its end no point in touch approaches. They go into
+    // kick(), as changes of motion in that part. A point strikes where it is below the surface and approaches faster
+    // than `slow`. That is an impact, which must be resolved first: without `struck` there are no forces then. A change
+    // beyond the range is reported.
     enum class Touch : std::uint8_t { nothing, presses, strikes };
     Touch press(Bodies& bodies, const Island& island, Work part, bool whole, bool struck) {
         bool any = false;
@@ -58,8 +58,8 @@ public:
         bool strikes = false;
         for_each_pair(island, [&](Pair& pair) {
             if (pair.count == 0) return;
-            // An impact of this step has left points of its pair that approach at just `closing`: rounding must not
-            // tell which of them are held.
+            // After an impact, points approach at exactly `closing`. The margin `late` keeps rounding from deciding
+            // which of them are held.
             const bool hit = pair.touched && (struck || !whole);
             pair.touched = false;
             const Speed slow = pair_speed(pair, slow_);
@@ -106,7 +106,7 @@ public:
         return Touch::presses;
     }
 
-    // True of an island that touches something, and nothing that turns.
+    // True where the island touches something, and touches no fixed body that turns.
     [[nodiscard]] bool presses(const Island& island) const {
         bool any = false, turns = false;
         for_each_pair(island, [&](const Pair& pair) {
@@ -116,16 +116,16 @@ public:
         return any && !turns;
     }
 
-    // Impulses at the points of the island as they are measured. Where an impact comes with restitution, pair after
-    // pair bounces by itself, as it passes through a row of balls; then what still approaches is stopped by all
-    // together. `stop`: nothing bounces.
+    // Solves the impact of the island as it is measured. With restitution, one pair after another bounces by itself, as
+    // an impact passes through a row of balls. Then all pairs together stop the points that still approach. With `stop`
+    // nothing bounces.
     void resolve(Bodies& bodies, const Island& island, bool stop) {
         this->find(bodies, island);
         weigh(bodies, island.group, Work(1), true);
         int active = 0;
         const Length hit = C::half(C::half(tolerance_));
         for_each_pair(island, [&](Pair& pair) {
-            // Pairs with a gap above tolerance / 4 are left out.
+            // The impact leaves out pairs with a gap above tolerance / 4.
             pair.touched = pair.count > 0 && !(pair.gap > hit);
             for (int i = 0; i < pair.count; ++i) pair.point[i].active = pair.touched;
             if (!pair.touched) return;
@@ -133,7 +133,7 @@ public:
             make_rows(bodies, pair);
             for (int i = 0; i < pair.count; ++i) {
                 auto& point = pair.point[i];
-                // Held here until the pair's turn: what loads change in a step.
+                // Change of the approach speed by the loads in a step.
                 point.loads = magnitude_of(velocity(motion_, pair, point) - velocity(start_, pair, point));
                 ++active;
             }
@@ -147,18 +147,15 @@ public:
                 if (pair.touched && collide(pair)) bounced = true;
             });
         }
-        if (bounced && !stop) bodies.report(Issue::step_bound_hit, island.root);
+        if (bounced || stop) [[unlikely]]
+            report_cut_off(bodies, island);
         for_each_active(island, [&](Pair& pair, auto& point) {
             point.target = point.gap > Length{} ? -speed(pair, point, point.gap) : Speed{};
-            if (stop && bounces(pair, point, -velocity(motion_, pair, point), point.loads) &&
-                narrow<Speed>(mul(-velocity(motion_, pair, point), pair.restitution)) >
-                    along(point, pair_speed(pair, slow_)))
-                bodies.report(Issue::step_bound_hit, pair.a);
             for (Speed& p : point.pushed) p = Speed{};
         });
         for (int k = 0; k < island.group.count; ++k) loaded_[island.group.id[k]] = motion_[island.group.id[k]];
         sweep(island, speeds_.enough_in_impact(), contact::max_impact_sweeps);
-        // Each impulse once instead of in as many parts as there were sweeps: so much less is rounded.
+        // Each impulse is applied once, not in one part per sweep: this rounds less.
         for (int k = 0; k < island.group.count; ++k) motion_[island.group.id[k]] = loaded_[island.group.id[k]];
         for_each_active(island, [&](Pair& pair, auto& point) { push_all(pair, point); });
         for (int k = 0; k < island.group.count; ++k) {
@@ -172,7 +169,7 @@ public:
             }
         }
         count_points(island);
-        // The impulses of an impact are no guess for the forces of the next step.
+        // The impulses of an impact are no warm start for the forces of the next step.
         for_each_active(island, [&](Pair&, auto& point) {
             for (Speed& p : point.pushed) p = Speed{};
         });
@@ -202,8 +199,8 @@ private:
         });
     }
 
-    // The bodies' weighted motions: start_ as they are, motion_ and loaded_ with the part of the loads' change that is
-    // in kick(). All in one scale.
+    // Sets the bodies' weighted motions, all in one scale: start_ as they are, motion_ and loaded_ with `part` of the
+    // change by loads in kick().
     void weigh(const Bodies& bodies, const BodyGroup& group, Work part, bool whole) {
         const int drift_bits = C::drift_bits(bodies.scale), turn_bits = C::turn_bits(bodies.scale);
         auto largest = C::nothing();
@@ -228,7 +225,7 @@ private:
             note(C::size(now, bits, weight));
             note(C::size(load, bits, weight));
         });
-        // Root of a mass over another's: as a power of two, and one more for many bodies.
+        // The root of the mass ratio, as a power of two. Several bodies need one bit more.
         int heaviest = C::log2(shape_[group.id[0]].root_mass), lightest = heaviest;
         for (int k = 1; k < group.count; ++k) {
             const int log2 = C::log2(shape_[group.id[k]].root_mass);
@@ -246,7 +243,7 @@ private:
         for (int k = 0; k < group.count; ++k) loaded_[group.id[k]] = motion_[group.id[k]];
     }
     [[nodiscard]] Motion* other_motion(const Pair& pair) { return moves_b(pair) ? &motion_[pair.b] : nullptr; }
-    // The rows of a pair's points, where they do not hold any more.
+    // Makes the rows of a pair's points anew where these or the bodies have moved.
     void make_rows([[maybe_unused]] const Bodies& bodies, Pair& pair) {
         bool hold = true;
         for (int i = 0; i < pair.count; ++i) hold = hold && pair.point[i].rows_hold;
@@ -270,11 +267,11 @@ private:
     [[nodiscard]] Speed velocity(const Motion (&motion)[features.bodies], const Pair& pair, const Point& point) const {
         return Rows::velocity(point.row[0], motion[pair.a], moves_b(pair) ? &motion[pair.b] : nullptr);
     }
-    // A length of a step along the pair's normal as a speed along the point's row.
+    // A length per step along the pair's normal, as a speed along the point's row.
     [[nodiscard]] Speed speed(const Pair& pair, const Point& point, Length per_step) const {
         return narrow<Speed>(mul(speeds_.speed(per_step, pair.weight, scale()), point.row[0].inverse));
     }
-    // A distance of a step along the pair's normal, m.
+    // A length in m per step along the pair's normal, as a speed of the pair.
     [[nodiscard]] Speed pair_speed(const Pair& pair, Work per_step) const {
         return speeds_.speed(per_step * pair.weight);
     }
@@ -299,8 +296,7 @@ private:
         }
         return Speed{};
     }
-    // A speed at which a point below the surface leaves it by and by: an eighth of what it is deeper than a quarter of
-    // the tolerance in each step, at most an eighth of the tolerance.
+    // Position correction: an eighth of the penetration beyond tolerance / 4 per step, at most tolerance / 8.
     [[nodiscard]] Speed correction(const Pair& pair, const Point& point) const {
         const Length excess = -point.gap - C::half(C::half(tolerance_));
         if (!(excess > Length{})) return Speed{};
@@ -309,8 +305,8 @@ private:
         if (lift > most) lift = most;
         return speed(pair, point, lift);
     }
-    // True of an approach that bounces: one above the scene's threshold whose bounce lasts longer than an eighth of a
-    // step under the loads.
+    // True of an approach that bounces: it is faster than the scene's threshold, and the bounce lasts longer than an
+    // eighth of a step under the loads.
     [[nodiscard]] bool bounces(const Pair& pair, const Point& point, Speed approach, Speed loads) const {
         if (!(approach > speeds_.enough_at_rest())) return false;
         const Speed bounce = narrow<Speed>(mul(approach, pair.restitution));
@@ -318,12 +314,27 @@ private:
         if (!(threshold_ > Work(0))) return true;
         return !(approach < along(point, pair_speed(pair, threshold_)));
     }
+    // True of a bounce that is an error to leave out: faster than the change of speed by all loads in a step, and
+    // faster than what rests, which is twice gravity's. A slower bounce comes back no faster than it left, and press()
+    // holds what comes so slowly: left out, it comes to rest only a few steps earlier. Of this kind are the bounces of
+    // a pile that comes to rest, of which there is no end in finite time; a shorter step makes them no fewer.
+    [[nodiscard]] bool bounces_far(const Pair& pair, const Point& point) const {
+        const Speed approach = -velocity(motion_, pair, point);
+        const Speed bounce = narrow<Speed>(mul(approach, pair.restitution));
+        return bounces(pair, point, approach, point.loads) && bounce > point.loads &&
+               bounce > along(point, pair_speed(pair, slow_));
+    }
+    [[gnu::noinline]] void report_cut_off(Bodies& bodies, const Island& island) {
+        for_each_active(island, [&](Pair& pair, Point& point) {
+            if (bounces_far(pair, point)) bodies.report(Issue::step_bound_hit, pair.a);
+        });
+    }
     void push_all(const Pair& pair, const Point& point) {
         for (int k = 0; k < Rows::rows(pair); ++k)
             if (!(point.pushed[k] == Speed{}))
                 Rows::push(point.row[k], point.pushed[k], motion_[pair.a], other_motion(pair));
     }
-    // The impact of one pair by itself; false when nothing of it bounces.
+    // Solves the impact of one pair by itself. False where no point of it bounces.
     bool collide(Pair& pair) {
         bool any = false;
         for (int i = 0; i < pair.count; ++i) {
@@ -331,7 +342,7 @@ private:
             any = any || bounces(pair, point, -velocity(motion_, pair, point), point.loads);
         }
         if (!any) return false;
-        // Where one point bounces, all do: a body that lands flat must not be turned by rounding.
+        // Where one point bounces, all do: rounding must not turn a body that lands flat.
         for (int i = 0; i < pair.count; ++i) {
             Point& point = pair.point[i];
             const Speed approach = -velocity(motion_, pair, point);
@@ -351,10 +362,11 @@ private:
         for (int i = 0; i < pair.count; ++i) push_all(pair, pair.point[i]);
         return true;
     }
-    // Until nothing changes any more, or the bound. What a sweep changes is taken for the gradient of a function that
-    // is least at the solution, and the next sweep begins by going on along it as conjugate gradients do (Silcowitz,
-    // Niebe and Erleben 2010): sweeps alone would carry a load through a stack by one box in each. The momentum is the
-    // ratio of the squares of the largest changes, at most 1, and is lost when these grow by more than an eighth.
+    // Sweeps over the points until no impulse changes by more than `enough`, at most `bound` times. The change of a
+    // sweep counts as the gradient of a function that is least at the solution. The next sweep starts with a step along
+    // it, as conjugate gradients do (Silcowitz, Niebe and Erleben 2010). Plain sweeps carry a load through a stack by
+    // one box per sweep. The momentum is the ratio of the squares of the largest changes, at most 1. It restarts from 0
+    // where these grow by more than an eighth.
     void sweep(const Island& island, Speed enough, int bound) {
         Speed last{};
         typename N::Unit momentum{};

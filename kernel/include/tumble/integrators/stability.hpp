@@ -65,9 +65,6 @@ template <class StepOf>
 struct StepBounds {
     static constexpr int sums = 3;
     double of_spring[sums]{}, of_damper[sums]{};
-    // Of a method that adds to every oscillation: the first of_spring at half of the growth in a step, as a multiple of
-    // it. There the first of_damper is twice as large. Else 0.
-    double slowing = 0;
 };
 
 namespace detail {
@@ -82,16 +79,12 @@ template <class Linear>
     if (oscillation_limit == infinite || drag_limit == infinite) return bounds;
     double most = oscillation_limit * oscillation_limit;
     if (oscillation_limit == 0) {
-        const auto at_growth = [](double g) {
-            double little = 0, much = 16;
-            for (int halving = 0; halving < 45; ++halving) {
-                const double middle = (little + much) / 2;
-                (Linear::step(middle, 0).determinant() > 1 + g ? much : little) = middle;
-            }
-            return much;
-        };
-        most = at_growth(growth);
-        bounds.slowing = most / at_growth(growth / 2);
+        double little = 0;
+        most = 16;
+        for (int halving = 0; halving < 45; ++halving) {
+            const double middle = (little + most) / 2;
+            (Linear::step(middle, 0).determinant() > 1 + growth ? most : little) = middle;
+        }
         bounds.of_damper[0] = -1 / growth;
         // For larger K, the growth that damping undoes is at most the tangent at K = 1.
         const auto undone = [](double k) {

@@ -1,12 +1,12 @@
-// Contacts by springs: at every point below a surface a force k d along the normal, less c times the speed at which it
-// leaves, never pulling; and, where the scene asks for it, the first text's barrier B / d^2 at the distance d outside.
-// No friction. Spheres, boxes, cylinders and capsules on planes, spheres and boxes on each other.
+// Contacts by springs. A point at the depth d below a surface feels the force k d - c v along the normal, with the
+// speed v at which it leaves, and never a pull. With a barrier, a point at the distance d outside feels B / d^2. There
+// is no friction. Spheres, boxes, cylinders and capsules touch planes; spheres and boxes touch each other.
 //
-// An explicit method is stable for h < 2 / sqrt(lambda), with lambda the largest eigenvalue of M^-1 K, as long as the
-// contact lasts. One that begins and ends in the middle of a step gains energy near that limit, so half of it is the
-// largest safe step. Per body: k / m for a sphere on a plane; for a box on a face 4 k max(1 / m, h_j^2 / I_i), for its
-// four springs lift and tilt it. Of two bodies the sum; where more than two touch each other, twice that, which is what
-// a long row of them has. A barrier's stiffness 2 B / d^3 is known only on the way; whoever jumps over one is told,
+// While a contact lasts, an explicit method is stable for h < 2 / sqrt(lambda), with the largest eigenvalue lambda of
+// M^-1 K. A contact that begins and ends within a step gains energy near that limit, so the largest safe step is half
+// of it. A sphere on a plane has lambda = k / m; a box on a face has 4 k max(1 / m, h_j^2 / I_i), because its four
+// springs lift and tilt it. Two bodies have the sum of theirs; where more than two touch, twice the sum, as in a long
+// row. The stiffness 2 B / d^3 of a barrier is known only during the run. A body that jumps over a barrier is reported,
 // too.
 #pragma once
 
@@ -32,12 +32,12 @@ public:
           stiffness_{N::template constant<Work>(spec.stiffness)}, damping_{N::template constant<Work>(spec.damping)},
           barrier_{N::template constant<Work>(spec.barrier)}, step2_{N::template constant<Work>(step * step)},
           stiffness_real_{spec.stiffness}, damping_real_{spec.damping}, step_{step} {
-        // A barrier reaches as far as bodies can be apart, twice the range: eight of the largest length.
+        // A barrier reaches as far as two bodies can be apart, twice the range: eight times the largest length.
         if constexpr (N::fixed_point)
             if (has_barrier_) (void)shape_.make_room(Real{N::Range::position} * Real::scaled(1, -2));
     }
 
-    // The body at place b of `bodies` has been added.
+    // Call when body b has been added.
     [[gnu::noinline]] void set_body(int b, const BodySpec& spec, const PrincipalInertia& inertia, Bodies& bodies) {
         if (!on_) return;
         const Real reach = reach_of(spec.shape);
@@ -68,7 +68,7 @@ public:
         return true;
     }
 
-    // concerns: a body that feels a plane or another body if it comes near enough; couples: a body that may move.
+    // acts_on: the body may touch a plane or another body. couples: it may touch another body.
     [[nodiscard]] bool acts_on(const Bodies& bodies, int b) const {
         return on_ && !shape_[b].is(ShapeKind::none) && (plane_count_ > 0 || couples(bodies, b));
     }
@@ -84,7 +84,7 @@ public:
     }
     [[nodiscard]] bool depends_on_velocity() const { return on_ && damping_ > Work(0); }
 
-    // s; zero where nothing limits it.
+    // s; zero where no contact limits it.
     [[nodiscard]] Real largest_safe_step() const {
         Real most = most_compliance_;
         const Real met = to_real(stiffest_);
@@ -169,7 +169,7 @@ private:
         }
     }
 
-    // Points up to here are asked for.
+    // Largest gap of the points that feel a force.
     [[nodiscard]] Length band() const { return has_barrier_ ? C::longest() : Length{}; }
 
     // `rest` is added to the gap of every point, m.
@@ -190,7 +190,7 @@ private:
               const WorkVec3<N>& arm, const WorkVec3<N>& arm_b, Bodies& bodies) const {
         Work strength(0);
         if (gap < Work(0)) {
-            if (has_barrier_) bodies.report(Issue::step_too_long, index_a);  // it was jumped over
+            if (has_barrier_) bodies.report(Issue::step_too_long, index_a);  // the body jumped over it
             strength = -(stiffness_ * gap);
             if (damping_ > Work(0)) {
                 WorkVec3<N> rate = a.velocity_at(arm);
@@ -219,8 +219,8 @@ private:
         const Real half_reach = reach_of(spec.shape);
         Real most = lift;
         if (spec.shape.kind == ShapeKind::box) {
-            // Tilting about edge i by springs that are half an edge j away. Own tensors have other axes: then any of
-            // them.
+            // Tilt about edge i by springs half an edge j away. A tensor of the user's own may have other axes: then
+            // the smallest moment counts.
             const RealVec3 moments = inertia.moments;
             const InertiaTensor& t = spec.inertia;
             const bool own = !(t.xy.is_zero() && t.xz.is_zero() && t.yz.is_zero());
@@ -250,7 +250,7 @@ private:
 
     bool on_, has_barrier_;
     Work stiffness_, damping_, barrier_, step2_;
-    mutable Work stiffest_{};  // 1/s^2: of the barriers met so far
+    mutable Work stiffest_{};  // 1/s^2, of the barriers so far
     Real stiffness_real_, damping_real_, step_;
     Real most_compliance_{}, most_damping_{};
     Shapes<N, features.bodies> shape_{};

@@ -39,12 +39,12 @@ public:
     }
 
 private:
-    // Steps in the time sqrt(r^3 / G (m1 + m2)), in which two bodies at the distance r turn about each other by a
-    // radian or fall into each other: with fewer, their energy is not kept.
+    // Least number of steps in the time sqrt(r^3 / G (m1 + m2)), in which two bodies at the distance r turn about each
+    // other by a radian or fall into each other. With fewer, the energy drifts.
     static constexpr int least_steps = 2;
 
-    // Bodies at the same place exert no force: there is no direction. False where the step is too long for a pair so
-    // near; of a pair with a fixed body, only the mass that attracts what moves counts.
+    // False where the step is too long for two bodies so near each other. Where b is fixed, only its own mass counts.
+    // Bodies at the same place exert no force, since there is no direction.
     template <class Body>
     bool apply(Body& a, Work mass_a, Body& b, Work mass_b, bool b_is_fixed) const {
         WorkVec3<N> r;

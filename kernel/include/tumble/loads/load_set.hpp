@@ -1,5 +1,5 @@
 // The loads of a world: drag, springs, gravitation, timed forces and contacts by springs, and their sum at a stage of a
-// step. Gravity is not one of them: it is constant, and needs no stages.
+// step. Gravity is no load: it is constant and needs no stages.
 #pragma once
 
 #include <tumble/body/bodies.hpp>
@@ -11,8 +11,8 @@
 
 namespace tumble {
 
-// The bodies of one group as a load sees them. find(b): its loaded body, or null if b is not of the group;
-// other_end(b): that, or else the still body b at the other end of a load.
+// The bodies of one group as a load sees them. find(b) returns the loaded body, or null where b is not in the group.
+// other_end(b) returns it for a body outside the group too, such as a fixed one.
 template <class Group, class Body, class Bodies, class Find, class OtherEnd>
 struct LoadedGroup {
     const Group& members;
@@ -25,7 +25,7 @@ template <class Group, class Body, class Bodies, class Find, class OtherEnd>
 LoadedGroup(const Group&, Body*, Bodies&, const Find&, const OtherEnd&)
     -> LoadedGroup<Group, Body, Bodies, Find, OtherEnd>;
 
-// A load is its header and its places here: what it asks for at set-up, its line in any(), and a member. It has
+// A load has its header, its set-up here, a line in any() and a member. Its functions:
 //   acts_on(bodies, b)                 true of a body that feels it in this step
 //   apply_to(group)                    adds to the forces and torques of a LoadedGroup
 //   couples(bodies, b), for_each_coupled(bodies, b, f)   only where a body feels another
@@ -47,7 +47,7 @@ public:
           drag_{step, spec}, springs_{step, spec}, gravitation_{step, spec}, forces_{step, spec}, contacts_{step,
                                                                                                             spec} {}
 
-    // A body has been added.
+    // Call when a body has been added.
     void set_body([[maybe_unused]] int b, [[maybe_unused]] const BodySpec& spec,
                   [[maybe_unused]] const PrincipalInertia& inertia, [[maybe_unused]] Bodies& bodies) {
         (void)any(*this, [&](auto& load) {
@@ -63,19 +63,32 @@ public:
     [[nodiscard]] Real largest_safe_step() const requires(features.springs_touch()) {
         return contacts_.largest_safe_step();
     }
-    bool add(const SpringSpec& spec, Bodies& bodies, const StepBounds& bounds) requires(features.springs > 0) {
+    // Adds a spring; false when there is no room. Reports a step that is surely too long for the spring, together with
+    // the springs, dampers and drag beside it.
+    [[gnu::noinline, gnu::cold]] bool add(const SpringSpec& spec, Bodies& bodies,
+                                          const SpringBounds<N>& bounds) requires(features.springs > 0) {
         if (!springs_.add(spec, bodies)) return false;
-        springs_.check_step(bodies, drag_, bounds);
+        const bool is_straight = !spec.rest_length.is_zero();
+        for (int axis = is_straight ? 3 : 0; axis < (is_straight ? 4 : 3); ++axis) {
+            const Evaluate at_rest{bodies, *this, {}, seconds_, Work{}, {}};  // no steps a second: no velocities
+            Loaded loaded[features.bodies];
+            Stage stage[features.bodies];
+            for (int b = 0; b < bodies.count; ++b) {
+                stage[b] = stage_of(bodies.state[b]);
+                load(loaded[b], b, stage[b], at_rest);
+            }
+            const int b = springs_.body_beyond(bounds, bodies, loaded, drag_, seconds_, axis);
+            if (b < 0) continue;
+            bodies.report(Issue::step_too_long, b);
+            break;
+        }
         return true;
     }
-    // Reports a step that is too long for the drag of a body that has been added, or for springs as they stand now.
+    // Reports a step that is too long for the drag of a body that has been added.
     void check_drag(int b, const BodySpec& spec, const PrincipalInertia& inertia, Bodies& bodies,
                     const StepBounds& bounds) const requires(features.drag) {
         if (!spec.fixed && drag_.is_too_strong(spec, inertia, bodies.rotates(b), bounds.of_damper[1]))
             bodies.report(Issue::step_too_long, b);
-    }
-    TUMBLE_INLINE void watch([[maybe_unused]] Bodies& bodies, [[maybe_unused]] const StepBounds& bounds) {
-        if constexpr (features.springs > 0) springs_.watch(bodies, drag_, bounds);
     }
     // Calls changed(body) for every force that acts in step `now`.
     template <class F>
@@ -132,7 +145,7 @@ public:
                 if (!within) bodies.report(Issue::range_left, group.id[k]);
             });
         }
-        // The same in working numbers, whose range has no end: m and rad.
+        // The same in working numbers, whose range is not limited: m and rad.
         void operator()(const Stage* stages, WorkKick<N, rotation>* kicks) const {
             loads.evaluate(*this, stages, [&](int k, const WorkVec3<N>& linear, const auto&... angular) {
                 for (int i = 0; i < 3; ++i) kicks[k].linear[i] = linear[i] + N::metres(fall[i], bodies.scale);
@@ -160,7 +173,7 @@ public:
     }
 
 private:
-    // Asks the loads that the features have until ask(load) is true, in the order in which they add up.
+    // Calls ask(load) for each load of the scene, in the order of the sum, until it is true.
     template <class Self, class F>
     TUMBLE_INLINE static bool any([[maybe_unused]] Self& loads, [[maybe_unused]] F&& ask) {
         if constexpr (features.drag)
@@ -183,6 +196,7 @@ private:
         Loaded loaded[features.bodies];
         for (int k = 0; k < e.group.count; ++k) load(loaded[k], e.group.id[k], stages[k], e);
         const auto find = [&](int b) -> Loaded* {
+            if constexpr (features.bodies == 1) return loaded;
             for (int k = 0; k < e.group.count; ++k)
                 if (e.group.id[k] == b) return &loaded[k];
             return nullptr;
@@ -190,6 +204,7 @@ private:
         Stage still_stage;  // a fixed body at the other end of a load
         Loaded still;
         const auto other_end = [&](int b) -> Loaded* {
+            if constexpr (features.bodies == 1) return find(b);
             if (Loaded* found = find(b)) return found;
             still_stage = stage_of(e.bodies.state[b]);
             load(still, b, still_stage, e);

@@ -1,4 +1,4 @@
-// What loads add up: a force and a torque per body, in SI units and working numbers.
+// A body as loads see it: its state at a stage, and the sums of force and torque, in SI units and working numbers.
 #pragma once
 
 #include <tumble/body/stage.hpp>
@@ -7,8 +7,7 @@
 
 namespace tumble {
 
-// A body as loads see it: the stage's state in SI units, and the sums they add to. With `points` it may be a point
-// mass, to which nothing is done that would turn it; without rotation it is one.
+// With `points` the body may be a point mass, which torques do not turn. Without rotation it is one.
 template <class N, bool has_rotation = true, bool points = false>
 struct LoadedBody {
     static constexpr bool rotation = true;
@@ -29,7 +28,7 @@ struct LoadedBody {
         if (!rotates()) return v_w;
         return v_w + rotate(q_wb, cross<Work>(w_b, r_b));
     }
-    // A force at a point of the body (principal axes, m).
+    // Adds a force at a point of the body (principal axes, m).
     void push(const WorkVec3<N>& f_w, const WorkVec3<N>& r_b) {
         force_w += f_w;
         if (rotates()) torque_b += cross<Work>(r_b, rotate_back(q_wb, f_w));

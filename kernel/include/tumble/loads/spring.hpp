@@ -34,8 +34,8 @@ struct Spring {
         push(a, other, force);
     }
 
-    // From its point of `a` to its other end, m, world. Positions are subtracted as the state holds them, before
-    // rounding to working numbers.
+    // The vector from its point of `a` to its other end, m, world. Positions are subtracted in the state's format,
+    // before they are rounded to working numbers.
     template <class Body>
     [[nodiscard]] WorkVec3<N> reach_of(const Body& a, const Body* other) const {
         WorkVec3<N> reach;
@@ -47,7 +47,7 @@ struct Spring {
         }
         return reach;
     }
-    // How that changes, m/s.
+    // The rate of reach_of(), m/s.
     template <class Body>
     [[nodiscard]] WorkVec3<N> rate_of(const Body& a, const Body* other) const {
         WorkVec3<N> rate = -a.velocity_at(point_b);
@@ -61,126 +61,17 @@ struct Spring {
     }
 };
 
-// Finds the motion of bodies that springs stiffen most, as they stand: the largest eigenvalue of M^-1 W by power
-// iteration from a pull of all springs, where W is their stiffness and damping, and drag, in shares of what the step
-// bears. What it finds is a Rayleigh quotient, that of a motion: never above the largest.
-template <class N, class Bodies>
-class StiffestMotion {
-public:
-    using Work = typename N::Work;
+// StepBounds of a method in working numbers: constants, which a firmware need not convert.
+template <class N>
+struct SpringBounds {
+    typename N::Work of_spring[StepBounds::sums]{}, of_damper[StepBounds::sums]{};
 
-    explicit StiffestMotion(const Bodies& bodies) : bodies_{bodies} {
-        for (int b = 0; b < bodies.count; ++b) {
-            stage_[b] = stage_of(bodies.state[b]);
-            Body& body = body_[b];
-            body.stage = &stage_[b];
-            if constexpr (Bodies::has_points) body.is_point = !bodies.rotates(b);
-            if constexpr (Bodies::rotation)
-                if (body.rotates()) body.q_wb = work_quaternion<N>(stage_[b].q_wb);
+    constexpr explicit SpringBounds(const StepBounds& bounds) {
+        for (int i = 0; i < StepBounds::sums; ++i) {
+            of_spring[i] = N::template constant<typename N::Work>(bounds.of_spring[i]);
+            of_damper[i] = N::template constant<typename N::Work>(bounds.of_damper[i]);
         }
     }
-
-    // True if some motion has more than 1: shares of stiffness and damping are K = share k h / m. `drag` may be
-    // nothing.
-    [[nodiscard]] bool exceeds(const auto& springs, const auto& drag, Work of_stiffness, Work of_damping) {
-        constexpr int iterations = 12;
-        const Work margin = Work(1) + N::template constant<Work>(Real::scaled(1, -10));
-        rest();
-        for (int s = 0; s < springs.count(); ++s) (void)add(springs[s], of_stiffness, of_damping, s % 3);
-        for (int iteration = 0; iteration < iterations; ++iteration) {
-            const Work size = respond();
-            Work stiffened = slow(drag, of_damping);
-            for (int s = 0; s < springs.count(); ++s) stiffened += add(springs[s], of_stiffness, of_damping);
-            if (size * margin < stiffened) return true;
-        }
-        return false;
-    }
-    // The body with the largest part of the motion, by energy.
-    [[nodiscard]] int body() const { return most_moved_; }
-
-private:
-    using Body = LoadedBody<N, Bodies::rotation, Bodies::has_points>;
-
-    void rest() {
-        for (int b = 0; b < bodies_.count; ++b) {
-            body_[b].force_w = zero_vector<N>();
-            if constexpr (Bodies::rotation) body_[b].torque_b = zero_vector<N>();
-        }
-    }
-    // Velocities from the forces, which end with it: h F / m. Returns their product with the forces.
-    Work respond() {
-        Work size(0), most(0);
-        for (int b = 0; b < bodies_.count; ++b) {
-            Body& body = body_[b];
-            const Work movable(bodies_.constants[b].fixed ? 0 : 1);
-            body.v_w = scaled_by(body.force_w, bodies_.step_per_mass(b) * movable);
-            Work part = dot(body.v_w, body.force_w);
-            if constexpr (Bodies::rotation) {
-                if (body.rotates()) {
-                    for (int i = 0; i < 3; ++i)
-                        body.w_b[i] = body.torque_b[i] * (bodies_.step_per_moment(b, i) * movable);
-                    part += dot(body.w_b, body.torque_b);
-                }
-            }
-            size += part;
-            if (most < part) {
-                most = part;
-                most_moved_ = b;
-            }
-        }
-        rest();
-        return size;
-    }
-    // Drag's force W u on all bodies, with u their velocities, where it is against them. Returns u W u.
-    Work slow([[maybe_unused]] const auto& drag, [[maybe_unused]] Work of_damping) {
-        Work slowed(0);
-        if constexpr (requires { drag.linear; }) {
-            const Work linear = of_damping * drag.linear;
-            for (int b = 0; b < bodies_.count; ++b) {
-                Body& body = body_[b];
-                slowed += linear * dot(body.v_w, body.v_w);
-                if (linear > Work(0)) body.force_w += scaled_by(body.v_w, linear);
-                if constexpr (Bodies::rotation) {
-                    if (!body.rotates()) continue;
-                    const Work angular = of_damping * drag.angular;
-                    slowed += angular * dot(body.w_b, body.w_b);
-                    if (angular > Work(0)) body.torque_b += scaled_by(body.w_b, angular);
-                }
-            }
-        }
-        return slowed;
-    }
-    // The spring's force W u, with u the rate between its ends at the velocities, or for a first pull along the spring
-    // and, most of all, a world axis; without what is negative of W, whose size would be the largest that the iteration
-    // finds. Returns u W u, with it.
-    Work add(const Spring<N>& spring, Work of_stiffness, Work of_damping, int pull = -1) {
-        Body& a = body_[spring.body];
-        Body* other = spring.to_body < 0 ? nullptr : &body_[spring.to_body];
-        const WorkVec3<N> reach = spring.reach_of(a, other);
-        const Work length = sqrt(dot(reach, reach)), none(0), share = of_stiffness * spring.stiffness;
-        if (!(length > none) && spring.rest_length > none) return none;  // no direction: no force
-        const WorkVec3<N> along = length > none ? scaled_by(reach, Work(1) / length) : zero_vector<N>();
-        WorkVec3<N> rate = along;
-        if (pull >= 0)
-            for (int i = 0; i < 3; ++i) rate[(i + pull) % 3] += N::template constant<Work>(Real::scaled(1, -1 - i));
-        else rate = spring.rate_of(a, other);
-        const Work rate_along = dot(rate, along);
-        const bool is_stretched = spring.rest_length < length || !(length > none);
-        const Work across = !is_stretched               ? none
-                            : spring.rest_length > none ? share * (Work(1) - spring.rest_length / length)
-                                                        : share;
-        const Work along_it = share + of_damping * spring.damping;
-        const auto force = [&](Work w_across, Work w_along) -> WorkVec3<N> {
-            return scaled_by(rate, w_across) + scaled_by(along, (w_along - w_across) * rate_along);
-        };
-        spring.push(a, other, -force(across < none ? none : across, along_it < none ? none : along_it));
-        return dot(force(across, along_it), rate);
-    }
-
-    const Bodies& bodies_;
-    StageState<N, Bodies::rotation> stage_[Bodies::room];
-    Body body_[Bodies::room];
-    int most_moved_ = 0;
 };
 
 // The springs of a world.
@@ -190,9 +81,9 @@ public:
     using Work = typename N::Work;
 
     Springs(Real, const WorldSpec&) {}
-    // False when there is no room. A point of a point mass other than itself is misuse, and so are a world point and
-    // points of bodies that lie beyond the range.
-    [[gnu::noinline]] bool add(const SpringSpec& spec, const auto& bodies) {
+    // Adds a spring; false when there is no room. Misuse: a point other than zero of a point mass, and a point outside
+    // the range.
+    [[gnu::noinline, gnu::cold]] bool add(const SpringSpec& spec, const auto& bodies) {
         TUMBLE_ASSERT(spec.to_body >= -1 && spec.to_body < bodies.count);
         TUMBLE_ASSERT(is_in_range(spec.point) && is_in_range(spec.to));
         TUMBLE_ASSERT(bodies.rotates(bodies.index_of(spec.body)) || spec.point.is_zero());
@@ -211,20 +102,57 @@ public:
         return true;
     }
 
-    // Reports a step that is too long for the springs as they stand, and for drag; from the newest on.
-    [[gnu::noinline]] void check_step(auto& bodies, const auto& drag, const StepBounds& bounds) {
-        is_watched_ = false;
+    // Returns a body that the newest spring moves, if the step is surely too long for that spring; else -1. `body`
+    // holds all bodies as they stand, without velocity; `step` is in s.
+    //
+    // A pull at both ends of the spring brings about a motion u: h/m times the force and h/I times the torque at each
+    // end. The pull is along a world axis (0 to 2) or along the spring (3). In this motion all springs, dampers and
+    // drag together amount to
+    //   K = h^2 u.(k u) / u.(m u),  C = h u.(c u) / u.(m u)
+    // with the matrices k of stiffness, c of damping and m of mass. A quotient of this kind (Rayleigh) never exceeds
+    // the largest eigenvalue of m^-1 k or m^-1 c, which a bound is for. So a step with K and C beyond a bound is surely
+    // too long: there is no false alarm.
+    //
+    // Of one spring, K = h^2 k (1/m + a^2/I) summed over its ends, with the lever a of the force, and that is the
+    // largest eigenvalue. The K of springs beside each other add up, as their eigenvalue does. A long chain of equal
+    // springs that is built from one end has 8/5 of K: its step may be 26 % too long without a report. The sum of K
+    // over all springs of a body (Gershgorin) never falls below the eigenvalue, but it is three times too large where
+    // springs hold a body along three axes, and would be a false alarm there.
+    //
+    // A spring counts with its stiffness at its rest length, which is along itself alone; without a rest length it is
+    // as stiff in all directions.
+    template <class Body>
+    [[nodiscard, gnu::cold, gnu::noinline]] int body_beyond(const SpringBounds<N>& bounds, const auto& bodies,
+                                                            Body* body, const auto& drag, Work step, int axis) const {
+        const auto other = [&](const Spring<N>& spring) {
+            return spring.to_body < 0 ? nullptr : body + spring.to_body;
+        };
+        const Spring<N>& newest = spring_[count_ - 1];
+        Body& a = body[newest.body];
+        Body* const b = other(newest);
+        WorkVec3<N> pull = newest.reach_of(a, b);
+        if (axis < 3) {
+            pull = zero_vector<N>();
+            pull[axis] = step;  // of any size
+        }
+        newest.push(a, b, pull);
+        Work stiffness{}, damping = respond(a, newest.body, bodies, drag);
+        if (b != nullptr) damping += respond(*b, newest.to_body, bodies, drag);
+        for (int s = 0; s < count_; ++s) {
+            const Spring<N>& spring = spring_[s];
+            const WorkVec3<N> reach = spring.reach_of(body[spring.body], other(spring)),
+                              rate = spring.rate_of(body[spring.body], other(spring));
+            const Work squares = product(reach, reach), along = product(reach, rate);
+            const Work square = squares > Work{} ? along * along / squares : squares;
+            stiffness += spring.stiffness * (spring.rest_length > Work{} ? square : product(rate, rate));
+            damping += spring.damping * square;
+        }
+        stiffness *= step;
+        const Work inertia = -product(newest.rate_of(a, b), pull);  // u.(m u) / h
         for (int i = 0; i < StepBounds::sums; ++i)
-            is_watched_ |= check_sum(bodies, drag, Real{bounds.of_spring[i]}, Real{bounds.of_damper[i]});
-    }
-    // The same every sixteenth step, of springs that turn with bodies and may become too stiff that way; and where a
-    // method adds to every oscillation, after 2^12, 2^13 and so on steps, whether one grows e-fold in so many.
-    TUMBLE_INLINE void watch(auto& bodies, const auto& drag, const StepBounds& bounds) {
-        const std::uint32_t steps = bodies.steps_taken;
-        if (bodies.status.has(Issue::step_too_long)) return;
-        if (is_watched_ && steps % 16 == 0) check_step(bodies, drag, bounds);
-        if (bounds.slowing > 0 && steps >= first_growth_check && (steps & (steps - 1)) == 0)
-            check_growth(bodies, drag, bounds, steps);
+            if (inertia < bounds.of_spring[i] * stiffness + bounds.of_damper[i] * damping)
+                return bodies.constants[newest.body].fixed ? newest.to_body : newest.body;
+        return -1;
     }
     [[nodiscard]] int count() const { return count_; }
     [[nodiscard]] const Spring<N>& operator[](int s) const { return spring_[s]; }
@@ -265,34 +193,24 @@ public:
     }
 
 private:
-    static constexpr std::uint32_t first_growth_check = 4096;
-    // In which the most growth that step_bounds bears is e-fold.
-    static constexpr std::uint32_t e_fold_steps = 512;
-
-    [[gnu::noinline]] void check_growth(auto& bodies, const auto& drag, const StepBounds& bounds, std::uint32_t steps) {
-        Real spring{bounds.of_spring[0]}, damper{bounds.of_damper[0]};
-        for (; steps > e_fold_steps; steps /= 2) {
-            spring *= Real{bounds.slowing};
-            damper *= Real{2};
+    // Gives a body that is not fixed the velocity that its forces cause in a step. Returns what drag takes of it, u.(c
+    // u).
+    template <class Body>
+    [[gnu::cold, gnu::noinline]] static Work respond(Body& body, int b, const auto& bodies,
+                                                     [[maybe_unused]] const auto& drag) {
+        Work damping{};
+        if (bodies.constants[b].fixed) return damping;
+        body.v_w = scaled_by(body.force_w, bodies.step_per_mass(b));
+        if constexpr (requires { drag.linear; }) damping += drag.linear * product(body.v_w, body.v_w);
+        if constexpr (Body::rotation) {
+            if (!body.rotates()) return damping;
+            for (int i = 0; i < 3; ++i) body.w_b[i] = body.torque_b[i] * bodies.step_per_moment(b, i);
+            if constexpr (requires { drag.angular; }) damping += drag.angular * product(body.w_b, body.w_b);
         }
-        report_beyond(bodies, drag, N::template constant<Work>(spring * bodies.step_length),
-                      N::template constant<Work>(damper));
+        return damping;
     }
-    // Reports a motion that is beyond a bound; true if another pose of the bodies may have one.
-    [[nodiscard]] bool check_sum(auto& bodies, const auto& drag, Real of_spring, Real of_damper) const {
-        const Work of_stiffness = N::template constant<Work>(of_spring * bodies.step_length),
-                   of_damping = N::template constant<Work>(of_damper);
-        if (of_stiffness == Work(0) && of_damping == Work(0)) return false;
-        report_beyond(bodies, drag, of_stiffness, of_damping);
-        return may_exceed(bodies, drag, of_stiffness, of_damping);
-    }
-    template <class Bodies>
-    void report_beyond(Bodies& bodies, const auto& drag, Work of_stiffness, Work of_damping) const {
-        StiffestMotion<N, Bodies> motion{bodies};
-        if (motion.exceeds(*this, drag, of_stiffness, of_damping)) bodies.report(Issue::step_too_long, motion.body());
-    }
-
-    [[nodiscard]] static bool is_in_range(const RealVec3& point) {
+    [[gnu::cold, gnu::noinline]] static Work product(const WorkVec3<N>& a, const WorkVec3<N>& b) { return dot(a, b); }
+    [[nodiscard, gnu::cold]] static bool is_in_range(const RealVec3& point) {
         if constexpr (N::fixed_point)
             for (int i = 0; i < 3; ++i)
                 if (abs(point[i]) > Real{N::Range::position}) return false;
@@ -303,49 +221,8 @@ private:
         else return N::template constant<typename N::PositionSum>(metres);
     }
 
-    // False if no pose of the bodies makes the springs too stiff: Gershgorin's bound, with arms across the forces, and
-    // the most of drag.
-    template <class Bodies>
-    [[nodiscard]] bool may_exceed(const Bodies& bodies, [[maybe_unused]] const auto& drag, Work of_stiffness,
-                                  Work of_damping) const {
-        // The root of the spring's share times what it moves body b by at the most.
-        const auto part = [&](const Spring<N>& s, int b, const WorkVec3<N>& arm) {
-            if (b < 0 || bodies.constants[b].fixed) return Work(0);
-            Work share = of_stiffness * s.stiffness, moved = bodies.step_per_mass(b);
-            if (Work(0) < of_damping) share += of_damping * s.damping;
-            if constexpr (Bodies::rotation)
-                if (bodies.rotates(b)) moved += dot(arm, arm) * bodies.step_per_moment(b, 2);
-            return sqrt(share * moved);
-        };
-        Work of_body[Bodies::room], of_drag(0);
-        for (int b = 0; b < bodies.count; ++b) {
-            of_body[b] = Work(0);
-            if constexpr (requires { drag.linear; }) {
-                const auto see = [&](Work slowed) {
-                    if (of_drag < slowed) of_drag = slowed;
-                };
-                see(of_damping * drag.linear * bodies.step_per_mass(b));
-                if constexpr (Bodies::rotation)
-                    if (bodies.rotates(b)) see(of_damping * drag.angular * bodies.step_per_moment(b, 2));
-            }
-        }
-        for (int s = 0; s < count_; ++s) {
-            of_body[spring_[s].body] += part(spring_[s], spring_[s].body, spring_[s].point_b);
-            if (spring_[s].to_body >= 0)
-                of_body[spring_[s].to_body] += part(spring_[s], spring_[s].to_body, spring_[s].to);
-        }
-        for (int s = 0; s < count_; ++s) {
-            Work sum = part(spring_[s], spring_[s].body, spring_[s].point_b) * of_body[spring_[s].body];
-            if (spring_[s].to_body >= 0)
-                sum += part(spring_[s], spring_[s].to_body, spring_[s].to) * of_body[spring_[s].to_body];
-            if (Work(1) < sum + of_drag) return true;
-        }
-        return false;
-    }
-
     Spring<N> spring_[capacity];
     int count_ = 0;
-    bool is_watched_ = false;
 };
 
 }  // namespace tumble

@@ -1,4 +1,5 @@
-// A constant force at a point of a body and a constant torque while it is on, in the world's frame or the body's.
+// Timed forces: a constant force at a point of a body and a constant torque for a time, in the world's frame or the
+// body's.
 #pragma once
 
 #include <tumble/body/events.hpp>
@@ -22,7 +23,7 @@ inline void apply(const TimedForce<N>& load, Body& b) {
     }
 }
 
-// The timed forces of a world. A step looks at those from the first that has not ended to the last that has begun.
+// The timed forces of a world. A step visits those from the first that has not ended to the last that has begun.
 template <class N>
 class TimedForces {
 public:
@@ -62,13 +63,13 @@ public:
     }
 
 private:
-    // Those that a step looks at.
+    // The forces that a step visits.
     [[nodiscard]] Span<TimedForce<N>> current() const { return {forces_.first + first_, end_ - first_}; }
 
     Span<TimedForce<N>> forces_{};
-    int first_ = 0, end_ = 0;  // in forces_: all before the first have ended, and none from the end on has begun
-    bool is_sorted_ = true;    // where they are not, none counts as not yet begun
-    std::uint64_t now_ = 0;    // the step
+    int first_ = 0, end_ = 0;  // in forces_: all before first_ have ended, none from end_ on has begun
+    bool is_sorted_ = true;    // else a step visits all that follow first_
+    std::uint64_t now_ = 0;    // the step's number
 };
 
 }  // namespace tumble
