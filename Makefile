@@ -22,9 +22,9 @@ help:
 	    $(MAKEFILE_LIST)
 
 ## run: the main job: replay a scene on the host and on the cores of the quick set, compare the bits, print what a step costs; ARGS=--all for every core and number system
-# The first module of worlds beside the command, on the other processor; the commands build what else they need.
+# Worlds that the scene and the next runs need are built beside the command; the commands build the others when they need them.
 run: build/host/build.ninja $(if $(findstring --all,$(ARGS)),deep-setup)
-	@cmake --build build/host --target tumble tumble_matrix tumble_worlds_0
+	@cmake --build build/host --target tumble tumble_matrix tumble_first_worlds
 	build/host/tumble run $(SCENE)
 	build/host/bench/tumble_matrix $(SCENE) --tolerance $(TOLERANCE) $(ARGS)
 
