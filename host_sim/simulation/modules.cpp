@@ -28,16 +28,42 @@ bool is_current(const fs::path& file) {
                                        .find('"' + std::string{TUMBLE_SOURCES_DIGEST} + '"') != std::string::npos;
 }
 
+// The part of each number system that an integrator is in.
+std::array<Part, number_system_count> parts_of(std::string_view integrator) {
+    std::array<Part, number_system_count> parts{};
+    std::size_t index = 0;
+    const auto add = [&]<class N>(const System<N>&) {
+        Integrators::for_each([&]<class Method>() {
+            if (integrator == Method::name) parts[index] = part_of<N, Method>();
+        });
+        ++index;
+    };
+    std::apply([&](const auto&... systems) { (add(systems), ...); }, number_system_list);
+    return parts;
+}
+
+// The name of a module, as host_sim/CMakeLists.txt makes it.
+std::string module_name(std::size_t index, Part part) {
+    const auto joined = [](const auto& system) {
+        return std::string(system.entry) + (system.range.empty() ? "" : "_") + std::string(system.range);
+    };
+    const auto names =
+        std::apply([&](const auto&... systems) { return std::array{joined(systems)...}; }, number_system_list);
+    return "tumble_worlds_" + names.at(index) + (part == Part::front ? "" : "_rest");
+}
+
 // Modules stay loaded: simulations are of their code.
-Maker load(std::size_t index) {
-    const std::string module = "tumble_worlds_" + std::to_string(index);
+Maker load(std::size_t index, Part part) {
+    const std::string module = module_name(index, part);
     const fs::path file = fs::path(TUMBLE_BUILD_DIR) / "host_sim" / (module + ".so");
     const NumberSystemInfo& system = number_systems()[index];
     if (!is_current(file)) {
         const DirectoryLock lock(file.parent_path());  // two builds of one directory would disturb each other
         if (!is_current(file)) {
-            std::cerr << "tumble: building the worlds of " << numbers_text(system.name, system.carry)
-                      << (system.range.empty() ? "" : " of range ") << system.range << "\n";
+            std::cerr << "tumble: compiling "
+                      << (part == Part::front ? "the first methods of " : "the other methods of ")
+                      << numbers_text(system.name, system.carry) << (system.range.empty() ? "" : " of range ")
+                      << system.range << "\n";
             run_quietly({"cmake", "--build", TUMBLE_BUILD_DIR, "--target", module});
         }
         if (!is_current(file)) throw std::runtime_error("the sources have changed: build this program again");
@@ -51,11 +77,14 @@ Maker load(std::size_t index) {
 }  // namespace
 
 std::unique_ptr<Simulation> make_in_module(std::size_t index, SceneData data, std::string_view integrator) {
-    static std::array<Maker, number_system_count> makers{};
-    static std::array<std::once_flag, number_system_count> loaded;
-    std::call_once(loaded.at(index), [&] { makers[index] = load(index); });
+    constexpr std::size_t parts = 2;
+    static std::array<Maker, number_system_count * parts> makers{};
+    static std::array<std::once_flag, makers.size()> loaded;
+    const Part part = parts_of(integrator).at(index);
+    const std::size_t module = index * parts + static_cast<std::size_t>(part);
+    std::call_once(loaded.at(module), [&] { makers[module] = load(index, part); });
     std::unique_ptr<Simulation> made;
-    makers[index](std::move(data), integrator, made);
+    makers[module](std::move(data), integrator, made);
     return made;
 }
 

@@ -1,5 +1,5 @@
-// The worlds of a number system are a module, a shared library: a run loads those that it needs, and where one has not
-// been built yet it is built first, which takes a quarter of a minute.
+// The worlds of a number system are two modules, shared libraries: one of the methods of most runs, one of the rest. A
+// run loads the modules that it needs, and builds a missing one first, which takes about ten seconds.
 #pragma once
 
 #include <cstddef>

@@ -1,13 +1,15 @@
 // The kernel's number systems as the simulator has them compiled in: those of fixed point once for each range. The
-// build makes one translation unit of worlds for each.
+// build makes two translation units of worlds for each: the methods of most runs, and the rest.
 #pragma once
 
+#include <tumble/integrators/list.hpp>
 #include <tumble/numbers/systems.hpp>
 
 #include <cstddef>
 #include <memory>
 #include <string_view>
 #include <tuple>
+#include <type_traits>
 
 #include "scene/data.hpp"
 #include "simulation/simulation.hpp"
@@ -37,8 +39,25 @@ constexpr auto with_ranges(NamedList<Entries...>) {
 inline constexpr auto number_system_list = with_ranges(NumberSystems{});
 inline constexpr std::size_t number_system_count = std::tuple_size_v<decltype(number_system_list)>;
 
-// A simulation in the index-th number system; null for an integrator that does not run in it.
 template <std::size_t index>
+using NumbersAt = typename std::tuple_element_t<index, decltype(number_system_list)>::Numbers;
+
+enum class Part { front, rest };
+template <class... Methods, class Method>
+constexpr bool contains(IntegratorList<Methods...>, std::type_identity<Method>) {
+    return (std::is_same_v<Methods, Method> || ...);
+}
+// The front has the methods of most runs. Carried doubles are what other runs are compared with, by two methods.
+template <class N, class Method>
+constexpr Part part_of() {
+    using namespace integrators;
+    using Front = std::conditional_t<std::is_same_v<N, F64Carried>, IntegratorList<Rk4, Suzuki4>,
+                                     IntegratorList<SemiImplicitEuler, Rk4, Verlet, Suzuki4>>;
+    return contains(Front{}, std::type_identity<Method>{}) ? Part::front : Part::rest;
+}
+
+// A simulation in the index-th number system; null for an integrator that is not in this part of it.
+template <std::size_t index, Part part>
 [[nodiscard]] std::unique_ptr<Simulation> make_in(SceneData data, std::string_view integrator);
 
 }  // namespace tumble::host

@@ -207,13 +207,10 @@ struct OwnedReplay {
 };
 
 template <std::size_t index, class Method>
-class WorldSimulation final
-    : OwnedReplay<
-          SceneOf<typename std::tuple_element_t<index, decltype(number_system_list)>::Numbers, Method, host_features>>,
-      public BodiesSimulation<typename std::tuple_element_t<index, decltype(number_system_list)>::Numbers,
-                              Method::spin> {
+class WorldSimulation final : OwnedReplay<SceneOf<NumbersAt<index>, Method, host_features>>,
+                              public BodiesSimulation<NumbersAt<index>, Method::spin> {
     static constexpr auto system = std::get<index>(number_system_list);
-    using N = typename decltype(system)::Numbers;
+    using N = NumbersAt<index>;
     using Owned = OwnedReplay<SceneOf<N, Method, host_features>>;
     using Told = BodiesSimulation<N, Method::spin>;
 
@@ -248,13 +245,13 @@ private:
     [[nodiscard]] bool is_asleep(int b) const override { return Owned::replay.world().asleep(BodyId{b}); }
 };
 
-template <std::size_t index>
+template <std::size_t index, Part part>
 std::unique_ptr<Simulation> make_in(SceneData data, std::string_view integrator) {
     std::unique_ptr<Simulation> made;
-    Integrators::for_each_in<typename std::tuple_element_t<index, decltype(number_system_list)>::Numbers>(
-        [&]<class Method>() {
+    Integrators::for_each_in<NumbersAt<index>>([&]<class Method>() {
+        if constexpr (part_of<NumbersAt<index>, Method>() == part)
             if (integrator == Method::name) made = std::make_unique<WorldSimulation<index, Method>>(std::move(data));
-        });
+    });
     return made;
 }
 
