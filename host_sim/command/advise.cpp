@@ -15,7 +15,6 @@
 #include "firmware/cost.hpp"
 #include "firmware/firmware.hpp"
 #include "scene/reader.hpp"
-#include "simulation/limits.hpp"
 #include "tools/files.hpp"
 #include "tools/parallel.hpp"
 #include "tools/progress.hpp"
@@ -27,6 +26,17 @@ namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
+
+struct AdviseOptions {
+    std::string scene, core;
+    double tolerance = 0;                           // of positions in m and of orientations in rad
+    std::optional<double> duration;                 // s; empty: the file's
+    std::vector<std::string> integrators, numbers;  // to search; empty: all
+    std::string cost;             // "cycles", "insn", or empty: cycles where the core has a timing table
+    std::optional<double> clock;  // Hz: what share of a step's time it takes
+    bool all = false;             // measure also what cannot be the cheapest
+    bool json = false;
+};
 
 // Longer runs are measured up to here: the mean of a step has settled, and an emulation takes seconds.
 constexpr std::int64_t most_measured_steps = 16384;
@@ -292,27 +302,13 @@ std::vector<Attempt> search(const std::vector<Method>& methods, double tolerance
     return attempts;
 }
 
-// A method that does not reach the tolerance, at the step with the smallest error.
-struct Rejected {
-    Attempt attempt;
-    std::optional<Limit> limit;  // the first that this step is beyond, or else the next longer one
-};
-std::optional<Limit> limit_of(const Attempt& attempt, const SampledScene& scene) {
-    const Method& method = attempt.method;
-    for (int step = attempt.step; step <= std::min(attempt.step + 1, scene.longest()); ++step) {
-        auto limits = exceeded_limits(scene.with_step(step), method.integrator, method.numbers, method.carry);
-        if (!limits.empty()) return limits.front();
-    }
-    return std::nullopt;
-}
-
 // Everything that is found out.
 struct Advice {
     Unit unit;
     Truth truth;
     std::vector<Candidate> ranking, not_measured;
-    std::vector<Rejected> unreached;  // the closest first
-    std::string message;              // why there is no recommendation
+    std::vector<Attempt> unreached;  // at the step with the smallest error, the closest first
+    std::string message;             // why there is no recommendation
 };
 
 void print_json(const AdviseOptions& options, const SampledScene& sampled, const Advice& advice) {
@@ -335,11 +331,7 @@ void print_json(const AdviseOptions& options, const SampledScene& sampled, const
     for (const char* key : {"ranking", "not_measured", "unreached"}) json[key] = Json::array();
     for (const Candidate& candidate : advice.ranking) json["ranking"].push_back(json_of(options, candidate));
     for (const Candidate& candidate : advice.not_measured) json["not_measured"].push_back(json_of(options, candidate));
-    for (const Rejected& rejected : advice.unreached) {
-        Json row = json_of(rejected.attempt);
-        if (rejected.limit) row["limit"] = rejected.limit->sentence;
-        json["unreached"].push_back(row);
-    }
+    for (const Attempt& attempt : advice.unreached) json["unreached"].push_back(json_of(attempt));
     std::cout << json.dump(2) << "\n";
 }
 
@@ -427,17 +419,9 @@ void print_table(const AdviseOptions& options, const SceneDescription& scene, co
         print_list("not measured: " + reason, names);
     }
     std::vector<std::string> names;
-    for (const auto& [attempt, limit] : advice.unreached) {
-        names.push_back(name_of(attempt) + " " + closest_text(attempt));
-        if (!limit) continue;
-        names.back() +=
-            " (" + limit->what + " of " + limit->where + ": " +
-            (limit->largest_step > 0 ? "at most " + four_digits_down(limit->largest_step) + " s)" : "none)");
-    }
+    for (const Attempt& attempt : advice.unreached) names.push_back(name_of(attempt) + " " + closest_text(attempt));
     if (!names.empty()) print_list("not within the tolerance, with the smallest error", names);
 }
-
-}  // namespace
 
 int advise(const AdviseOptions& options) {
     check_core(options.core);
@@ -447,7 +431,6 @@ int advise(const AdviseOptions& options) {
     Choice choice;
     choice.scene = options.scene;
     choice.duration = options.duration;
-    choice.is_run = false;  // it searches for the method and the step
     const SceneDescription scene = choice.read();
     const SampledScene sampled(scene);
     const std::vector<Method> methods = chosen_methods(options, scene);
@@ -463,13 +446,13 @@ int advise(const AdviseOptions& options) {
         std::vector<Candidate> candidates;
         for (const Attempt& attempt : search(methods, options.tolerance, sampled, advice.truth)) {
             if (attempt.error() > options.tolerance) {
-                advice.unreached.push_back({attempt, limit_of(attempt, sampled)});
+                advice.unreached.push_back(attempt);
                 continue;
             }
             candidates.push_back({attempt, variant_of(attempt.method.numbers, attempt.method.carry), {}, 0, {}});
         }
         std::sort(advice.unreached.begin(), advice.unreached.end(),
-                  [](const Rejected& a, const Rejected& b) { return a.attempt.error() < b.attempt.error(); });
+                  [](const Attempt& a, const Attempt& b) { return a.error() < b.error(); });
         if (!candidates.empty()) Measurement(options, unit, scene, sampled).run(candidates);
         for (Candidate& candidate : candidates)
             (candidate.is_measured() ? advice.ranking : advice.not_measured).push_back(std::move(candidate));
@@ -479,16 +462,54 @@ int advise(const AdviseOptions& options) {
             advice.message = "what keeps the error under " + few_digits(options.tolerance) + " does not fit " +
                              options.core + "'s memory";
         else if (advice.ranking.empty())
-            advice.message =
-                "nothing keeps the error under " + few_digits(options.tolerance) +
-                (advice.unreached.empty() ? std::string()
-                                          : "; the closest is " + name_of(advice.unreached.front().attempt) + " with " +
-                                                closest_text(advice.unreached.front().attempt));
+            advice.message = "nothing keeps the error under " + few_digits(options.tolerance) +
+                             (advice.unreached.empty() ? std::string()
+                                                       : "; the closest is " + name_of(advice.unreached.front()) +
+                                                             " with " + closest_text(advice.unreached.front()));
     }
     if (options.json) print_json(options, sampled, advice);
     else print_table(options, scene, advice);
     if (!advice.message.empty()) std::cerr << scene.path << ": " << advice.message << "\n";
     return advice.message.empty() ? done : failed;
+}
+
+constexpr const char* footer =
+    "The error is the largest over 20 equally spaced times and all bodies, of positions in m and of orientations in "
+    "rad, against\nan integration in long double; with contacts, against two fine runs in double precision that must "
+    "agree to a tenth of E.\nThe cost is of a simulated second: cycles of the core at zero wait states, as its manual "
+    "has them, or\ninstructions. Steps are the scene's times powers of two, at which every event keeps its time. Each "
+    "method that\nis measured is built for the core; narrow the search to shorten that.\n"
+    "Exit status: 0 something reaches E, 1 nothing does, 2 bad input.";
+
+// A frequency, which is then in Hz.
+bool read_frequency(std::string& text) {
+    const std::optional<double> hertz = parse_frequency(text);
+    if (hertz) text = seventeen_digits(*hertz);
+    return hertz.has_value();
+}
+
+}  // namespace
+
+void add_advise(CommandLine& line) {
+    const auto options = std::make_shared<AdviseOptions>();
+    Subcommand command = line.add(
+        "advise", "measure which integrator, number system and step keep an error at the least cost on a core",
+        [=] { return advise(*options); }, footer);
+    command.require(options->scene, "scene SCENE.toml", "scene file (TOML), or - for standard input", input_file());
+    command.require(options->core, "--core NAME", "a core of `tumble list`");
+    command.require(options->tolerance, "--tolerance E", "the largest error, in m and in rad",
+                    positive("of metres and of radians"));
+    command.add(options->integrators, "--integrators NAME,...", "search only these; see `tumble list`");
+    command.add(options->numbers, "--numbers q32,f32,f64", "search only these number systems");
+    command.add(options->duration, "--duration T", "length of the run in s, instead of the scene's", duration());
+    command.add(options->cost, "--cost cycles|insn",
+                "what to rank by; default: cycles, or instructions on a core whose cycles are not published",
+                one_of("cycles", "insn"));
+    command.add(options->clock, "--clock F",
+                "clock of the core, as 16MHz: say what share of a step's time its mean cost and its worst step take",
+                {"a positive frequency, as 16MHz, \"32.768 kHz\" or 48e6 (Hz)", read_frequency});
+    command.add(options->all, "--all", "measure also what cannot be the cheapest");
+    command.add(options->json, "--json", "print one JSON object");
 }
 
 }  // namespace tumble::host

@@ -7,17 +7,26 @@
 #include <iostream>
 #include <sstream>
 
+#include "command/check.hpp"
 #include "command/command.hpp"
 #include "firmware/firmware.hpp"
-#include "simulation/watch.hpp"
 #include "tools/files.hpp"
 #include "tools/process.hpp"
 #include "tools/text.hpp"
+#include "verdict/range_watch.hpp"
 
 namespace tumble::host {
 namespace {
 
 namespace fs = std::filesystem;
+
+struct CompareOptions : Choice {
+    std::string core;
+    std::int64_t every = 1;            // steps between recorded states
+    std::optional<std::int64_t> flip;  // self-test: the step whose record gets one bit flipped on the host
+    int timeout = 600;                 // s of emulation
+    CheckOptions check;
+};
 
 fs::path build_firmware(const CompareOptions& options, const SceneDescription& scene, const fs::path& build) {
     fs::create_directories(build / "scene");
@@ -51,7 +60,11 @@ public:
     [[nodiscard]] std::int64_t states() const { return states_; }
     [[nodiscard]] const Simulation& simulation() const { return *simulation_; }
     // What went wrong on the host; the kernel knows no range of floating point.
-    [[nodiscard]] std::vector<Trouble> troubles() const { return with(simulation_->troubles(), range_.trouble()); }
+    [[nodiscard]] std::vector<Trouble> troubles() const {
+        std::vector<Trouble> troubles = simulation_->troubles();
+        if (range_.trouble()) troubles.push_back(*range_.trouble());
+        return troubles;
+    }
 
     // Compares the next recorded state with a line "step word word ...", in hex; prints what differs.
     [[nodiscard]] bool agrees(const std::string& line) {
@@ -122,8 +135,6 @@ private:
     bool is_over_ = false;
 };
 
-}  // namespace
-
 int compare(const CompareOptions& options) {
     check_core(options.core);
     const SceneDescription scene = options.read();
@@ -165,9 +176,26 @@ int compare(const CompareOptions& options) {
     std::cout << options.core << " agrees with the host: " << reference.states() << " states, "
               << reference.simulation().integrator() << ", " << reference.simulation().numbers() << ", hash "
               << hex(reference.simulation().hash()) << "\n";
-    const std::vector<Trouble> troubles = reference.troubles();
-    for (const Trouble& trouble : troubles) std::cerr << message_of(trouble, scene, reference.simulation()) << "\n";
-    return troubles.empty() ? done : failed;
+    const Verdict verdict = options.check.verdict(options, scene, reference.simulation(), reference.troubles());
+    std::cout << verdict_line(options.check, verdict, scene, reference.simulation());
+    return report(verdict, scene, reference.simulation());
+}
+
+}  // namespace
+
+void add_compare(CommandLine& line) {
+    const auto options = std::make_shared<CompareOptions>();
+    Subcommand command =
+        line.add("compare", "replay a scene on a core in QEMU and on the host, and compare every recorded bit",
+                 [=] { return compare(*options); });
+    options->add_to(command);
+    command.require(options->core, "--core NAME", "a core of `tumble list`");
+    command.add(options->every, "--every K", "steps between recorded states", at_least(1, "steps"));
+    command.add(options->timeout, "--timeout S", "seconds that the emulation may take", at_least(1, "seconds"));
+    options->check.add_to(command);
+    command.add(options->flip, "--flip STEP",
+                "self-test: flip one bit of the host's record at this step; the comparison must report it",
+                at_least(0, "steps"));
 }
 
 }  // namespace tumble::host

@@ -197,8 +197,7 @@ std::string config_text(const SceneData& data, const NumberSystemInfo& numbers, 
     return text + "        static constexpr tumble::Features features{\n" + members.text() + "        };\n    };\n";
 }
 
-}  // namespace
-
+// Is it a name in C++ that no member of the struct has?
 bool is_struct_name(const std::string& name) {
     static const std::vector<std::string> members = {"Config", "name",   "step",    "steps",    "world",
                                                      "bodies", "planes", "springs", "impulses", "forces"};
@@ -207,6 +206,8 @@ bool is_struct_name(const std::string& name) {
            std::all_of(name.begin(), name.end(), is_in_name) &&
            std::find(members.begin(), members.end(), name) == members.end();
 }
+
+}  // namespace
 
 std::string struct_name(const std::string& path) {
     std::string name;
@@ -252,10 +253,17 @@ std::string compiled_scene(const SceneDescription& scene, const Choice& choice, 
     return text.str();
 }
 
+namespace {
+
+struct CompileOptions : Choice {
+    std::string output;  // empty: standard output
+    std::string name;    // of the struct in it; empty: struct_name()
+};
+
 int compile(const CompileOptions& options) {
     check_outputs({{"the scene", options.scene}}, {{"--output", options.output}});
     const std::string header = compiled_scene(options.read(), options, options.name);
-    if (options.output.empty()) {
+    if (options.output.empty() || options.output == standard_output) {
         std::cout << header;
     } else {
         OutputFile file(options.output, "--output");
@@ -263,6 +271,23 @@ int compile(const CompileOptions& options) {
         file.commit();
     }
     return done;
+}
+
+}  // namespace
+
+void add_compile(CommandLine& line) {
+    const auto options = std::make_shared<CompileOptions>();
+    Subcommand command =
+        line.add("compile", "write a scene as a C++ header for firmware", [=] { return compile(*options); });
+    options->add_to(command);
+    command.add(options->output, "-o,--output scene.hpp", "the header; default: standard output, as for -",
+                output_file());
+    command.add(options->name, "--struct NAME",
+                "name of the struct in the header; default: the file's name in PascalCase",
+                {"a name in C++ that no member of the struct has",
+                 [](const std::string& text) { return is_struct_name(text); }});
+    command.add(options->no_bodies, "--no-bodies",
+                "take a scene without bodies too: what a world costs before its first");
 }
 
 }  // namespace tumble::host

@@ -27,8 +27,6 @@ std::string order_of(const IntegratorInfo& info) {
     return order;
 }
 
-}  // namespace
-
 int list() {
     std::cout << std::left << std::setw(22) << "integrators" << std::setw(16) << "order"
               << "needs, beyond what loads and contacts do; free: without torques\n";
@@ -56,5 +54,9 @@ int list() {
         std::cout << "  " << std::setw(20) << core.name << std::setw(24) << core.machine << core.flags << "\n";
     return done;
 }
+
+}  // namespace
+
+void add_list(CommandLine& line) { line.add("list", "name the integrators, number systems, ranges and cores", list); }
 
 }  // namespace tumble::host

@@ -20,6 +20,14 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
+struct ProfileOptions : Choice {
+    std::string core;
+    std::string flame;   // file; empty: none
+    int functions = 20;  // that the table names
+    bool json = false;
+    int timeout = 600;  // s of emulation
+};
+
 // Estimated cycles of all steps: a function's own, and with what it calls and inlines.
 struct Function {
     std::uint64_t own = 0, with_callees = 0;
@@ -72,47 +80,48 @@ Branches branches_of(const fs::path& file, const fs::path& elf) {
     return branches;
 }
 
-void print_table(const ProfileOptions& options, const SceneDescription& scene, const Json& row,
+void print_table(std::FILE* out, const ProfileOptions& options, const SceneDescription& scene, const Json& row,
                  const std::vector<Function>& functions, const Branches& branches) {
     const auto number = [&](const char* key) { return row.at(key).get<double>(); };
-    std::printf("%s: %s in %s on %s, %lld steps; cycles at zero wait states by %s\n", scene.name.c_str(),
-                options.integrator.c_str(), numbers_text(row.at("numbers"), row.at("carry")).c_str(),
-                options.core.c_str(), row.at("steps").get<long long>(), row.at("timing").get<std::string>().c_str());
-    std::printf("\n%-11s %12s %12s %12s %12s\n", "", "estimate", "least", "most", "insn");
-    std::printf("%-11s %12.0f %12.0f %12.0f %12.0f\n", "mean step", number("cycles_per_step_est"),
-                number("cycles_per_step_min"), number("cycles_per_step_max"), number("insn_per_step"));
-    std::printf("%-11s %12.0f %12.0f %12.0f %12.0f\n", "worst step", number("cycles_worst_step_est"),
-                number("cycles_worst_step_min"), number("cycles_worst_step_max"), number("insn_per_step_max"));
-    std::printf("\na step loads %.0f and stores %.0f words, and takes %.0f bytes of stack; its instructions:\n ",
-                number("loads_per_step"), number("stores_per_step"), number("step_stack_bytes"));
+    std::fprintf(out, "%s: %s in %s on %s, %lld steps; cycles at zero wait states by %s\n", scene.name.c_str(),
+                 options.integrator.c_str(), numbers_text(row.at("numbers"), row.at("carry")).c_str(),
+                 options.core.c_str(), row.at("steps").get<long long>(), row.at("timing").get<std::string>().c_str());
+    std::fprintf(out, "\n%-11s %12s %12s %12s %12s\n", "", "estimate", "least", "most", "insn");
+    std::fprintf(out, "%-11s %12.0f %12.0f %12.0f %12.0f\n", "mean step", number("cycles_per_step_est"),
+                 number("cycles_per_step_min"), number("cycles_per_step_max"), number("insn_per_step"));
+    std::fprintf(out, "%-11s %12.0f %12.0f %12.0f %12.0f\n", "worst step", number("cycles_worst_step_est"),
+                 number("cycles_worst_step_min"), number("cycles_worst_step_max"), number("insn_per_step_max"));
+    std::fprintf(out, "\na step loads %.0f and stores %.0f words, and takes %.0f bytes of stack; its instructions:\n ",
+                 number("loads_per_step"), number("stores_per_step"), number("step_stack_bytes"));
     std::vector<std::pair<double, std::string>> mix;
     for (const auto& [kind, count] : row.at("mix_per_step").items()) mix.emplace_back(count.get<double>(), kind);
     std::stable_sort(mix.begin(), mix.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
-    for (const auto& [count, kind] : mix) std::printf(" %s %s", few_digits(count).c_str(), kind.c_str());
+    for (const auto& [count, kind] : mix) std::fprintf(out, " %s %s", few_digits(count).c_str(), kind.c_str());
 
     std::uint64_t total = 0;
     for (const Function& f : functions) total += f.own;
     const auto share = [&](std::uint64_t cycles) {
         return total == 0 ? 0.0 : 100 * static_cast<double>(cycles) / static_cast<double>(total);
     };
-    std::printf("\n\n%9s %9s  %s\n", "own", "with its", "function, with what is inlined by name");
-    std::printf("%9s %9s\n", "", "callees");
+    std::fprintf(out, "\n\n%9s %9s  %s\n", "own", "with its", "function, with what is inlined by name");
+    std::fprintf(out, "%9s %9s\n", "", "callees");
     std::uint64_t shown = 0;
     for (std::size_t i = 0; i < functions.size() && i < static_cast<std::size_t>(options.functions); ++i) {
         const Function& f = functions[i];
-        std::printf("%7.1f %% %7.1f %%  %s\n", share(f.own), share(f.with_callees), f.name.c_str());
+        std::fprintf(out, "%7.1f %% %7.1f %%  %s\n", share(f.own), share(f.with_callees), f.name.c_str());
         shown += f.own;
     }
     if (shown < total)
-        std::printf("%7.1f %% %9s  %zu others\n", share(total - shown), "",
-                    functions.size() - static_cast<std::size_t>(options.functions));
+        std::fprintf(out, "%7.1f %% %9s  %zu others\n", share(total - shown), "",
+                     functions.size() - static_cast<std::size_t>(options.functions));
 
-    std::printf("\n%zu of %zu conditional branches went one way in all steps\n", branches.one_way.size(),
-                branches.count);
+    std::fprintf(out, "\n%zu of %zu conditional branches went one way in all steps\n", branches.one_way.size(),
+                 branches.count);
     for (const Branch& b : branches.one_way)
-        std::printf("  %s  %-12s %8llu times  %s\n", b.address.c_str(), b.taken > 0 ? "always taken" : "never taken",
-                    static_cast<unsigned long long>(b.taken + b.not_taken), b.line.c_str());
-    if (!options.flame.empty()) std::printf("\nflame graph in %s\n", options.flame.c_str());
+        std::fprintf(out, "  %s  %-12s %8llu times  %s\n", b.address.c_str(),
+                     b.taken > 0 ? "always taken" : "never taken",
+                     static_cast<unsigned long long>(b.taken + b.not_taken), b.line.c_str());
+    if (!options.flame.empty()) std::fprintf(out, "\nflame graph in %s\n", options.flame.c_str());
 }
 
 void print_json(Json row, const std::vector<Function>& functions, const Branches& branches) {
@@ -140,14 +149,14 @@ void check_core_with_cycles(const std::string& name) {
     throw BadArgument("--core: got \"" + name + "\", whose cycles no manual gives, expected one of " + known);
 }
 
-}  // namespace
-
 int profile(const ProfileOptions& options) {
     check_core_with_cycles(options.core);
     const SceneDescription scene = options.read();
     const NumberSystemInfo& system = find_number_system(scene, options.numbers, options.wants_carry());
     const NumberVariant& variant = variant_of(system.name, system.carry);
-    check_outputs({{"the scene", options.scene}}, {{"--flame", options.flame}});
+    const std::vector<FileArgument> outputs = {{"--flame", options.flame}};
+    check_outputs({{"the scene", options.scene}}, outputs);
+    std::FILE* const report = takes_standard_output(outputs, options.json) ? stderr : stdout;
     std::optional<OutputFile> flame;
     if (!options.flame.empty()) flame.emplace(options.flame, "--flame");
     const fs::path build = fs::path(TUMBLE_SOURCE_DIR) / "build/profile" / options.core;
@@ -179,8 +188,25 @@ int profile(const ProfileOptions& options) {
         flame->commit();
     }
     if (options.json) print_json(outcome.row, functions, branches);
-    else print_table(options, scene, outcome.row, functions, branches);
+    else print_table(report, options, scene, outcome.row, functions, branches);
     return done;
+}
+
+}  // namespace
+
+void add_profile(CommandLine& line) {
+    const auto options = std::make_shared<ProfileOptions>();
+    Subcommand command = line.add(
+        "profile", "show where the cycles of a step go on a core, by functions and as a flame graph",
+        [=] { return profile(*options); },
+        "Cycles are those that the core's manual gives, at zero wait states; the firmware is built for the "
+        "core and runs in QEMU.");
+    options->add_to(command);
+    command.require(options->core, "--core NAME", "a core whose cycles are known");
+    command.add(options->flame, "--flame out.svg", "draw a flame graph as SVG; - is standard output", output_file());
+    command.add(options->functions, "--functions N", "functions that the table names", at_least(1, "functions"));
+    command.add(options->json, "--json", "print one JSON object");
+    command.add(options->timeout, "--timeout S", "seconds that the emulation may take", at_least(1, "seconds"));
 }
 
 }  // namespace tumble::host

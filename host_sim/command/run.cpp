@@ -7,15 +7,23 @@
 #include <iostream>
 #include <optional>
 
+#include "command/check.hpp"
 #include "command/command.hpp"
 #include "command/plot.hpp"
-#include "simulation/watch.hpp"
 #include "tools/output.hpp"
 #include "tools/progress.hpp"
 #include "tools/text.hpp"
+#include "verdict/range_watch.hpp"
 
 namespace tumble::host {
 namespace {
+
+struct RunOptions : Choice {
+    std::string trajectory, plot;       // files; empty: none
+    std::optional<std::int64_t> every;  // steps between rows of the trajectory
+    bool json = false;
+    CheckOptions check;
+};
 
 // Energies of a run. The drift is relative to the energy at the start; where that is 0, to the largest kinetic energy.
 class EnergyWatch {
@@ -80,22 +88,49 @@ std::string json_array(const Numbers& numbers) {
     return text + "]";
 }
 
-// What went wrong, with what only the host finds, and an energy that no double holds: speeds whose squares leave it are
-// as wrong as those that do.
-std::vector<Trouble> troubles_of(const Simulation& simulation, const EnergyWatch& energy, const RangeWatch& range,
-                                 const EnergyGrowthWatch& growth) {
-    std::vector<Trouble> troubles = with(simulation.troubles(), growth.trouble());
-    troubles = with(std::move(troubles), range.trouble());
+int fastest_body(const Simulation& simulation) {
+    const auto speed = [&](int body) {
+        const auto& v = simulation.body(body).velocity;
+        return std::hypot(v[0], v[1], v[2]);
+    };
+    int fastest = 0;
+    for (int b = 1; b < simulation.body_count(); ++b)
+        if (speed(b) > speed(fastest)) fastest = b;
+    return fastest;
+}
+
+// What the kernel tells, and what only the host finds: a declared [range] that floating point leaves, and speeds whose
+// energy no double holds.
+std::vector<Trouble> troubles_of(const Simulation& simulation, const EnergyWatch& energy, const RangeWatch& range) {
+    std::vector<Trouble> troubles = simulation.troubles();
+    if (range.trouble()) troubles.push_back(*range.trouble());
     const bool is_held = std::isfinite(static_cast<double>(energy.end())) &&
                          std::isfinite(static_cast<double>(energy.largest_relative_drift()));
-    if (is_held) return troubles;
-    return with(std::move(troubles), Trouble{"range_left", fastest_body(simulation), simulation.steps_taken() - 1});
+    if (!is_held && !simulation.has_trouble("range_left") && !range.trouble())
+        troubles.push_back({"range_left", fastest_body(simulation), simulation.steps_taken() - 1});
+    return troubles;
+}
+
+// Keys that do not apply are null.
+std::string json_of(const Verdict& verdict, const SceneDescription& scene, const Simulation& simulation) {
+    using enum Verdict::Kind;
+    const bool has_time = verdict.kind == wrong || verdict.kind == told || verdict.kind == no_reference,
+               has_errors = verdict.kind != unchecked;
+    const auto number = [](bool is_there, double value) { return is_there ? json_number(value) : std::string("null"); };
+    const auto text = [](const std::string& value) { return value.empty() ? std::string("null") : json_text(value); };
+    const Method method{std::string(simulation.integrator()), std::string(simulation.numbers()), simulation.carry()};
+    return "{\"kind\": " + json_text(name_of(verdict.kind)) + ", \"time_s\": " + number(has_time, verdict.time_s) +
+           ", \"body\": " + text(verdict.body < 0 ? "" : scene.body(verdict.body).name) +
+           ", \"error_m\": " + number(has_errors, verdict.error.position_m) +
+           ", \"error_rad\": " + number(has_errors, verdict.error.orientation_rad) +
+           ", \"cause\": " + text(name_of(verdict.cause)) +
+           ", \"cure\": " + text(verdict.cure ? options_of(*verdict.cure, {method, scene.step}) : "") + "}";
 }
 
 void print_json(const SceneDescription& scene, const Simulation& simulation, const EnergyWatch& energy,
-                const std::vector<Trouble>& troubles) {
+                const Verdict& verdict) {
     std::string status;
-    for (const Trouble& trouble : troubles) status += (status.empty() ? "" : ", ") + json_text(trouble.issue);
+    for (const Trouble& trouble : verdict.troubles) status += (status.empty() ? "" : ", ") + json_text(trouble.issue);
     std::cout << "{\n  \"tumble_bits\": " << TUMBLE_BITS << ",\n  \"scene\": " << json_text(scene.name)
               << ",\n  \"integrator\": " << json_text(simulation.integrator())
               << ",\n  \"numbers\": " << json_text(simulation.numbers())
@@ -105,7 +140,8 @@ void print_json(const SceneDescription& scene, const Simulation& simulation, con
               << ",\n  \"energy_start_j\": " << json_number(energy.start())
               << ",\n  \"energy_end_j\": " << json_number(energy.end())
               << ",\n  \"energy_max_relative_drift\": " << json_number(energy.largest_relative_drift())
-              << ",\n  \"status\": [" << status << "],\n  \"bodies\": [";
+              << ",\n  \"status\": [" << status << "],\n  \"verdict\": " << json_of(verdict, scene, simulation)
+              << ",\n  \"bodies\": [";
     for (int b = 0; b < simulation.body_count(); ++b) {
         const BodySnapshot body = simulation.body(b);
         std::cout << (b > 0 ? "," : "")
@@ -120,6 +156,19 @@ void print_json(const SceneDescription& scene, const Simulation& simulation, con
     std::cout << "\n  ]\n}\n";
 }
 
+// Does nothing in the scene change the energy on purpose?
+bool keeps_energy(const SceneDescription& scene) {
+    if (!scene.impulses.empty() || !scene.forces.empty() || scene.linear_drag > 0 || scene.angular_drag > 0)
+        return false;
+    for (const SpringDescription& spring : scene.springs)
+        if (spring.damping > 0) return false;
+    const auto has_shape = [](const BodyDescription& body) {
+        return body.shape.kind != ShapeKind::none && body.shape.kind != ShapeKind::points;
+    };
+    const auto shapes = std::count_if(scene.bodies.begin(), scene.bodies.end(), has_shape);
+    return scene.contact.response == ContactResponse::none || shapes == 0 || (scene.planes.empty() && shapes == 1);
+}
+
 template <class Numbers>
 std::string columns(const Numbers& numbers) {
     std::string text;
@@ -130,33 +179,38 @@ std::string columns(const Numbers& numbers) {
     return text;
 }
 
-void print_table(const SceneDescription& scene, const Simulation& simulation, const EnergyWatch& energy) {
-    std::cout << (scene.name.empty() ? scene.path : scene.name) << ": " << simulation.integrator() << ", "
-              << simulation.numbers();
-    if (!simulation.range().empty()) std::cout << " " << simulation.range();
-    std::cout << (simulation.carry() ? "" : ", no carry") << ", " << simulation.steps_taken() << " steps of "
-              << few_digits(simulation.step_length()) << " s, " << few_digits(simulation.time()) << " s\n";
+void print_table(std::ostream& out, const SceneDescription& scene, const Simulation& simulation,
+                 const EnergyWatch& energy) {
+    out << (scene.name.empty() ? scene.path : scene.name) << ": " << simulation.integrator() << ", "
+        << simulation.numbers();
+    if (!simulation.range().empty()) out << " " << simulation.range();
+    out << (simulation.carry() ? "" : ", no carry") << ", " << simulation.steps_taken() << " steps of "
+        << few_digits(simulation.step_length()) << " s, " << few_digits(simulation.time()) << " s\n";
     for (int b = 0; b < simulation.body_count(); ++b) {
         const BodySnapshot body = simulation.body(b);
-        std::cout << scene.bodies[static_cast<std::size_t>(b)].name << "\n"
-                  << "  position         m    " << columns(body.position) << "\n  velocity         m/s  "
-                  << columns(body.velocity) << "\n  angular velocity rad/s" << columns(body.angular_velocity)
-                  << "\n  orientation      wxyz " << columns(body.orientation) << "\n";
-        if (body.contacts > 0) std::cout << "  contact points        " << std::setw(13) << body.contacts << "\n";
+        out << scene.bodies[static_cast<std::size_t>(b)].name << "\n"
+            << "  position         m    " << columns(body.position) << "\n  velocity         m/s  "
+            << columns(body.velocity) << "\n  angular velocity rad/s" << columns(body.angular_velocity)
+            << "\n  orientation      wxyz " << columns(body.orientation) << "\n";
+        if (body.contacts > 0) out << "  contact points        " << std::setw(13) << body.contacts << "\n";
+        if (body.asleep) out << "  asleep\n";
     }
-    std::cout << "energy " << few_digits(energy.start()) << " J at the start, " << few_digits(energy.end())
-              << " J at the end, largest relative drift " << few_digits(energy.largest_relative_drift()) << "\nstate  "
-              << hex(simulation.hash()) << "\n";
+    out << "energy " << few_digits(energy.start()) << " J at the start, " << few_digits(energy.end())
+        << " J at the end";
+    if (keeps_energy(scene)) out << ", largest relative drift " << few_digits(energy.largest_relative_drift());
+    out << "\nstate  " << hex(simulation.hash()) << "\n";
 }
 
-}  // namespace
-
 int run(const RunOptions& options) {
-    check_outputs({{"the scene", options.scene}}, {{"--trajectory", options.trajectory}, {"--plot", options.plot}});
+    const std::vector<FileArgument> outputs = {{"--trajectory", options.trajectory}, {"--plot", options.plot}};
+    check_outputs({{"the scene", options.scene}}, outputs);
+    std::ostream& table = takes_standard_output(outputs, options.json) ? std::cerr : std::cout;
+    if (options.every && options.trajectory.empty())
+        std::cerr << "warning: --every has no effect without --trajectory\n";
     const SceneDescription scene = options.read();
     const auto simulation = options.start(scene);
     std::optional<Trajectory> trajectory;
-    if (!options.trajectory.empty()) trajectory.emplace(options.trajectory, options.every, scene);
+    if (!options.trajectory.empty()) trajectory.emplace(options.trajectory, options.every.value_or(1), scene);
     std::optional<Plot> plot;
     std::optional<OutputFile> plot_file;
     if (!options.plot.empty()) {
@@ -166,7 +220,6 @@ int run(const RunOptions& options) {
 
     Energy now = simulation->energy();
     EnergyWatch energy(now);
-    EnergyGrowthWatch growth(scene, *simulation);
     RangeWatch range(scene, *simulation);
     {
         Progress progress(simulation->steps());
@@ -180,22 +233,40 @@ int run(const RunOptions& options) {
             simulation->step();
             now = simulation->energy();
             energy.see(now);
-            growth.see(*simulation, now);
             range.see(*simulation);
             if (trajectory && !trajectory->good()) trajectory->close();  // throws
             if (simulation->steps_taken() % 256 == 0) progress.show(simulation->steps_taken());
         }
     }
     if (trajectory) trajectory->close();
-    const std::vector<Trouble> troubles = troubles_of(*simulation, energy, range, growth);
-    if (options.json) print_json(scene, *simulation, energy, troubles);
-    else print_table(scene, *simulation, energy);
+    const Verdict verdict = options.check.verdict(options, scene, *simulation, troubles_of(*simulation, energy, range));
+    if (options.json) print_json(scene, *simulation, energy, verdict);
+    else {
+        print_table(table, scene, *simulation, energy);
+        table << verdict_line(options.check, verdict, scene, *simulation);
+    }
     if (plot) {
         plot_file->stream() << plot->drawn();
         plot_file->commit();
     }
-    for (const Trouble& trouble : troubles) std::cerr << message_of(trouble, scene, *simulation) << "\n";
-    return troubles.empty() ? done : failed;
+    return report(verdict, scene, *simulation);
+}
+
+}  // namespace
+
+void add_run(CommandLine& line) {
+    const auto options = std::make_shared<RunOptions>();
+    Subcommand command = line.add("run", "replay a scene on the host", [=] { return run(*options); });
+    options->add_to(command);
+    command.add(options->trajectory, "--trajectory out.csv", "write every state as CSV; - is standard output",
+                output_file());
+    command.add(options->every, "--every K", "steps between rows of the trajectory (default: 1)", at_least(1, "steps"));
+    options->check.add_to(command);
+    command.add(options->json, "--json", "print one JSON object");
+    command.add(options->plot, "--plot out.svg",
+                "plot positions, angular velocities and energies as SVG, with marks at impulses and "
+                "contacts (needs gnuplot); - is standard output",
+                output_file());
 }
 
 }  // namespace tumble::host

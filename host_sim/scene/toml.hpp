@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "scene/error.hpp"
+#include "tools/text.hpp"
 
 // toml++ 3.3 asserts (or, with NDEBUG, lets the compiler assume) that a key follows '[', although its parser reports
 // the error "[=]" well.
@@ -44,39 +45,6 @@ inline constexpr Quantity text_in_quotes{};  // tag: the value is a string
 
 // The shortest decimal that reads back as the same number.
 [[nodiscard]] std::string shown(double x);
-[[nodiscard]] std::string in_quotes(std::string_view text);
-
-// "a", "b" or "c"
-template <class Names>
-[[nodiscard]] std::string listed(const Names& names) {
-    std::string list;
-    const std::size_t count = names.size();
-    std::size_t i = 0;
-    for (const auto& name : names) {
-        if (i > 0) list += i + 1 == count ? " or " : ", ";
-        list += in_quotes(name);
-        ++i;
-    }
-    return list;
-}
-
-// Number of single-letter edits (insert, delete, replace) between two words.
-[[nodiscard]] std::size_t edit_distance(std::string_view a, std::string_view b);
-
-// " (did you mean "mass"?)", or nothing when no name is near.
-template <class Names>
-[[nodiscard]] std::string suggestion(std::string_view word, const Names& names) {
-    std::size_t nearest = std::max<std::size_t>(1, word.size() / 2) + 1;
-    std::string text;
-    for (const auto& name : names) {
-        const std::size_t distance = edit_distance(word, name);
-        if (distance < nearest) {
-            nearest = distance;
-            text = " (did you mean " + in_quotes(name) + "?)";
-        }
-    }
-    return text;
-}
 
 struct Place {
     std::string file;

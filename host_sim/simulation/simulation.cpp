@@ -29,15 +29,20 @@ std::string type_of(std::string_view entry, std::string_view range) {
     return "tumble::NumbersOf<\"" + std::string(entry) + "\", " + of_range + ">";
 }
 
-template <class... Values>
-std::string listed(const std::vector<Values...>& values) {
-    std::vector<std::string> names;  // systems of one name differ in range and carry
-    for (const auto& value : values) {
-        if (std::find(names.begin(), names.end(), value.name) == names.end()) names.emplace_back(value.name);
-    }
-    std::string list;
-    for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
-    return list;
+// Each name once: number systems of one name differ in range and carry.
+template <class Info>
+std::vector<std::string> names_of(const std::vector<Info>& infos) {
+    std::vector<std::string> names;
+    for (const Info& info : infos)
+        if (std::find(names.begin(), names.end(), info.name) == names.end()) names.push_back(info.name);
+    return names;
+}
+
+template <class Info>
+[[noreturn]] void refuse_name(const char* what, std::string_view name, const std::vector<Info>& infos) {
+    const std::vector<std::string> names = names_of(infos);
+    throw std::invalid_argument("unknown " + std::string(what) + " " + in_quotes(name) + suggestion(name, names) +
+                                ", expected one of " + joined(names));
 }
 
 bool holds(std::string_view range, const SceneDescription& scene) {
@@ -56,9 +61,7 @@ std::size_t index_of(const SceneDescription& scene, std::string_view numbers, st
         found = i;
         if (holds(systems[i].range, scene)) break;
     }
-    if (found == systems.size())
-        throw std::invalid_argument("unknown number system \"" + std::string(numbers) + "\", expected one of " +
-                                    listed(systems));
+    if (found == systems.size()) refuse_name("number system", numbers, systems);
     return found;
 }
 
@@ -186,8 +189,7 @@ const IntegratorInfo& find_integrator(std::string_view name) {
     const auto& all = integrators();
     const auto found =
         std::find_if(all.begin(), all.end(), [&](const IntegratorInfo& info) { return info.name == name; });
-    if (found == all.end())
-        throw std::invalid_argument("unknown integrator \"" + std::string(name) + "\", expected one of " + listed(all));
+    if (found == all.end()) refuse_name("integrator", name, all);
     return *found;
 }
 
@@ -204,7 +206,7 @@ void require_runs_in(const IntegratorInfo& integrator, std::string_view numbers)
     std::erase_if(systems, [&](const auto& info) { return !runs_in(integrator, info.name); });
     throw std::invalid_argument("integrator \"" + integrator.name + "\" does not run in " + std::string(numbers) +
                                 ", because " + integrator.not_in_fixed_point + "; expected --numbers to be one of " +
-                                listed(systems));
+                                joined(names_of(systems)));
 }
 
 RangeDescription held_by(std::string_view range) {

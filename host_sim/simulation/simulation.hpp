@@ -35,12 +35,20 @@ struct Energy {
     [[nodiscard]] long double total() const { return kinetic + potential; }
 };
 
+// A number of a body's state and the most of it that is held, of each component.
+struct HeldNumber {
+    std::string name;  // position, velocity, angular velocity, ...
+    double most = 0;
+    std::string unit;
+    bool is_declared = false;  // by the scene's [range], of which floating point knows nothing
+};
+
 // The first occurrence of something that went wrong.
 struct Trouble {
     std::string issue;  // the name of a sticky status bit
     int body = 0;
-    std::int64_t step = 0;  // the step that met it, from 0
-    std::string why{};      // where the host found it and not the kernel: the rest of the message
+    std::int64_t step = 0;               // the step that met it, from 0
+    std::optional<HeldNumber> number{};  // of range_left: the number that left; none: one is not finite
 };
 
 class Simulation {
@@ -65,6 +73,10 @@ public:
     // m: the band in which bodies touch by impulses, wider than the scene's where the number system does not resolve
     // that.
     [[nodiscard]] virtual long double contact_tolerance() const = 0;
+
+    // What the number system holds of each component of a body's spin at this step, rad/s: the least of its axes.
+    // Infinite in floating point and of what does not rotate.
+    [[nodiscard]] virtual double held_spin(int body) const = 0;
 
     // All words of all bodies' states, in the order of a record; and the body and number that a word belongs to.
     virtual void append_words(std::vector<std::uint32_t>& words) const = 0;

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <utility>
 
+#include "simulation/held_numbers.hpp"
 #include "simulation/host_features.hpp"
 #include "simulation/motion_of.hpp"
 #include "simulation/number_systems.hpp"
@@ -39,7 +40,7 @@ protected:
         if (status.ok()) return;
         for (const Issue issue : all_issues) {
             if (status.has(issue) && !has_trouble(name_of(issue)))
-                troubles_.push_back({name_of(issue), status.first_body, status.first_step});
+                troubles_.push_back({name_of(issue), status.first_body, status.first_step, left_by(issue, status)});
         }
     }
 
@@ -98,6 +99,13 @@ public:
         return energy;
     }
 
+    [[nodiscard]] double held_spin(int b) const override {
+        const PrincipalAxes& axes = bodies_[static_cast<std::size_t>(b)].axes;
+        double least = std::numeric_limits<double>::infinity();
+        for (int i = 0; i < 3; ++i) least = std::min(least, host::held_spin(now_, axes, b, i));
+        return least;
+    }
+
     void append_words(std::vector<std::uint32_t>& words) const override {
         for (int b = 0; b < body_count(); ++b)
             for_each_word(
@@ -131,6 +139,10 @@ private:
         long double offset;  // m
     };
 
+    [[nodiscard]] std::optional<HeldNumber> left_by(Issue issue, Status status) const {
+        if (issue != Issue::range_left || status.first_body >= now_.count) return {};
+        return number_at_limit(now_, bodies_[status.first_body].axes, status.first_body);
+    }
     [[nodiscard]] virtual int contact_count(int b) const = 0;
     [[nodiscard]] virtual bool is_asleep(int b) const = 0;
 

@@ -1,6 +1,8 @@
 // Numbers and names as text: for people, JSON, CSV and C++.
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -31,6 +33,47 @@ namespace tumble::host {
 
 // A hash as 16 hex digits.
 [[nodiscard]] std::string hex(std::uint64_t value);
+
+[[nodiscard]] std::string in_quotes(std::string_view text);
+
+// "a", "b" or "c"
+template <class Names>
+[[nodiscard]] std::string listed(const Names& names) {
+    std::string list;
+    std::size_t i = 0;
+    for (const auto& name : names) {
+        if (i > 0) list += i + 1 == names.size() ? " or " : ", ";
+        list += in_quotes(name);
+        ++i;
+    }
+    return list;
+}
+
+// a, b, c
+template <class Names>
+[[nodiscard]] std::string joined(const Names& names) {
+    std::string list;
+    for (const auto& name : names) list += (list.empty() ? "" : ", ") + std::string(name);
+    return list;
+}
+
+// Number of single-letter edits (insert, delete, replace) between two words.
+[[nodiscard]] std::size_t edit_distance(std::string_view a, std::string_view b);
+
+// " (did you mean "mass"?)" with the nearest name; empty where more than half of the word differs from every name.
+template <class Names>
+[[nodiscard]] std::string suggestion(std::string_view word, const Names& names) {
+    std::size_t nearest = std::max<std::size_t>(1, word.size() / 2) + 1;
+    std::string text;
+    for (const auto& name : names) {
+        const std::size_t distance = edit_distance(word, name);
+        if (distance < nearest) {
+            nearest = distance;
+            text = " (did you mean " + in_quotes(name) + "?)";
+        }
+    }
+    return text;
+}
 
 // A number (null when it is not finite as a double) or a text in JSON.
 [[nodiscard]] std::string json_number(long double value);

@@ -13,22 +13,6 @@ namespace {
 constexpr std::int64_t most_steps_of_a_run = std::int64_t{1} << 20;
 constexpr double fewest_steps_of_the_shortest = 4096;
 
-// The step times 2^doublings; exact.
-StepSize scaled(StepSize step, int doublings) {
-    for (; doublings > 0 && step.denominator != 0; --doublings) {
-        if (step.denominator % 2 == 0) step.denominator /= 2;
-        else if (step.numerator < std::numeric_limits<std::int64_t>::max() / 2) step.numerator *= 2;
-        else break;
-    }
-    for (; doublings < 0 && step.denominator != 0; ++doublings) {
-        if (step.numerator % 2 == 0) step.numerator /= 2;
-        else if (step.denominator < std::numeric_limits<std::int64_t>::max() / 2) step.denominator *= 2;
-        else break;
-    }
-    if (doublings != 0) step = {1, 0, std::ldexp(step.seconds(), doublings)};
-    return step;
-}
-
 // The time at which a step starts, s.
 double time_of(std::int64_t step, const StepSize& length) {
     return static_cast<double>(static_cast<long double>(step) * long_seconds(length));
@@ -96,6 +80,31 @@ Samples fine_samples(const SampledScene& scene, const char* integrator, int step
 
 }  // namespace
 
+StepSize scaled(StepSize step, int doublings) {
+    for (; doublings > 0 && step.denominator != 0; --doublings) {
+        if (step.denominator % 2 == 0) step.denominator /= 2;
+        else if (step.numerator < std::numeric_limits<std::int64_t>::max() / 2) step.numerator *= 2;
+        else break;
+    }
+    for (; doublings < 0 && step.denominator != 0; ++doublings) {
+        if (step.numerator % 2 == 0) step.numerator /= 2;
+        else if (step.denominator < std::numeric_limits<std::int64_t>::max() / 2) step.denominator *= 2;
+        else break;
+    }
+    if (doublings != 0) step = {1, 0, std::ldexp(step.seconds(), doublings)};
+    return step;
+}
+
+SceneDescription with_events_at_steps(SceneDescription scene) {
+    const auto snap = [&](double& time) { time = time_of(nearest_step(time, scene.step), scene.step); };
+    for (ImpulseDescription& impulse : scene.impulses) snap(impulse.time);
+    for (ForceDescription& force : scene.forces) {
+        snap(force.from);
+        snap(force.until);
+    }
+    return scene;
+}
+
 reference::Number half_extent(const BodyDescription& body, const reference::Rotation& q,
                               const reference::Vector& along) {
     if (body.shape.kind == ShapeKind::sphere) return body.shape.size[0];
@@ -126,20 +135,19 @@ Errors largest_errors(const Samples& a, const Samples& b) {
     return errors;
 }
 
-SampledScene::SampledScene(SceneDescription scene) : scene_(std::move(scene)) {
+SampledScene::SampledScene(SceneDescription scene) : scene_(with_events_at_steps(std::move(scene))) {
     const std::int64_t steps = scene_.steps();
     if (steps == 0) throw std::invalid_argument(scene_.path + ": duration: got 0 s, expected a scene that lasts");
-    // Events to whole steps; those that act within the run must be at whole longer steps, too.
+    // Events within the run must be at whole longer steps, too.
     std::vector<std::int64_t> event_steps;
-    const auto snap = [&](double& time) {
+    const auto note = [&](double time) {
         const std::int64_t step = nearest_step(time, scene_.step);
         if (step < steps) event_steps.push_back(step);
-        time = time_of(step, scene_.step);
     };
-    for (ImpulseDescription& impulse : scene_.impulses) snap(impulse.time);
-    for (ForceDescription& force : scene_.forces) {
-        snap(force.from);
-        snap(force.until);
+    for (const ImpulseDescription& impulse : scene_.impulses) note(impulse.time);
+    for (const ForceDescription& force : scene_.forces) {
+        note(force.from);
+        note(force.until);
     }
     while ((steps >> (longest_ + 1)) >= sample_count &&
            std::all_of(event_steps.begin(), event_steps.end(),

@@ -33,6 +33,11 @@ struct Method {
 [[nodiscard]] reference::Number half_extent(const BodyDescription& body, const reference::Rotation& q,
                                             const reference::Vector& along);
 
+// The step times 2^doublings; exact.
+[[nodiscard]] StepSize scaled(StepSize step, int doublings);
+// The scene with its events at the starts of whole steps, so that a finer run replays them at the same times.
+[[nodiscard]] SceneDescription with_events_at_steps(SceneDescription scene);
+
 // The largest seen.
 struct Errors {
     double position_m = 0, orientation_rad = 0;

@@ -210,7 +210,7 @@ TEST(Advise, bad_input_names_the_option_and_what_was_expected) {
         EXPECT_TRUE(has(outcome.text, message)) << outcome.text;
     };
     expect({"advise", scene, "--core", "cortex-m9", "--tolerance", "1e-3"},
-           "--core: got \"cortex-m9\", expected one of cortex-m0, ");
+           "--core: got \"cortex-m9\" (did you mean \"cortex-m0\"?), expected one of cortex-m0, ");
     expect({"advise", scene, "--core", "wasm32", "--tolerance", "1e-3"},
            "--core: got \"wasm32\", expected a core whose instructions are counted");
     expect({"advise", scene, "--core", "cortex-m3", "--tolerance", "0"}, "--tolerance: got \"0\", expected a positive");
@@ -231,9 +231,9 @@ TEST(Advise, bad_input_names_the_option_and_what_was_expected) {
     expect({"advise", scene, "--core", "cortex-m3"}, "--tolerance is required");
     expect({"advise", scene, "--tolerance", "1e-3"}, "--core is required");
     expect({"advise", scene, "--core", "cortex-m3", "--tolerance", "1", "--integrators", "rk4,rk5"},
-           "unknown integrator \"rk5\", expected one of explicit_euler");
+           "unknown integrator \"rk5\" (did you mean \"rk4\"?), expected one of explicit_euler");
     expect({"advise", scene, "--core", "cortex-m3", "--tolerance", "1", "--numbers", "q31"},
-           "unknown number system \"q31\", expected one of q32, f32, f64");
+           "unknown number system \"q31\" (did you mean \"q32\"?), expected one of q32, f32, f64");
     expect({"advise", scene, "--core", "cortex-m3", "--tolerance", "1", "--duration", "-1"},
            "--duration: got \"-1\", expected");
     expect({"advise", scene, "--core", "cortex-m3", "--tolerance", "1", "--duration", "0"}, "duration: got 0 s");

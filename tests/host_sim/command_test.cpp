@@ -300,6 +300,12 @@ std::string resting(const std::string& sleep) {
            "shape = { box = [1.0, 1.0, 1.0] }\nmass = 1.0\nposition = [0.0, 0.5, 0.0]\n";
 }
 
+TEST(Run, the_table_shows_which_bodies_are_asleep) {
+    const std::string scene = written("resting.toml", resting("sleep = { time = 0.5 }\n"));
+    EXPECT_TRUE(has(tumble({"run", scene}).text, "  asleep\n"));
+    EXPECT_FALSE(has(tumble({"run", scene, "--duration", "0.4"}).text, "asleep"));
+}
+
 TEST(Run, json_tells_who_sleeps_and_who_touches) {
     for (const auto* numbers : {"q32", "f32", "f64"}) {
         const auto box = [&](const std::string& sleep, const char* duration) {
@@ -392,6 +398,29 @@ TEST(Output, text_that_standard_output_does_not_take_is_told) {
         EXPECT_EQ(closed.status, 1) << arguments;
         EXPECT_TRUE(has(closed.text, "failed")) << arguments << ": " << closed.text;
     }
+}
+
+// The scene comes from standard input.
+Outcome tumble_of(const std::string& scene, const std::string& arguments) {
+    Outcome outcome{};
+    outcome.status = Process({"sh", "-c", std::string(TUMBLE_COMMAND) + " " + arguments}, scene, Process::Errors::keep)
+                         .wait(&outcome.text);
+    return outcome;
+}
+
+TEST(Output, a_hyphen_is_standard_input_and_standard_output) {
+    const std::string orbit = shipped("orbit"), scene = contents(orbit), csv = temporary("out.csv");
+    ASSERT_EQ(tumble({"run", orbit, "--duration", "1", "--trajectory", csv}).status, 0);
+    const Outcome trajectory = tumble_of(scene, "run - --duration 1 --trajectory -");
+    EXPECT_EQ(trajectory.status, 0);
+    EXPECT_EQ(trajectory.text, contents(csv));  // the table is on standard error
+    const Outcome header = tumble_of(scene, "compile - --struct Orbit -o -");
+    EXPECT_EQ(header.status, 0);
+    EXPECT_TRUE(has(header.text, "struct Orbit {")) << header.text;
+    const Outcome bad = tumble_of("name = 3\n", "run - 2>&1");
+    EXPECT_EQ(bad.status, 2);
+    EXPECT_TRUE(has(bad.text, "/dev/stdin:1: name: got 3")) << bad.text;
+    EXPECT_FALSE(std::filesystem::exists("-"));
 }
 
 TEST(Output, the_scene_and_the_other_outputs_are_not_overwritten) {
@@ -528,7 +557,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadCall{{"run", "missing.toml"}, "missing.toml: cannot be read: no such file"},
         BadCall{{"run", TUMBLE_SOURCE_DIR "/tests/host_sim/bad_scenes/mass_negative.toml"}, "mass"},
         BadCall{{"run", shipped("brick"), "--integrator", "rk5"},
-                "unknown integrator \"rk5\", expected one of explicit_euler, "},
+                "unknown integrator \"rk5\" (did you mean \"rk4\"?), expected one of explicit_euler, "},
         BadCall{{"run", shipped("brick"), "--integrator", "exact"}, "expected --numbers to be one of f32, f64"},
         BadCall{{"compile", shipped("brick"), "--integrator", "exact", "--numbers", "q32"},
                 "integrator \"exact\" does not run in q32, because "},
@@ -553,6 +582,14 @@ INSTANTIATE_TEST_SUITE_P(
         BadCall{{"compile", shipped("brick"), "-o", ""}, "--output: got \"\", expected the name of a file"},
         BadCall{{"compare", shipped("brick")}, "--core"},
         BadCall{{"compare", shipped("brick"), "--core", "z80"}, "got \"z80\", expected one of cortex-m0, "},
+        BadCall{{"compare", shipped("brick"), "--core", "cortexm3"}, "got \"cortexm3\" (did you mean \"cortex-m3\"?)"},
+        BadCall{{"rum", shipped("brick")}, "got \"rum\" (did you mean \"run\"?), expected \"run\", \"compile\", "},
+        BadCall{{"run", "--integrators", "rk4"},
+                "--integrators: unknown option of run (did you mean \"--integrator\"?), expected one of \"--help\", "},
+        BadCall{{"advise", shipped("brick"), "--toleranc=1"},
+                "--toleranc: unknown option of advise (did you mean \"--tolerance\"?), expected one of "},
+        BadCall{{"run", shipped("brick"), "--trajectory", "-", "--json"},
+                "--trajectory, --json: got standard output for each of them, expected it for one"},
         BadCall{{"compare", shipped("brick"), "--core", "cortex-m3", "--every", "16", "--flip", "17"},
                 "--flip: got 17, expected a step that is recorded"},
         BadCall{{"compare", shipped("brick"), "--core", "cortex-m3", "--flip", "-1"}, "--flip: got \"-1\", expected"},

@@ -1,0 +1,58 @@
+#include "command/check.hpp"
+
+#include <iostream>
+
+#include "command/messages.hpp"
+
+namespace tumble::host {
+namespace {
+
+Method method_of(const Simulation& simulation) {
+    return {std::string(simulation.integrator()), std::string(simulation.numbers()), simulation.carry()};
+}
+
+}  // namespace
+
+void CheckOptions::add_to(Subcommand& command) {
+    command.add(check, "--check on|off",
+                "hold the run against two finer runs in double precision (default: on while that takes less than about "
+                "a second)",
+                one_of("on", "off"));
+    command.add(tolerance, "--tolerance E",
+                "an error is wrong above E rad, or above E times the distance that a body moves", positive("rad"));
+}
+
+Verdict CheckOptions::verdict(const Choice& choice, const SceneDescription& scene, const Simulation& simulation,
+                              const std::vector<Trouble>& troubles) const {
+    Verdict verdict;
+    if (check != "off") {
+        VerdictOptions options{.tolerance = tolerance};
+        if (check.empty()) options.most_seconds = most_seconds;
+        verdict = verdict_of(scene, {choice.integrator, choice.numbers, simulation.carry()}, options);
+    }
+    if (troubles.empty()) return verdict;
+    verdict.kind = Verdict::Kind::told;
+    verdict.troubles = troubles;
+    verdict.body = troubles.front().body;
+    verdict.time_s = static_cast<double>(troubles.front().step) * scene.step.seconds();
+    return verdict;
+}
+
+std::string verdict_line(const CheckOptions& options, const Verdict& verdict, const SceneDescription& scene,
+                         const Simulation& simulation) {
+    if (options.check == "off" && verdict.kind == Verdict::Kind::unchecked) return {};
+    return "verdict: " + sentence_of(verdict, scene, method_of(simulation)) + "\n";
+}
+
+int report(const Verdict& verdict, const SceneDescription& scene, const Simulation& simulation) {
+    const std::string cure =
+        verdict.cure ? options_of(*verdict.cure, {method_of(simulation), scene.step}) : std::string();
+    for (const Trouble& trouble : verdict.troubles)
+        std::cerr << message_of(trouble, scene, simulation, &trouble == &verdict.troubles.front() ? cure : "") << "\n";
+    if (verdict.is_as_large_as_motion)
+        std::cerr << scene.path << ": " << sentence_of(verdict, scene, method_of(simulation))
+                  << ". The error is as large as the motion\n";
+    return verdict.troubles.empty() && !verdict.is_as_large_as_motion ? done : failed;
+}
+
+}  // namespace tumble::host

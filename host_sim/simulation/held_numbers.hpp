@@ -1,0 +1,71 @@
+// Which number of a body's state has reached the most that its number system holds. Included only by worlds.
+#pragma once
+
+#include <tumble/body/bodies.hpp>
+
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "simulation/motion_of.hpp"
+#include "simulation/simulation.hpp"
+
+namespace tumble::host {
+
+// rad/s about principal axis i that a half turn of a step, rad, stands for.
+template <class N, Spin spin, int capacity, bool points>
+[[nodiscard]] double spin_of_half_turn(const Bodies<N, spin, capacity, points>& bodies, const PrincipalAxes& axes,
+                                       double half_turn, int i) {
+    const double rate = 2 * half_turn / static_cast<double>(host::number(bodies.step_length));
+    if constexpr (spin == Spin::angular_momentum) return rate * static_cast<double>(axes.moments.y / axes.moments[i]);
+    else return rate;
+}
+
+// rad/s about principal axis i; infinite in floating point.
+template <class N, Spin spin, int capacity, bool points>
+[[nodiscard]] double held_spin(const Bodies<N, spin, capacity, points>& bodies, const PrincipalAxes& axes, int b,
+                               int i) {
+    if constexpr (spin != Spin::none && N::fixed_point) {
+        if (bodies.rotates(b))
+            return spin_of_half_turn(bodies, axes,
+                                     static_cast<double>(host::number(bodies.scale.angle(N::largest_turn))), i);
+    }
+    return std::numeric_limits<double>::infinity();
+}
+
+// Of a body that has just left the range: the number that stands at its limit. None where one is not finite.
+template <class N, Spin spin, int capacity, bool points>
+[[nodiscard]] std::optional<HeldNumber> number_at_limit(const Bodies<N, spin, capacity, points>& bodies,
+                                                        const PrincipalAxes& axes, int b) {
+    const auto& state = bodies.state[b];
+    if constexpr (N::fixed_point) {
+        const auto is_at_limit = [](const auto& component) {
+            const std::int64_t limit = (std::int64_t{1} << 62) - 1, raw = component.sum().raw;
+            return raw >= limit || raw <= -limit;
+        };
+        const double velocity =
+            static_cast<double>(host::number(bodies.scale.metres(N::largest_drift) / bodies.step_length));
+        for (int i = 0; i < 3; ++i) {
+            if (is_at_limit(state.x_w[i])) return HeldNumber{"position", N::Range::position, "m"};
+            if (is_at_limit(state.d_w[i])) return HeldNumber{"velocity", velocity, "m/s"};
+            if constexpr (spin != Spin::none)
+                if (bodies.rotates(b) && is_at_limit(state.t_b[i]))
+                    return HeldNumber{"angular velocity", held_spin(bodies, axes, b, i), "rad/s"};
+        }
+        return HeldNumber{"change of velocity or spin in a step", velocity / 4, "m/s, or a quarter of the spin held"};
+    } else {
+        if constexpr (spin != Spin::none) {
+            if (!bodies.rotates(b)) return {};
+            const reference::Motion motion = host::motion_of(bodies, axes, b);
+            if (!std::isfinite(norm(motion.x)) || !std::isfinite(norm(motion.v)) || !std::isfinite(norm(motion.w)))
+                return {};
+            // As in Advance::check_range.
+            const double most_turn = spin == Spin::angular_momentum ? 1.5 : 0.5;
+            return HeldNumber{"angular velocity", 2 * most_turn / static_cast<double>(host::number(bodies.step_length)),
+                              "rad/s"};
+        }
+        return {};
+    }
+}
+
+}  // namespace tumble::host

@@ -1,0 +1,68 @@
+#include "verdict/energy_budget.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "scene/data.hpp"
+#include "simulation/long_double.hpp"
+#include "truth/smooth_motion.hpp"
+
+namespace tumble::host {
+namespace {
+
+// Does Simulation::energy() hold all that contact springs of the scene store? It does for spheres and boxes on planes
+// and for pairs of spheres.
+bool stored_energy_is_known(const SceneDescription& scene) {
+    for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
+        const ShapeKind kind = scene.bodies[b].shape.kind;
+        const bool is_known = kind == ShapeKind::sphere || kind == ShapeKind::box;
+        if (!scene.planes.empty() && !is_known && kind != ShapeKind::none && kind != ShapeKind::points) return false;
+        for (std::size_t a = 0; a < b; ++a) {
+            const ShapeKind other = scene.bodies[a].shape.kind;
+            if (shapes_meet(kind, other) && (kind != ShapeKind::sphere || other != ShapeKind::sphere)) return false;
+        }
+    }
+    return true;
+}
+
+}  // namespace
+
+EnergyBudget::EnergyBudget(const SceneDescription& scene, const Simulation& simulation, double most_gain)
+    : most_gain_(most_gain) {
+    const Energy start = simulation.energy();
+    level_ = before_ = start.total();
+    largest_kinetic_ = start.kinetic;
+    const SmoothMotion at_start(scene, shapes_meet);
+    const bool touches = scene.contact.response != ContactResponse::none && at_start.can_touch();
+    const bool by_springs = touches && scene.contact.response == ContactResponse::spring;
+    is_known_ = !by_springs || stored_energy_is_known(scene);
+
+    const bool is_driven_by_fixed = touches && std::any_of(scene.bodies.begin(), scene.bodies.end(), [](const auto& b) {
+                                        return b.fixed && b.angular_velocity != Triple{};
+                                    });
+    const auto overlaps = at_start.overlaps();
+    const bool begins_pushed = touches && !is_known_ && (scene.contact.barrier > 0 || !overlaps.empty());
+    const bool begins_inside =
+        touches && !by_springs &&
+        std::any_of(overlaps.begin(), overlaps.end(), [&](const auto& o) { return o.depth > scene.contact.tolerance; });
+    is_on_ = !is_driven_by_fixed && !begins_pushed && !begins_inside;
+
+    tolerance_energy_ = 0;
+    const long double gravity = std::hypot(scene.gravity[0], scene.gravity[1], scene.gravity[2]);
+    if (touches && !by_springs)
+        for (const BodySpec& body : build_scene(scene).bodies)
+            if (!body.fixed) tolerance_energy_ += number(body.mass) * gravity * simulation.contact_tolerance();
+}
+
+void EnergyBudget::see(const Simulation& simulation, bool is_driven) {
+    if (!is_on_ || is_exceeded_) return;
+    const Energy now = simulation.energy();
+    const long double total = now.total(), change = total - before_;
+    before_ = total;
+    largest_kinetic_ = std::max(largest_kinetic_, now.kinetic);
+    if (is_driven) level_ += is_known_ ? change : std::max(0.0L, change);
+    is_exceeded_ = total - level_ > most_gain_ * largest_kinetic_ + tolerance_energy_;
+    if (is_known_) level_ = std::min(level_, total);
+}
+
+}  // namespace tumble::host

@@ -1,0 +1,61 @@
+// A run that is read at the moments at which a verdict compares it with others.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <stdexcept>
+#include <vector>
+
+#include "scene/description.hpp"
+#include "simulation/simulation.hpp"
+#include "truth/motion.hpp"
+#include "verdict/accuracy.hpp"
+
+namespace tumble::host {
+
+// Processor time of this thread that runs may take.
+class ProcessorTime {
+public:
+    explicit ProcessorTime(std::optional<double> most_seconds = {});
+    // To be called while a run goes on: `share` of it, 0 to 1, has taken the time since `begun`. Throws TooDear as soon
+    // as the whole run would exceed the limit.
+    void check(double begun, double share) const;
+    [[nodiscard]] double now() const;  // s
+    [[nodiscard]] bool is_limited() const { return most_seconds_.has_value(); }
+
+    struct TooDear : std::runtime_error {
+        explicit TooDear(double cost) : std::runtime_error("too dear"), seconds(cost) {}
+        double seconds;  // of the run
+    };
+
+private:
+    std::optional<double> most_seconds_;
+    double start_;
+};
+
+struct Moment {
+    std::vector<reference::Motion> bodies;
+    // Largest distance from the start, m, and largest angle to the start's orientation, rad, that each body has had.
+    std::vector<double> way_m, turn_rad;
+};
+
+struct Record {
+    std::vector<Moment> moments;        // those that the run reached
+    std::vector<Trouble> troubles;      // of the kernel, and a declared [range] that floating point leaves
+    std::optional<std::size_t> gained;  // the first moment at which energy has grown though no load did work
+    double seconds = 0;                 // processor time
+    double contact_tolerance = 0;       // m
+    double resolution = 0;              // m, of positions of this run
+};
+
+// The scene's own steps at whose ends runs are compared: at most sample_count, equally spaced up to rounding.
+[[nodiscard]] std::vector<std::int64_t> moments_of(const SceneDescription& scene);
+
+// Runs the scene with its own step halved `halvings` times. It ends early where the state leaves the range or is not
+// finite. `most_gain`: growth of energy, in parts of the largest kinetic energy, above which it counts as grown; none:
+// energy is not looked at.
+[[nodiscard]] Record record_of(const SceneDescription& scene, const Method& method, int halvings,
+                               const std::vector<std::int64_t>& moments, const ProcessorTime& time,
+                               std::optional<double> most_gain = {});
+
+}  // namespace tumble::host

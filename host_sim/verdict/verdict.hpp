@@ -1,0 +1,69 @@
+// Is this run right? The answer comes from a shadow run: the scene is run again by two finer references in double
+// precision, and the run is held against them at up to 20 equally spaced moments. The distance between the references
+// is the doubt. Nothing here guesses from the scene; what two fine runs and a budget of energy cannot decide is not
+// decided.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "scene/description.hpp"
+#include "simulation/simulation.hpp"
+#include "verdict/accuracy.hpp"
+
+namespace tumble::host {
+
+// How a scene is run.
+struct Way {
+    Method method;
+    StepSize step;
+};
+
+struct Verdict {
+    enum class Kind {
+        right,         // the error stays below the tolerance to the end
+        wrong,         // it does not, from `time_s` on
+        told,          // the kernel's status says so: `trouble`
+        no_reference,  // the references part at `time_s`, or gain energy that no load gave; right until then
+        unchecked,     // the check costs more than it may
+    };
+    enum class Cause { none, numbers, method, step };
+
+    Kind kind = Kind::unchecked;
+    double time_s = 0;  // wrong, told, no_reference: from when on
+    int body = -1;      // wrong, told, no_reference: which; -1: no single one
+    Errors error;       // wrong: of the body at `time_s`; else the largest up to there or to the end
+    Errors doubt;       // no_reference: distance of the references at `time_s`; else the largest
+    bool is_as_large_as_motion =
+        false;                      // wrong: at some moment the error reaches all that the body has moved or turned
+    bool gains_energy = false;      // no_reference: the references gain energy that no load gave
+    std::vector<Trouble> troubles;  // told: what the status says, the first first
+    Cause cause = Cause::none;      // wrong, told: what has to change
+    std::optional<Way> cure;        // wrong, told: a way of running the scene that is right
+    double cost_s = 0;              // unchecked: processor time of the check, about
+};
+
+struct VerdictOptions {
+    // An error is wrong above this angle, rad, or above this share of the distance that the body has moved. No error in
+    // position is wrong within the contact tolerance or the resolution of a position in the run's number system.
+    double tolerance = 0.1;
+    std::optional<double> most_seconds{};  // of processor time, for the references; none: as long as they take
+    bool explains = true;                  // looks for cause and cure
+};
+
+// Runs the scene with `method` and decides. Throws what make_simulation() throws. A run without a step is right.
+[[nodiscard]] Verdict verdict_of(const SceneDescription& scene, const Method& method,
+                                 const VerdictOptions& options = {});
+
+// "right: the error is at most 1.2e-05 m and 0.0003 rad": one line without a full stop.
+[[nodiscard]] std::string sentence_of(const Verdict& verdict, const SceneDescription& scene, const Method& method);
+
+// The names of --json: right, wrong, told, no_reference, unchecked; numbers, method, step, or empty.
+[[nodiscard]] const char* name_of(Verdict::Kind kind);
+[[nodiscard]] const char* name_of(Verdict::Cause cause);
+
+// "--integrator rk4", "--step 1/512", "--numbers f64": the options by which a way differs from how the scene was run.
+[[nodiscard]] std::string options_of(const Way& cure, const Way& run);
+
+}  // namespace tumble::host
