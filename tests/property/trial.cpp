@@ -1,5 +1,5 @@
 // A scene is made of the field's numbers without unit, each drawn log-uniformly between what has no effect and what no
-// step follows: h w of springs, h c/m of dampers and drag, h |w| of spins, v h / size, a h^2 / size of accelerations,
+// step follows: h w of springs, h c/m of drag and dampers, h |w| of spins, v h / size, a h^2 / size of accelerations,
 // mass ratios, slenderness, tolerance / size, distance / size. Nothing keeps a scene from being chaotic, stiff or
 // absurd: the judge says what it cannot decide.
 #include "trial.hpp"
@@ -25,10 +25,9 @@ constexpr int digits_of_position = 10;  // so that small things may stand far fr
 // The nearest decimal of some digits.
 double short_decimal(double x, int digits = 5) {
     std::array<char, 32> text{};
-    const char* const end =
-        std::to_chars(text.data(), text.data() + text.size(), x, std::chars_format::scientific, digits - 1).ptr;
+    const auto end = std::to_chars(text.begin(), text.end(), x, std::chars_format::scientific, digits - 1).ptr;
     double read = 0;
-    std::from_chars(text.data(), end, read);
+    std::from_chars(text.begin(), end, read);
     return read;
 }
 Triple triple(const Vector& v, int digits = 5) {
@@ -51,24 +50,13 @@ public:
         const double x = std::ldexp(Random::uniform(1.0, 2.0), between(std::ilogb(low), std::ilogb(high)));
         return short_decimal(std::clamp(x, low, high));
     }
-    // Unit length; a third of them along an axis of the world.
+    // Of unit length; a third of them along an axis of the world.
     Vector direction() {
-        if (one_in(3)) {
-            Vector axis;
-            axis[between(0, 2)] = one_in(2) ? 1 : -1;
-            return axis;
-        }
-        for (;;) {
-            const Vector v{Random::uniform(-1, 1), Random::uniform(-1, 1), Random::uniform(-1, 1)};
-            if (const double n = norm(v); n > 0.1 && n <= 1) return v * (1 / n);
-        }
-    }
-    Vector vector(double low, double high) { return direction() * magnitude(low, high); }
-    Quadruple orientation() {
-        if (one_in(4)) return {1, 0, 0, 0};
-        Quadruple q{uniform(-1, 1), uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)};
-        q[static_cast<std::size_t>(between(0, 3))] = 1;
-        return q;
+        Vector v;
+        if (one_in(3)) v[between(0, 2)] = one_in(2) ? 1 : -1;
+        while (!(norm(v) > 0.1 && norm(v) <= 1))
+            v = Vector{Random::uniform(-1, 1), Random::uniform(-1, 1), Random::uniform(-1, 1)};
+        return v * (1 / norm(v));
     }
 };
 
@@ -81,32 +69,28 @@ public:
         draw_step();
         size_ = draw_.magnitude(0.01, 2);
         if (draw_.one_in(3)) centre_ = draw_.direction() * std::min(size_ * draw_.magnitude(1, 1e5), 2e4);
-        scene_.duration = draw_.between(20, 40) * draw_.magnitude(1, 32) * h_;
-        struct Kind {
-            const char* name;
-            void (Maker::*make)();
-        };
-        static constexpr Kind kinds[] = {{"flight", &Maker::flight},   {"springs", &Maker::springs},
-                                         {"orbits", &Maker::orbits},   {"impacts", &Maker::impacts},
-                                         {"impacts", &Maker::impacts}, {"soft contacts", &Maker::soft_contacts}};
-        const Kind& kind = kinds[draw_.between(0, 5)];
-        trial_.kind = kind.name;
-        (this->*kind.make)();
+        scene_.duration = draw_.magnitude(20, 512) * h_;
+        const int kind = draw_.between(1, 6);
+        constexpr const char* kinds[] = {"flight", "springs", "orbits", "soft contacts", "impacts", "impacts"};
+        trial_.kind = kinds[kind - 1];
+        if (kind < 4) flight();
+        else contacts(kind == 4 ? ContactResponse::spring : ContactResponse::impulse);
+        if (kind == 2)
+            for (int b = 0; b < static_cast<int>(scene_.bodies.size()); ++b) add_spring(b);
+        if (kind == 3) add_gravitation();
         declare_range();
         if (draw_.one_in(20)) make_absurd();
         return trial_;
     }
 
 private:
-    [[nodiscard]] bool is_fixed_point() const { return trial_.method.numbers == "q32"; }
-
     void draw_method() {
-        static const std::vector<Method> systems{{"", "q32", true},  {"", "q32", true},  {"", "q32", true},
-                                                 {"", "q32", false}, {"", "f32", true},  {"", "f32", false},
-                                                 {"", "f64", false}, {"", "f64", false}};
-        trial_.method = draw_.of(systems);
-        do trial_.method.integrator = draw_.one_in(2) ? "verlet" : draw_.of(integrators()).name;
-        while (!runs_in(find_integrator(trial_.method.integrator), trial_.method.numbers));
+        Method& method = trial_.method;
+        const int system = draw_.between(1, 14);
+        method.numbers = system <= 8 ? "q32" : system <= 12 ? "f32" : "f64";
+        method.carry = system <= 6 || system == 9 || system == 10;
+        do method.integrator = draw_.one_in(2) ? "verlet" : draw_.of(integrators()).name;
+        while (!runs_in(find_integrator(method.integrator), method.numbers));
     }
     void draw_step() {
         StepSize& step = scene_.step;
@@ -118,26 +102,22 @@ private:
     // m/s, of v h / size, as far as a range holds it.
     double speed(double low, double high) { return std::min(draw_.magnitude(low, high) * size_ / h_, 1000.0); }
     // rad/s, of h |w|. Fixed point holds a quarter of a radian a step.
-    double spin() { return std::min(draw_.magnitude(1e-4, is_fixed_point() ? 0.24 : 4) / h_, 250.0); }
+    double spin() { return std::min(draw_.magnitude(1e-4, trial_.method.numbers == "q32" ? 0.24 : 4) / h_, 250.0); }
     // m/s^2, of a h^2 / size.
     double acceleration(double low, double high) { return draw_.magnitude(low, high) * size_ / (h_ * h_); }
-    // kg m^2, without regard to the shape.
-    static double moment(const BodyDescription& body) { return *body.mass * reach(body) * reach(body) / 4; }
 
     // --- bodies ------------------------------------------------------------------------------------------------------
 
     ShapeDescription shape(bool touches) {
-        const double thin = short_decimal(size_ * draw_.magnitude(1e-3, 1)), edge = size_ * draw_.uniform(0.3, 1);
-        switch (draw_.between(0, touches ? 2 : 5)) {
-        case 0: return {ShapeKind::sphere, {size_}, {}};
-        case 1: return {ShapeKind::box, {size_, short_decimal(edge), short_decimal(size_ * draw_.uniform(0.3, 1))}, {}};
-        case 2: return {ShapeKind::box, {size_, thin, short_decimal(edge)}, {}};
-        case 3: return {ShapeKind::cylinder, {size_, thin}, {}};
-        case 4: return {ShapeKind::capsule, {thin, size_}, {}};
-        default: return {ShapeKind::hoop, {size_}, {}};
-        }
+        const double thin = short_decimal(size_ * draw_.magnitude(1e-3, 1)),
+                     edge = short_decimal(size_ * draw_.uniform(0.3, 1));
+        const ShapeDescription shapes[] = {
+            {ShapeKind::sphere, {size_}, {}},          {ShapeKind::box, {size_, edge, edge}, {}},
+            {ShapeKind::box, {size_, thin, edge}, {}}, {ShapeKind::cylinder, {size_, thin}, {}},
+            {ShapeKind::capsule, {thin, size_}, {}},   {ShapeKind::hoop, {size_}, {}}};
+        return shapes[draw_.between(0, touches ? 2 : 5)];
     }
-    // One to four bodies in a row that do not touch, `gap` between them at least; they move if `speed` is not 0.
+    // In a row, clear of each other; they move if `speed` is not 0.
     void add_bodies(int count, bool touches, const Vector& row, double gap, double speed) {
         Vector place = centre_;
         const double mass = draw_.magnitude(1e-3, 1e3);
@@ -146,211 +126,164 @@ private:
             body.name = "body " + std::to_string(b + 1);
             body.shape = shape(touches);
             body.mass = draw_.one_in(2) ? mass : short_decimal(mass * draw_.magnitude(1e-4, 1));
-            if (!touches && draw_.one_in(6)) draw_moments(body);
-            place = place + row * (reach(body) + (b > 0 ? gap : 0));
+            if (!touches && draw_.one_in(6)) {
+                const double x = draw_.magnitude(0.01, 1), y = draw_.magnitude(0.01, 1),
+                             part = draw_.uniform(0.01, 0.99);
+                body.inertia = {x, y, short_decimal(std::abs(x - y) + 2 * std::min(x, y) * part), 0, 0, 0};
+            }
+            place = place + row * (reach(body) + gap);
             body.position = triple(place, digits_of_position);
             place = place + row * (1.0001 * reach(body));
             if (speed > 0) {
-                body.velocity = triple(draw_.direction() * speed);
-                body.orientation = draw_.orientation();
-                if (!draw_.one_in(4)) body.angular_velocity = triple(axis_of_spin() * spin());
+                if (!draw_.one_in(4))
+                    body.orientation = {1, draw_.uniform(-1, 1), draw_.uniform(-1, 1), draw_.uniform(-1, 1)};
+                // Often about nearly an axis of the body, the middle one among them.
+                const Vector axis = draw_.direction() + draw_.direction() * draw_.magnitude(1e-4, 0.5);
+                if (!draw_.one_in(4)) body.angular_velocity = triple(axis * (spin() / std::max(1.0, norm(axis))));
+                body.fixed = b > 0 && draw_.one_in(8);
+                if (!body.fixed) body.velocity = triple(draw_.direction() * speed);
             }
-            body.fixed = b > 0 && draw_.one_in(8);
-            if (body.fixed) body.velocity = {};
             scene_.bodies.push_back(body);
         }
     }
-    // Any that a body can have: the largest is less than the sum of the others.
-    void draw_moments(BodyDescription& body) {
-        const double a = draw_.magnitude(0.01, 1), b = draw_.magnitude(0.01, 1);
-        body.inertia = {a, b, short_decimal(std::abs(a - b) + 2 * std::min(a, b) * draw_.uniform(0.01, 0.99)), 0, 0, 0};
+    [[nodiscard]] double lightest() const {
+        double mass = *scene_.bodies.front().mass;
+        for (const BodyDescription& body : scene_.bodies) mass = std::min(mass, *body.mass);
+        return mass;
     }
-    // Often near an axis of the body, the middle one among them.
-    Vector axis_of_spin() {
-        const Vector axis = draw_.direction() + draw_.direction() * draw_.magnitude(1e-4, 0.5);
-        return axis * (1 / std::max(1.0, norm(axis)));
-    }
-    int any_body() { return draw_.between(0, static_cast<int>(scene_.bodies.size()) - 1); }
 
     // --- loads -------------------------------------------------------------------------------------------------------
 
-    void add_drag() {
-        double mass = *scene_.bodies.front().mass, least = moment(scene_.bodies.front());
-        for (const BodyDescription& body : scene_.bodies) {
-            mass = std::min(mass, *body.mass);
-            least = std::min(least, moment(body));
-        }
-        const double rate = draw_.magnitude(1e-4, 4) / h_;
-        scene_.linear_drag = short_decimal(mass * rate);
-        if (draw_.one_in(2)) scene_.angular_drag = short_decimal(0.1 * least * rate);
-    }
-    Vector point_of(const BodyDescription& body) {
-        return draw_.one_in(3) ? Vector{} : draw_.direction() * (draw_.magnitude(1e-3, 1) * reach(body));
-    }
-    Frame frame() { return draw_.one_in(2) ? Frame::body : Frame::world; }
-    void add_impulse() {
-        ImpulseDescription impulse;
-        impulse.body = any_body();
-        const BodyDescription& body = scene_.body(impulse.body);
-        impulse.time = short_decimal(scene_.duration * draw_.uniform(0, 0.9));
-        impulse.frame = frame();
-        impulse.impulse = triple(draw_.direction() * (speed(1e-5, 0.3) * *body.mass));
-        impulse.point = triple(point_of(body));
-        if (draw_.one_in(3)) impulse.angular_impulse = triple(draw_.direction() * (0.1 * moment(body) * spin()));
-        scene_.impulses.push_back(impulse);
-    }
-    void add_force() {
-        ForceDescription force;
-        force.body = any_body();
-        const BodyDescription& body = scene_.body(force.body);
-        force.from = short_decimal(scene_.duration * draw_.uniform(0, 0.5));
-        force.until = short_decimal(force.from + scene_.duration * draw_.uniform(0.1, 0.45));
-        force.frame = frame();
-        force.force = triple(draw_.direction() * (acceleration(1e-7, 1e-3) * *body.mass));
-        force.point = triple(point_of(body));
-        if (draw_.one_in(3))
-            force.torque = triple(draw_.direction() * (0.1 * moment(body) * spin() / scene_.duration));
-        scene_.forces.push_back(force);
+    Triple point_of(const BodyDescription& body) {
+        return draw_.one_in(3) ? Triple{} : triple(draw_.direction() * (draw_.magnitude(1e-3, 1) * reach(body)));
     }
     void add_pushes() {
-        for (int i = draw_.between(0, 2); i > 0; --i) add_impulse();
-        for (int i = draw_.between(0, 2); i > 0; --i) add_force();
+        const int b = draw_.between(0, static_cast<int>(scene_.bodies.size()) - 1);
+        const BodyDescription& body = scene_.body(b);
+        const double mass = *body.mass, moment = mass * reach(body) * reach(body) / 40, time = scene_.duration;
+        const Frame frame = draw_.one_in(2) ? Frame::body : Frame::world;
+        const Triple point = point_of(body), push = triple(draw_.direction() * (speed(1e-5, 0.3) * mass)),
+                     force = triple(draw_.direction() * (acceleration(1e-7, 1e-3) * mass)), none{},
+                     turn = triple(draw_.direction() * (moment * spin())),
+                     torque = triple(draw_.direction() * (moment * spin() / time));
+        const double at = short_decimal(time * draw_.uniform(0, 0.9)),
+                     from = short_decimal(time * draw_.uniform(0, 0.5)),
+                     until = short_decimal(from + time * draw_.uniform(0.1, 0.45));
+        if (!draw_.one_in(3)) scene_.impulses.push_back({at, b, frame, push, point, draw_.one_in(3) ? turn : none});
+        if (!draw_.one_in(3))
+            scene_.forces.push_back({b, from, until, frame, force, point, draw_.one_in(3) ? torque : none});
     }
-    // To another body or to a point of the world, one time in four as far as a range allows.
+    // To another body or to a point of the world, one time in four as far as a range allows. Its length at rest differs
+    // from the distance by a part of the size, or it is 0.
     void add_spring(int b) {
         SpringDescription spring;
-        spring.body = b;
-        spring.to_body = b + 1 < static_cast<int>(scene_.bodies.size()) && draw_.one_in(2) ? b + 1 : -1;
         const BodyDescription& body = scene_.body(b);
-        const Vector here = vector(body.position);
-        double distance = size_ * draw_.magnitude(0.1, 10), mass = *body.mass;
-        if (spring.to_body >= 0) {
-            const BodyDescription& other = scene_.body(spring.to_body);
-            distance = norm(vector(other.position) - here);
-            if (!other.fixed) mass = mass * *other.mass / (mass + *other.mass);
-            if (draw_.one_in(2)) spring.to = triple(point_of(other));
+        double distance = size_ * draw_.magnitude(0.1, draw_.one_in(4) ? 1e6 : 10), mass = *body.mass;
+        spring.body = b;
+        spring.point = point_of(body);
+        if (b > 0 && draw_.one_in(2)) {
+            const BodyDescription& other = scene_.body(spring.to_body = b - 1);
+            distance = norm(vector(other.position) - vector(body.position));
+            mass = mass * *other.mass / (mass + *other.mass);
+            spring.to = point_of(other);
         } else {
-            if (draw_.one_in(4)) distance = std::min(size_ * draw_.magnitude(10, 1e6), 3e4);
-            spring.to = triple(here + draw_.direction() * distance, digits_of_position);
+            distance = std::min(distance, 3e4);
+            spring.to = triple(vector(body.position) + draw_.direction() * distance, digits_of_position);
         }
-        if (draw_.one_in(2)) spring.point = triple(point_of(body));
         double hw = draw_.magnitude(0.004, 4);
-        // Stretched by a part of the size; or pulled from afar, at any acceleration.
-        if (draw_.one_in(2)) spring.rest_length = std::max(0.0, distance + size_ * draw_.uniform(-0.3, 0.3));
-        else hw = std::min(hw, h_ * std::sqrt(acceleration(1e-6, 1e-2) / distance));
-        spring.rest_length = short_decimal(spring.rest_length);
+        if (draw_.one_in(2)) hw = std::min(hw, h_ * std::sqrt(acceleration(1e-6, 1e-2) / distance));
+        else spring.rest_length = short_decimal(std::max(0.0, distance + size_ * draw_.uniform(-0.3, 0.3)));
         spring.stiffness = short_decimal(mass * hw * hw / (h_ * h_));
         if (draw_.one_in(2)) spring.damping = short_decimal(2 * mass * hw / h_ * draw_.magnitude(0.01, 2));
         scene_.springs.push_back(spring);
     }
-    void add_springs() {
-        for (int b = 0; b < static_cast<int>(scene_.bodies.size()); ++b) add_spring(b);
+    // By h times the rate at which bodies turn about each other that are some sizes apart.
+    void add_gravitation() {
+        const double rate = draw_.magnitude(1e-4, 0.2) / h_, apart = size_ * draw_.magnitude(1, 10);
+        for (BodyDescription& body : scene_.bodies)
+            if (!body.fixed) body.velocity = triple(draw_.direction() * std::min(rate * apart, 500.0));
+        scene_.gravitation = short_decimal(rate * rate * apart * apart * apart / *scene_.bodies.front().mass);
     }
 
     // --- kinds of scenes ---------------------------------------------------------------------------------------------
 
     void flight() {
         scene_.contact.response = ContactResponse::none;
-        add_bodies(draw_.between(1, 3), false, draw_.direction(), 0, speed(1e-5, 1));
+        add_bodies(draw_.between(1, 3), false, draw_.direction(), size_ * draw_.magnitude(0.1, 30), speed(1e-5, 1));
         if (draw_.one_in(2)) scene_.gravity = triple(draw_.direction() * acceleration(1e-7, 1e-2));
-        if (draw_.one_in(3)) add_drag();
         if (draw_.one_in(2)) add_pushes();
+        if (!draw_.one_in(3)) return;
+        const double rate = draw_.magnitude(1e-4, 4) / h_;
+        scene_.linear_drag = short_decimal(lightest() * rate);
+        if (draw_.one_in(2)) scene_.angular_drag = short_decimal(scene_.linear_drag * size_ * size_ / 40);
     }
-    void springs() {
-        flight();
-        add_springs();
+    // Bodies above a floor, on it or on each other, and walls at any distance.
+    void contacts(ContactResponse response) {
+        ContactDescription& contact = scene_.contact;
+        contact.response = response;
+        contact.restitution = draw_.one_in(3) ? 0.0 : draw_.one_in(4) ? 1.0 : draw_.uniform(0, 1);
+        if (draw_.one_in(2)) contact.friction = draw_.magnitude(0.01, 2);
+        if (draw_.one_in(2)) contact.tolerance = short_decimal(size_ * draw_.magnitude(1e-5, 0.1));
+        if (draw_.one_in(6)) contact.sleep = SleepDescription{0.03, 0.05, draw_.uniform(0.05, 0.5)};
+        const bool stands = draw_.one_in(4);
+        const Vector up = stands ? Vector{0, 1, 0} : draw_.direction();
+        if (!draw_.one_in(8)) scene_.gravity = triple(up * -acceleration(1e-6, 0.01));
+        add_bodies(draw_.between(1, 3), true, stands ? up : draw_.direction(), size_ * draw_.magnitude(1e-3, 1),
+                   stands ? 0 : speed(1e-5, 0.3));
+        double top = short_decimal(centre_.y, digits_of_position);
+        if (stands) centre_.y = top;
+        for (BodyDescription& body : scene_.bodies) {
+            const double half = body.shape.kind == ShapeKind::box ? body.shape.size[1] / 2 : body.shape.size[0];
+            if (stands) body.position[1] = top + half;
+            top += 2 * half;
+        }
+        if (stands && draw_.one_in(2)) scene_.bodies.back().velocity = {speed(1e-5, 0.1), 0, speed(1e-5, 0.1)};
+        const double mass = lightest(), hw = draw_.magnitude(0.004, 1);
+        contact.stiffness = short_decimal(mass * hw * hw / (h_ * h_));
+        if (draw_.one_in(2)) contact.damping = short_decimal(2 * mass * hw / h_ * draw_.magnitude(0.01, 1));
+        if (stands) add_plane(up, centre_);
+        else add_plane_below(up, size_ * draw_.magnitude(1e-4, 4));
+        for (int i = draw_.between(0, 3); i > 0; --i)
+            if (const Vector normal = draw_.direction(); dot(normal, up) > -0.9)
+                add_plane_below(normal, size_ * draw_.magnitude(1e-3, 1e4));
+        if (draw_.one_in(4)) add_pushes();
+        if (draw_.one_in(8)) add_spring(0);
     }
-    void orbits() {
-        scene_.contact.response = ContactResponse::none;
-        const Vector row = draw_.direction();
-        const double gap = size_ * draw_.magnitude(0.1, 30), rate = draw_.magnitude(1e-4, 0.2) / h_;
-        add_bodies(draw_.between(2, 3), false, row, gap, 1e-3 * size_ / h_);
-        double mass = 0;
-        for (const BodyDescription& body : scene_.bodies) mass += *body.mass;
-        const Vector from = vector(scene_.bodies[0].position);
-        const double first = norm(vector(scene_.bodies[1].position) - from);
-        scene_.gravitation = short_decimal(rate * rate * first * first * first / mass);
-        Vector along = cross(row, Vector{row.y, row.z, -row.x});
-        along = along * (rate * draw_.uniform(0, 1.3) / norm(along));
-        for (BodyDescription& body : scene_.bodies)
-            if (!body.fixed) body.velocity = triple(along * std::min(norm(vector(body.position) - from), 1000 / rate));
+    void add_plane_below(const Vector& normal, double gap) {
+        double depth = 0;
+        for (const BodyDescription& body : scene_.bodies)
+            depth = std::max(depth, 1.0001 * reach(body) - dot(normal, vector(body.position) - centre_));
+        add_plane(normal, centre_ - normal * (depth + gap));
     }
     // n . (p - point) = 0; the normal has five digits, and the plane stays clear of what it is clear of.
     void add_plane(const Vector& normal, const Vector& point) {
         PlaneDescription plane;
         plane.name = "plane " + std::to_string(scene_.planes.size() + 1);
         plane.normal = triple(normal);
-        const Vector n = vector(plane.normal);
-        const double offset = -dot(n, point) / norm(n);
+        const double offset = -dot(vector(plane.normal), point) / norm(vector(plane.normal));
         plane.offset = short_decimal(offset + 1e-9 * std::abs(offset), digits_of_position);
         if (draw_.one_in(3)) plane.restitution = draw_.uniform(0, 1);
         scene_.planes.push_back(plane);
     }
-    // Bodies above a floor, on it or on each other, and walls at any distance.
-    void add_floor(bool stands) {
-        const Vector up = stands ? Vector{0, 1, 0} : draw_.direction();
-        if (!draw_.one_in(8)) scene_.gravity = triple(up * -acceleration(1e-6, 0.01));
-        if (stands) centre_ = {centre_.x, short_decimal(centre_.y, digits_of_position), centre_.z};
-        const int count = draw_.between(1, 3);
-        add_bodies(count, true, stands ? up : draw_.direction(), size_ * draw_.magnitude(1e-3, 1),
-                   stands ? 0 : speed(1e-5, 0.3));
-        double height = 0, lowest = 0;  // of what stands; of what flies, below the centre
-        for (BodyDescription& body : scene_.bodies) {
-            const double half = body.shape.kind == ShapeKind::box ? body.shape.size[1] / 2 : body.shape.size[0];
-            if (stands) body.position[1] = centre_.y + height + half;
-            height += 2 * half;
-            lowest = std::max(lowest, reach(body) - dot(up, vector(body.position) - centre_));
-        }
-        add_plane(up, stands ? centre_ : centre_ - up * (lowest * (1 + draw_.magnitude(1e-4, 4))));
-        if (stands && draw_.one_in(2)) scene_.bodies.back().velocity = {speed(1e-5, 0.1), 0, speed(1e-5, 0.1)};
-        for (int i = draw_.between(0, 3); i > 0; --i) {
-            const Vector normal = draw_.direction();
-            double reached = 0;
-            for (const BodyDescription& body : scene_.bodies)
-                reached = std::max(reached, reach(body) - dot(normal, vector(body.position) - centre_));
-            if (dot(normal, up) > -0.9) add_plane(normal, centre_ - normal * (reached * (1 + draw_.magnitude(1e-3, 1e4))));
-        }
-        if (draw_.one_in(4)) add_pushes();
-        if (draw_.one_in(8)) add_spring(0);
-    }
-    void impacts() {
-        ContactDescription& contact = scene_.contact;
-        contact.restitution = draw_.one_in(3) ? 0.0 : draw_.one_in(4) ? 1.0 : draw_.uniform(0, 1);
-        if (draw_.one_in(2)) contact.friction = draw_.magnitude(0.01, 2);
-        if (draw_.one_in(2)) contact.tolerance = short_decimal(size_ * draw_.magnitude(1e-5, 0.1));
-        if (draw_.one_in(6)) contact.sleep = SleepDescription{0.03, 0.05, draw_.uniform(0.05, 0.5)};
-        add_floor(draw_.one_in(3));
-    }
-    void soft_contacts() {
-        add_floor(false);
-        ContactDescription& contact = scene_.contact;
-        contact.response = ContactResponse::spring;
-        double mass = *scene_.bodies.front().mass;
-        for (const BodyDescription& body : scene_.bodies) mass = std::min(mass, *body.mass);
-        const double hw = draw_.magnitude(0.004, 1);
-        contact.stiffness = short_decimal(mass * hw * hw / (h_ * h_));
-        if (draw_.one_in(2)) contact.damping = short_decimal(2 * mass * hw / h_ * draw_.magnitude(0.01, 1));
-    }
 
-    // The smallest range that holds the start and the end of free flight, or seldom any.
+    // The smallest range that holds the start and the end of free flight, or seldom the smallest of all.
     void declare_range() {
-        double position = 0, velocity = 0, angular_velocity = 0;
+        double x = 0, v = 0, w = 0;
         const double time = scene_.duration, g = norm(vector(scene_.gravity));
         for (const BodyDescription& body : scene_.bodies) {
-            const double v = norm(vector(body.velocity));
-            position = std::max(position, norm(vector(body.position)) + v * time + g * time * time / 2);
-            velocity = std::max(velocity, v + g * time);
-            angular_velocity = std::max(angular_velocity, norm(vector(body.angular_velocity)));
+            const double start = norm(vector(body.velocity));
+            x = std::max(x, norm(vector(body.position)) + start * time + g * time * time / 2);
+            v = std::max(v, start + g * time);
+            w = std::max(w, norm(vector(body.angular_velocity)));
         }
-        for (const SpringDescription& spring : scene_.springs) position = std::max(position, norm(vector(spring.to)));
-        for (const PlaneDescription& plane : scene_.planes) position = std::max(position, std::abs(plane.offset) / 4);
-        static const std::vector<RangeDescription> ranges{{64, 32, 32}, {1024, 128, 64}, {32768, 2048, 256}};
-        const auto holds = [&](const RangeDescription& range) {
-            return position <= range.position && velocity <= range.velocity &&
-                   angular_velocity <= range.angular_velocity;
-        };
-        const auto smallest = std::find_if(ranges.begin(), ranges.end(), holds);
-        scene_.range = draw_.one_in(20) ? draw_.of(ranges) : smallest == ranges.end() ? ranges.back() : *smallest;
+        for (const SpringDescription& spring : scene_.springs) x = std::max(x, norm(vector(spring.to)));
+        for (const PlaneDescription& plane : scene_.planes) x = std::max(x, std::abs(plane.offset) / 4);
+        scene_.range = held_by("field");
+        for (const char* name : {"room", "near"}) {
+            const RangeDescription range = held_by(name);
+            if (x <= range.position && v <= range.velocity && w <= range.angular_velocity) scene_.range = range;
+        }
+        if (draw_.one_in(20)) scene_.range = held_by("near");
     }
     // Any number of the scene, times anything.
     void make_absurd() {
@@ -376,16 +309,11 @@ private:
 }  // namespace
 
 double reach(const BodyDescription& body) {
-    const auto& s = body.shape.size;
+    const auto& [a, b, c] = body.shape.size;
     switch (body.shape.kind) {
-    case ShapeKind::box: return norm(vector(s)) / 2;
-    case ShapeKind::cylinder: return std::hypot(s[0], s[1] / 2);
-    case ShapeKind::capsule: return s[0] + s[1] / 2;
-    case ShapeKind::none:
-        return body.inertia
-                   ? std::sqrt(std::max({(*body.inertia)[0], (*body.inertia)[1], (*body.inertia)[2]}) / *body.mass)
-                   : 1;
-    default: return s[0];
+    case ShapeKind::box: return norm(Vector{a, b, c}) / 2;
+    case ShapeKind::none: return body.inertia ? std::sqrt((*body.inertia)[0] / *body.mass) : 1;
+    default: return a + b / 2;
     }
 }
 

@@ -22,45 +22,44 @@ struct Trial {
 
 [[nodiscard]] Trial draw_trial(std::uint64_t seed, std::uint64_t index);
 
-// What a number of a scene measures: a length, a velocity, an angle (a part of a quaternion), a spin, or a factor of
-// the motion such as a mass, a stiffness or a size.
+// As a file for `tumble run`: the reader makes the same scene of it, numbers to their last bit. Not of shapes `points`.
+[[nodiscard]] std::string scene_text(const host::SceneDescription& scene);
+
+// What a number measures: a length, a velocity, a part of a quaternion, a spin; or a factor such as a mass or a size.
 enum class Quantity { position, velocity, angle, spin, factor };
 
 // Calls visit(double&, Quantity) with every number that sets the motion. Moments of inertia stay as they are, because
-// no other change keeps their triangle inequality.
+// few changes keep their triangle inequality.
 template <class Visit>
 void for_each_number(host::SceneDescription& scene, const Visit& visit) {
-    const auto each = [&](auto& array, Quantity quantity) {
-        for (double& x : array) visit(x, quantity);
+    const auto all = [&](auto& numbers, Quantity quantity) {
+        for (double& x : numbers) visit(x, quantity);
     };
-    each(scene.gravity, Quantity::factor);
-    for (double* x : {&scene.gravitation, &scene.linear_drag, &scene.angular_drag, &scene.contact.restitution,
-                      &scene.contact.friction, &scene.contact.stiffness, &scene.contact.damping})
+    host::ContactDescription& contact = scene.contact;
+    all(scene.gravity, Quantity::factor);
+    for (double* x : {&scene.gravitation, &scene.linear_drag, &scene.angular_drag, &contact.restitution,
+                      &contact.friction, &contact.stiffness, &contact.damping})
         visit(*x, Quantity::factor);
-    for (host::PlaneDescription& plane : scene.planes) {
-        each(plane.normal, Quantity::angle);
+    for (auto& plane : scene.planes) {
+        all(plane.normal, Quantity::angle);
         visit(plane.offset, Quantity::position);
     }
-    for (host::BodyDescription& body : scene.bodies) {
+    for (auto& body : scene.bodies) {
         visit(*body.mass, Quantity::factor);
-        each(body.shape.size, Quantity::factor);
-        each(body.position, Quantity::position);
-        each(body.velocity, Quantity::velocity);
-        each(body.orientation, Quantity::angle);
-        each(body.angular_velocity, Quantity::spin);
+        all(body.shape.size, Quantity::factor);
+        all(body.position, Quantity::position);
+        all(body.velocity, Quantity::velocity);
+        all(body.orientation, Quantity::angle);
+        all(body.angular_velocity, Quantity::spin);
     }
-    for (host::SpringDescription& spring : scene.springs) {
+    for (auto& spring : scene.springs) {
         for (double* x : {&spring.stiffness, &spring.damping, &spring.rest_length}) visit(*x, Quantity::factor);
-        each(spring.to, Quantity::position);
+        all(spring.to, Quantity::position);
     }
-    for (host::ImpulseDescription& impulse : scene.impulses) {
-        each(impulse.impulse, Quantity::factor);
-        each(impulse.angular_impulse, Quantity::factor);
-    }
-    for (host::ForceDescription& force : scene.forces) {
-        each(force.force, Quantity::factor);
-        each(force.torque, Quantity::factor);
-    }
+    for (auto& impulse : scene.impulses)
+        for (auto* numbers : {&impulse.impulse, &impulse.angular_impulse}) all(*numbers, Quantity::factor);
+    for (auto& force : scene.forces)
+        for (auto* numbers : {&force.force, &force.torque}) all(*numbers, Quantity::factor);
 }
 
 }  // namespace tumble::test
