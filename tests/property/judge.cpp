@@ -94,7 +94,7 @@ double depth_of(const BodyDescription& body, const Motion& m, const PlaneDescrip
 }
 
 // The law that a run breaks before it has a status, or nothing. What a step moves beside the straight line is not seen
-// within it; what presses on others may sink in with them, in f64 as well.
+// within it; what other bodies, springs or forces press into a plane may sink in, in f64 as well.
 std::string broken_law(const SceneDescription& scene, const Record& run, const Record& twin, const Units& units,
                        double count) {
     const double h = scene.step.seconds(), fall = length(vector_of(scene.gravity)) * h * h / 4;
@@ -116,7 +116,8 @@ std::string broken_law(const SceneDescription& scene, const Record& run, const R
             const Motion start{vector_of(body.position), {}, reference::rotation_of(body.orientation).normalized(), {}};
             for (const PlaneDescription& plane : scene.planes) {
                 double most = depth * run.contact_tolerance + fall + reach(body) * spin * h + count * units[0];
-                if (scene.bodies.size() > 1 && i < twin.moments.size())
+                if ((scene.bodies.size() > 1 || !scene.springs.empty() || !scene.forces.empty()) &&
+                    i < twin.moments.size())
                     most += 2 * std::max(0.0, depth_of(body, twin.moments[i].bodies[b], plane));
                 if (const double deep = depth_of(body, m, plane);
                     deep > most && depth_of(body, start, plane) <= run.contact_tolerance)
@@ -132,29 +133,32 @@ std::string broken_law(const SceneDescription& scene, const Record& run, const R
 
 // --- comparisons -----------------------------------------------------------------------------------------------------
 
-// A run held against its twin in f64 and against jolted runs of that. `forks`: what the contact band lets velocities
-// differ by may move bodies apart from the start on.
-Judgement hold(const Record& run, const Record& twin, const std::vector<Record>& jolts, const SceneDescription& scene,
-               const Units& units, bool forks) {
-    const double h = scene.step.seconds(), speed = length(vector_of(scene.gravity)) * h / 2;
+// A run held against its twin in f64 and against jolted runs of that. `own`: jolted runs in its own numbers, whose
+// distance from it is rounding, too; with them, what the contact band lets velocities differ by may move bodies apart
+// from the start on.
+Judgement hold(const Record& run, const Record& twin, const std::vector<Record>& jolts, const std::vector<Record>& own,
+               const SceneDescription& scene, const Units& units) {
+    const double h = scene.step.seconds(), speed = length(vector_of(scene.gravity)) * h;
     const bool bounces = scene.contact.response == ContactResponse::impulse;
     const std::vector<std::int64_t> moments = moments_of(scene);
     std::size_t count = std::min(twin.moments.size(), run.moments.size());
-    for (const Record& jolt : jolts) count = std::min(count, jolt.moments.size());
+    for (const auto* records : {&jolts, &own})
+        for (const Record& record : *records) count = std::min(count, record.moments.size());
     std::vector<Errors> magnified(scene.bodies.size(), {unit(units, Quantity::position), unit(units, Quantity::angle)});
     Judgement judgement;
     for (std::size_t i = 0; i < count; ++i) {
         for (std::size_t b = 0; b < magnified.size(); ++b) {
             const double size = reach(scene.bodies[b]), way = twin.moments.back().way_m[b] + size;
             // A bounce within the contact band, or shorter than a step, may happen in another step or not at all.
-            double band = bounces ? found * twin.contact_tolerance + 2 * speed * h : 0, angle = band / size;
-            if (bounces && forks) {
+            double band = bounces ? found * twin.contact_tolerance + speed * h : 0, angle = band / size;
+            if (bounces && !own.empty()) {
                 const double time = h * static_cast<double>(moments[i]);
                 band += std::min(speed * time, useful / 2 * way);
                 angle += std::min(speed / size * time, useful / 2);
             }
             const Motion& motion = twin.moments[i].bodies[b];
             for (const Record& jolt : jolts) magnified[b].see(motion, jolt.moments[i].bodies[b]);
+            for (const Record& jolt : own) magnified[b].see(run.moments[i].bodies[b], jolt.moments[i].bodies[b]);
             const Errors bound{rounding_factor * magnified[b].position_m + band,
                                rounding_factor * magnified[b].orientation_rad + angle};
             if (bound.position_m > std::max(useful * way, 2 * band) ||
@@ -230,17 +234,15 @@ Judgement judge_scene(const Trial& trial) {
         judgement = status.empty() ? hold_by_verdict(scene, method) : Judgement{};
     } else {
         Random random(1);
-        std::vector<Record> jolts;
-        const auto jolt = [&](std::initializer_list<double> factors) {
+        const auto jolts = [&](const std::vector<double>& factors, const Method& with) {
+            std::vector<Record> records;
             for (const double factor : factors)
-                jolts.push_back(run_of(jolted(alike, units, factor * count, random), in_f64));
+                records.push_back(run_of(jolted(alike, units, factor * count, random), with));
+            return records;
         };
-        jolt({1, 8});
-        judgement = hold(run, twin, jolts, alike, units, false);
-        if (judgement.kind == Kind::wrong) {
-            jolt({1, 1, 1, 1, 8, 8, 8, 64});
-            judgement = hold(run, twin, jolts, alike, units, true);
-        }
+        judgement = hold(run, twin, jolts({1, 8}, in_f64), {}, alike, units);
+        if (judgement.kind == Kind::wrong)
+            judgement = hold(run, twin, jolts({1, 1, 1, 1, 8, 8, 8, 64}, in_f64), jolts({1, 8}, method), alike, units);
     }
     if (judgement.kind == Kind::wrong) return judgement;
     judgement.kind = !status.empty() ? Kind::told : judgement.compared < 0.5 ? Kind::undecided : Kind::agrees;

@@ -3,8 +3,8 @@
 // 1. Fixed point and floats agree with double precision. The run stays near the same run in f64, with the same step
 //    and contact band, within what rounding explains: further runs in f64 from starts and constants that are off by
 //    that rounding show how the motion magnifies it. Where the bound exceeds a tenth of the motion, rounding decides
-//    and the comparison ends. What is beyond the bound is judged again with four times as many such runs, since a
-//    motion may come to a fork.
+//    and the comparison ends. What is beyond the bound is judged again with four times as many such runs and
+//    with two in the run's own numbers, since a motion may come to a fork.
 // 2. Double precision agrees with the verdict's references as far as the step allows: a run in f64 that the verdict
 //    calls wrong has at most half of the error at a quarter, a 16th or a 64th of the step, or a status there.
 // 3. Quaternions have unit length, a body that was clear of a plane is not deep in it, an isolated scene keeps its

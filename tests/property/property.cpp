@@ -2,7 +2,7 @@
 // property of judge.hpp, with what repeats it. Trials run in child processes, so that a trap, a sanitizer's report or
 // an endless loop is a finding like others.
 #include <sys/mman.h>
-#include <sys/resource.h>
+#include <sys/time.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -31,7 +31,7 @@ namespace {
 using namespace host;
 using Kind = Judgement::Kind;
 
-constexpr rlim_t seconds_of_a_trial = 60;  // CPU, under sanitizers too
+constexpr time_t seconds_of_a_trial = 60;  // CPU, under sanitizers too
 // Largest shares of random scenes that may be refused or undecided, where there are enough scenes to tell.
 constexpr double most_refused = 0.06, most_undecided = 0.4;
 constexpr std::size_t enough_scenes = 1000;
@@ -56,11 +56,8 @@ struct Slot {
 // In a child: every jobs-th trial from the first on.
 [[noreturn]] void judge_in_child(Slot* slots, const std::vector<Trial>& trials, std::size_t first, unsigned jobs) {
     for (std::size_t i = first; i < trials.size(); i += jobs) {
-        rusage used{};
-        getrusage(RUSAGE_SELF, &used);
-        const rlim_t seconds = static_cast<rlim_t>(used.ru_utime.tv_sec + used.ru_stime.tv_sec) + seconds_of_a_trial;
-        const rlimit limit{seconds, RLIM_INFINITY};
-        setrlimit(RLIMIT_CPU, &limit);
+        const itimerval timer{{}, {seconds_of_a_trial, 0}};  // its signal ends the process
+        setitimer(ITIMER_PROF, &timer, nullptr);
         slots[i].set(judge(trials[i]));
     }
     std::_Exit(0);

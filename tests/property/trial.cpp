@@ -5,8 +5,6 @@
 #include "trial.hpp"
 
 #include <algorithm>
-#include <array>
-#include <charconv>
 #include <cmath>
 #include <vector>
 
@@ -20,19 +18,7 @@ namespace {
 using namespace host;
 using Vector = reference::Vec<double>;
 
-constexpr int digits_of_position = 10;  // so that small things may stand far from the origin
-
-// The nearest decimal of some digits.
-double short_decimal(double x, int digits = 5) {
-    std::array<char, 32> text{};
-    const auto end = std::to_chars(text.begin(), text.end(), x, std::chars_format::scientific, digits - 1).ptr;
-    double read = 0;
-    std::from_chars(text.begin(), end, read);
-    return read;
-}
-Triple triple(const Vector& v, int digits = 5) {
-    return {short_decimal(v.x, digits), short_decimal(v.y, digits), short_decimal(v.z, digits)};
-}
+Triple triple(const Vector& v) { return {v.x, v.y, v.z}; }
 Vector vector(const Triple& t) { return {t[0], t[1], t[2]}; }
 
 class Draw : public Random {
@@ -44,18 +30,16 @@ public:
     const T& of(const std::vector<T>& choices) {
         return choices[static_cast<std::size_t>(between(0, static_cast<int>(choices.size()) - 1))];
     }
-    double uniform(double low, double high) { return short_decimal(Random::uniform(low, high)); }
     // Any power of two between the ends is as likely as another.
     double magnitude(double low, double high) {
-        const double x = std::ldexp(Random::uniform(1.0, 2.0), between(std::ilogb(low), std::ilogb(high)));
-        return short_decimal(std::clamp(x, low, high));
+        const double x = std::ldexp(uniform(1.0, 2.0), between(std::ilogb(low), std::ilogb(high)));
+        return std::clamp(x, low, high);
     }
     // Of unit length; a third of them along an axis of the world.
     Vector direction() {
         Vector v;
         if (one_in(3)) v[between(0, 2)] = one_in(2) ? 1 : -1;
-        while (!(norm(v) > 0.1 && norm(v) <= 1))
-            v = Vector{Random::uniform(-1, 1), Random::uniform(-1, 1), Random::uniform(-1, 1)};
+        while (!(norm(v) > 0.1 && norm(v) <= 1)) v = Vector{uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)};
         return v * (1 / norm(v));
     }
 };
@@ -106,11 +90,8 @@ private:
     // m/s^2, of a h^2 / size.
     double acceleration(double low, double high) { return draw_.magnitude(low, high) * size_ / (h_ * h_); }
 
-    // --- bodies ------------------------------------------------------------------------------------------------------
-
     ShapeDescription shape(bool touches) {
-        const double thin = short_decimal(size_ * draw_.magnitude(1e-3, 1)),
-                     edge = short_decimal(size_ * draw_.uniform(0.3, 1));
+        const double thin = size_ * draw_.magnitude(1e-3, 1), edge = size_ * draw_.uniform(0.3, 1);
         const ShapeDescription shapes[] = {
             {ShapeKind::sphere, {size_}, {}},          {ShapeKind::box, {size_, edge, edge}, {}},
             {ShapeKind::box, {size_, thin, edge}, {}}, {ShapeKind::cylinder, {size_, thin}, {}},
@@ -125,14 +106,14 @@ private:
             BodyDescription body;
             body.name = "body " + std::to_string(b + 1);
             body.shape = shape(touches);
-            body.mass = draw_.one_in(2) ? mass : short_decimal(mass * draw_.magnitude(1e-4, 1));
+            body.mass = draw_.one_in(2) ? mass : mass * draw_.magnitude(1e-4, 1);
             if (!touches && draw_.one_in(6)) {
                 const double x = draw_.magnitude(0.01, 1), y = draw_.magnitude(0.01, 1),
                              part = draw_.uniform(0.01, 0.99);
-                body.inertia = {x, y, short_decimal(std::abs(x - y) + 2 * std::min(x, y) * part), 0, 0, 0};
+                body.inertia = {x, y, std::abs(x - y) + 2 * std::min(x, y) * part, 0, 0, 0};
             }
             place = place + row * (reach(body) + gap);
-            body.position = triple(place, digits_of_position);
+            body.position = triple(place);
             place = place + row * (1.0001 * reach(body));
             if (speed > 0) {
                 if (!draw_.one_in(4))
@@ -152,8 +133,6 @@ private:
         return mass;
     }
 
-    // --- loads -------------------------------------------------------------------------------------------------------
-
     Triple point_of(const BodyDescription& body) {
         return draw_.one_in(3) ? Triple{} : triple(draw_.direction() * (draw_.magnitude(1e-3, 1) * reach(body)));
     }
@@ -166,9 +145,8 @@ private:
                      force = triple(draw_.direction() * (acceleration(1e-7, 1e-3) * mass)), none{},
                      turn = triple(draw_.direction() * (moment * spin())),
                      torque = triple(draw_.direction() * (moment * spin() / time));
-        const double at = short_decimal(time * draw_.uniform(0, 0.9)),
-                     from = short_decimal(time * draw_.uniform(0, 0.5)),
-                     until = short_decimal(from + time * draw_.uniform(0.1, 0.45));
+        const double at = time * draw_.uniform(0, 0.9), from = time * draw_.uniform(0, 0.5),
+                     until = from + time * draw_.uniform(0.1, 0.45);
         if (!draw_.one_in(3)) scene_.impulses.push_back({at, b, frame, push, point, draw_.one_in(3) ? turn : none});
         if (!draw_.one_in(3))
             scene_.forces.push_back({b, from, until, frame, force, point, draw_.one_in(3) ? torque : none});
@@ -188,13 +166,13 @@ private:
             spring.to = point_of(other);
         } else {
             distance = std::min(distance, 3e4);
-            spring.to = triple(vector(body.position) + draw_.direction() * distance, digits_of_position);
+            spring.to = triple(vector(body.position) + draw_.direction() * distance);
         }
         double hw = draw_.magnitude(0.004, 4);
         if (draw_.one_in(2)) hw = std::min(hw, h_ * std::sqrt(acceleration(1e-6, 1e-2) / distance));
-        else spring.rest_length = short_decimal(std::max(0.0, distance + size_ * draw_.uniform(-0.3, 0.3)));
-        spring.stiffness = short_decimal(mass * hw * hw / (h_ * h_));
-        if (draw_.one_in(2)) spring.damping = short_decimal(2 * mass * hw / h_ * draw_.magnitude(0.01, 2));
+        else spring.rest_length = std::max(0.0, distance + size_ * draw_.uniform(-0.3, 0.3));
+        spring.stiffness = mass * hw * hw / (h_ * h_);
+        if (draw_.one_in(2)) spring.damping = 2 * mass * hw / h_ * draw_.magnitude(0.01, 2);
         scene_.springs.push_back(spring);
     }
     // By h times the rate at which bodies turn about each other that are some sizes apart.
@@ -202,10 +180,8 @@ private:
         const double rate = draw_.magnitude(1e-4, 0.2) / h_, apart = size_ * draw_.magnitude(1, 10);
         for (BodyDescription& body : scene_.bodies)
             if (!body.fixed) body.velocity = triple(draw_.direction() * std::min(rate * apart, 500.0));
-        scene_.gravitation = short_decimal(rate * rate * apart * apart * apart / *scene_.bodies.front().mass);
+        scene_.gravitation = rate * rate * apart * apart * apart / *scene_.bodies.front().mass;
     }
-
-    // --- kinds of scenes ---------------------------------------------------------------------------------------------
 
     void flight() {
         scene_.contact.response = ContactResponse::none;
@@ -214,8 +190,8 @@ private:
         if (draw_.one_in(2)) add_pushes();
         if (!draw_.one_in(3)) return;
         const double rate = draw_.magnitude(1e-4, 4) / h_;
-        scene_.linear_drag = short_decimal(lightest() * rate);
-        if (draw_.one_in(2)) scene_.angular_drag = short_decimal(scene_.linear_drag * size_ * size_ / 40);
+        scene_.linear_drag = lightest() * rate;
+        if (draw_.one_in(2)) scene_.angular_drag = scene_.linear_drag * size_ * size_ / 40;
     }
     // Bodies above a floor, on it or on each other, and walls at any distance.
     void contacts(ContactResponse response) {
@@ -223,15 +199,14 @@ private:
         contact.response = response;
         contact.restitution = draw_.one_in(3) ? 0.0 : draw_.one_in(4) ? 1.0 : draw_.uniform(0, 1);
         if (draw_.one_in(2)) contact.friction = draw_.magnitude(0.01, 2);
-        if (draw_.one_in(2)) contact.tolerance = short_decimal(size_ * draw_.magnitude(1e-5, 0.1));
+        if (draw_.one_in(2)) contact.tolerance = size_ * draw_.magnitude(1e-5, 0.1);
         if (draw_.one_in(6)) contact.sleep = SleepDescription{0.03, 0.05, draw_.uniform(0.05, 0.5)};
         const bool stands = draw_.one_in(4);
         const Vector up = stands ? Vector{0, 1, 0} : draw_.direction();
         if (!draw_.one_in(8)) scene_.gravity = triple(up * -acceleration(1e-6, 0.01));
         add_bodies(draw_.between(1, 3), true, stands ? up : draw_.direction(), size_ * draw_.magnitude(1e-3, 1),
                    stands ? 0 : speed(1e-5, 0.3));
-        double top = short_decimal(centre_.y, digits_of_position);
-        if (stands) centre_.y = top;
+        double top = centre_.y;
         for (BodyDescription& body : scene_.bodies) {
             const double half = body.shape.kind == ShapeKind::box ? body.shape.size[1] / 2 : body.shape.size[0];
             if (stands) body.position[1] = top + half;
@@ -239,8 +214,8 @@ private:
         }
         if (stands && draw_.one_in(2)) scene_.bodies.back().velocity = {speed(1e-5, 0.1), 0, speed(1e-5, 0.1)};
         const double mass = lightest(), hw = draw_.magnitude(0.004, 1);
-        contact.stiffness = short_decimal(mass * hw * hw / (h_ * h_));
-        if (draw_.one_in(2)) contact.damping = short_decimal(2 * mass * hw / h_ * draw_.magnitude(0.01, 1));
+        contact.stiffness = mass * hw * hw / (h_ * h_);
+        if (draw_.one_in(2)) contact.damping = 2 * mass * hw / h_ * draw_.magnitude(0.01, 1);
         if (stands) add_plane(up, centre_);
         else add_plane_below(up, size_ * draw_.magnitude(1e-4, 4));
         for (int i = draw_.between(0, 3); i > 0; --i)
@@ -255,13 +230,13 @@ private:
             depth = std::max(depth, 1.0001 * reach(body) - dot(normal, vector(body.position) - centre_));
         add_plane(normal, centre_ - normal * (depth + gap));
     }
-    // n . (p - point) = 0; the normal has five digits, and the plane stays clear of what it is clear of.
+    // n . (p - point) = 0; rounding leaves it clear of what it is clear of.
     void add_plane(const Vector& normal, const Vector& point) {
         PlaneDescription plane;
         plane.name = "plane " + std::to_string(scene_.planes.size() + 1);
         plane.normal = triple(normal);
         const double offset = -dot(vector(plane.normal), point) / norm(vector(plane.normal));
-        plane.offset = short_decimal(offset + 1e-9 * std::abs(offset), digits_of_position);
+        plane.offset = offset + 1e-9 * std::abs(offset);
         if (draw_.one_in(3)) plane.restitution = draw_.uniform(0, 1);
         scene_.planes.push_back(plane);
     }
@@ -294,8 +269,7 @@ private:
         for_each_number(scene_, [&](double& x, Quantity) {
             if (x != 0) numbers.push_back(&x);
         });
-        double& number = *draw_.of(numbers);
-        number = short_decimal(number * factor);
+        *draw_.of(numbers) *= factor;
     }
 
     Draw draw_;

@@ -1,5 +1,5 @@
 // Random scenes, and the method and the number system in which each is run. A trial follows from two numbers alone, on
-// every machine: each drawn number is a short decimal, made without functions whose last bit depends on a library.
+// every machine: no function is used whose last bit depends on a library.
 #pragma once
 
 #include <cstdint>

@@ -81,8 +81,7 @@ TEST(Outcome, AMotionOfAnotherKindIsSilentUnlessItIsTold) {
     EXPECT_EQ(Case{}.error(std::nan("")).letter(), 's');
     EXPECT_EQ(Case{}.error(1).energy(2.1).wrong_by_verdict().letter(), 'b');
     EXPECT_EQ(Case{}.error(1).energy(2.1).status("range_left").letter(), 'r');
-    EXPECT_EQ(Case{}.error(1).energy(2.1).status("range_left").named().letter(), 'b');
-    EXPECT_EQ(Case{}.error(1).energy(1).status("step_bound_hit").named().letter(), 't');
+    EXPECT_EQ(Case{}.error(1).energy(2.1).status("step_bound_hit").wrong_by_verdict().letter(), 't');
     EXPECT_EQ(Case{}.error(0).status("range_left").letter(), 'r');
 }
 
