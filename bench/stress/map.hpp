@@ -162,10 +162,10 @@ private:
 
 // What is known of a cell beside the run. The functions are called only where they decide.
 struct Expectation {
-    double floor = 0, floor_in_f64 = 0;     // error that rounding alone makes
-    std::function<double()> of_order;       // error that the method's order gives
-    std::function<Measured()> in_f64;       // the same run in f64
-    std::function<std::string()> wrong;     // why the verdict on the cell is that it is wrong; empty: it is not
+    double floor = 0, floor_in_f64 = 0;  // error that rounding alone makes
+    std::function<double()> of_order;    // error that the method's order gives
+    std::function<Measured()> in_f64;    // the same run in f64
+    std::function<std::string()> wrong;  // why the verdict on the cell is that it is wrong; empty: it is not
     bool is_f64 = false;
     Bounds bounds;
 };

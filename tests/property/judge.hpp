@@ -8,7 +8,7 @@
 // 2. Double precision agrees with the verdict's references as far as the step allows: a run in f64 that the verdict
 //    calls wrong has at most half of the error at a quarter, a 16th or a 64th of the step, or a status there.
 // 3. Quaternions have unit length, a body that was clear of a plane is not deep in it, an isolated scene keeps its
-//    momentum, and where residuals are carried energy that no load gave grows only if it does in f64.
+//    momentum, and with residuals and a method of order 2 energy that no load gave grows only if it does in f64.
 // 4. A status ends all comparisons: what the kernel reports may be wrong from there on.
 #pragma once
 

@@ -128,7 +128,7 @@ std::vector<SceneDescription> smaller(const SceneDescription& scene) {
     drop_each(&SceneDescription::forces);
     if (scene.contact.sleep) list.emplace_back(scene).contact.sleep.reset();
     SceneDescription changed = scene;
-    for_each_number(changed, [&](double& x, Quantity) {
+    for_each_number(changed, [&](double& x, Measure) {
         if (const double number = std::exchange(x, 0); number != 0) list.push_back(changed), x = number;
     });
     return list;

@@ -266,7 +266,7 @@ private:
         double factor = draw_.magnitude(10, draw_.one_in(4) ? 1e25 : 1e5);
         if (draw_.one_in(3)) factor = 1 / factor;
         std::vector<double*> numbers;
-        for_each_number(scene_, [&](double& x, Quantity) {
+        for_each_number(scene_, [&](double& x, Measure) {
             if (x != 0) numbers.push_back(&x);
         });
         *draw_.of(numbers) *= factor;
