@@ -78,8 +78,6 @@ SceneDescription jolted(SceneDescription scene, const Units& units, double count
     return scene;
 }
 
-// --- laws ------------------------------------------------------------------------------------------------------------
-
 bool is_isolated(const SceneDescription& scene) {
     return scene.impulses.empty() && scene.forces.empty() && scene.planes.empty() && scene.gravity == Triple{} &&
            scene.linear_drag == 0 && !scene.contact.sleep &&
@@ -130,8 +128,6 @@ std::string broken_law(const SceneDescription& scene, const Record& run, const R
     }
     return {};
 }
-
-// --- comparisons -----------------------------------------------------------------------------------------------------
 
 // A run held against its twin in f64 and against jolted runs of that. `own`: jolted runs in its own numbers, whose
 // distance from it is rounding, too; with them, what the contact band lets velocities differ by may move bodies apart

@@ -97,8 +97,6 @@ std::vector<Judgement> judge_all(const std::vector<Trial>& trials, unsigned jobs
     return judgements;
 }
 
-// --- smaller scenes that are still wrong -----------------------------------------------------------------------------
-
 void drop_body(SceneDescription& scene, int body) {
     const auto drop_those = [body](auto& list, auto of) {
         std::erase_if(list, [&](const auto& item) { return item.*of == body; });
@@ -148,8 +146,6 @@ void shrink(Trial& trial, Judgement& judgement) {
         }
     }
 }
-
-// --- trials and their report -----------------------------------------------------------------------------------------
 
 // The part of the message with which a file is to be refused, in a line of its own.
 std::string expected_refusal(const std::string& file) {
@@ -224,14 +220,12 @@ int main(int argc, char** argv) try {
     unsigned jobs = std::max(1u, std::thread::hardware_concurrency());
     std::string write;
     std::vector<std::string> files;
-    bool is_verbose = false;
     CLI::App app{"Runs random scenes or scene files and holds them against double precision and fine references."};
     app.add_option("--seed", seed, "seed of the scenes; a new one otherwise, which is printed");
     app.add_option("--first", first, "number of the first scene");
     app.add_option("--scenes", scenes, "number of scenes")->capture_default_str()->check(CLI::PositiveNumber);
     app.add_option("--jobs", jobs, "processes")->check(CLI::PositiveNumber);
     app.add_option("--write", write, "directory for the wrong scenes, made as small as possible");
-    app.add_flag("--verbose", is_verbose, "print every trial");
     app.add_option("files", files, "scenes to judge instead of random ones");
     CLI11_PARSE(app, argc, argv);
 
@@ -247,7 +241,7 @@ int main(int argc, char** argv) try {
         Judgement judgement = judgements[i];
         if (judgement.kind == Kind::refused && !files.empty()) judgement.kind = Kind::wrong;  // by the simulation
         share[judgement.kind] += 1 / static_cast<double>(trials.size());
-        if (judgement.kind != Kind::wrong && !is_verbose) continue;
+        if (judgement.kind != Kind::wrong) continue;
         const std::string options = "--integrator " + method.integrator + " --numbers " + method.numbers + " --carry " +
                                     (method.carry ? "on" : "off");
         std::cout << words[static_cast<int>(judgement.kind)] << " " << kind << ", scene " << first + i << " ("
@@ -256,7 +250,7 @@ int main(int argc, char** argv) try {
                   << tumble::host::few_digits(judgement.share) << ")\n";
         const auto path =
             std::filesystem::path(write) / (std::to_string(seed) + "-" + std::to_string(first + i) + ".toml");
-        if (judgement.kind == Kind::wrong && !write.empty()) write_shrunk(path, trials[i], judgement, options);
+        if (!write.empty()) write_shrunk(path, trials[i], judgement, options);
     }
     print_table(trials, judgements);
     const bool tests_little = files.empty() && trials.size() >= enough_scenes &&
