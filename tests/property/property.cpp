@@ -33,7 +33,7 @@ using Kind = Judgement::Kind;
 
 constexpr time_t seconds_of_a_trial = 60;  // CPU, under sanitizers too
 // Largest shares of random scenes that may be refused or undecided, where there are enough scenes to tell.
-constexpr double most_refused = 0.06, most_undecided = 0.4;
+constexpr double most_refused = 0.06, most_undecided = 0.25;
 constexpr std::size_t enough_scenes = 1000;
 constexpr const char* words[] = {"agrees", "undecided", "told", "refused", "WRONG"};  // of kinds
 

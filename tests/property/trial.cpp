@@ -260,8 +260,7 @@ private:
         }
         if (draw_.one_in(20)) scene_.range = held_by("near");
     }
-    // Any number of the scene, times anything.
-    void make_absurd() {
+    void make_absurd() {  // any number of the scene, times anything
         trial_.kind = "absurd";
         double factor = draw_.magnitude(10, draw_.one_in(4) ? 1e25 : 1e5);
         if (draw_.one_in(3)) factor = 1 / factor;
