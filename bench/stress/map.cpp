@@ -143,7 +143,9 @@ Verdict Map::judge(double x, double y, const Method& method, host::Simulation& s
         options.explains = false;
         const auto cell = scene(x, y);
         const host::Verdict verdict = host::verdict_of(cell, method, options);
-        return verdict.kind == host::Verdict::Kind::wrong ? host::sentence_of(verdict, cell, method) : "";
+        // In floating point a run that leaves a declared [range] is told by the command alone.
+        const bool is_wrong = verdict.kind == host::Verdict::Kind::wrong || verdict.kind == host::Verdict::Kind::told;
+        return is_wrong ? host::sentence_of(verdict, cell, method) : "";
     };
     expectation.is_f64 = method.numbers == "f64";
     expectation.floor_in_f64 = rounding_floor(x, y, in_f64(method));
