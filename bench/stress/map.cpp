@@ -11,6 +11,7 @@
 
 #include "drawing.hpp"
 #include "tools/text.hpp"
+#include "verdict/verdict.hpp"
 
 namespace tumble::bench::stress {
 namespace {
@@ -25,7 +26,7 @@ const char* words_of(Outcome outcome) {
     switch (outcome) {
     case Outcome::accurate: return "accurate";
     case Outcome::drifts: return "drifts";
-    case Outcome::blows_up: return "blows up, warned of";
+    case Outcome::blows_up: return "blows up, wrong by the verdict";
     case Outcome::range_left: return "range left, told";
     case Outcome::told: return "told by another status";
     case Outcome::silent: return "silent";
@@ -110,13 +111,6 @@ Measured Map::measure(double x, double y, const Method& method) const {
     return measure(x, y, *simulation);
 }
 
-std::vector<host::Limit> Map::exceeded_limits(double x, double y, const Method& method) const {
-    return host::exceeded_limits(scene(x, y), method.integrator, method.numbers, method.carry);
-}
-
-std::optional<double> Map::limit(double y, const Method& method) const {
-    return limit_where(y, [&](double x) { return !exceeded_limits(x, y, method).empty(); });
-}
 std::optional<double> Map::limit_where(double y, const std::function<bool(double)>& is_beyond) const {
     std::vector<double> xs = x_.fine;  // from the shortest step on
     if (scene(xs.front(), y).step.seconds() > scene(xs.back(), y).step.seconds()) std::reverse(xs.begin(), xs.end());
@@ -144,9 +138,14 @@ Verdict Map::judge(double x, double y, const Method& method, host::Simulation& s
     expectation.floor = rounding_floor(x, y, method);
     expectation.of_order = [&] { return expected_error(x, y, method); };
     expectation.in_f64 = [&] { return measure(x, y, in_f64(method)); };
-    expectation.exceeded = [&]() -> std::string {
-        const auto limits = exceeded_limits(x, y, method);
-        return limits.empty() ? "" : limits.front().sentence;
+    expectation.wrong = [&]() -> std::string {
+        host::VerdictOptions options;
+        options.explains = false;
+        const auto cell = scene(x, y);
+        const host::Verdict verdict = host::verdict_of(cell, method, options);
+        // In floating point a run that leaves a declared [range] is told by the command alone.
+        const bool is_wrong = verdict.kind == host::Verdict::Kind::wrong || verdict.kind == host::Verdict::Kind::told;
+        return is_wrong ? host::sentence_of(verdict, cell, method) : "";
     };
     expectation.is_f64 = method.numbers == "f64";
     expectation.floor_in_f64 = rounding_floor(x, y, in_f64(method));
@@ -168,12 +167,12 @@ Verdict judge(const Measured& run, const Expectation& expectation) {
     else if (run.depth > bounds.depth) wrong = with_number("depth in tolerances", run.depth);
     else if (run.error > bounds.error && !explained_up_to(Bounds::unbounded)) wrong = error;
     if (!wrong.empty() || !run.troubles.empty()) {
-        const std::string status = run.troubles.empty() ? "" : run.troubles.front().issue;
-        const bool range_left = status == name_of(Issue::range_left);
-        const std::string limit = expectation.exceeded();
-        if (!limit.empty() && (!wrong.empty() || range_left)) return {Outcome::blows_up, limit};
-        if (!status.empty()) return {range_left ? Outcome::range_left : Outcome::told, status};
-        return {Outcome::silent, wrong};
+        if (!run.troubles.empty()) {
+            const std::string& status = run.troubles.front().issue;
+            return {status == name_of(Issue::range_left) ? Outcome::range_left : Outcome::told, status};
+        }
+        const std::string verdict = expectation.wrong();
+        return verdict.empty() ? Verdict{Outcome::silent, wrong} : Verdict{Outcome::blows_up, verdict};
     }
     if (run.error <= always_accurate || explained_up_to(largest_accurate_error)) return {Outcome::accurate, {}};
     if (!expectation.is_f64 && run.error > least_silent_error && run.error > number_system_factor * expectation.floor) {

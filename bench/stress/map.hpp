@@ -13,7 +13,6 @@
 #include <vector>
 
 #include "scene/description.hpp"
-#include "simulation/limits.hpp"
 #include "simulation/simulation.hpp"
 #include "stress/scene_file.hpp"
 #include "verdict/accuracy.hpp"
@@ -26,10 +25,10 @@ using host::Method;
 enum class Outcome : char {
     accurate = 'a',    // as accurate as the method's order and the number system's rounding let it be, and within 0.1
     drifts = 'd',      // wrong, but a motion of the same kind: bounded energy, orientation of unit length, no status
-    blows_up = 'b',    // beyond that; a limit of the method that the step is beyond names it beforehand
+    blows_up = 'b',    // beyond that without a status, and the verdict of `tumble run` is that the run is wrong
     range_left = 'r',  // the status says that a value left the range of its number system
-    told = 't',        // another status tells that the run is not to be relied on
-    silent = 's',      // wrong beyond drifting, or by far more than the number system explains, and nothing tells
+    told = 't',        // another status
+    silent = 's',      // wrong beyond drifting, or by far more than the number system explains: no status, no verdict
     not_run = '.',     // the method does not take such a scene
 };
 inline constexpr Outcome all_outcomes[] = {Outcome::accurate,   Outcome::drifts, Outcome::blows_up,
@@ -126,11 +125,9 @@ public:
     // The order at which the error shrinks with the step.
     [[nodiscard]] virtual int order(const host::IntegratorInfo& method) const { return method.order; }
 
-    // The limits that the cell exceeds, known before its run.
-    [[nodiscard]] std::vector<host::Limit> exceeded_limits(double x, double y, const Method& method) const;
-    // The largest x, from the shortest step on, at which the method is stable in theory; the end of the axis if there
-    // is none, empty if it is stable everywhere. From the warnings before a run, unless the map has a formula.
-    [[nodiscard]] virtual std::optional<double> limit(double y, const Method& method) const;
+    // The largest x, from the shortest step on, at which theory says that the method is stable; the end of the axis
+    // where it never is, empty where it always is or theory does not say.
+    [[nodiscard]] virtual std::optional<double> limit(double /*y*/, const Method& /*method*/) const { return {}; }
     // The outcome of a cell, or of a simulation of it that has not begun.
     [[nodiscard]] Verdict judge(double x, double y, const Method& method) const;
     [[nodiscard]] Verdict judge(double x, double y, const Method& method, host::Simulation& simulation) const;
@@ -165,10 +162,10 @@ private:
 
 // Facts of a cell beside its run. The functions are called only if the outcome depends on them.
 struct Expectation {
-    double floor = 0, floor_in_f64 = 0;     // error that rounding alone makes
-    std::function<double()> of_order;       // error that the method's order gives
-    std::function<Measured()> in_f64;       // the same run in f64
-    std::function<std::string()> exceeded;  // the first limit that the step is beyond; empty: none
+    double floor = 0, floor_in_f64 = 0;  // error that rounding alone makes
+    std::function<double()> of_order;    // error that the method's order gives
+    std::function<Measured()> in_f64;    // the same run in f64
+    std::function<std::string()> wrong;  // why the verdict on the cell is that it is wrong; empty: it is not
     bool is_f64 = false;
     Bounds bounds;
 };

@@ -51,7 +51,8 @@ public:
 
     // Throws ProcessorTime::TooDear.
     void run_references(const ProcessorTime& time) {
-        for (const int halvings : halvings_of_references) {
+        for (int pair = 0; pair < std::min<int>(options_.most_references, std::size(halvings_of_references)); ++pair) {
+            const int halvings = halvings_of_references[static_cast<std::size_t>(pair)];
             if (reference_) {
                 const bool has_failed = reference_->fine.moments.empty() || reference_->other.moments.empty();
                 if (reference_->lasts(moments_.size()) || (halvings == halvings_of_references.back() && !has_failed))

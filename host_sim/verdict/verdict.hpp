@@ -49,6 +49,7 @@ struct VerdictOptions {
     // position is wrong within the contact tolerance or the resolution of a position in the run's number system.
     double tolerance = 0.1;
     std::optional<double> most_seconds{};  // of processor time, for the references; none: as long as they take
+    int most_references = 3;               // pairs, each 4 times finer than the one before
     bool explains = true;                  // looks for cause and cure
 };
 

@@ -1,24 +1,26 @@
-// Random scenes, and what each is run with. A trial follows from two numbers alone, on every machine: what is drawn are
-// short decimals, made without functions whose last bit a library may choose.
+// Random scenes, and the method and the number system in which each is run. A trial follows from two numbers alone, on
+// every machine: no function is used whose last bit depends on a library.
 #pragma once
 
 #include <cstdint>
 #include <string>
 
-#include "scene/description.hpp"
+#include "scene/numbers.hpp"
+#include "scene/writer.hpp"
+#include "verdict/accuracy.hpp"
 
 namespace tumble::test {
 
-// A scene, and the run of it that is held against one in double precision.
+using host::for_each_number, host::Measure, host::scene_text;
+
 struct Trial {
     host::SceneDescription scene;
     std::string kind;  // of scene
-    std::string integrator, numbers;
-    bool carry = false;
+    host::Method method;
 };
 
-// The farthest point of a body's shape from its centre, m; without a shape its radius of gyration, and 1 of a point
-// mass.
+// The distance of the farthest point of a body's shape from its centre, m; without a shape its radius of gyration, and
+// 1 for a point mass.
 [[nodiscard]] double reach(const host::BodyDescription& body);
 
 [[nodiscard]] Trial draw_trial(std::uint64_t seed, std::uint64_t index);

@@ -21,7 +21,7 @@ struct Case {
         as_wrong.error = 1;
         return as_wrong;
     }();
-    std::string exceeded;
+    std::string verdict;
     bool is_f64 = false;
 
     [[nodiscard]] char letter() const {
@@ -30,7 +30,7 @@ struct Case {
         expectation.floor_in_f64 = floor_in_f64;
         expectation.of_order = [&] { return of_order; };
         expectation.in_f64 = [&] { return in_f64; };
-        expectation.exceeded = [&] { return exceeded; };
+        expectation.wrong = [&] { return verdict; };
         expectation.is_f64 = is_f64;
         return static_cast<char>(judge(run, expectation).outcome);
     }
@@ -54,8 +54,8 @@ struct Case {
         run.troubles.push_back({issue, 0, 0});
         return *this;
     }
-    Case& named() {
-        exceeded = "a limit";
+    Case& wrong_by_verdict() {
+        verdict = "wrong";
         return *this;
     }
     Case& error_in_f64(double value) {
@@ -79,10 +79,9 @@ TEST(Outcome, AMotionOfAnotherKindIsSilentUnlessItIsTold) {
     EXPECT_EQ(Case{}.error(1).energy(2.1).letter(), 's');
     EXPECT_EQ(Case{}.error(1).norm(1.0011).letter(), 's');
     EXPECT_EQ(Case{}.error(std::nan("")).letter(), 's');
-    EXPECT_EQ(Case{}.error(1).energy(2.1).named().letter(), 'b');
+    EXPECT_EQ(Case{}.error(1).energy(2.1).wrong_by_verdict().letter(), 'b');
     EXPECT_EQ(Case{}.error(1).energy(2.1).status("range_left").letter(), 'r');
-    EXPECT_EQ(Case{}.error(1).energy(2.1).status("range_left").named().letter(), 'b');
-    EXPECT_EQ(Case{}.error(1).energy(1).status("step_bound_hit").named().letter(), 't');
+    EXPECT_EQ(Case{}.error(1).energy(2.1).status("step_bound_hit").wrong_by_verdict().letter(), 't');
     EXPECT_EQ(Case{}.error(0).status("range_left").letter(), 'r');
 }
 

@@ -1,0 +1,46 @@
+// All numbers of a scene that set its motion, for whoever changes one after another.
+#pragma once
+
+#include "scene/description.hpp"
+
+namespace tumble::host {
+
+// What a number of a scene measures: a length, a velocity, a part of a quaternion, a spin; or a factor such as a mass
+// or a size.
+enum class Measure { position, velocity, angle, spin, factor };
+
+// Calls visit(double&, Measure) with every number that sets the motion. Moments of inertia stay as they are, because
+// few changes keep their triangle inequality.
+template <class Visit>
+void for_each_number(SceneDescription& scene, const Visit& visit) {
+    const auto all = [&](auto& numbers, Measure measure) {
+        for (double& x : numbers) visit(x, measure);
+    };
+    ContactDescription& contact = scene.contact;
+    all(scene.gravity, Measure::factor);
+    for (double* x : {&scene.gravitation, &scene.linear_drag, &scene.angular_drag, &contact.restitution,
+                      &contact.friction, &contact.stiffness, &contact.damping})
+        visit(*x, Measure::factor);
+    for (auto& plane : scene.planes) {
+        all(plane.normal, Measure::angle);
+        visit(plane.offset, Measure::position);
+    }
+    for (auto& body : scene.bodies) {
+        visit(*body.mass, Measure::factor);
+        all(body.shape.size, Measure::factor);
+        all(body.position, Measure::position);
+        all(body.velocity, Measure::velocity);
+        all(body.orientation, Measure::angle);
+        all(body.angular_velocity, Measure::spin);
+    }
+    for (auto& spring : scene.springs) {
+        for (double* x : {&spring.stiffness, &spring.damping, &spring.rest_length}) visit(*x, Measure::factor);
+        all(spring.to, Measure::position);
+    }
+    for (auto& impulse : scene.impulses)
+        for (auto* numbers : {&impulse.impulse, &impulse.angular_impulse}) all(*numbers, Measure::factor);
+    for (auto& force : scene.forces)
+        for (auto* numbers : {&force.force, &force.torque}) all(*numbers, Measure::factor);
+}
+
+}  // namespace tumble::host

@@ -1,0 +1,88 @@
+#include "scene/writer.hpp"
+
+#include <optional>
+#include <string>
+
+#include "scene/reader.hpp"
+#include "tools/text.hpp"
+
+namespace tumble::host {
+namespace {
+
+std::string text_of(double value) { return cpp_number(value); }
+std::string text_of(const std::optional<double>& value) { return value ? cpp_number(*value) : ""; }
+template <std::size_t n>
+std::string text_of(const std::array<double, n>& values, std::size_t count = n) {
+    std::string text = "[";
+    for (std::size_t i = 0; i < count; ++i) text += (i > 0 ? ", " : "") + cpp_number(values[i]);
+    return text + "]";
+}
+// A key and its value; nothing where there is none.
+std::string line(const char* key, const std::string& value) {
+    return value.empty() ? "" : std::string(key) + " = " + value + "\n";
+}
+std::string line(const char* key, const auto& value) { return line(key, text_of(value)); }
+
+std::string shape_text(const ShapeDescription& shape) {
+    switch (shape.kind) {
+    case ShapeKind::box: return "{ box = " + text_of(shape.size) + " }";
+    case ShapeKind::sphere: return "{ sphere = " + text_of(shape.size[0]) + " }";
+    case ShapeKind::cylinder: return "{ cylinder = " + text_of(shape.size, 2) + " }";
+    case ShapeKind::hoop: return "{ hoop = " + text_of(shape.size[0]) + " }";
+    case ShapeKind::capsule: return "{ capsule = " + text_of(shape.size, 2) + " }";
+    default: return json_text("none");
+    }
+}
+
+const char* response_text(ContactResponse response) {
+    return response == ContactResponse::none ? "none" : response == ContactResponse::spring ? "spring" : "impulse";
+}
+
+std::string contact_text(const ContactDescription& c) {
+    std::string sleep;
+    if (c.sleep)
+        sleep = "{ speed = " + text_of(c.sleep->speed) + ", angular_speed = " + text_of(c.sleep->angular_speed) +
+                ", time = " + text_of(c.sleep->time) + " }";
+    return "\n[contact]\n" + line("response", json_text(response_text(c.response))) +
+           line("restitution", c.restitution) + line("restitution_threshold", c.restitution_threshold) +
+           line("friction", c.friction) + line("tolerance", c.tolerance) + line("stiffness", c.stiffness) +
+           line("damping", c.damping) + line("barrier", c.barrier) + line("sleep", sleep);
+}
+
+}  // namespace
+
+std::string scene_text(const SceneDescription& scene) {
+    const auto name_of = [&](int body) { return json_text(scene.body(body).name); };
+    const auto frame = [](Frame of) { return line("frame", of == Frame::body ? json_text("body") : ""); };
+    const std::string step =
+        scene.step.denominator == 0 ? text_of(scene.step.decimal) : json_text(step_text(scene.step));
+    std::string text = line("name", json_text(scene.name));
+    text += "\n[world]\n" + line("step", step) + line("duration", scene.duration) + line("gravity", scene.gravity) +
+            line("gravitation", scene.gravitation) + line("linear_drag", scene.linear_drag) +
+            line("angular_drag", scene.angular_drag);
+    text += "\n[range]\n" + line("position", scene.range.position) + line("velocity", scene.range.velocity) +
+            line("angular_velocity", scene.range.angular_velocity) + contact_text(scene.contact);
+    for (const PlaneDescription& p : scene.planes)
+        text += "\n[[plane]]\n" + line("name", json_text(p.name)) + line("normal", p.normal) +
+                line("offset", p.offset) + line("restitution", p.restitution) + line("friction", p.friction);
+    for (const BodyDescription& b : scene.bodies)
+        text += "\n[[body]]\n" + line("name", json_text(b.name)) + line("shape", shape_text(b.shape)) +
+                line("mass", b.mass) + line("density", b.density) +
+                line("inertia", b.inertia ? text_of(*b.inertia) : "") + line("position", b.position) +
+                line("velocity", b.velocity) + line("orientation", b.orientation) +
+                line("angular_velocity", b.angular_velocity) + line("restitution", b.restitution) +
+                line("friction", b.friction) + line("fixed", b.fixed ? std::string("true") : "");
+    for (const SpringDescription& s : scene.springs)
+        text += "\n[[spring]]\n" + line("body", name_of(s.body)) + line("point", s.point) +
+                (s.to_body < 0 ? line("to", s.to) : line("to_body", name_of(s.to_body)) + line("to_point", s.to)) +
+                line("stiffness", s.stiffness) + line("damping", s.damping) + line("rest_length", s.rest_length);
+    for (const ImpulseDescription& i : scene.impulses)
+        text += "\n[[impulse]]\n" + line("time", i.time) + line("body", name_of(i.body)) + line("impulse", i.impulse) +
+                frame(i.frame) + line("point", i.point) + line("angular_impulse", i.angular_impulse);
+    for (const ForceDescription& f : scene.forces)
+        text += "\n[[force]]\n" + line("body", name_of(f.body)) + line("from", f.from) + line("until", f.until) +
+                line("force", f.force) + frame(f.frame) + line("point", f.point) + line("torque", f.torque);
+    return text;
+}
+
+}  // namespace tumble::host

@@ -1,0 +1,13 @@
+// Writes a SceneDescription as a scene file (TOML), which `tumble run` takes.
+#pragma once
+
+#include <string>
+
+#include "scene/description.hpp"
+
+namespace tumble::host {
+
+// read_scene_text() makes the same scene of it, numbers to their last bit. Shapes `points` are not written.
+[[nodiscard]] std::string scene_text(const SceneDescription& scene);
+
+}  // namespace tumble::host
