@@ -135,8 +135,29 @@ TEST(SceneReader, an_end_of_a_spring_beyond_the_range_is_refused) {
         EXPECT_EQ(error_of(scene(near, inside)), "no error") << inside;
     for (const std::string& beyond :
          {std::string{"to = [0, 0, 1024.1]"}, std::string{"to = [0, 0, 0]\npoint = [-1025, 0, 0]"},
-          other + "to_point = [0, 2000, 0]"})
-        EXPECT_NE(error_of(scene("", beyond)).find("the range.position of this scene"), std::string::npos) << beyond;
+          other + "to_point = [0, 2000, 0]"}) {
+        const std::string range = "[range]\nposition = 1024.0\n";
+        EXPECT_NE(error_of(scene(range, beyond)).find("the range.position of this scene"), std::string::npos) << beyond;
+        EXPECT_TRUE(read(scene("", beyond)).range.beyond_default) << beyond;
+    }
+}
+
+TEST(SceneReader, a_scene_without_a_range_notes_the_first_number_beyond_the_default) {
+    const std::string far = brick + "position = [0, 3.8e8, 0]\nvelocity = [1000, 0, 0]\n";
+    const SceneDescription scene = read(world + far);
+    ASSERT_TRUE(scene.range.beyond_default);
+    EXPECT_STREQ(scene.range.beyond_default->what(),
+                 "text.toml:8: body[0].position[1]: got 3.8e+08, expected a number from -1024 to 1024 (m), the "
+                 "range.position without [range], which fixed point needs here; --numbers f64 and f32 need none");
+    EXPECT_FALSE(read(world + brick + "position = [0, 1024, 0]\n").range.beyond_default);
+    EXPECT_NE(error_of(world + "[range]\n" + far), "no error");
+}
+
+TEST(SceneReader, a_fixed_body_needs_no_mass) {
+    const std::string table = "[[body]]\nname = \"table\"\nshape = { box = [1, 1, 1] }\n";
+    EXPECT_TRUE(read(world + table + "fixed = true\n").bodies.at(0).mass);
+    for (const char* rest : {"", "fixed = false\n"})
+        EXPECT_NE(error_of(world + table + rest).find("body[0].mass: missing"), std::string::npos) << rest;
 }
 
 TEST(SceneReader, numbers_whose_products_leave_a_double_are_refused) {

@@ -217,6 +217,46 @@ TEST(Simulation, energy_of_an_orbit_is_constant) {
     EXPECT_NEAR(static_cast<double>(simulation->energy().total()), -1.82, 1e-10);
 }
 
+TEST(Simulation, motion_does_not_depend_on_the_mass_of_a_fixed_body) {
+    const auto hash = [](const std::string& mass, const std::string& response, const char* numbers) {
+        const std::string toml = "[world]\nstep = \"1/256\"\nduration = 1.0\ngravity = [0, -9.81, 0]\n[contact]\n"
+                                 "friction = 0.3\nresponse = \"" +
+                                 response +
+                                 "\"\n[[body]]\nname = \"table\"\nshape = { box = [2, 1, 2] }\nfixed = true\n" + mass +
+                                 "angular_velocity = [0, 1, 0]\n[[body]]\nname = \"box\"\nshape = { box = [0.3, 0.2, "
+                                 "0.1] }\nmass = 1.5\nposition = [0.1, 0.8, 0]\nangular_velocity = [1, 2, 3]\n"
+                                 "[[spring]]\nbody = \"box\"\npoint = [0.1, 0, 0]\nto_body = \"table\"\nto_point = "
+                                 "[0.5, 0.5, 0]\nstiffness = 20\n";
+        return finish(*make_simulation(read_scene_text(toml, "text.toml"), "verlet", numbers));
+    };
+    for (const char* response : {"impulse", "spring"})
+        for (const char* numbers : {"q32", "f64"}) {
+            const std::uint64_t without = hash("", response, numbers);
+            for (const char* mass : {"mass = 0.001\n", "mass = 7.3\n", "mass = 1e5\n"})
+                EXPECT_EQ(hash(mass, response, numbers), without) << response << " " << numbers << " " << mass;
+        }
+}
+
+TEST(Simulation, a_scene_without_a_range_has_none_in_floating_point) {
+    const SceneDescription scene = read_scene_text(
+        "[world]\nstep = 600\nduration = 2360592\ngravitation = 6.6743e-11\n[[body]]\nname = \"earth\"\n"
+        "shape = \"none\"\nmass = 5.972e24\nvelocity = [0, -12.5, 0]\n[[body]]\nname = \"moon\"\nshape = \"none\"\n"
+        "mass = 7.348e22\nposition = [3.844e8, 0, 0]\nvelocity = [0, 1010, 0]\n",
+        "text.toml");
+    const auto simulation = make_simulation(scene, "rk4", "f64");
+    const auto start = static_cast<double>(simulation->energy().total());
+    finish(*simulation);
+    EXPECT_TRUE(simulation->troubles().empty());
+    EXPECT_NEAR(static_cast<double>(simulation->energy().total()) / start, 1.0, 1e-9);
+    try {
+        (void)make_simulation(scene, "rk4", "q32");
+        FAIL() << "no error";
+    } catch (const SceneError& error) {
+        EXPECT_EQ(error.key(), "body[1].position[0]");
+        EXPECT_NE(std::string(error.what()).find("--numbers f64 and f32 need none"), std::string::npos);
+    }
+}
+
 TEST(Simulation, point_masses_move_as_their_scenes_say) {
     const auto stone = make_simulation(read_scene(shipped("stone")), "verlet", "q32");
     EXPECT_EQ(stone->range(), "near");  // without a spin, whatever the largest is

@@ -95,6 +95,13 @@ TEST(mass, box_has_a_twelfth_of_the_squares_of_its_edges) {
     EXPECT_EQ(volume_of({ShapeKind::box, {1, 2, 3}}), Real{6});
 }
 
+// Strict warnings are errors here: members that an initialiser leaves out must have a default.
+TEST(mass, elements_of_a_tensor_that_are_left_out_are_zero) {
+    constexpr InertiaTensor diagonal{.xx = 1, .yy = 2, .zz = 3}, with_one{.xx = 1, .yy = 2, .zz = 3, .xy = 4};
+    EXPECT_TRUE(diagonal.xy.is_zero() && diagonal.xz.is_zero() && diagonal.yz.is_zero());
+    EXPECT_TRUE(with_one.xy == Real{4} && with_one.xz.is_zero() && with_one.yz.is_zero());
+}
+
 TEST(mass, hoop_has_the_moments_of_its_points) {
     const int n = 360;
     std::vector<PointMass> points;

@@ -10,12 +10,12 @@ namespace tumble {
 // A symmetric tensor, kg m^2, about the centre of mass. xy, xz and yz are its elements, which are minus the products of
 // inertia.
 struct InertiaTensor {
-    Real xx;  // the moment about x
-    Real yy;  // the moment about y
-    Real zz;  // the moment about z
-    Real xy;  // minus the product of inertia of x and y
-    Real xz;  // minus the product of inertia of x and z
-    Real yz;  // minus the product of inertia of y and z
+    Real xx{};  // the moment about x
+    Real yy{};  // the moment about y
+    Real zz{};  // the moment about z
+    Real xy{};  // minus the product of inertia of x and y
+    Real xz{};  // minus the product of inertia of x and z
+    Real yz{};  // minus the product of inertia of y and z
 };
 
 struct PrincipalInertia {
