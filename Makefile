@@ -37,7 +37,7 @@ run: say-run build/host/build.ninja $(if $(findstring --all,$(ARGS)),deep-setup)
 say-run:
 	@echo "Replays $(SCENE) on the host and, in QEMU, on $(TESTED_CORES);"
 	@echo "compares the bits, and measures which method keeps an error of $(TOLERANCE) for the fewest cycles."
-	@echo "Takes 1 to 2 minutes the first time, which compiles the simulator, and 10 to 20 s later$(if $(findstring --all,$(ARGS)),; with --all 10 minutes more)."
+	@echo "Takes about 2 minutes the first time, which compiles the simulator, and 10 to 20 s later$(if $(findstring --all,$(ARGS)),; with --all 10 minutes more)."
 
 ## test: the quick set of tests, of every kind: on the host, with other compilers, and on its cores in QEMU
 test: firmware
