@@ -1,0 +1,263 @@
+// The verdict on a run, held against an integration in long double that shares no code with the kernel, and against
+// what physics says of single scenes.
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <nlohmann/json.hpp>
+
+#include "command_runner.hpp"
+#include "scene/data.hpp"
+#include "scene/reader.hpp"
+#include "simulation/simulation.hpp"
+#include "truth/smooth_motion.hpp"
+#include "verdict/energy_budget.hpp"
+#include "verdict/record.hpp"
+#include "verdict/verdict.hpp"
+
+namespace tumble::host {
+namespace {
+
+const Method verlet_q32{"verlet", "q32", true};
+
+SceneDescription scene_of(const std::string& text) { return read_scene_text(text, "test.toml"); }
+
+// m and rad: the largest error in parts of what counts as wrong, by a long double integration of a scene without
+// contacts.
+double error_in_parts_of_wrong(const SceneDescription& scene, const Method& method) {
+    SmoothMotion truth(scene, shapes_meet);
+    const auto start = truth.bodies();
+    const auto simulation = make_simulation(scene, method.integrator, method.numbers, method.carry);
+    std::vector<double> way(start.size());
+    double worst = 0;
+    const auto moments = moments_of(scene);
+    for (const std::int64_t moment : moments) {
+        const std::int64_t from = simulation->steps_taken();
+        for (std::int64_t look = 1; look <= 16; ++look) {
+            truth.advance_to(from + (moment - from) * look / 16);
+            for (std::size_t b = 0; b < way.size(); ++b)
+                way[b] = std::max(way[b], static_cast<double>(norm(truth.bodies()[b].x - start[b].x)));
+        }
+        while (simulation->steps_taken() < moment) {
+            simulation->step();
+            if (!simulation->troubles().empty()) return std::numeric_limits<double>::infinity();
+        }
+        for (std::size_t b = 0; b < way.size(); ++b) {
+            Errors errors;
+            errors.see(motion_of(simulation->body(static_cast<int>(b))), truth.bodies()[b]);
+            worst =
+                std::max({worst, errors.orientation_rad / 0.1, way[b] > 1e-5 ? errors.position_m / way[b] / 0.1 : 0});
+        }
+    }
+    return worst;
+}
+
+class SmoothScenes : public testing::TestWithParam<std::string> {};
+
+// The runs between half and twice the tolerance may be judged either way.
+TEST_P(SmoothScenes, are_judged_as_an_integration_in_long_double_judges_them) {
+    const SceneDescription scene = with_events_at_steps(read_scene(shipped(GetParam())));
+    for (const Method& method : {verlet_q32, Method{"rk4", "q32", true}, Method{"heun", "f64", false},
+                                 Method{"explicit_euler", "f32", true}}) {
+        SCOPED_TRACE(method.integrator + " " + method.numbers);
+        const double error = error_in_parts_of_wrong(scene, method);
+        const Verdict verdict = verdict_of(scene, method, {.explains = false});
+        const bool is_wrong = verdict.kind == Verdict::Kind::wrong || verdict.kind == Verdict::Kind::told;
+        if (error > 2) {
+            EXPECT_TRUE(is_wrong) << error;
+        } else if (error < 0.5) {
+            EXPECT_EQ(name_of(verdict.kind), std::string("right")) << error;
+        }
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(Verdict, SmoothScenes,
+                         testing::Values("brick", "free", "orbit", "oscillators", "pendulum", "projectile", "satellite",
+                                         "stone", "top"),
+                         [](const auto& info) { return info.param; });
+
+TEST(Verdict, method_that_is_too_coarse_is_the_cause_and_its_cure_is_right) {
+    const SceneDescription scene = read_scene(shipped("pendulum"));
+    const Verdict verdict = verdict_of(scene, verlet_q32);
+    ASSERT_EQ(verdict.kind, Verdict::Kind::wrong);
+    EXPECT_EQ(verdict.cause, Verdict::Cause::method);
+    ASSERT_TRUE(verdict.cure.has_value());
+    EXPECT_LT(error_in_parts_of_wrong(scene, verdict.cure->method), 1);
+}
+
+TEST(Verdict, euler_on_an_oscillator_is_wrong_by_as_much_as_the_motion) {
+    const Verdict verdict = verdict_of(scene_of(R"(
+world = { step = "1/64", duration = 20.0 }
+body = [ { name = "b", shape = "none", mass = 1.0, position = [1, 0, 0] } ]
+spring = [ { body = "b", to = [0, 0, 0], stiffness = 40.0 } ]
+)"),
+                                       {"explicit_euler", "f64", false});
+    EXPECT_EQ(verdict.kind, Verdict::Kind::wrong);
+    EXPECT_TRUE(verdict.is_as_large_as_motion);
+    EXPECT_EQ(verdict.cause, Verdict::Cause::method);
+}
+
+TEST(Verdict, floats_far_from_the_origin_are_the_cause_that_exchange_finds) {
+    // The spacing of floats there is 2 mm, and a step moves the body by 0.4 mm.
+    const Verdict verdict = verdict_of(scene_of(R"(
+world = { step = "1/256", duration = 10.0 }
+range = { position = 32000.0 }
+body = [ { name = "b", shape = { sphere = 0.1 }, mass = 1.0, position = [30000, 0, 0], velocity = [0.1, 0, 0] } ]
+)"),
+                                       {"verlet", "f32", false});
+    EXPECT_EQ(verdict.kind, Verdict::Kind::wrong);
+    EXPECT_EQ(verdict.cause, Verdict::Cause::numbers);
+    ASSERT_TRUE(verdict.cure.has_value());
+}
+
+TEST(Verdict, spin_beyond_fixed_point_is_told_and_a_shorter_step_is_the_cure) {
+    const SceneDescription scene = scene_of(R"(
+world = { step = "1/256", duration = 1.0 }
+body = [ { name = "die", shape = { box = [0.1, 0.1, 0.1] }, mass = 1.0 } ]
+impulse = [ { time = 0.25, body = "die", angular_impulse = [0, 0, 0.28] } ]
+)");
+    const Verdict verdict = verdict_of(scene, verlet_q32);
+    ASSERT_EQ(verdict.kind, Verdict::Kind::told);
+    ASSERT_TRUE(verdict.troubles.front().number.has_value());
+    EXPECT_EQ(verdict.troubles.front().number->name, "angular velocity");
+    EXPECT_NEAR(verdict.troubles.front().number->most, 128, 1e-6);
+    ASSERT_TRUE(verdict.cure.has_value());
+    EXPECT_EQ(options_of(*verdict.cure, {verlet_q32, scene.step}), "--step 1/512");
+}
+
+TEST(Verdict, rough_impacts_that_gain_energy_are_no_reference) {
+    // A rod that lands on its edge: Newton's hypothesis adds 56 % to its energy.
+    const std::string rod = R"(
+contact = { restitution = 1.0, friction = 0.5 }
+plane = [ { name = "floor", normal = [0, 1, 0] } ]
+body = [ { name = "b", shape = { box = [1, 0.1, 0.1] }, mass = 1.0, position = [0, 0.36235, 0], velocity = [0, -1, 0],
+           orientation = [0.93937271, 0, 0, 0.34289781], angular_velocity = [0, 0, 4.2] } ]
+)";
+    for (const char* step : {"1/256", "1/1024"}) {
+        const Verdict verdict = verdict_of(
+            scene_of("world = { step = \"" + std::string(step) + "\", duration = 0.125 }" + rod), verlet_q32);
+        EXPECT_EQ(verdict.kind, Verdict::Kind::no_reference);
+        EXPECT_TRUE(verdict.gains_energy);
+    }
+}
+
+TEST(Verdict, energy_that_loads_give_is_no_gain) {
+    const SceneDescription scene = scene_of(R"(
+world = { gravity = [0, -9.81, 0], step = "1/256", duration = 2.0 }
+body = [ { name = "b", shape = { box = [0.2, 0.3, 0.4] }, mass = 1.0 } ]
+impulse = [ { time = 0.5, body = "b", impulse = [3, 0, 0], point = [0, 0.1, 0] } ]
+force = [ { body = "b", from = 0.75, until = 1.25, force = [0, 20, 0] } ]
+)");
+    const Verdict verdict = verdict_of(scene, verlet_q32);
+    EXPECT_EQ(verdict.kind, Verdict::Kind::right) << sentence_of(verdict, scene, verlet_q32);
+}
+
+TEST(Verdict, billiards_have_no_reference_after_some_impacts) {
+    const Verdict verdict = verdict_of(read_scene((source_directory / "host_sim/scenes/cube.toml").string()),
+                                       verlet_q32, {.explains = false});
+    EXPECT_EQ(verdict.kind, Verdict::Kind::no_reference);
+    EXPECT_GT(verdict.time_s, 1);
+    EXPECT_LT(verdict.error.orientation_rad, 0.1);
+}
+
+TEST(Verdict, check_that_is_too_dear_is_not_made) {
+    SceneDescription scene = read_scene(shipped("top"));
+    scene.duration = 3600;
+    const Verdict verdict = verdict_of(scene, verlet_q32, {.most_seconds = 0.1});
+    EXPECT_EQ(verdict.kind, Verdict::Kind::unchecked);
+    EXPECT_GT(verdict.cost_s, 0.1);
+}
+
+TEST(Verdict, tolerance_decides_what_is_wrong) {
+    const SceneDescription scene = read_scene(shipped("pendulum"));
+    EXPECT_EQ(verdict_of(scene, verlet_q32, {.tolerance = 0.5, .explains = false}).kind, Verdict::Kind::right);
+    EXPECT_EQ(verdict_of(scene, {"rk4", "q32", true}, {.tolerance = 1e-6, .explains = false}).kind,
+              Verdict::Kind::wrong);
+}
+
+TEST(VerdictOfRun, is_one_line_and_off_is_none) {
+    const Outcome on = tumble({"run", shipped("brick"), "--check", "on"}, Process::Errors::keep);
+    EXPECT_EQ(on.status, 0);
+    EXPECT_NE(on.text.find("\nverdict: right: the error is at most "), std::string::npos) << on.text;
+    const Outcome off = tumble({"run", shipped("brick"), "--check", "off"});
+    EXPECT_EQ(off.text.find("verdict"), std::string::npos) << off.text;
+}
+
+TEST(VerdictOfRun, json_has_every_key) {
+    const auto verdict_of_run = [](const std::vector<std::string>& options) {
+        std::vector<std::string> arguments{"run", shipped("pendulum"), "--json"};
+        arguments.insert(arguments.end(), options.begin(), options.end());
+        return nlohmann::json::parse(tumble(arguments, Process::Errors::keep).text).at("verdict");
+    };
+    const auto wrong = verdict_of_run({"--check", "on"});
+    EXPECT_EQ(wrong.at("kind"), "wrong");
+    EXPECT_EQ(wrong.at("body"), "bob");
+    EXPECT_EQ(wrong.at("cause"), "method");
+    EXPECT_EQ(wrong.at("cure"), "--integrator rk4");
+    EXPECT_GT(wrong.at("error_rad"), 0.1);
+    EXPECT_GT(wrong.at("time_s"), 0);
+    EXPECT_GT(wrong.at("error_m"), 0);
+    const auto unchecked = verdict_of_run({"--check", "off"});
+    EXPECT_EQ(unchecked.at("kind"), "unchecked");
+    for (const char* key : {"time_s", "body", "error_m", "error_rad", "cause", "cure"})
+        EXPECT_TRUE(unchecked.at(key).is_null()) << key;
+}
+
+TEST(VerdictOfRun, error_as_large_as_the_motion_is_a_failure_and_a_smaller_one_is_not) {
+    EXPECT_EQ(tumble({"run", shipped("pendulum"), "--check", "on"}).status, 0);
+    const Outcome large = tumble({"run", shipped("oscillators"), "--integrator", "explicit_euler", "--numbers", "f64",
+                                  "--duration", "60", "--check", "on"});
+    EXPECT_EQ(large.status, 1);
+    EXPECT_NE(large.text.find("The error is as large as the motion"), std::string::npos) << large.text;
+}
+
+// Boxes and balls that fall, slide, roll, stack and rattle to rest; `turn` turns them about the vertical.
+std::vector<std::string> ordinary_scenes(double turn) {
+    const std::string floor = "plane = [ { name = \"floor\", normal = [0, 1, 0] } ]\n";
+    const auto orientation =
+        "[" + std::to_string(std::cos(turn / 2)) + ", 0, " + std::to_string(std::sin(turn / 2)) + ", 0]";
+    std::vector<std::string> scenes;
+    for (const double size : {0.05, 0.2, 0.7})
+        for (const double height : {0.1, 0.8}) {
+            const std::string s = std::to_string(size), y = std::to_string(size / 2 + height);
+            scenes.push_back("contact = { restitution = 0.3, friction = 0.4 }\n" + floor +
+                             "body = [ { name = \"b\", shape = { box = [" + s + ", " + s + ", " + s +
+                             "] }, mass = 2.0, position = [0, " + y + ", 0], orientation = " + orientation + " } ]\n");
+        }
+    std::string stack = "contact = { restitution = 0.1, friction = 0.5 }\n" + floor + "body = [ ";
+    for (int i = 0; i < 3; ++i)
+        stack += std::string(i > 0 ? ", " : "") + "{ name = \"b" + std::to_string(i) +
+                 "\", shape = { box = [0.5, 0.4, 0.5] }, " + "mass = 2.0, position = [" +
+                 (i % 2 == 0 ? "0.02" : "-0.02") + ", " + std::to_string(0.25 + 0.45 * i) +
+                 ", 0], orientation = " + orientation + " }";
+    scenes.push_back(stack + " ]\n");
+    scenes.push_back("contact = { restitution = 0.0, friction = 0.3 }\n" + floor +
+                     "body = [ { name = \"b\", shape = { sphere = 0.25 }, mass = 1.0, position = [0, 0.25, 0], "
+                     "velocity = [2, 0, 0] } ]\n");
+    scenes.push_back("contact = { restitution = 0.0, friction = 0.3 }\n" + floor +
+                     "body = [ { name = \"b\", shape = { box = [0.4, 0.2, 0.4] }, mass = 1.0, position = [0, 0.1, 0], "
+                     "velocity = [2, 0, 0], orientation = " +
+                     orientation + " } ]\n");
+    return scenes;
+}
+
+TEST(VerdictOfRun, ordinary_scenes_end_in_silence) {
+    int index = 0;
+    for (const std::string& rest : ordinary_scenes(0.4))
+        for (const char* step : {"1/60", "1/256", "0.001"}) {
+            const std::string quoted =
+                std::string(step).find('/') != std::string::npos ? "\"" + std::string(step) + "\"" : step;
+            const std::string path =
+                written("scene" + std::to_string(index++) + ".toml",
+                        "world = { gravity = [0, -9.81, 0], step = " + quoted + ", duration = 2.0 }\n" + rest);
+            Process process({TUMBLE_COMMAND, "run", path}, {}, Process::Errors::keep);
+            std::string text;
+            EXPECT_EQ(process.wait(&text), 0) << path << text << process.errors();
+            EXPECT_EQ(process.errors(), "") << path;
+            EXPECT_EQ(text.find("verdict: wrong"), std::string::npos) << path << text;
+            EXPECT_EQ(text.find("largest relative drift"), std::string::npos) << path;
+        }
+}
+
+}  // namespace
+}  // namespace tumble::host
