@@ -27,7 +27,7 @@ static void convert(const Value& value, StepSize& out, const Quantity& quantity)
 namespace {
 
 // The largest preset, `field`: a [range] is at most as large.
-constexpr RangeDescription field{FieldRange::position, FieldRange::velocity, FieldRange::spin};
+const RangeDescription field{FieldRange::position, FieldRange::velocity, FieldRange::spin};
 
 // Bytes: some hundred thousand events.
 constexpr std::size_t largest_file = std::size_t{1} << 25;
