@@ -21,6 +21,8 @@ std::string numbers_of(const Simulation& simulation) {
 std::string cure_of(const HeldNumber& number, const SceneDescription& scene, const Simulation& simulation) {
     const std::string shorter =
         "--step " + step_text({scene.step.numerator, scene.step.denominator * 2, scene.step.decimal / 2});
+    if (number.name == "angular velocity" && !simulation.range().empty())
+        return "a larger [range] angular_velocity and a smaller step, or --numbers f32";
     if (number.name == "angular velocity" || number.name.starts_with("change")) return shorter;
     if (number.is_declared || held_by(simulation.range()).position < held_by("field").position)
         return "a larger [range] " + number.name;

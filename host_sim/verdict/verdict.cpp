@@ -349,7 +349,7 @@ std::string sentence_of(const Verdict& verdict, const SceneDescription& scene, c
                (verdict.cause == Verdict::Cause::none ? "" : std::string("; cause: the ") + name_of(verdict.cause)) +
                cure;
     case Verdict::Kind::told:
-        return verdict.troubles.front().issue + " at " + time + ": " + body() + "is told below" + cure;
+        return "reported by the status: " + verdict.troubles.front().issue + " of " + body() + "at " + time + cure;
     case Verdict::Kind::no_reference:
         return "right until " + time + ", with an error of at most " + errors_text(verdict.error) +
                "; no reference from there on: two finer runs " +

