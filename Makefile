@@ -33,7 +33,6 @@ run: say-run build/host/build.ninja $(if $(findstring --all,$(ARGS)),deep-setup)
 	@echo
 	@build/host/bench/tumble_matrix $(SCENE) --tolerance $(TOLERANCE) --front bench/results/free.jsonl $(ARGS)
 
-.PHONY: say-run
 say-run:
 	@echo "Replays $(SCENE) on the host and, in QEMU, on $(TESTED_CORES);"
 	@echo "compares the bits, and measures which method keeps an error of $(TOLERANCE) for the fewest cycles."
@@ -47,7 +46,6 @@ test: firmware
 build: build/host/build.ninja
 	@cmake --build build/host --target programs
 
-.PHONY: host-tests
 host-tests: build/host/build.ninja
 	@cmake --build build/host --target $(TARGETS)
 
@@ -90,19 +88,8 @@ pictures:
 ## board: programs that hold the cycle counter of a board against the model (port/README.md): BOARD=its row CORE=cortex-m3 SCENE=path
 board: SCENE = host_sim/scenes/free.toml
 board: build/host/build.ninja
-	@test -n "$(BOARD)" || { echo "make board: expected BOARD=<row of port/boards.txt>" >&2; exit 2; }
 	@cmake --build build/host --target tumble tumble_cycles
-	@mkdir -p build/board
-	build/host/tumble compile $(SCENE) --struct Replayed -o build/board/replayed.hpp
-	@for core in $(BOARD) $(CORE); do \
-	    cmake -G Ninja -S port/programs/step -B build/board/$$core -DTUMBLE_CORE=$$core -DTUMBLE_SCENE=Replayed \
-	        -DCMAKE_TOOLCHAIN_FILE=$(CURDIR)/port/toolchain.cmake \
-	        -DTUMBLE_SCENE_HEADER=$(CURDIR)/build/board/replayed.hpp > /dev/null && \
-	    cmake --build build/board/$$core --target $(PROGRAM) || exit 1; \
-	done
-	port/qemu/run --cycles $$(awk '$$1 == "$(CORE)" { print $$9 }' port/boards.txt) $(CORE) build/board/$(CORE)/$(PROGRAM).elf \
-	    > build/board/model.jsonl
-	@echo "run build/board/$(BOARD)/$(PROGRAM).elf on the board and hold what it prints against build/board/model.jsonl"
+	@port/board "$(BOARD)" $(CORE) $(SCENE) $(PROGRAM)
 
 ## sizes: code, constants, RAM and worst-case stack of the tests' firmware, into tests/budget/sizes.txt; REASON="why they changed"
 REASON ?=
@@ -151,20 +138,17 @@ check: setup
 ## explore: random scenes of a new seed, or SEED=, each against double precision; scenes that end wrong are written to build/explore; SCENES=40000
 SEED ?=
 SCENES ?= 40000
-.PHONY: explore
 explore: build/host/build.ninja
 	@cmake --build build/host --target tumble_property
 	build/host/tests/property/tumble_property $(if $(SEED),--seed $(SEED)) --scenes $(SCENES) --write build/explore
 
 ## mutants: wrong kernels, one line each, that the kernel's tests must find without committed bits (half an hour; goes on where it was stopped); PATTERN=part of a name
 PATTERN ?=
-.PHONY: mutants
 mutants: build/host/build.ninja
 	@cmake --build build/host --target kernel_tests
 	tests/mutants/run build/host "$(PATTERN)"
 
 ## tolerances: every tolerance of the kernel's tests beside the largest error, and the test that measured it
-.PHONY: tolerances
 tolerances: build/host/build.ninja
 	@cmake --build build/host --target kernel_tests
 	@ctest --test-dir build/host -j $(JOBS) -R '^kernel\.tolerances_are_used$$' > build/host/tests/kernel/tolerances.log || cat build/host/tests/kernel/tolerances.log
@@ -175,7 +159,6 @@ tolerances: build/host/build.ninja
 # Without what builds projects of its own, without the sanitizers, without kernel_tests: kernel_tests_deep holds its cases;
 # without the many random scenes, and without what runs for millions of steps: long runs and maps of stability.
 UNSANITIZED := ^(kernel\.(shard_|tolerances_are_used)|a_project_|a_firmware_as_|many_random_|long_runs_|the_maps_|maps_of_|no_cell_of_)
-.PHONY: sanitize
 sanitize: setup
 	@test -f build/sanitize/build.ninja || cmake --preset host-debug-sanitize > /dev/null
 	@cmake --build build/sanitize --target all kernel_tests_deep
@@ -186,7 +169,6 @@ setup:
 	@port/setup
 
 # What only the deep set of tests and of cores needs.
-.PHONY: deep-setup
 deep-setup:
 	@port/setup deep
 

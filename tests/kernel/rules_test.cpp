@@ -245,7 +245,7 @@ TEST_P(Rules, a_fast_bounce_that_is_cut_off_is_reported_under_gravity_and_a_slow
     }
 }
 
-TEST_P(Rules, a_barrier_that_is_jumped_over_in_one_step_is_told) {
+TEST_P(Rules, jumping_over_a_barrier_in_one_step_is_reported) {
     for (const Vector n : normals) {
         for (const Number speed : {16.0L, 30.0L}) {
             SceneSetup setup{.name = "barrier", .step = Seconds{1, 16}};

@@ -19,7 +19,8 @@ struct Drag {
         : linear{N::template constant<Work>(spec.linear_drag)}, angular{N::template constant<Work>(spec.angular_drag)},
           linear_in_step{spec.linear_drag * step}, angular_in_step{spec.angular_drag * step} {}
 
-    // True if the step is too long for the drag of this body. `bound` is 1 / the method's limit of h c / m; 0: no limit.
+    // True if the step is too long for the drag of this body. `bound` is 1 / the method's limit of h c / m; 0: no
+    // limit.
     [[nodiscard]] bool is_too_strong(const BodySpec& spec, const PrincipalInertia& inertia, bool rotates,
                                      Real bound) const {
         return linear_in_step * bound > spec.mass || (rotates && angular_in_step * bound > inertia.moments.z);
