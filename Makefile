@@ -17,7 +17,7 @@ ARGS  ?=
 PROGRAM ?= q32-Verlet
 PAGES := $(wildcard *.md */*.md host_sim/*/*.md)
 
-.PHONY: header api arduino run test bench pictures firmware replay advise flame board sizes check format tables golden build setup clean help explore mutants tolerances sanitize valgrind deep-setup say-run host-tests
+.PHONY: header api arduino run test bench pictures firmware replay advise flame board sizes check format tables golden build setup clean help explore mutants tolerances sanitize deep-setup say-run host-tests
 .DEFAULT_GOAL := help
 
 ## help: this list
