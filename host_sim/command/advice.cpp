@@ -3,7 +3,6 @@
 #include <tumble/version.hpp>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdio>
 #include <iostream>
@@ -133,9 +132,7 @@ std::string name_of(const Attempt& attempt) {
 
 std::string closest_text(const Attempt& attempt) {
     if (!attempt.failure.empty()) return attempt.failure;
-    std::array<char, 32> error{};
-    std::snprintf(error.data(), error.size(), "%.2g", attempt.error());
-    return error.data() + (" at " + step_text(attempt.length)) + " s";
+    return two_digits(attempt.error()) + (" at " + step_text(attempt.length)) + " s";
 }
 
 void print_json(const AdviseOptions& options, const SceneDescription& scene, const Advice& advice) {

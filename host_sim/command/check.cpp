@@ -5,13 +5,6 @@
 #include "command/messages.hpp"
 
 namespace tumble::host {
-namespace {
-
-Method method_of(const Simulation& simulation) {
-    return {std::string(simulation.integrator()), std::string(simulation.numbers()), simulation.carry()};
-}
-
-}  // namespace
 
 void CheckOptions::add_to(Subcommand& command) {
     command.add(check, "--check on|off",
@@ -22,13 +15,13 @@ void CheckOptions::add_to(Subcommand& command) {
                 "an error is wrong above E rad, or above E times the distance that a body moves", positive("rad"));
 }
 
-Verdict CheckOptions::verdict(const Choice& choice, const SceneDescription& scene, const Simulation& simulation,
+Verdict CheckOptions::verdict(const SceneDescription& scene, const Simulation& simulation,
                               const std::vector<Trouble>& troubles) const {
     Verdict verdict;
     if (check != "off") {
         VerdictOptions options{.tolerance = tolerance};
         if (check.empty()) options.most_seconds = most_seconds;
-        verdict = verdict_of(scene, {choice.integrator, choice.numbers, simulation.carry()}, options);
+        verdict = verdict_of(scene, method_of(simulation), options);
     }
     if (troubles.empty()) return verdict;
     verdict.kind = Verdict::Kind::told;

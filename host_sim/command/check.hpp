@@ -16,7 +16,7 @@ struct CheckOptions {
 
     void add_to(Subcommand& command);
     // Runs the check that is asked for. The verdict is `told` where there are `troubles`.
-    [[nodiscard]] Verdict verdict(const Choice& choice, const SceneDescription& scene, const Simulation& simulation,
+    [[nodiscard]] Verdict verdict(const SceneDescription& scene, const Simulation& simulation,
                                   const std::vector<Trouble>& troubles) const;
 };
 

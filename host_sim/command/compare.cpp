@@ -176,7 +176,7 @@ int compare(const CompareOptions& options) {
     std::cout << options.core << " agrees with the host: " << reference.states() << " states, "
               << reference.simulation().integrator() << ", " << reference.simulation().numbers() << ", hash "
               << hex(reference.simulation().hash()) << "\n";
-    const Verdict verdict = options.check.verdict(options, scene, reference.simulation(), reference.troubles());
+    const Verdict verdict = options.check.verdict(scene, reference.simulation(), reference.troubles());
     std::cout << verdict_line(options.check, verdict, scene, reference.simulation());
     return report(verdict, scene, reference.simulation());
 }

@@ -118,13 +118,13 @@ std::string json_of(const Verdict& verdict, const SceneDescription& scene, const
                has_errors = verdict.kind != unchecked;
     const auto number = [](bool is_there, double value) { return is_there ? json_number(value) : std::string("null"); };
     const auto text = [](const std::string& value) { return value.empty() ? std::string("null") : json_text(value); };
-    const Method method{std::string(simulation.integrator()), std::string(simulation.numbers()), simulation.carry()};
     return "{\"kind\": " + json_text(name_of(verdict.kind)) + ", \"time_s\": " + number(has_time, verdict.time_s) +
            ", \"body\": " + text(verdict.body < 0 ? "" : scene.body(verdict.body).name) +
            ", \"error_m\": " + number(has_errors, verdict.error.position_m) +
            ", \"error_rad\": " + number(has_errors, verdict.error.orientation_rad) +
            ", \"cause\": " + text(name_of(verdict.cause)) +
-           ", \"cure\": " + text(verdict.cure ? options_of(*verdict.cure, {method, scene.step}) : "") + "}";
+           ", \"cure\": " + text(verdict.cure ? options_of(*verdict.cure, {method_of(simulation), scene.step}) : "") +
+           "}";
 }
 
 void print_json(const SceneDescription& scene, const Simulation& simulation, const EnergyWatch& energy,
@@ -239,7 +239,7 @@ int run(const RunOptions& options) {
         }
     }
     if (trajectory) trajectory->close();
-    const Verdict verdict = options.check.verdict(options, scene, *simulation, troubles_of(*simulation, energy, range));
+    const Verdict verdict = options.check.verdict(scene, *simulation, troubles_of(*simulation, energy, range));
     if (options.json) print_json(scene, *simulation, energy, verdict);
     else {
         print_table(table, scene, *simulation, energy);

@@ -36,6 +36,7 @@ std::string quoted(std::string_view text, const Escape& escape) {
 
 std::string seventeen_digits(long double value) { return formatted("%.17Lg", value); }
 std::string few_digits(long double value) { return formatted("%.6Lg", value); }
+std::string two_digits(double value) { return formatted("%.2Lg", value); }
 
 std::string four_digits_down(long double value) {
     if (!(value > 0)) return few_digits(value);

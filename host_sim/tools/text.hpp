@@ -16,6 +16,9 @@ namespace tumble::host {
 // A few digits for a table.
 [[nodiscard]] std::string few_digits(long double value);
 
+// Two significant digits, as of an error.
+[[nodiscard]] std::string two_digits(double value);
+
 // Four digits, rounded down: a largest safe step is still safe as printed.
 [[nodiscard]] std::string four_digits_down(long double value);
 

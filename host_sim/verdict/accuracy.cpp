@@ -18,10 +18,6 @@ double time_of(std::int64_t step, const StepSize& length) {
     return static_cast<double>(static_cast<long double>(step) * long_seconds(length));
 }
 
-bool is_finite(const reference::Motion& m) {
-    return std::isfinite(norm(m.x)) && std::isfinite(m.q.norm2()) && m.q.norm2() > 0;
-}
-
 SampledRun sampled(Simulation& simulation, const SampledScene& scene, int step) {
     SampledRun run;
     for (std::size_t sample = 0; sample < run.samples.size(); ++sample) {
@@ -114,6 +110,14 @@ reference::Number half_extent(const BodyDescription& body, const reference::Rota
         half +=
             std::abs(direction[i]) * static_cast<reference::Number>(body.shape.size[static_cast<std::size_t>(i)]) / 2;
     return half;
+}
+
+Method method_of(const Simulation& simulation) {
+    return {std::string(simulation.integrator()), std::string(simulation.numbers()), simulation.carry()};
+}
+
+bool is_finite(const reference::Motion& m) {
+    return std::isfinite(norm(m.x)) && std::isfinite(norm(m.v)) && std::isfinite(m.q.norm2()) && m.q.norm2() > 0;
 }
 
 reference::Motion motion_of(const BodySnapshot& body) {

@@ -28,7 +28,10 @@ struct Method {
     bool carry = false;
 };
 
+[[nodiscard]] Method method_of(const Simulation& simulation);
+
 [[nodiscard]] reference::Motion motion_of(const BodySnapshot& body);
+[[nodiscard]] bool is_finite(const reference::Motion& motion);
 // Of a sphere or a box, half its extent along a direction of unit length, m.
 [[nodiscard]] reference::Number half_extent(const BodyDescription& body, const reference::Rotation& q,
                                             const reference::Vector& along);

@@ -21,7 +21,6 @@ public:
     // as the whole run would exceed the limit.
     void check(double begun, double share) const;
     [[nodiscard]] double now() const;  // s
-    [[nodiscard]] bool is_limited() const { return most_seconds_.has_value(); }
 
     struct TooDear : std::runtime_error {
         explicit TooDear(double cost) : std::runtime_error("too dear"), seconds(cost) {}
@@ -43,7 +42,6 @@ struct Record {
     std::vector<Moment> moments;        // those that the run reached
     std::vector<Trouble> troubles;      // of the kernel, and a declared [range] that floating point leaves
     std::optional<std::size_t> gained;  // the first moment at which energy has grown though no load did work
-    double seconds = 0;                 // processor time
     double contact_tolerance = 0;       // m
     double resolution = 0;              // m, of positions of this run
 };

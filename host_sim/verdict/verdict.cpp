@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <utility>
 
 #include "scene/data.hpp"
@@ -108,10 +107,10 @@ private:
     }
 
     // What an error must exceed to be wrong, in parts of the limits that this returns: m and rad.
-    [[nodiscard]] Errors limits(const Record& run, std::size_t m, std::size_t b) const {
+    [[nodiscard]] Errors limits(const Record& run, const Moment& truth, std::size_t b) const {
         const double band = touches_ ? std::max(run.contact_tolerance, scene_.contact.tolerance) : 0;
         Errors limits;
-        limits.position_m = std::max({options_.tolerance * reference_->fine.moments[m].way_m[b], band, run.resolution});
+        limits.position_m = std::max({options_.tolerance * truth.way_m[b], band, run.resolution});
         limits.orientation_rad = options_.tolerance;
         return limits;
     }
@@ -126,7 +125,7 @@ private:
     }
     // Where the references have parted, only an error far beyond their doubt is wrong.
     [[nodiscard]] bool is_wrong(const Record& run, std::size_t m, std::size_t b, bool has_parted) const {
-        const Errors limit = limits(run, m, b);
+        const Errors limit = limits(run, reference_->fine.moments[m], b);
         const double error =
             in_parts_of(limit, distance(run.moments[m].bodies[b], reference_->fine.moments[m].bodies[b]));
         return error > 1 && (!has_parted || in_parts_of(limit, doubt_at(m, b)) <= share_of_doubt * error);
@@ -139,7 +138,7 @@ private:
         double worst = 0;
         for (std::size_t b = first; b < run.moments[m].bodies.size(); ++b) {
             const Errors error = distance(run.moments[m].bodies[b], reference_->fine.moments[m].bodies[b]);
-            const double parts = in_parts_of(limits(run, m, b), error);
+            const double parts = in_parts_of(limits(run, reference_->fine.moments[m], b), error);
             if (parts <= worst) continue;
             worst = parts;
             verdict.body = static_cast<int>(b);
@@ -153,7 +152,7 @@ private:
     }
     [[nodiscard]] bool is_as_large_as_motion(const Record& run, std::size_t m, std::size_t b) const {
         const Moment& truth = reference_->fine.moments[m];
-        const Errors error = distance(run.moments[m].bodies[b], truth.bodies[b]), limit = limits(run, m, b);
+        const Errors error = distance(run.moments[m].bodies[b], truth.bodies[b]), limit = limits(run, truth, b);
         return (error.position_m > limit.position_m && error.position_m >= truth.way_m[b]) ||
                (error.orientation_rad > limit.orientation_rad && error.orientation_rad >= truth.turn_rad[b]);
     }
@@ -187,13 +186,11 @@ private:
         return pair;
     }
     [[nodiscard]] bool agree(const Reference& pair, std::size_t m) const {
-        const double band = touches_ ? std::max(pair.fine.contact_tolerance, scene_.contact.tolerance) : 0;
         for (std::size_t b = 0; b < pair.fine.moments[m].bodies.size(); ++b) {
-            const Errors doubt = distance(pair.fine.moments[m].bodies[b], pair.other.moments[m].bodies[b]);
-            const double limit =
-                std::max({options_.tolerance * pair.fine.moments[m].way_m[b], band, pair.fine.resolution});
-            if (doubt.position_m > share_of_doubt * limit && doubt.position_m > pair.fine.resolution) return false;
-            if (doubt.orientation_rad > share_of_doubt * options_.tolerance) return false;
+            const Errors doubt = distance(pair.fine.moments[m].bodies[b], pair.other.moments[m].bodies[b]),
+                         limit = limits(pair.fine, pair.fine.moments[m], b);
+            if (doubt.position_m > std::max(share_of_doubt * limit.position_m, pair.fine.resolution)) return false;
+            if (doubt.orientation_rad > share_of_doubt * limit.orientation_rad) return false;
         }
         return true;
     }
@@ -264,12 +261,6 @@ void explain(Verdict& verdict, const Judge& judge, const Way& way, const Process
 }
 
 std::string errors_text(const Errors& errors) {
-    // An error is known to two digits at best.
-    const auto two_digits = [](double error) {
-        std::array<char, 32> text{};
-        std::snprintf(text.data(), text.size(), "%.2g", error);
-        return std::string(text.data());
-    };
     return two_digits(errors.position_m) + " m and " + two_digits(errors.orientation_rad) + " rad";
 }
 
