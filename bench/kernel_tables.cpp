@@ -131,13 +131,13 @@ Table bounds_table() {
         {"IslandStep::max_impacts", "impacts of an island's step that are resolved at their own time",
          Step::max_impacts},
         {"IslandStep::max_resteps", "flights redone to find one impact", Step::max_resteps},
-        {"IslandStep::max_crossings", "pairs looked at because they may have passed through each other",
+        {"IslandStep::max_crossings", "pairs examined because they may have passed through each other",
          Step::max_crossings},
         {"contact::max_points", "contact points of a pair", contact::max_points},
-        {"contact::max_sweeps", "sweeps over the points of what rests", contact::max_sweeps},
+        {"contact::max_sweeps", "sweeps over the resting points", contact::max_sweeps},
         {"contact::max_impact_sweeps", "sweeps over the points of an impact", contact::max_impact_sweeps},
         {"contact::max_rounds", "rounds of impacts that pass from pair to pair at one moment", contact::max_rounds}};
-    Table table{{"bound", "of what", ""}, {}};
+    Table table{{"bound", "it limits", "to"}, {}};
     for (const Bound& bound : bounds)
         table.lines.push_back({in_code(bound.name), bound.what, std::to_string(bound.most)});
     return table;

@@ -1,5 +1,5 @@
-// The part of the port that is the same on every core without an operating system: console and exit by semihosting, and
-// the painted stack.
+// The part of the port that all cores without an operating system share: console and exit by semihosting, and the
+// painted stack.
 #include "bare_metal.hpp"
 
 #include "semihosting.hpp"

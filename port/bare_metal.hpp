@@ -24,12 +24,12 @@ namespace tumble::port {
 
 inline constexpr std::uint32_t paint = 0xA5A5A5A5;
 
-// What stack_peak() finds changed from here on: all below the caller's stack pointer.
+// Paints the stack below the caller's stack pointer. stack_peak() finds the deepest word that has changed since.
 [[gnu::always_inline]] inline void paint_stack(const std::uint32_t* stack_pointer) {
     for (volatile std::uint32_t* word = __stack_limit; word < stack_pointer; word = word + 1) *word = paint;
 }
 
-// Everything before .init_array must not rely on statics. main returns into exit, so exit's status is main's.
+// Code that runs before .init_array must not use statics. main returns into exit, so exit's status is main's.
 [[noreturn, gnu::always_inline]] inline void run_program() {
     const volatile std::uint32_t* from = __data_load;
     for (volatile std::uint32_t* to = __data_start; to < __data_end; to = to + 1, from = from + 1) *to = *from;
@@ -38,7 +38,7 @@ inline constexpr std::uint32_t paint = 0xA5A5A5A5;
     exit(main());
 }
 
-// As 0x and eight digits.
+// Writes the value as 0x and eight digits.
 void write_hex(std::uint32_t value);
 
 }  // namespace tumble::port

@@ -1,6 +1,6 @@
 # tumble_add_firmware_calling(<name> <function> <objects>)
-#   makes the firmware <name> whose main is `int <function>()` of what tumble_add_firmware_objects(<objects> ...) has
-#   compiled: programs that share a compilation differ in the function only, and the linker drops the rest.
+#   makes the firmware <name>. Its main calls `int <function>()`, which tumble_add_firmware_objects(<objects> ...) has
+#   compiled. Programs that share a compilation differ in this function only, and the linker drops the others.
 include_guard(GLOBAL)
 
 function(tumble_add_firmware_calling name function objects)

@@ -2,16 +2,16 @@
 #   makes <name>.elf and <name>.map for the current core (TUMBLE_CORE), linked with the start-up code, the compiler's own
 #   library and no libc.
 # tumble_add_firmware_objects(<name> ...)
-#   compiles the same arguments only, for SOURCES $<TARGET_OBJECTS:<name>> of several firmware.
+#   takes the same arguments and only compiles. Several firmware use the result as SOURCES $<TARGET_OBJECTS:<name>>.
 # tumble_add_firmware_test(<test> FIRMWARE <name> [STATUS <n>] [OUTPUT <regex>] [TIMEOUT <seconds>])
 #   runs it in the core's emulator under ctest; exit status n or n|m (default 0), and the text must match the regex.
-# What families of cores do not share is in port/<port>/family.cmake, which sets
+# Each family of cores has a file port/<port>/family.cmake, which sets
 #   family_sources         the start-up code and the port, compiled for every firmware
 #   family_options         compiler options of all firmware, besides the row's
-#   family_linker_script   the linker's script, or what CMake makes one of; none: the linker's own
+#   family_linker_script   the linker's script, or the template from which CMake makes it; empty: the linker's own
 #   family_link_options    the linker's options, besides the row's
-#   family_libraries       what is linked
-#   family_libc            the C library and its mathematics, if there is one; firmware of this project does without
+#   family_libraries       libraries that are linked
+#   family_libc            the C library with its mathematics, if there is one; firmware of this project does not use it
 include_guard(GLOBAL)
 include(${CMAKE_CURRENT_LIST_DIR}/board.cmake)
 
@@ -42,8 +42,8 @@ target_compile_options(tumble_firmware_flags INTERFACE
     -Wall -Wextra -Wconversion -Wdouble-promotion -Werror)
 target_include_directories(tumble_firmware_flags INTERFACE ${TUMBLE_PORT_DIR})
 
-# Objects rather than an archive: the code of the reset is referenced by nobody. The level of optimisation is fixed, so a
-# reading of the counter costs the same in every firmware; loops stay loops, or memcpy would call itself.
+# Objects and not an archive, because nothing refers to the code of the reset. The level of optimisation is fixed, so a
+# reading of the counter costs the same in every firmware. Loops stay loops: otherwise memcpy would call itself.
 add_library(tumble_startup OBJECT ${family_sources} ${TUMBLE_PORT_DIR}/runtime.cpp)
 target_link_libraries(tumble_startup PRIVATE tumble_firmware_flags tumble::f64)
 target_include_directories(tumble_startup PRIVATE ${TUMBLE_BOARD_DIR} ${family_dir})
@@ -59,7 +59,7 @@ if(family_linker_script)
     set_property(TARGET tumble_firmware_link PROPERTY INTERFACE_LINK_DEPENDS ${TUMBLE_BOARD_DIR}/firmware.ld)
 endif()
 
-# For firmware that is not this project's.
+# For firmware of other projects.
 add_library(tumble_libc INTERFACE)
 if(family_libc)
     target_link_libraries(tumble_libc INTERFACE ${family_libc} ${family_libraries})
@@ -67,7 +67,7 @@ else()
     target_compile_options(tumble_libc INTERFACE -fno-math-errno)
 endif()
 
-# With the caller's arg_DEFINES and arg_OPTIONS.
+# Uses the caller's arg_DEFINES and arg_OPTIONS.
 function(tumble_compile_as_firmware name)
     target_link_libraries(${name} PRIVATE tumble_firmware_flags)
     set_target_properties(${name} PROPERTIES CXX_EXTENSIONS OFF)

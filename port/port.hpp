@@ -1,6 +1,6 @@
-// The whole machine interface of tumble's programs: text out, a counter, stack use, and an end.
-// Programs that print or measure include it; the kernel never does. One implementation each in
-// port/host and each of port/families.txt; which one is linked is decided by the build, not by macros.
+// The whole machine interface of tumble's programs: text output, a counter, stack use, and an exit. Programs that print
+// or measure include it; the kernel never does. port/host and each folder in port/families.txt has an implementation.
+// The build decides which one is linked; no macro does.
 #pragma once
 
 #include <cstddef>
@@ -37,7 +37,7 @@ void init();
 // of WebAssembly). An emulated target never says "cycles".
 [[nodiscard]] std::string_view tick_unit();
 
-// The name of the core in port/boards.txt, or "host".
+// The name of the core's row in port/boards.txt, or "host".
 [[nodiscard]] std::string_view core();
 
 // Sends text to standard output, unbuffered. It needs a debugger or emulator that serves semihosting; without one a

@@ -124,7 +124,7 @@ void check_mass(Table& table, BodyDescription& body, bool attracts) {
     }
 }
 
-// With the cure for those who know a mass of 0 as that of a body that never moves.
+// The message has a cure, because elsewhere a mass of 0 may stand for a body that never moves.
 std::optional<double> read_mass(Table& table) {
     const Quantity kilograms{Quantity::positive, "kg"};
     std::optional<double> mass;
@@ -135,7 +135,7 @@ std::optional<double> read_mass(Table& table) {
     return mass;
 }
 
-// A point mass has no rotation: numbers that ask for one are an error.
+// A point mass has no rotation: a number that gives it one is an error.
 void refuse_to_turn(Table& table, const std::string& key, const double* numbers, std::size_t count,
                     const BodyDescription& body, const std::string& otherwise) {
     if (body.is_point_mass() && std::any_of(numbers, numbers + count, [](double x) { return x != 0.0; }))

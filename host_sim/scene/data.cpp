@@ -56,7 +56,7 @@ void check(const SceneDescription& scene) {
     fits("spring", scene.springs.size(), max_springs);
 }
 
-// Contacts by springs know no sleep.
+// Contacts by springs have no sleep.
 SleepSpec sleep_of(const ContactDescription& contact) {
     if (!contact.sleep || contact.response != ContactResponse::impulse) return {};
     return {true, contact.sleep->speed, contact.sleep->angular_speed, contact.sleep->time};
@@ -153,7 +153,7 @@ Features needs(const SceneData& scene) {
     const WorldSpec& world = scene.world;
     const ContactResponse response = world.contact.response;
     const bool pairs = response != ContactResponse::none && any_pair_meets(scene.bodies);
-    // Planes are there only with a response, and for what may touch them.
+    // Planes need a response and a body that may touch them.
     const std::size_t planes = rotation ? scene.planes.size() : 0;
     const bool touches = planes > 0 || pairs, by_impulses = touches && response == ContactResponse::impulse,
                by_springs = touches && response == ContactResponse::spring;

@@ -1,5 +1,5 @@
-// The scene as the kernel takes it: the data of a Replay, with every number a double or made from doubles by the
-// kernel's own constexpr functions, so that a header written from it says exactly the same.
+// The scene as the kernel takes it: the data of a Replay. Every number is a double, or made from doubles by the
+// kernel's own constexpr functions, so a header that is written from it has exactly the same numbers.
 #pragma once
 
 #include <tumble/body/setup.hpp>
@@ -15,7 +15,7 @@
 
 namespace tumble::host {
 
-// What the host's worlds have room for.
+// The room of the host's worlds.
 inline constexpr int max_bodies = 64;
 inline constexpr int max_planes = 16;
 inline constexpr int max_springs = 64;
@@ -42,20 +42,19 @@ struct SceneData {
 // Throws UnsupportedScene for what exceeds the host's capacities.
 [[nodiscard]] SceneData build_scene(const SceneDescription& scene);
 
-// With the events in the order of the steps in which they begin to act, which a world brings them into one by one;
-// those of one step keep their order.
+// The scene with its events in the order of the steps in which they begin to act. Events of one step keep their order.
 [[nodiscard]] SceneData with_events_in_order(SceneData scene);
 
-// What a world must have compiled in for the scene, and nothing else.
+// The features that a world must have for the scene, and no others.
 [[nodiscard]] Features needs(const SceneData& scene);
 
-// Which kinds of shapes touch each other in the kernel, in either order: what is not simulated is no contact.
+// True if the kernel simulates contacts between the two kinds of shapes, in either order.
 [[nodiscard]] bool shapes_meet(ShapeKind a, ShapeKind b);
 
-// The kernel's shape; `points` become a body without one, whose mass properties are the cloud's.
+// The kernel's shape. `points` become a body without a shape, which has the cloud's mass properties.
 [[nodiscard]] Shape shape_of(const ShapeDescription& shape);
 
-// Of Ixx, Iyy, Izz, Ixy, Ixz, Iyz; and of points, about their centre of mass.
+// The tensor of Ixx, Iyy, Izz, Ixy, Ixz, Iyz; and that of points, about their centre of mass.
 [[nodiscard]] InertiaTensor tensor_of(const std::array<double, 6>& elements);
 [[nodiscard]] PointCloud cloud_of(const std::vector<PointDescription>& points);
 

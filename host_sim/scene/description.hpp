@@ -1,4 +1,4 @@
-// What a scene file says, in the user's words: SI units, the user's body axes, names instead of indices.
+// The content of a scene file: SI units, the user's body axes, names of bodies as indices.
 // The reader fills it and checks it; the builder turns it into a World; the compiler prints it as a firmware header.
 // read_scene() has checked every value here by the rules of the format.
 #pragma once
@@ -46,7 +46,7 @@ struct BodyDescription {
     std::optional<double> restitution, friction;
     bool fixed = false;
 
-    // It has no rotation.
+    // True of a body without rotation.
     [[nodiscard]] bool is_point_mass() const { return shape.kind == ShapeKind::none && !inertia; }
 };
 

@@ -1,6 +1,6 @@
-# tumble_compile_scene(<scene file> <directory> <header variable> [<struct variable> [<option>...]]): what `tumble compile`
-# makes of the file with these options, at build time: <directory>/<name>.hpp, and in it a struct in the namespace
-# tumble::scenes. With a variable for its name that is scene_<name>; without, the command's default.
+# tumble_compile_scene(<scene file> <directory> <header variable> [<struct variable> [<option>...]]): runs `tumble compile`
+# with these options at build time. It writes <directory>/<name>.hpp, with a struct in the namespace tumble::scenes. The
+# name of the struct is scene_<name> if a variable for it is given, otherwise the command's default.
 include_guard(GLOBAL)
 
 function(tumble_compile_scene scene directory header)

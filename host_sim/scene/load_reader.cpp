@@ -13,7 +13,7 @@ constexpr Quantity newton_metre_seconds{Quantity::any, "N m s", "x, y, z"};
 
 const Words<Frame> frames{{"world", Frame::world}, {"body", Frame::body}};
 
-// A point mass has no axes that an impulse or a force could be given in.
+// A point mass has no axes, so the frame of its impulses and forces cannot be "body".
 void refuse_body_frame(Table& table, Frame frame, const BodyDescription& body) {
     if (body.is_point_mass() && frame == Frame::body)
         table.at("frame").fail("body " + in_quotes(body.name) + " is a point mass, which has no axes of its own",

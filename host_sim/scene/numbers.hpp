@@ -1,12 +1,11 @@
-// All numbers of a scene that set its motion, for whoever changes one after another.
+// Visits all numbers of a scene that decide its motion, for code that changes them one by one.
 #pragma once
 
 #include "scene/description.hpp"
 
 namespace tumble::host {
 
-// What a number of a scene measures: a length, a velocity, a part of a quaternion, a spin; or a factor such as a mass
-// or a size.
+// The quantity of a number: a length, a velocity, a part of a quaternion, a spin; or a factor such as a mass or a size.
 enum class Measure { position, velocity, angle, spin, factor };
 
 // Calls visit(double&, Measure) with every number that sets the motion. Moments of inertia stay as they are, because

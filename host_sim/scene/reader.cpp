@@ -29,7 +29,7 @@ namespace {
 // The largest preset, `field`: a [range] is at most as large.
 const RangeDescription field{FieldRange::position, FieldRange::velocity, FieldRange::spin};
 
-// Bytes: some hundred thousand events.
+// Bytes; enough for some hundred thousand events.
 constexpr std::size_t largest_file = std::size_t{1} << 25;
 
 constexpr double planes_within = 4;  // times the range of positions: the largest offset of a plane in fixed point
@@ -105,7 +105,7 @@ void read_contact(Table table, ContactDescription& contact) {
     table.finish();
 }
 
-// Adds a named thing to its list; no other may have its name, whatever it is.
+// Adds a plane or a body to its list. No other plane or body may have its name.
 template <class T>
 void add_named(std::vector<T>& list, T item, Table& table, std::set<std::string>& names) {
     if (!names.insert(item.name).second)
@@ -113,7 +113,7 @@ void add_named(std::vector<T>& list, T item, Table& table, std::set<std::string>
     list.push_back(std::move(item));
 }
 
-// The first that there is no room for is refused.
+// Refuses the first element for which there is no room.
 void check_count(const std::vector<Table>& tables, int room) {
     const auto most = static_cast<std::size_t>(room);
     if (tables.size() > most)

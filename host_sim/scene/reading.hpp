@@ -1,4 +1,4 @@
-// What the readers of a scene's tables share: quantities, and checks that several of them make.
+// Quantities and checks that several readers of a scene's tables share.
 #pragma once
 
 #include "scene/description.hpp"
@@ -31,7 +31,7 @@ void check_range(const Value& value, double number, double most, const std::stri
 void check_range(Table& table, const std::string& key, const Triple& numbers, const std::string& what,
                  RangeDescription& range);
 
-// Throws where numbers ask a point mass to turn: it has no rotation.
+// Throws if a number would make a point mass rotate.
 void refuse_to_turn(Table& table, const std::string& key, const Triple& numbers, const BodyDescription& body);
 
 }  // namespace tumble::host

@@ -21,8 +21,8 @@ std::string shown(const toml::node& node) {
     return node.is_table() ? "a table" : "a date or time";
 }
 
-// Calls look(c) for each character outside strings and comments, and for the first quote of a string, until it is true;
-// the line where it was, or 0.
+// Calls look(c) for each character outside strings and comments, and for the first quote of a string, until it returns
+// true. Returns the line of that character, or 0.
 template <class Look>
 int line_of_bare(std::string_view text, Look&& look) {
     if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);  // byte order mark
@@ -54,11 +54,11 @@ int line_of_bare(std::string_view text, Look&& look) {
     return 0;
 }
 
-// Parts of keys, tables and arrays that are in each other at a place: of the header above it, of what is open there,
-// and of the key that is read.
+// Counts how deep a place of the file is nested in parts of keys, tables and arrays: those of the header above it, the
+// open ones, and the key that is read.
 class Nesting {
 public:
-    // True where more are in each other than `most`.
+    // True if the next character nests deeper than `most`.
     bool exceeds(int most, char c) {
         const bool at_start = is_start_;
         is_start_ = c == '\n' || (is_start_ && (c == ' ' || c == '\t' || c == '\r'));
@@ -105,7 +105,7 @@ private:
 
     bool is_start_ = true, in_header_ = false;
     int header_ = 0, depth_ = 0, key_ = 1, waiting_ = 1;
-    std::vector<int> open_;  // parts of the keys of what is open
+    std::vector<int> open_;  // parts of the keys of the open tables and arrays
 };
 
 toml::table parsed(std::string_view text, const std::string& file) {

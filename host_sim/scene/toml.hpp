@@ -1,6 +1,6 @@
-// A TOML document whose every value knows its place in the file. A `Table` hands out the keys of one table and
-// remembers them, so that finish() can report the ones nobody asked for; a `Value` is one node. All messages are made
-// from those two, and thrown as a SceneError.
+// A TOML document whose values know their place in the file. A `Table` returns the values of its keys and remembers
+// these keys, so that finish() can report all others as unknown. A `Value` is one node. Both throw their messages as a
+// SceneError.
 #pragma once
 
 #include <algorithm>
@@ -26,9 +26,9 @@
 
 namespace tumble::host {
 
-// What a number must be, and its unit; `parts` names the elements of an array.
+// The condition of a number, and its unit. `parts` names the elements of an array.
 struct Quantity {
-    // No number is larger, and none that must be positive is smaller: products of several of them stay within a double.
+    // The largest number, and the smallest positive one. Products of several of them stay in the range of a double.
     static constexpr double largest = 1e40, smallest = 1e-40;
 
     enum Bound { any, positive, not_negative, zero_to_one } bound;
@@ -66,7 +66,7 @@ public:
     [[noreturn]] void fail(const std::string& problem, const std::string& wanted) const {
         place_.fail(problem, wanted);
     }
-    // The problem is the value that the file has.
+    // An error about the value in the file.
     [[nodiscard]] SceneError refusal(const std::string& wanted) const;
     [[noreturn]] void refuse(const std::string& wanted) const { throw refusal(wanted); }
 
@@ -96,7 +96,8 @@ template <class T>
     return keys;
 }
 
-// One conversion for each C++ type, and what it expects of the file; found by the argument, so a reader adds its own.
+// A conversion for each C++ type, with the value that it expects. It is found by the type of the argument, so a reader
+// can add its own.
 [[nodiscard]] std::string wanted(const double&, const Quantity& quantity);
 [[nodiscard]] std::string wanted(const std::string&, const Quantity&);
 [[nodiscard]] std::string wanted(const bool&, const Quantity&);

@@ -1,4 +1,4 @@
-// Which number of a body's state has reached the most that its number system holds. Included only by worlds.
+// Finds the number of a body's state that has reached the limit of its number system. Included only by worlds.
 #pragma once
 
 #include <tumble/body/bodies.hpp>
@@ -12,7 +12,7 @@
 
 namespace tumble::host {
 
-// rad/s about principal axis i that a half turn of a step, rad, stands for.
+// The spin about principal axis i, rad/s, of a half turn in a step, rad.
 template <class N, Spin spin, int capacity, bool points>
 [[nodiscard]] double spin_of_half_turn(const Bodies<N, spin, capacity, points>& bodies, const PrincipalAxes& axes,
                                        double half_turn, int i) {
@@ -33,7 +33,7 @@ template <class N, Spin spin, int capacity, bool points>
     return std::numeric_limits<double>::infinity();
 }
 
-// Of a body that has just left the range: the number that stands at its limit. None where one is not finite.
+// The number at its limit, of a body that has just left the range. None if a number is not finite.
 template <class N, Spin spin, int capacity, bool points>
 [[nodiscard]] std::optional<HeldNumber> number_at_limit(const Bodies<N, spin, capacity, points>& bodies,
                                                         const PrincipalAxes& axes, int b) {

@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 
 using Maker = void (*)(SceneData, std::string_view, std::unique_ptr<Simulation>&);
 
-// True of a module of the sources that this program is of: the digest beside it says so.
+// True if the module was built from the same sources as this program, by the digest beside it.
 bool is_current(const fs::path& file) {
     return fs::exists(file) && contents_of(fs::path{file}.replace_extension(".digest.hpp"))
                                        .find('"' + std::string{TUMBLE_SOURCES_DIGEST} + '"') != std::string::npos;
@@ -52,7 +52,7 @@ std::string module_name(std::size_t index, Part part) {
     return "tumble_worlds_" + names.at(index) + (part == Part::front ? "" : "_rest");
 }
 
-// Modules stay loaded: simulations are of their code.
+// Modules stay loaded, because simulations run their code.
 Maker load(std::size_t index, Part part) {
     const std::string module = module_name(index, part);
     const fs::path file = fs::path(TUMBLE_BUILD_DIR) / "host_sim" / (module + ".so");

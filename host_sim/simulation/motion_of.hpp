@@ -44,7 +44,7 @@ template <class N, Spin spin, int capacity, bool points>
     return w;
 }
 
-// SI units, the user's axes; those of a point mass are the world's.
+// The motion in SI units and the user's axes; a point mass has the world's axes.
 template <class N, Spin spin, int capacity, bool points>
 [[nodiscard]] reference::Motion motion_of(const Bodies<N, spin, capacity, points>& bodies, const PrincipalAxes& axes,
                                           int body) {

@@ -47,7 +47,7 @@ template <class... Methods, class Method>
 constexpr bool contains(IntegratorList<Methods...>, std::type_identity<Method>) {
     return (std::is_same_v<Methods, Method> || ...);
 }
-// The front has the methods of most runs. Carried doubles are what other runs are compared with, by two methods.
+// The front has the methods of most runs. Other runs are compared with two methods in carried doubles.
 template <class N, class Method>
 constexpr Part part_of() {
     using namespace integrators;

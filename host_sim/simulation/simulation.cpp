@@ -75,7 +75,8 @@ std::string acts_on_fixed(const BodyDescription& body) {
     return "acts on body \"" + body.name + "\", which is fixed, so it has no effect";
 }
 
-// The shapes that touch no bodies; empty for all others. Where there is none it is a point mass that is told of.
+// The name of a shape that touches no bodies, for a warning; empty for all others. A body without a shape is named as a
+// point mass, because a warning is given for no other.
 std::string_view passing_shape(ShapeKind shape) {
     if (touches_bodies(shape)) return "";
     switch (shape) {
@@ -88,8 +89,8 @@ std::string_view passing_shape(ShapeKind shape) {
     }
 }
 
-// What a body of such a shape may pass through; empty: there is nothing. A body with moments and without a shape is
-// asked to touch nothing.
+// The planes and bodies through which a body of such a shape may pass; empty: none. A body with moments and no shape is
+// meant to touch nothing, so there is no warning.
 std::string passed_by(const BodyDescription& body, const SceneDescription& scene) {
     const bool passes_planes = body.shape.kind == ShapeKind::points || body.is_point_mass();
     const bool planes = passes_planes && !body.fixed && !scene.planes.empty();
@@ -101,11 +102,11 @@ std::string passed_by(const BodyDescription& body, const SceneDescription& scene
     return std::string(planes ? "planes" : "") + (planes && others ? " and " : "") + (others ? "other bodies" : "");
 }
 
-// How far from the size of one a force's impulse is told.
+// A force's impulse that differs by more than this part of its size gets a warning.
 constexpr double impulse_tolerance = 0.1;
 
-// What a force does instead of what the file says, where its impulse differs by more: it acts in whole steps, between
-// those nearest to its times. Empty where it does not.
+// The warning about a force whose impulse differs by more, because it acts in whole steps, between those nearest to its
+// times. Empty for any other force.
 std::string other_impulse(const ForceDescription& force, const SceneDescription& scene) {
     const double step = scene.step.seconds();
     const std::int64_t from = nearest_step(force.from, scene.step),
@@ -126,7 +127,7 @@ std::string other_impulse(const ForceDescription& force, const SceneDescription&
            "; take a shorter step" + (until == from ? " or an impulse" : "");
 }
 
-// What begins in something else, deeper than contacts let it.
+// The bodies that overlap others or planes at the start, deeper than contacts allow.
 void add_overlaps(const SceneDescription& scene, std::vector<std::string>& list) {
     for (const auto& overlap : SmoothMotion(scene, shapes_meet).overlaps()) {
         if (overlap.depth <= scene.contact.tolerance) continue;

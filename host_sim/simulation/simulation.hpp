@@ -40,7 +40,7 @@ struct HeldNumber {
     std::string name;  // position, velocity, angular velocity, ...
     double most = 0;
     std::string unit;
-    bool is_declared = false;  // by the scene's [range], of which floating point knows nothing
+    bool is_declared = false;  // the limit is the scene's [range], which floating point does not have itself
 };
 
 // The first occurrence of something that went wrong.
@@ -64,18 +64,18 @@ public:
     [[nodiscard]] virtual BodySnapshot body(int index) const = 0;
     [[nodiscard]] virtual Energy energy() const = 0;
 
-    // What the status bits stand for, in order of first occurrence; empty when all is well.
+    // The troubles that set status bits, in order of first occurrence; empty: none.
     [[nodiscard]] virtual const std::vector<Trouble>& troubles() const = 0;
 
-    // s; contacts by springs gain energy at longer ones. 0: none of them limits the step.
+    // The largest step at which contacts by springs gain no energy, s. 0: none of them limits the step.
     [[nodiscard]] virtual long double largest_safe_step() const = 0;
 
-    // m: the band in which bodies touch by impulses, wider than the scene's where the number system does not resolve
-    // that.
+    // The tolerance of contacts by impulses, m. It is larger than the scene's if the number system does not resolve the
+    // scene's.
     [[nodiscard]] virtual long double contact_tolerance() const = 0;
 
-    // What the number system holds of each component of a body's spin at this step, rad/s: the least of its axes.
-    // Infinite in floating point and of what does not rotate.
+    // The largest spin about any axis of a body that the number system holds at this step, rad/s: the least over its
+    // axes. Infinite in floating point, and for a body that does not rotate.
     [[nodiscard]] virtual double held_spin(int body) const = 0;
 
     // All words of all bodies' states, in the order of a record; and the body and number that a word belongs to.
@@ -126,13 +126,13 @@ struct IntegratorInfo {
     double oscillation_limit = 0, drag_limit = 0;
     OscillatorStep (*oscillator_step)(double k, double c) = nullptr;
     Spin spin = Spin::none;         // what it keeps of a spin
-    bool takes_any_load = false;    // fixed point does not limit the change of a step
-    bool coasts_with_mean = false;  // of a step's velocities at its start and end
-    StepBounds step_bounds{};       // beyond which the kernel tells of springs, dampers and drag
+    bool takes_any_load = false;    // fixed point does not limit the change of motion in a step
+    bool coasts_with_mean = false;  // positions advance by the mean of a step's first and last velocity
+    StepBounds step_bounds{};       // beyond them the kernel reports springs, dampers and drag
 };
 struct NumberSystemInfo {
     std::string name;
-    std::string what;   // it computes with
+    std::string what;   // the numbers with which it computes
     std::string type;   // in C++
     std::string range;  // near, room, field or empty
     bool carry = false;
@@ -154,7 +154,7 @@ void require_range(const SceneDescription& scene, std::string_view numbers);
 [[nodiscard]] const NumberSystemInfo& find_number_system(const SceneDescription& scene, std::string_view numbers,
                                                          std::optional<bool> carry);
 
-// What of the scene is not simulated yet, one sentence each.
+// Warnings: a sentence for each part of the scene that is not simulated.
 [[nodiscard]] std::vector<std::string> limitations(const SceneDescription& scene);
 
 }  // namespace tumble::host

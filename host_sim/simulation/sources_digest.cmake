@@ -12,7 +12,7 @@ foreach(root IN LISTS ROOTS)
 endforeach()
 string(SHA256 digest "${digests}")
 file(CONFIGURE OUTPUT ${HEADER} @ONLY CONTENT
-"// Of the sources that this was compiled from.
+"// A digest of the sources.
 #pragma once
 
 #define TUMBLE_SOURCES_DIGEST \"@digest@\"

@@ -19,7 +19,7 @@ namespace tumble::host {
 
 using reference::Vector;
 
-// What a Simulation tells of its bodies, whatever the method.
+// The part of a Simulation that reports its bodies, for any method.
 template <class N, Spin spin_is>
 class BodiesSimulation : public Simulation {
 protected:
@@ -197,7 +197,7 @@ private:
     std::vector<Trouble> troubles_;
 };
 
-// What must be there before BodiesSimulation is.
+// Base class that is constructed before BodiesSimulation.
 template <class Config>
 struct OwnedReplay {
     explicit OwnedReplay(SceneData scene) : data(with_events_in_order(std::move(scene))), replay(data) {}

@@ -67,7 +67,7 @@ void systick_handler();
     tumble::port::exit(128 + static_cast<int>(exception));
 }
 
-// The stack may be the culprit: the report runs on the far end of it, which only an overflow has used.
+// The stack may have overflowed, so the report runs on its far end, which nothing but an overflow has used.
 [[gnu::naked]] void fault_handler() {
     asm("mov r0, sp\n"
         "mrs r1, ipsr\n"

@@ -11,7 +11,7 @@ namespace {
 
 bool text_lost = false;
 
-// From here on the program's end, a return from main among them, tells of it.
+// From now on the program ends with text_lost_status where its status would have been 0, also by a return from main.
 void lose_text() {
     if (text_lost) return;
     text_lost = true;

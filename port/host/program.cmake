@@ -1,5 +1,5 @@
 # tumble_add_firmware() and tumble_add_firmware_objects() for a build without a cross compiler: the same programs for the
-# workstation, with the host's port. Options are those of a core's compiler and are left out.
+# workstation, with the host's port. OPTIONS are for a core's compiler and are ignored.
 include_guard(GLOBAL)
 if(NOT TARGET tumble::tumble)
     add_subdirectory(${CMAKE_CURRENT_LIST_DIR}/../../kernel kernel)

@@ -8,7 +8,7 @@ namespace tumble::port::csr {
 
 // Numbers of the RISC-V privileged architecture 1.12, chapter 2.2.
 inline constexpr int mstatus = 0x300, mtvec = 0x305, pmpcfg0 = 0x3A0, pmpaddr0 = 0x3B0;
-inline constexpr int mcycle = 0xB00, minstret = 0xB02, high = 0x80;  // high: of a counter's upper half, from its lower
+inline constexpr int mcycle = 0xB00, minstret = 0xB02, high = 0x80;  // high: from a counter's lower half to its upper
 
 template <int number>
 [[gnu::always_inline]] inline std::uint32_t read() {

@@ -57,7 +57,7 @@ extern "C" {
     tumble::port::exit(128 + static_cast<int>(cause & 0x7F));
 }
 
-// The stack may be the culprit: the report runs on the far end of it, which only an overflow has used.
+// The stack may have overflowed, so the report runs on its far end, which nothing but an overflow has used.
 [[gnu::naked, gnu::aligned(4)]] void trap_handler() {
     asm(".option push\n"
         ".option arch, +zicsr\n"

@@ -1,5 +1,5 @@
-# Debian's compiler for RISC-V comes without a C++ library. The kernel needs header-only parts of one, and those that come
-# with the compiler for Cortex-M, with newlib's C headers, which are the same for every processor, serve.
+# Debian's compiler for RISC-V comes without a C++ library. The kernel needs header-only parts of one. Those of the
+# compiler for Cortex-M serve, with newlib's C headers, because they are the same for every processor.
 execute_process(COMMAND arm-none-eabi-g++ -mcpu=cortex-m0 -x c++ -E -v /dev/null
     OUTPUT_QUIET ERROR_VARIABLE search COMMAND_ERROR_IS_FATAL ANY)
 string(REGEX MATCH "#include <[^\n]*\n(.*)\nEnd of search list" search "${search}")

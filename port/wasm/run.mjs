@@ -1,5 +1,6 @@
-// Runs a module with WASI under node: run.mjs MODULE. It has standard output, a clock and an end; no files, arguments,
-// environment or network. The status is the module's; a trap is told on standard output and ends with 128.
+// Runs a module with WASI under node: run.mjs MODULE. The module has standard output, a clock and an exit, but no files,
+// arguments, environment or network. The status is the module's. A trap prints a message to standard output and ends
+// with status 128.
 import { readFile } from 'node:fs/promises';
 import { WASI } from 'node:wasi';
 

@@ -42,10 +42,10 @@ void expect_root_of_every_pattern(std::uint64_t seed) {
         check(a);
 }
 
-TEST(functions, square_root_of_a_float_is_the_processors) {
+TEST(functions, square_root_of_a_float_equals_that_of_the_processor) {
     expect_root_of_every_pattern<float, std::uint32_t, 23, 127>(1);
 }
-TEST(functions, square_root_of_a_double_is_the_processors) {
+TEST(functions, square_root_of_a_double_equals_that_of_the_processor) {
     expect_root_of_every_pattern<double, std::uint64_t, 52, 1023>(2);
 }
 

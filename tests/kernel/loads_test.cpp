@@ -129,7 +129,7 @@ TEST_P(Loads, gravitation_between_bodies_conserves_momentum_and_angular_momentum
               32 * tolerance::method_error(order(), 1.0L / 128, 4) + 16 * tolerance::pair_momentum.of(system()));
 }
 
-TEST_P(Loads, bodies_at_the_same_place_do_not_attract_each_other_and_are_told) {
+TEST_P(Loads, bodies_at_the_same_place_do_not_attract_each_other_and_are_reported) {
     SceneSetup setup{.name = "same_place"};
     setup.world = {.gravitation = 1, .contact = {.response = ContactResponse::none}};
     setup.bodies = {sphere(1, 0.5), sphere(1, 0.5)};
@@ -221,7 +221,7 @@ TEST_P(Loads, an_impulse_of_the_script_does_what_one_applied_by_hand_does) {
     }
 }
 
-TEST_P(Loads, impulses_that_are_set_in_mid_run_are_those_of_the_steps_to_come) {
+TEST_P(Loads, impulses_set_during_a_run_replace_those_of_the_steps_to_come) {
     for (const int set : {1, 9, 30}) {
         SceneSetup setup{.name = "late"};
         setup.bodies = {sphere(2, 0.5)};
@@ -283,7 +283,7 @@ TEST_P(Loads, a_body_frame_impulse_is_the_world_frame_impulse_turned) {
     EXPECT_LE(distance(in_body->motion(0), in_world->motion(0)), 4 * tolerance::impulse.of(system()));
 }
 
-TEST_P(Loads, events_keep_their_steps_where_the_count_of_steps_begins_anew) {
+TEST_P(Loads, events_keep_their_steps_when_the_step_counter_wraps) {
     constexpr int steps = 48, for_ever = std::numeric_limits<int>::max();
     const Number h = system().bits == 64 ? 0.01L : 1.0L / 128;
     // Forces of the bodies, on from a step until another; impulses at a step. `turn` is where the count begins anew.
@@ -503,7 +503,7 @@ SceneSetup damped_beside(Number K, Number damper, Number drag, Number mass) {
                      {.to = {0, 0, 0}, .stiffness = real(K * mass * 256 * 256), .rest_length = 0.09375}};
     return setup;
 }
-TEST_P(Loads, growth_that_damping_beside_the_spring_undoes_is_not_reported) {
+TEST_P(Loads, growth_that_other_damping_removes_is_not_reported) {
     if (GetParam().method.oscillation_limit > 0) GTEST_SKIP() << "does not add to every oscillation";
     for (const Number K : {0.14L, 0.17L}) {
         for (const Number mass : {0.5L, 3.0L}) {
@@ -620,7 +620,7 @@ TEST_P(Loads, a_spring_beyond_its_step_bound_is_reported_with_a_body_that_it_mov
 }
 
 // A fixed body attracts by its mass, and is not moved by the other's.
-TEST_P(Loads, a_light_fixed_body_and_a_heavy_one_are_not_too_near_for_what_moves) {
+TEST_P(Loads, the_mass_of_a_free_body_does_not_make_it_too_near_to_a_fixed_body) {
     for (const bool fixed_first : {true, false}) {
         SceneSetup setup{.name = "fixed"};
         setup.world = {.gravitation = 0.01, .contact = {.response = ContactResponse::none}};
@@ -654,7 +654,7 @@ TEST_P(Loads, drag_beyond_its_step_bound_is_reported_and_no_other) {
     }
 }
 
-TEST_P(Loads, bodies_that_fall_into_each_other_are_told_where_their_energy_is_lost) {
+TEST_P(Loads, bodies_that_fall_into_each_other_are_reported_when_their_energy_is_wrong) {
     if (order() < 2) GTEST_SKIP() << "does not keep an orbit's energy";
     for (const int count : {2, 3}) {
         for (const Number sideways : {0.0L, 0.05L, 0.8L}) {

@@ -136,7 +136,7 @@ TEST_P(Springs, a_damped_bounce_leaves_the_closed_form_and_never_pulls) {
     }
 }
 
-TEST_P(Springs, a_damped_ball_and_box_come_to_rest_as_deep_as_their_weight_presses) {
+TEST_P(Springs, a_damped_ball_and_box_come_to_rest_at_the_depth_that_carries_their_weight) {
     for (const bool boxed : {false, true}) {
         SceneSetup setup = soft_floor(512, 16);
         setup.world.gravity = gravity;
@@ -151,7 +151,7 @@ TEST_P(Springs, a_damped_ball_and_box_come_to_rest_as_deep_as_their_weight_press
 }
 
 // Energy: m v^2 / 2 + B / d is constant.
-TEST_P(Springs, a_barrier_turns_a_ball_where_its_energy_is_spent_and_gives_it_back) {
+TEST_P(Springs, a_barrier_stops_a_ball_where_its_energy_is_used_up_and_returns_the_energy) {
     constexpr Number barrier = 0.25L;
     for (const Number speed : {2.0L, 4.0L}) {
         SceneSetup setup = soft_floor(0, 0, barrier);

@@ -307,7 +307,7 @@ TEST_P(Floating, a_speed_or_spin_that_is_not_finite_is_reported_at_once) {
     EXPECT_TRUE(build(setup, GetParam())->status().has(Issue::range_left));
 }
 
-TEST(status, a_full_world_adds_nothing_and_says_so) {
+TEST(status, a_full_world_adds_nothing_and_reports_it) {
     SceneSetup setup = three_spheres();
     for (const Case& c : every_case()) {
         const auto world = build(setup, c);

@@ -8,23 +8,22 @@ namespace tumble {
 
 // A bit of Status.
 enum class Issue : std::uint8_t {
-    // A position, velocity or spin left what the number system holds. Fixed point: the value is held at the limit and
-    // the trajectory is wrong from here on; declare a larger Range or take a smaller step. Floating point: it is not
-    // finite, or the body turned so far in a step that its orientation is wrong or lost its unit length; take a smaller
-    // step.
+    // A position, velocity or spin left the range of the number system. Fixed point: the value is held at the limit and
+    // the trajectory is wrong from here on; declare a larger Range or take a smaller step. Floating point: a value is
+    // not finite, or the body turned so far in a step that its orientation is wrong or lost its unit length; take a
+    // smaller step.
     range_left = 1,
-    // An iteration met its bound: an implicit method did not converge (take a smaller step), or a step had more impacts
-    // than it resolves, and a bounce faster than what loads change in a step was left out (set restitution_threshold).
-    // The state is usable but less accurate.
+    // An iteration met its bound. Either an implicit method did not converge: take a smaller step. Or a step had more
+    // impacts than it resolves, and left out a bounce faster than loads change a speed in a step: set
+    // restitution_threshold. The state is usable but less accurate.
     step_bound_hit = 2,
     // More pairs near each other than the scene has room for; some bodies pass through others. Raise near_pairs.
     contacts_full = 4,
     // add() was called on a full world; nothing was added. Raise the capacity in the scene.
     world_full = 8,
-    // The step is too long, so that it adds energy: for the stiffness of a spring, a damper or drag when it was added,
-    // for
-    // contacts by springs, or for two bodies that attract each other. Take a smaller step; for contacts by springs at
-    // most World::largest_safe_step().
+    // The step is too long and adds energy: for a spring, a damper or drag when it was added, for contacts by springs,
+    // or for two bodies that attract each other. Take a smaller step; for contacts by springs at most
+    // World::largest_safe_step().
     step_too_long = 16,
 };
 // All issues, in the order of their bits.

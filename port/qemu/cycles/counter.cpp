@@ -19,7 +19,7 @@ Node& Node::child(int of_symbol) {
 }
 
 void Counter::run(Block& block) {
-    // An interrupt: what it interrupted goes on behind it.
+    // An interrupt. The interrupted code continues after it.
     if (block.skipped) return;
 
     if (active_) {
@@ -27,7 +27,7 @@ void Counter::run(Block& block) {
         if (block.start == return_address_ || block.ends) finish();
     }
     if (!active_ && (block.enters || block.begins)) {
-        // A function returns to where the block that called it ends.
+        // A function returns to the end of the block that called it.
         return_address_ = block.enters && previous_ != nullptr ? previous_->end : no_address;
         begin();
     }
@@ -88,7 +88,7 @@ void Counter::follow_call(const Block& block) {
     const Block& from = *previous_;
     if (from.exit == Exit::falls || from.exit == Exit::conditional) return;
     if (from.exit == Exit::call) {
-        // GCC for Armv6-M jumps far within a function by BL: a call goes to the start of a symbol.
+        // GCC for Armv6-M uses BL for far jumps within a function. A call goes to the start of a symbol.
         const bool stays =
             block.symbol >= 0 && block.symbol == from.symbol && block.start != symbols_[block.symbol].address;
         if (stays || frames_.size() == most_frames) return;

@@ -1,5 +1,5 @@
-// Sums costs over the translation blocks that QEMU executes. What a block costs is known when it is translated, but for
-// the branch at its end, which the next block settles: one short callback a block is all that runs.
+// Sums costs over the translation blocks that QEMU executes. The cost of a block is known when it is translated, except
+// for the branch at its end: the next block tells whether it was taken. So only one short callback a block runs.
 #pragma once
 
 #include <array>
@@ -38,8 +38,8 @@ struct Block {
     int first_size = 2;   // bytes of the first instruction
     int symbol = -1;      // of the start
     bool enters = false;  // the first block of a counted function
-    bool begins = false;  // behind it a stretch begins
-    bool ends = false;    // before it a stretch ends
+    bool begins = false;  // a counted stretch begins after it
+    bool ends = false;    // a counted stretch ends before it
     bool skipped = false;
     std::array<std::uint16_t, class_count> classes{};
     std::vector<Instruction> unknown;
@@ -48,7 +48,7 @@ struct Block {
     Totals totals;
 };
 
-// A function called from another: a node of the tree of calls, with what ran in it and not in what it called.
+// A node of the tree of calls: a function called from another, with the costs of its own code, without its callees.
 struct Node {
     int symbol = -1;
     Node* parent = nullptr;
@@ -58,12 +58,12 @@ struct Node {
     struct Place {
         std::uint64_t runs = 0, branches = 0;  // estimated cycles of branches taken at its end
     };
-    std::unordered_map<const Block*, Place> places;  // what ran here, where it is asked for
+    std::unordered_map<const Block*, Place> places;  // the blocks that ran here, if places are asked for
 
     [[nodiscard]] Node& child(int of_symbol);
 };
 
-// Of a quantity over calls.
+// The sum, the largest and the last value of a quantity over calls.
 struct Spread {
     std::uint64_t sum = 0, most = 0, last = 0;
     void add(std::uint64_t value) {
@@ -77,11 +77,11 @@ class Counter {
 public:
     Counter(const Timing& timing, const Symbols& symbols) : timing_{timing}, symbols_{symbols} {}
 
-    // A block that stays where it is, to be filled in and handed to run().
+    // A new block, to be filled in and passed to run(). It keeps its address.
     [[nodiscard]] Block& add_block() { return blocks_.emplace_back(); }
     // The block is about to be executed.
     void run(Block&);
-    // A word or more pushed: its address, and the bytes that the function takes below it.
+    // Call for a push: its lowest address, and the bytes that the function takes below it.
     void push(std::uint32_t address, std::uint32_t below);
     // Keeps for each node of the tree of calls which blocks ran in it.
     void keep_places() { keeps_places_ = true; }
@@ -102,7 +102,7 @@ private:
         std::uint32_t return_address;
         Node* node;
     };
-    // Deeper calls count for their caller.
+    // The cost of deeper calls counts for their caller.
     static constexpr std::size_t most_frames = 256;
 
     void settle_branch(Block& from, const Block& to);

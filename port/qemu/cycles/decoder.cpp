@@ -29,7 +29,7 @@ enum class Form : std::uint8_t {
     list_rn,    // bits 7..0, base in bits 10..8
     // 32 bits
     rd,         // result in bits 11..8; 15: none
-    rd_rn_imm,  // the same, and a SUB from SP is told
+    rd_rn_imm,  // the same; a SUB from SP sets sp_decrement
     rt_rd,      // two results, in bits 15..12 and 11..8
     multiply,   // MUL where the addend is 15
     single,     // load or store of one word or less
@@ -250,7 +250,7 @@ void read_core_operands(Instruction& d, Form form) {
         d.sp_decrement = form == Form::sub_sp ? bytes : -bytes;
         break;
     }
-    // PUSH writes SP back early: a POP behind it does not wait (silicon), so SP is not among what it writes.
+    // PUSH writes SP early, so that a POP after it does not wait (silicon). `writes` therefore does not have SP.
     case Form::list_push:
         d.words = static_cast<std::uint8_t>(std::popcount(op & 0x1ff));
         d.address_registers = sp;

@@ -26,7 +26,7 @@
 namespace {
 
 struct Frame {
-    std::uint64_t cycles = 0;  // with what is above
+    std::uint64_t cycles = 0;  // with those of the frames above
     std::map<std::string, Frame> above;
 };
 
@@ -155,7 +155,7 @@ int height_of(const Frame& frame) {
     return most;
 }
 
-// Cycles of a function, wherever it is called or inlined; of one within itself the outermost counts.
+// Cycles of a function, wherever it is called or inlined. Of a function within itself only the outermost frame counts.
 struct Sum {
     std::uint64_t own = 0, with_above = 0;
 };

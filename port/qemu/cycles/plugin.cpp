@@ -92,7 +92,7 @@ public:
     }
 
     void translate(qemu_plugin_tb*);
-    // Writes everything; false, with a message, when a file could not be written.
+    // Writes all reports. False, with a message, if a file could not be written.
     [[nodiscard]] bool report();
 
 private:
@@ -127,7 +127,7 @@ private:
 
 Plugin* plugin = nullptr;
 
-// An IT block may be cut by the end of a page, and then goes on in the next block.
+// The end of a page may cut an IT block, which then continues in the next translation block.
 std::vector<Instruction> Plugin::decode_block(qemu_plugin_tb* tb) {
     const std::size_t count = qemu_plugin_tb_n_insns(tb);
     std::vector<Instruction> instructions;
@@ -180,7 +180,7 @@ void Plugin::add_block(qemu_plugin_tb* tb, const std::vector<Instruction>& all, 
     const bool marks = options_.region.empty();
     b.begins = marks && all[from].cls == Class::begin;
     b.ends = marks && all[from].cls == Class::end;
-    // A marker is no neighbour of what it marks, and not counted.
+    // A marker is not counted, and does not change the cost of its neighbours.
     const bool marker = all[from].cls == Class::begin || all[from].cls == Class::end;
     const std::size_t first = marker ? from + 1 : from;
     const std::span<const Instruction> stretch{all.data() + first, to - first};
@@ -214,7 +214,8 @@ void Plugin::add_block(qemu_plugin_tb* tb, const std::vector<Instruction>& all, 
     else qemu_plugin_register_vcpu_insn_exec_cb(qemu_plugin_tb_get_insn(tb, from), run, QEMU_PLUGIN_CB_NO_REGS, &b);
 }
 
-// Depth of the stack: where PUSH and its kin store, less what the instructions behind them take off SP.
+// Finds the depth of the stack: the address at which a PUSH stores, less the bytes that the next instructions subtract
+// from SP.
 void Plugin::watch_push(qemu_plugin_insn* insn, const std::vector<Instruction>& all, std::size_t at) {
     const Instruction& d = all[at];
     if (!d.stack_pointer || (d.cls != Class::stm && d.cls != Class::f_stm)) return;

@@ -39,7 +39,8 @@ private:
     std::vector<char> bytes_;
 };
 
-// Functions, and labels of assembly, which have no type; neither mapping symbols ($t, $d) nor the linker's names.
+// True of functions, and of labels of assembly, which have no type. False of mapping symbols ($t, $d) and the linker's
+// names.
 [[nodiscard]] bool is_code(const Elf32_Sym& entry, std::string_view name) {
     const int type = ELF32_ST_TYPE(entry.st_info);
     if (entry.st_shndx == SHN_UNDEF || entry.st_shndx >= SHN_LORESERVE || name.empty() || name[0] == '$') return false;
@@ -79,7 +80,7 @@ int Symbols::at(std::uint32_t address) const {
     const auto behind = std::upper_bound(symbols_.begin(), symbols_.end(), address,
                                          [](std::uint32_t a, const Symbol& s) { return a < s.address; });
     const auto last = static_cast<int>(behind - symbols_.begin()) - 1;
-    // Labels may stand inside a function: the nearest that covers the address, if one of the last few does.
+    // A function may have labels inside. The result is the nearest symbol that covers the address, among the last few.
     constexpr int labels_inside = 8;
     for (int i = last; i >= 0 && i > last - labels_inside; --i) {
         const Symbol& s = (*this)[i];

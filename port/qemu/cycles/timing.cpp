@@ -7,8 +7,9 @@ namespace cycles {
 
 namespace {
 
-// Cycles of a class on a core: for the instruction, and for each word that it transfers. A range is the manual's, or
-// silicon's where a rule says so; the estimate is what q32 code of this project takes (README.md, operands).
+// Cycles of a class on a core: for the instruction, and for each word that it transfers. Ranges are those of the
+// manual, or of silicon where a rule says so. The estimate is for the operands of q32 code (README.md, long
+// multiplications).
 struct Cell {
     int min = 0, est = 0, max = 0, per_word = 0;
     bool known = false;
@@ -24,7 +25,7 @@ struct Cell {
 };
 constexpr Cell none{};
 constexpr Cell one_and_a_word = Cell{1}.a_word();
-// Decided by neighbours, see Timing::cost.
+// The neighbours decide the cost, see Timing::cost.
 constexpr Cell paired = Cell{1};
 
 struct Row {
@@ -33,8 +34,8 @@ struct Row {
 };
 
 // Cortex-M0: DDI 0432C table 3-1. Cortex-M0+: DDI 0484C table 3-1. Cortex-M3: DDI 0337I table 3-1 and section 3.3.3.
-// Cortex-M4: 100166 table 3-1; floating point: DDI 0439 table 7-1. What a taken branch adds on an M3 or M4 (P) stands
-// in Timing::taken, what follows from neighbours in Timing::cost.
+// Cortex-M4: 100166 table 3-1; floating point: DDI 0439 table 7-1. Timing::taken has the cost of a taken branch on an
+// M3 or M4 (P), and Timing::cost the rules of neighbours.
 constexpr Row rows[] = {
     //                M0              M0+             M3              M4F
     {Class::alu, {1, 1, 1, 1}},
@@ -99,7 +100,7 @@ constexpr auto table = [] {
 // silicon's, where the manual says "always one cycle").
 [[nodiscard]] Cycles load_cost(const Instruction& d, const Instruction* before) {
     const bool behind_one = before == nullptr || is_single_load(before->cls) || is_single_store(before->cls);
-    // Pipelined behind a load, unless it waits for what that loads. Nothing pipelines behind a store.
+    // A load is pipelined after a load, unless it waits for the loaded value. Nothing is pipelined after a store.
     const bool behind_load =
         before != nullptr && is_single_load(before->cls) && (before->writes & d.address_registers) == 0;
     if (d.words > 1) return {3, 3, 3};
@@ -114,7 +115,8 @@ constexpr auto table = [] {
         const bool holds_up = after != nullptr && (is_single_load(after->cls) || is_single_store(after->cls));
         return {1, holds_up ? 2 : 1, 2};
     }
-    // The data leave while the next instruction runs, unless that is a load; three registers take two cycles to read.
+    // The store is completed while the next instruction runs, unless that is a load. Reading three registers takes two
+    // cycles.
     const bool holds_up =
         after != nullptr && (after->cls == Class::ldr || after->cls == Class::ldm || after->cls == Class::ldrd);
     return {1, !behind_load && (d.register_offset || holds_up) ? 2 : 1, 2};
@@ -140,7 +142,7 @@ std::string_view manual_of(Model model) {
 
 bool Timing::knows(const Instruction& d) const {
     if (!cell_of(model_, d.cls).known) return false;
-    // Of the 32-bit encodings Armv6-M has BL, MSR, MRS and the barriers.
+    // The only 32-bit encodings of Armv6-M are BL, MSR, MRS and the barriers.
     return !is_v6m() || d.size == 2 || d.cls == Class::bl || d.cls == Class::mrs || d.cls == Class::barrier ||
            d.cls == Class::isb;
 }
@@ -151,7 +153,7 @@ Cycles Timing::cost(const Instruction& d, const Instruction* before, const Instr
     Cycles c{cell.min + words, cell.est + words, cell.max + words};
     if (is_v6m()) {
         if (d.cls == Class::mul) c = {multiplier_, multiplier_, multiplier_};
-        if (d.cls == Class::b && d.conditional) c = {1, 1, 1};  // the rest where it is taken
+        if (d.cls == Class::b && d.conditional) c = {1, 1, 1};  // taken() has the rest
         // POP with PC: 4 + N on an M0, 3 + N on an M0+, where N counts the PC.
         const int pop_pc = d.cls == Class::ldm && d.writes_pc ? (model_ == Model::m0 ? 3 : 2) : 0;
         return c += {pop_pc, pop_pc, pop_pc};
@@ -168,14 +170,14 @@ Cycles Timing::cost(const Instruction& d, const Instruction* before, const Instr
     default: break;
     }
 
-    // Skipped where its condition does not hold: one cycle.
+    // An instruction that is skipped, because its condition does not hold, takes one cycle.
     if (d.conditional && !d.writes_pc) c.min = std::min(c.min, 1);
     if (before == nullptr) return c;
-    // An address that the instruction just before computes is late by a cycle (DDI 0337I 3.3.3; one that it loads is
-    // waited for in the load's own cost).
+    // An address that the previous instruction computes is late by a cycle (DDI 0337I 3.3.3). The wait for an address
+    // that it loads is in the load's own cost.
     if (is_core_transfer(d.cls) && before->cls != Class::ldr && (before->writes & d.address_registers) != 0)
         c += {0, 1, 1};
-    // A result of floating-point arithmetic is there a cycle later; an addend is needed a cycle later (DDI 0439, 7).
+    // A floating-point result is ready a cycle later, and an addend is needed a cycle later (DDI 0439, 7).
     if (is_fp_arithmetic(before->cls)) {
         const bool needs = (before->fp_writes & d.fp_reads) != 0, adds = (before->fp_writes & d.fp_addend) != 0;
         const bool arithmetic = is_fp_arithmetic(d.cls) || d.cls == Class::f_cmp;
@@ -215,8 +217,8 @@ Cycles Timing::taken(const Instruction& branch, std::uint32_t target, int target
         const int refill = branch.cls == Class::b && branch.conditional ? (model_ == Model::m0 ? 2 : 1) : 0;
         return {refill, refill, refill};
     }
-    // P is 1 to 3. On silicon 1 where the target is in the instruction and 2 where it comes from a register or memory,
-    // and one more when a 32-bit target straddles a word.
+    // P is 1 to 3. On silicon it is 1 if the instruction has the target, 2 if the target is in a register or memory,
+    // and one more if a 32-bit target instruction straddles a word.
     const bool direct = branch.cls == Class::b || branch.cls == Class::bl || branch.cls == Class::cbz;
     const bool straddles = target_size == 4 && (target & 2) != 0;
     return {1, (direct ? 1 : 2) + (straddles ? 1 : 0), 3};

@@ -1,4 +1,4 @@
-// What an instruction costs on a core with zero-wait-state memory: the least and the most that its manual allows, and
+// The cost of an instruction on a core with zero-wait-state memory: the least and the most that its manual allows, and
 // an estimate by the documented rules of how neighbours overlap. README.md says what was checked on silicon.
 #pragma once
 
@@ -37,11 +37,12 @@ public:
     // Does the core have this instruction?
     [[nodiscard]] bool knows(const Instruction&) const;
 
-    // Of instructions that run one after the other, what each costs beside its neighbours, without what the last one
-    // adds when it branches. What stands before the first and behind the last is not known.
+    // The cost of each of some instructions that run one after the other, beside its neighbours. The neighbours of the
+    // whole stretch are unknown, and a taken branch at its end is left out.
     [[nodiscard]] std::vector<Cycles> costs(std::span<const Instruction>) const;
 
-    // What a branch that ended a stretch adds when it is taken, to an instruction at `target` of `target_size` bytes.
+    // The additional cost of a branch at the end of a stretch if it is taken, to an instruction of `target_size` bytes
+    // at `target`.
     [[nodiscard]] Cycles taken(const Instruction& branch, std::uint32_t target, int target_size) const;
 
 private:

@@ -18,8 +18,8 @@ struct HalfSpace {
         const RealVec3 n = normalized(spec.normal);
         for (int i = 0; i < 3; ++i) normal[i] = N::template constant<typename N::Unit>(n[i]);
         if constexpr (N::fixed_point) {
-            // The offset is held at half of what its sum with n . x holds, so that the sum cannot wrap: four times the
-            // range of positions.
+            // The limit of the offset is four times the range of positions: half the range of its sum with n . x, so
+            // that the sum cannot wrap.
             constexpr int bits = N::AlongSum::fraction_bits;
             TUMBLE_ASSERT(abs(spec.offset) <= Real::scaled(1, 62 - bits));
             offset = {spec.offset.to_fixed(bits, 63)};
