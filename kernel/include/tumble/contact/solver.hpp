@@ -1,7 +1,7 @@
-// The contacts of a world by impulses. A step with contacts: pairs that could touch within it are found (look_around);
-// what is in touch already is given the forces that keep it apart, which act through the whole step as gravity does
-// (press). After the flight the pairs are measured. Where one is too deep, the flight is redone up to its impact, and
-// the impact is resolved there (resolve). World does the flying.
+// The contacts of a world by impulses. look_around() finds the pairs that may touch within the step. press() computes
+// the forces that keep touching points apart; they act through the whole step, as gravity does. World then flies the
+// bodies, and the pairs are measured. If a pair is too deep, the flight is redone up to its impact, and resolve()
+// resolves the impact there.
 #pragma once
 
 #include <tumble/body/stage.hpp>
@@ -35,12 +35,12 @@ public:
         for (int k = 0; k < group.count; ++k) touching_[group.id[k]] = 0;
     }
 
-    // Before press(): the change of motion by loads over the whole step, as foreseen. After it: the change by contacts.
+    // Before press(): the expected change of motion by loads over the whole step. After press(): that by contacts.
     [[nodiscard]] Kick<N>& kick(int b) { return kick_[b]; }
 
-    // Solves for the contact forces over a part of the step: at its end no point in touch approaches. They go into
-    // kick(), as changes of motion in that part. A point strikes where it is below the surface and approaches faster
-    // than `slow`. That is an impact, which must be resolved first: without `struck` there are no forces then. A change
+    // Solves for the contact forces over a part of the step, so that no touching point approaches at its end. Writes
+    // them into kick(), as changes of motion in that part. A point strikes if it is below the surface and approaches
+    // faster than `slow`. The impact must then be resolved first: unless `struck`, no forces are computed. A change
     // beyond the range is reported.
     enum class Touch : std::uint8_t { nothing, presses, strikes };
     Touch press(Bodies& bodies, const Island& island, Work part, bool whole, bool struck) {
@@ -314,10 +314,10 @@ private:
         if (!(threshold_ > Work(0))) return true;
         return !(approach < along(point, pair_speed(pair, threshold_)));
     }
-    // True of a bounce that is an error to leave out: faster than the change of speed by all loads in a step, and
-    // faster than what rests, which is twice gravity's. A slower bounce comes back no faster than it left, and press()
-    // holds what comes so slowly: left out, it comes to rest only a few steps earlier. Of this kind are the bounces of
-    // a pile that comes to rest, of which there is no end in finite time; a shorter step makes them no fewer.
+    // True if it is an error to leave out a bounce: it is faster than the change of speed by all loads in a step, and
+    // faster than a resting point, which is twice gravity's change. A slower bounce returns no faster than it left, and
+    // press() then holds it: without the bounce the body comes to rest a few steps earlier. A pile that comes to rest
+    // has infinitely many such bounces in finite time, and a shorter step makes them no fewer.
     [[nodiscard]] bool bounces_far(const Pair& pair, const Point& point) const {
         const Speed approach = -velocity(motion_, pair, point);
         const Speed bounce = narrow<Speed>(mul(approach, pair.restitution));

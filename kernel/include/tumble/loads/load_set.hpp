@@ -137,7 +137,7 @@ public:
                 bool within = true;
                 for (int i = 0; i < 3; ++i)
                     kicks[k].linear[i] = N::limited(fall[i] + N::drift_sum(linear[i], bodies.scale), within);
-                if constexpr (rotation) {  // apart: Clang 14 looks into what depends on both
+                if constexpr (rotation) {  // two conditions, because Clang 14 instantiates the body of a combined one
                     if constexpr (sizeof...(angular) > 0)
                         for (int i = 0; i < 3; ++i)
                             kicks[k].angular[i] = N::limited(N::turn_sum((angular[i], ...), bodies.scale), within);

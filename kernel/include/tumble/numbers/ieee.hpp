@@ -105,9 +105,8 @@ struct Float {
     [[nodiscard]] static constexpr T magnitude(T a) { return a < T(0) ? -a : a; }
 
     [[nodiscard]] static constexpr T half_of(T w) { return w * T(0.5); }
-    [[nodiscard]] static constexpr T times_power_of_two(T w, int) {
-        return w;
-    }  // formats that shift are of fixed point
+    // Only the formats of fixed point shift.
+    [[nodiscard]] static constexpr T times_power_of_two(T w, int) { return w; }
     template <int>
     [[nodiscard]] static constexpr T factor(T w) {
         return w;
