@@ -77,7 +77,7 @@ public:
                 landed = land(flight, length);
             }
             resolve(island, last);
-            // An impact ends the bounds on the time to contact, also if only a short rest of the step is left.
+            // Always, however short the rest of the step is: an impact ends the bounds on the time to contact.
             look_again(island);
             span -= landed;
             if (last || !(span > min_portion())) break;
