@@ -7,6 +7,7 @@
 #include "long_run_rows.hpp"
 #include "variants.hpp"
 
+#include "truth/smooth_motion.hpp"
 #include "verdict/accuracy.hpp"
 
 #include <CLI/CLI.hpp>

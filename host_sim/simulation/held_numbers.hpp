@@ -3,6 +3,7 @@
 
 #include <tumble/body/bodies.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -52,7 +53,14 @@ template <class N, Spin spin, int capacity, bool points>
                 if (bodies.rotates(b) && is_at_limit(state.t_b[i]))
                     return HeldNumber{"angular velocity", held_spin(bodies, axes, b, i), "rad/s"};
         }
-        return HeldNumber{"change of velocity or spin in a step", velocity / 4, "m/s, or a quarter of the spin held"};
+        // A load's change in a step is held within a quarter of the range.
+        double spin_change = 0;
+        if constexpr (spin != Spin::none)
+            if (bodies.rotates(b))
+                spin_change =
+                    std::min({held_spin(bodies, axes, b, 0), held_spin(bodies, axes, b, 1), held_spin(bodies, axes, b, 2)}) /
+                    4;
+        return HeldNumber{"change of velocity in a step", velocity / 4, "m/s", false, spin_change};
     } else {
         if constexpr (spin != Spin::none) {
             if (!bodies.rotates(b)) return {};

@@ -1,6 +1,7 @@
 #include "simulation/modules.hpp"
 
 #include <dlfcn.h>
+#include <unistd.h>
 
 #include <array>
 #include <filesystem>
@@ -52,18 +53,21 @@ std::string module_name(std::size_t index, Part part) {
     return "tumble_worlds_" + names.at(index) + (part == Part::front ? "" : "_rest");
 }
 
+fs::path file_of(const std::string& module) { return fs::path(TUMBLE_BUILD_DIR) / "host_sim" / (module + ".so"); }
+
 // Modules stay loaded, because simulations run their code.
 Maker load(std::size_t index, Part part) {
     const std::string module = module_name(index, part);
-    const fs::path file = fs::path(TUMBLE_BUILD_DIR) / "host_sim" / (module + ".so");
+    const fs::path file = file_of(module);
     const NumberSystemInfo& system = number_systems()[index];
     if (!is_current(file)) {
         const DirectoryLock lock(file.parent_path());  // two builds of one directory would disturb each other
         if (!is_current(file)) {
-            std::cerr << "tumble: compiling "
-                      << (part == Part::front ? "the first methods of " : "the other methods of ")
-                      << numbers_text(system.name, system.carry) << (system.range.empty() ? "" : " of range ")
-                      << system.range << "\n";
+            if (isatty(STDERR_FILENO) == 1)  // as Progress: the errors of a run that is right are empty
+                std::cerr << "tumble: compiling "
+                          << (part == Part::front ? "the first methods of " : "the other methods of ")
+                          << numbers_text(system.name, system.carry) << (system.range.empty() ? "" : " of range ")
+                          << system.range << "\n";
             run_quietly({"cmake", "--build", TUMBLE_BUILD_DIR, "--target", module});
         }
         if (!is_current(file)) throw std::runtime_error("the sources have changed: build this program again");
@@ -75,6 +79,10 @@ Maker load(std::size_t index, Part part) {
 }
 
 }  // namespace
+
+bool is_module_built(std::size_t index, std::string_view integrator) {
+    return is_current(file_of(module_name(index, parts_of(integrator).at(index))));
+}
 
 std::unique_ptr<Simulation> make_in_module(std::size_t index, SceneData data, std::string_view integrator) {
     constexpr std::size_t parts = 2;

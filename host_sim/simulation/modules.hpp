@@ -16,4 +16,7 @@ namespace tumble::host {
 [[nodiscard]] std::unique_ptr<Simulation> make_in_module(std::size_t index, SceneData data,
                                                          std::string_view integrator);
 
+// Is the module there? make_in_module() builds a missing one first.
+[[nodiscard]] bool is_module_built(std::size_t index, std::string_view integrator);
+
 }  // namespace tumble::host

@@ -159,6 +159,11 @@ std::unique_ptr<Simulation> make_simulation(const SceneDescription& scene, std::
     return make_in_module(system, build_scene(scene), method.name);
 }
 
+bool is_compiled(const SceneDescription& scene, std::string_view integrator, std::string_view numbers,
+                 std::optional<bool> carry) {
+    return is_module_built(index_of(scene, numbers, carry), integrator);
+}
+
 const std::vector<IntegratorInfo>& integrators() {
     static const std::vector<IntegratorInfo> list = [] {
         std::vector<IntegratorInfo> infos;

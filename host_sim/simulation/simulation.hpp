@@ -41,6 +41,7 @@ struct HeldNumber {
     double most = 0;
     std::string unit;
     bool is_declared = false;  // the limit is the scene's [range], which floating point does not have itself
+    double or_spin = 0;        // rad/s; change of velocity in a step: the change of a spin may exceed this instead
 };
 
 // The first occurrence of something that went wrong.
@@ -111,6 +112,10 @@ private:
                                                           std::string_view integrator = "verlet",
                                                           std::string_view numbers = "q32",
                                                           std::optional<bool> carry = {});
+
+// Are the worlds of such a run compiled? Where they are not, make_simulation() compiles them first: about half a minute.
+[[nodiscard]] bool is_compiled(const SceneDescription& scene, std::string_view integrator, std::string_view numbers,
+                               std::optional<bool> carry);
 
 // Takes the steps that are left, until something goes wrong; returns the hash.
 std::uint64_t finish(Simulation& simulation);

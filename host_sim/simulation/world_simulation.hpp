@@ -7,9 +7,11 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
+#include <limits>
 #include <utility>
+#include <vector>
 
+#include "simulation/energy.hpp"
 #include "simulation/held_numbers.hpp"
 #include "simulation/host_features.hpp"
 #include "simulation/motion_of.hpp"
@@ -27,11 +29,8 @@ protected:
 
     // Both must outlive this.
     BodiesSimulation(const SceneData& data, const Bodies& bodies)
-        : Simulation(data.steps, number(data.step.value)), data_(data), needs_(needs(data)), now_(bodies) {
-        for (const BodySpec& spec : data_.bodies)
-            bodies_.push_back({number(spec.mass), PrincipalAxes(principal_inertia(spec.inertia))});
-        for (const PlaneSpec& plane : data_.planes)
-            planes_.push_back({vector(normalized(plane.normal)), number(plane.offset)});
+        : Simulation(data.steps, number(data.step.value)), data_(data), now_(bodies), energy_(data) {
+        for (const BodySpec& spec : data_.bodies) axes_.emplace_back(principal_inertia(spec.inertia));
         note(bodies.status);
     }
 
@@ -64,43 +63,17 @@ public:
     }
 
     [[nodiscard]] Energy energy() const override {
-        Energy energy;
-        std::vector<reference::Motion> now;
+        std::vector<reference::Motion> motions;
+        std::vector<Vector> spins;
         for (int b = 0; b < body_count(); ++b) {
-            now.push_back(motion_of(b));
-            if (data_.bodies[static_cast<std::size_t>(b)].fixed) continue;
-            const Body& body = bodies_[static_cast<std::size_t>(b)];
-            const reference::Motion& motion = now.back();
-            const Vector w = spin_of(now_, body.axes, b);
-            energy.kinetic += body.mass * dot(motion.v, motion.v) / 2;
-            energy.kinetic += dot(times(body.axes.moments, w), w) / 2;
-            energy.potential -= body.mass * dot(vector(data_.world.gravity), motion.x);
+            motions.push_back(motion_of(b));
+            spins.push_back(spin_of(now_, axes_of(b), b));
         }
-        const auto point = [&](int b, const RealVec3& p) {
-            const reference::Motion& motion = now[static_cast<std::size_t>(b)];
-            return motion.x + motion.q.normalized().rotate(vector(p));
-        };
-        for (const SpringSpec& spring : data_.springs) {
-            const Vector reach = (spring.to_body < 0 ? vector(spring.to) : point(spring.to_body, spring.to)) -
-                                 point(spring.body, spring.point);
-            const long double stretch = norm(reach) - number(spring.rest_length);
-            energy.potential += number(spring.stiffness) * stretch * stretch / 2;
-        }
-        if (needs_.gravitation) {
-            for (std::size_t a = 0; a < now.size(); ++a) {
-                for (std::size_t b = a + 1; b < now.size(); ++b) {
-                    if (data_.bodies[a].fixed && data_.bodies[b].fixed) continue;
-                    energy.potential -=
-                        number(data_.world.gravitation) * bodies_[a].mass * bodies_[b].mass / norm(now[b].x - now[a].x);
-                }
-            }
-        }
-        if (needs_.contact_springs) energy.potential += contact_potential(now);
-        return energy;
+        return energy_.of(motions, spins);
     }
 
     [[nodiscard]] double held_spin(int b) const override {
-        const PrincipalAxes& axes = bodies_[static_cast<std::size_t>(b)].axes;
+        const PrincipalAxes& axes = axes_of(b);
         double least = std::numeric_limits<double>::infinity();
         for (int i = 0; i < 3; ++i) least = std::min(least, host::held_spin(now_, axes, b, i));
         return least;
@@ -129,71 +102,20 @@ public:
     }
 
 private:
-    struct Body {
-        long double mass;  // kg
-        PrincipalAxes axes;
-    };
-
-    struct Plane {
-        Vector normal;       // unit
-        long double offset;  // m
-    };
-
     [[nodiscard]] std::optional<HeldNumber> left_by(Issue issue, Status status) const {
         if (issue != Issue::range_left || status.first_body >= now_.count) return {};
-        return number_at_limit(now_, bodies_[status.first_body].axes, status.first_body);
+        return number_at_limit(now_, axes_of(status.first_body), status.first_body);
     }
+    [[nodiscard]] const PrincipalAxes& axes_of(int b) const { return axes_[static_cast<std::size_t>(b)]; }
     [[nodiscard]] virtual int contact_count(int b) const = 0;
     [[nodiscard]] virtual bool is_asleep(int b) const = 0;
 
-    // Of contacts by springs: of spheres and boxes, by their lowest vertices, with planes, and of spheres with each
-    // other. Left out are pairs with a box, and cylinders, capsules and hoops.
-    [[nodiscard]] long double contact_potential(const std::vector<reference::Motion>& now) const {
-        const long double stiffness = number(data_.world.contact.stiffness),
-                          barrier = number(data_.world.contact.barrier);
-        long double sum = 0;
-        const auto add_point = [&](long double gap) {
-            if (gap < 0) sum += stiffness * gap * gap / 2;
-            else if (gap > 0) sum += barrier / gap;
-        };
-        for (std::size_t b = 0; b < now.size(); ++b) {
-            const BodySpec& spec = data_.bodies[b];
-            const Vector size = vector(spec.shape.size);
-            for (const Plane& plane : planes_) {
-                if (spec.fixed) continue;
-                const long double height = dot(plane.normal, now[b].x) + plane.offset;
-                if (spec.shape.kind == ShapeKind::sphere) add_point(height - size.x);
-                if (spec.shape.kind != ShapeKind::box) continue;
-                std::array<long double, 8> gaps;
-                for (unsigned corner = 0; corner < gaps.size(); ++corner) {
-                    Vector arm;
-                    for (int i = 0; i < 3; ++i) arm[i] = ((corner >> i) & 1) != 0 ? size[i] / 2 : -size[i] / 2;
-                    gaps[corner] = height + dot(plane.normal, now[b].q.normalized().rotate(arm));
-                }
-                // As many of the lowest as the kernel keeps.
-                std::sort(gaps.begin(), gaps.end());
-                std::for_each(gaps.begin(), gaps.begin() + contact::max_points, add_point);
-            }
-            for (std::size_t a = 0; a < b; ++a) {
-                const BodySpec& other = data_.bodies[a];
-                if (spec.shape.kind != ShapeKind::sphere || other.shape.kind != ShapeKind::sphere ||
-                    (spec.fixed && other.fixed))
-                    continue;
-                add_point(norm(now[b].x - now[a].x) - size.x - number(other.shape.size.x));
-            }
-        }
-        return sum;
-    }
-
-    [[nodiscard]] reference::Motion motion_of(int b) const {
-        return host::motion_of(now_, bodies_[static_cast<std::size_t>(b)].axes, b);
-    }
+    [[nodiscard]] reference::Motion motion_of(int b) const { return host::motion_of(now_, axes_of(b), b); }
 
     const SceneData& data_;
-    Features needs_;
     const Bodies& now_;
-    std::vector<Body> bodies_;
-    std::vector<Plane> planes_;
+    SceneEnergy energy_;
+    std::vector<PrincipalAxes> axes_;
     std::vector<Trouble> troubles_;
 };
 

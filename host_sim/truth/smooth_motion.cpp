@@ -57,6 +57,19 @@ Vector moments_of(const ShapeDescription& shape, Number mass) {
     }
 }
 
+// Along a unit vector in the user's axes.
+Number half_extent_of(ShapeKind kind, const Vector& size, const Vector& n) {
+    const Number across = std::sqrt(std::max(Number(0), 1 - n.z * n.z));
+    switch (kind) {
+    case ShapeKind::sphere: return size.x;
+    case ShapeKind::box: return (std::abs(n.x) * size.x + std::abs(n.y) * size.y + std::abs(n.z) * size.z) / 2;
+    case ShapeKind::cylinder: return size.x * across + std::abs(n.z) * size.y / 2;
+    case ShapeKind::hoop: return size.x * across;
+    case ShapeKind::capsule: return size.x + std::abs(n.z) * size.y / 2;
+    default: return 0;
+    }
+}
+
 }  // namespace
 
 Number long_seconds(const StepSize& step) {
@@ -260,18 +273,6 @@ void SmoothMotion::flow(std::int64_t from, std::int64_t to) {
     now_ = motions;
 }
 
-Number SmoothMotion::Body::reach(const Vector& n) const {
-    const Number across = std::sqrt(std::max(Number(0), 1 - n.z * n.z));
-    switch (kind) {
-    case ShapeKind::sphere: return size.x;
-    case ShapeKind::box: return (std::abs(n.x) * size.x + std::abs(n.y) * size.y + std::abs(n.z) * size.z) / 2;
-    case ShapeKind::cylinder: return size.x * across + std::abs(n.z) * size.y / 2;
-    case ShapeKind::hoop: return size.x * across;
-    case ShapeKind::capsule: return size.x + std::abs(n.z) * size.y / 2;
-    default: return 0;
-    }
-}
-
 Number SmoothMotion::Body::swept() const {
     switch (kind) {
     case ShapeKind::box: return norm(size) / 2;
@@ -280,6 +281,10 @@ Number SmoothMotion::Body::swept() const {
     case ShapeKind::capsule: return size.y / 2;
     default: return 0;
     }
+}
+
+Number SmoothMotion::extent_of(std::size_t i, const Vector& along) const {
+    return half_extent_of(bodies_[i].kind, bodies_[i].size, now_[i].q.rotate_back(along));
 }
 
 bool SmoothMotion::may_touch(std::size_t i, std::size_t j) const {
@@ -293,7 +298,7 @@ Number SmoothMotion::distance_bound(std::size_t i, std::size_t j) const {
     const Motion &a = now_[i], &b = now_[j];
     const Vector line = b.x - a.x;
     const auto gap_along = [&](const Vector& n) {
-        return std::abs(dot(line, n)) - bodies_[i].reach(a.q.rotate_back(n)) - bodies_[j].reach(b.q.rotate_back(n));
+        return std::abs(dot(line, n)) - extent_of(i, n) - extent_of(j, n);
     };
     const Number length = norm(line);
     const Vector axes[] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
@@ -334,8 +339,7 @@ std::vector<SmoothMotion::Overlap> SmoothMotion::overlaps() const {
 }
 
 Number SmoothMotion::height_over(const Plane& plane, std::size_t i) const {
-    const Number reach = bodies_[i].reach(now_[i].q.rotate_back(plane.normal));
-    return dot(plane.normal, now_[i].x) + plane.offset - reach;
+    return dot(plane.normal, now_[i].x) + plane.offset - extent_of(i, plane.normal);
 }
 
 Number SmoothMotion::clearance() const {
@@ -359,6 +363,10 @@ Number SmoothMotion::closing_speed() const {
         if (touches) most = std::max(most, norm(now_[i].v) + norm(now_[i].w) * bodies_[i].swept());
     }
     return has_pairs_ ? 2 * most : most;
+}
+
+Number half_extent(const BodyDescription& body, const Rotation& q, const Vector& along) {
+    return half_extent_of(body.shape.kind, vector_of(body.shape.size), q.rotate_back(along));
 }
 
 }  // namespace tumble::host

@@ -62,9 +62,7 @@ private:
         [[nodiscard]] bool touches_planes() const {
             return !fixed && kind != ShapeKind::none && kind != ShapeKind::points;
         }
-        // The extent along a unit vector in the user's axes, and the distance of the farthest point that the spin
-        // moves, m.
-        [[nodiscard]] reference::Number reach(const reference::Vector& n) const;
+        // The distance of the farthest point that the spin moves, m.
         [[nodiscard]] reference::Number swept() const;
     };
     struct TimedForce {
@@ -86,6 +84,7 @@ private:
     void kick(const ImpulseDescription& impulse);
     void flow(std::int64_t from, std::int64_t to);
     void add_loads(const std::vector<reference::Motion>& motions, std::int64_t step, Wrenches& sums) const;
+    [[nodiscard]] reference::Number extent_of(std::size_t i, const reference::Vector& along) const;
     [[nodiscard]] bool may_touch(std::size_t i, std::size_t j) const;
     [[nodiscard]] reference::Number distance_bound(std::size_t i, std::size_t j) const;
     [[nodiscard]] reference::Number height_over(const Plane& plane, std::size_t i) const;
@@ -105,6 +104,10 @@ private:
     std::int64_t step_ = 0;
     std::size_t next_kick_ = 0;
 };
+
+// Half the extent of a shape along a direction of unit length, m.
+[[nodiscard]] reference::Number half_extent(const BodyDescription& body, const reference::Rotation& q,
+                                            const reference::Vector& along);
 
 // The scene's step with all digits, s, and the step nearest to a time.
 [[nodiscard]] reference::Number long_seconds(const StepSize& step);

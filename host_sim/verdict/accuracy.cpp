@@ -101,17 +101,6 @@ SceneDescription with_events_at_steps(SceneDescription scene) {
     return scene;
 }
 
-reference::Number half_extent(const BodyDescription& body, const reference::Rotation& q,
-                              const reference::Vector& along) {
-    if (body.shape.kind == ShapeKind::sphere) return body.shape.size[0];
-    const reference::Vector direction = q.rotate_back(along);
-    reference::Number half = 0;
-    for (int i = 0; i < 3; ++i)
-        half +=
-            std::abs(direction[i]) * static_cast<reference::Number>(body.shape.size[static_cast<std::size_t>(i)]) / 2;
-    return half;
-}
-
 Method method_of(const Simulation& simulation) {
     return {std::string(simulation.integrator()), std::string(simulation.numbers()), simulation.carry()};
 }

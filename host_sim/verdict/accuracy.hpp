@@ -32,9 +32,6 @@ struct Method {
 
 [[nodiscard]] reference::Motion motion_of(const BodySnapshot& body);
 [[nodiscard]] bool is_finite(const reference::Motion& motion);
-// Of a sphere or a box, half its extent along a direction of unit length, m.
-[[nodiscard]] reference::Number half_extent(const BodyDescription& body, const reference::Rotation& q,
-                                            const reference::Vector& along);
 
 // The step times 2^doublings; exact.
 [[nodiscard]] StepSize scaled(StepSize step, int doublings);

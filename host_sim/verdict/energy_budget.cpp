@@ -4,29 +4,11 @@
 #include <cmath>
 
 #include "scene/data.hpp"
+#include "simulation/energy.hpp"
 #include "simulation/long_double.hpp"
 #include "truth/smooth_motion.hpp"
 
 namespace tumble::host {
-namespace {
-
-// Does Simulation::energy() hold all that contact springs of the scene store? It does for spheres and boxes on planes
-// and for pairs of spheres.
-bool stored_energy_is_known(const SceneDescription& scene) {
-    for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
-        const ShapeKind kind = scene.bodies[b].shape.kind;
-        const bool is_known = kind == ShapeKind::sphere || kind == ShapeKind::box;
-        if (!scene.planes.empty() && !is_known && kind != ShapeKind::none && kind != ShapeKind::points) return false;
-        for (std::size_t a = 0; a < b; ++a) {
-            const ShapeKind other = scene.bodies[a].shape.kind;
-            if (shapes_meet(kind, other) && (kind != ShapeKind::sphere || other != ShapeKind::sphere)) return false;
-        }
-    }
-    return true;
-}
-
-}  // namespace
-
 EnergyBudget::EnergyBudget(const SceneDescription& scene, const Simulation& simulation, double most_gain)
     : most_gain_(most_gain) {
     const Energy start = simulation.energy();

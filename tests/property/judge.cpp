@@ -13,6 +13,7 @@
 #include "scene/reader.hpp"
 #include "simulation/simulation.hpp"
 #include "tools/text.hpp"
+#include "truth/smooth_motion.hpp"
 #include "verdict/record.hpp"
 #include "verdict/verdict.hpp"
 
