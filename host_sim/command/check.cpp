@@ -15,20 +15,11 @@ void CheckOptions::add_to(Subcommand& command) {
                 "an error is wrong above E rad, or above E times the distance that a body moves", positive("rad"));
 }
 
-Verdict CheckOptions::verdict(const SceneDescription& scene, const Simulation& simulation,
-                              const std::vector<Trouble>& troubles) const {
-    Verdict verdict;
-    if (check != "off") {
-        VerdictOptions options{.tolerance = tolerance};
-        if (check.empty()) options.most_seconds = most_seconds;
-        verdict = verdict_of(scene, method_of(simulation), options);
-    }
-    if (troubles.empty()) return verdict;
-    verdict.kind = Verdict::Kind::told;
-    verdict.troubles = troubles;
-    verdict.body = troubles.front().body;
-    verdict.time_s = static_cast<double>(troubles.front().step) * scene.step.seconds();
-    return verdict;
+Verdict CheckOptions::verdict(const SceneDescription& scene, const Method& method, const Record& run) const {
+    if (check == "off") return told_by(run, scene);
+    VerdictOptions options{.tolerance = tolerance, .compiles = check == "on"};
+    if (check.empty()) options.most_seconds = most_seconds;
+    return verdict_of(scene, method, run, options);
 }
 
 std::string verdict_line(const CheckOptions& options, const Verdict& verdict, const SceneDescription& scene,
@@ -41,7 +32,7 @@ int report(const Verdict& verdict, const SceneDescription& scene, const Simulati
     const std::string cure =
         verdict.cure ? options_of(*verdict.cure, {method_of(simulation), scene.step}) : std::string();
     for (const Trouble& trouble : verdict.troubles)
-        std::cerr << message_of(trouble, scene, simulation, &trouble == &verdict.troubles.front() ? cure : "") << "\n";
+        std::cerr << message_of(trouble, verdict.troubles.front(), scene, simulation, cure) << "\n";
     if (verdict.is_as_large_as_motion)
         std::cerr << scene.path << ": " << sentence_of(verdict, scene, method_of(simulation))
                   << ". The error is as large as the motion\n";

@@ -15,9 +15,8 @@ struct CheckOptions {
     static constexpr double most_seconds = 1;  // of processor time
 
     void add_to(Subcommand& command);
-    // Runs the check that is asked for. The verdict is `told` where there are `troubles`.
-    [[nodiscard]] Verdict verdict(const SceneDescription& scene, const Simulation& simulation,
-                                  const std::vector<Trouble>& troubles) const;
+    // Checks a run that has been recorded, as far as is asked for.
+    [[nodiscard]] Verdict verdict(const SceneDescription& scene, const Method& method, const Record& run) const;
 };
 
 // "verdict: right: the error is at most ..." and an end of line; empty with --check off.

@@ -13,7 +13,7 @@
 #include "tools/files.hpp"
 #include "tools/process.hpp"
 #include "tools/text.hpp"
-#include "verdict/range_watch.hpp"
+#include "verdict/record.hpp"
 
 namespace tumble::host {
 namespace {
@@ -51,7 +51,7 @@ std::string status_text(const Simulation& simulation) {
 class Reference {
 public:
     Reference(const CompareOptions& options, const SceneDescription& scene)
-        : options_(options), scene_(scene), simulation_(options.start(scene)), range_(scene, *simulation_) {}
+        : options_(options), scene_(scene), simulation_(options.start(scene)), recorder_(scene, *simulation_, moments_of(scene)) {}
 
     [[nodiscard]] bool at_end() const {
         return simulation_->steps_taken() >= simulation_->steps() || simulation_->has_trouble("range_left");
@@ -59,12 +59,7 @@ public:
     [[nodiscard]] bool is_over() const { return is_over_; }
     [[nodiscard]] std::int64_t states() const { return states_; }
     [[nodiscard]] const Simulation& simulation() const { return *simulation_; }
-    // The kernel's issues and those that only the host finds: the kernel has no range in floating point.
-    [[nodiscard]] std::vector<Trouble> troubles() const {
-        std::vector<Trouble> troubles = simulation_->troubles();
-        if (range_.trouble()) troubles.push_back(*range_.trouble());
-        return troubles;
-    }
+    [[nodiscard]] Record record() && { return std::move(recorder_).record(*simulation_); }
 
     // Compares the next recorded state with a line "step word word ..." in hex. Prints the first difference.
     [[nodiscard]] bool agrees(const std::string& line) {
@@ -123,14 +118,14 @@ private:
         }
         do {
             simulation_->step();
-            range_.see(*simulation_);
+            recorder_.see(*simulation_);
         } while (!at_end() && simulation_->steps_taken() % options_.every != 0);
     }
 
     const CompareOptions& options_;
     const SceneDescription& scene_;
     std::unique_ptr<Simulation> simulation_;
-    RangeWatch range_;
+    Recorder recorder_;
     std::int64_t states_ = 0;
     bool is_over_ = false;
 };
@@ -176,7 +171,7 @@ int compare(const CompareOptions& options) {
     std::cout << options.core << " agrees with the host: " << reference.states() << " states, "
               << reference.simulation().integrator() << ", " << reference.simulation().numbers() << ", hash "
               << hex(reference.simulation().hash()) << "\n";
-    const Verdict verdict = options.check.verdict(scene, reference.simulation(), reference.troubles());
+    const Verdict verdict = options.check.verdict(scene, method_of(reference.simulation()), std::move(reference).record());
     std::cout << verdict_line(options.check, verdict, scene, reference.simulation());
     return report(verdict, scene, reference.simulation());
 }

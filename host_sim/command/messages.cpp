@@ -19,59 +19,73 @@ std::string numbers_of(const Simulation& simulation) {
 
 // By rule: a shorter step holds larger spins, a larger [range] larger positions and velocities.
 std::string cure_of(const HeldNumber& number, const SceneDescription& scene, const Simulation& simulation) {
-    const std::string shorter =
-        "--step " + step_text({scene.step.numerator, scene.step.denominator * 2, scene.step.decimal / 2});
-    if (number.name == "angular velocity" && !simulation.range().empty())
-        return "a larger [range] angular_velocity and a smaller step, or --numbers f32";
-    if (number.name == "angular velocity" || number.name.starts_with("change")) return shorter;
-    if (number.is_declared || held_by(simulation.range()).position < held_by("field").position)
-        return "a larger [range] " + number.name;
-    return "--numbers f64";
+    const bool is_fixed_point = !simulation.range().empty();
+    if (number.is_declared) return "a larger [range] " + number.name;
+    if (number.name.starts_with("change")) return "a smaller step or a larger [range] velocity";
+    if (number.name == "angular velocity" && is_fixed_point)
+        return std::string("a larger [range] angular_velocity and a smaller step") +
+               (scene.range.is_declared ? "" : ", or --numbers f32");
+    if (number.name == "angular velocity")
+        return "--step " + step_text({scene.step.numerator, scene.step.denominator * 2, scene.step.decimal / 2});
+    if (held_by(simulation.range()).position < held_by("field").position) return "a larger [range] " + number.name;
+    return scene.range.is_declared ? "--numbers f64 and no [range]" : "--numbers f64";
 }
 
-std::string range_left(const Trouble& trouble, const SceneDescription& scene, const Simulation& simulation,
-                       const std::string& cure) {
-    if (!trouble.number)
-        return "a number is not finite. The motion is wrong from here on. Use " +
-               (cure.empty() ? "a smaller step" : cure);
+// What has happened, and what helps by rule.
+struct Account {
+    std::string what, cure;
+};
+
+Account range_left(const Trouble& trouble, const SceneDescription& scene, const Simulation& simulation) {
+    const std::string wrong = ". The motion is wrong from here on";
+    if (!trouble.number) return {"a number is not finite" + wrong, "a smaller step"};
     const HeldNumber& number = *trouble.number;
     const std::string holder =
         number.is_declared ? "q32 holds of the declared [range]" : numbers_of(simulation) + " holds";
-    return number.name + " exceeds " + few_digits(number.most) + " " + number.unit + ", the most that " + holder +
-           " at a step of " + step_of(simulation) + ". The motion is wrong from here on. Use " +
-           (cure.empty() ? cure_of(number, scene, simulation) : cure);
+    const std::string spin =
+        number.or_spin > 0 ? ", or change of spin in a step exceeds " + few_digits(number.or_spin) + " rad/s" : "";
+    return {number.name + " exceeds " + few_digits(number.most) + " " + number.unit + spin + ", the most that " + holder +
+                " at a step of " + step_of(simulation) + wrong,
+            cure_of(number, scene, simulation)};
 }
 
-std::string step_too_long(const Simulation& simulation, const std::string& cure) {
+Account step_too_long(const Simulation& simulation) {
     const long double safe = simulation.largest_safe_step();
+    const std::string step = " for the step of " + step_of(simulation) + ". The method may be unstable at this step";
     if (safe > 0)
-        return "a contact spring is too stiff for the step of " + step_of(simulation) +
-               ". The energy grows. Use a step of at most " + four_digits_down(0.999L * safe) + " s";
-    return "a spring, a damper, drag or gravitation is too strong for the step of " + step_of(simulation) +
-           ". The energy grows. Use " + (cure.empty() ? "a smaller step" : cure);
+        return {"a contact spring is too stiff" + step, "a step of at most " + four_digits_down(0.999L * safe) + " s"};
+    return {"a spring, a damper, drag or gravitation is too strong" + step, "a smaller step"};
+}
+
+Account account_of(const Trouble& trouble, const SceneDescription& scene, const Simulation& simulation) {
+    if (trouble.issue == "range_left") return range_left(trouble, scene, simulation);
+    if (trouble.issue == "step_too_long") return step_too_long(simulation);
+    if (trouble.issue == "contacts_full")
+        return {"more pairs are near each other than the world has room for, so some bodies pass through others", ""};
+    if (trouble.issue != "step_bound_hit") return {"there is no room for another body", ""};
+    if (simulation.integrator().starts_with("implicit"))
+        return {"the implicit solver did not converge, or the impacts of a step met their bound. The result is less "
+                "accurate",
+                "a smaller step"};
+    return {"a step met more impacts than its bound, so a body was stopped that would have bounced. The result is less "
+            "accurate",
+            "a smaller step, or a contact.restitution_threshold above the speed of the small bounces, in m/s"};
 }
 
 }  // namespace
 
-std::string message_of(const Trouble& trouble, const SceneDescription& scene, const Simulation& simulation,
-                       const std::string& cure) {
+std::string message_of(const Trouble& trouble, const Trouble& first, const SceneDescription& scene,
+                       const Simulation& simulation, const std::string& cure) {
     const double time = static_cast<double>(trouble.step) * scene.step.seconds();
-    const std::string place = scene.path + ": body \"" + scene.bodies.at(static_cast<std::size_t>(trouble.body)).name +
-                              "\" at " + few_digits(time) + " s (step " + std::to_string(trouble.step) +
-                              "): " + trouble.issue + ": ";
-    if (trouble.issue == "range_left") return place + range_left(trouble, scene, simulation, cure);
-    if (trouble.issue == "step_too_long") return place + step_too_long(simulation, cure);
-    if (trouble.issue == "step_bound_hit" && simulation.integrator().starts_with("implicit"))
-        return place +
-               "the implicit solver did not converge, or the impacts of a step met their bound. The result is less "
-               "accurate. Use a smaller step";
-    if (trouble.issue == "step_bound_hit")
-        return place + "a step met more impacts than its bound, so a body was stopped that would have bounced. The "
-                       "result is less "
-                       "accurate. Set a contact.restitution_threshold, in m/s, above the speed of the small bounces";
-    if (trouble.issue == "contacts_full")
-        return place + "more pairs are near each other than the world has room for, so some bodies pass through others";
-    return place + "there is no room for another body";
+    Account account = account_of(trouble, scene, simulation);
+    const bool is_first = &trouble == &first;
+    // Of a contact spring the longest stable step is known.
+    if (is_first && !cure.empty() && !account.cure.starts_with("a step of at most")) account.cure = cure;
+    // What was unstable leaves the range: the cure of the first is that of both.
+    if (!is_first && (!cure.empty() || first.issue == "step_too_long")) account.cure.clear();
+    return scene.path + ": body \"" + scene.bodies.at(static_cast<std::size_t>(trouble.body)).name + "\" at " +
+           few_digits(time) + " s (step " + std::to_string(trouble.step) + "): " + trouble.issue + ": " + account.what +
+           (account.cure.empty() ? "" : ". Use " + account.cure);
 }
 
 std::string unheld_spin(const SceneDescription& scene, const Simulation& simulation) {

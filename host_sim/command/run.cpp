@@ -13,7 +13,7 @@
 #include "tools/output.hpp"
 #include "tools/progress.hpp"
 #include "tools/text.hpp"
-#include "verdict/range_watch.hpp"
+#include "verdict/record.hpp"
 
 namespace tumble::host {
 namespace {
@@ -99,16 +99,14 @@ int fastest_body(const Simulation& simulation) {
     return fastest;
 }
 
-// What the kernel tells, and what only the host finds: a declared [range] that floating point leaves, and speeds whose
-// energy no double holds.
-std::vector<Trouble> troubles_of(const Simulation& simulation, const EnergyWatch& energy, const RangeWatch& range) {
-    std::vector<Trouble> troubles = simulation.troubles();
-    if (range.trouble()) troubles.push_back(*range.trouble());
+// What only the energy tells: speeds whose energy no double holds.
+void add_trouble(std::vector<Trouble>& troubles, const Simulation& simulation, const EnergyWatch& energy) {
     const bool is_held = std::isfinite(static_cast<double>(energy.end())) &&
                          std::isfinite(static_cast<double>(energy.largest_relative_drift()));
-    if (!is_held && !simulation.has_trouble("range_left") && !range.trouble())
+    const bool is_told =
+        std::any_of(troubles.begin(), troubles.end(), [](const Trouble& t) { return t.issue == "range_left"; });
+    if (!is_held && !is_told)
         troubles.push_back({"range_left", fastest_body(simulation), simulation.steps_taken() - 1});
-    return troubles;
 }
 
 // Keys that do not apply are null.
@@ -220,35 +218,36 @@ int run(const RunOptions& options) {
 
     Energy now = simulation->energy();
     EnergyWatch energy(now);
-    RangeWatch range(scene, *simulation);
+    Recorder recorder(scene, *simulation, moments_of(scene));
     {
         Progress progress(simulation->steps());
         for (;;) {
             // A trajectory that has left the range is wrong from there on.
             const bool last = simulation->steps_taken() >= simulation->steps() ||
-                              simulation->has_trouble("range_left") || range.trouble();
+                              simulation->has_trouble("range_left") || recorder.range_trouble();
             if (trajectory) trajectory->record(*simulation, last);
             if (plot) plot->sample(*simulation, now, last);
             if (last) break;
             simulation->step();
             now = simulation->energy();
             energy.see(now);
-            range.see(*simulation);
+            recorder.see(*simulation);
             if (trajectory && !trajectory->good()) trajectory->close();  // throws
             if (simulation->steps_taken() % 256 == 0) progress.show(simulation->steps_taken());
         }
     }
     if (trajectory) trajectory->close();
-    const Verdict verdict = options.check.verdict(scene, *simulation, troubles_of(*simulation, energy, range));
-    if (options.json) print_json(scene, *simulation, energy, verdict);
-    else {
-        print_table(table, scene, *simulation, energy);
-        table << verdict_line(options.check, verdict, scene, *simulation);
-    }
     if (plot) {
         plot_file->stream() << plot->drawn();
         plot_file->commit();
     }
+    if (!options.json) print_table(table, scene, *simulation, energy);
+    table.flush();  // the run is done, whatever becomes of its check
+    Record record = std::move(recorder).record(*simulation);
+    add_trouble(record.troubles, *simulation, energy);
+    const Verdict verdict = options.check.verdict(scene, method_of(*simulation), record);
+    if (options.json) print_json(scene, *simulation, energy, verdict);
+    else table << verdict_line(options.check, verdict, scene, *simulation);
     return report(verdict, scene, *simulation);
 }
 

@@ -7,10 +7,11 @@
 #include "simulation/energy.hpp"
 #include "simulation/long_double.hpp"
 #include "truth/smooth_motion.hpp"
+#include "verdict/accuracy.hpp"
 
 namespace tumble::host {
 EnergyBudget::EnergyBudget(const SceneDescription& scene, const Simulation& simulation, double most_gain)
-    : most_gain_(most_gain) {
+    : scene_(scene), most_gain_(most_gain) {
     const Energy start = simulation.energy();
     level_ = before_ = start.total();
     largest_kinetic_ = start.kinetic;
@@ -31,9 +32,42 @@ EnergyBudget::EnergyBudget(const SceneDescription& scene, const Simulation& simu
 
     tolerance_energy_ = 0;
     const long double gravity = std::hypot(scene.gravity[0], scene.gravity[1], scene.gravity[2]);
+    for (const BodySpec& body : build_scene(scene).bodies) mass_.push_back(body.fixed ? 0 : number(body.mass));
     if (touches && !by_springs)
-        for (const BodySpec& body : build_scene(scene).bodies)
-            if (!body.fixed) tolerance_energy_ += number(body.mass) * gravity * simulation.contact_tolerance();
+        for (const long double mass : mass_) tolerance_energy_ += mass * gravity * simulation.contact_tolerance();
+    rounding_ = rounding(simulation);
+}
+
+// Positions have a spacing, and each term of the potential changes with a position by its force. The terms may cancel
+// where bodies rest, and then this is all the energy that changes.
+long double EnergyBudget::rounding(const Simulation& simulation) const {
+    const long double held = simulation.range().empty() ? 0 : held_by(simulation.range()).position * 0x1p-30L,
+                      unit = simulation.numbers() == "f32" ? 0x1p-23L : simulation.numbers() == "f64" ? 0x1p-52L : 0;
+    std::vector<reference::Motion> now;
+    for (int b = 0; b < simulation.body_count(); ++b) now.push_back(motion_of(simulation.body(b)));
+    const auto at = [&](int b) -> const reference::Motion& { return now[static_cast<std::size_t>(b)]; };
+    long double sum = 0, weight = 0;
+    const auto add = [&](long double force, long double place) { sum += force * (unit * place + held); };
+    for (std::size_t b = 0; b < now.size(); ++b) {
+        const long double own = mass_[b] * norm(reference::vector_of(scene_.gravity));
+        weight += own;
+        add(own, norm(now[b].x));
+    }
+    for (const SpringDescription& spring : scene_.springs) {
+        const auto end = [&](int b, const Triple& p) {
+            return at(b).x + at(b).q.normalized().rotate(reference::vector_of(p));
+        };
+        const reference::Vector one = end(spring.body, spring.point),
+                                other = spring.to_body < 0 ? reference::vector_of(spring.to)
+                                                           : end(spring.to_body, spring.to);
+        // An end is placed by a centre of mass and an arm, and the stretch is what is left of the distance.
+        const long double places = norm(one) + norm(other) + norm(one - at(spring.body).x) + spring.rest_length;
+        add(spring.stiffness * std::abs(norm(one - other) - spring.rest_length), places);
+    }
+    // Contact springs hold about the weight of all bodies, at their distance from the origin.
+    if (scene_.contact.response == ContactResponse::spring)
+        for (const reference::Motion& body : now) add(weight, norm(body.x));
+    return sum;
 }
 
 void EnergyBudget::see(const Simulation& simulation, bool is_driven) {
@@ -43,7 +77,9 @@ void EnergyBudget::see(const Simulation& simulation, bool is_driven) {
     before_ = total;
     largest_kinetic_ = std::max(largest_kinetic_, now.kinetic);
     if (is_driven) level_ += is_known_ ? change : std::max(0.0L, change);
-    is_exceeded_ = total - level_ > most_gain_ * largest_kinetic_ + tolerance_energy_;
+    rounding_ = std::max(rounding_, rounding(simulation));
+    // Rounding counts twice: in the energy now, and in the level.
+    is_exceeded_ = total - level_ > most_gain_ * largest_kinetic_ + tolerance_energy_ + 2 * rounding_;
     if (is_known_) level_ = std::min(level_, total);
 }
 

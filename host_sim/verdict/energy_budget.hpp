@@ -1,6 +1,8 @@
 // Energy that nothing but the method or the law of impacts can have added to a run.
 #pragma once
 
+#include <vector>
+
 #include "scene/description.hpp"
 #include "simulation/simulation.hpp"
 
@@ -21,10 +23,15 @@ public:
 
 private:
     bool is_on_, is_known_;
+    [[nodiscard]] long double rounding(const Simulation& simulation) const;
+
+    SceneDescription scene_;
+    std::vector<long double> mass_;  // kg; 0: fixed
     double most_gain_;
     long double level_, before_;    // J: what the energy may be; at the last call
     long double largest_kinetic_;   // J
     long double tolerance_energy_;  // J: work of gravity over the contact tolerance
+    long double rounding_ = 0;      // J: the most that rounding has changed the energy by
     bool is_exceeded_ = false;
 };
 

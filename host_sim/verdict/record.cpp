@@ -4,10 +4,9 @@
 #include <cmath>
 #include <ctime>
 #include <limits>
+#include <utility>
 
 #include "truth/smooth_motion.hpp"
-#include "verdict/energy_budget.hpp"
-#include "verdict/range_watch.hpp"
 
 namespace tumble::host {
 namespace {
@@ -23,55 +22,23 @@ double thread_seconds() {
     return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-// The steps in which impulses or forces act, each [first, end).
-class DrivenSteps {
-public:
-    DrivenSteps(const SceneDescription& scene, const StepSize& step) {
-        for (const ImpulseDescription& impulse : scene.impulses) {
-            const std::int64_t at = nearest_step(impulse.time, step);
-            spans_.push_back({at, at + 1});
-        }
-        for (const ForceDescription& force : scene.forces)
-            spans_.push_back({nearest_step(force.from, step), nearest_step(force.until, step)});
+// The steps in which impulses or forces act.
+std::vector<std::pair<std::int64_t, std::int64_t>> driven_steps_of(const SceneDescription& scene) {
+    std::vector<std::pair<std::int64_t, std::int64_t>> spans;
+    for (const ImpulseDescription& impulse : scene.impulses) {
+        const std::int64_t at = nearest_step(impulse.time, scene.step);
+        spans.push_back({at, at + 1});
     }
-    [[nodiscard]] bool overlap(std::int64_t first, std::int64_t end) const {
-        return std::any_of(spans_.begin(), spans_.end(),
-                           [&](const auto& span) { return span.first < end && first < span.second; });
-    }
-
-private:
-    std::vector<std::pair<std::int64_t, std::int64_t>> spans_;
-};
+    for (const ForceDescription& force : scene.forces)
+        spans.push_back({nearest_step(force.from, scene.step), nearest_step(force.until, scene.step)});
+    return spans;
+}
 
 Moment read(const Simulation& simulation) {
     Moment moment;
     for (int b = 0; b < simulation.body_count(); ++b) moment.bodies.push_back(motion_of(simulation.body(b)));
     return moment;
 }
-
-// Where bodies have been, as far as looks tell.
-class Reach {
-public:
-    explicit Reach(Moment start) : start_(std::move(start)) {
-        way_.resize(start_.bodies.size());
-        turn_.resize(start_.bodies.size());
-    }
-    void see(const Moment& now) {
-        for (std::size_t b = 0; b < now.bodies.size(); ++b) {
-            const reference::Motion &from = start_.bodies[b], &at = now.bodies[b];
-            way_[b] = std::max(way_[b], static_cast<double>(norm(at.x - from.x)));
-            turn_[b] = std::max(turn_[b], static_cast<double>(angle_between(at.q, from.q)));
-        }
-    }
-    void note_in(Moment& moment) const {
-        moment.way_m = way_;
-        moment.turn_rad = turn_;
-    }
-
-private:
-    Moment start_;
-    std::vector<double> way_, turn_;
-};
 
 // m: the distance of neighbouring numbers at the farthest position that the run begins or ends at.
 double resolution_of(const Simulation& simulation, const Record& record) {
@@ -105,47 +72,86 @@ std::vector<std::int64_t> moments_of(const SceneDescription& scene) {
     return moments;
 }
 
+Recorder::Recorder(const SceneDescription& scene, const Simulation& simulation, std::vector<std::int64_t> moments,
+                   std::optional<double> most_gain)
+    : moments_(std::move(moments)), range_(scene, simulation), driven_(driven_steps_of(scene)),
+      start_(read(simulation)), now_(start_) {
+    now_.way_m.resize(start_.bodies.size());
+    now_.turn_rad.resize(start_.bodies.size());
+    if (most_gain) energy_.emplace(scene, simulation, *most_gain);
+    plan_look();
+}
+
+void Recorder::plan_look() {
+    const std::size_t m = record_.moments.size();
+    if (m == moments_.size()) {
+        next_look_ = -1;
+        return;
+    }
+    const std::int64_t from = m == 0 ? 0 : moments_[m - 1], length = moments_[m] - from;
+    // The least step above the last look at which a whole number of looks has passed.
+    std::int64_t look = (looked_ - from) * looks_per_moment / length;
+    do next_look_ = from + length * ++look / looks_per_moment;
+    while (next_look_ <= looked_);
+}
+
+bool Recorder::see(const Simulation& simulation) {
+    if (is_over_) return false;
+    range_.see(simulation);
+    is_over_ = range_.trouble() || simulation.has_trouble("range_left");
+    return !is_over_ && simulation.steps_taken() == next_look_ && look(simulation);
+}
+
+bool Recorder::look(const Simulation& simulation) {
+    now_.bodies = read(simulation).bodies;
+    for (std::size_t b = 0; b < now_.bodies.size(); ++b) {
+        const reference::Motion &from = start_.bodies[b], &at = now_.bodies[b];
+        if (!is_finite(at)) {
+            is_over_ = true;
+            record_.not_finite = static_cast<int>(b);
+            return true;
+        }
+        now_.way_m[b] = std::max(now_.way_m[b], static_cast<double>(norm(at.x - from.x)));
+        now_.turn_rad[b] = std::max(now_.turn_rad[b], static_cast<double>(angle_between(at.q, from.q)));
+    }
+    const std::size_t m = record_.moments.size();
+    const bool is_driven = std::any_of(driven_.begin(), driven_.end(), [&](const auto& span) {
+        return span.first < next_look_ && looked_ < span.second;
+    });
+    if (energy_) energy_->see(simulation, is_driven);
+    looked_ = next_look_;
+    if (looked_ == moments_[m]) {
+        record_.moments.push_back(now_);
+        if (energy_ && energy_->is_exceeded() && !record_.gained) record_.gained = m;
+    }
+    plan_look();
+    return true;
+}
+
+Record Recorder::record(const Simulation& simulation) && {
+    record_.contact_tolerance = static_cast<double>(simulation.contact_tolerance());
+    record_.troubles = simulation.troubles();
+    if (range_.trouble()) record_.troubles.push_back(*range_.trouble());
+    record_.resolution = resolution_of(simulation, record_);
+    return std::move(record_);
+}
+
 Record record_of(const SceneDescription& scene, const Method& method, int halvings,
                  const std::vector<std::int64_t>& moments, const ProcessorTime& time, std::optional<double> most_gain) {
     SceneDescription finer = scene;
     finer.step = scaled(scene.step, -halvings);
+    std::vector<std::int64_t> finer_moments = moments;
+    for (std::int64_t& moment : finer_moments) moment <<= halvings;
     const double begun = time.now();
     const auto simulation = make_simulation(finer, method.integrator, method.numbers, method.carry);
-    RangeWatch range(finer, *simulation);
-    Reach reach(read(*simulation));
-    std::optional<EnergyBudget> energy;
-    if (most_gain) energy.emplace(finer, *simulation, *most_gain);
-    const DrivenSteps driven(finer, finer.step);
-
-    Record record;
-    record.contact_tolerance = static_cast<double>(simulation->contact_tolerance());
-    const auto is_over = [&] { return range.trouble() || simulation->has_trouble("range_left"); };
-    for (std::size_t m = 0; m < moments.size() && !is_over(); ++m) {
-        const std::int64_t from = simulation->steps_taken(), until = moments[m] << halvings;
-        Moment now;
-        for (std::int64_t look = 1; look <= looks_per_moment && !is_over(); ++look) {
-            const std::int64_t next = from + (until - from) * look / looks_per_moment,
-                               first = simulation->steps_taken();
-            if (next == first) continue;
-            while (simulation->steps_taken() < next && !is_over()) {
-                simulation->step();
-                range.see(*simulation);
-            }
-            now = read(*simulation);
-            if (!std::all_of(now.bodies.begin(), now.bodies.end(), is_finite)) break;
-            reach.see(now);
-            if (energy) energy->see(*simulation, driven.overlap(first, next));
-            time.check(begun, static_cast<double>(next) / static_cast<double>(moments.back() << halvings));
-        }
-        if (is_over() || now.bodies.empty() || !std::all_of(now.bodies.begin(), now.bodies.end(), is_finite)) break;
-        reach.note_in(now);
-        record.moments.push_back(std::move(now));
-        if (energy && energy->is_exceeded() && !record.gained) record.gained = m;
+    const std::int64_t steps = finer_moments.back();
+    Recorder recorder(finer, *simulation, std::move(finer_moments), most_gain);
+    while (simulation->steps_taken() < steps && !recorder.is_over()) {
+        simulation->step();
+        if (recorder.see(*simulation))
+            time.check(begun, static_cast<double>(simulation->steps_taken()) / static_cast<double>(steps));
     }
-    record.troubles = simulation->troubles();
-    if (range.trouble()) record.troubles.push_back(*range.trouble());
-    record.resolution = resolution_of(*simulation, record);
-    return record;
+    return std::move(recorder).record(*simulation);
 }
 
 }  // namespace tumble::host

@@ -10,6 +10,8 @@
 #include "simulation/simulation.hpp"
 #include "truth/motion.hpp"
 #include "verdict/accuracy.hpp"
+#include "verdict/energy_budget.hpp"
+#include "verdict/range_watch.hpp"
 
 namespace tumble::host {
 
@@ -44,14 +46,43 @@ struct Record {
     std::optional<std::size_t> gained;  // the first moment at which energy has grown though no load did work
     double contact_tolerance = 0;       // m
     double resolution = 0;              // m, of positions of this run
+    int not_finite = -1;                // the body whose state ended the moments by not being finite; -1: none
 };
 
 // The scene's own steps at whose ends runs are compared: at most sample_count, equally spaced up to rounding.
 [[nodiscard]] std::vector<std::int64_t> moments_of(const SceneDescription& scene);
 
+// Reads a run while it goes on, at the ends of some of its steps.
+class Recorder {
+public:
+    // At the start of a run. `most_gain`: growth of energy, in parts of the largest kinetic energy, above which it counts
+    // as grown; none: energy is not looked at.
+    Recorder(const SceneDescription& scene, const Simulation& simulation, std::vector<std::int64_t> moments,
+             std::optional<double> most_gain = {});
+
+    // To be called after every step. True where it has looked at the bodies.
+    bool see(const Simulation& simulation);
+    // Has the state left the range, or is it not finite? Nothing is recorded from there on.
+    [[nodiscard]] bool is_over() const { return is_over_; }
+    [[nodiscard]] const std::optional<Trouble>& range_trouble() const { return range_.trouble(); }
+    [[nodiscard]] Record record(const Simulation& simulation) &&;
+
+private:
+    [[nodiscard]] bool look(const Simulation& simulation);
+    void plan_look();
+
+    std::vector<std::int64_t> moments_;
+    Record record_;
+    RangeWatch range_;
+    std::optional<EnergyBudget> energy_;
+    std::vector<std::pair<std::int64_t, std::int64_t>> driven_;  // steps in which loads do work, each [first, end)
+    Moment start_, now_;
+    std::int64_t looked_ = 0, next_look_ = 0;  // steps
+    bool is_over_ = false;
+};
+
 // Runs the scene with its own step halved `halvings` times. It ends early where the state leaves the range or is not
-// finite. `most_gain`: growth of energy, in parts of the largest kinetic energy, above which it counts as grown; none:
-// energy is not looked at.
+// finite.
 [[nodiscard]] Record record_of(const SceneDescription& scene, const Method& method, int halvings,
                                const std::vector<std::int64_t>& moments, const ProcessorTime& time,
                                std::optional<double> most_gain = {});

@@ -9,7 +9,6 @@
 #include "scene/reader.hpp"
 #include "tools/text.hpp"
 #include "truth/smooth_motion.hpp"
-#include "verdict/record.hpp"
 
 namespace tumble::host {
 namespace {
@@ -21,6 +20,16 @@ constexpr double share_of_doubt = 0.2;
 // halving more.
 constexpr std::array<int, 3> halvings_of_references{2, 4, 6};
 constexpr int most_halvings_of_cure = 5;
+
+// A body that symmetry holds still moves by rounding alone, which may grow. It is judged as if it had moved and turned by
+// this share of the most that a body of the scene has: a tenth of that is a millionth, the last digit that is printed.
+constexpr double share_of_scene = 1e-5;
+
+// About the time that the worlds of the references take to compile, s.
+constexpr double compiler_seconds = 30;
+
+// Of the references, the coarser first.
+const std::array<Method, 2> fine_methods{{{"rk4", "f64", true}, {"suzuki4", "f64", true}}};
 
 // Two references and the moments up to which they agree.
 struct Reference {
@@ -69,7 +78,14 @@ public:
     }
 
     [[nodiscard]] Record run(const Way& way, const ProcessorTime& time) const {
-        return record_of(scene_, way.method, halvings_of(way), moments_, time);
+        SceneDescription scene = scene_;
+        if (way.restitution_threshold) scene.contact.restitution_threshold = *way.restitution_threshold;
+        return record_of(scene, way.method, halvings_of(way), moments_, time);
+    }
+
+    // Would the references have to be compiled?
+    [[nodiscard]] bool is_compiled() const {
+        return std::all_of(fine_methods.begin(), fine_methods.end(), [&](const Method& m) { return is_compiled(m); });
     }
 
     // Right, wrong or without a reference; what the status tells is left to the caller.
@@ -86,19 +102,39 @@ public:
                 verdict.doubt.see(reference_->other.moments[m].bodies[b], reference_->fine.moments[m].bodies[b]);
             }
         }
-        if (run.moments.size() < moments_.size() && !reference_->lasts(moments_.size()))
+        if (run.moments.size() == moments_.size()) return verdict;
+        if (!reference_->lasts(moments_.size()) && run.moments.size() >= reference_->moments)
             return without_reference(std::move(verdict), run.moments.size());
+        // The references go on where the run has no finite state.
+        constexpr double infinite = std::numeric_limits<double>::infinity();
+        verdict.kind = Verdict::Kind::wrong;
+        verdict.time_s = time_of(run.moments.size());
+        verdict.body = run.not_finite;
+        verdict.error = {infinite, infinite};
+        verdict.is_as_large_as_motion = true;
         return verdict;
     }
 
-    // Right as far as a reference knows, without a word of the status.
-    [[nodiscard]] bool is_good(const Way& way, const ProcessorTime& time) const {
-        const Record record = run(way, time);
-        return record.troubles.empty() && hold(record).kind != Verdict::Kind::wrong;
+    // Right to the end, or as far as the references know and at least to the time of the verdict, without a word of the
+    // status. A way whose worlds are not there is not.
+    [[nodiscard]] bool is_good(const Way& way, const Verdict& verdict, const ProcessorTime& time) const {
+        if (!options_.compiles && !is_compiled(way.method)) return false;
+        try {
+            const Record record = run(way, time);
+            if (!record.troubles.empty()) return false;
+            const Verdict own = hold(record);
+            return own.kind == Verdict::Kind::right ||
+                   (own.kind == Verdict::Kind::no_reference && own.time_s > 0 && own.time_s >= verdict.time_s);
+        } catch (const ProcessorTime::TooDear&) { throw; } catch (const std::exception&) {
+            return false;  // it cannot be compiled, or does not take the scene
+        }
     }
     [[nodiscard]] const SceneDescription& scene() const { return scene_; }
 
 private:
+    [[nodiscard]] bool is_compiled(const Method& method) const {
+        return host::is_compiled(scene_, method.integrator, method.numbers, method.carry);
+    }
     [[nodiscard]] int halvings_of(const Way& way) const {
         return static_cast<int>(std::lround(std::log2(scene_.step.seconds() / way.step.seconds())));
     }
@@ -106,11 +142,18 @@ private:
         return static_cast<double>(static_cast<long double>(moments_[moment]) * long_seconds(scene_.step));
     }
 
-    // What an error must exceed to be wrong, in parts of the limits that this returns: m and rad.
+    // How far a body has moved and turned, with a floor.
+    [[nodiscard]] static Errors motion_at(const Moment& truth, std::size_t b) {
+        const auto floored = [&](const std::vector<double>& all) {
+            return std::max(all[b], share_of_scene * *std::max_element(all.begin(), all.end()));
+        };
+        return {floored(truth.way_m), floored(truth.turn_rad)};
+    }
+    // What an error must exceed to be wrong, m and rad.
     [[nodiscard]] Errors limits(const Record& run, const Moment& truth, std::size_t b) const {
         const double band = touches_ ? std::max(run.contact_tolerance, scene_.contact.tolerance) : 0;
         Errors limits;
-        limits.position_m = std::max({options_.tolerance * truth.way_m[b], band, run.resolution});
+        limits.position_m = std::max({options_.tolerance * motion_at(truth, b).position_m, band, run.resolution});
         limits.orientation_rad = options_.tolerance;
         return limits;
     }
@@ -152,13 +195,15 @@ private:
     }
     [[nodiscard]] bool is_as_large_as_motion(const Record& run, std::size_t m, std::size_t b) const {
         const Moment& truth = reference_->fine.moments[m];
-        const Errors error = distance(run.moments[m].bodies[b], truth.bodies[b]), limit = limits(run, truth, b);
-        return (error.position_m > limit.position_m && error.position_m >= truth.way_m[b]) ||
-               (error.orientation_rad > limit.orientation_rad && error.orientation_rad >= truth.turn_rad[b]);
+        const Errors error = distance(run.moments[m].bodies[b], truth.bodies[b]), limit = limits(run, truth, b),
+                     motion = motion_at(truth, b);
+        return (error.position_m > limit.position_m && error.position_m >= motion.position_m) ||
+               (error.orientation_rad > limit.orientation_rad && error.orientation_rad >= motion.orientation_rad);
     }
     [[nodiscard]] Verdict without_reference(Verdict verdict, std::size_t m) const {
         verdict.kind = Verdict::Kind::no_reference;
-        verdict.time_s = time_of(m);
+        verdict.time_s = m == 0 ? 0 : time_of(m - 1);
+        verdict.parted_s = time_of(m);
         verdict.gains_energy = reference_->gains_energy;
         if (!reference_->has(m)) return verdict;
         verdict.doubt = {};
@@ -173,8 +218,8 @@ private:
         // Energy that grows by a share of the motion's changes speeds, and so distances, by half of that share.
         const double most_gain = 2 * share_of_doubt * options_.tolerance;
         Reference pair;
-        pair.fine = record_of(scene_, {"rk4", "f64", true}, halvings, moments_, time, most_gain);
-        pair.other = record_of(scene_, {"suzuki4", "f64", true}, halvings + 1, moments_, time, most_gain);
+        pair.fine = record_of(scene_, fine_methods[0], halvings, moments_, time, most_gain);
+        pair.other = record_of(scene_, fine_methods[1], halvings + 1, moments_, time, most_gain);
         std::size_t last = std::min(pair.fine.moments.size(), pair.other.moments.size());
         for (const Record* record : {&pair.fine, &pair.other}) {
             if (!record->gained || *record->gained >= last) continue;
@@ -206,7 +251,7 @@ bool is_cured_by_search(const Verdict& verdict) {
     if (verdict.kind == Verdict::Kind::wrong) return true;
     if (verdict.kind != Verdict::Kind::told) return false;
     const std::string& issue = verdict.troubles.front().issue;
-    return issue == "range_left" || issue == "step_too_long";
+    return issue == "range_left" || issue == "step_too_long" || issue == "step_bound_hit";
 }
 
 // The default of a number system.
@@ -235,20 +280,34 @@ std::vector<Way> better_numbers(const Way& way) {
     return ways;
 }
 
+// Thresholds above the bounces of what gravity presses, whose number in a step has no end.
+std::vector<Way> thresholds(const Way& way, const SceneDescription& scene) {
+    std::vector<Way> ways;
+    for (const double steps : {4, 16, 64}) {
+        const double speed = steps * std::hypot(scene.gravity[0], scene.gravity[1], scene.gravity[2]) * way.step.seconds();
+        if (speed > scene.contact.restitution_threshold)
+            ways.push_back({way.method, way.step, std::stod(two_digits(speed))});
+    }
+    return ways;
+}
+
 // Exchanges numbers, then the method, then the step, and looks for a way that is right.
 void explain(Verdict& verdict, const Judge& judge, const Way& way, const ProcessorTime& time) {
     const auto first_good = [&](const std::vector<Way>& ways) -> std::optional<Way> {
         for (const Way& each : ways)
-            if (judge.is_good(each, time)) return each;
+            if (judge.is_good(each, verdict, time)) return each;
         return {};
     };
     using enum Verdict::Cause;
+    const bool is_told = verdict.kind == Verdict::Kind::told;
     try {
+        if (is_told && verdict.troubles.front().issue == "step_bound_hit")
+            if ((verdict.cure = first_good(thresholds(way, judge.scene())))) return;
         const Way in_f64{{way.method.integrator, "f64", carries("f64")}, way.step};
-        if (way.method.numbers != "f64" && judge.is_good(in_f64, time)) {
+        if (way.method.numbers != "f64" && judge.is_good(in_f64, verdict, time)) {
             verdict.cause = numbers;
             // A finer step may fit the same numbers, which are cheaper on the core than others.
-            std::vector<Way> ways = verdict.kind == Verdict::Kind::told ? finer_steps(way) : std::vector<Way>{};
+            std::vector<Way> ways = is_told ? finer_steps(way) : std::vector<Way>{};
             for (const Way& each : better_numbers(way)) ways.push_back(each);
             verdict.cure = first_good(ways);
         } else if ((verdict.cure = first_good(other_methods(way)))) {
@@ -266,32 +325,47 @@ std::string errors_text(const Errors& errors) {
 
 }  // namespace
 
-Verdict verdict_of(const SceneDescription& scene, const Method& method, const VerdictOptions& options) {
+Verdict told_by(const Record& run, const SceneDescription& scene) {
     Verdict verdict;
-    verdict.kind = Verdict::Kind::right;
-    if (scene.steps() == 0) return verdict;
-    Judge judge(scene, options);
-    const ProcessorTime time(options.most_seconds);
-    const Way way{method, judge.scene().step};
-    try {
-        const Record run = judge.run(way, time);
-        judge.run_references(time);
-        verdict = judge.hold(run);
-        if (!run.troubles.empty()) {
-            const Trouble& first = run.troubles.front();
-            verdict.kind = Verdict::Kind::told;
-            verdict.troubles = run.troubles;
-            verdict.body = first.body;
-            verdict.time_s = static_cast<double>(first.step) * judge.scene().step.seconds();
-        }
-    } catch (const ProcessorTime::TooDear& dear) {
-        verdict.kind = Verdict::Kind::unchecked;
-        verdict.cost_s = dear.seconds;
+    if (run.troubles.empty()) return verdict;
+    verdict.kind = Verdict::Kind::told;
+    verdict.troubles = run.troubles;
+    verdict.body = run.troubles.front().body;
+    verdict.time_s = static_cast<double>(run.troubles.front().step) * scene.step.seconds();
+    return verdict;
+}
+
+Verdict verdict_of(const SceneDescription& scene, const Method& method, const VerdictOptions& options) {
+    const std::vector<std::int64_t> moments = moments_of(scene);
+    return verdict_of(scene, method, moments.empty() ? Record{} : record_of(scene, method, 0, moments, ProcessorTime{}),
+                      options);
+}
+
+Verdict verdict_of(const SceneDescription& scene, const Method& method, const Record& run,
+                   const VerdictOptions& options) {
+    Verdict verdict = told_by(run, scene);
+    if (scene.steps() == 0) {
+        if (run.troubles.empty()) verdict.kind = Verdict::Kind::right;
         return verdict;
     }
-    if (options.explains && is_cured_by_search(verdict)) {
-        const ProcessorTime more(options.most_seconds);
-        explain(verdict, judge, way, more);
+    try {
+        Judge judge(scene, options);
+        if (!options.compiles && !judge.is_compiled()) {
+            verdict.cost_s = compiler_seconds;
+            verdict.compiles = true;
+            return verdict;
+        }
+        judge.run_references(ProcessorTime(options.most_seconds));
+        const Verdict held = judge.hold(run);
+        if (run.troubles.empty()) verdict = held;
+        else verdict.error = held.error;
+        if (options.explains && is_cured_by_search(verdict))
+            explain(verdict, judge, {method, scene.step}, ProcessorTime(options.most_seconds));
+    } catch (const ProcessorTime::TooDear& dear) {
+        verdict.cost_s = dear.seconds;
+    } catch (const std::exception& error) {
+        const std::string what = error.what();
+        verdict.obstacle = what.substr(0, what.find('\n'));
     }
     return verdict;
 }
@@ -324,6 +398,8 @@ std::string options_of(const Way& cure, const Way& run) {
         (cure.method.numbers == run.method.numbers ? run.method.carry : carries(cure.method.numbers)))
         add(cure.method.carry ? "--carry on" : "--carry off");
     if (cure.step.seconds() != run.step.seconds()) add("--step " + step_text(cure.step));
+    if (cure.restitution_threshold)
+        add("contact.restitution_threshold = " + few_digits(*cure.restitution_threshold));
     return text;
 }
 
@@ -336,16 +412,24 @@ std::string sentence_of(const Verdict& verdict, const SceneDescription& scene, c
     switch (verdict.kind) {
     case Verdict::Kind::right: return "right: the error is at most " + errors_text(verdict.error);
     case Verdict::Kind::wrong:
-        return "wrong from " + time + " on: " + body() + "is off by " + errors_text(verdict.error) +
+        return "wrong from " + time + " on: " + body() +
+               (std::isfinite(verdict.error.position_m) ? "is off by " + errors_text(verdict.error) : "is not finite") +
                (verdict.cause == Verdict::Cause::none ? "" : std::string("; cause: the ") + name_of(verdict.cause)) +
                cure;
     case Verdict::Kind::told:
         return "reported by the status: " + verdict.troubles.front().issue + " of " + body() + "at " + time + cure;
     case Verdict::Kind::no_reference:
-        return "right until " + time + ", with an error of at most " + errors_text(verdict.error) +
-               "; no reference from there on: two finer runs " +
-               (verdict.gains_energy ? "gain energy that no load gave" : "differ by " + errors_text(verdict.doubt));
-    default: return "not checked: the check takes about " + few_digits(std::ceil(verdict.cost_s)) + " s (--check on)";
+        return (verdict.time_s > 0
+                    ? "right until " + time + ", with an error of at most " + errors_text(verdict.error) + "; "
+                    : "") +
+               "no reference" + (verdict.time_s > 0 ? " from there on" : "") + ": two finer runs " +
+               (verdict.gains_energy ? "gain energy that no load gave"
+                                     : "differ by " + errors_text(verdict.doubt) + " at " +
+                                           few_digits(verdict.parted_s) + " s");
+    default:
+        if (!verdict.obstacle.empty()) return "not checked: " + verdict.obstacle;
+        return "not checked: the check takes about " + few_digits(std::ceil(verdict.cost_s)) + " s" +
+               (verdict.compiles ? ", since it compiles its references first" : "") + " (--check on)";
     }
 }
 

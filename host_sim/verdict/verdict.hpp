@@ -11,6 +11,7 @@
 #include "scene/description.hpp"
 #include "simulation/simulation.hpp"
 #include "verdict/accuracy.hpp"
+#include "verdict/record.hpp"
 
 namespace tumble::host {
 
@@ -18,20 +19,22 @@ namespace tumble::host {
 struct Way {
     Method method;
     StepSize step;
+    std::optional<double> restitution_threshold{};  // m/s, instead of the scene's
 };
 
 struct Verdict {
     enum class Kind {
         right,         // the error stays below the tolerance to the end
         wrong,         // it does not, from `time_s` on
-        told,          // the kernel's status says so: `trouble`
-        no_reference,  // the references part at `time_s`, or gain energy that no load gave; right until then
-        unchecked,     // the check costs more than it may
+        told,          // the status says so: `troubles`
+        no_reference,  // right until `time_s`; after it the references part, or gain energy that no load gave
+        unchecked,     // the check costs more than it may, or cannot be made
     };
     enum class Cause { none, numbers, method, step };
 
     Kind kind = Kind::unchecked;
-    double time_s = 0;  // wrong, told, no_reference: from when on
+    double time_s = 0;    // wrong, told: from when on; no_reference: the last time at which the run is known to be right
+    double parted_s = 0;  // no_reference: the first time at which the references decide nothing
     int body = -1;      // wrong, told, no_reference: which; -1: no single one
     Errors error;       // wrong: of the body at `time_s`; else the largest up to there or to the end
     Errors doubt;       // no_reference: distance of the references at `time_s`; else the largest
@@ -42,6 +45,8 @@ struct Verdict {
     Cause cause = Cause::none;      // wrong, told: what has to change
     std::optional<Way> cure;        // wrong, told: a way of running the scene that is right
     double cost_s = 0;              // unchecked: processor time of the check, about
+    bool compiles = false;          // unchecked: most of it compiles the references
+    std::string obstacle;           // unchecked: why the check cannot be made
 };
 
 struct VerdictOptions {
@@ -51,11 +56,18 @@ struct VerdictOptions {
     std::optional<double> most_seconds{};  // of processor time, for the references; none: as long as they take
     int most_references = 3;               // pairs, each 4 times finer than the one before
     bool explains = true;                  // looks for cause and cure
+    bool compiles = true;                  // worlds that the check needs and that are not compiled
 };
 
-// Runs the scene with `method` and decides. Throws what make_simulation() throws. A run without a step is right.
+// Runs the scene with `method` and decides. Throws what make_simulation() throws for that run. A run without a step is
+// right.
 [[nodiscard]] Verdict verdict_of(const SceneDescription& scene, const Method& method,
                                  const VerdictOptions& options = {});
+// Decides on a run that has been recorded at moments_of(scene). Throws nothing on account of the references.
+[[nodiscard]] Verdict verdict_of(const SceneDescription& scene, const Method& method, const Record& run,
+                                 const VerdictOptions& options = {});
+// What the status alone tells: told or unchecked.
+[[nodiscard]] Verdict told_by(const Record& run, const SceneDescription& scene);
 
 // "right: the error is at most 1.2e-05 m and 0.0003 rad": one line without a full stop.
 [[nodiscard]] std::string sentence_of(const Verdict& verdict, const SceneDescription& scene, const Method& method);
@@ -64,7 +76,8 @@ struct VerdictOptions {
 [[nodiscard]] const char* name_of(Verdict::Kind kind);
 [[nodiscard]] const char* name_of(Verdict::Cause cause);
 
-// "--integrator rk4", "--step 1/512", "--numbers f64": the options by which a way differs from how the scene was run.
+// "--integrator rk4", "--step 1/512", "--numbers f64", "contact.restitution_threshold = 0.16": the options and keys by which a way differs from
+// how the scene was run.
 [[nodiscard]] std::string options_of(const Way& cure, const Way& run);
 
 }  // namespace tumble::host

@@ -6,10 +6,12 @@
 
 #include <nlohmann/json.hpp>
 
+#include "command/messages.hpp"
 #include "command_runner.hpp"
 #include "scene/data.hpp"
 #include "scene/reader.hpp"
 #include "simulation/simulation.hpp"
+#include "tools/text.hpp"
 #include "truth/smooth_motion.hpp"
 #include "verdict/energy_budget.hpp"
 #include "verdict/record.hpp"
@@ -171,6 +173,161 @@ TEST(Verdict, tolerance_decides_what_is_wrong) {
     EXPECT_EQ(verdict_of(scene, verlet_q32, {.tolerance = 0.5, .explains = false}).kind, Verdict::Kind::right);
     EXPECT_EQ(verdict_of(scene, {"rk4", "q32", true}, {.tolerance = 1e-6, .explains = false}).kind,
               Verdict::Kind::wrong);
+}
+
+// A body of `mass` that hangs or stands at rest at 30 cm from the origin, by a spring of 4 N/mm.
+SceneDescription at_rest(double mass, bool mirrored, bool by_contact, const char* step) {
+    const double sag = mass * 9.81 / 4000, sign = mirrored ? -1 : 1;
+    const auto number = [](double x) { return seventeen_digits(x); };
+    const std::string world = "world = { gravity = [0, " + number(-9.81 * sign) + ", 0], step = \"" + step +
+                              "\", duration = 2.0 }\nbody = [ { name = \"b\", shape = { sphere = 0.1 }, mass = " +
+                              number(mass) + ", position = [0.3, ";
+    if (by_contact)
+        return scene_of("contact = { response = \"spring\", stiffness = 4000.0 }\nplane = [ { name = \"floor\", normal "
+                        "= [0, " + number(sign) + ", 0] } ]\n" + world + number(sign * (0.1 - sag)) + ", 0] } ]\n");
+    return scene_of(world + number(-sign * sag) +
+                    ", 0] } ]\nspring = [ { body = \"b\", to = [0.3, 0, 0], stiffness = 4000.0 } ]\n");
+}
+
+TEST(Verdict, a_body_that_rests_on_a_spring_is_right) {
+    for (const double mass : {0.5, 1.7, 3.0})
+        for (const bool mirrored : {false, true})
+            for (const bool by_contact : {false, true})
+                for (const char* step : {"1/256", "1/1000"})
+                    for (const Method& method : {verlet_q32, Method{"verlet", "f32", true}, Method{"rk4", "f64", false}}) {
+                        const SceneDescription scene = at_rest(mass, mirrored, by_contact, step);
+                        const Verdict verdict = verdict_of(scene, method);
+                        EXPECT_EQ(name_of(verdict.kind), std::string("right"))
+                            << mass << mirrored << by_contact << step << method.numbers << " "
+                            << sentence_of(verdict, scene, method);
+                    }
+}
+
+TEST(Verdict, a_body_that_symmetry_keeps_still_is_right) {
+    for (const double stiffness : {50.0, 333.0})
+        for (const double side : {0.3, 0.7})
+            for (const Method& method : {verlet_q32, Method{"verlet", "f32", true}, Method{"rk4", "f64", false}}) {
+                const std::string x = seventeen_digits(side), k = seventeen_digits(stiffness);
+                // The two outer bodies swing in and out alike; the middle one is held between them.
+                const SceneDescription scene = scene_of(
+                    "world = { step = \"1/256\", duration = 4.0 }\nbody = [ { name = \"middle\", shape = { sphere = 0.05 }, "
+                    "mass = 0.3 }, { name = \"left\", shape = { sphere = 0.05 }, mass = 0.7, position = [-" + x +
+                    ", 0, 0], velocity = [0.4, 0.1, 0] }, { name = \"right\", shape = { sphere = 0.05 }, mass = 0.7, position "
+                    "= [" + x + ", 0, 0], velocity = [-0.4, -0.1, 0] } ]\ncontact = { response = \"none\" }\nspring = [ { "
+                    "body = \"middle\", to_body = \"left\", stiffness = " + k + ", rest_length = 0.2 }, { body = \"middle\", "
+                    "to_body = \"right\", stiffness = " + k + ", rest_length = 0.2 } ]\n");
+                const Verdict verdict = verdict_of(scene, method);
+                EXPECT_EQ(name_of(verdict.kind), std::string("right"))
+                    << stiffness << " " << side << " " << method.numbers << " " << sentence_of(verdict, scene, method);
+            }
+}
+
+TEST(Verdict, last_confirmed_moment_is_told) {
+    const SceneDescription scene = read_scene((source_directory / "host_sim/scenes/cube.toml").string());
+    const Verdict verdict = verdict_of(scene, verlet_q32, {.explains = false});
+    ASSERT_EQ(verdict.kind, Verdict::Kind::no_reference);
+    EXPECT_GT(verdict.parted_s, verdict.time_s);
+    EXPECT_NEAR(verdict.parted_s - verdict.time_s, scene.duration / sample_count, 2 * scene.step.seconds());
+    Verdict none = verdict;
+    none.time_s = 0;
+    EXPECT_TRUE(sentence_of(none, scene, verlet_q32).starts_with("no reference: two finer runs "));
+    EXPECT_TRUE(sentence_of(verdict, scene, verlet_q32).starts_with("right until "));
+}
+
+TEST(Verdict, state_that_is_not_finite_without_a_status_is_wrong) {
+    for (const char* name : {"orbit", "brick"}) {
+        const SceneDescription scene = read_scene(shipped(name));
+        Record run = record_of(scene, verlet_q32, 0, moments_of(scene), ProcessorTime{});
+        run.moments.resize(run.moments.size() / 2);
+        run.not_finite = 0;
+        const Verdict verdict = verdict_of(scene, verlet_q32, run, {.explains = false});
+        EXPECT_EQ(verdict.kind, Verdict::Kind::wrong);
+        EXPECT_TRUE(verdict.is_as_large_as_motion);
+        EXPECT_NE(sentence_of(verdict, scene, verlet_q32).find("\" is not finite"), std::string::npos);
+    }
+}
+
+// A gram between the floor and a heavy ball that lands on it.
+std::string squeezed(double heavy) {
+    return "world = { gravity = [0, -9.81, 0], step = \"1/256\", duration = 0.3 }\ncontact = { restitution = 0.5 }\n"
+           "plane = [ { name = \"floor\", normal = [0, 1, 0] } ]\nbody = [ { name = \"light\", shape = { sphere = 0.05 }, "
+           "mass = 0.001, position = [0, 0.05, 0] }, { name = \"heavy\", shape = { sphere = 0.3 }, mass = " +
+           seventeen_digits(heavy) + ", position = [0, 0.5, 0] } ]\n";
+}
+
+TEST(Verdict, cure_of_impacts_beyond_their_bound_has_been_run) {
+    int cured = 0;
+    for (const double heavy : {1.0, 30.0, 1000.0}) {
+        SceneDescription scene = scene_of(squeezed(heavy));
+        const Verdict verdict = verdict_of(scene, verlet_q32);
+        if (verdict.kind != Verdict::Kind::told || verdict.troubles.front().issue != "step_bound_hit" || !verdict.cure)
+            continue;
+        ++cured;
+        if (verdict.cure->restitution_threshold) scene.contact.restitution_threshold = *verdict.cure->restitution_threshold;
+        scene.step = verdict.cure->step;
+        const Method& method = verdict.cure->method;
+        EXPECT_TRUE(record_of(scene, method, 0, moments_of(scene), ProcessorTime{}).troubles.empty()) << heavy;
+    }
+    EXPECT_GT(cured, 0);
+}
+
+TEST(Verdict, check_that_would_compile_is_not_made_where_it_must_not) {
+    // Nothing else decides whether worlds are there: a name that no build has made.
+    const SceneDescription scene = read_scene(shipped("brick"));
+    for (const char* method : {"rk4", "suzuki4"}) EXPECT_TRUE(is_compiled(scene, method, "f64", true));
+    Verdict verdict;
+    verdict.cost_s = 29.5;
+    verdict.compiles = true;
+    EXPECT_EQ(sentence_of(verdict, scene, verlet_q32),
+              "not checked: the check takes about 30 s, since it compiles its references first (--check on)");
+    verdict.obstacle = "cmake failed";
+    EXPECT_EQ(sentence_of(verdict, scene, verlet_q32), "not checked: cmake failed");
+}
+
+std::string message(const SceneDescription& scene, const Method& method, const HeldNumber& number) {
+    const auto simulation = make_simulation(scene, method.integrator, method.numbers, method.carry);
+    const Trouble trouble{"range_left", 0, 3, number};
+    return message_of(trouble, trouble, scene, *simulation);
+}
+
+TEST(Messages, a_number_that_left_its_range_has_a_cure_that_can_help) {
+    SceneDescription scene = read_scene(shipped("brick"));
+    const HeldNumber spin{"angular velocity", 64, "rad/s"};
+    EXPECT_TRUE(message(scene, verlet_q32, spin)
+                    .ends_with("Use a larger [range] angular_velocity and a smaller step, or --numbers f32"));
+    EXPECT_TRUE(message(scene, verlet_q32, {"change of velocity in a step", 32, "m/s", false, 16})
+                    .ends_with("or change of spin in a step exceeds 16 rad/s, the most that q32 room holds at a step of "
+                               "0.00390625 s. The motion is wrong from here on. Use a smaller step or a larger [range] "
+                               "velocity"));
+    scene.range.is_declared = true;
+    EXPECT_TRUE(message(scene, verlet_q32, spin).ends_with("Use a larger [range] angular_velocity and a smaller step"));
+    for (const char* name : {"position", "velocity", "angular velocity"})
+        for (const char* numbers : {"f32", "f64"})
+            EXPECT_TRUE(message(scene, {"verlet", numbers, false}, {name, 64, "", true})
+                            .ends_with("Use a larger [range] " + std::string(name)));
+}
+
+TEST(Messages, one_cause_has_one_cure) {
+    const SceneDescription scene = read_scene(shipped("brick"));
+    const auto simulation = make_simulation(scene, "verlet", "q32", true);
+    const Trouble first{"step_too_long", 0, 0}, second{"range_left", 0, 8, HeldNumber{"velocity", 256, "m/s"}};
+    for (const std::string cure : {"", "--step 1/512"}) {
+        EXPECT_NE(message_of(first, first, scene, *simulation, cure).find("Use "), std::string::npos);
+        EXPECT_EQ(message_of(second, first, scene, *simulation, cure).find("Use "), std::string::npos);
+    }
+    EXPECT_NE(message_of(second, second, scene, *simulation).find("Use "), std::string::npos);
+}
+
+TEST(VerdictOfRun, told_run_has_one_message) {
+    for (const char* stiffness : {"10000.0", "4000.0"}) {
+        const std::string path = written("spring.toml", "world = { step = 0.5, duration = 20.0 }\nbody = [ { name = \"bob\", "
+                                         "shape = { sphere = 0.1 }, mass = 0.1, position = [1, 0, 0] } ]\nspring = [ { body "
+                                         "= \"bob\", to = [0, 0, 0], stiffness = " + std::string(stiffness) + " } ]\n");
+        const Outcome outcome = tumble({"run", path, "--numbers", "f64", "--check", "on"});
+        EXPECT_EQ(outcome.status, 1);
+        EXPECT_NE(outcome.text.find("step_too_long"), std::string::npos) << outcome.text;
+        EXPECT_EQ(outcome.text.find("as large as the motion"), std::string::npos) << outcome.text;
+    }
 }
 
 TEST(VerdictOfRun, is_one_line_and_off_is_none) {
