@@ -51,7 +51,8 @@ std::string status_text(const Simulation& simulation) {
 class Reference {
 public:
     Reference(const CompareOptions& options, const SceneDescription& scene)
-        : options_(options), scene_(scene), simulation_(options.start(scene)), recorder_(scene, *simulation_, moments_of(scene)) {}
+        : options_(options), scene_(scene), simulation_(options.start(scene)),
+          recorder_(scene, *simulation_, moments_of(scene)) {}
 
     [[nodiscard]] bool at_end() const {
         return simulation_->steps_taken() >= simulation_->steps() || simulation_->has_trouble("range_left");
@@ -171,7 +172,8 @@ int compare(const CompareOptions& options) {
     std::cout << options.core << " agrees with the host: " << reference.states() << " states, "
               << reference.simulation().integrator() << ", " << reference.simulation().numbers() << ", hash "
               << hex(reference.simulation().hash()) << "\n";
-    const Verdict verdict = options.check.verdict(scene, method_of(reference.simulation()), std::move(reference).record());
+    const Verdict verdict =
+        options.check.verdict(scene, method_of(reference.simulation()), std::move(reference).record());
     std::cout << verdict_line(options.check, verdict, scene, reference.simulation());
     return report(verdict, scene, reference.simulation());
 }

@@ -44,8 +44,8 @@ Account range_left(const Trouble& trouble, const SceneDescription& scene, const 
         number.is_declared ? "q32 holds of the declared [range]" : numbers_of(simulation) + " holds";
     const std::string spin =
         number.or_spin > 0 ? ", or change of spin in a step exceeds " + few_digits(number.or_spin) + " rad/s" : "";
-    return {number.name + " exceeds " + few_digits(number.most) + " " + number.unit + spin + ", the most that " + holder +
-                " at a step of " + step_of(simulation) + wrong,
+    return {number.name + " exceeds " + few_digits(number.most) + " " + number.unit + spin + ", the most that " +
+                holder + " at a step of " + step_of(simulation) + wrong,
             cure_of(number, scene, simulation)};
 }
 

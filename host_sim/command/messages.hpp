@@ -9,8 +9,8 @@
 
 namespace tumble::host {
 
-// What happened, to which body, when, what it means for the result, and the one thing to do: `cure` of the run's `first`
-// trouble, options that are known to help, or else what helps by rule.
+// What happened, to which body, when, what it means for the result, and the one thing to do: `cure` of the run's
+// `first` trouble, options that are known to help, or else what helps by rule.
 [[nodiscard]] std::string message_of(const Trouble& trouble, const Trouble& first, const SceneDescription& scene,
                                      const Simulation& simulation, const std::string& cure = {});
 

@@ -57,9 +57,9 @@ template <class N, Spin spin, int capacity, bool points>
         double spin_change = 0;
         if constexpr (spin != Spin::none)
             if (bodies.rotates(b))
-                spin_change =
-                    std::min({held_spin(bodies, axes, b, 0), held_spin(bodies, axes, b, 1), held_spin(bodies, axes, b, 2)}) /
-                    4;
+                spin_change = std::min({held_spin(bodies, axes, b, 0), held_spin(bodies, axes, b, 1),
+                                        held_spin(bodies, axes, b, 2)}) /
+                              4;
         return HeldNumber{"change of velocity in a step", velocity / 4, "m/s", false, spin_change};
     } else {
         if constexpr (spin != Spin::none) {

@@ -113,7 +113,8 @@ private:
                                                           std::string_view numbers = "q32",
                                                           std::optional<bool> carry = {});
 
-// Are the worlds of such a run compiled? Where they are not, make_simulation() compiles them first: about half a minute.
+// Are the worlds of such a run compiled? Where they are not, make_simulation() compiles them first: about half a
+// minute.
 [[nodiscard]] bool is_compiled(const SceneDescription& scene, std::string_view integrator, std::string_view numbers,
                                std::optional<bool> carry);
 

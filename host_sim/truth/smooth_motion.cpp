@@ -297,9 +297,7 @@ bool SmoothMotion::may_touch(std::size_t i, std::size_t j) const {
 Number SmoothMotion::distance_bound(std::size_t i, std::size_t j) const {
     const Motion &a = now_[i], &b = now_[j];
     const Vector line = b.x - a.x;
-    const auto gap_along = [&](const Vector& n) {
-        return std::abs(dot(line, n)) - extent_of(i, n) - extent_of(j, n);
-    };
+    const auto gap_along = [&](const Vector& n) { return std::abs(dot(line, n)) - extent_of(i, n) - extent_of(j, n); };
     const Number length = norm(line);
     const Vector axes[] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     Number widest = gap_along(length > 0 ? line * (1 / length) : axes[0]);

@@ -42,7 +42,9 @@ EnergyBudget::EnergyBudget(const SceneDescription& scene, const Simulation& simu
 // where bodies rest, and then this is all the energy that changes.
 long double EnergyBudget::rounding(const Simulation& simulation) const {
     const long double held = simulation.range().empty() ? 0 : held_by(simulation.range()).position * 0x1p-30L,
-                      unit = simulation.numbers() == "f32" ? 0x1p-23L : simulation.numbers() == "f64" ? 0x1p-52L : 0;
+                      unit = simulation.numbers() == "f32"   ? 0x1p-23L
+                             : simulation.numbers() == "f64" ? 0x1p-52L
+                                                             : 0;
     std::vector<reference::Motion> now;
     for (int b = 0; b < simulation.body_count(); ++b) now.push_back(motion_of(simulation.body(b)));
     const auto at = [&](int b) -> const reference::Motion& { return now[static_cast<std::size_t>(b)]; };
@@ -57,9 +59,9 @@ long double EnergyBudget::rounding(const Simulation& simulation) const {
         const auto end = [&](int b, const Triple& p) {
             return at(b).x + at(b).q.normalized().rotate(reference::vector_of(p));
         };
-        const reference::Vector one = end(spring.body, spring.point),
-                                other = spring.to_body < 0 ? reference::vector_of(spring.to)
-                                                           : end(spring.to_body, spring.to);
+        const reference::Vector one = end(spring.body, spring.point), other = spring.to_body < 0
+                                                                                  ? reference::vector_of(spring.to)
+                                                                                  : end(spring.to_body, spring.to);
         // An end is placed by a centre of mass and an arm, and the stretch is what is left of the distance.
         const long double places = norm(one) + norm(other) + norm(one - at(spring.body).x) + spring.rest_length;
         add(spring.stiffness * std::abs(norm(one - other) - spring.rest_length), places);

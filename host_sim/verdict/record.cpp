@@ -40,15 +40,22 @@ Moment read(const Simulation& simulation) {
     return moment;
 }
 
-// m: the distance of neighbouring numbers at the farthest position that the run begins or ends at.
-double resolution_of(const Simulation& simulation, const Record& record) {
-    if (!simulation.range().empty()) return held_by(simulation.range()).position * 0x1p-30;
+// m: half the distance of neighbouring numbers a step, in either direction. In floating point these numbers are the
+// largest position, arm or length that a force is computed from.
+double rounding_of(const SceneDescription& scene, const Simulation& simulation, const Record& record) {
+    const double steps = std::sqrt(static_cast<double>(std::max<std::int64_t>(simulation.steps_taken(), 4)));
+    if (!simulation.range().empty()) return held_by(simulation.range()).position * 0x1p-31 * steps;
     double farthest = 0;
+    const auto see = [&](const reference::Vector& v) { farthest = std::max(farthest, static_cast<double>(norm(v))); };
     for (const Moment& moment : record.moments)
-        for (const reference::Motion& body : moment.bodies)
-            farthest = std::max(farthest, static_cast<double>(norm(body.x)));
+        for (const reference::Motion& body : moment.bodies) see(body.x);
+    for (const BodyDescription& body : scene.bodies) see(reference::vector_of(body.shape.size));
+    for (const SpringDescription& spring : scene.springs) {
+        see(reference::vector_of(spring.to));
+        farthest = std::max(farthest, spring.rest_length);
+    }
     const bool is_float = simulation.numbers() == "f32";
-    return farthest *
+    return farthest * steps / 2 *
            (is_float ? double{std::numeric_limits<float>::epsilon()} : std::numeric_limits<double>::epsilon());
 }
 
@@ -74,7 +81,7 @@ std::vector<std::int64_t> moments_of(const SceneDescription& scene) {
 
 Recorder::Recorder(const SceneDescription& scene, const Simulation& simulation, std::vector<std::int64_t> moments,
                    std::optional<double> most_gain)
-    : moments_(std::move(moments)), range_(scene, simulation), driven_(driven_steps_of(scene)),
+    : scene_(scene), moments_(std::move(moments)), range_(scene, simulation), driven_(driven_steps_of(scene)),
       start_(read(simulation)), now_(start_) {
     now_.way_m.resize(start_.bodies.size());
     now_.turn_rad.resize(start_.bodies.size());
@@ -132,7 +139,7 @@ Record Recorder::record(const Simulation& simulation) && {
     record_.contact_tolerance = static_cast<double>(simulation.contact_tolerance());
     record_.troubles = simulation.troubles();
     if (range_.trouble()) record_.troubles.push_back(*range_.trouble());
-    record_.resolution = resolution_of(simulation, record_);
+    record_.rounding = rounding_of(scene_, simulation, record_);
     return std::move(record_);
 }
 

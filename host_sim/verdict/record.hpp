@@ -45,7 +45,7 @@ struct Record {
     std::vector<Trouble> troubles;      // of the kernel, and a declared [range] that floating point leaves
     std::optional<std::size_t> gained;  // the first moment at which energy has grown though no load did work
     double contact_tolerance = 0;       // m
-    double resolution = 0;              // m, of positions of this run
+    double rounding = 0;                // m: what rounding may move a body by in this run
     int not_finite = -1;                // the body whose state ended the moments by not being finite; -1: none
 };
 
@@ -55,8 +55,8 @@ struct Record {
 // Reads a run while it goes on, at the ends of some of its steps.
 class Recorder {
 public:
-    // At the start of a run. `most_gain`: growth of energy, in parts of the largest kinetic energy, above which it counts
-    // as grown; none: energy is not looked at.
+    // At the start of a run. `most_gain`: growth of energy, in parts of the largest kinetic energy, above which it
+    // counts as grown; none: energy is not looked at.
     Recorder(const SceneDescription& scene, const Simulation& simulation, std::vector<std::int64_t> moments,
              std::optional<double> most_gain = {});
 
@@ -71,6 +71,7 @@ private:
     [[nodiscard]] bool look(const Simulation& simulation);
     void plan_look();
 
+    SceneDescription scene_;
     std::vector<std::int64_t> moments_;
     Record record_;
     RangeWatch range_;

@@ -21,8 +21,9 @@ constexpr double share_of_doubt = 0.2;
 constexpr std::array<int, 3> halvings_of_references{2, 4, 6};
 constexpr int most_halvings_of_cure = 5;
 
-// A body that symmetry holds still moves by rounding alone, which may grow. It is judged as if it had moved and turned by
-// this share of the most that a body of the scene has: a tenth of that is a millionth, the last digit that is printed.
+// A body that symmetry holds still moves by rounding alone, which may grow. It is judged as if it had moved and turned
+// by this share of the most that a body of the scene has: a tenth of that is a millionth, the last digit that is
+// printed.
 constexpr double share_of_scene = 1e-5;
 
 // About the time that the worlds of the references take to compile, s.
@@ -153,7 +154,7 @@ private:
     [[nodiscard]] Errors limits(const Record& run, const Moment& truth, std::size_t b) const {
         const double band = touches_ ? std::max(run.contact_tolerance, scene_.contact.tolerance) : 0;
         Errors limits;
-        limits.position_m = std::max({options_.tolerance * motion_at(truth, b).position_m, band, run.resolution});
+        limits.position_m = std::max({options_.tolerance * motion_at(truth, b).position_m, band, run.rounding});
         limits.orientation_rad = options_.tolerance;
         return limits;
     }
@@ -234,7 +235,7 @@ private:
         for (std::size_t b = 0; b < pair.fine.moments[m].bodies.size(); ++b) {
             const Errors doubt = distance(pair.fine.moments[m].bodies[b], pair.other.moments[m].bodies[b]),
                          limit = limits(pair.fine, pair.fine.moments[m], b);
-            if (doubt.position_m > std::max(share_of_doubt * limit.position_m, pair.fine.resolution)) return false;
+            if (doubt.position_m > std::max(share_of_doubt * limit.position_m, pair.fine.rounding)) return false;
             if (doubt.orientation_rad > share_of_doubt * limit.orientation_rad) return false;
         }
         return true;
@@ -284,7 +285,8 @@ std::vector<Way> better_numbers(const Way& way) {
 std::vector<Way> thresholds(const Way& way, const SceneDescription& scene) {
     std::vector<Way> ways;
     for (const double steps : {4, 16, 64}) {
-        const double speed = steps * std::hypot(scene.gravity[0], scene.gravity[1], scene.gravity[2]) * way.step.seconds();
+        const double speed =
+            steps * std::hypot(scene.gravity[0], scene.gravity[1], scene.gravity[2]) * way.step.seconds();
         if (speed > scene.contact.restitution_threshold)
             ways.push_back({way.method, way.step, std::stod(two_digits(speed))});
     }
@@ -398,8 +400,7 @@ std::string options_of(const Way& cure, const Way& run) {
         (cure.method.numbers == run.method.numbers ? run.method.carry : carries(cure.method.numbers)))
         add(cure.method.carry ? "--carry on" : "--carry off");
     if (cure.step.seconds() != run.step.seconds()) add("--step " + step_text(cure.step));
-    if (cure.restitution_threshold)
-        add("contact.restitution_threshold = " + few_digits(*cure.restitution_threshold));
+    if (cure.restitution_threshold) add("contact.restitution_threshold = " + few_digits(*cure.restitution_threshold));
     return text;
 }
 
@@ -423,9 +424,9 @@ std::string sentence_of(const Verdict& verdict, const SceneDescription& scene, c
                     ? "right until " + time + ", with an error of at most " + errors_text(verdict.error) + "; "
                     : "") +
                "no reference" + (verdict.time_s > 0 ? " from there on" : "") + ": two finer runs " +
-               (verdict.gains_energy ? "gain energy that no load gave"
-                                     : "differ by " + errors_text(verdict.doubt) + " at " +
-                                           few_digits(verdict.parted_s) + " s");
+               (verdict.gains_energy
+                    ? "gain energy that no load gave"
+                    : "differ by " + errors_text(verdict.doubt) + " at " + few_digits(verdict.parted_s) + " s");
     default:
         if (!verdict.obstacle.empty()) return "not checked: " + verdict.obstacle;
         return "not checked: the check takes about " + few_digits(std::ceil(verdict.cost_s)) + " s" +

@@ -33,11 +33,11 @@ struct Verdict {
     enum class Cause { none, numbers, method, step };
 
     Kind kind = Kind::unchecked;
-    double time_s = 0;    // wrong, told: from when on; no_reference: the last time at which the run is known to be right
+    double time_s = 0;  // wrong, told: from when on; no_reference: the last time at which the run is known to be right
     double parted_s = 0;  // no_reference: the first time at which the references decide nothing
-    int body = -1;      // wrong, told, no_reference: which; -1: no single one
-    Errors error;       // wrong: of the body at `time_s`; else the largest up to there or to the end
-    Errors doubt;       // no_reference: distance of the references at `time_s`; else the largest
+    int body = -1;        // wrong, told, no_reference: which; -1: no single one
+    Errors error;         // wrong: of the body at `time_s`; else the largest up to there or to the end
+    Errors doubt;         // no_reference: distance of the references at `time_s`; else the largest
     bool is_as_large_as_motion =
         false;                      // wrong: at some moment the error reaches all that the body has moved or turned
     bool gains_energy = false;      // no_reference: the references gain energy that no load gave
@@ -51,7 +51,7 @@ struct Verdict {
 
 struct VerdictOptions {
     // An error is wrong above this angle, rad, or above this share of the distance that the body has moved. No error in
-    // position is wrong within the contact tolerance or the resolution of a position in the run's number system.
+    // position is wrong within the contact tolerance or within what rounding moves a body by in the run.
     double tolerance = 0.1;
     std::optional<double> most_seconds{};  // of processor time, for the references; none: as long as they take
     int most_references = 3;               // pairs, each 4 times finer than the one before
@@ -76,8 +76,8 @@ struct VerdictOptions {
 [[nodiscard]] const char* name_of(Verdict::Kind kind);
 [[nodiscard]] const char* name_of(Verdict::Cause cause);
 
-// "--integrator rk4", "--step 1/512", "--numbers f64", "contact.restitution_threshold = 0.16": the options and keys by which a way differs from
-// how the scene was run.
+// "--integrator rk4", "--step 1/512", "--numbers f64", "contact.restitution_threshold = 0.16": the options and keys by
+// which a way differs from how the scene was run.
 [[nodiscard]] std::string options_of(const Way& cure, const Way& run);
 
 }  // namespace tumble::host

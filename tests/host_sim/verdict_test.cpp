@@ -179,12 +179,14 @@ TEST(Verdict, tolerance_decides_what_is_wrong) {
 SceneDescription at_rest(double mass, bool mirrored, bool by_contact, const char* step) {
     const double sag = mass * 9.81 / 4000, sign = mirrored ? -1 : 1;
     const auto number = [](double x) { return seventeen_digits(x); };
-    const std::string world = "world = { gravity = [0, " + number(-9.81 * sign) + ", 0], step = \"" + step +
-                              "\", duration = 2.0 }\nbody = [ { name = \"b\", shape = { sphere = 0.1 }, mass = " +
-                              number(mass) + ", position = [0.3, ";
+    const std::string world =
+        "world = { gravity = [0, " + number(-9.81 * sign) + ", 0], step = \"" + step +
+        "\", duration = 2.0 }\nbody = [ { name = \"b\", shape = { sphere = 0.1 }, mass = " + number(mass) +
+        ", position = [0.3, ";
     if (by_contact)
         return scene_of("contact = { response = \"spring\", stiffness = 4000.0 }\nplane = [ { name = \"floor\", normal "
-                        "= [0, " + number(sign) + ", 0] } ]\n" + world + number(sign * (0.1 - sag)) + ", 0] } ]\n");
+                        "= [0, " +
+                        number(sign) + ", 0] } ]\n" + world + number(sign * (0.1 - sag)) + ", 0] } ]\n");
     return scene_of(world + number(-sign * sag) +
                     ", 0] } ]\nspring = [ { body = \"b\", to = [0.3, 0, 0], stiffness = 4000.0 } ]\n");
 }
@@ -194,7 +196,8 @@ TEST(Verdict, a_body_that_rests_on_a_spring_is_right) {
         for (const bool mirrored : {false, true})
             for (const bool by_contact : {false, true})
                 for (const char* step : {"1/256", "1/1000"})
-                    for (const Method& method : {verlet_q32, Method{"verlet", "f32", true}, Method{"rk4", "f64", false}}) {
+                    for (const Method& method :
+                         {verlet_q32, Method{"verlet", "f32", true}, Method{"rk4", "f64", false}}) {
                         const SceneDescription scene = at_rest(mass, mirrored, by_contact, step);
                         const Verdict verdict = verdict_of(scene, method);
                         EXPECT_EQ(name_of(verdict.kind), std::string("right"))
@@ -209,13 +212,21 @@ TEST(Verdict, a_body_that_symmetry_keeps_still_is_right) {
             for (const Method& method : {verlet_q32, Method{"verlet", "f32", true}, Method{"rk4", "f64", false}}) {
                 const std::string x = seventeen_digits(side), k = seventeen_digits(stiffness);
                 // The two outer bodies swing in and out alike; the middle one is held between them.
-                const SceneDescription scene = scene_of(
-                    "world = { step = \"1/256\", duration = 4.0 }\nbody = [ { name = \"middle\", shape = { sphere = 0.05 }, "
-                    "mass = 0.3 }, { name = \"left\", shape = { sphere = 0.05 }, mass = 0.7, position = [-" + x +
-                    ", 0, 0], velocity = [0.4, 0.1, 0] }, { name = \"right\", shape = { sphere = 0.05 }, mass = 0.7, position "
-                    "= [" + x + ", 0, 0], velocity = [-0.4, -0.1, 0] } ]\ncontact = { response = \"none\" }\nspring = [ { "
-                    "body = \"middle\", to_body = \"left\", stiffness = " + k + ", rest_length = 0.2 }, { body = \"middle\", "
-                    "to_body = \"right\", stiffness = " + k + ", rest_length = 0.2 } ]\n");
+                const SceneDescription scene =
+                    scene_of("world = { step = \"1/256\", duration = 4.0 }\nbody = [ { name = \"middle\", shape = { "
+                             "sphere = 0.05 }, "
+                             "mass = 0.3 }, { name = \"left\", shape = { sphere = 0.05 }, mass = 0.7, position = [-" +
+                             x +
+                             ", 0, 0], velocity = [0.4, 0.1, 0] }, { name = \"right\", shape = { sphere = 0.05 }, mass "
+                             "= 0.7, position "
+                             "= [" +
+                             x +
+                             ", 0, 0], velocity = [-0.4, -0.1, 0] } ]\ncontact = { response = \"none\" }\nspring = [ { "
+                             "body = \"middle\", to_body = \"left\", stiffness = " +
+                             k +
+                             ", rest_length = 0.2 }, { body = \"middle\", "
+                             "to_body = \"right\", stiffness = " +
+                             k + ", rest_length = 0.2 } ]\n");
                 const Verdict verdict = verdict_of(scene, method);
                 EXPECT_EQ(name_of(verdict.kind), std::string("right"))
                     << stiffness << " " << side << " " << method.numbers << " " << sentence_of(verdict, scene, method);
@@ -250,7 +261,8 @@ TEST(Verdict, state_that_is_not_finite_without_a_status_is_wrong) {
 // A gram between the floor and a heavy ball that lands on it.
 std::string squeezed(double heavy) {
     return "world = { gravity = [0, -9.81, 0], step = \"1/256\", duration = 0.3 }\ncontact = { restitution = 0.5 }\n"
-           "plane = [ { name = \"floor\", normal = [0, 1, 0] } ]\nbody = [ { name = \"light\", shape = { sphere = 0.05 }, "
+           "plane = [ { name = \"floor\", normal = [0, 1, 0] } ]\nbody = [ { name = \"light\", shape = { sphere = 0.05 "
+           "}, "
            "mass = 0.001, position = [0, 0.05, 0] }, { name = \"heavy\", shape = { sphere = 0.3 }, mass = " +
            seventeen_digits(heavy) + ", position = [0, 0.5, 0] } ]\n";
 }
@@ -263,7 +275,8 @@ TEST(Verdict, cure_of_impacts_beyond_their_bound_has_been_run) {
         if (verdict.kind != Verdict::Kind::told || verdict.troubles.front().issue != "step_bound_hit" || !verdict.cure)
             continue;
         ++cured;
-        if (verdict.cure->restitution_threshold) scene.contact.restitution_threshold = *verdict.cure->restitution_threshold;
+        if (verdict.cure->restitution_threshold)
+            scene.contact.restitution_threshold = *verdict.cure->restitution_threshold;
         scene.step = verdict.cure->step;
         const Method& method = verdict.cure->method;
         EXPECT_TRUE(record_of(scene, method, 0, moments_of(scene), ProcessorTime{}).troubles.empty()) << heavy;
@@ -295,10 +308,11 @@ TEST(Messages, a_number_that_left_its_range_has_a_cure_that_can_help) {
     const HeldNumber spin{"angular velocity", 64, "rad/s"};
     EXPECT_TRUE(message(scene, verlet_q32, spin)
                     .ends_with("Use a larger [range] angular_velocity and a smaller step, or --numbers f32"));
-    EXPECT_TRUE(message(scene, verlet_q32, {"change of velocity in a step", 32, "m/s", false, 16})
-                    .ends_with("or change of spin in a step exceeds 16 rad/s, the most that q32 room holds at a step of "
-                               "0.00390625 s. The motion is wrong from here on. Use a smaller step or a larger [range] "
-                               "velocity"));
+    EXPECT_TRUE(
+        message(scene, verlet_q32, {"change of velocity in a step", 32, "m/s", false, 16})
+            .ends_with("or change of spin in a step exceeds 16 rad/s, the most that q32 room holds at a step of "
+                       "0.00390625 s. The motion is wrong from here on. Use a smaller step or a larger [range] "
+                       "velocity"));
     scene.range.is_declared = true;
     EXPECT_TRUE(message(scene, verlet_q32, spin).ends_with("Use a larger [range] angular_velocity and a smaller step"));
     for (const char* name : {"position", "velocity", "angular velocity"})
@@ -320,9 +334,11 @@ TEST(Messages, one_cause_has_one_cure) {
 
 TEST(VerdictOfRun, told_run_has_one_message) {
     for (const char* stiffness : {"10000.0", "4000.0"}) {
-        const std::string path = written("spring.toml", "world = { step = 0.5, duration = 20.0 }\nbody = [ { name = \"bob\", "
-                                         "shape = { sphere = 0.1 }, mass = 0.1, position = [1, 0, 0] } ]\nspring = [ { body "
-                                         "= \"bob\", to = [0, 0, 0], stiffness = " + std::string(stiffness) + " } ]\n");
+        const std::string path =
+            written("spring.toml", "world = { step = 0.5, duration = 20.0 }\nbody = [ { name = \"bob\", "
+                                   "shape = { sphere = 0.1 }, mass = 0.1, position = [1, 0, 0] } ]\nspring = [ { body "
+                                   "= \"bob\", to = [0, 0, 0], stiffness = " +
+                                       std::string(stiffness) + " } ]\n");
         const Outcome outcome = tumble({"run", path, "--numbers", "f64", "--check", "on"});
         EXPECT_EQ(outcome.status, 1);
         EXPECT_NE(outcome.text.find("step_too_long"), std::string::npos) << outcome.text;
