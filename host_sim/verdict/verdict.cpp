@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "scene/data.hpp"
-#include "scene/reader.hpp"
 #include "tools/text.hpp"
 #include "truth/smooth_motion.hpp"
 
@@ -255,9 +254,6 @@ bool is_cured_by_search(const Verdict& verdict) {
     return issue == "range_left" || issue == "step_too_long" || issue == "step_bound_hit";
 }
 
-// The default of a number system.
-bool carries(const std::string& numbers) { return numbers != "f64"; }
-
 // Ways that change one thing, the cheapest first.
 std::vector<Way> finer_steps(const Way& way) {
     std::vector<Way> ways;
@@ -277,7 +273,7 @@ std::vector<Way> better_numbers(const Way& way) {
     if (!way.method.carry) ways.push_back({{way.method.integrator, way.method.numbers, true}, way.step});
     for (const char* numbers : {"f32", "f64"})
         if (way.method.numbers != "f64" && way.method.numbers != numbers)
-            ways.push_back({{way.method.integrator, numbers, carries(numbers)}, way.step});
+            ways.push_back({{way.method.integrator, numbers, carries_by_default(numbers)}, way.step});
     return ways;
 }
 
@@ -305,7 +301,7 @@ void explain(Verdict& verdict, const Judge& judge, const Way& way, const Process
     try {
         if (is_told && verdict.troubles.front().issue == "step_bound_hit")
             if ((verdict.cure = first_good(thresholds(way, judge.scene())))) return;
-        const Way in_f64{{way.method.integrator, "f64", carries("f64")}, way.step};
+        const Way in_f64{{way.method.integrator, "f64", carries_by_default("f64")}, way.step};
         if (way.method.numbers != "f64" && judge.is_good(in_f64, verdict, time)) {
             verdict.cause = numbers;
             // A finer step may fit the same numbers, which are cheaper on the core than others.
@@ -319,10 +315,6 @@ void explain(Verdict& verdict, const Judge& judge, const Way& way, const Process
             verdict.cure = first_good(finer_steps(way));
         }
     } catch (const ProcessorTime::TooDear&) { verdict.cause = verdict.cure ? verdict.cause : none; }
-}
-
-std::string errors_text(const Errors& errors) {
-    return two_digits(errors.position_m) + " m and " + two_digits(errors.orientation_rad) + " rad";
 }
 
 }  // namespace
@@ -370,68 +362,6 @@ Verdict verdict_of(const SceneDescription& scene, const Method& method, const Re
         verdict.obstacle = what.substr(0, what.find('\n'));
     }
     return verdict;
-}
-
-const char* name_of(Verdict::Kind kind) {
-    switch (kind) {
-    case Verdict::Kind::right: return "right";
-    case Verdict::Kind::wrong: return "wrong";
-    case Verdict::Kind::told: return "told";
-    case Verdict::Kind::no_reference: return "no_reference";
-    default: return "unchecked";
-    }
-}
-
-const char* name_of(Verdict::Cause cause) {
-    switch (cause) {
-    case Verdict::Cause::numbers: return "numbers";
-    case Verdict::Cause::method: return "method";
-    case Verdict::Cause::step: return "step";
-    default: return "";
-    }
-}
-
-std::string options_of(const Way& cure, const Way& run) {
-    std::string text;
-    const auto add = [&](const std::string& option) { text += (text.empty() ? "" : " ") + option; };
-    if (cure.method.integrator != run.method.integrator) add("--integrator " + cure.method.integrator);
-    if (cure.method.numbers != run.method.numbers) add("--numbers " + cure.method.numbers);
-    if (cure.method.carry !=
-        (cure.method.numbers == run.method.numbers ? run.method.carry : carries(cure.method.numbers)))
-        add(cure.method.carry ? "--carry on" : "--carry off");
-    if (cure.step.seconds() != run.step.seconds()) add("--step " + step_text(cure.step));
-    if (cure.restitution_threshold) add("contact.restitution_threshold = " + few_digits(*cure.restitution_threshold));
-    return text;
-}
-
-std::string sentence_of(const Verdict& verdict, const SceneDescription& scene, const Method& method) {
-    const auto body = [&] {
-        return verdict.body < 0 ? std::string() : "body \"" + scene.body(verdict.body).name + "\" ";
-    };
-    const std::string time = few_digits(verdict.time_s) + " s",
-                      cure = verdict.cure ? "; right with " + options_of(*verdict.cure, {method, scene.step}) : "";
-    switch (verdict.kind) {
-    case Verdict::Kind::right: return "right: the error is at most " + errors_text(verdict.error);
-    case Verdict::Kind::wrong:
-        return "wrong from " + time + " on: " + body() +
-               (std::isfinite(verdict.error.position_m) ? "is off by " + errors_text(verdict.error) : "is not finite") +
-               (verdict.cause == Verdict::Cause::none ? "" : std::string("; cause: the ") + name_of(verdict.cause)) +
-               cure;
-    case Verdict::Kind::told:
-        return "reported by the status: " + verdict.troubles.front().issue + " of " + body() + "at " + time + cure;
-    case Verdict::Kind::no_reference:
-        return (verdict.time_s > 0
-                    ? "right until " + time + ", with an error of at most " + errors_text(verdict.error) + "; "
-                    : "") +
-               "no reference" + (verdict.time_s > 0 ? " from there on" : "") + ": two finer runs " +
-               (verdict.gains_energy
-                    ? "gain energy that no load gave"
-                    : "differ by " + errors_text(verdict.doubt) + " at " + few_digits(verdict.parted_s) + " s");
-    default:
-        if (!verdict.obstacle.empty()) return "not checked: " + verdict.obstacle;
-        return "not checked: the check takes about " + few_digits(std::ceil(verdict.cost_s)) + " s" +
-               (verdict.compiles ? ", since it compiles its references first" : "") + " (--check on)";
-    }
 }
 
 }  // namespace tumble::host

@@ -72,6 +72,9 @@ struct VerdictOptions {
 // "right: the error is at most 1.2e-05 m and 0.0003 rad": one line without a full stop.
 [[nodiscard]] std::string sentence_of(const Verdict& verdict, const SceneDescription& scene, const Method& method);
 
+// Does a number system carry residuals where --carry does not say?
+[[nodiscard]] bool carries_by_default(const std::string& numbers);
+
 // The names of --json: right, wrong, told, no_reference, unchecked; numbers, method, step, or empty.
 [[nodiscard]] const char* name_of(Verdict::Kind kind);
 [[nodiscard]] const char* name_of(Verdict::Cause cause);
