@@ -20,7 +20,7 @@ namespace tumble::bench {
 // Bounds of a contact step.
 [[nodiscard]] Table bounds_table();
 
-// RAM that a near pair takes in a world of `q32`, by what touches.
+// RAM that a near pair takes in a world of `q32`, by the shapes that touch.
 [[nodiscard]] Table near_pairs_table();
 
 // The largest angle that a body turns in a step, rad.

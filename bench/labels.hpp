@@ -62,14 +62,14 @@ struct LabelledPath {
     Point size;  // of its label
 };
 
-// A place for a label, and what it costs to be there.
+// A place for a label, and the cost of this place.
 struct Candidate {
     Box box;
     double cost;
 };
 
-// What a box for the label of path i costs: its distance from the path's end, and the paths that it hides. The first
-// `count` paths have labels.
+// The cost of a box for the label of path i: the distance from the path's end, and the paths that the box hides. The
+// first `count` paths have labels.
 [[nodiscard]] inline double cost_of_box(const std::vector<LabelledPath>& paths, std::size_t count, std::size_t i,
                                         const Box& box, double distance, double direction_x) {
     constexpr double away = 20;  // desired distance of a label from other paths
@@ -111,8 +111,8 @@ struct Candidate {
     return candidates;
 }
 
-// Boxes for the labels of the first paths, beside the paths' ends: as near as the other labels allow, and crossing as
-// little of any path as possible. Throws std::runtime_error if there is no room.
+// Boxes for the labels of the first paths, beside the paths' ends: as near as the other labels allow. They hide as
+// little of each path as possible. Throws std::runtime_error if there is no room.
 [[nodiscard]] inline std::vector<Box> place_labels(const std::vector<LabelledPath>& paths, std::size_t count,
                                                    const Box& frame) {
     std::vector<std::vector<Candidate>> candidates;

@@ -31,7 +31,7 @@ namespace fs = std::filesystem;
 struct Options {
     fs::path scene, results = "build/results/run.jsonl";
     std::optional<fs::path> front;  // rows of a free body's step; none: all jobs are measured and shown
-    std::vector<std::string> cores, methods, numbers;
+    std::vector<std::string> cores, methods, numbers, levels{"-O2"};
     bool accuracy = false, all = false;
     double tolerance = 0;
 
@@ -65,6 +65,9 @@ std::optional<Options> Options::parse(int argc, char** argv, int& status) {
     app.add_option("--numbers", o.numbers,
                    "Number systems to run, as q32, q32_plain, ...; default: those of the core in boards.txt")
         ->delimiter(',');
+    app.add_option("--optimize", o.levels, "Levels of the compiler, as --optimize=-O2,-Os")
+        ->delimiter(',')
+        ->capture_default_str();
     app.add_flag("--all", o.all, "Every number system and method, and every core where --cores names none");
     app.add_option("--results", o.results, "Where the rows go, as JSON lines")->capture_default_str();
     app.add_flag("--accuracy", o.accuracy,
@@ -91,18 +94,15 @@ std::optional<Options> Options::parse(int argc, char** argv, int& status) {
     return o;
 }
 
-// The number systems of each core with every integrator that runs in them.
+// The number systems of each core with every integrator that runs in them, at every level.
 std::vector<Job> jobs_of(const Options& options) {
     std::vector<Job> jobs;
     for (const auto& core : options.cores)
         for (const auto& v : variants_named(options.numbers.empty() ? numbers_of_core(core) : options.numbers))
             for (const auto& m : options.methods)
-                if (tumble::host::runs_in(tumble::host::find_integrator(m), v.numbers)) {
-                    jobs.emplace_back();
-                    jobs.back().core = core;
-                    jobs.back().variant = v;
-                    jobs.back().method = m;
-                }
+                for (const auto& level : options.levels)
+                    if (tumble::host::runs_in(tumble::host::find_integrator(m), v.numbers))
+                        jobs.push_back({core, v, m, level, {}, {}, {}});
     return jobs;
 }
 
@@ -141,7 +141,7 @@ void add_accuracy(std::vector<Job>& jobs, const Answers& answers) {
     }
 }
 
-// The first line of what a core's compiler says of itself.
+// The first line that the compiler of a core prints for --version.
 const std::string& compiler_of(const std::string& core) {
     static std::mutex mutex;
     static std::map<std::string, std::string> versions;
@@ -159,7 +159,7 @@ void complete(Job& job, const SceneDescription& scene, const Answer& answer) {
     job.row["step_s"] = scene.step.seconds();
     job.row["compiler"] = on_host ? TUMBLE_HOST_COMPILER : compiler_of(job.core);
     const bool has_q32_flags = !on_host && tumble::host::core_named(job.core).compiled_by_gcc();
-    job.row["flags"] = has_q32_flags && job.variant.numbers == "q32" ? TUMBLE_Q32_FLAGS : "-O2";
+    job.row["flags"] = job.level + (has_q32_flags && job.variant.numbers == "q32" ? TUMBLE_Q32_FLAGS : "");
     if (job.compared > 0) {
         job.row["position_error_m"] = answer.error.largest.position_m;
         job.row["orientation_error_rad"] = answer.error.largest.orientation_rad;
@@ -177,23 +177,28 @@ void measure(std::vector<Job>& jobs, const Options& options, const SceneDescript
     const tumble::host::DirectoryLock lock{work};
     tumble::host::write_if_changed(header, tumble::host::compiled_scene(scene, {}));
 
-    // Of a program that is built, several are compiled at once; of each core only what is run.
-    Progress progress(static_cast<std::int64_t>(options.cores.size() + jobs.size()), Progress::Piped::tenths);
-    std::vector<std::optional<StepFirmware>> firmware(options.cores.size());
+    // One build for each core and level; it holds the programs that are run.
+    std::vector<std::pair<std::string, std::string>> builds;
+    for (const std::string& core : options.cores)
+        for (const std::string& level : options.levels) builds.emplace_back(core, level);
+    Progress progress(static_cast<std::int64_t>(builds.size() + jobs.size()), Progress::Piped::tenths);
+    std::vector<std::optional<StepFirmware>> firmware(builds.size());
     const auto index_of = [&](const Job& job) {
-        return static_cast<std::size_t>(std::find(options.cores.begin(), options.cores.end(), job.core) -
-                                        options.cores.begin());
+        const std::pair build{job.core, job.level};
+        return static_cast<std::size_t>(std::find(builds.begin(), builds.end(), build) - builds.begin());
     };
-    in_parallel(options.cores.size(), [&](std::size_t c) {
-        const std::string& core = options.cores[c];
+    in_parallel(builds.size(), [&](std::size_t b) {
+        const auto& [core, level] = builds[b];
         std::vector<std::string> methods, programs;
         for (const Job& job : jobs)
-            if (job.core == core) {
+            if (index_of(job) == b) {
                 methods.push_back(job.method);
                 programs.push_back(StepFirmware::name_of(job.variant, job.method));
             }
-        firmware[c].emplace(work / core, core, tumble::host::struct_name(options.scene.string()), header, methods);
-        if (!programs.empty()) firmware[c]->build(programs);
+        firmware[b].emplace(work / (level == "-O2" ? core : core + level), core,
+                            tumble::host::struct_name(options.scene.string()), header, methods,
+                            StepFirmware::Lines::none, level);
+        if (!programs.empty()) firmware[b]->build(programs);
         progress.step("built for " + core);
     });
     in_parallel(jobs.size(), [&](std::size_t i) {

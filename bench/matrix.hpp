@@ -15,6 +15,7 @@ struct Job {
     std::string core;
     Variant variant;
     std::string method;
+    std::string level;  // of the compiler's optimization
     Row row;
     std::string error;          // empty: the row is good
     std::string shortage;       // of the core's memory

@@ -79,8 +79,8 @@ void keep_what_gains(std::vector<Run>& runs) {
     });
 }
 
-// Ends a curve where rounding does: at the last run that is on the front, or that gains the square root of what it
-// costs.
+// Ends a curve where rounding begins: at the last run that is on the front, or whose error shrinks at least by the
+// square root of the factor by which its cost grows.
 void end_at_rounding(Curve& curve) {
     std::vector<Run>& runs = curve.runs;
     while (runs.size() > 1 && (curve.front.empty() || runs.back().error < curve.front.back().error)) {

@@ -112,8 +112,15 @@ Table optimization_table(const Rows& rows) {
                 {}};
     for (const std::string& scene : distinct(rows, "scene")) {
         for (const std::string& core : distinct(rows, "core")) {
-            const Row &fast = row_of(rows, {{"scene", scene}, {"core", core}, {"flags", "-O2"}}),
-                      &small = row_of(rows, {{"scene", scene}, {"core", core}, {"flags", "-Os"}});
+            const auto at_level = [&](const char* level) -> const Row& {
+                const auto row = std::find_if(rows.begin(), rows.end(), [&](const Row& r) {
+                    return r.at("scene") == scene && r.at("core") == core &&
+                           r.at("flags").get<std::string>().starts_with(level);
+                });
+                if (row == rows.end()) throw std::runtime_error{"no row of " + scene + ", " + core + ", " + level};
+                return *row;
+            };
+            const Row &fast = at_level("-O2"), &small = at_level("-Os");
             table.lines.push_back({scene, core, text_of(fast, "text_bytes"), text_of(small, "text_bytes"),
                                    change(fast.at("text_bytes"), small.at("text_bytes")),
                                    text_of(fast, "step_stack_bound_bytes"), text_of(small, "step_stack_bound_bytes"),

@@ -28,6 +28,21 @@ struct Method {
     const char *name, *integrator, *solver;
 };
 
+// The attributes of a contact.
+std::string contact_xml(const Problem& problem) {
+    const ContactSpec& spec = problem.scene.world.contact;
+    std::string xml =
+        problem.features.friction ? "condim='3' friction='" + text(spec.friction.to_double()) + " 0 0'" : "condim='1'";
+    const double restitution = spec.restitution.to_double();
+    if (restitution > 0) {
+        // The contact is half an oscillation that ten steps resolve; at its end the speed is that of the restitution.
+        const double rate = std::numbers::pi / (5 * problem.step()), log = -std::log(restitution);
+        const double damping = log / std::hypot(log, std::numbers::pi);
+        xml += " solref='" + text(-rate * rate) + " " + text(-2 * damping * rate) + "' solimp='0.99 0.99 0.001 0.5 2'";
+    }
+    return xml;
+}
+
 std::string xml_of(const Problem& problem, const Method& method) {
     const SceneData& scene = problem.scene;
     const std::size_t bodies = scene.bodies.size();
@@ -39,16 +54,7 @@ std::string xml_of(const Problem& problem, const Method& method) {
     const std::size_t points = problem.touches() ? (rough ? 8 : 4) * bodies : 0;
     xml << "<size nconmax='" << points << "' njmax='" << (rough ? 4 : 1) * points << "'/>";
 
-    std::string contact =
-        rough ? "condim='3' friction='" + text(scene.world.contact.friction.to_double()) + " 0 0'" : "condim='1'";
-    const double restitution = scene.world.contact.restitution.to_double();
-    if (restitution > 0) {
-        // The contact is half an oscillation that ten steps resolve; at its end the speed is that of the restitution.
-        const double rate = std::numbers::pi / (5 * problem.step()), log = -std::log(restitution);
-        const double damping = log / std::hypot(log, std::numbers::pi);
-        contact +=
-            " solref='" + text(-rate * rate) + " " + text(-2 * damping * rate) + "' solimp='0.99 0.99 0.001 0.5 2'";
-    }
+    const std::string contact = contact_xml(problem);
     xml << "<worldbody>";
     for (const PlaneSpec& plane : scene.planes) {
         const auto n = array_of<double>(normalized(plane.normal));

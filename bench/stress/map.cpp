@@ -143,7 +143,7 @@ Verdict Map::judge(double x, double y, const Method& method, host::Simulation& s
         options.explains = false;
         const auto cell = scene(x, y);
         const host::Verdict verdict = host::verdict_of(cell, method, options);
-        // In floating point a run that leaves a declared [range] is told by the command alone.
+        // In floating point the kernel has no status for a declared [range] that a run leaves; the verdict reports it.
         const bool is_wrong = verdict.kind == host::Verdict::Kind::wrong || verdict.kind == host::Verdict::Kind::told;
         return is_wrong ? host::sentence_of(verdict, cell, method) : "";
     };

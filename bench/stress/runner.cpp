@@ -220,6 +220,26 @@ std::vector<Job> jobs_of(const Choice& choice) {
     return jobs;
 }
 
+namespace {
+
+// A row that an earlier run of this program kept in a file; none if there is none.
+std::optional<Row> kept_row(const fs::path& file, const std::string& digest) {
+    const std::string text = host::contents_of(file);
+    Row row = text.empty() ? Row{} : Row::parse(text, nullptr, false);
+    if (!row.is_object() || row.value("program", "") != digest) return std::nullopt;
+    row.erase("program");
+    return row;
+}
+
+void keep(Row row, const fs::path& file, const std::string& digest) {
+    row["program"] = digest;
+    const fs::path unfinished = file.string() + ".new";
+    host::write_if_changed(unfinished, row.dump() + "\n");
+    fs::rename(unfinished, file);
+}
+
+}  // namespace
+
 std::vector<Row> run(const std::vector<Job>& jobs, const RunOptions& options) {
     const std::string digest = digest_of_program();
     const fs::path directory = options.kept / (options.coarse ? "coarse" : "fine");
@@ -234,14 +254,9 @@ std::vector<Row> run(const std::vector<Job>& jobs, const RunOptions& options) {
     std::map<const Map*, std::int64_t> cost;
     std::int64_t total = 0;
     for (std::size_t i = 0; i < jobs.size(); ++i) {
-        const std::string kept = options.anew ? "" : host::contents_of(file_of(jobs[i]));
-        if (!kept.empty()) {
-            Row row = Row::parse(kept, nullptr, false);
-            if (!row.is_discarded() && row.value("program", "") == digest) {
-                row.erase("program");
-                rows[i] = row;
-                continue;
-            }
+        if (auto kept = options.anew ? std::nullopt : kept_row(file_of(jobs[i]), digest)) {
+            rows[i] = *kept;
+            continue;
         }
         Map* map = jobs[i].map;
         if (!cells.contains(map)) {
@@ -283,11 +298,7 @@ std::vector<Row> run(const std::vector<Job>& jobs, const RunOptions& options) {
                 continue;
             }
             rows[i] = row_of(row, cells[job.map]);
-            Row kept = rows[i];
-            kept["program"] = digest;
-            const fs::path file = file_of(job), unfinished = file.string() + ".new";
-            host::write_if_changed(unfinished, kept.dump() + "\n");
-            fs::rename(unfinished, file);
+            keep(rows[i], file_of(job), digest);
             it = running.erase(it);
         }
     }

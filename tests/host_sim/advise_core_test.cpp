@@ -1,6 +1,4 @@
 // `tumble advise` on a core in QEMU, on a search of two methods.
-#include <nlohmann/json.hpp>
-
 #include "command_runner.hpp"
 #include "scene/reader.hpp"
 #include "verdict/accuracy.hpp"
@@ -8,16 +6,10 @@
 namespace tumble::host {
 namespace {
 
-using Json = nlohmann::json;
-
 TEST(Advise, cheapest_method_on_a_core_keeps_the_tolerance) {
     constexpr double tolerance = 1e-4;
-    const std::vector<std::string> arguments = {"advise",  shipped("free"), "--core",     "cortex-m3", "--tolerance",
-                                                "1e-4",    "--integrators", "verlet,rk4", "--numbers", "q32",
-                                                "--clock", "16MHz",         "--json"};
-    const Outcome outcome = tumble(arguments, Process::Errors::pass);
-    ASSERT_EQ(outcome.status, 0) << outcome.text;
-    const Json json = Json::parse(outcome.text);
+    const Json json = json_of({"advise", shipped("free"), "--core", "cortex-m3", "--tolerance", "1e-4", "--integrators",
+                               "verlet,rk4", "--numbers", "q32", "--clock", "16MHz"});
     EXPECT_EQ(json["ranking"].size() + json["not_measured"].size() + json["unreached"].size(), 4u);
     ASSERT_FALSE(json["ranking"].empty());
     EXPECT_EQ(json["recommendation"], json["ranking"][0]);
@@ -56,12 +48,9 @@ TEST(Advise, cheapest_method_on_a_core_keeps_the_tolerance) {
 
 // Carry adds work, yet a core may take less for it.
 TEST(Advise, the_cheapest_method_is_measured_with_carry_too) {
-    const Outcome outcome = tumble({"advise", shipped("free"), "--core", "cortex-m3", "--tolerance", "1e-4",
-                                    "--integrators", "pdmv4", "--numbers", "q32", "--json"},
-                                   Process::Errors::pass);
-    ASSERT_EQ(outcome.status, 0) << outcome.text;
-    const Json json = Json::parse(outcome.text);
-    ASSERT_EQ(json["ranking"].size(), 2u) << outcome.text;
+    const Json json = json_of({"advise", shipped("free"), "--core", "cortex-m3", "--tolerance", "1e-4", "--integrators",
+                               "pdmv4", "--numbers", "q32"});
+    ASSERT_EQ(json["ranking"].size(), 2u) << json;
     EXPECT_NE(json["ranking"][0]["carry"], json["ranking"][1]["carry"]);
     EXPECT_LE(json["ranking"][0]["cycles_per_simulated_second_est"],
               json["ranking"][1]["cycles_per_simulated_second_est"]);
@@ -74,16 +63,11 @@ TEST(Advise, cost_is_in_instructions_on_request_and_without_a_timing_table) {
         return tumble(more);
     };
     const Outcome asked = advise("cortex-m3", "1e-4", {"--cost", "insn", "--clock", "16 MHz"});
-    ASSERT_EQ(asked.status, 0) << asked.text;
-    EXPECT_NE(asked.text.find(" instructions a simulated second."), std::string::npos) << asked.text;
-    EXPECT_NE(asked.text.find("At 16 MHz a step of 1/32 s has 500000 cycles: the mean step takes 0."),
-              std::string::npos)
-        << asked.text;
-    const Outcome unknown = advise("cortex-m7", "1e-12", {});  // which no firmware is built for
-    EXPECT_EQ(unknown.status, 1) << unknown.text;
-    EXPECT_NE(unknown.text.find("cortex-m7: nothing publishes its cycles; costs are in instructions"),
-              std::string::npos)
-        << unknown.text;
+    expect_outcome(asked, 0, " instructions a simulated second.");
+    expect_outcome(asked, 0, "At 16 MHz a step of 1/32 s has 500000 cycles: the mean step takes 0.");
+    // No firmware is built: no method has so small an error.
+    expect_outcome(advise("cortex-m7", "1e-12", {}), 1,
+                   "cortex-m7: nothing publishes its cycles; costs are in instructions");
 }
 
 }  // namespace

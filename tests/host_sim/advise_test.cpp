@@ -1,8 +1,6 @@
 // `tumble advise` without a core: the steps that are compared, the errors, and the message without a recommendation.
 #include <cmath>
 
-#include <nlohmann/json.hpp>
-
 #include "command_runner.hpp"
 #include "scene/reader.hpp"
 #include "tools/text.hpp"
@@ -10,10 +8,6 @@
 
 namespace tumble::host {
 namespace {
-
-using Json = nlohmann::json;
-
-bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 SampledScene sampled(const char* name) { return SampledScene(read_scene(shipped(name))); }
 
@@ -202,43 +196,40 @@ TEST(Accuracy, distant_planes_leave_the_motion_smooth) {
 // --- the command -----------------------------------------------------------------------------------------------------
 
 TEST(Advise, bad_input_names_the_option_and_what_was_expected) {
-    const std::string scene = shipped("brick");
-    const auto expect = [](const std::vector<std::string>& arguments, const char* message) {
-        const Outcome outcome = tumble(arguments);
-        EXPECT_EQ(outcome.status, 2) << outcome.text;
-        EXPECT_TRUE(has(outcome.text, message)) << outcome.text;
+    const std::string brick = shipped("brick"), missing = "missing.toml", bad = written("bad.toml", "name = 3\n");
+    struct Case {
+        std::string scene, options, message;
     };
-    expect({"advise", scene, "--core", "cortex-m9", "--tolerance", "1e-3"},
-           "--core: got \"cortex-m9\" (did you mean \"cortex-m0\"?), expected one of cortex-m0, ");
-    expect({"advise", scene, "--core", "wasm32", "--tolerance", "1e-3"},
-           "--core: got \"wasm32\", expected a core whose instructions are counted");
-    expect({"advise", scene, "--core", "cortex-m3", "--tolerance", "0"}, "--tolerance: got \"0\", expected a positive");
-    expect({"advise", scene, "--core", "cortex-m3", "--tolerance", "-1"},
-           "--tolerance: got \"-1\", expected a positive");
-    expect({"advise", scene, "--core", "cortex-m3", "--tolerance", "inf"},
-           "--tolerance: got \"inf\", expected a positive");
-    expect({"advise", scene, "--core", "cortex-m3", "--tolerance", "small"},
-           "--tolerance: got \"small\", expected a positive");
-    expect({"advise", scene, "--core", "cortex-m3", "--tolerance", "1", "--cost", "seconds"},
-           "--cost: got \"seconds\", expected cycles or insn");
-    expect({"advise", scene, "--core", "cortex-m7", "--tolerance", "1", "--cost", "cycles"},
-           "--cost: nothing publishes the cycles of cortex-m7, expected a core that has a timing table: cortex-m0");
-    expect({"advise", scene, "--core", "cortex-m7", "--tolerance", "1", "--clock", "16MHz"},
-           "--clock: nothing publishes the cycles of cortex-m7");
-    expect({"advise", scene, "--core", "cortex-m3", "--tolerance", "1", "--clock", "16mHz"},
-           "--clock: got \"16mHz\", expected a positive frequency, as 16MHz");
-    expect({"advise", scene, "--core", "cortex-m3"}, "--tolerance is required");
-    expect({"advise", scene, "--tolerance", "1e-3"}, "--core is required");
-    expect({"advise", scene, "--core", "cortex-m3", "--tolerance", "1", "--integrators", "rk4,rk5"},
-           "unknown integrator \"rk5\" (did you mean \"rk4\"?), expected one of explicit_euler");
-    expect({"advise", scene, "--core", "cortex-m3", "--tolerance", "1", "--numbers", "q31"},
-           "unknown number system \"q31\" (did you mean \"q32\"?), expected one of q32, f32, f64");
-    expect({"advise", scene, "--core", "cortex-m3", "--tolerance", "1", "--duration", "-1"},
-           "--duration: got \"-1\", expected");
-    expect({"advise", scene, "--core", "cortex-m3", "--tolerance", "1", "--duration", "0"}, "duration: got 0 s");
-    expect({"advise", "missing.toml", "--core", "cortex-m3", "--tolerance", "1"}, "missing.toml");
-    expect({"advise", written("bad.toml", "name = 3\n"), "--core", "cortex-m3", "--tolerance", "1"},
-           "bad.toml:1: name");
+    const std::string m3 = "--core cortex-m3 ", m7 = "--core cortex-m7 ", one = "--tolerance 1 ";
+    const std::vector<Case> cases = {
+        {brick, "--core cortex-m9 " + one,
+         "--core: got \"cortex-m9\" (did you mean \"cortex-m0\"?), expected one of cortex-m0, "},
+        {brick, "--core wasm32 " + one, "--core: got \"wasm32\", expected a core whose instructions are counted"},
+        {brick, m3 + "--tolerance 0", "--tolerance: got \"0\", expected a positive"},
+        {brick, m3 + "--tolerance -1", "--tolerance: got \"-1\", expected a positive"},
+        {brick, m3 + "--tolerance inf", "--tolerance: got \"inf\", expected a positive"},
+        {brick, m3 + "--tolerance small", "--tolerance: got \"small\", expected a positive"},
+        {brick, m3 + one + "--cost seconds", "--cost: got \"seconds\", expected cycles or insn"},
+        {brick, m7 + one + "--cost cycles",
+         "--cost: nothing publishes the cycles of cortex-m7, expected a core that has a timing table: cortex-m0"},
+        {brick, m7 + one + "--clock 16MHz", "--clock: nothing publishes the cycles of cortex-m7"},
+        {brick, m3 + one + "--clock 16mHz", "--clock: got \"16mHz\", expected a positive frequency, as 16MHz"},
+        {brick, m3, "--tolerance is required"},
+        {brick, one, "--core is required"},
+        {brick, m3 + one + "--integrators rk4,rk5",
+         "unknown integrator \"rk5\" (did you mean \"rk4\"?), expected one of explicit_euler"},
+        {brick, m3 + one + "--numbers q31",
+         "unknown number system \"q31\" (did you mean \"q32\"?), expected one of q32, f32, f64"},
+        {brick, m3 + one + "--duration -1", "--duration: got \"-1\", expected"},
+        {brick, m3 + one + "--duration 0", "duration: got 0 s"},
+        {missing, m3 + one, "missing.toml"},
+        {bad, m3 + one, "bad.toml:1: name"}};
+    for (const Case& c : cases) {
+        std::vector<std::string> arguments{"advise", c.scene};
+        std::istringstream options(c.options);
+        for (std::string option; options >> option;) arguments.push_back(option);
+        expect_outcome(tumble(arguments), 2, c.message);
+    }
 }
 
 TEST(Frequency, has_a_unit_or_is_in_hertz) {
@@ -260,11 +251,7 @@ TEST(Advise, nothing_within_the_tolerance_is_status_1_with_the_closest) {
         << outcome.text;
     EXPECT_FALSE(has(outcome.text, "%")) << outcome.text;
 
-    auto with_json = arguments;
-    with_json.emplace_back("--json");
-    const Outcome printed = tumble(with_json, Process::Errors::pass);
-    EXPECT_EQ(printed.status, 1);
-    const Json json = Json::parse(printed.text);
+    const Json json = json_of(arguments, 1);
     EXPECT_EQ(json["scene"], "swing");
     EXPECT_EQ(json["core"], "cortex-m3");
     EXPECT_EQ(json["tolerance_m"], 1e-9);
@@ -305,10 +292,9 @@ mass = 1.0
 position = [0.0, 6.0, 0.0]
 angular_velocity = [3.0, 1.0, 2.0]
 )");
-    const Outcome outcome = tumble(
-        {"advise", scene, "--core", "cortex-m3", "--tolerance", "1e-9", "--integrators", "verlet", "--numbers", "f64"});
-    EXPECT_EQ(outcome.status, 1) << outcome.text;
-    EXPECT_TRUE(has(outcome.text, "the scene is chaotic: there is no reference for an error of 1e-09")) << outcome.text;
+    expect_outcome(tumble({"advise", scene, "--core", "cortex-m3", "--tolerance", "1e-9", "--integrators", "verlet",
+                           "--numbers", "f64"}),
+                   1, "the scene is chaotic: there is no reference for an error of 1e-09");
 }
 
 }  // namespace

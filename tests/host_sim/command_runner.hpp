@@ -3,14 +3,29 @@
 
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "tools/process.hpp"
 
 namespace tumble::host {
+
+using Json = nlohmann::json;
+
+[[nodiscard]] inline bool has(const std::string& text, const std::string& part) {
+    return text.find(part) != std::string::npos;
+}
+[[nodiscard]] inline std::vector<std::string> lines_of(const std::string& text) {
+    std::vector<std::string> lines;
+    std::istringstream stream(text);
+    for (std::string line; std::getline(stream, line);) lines.push_back(line);
+    return lines;
+}
 
 inline const std::filesystem::path source_directory = TUMBLE_SOURCE_DIR;
 
@@ -39,6 +54,19 @@ struct Outcome {
     return outcome;
 }
 
+// What the command prints with --json. The test prints the messages of the command.
+[[nodiscard]] inline Json json_of(std::vector<std::string> arguments, int status = 0) {
+    arguments.emplace_back("--json");
+    const Outcome outcome = tumble(std::move(arguments), Process::Errors::pass);
+    EXPECT_EQ(outcome.status, status) << outcome.text;
+    return Json::parse(outcome.text);
+}
+// Checks the exit status and a part of the output.
+inline void expect_outcome(const Outcome& outcome, int status, const std::string& part) {
+    EXPECT_EQ(outcome.status, status) << outcome.text;
+    EXPECT_TRUE(has(outcome.text, part)) << outcome.text << "\nexpected: " << part;
+}
+
 // A file of this test alone.
 [[nodiscard]] inline std::string temporary(const std::string& name) {
     const auto* test = testing::UnitTest::GetInstance()->current_test_info();
@@ -56,6 +84,18 @@ struct Outcome {
 [[nodiscard]] inline std::string contents(const std::string& path) {
     std::ifstream file(path);
     return {std::istreambuf_iterator<char>(file), {}};
+}
+
+// A scene of 26 steps with a floor below its bodies.
+[[nodiscard]] inline std::string scene_of(const std::string& contact, const std::string& bodies) {
+    return "name = \"test\"\n[world]\nstep = \"1/256\"\nduration = 0.1\n" + contact +
+           "[[plane]]\nname = \"floor\"\nnormal = [0.0, 1.0, 0.0]\noffset = 10.0\n" + bodies;
+}
+// Of 1 kg; at the origin where no position is given.
+[[nodiscard]] inline std::string body_of(const std::string& name, const std::string& shape,
+                                         const std::string& position = "") {
+    return "[[body]]\nname = \"" + name + "\"\nshape = { " + shape + " }\nmass = 1.0\n" +
+           (position.empty() ? "" : "position = " + position + "\n");
 }
 
 }  // namespace tumble::host

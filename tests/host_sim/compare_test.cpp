@@ -6,13 +6,10 @@
 namespace tumble::host {
 namespace {
 
-bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
-
 void expect_core_agrees(const std::string& numbers) {
-    const Outcome outcome = tumble(
-        {"compare", shipped("cube"), "--core", "cortex-m3", "--every", "7", "--duration", "2", "--numbers", numbers});
-    EXPECT_EQ(outcome.status, 0) << outcome.text;
-    EXPECT_TRUE(has(outcome.text, "cortex-m3 agrees with the host: 59 states, verlet, " + numbers)) << outcome.text;
+    expect_outcome(tumble({"compare", shipped("cube"), "--core", "cortex-m3", "--every", "7", "--duration", "2",
+                           "--numbers", numbers}),
+                   0, "cortex-m3 agrees with the host: 59 states, verlet, " + numbers);
 }
 TEST(Compare, host_and_core_agree_in_every_recorded_state) { expect_core_agrees("q32"); }
 TEST(CompareDeep, host_and_core_agree_in_every_recorded_state_of_floats) {
@@ -32,15 +29,11 @@ TEST(CompareDeep, every_contact_gives_the_same_bits) {
     const std::string head = "[world]\ngravity = [0.0, -9.81, 0.0]\nstep = \"1/256\"\nduration = 2.0\n",
                       floor = "[[plane]]\nname = \"floor\"\nnormal = [0.0, 1.0, 0.0]\n",
                       soft = "[contact]\nresponse = \"spring\"\nstiffness = 2000.0\ndamping = 2.0\n";
-    const auto body = [](const char* name, const char* shape, const char* position) {
-        return std::string("[[body]]\nname = \"") + name + "\"\nshape = { " + shape +
-               " }\nmass = 1.0\nposition = " + position + "\n";
-    };
-    const std::string balls = body("low", "sphere = 0.25", "[0.0, 0.5, 0.0]") +
-                              body("high", "sphere = 0.25", "[0.1, 1.5, 0.0]"),
-                      table = body("table", "box = [4.0, 1.0, 4.0]", "[0.0, -0.5, 0.0]") +
+    const std::string balls = body_of("low", "sphere = 0.25", "[0.0, 0.5, 0.0]") +
+                              body_of("high", "sphere = 0.25", "[0.1, 1.5, 0.0]"),
+                      table = body_of("table", "box = [4.0, 1.0, 4.0]", "[0.0, -0.5, 0.0]") +
                               "angular_velocity = [0.0, 1.0, 0.0]\nfixed = true\n",
-                      crate = body("crate", "box = [0.5, 0.5, 0.5]", "[1.0, 0.3, 0.0]"),
+                      crate = body_of("crate", "box = [0.5, 0.5, 0.5]", "[1.0, 0.3, 0.0]"),
                       point = "[[body]]\nname = \"point\"\nshape = \"none\"\nmass = 0.5\nposition = [0.5, 1.0, 0.0]\n",
                       tie = "[[spring]]\nbody = \"low\"\npoint = [0.25, 0.0, 0.0]\nto_body = \"point\"\n"
                             "stiffness = 20.0\n";
@@ -49,7 +42,7 @@ TEST(CompareDeep, every_contact_gives_the_same_bits) {
         {"turntable", head + "[contact]\nfriction = 0.5\n" + table + crate},
         {"sleep", head + "[contact]\nrestitution = 0.0\nfriction = 0.5\nsleep = { time = 0.25 }\n" + floor + crate},
         {"round", head + "[contact]\nfriction = 0.5\n" + floor +
-                      body("can", "cylinder = [0.25, 0.5]", "[0.0, 1.0, 0.0]") +
+                      body_of("can", "cylinder = [0.25, 0.5]", "[0.0, 1.0, 0.0]") +
                       "angular_velocity = [1.0, 2.0, 0.5]\n"},
         {"points", head + floor + balls + point + tie},
         {"soft", head + soft + floor + balls},
@@ -117,9 +110,8 @@ TEST(CompareDeep, packed_boxes_have_one_hash) {
                  "position = [" + std::to_string(0.5 * (i / 4)) + ", 0.25, " + std::to_string(0.5 * (i % 4)) + "]\n";
     const std::string path = written("packed.toml", scene);
     for (const auto* core : {"cortex-m3", "cortex-m7"}) {
-        const Outcome outcome = tumble({"compare", path, "--core", core});
-        EXPECT_EQ(outcome.status, 0) << outcome.text;
-        EXPECT_TRUE(has(outcome.text, std::string(core) + " agrees with the host: 33 states")) << outcome.text;
+        expect_outcome(tumble({"compare", path, "--core", core}), 0,
+                       std::string(core) + " agrees with the host: 33 states");
     }
     const Outcome small = tumble({"compare", path, "--core", "cortex-m0"});
     EXPECT_EQ(small.status, 1);

@@ -5,8 +5,6 @@
 namespace tumble::host {
 namespace {
 
-bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
-
 std::filesystem::path budget_firmware(const std::string& core, const std::string& program) {
     return source_directory / "build" / core / "tests/budget" / ("budget-free-" + program + ".elf");
 }

@@ -1,20 +1,13 @@
 // `tumble profile`: the functions of a step add up to its cycles, and bad input is refused.
-#include <nlohmann/json.hpp>
-
 #include "command_runner.hpp"
 
 namespace tumble::host {
 namespace {
 
-using Json = nlohmann::json;
-
 TEST(Profile, functions_add_up_to_the_cycles_of_a_step) {
     const std::string flame = temporary("flame.svg");
-    const Outcome outcome = tumble({"profile", shipped("free"), "--core", "cortex-m3", "--integrator",
-                                    "semi_implicit_euler", "--json", "--flame", flame},
-                                   Process::Errors::pass);
-    ASSERT_EQ(outcome.status, 0) << outcome.text;
-    const Json json = Json::parse(outcome.text);
+    const Json json = json_of(
+        {"profile", shipped("free"), "--core", "cortex-m3", "--integrator", "semi_implicit_euler", "--flame", flame});
     EXPECT_EQ(json["integrator"], "semi_implicit_euler");
     EXPECT_EQ(json["core"], "cortex-m3");
     EXPECT_EQ(json["memory"], "zero wait states");
@@ -42,9 +35,7 @@ TEST(Profile, functions_add_up_to_the_cycles_of_a_step) {
 TEST(Profile, bad_input_is_refused) {
     const auto expect = [](std::vector<std::string> arguments, const std::string& message) {
         arguments.insert(arguments.begin(), {"profile", shipped("free")});
-        const Outcome outcome = tumble(arguments);
-        EXPECT_EQ(outcome.status, 2) << outcome.text;
-        EXPECT_NE(outcome.text.find(message), std::string::npos) << outcome.text;
+        expect_outcome(tumble(arguments), 2, message);
     };
     expect({"--core", "cortex-m7"}, "got \"cortex-m7\", whose cycles no manual gives, expected one of cortex-m0");
     expect({"--core", "z80"}, "got \"z80\", expected one of");

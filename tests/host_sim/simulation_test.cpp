@@ -162,19 +162,24 @@ TEST_P(EverySystem, reports_the_initial_state_in_the_users_axes) {
                 20 * tolerance());
 }
 
+// Of the words of a record after some steps. The hash digests these words.
+Simulation::Place last_place(Simulation& simulation, int steps) {
+    for (int i = 0; i < steps; ++i) simulation.step();
+    std::vector<std::uint32_t> words;
+    simulation.append_words(words);
+    Hash hash;
+    for (const std::uint32_t word : words) hash.add(word);
+    EXPECT_EQ(hash.value(), simulation.hash()) << simulation.integrator();
+    const auto last = simulation.place_of_word(words.size() - 1);
+    EXPECT_EQ(last.first + last.count, words.size());
+    return last;
+}
+
 TEST_P(EverySystem, words_of_a_record_are_what_the_hash_digests) {
     for (const IntegratorInfo& integrator : integrators()) {
         if (!runs_in(integrator, info().name)) continue;
         const auto simulation = start(read_scene(shipped("cube")), integrator.name);
-        for (int i = 0; i < 300; ++i) simulation->step();
-        std::vector<std::uint32_t> words;
-        simulation->append_words(words);
-        Hash hash;
-        for (const std::uint32_t word : words) hash.add(word);
-        EXPECT_EQ(hash.value(), simulation->hash()) << integrator.name;
-        const auto last = simulation->place_of_word(words.size() - 1);
-        EXPECT_EQ(last.number, "t_b.z");
-        EXPECT_EQ(last.first + last.count, words.size());
+        EXPECT_EQ(last_place(*simulation, 300).number, "t_b.z") << integrator.name;
     }
 }
 
@@ -182,13 +187,7 @@ TEST_P(EverySystem, a_point_mass_has_a_place_and_a_velocity_alone) {
     for (const IntegratorInfo& integrator : integrators()) {
         if (!runs_in(integrator, info().name)) continue;
         const auto simulation = start(read_scene(shipped("oscillators")), integrator.name);
-        for (int i = 0; i < 100; ++i) simulation->step();
-        std::vector<std::uint32_t> words;
-        simulation->append_words(words);
-        Hash hash;
-        for (const std::uint32_t word : words) hash.add(word);
-        EXPECT_EQ(hash.value(), simulation->hash()) << integrator.name;
-        const auto last = simulation->place_of_word(words.size() - 1);
+        const auto last = last_place(*simulation, 100);
         EXPECT_EQ(last.body, 1);
         EXPECT_EQ(last.number, "d_w.z");
         const BodySnapshot body = simulation->body(1);
@@ -283,12 +282,8 @@ TEST(Simulation, energy_of_contact_springs_is_potential) {
                             "test.toml");
         return static_cast<double>(make_simulation(scene, "verlet", "f64")->energy().potential);
     };
-    const auto body = [](const char* name, const char* shape, const char* position) {
-        return std::string("[[body]]\nname = \"") + name + "\"\nshape = { " + shape +
-               " }\nmass = 1.0\nposition = " + position + "\n";
-    };
-    const std::string ball = body("ball", "sphere = 0.5", "[0.0, 0.4, 0.0]"),
-                      other = body("other", "sphere = 0.25", "[0.0, 0.95, 0.0]"), fixed = "fixed = true\n";
+    const std::string ball = body_of("ball", "sphere = 0.5", "[0.0, 0.4, 0.0]"),
+                      other = body_of("other", "sphere = 0.25", "[0.0, 0.95, 0.0]"), fixed = "fixed = true\n";
     EXPECT_NEAR(potential(ball, "2.0"), 5.0, 1e-9);         // 0.1 m deep
     EXPECT_NEAR(potential(other, "2.0"), 2.0 / 0.7, 1e-9);  // 0.7 m above
     EXPECT_EQ(potential(other, "0.0"), 0.0);
@@ -297,7 +292,7 @@ TEST(Simulation, energy_of_contact_springs_is_potential) {
     EXPECT_NEAR(potential(ball + fixed + other, "2.0"), 2.0 / 0.7 + 20.0, 1e-9);
     EXPECT_EQ(potential(ball + fixed + other + fixed, "2.0"), 0.0);
     // Four vertices at -0.1 m, four at 0.9 m.
-    EXPECT_NEAR(potential(body("box", "box = [1.0, 1.0, 2.0]", "[0.0, 0.4, 0.0]"), "0.0"), 4 * 5.0, 1e-9);
+    EXPECT_NEAR(potential(body_of("box", "box = [1.0, 1.0, 2.0]", "[0.0, 0.4, 0.0]"), "0.0"), 4 * 5.0, 1e-9);
 }
 
 TEST(Simulation, smallest_range_that_holds_the_scene_is_used) {

@@ -4,8 +4,6 @@
 #include <cmath>
 #include <numbers>
 
-#include <nlohmann/json.hpp>
-
 #include "command/messages.hpp"
 #include "command_runner.hpp"
 #include "scene/data.hpp"

@@ -367,7 +367,7 @@ TEST_P(Stiff, implicit_euler_holds_a_hanging_body_on_a_stiff_damped_spring) {
     EXPECT_TRUE(world->status().ok()) << "first at step " << world->status().first_step;
 }
 
-// --- steps that are too long for what acts ---------------------------------------------------------------------------
+// --- steps that are too long for a load ------------------------------------------------------------------------------
 
 // Springs that start a millimetre from rest, and the stiffness that each needs for h w = 1.
 struct StiffScene {

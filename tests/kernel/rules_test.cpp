@@ -199,7 +199,7 @@ SceneSetup turned(SceneSetup setup, bool mirrored, Number angle) {
     return setup;
 }
 
-// The bounces of what comes to rest have no end in finite time. Those that are cut off are slower than what rests.
+// A bouncing body comes to rest after infinitely many bounces. Bounces slower than the speed of rest are cut off.
 TEST_P(Rules, piles_that_come_to_rest_report_nothing) {
     if (GetParam().method.order == 4) GTEST_SKIP() << "contacts are those of the default method";
     std::vector<SceneSetup> scenes;
@@ -229,8 +229,8 @@ TEST_P(Rules, piles_that_come_to_rest_report_nothing) {
     }
 }
 
-// In a narrow wedge a ball bounces more often than a moment has rounds. What they leave is an error where the ball
-// comes fast. It is none where the ball approaches the planes more slowly than what rests.
+// In a narrow wedge a ball bounces more often than a moment has rounds. The speed that is left is an error for a fast
+// ball. It is none for a ball that approaches the planes more slowly than the speed of rest.
 TEST_P(Rules, a_fast_bounce_that_is_cut_off_is_reported_under_gravity_and_a_slow_one_is_not) {
     for (const Number speed : {20.0L, 2.0L}) {
         const Number half = 0.03L, radius = 0.25L;

@@ -1,5 +1,5 @@
-// What can go wrong is told, with the body and the step: ranges left, numbers that are not finite, worlds that are
-// full.
+// The status names each failure, its body and its step: a range that is left, a number that is not finite, a world that
+// is full.
 #include "references.hpp"
 #include "tolerances.hpp"
 

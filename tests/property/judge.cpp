@@ -30,7 +30,7 @@ constexpr double rounding_factor = 32;
 constexpr double units_of_start = 4, units_of_step = 0.5;
 // Part of the motion beyond which a bound says nothing.
 constexpr double useful = 0.1;
-// Part of the contact band to which an impact finds its time; and contact bands that what touches may be deep.
+// Part of the contact band to which an impact finds its time; and the largest penetration, in contact bands.
 constexpr double found = 0x1p-4, depth = 5;
 // Growth of energy in parts of the largest kinetic energy.
 constexpr double most_gain = 1;

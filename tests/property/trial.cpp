@@ -230,7 +230,7 @@ private:
             depth = std::max(depth, 1.0001 * reach(body) - dot(normal, vector(body.position) - centre_));
         add_plane(normal, centre_ - normal * (depth + gap));
     }
-    // n . (p - point) = 0; rounding leaves it clear of what it is clear of.
+    // The plane n . (p - point) = 0, moved out by more than rounding, so that it touches no body.
     void add_plane(const Vector& normal, const Vector& point) {
         PlaneDescription plane;
         plane.name = "plane " + std::to_string(scene_.planes.size() + 1);

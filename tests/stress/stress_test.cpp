@@ -92,7 +92,7 @@ TEST(Outcome, ANumberSystemThatIsWrongByMuchMoreThanItsRoundingIsSilent) {
     Case coarse_digits;
     coarse_digits.floor = 1e-5;
     EXPECT_EQ(coarse_digits.error(2e-3).error_in_f64(1e-9).letter(), 'd');
-    Case stopped;  // f64 was told of trouble: its error is that of the run up to there
+    Case stopped;  // the run in f64 has a status: its error is the error up to that step
     stopped.in_f64.error = 0;
     stopped.in_f64.troubles.push_back({"step_bound_hit", 0, 0});
     EXPECT_EQ(stopped.error(2e-3).letter(), 'd');
@@ -132,8 +132,8 @@ TEST_P(StableSide, OfEveryMethodIsMetWithinACell) {
                            std::to_string(xs[static_cast<std::size_t>(i)]) + ", " + std::to_string(y) + ", limit " +
                            std::to_string(limit.value_or(-1));
                 };
-                // The iterations of implicit methods, which have no limit, need not come to an end, and tell; methods
-                // that add to every oscillation tell of the one across the spring, which its damper leaves alone.
+                // Implicit methods have no limit, but their iterations may fail with a status. Methods that add to
+                // every oscillation have a status for the one across the spring, which the damper does not slow.
                 const std::string stable = limit && integrator.oscillation_limit > 0 ? "ad" : "adt";
                 for (std::ptrdiff_t i : {cell - 3, cell - 2}) {
                     if (i < 0) continue;

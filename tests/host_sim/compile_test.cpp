@@ -1,0 +1,201 @@
+// `tumble compile`: the header of a scene.
+#include <algorithm>
+#include <set>
+
+#include "command_runner.hpp"
+
+namespace tumble::host {
+namespace {
+
+TEST(Compile, a_scene_named_after_a_member_of_its_struct_gets_another_name) {
+    expect_outcome(tumble({"compile", written("config.toml", scene_of("", body_of("a", "sphere = 1.0")))}), 0,
+                   "struct ConfigScene {");
+}
+
+TEST(Compile, the_struct_has_the_name_that_is_asked_for) {
+    const std::string scene = written("named.toml", scene_of("", body_of("a", "sphere = 1.0")));
+    expect_outcome(tumble({"compile", scene, "--struct", "first_flight"}), 0, "struct first_flight {");
+    for (const auto* name : {"", "a b", "1st", "Config", "bodies"}) {
+        expect_outcome(tumble({"compile", scene, "--struct", name}), 2,
+                       "--struct: got \"" + std::string(name) + "\", expected a name in C++");
+    }
+}
+
+TEST(Compile, header_holds_what_the_scene_needs_and_nothing_else) {
+    const std::string path = temporary("scene.hpp");
+    ASSERT_EQ(tumble({"compile", shipped("ball"), "-o", path}).status, 0);
+    const std::string header = contents(path);
+    for (const auto* part :
+         {"struct Ball {", "name = \"bouncing ball\"", "step{1, 256}", "steps = 1280u", ".restitution = 0.8",
+          "using Numbers = tumble::NumbersOf<\"q32\", tumble::RangeOf<\"near\">>;",
+          "using Integrator = tumble::integrators::Verlet;", ".bodies = 1,", ".planes = 1,",
+          "static_assert(TUMBLE_BITS == "})
+        EXPECT_TRUE(has(header, part)) << part << "\n" << header;
+    for (const auto* part :
+         {"boxes = true", "friction = true", "impulses = true", "forces = true", "drag = true", ".springs ="})
+        EXPECT_FALSE(has(header, part)) << part;
+}
+
+// Boxes side by side have more neighbours than a heap of spheres: four by four on a floor 58 pairs.
+std::string packed_boxes(int n) {
+    std::string scene = "[world]\ngravity = [0.0, -9.81, 0.0]\nstep = \"1/256\"\nduration = 0.25\n[contact]\n"
+                        "restitution = 0.0\nfriction = 0.5\n[[plane]]\nname = \"floor\"\nnormal = [0.0, 1.0, 0.0]\n";
+    for (int i = 0; i < n; ++i)
+        for (int j = 0; j < n; ++j)
+            scene += "[[body]]\nname = \"b" + std::to_string(n * i + j) + "\"\nshape = { box = [0.5, 0.5, 0.5] }\n" +
+                     "mass = 1.0\nposition = [" + std::to_string(0.5 * i) + ", 0.25, " + std::to_string(0.5 * j) +
+                     "]\n";
+    return scene;
+}
+
+TEST(Compile, there_is_room_for_the_pairs_of_packed_boxes) {
+    const auto near_pairs = [](const std::string& scene) {
+        const Outcome outcome = tumble({"compile", scene});
+        EXPECT_EQ(outcome.status, 0) << outcome.text;
+        const std::size_t at = outcome.text.find(".near_pairs = ");
+        return at == std::string::npos ? 0 : std::stoi(outcome.text.substr(at + 14));
+    };
+    // Neighbours along two directions and both diagonals, and the floor.
+    for (const int n : {4, 5}) {
+        const int pairs = 2 * n * (n - 1) + 2 * (n - 1) * (n - 1) + n * n;
+        const int room = near_pairs(written("packed.toml", packed_boxes(n)));
+        EXPECT_GE(room, pairs) << n;
+        EXPECT_LE(room, 2 * pairs) << n;
+    }
+    // These scenes have the default room.
+    for (const char* scene : {"contacts/spheres", "contacts/pyramid", "brick"})
+        EXPECT_EQ(near_pairs(shipped(scene)), 0);
+}
+
+TEST(Compile, a_scene_without_bodies_needs_an_option) {
+    const std::string scene = written("bodiless.toml", "[world]\nstep = 0.1\nduration = 1.0\n");
+    EXPECT_EQ(tumble({"compile", scene}).status, 2);
+    const Outcome outcome = tumble({"compile", scene, "--no-bodies"});
+    EXPECT_EQ(outcome.status, 0);
+    for (const auto* part : {"std::array<tumble::BodySpec, 0> bodies{};", "            .bodies = 0,\n        };"})
+        EXPECT_TRUE(has(outcome.text, part)) << part << "\n" << outcome.text;
+}
+
+TEST(Compile, goes_to_standard_output_by_default) {
+    const Outcome outcome =
+        tumble({"compile", shipped("cube_binary"), "--integrator", "rk4", "--numbers", "f64", "--carry", "on"});
+    EXPECT_EQ(outcome.status, 0);
+    for (const auto* part : {"struct CubeBinary {", "tumble::NumbersOf<\"f64_carried\", ", "tumble::integrators::Rk4",
+                             "boxes = true", "friction = true", "impulses = true"})
+        EXPECT_TRUE(has(outcome.text, part)) << part;
+}
+
+TEST(Compile, names_cannot_break_the_header) {
+    const std::string scene = written(
+        "1 odd-name.toml",
+        "name = \"a \\\"b\\\" \\\\\"\n[world]\nstep = 0.1\nduration = 1.0\n[[body]]\nname = \"\\u00e9\\n*/ \\\\\"\n"
+        "shape = { sphere = 1.0 }\nmass = 1.0\n");
+    const Outcome outcome = tumble({"compile", scene});
+    EXPECT_EQ(outcome.status, 0);
+    EXPECT_TRUE(has(outcome.text, "struct Scene1OddName {")) << outcome.text;
+    EXPECT_TRUE(has(outcome.text, R"(name = "a \"b\" \\";)")) << outcome.text;
+    EXPECT_TRUE(has(outcome.text, R"(// "\303\251\012*/ \\")")) << outcome.text;
+    EXPECT_TRUE(has(outcome.text, "step{tumble::Real{0.1}}")) << outcome.text;
+}
+
+// The features of a header that differ from their default, without the numbers of bodies and planes.
+std::set<std::string> features_of(const std::string& scene) {
+    const Outcome outcome = tumble({"compile", written("scene.toml", scene)}, Process::Errors::pass);
+    EXPECT_EQ(outcome.status, 0) << scene;
+    std::set<std::string> features;
+    const std::string start = "            .";
+    bool inside = false;
+    for (const std::string& line : lines_of(outcome.text)) {
+        if (line == "        static constexpr tumble::Features features{") inside = true;
+        else if (!line.starts_with(start)) inside = false;
+        else if (inside) features.insert(line.substr(start.size(), line.size() - start.size() - 1));
+    }
+    std::erase_if(features, [](const std::string& f) { return f.starts_with("bodies") || f.starts_with("planes"); });
+    return features;
+}
+using Features = std::set<std::string>;
+
+TEST(Compile, features_are_those_that_the_contacts_need) {
+    const std::string ball = body_of("ball", "sphere = 1.0"), other = body_of("other", "sphere = 1.0"),
+                      box = body_of("box", "box = [1.0, 1.0, 1.0]"), fixed = "fixed = true\n",
+                      turning = "angular_velocity = [0.0, 2.0, 0.0]\n", rough = "friction = 0.5\n",
+                      cloud = "[[body]]\nname = \"cloud\"\nshape = { points = [[0.0, 0.0, 0.0, 1.0], [1.0, 0.0, 0.0, "
+                              "1.0], [0.0, 1.0, 0.0, 1.0]] }\n";
+    const auto features = [](const std::string& bodies) { return features_of(scene_of("", bodies)); };
+    EXPECT_EQ(features(ball), Features{});
+    EXPECT_EQ(features(ball + rough), Features{"friction = true"});
+    EXPECT_EQ(features(rough + ball), Features{"friction = true"});  // the plane's
+    EXPECT_EQ(features(ball + other), Features{"pairs = true"});
+    EXPECT_EQ(features(ball + other + fixed), Features{"pairs = true"});
+    EXPECT_EQ(features(ball + fixed + other + fixed), Features{});
+    EXPECT_EQ(features(ball + box), (Features{"pairs = true", "boxes = true"}));
+    EXPECT_EQ(features(box + fixed), Features{"boxes = true"});
+    EXPECT_EQ(features(ball + cloud), Features{});
+    EXPECT_EQ(features(ball + turning), Features{});
+    EXPECT_EQ(features(ball + turning + fixed), Features{"turntables = true"});
+    for (const auto* shape : {"cylinder = [1.0, 1.0]", "capsule = [1.0, 1.0]", "hoop = 1.0"}) {
+        EXPECT_EQ(features(body_of("a", shape)), Features{"round_shapes = true"}) << shape;
+        EXPECT_EQ(features(body_of("a", shape) + ball), Features{"round_shapes = true"}) << shape;
+        EXPECT_EQ(features(body_of("a", shape) + fixed), Features{}) << shape;
+    }
+    // Only the hoop moves, and it touches no bodies.
+    EXPECT_EQ(features(ball + fixed + other + fixed + body_of("a", "hoop = 1.0")), Features{"round_shapes = true"});
+
+    const std::string head = "name = \"test\"\n[world]\nstep = \"1/256\"\nduration = 0.1\n";
+    EXPECT_EQ(features_of(head + box + rough), Features{});
+    EXPECT_EQ(features_of(head + body_of("a", "hoop = 1.0") + ball), Features{});
+    EXPECT_EQ(features_of(head + box + rough + ball), (Features{"pairs = true", "boxes = true", "friction = true"}));
+    EXPECT_EQ(features_of(head + "[contact]\nresponse = \"spring\"\n" + ball), Features{});
+}
+
+TEST(Compile, features_are_those_of_the_contact_response) {
+    const std::string everything = body_of("ball", "sphere = 1.0") + "friction = 0.5\n" +
+                                   body_of("box", "box = [1.0, 1.0, 1.0]") + body_of("hoop", "hoop = 1.0") +
+                                   body_of("table", "cylinder = [1.0, 1.0]") +
+                                   "fixed = true\nangular_velocity = [0.0, 0.0, 1.0]\n";
+    const auto features = [&](const std::string& contact) { return features_of(scene_of(contact, everything)); };
+    const std::string sleep = "sleep = { time = 1.0 }\n";
+    EXPECT_EQ(features("[contact]\n" + sleep), (Features{"pairs = true", "boxes = true", "round_shapes = true",
+                                                         "friction = true", "sleep = true", "turntables = true"}));
+    EXPECT_EQ(features("[contact]\nsleep = false\n"), (Features{"pairs = true", "boxes = true", "round_shapes = true",
+                                                                "friction = true", "turntables = true"}));
+    EXPECT_EQ(features("[contact]\nresponse = \"spring\"\n" + sleep),
+              (Features{"pairs = true", "boxes = true", "round_shapes = true", "turntables = true",
+                        "contact_impulses = false", "contact_springs = true"}));
+    EXPECT_EQ(features("[contact]\nresponse = \"none\"\n" + sleep), Features{"turntables = true"});
+}
+
+TEST(Compile, contact_has_the_members_of_its_response) {
+    // The lines between the braces of `.contact = {`, without indentation and comments.
+    const auto members = [](const std::string& contact) {
+        const Outcome outcome =
+            tumble({"compile", written("scene.toml", scene_of("[contact]\n" + contact, body_of("a", "sphere = 1.0")))},
+                   Process::Errors::pass);
+        EXPECT_EQ(outcome.status, 0);
+        const auto lines = lines_of(outcome.text);
+        const auto first = std::find(lines.begin(), lines.end(), "        .contact = {");
+        const auto last = std::find(first, lines.end(), "        },");
+        std::vector<std::string> members;
+        for (auto line = first; line < last; ++line) {
+            if (line == first) continue;
+            const std::size_t start = line->find_first_not_of(' ');
+            members.push_back(line->substr(start, line->find("   //") - start));
+        }
+        return members;
+    };
+    using Members = std::vector<std::string>;
+    const std::string impulse = ".response = tumble::ContactResponse::impulse,",
+                      spring = ".response = tumble::ContactResponse::spring,",
+                      constants = "stiffness = 500.0\ndamping = 3.0\nbarrier = 0.5\n";
+    EXPECT_EQ(members(""), (Members{impulse, ".restitution = 0.5,", ".tolerance = 0.001,"}));
+    EXPECT_EQ(members(constants + "sleep = { speed = 0.25 }\n"),
+              (Members{impulse, ".restitution = 0.5,", ".tolerance = 0.001,",
+                       ".sleep = {.on = true, .speed = 0.25, .angular_speed = 0.05, .time = 0.5},"}));
+    EXPECT_EQ(members("response = \"spring\"\n"), (Members{spring, ".tolerance = 0.001,", ".stiffness = 10000.0,"}));
+    EXPECT_EQ(members("response = \"spring\"\nfriction = 0.5\nsleep = { speed = 0.25 }\n" + constants),
+              (Members{spring, ".tolerance = 0.001,", ".stiffness = 500.0,", ".damping = 3.0,", ".barrier = 0.5,"}));
+    EXPECT_EQ(members("response = \"none\"\n" + constants), Members{".response = tumble::ContactResponse::none,"});
+}
+
+}  // namespace
+}  // namespace tumble::host
