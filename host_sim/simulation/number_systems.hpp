@@ -47,17 +47,13 @@ template <class... Methods, class Method>
 constexpr bool contains(IntegratorList<Methods...>, std::type_identity<Method>) {
     return (std::is_same_v<Methods, Method> || ...);
 }
-// The front has the methods of most runs, and of the smallest range those that `make run` measures. Other runs are compared
-// with two methods in carried doubles.
+// The front has the methods of most runs, and of the smallest range all, which `make run` compares.
 template <class N, class Method>
 constexpr Part part_of() {
     using namespace integrators;
-    using Small = IntegratorList<ExplicitEuler, SemiImplicitEuler, Midpoint, Heun, Rk4, Verlet, Suzuki4>;
     using Usual = IntegratorList<SemiImplicitEuler, Rk4, Verlet, Suzuki4>;
-    using Compared = IntegratorList<Rk4, Suzuki4>;
-    using Front = std::conditional_t<std::is_same_v<N, F64Carried>, Compared,
-                                     std::conditional_t<std::is_same_v<N, NumbersOf<"q32", NearRange>>, Small, Usual>>;
-    return contains(Front{}, std::type_identity<Method>{}) ? Part::front : Part::rest;
+    const bool is_first = std::is_same_v<N, NumbersOf<"q32", NearRange>>;
+    return is_first || contains(Usual{}, std::type_identity<Method>{}) ? Part::front : Part::rest;
 }
 
 // A simulation in the index-th number system; null for an integrator that is not in this part of it.

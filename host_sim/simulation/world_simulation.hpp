@@ -155,6 +155,7 @@ public:
     [[nodiscard]] long double contact_tolerance() const override {
         return static_cast<double>(Owned::replay.world().contact_tolerance());
     }
+    [[nodiscard]] int near_pair_count() const override { return Owned::replay.world().near_pair_count(); }
 
     [[nodiscard]] std::string_view integrator() const override { return Method::name; }
     [[nodiscard]] std::string_view numbers() const override { return N::name; }

@@ -66,7 +66,7 @@ std::optional<Samples> smooth_samples(const SampledScene& scene) {
 }
 
 Samples fine_samples(const SampledScene& scene, const char* integrator, int step) {
-    const auto run = run_sampled(scene, {integrator, "f64", true}, step);
+    const auto run = run_sampled(scene, {integrator, "f64", false}, step);
     if (!run) throw std::runtime_error(std::string(integrator) + " does not run in f64");
     if (!run->failure.empty())
         throw std::runtime_error(std::string("no reference: ") + integrator + " in f64 at " +

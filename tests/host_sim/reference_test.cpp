@@ -225,7 +225,7 @@ TEST(SmoothMotion, kernel_agrees_on_every_scene_without_contacts) {
         SceneDescription scene = read_scene(shipped(name));
         scene.step = {1, 4096, 0};
         scene.duration = std::min(scene.duration, 4.0);
-        const auto simulation = make_simulation(scene, "rk4", "f64", true);
+        const auto simulation = make_simulation(scene, "rk4", "f64", false);
         while (simulation->steps_taken() < simulation->steps()) simulation->step();
         SmoothMotion motion(scene, shapes_meet);
         motion.advance_to(simulation->steps());
