@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <set>
 
 namespace tumble::bench {
 namespace {
@@ -123,6 +124,15 @@ std::size_t leave_out_beaten(std::vector<Job>& jobs, const std::vector<Row>& fre
     });
     std::size_t i = 0;
     return std::erase_if(jobs, [&](const Job&) { return out[i++]; });
+}
+
+std::size_t leave_out_inaccurate(std::vector<Job>& jobs, double tolerance) {
+    std::set<std::string> answered;  // cores
+    for (const Job& job : jobs)
+        if (job.accuracy <= tolerance) answered.insert(job.core);
+    return std::erase_if(jobs, [&](const Job& job) {
+        return job.accuracy > tolerance && answered.contains(job.core) && job.method != "verlet";
+    });
 }
 
 void print_answer(const std::vector<std::string>& cores, const std::vector<Job>& jobs,

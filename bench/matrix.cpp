@@ -234,8 +234,8 @@ int report(const Options& options, const SceneDescription& scene, const std::vec
     print_table(jobs, options.front ? Shown::front : Shown::all);
     std::printf("%zu rows in %s", rows.size(), options.results.c_str());
     if (left_out > 0)
-        std::printf("; %zu not measured, since another method is more accurate and costs less for a free body "
-                    "(%s)",
+        std::printf("; %zu not measured: they miss the tolerance, or another method is more accurate and costs less "
+                    "for a free body (%s)",
                     left_out, options.front->c_str());
     if (failed > 0) std::printf("; %td FAILED", failed);
     std::printf("\n");
@@ -257,7 +257,8 @@ int main(int argc, char** argv) try {
     std::vector<Job> jobs = jobs_of(*options);
     const Answers answers = replayed_on_host(scene, jobs, options->accuracy);
     add_accuracy(jobs, answers);
-    const std::size_t left_out = options->front ? leave_out_beaten(jobs, read_rows(*options->front)) : 0;
+    std::size_t left_out = options->front ? leave_out_beaten(jobs, read_rows(*options->front)) : 0;
+    if (options->front && options->tolerance > 0) left_out += leave_out_inaccurate(jobs, options->tolerance);
     measure(jobs, *options, scene, answers);
     return report(*options, scene, jobs, left_out, file);
 } catch (...) { return tumble::bench::report_failure("tumble_matrix"); }

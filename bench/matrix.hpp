@@ -33,6 +33,10 @@ struct Job {
 // in one of them: contacts may change the order of methods that cost nearly the same. Returns how many it left out.
 std::size_t leave_out_beaten(std::vector<Job>& jobs, const std::vector<Row>& free_steps);
 
+// Leaves out each job that exceeds the tolerance where another one of its core keeps it; the default method, verlet,
+// stays. Returns how many it left out.
+std::size_t leave_out_inaccurate(std::vector<Job>& jobs, double tolerance);
+
 // For each core the method that costs least of those whose error is within the tolerance; where there is none, the most
 // accurate. Errors are known until the first contact; a scene that begins in contact has none.
 void print_answer(const std::vector<std::string>& cores, const std::vector<Job>& jobs,

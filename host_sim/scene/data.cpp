@@ -8,7 +8,7 @@
 namespace tumble::host {
 namespace {
 
-RealVec3 vector_of(const Triple& v) { return {v[0], v[1], v[2]}; }
+RealVec3 real_vector(const Triple& v) { return {v[0], v[1], v[2]}; }
 Real or_default(const std::optional<double>& value) { return value ? Real{*value} : Real{-1}; }
 
 // The nearest double: what a header can say.
@@ -30,10 +30,10 @@ BodySpec body_of(const BodyDescription& body) {
         spec.inertia = inertia_of(spec.shape, spec.mass);
     }
     if (body.inertia) spec.inertia = tensor_of(*body.inertia);
-    spec.position = vector_of(body.position);
-    spec.velocity = vector_of(body.velocity);
+    spec.position = real_vector(body.position);
+    spec.velocity = real_vector(body.velocity);
     spec.orientation = {body.orientation[0], {body.orientation[1], body.orientation[2], body.orientation[3]}};
-    spec.angular_velocity = vector_of(body.angular_velocity);
+    spec.angular_velocity = real_vector(body.angular_velocity);
     spec.restitution = or_default(body.restitution);
     spec.friction = or_default(body.friction);
     spec.fixed = body.fixed;
@@ -93,14 +93,14 @@ SceneData with_events_in_order(SceneData scene) {
 bool shapes_meet(ShapeKind a, ShapeKind b) { return meets(a, b); }
 
 Shape shape_of(const ShapeDescription& shape) {
-    return {shape.kind == ShapeKind::points ? ShapeKind::none : shape.kind, vector_of(shape.size)};
+    return {shape.kind == ShapeKind::points ? ShapeKind::none : shape.kind, real_vector(shape.size)};
 }
 
 InertiaTensor tensor_of(const std::array<double, 6>& i) { return {i[0], i[1], i[2], i[3], i[4], i[5]}; }
 
 PointCloud cloud_of(const std::vector<PointDescription>& points) {
     std::vector<PointMass> masses;
-    for (const PointDescription& point : points) masses.push_back({vector_of(point.position), point.mass});
+    for (const PointDescription& point : points) masses.push_back({real_vector(point.position), point.mass});
     return point_cloud(masses.data(), static_cast<int>(masses.size()));
 }
 
@@ -110,7 +110,7 @@ SceneData build_scene(const SceneDescription& scene) {
     data.name = scene.name;
     data.step = step_of(scene.step);
     data.steps = static_cast<std::uint32_t>(scene.steps());
-    data.world.gravity = vector_of(scene.gravity);
+    data.world.gravity = real_vector(scene.gravity);
     data.world.gravitation = scene.gravitation;
     data.world.linear_drag = scene.linear_drag;
     data.world.angular_drag = scene.angular_drag;
@@ -122,19 +122,19 @@ SceneData build_scene(const SceneDescription& scene) {
     for (const PlaneDescription& plane : scene.planes) {
         if (contact.response != ContactResponse::none)
             data.planes.push_back(
-                {vector_of(plane.normal), plane.offset, or_default(plane.restitution), or_default(plane.friction)});
+                {real_vector(plane.normal), plane.offset, or_default(plane.restitution), or_default(plane.friction)});
     }
     for (const SpringDescription& s : scene.springs) {
         data.springs.push_back(
-            {s.body, vector_of(s.point), s.to_body, vector_of(s.to), s.stiffness, s.damping, s.rest_length});
+            {s.body, real_vector(s.point), s.to_body, real_vector(s.to), s.stiffness, s.damping, s.rest_length});
     }
     for (const ImpulseDescription& i : scene.impulses) {
         data.impulses.push_back(
-            {i.time, i.body, i.frame, vector_of(i.impulse), vector_of(i.point), vector_of(i.angular_impulse)});
+            {i.time, i.body, i.frame, real_vector(i.impulse), real_vector(i.point), real_vector(i.angular_impulse)});
     }
     for (const ForceDescription& f : scene.forces) {
         data.forces.push_back(
-            {f.body, f.from, f.until, f.frame, vector_of(f.force), vector_of(f.point), vector_of(f.torque)});
+            {f.body, f.from, f.until, f.frame, real_vector(f.force), real_vector(f.point), real_vector(f.torque)});
     }
     return data;
 }
