@@ -20,10 +20,10 @@ constexpr double share_of_doubt = 0.2;
 constexpr std::array<int, 3> halvings_of_references{2, 4, 6};
 constexpr int most_halvings_of_cure = 5;
 
-// A body that symmetry holds still moves by rounding alone, which may grow. It is judged as if it had moved and turned
-// by this share of the most that a body of the scene has: a tenth of that is a millionth, the last digit that is
-// printed.
-constexpr double share_of_scene = 1e-5;
+// A body that symmetry holds still moves by rounding alone, which grows with the steps. Each body is judged as if it had
+// moved by at least this share of the most that a body of the scene has: a tenth of that, a thousandth, is a pixel of a
+// picture of the scene.
+constexpr double share_of_scene = 0.01;
 
 // About the time that the worlds of the references take to compile, s.
 constexpr double compiler_seconds = 30;

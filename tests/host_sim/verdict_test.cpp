@@ -304,7 +304,10 @@ std::string message(const SceneDescription& scene, const Method& method, const H
 }
 
 TEST(Messages, a_number_that_left_its_range_has_a_cure_that_can_help) {
-    SceneDescription scene = read_scene(shipped("brick"));
+    SceneDescription scene = scene_of(R"(
+world = { step = "1/256", duration = 1.0 }
+body = [ { name = "die", shape = { box = [0.1, 0.1, 0.1] }, mass = 1.0 } ]
+)");
     const HeldNumber spin{"angular velocity", 64, "rad/s"};
     EXPECT_TRUE(message(scene, verlet_q32, spin)
                     .ends_with("Use a larger [range] angular_velocity and a smaller step, or --numbers f32"));
@@ -377,7 +380,7 @@ TEST(VerdictOfRun, json_has_every_key) {
 TEST(VerdictOfRun, error_as_large_as_the_motion_is_a_failure_and_a_smaller_one_is_not) {
     EXPECT_EQ(tumble({"run", shipped("pendulum"), "--check", "on"}).status, 0);
     const Outcome large = tumble({"run", shipped("oscillators"), "--integrator", "explicit_euler", "--numbers", "f64",
-                                  "--duration", "60", "--check", "on"});
+                                  "--duration", "20", "--check", "on"});
     EXPECT_EQ(large.status, 1);
     EXPECT_NE(large.text.find("The error is as large as the motion"), std::string::npos) << large.text;
 }
