@@ -19,7 +19,8 @@ std::string numbers_of(const Simulation& simulation) {
 }
 
 // The longest step, of halvings of the scene's, at which floating point holds the spin that a body has now.
-std::string step_that_holds(const HeldNumber& spin, int body, const SceneDescription& scene, const Simulation& simulation) {
+std::string step_that_holds(const HeldNumber& spin, int body, const SceneDescription& scene,
+                            const Simulation& simulation) {
     double now = 0;
     for (const long double w : simulation.body(body).angular_velocity)
         if (std::isfinite(w)) now = std::max(now, static_cast<double>(std::abs(w)));
@@ -35,8 +36,7 @@ std::string cure_of(const HeldNumber& number, int body, const SceneDescription& 
     if (number.name == "angular velocity" && is_fixed_point)
         return std::string("a larger [range] angular_velocity and a smaller step") +
                (scene.range.is_declared ? "" : ", or --numbers f32");
-    if (number.name == "angular velocity")
-        return "--step " + step_that_holds(number, body, scene, simulation);
+    if (number.name == "angular velocity") return "--step " + step_that_holds(number, body, scene, simulation);
     if (held_by(simulation.range()).position < held_by("field").position) return "a larger [range] " + number.name;
     return scene.range.is_declared ? "--numbers f64 and no [range]" : "--numbers f64";
 }

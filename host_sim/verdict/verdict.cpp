@@ -20,9 +20,9 @@ constexpr double share_of_doubt = 0.2;
 constexpr std::array<int, 3> halvings_of_references{2, 4, 6};
 constexpr int most_halvings_of_cure = 5;
 
-// A body that symmetry holds still moves by rounding alone, which grows with the steps. Each body is judged as if it had
-// moved by at least this share of the most that a body of the scene has: a tenth of that, a thousandth, is a pixel of a
-// picture of the scene.
+// A body that symmetry holds still moves by rounding alone, which grows with the steps. Each body is judged as if it
+// had moved by at least this share of the most that a body of the scene has: a tenth of that, a thousandth, is a pixel
+// of a picture of the scene.
 constexpr double share_of_scene = 0.01;
 
 // About the time that the worlds of the references take to compile, s.
@@ -289,8 +289,8 @@ std::vector<Way> thresholds(const Way& way, const SceneDescription& scene) {
     return ways;
 }
 
-// Exchanges numbers, then the method, then the step, and looks for a way that is right. It compiles nothing: what is not
-// compiled is left out, and then a finer step that helps does not prove that the step was the cause.
+// Exchanges numbers, then the method, then the step, and looks for a way that is right. It compiles nothing: what is
+// not compiled is left out, and then a finer step that helps does not prove that the step was the cause.
 void explain(Verdict& verdict, const Judge& judge, const Way& way, const ProcessorTime& time) {
     bool has_left_out = false;
     const auto is_good = [&](const Way& each) {

@@ -56,7 +56,7 @@ struct VerdictOptions {
     std::optional<double> most_seconds{};  // of processor time, for the references; none: as long as they take
     int most_references = 3;               // pairs, each 4 times finer than the one before
     bool explains = true;                  // looks for cause and cure
-    bool compiles = true;  // the references, if they are not; cures are sought among what is compiled
+    bool compiles = true;                  // the references, if they are not; cures are sought among what is compiled
 };
 
 // Runs the scene with `method` and decides. Throws what make_simulation() throws for that run. A run without a step is

@@ -307,6 +307,73 @@ body = [ { name = "die", shape = { box = [0.1, 0.1, 0.1] }, mass = 1.0 } ]
                             .ends_with("Use a larger [range] " + std::string(name)));
 }
 
+TEST(Verdict, a_run_that_is_wrong_before_its_status_speaks_is_called_wrong) {
+    const SceneDescription scene = read_scene(shipped("pendulum"));
+    const Method euler{"explicit_euler", "f64", false};
+    const Record run = record_of(scene, euler, 0, moments_of(scene), ProcessorTime{});
+    ASSERT_FALSE(run.troubles.empty());
+    const Verdict verdict = verdict_of(scene, euler, run);
+    EXPECT_EQ(verdict.kind, Verdict::Kind::wrong);
+    EXPECT_LT(verdict.time_s, told_by(run, scene).time_s);
+    EXPECT_TRUE(has(sentence_of(verdict, scene, euler), "; the status reports " + run.troubles.front().issue));
+    // Until its status speaks, a longer step of another method is right.
+    Record right = record_of(scene, {"rk4", "f64", true}, 0, moments_of(scene), ProcessorTime{});
+    right.troubles = run.troubles;
+    EXPECT_EQ(verdict_of(scene, euler, right).kind, Verdict::Kind::told);
+}
+
+TEST(Verdict, search_for_a_cure_compiles_nothing) {
+    const SceneDescription scene = read_scene(shipped("pendulum"));
+    const auto compiled = [&] {
+        std::vector<bool> all;
+        for (const NumberSystemInfo& system : number_systems())
+            for (const IntegratorInfo& method : integrators())
+                all.push_back(is_compiled(scene, method.name, system.name, system.carry));
+        return all;
+    };
+    const Method heun{"heun", "f64", false};
+    const Record run = record_of(scene, heun, 0, moments_of(scene), ProcessorTime{});
+    (void)verdict_of(scene, heun, run, {.explains = false});
+    const std::vector<bool> before = compiled();
+    for (const Method& method : {heun, Method{"heun", "f32", false}, Method{"heun", "q32", false}})
+        (void)verdict_of(scene, method, run, {.tolerance = 1e-12});
+    EXPECT_EQ(compiled(), before);
+}
+
+TEST(Messages, a_step_that_is_too_long_for_a_spin_has_one_that_holds_it) {
+    const SceneDescription scene = scene_of(R"(
+world = { step = "1/16", duration = 1.0 }
+body = [ { name = "wheel", shape = { cylinder = [0.1, 0.1] }, mass = 1.0, angular_velocity = [0, 0, 150] } ]
+)");
+    const auto simulation = make_simulation(scene, "verlet", "f64", false);
+    simulation->step();
+    ASSERT_TRUE(simulation->has_trouble("range_left"));
+    const Trouble& trouble = simulation->troubles().front();
+    EXPECT_TRUE(message_of(trouble, trouble, scene, *simulation).ends_with("Use --step 1/64"))
+        << message_of(trouble, trouble, scene, *simulation);
+    SceneDescription finer = scene;
+    finer.step = {1, 64, 0};
+    const auto held = make_simulation(finer, "verlet", "f64", false);
+    held->step();
+    EXPECT_FALSE(held->has_trouble("range_left"));
+}
+
+TEST(Messages, a_load_that_is_too_strong_is_one_of_the_scene) {
+    const std::string body = R"(
+world = { step = 0.5, duration = 1.0, linear_drag = 9.0 }
+body = [ { name = "bob", shape = { sphere = 0.1 }, mass = 0.1, position = [1, 0, 0] } ]
+)";
+    const auto said_of = [](const std::string& text) {
+        const SceneDescription scene = scene_of(text);
+        const auto simulation = make_simulation(scene, "verlet", "f64", false);
+        const Trouble& trouble = simulation->troubles().at(0);
+        return message_of(trouble, trouble, scene, *simulation);
+    };
+    EXPECT_TRUE(has(said_of(body), "step_too_long: drag is too strong"));
+    EXPECT_TRUE(has(said_of(body + R"(spring = [ { body = "bob", to = [0, 0, 0], stiffness = 4e3, damping = 1.0 } ])"),
+                    "step_too_long: a spring, a damper or drag is too strong"));
+}
+
 TEST(Messages, one_cause_has_one_cure) {
     const SceneDescription scene = read_scene(shipped("brick"));
     const auto simulation = make_simulation(scene, "verlet", "q32", true);
@@ -330,6 +397,16 @@ TEST(VerdictOfRun, told_run_has_one_message) {
         EXPECT_NE(outcome.text.find("step_too_long"), std::string::npos) << outcome.text;
         EXPECT_EQ(outcome.text.find("as large as the motion"), std::string::npos) << outcome.text;
     }
+}
+
+// The check of this run takes much longer than the second at which the shell ends it.
+TEST(VerdictOfRun, a_check_that_is_ended_loses_nothing_of_the_run) {
+    const std::string limited = R"(ulimit -t 1; exec "$0" run "$1" --duration 10 --numbers f64 --check on)";
+    Process process({"sh", "-c", limited, TUMBLE_COMMAND, shipped("contacts/spheres")}, {}, Process::Errors::keep);
+    std::string table;
+    EXPECT_NE(process.wait(&table), 0);
+    EXPECT_TRUE(has(table, "\nstate  ")) << table;
+    EXPECT_FALSE(has(table, "verdict: ")) << table;
 }
 
 TEST(VerdictOfRun, is_one_line_and_off_is_none) {

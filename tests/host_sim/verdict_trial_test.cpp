@@ -1,5 +1,6 @@
 // Verdicts on many runs, held against references that share no code with the verdict: an integration in long double up
-// to the first contact; where bodies touch, two runs in double precision at a sixteenth and a thirty-second of the step.
+// to the first contact; where bodies touch, two runs in double precision at a sixteenth and a thirty-second of the
+// step.
 #include <algorithm>
 #include <cmath>
 #include <iostream>
@@ -49,16 +50,16 @@ std::map<std::string, Section> sections_of(const char* file) {
 struct Judged {
     Record run;
     Verdict verdict;
-    std::string said;  // on standard error
+    std::string facts, said;  // on standard error: before the run and after it
     int status = 0;
 };
 Judged judged(const SceneDescription& scene, const Method& method, const VerdictOptions& options) {
     Judged judged;
     std::ostringstream said;
     auto* const before = std::cerr.rdbuf(said.rdbuf());
-    for (const std::string& limitation : limitations(scene)) said << limitation << "\n";
+    for (const std::string& limitation : limitations(scene)) judged.facts += limitation + "\n";
     const auto simulation = make_simulation(scene, method.integrator, method.numbers, method.carry);
-    said << unheld_spin(scene, *simulation);
+    judged.facts += unheld_spin(scene, *simulation);
     judged.run = record_of(scene, method, 0, moments_of(scene), ProcessorTime{});
     judged.verdict = verdict_of(scene, method, judged.run, options);
     judged.status = report(judged.verdict, scene, *simulation);
@@ -67,7 +68,8 @@ Judged judged(const SceneDescription& scene, const Method& method, const Verdict
     return judged;
 }
 
-// The states of all bodies at the moments of a run, as one or two references have them, and how far each body has moved.
+// The states of all bodies at the moments of a run, as one or two references have them, and how far each body has
+// moved.
 struct Known {
     std::vector<States> one, other;  // other: only where bodies may touch
     std::vector<std::vector<double>> way_m;
@@ -148,16 +150,17 @@ double parts_of_wrong(const States& a, const States& b, const std::vector<double
         Errors errors;
         errors.see(a[i], b[i]);
         const double limit_m = std::max(0.1 * std::max(way_m[i], floor_m), least_m);
-        worst = std::max({worst, errors.orientation_rad / 0.1, errors.position_m > 0 ? errors.position_m / limit_m : 0});
+        worst =
+            std::max({worst, errors.orientation_rad / 0.1, errors.position_m > 0 ? errors.position_m / limit_m : 0});
     }
     return worst;
 }
 
 // Errors between half and twice the limit may be judged either way. Where the references part by more than a fifth of
-// the limit, the run may be warned of; where they part by more than four times the limit, one of them is more than twice
-// the limit from the run.
+// the limit, the run may be warned of; where they part by more than four times the limit, one of them is more than
+// twice the limit from the run.
 void expect_right_judgement(const SceneDescription& scene, const Known& known, const Judged& judged) {
-    const auto& [run, verdict, said, status] = judged;
+    const auto& [run, verdict, facts, said, status] = judged;
     const bool has_band = known.can_touch && scene.contact.response == ContactResponse::impulse;
     const double least_m =
         std::max(has_band ? std::max(run.contact_tolerance, scene.contact.tolerance) : 0, run.rounding);
@@ -219,8 +222,8 @@ void expect_cure(SceneDescription scene, const Known& known, const Verdict& verd
 // Files in the repository, and the sections of verdict_trial.txt.
 std::map<std::string, std::string> trial_scenes() {
     std::map<std::string, std::string> scenes;
-    for (const char* folder : {"host_sim/scenes", "host_sim/scenes/contacts", "bench/problems", "bench/contacts",
-                               "tests/property/scenes"})
+    for (const char* folder :
+         {"host_sim/scenes", "host_sim/scenes/contacts", "bench/problems", "bench/contacts", "tests/property/scenes"})
         for (const auto& entry : std::filesystem::directory_iterator(source_directory / folder))
             if (entry.path().extension() == ".toml") {
                 std::string name = std::string(folder) + "/" + entry.path().stem().string();
@@ -228,8 +231,12 @@ std::map<std::string, std::string> trial_scenes() {
                 scenes[name] = contents(entry.path().string());
             }
     for (const auto& [name, section] : sections_of("verdict_trial.txt")) scenes["own_" + name] = section.text;
-    // Two bodies fall into each other: an integration in long double takes minutes to find that.
-    scenes.erase("tests_property_scenes_falling_together");
+    // The first falls into itself, which an integration in long double takes minutes to find; the reader refuses the
+    // others.
+    for (const char* left_out :
+         {"falling_together", "absurd_plane", "anchor_across_the_range", "anchor_beyond_the_range",
+          "far_plane_in_a_room", "far_tilted_plane", "plane_within_twice_the_range"})
+        scenes.erase("tests_property_scenes_" + std::string(left_out));
     return scenes;
 }
 const std::map<std::string, std::string>& all_trial_scenes() {
@@ -239,13 +246,23 @@ const std::map<std::string, std::string>& all_trial_scenes() {
 
 // Of every kind one that takes little time.
 bool is_quick(const std::string& name) {
-    static const std::vector<std::string> quick{
-        "bench_problems_kepler", "host_sim_scenes_ball", "host_sim_scenes_contacts_turntable", "host_sim_scenes_pendulum",
-        "host_sim_scenes_projectile", "own_damper", "own_masses_of_1_to_1e6", "own_slow_body_30_km_away",
-        "own_star_with_a_light_planet", "own_tumbling_body", "own_two_oscillators_of_unlike_size",
-        "tests_property_scenes_ball_in_a_rough_groove", "tests_property_scenes_small_die", "ball_dropped",
-        "box_dropped_on_an_edge", "flat_box_on_ice_against_a_band", "small_ball_that_rolls", "mass_on_a_spring",
-        "stack_of_three_boxes"};
+    static const std::vector<std::string> quick{"host_sim_scenes_ball",
+                                                "host_sim_scenes_pendulum",
+                                                "host_sim_scenes_projectile",
+                                                "own_damper",
+                                                "own_masses_of_1_to_1e6",
+                                                "own_slow_body_30_km_away",
+                                                "own_star_with_a_light_planet",
+                                                "own_tumbling_body",
+                                                "own_two_oscillators_of_unlike_size",
+                                                "tests_property_scenes_ball_in_a_rough_groove",
+                                                "tests_property_scenes_small_die",
+                                                "ball_dropped",
+                                                "box_dropped_on_an_edge",
+                                                "flat_box_on_ice_against_a_band",
+                                                "small_ball_that_rolls",
+                                                "mass_on_a_spring",
+                                                "stack_of_three_boxes"};
     return std::find(quick.begin(), quick.end(), name) != quick.end();
 }
 template <class Scenes>
@@ -260,12 +277,8 @@ const auto name_of_parameter = [](const auto& info) { return info.param; };
 class VerdictTrial : public testing::TestWithParam<std::string> {};
 
 TEST_P(VerdictTrial, neither_calls_a_wrong_run_right_nor_warns_of_a_right_one) {
-    SceneDescription scene;
-    try {
-        scene = with_events_at_steps(read_scene_text(all_trial_scenes().at(GetParam()), "trial.toml"));
-    } catch (const SceneError&) {
-        GTEST_SKIP() << "the reader refuses it";
-    }
+    const SceneDescription scene =
+        with_events_at_steps(read_scene_text(all_trial_scenes().at(GetParam()), "trial.toml"));
     const Known known = known_of(scene);
     for (const Method& method : {Method{"verlet", "q32", true}, Method{"heun", "f64", false},
                                  Method{"explicit_euler", "f32", true}, Method{"rk4", "q32", true}}) {
@@ -288,7 +301,8 @@ SceneDescription ordinary_scene(const Section& section, const std::string& step)
 TEST_P(OrdinaryScene, ends_in_silence) {
     const Section section = sections_of("ordinary_scenes.txt").at(GetParam());
     for (const char* step : {"1/60", "1/256", "1/1000"})
-        for (const Method& method : {Method{"verlet", "q32", true}, Method{"verlet", "f32", true}, Method{"verlet", "f64", false}}) {
+        for (const Method& method :
+             {Method{"verlet", "q32", true}, Method{"verlet", "f32", true}, Method{"verlet", "f64", false}}) {
             const SceneDescription scene = ordinary_scene(section, step);
             const Judged run = judged(scene, method, {});
             const std::string way = std::string(step) + " " + method.numbers;
@@ -299,9 +313,22 @@ TEST_P(OrdinaryScene, ends_in_silence) {
                 continue;
             }
             EXPECT_EQ(run.status, 0);
-            EXPECT_EQ(run.said, "");
+            EXPECT_EQ(run.facts + run.said, "");
             EXPECT_NE(run.verdict.kind, Kind::wrong);
         }
+}
+
+TEST(OrdinaryCommand, ends_in_silence) {
+    for (const auto& [name, section] : sections_of("ordinary_scenes.txt")) {
+        if (!is_quick(name)) continue;
+        std::string text = section.text;
+        text.replace(text.find("STEP"), 4, "\"1/256\"");
+        Process process({TUMBLE_COMMAND, "run", written(name + ".toml", text)}, {}, Process::Errors::keep);
+        std::string table;
+        EXPECT_EQ(process.wait(&table), 0) << name << table;
+        EXPECT_EQ(process.errors(), "") << name;
+        EXPECT_FALSE(has(table, "verdict: wrong")) << name << table;
+    }
 }
 
 INSTANTIATE_TEST_SUITE_P(Deep, VerdictTrial, testing::ValuesIn(names_of(all_trial_scenes(), false)), name_of_parameter);
