@@ -343,7 +343,7 @@ TEST(Verdict, search_for_a_cure_compiles_nothing) {
 TEST(Messages, a_step_that_is_too_long_for_a_spin_has_one_that_holds_it) {
     const SceneDescription scene = scene_of(R"(
 world = { step = "1/16", duration = 1.0 }
-body = [ { name = "wheel", shape = { cylinder = [0.1, 0.1] }, mass = 1.0, angular_velocity = [0, 0, 150] } ]
+body = [ { name = "ball", shape = { sphere = 0.1 }, mass = 1.0, angular_velocity = [0, 0, 150] } ]
 )");
     const auto simulation = make_simulation(scene, "verlet", "f64", false);
     simulation->step();
