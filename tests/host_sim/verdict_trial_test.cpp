@@ -160,7 +160,8 @@ double parts_of_wrong(const States& a, const States& b, const std::vector<double
 // the limit, the run may be warned of; where they part by more than four times the limit, one of them is more than
 // twice the limit from the run.
 void expect_right_judgement(const SceneDescription& scene, const Known& known, const Judged& judged) {
-    const auto& [run, verdict, facts, said, status] = judged;
+    const Record& run = judged.run;
+    const Verdict& verdict = judged.verdict;
     const bool has_band = known.can_touch && scene.contact.response == ContactResponse::impulse;
     const double least_m =
         std::max(has_band ? std::max(run.contact_tolerance, scene.contact.tolerance) : 0, run.rounding);
@@ -194,7 +195,8 @@ void expect_right_judgement(const SceneDescription& scene, const Known& known, c
     }
     EXPECT_NE(verdict.kind, Kind::unchecked) << verdict.obstacle;
     if (!is_known || worst >= 0.5) return;
-    EXPECT_FALSE(is_wrong || status != 0 || !said.empty()) << "warned of at " << worst << " of the limit: " << said;
+    EXPECT_FALSE(is_wrong || judged.status != 0 || !judged.said.empty())
+        << "warned of at " << worst << " of the limit: " << judged.said;
     EXPECT_TRUE(!known.is_smooth || verdict.kind == Kind::right) << "not called right at " << worst << " of the limit";
 }
 
