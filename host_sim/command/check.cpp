@@ -33,7 +33,8 @@ int report(const Verdict& verdict, const SceneDescription& scene, const Simulati
         verdict.cure ? options_of(*verdict.cure, {method_of(simulation), scene.step}) : std::string();
     for (const Trouble& trouble : verdict.troubles)
         std::cerr << message_of(trouble, verdict.troubles.front(), scene, simulation, cure) << "\n";
-    if (verdict.is_as_large_as_motion)
+    // The status says enough.
+    if (verdict.troubles.empty() && verdict.is_as_large_as_motion)
         std::cerr << scene.path << ": " << sentence_of(verdict, scene, method_of(simulation))
                   << ". The error is as large as the motion\n";
     return verdict.troubles.empty() && !verdict.is_as_large_as_motion ? done : failed;

@@ -5,6 +5,7 @@
 
 #include "scene/reader.hpp"
 #include "tools/text.hpp"
+#include "verdict/accuracy.hpp"
 
 namespace tumble::host {
 namespace {
@@ -17,16 +18,25 @@ std::string numbers_of(const Simulation& simulation) {
            std::string(simulation.range());
 }
 
+// The longest step, of halvings of the scene's, at which floating point holds the spin that a body has now.
+std::string step_that_holds(const HeldNumber& spin, int body, const SceneDescription& scene,
+                            const Simulation& simulation) {
+    double now = 0;
+    for (const long double w : simulation.body(body).angular_velocity)
+        if (std::isfinite(w)) now = std::max(now, static_cast<double>(std::abs(w)));
+    const double halvings = std::ceil(std::log2(now / spin.most));
+    return step_text(scaled(scene.step, -static_cast<int>(std::max(1.0, halvings))));
+}
+
 // By rule: a shorter step holds larger spins, a larger [range] larger positions and velocities.
-std::string cure_of(const HeldNumber& number, const SceneDescription& scene, const Simulation& simulation) {
+std::string cure_of(const HeldNumber& number, int body, const SceneDescription& scene, const Simulation& simulation) {
     const bool is_fixed_point = !simulation.range().empty();
     if (number.is_declared) return "a larger [range] " + number.name;
     if (number.name.starts_with("change")) return "a smaller step or a larger [range] velocity";
     if (number.name == "angular velocity" && is_fixed_point)
         return std::string("a larger [range] angular_velocity and a smaller step") +
                (scene.range.is_declared ? "" : ", or --numbers f32");
-    if (number.name == "angular velocity")
-        return "--step " + step_text({scene.step.numerator, scene.step.denominator * 2, scene.step.decimal / 2});
+    if (number.name == "angular velocity") return "--step " + step_that_holds(number, body, scene, simulation);
     if (held_by(simulation.range()).position < held_by("field").position) return "a larger [range] " + number.name;
     return scene.range.is_declared ? "--numbers f64 and no [range]" : "--numbers f64";
 }
@@ -46,20 +56,36 @@ Account range_left(const Trouble& trouble, const SceneDescription& scene, const 
         number.or_spin > 0 ? ", or change of spin in a step exceeds " + few_digits(number.or_spin) + " rad/s" : "";
     return {number.name + " exceeds " + few_digits(number.most) + " " + number.unit + spin + ", the most that " +
                 holder + " at a step of " + step_of(simulation) + wrong,
-            cure_of(number, scene, simulation)};
+            cure_of(number, trouble.body, scene, simulation)};
 }
 
-Account step_too_long(const Simulation& simulation) {
+// "a spring, a damper or drag": what acts in the scene and may be too strong.
+std::string strong_loads(const SceneDescription& scene) {
+    std::vector<std::string> loads;
+    const auto has = [&](double SpringDescription::*number) {
+        return std::any_of(scene.springs.begin(), scene.springs.end(), [&](const auto& s) { return s.*number > 0; });
+    };
+    if (has(&SpringDescription::stiffness)) loads.emplace_back("a spring");
+    if (has(&SpringDescription::damping)) loads.emplace_back("a damper");
+    if (scene.linear_drag > 0 || scene.angular_drag > 0) loads.emplace_back("drag");
+    if (scene.gravitation > 0) loads.emplace_back("gravitation");
+    std::string text;
+    for (std::size_t i = 0; i < loads.size(); ++i)
+        text += (i == 0 ? "" : i + 1 == loads.size() ? " or " : ", ") + loads[i];
+    return text.empty() ? "a contact spring" : text;
+}
+
+Account step_too_long(const SceneDescription& scene, const Simulation& simulation) {
     const long double safe = simulation.largest_safe_step();
     const std::string step = " for the step of " + step_of(simulation) + ". The method may be unstable at this step";
     if (safe > 0)
         return {"a contact spring is too stiff" + step, "a step of at most " + four_digits_down(0.999L * safe) + " s"};
-    return {"a spring, a damper, drag or gravitation is too strong" + step, "a smaller step"};
+    return {strong_loads(scene) + " is too strong" + step, "a smaller step"};
 }
 
 Account account_of(const Trouble& trouble, const SceneDescription& scene, const Simulation& simulation) {
     if (trouble.issue == "range_left") return range_left(trouble, scene, simulation);
-    if (trouble.issue == "step_too_long") return step_too_long(simulation);
+    if (trouble.issue == "step_too_long") return step_too_long(scene, simulation);
     if (trouble.issue == "contacts_full")
         return {"more pairs are near each other than the world has room for, so some bodies pass through others", ""};
     if (trouble.issue != "step_bound_hit") return {"there is no room for another body", ""};
@@ -79,8 +105,7 @@ std::string message_of(const Trouble& trouble, const Trouble& first, const Scene
     const double time = static_cast<double>(trouble.step) * scene.step.seconds();
     Account account = account_of(trouble, scene, simulation);
     const bool is_first = &trouble == &first;
-    // Of a contact spring the longest stable step is known.
-    if (is_first && !cure.empty() && !account.cure.starts_with("a step of at most")) account.cure = cure;
+    if (is_first && !cure.empty()) account.cure = cure;
     // What was unstable leaves the range: the cure of the first is that of both.
     if (!is_first && (!cure.empty() || first.issue == "step_too_long")) account.cure.clear();
     return scene.path + ": body \"" + scene.bodies.at(static_cast<std::size_t>(trouble.body)).name + "\" at " +

@@ -59,6 +59,7 @@ std::string sentence_of(const Verdict& verdict, const SceneDescription& scene, c
     case Verdict::Kind::wrong:
         return "wrong from " + time + " on: " + body() +
                (std::isfinite(verdict.error.position_m) ? "is off by " + errors_text(verdict.error) : "is not finite") +
+               (verdict.troubles.empty() ? "" : "; the status reports " + verdict.troubles.front().issue) +
                (verdict.cause == Verdict::Cause::none ? "" : std::string("; cause: the ") + name_of(verdict.cause)) +
                cure;
     case Verdict::Kind::told:

@@ -20,9 +20,9 @@ constexpr double share_of_doubt = 0.2;
 constexpr std::array<int, 3> halvings_of_references{2, 4, 6};
 constexpr int most_halvings_of_cure = 5;
 
-// A body that symmetry holds still moves by rounding alone, which grows with the steps. Each body is judged as if it had
-// moved by at least this share of the most that a body of the scene has: a tenth of that, a thousandth, is a pixel of a
-// picture of the scene.
+// A body that symmetry holds still moves by rounding alone, which grows with the steps. Each body is judged as if it
+// had moved by at least this share of the most that a body of the scene has: a tenth of that, a thousandth, is a pixel
+// of a picture of the scene.
 constexpr double share_of_scene = 0.01;
 
 // About the time that the worlds of the references take to compile, s.
@@ -102,7 +102,8 @@ public:
                 verdict.doubt.see(reference_->other.moments[m].bodies[b], reference_->fine.moments[m].bodies[b]);
             }
         }
-        if (run.moments.size() == moments_.size()) return verdict;
+        // Where the status ended the run, the status tells why.
+        if (run.moments.size() == moments_.size() || !run.troubles.empty()) return verdict;
         if (!reference_->lasts(moments_.size()) && run.moments.size() >= reference_->moments)
             return without_reference(std::move(verdict), run.moments.size());
         // The references go on where the run has no finite state.
@@ -116,9 +117,8 @@ public:
     }
 
     // Right to the end, or as far as the references know and at least to the time of the verdict, without a word of the
-    // status. A way whose worlds are not there is not.
+    // status.
     [[nodiscard]] bool is_good(const Way& way, const Verdict& verdict, const ProcessorTime& time) const {
-        if (!options_.compiles && !is_compiled(way.method)) return false;
         try {
             const Record record = run(way, time);
             if (!record.troubles.empty()) return false;
@@ -126,15 +126,15 @@ public:
             return own.kind == Verdict::Kind::right ||
                    (own.kind == Verdict::Kind::no_reference && own.time_s > 0 && own.time_s >= verdict.time_s);
         } catch (const ProcessorTime::TooDear&) { throw; } catch (const std::exception&) {
-            return false;  // it cannot be compiled, or does not take the scene
+            return false;  // it does not take the scene
         }
     }
     [[nodiscard]] const SceneDescription& scene() const { return scene_; }
-
-private:
     [[nodiscard]] bool is_compiled(const Method& method) const {
         return host::is_compiled(scene_, method.integrator, method.numbers, method.carry);
     }
+
+private:
     [[nodiscard]] int halvings_of(const Way& way) const {
         return static_cast<int>(std::lround(std::log2(scene_.step.seconds() / way.step.seconds())));
     }
@@ -289,20 +289,26 @@ std::vector<Way> thresholds(const Way& way, const SceneDescription& scene) {
     return ways;
 }
 
-// Exchanges numbers, then the method, then the step, and looks for a way that is right.
+// Exchanges numbers, then the method, then the step, and looks for a way that is right. It compiles nothing: what is
+// not compiled is left out, and then a finer step that helps does not prove that the step was the cause.
 void explain(Verdict& verdict, const Judge& judge, const Way& way, const ProcessorTime& time) {
+    bool has_left_out = false;
+    const auto is_good = [&](const Way& each) {
+        const bool is_there = judge.is_compiled(each.method);
+        has_left_out = has_left_out || !is_there;
+        return is_there && judge.is_good(each, verdict, time);
+    };
     const auto first_good = [&](const std::vector<Way>& ways) -> std::optional<Way> {
-        for (const Way& each : ways)
-            if (judge.is_good(each, verdict, time)) return each;
-        return {};
+        const auto found = std::find_if(ways.begin(), ways.end(), is_good);
+        return found == ways.end() ? std::nullopt : std::optional{*found};
     };
     using enum Verdict::Cause;
-    const bool is_told = verdict.kind == Verdict::Kind::told;
+    const bool is_told = !verdict.troubles.empty();
     try {
         if (is_told && verdict.troubles.front().issue == "step_bound_hit")
             if ((verdict.cure = first_good(thresholds(way, judge.scene())))) return;
         const Way in_f64{{way.method.integrator, "f64", carries_by_default("f64")}, way.step};
-        if (way.method.numbers != "f64" && judge.is_good(in_f64, verdict, time)) {
+        if (way.method.numbers != "f64" && is_good(in_f64)) {
             verdict.cause = numbers;
             // A finer step may fit the same numbers, which are cheaper on the core than others.
             std::vector<Way> ways = is_told ? finer_steps(way) : std::vector<Way>{};
@@ -311,7 +317,7 @@ void explain(Verdict& verdict, const Judge& judge, const Way& way, const Process
         } else if ((verdict.cure = first_good(other_methods(way)))) {
             verdict.cause = method;
         } else {
-            verdict.cause = step;
+            verdict.cause = has_left_out ? none : step;
             verdict.cure = first_good(finer_steps(way));
         }
     } catch (const ProcessorTime::TooDear&) { verdict.cause = verdict.cure ? verdict.cause : none; }
@@ -350,8 +356,9 @@ Verdict verdict_of(const SceneDescription& scene, const Method& method, const Re
             return verdict;
         }
         judge.run_references(ProcessorTime(options.most_seconds));
-        const Verdict held = judge.hold(run);
-        if (run.troubles.empty()) verdict = held;
+        Verdict held = judge.hold(run);
+        held.troubles = run.troubles;
+        if (run.troubles.empty() || held.kind == Verdict::Kind::wrong) verdict = std::move(held);
         else verdict.error = held.error;
         if (options.explains && is_cured_by_search(verdict))
             explain(verdict, judge, {method, scene.step}, ProcessorTime(options.most_seconds));

@@ -26,7 +26,7 @@ struct Verdict {
     enum class Kind {
         right,         // the error stays below the tolerance to the end
         wrong,         // it does not, from `time_s` on
-        told,          // the status says so: `troubles`
+        told,          // the status says so, and nothing else is wrong: `troubles`
         no_reference,  // right until `time_s`; after it the references part, or gain energy that no load gave
         unchecked,     // the check costs more than it may, or cannot be made
     };
@@ -41,7 +41,7 @@ struct Verdict {
     bool is_as_large_as_motion =
         false;                      // wrong: at some moment the error reaches all that the body has moved or turned
     bool gains_energy = false;      // no_reference: the references gain energy that no load gave
-    std::vector<Trouble> troubles;  // told: what the status says, the first first
+    std::vector<Trouble> troubles;  // told, wrong: what the status says, the first first
     Cause cause = Cause::none;      // wrong, told: what has to change
     std::optional<Way> cure;        // wrong, told: a way of running the scene that is right
     double cost_s = 0;              // unchecked: processor time of the check, about
@@ -56,7 +56,7 @@ struct VerdictOptions {
     std::optional<double> most_seconds{};  // of processor time, for the references; none: as long as they take
     int most_references = 3;               // pairs, each 4 times finer than the one before
     bool explains = true;                  // looks for cause and cure
-    bool compiles = true;                  // worlds that the check needs and that are not compiled
+    bool compiles = true;                  // the references, if they are not; cures are sought among what is compiled
 };
 
 // Runs the scene with `method` and decides. Throws what make_simulation() throws for that run. A run without a step is

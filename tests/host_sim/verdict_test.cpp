@@ -52,30 +52,6 @@ double error_in_parts_of_wrong(const SceneDescription& scene, const Method& meth
     return worst;
 }
 
-class SmoothScenes : public testing::TestWithParam<std::string> {};
-
-// The runs between half and twice the tolerance may be judged either way.
-TEST_P(SmoothScenes, are_judged_as_an_integration_in_long_double_judges_them) {
-    const SceneDescription scene = with_events_at_steps(read_scene(shipped(GetParam())));
-    for (const Method& method : {verlet_q32, Method{"rk4", "q32", true}, Method{"heun", "f64", false},
-                                 Method{"explicit_euler", "f32", true}}) {
-        SCOPED_TRACE(method.integrator + " " + method.numbers);
-        const double error = error_in_parts_of_wrong(scene, method);
-        const Verdict verdict = verdict_of(scene, method, {.explains = false});
-        const bool is_wrong = verdict.kind == Verdict::Kind::wrong || verdict.kind == Verdict::Kind::told;
-        if (error > 2) {
-            EXPECT_TRUE(is_wrong) << error;
-        } else if (error < 0.5) {
-            EXPECT_EQ(name_of(verdict.kind), std::string("right")) << error;
-        }
-    }
-}
-
-INSTANTIATE_TEST_SUITE_P(Verdict, SmoothScenes,
-                         testing::Values("brick", "free", "orbit", "oscillators", "pendulum", "projectile", "satellite",
-                                         "stone", "top"),
-                         [](const auto& info) { return info.param; });
-
 TEST(Verdict, method_that_is_too_coarse_is_the_cause_and_its_cure_is_right) {
     const SceneDescription scene = read_scene(shipped("pendulum"));
     const Verdict verdict = verdict_of(scene, verlet_q32);
@@ -204,7 +180,8 @@ TEST(Verdict, a_body_that_rests_on_a_spring_is_right) {
                     }
 }
 
-TEST(Verdict, a_body_that_symmetry_keeps_still_is_right) {
+// Its true position is the origin. Where the springs are pressed it is unstable, so rounding may grow to a true error.
+TEST(Verdict, a_body_that_symmetry_keeps_still_is_judged_by_its_distance_from_the_origin) {
     for (const double stiffness : {50.0, 333.0})
         for (const double side : {0.3, 0.7})
             for (const Method& method : {verlet_q32, Method{"verlet", "f32", true}, Method{"rk4", "f64", false}}) {
@@ -225,9 +202,16 @@ TEST(Verdict, a_body_that_symmetry_keeps_still_is_right) {
                              ", rest_length = 0.2 }, { body = \"middle\", "
                              "to_body = \"right\", stiffness = " +
                              k + ", rest_length = 0.2 } ]\n");
-                const Verdict verdict = verdict_of(scene, method);
-                EXPECT_EQ(name_of(verdict.kind), std::string("right"))
-                    << stiffness << " " << side << " " << method.numbers << " " << sentence_of(verdict, scene, method);
+                const Record run = record_of(scene, method, 0, moments_of(scene), ProcessorTime{});
+                double error = 0;  // in parts of a tenth of a hundredth of the way of the others
+                for (const Moment& moment : run.moments)
+                    error = std::max(error, static_cast<double>(norm(moment.bodies[0].x)) / (moment.way_m[1] / 1000));
+                const Verdict verdict = verdict_of(scene, method, run);
+                if (error < 0.5 || error > 2) {
+                    EXPECT_EQ(name_of(verdict.kind), std::string(error < 1 ? "right" : "wrong"))
+                        << stiffness << " " << side << " " << method.numbers << " " << error << " "
+                        << sentence_of(verdict, scene, method);
+                }
             }
 }
 
@@ -270,8 +254,7 @@ TEST(Verdict, cure_of_impacts_beyond_their_bound_has_been_run) {
     for (const double heavy : {1.0, 30.0, 1000.0}) {
         SceneDescription scene = scene_of(squeezed(heavy));
         const Verdict verdict = verdict_of(scene, verlet_q32);
-        if (verdict.kind != Verdict::Kind::told || verdict.troubles.front().issue != "step_bound_hit" || !verdict.cure)
-            continue;
+        if (verdict.troubles.empty() || verdict.troubles.front().issue != "step_bound_hit" || !verdict.cure) continue;
         ++cured;
         if (verdict.cure->restitution_threshold)
             scene.contact.restitution_threshold = *verdict.cure->restitution_threshold;
@@ -324,6 +307,73 @@ body = [ { name = "die", shape = { box = [0.1, 0.1, 0.1] }, mass = 1.0 } ]
                             .ends_with("Use a larger [range] " + std::string(name)));
 }
 
+TEST(Verdict, a_run_that_is_wrong_before_its_status_speaks_is_called_wrong) {
+    const SceneDescription scene = read_scene(shipped("pendulum"));
+    const Method euler{"explicit_euler", "f64", false};
+    const Record run = record_of(scene, euler, 0, moments_of(scene), ProcessorTime{});
+    ASSERT_FALSE(run.troubles.empty());
+    const Verdict verdict = verdict_of(scene, euler, run);
+    EXPECT_EQ(verdict.kind, Verdict::Kind::wrong);
+    EXPECT_LT(verdict.time_s, told_by(run, scene).time_s);
+    EXPECT_TRUE(has(sentence_of(verdict, scene, euler), "; the status reports " + run.troubles.front().issue));
+    // Until its status speaks, a longer step of another method is right.
+    Record right = record_of(scene, {"rk4", "f64", true}, 0, moments_of(scene), ProcessorTime{});
+    right.troubles = run.troubles;
+    EXPECT_EQ(verdict_of(scene, euler, right).kind, Verdict::Kind::told);
+}
+
+TEST(Verdict, search_for_a_cure_compiles_nothing) {
+    const SceneDescription scene = read_scene(shipped("pendulum"));
+    const auto compiled = [&] {
+        std::vector<bool> all;
+        for (const NumberSystemInfo& system : number_systems())
+            for (const IntegratorInfo& method : integrators())
+                all.push_back(is_compiled(scene, method.name, system.name, system.carry));
+        return all;
+    };
+    const Method heun{"heun", "f64", false};
+    const Record run = record_of(scene, heun, 0, moments_of(scene), ProcessorTime{});
+    (void)verdict_of(scene, heun, run, {.explains = false});
+    const std::vector<bool> before = compiled();
+    for (const Method& method : {heun, Method{"heun", "f32", false}, Method{"heun", "q32", false}})
+        (void)verdict_of(scene, method, run, {.tolerance = 1e-12});
+    EXPECT_EQ(compiled(), before);
+}
+
+TEST(Messages, a_step_that_is_too_long_for_a_spin_has_one_that_holds_it) {
+    const SceneDescription scene = scene_of(R"(
+world = { step = "1/16", duration = 1.0 }
+body = [ { name = "ball", shape = { sphere = 0.1 }, mass = 1.0, angular_velocity = [0, 0, 150] } ]
+)");
+    const auto simulation = make_simulation(scene, "verlet", "f64", false);
+    simulation->step();
+    ASSERT_TRUE(simulation->has_trouble("range_left"));
+    const Trouble& trouble = simulation->troubles().front();
+    EXPECT_TRUE(message_of(trouble, trouble, scene, *simulation).ends_with("Use --step 1/64"))
+        << message_of(trouble, trouble, scene, *simulation);
+    SceneDescription finer = scene;
+    finer.step = {1, 64, 0};
+    const auto held = make_simulation(finer, "verlet", "f64", false);
+    held->step();
+    EXPECT_FALSE(held->has_trouble("range_left"));
+}
+
+TEST(Messages, a_load_that_is_too_strong_is_one_of_the_scene) {
+    const std::string body = R"(
+world = { step = 0.5, duration = 1.0, linear_drag = 9.0 }
+body = [ { name = "bob", shape = { sphere = 0.1 }, mass = 0.1, position = [1, 0, 0] } ]
+)";
+    const auto said_of = [](const std::string& text) {
+        const SceneDescription scene = scene_of(text);
+        const auto simulation = make_simulation(scene, "verlet", "f64", false);
+        const Trouble& trouble = simulation->troubles().at(0);
+        return message_of(trouble, trouble, scene, *simulation);
+    };
+    EXPECT_TRUE(has(said_of(body), "step_too_long: drag is too strong"));
+    EXPECT_TRUE(has(said_of(body + R"(spring = [ { body = "bob", to = [0, 0, 0], stiffness = 4e3, damping = 1.0 } ])"),
+                    "step_too_long: a spring, a damper or drag is too strong"));
+}
+
 TEST(Messages, one_cause_has_one_cure) {
     const SceneDescription scene = read_scene(shipped("brick"));
     const auto simulation = make_simulation(scene, "verlet", "q32", true);
@@ -347,6 +397,16 @@ TEST(VerdictOfRun, told_run_has_one_message) {
         EXPECT_NE(outcome.text.find("step_too_long"), std::string::npos) << outcome.text;
         EXPECT_EQ(outcome.text.find("as large as the motion"), std::string::npos) << outcome.text;
     }
+}
+
+// The check of this run takes much longer than the second at which the shell ends it.
+TEST(VerdictOfRun, a_check_that_is_ended_loses_nothing_of_the_run) {
+    const std::string limited = R"(ulimit -t 1; exec "$0" run "$1" --duration 10 --numbers f64 --check on)";
+    Process process({"sh", "-c", limited, TUMBLE_COMMAND, shipped("contacts/spheres")}, {}, Process::Errors::keep);
+    std::string table;
+    EXPECT_NE(process.wait(&table), 0);
+    EXPECT_TRUE(has(table, "\nstate  ")) << table;
+    EXPECT_FALSE(has(table, "verdict: ")) << table;
 }
 
 TEST(VerdictOfRun, is_one_line_and_off_is_none) {
@@ -383,54 +443,6 @@ TEST(VerdictOfRun, error_as_large_as_the_motion_is_a_failure_and_a_smaller_one_i
                                   "--duration", "20", "--check", "on"});
     EXPECT_EQ(large.status, 1);
     EXPECT_NE(large.text.find("The error is as large as the motion"), std::string::npos) << large.text;
-}
-
-// Boxes and balls that fall, slide, roll, stack and rattle to rest; `turn` turns them about the vertical.
-std::vector<std::string> ordinary_scenes(double turn) {
-    const std::string floor = "plane = [ { name = \"floor\", normal = [0, 1, 0] } ]\n";
-    const auto orientation =
-        "[" + std::to_string(std::cos(turn / 2)) + ", 0, " + std::to_string(std::sin(turn / 2)) + ", 0]";
-    std::vector<std::string> scenes;
-    for (const double size : {0.05, 0.2, 0.7})
-        for (const double height : {0.1, 0.8}) {
-            const std::string s = std::to_string(size), y = std::to_string(size / 2 + height);
-            scenes.push_back("contact = { restitution = 0.3, friction = 0.4 }\n" + floor +
-                             "body = [ { name = \"b\", shape = { box = [" + s + ", " + s + ", " + s +
-                             "] }, mass = 2.0, position = [0, " + y + ", 0], orientation = " + orientation + " } ]\n");
-        }
-    std::string stack = "contact = { restitution = 0.1, friction = 0.5 }\n" + floor + "body = [ ";
-    for (int i = 0; i < 3; ++i)
-        stack += std::string(i > 0 ? ", " : "") + "{ name = \"b" + std::to_string(i) +
-                 "\", shape = { box = [0.5, 0.4, 0.5] }, " + "mass = 2.0, position = [" +
-                 (i % 2 == 0 ? "0.02" : "-0.02") + ", " + std::to_string(0.25 + 0.45 * i) +
-                 ", 0], orientation = " + orientation + " }";
-    scenes.push_back(stack + " ]\n");
-    scenes.push_back("contact = { restitution = 0.0, friction = 0.3 }\n" + floor +
-                     "body = [ { name = \"b\", shape = { sphere = 0.25 }, mass = 1.0, position = [0, 0.25, 0], "
-                     "velocity = [2, 0, 0] } ]\n");
-    scenes.push_back("contact = { restitution = 0.0, friction = 0.3 }\n" + floor +
-                     "body = [ { name = \"b\", shape = { box = [0.4, 0.2, 0.4] }, mass = 1.0, position = [0, 0.1, 0], "
-                     "velocity = [2, 0, 0], orientation = " +
-                     orientation + " } ]\n");
-    return scenes;
-}
-
-TEST(VerdictOfRun, ordinary_scenes_end_in_silence) {
-    int index = 0;
-    for (const std::string& rest : ordinary_scenes(0.4))
-        for (const char* step : {"1/60", "1/256", "0.001"}) {
-            const std::string quoted =
-                std::string(step).find('/') != std::string::npos ? "\"" + std::string(step) + "\"" : step;
-            const std::string path =
-                written("scene" + std::to_string(index++) + ".toml",
-                        "world = { gravity = [0, -9.81, 0], step = " + quoted + ", duration = 2.0 }\n" + rest);
-            Process process({TUMBLE_COMMAND, "run", path}, {}, Process::Errors::keep);
-            std::string text;
-            EXPECT_EQ(process.wait(&text), 0) << path << text << process.errors();
-            EXPECT_EQ(process.errors(), "") << path;
-            EXPECT_EQ(text.find("verdict: wrong"), std::string::npos) << path << text;
-            EXPECT_EQ(text.find("largest relative drift"), std::string::npos) << path;
-        }
 }
 
 }  // namespace
