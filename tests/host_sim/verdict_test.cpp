@@ -317,7 +317,7 @@ TEST(Verdict, a_run_that_is_wrong_before_its_status_speaks_is_called_wrong) {
     EXPECT_LT(verdict.time_s, told_by(run, scene).time_s);
     EXPECT_TRUE(has(sentence_of(verdict, scene, euler), "; the status reports " + run.troubles.front().issue));
     // Until its status speaks, a longer step of another method is right.
-    Record right = record_of(scene, {"rk4", "f64", true}, 0, moments_of(scene), ProcessorTime{});
+    Record right = record_of(scene, {"rk4", "f64", false}, 0, moments_of(scene), ProcessorTime{});
     right.troubles = run.troubles;
     EXPECT_EQ(verdict_of(scene, euler, right).kind, Verdict::Kind::told);
 }

@@ -110,7 +110,7 @@ std::vector<States> fine_run(SceneDescription scene, const char* integrator, int
                              std::vector<std::vector<double>>& ways_m) {
     const std::vector<std::int64_t> moments = moments_of(scene);
     scene.step = scaled(scene.step, -halvings);
-    const auto simulation = make_simulation(scene, integrator, "f64", true);
+    const auto simulation = make_simulation(scene, integrator, "f64", false);
     const auto now = [&] {
         States states;
         for (int b = 0; b < simulation->body_count(); ++b) states.push_back(motion_of(simulation->body(b)));

@@ -94,9 +94,9 @@ TEST(fixed, mean_rounding_error_of_narrow_is_zero) {
 Scaled random_scaled(Random& random, int least_exponent = -60, int greatest_exponent = 60) {
     return Scaled::of(random.int64() >> random.between(0, 62), random.between(least_exponent, greatest_exponent));
 }
-Number number(Scaled a) { return std::ldexp(static_cast<Number>(a.mantissa()), a.exponent()); }
+Number exactly(Scaled a) { return std::ldexp(static_cast<Number>(a.mantissa()), a.exponent()); }
 Number relative_error(Scaled a, Number exact) {
-    return exact == 0 ? std::abs(number(a)) : std::abs(number(a) / exact - 1);
+    return exact == 0 ? std::abs(exactly(a)) : std::abs(exactly(a) / exact - 1);
 }
 
 TEST(scaled, keeps_31_bits_of_everything) {
@@ -105,17 +105,17 @@ TEST(scaled, keeps_31_bits_of_everything) {
         const std::int64_t raw = random.int64() >> random.between(0, 63);
         ASSERT_LE(relative_error(Scaled::of(raw, 7), std::ldexp(static_cast<Number>(raw), 7)), tolerance::scaled_unit);
         const Scaled a = random_scaled(random), b = random_scaled(random);
-        const Number x = number(a), y = number(b);
+        const Number x = exactly(a), y = exactly(b);
         ASSERT_LE(relative_error(a * b, x * y), tolerance::scaled_unit);
         if (!b.is_zero()) { ASSERT_LE(relative_error(a / b, x / y), tolerance::scaled_quotient); }
-        ASSERT_LE(std::abs(number(a + b) - (x + y)),
+        ASSERT_LE(std::abs(exactly(a + b) - (x + y)),
                   tolerance::scaled_sum *
                       std::max(std::abs(x + y), Number(0x1p-31) * std::max(std::abs(x), std::abs(y))));
-        ASSERT_LE(std::abs(number(a - b) - (x - y)),
+        ASSERT_LE(std::abs(exactly(a - b) - (x - y)),
                   tolerance::scaled_sum *
                       std::max(std::abs(x - y), Number(0x1p-31) * std::max(std::abs(x), std::abs(y))));
-        ASSERT_EQ(number(-a), -x);
-        ASSERT_EQ(number(a.times_power_of_two(-9)), x / 512);
+        ASSERT_EQ(exactly(-a), -x);
+        ASSERT_EQ(exactly(a.times_power_of_two(-9)), x / 512);
     }
 }
 
@@ -141,7 +141,7 @@ TEST(scaled, agrees_with_real_both_ways) {
         const double d = std::ldexp(random.uniform(-1, 1), random.between(-300, 300));
         ASSERT_LE(relative_error(Scaled::from(Real{d}), static_cast<Number>(d)), tolerance::scaled_unit);
         const Scaled a = random_scaled(random);
-        ASSERT_EQ(test::number(a.to_real()), number(a));
+        ASSERT_EQ(number(a.to_real()), exactly(a));
         ASSERT_EQ(Scaled::from(a.to_real()), a);
     }
 }
@@ -150,11 +150,11 @@ TEST(scaled, orders_like_long_double) {
     Random random{8};
     for (int i = 0; i < tests::many; ++i) {
         const Scaled a = random_scaled(random, -3, 3), b = random.between(0, 9) == 0 ? a : random_scaled(random, -3, 3);
-        ASSERT_EQ(a < b, number(a) < number(b));
-        ASSERT_EQ(a > b, number(a) > number(b));
-        ASSERT_EQ(a <= b, number(a) <= number(b));
-        ASSERT_EQ(a >= b, number(a) >= number(b));
-        ASSERT_EQ(a == b, number(a) == number(b));
+        ASSERT_EQ(a < b, exactly(a) < exactly(b));
+        ASSERT_EQ(a > b, exactly(a) > exactly(b));
+        ASSERT_EQ(a <= b, exactly(a) <= exactly(b));
+        ASSERT_EQ(a >= b, exactly(a) >= exactly(b));
+        ASSERT_EQ(a == b, exactly(a) == exactly(b));
     }
     const Scaled zero{};
     EXPECT_FALSE(zero < zero);
@@ -167,7 +167,7 @@ TEST(scaled, square_root_keeps_31_bits_and_negative_counts_as_zero) {
     for (int i = 0; i < tests::many; ++i) {
         Scaled a = random_scaled(random);
         if (a < Scaled{}) a = -a;
-        ASSERT_LE(relative_error(sqrt(a), std::sqrt(number(a))), tolerance::scaled_root) << static_cast<double>(a);
+        ASSERT_LE(relative_error(sqrt(a), std::sqrt(exactly(a))), tolerance::scaled_root) << static_cast<double>(a);
     }
     EXPECT_EQ(sqrt(Scaled{-1}), Scaled{});
     EXPECT_EQ(sqrt(Scaled{}), Scaled{});
@@ -179,11 +179,11 @@ TEST(scaled, becomes_a_sum_rounded_and_saturated) {
     Random random{10};
     for (int i = 0; i < tests::many; ++i) {
         const Scaled a = random_scaled(random, -90, 20);
-        const Number limit = 0x1p62L - 1, scaled = std::ldexp(number(a), 30);
+        const Number limit = 0x1p62L - 1, scaled = std::ldexp(exactly(a), 30);
         const Number expected = std::min(std::max(std::floor(scaled + Number(0.5)), -limit), limit);
         ASSERT_EQ(static_cast<Number>(a.to_wide<30>().raw), expected) << static_cast<double>(a);
         const Number narrow =
-            std::min(std::max(std::floor(std::ldexp(number(a), 20) + Number(0.5)), Number(-highest)), Number(highest));
+            std::min(std::max(std::floor(std::ldexp(exactly(a), 20) + Number(0.5)), Number(-highest)), Number(highest));
         ASSERT_EQ(static_cast<Number>(a.to_fixed<Fixed<20>>().raw), narrow);
     }
     EXPECT_EQ(Scaled::of(1, 500).to_wide<0>().raw, (std::int64_t{1} << 62) - 1);
