@@ -35,7 +35,7 @@ fs::path source_dir() {
 #endif
 }
 
-std::vector<fs::path> shipped_scenes() {
+std::vector<fs::path> shipped_files() {
     std::vector<fs::path> files;
     for (const auto& entry : fs::directory_iterator(source_dir() / "host_sim/scenes"))
         if (entry.path().extension() == ".toml") files.push_back(entry.path());
@@ -112,7 +112,7 @@ TEST_P(ShippedScene, reads) {
     } catch (const SceneError& error) { FAIL() << error.what(); }
 }
 
-INSTANTIATE_TEST_SUITE_P(files, ShippedScene, testing::ValuesIn(shipped_scenes()),
+INSTANTIATE_TEST_SUITE_P(files, ShippedScene, testing::ValuesIn(shipped_files()),
                          [](const auto& info) { return info.param.stem().string(); });
 
 const std::string world = "[world]\nstep = \"1/256\"\nduration = 4.0\n";

@@ -20,7 +20,7 @@ namespace {
 
 const Method verlet_q32{"verlet", "q32", true};
 
-SceneDescription scene_of(const std::string& text) { return read_scene_text(text, "test.toml"); }
+SceneDescription parsed(const std::string& text) { return read_scene_text(text, "test.toml"); }
 
 // m and rad: the largest error in parts of what counts as wrong, by a long double integration of a scene without
 // contacts.
@@ -72,7 +72,7 @@ TEST(Verdict, euler_on_an_oscillator_is_wrong_by_as_much_as_the_motion) {
 
 TEST(Verdict, floats_far_from_the_origin_are_the_cause_that_exchange_finds) {
     // The spacing of floats there is 2 mm, and a step moves the body by 0.4 mm.
-    const Verdict verdict = verdict_of(scene_of(R"(
+    const Verdict verdict = verdict_of(parsed(R"(
 world = { step = "1/256", duration = 10.0 }
 range = { position = 32000.0 }
 body = [ { name = "b", shape = { sphere = 0.1 }, mass = 1.0, position = [30000, 0, 0], velocity = [0.1, 0, 0] } ]
@@ -84,7 +84,7 @@ body = [ { name = "b", shape = { sphere = 0.1 }, mass = 1.0, position = [30000, 
 }
 
 TEST(Verdict, spin_beyond_fixed_point_is_told_with_the_number_that_left_and_a_cure_that_is_right) {
-    SceneDescription scene = scene_of(R"(
+    SceneDescription scene = parsed(R"(
 world = { step = "1/256", duration = 1.0 }
 body = [ { name = "die", shape = { box = [0.1, 0.1, 0.1] }, mass = 1.0 } ]
 impulse = [ { time = 0.25, body = "die", angular_impulse = [0, 0, 0.15] } ]
@@ -108,15 +108,15 @@ plane = [ { name = "floor", normal = [0, 1, 0] } ]
 body = [ { name = "b", shape = { box = [1, 0.1, 0.1] }, mass = 1.0, position = [0, 0.36235, 0], velocity = [0, -1, 0], orientation = [0.93937271, 0, 0, 0.34289781], angular_velocity = [0, 0, 4.2] } ]
 )";
     for (const char* step : {"1/256", "1/1024"}) {
-        const Verdict verdict = verdict_of(
-            scene_of("world = { step = \"" + std::string(step) + "\", duration = 0.125 }" + rod), verlet_q32);
+        const Verdict verdict =
+            verdict_of(parsed("world = { step = \"" + std::string(step) + "\", duration = 0.125 }" + rod), verlet_q32);
         EXPECT_EQ(verdict.kind, Verdict::Kind::no_reference);
         EXPECT_TRUE(verdict.gains_energy);
     }
 }
 
 TEST(Verdict, energy_that_loads_give_is_no_gain) {
-    const SceneDescription scene = scene_of(R"(
+    const SceneDescription scene = parsed(R"(
 world = { gravity = [0, -9.81, 0], step = "1/256", duration = 2.0 }
 body = [ { name = "b", shape = { box = [0.2, 0.3, 0.4] }, mass = 1.0 } ]
 impulse = [ { time = 0.5, body = "b", impulse = [3, 0, 0], point = [0, 0.1, 0] } ]
@@ -158,11 +158,11 @@ SceneDescription at_rest(double mass, bool mirrored, bool by_contact, const char
         "\", duration = 2.0 }\nbody = [ { name = \"b\", shape = { sphere = 0.1 }, mass = " + number(mass) +
         ", position = [0.3, ";
     if (by_contact)
-        return scene_of("contact = { response = \"spring\", stiffness = 4000.0 }\nplane = [ { name = \"floor\", normal "
-                        "= [0, " +
-                        number(sign) + ", 0] } ]\n" + world + number(sign * (0.1 - sag)) + ", 0] } ]\n");
-    return scene_of(world + number(-sign * sag) +
-                    ", 0] } ]\nspring = [ { body = \"b\", to = [0.3, 0, 0], stiffness = 4000.0 } ]\n");
+        return parsed("contact = { response = \"spring\", stiffness = 4000.0 }\nplane = [ { name = \"floor\", normal "
+                      "= [0, " +
+                      number(sign) + ", 0] } ]\n" + world + number(sign * (0.1 - sag)) + ", 0] } ]\n");
+    return parsed(world + number(-sign * sag) +
+                  ", 0] } ]\nspring = [ { body = \"b\", to = [0.3, 0, 0], stiffness = 4000.0 } ]\n");
 }
 
 TEST(Verdict, a_body_that_rests_on_a_spring_is_right) {
@@ -188,20 +188,20 @@ TEST(Verdict, a_body_that_symmetry_keeps_still_is_judged_by_its_distance_from_th
                 const std::string x = seventeen_digits(side), k = seventeen_digits(stiffness);
                 // The two outer bodies swing in and out alike; the middle one is held between them.
                 const SceneDescription scene =
-                    scene_of("world = { step = \"1/256\", duration = 4.0 }\nbody = [ { name = \"middle\", shape = { "
-                             "sphere = 0.05 }, "
-                             "mass = 0.3 }, { name = \"left\", shape = { sphere = 0.05 }, mass = 0.7, position = [-" +
-                             x +
-                             ", 0, 0], velocity = [0.4, 0.1, 0] }, { name = \"right\", shape = { sphere = 0.05 }, mass "
-                             "= 0.7, position "
-                             "= [" +
-                             x +
-                             ", 0, 0], velocity = [-0.4, -0.1, 0] } ]\ncontact = { response = \"none\" }\nspring = [ { "
-                             "body = \"middle\", to_body = \"left\", stiffness = " +
-                             k +
-                             ", rest_length = 0.2 }, { body = \"middle\", "
-                             "to_body = \"right\", stiffness = " +
-                             k + ", rest_length = 0.2 } ]\n");
+                    parsed("world = { step = \"1/256\", duration = 4.0 }\nbody = [ { name = \"middle\", shape = { "
+                           "sphere = 0.05 }, "
+                           "mass = 0.3 }, { name = \"left\", shape = { sphere = 0.05 }, mass = 0.7, position = [-" +
+                           x +
+                           ", 0, 0], velocity = [0.4, 0.1, 0] }, { name = \"right\", shape = { sphere = 0.05 }, mass "
+                           "= 0.7, position "
+                           "= [" +
+                           x +
+                           ", 0, 0], velocity = [-0.4, -0.1, 0] } ]\ncontact = { response = \"none\" }\nspring = [ { "
+                           "body = \"middle\", to_body = \"left\", stiffness = " +
+                           k +
+                           ", rest_length = 0.2 }, { body = \"middle\", "
+                           "to_body = \"right\", stiffness = " +
+                           k + ", rest_length = 0.2 } ]\n");
                 const Record run = record_of(scene, method, 0, moments_of(scene), ProcessorTime{});
                 double error = 0;  // in parts of a tenth of a hundredth of the way of the others
                 for (const Moment& moment : run.moments)
@@ -252,7 +252,7 @@ std::string squeezed(double heavy) {
 TEST(Verdict, cure_of_impacts_beyond_their_bound_has_been_run) {
     int cured = 0;
     for (const double heavy : {1.0, 30.0, 1000.0}) {
-        SceneDescription scene = scene_of(squeezed(heavy));
+        SceneDescription scene = parsed(squeezed(heavy));
         const Verdict verdict = verdict_of(scene, verlet_q32);
         if (verdict.troubles.empty() || verdict.troubles.front().issue != "step_bound_hit" || !verdict.cure) continue;
         ++cured;
@@ -287,7 +287,7 @@ std::string message(const SceneDescription& scene, const Method& method, const H
 }
 
 TEST(Messages, a_number_that_left_its_range_has_a_cure_that_can_help) {
-    SceneDescription scene = scene_of(R"(
+    SceneDescription scene = parsed(R"(
 world = { step = "1/256", duration = 1.0 }
 body = [ { name = "die", shape = { box = [0.1, 0.1, 0.1] }, mass = 1.0 } ]
 )");
@@ -341,7 +341,7 @@ TEST(Verdict, search_for_a_cure_compiles_nothing) {
 }
 
 TEST(Messages, a_step_that_is_too_long_for_a_spin_has_one_that_holds_it) {
-    const SceneDescription scene = scene_of(R"(
+    const SceneDescription scene = parsed(R"(
 world = { step = "1/16", duration = 1.0 }
 body = [ { name = "ball", shape = { sphere = 0.1 }, mass = 1.0, angular_velocity = [0, 0, 150] } ]
 )");
@@ -364,7 +364,7 @@ world = { step = 0.5, duration = 1.0, linear_drag = 9.0 }
 body = [ { name = "bob", shape = { sphere = 0.1 }, mass = 0.1, position = [1, 0, 0] } ]
 )";
     const auto said_of = [](const std::string& text) {
-        const SceneDescription scene = scene_of(text);
+        const SceneDescription scene = parsed(text);
         const auto simulation = make_simulation(scene, "verlet", "f64", false);
         const Trouble& trouble = simulation->troubles().at(0);
         return message_of(trouble, trouble, scene, *simulation);

@@ -165,7 +165,7 @@ bool read_trials(const std::vector<std::string>& files, std::vector<Trial>& tria
         std::string message;
         try {
             const SceneDescription scene = read_scene(file);
-            for (const IntegratorInfo& integrator : integrators())
+            for (const IntegratorInfo& integrator : host::integrators())
                 for (const auto& [numbers, carry] : variants)
                     if (runs_in(integrator, numbers))
                         trials.push_back({scene, file, {integrator.name, numbers, carry}});

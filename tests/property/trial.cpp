@@ -73,7 +73,7 @@ private:
         const int system = draw_.between(1, 14);
         method.numbers = system <= 8 ? "q32" : system <= 12 ? "f32" : "f64";
         method.carry = system <= 6 || system == 9 || system == 10;
-        do method.integrator = draw_.one_in(2) ? "verlet" : draw_.of(integrators()).name;
+        do method.integrator = draw_.one_in(2) ? "verlet" : draw_.of(host::integrators()).name;
         while (!runs_in(find_integrator(method.integrator), method.numbers));
     }
     void draw_step() {
