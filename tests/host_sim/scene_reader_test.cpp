@@ -1,5 +1,6 @@
 // The scene reader: every case of bad_scenes.txt is refused with the message that it names, every shipped scene is
 // read, and good values arrive as written. Each case and each shipped file is a test.
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -9,7 +10,6 @@
 #include <initializer_list>
 #include <limits>
 #include <map>
-#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -68,11 +68,13 @@ std::vector<BadScene> bad_scenes() {
             }
             scenes.push_back({fields[0], fields[1], fields[2], line.substr(at), "# " + line + "\n"});
             text = &scenes.back().toml;
-        } else if (line.starts_with("$")) {
-            std::istringstream names(line);
-            for (std::string name; names >> name;) *text += fragments.at(name);
         } else if (text) {
-            *text += line + "\n";
+            while (line.starts_with("$")) {
+                const std::size_t end = std::min(line.find(' '), line.size());
+                *text += fragments.at(line.substr(0, end));
+                line.erase(0, end + 1);
+            }
+            if (!line.empty()) *text += line + "\n";
         }
     }
     return scenes;
