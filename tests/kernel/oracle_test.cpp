@@ -219,8 +219,7 @@ protected:
     static constexpr int steps = 300;
     // Moments sorted downwards, so that the body's axes are the principal axes.
     static SceneSetup sorted_top() {
-        SceneSetup setup{.name = "top"};
-        setup.bodies = {top({3, 2, 1}, {0.5, 2, -0.25})};
+        SceneSetup setup{.name = "top", .bodies = {top({3, 2, 1}, {0.5, 2, -0.25})}};
         return setup;
     }
 };

@@ -63,8 +63,7 @@ TEST_P(Order, halving_the_step_divides_the_error_of_a_dragged_projectile_by_2_to
 }
 
 TEST_P(Order, halving_the_step_divides_the_error_of_a_free_top_by_2_to_the_order) {
-    SceneSetup setup{.name = "top"};
-    setup.bodies = {top({1, 2, 3}, {0.5, 1, 0.7})};
+    SceneSetup setup{.name = "top", .bodies = {top({1, 2, 3}, {0.5, 1, 0.7})}};
     const Motion end =
         reference::free_trajectory(reference_body(setup.bodies[0]), start_of(setup.bodies[0]), {2}).back();
     expect_order(setup, GetParam().free_order, 2, [&](const Motion& m) { return angle_between(m.q, end.q); });
@@ -95,8 +94,7 @@ TEST_P(Order, halving_the_step_divides_the_error_of_a_body_on_a_spring_with_drag
 
 TEST_P(Order, uniform_gravity_moves_the_centre_of_mass_exactly_from_order_two_on) {
     if (GetParam().order < 2) GTEST_SKIP() << "order 1";
-    SceneSetup setup{.name = "fall", .step = Seconds{1, 4}};
-    setup.bodies = {top({1, 2, 3}, {1, 1, 1})};
+    SceneSetup setup{.name = "fall", .step = Seconds{1, 4}, .bodies = {top({1, 2, 3}, {1, 1, 1})}};
     setup.bodies[0].velocity = {1, 2, 3};
     setup.world.gravity = {1, -10, 0.5};
     const auto world = build(setup, GetParam().name, "f64");

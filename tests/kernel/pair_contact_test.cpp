@@ -5,27 +5,13 @@
 namespace tumble::test {
 namespace {
 
-SceneSetup space(Number restitution, Number friction = 0) {
-    SceneSetup setup{.name = "space"};
-    setup.world.contact = {.restitution = real(restitution), .friction = real(friction)};
-    return setup;
-}
-BodySpec placed(BodySpec body, Vector position, Vector velocity = {}, Vector spin = {}) {
-    body.position = real(position);
-    body.velocity = real(velocity);
-    body.angular_velocity = real(spin);
-    return body;
-}
 // A random unit vector perpendicular to n.
 Vector across(Vector n, Random& random) {
     const Vector c = cross(n, direction(random));
     return norm(c) > 0.1L ? c * (1 / norm(c)) : across(n, random);
 }
 
-class Pairs : public testing::TestWithParam<Case> {
-protected:
-    static const System& system() { return GetParam().system; }
-};
+class Pairs : public CaseTest {};
 INSTANTIATE_TEST_SUITE_P(every, Pairs, testing::ValuesIn(contact_cases()), NameOf{});
 
 const Vector directions[] = {{1, 0, 0}, {0, 0, -1}, {1 / 3.0L, 2 / 3.0L, 2 / 3.0L}, {2 / 7.0L, -3 / 7.0L, 6 / 7.0L}};
@@ -333,9 +319,7 @@ TEST_P(Pairs, two_boxes_keep_their_momentum_and_angular_momentum) {
 // Five equal spheres on a floor without friction. The moving ones come from the left at 2 m/s, touch each other, and
 // have one metre to go.
 SceneSetup cradle(int moving) {
-    SceneSetup setup = space(1);
-    setup.world.gravity = gravity;
-    setup.planes = {{}};
+    SceneSetup setup = floor(1);
     for (int i = 0; i < 5; ++i) {
         const bool moves = i < moving;
         setup.bodies.push_back(placed(sphere(1, 0.25), {(moves ? -2 : -1) + 0.5L * static_cast<Number>(i), 0.25L, 0},
@@ -346,8 +330,7 @@ SceneSetup cradle(int moving) {
 
 TEST_P(Pairs, a_cradle_sends_away_as_many_spheres_as_arrive) {
     for (const int moving : {1, 2}) {
-        const SceneSetup setup = cradle(moving);
-        const auto world = build(setup, GetParam());
+        const auto world = build(cradle(moving), GetParam());
         world->run(256);  // half a second to the row, half a second from it
         for (int i = 0; i < 5; ++i) {
             const bool leaves = i >= 5 - moving;
@@ -566,11 +549,10 @@ TEST(pairs, more_near_pairs_than_there_is_room_for_are_reported) {
 
 // --- nothing tunnels: 3 m in a step ------------------------------------------------------------------------------
 
-class Bullets : public testing::TestWithParam<Case> {
+class Bullets : public CaseTest {
 protected:
     static constexpr Number speed = 200, radius = 0.1L;
     static constexpr int shots = 200;
-    static const System& system() { return GetParam().system; }
     static SceneSetup range(Number restitution = 0.5L) {
         SceneSetup setup = space(restitution);
         setup.step = Seconds{1, 64};

@@ -50,9 +50,8 @@ Bounce bounce(AnyWorld& world, Gap&& gap, Number step) {
     return result;
 }
 
-class Springs : public testing::TestWithParam<Case> {
+class Springs : public CaseTest {
 protected:
-    static const System& system() { return GetParam().system; }
     static Bound rounding() { return tolerance::spring_rounding.of(system()); }
 };
 INSTANTIATE_TEST_SUITE_P(every, Springs, testing::ValuesIn(contact_cases()), NameOf{});
@@ -97,10 +96,7 @@ TEST_P(Springs, two_spheres_bounce_with_their_reduced_mass_and_keep_their_moment
     SceneSetup setup = soft_floor(768);
     setup.planes.clear();
     const Vector along{2 / 7.0L, -3 / 7.0L, 6 / 7.0L};
-    setup.bodies = {sphere(1, 0.25), sphere(3, 0.5)};
-    setup.bodies[0].position = real(along * 0.755L);
-    setup.bodies[0].velocity = real(along * -1.5L);
-    setup.bodies[1].velocity = real(along * 0.5L);
+    setup.bodies = {placed(sphere(1, 0.25), along * 0.755L, along * -1.5L), placed(sphere(3, 0.5), {}, along * 0.5L)};
     const auto world = build(setup, GetParam());
     const auto momentum = [&] { return world->motion(0).v + world->motion(1).v * 3; };
     const Vector start = momentum();
@@ -175,10 +171,7 @@ TEST_P(Springs, a_barrier_keeps_two_spheres_apart_by_their_reduced_mass) {
     constexpr Number barrier = 0.25L;
     SceneSetup setup = soft_floor(0, 0, barrier);
     setup.planes.clear();
-    setup.bodies = {sphere(1, 0.25), sphere(3, 0.5)};
-    setup.bodies[0].position = {2.75, 0, 0};
-    setup.bodies[0].velocity = {-3, 0, 0};
-    setup.bodies[1].velocity = {1, 0, 0};
+    setup.bodies = {placed(sphere(1, 0.25), {2.75, 0, 0}, {-3, 0, 0}), placed(sphere(3, 0.5), {}, {1, 0, 0})};
     const auto world = build(setup, GetParam());
     const Number energy = 0.75L * 16 / 2 + barrier / 2;
     Number nearest = 2;
@@ -196,8 +189,7 @@ TEST_P(Springs, a_barrier_reaches_from_a_box_to_a_ball_far_away) {
     for (const Number gap : {0.5L, 3.0L, 12.0L}) {
         SceneSetup setup = soft_floor(0, 0, barrier);
         setup.planes.clear();
-        setup.bodies = {sphere(1, 0.25), box(1, {0.5, 0.5, 0.5})};
-        setup.bodies[0].position = {real(gap + 0.5L), 0, 0};
+        setup.bodies = {placed(sphere(1, 0.25), {gap + 0.5L, 0, 0}), box(1, {0.5, 0.5, 0.5})};
         setup.bodies[1].fixed = true;
         const auto world = build(setup, GetParam());
         world->run(1024);
@@ -247,8 +239,7 @@ TEST_P(Springs, the_largest_safe_step_is_near_that_of_an_oscillator_and_does_not
 TEST_P(Springs, the_largest_safe_step_of_two_spheres_is_that_of_their_reduced_mass) {
     SceneSetup setup = soft_floor(1000);
     setup.planes.clear();
-    setup.bodies = {sphere(1, 0.25), sphere(3, 0.25)};
-    setup.bodies[0].position = {0.4375, 0, 0};
+    setup.bodies = {placed(sphere(1, 0.25), {0.4375, 0, 0}), sphere(3, 0.25)};
     const Number safe = safe_step(setup, GetParam()), pair = 2 / std::sqrt(1000 / 0.75L);
     EXPECT_GE(safe, tolerance::safe_step_least * pair);
     EXPECT_LE(safe, tolerance::safe_step_most * pair);
