@@ -13,14 +13,12 @@ INSTANTIATE_TEST_SUITE_P(every, Laws, testing::ValuesIn(every_case()), NameOf{})
 
 // A body with general axes: a full tensor, an orientation, a velocity.
 BodySpec skew_body() {
-    BodySpec body;
-    body.mass = 2.5;
-    body.inertia = {2, 1.5, 1.75, 0.25, -0.125, 0.375};
-    body.position = {1, -2, 3};
-    body.velocity = {0.5, 0.25, -1};
-    body.orientation = {0.5, {-0.5, 0.1, 0.3}};
-    body.angular_velocity = {0.5, -1, 0.75};
-    return body;
+    return {.mass = 2.5,
+            .inertia = {2, 1.5, 1.75, 0.25, -0.125, 0.375},
+            .position = {1, -2, 3},
+            .velocity = {0.5, 0.25, -1},
+            .orientation = {0.5, {-0.5, 0.1, 0.3}},
+            .angular_velocity = {0.5, -1, 0.75}};
 }
 Vector momentum_of(const InertiaTensor& i, Vector w) {
     const Vector rows[3] = {{number(i.xx), number(i.xy), number(i.xz)},

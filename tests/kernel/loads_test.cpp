@@ -13,6 +13,11 @@ namespace {
 class Loads : public CaseTest {
 protected:
     static int order() { return GetParam().method.order; }
+    static bool has_drag_limit() { return std::isfinite(GetParam().method.drag_limit); }
+    static bool has_oscillation_limit() {
+        const double limit = GetParam().method.oscillation_limit;
+        return limit > 0 && std::isfinite(limit);
+    }
 };
 INSTANTIATE_TEST_SUITE_P(every, Loads, testing::ValuesIn(every_case()), NameOf{});
 
@@ -64,11 +69,8 @@ TEST_P(Loads, an_orbit_closes_after_its_period_and_keeps_its_energy) {
 
 TEST_P(Loads, a_spring_between_bodies_conserves_momentum_and_angular_momentum) {
     SceneSetup setup{.name = "pair"};
-    setup.bodies = {top({3, 2, 1}, {0.25, 0.5, 0.125}, 2), top({2, 1.5, 1}, {0, -0.5, 0.25}, 3)};
-    setup.bodies[0].position = {1, 0, 0};
-    setup.bodies[1].position = {-1, 0.5, 0};
-    setup.bodies[0].velocity = {0, 0.5, 0.25};
-    setup.bodies[1].velocity = {0.25, 0, -0.25};
+    setup.bodies = {top({3, 2, 1}, {0.25, 0.5, 0.125}, 2, {1, 0, 0}, {0, 0.5, 0.25}),
+                    top({2, 1.5, 1}, {0, -0.5, 0.25}, 3, {-1, 0.5, 0}, {0.25, 0, -0.25})};
     setup.springs = {{.body = 0,
                       .point = {0.25, 0.5, 0},
                       .to_body = 1,
@@ -318,8 +320,7 @@ class Stiff : public testing::TestWithParam<Case> {};
 INSTANTIATE_TEST_SUITE_P(every, Stiff, testing::ValuesIn(cases_of("implicit_euler")), NameOf{});
 
 TEST_P(Stiff, implicit_euler_is_stable_and_damps_where_k_h2_over_m_is_100) {
-    SceneSetup setup{.name = "stiff", .bodies = {top({0.5, 0.5, 0.5}, {}, 1)}};
-    setup.bodies[0].position = {0.0078125, 0, 0};
+    SceneSetup setup{.name = "stiff", .bodies = {top({0.5, 0.5, 0.5}, {}, 1, {0.0078125, 0, 0})}};
     setup.springs = {{.stiffness = 6553600}};  // k h^2 / m = 100
     const auto world = build(setup, GetParam());
     Number last = 1;
@@ -358,9 +359,8 @@ struct StiffScene {
 std::vector<StiffScene> stiff_scenes() {
     constexpr Number h = 1.0L / 256;
     const auto scene = [](std::vector<SpringSpec> springs) {
-        SceneSetup setup{.name = "stiff", .bodies = {top({0.02, 0.03, 0.04}, {}, 2), top({1, 1, 1}, {}, 0.5)}};
-        setup.bodies[0].position = {1.001, 0, 0};
-        setup.bodies[1].position = {0, 4, 0};
+        SceneSetup setup{.name = "stiff",
+                         .bodies = {top({0.02, 0.03, 0.04}, {}, 2, {1.001, 0, 0}), top({1, 1, 1}, {}, 0.5, {0, 4, 0})}};
         setup.springs = std::move(springs);
         return setup;
     };
@@ -458,9 +458,8 @@ TEST_P(Loads, a_damped_spring_whose_motion_dies_away_is_not_reported) {
     if (!std::isfinite(GetParam().method.oscillation_limit)) GTEST_SKIP() << "adds to nothing";
     for (const Number wh : {0.1L, 0.2L, 0.4L}) {
         for (const Vector along : {Vector{1, 0, 0}, {0, -0.6L, 0.8L}}) {
-            SceneSetup setup{.name = "damped", .bodies = {top({1, 1, 1}, {}, 2)}};
+            SceneSetup setup{.name = "damped", .bodies = {top({1, 1, 1}, {}, 2, along * 1.01L)}};
             const Number w = wh * 256;
-            setup.bodies[0].position = real(along * 1.01L);
             setup.springs = {{.stiffness = real(2 * w * w),
                               .damping = real(2 * 0.5L * 2 * w),
                               .rest_length = 1}};  // half of critical
@@ -475,9 +474,8 @@ TEST_P(Loads, a_damped_spring_whose_motion_dies_away_is_not_reported) {
 // A body on a spring with (h w)^2 = K. A damper and drag beside the spring take the given shares of its speed in a
 // step. A spring is checked together with those before it, so the stiff one is the last.
 SceneSetup damped_beside(Number K, Number damper, Number drag, Number mass) {
-    SceneSetup setup{.name = "beside", .bodies = {top({1, 2, 2.5}, {}, real(mass))}};
+    SceneSetup setup{.name = "beside", .bodies = {top({1, 2, 2.5}, {}, real(mass), {0.1, 0, 0})}};
     setup.world.linear_drag = real(drag * mass * 256);
-    setup.bodies[0].position = {0.1, 0, 0};
     setup.springs = {{.to = {0.35, 0, 0}, .stiffness = 1e-3, .damping = real(damper * mass * 256), .rest_length = 0.25},
                      {.to = {0, 0, 0}, .stiffness = real(K * mass * 256 * 256), .rest_length = 0.09375}};
     return setup;
@@ -495,7 +493,7 @@ TEST_P(Loads, growth_that_other_damping_removes_is_not_reported) {
 }
 TEST_P(Loads, damping_and_drag_that_are_too_strong_together_are_reported) {
     const Method& method = GetParam().method;
-    if (!std::isfinite(method.drag_limit)) GTEST_SKIP() << "no limit";
+    if (!has_drag_limit()) GTEST_SKIP() << "no limit";
     for (const Number share : {0.35L, 0.6L}) {
         for (const Number mass : {0.5L, 3.0L}) {
             const Number C = share * method.drag_limit;
@@ -508,7 +506,7 @@ TEST_P(Loads, damping_and_drag_that_are_too_strong_together_are_reported) {
 
 TEST_P(Loads, springs_that_hold_a_body_along_three_axes_are_checked_axis_by_axis) {
     const Method& method = GetParam().method;
-    if (!(method.oscillation_limit > 0) || !std::isfinite(method.oscillation_limit)) GTEST_SKIP() << "no limit";
+    if (!has_oscillation_limit()) GTEST_SKIP() << "no limit";
     for (const Vector turn : {Vector{}, {0.3L, -0.5L, 0.4L}}) {
         for (const Number share : {0.97L, 1.03L}) {
             SceneSetup setup{.name = "three axes", .bodies = {top({1, 2, 2.5}, {}, 2)}};
@@ -525,7 +523,7 @@ TEST_P(Loads, springs_that_hold_a_body_along_three_axes_are_checked_axis_by_axis
 // with all three springs, and 5/2 k/m where the last one is missing.
 TEST_P(Loads, a_chain_of_springs_is_reported_by_the_pull_of_its_newest_spring_and_never_falsely) {
     const Method& method = GetParam().method;
-    if (!(method.oscillation_limit > 0) || !std::isfinite(method.oscillation_limit)) GTEST_SKIP() << "no limit";
+    if (!has_oscillation_limit()) GTEST_SKIP() << "no limit";
     for (const bool middle_last : {true, false}) {
         for (const Number share : {0.98L, 1.02L, 1.12L}) {
             SceneSetup setup{.name = "chain"};
@@ -546,11 +544,10 @@ TEST_P(Loads, a_chain_of_springs_is_reported_by_the_pull_of_its_newest_spring_an
 
 TEST_P(Loads, a_spring_added_after_the_first_steps_is_checked_too) {
     const Method& method = GetParam().method;
-    if (!(method.oscillation_limit > 0) || !std::isfinite(method.oscillation_limit)) GTEST_SKIP() << "no limit";
+    if (!has_oscillation_limit()) GTEST_SKIP() << "no limit";
     for (const Number share : {0.97L, 1.03L}) {
-        SceneSetup setup{.name = "late", .bodies = {top({1, 2, 2.5}, {}, 2), top({1, 2, 2.5}, {}, 0.5)}};
-        setup.bodies[0].position = {1, 0, 0};
-        setup.bodies[1].position = {1, 2, 0};
+        SceneSetup setup{.name = "late",
+                         .bodies = {top({1, 2, 2.5}, {}, 2, {1, 0, 0}), top({1, 2, 2.5}, {}, 0.5, {1, 2, 0})}};
         setup.springs = {{.stiffness = 1, .rest_length = 1}};
         const auto world = build(setup, GetParam());
         world->run(100);
@@ -564,7 +561,7 @@ TEST_P(Loads, a_spring_added_after_the_first_steps_is_checked_too) {
 
 // Whichever of the bodies and of the springs comes first; a fixed end is not the one.
 TEST_P(Loads, a_spring_beyond_its_step_bound_is_reported_with_a_body_that_it_moves) {
-    if (!std::isfinite(GetParam().method.drag_limit)) GTEST_SKIP() << "no limit";
+    if (!has_drag_limit()) GTEST_SKIP() << "no limit";
     for (const bool to_fixed : {false, true}) {
         for (const int stiff : {0, 1}) {
             for (const bool stiff_first : {false, true}) {
@@ -615,7 +612,7 @@ TEST_P(Loads, the_mass_of_a_free_body_does_not_make_it_too_near_to_a_fixed_body)
 
 TEST_P(Loads, drag_beyond_its_step_bound_is_reported_and_no_other) {
     const Method& method = GetParam().method;
-    if (!std::isfinite(method.drag_limit)) GTEST_SKIP() << "no limit";
+    if (!has_drag_limit()) GTEST_SKIP() << "no limit";
     for (const Number share : {0.9L, 1.1L}) {
         for (const bool turns : {false, true}) {
             SceneSetup setup{.name = "drag", .bodies = {top({0.5, 0.25, 0.4}, {}, 2)}};

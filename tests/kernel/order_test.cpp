@@ -72,20 +72,11 @@ TEST_P(Order, halving_the_step_divides_the_error_of_a_free_top_by_2_to_the_order
 
 TEST_P(Order, halving_the_step_divides_the_error_of_a_body_on_a_spring_with_drag_by_2_to_the_order) {
     // Force and torque depend on position, orientation, velocity and spin at once.
-    SceneSetup setup{.name = "body_on_a_spring"};
-    BodySpec body = top({1, 2, 3}, {0.5, 1, 0.7}, 2);
-    body.position = {0.5, -0.25, 0};
-    setup.bodies = {body};
-    SpringSpec spring;
-    spring.point = {0.5, 0.25, -0.5};
-    spring.to = {0, 1, 0};
-    spring.stiffness = 3;
-    spring.damping = 0.25;
-    spring.rest_length = 0.5;
-    setup.springs = {spring};
-    setup.world.linear_drag = 0.125;
-    setup.world.angular_drag = 0.25;
-    setup.world.gravity = {0, -1, 0};
+    const BodySpec body = top({1, 2, 3}, {0.5, 1, 0.7}, 2, {0.5, -0.25, 0});
+    SceneSetup setup{.name = "body_on_a_spring", .bodies = {body}};
+    setup.world = {.gravity = {0, -1, 0}, .linear_drag = 0.125, .angular_drag = 0.25};
+    setup.springs = {
+        {.point = {0.5, 0.25, -0.5}, .to = {0, 1, 0}, .stiffness = 3, .damping = 0.25, .rest_length = 0.5}};
     const Motion end = reference::trajectory(reference_body(body), start_of(body), {2}, reference_load(setup)).back();
     expect_order(setup, GetParam().order, 2, [&](const Motion& m) { return norm(m.x - end.x) + norm(m.v - end.v); });
     expect_order(setup, GetParam().order, 2,
@@ -94,8 +85,7 @@ TEST_P(Order, halving_the_step_divides_the_error_of_a_body_on_a_spring_with_drag
 
 TEST_P(Order, uniform_gravity_moves_the_centre_of_mass_exactly_from_order_two_on) {
     if (GetParam().order < 2) GTEST_SKIP() << "order 1";
-    SceneSetup setup{.name = "fall", .step = Seconds{1, 4}, .bodies = {top({1, 2, 3}, {1, 1, 1})}};
-    setup.bodies[0].velocity = {1, 2, 3};
+    SceneSetup setup{.name = "fall", .step = Seconds{1, 4}, .bodies = {top({1, 2, 3}, {1, 1, 1}, 1, {}, {1, 2, 3})}};
     setup.world.gravity = {1, -10, 0.5};
     const auto world = build(setup, GetParam().name, "f64");
     world->run(16);

@@ -97,10 +97,8 @@ TEST_P(Points, on_an_orbit_keep_their_energy_and_angular_momentum) {
 TEST_P(Points, pull_a_body_and_do_not_rotate) {
     SceneSetup setup{.name = "mixed"};
     setup.world = {.angular_drag = 0.25};
-    setup.bodies = {point_mass(2), top({3, 2, 1}, {0.25, 0.5, 0.125}, 3)};
-    setup.bodies[0].position = {1, 0, 0};
-    setup.bodies[0].velocity = {0, 0.5, 0.25};
-    setup.bodies[1].position = {-1, 0.5, 0};
+    setup.bodies = {placed(point_mass(2), {1, 0, 0}, {0, 0.5, 0.25}),
+                    top({3, 2, 1}, {0.25, 0.5, 0.125}, 3, {-1, 0.5, 0})};
     setup.springs = {{.body = 0, .to_body = 1, .to = {0, -0.25, 0.5}, .stiffness = 10, .damping = 0.25}};
     const auto world = build(setup, GetParam());
     const auto momentum = [&] { return 2 * world->motion(0).v + 3 * world->motion(1).v; };

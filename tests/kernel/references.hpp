@@ -16,10 +16,13 @@ protected:
 };
 
 // A body of the given mass and principal moments along its own axes, without a shape.
-[[nodiscard]] inline BodySpec top(RealVec3 moments, RealVec3 spin, Real mass = 1) {
+[[nodiscard]] inline BodySpec top(RealVec3 moments, RealVec3 spin, Real mass = 1, Vector position = {},
+                                  Vector velocity = {}) {
     BodySpec body;
     body.mass = mass;
     body.inertia = {moments.x, moments.y, moments.z, 0, 0, 0};
+    body.position = real(position);
+    body.velocity = real(velocity);
     body.angular_velocity = spin;
     return body;
 }

@@ -476,12 +476,10 @@ TEST_P(Resting, a_dropped_cylinder_never_sinks_into_the_floor) {
 
 // A fixed box that turns about the vertical; its top is at y = 0. Steps of 1/1024 s.
 SceneSetup turntable(Number turns) {
-    SceneSetup setup{.name = "turntable", .step = Seconds{1, 1024}};
-    setup.world = {.gravity = gravity, .contact = {.restitution = 0, .friction = 1}};
-    BodySpec table = standing(box(100, {8, 0.5, 8}), 0, -0.25L);
-    table.fixed = true;
-    table.angular_velocity = {0, real(turns), 0};
-    setup.bodies = {table};
+    SceneSetup setup = floor(0, 1, {standing(box(100, {8, 0.5, 8}), 0, -0.25L, {}, {0, turns, 0})});
+    setup.step = Seconds{1, 1024};
+    setup.planes.clear();
+    setup.bodies[0].fixed = true;
     return setup;
 }
 Vector turned(Vector v, Number angle) { return exponential(Vector{0, angle, 0}).rotate(v); }

@@ -10,14 +10,12 @@ constexpr RealVec3 gravity{0, -9.81, 0};
 
 // With axes of its own.
 BodySpec thrown_body() {
-    BodySpec body;
-    body.mass = 1.5;
-    body.inertia = {2, 1.5, 1.75, 0.25, -0.125, 0.375};
-    body.position = {0.5, 4, -1};
-    body.velocity = {1, 2, -0.5};
-    body.orientation = {0.9, {0.1, -0.3, 0.2}};
-    body.angular_velocity = {0.5, -2, 1};
-    return body;
+    return {.mass = 1.5,
+            .inertia = {2, 1.5, 1.75, 0.25, -0.125, 0.375},
+            .position = {0.5, 4, -1},
+            .velocity = {1, 2, -0.5},
+            .orientation = {0.9, {0.1, -0.3, 0.2}},
+            .angular_velocity = {0.5, -2, 1}};
 }
 
 void add_loads(std::vector<SceneSetup>& s) {
@@ -157,11 +155,8 @@ void add_points(std::vector<SceneSetup>& s) {
     // Two tied to a body off its centre, and to each other; one flies alone.
     s.push_back({.name = "points_among_bodies", .needs = with_points_among_bodies});
     s.back().world = {.gravity = gravity, .linear_drag = 0.1, .angular_drag = 0.05};
-    s.back().bodies = {point, body, point_mass(0.5), point_mass(2)};
-    s.back().bodies[0].position = {1.5, 5, -1};
-    s.back().bodies[2].position = {-1, 4, 0};
-    s.back().bodies[3].position = {6, 2, 3};
-    s.back().bodies[3].velocity = {0, 5, 0};
+    s.back().bodies = {placed(point_mass(1.5), {1.5, 5, -1}, {1, 2, -0.5}), body, placed(point_mass(0.5), {-1, 4, 0}),
+                       placed(point_mass(2), {6, 2, 3}, {0, 5, 0})};
     s.back().springs = {{.body = 0, .to_body = 1, .to = {0.25, 0.5, 0}, .stiffness = 30, .damping = 0.5},
                         {.body = 1, .point = {-0.25, 0, 0.5}, .to_body = 2, .stiffness = 20, .rest_length = 1},
                         {.body = 2, .to_body = 0, .stiffness = 5, .rest_length = 2}};

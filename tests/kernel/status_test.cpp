@@ -33,9 +33,8 @@ SceneSetup three_spheres() {
 
 TEST_P(Fixed32, a_position_that_leaves_its_range_is_held_at_the_limit_and_reported) {
     SceneSetup setup = three_spheres();
-    setup.bodies[1].position = {0, 63, 0};
-    setup.bodies[1].velocity = {0, 16, 0};   // 1/16 m a step: out after 16 steps, at 64 m
-    setup.bodies[2].velocity = {-32, 0, 0};  // out after 512
+    setup.bodies[1] = placed(sphere(1, 0.5), {0, 63, 0}, {0, 16, 0});  // 1/16 m a step: out after 16 steps, at 64 m
+    setup.bodies[2].velocity = {-32, 0, 0};                            // out after 512
     const auto world = build(setup, GetParam());
     EXPECT_TRUE(world->run(15).ok());
     world->run(2);
@@ -57,8 +56,7 @@ TEST_P(Fixed32, the_step_that_left_the_range_is_reported_wherever_the_step_count
     for (const std::uint32_t start : {0x7ffffff8u, 0xfffffff1u, 0xfffffff0u, 0xffffffeeu}) {
         SceneSetup setup = three_spheres();
         setup.start = start;
-        setup.bodies[2].position = {0, 0, 63};
-        setup.bodies[2].velocity = {0, 0, 16};  // 1/16 m a step: out after 16 steps
+        setup.bodies[2] = placed(sphere(1, 0.5), {0, 0, 63}, {0, 0, 16});  // 1/16 m a step: out after 16 steps
         const auto world = build(setup, GetParam());
         EXPECT_TRUE(world->run(15).ok());
         world->run(2);
