@@ -115,9 +115,8 @@ TEST_P(Laws, momentum_is_the_same_after_a_free_flight) {
 }
 
 TEST_P(Laws, a_body_without_spin_never_turns) {
-    SceneSetup setup{.name = "still", .bodies = {skew_body()}};
+    SceneSetup setup{.name = "still", .bodies = {oriented(skew_body(), {0, {0, 0.6, 0.8}})}};  // w = 0
     setup.bodies[0].angular_velocity = {};
-    setup.bodies[0].orientation = {0, {0, 0.6, 0.8}};  // w = 0
     const auto world = build(setup, GetParam());
     const Motion before = world->motion(0);
     world->run(1000);
@@ -215,8 +214,7 @@ TEST_P(Laws, spins_near_the_limit_stay_in_range_and_turn_right) {
 }
 
 TEST_P(Laws, a_fixed_body_that_does_not_turn_never_moves) {
-    SceneSetup setup{.name = "fixed", .bodies = {skew_body(), sphere(1, 0.25)}};
-    setup.bodies[0].fixed = true;
+    SceneSetup setup{.name = "fixed", .bodies = {fixed(skew_body()), sphere(1, 0.25)}};
     setup.bodies[0].angular_velocity = {};
     setup.world.gravity = {0, -10, 0};
     setup.world.linear_drag = 1;

@@ -12,7 +12,6 @@ namespace {
 
 class Loads : public CaseTest {
 protected:
-    static int order() { return GetParam().method.order; }
     static bool has_drag_limit() { return std::isfinite(GetParam().method.drag_limit); }
     static bool has_oscillation_limit() {
         const double limit = GetParam().method.oscillation_limit;
@@ -51,8 +50,7 @@ TEST_P(Loads, an_orbit_closes_after_its_period_and_keeps_its_energy) {
     // About a fixed mass: a = 4 m, G M = 64: period 2 pi; eccentricity 1/4, from the perihelion.
     SceneSetup setup{.name = "orbit", .step = Seconds{1, 512}};
     setup.world.gravitation = 0.5;
-    setup.bodies = {sphere(128, 0.125), placed(sphere(1, 0.125), {3, 0, 0})};
-    setup.bodies[0].fixed = true;
+    setup.bodies = {fixed(sphere(128, 0.125)), placed(sphere(1, 0.125), {3, 0, 0})};
     const Number speed = std::sqrt(64 * (2 / Number(3) - 1 / Number(4)));
     setup.bodies[1].velocity = {0, real(speed), 0};
     const auto world = build(setup, GetParam());
@@ -248,8 +246,7 @@ TEST_P(Loads, impulses_in_one_step_are_applied_in_the_order_of_the_script) {
 
 TEST_P(Loads, a_body_frame_impulse_is_the_world_frame_impulse_turned) {
     SceneSetup setup{.name = "frames"};
-    BodySpec body = top({3, 2, 1}, {0.5, 1, -0.5}, 2);
-    body.orientation = {0.9, {0.1, -0.3, 0.2}};
+    const BodySpec body = oriented(top({3, 2, 1}, {0.5, 1, -0.5}, 2), {0.9, {0.1, -0.3, 0.2}});
     setup.bodies = {body};
     const Rotation q = rotation(normalized(body.orientation));
     setup.impulses = {{.time = 0.0,
@@ -568,8 +565,7 @@ TEST_P(Loads, a_spring_beyond_its_step_bound_is_reported_with_a_body_that_it_mov
                 SceneSetup setup{.name = "two springs"};
                 setup.world.contact.response = ContactResponse::none;
                 setup.bodies = {sphere(1, 0.125), placed(sphere(1, 0.125), {4, 0, 0}),
-                                placed(sphere(1, 0.125), {2, 2, 0})};
-                setup.bodies[2].fixed = true;
+                                fixed(placed(sphere(1, 0.125), {2, 2, 0}))};
                 for (const bool is_stiff : {stiff_first, !stiff_first}) {
                     const int body = is_stiff ? stiff : 1 - stiff;
                     SpringSpec spring{.body = body,
@@ -597,8 +593,7 @@ TEST_P(Loads, the_mass_of_a_free_body_does_not_make_it_too_near_to_a_fixed_body)
     for (const bool fixed_first : {true, false}) {
         SceneSetup setup{.name = "fixed"};
         setup.world = {.gravitation = 0.01, .contact = {.response = ContactResponse::none}};
-        setup.bodies = {sphere(1, 0.125), placed(sphere(3e6, 0.125), {0.5, 0, 0})};
-        setup.bodies[0].fixed = true;
+        setup.bodies = {fixed(sphere(1, 0.125)), placed(sphere(3e6, 0.125), {0.5, 0, 0})};
         if (!fixed_first) std::swap(setup.bodies[0], setup.bodies[1]);
         const auto world = build(setup, GetParam());
         world->run(16);

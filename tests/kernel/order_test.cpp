@@ -34,12 +34,7 @@ INSTANTIATE_TEST_SUITE_P(every_integrator, Order, testing::ValuesIn(methods()), 
 
 TEST_P(Order, halving_the_step_divides_the_error_of_an_oscillator_by_2_to_the_order) {
     // x'' = -4 x from (1, 0, 0) with velocity (0, 1, 0): an ellipse.
-    SceneSetup setup{.name = "oscillator"};
-    BodySpec body = top({1, 1, 1}, {});
-    body.mass = 0.5;
-    body.position = {1, 0, 0};
-    body.velocity = {0, 1, 0};
-    setup.bodies = {body};
+    SceneSetup setup{.name = "oscillator", .bodies = {top({1, 1, 1}, {}, 0.5, {1, 0, 0}, {0, 1, 0})}};
     setup.springs = {{.stiffness = 2}};
     expect_order(setup, GetParam().order, 2, [](const Motion& m) {
         const Vector x{std::cos(Number(4)), std::sin(Number(4)) / 2, 0};
@@ -49,12 +44,8 @@ TEST_P(Order, halving_the_step_divides_the_error_of_an_oscillator_by_2_to_the_or
 }
 
 TEST_P(Order, halving_the_step_divides_the_error_of_a_dragged_projectile_by_2_to_the_order) {
-    SceneSetup setup{.name = "projectile"};
-    BodySpec body = top({1, 1, 1}, {});
-    body.velocity = {10, 10, 0};
-    setup.bodies = {body};
-    setup.world.gravity = {0, -9.8125, 0};
-    setup.world.linear_drag = 0.5;
+    SceneSetup setup{.name = "projectile", .bodies = {top({1, 1, 1}, {}, 1, {}, {10, 10, 0})}};
+    setup.world = {.gravity = {0, -9.8125, 0}, .linear_drag = 0.5};
     expect_order(setup, GetParam().order, 2, [](const Motion& m) {
         const Number c = 0.5L, g = 9.8125L, t = 2, e = std::exp(-c * t);
         const Vector x{10 * (1 - e) / c, (10 + g / c) * (1 - e) / c - g * t / c, 0};

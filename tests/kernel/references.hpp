@@ -13,7 +13,14 @@ namespace tumble::test {
 class CaseTest : public testing::TestWithParam<Case> {
 protected:
     static const System& system() { return GetParam().system; }
+    static int order() { return GetParam().method.order; }
 };
+// The cases of which is_one(case) is true.
+[[nodiscard]] std::vector<Case> cases_where(const auto& is_one) {
+    std::vector<Case> cases = every_case();
+    std::erase_if(cases, [&](const Case& c) { return !is_one(c); });
+    return cases;
+}
 
 // A body of the given mass and principal moments along its own axes, without a shape.
 [[nodiscard]] inline BodySpec top(RealVec3 moments, RealVec3 spin, Real mass = 1, Vector position = {},
@@ -32,6 +39,15 @@ protected:
     body.position = real(position);
     body.velocity = real(velocity);
     body.angular_velocity = real(spin);
+    return body;
+}
+
+[[nodiscard]] inline BodySpec oriented(BodySpec body, RealQuat orientation) {
+    body.orientation = orientation;
+    return body;
+}
+[[nodiscard]] inline BodySpec fixed(BodySpec body) {
+    body.fixed = true;
     return body;
 }
 

@@ -15,10 +15,8 @@ SceneSetup incline(Number friction, std::vector<BodySpec> bodies = {}) {
     setup.planes[0].normal = {-3, 4, 0};
     return setup;
 }
-BodySpec on_incline(BodySpec body, Number height) {
-    body.position = real(off_incline * height);
-    body.orientation = {3, {0, 0, 1}};
-    return body;
+BodySpec on_incline(const BodySpec& body, Number height) {
+    return oriented(placed(body, off_incline * height), {3, {0, 0, 1}});
 }
 BodySpec standing(const BodySpec& body, Number x, Number height, Vector velocity = {}, Vector spin = {}) {
     return placed(body, {x, height, 0}, velocity, spin);
@@ -174,9 +172,8 @@ TEST_P(Resting, a_heap_of_bodies_that_touch_exactly_stays_finite_and_above_the_f
 
 TEST_P(Resting, a_box_rests_on_a_fixed_box_and_on_two_others) {
     SceneSetup setup = floor(0, 0.5L);
-    setup.bodies = {standing(box(1, {4, 1, 4}), 0, 0.5L), standing(box(1, {1, 1, 1}), -0.5625L, 1.5L),
+    setup.bodies = {fixed(standing(box(1, {4, 1, 4}), 0, 0.5L)), standing(box(1, {1, 1, 1}), -0.5625L, 1.5L),
                     standing(box(1, {1, 1, 1}), 0.5625L, 1.5L), standing(box(1, {1, 1, 1}), 0, 2.5L)};
-    setup.bodies[0].fixed = true;
     const auto world = build(setup, GetParam());
     world->run(4 * second);
     EXPECT_LE(largest_shift(*world, setup), tolerance::stack_shift);
@@ -205,10 +202,9 @@ TEST_P(Resting, a_dropped_cube_comes_to_rest_on_a_face_and_does_not_jitter) {
     };
     for (const Drop& drop : {Drop{{}, {}}, Drop{{0.9, {0.1, -0.3, 0.2}}, {}}, Drop{{1, {0, 0, 0.25}}, {0.5, 0, 0}},
                              Drop{{0.8, {0.3, 0.1, -0.4}}, {3, -2, 5}}}) {
-        SceneSetup setup =
-            floor(0.4L, 0.3L, {standing(box(10, {1, 1, 1}), 0, 2, {}, drop.spin)});  // the dissertation's
-        setup.bodies[0].orientation = drop.orientation;
-        const auto world = build(setup, GetParam());
+        // The dissertation's.
+        const BodySpec cube = oriented(standing(box(10, {1, 1, 1}), 0, 2, {}, drop.spin), drop.orientation);
+        const auto world = build(floor(0.4L, 0.3L, {cube}), GetParam());
         world->run(15 * second);
         expect_still(*world, 0);
         const Motion m = world->motion(0);
@@ -259,8 +255,7 @@ TEST_P(Resting, a_ball_dropped_on_an_awake_box_comes_to_rest_on_it) {
 // Pressed halfway to each of them it does not tip.
 TEST_P(Resting, a_hoop_that_lies_flat_rests_on_four_points_of_its_rim) {
     for (const Vector point : {Vector{0.125L, 0, 0}, {-0.125L, 0, 0}, {0, 0.125L, 0}, {0, -0.125L, 0}}) {
-        SceneSetup setup = floor(0, 0.5L, {standing(hoop(2, 0.25), 0, 0)});
-        setup.bodies[0].orientation = upright;
+        const SceneSetup setup = floor(0, 0.5L, {oriented(hoop(2, 0.25), upright)});
         const auto world = build(setup, GetParam());
         world->run(10);
         EXPECT_EQ(world->contact_count(0), 4);
@@ -277,11 +272,9 @@ TEST_P(Resting, a_body_that_falls_on_one_end_of_a_tilting_table_does_not_change_
     for (const bool with_another : {false, true}) {
         SceneSetup setup = floor(0.5L, 0.5L);
         setup.planes.clear();
-        setup.bodies = {standing(box(10, {4, 0.5, 4}), 0, 0), standing(box(1, {0.5, 0.5, 0.5}), -1.5L, 0.5L),
-                        standing(box(1, {0.5, 0.5, 0.5}), 1.5L, 0.75L)};
-        setup.bodies[0].fixed = true;
-        setup.bodies[0].angular_velocity = {0.5, 0, 0};
-        setup.bodies[2].position.z = -1;
+        setup.bodies = {fixed(standing(box(10, {4, 0.5, 4}), 0, 0, {}, {0.5, 0, 0})),
+                        standing(box(1, {0.5, 0.5, 0.5}), -1.5L, 0.5L),
+                        placed(box(1, {0.5, 0.5, 0.5}), {1.5L, 0.75L, -1})};
         if (!with_another) setup.bodies[1].position.x = -50;
         const auto world = build(setup, GetParam());
         for (std::size_t step = 0; step < 300; ++step) {
@@ -443,8 +436,8 @@ TEST_P(Resting, cylinders_and_capsules_rest_lying_and_a_cylinder_stands) {
 }
 
 TEST_P(Resting, a_standing_cylinder_slides_to_its_distance_without_falling_over) {
-    SceneSetup setup = floor(0, 0.25L, {standing(cylinder(2, 0.25, 0.5), 0, 0.25L, {1.2, 0, 0.9})});  // 1.5 m/s
-    setup.bodies[0].orientation = upright;
+    const BodySpec body = oriented(standing(cylinder(2, 0.25, 0.5), 0, 0.25L, {1.2, 0, 0.9}), upright);  // 1.5 m/s
+    const SceneSetup setup = floor(0, 0.25L, {body});
     const auto world = build(setup, GetParam());
     world->run(2 * second);
     const Vector stop = Vector{0.8L, 0, 0.6L} * (2.25L / (2 * 0.25L * g));
@@ -456,9 +449,8 @@ TEST_P(Resting, a_standing_cylinder_slides_to_its_distance_without_falling_over)
 TEST_P(Resting, a_dropped_cylinder_never_sinks_into_the_floor) {
     const Number radius = 0.25L, half = 0.5L;
     for (const RealQuat& orientation : {RealQuat{0.9, {0.1, -0.3, 0.2}}, RealQuat{1, {0.25, 0.5, 0}}}) {
-        SceneSetup setup = floor(0.3L, 0.4L, {standing(cylinder(2, 0.25, 1), 0, 1.5L, {}, {1, 0, -2})});
-        setup.bodies[0].orientation = orientation;
-        const auto world = build(setup, GetParam());
+        const BodySpec body = oriented(standing(cylinder(2, 0.25, 1), 0, 1.5L, {}, {1, 0, -2}), orientation);
+        const auto world = build(floor(0.3L, 0.4L, {body}), GetParam());
         Number deepest = 0;
         for (int step = 0; step < 8 * second; ++step) {
             world->step();
@@ -476,10 +468,9 @@ TEST_P(Resting, a_dropped_cylinder_never_sinks_into_the_floor) {
 
 // A fixed box that turns about the vertical; its top is at y = 0. Steps of 1/1024 s.
 SceneSetup turntable(Number turns) {
-    SceneSetup setup = floor(0, 1, {standing(box(100, {8, 0.5, 8}), 0, -0.25L, {}, {0, turns, 0})});
+    SceneSetup setup = floor(0, 1, {fixed(standing(box(100, {8, 0.5, 8}), 0, -0.25L, {}, {0, turns, 0}))});
     setup.step = Seconds{1, 1024};
     setup.planes.clear();
-    setup.bodies[0].fixed = true;
     return setup;
 }
 Vector turned(Vector v, Number angle) { return exponential(Vector{0, angle, 0}).rotate(v); }

@@ -132,8 +132,7 @@ TEST_P(Rules, passing_more_bodies_in_a_step_than_are_examined_is_reported_and_pa
             setup.bodies = {placed(sphere(1, 0.125), along * -1, along * 30)};
             for (int i = 0; i < passed; ++i) {
                 const Number side = i % 2 == 0 ? 0.5L : -0.5L;
-                setup.bodies.push_back(placed(sphere(1, 0.125), along * (i * 0.75L) + Vector{0, side, 0}));
-                setup.bodies.back().fixed = true;
+                setup.bodies.push_back(fixed(placed(sphere(1, 0.125), along * (i * 0.75L) + Vector{0, side, 0})));
             }
             const auto world = build(setup, GetParam());
             world->step();
@@ -571,9 +570,8 @@ TEST_P(Rules, nothing_sleeps_on_a_turntable) {
     for (const Number turns : {0.015625L, -0.015625L}) {
         SceneSetup setup = sleepy_floor(1);
         setup.planes.clear();
-        setup.bodies = {placed(box(100, {8, 0.5, 8}), {0, -0.25L, 0}, {}, {0, turns, 0}),
+        setup.bodies = {fixed(placed(box(100, {8, 0.5, 8}), {0, -0.25L, 0}, {}, {0, turns, 0})),
                         placed(box(1, {0.5, 0.25, 0.5}), {1, 0.125L, 0}, {0, 0, -turns}, {0, turns, 0})};
-        setup.bodies[0].fixed = true;
         const auto world = build(setup, GetParam());
         world->run(4 * second);
         EXPECT_FALSE(world->asleep(1));

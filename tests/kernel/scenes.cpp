@@ -78,20 +78,17 @@ void add_contacts_of_one_body(std::vector<SceneSetup>& s) {
 
     s.push_back({.name = "tumbling_box", .needs = with_box});
     s.back().world = {.gravity = gravity, .contact = {.restitution = 0.4}};
-    s.back().bodies = {placed(box(2, {1, 0.5, 0.75}), {0, 2, 0}, {}, {1, 0.5, -2})};
-    s.back().bodies[0].orientation = {0.9, {0.1, -0.3, 0.2}};
+    s.back().bodies = {oriented(placed(box(2, {1, 0.5, 0.75}), {0, 2, 0}, {}, {1, 0.5, -2}), {0.9, {0.1, -0.3, 0.2}})};
     s.back().planes = {{}};
 
     s.push_back({.name = "sliding_box", .needs = with_friction});
     s.back().world = {.gravity = gravity, .contact = {.restitution = 0.3, .friction = 0.4}};
-    s.back().bodies = {placed(box(2, {1, 0.5, 0.75}), {0, 1, 0}, {3, 0, 1})};
-    s.back().bodies[0].orientation = {0.9, {0, 0.1, 0.2}};
+    s.back().bodies = {oriented(placed(box(2, {1, 0.5, 0.75}), {0, 1, 0}, {3, 0, 1}), {0.9, {0, 0.1, 0.2}})};
     s.back().planes = {{.normal = {0.1, 1, 0}}};
 
     s.push_back({.name = "rolling_cylinder", .needs = with_round_shapes});
     s.back().world = {.gravity = gravity, .contact = {.restitution = 0.3, .friction = 0.4}};
-    s.back().bodies = {placed(cylinder(2, 0.25, 1), {0, 1.25, 0}, {1, 0, 0.5})};
-    s.back().bodies[0].orientation = {0.9, {0.1, -0.3, 0.2}};
+    s.back().bodies = {oriented(placed(cylinder(2, 0.25, 1), {0, 1.25, 0}, {1, 0, 0.5}), {0.9, {0.1, -0.3, 0.2}})};
     s.back().planes = {{}};
 }
 
@@ -103,22 +100,18 @@ void add_pairs_sleep_and_contact_springs(std::vector<SceneSetup>& s) {
 
     s.push_back({.name = "box_falls_on_a_box", .needs = with_box_pairs});
     s.back().world = {.gravity = gravity, .contact = {.restitution = 0.3, .friction = 0.4}};
-    s.back().bodies = {placed(box(100, {8, 1, 8}), {0, -0.5, 0}),
-                       placed(box(2, {1, 0.5, 0.75}), {0, 1.25, 0}, {1, 0, 0.5})};
-    s.back().bodies[0].fixed = true;
-    s.back().bodies[1].orientation = {0.9, {0.1, -0.3, 0.2}};
+    s.back().bodies = {fixed(placed(box(100, {8, 1, 8}), {0, -0.5, 0})),
+                       oriented(placed(box(2, {1, 0.5, 0.75}), {0, 1.25, 0}, {1, 0, 0.5}), {0.9, {0.1, -0.3, 0.2}})};
 
     s.push_back({.name = "ball_on_a_turntable", .needs = with_turntable});
     s.back().world = {.gravity = gravity, .contact = {.restitution = 0.25, .friction = 0.5}};
-    s.back().bodies = {placed(box(100, {8, 0.5, 8}), {0, -0.25, 0}, {}, {0, 2, 0}),
+    s.back().bodies = {fixed(placed(box(100, {8, 0.5, 8}), {0, -0.25, 0}, {}, {0, 2, 0})),
                        placed(sphere(1, 0.25), {1, 0.5, 0}, {0.5, 0, 0})};
-    s.back().bodies[0].fixed = true;
 
     s.push_back({.name = "box_falls_asleep", .needs = with_sleep});
     s.back().world = {.gravity = gravity,
                       .contact = {.restitution = 0.2, .friction = 0.5, .sleep = {.on = true, .time = 0.25}}};
-    s.back().bodies = {placed(box(2, {1, 0.25, 0.75}), {0, 0.75, 0})};
-    s.back().bodies[0].orientation = {0.99, {0.1, 0, 0.05}};
+    s.back().bodies = {oriented(placed(box(2, {1, 0.25, 0.75}), {0, 0.75, 0}), {0.99, {0.1, 0, 0.05}})};
     s.back().planes = {{}};
 
     s.push_back({.name = "balls_on_contact_springs", .needs = with_contact_springs});
@@ -145,8 +138,8 @@ void add_points(std::vector<SceneSetup>& s) {
 
     s.push_back({.name = "points_that_attract", .step = Seconds{1, 128}, .needs = with_points});
     s.back().world = {.gravity = {0, -1, 0}, .gravitation = 1, .linear_drag = 0.05};
-    s.back().bodies = {placed(point_mass(8), {0, 2, 0}), point, placed(point_mass(0.5), {-2, 3, 1}, {0, -1, 0.5})};
-    s.back().bodies[0].fixed = true;
+    s.back().bodies = {fixed(placed(point_mass(8), {0, 2, 0})), point,
+                       placed(point_mass(0.5), {-2, 3, 1}, {0, -1, 0.5})};
     s.back().springs = {{.body = 1, .to_body = 2, .stiffness = 10, .damping = 0.25, .rest_length = 1},
                         {.body = 2, .to = {0, 5, 0}, .stiffness = 4}};
     s.back().forces = {{.body = 1, .from = 0.25, .until = 2.0, .force = {0, 1, 0.5}}};

@@ -183,8 +183,7 @@ TEST_P(Springs, a_barrier_reaches_from_a_box_to_a_ball_far_away) {
     for (const Number gap : {0.5L, 3.0L, 12.0L}) {
         SceneSetup setup = soft_floor(0, 0, barrier);
         setup.planes.clear();
-        setup.bodies = {placed(sphere(1, 0.25), {gap + 0.5L, 0, 0}), box(1, {0.5, 0.5, 0.5})};
-        setup.bodies[1].fixed = true;
+        setup.bodies = {placed(sphere(1, 0.25), {gap + 0.5L, 0, 0}), fixed(box(1, {0.5, 0.5, 0.5}))};
         const auto world = build(setup, GetParam());
         world->run(1024);
         const Motion m = world->motion(0);

@@ -14,14 +14,10 @@ namespace tumble::test {
 namespace {
 
 class Fixed32 : public testing::TestWithParam<Case> {};
-std::vector<Case> fixed_point_cases() {
-    std::vector<Case> cases;
-    for (const Case& c : every_case())
-        if (c.system.name == std::string_view{"q32_near"} || c.system.name == std::string_view{"q32_plain"})
-            cases.push_back(c);
-    return cases;
+bool is_in_the_smallest_range(const Case& c) {
+    return c.system.name == std::string_view{"q32_near"} || c.system.name == std::string_view{"q32_plain"};
 }
-INSTANTIATE_TEST_SUITE_P(near, Fixed32, testing::ValuesIn(fixed_point_cases()), NameOf{});
+INSTANTIATE_TEST_SUITE_P(near, Fixed32, testing::ValuesIn(cases_where(is_in_the_smallest_range)), NameOf{});
 
 // Three spheres that do not touch each other; NearRange holds 64 m, 32 m/s, 32 rad/s.
 SceneSetup three_spheres() {
@@ -208,13 +204,8 @@ TEST_P(Fixed32, a_load_that_drives_a_body_out_of_range_never_passes_silently) {
 }
 
 class Floating : public testing::TestWithParam<Case> {};
-std::vector<Case> floating_cases() {
-    std::vector<Case> cases;
-    for (const Case& c : every_case())
-        if (!c.system.fixed_point) cases.push_back(c);
-    return cases;
-}
-INSTANTIATE_TEST_SUITE_P(every, Floating, testing::ValuesIn(floating_cases()), NameOf{});
+bool is_floating(const Case& c) { return !c.system.fixed_point; }
+INSTANTIATE_TEST_SUITE_P(every, Floating, testing::ValuesIn(cases_where(is_floating)), NameOf{});
 
 TEST_P(Floating, a_motion_that_is_not_finite_is_reported) {
     const bool f32 = GetParam().system.bits == 32;
