@@ -89,9 +89,7 @@ private:
     void panel(std::string& out, std::size_t index) const {
         const Panel& panel = panels[index];
         const double x = left + static_cast<double>(index) * (panel_width + gap);
-        out += text(
-            "set lmargin at screen %g\nset rmargin at screen %g\nset bmargin at screen %g\nset tmargin at screen %g\n",
-            x / width(), (x + panel_width) / width(), bottom / height(), 1 - top / height());
+        out += panel_at(x, bottom, panel_width, height() - bottom - top, width(), height());
         double least = panel.of(ladders_.front().rungs.front()), most = 0;
         for (const Ladder& ladder : ladders_) {
             for (const Row& row : ladder.rungs) {

@@ -30,26 +30,23 @@ using namespace tumble::reference;
 // the methods and number systems, and the number of steps of bodies in contact.
 struct LongRuns {
     const char* scene;
-    std::int64_t steps, every;  // steps of a run, and between two measurements
+    std::int64_t steps;
     std::set<std::string> integrators, variants;
 };
-const std::set<std::string> usual{"q32", "f32_plain", "f64"}, with_plain{"q32", "q32_plain", "f32_plain", "f64"};
-constexpr std::int64_t ten_million = 10000000;
+const std::set<std::string> usual{"q32", "f32_plain", "f64"}, with_plain{"q32", "q32_plain", "f32_plain", "f64"},
+    of_a_free_top{"rk4", "verlet", "strang", "suzuki4", "pdmv4", "pdmv6", "pdmv8", "pdmv10"};
+constexpr std::int64_t ten_million = 10000000, between_looks = 53;  // steps of a run, and between two measurements
 const std::vector<LongRuns> long_runs{
-    {"bench/problems/generic_top.toml",
-     ten_million,
-     53,
-     {"rk4", "verlet", "strang", "suzuki4", "pdmv4", "pdmv6", "pdmv8", "pdmv10"},
-     usual},
-    {"bench/problems/heavy_top.toml", ten_million, 53, {"rk4", "verlet", "suzuki4", "pdmv6"}, usual},
-    {"bench/problems/kepler.toml", ten_million, 53, {"verlet", "suzuki4"}, usual},
-    {"bench/long_runs/elastic_box.toml", ten_million, 53, {"verlet"}, with_plain},
-    {"bench/long_runs/elastic_box.toml", ten_million, 53, {"semi_implicit_euler", "rk4"}, {"q32"}},
-    {"bench/long_runs/ten_boxes_asleep.toml", ten_million, 53, {"verlet"}, with_plain},
-    {"bench/long_runs/ten_boxes_asleep.toml", ten_million, 53, {"semi_implicit_euler", "rk4"}, {"q32"}},
-    {"host_sim/scenes/contacts/stack.toml", 50000, 53, {"semi_implicit_euler", "rk4"}, {"q32", "f64"}},
-    {"host_sim/scenes/contacts/stack.toml", 50000, 53, {"verlet"}, {"q32_plain", "f32_plain"}},
-    {"host_sim/scenes/contacts/stack.toml", 1000000, 53, {"verlet"}, {"q32", "f64"}},
+    {"bench/problems/generic_top.toml", ten_million, of_a_free_top, usual},
+    {"bench/problems/heavy_top.toml", ten_million, {"rk4", "verlet", "suzuki4", "pdmv6"}, usual},
+    {"bench/problems/kepler.toml", ten_million, {"verlet", "suzuki4"}, usual},
+    {"bench/long_runs/elastic_box.toml", ten_million, {"verlet"}, with_plain},
+    {"bench/long_runs/elastic_box.toml", ten_million, {"semi_implicit_euler", "rk4"}, {"q32"}},
+    {"bench/long_runs/ten_boxes_asleep.toml", ten_million, {"verlet"}, with_plain},
+    {"bench/long_runs/ten_boxes_asleep.toml", ten_million, {"semi_implicit_euler", "rk4"}, {"q32"}},
+    {"host_sim/scenes/contacts/stack.toml", 50000, {"semi_implicit_euler", "rk4"}, {"q32", "f64"}},
+    {"host_sim/scenes/contacts/stack.toml", 50000, {"verlet"}, {"q32_plain", "f32_plain"}},
+    {"host_sim/scenes/contacts/stack.toml", 1000000, {"verlet"}, {"q32", "f64"}},
 };
 
 // SI units; angular momentum about the origin, of the bodies that are not fixed.
@@ -147,19 +144,20 @@ host::SceneDescription checked(host::SceneDescription scene, std::int64_t steps)
 // Three significant digits.
 double rounded(Number value) { return std::strtod(tumble::bench::text("%.2Le", value).c_str(), nullptr); }
 
-// The failure of a run, and its step.
-void put_failure(Row& row, const host::Simulation& simulation, const std::string& failure) {
-    row["failure"] = failure;
-    row["failure_step"] = simulation.steps_taken();
+// Why a run has failed; "" where it has not.
+std::string failure_of(const host::Simulation& simulation, const Constants& now, const Constants& start) {
+    if (!simulation.troubles().empty()) return simulation.troubles().front().issue;
+    const bool has_grown =
+        !std::isfinite(now.energy) || !std::isfinite(now.quaternion_norm) || now.energy > 1e6L * std::abs(start.energy);
+    return has_grown ? "energy grows without end" : "";
 }
-bool has_grown(const Constants& now, const Constants& start) {
-    return !std::isfinite(now.energy) || !std::isfinite(now.quaternion_norm) ||
-           now.energy > 1e6L * std::abs(start.energy);
+Row failed(const host::Simulation& simulation, const std::string& failure) {
+    return {{"failure", failure}, {"failure_step", simulation.steps_taken()}};
 }
 
 // The errors of one run over time, with the keys of long_run_rows.hpp. Calls `counted(steps)` from time to time.
 Row errors_over_time(const host::SceneDescription& scene, const Variant& variant, const std::string& method,
-                     std::int64_t steps, std::int64_t every, const auto& counted) {
+                     std::int64_t steps, const auto& counted) {
     const auto simulation = host::make_simulation(scene, method, variant.numbers, variant.carry);
     const Constants start = constants_of(scene, *simulation);
     const bool in_contact = !scene.planes.empty(),
@@ -171,20 +169,14 @@ Row errors_over_time(const host::SceneDescription& scene, const Variant& variant
     } span;
     Number first_tenth = 0, last_tenth = 0, shift = 0;
     Row row, at = Row::array(), energy = Row::array(), momentum = Row::array(), penetration = Row::array();
-    double end = static_cast<double>(every);
+    double end = between_looks;
     while (simulation->steps_taken() < steps) {
-        const std::int64_t before = simulation->steps_taken(), next = std::min(before + every, steps);
+        const std::int64_t before = simulation->steps_taken(), next = std::min(before + between_looks, steps);
         while (simulation->steps_taken() < next && simulation->troubles().empty()) simulation->step();
         counted(simulation->steps_taken() - before);
-        if (!simulation->troubles().empty()) {
-            put_failure(row, *simulation, simulation->troubles().front().issue);
-            return row;
-        }
         const Constants now = constants_of(scene, *simulation);
-        if (has_grown(now, start)) {
-            put_failure(row, *simulation, "energy grows without end");
-            return row;
-        }
+        if (const std::string failure = failure_of(*simulation, now, start); !failure.empty())
+            return failed(*simulation, failure);
         const Number energy_error = std::abs(now.energy / start.energy - 1);
         span.energy = std::max(span.energy, energy_error);
         if (next <= steps / 10) first_tenth = std::max(first_tenth, energy_error);
@@ -225,14 +217,11 @@ Row measure(const host::SceneDescription& scene, const Variant& variant, const s
     const Constants start = constants_of(scene, *simulation);
     const Number size = norm(start.world_momentum);
     Drift drift;
-    std::string failure;
-    while (simulation->steps_taken() < steps && failure.empty()) {
+    while (simulation->steps_taken() < steps) {
         for (std::int64_t i = 0; i < every && simulation->troubles().empty(); ++i) simulation->step();
-        if (!simulation->troubles().empty()) {
-            failure = simulation->troubles().front().issue;
-            break;
-        }
         const Constants now = constants_of(scene, *simulation);
+        if (const std::string failure = failure_of(*simulation, now, start); !failure.empty())
+            return failed(*simulation, failure);
         // NaN counts as the largest.
         const auto note = [](Number& largest, Number error) {
             if (!(std::abs(error) <= largest)) largest = std::abs(error);
@@ -243,13 +232,8 @@ Row measure(const host::SceneDescription& scene, const Variant& variant, const s
         note(drift.world_momentum, norm(now.world_momentum - start.world_momentum) / size);
         note(drift.vertical_momentum, (now.world_momentum.z - start.world_momentum.z) / size);
         note(drift.quaternion, now.quaternion_norm - 1);
-        if (has_grown(now, start)) failure = "energy grows without end";
     }
     Row row;
-    if (!failure.empty()) {
-        put_failure(row, *simulation, failure);
-        return row;
-    }
     const auto put = [&](const char* key, Number value) { row[key] = static_cast<double>(value); };
     put("energy_max_relative_drift", drift.energy);
     put("energy_max_relative_drift_first_tenth", drift.energy_early);
@@ -265,13 +249,7 @@ Row measure(const host::SceneDescription& scene, const Variant& variant, const s
 
 Row names_of(const host::SceneDescription& scene, const Variant& variant, const std::string& method,
              std::int64_t steps) {
-    Row row;
-    row["scene"] = scene.name;
-    row["core"] = "host";
-    row["numbers"] = variant.numbers;
-    row["carry"] = variant.carry;
-    row["integrator"] = method;
-    row["step_s"] = scene.step.seconds();
+    Row row = tumble::bench::row_of(scene.name, "host", variant.numbers, variant.carry, method, scene.step.seconds());
     row["steps"] = steps;
     return row;
 }
@@ -308,7 +286,7 @@ struct Job {
     host::SceneDescription scene;
     Variant variant;
     std::string method;
-    std::int64_t steps, every, cost;
+    std::int64_t steps, cost;
     Row row;
 };
 std::vector<Job> jobs_of_the_list(std::int64_t most_steps, const std::string& only) {
@@ -324,7 +302,7 @@ std::vector<Job> jobs_of_the_list(std::int64_t most_steps, const std::string& on
         for (const auto& integrator : host::integrators())
             for (const Variant& v : tumble::bench::variants_named({runs.variants.begin(), runs.variants.end()}))
                 if (runs.integrators.contains(integrator.name) && host::runs_in(integrator, v.numbers))
-                    jobs.push_back({scene, v, integrator.name, steps, runs.every, cost, {}});
+                    jobs.push_back({scene, v, integrator.name, steps, cost, {}});
     }
     return jobs;
 }
@@ -339,7 +317,7 @@ std::vector<Row> runs_of_the_list(std::int64_t most_steps, const std::string& on
     std::int64_t total = 0;
     for (Job& job : jobs) {
         job.row = names_of(job.scene, job.variant, job.method, job.steps);
-        job.row["every"] = job.every;
+        job.row["every"] = between_looks;
         const auto is_known = [&](const Row& row) {
             return row.at("tumble_bits") == TUMBLE_BITS &&
                    std::all_of(job.row.items().begin(), job.row.items().end(), [&](const auto& name) {
@@ -371,11 +349,10 @@ std::vector<Row> runs_of_the_list(std::int64_t most_steps, const std::string& on
             steps = 0;
             progress.show(done, name);
         };
-        const Row errors =
-            errors_over_time(job.scene, job.variant, job.method, job.steps, job.every, [&](std::int64_t more) {
-                steps += more;
-                if (steps * job.cost > total / 1000) tell();
-            });
+        const Row errors = errors_over_time(job.scene, job.variant, job.method, job.steps, [&](std::int64_t more) {
+            steps += more;
+            if (steps * job.cost > total / 1000) tell();
+        });
         steps +=
             job.steps - (errors.contains("failure_step") ? errors.at("failure_step").get<std::int64_t>() : job.steps);
         tell();

@@ -20,6 +20,7 @@ int bits_of(const std::string& numbers) {
     return numbers.starts_with("q32") ? 31 : numbers.starts_with("f32") ? 24 : 53;
 }
 
+// Of the values of a key, or its only one.
 double largest(const Row& row, const char* key) {
     double most = 0;
     for (const Row& value : row.at(key)) most = std::max(most, value.get<double>());
@@ -53,8 +54,7 @@ std::vector<Promise> promises_of(const Row& row) {
         below("penetration_m", 1e-3);
         // Each impact rounds the energy too.
         below("energy", row.contains("shift_m") ? 1e-3 : 16 * floor);
-        if (row.contains("shift_m"))
-            promises.push_back({"shift_m", Promise::Kind::below, 1e-3, row.at("shift_m").get<double>(), 1e-3});
+        if (row.contains("shift_m")) below("shift_m", 1e-3);
     } else if (conserving.contains(integrator)) {
         const bool free = scene == "generic top", by_pdmv = keeps_free_energy(integrator);
         // With loads a pdmv prepares constants at each step. Their rounding is a drift, not a random walk.

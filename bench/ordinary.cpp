@@ -125,13 +125,7 @@ void add_rows(std::vector<Row>& rows, const char* method, const std::vector<std:
     Point before{0, 0, true};
     for (int n = System::coarsest; n <= finest; ++n) {
         const Point point = measure<table, A, System>(truth, n);
-        Row row;
-        row["scene"] = System::name;
-        row["core"] = "host";
-        row["numbers"] = A::name;
-        row["carry"] = A::carry;
-        row["integrator"] = method;
-        row["step_s"] = std::ldexp(1.0, -n);
+        Row row = row_of(System::name, "host", A::name, A::carry, method, std::ldexp(1.0, -n));
         if (point.failed) {
             row["failure"] = A::name == std::string{"q32"} ? "range_left" : "not finite";
         } else {

@@ -60,6 +60,13 @@ inline void write_rows(const std::filesystem::path& path, const std::vector<Row>
     write_rows(file, rows);
 }
 
+// The keys that rows of a method on a scene begin with; the step in s.
+[[nodiscard]] inline Row row_of(const std::string& scene, const std::string& core, const std::string& numbers,
+                                bool carry, const std::string& integrator, double step) {
+    return {{"scene", scene},           {"core", core},  {"numbers", numbers}, {"carry", carry},
+            {"integrator", integrator}, {"step_s", step}};
+}
+
 [[nodiscard]] inline std::string numbers_of(const Row& row) {
     return host::numbers_text(row.at("numbers"), row.at("carry"));
 }

@@ -257,13 +257,8 @@ std::vector<Curve> curves_of(const host::SceneDescription& scene, const std::vec
 Row row_of(const std::string& scene, const Truth& truth, const Curve& curve, std::size_t point, const std::string& core,
            const Row& step) {
     const Point& p = curve.points[point];
-    Row row;
-    row["scene"] = scene;
-    row["core"] = core;
-    row["numbers"] = curve.variant.numbers;
-    row["carry"] = curve.variant.carry;
-    row["integrator"] = curve.method;
-    row["step_s"] = std::ldexp(1.0, -p.exponent);
+    Row row = tumble::bench::row_of(scene, core, curve.variant.numbers, curve.variant.carry, curve.method,
+                                    std::ldexp(1.0, -p.exponent));
     for (const auto& [of_second, of_step] : {std::pair{"insn_per_simulated_second", "insn_per_step"},
                                              {"cycles_per_simulated_second_min", "cycles_per_step_min"},
                                              {"cycles_per_simulated_second_est", "cycles_per_step_est"},

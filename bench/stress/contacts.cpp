@@ -18,6 +18,7 @@
 #include <cmath>
 
 #include "stress/maps.hpp"
+#include "truth/smooth_motion.hpp"
 
 namespace tumble::bench::stress {
 namespace {
@@ -78,8 +79,7 @@ class Bounces : public ContactMap {
 public:
     using ContactMap::ContactMap;
 
-    using Map::measure;
-    Measured measure(double x, double y, host::Simulation& simulation) const override {
+    Measured measure_run(double x, double y, host::Simulation& simulation) const override {
         const auto description = scene(x, y);
         const double radius = description.body(0).shape.size[0], height = description.body(0).position[1] - radius;
         const Number energy = gravity * height;  // of 1 kg
@@ -146,11 +146,10 @@ public:
                       {0, 0.25, 0.5, 0.7, 0.74, 0.76, 0.8, 1, 1.5, 2},
                       {0, 0.5, 1}}) {}
 
-    using Map::measure;
-    Measured measure(double x, double y, host::Simulation& simulation) const override {
+    Measured measure_run(double x, double y, host::Simulation& simulation) const override {
         const auto description = scene(x, y);
-        const Vector start = vector_of(description.body(0).position),
-                     half = vector_of(description.body(0).shape.size) * 0.5L;
+        const auto& body = description.body(0);
+        const Vector start = vector_of(body.position);
         const Number energy = simulation.energy().total(), all = way(y, duration);
         return run_to_the_end(simulation, 1, [&](Measured& run) {
             const auto now = host::motion_of(simulation.body(0));
@@ -159,9 +158,7 @@ public:
             // The energy that friction has not dissipated.
             const Number lost = y * mass * gravity * up.y * slid;
             run.see_energy(1 + (simulation.energy().total() + lost - energy) / (mass * (gravity * all + 1)));
-            const Vector n = now.q.rotate_back(up);
-            const Number reach = std::abs(n.x) * half.x + std::abs(n.y) * half.y + std::abs(n.z) * half.z;
-            run.see_depth(depth_of(dot(now.x, up) - reach, description));
+            run.see_depth(depth_of(dot(now.x, up) - host::half_extent(body, now.q, up), description));
         });
     }
     double rounding_floor(double x, double y, const Method& method) const override {
@@ -203,8 +200,7 @@ public:
 
     bool takes(const host::IntegratorInfo& method) const override { return method.name == "verlet"; }
 
-    using Map::measure;
-    Measured measure(double x, double y, host::Simulation& simulation) const override {
+    Measured measure_run(double x, double y, host::Simulation& simulation) const override {
         const auto description = scene(x, y);
         const Number speed = description.body(0).velocity[0], reach = 2 * description.body(0).shape.size[0];
         const Number energy = simulation.energy().total();
@@ -237,8 +233,7 @@ class Piles : public ContactMap {
 public:
     using ContactMap::ContactMap;
 
-    using Map::measure;
-    Measured measure(double x, double y, host::Simulation& simulation) const override {
+    Measured measure_run(double x, double y, host::Simulation& simulation) const override {
         const auto description = scene(x, y);
         const Number energy = simulation.energy().total(), tolerance = description.contact.tolerance;
         Number mass = 0;

@@ -23,8 +23,7 @@ public:
                logarithmic_values(0.01, 4, 9)},
               {"final_speed", "final speed over start speed", "", false, {0, 0.1, 0.3, 1, 3, 10}, {0, 1, 10}}) {}
 
-    using Map::measure;
-    Measured measure(double x, double y, host::Simulation& simulation) const override {
+    Measured measure_run(double x, double y, host::Simulation& simulation) const override {
         const auto description = scene(x, y);
         const auto truth =
             closed_form(description, simulation.step_length(), static_cast<int>(simulation.steps())).value();

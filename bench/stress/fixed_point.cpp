@@ -67,8 +67,7 @@ public:
                logarithmic_values(0.02, 3.62, 16), logarithmic_values(0.02, 3.62, 6)},
               {"amplitude", "amplitude", "rad", false, {0.1, 0.3, 1, 1.5, 2, 2.5, 3, 3.1}, {0.1, 1.5, 3}}) {}
 
-    using Map::measure;
-    Measured measure(double x, double y, host::Simulation& simulation) const override {
+    Measured measure_run(double x, double y, host::Simulation& simulation) const override {
         const auto description = scene(x, y);
         return measure_turning(description, simulation, 1, {size(y), swing(simulation.integrator(), x)}, [&] {
             return reference::exponential<Number>({0, 0, angle(y, frequency * simulation.time())});
@@ -142,8 +141,7 @@ public:
         for (const double y : y_values) (void)truth(y);
     }
 
-    using Map::measure;
-    Measured measure(double x, double y, host::Simulation& simulation) const override {
+    Measured measure_run(double x, double y, host::Simulation& simulation) const override {
         const auto description = scene(x, y);
         const auto& orientations = truth(y).orientations;
         std::size_t sample = 0;

@@ -70,8 +70,7 @@ public:
             if (!truth_.contains(y)) truth_[y] = truth_of(y);
     }
 
-    using Map::measure;
-    Measured measure(double x, double y, host::Simulation& simulation) const override {
+    Measured measure_run(double x, double y, host::Simulation& simulation) const override {
         const auto& truth = truth_.at(y).orientations;
         const long double energy = simulation.energy().total();
         const std::int64_t every = std::lround(turned / samples / x);

@@ -18,6 +18,8 @@ namespace {
 
 Method in_f64(const Method& method) { return {method.integrator, "f64", false}; }
 
+double with_four_digits(double value) { return std::stod(text("%.4g", value)); }
+
 std::string with_number(const char* what, double value) { return std::string{what} + " " + host::few_digits(value); }
 
 }  // namespace
@@ -34,12 +36,6 @@ const char* words_of(Outcome outcome) {
     }
 }
 
-namespace {
-
-double with_four_digits(double value) { return std::stod(text("%.4g", value)); }
-
-}  // namespace
-
 std::vector<double> logarithmic_values(double first, double last, int count) {
     std::vector<double> values;
     for (int i = 0; i < count; ++i)
@@ -50,24 +46,6 @@ std::vector<double> linear_values(double first, double last, int count) {
     std::vector<double> values;
     for (int i = 0; i < count; ++i) values.push_back(with_four_digits(first + (last - first) * i / (count - 1)));
     return values;
-}
-
-void Measured::see_error(long double now) {
-    if (!(now <= error)) error = static_cast<double>(now);
-    finite = finite && std::isfinite(now);
-}
-void Measured::see_energy(long double ratio) {
-    if (!(ratio <= energy_most)) energy_most = static_cast<double>(ratio);
-    finite = finite && std::isfinite(ratio);
-}
-void Measured::see_depth(long double now) {
-    if (!(now <= depth)) depth = static_cast<double>(now);
-    finite = finite && std::isfinite(now);
-}
-void Measured::see_norm(long double length) {
-    const long double now = std::abs(length - 1);
-    if (!(now <= norm_error)) norm_error = static_cast<double>(now);
-    finite = finite && std::isfinite(length);
 }
 
 std::filesystem::path scene_directory() { return TUMBLE_STRESS_SCENES; }
@@ -108,7 +86,7 @@ double Map::expected_error(double x, double y, const Method& method) const {
 
 Measured Map::measure(double x, double y, const Method& method) const {
     const auto simulation = host::make_simulation(scene(x, y), method.integrator, method.numbers, method.carry);
-    return measure(x, y, *simulation);
+    return measure_run(x, y, *simulation);
 }
 
 std::optional<double> Map::limit_where(double y, const std::function<bool(double)>& is_beyond) const {
@@ -150,7 +128,7 @@ Verdict Map::judge(double x, double y, const Method& method, host::Simulation& s
     expectation.is_f64 = method.numbers == "f64";
     expectation.floor_in_f64 = rounding_floor(x, y, in_f64(method));
     expectation.bounds = bounds(host::find_integrator(method.integrator));
-    return stress::judge(measure(x, y, simulation), expectation);
+    return stress::judge(measure_run(x, y, simulation), expectation);
 }
 
 Verdict judge(const Measured& run, const Expectation& expectation) {

@@ -4,6 +4,7 @@
 // scene, and a line in the list of maps.cpp.
 #pragma once
 
+#include <cmath>
 #include <filesystem>
 #include <functional>
 #include <limits>
@@ -80,11 +81,17 @@ struct Measured {
     bool finite = true;
     std::vector<host::Trouble> troubles;
 
+    void see_error(long double now) { see(error, now); }
+    void see_energy(long double ratio) { see(energy_most, ratio); }
+    void see_norm(long double length) { see(norm_error, std::abs(length - 1)); }
+    void see_depth(long double now) { see(depth, now); }
+
+private:
     // NaN counts as the largest.
-    void see_error(long double now);
-    void see_energy(long double ratio);
-    void see_norm(long double length);
-    void see_depth(long double now);
+    void see(double& largest, long double now) {
+        if (!(now <= largest)) largest = static_cast<double>(now);
+        finite = finite && std::isfinite(now);
+    }
 };
 
 struct Verdict {
@@ -113,7 +120,7 @@ public:
     virtual void prepare(const std::vector<double>& /*y_values*/) {}
 
     // Measures the cell's scene in a simulation that has not begun.
-    [[nodiscard]] virtual Measured measure(double x, double y, host::Simulation& simulation) const = 0;
+    [[nodiscard]] virtual Measured measure_run(double x, double y, host::Simulation& simulation) const = 0;
     [[nodiscard]] Measured measure(double x, double y, const Method& method) const;
     // The error that rounding alone makes in this cell, in the unit of Measured::error. See resolution().
     [[nodiscard]] virtual double rounding_floor(double x, double y, const Method& method) const = 0;

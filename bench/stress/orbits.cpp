@@ -31,8 +31,7 @@ public:
                {0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95},
                {0, 0.5, 0.9}}) {}
 
-    using Map::measure;
-    Measured measure(double x, double y, host::Simulation& simulation) const override {
+    Measured measure_run(double x, double y, host::Simulation& simulation) const override {
         const auto description = scene(x, y);
         const auto every = static_cast<std::int64_t>(x) / samples_a_turn;
         const auto truth = places(description, simulation.step_length() * static_cast<long double>(every));

@@ -52,6 +52,12 @@ std::vector<Cell> cells_of(const Map& map, bool coarse) {
     return cells;
 }
 
+std::int64_t cost_of(const std::vector<Cell>& cells) {
+    std::int64_t steps = 0;
+    for (const Cell& cell : cells) steps += cell.steps;
+    return steps;
+}
+
 // The message about a cell from a child process.
 std::string line_of(const Verdict& verdict) {
     std::string cause = verdict.cause.substr(0, 200);
@@ -222,6 +228,11 @@ std::vector<Job> jobs_of(const Choice& choice) {
 
 namespace {
 
+fs::path directory_of(const RunOptions& options) { return options.kept / (options.coarse ? "coarse" : "fine"); }
+std::string file_name(const Job& job) {
+    return job.map->name() + "." + job.integrator + "." + job.variant.name + ".json";
+}
+
 // A row that an earlier run of this program kept in a file; none if there is none.
 std::optional<Row> kept_row(const fs::path& file, const std::string& digest) {
     const std::string text = host::contents_of(file);
@@ -242,33 +253,25 @@ void keep(Row row, const fs::path& file, const std::string& digest) {
 
 std::vector<Row> run(const std::vector<Job>& jobs, const RunOptions& options) {
     const std::string digest = digest_of_program();
-    const fs::path directory = options.kept / (options.coarse ? "coarse" : "fine");
-    fs::create_directories(directory);
-    const auto file_of = [&](const Job& job) {
-        return directory / (job.map->name() + "." + job.integrator + "." + job.variant.name + ".json");
-    };
-
+    fs::create_directories(directory_of(options));
     std::vector<Row> rows(jobs.size());
     std::vector<std::size_t> left;
     std::map<const Map*, std::vector<Cell>> cells;
-    std::map<const Map*, std::int64_t> cost;
     std::int64_t total = 0;
     for (std::size_t i = 0; i < jobs.size(); ++i) {
-        if (auto kept = options.anew ? std::nullopt : kept_row(file_of(jobs[i]), digest)) {
+        if (auto kept = options.anew ? std::nullopt : kept_row(directory_of(options) / file_name(jobs[i]), digest)) {
             rows[i] = *kept;
             continue;
         }
         Map* map = jobs[i].map;
-        if (!cells.contains(map)) {
-            cells[map] = cells_of(*map, options.coarse);
-            for (const Cell& cell : cells[map]) cost[map] += cell.steps;
-        }
+        if (!cells.contains(map)) cells[map] = cells_of(*map, options.coarse);
         left.push_back(i);
-        total += cost[map];
+        total += cost_of(cells[map]);
     }
     // The most expensive first, so that none runs alone at the end.
-    std::stable_sort(left.begin(), left.end(),
-                     [&](std::size_t a, std::size_t b) { return cost[jobs[a].map] > cost[jobs[b].map]; });
+    std::stable_sort(left.begin(), left.end(), [&](std::size_t a, std::size_t b) {
+        return cost_of(cells[jobs[a].map]) > cost_of(cells[jobs[b].map]);
+    });
 
     host::Progress progress(total, host::Progress::Piped::tenths);
     std::int64_t done = 0;
@@ -298,7 +301,7 @@ std::vector<Row> run(const std::vector<Job>& jobs, const RunOptions& options) {
                 continue;
             }
             rows[i] = row_of(row, cells[job.map]);
-            keep(rows[i], file_of(job), digest);
+            keep(rows[i], directory_of(options) / file_name(job), digest);
             it = running.erase(it);
         }
     }

@@ -34,8 +34,7 @@ public:
                {}},
               {"damping_ratio", "damping ratio", "", false, linear_values(0, 2, 11), {0, 0.2, 1, 2}, {}}) {}
 
-    using Map::measure;
-    Measured measure(double x, double y, host::Simulation& simulation) const override {
+    Measured measure_run(double x, double y, host::Simulation& simulation) const override {
         // Near its limit a method lets the energy of an oscillation vary widely without growth. Growth is a second half
         // with more energy than the first, or an energy that no stable oscillation reaches.
         const long double start = simulation.energy().total();

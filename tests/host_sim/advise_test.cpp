@@ -164,14 +164,12 @@ TEST(Accuracy, contacts_have_two_fine_runs_as_reference) {
 }
 
 TEST(Accuracy, colliding_bodies_have_two_fine_runs_as_reference) {
-    const auto ball = [](const char* name, const char* start) {
-        return std::string("[[body]]\nname = \"") + name + "\"\nshape = { sphere = 0.5 }\nmass = 1.0\n" + start;
-    };
     const auto truth = [&](const std::string& contact, const char* other) {
-        return truth_of(SampledScene(read_scene_text(
-            "name = \"meeting\"\n[world]\nstep = \"1/64\"\nduration = 1.0\n" + contact +
-                ball("left", "position = [-1.0, 0.0, 0.0]\nvelocity = [1.0, 0.0, 0.0]\n") + ball("right", other),
-            "meeting.toml")));
+        return truth_of(
+            SampledScene(read_scene_text("name = \"meeting\"\n[world]\nstep = \"1/64\"\nduration = 1.0\n" + contact +
+                                             body_of("left", "sphere = 0.5", "[-1.0, 0.0, 0.0]") +
+                                             "velocity = [1.0, 0.0, 0.0]\n" + body_of("right", "sphere = 0.5") + other,
+                                         "meeting.toml")));
     };
     const char *towards = "position = [1.0, 0.0, 0.0]\nvelocity = [-1.0, 0.0, 0.0]\n",
                *past = "position = [1.0, 5.0, 0.0]\nvelocity = [-1.0, 0.0, 0.0]\n";

@@ -153,8 +153,8 @@ TEST(SmoothMotion, fixed_bodies_stay) {
 }
 
 TEST(SmoothMotion, clearance_is_that_of_the_lowest_vertex) {
-    const std::string box = "[[body]]\nname = \"box\"\nshape = { box = [2.0, 2.0, 2.0] }\nmass = 1.0\nposition = [0.0, "
-                            "5.0, 0.0]\norientation = [0.92387953251128674, 0.0, 0.0, 0.38268343236508977]\n";
+    const std::string box = body_of("box", "box = [2.0, 2.0, 2.0]", "[0.0, 5.0, 0.0]") +
+                            "orientation = [0.92387953251128674, 0.0, 0.0, 0.38268343236508977]\n";
     const std::string plane = "[[plane]]\nname = \"floor\"\nnormal = [0.0, 2.0, 0.0]\noffset = -1.0\n";
     EXPECT_NEAR(static_cast<double>(SmoothMotion(scene_of("", plane + box), shapes_meet).clearance()),
                 4.0 - std::sqrt(2.0), 1e-15);
@@ -164,15 +164,11 @@ TEST(SmoothMotion, clearance_is_that_of_the_lowest_vertex) {
 TEST(SmoothMotion, clearance_is_that_of_every_shape_that_touches_planes) {
     // Above the floor y = 0; the axis is turned by `angle` from z towards the vertical.
     const auto clearance = [](const std::string& shape, double angle, const std::string& contact = "") {
-        return static_cast<double>(
-            SmoothMotion(scene_of("", contact +
-                                          "[[plane]]\nname = \"floor\"\nnormal = [0.0, 1.0, 0.0]\n[[body]]\nname "
-                                          "= \"body\"\nshape = { " +
-                                          shape + " }\nmass = 1.0\nposition = [0.0, 5.0, 0.0]\norientation = [" +
-                                          std::to_string(std::cos(angle / 2)) + ", " +
-                                          std::to_string(-std::sin(angle / 2)) + ", 0.0, 0.0]\n"),
-                         shapes_meet)
-                .clearance());
+        const std::string plane = "[[plane]]\nname = \"floor\"\nnormal = [0.0, 1.0, 0.0]\n",
+                          turn = "orientation = [" + std::to_string(std::cos(angle / 2)) + ", " +
+                                 std::to_string(-std::sin(angle / 2)) + ", 0.0, 0.0]\n",
+                          body = body_of("body", shape, "[0.0, 5.0, 0.0]") + turn;
+        return static_cast<double>(SmoothMotion(scene_of("", contact + plane + body), shapes_meet).clearance());
     };
     const double quarter = std::numbers::pi / 2, eighth = quarter / 2, diagonal = std::sqrt(0.5);
     const double rounding = 1e-5;  // of the orientation's text
@@ -190,29 +186,24 @@ TEST(SmoothMotion, clearance_of_two_bodies_is_their_distance_or_less) {
     const auto clearance = [](const std::string& bodies, const std::string& contact = "") {
         return static_cast<double>(SmoothMotion(scene_of("", contact + bodies), shapes_meet).clearance());
     };
-    const auto other = [](const char* shape, const char* place) {
-        return std::string("[[body]]\nname = \"other\"\nshape = { ") + shape + " }\nmass = 1.0\nposition = " + place +
-               "\n";
-    };
-    const std::string far_ball = other("sphere = 1.0", "[3.0, 4.0, 0.0]"),
-                      table = other("box = [20.0, 2.0, 20.0]", "[5.0, -4.0, 5.0]");
+    const std::string far_ball = body_of("other", "sphere = 1.0", "[3.0, 4.0, 0.0]"),
+                      table = body_of("other", "box = [20.0, 2.0, 20.0]", "[5.0, -4.0, 5.0]");
     EXPECT_NEAR(clearance(ball + far_ball), 3.5, 1e-15);
     EXPECT_NEAR(clearance(ball + table + "fixed = true\n"), 2.5, 1e-15);
     // Corner to corner: sqrt(3) apart, of which a face shows 1.
-    const double corners = clearance(other("box = [2.0, 2.0, 2.0]", "[2.5, 2.5, 2.5]") +
-                                     "[[body]]\nname = \"cube\"\nshape = { box = [1.0, 1.0, 1.0] }\nmass = 1.0\n");
+    const double corners = clearance(body_of("other", "box = [2.0, 2.0, 2.0]", "[2.5, 2.5, 2.5]") +
+                                     body_of("cube", "box = [1.0, 1.0, 1.0]"));
     EXPECT_LE(corners, std::sqrt(3.0) + 1e-15);
     EXPECT_GE(corners, 1.0);
-    EXPECT_NEAR(clearance(ball + other("sphere = 1.0", "[0.0, 0.0, 0.0]")), -1.5, 1e-15);
+    EXPECT_NEAR(clearance(ball + body_of("other", "sphere = 1.0", "[0.0, 0.0, 0.0]")), -1.5, 1e-15);
     EXPECT_GT(clearance(ball + "fixed = true\n" + table + "fixed = true\n"), 1e29);
-    EXPECT_GT(clearance(ball + other("hoop = 1.0", "[3.0, 4.0, 0.0]")), 1e29);
+    EXPECT_GT(clearance(ball + body_of("other", "hoop = 1.0", "[3.0, 4.0, 0.0]")), 1e29);
     EXPECT_GT(clearance(ball + far_ball, "[contact]\nresponse = \"none\"\n"), 1e29);
 }
 
 TEST(SmoothMotion, fixed_body_turns_at_a_constant_angular_velocity) {
-    const std::string table = "[[body]]\nname = \"table\"\nshape = { box = [1.0, 2.0, 3.0] }\nmass = 1.0\nposition = "
-                              "[1.0, 0.0, 0.0]\nvelocity = [1.0, 0.0, 0.0]\nangular_velocity = [0.5, 0.0, 1.0]\nfixed "
-                              "= true\n";
+    const std::string table = body_of("table", "box = [1.0, 2.0, 3.0]", "[1.0, 0.0, 0.0]") +
+                              "velocity = [1.0, 0.0, 0.0]\nangular_velocity = [0.5, 0.0, 1.0]\nfixed = true\n";
     const Motion end = at_two_seconds(scene_of("gravity = [0.0, -10.0, 0.0]\nangular_drag = 0.5\n", table));
     expect_near(end.x, {1, 0, 0});
     expect_near(end.w, {0.5L, 0, 1});

@@ -113,12 +113,12 @@ TEST(Run, carry_changes_the_state) {
     EXPECT_NE(hash("on"), hash("off"));
 }
 
-// The plot of a scene; empty where gnuplot is missing.
-std::string plot_of(const std::string& scene) {
+// The plot of a scene file, whose run ends with a status; empty where gnuplot is missing.
+std::string plot_of(const std::string& scene, int status = 0) {
     const std::string path = temporary("out's.svg");
-    const Outcome outcome = tumble({"run", written("scene.toml", scene), "--plot", path});
+    const Outcome outcome = tumble({"run", scene, "--plot", path});
     if (has(outcome.text, "gnuplot not found")) return {};
-    EXPECT_EQ(outcome.status, 0) << outcome.text;
+    EXPECT_EQ(outcome.status, status) << outcome.text;
     return contents(path);
 }
 // The distances from the left edge of the marks of one of gnuplot's shapes, in the order of drawing.
@@ -158,7 +158,7 @@ position = [9.0, 20.0, 0.0]
 )";
     for (const char* time : {"0.0", "0.25", "0.75"})
         scene += std::string("[[impulse]]\nbody = \"puck\"\ntime = ") + time + "\nimpulse = [1.0, 0.0, 0.0]\n";
-    const std::string svg = plot_of(scene);
+    const std::string svg = plot_of(written("scene.toml", scene));
     if (svg.empty()) GTEST_SKIP() << "no gnuplot";
     for (const char* text : {"it's \"1 &lt; 2\"", "ball &amp; chain", "puck", "verlet, q32, 256 steps of 1/256 s",
                              "x, m", "y, m", "z, m", "about x, rad/s", "about y, rad/s", "about z, rad/s", "energy, J",
@@ -177,11 +177,8 @@ position = [9.0, 20.0, 0.0]
 
 // It leaves the range after 3.26 s of 20 s.
 TEST(Run, a_plot_of_a_run_that_stops_ends_there) {
-    const std::string path = temporary("out.svg");
-    const Outcome outcome = tumble({"run", written("falling.toml", falling), "--plot", path});
-    if (has(outcome.text, "gnuplot not found")) GTEST_SKIP() << outcome.text;
-    ASSERT_EQ(outcome.status, 1) << outcome.text;
-    const std::string svg = contents(path);
+    const std::string svg = plot_of(written("falling.toml", falling), 1);
+    if (svg.empty()) GTEST_SKIP() << "no gnuplot";
     EXPECT_TRUE(has(svg, ">3<"));
     EXPECT_FALSE(has(svg, ">5<"));
 }
@@ -192,7 +189,7 @@ TEST(Run, a_plot_of_ten_bodies_names_eight_that_are_not_fixed_and_says_so) {
         scene += "[[body]]\nname = \"body " + std::to_string(b) +
                  "\"\nshape = { sphere = 0.5 }\nmass = 1.0\nposition = [" + std::to_string(2 * b) + ".0, 0.0, 0.0]\n" +
                  (b == 3 ? "fixed = true\n" : "");
-    const std::string svg = plot_of(scene);
+    const std::string svg = plot_of(written("scene.toml", scene));
     if (svg.empty()) GTEST_SKIP() << "no gnuplot";
     for (int b = 0; b < 10; ++b)
         EXPECT_EQ(has(svg, "<text>body " + std::to_string(b) + "</text>"), b != 3 && b != 9) << b;
@@ -202,11 +199,8 @@ TEST(Run, a_plot_of_ten_bodies_names_eight_that_are_not_fixed_and_says_so) {
 }
 
 TEST(Run, the_panels_of_a_plot_are_aligned_and_inside_the_picture) {
-    const std::string path = temporary("out.svg");
-    const Outcome outcome = tumble({"run", shipped("contacts/cradle"), "--plot", path});
-    if (has(outcome.text, "gnuplot not found")) GTEST_SKIP() << outcome.text;
-    ASSERT_EQ(outcome.status, 0) << outcome.text;
-    const std::string svg = contents(path);
+    const std::string svg = plot_of(shipped("contacts/cradle"));
+    if (svg.empty()) GTEST_SKIP() << "no gnuplot";
     std::map<std::pair<double, double>, std::set<double>> columns;  // left and right edges, and the tops between them
     const std::regex frame(R"(d='M([\d.]+),([\d.]+) L[\d.]+,[\d.]+ L([\d.]+),[\d.]+ L[\d.]+,[\d.]+ L[\d.]+,[\d.]+ Z)");
     for (std::sregex_iterator at(svg.begin(), svg.end(), frame), end; at != end; ++at)

@@ -99,8 +99,8 @@ TEST(accuracy, preprocessed_moser_veselov_orients_the_generic_top_at_a_step_of_5
 
 TEST(accuracy, suzuki4_orients_the_heavy_top_at_a_step_of_10_ms) {
     // Moments 0.02, 0.025, 0.01 and M g l = 0.981: gravity as a force at a point of the axis, 2 s.
-    SceneSetup setup{.name = "heavy_top", .step = Seconds{1, 100}};
-    setup.bodies = {top({0.02, 0.025, 0.01}, {0.5, 0.5, 30})};
+    SceneSetup setup{
+        .name = "heavy_top", .step = Seconds{1, 100}, .bodies = {top({0.02, 0.025, 0.01}, {0.5, 0.5, 30})}};
     setup.forces = {{.body = 0, .from = 0.0, .until = 10.0, .force = {0, 0, -0.981}, .point = {0, 0, 1}}};
     const auto reference = reference::trajectory(
         reference_body(setup.bodies[0]), start_of(setup.bodies[0]), reference::sample_times(0.1L, 20),

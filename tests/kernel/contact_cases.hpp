@@ -8,11 +8,33 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace tumble::test {
 
 inline constexpr Number g = 9.8125L;  // m/s^2, exact in binary
 inline constexpr RealVec3 gravity{0, -9.8125, 0};
+inline constexpr int second = 256;  // steps, if a scene does not say otherwise
+
+// Without gravity.
+[[nodiscard]] inline SceneSetup space(Number restitution, Number friction = 0, std::vector<BodySpec> bodies = {}) {
+    return {.name = "space",
+            .world = {.contact = {.restitution = real(restitution), .friction = real(friction)}},
+            .bodies = std::move(bodies)};
+}
+// A floor under gravity.
+[[nodiscard]] inline SceneSetup floor(Number restitution, Number friction = 0, std::vector<BodySpec> bodies = {}) {
+    SceneSetup setup = space(restitution, friction, std::move(bodies));
+    setup.world.gravity = gravity;
+    setup.planes = {{}};
+    return setup;
+}
+// One on which bodies fall asleep: below 0.03 m/s and 0.05 rad/s for 0.5 s.
+[[nodiscard]] inline SceneSetup sleepy_floor(Number friction = 0.5L, std::vector<BodySpec> bodies = {}) {
+    SceneSetup setup = floor(0, friction, std::move(bodies));
+    setup.world.contact.sleep.on = true;
+    return setup;
+}
 
 // The default method and one with stages within a step, in a number system of each kind.
 [[nodiscard]] inline std::vector<Case> contact_cases(std::string_view fixed_point = "q32_near") {

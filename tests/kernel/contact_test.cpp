@@ -4,21 +4,11 @@
 namespace tumble::test {
 namespace {
 
-class Contacts : public testing::TestWithParam<Case> {
+class Contacts : public CaseTest {
 protected:
-    static const System& system() { return GetParam().system; }
-    static SceneSetup floor(Number restitution, Number friction = 0) {
-        SceneSetup setup{.name = "floor"};
-        setup.world = {.gravity = {0, -9.8125, 0},
-                       .contact = {.restitution = real(restitution), .friction = real(friction)}};
-        setup.planes = {{}};
-        return setup;
-    }
     // 0.1 m above the floor: a bounce takes 0.29 s.
     static SceneSetup elastic_ball() {
-        SceneSetup setup = floor(1);
-        setup.bodies = {sphere(1, 0.5)};
-        setup.bodies[0].position = {0, 0.6015625, 0};
+        SceneSetup setup = floor(1, 0, {placed(sphere(1, 0.5), {0, 0.6015625, 0})});
         return setup;
     }
 };
@@ -47,10 +37,7 @@ Number worst_apex(AnyWorld& world, Number restitution) {
 TEST_P(Contacts, a_ball_bounces_to_its_heights) {
     if (GetParam().method.order < 2) GTEST_SKIP() << "falls with the error of order 1";
     for (const Number restitution : {1.0L, 0.8L}) {
-        SceneSetup setup = floor(restitution);
-        setup.bodies = {sphere(1, 0.5)};
-        setup.bodies[0].position = {0, 1.5, 0};
-        const auto world = build(setup, GetParam());
+        const auto world = build(floor(restitution, 0, {placed(sphere(1, 0.5), {0, 1.5, 0})}), GetParam());
         const Number worst = worst_apex(*world, restitution);
         std::printf("%s: restitution %.1Lf, worst of ten apex heights off by %.2Lg\n", name_of(GetParam()).c_str(),
                     restitution, worst);
@@ -87,10 +74,7 @@ TEST_P(Contacts, an_elastic_ball_never_gains_energy_in_a_thousand_bounces) {
 
 TEST_P(Contacts, a_ball_comes_to_rest_and_stays) {
     for (const Number restitution : {0.0L, 0.5L, 0.9L}) {
-        SceneSetup setup = floor(restitution);
-        setup.bodies = {sphere(1, 0.5)};
-        setup.bodies[0].position = {0, 1, 0};
-        const auto world = build(setup, GetParam());
+        const auto world = build(floor(restitution, 0, {placed(sphere(1, 0.5), {0, 1, 0})}), GetParam());
         world->run(256 * 20);
         EXPECT_TRUE(world->status().ok()) << restitution << ": status " << static_cast<int>(world->status().bits)
                                           << " at step " << world->status().first_step;
@@ -110,9 +94,7 @@ TEST_P(Contacts, a_ball_comes_to_rest_and_stays) {
 }
 
 TEST_P(Contacts, a_ball_pressed_down_by_a_force_rests_too) {
-    SceneSetup setup = floor(0.5L);
-    setup.bodies = {sphere(1, 0.5)};
-    setup.bodies[0].position = {0, 0.5, 0};
+    SceneSetup setup = floor(0.5L, 0, {placed(sphere(1, 0.5), {0, 0.5, 0})});
     setup.forces = {{.body = 0, .from = 0.0, .until = 100.0, .force = {0, -100, 0}}};
     const auto world = build(setup, GetParam());
     world->run(256 * 4);
@@ -127,9 +109,7 @@ TEST_P(Contacts, too_many_impacts_in_a_step_are_reported) {
     SceneSetup setup = floor(1);
     setup.world.gravity = {};
     setup.planes = {{}, {.normal = {0, -1, 0}, .offset = 0.25}};  // 0.05 m of room, 0.4 m a step
-    setup.bodies = {sphere(1, 0.1)};
-    setup.bodies[0].position = {0, 0.125, 0};
-    setup.bodies[0].velocity = {0, 30, 0};
+    setup.bodies = {placed(sphere(1, 0.1), {0, 0.125, 0}, {0, 30, 0})};
     setup.step = Seconds{1, 64};
     const auto world = build(setup, GetParam());
     world->run(8);
@@ -137,11 +117,8 @@ TEST_P(Contacts, too_many_impacts_in_a_step_are_reported) {
 }
 
 TEST_P(Contacts, a_tilted_box_comes_to_rest_on_a_face) {
-    SceneSetup setup = floor(0.25L, 0.5L);
-    setup.bodies = {box(2, {1, 0.5, 0.75})};
-    setup.bodies[0].position = {0, 1.5, 0};
-    setup.bodies[0].orientation = {0.9, {0.1, -0.3, 0.2}};
-    const auto world = build(setup, GetParam());
+    const BodySpec body = oriented(placed(box(2, {1, 0.5, 0.75}), {0, 1.5, 0}), {0.9, {0.1, -0.3, 0.2}});
+    const auto world = build(floor(0.25L, 0.5L, {body}), GetParam());
     world->run(256 * 15);
     const Motion m = world->motion(0);
     const Vector up = m.q.normalized().rotate_back({0, 1, 0});  // the plane's normal in the box's axes
@@ -163,13 +140,9 @@ TEST_P(Contacts, a_box_hit_off_centre_gets_the_spin_of_the_impulse_formula) {
          {Shape{{1, 0.5, 0.75}, {0.9, {0.1, -0.3, 0.2}}}, Shape{{0.25, 2, 0.25}, {0.95, {0.1, 0.05, 0.25}}},
           Shape{{1, 1, 1}, {0.8, {0.3, 0.1, -0.4}}}}) {
         for (const Number restitution : {0.0L, 0.5L, 1.0L}) {
-            SceneSetup setup = floor(restitution);
+            const BodySpec body = oriented(placed(box(2, shape.edges), {0, 3, 0}, {0.5, -4, 0.25}), shape.orientation);
+            SceneSetup setup = floor(restitution, 0, {body});
             setup.world.gravity = {};
-            setup.bodies = {box(2, shape.edges)};
-            BodySpec& body = setup.bodies[0];
-            body.position = {0, 3, 0};
-            body.velocity = {0.5, -4, 0.25};
-            body.orientation = shape.orientation;
             const auto world = build(setup, GetParam());
             const Motion before = start_of(body);
             // The lowest corner.
@@ -194,10 +167,7 @@ TEST_P(Contacts, a_box_hit_off_centre_gets_the_spin_of_the_impulse_formula) {
 }
 
 TEST_P(Contacts, a_box_that_falls_flat_bounces_without_spin) {
-    SceneSetup setup = floor(0.5L);
-    setup.bodies = {box(2, {1, 0.5, 0.75})};
-    setup.bodies[0].position = {0, 1.25, 0};
-    const auto world = build(setup, GetParam());
+    const auto world = build(floor(0.5L, 0, {placed(box(2, {1, 0.5, 0.75}), {0, 1.25, 0})}), GetParam());
     bool bounced = false;
     for (int step = 0; step < 512; ++step) {
         world->step();
@@ -213,8 +183,7 @@ TEST_P(Contacts, a_box_that_falls_flat_bounces_without_spin) {
 TEST_P(Contacts, a_ball_in_a_groove_of_two_planes_stays_in_its_middle) {
     SceneSetup setup = floor(0.5L);
     setup.planes = {{.normal = {1, 1, 0}}, {.normal = {-1, 1, 0}}};
-    setup.bodies = {sphere(1, 0.5)};
-    setup.bodies[0].position = {0, 2, 0};
+    setup.bodies = {placed(sphere(1, 0.5), {0, 2, 0})};
     const auto world = build(setup, GetParam());
     for (int step = 0; step < 2560; ++step) {
         world->step();
@@ -225,11 +194,7 @@ TEST_P(Contacts, a_ball_in_a_groove_of_two_planes_stays_in_its_middle) {
 }
 
 TEST_P(Contacts, a_sliding_box_stops_where_friction_stops_it) {
-    SceneSetup setup = floor(0, 0.5L);
-    setup.bodies = {box(2, {1, 0.25, 1})};
-    setup.bodies[0].position = {0, 0.125, 0};
-    setup.bodies[0].velocity = {3, 0, 0};
-    const auto world = build(setup, GetParam());
+    const auto world = build(floor(0, 0.5L, {placed(box(2, {1, 0.25, 1}), {0, 0.125, 0}, {3, 0, 0})}), GetParam());
     world->run(512);
     EXPECT_LE(norm(world->motion(0).v - Vector{0, world->motion(0).v.y, 0}), tolerance::rest_speed.of(system()));
     const Number distance_exact = 9 / (2 * 0.5L * g);
@@ -237,11 +202,7 @@ TEST_P(Contacts, a_sliding_box_stops_where_friction_stops_it) {
 }
 
 TEST_P(Contacts, a_ball_that_slides_comes_to_roll_with_five_sevenths_of_its_speed) {
-    SceneSetup setup = floor(0, 0.25L);
-    setup.bodies = {sphere(2, 0.5)};
-    setup.bodies[0].position = {0, 0.5, 0};
-    setup.bodies[0].velocity = {3.5, 0, 0};
-    const auto world = build(setup, GetParam());
+    const auto world = build(floor(0, 0.25L, {placed(sphere(2, 0.5), {0, 0.5, 0}, {3.5, 0, 0})}), GetParam());
     world->run(512);
     EXPECT_LE(std::abs(world->motion(0).v.x / 2.5L - 1), tolerance::roll_speed.of(system()));
     EXPECT_LE(std::abs(world->motion(0).q.rotate(world->motion(0).w).z / -5 - 1), tolerance::roll_speed.of(system()));
@@ -250,9 +211,7 @@ TEST_P(Contacts, a_ball_that_slides_comes_to_roll_with_five_sevenths_of_its_spee
 TEST_P(Contacts, a_body_bounces_with_the_larger_of_two_restitutions) {
     SceneSetup setup = floor(0.5L);
     setup.world.gravity = {};
-    setup.bodies = {sphere(1, 0.5)};
-    setup.bodies[0].position = {0, 1, 0};
-    setup.bodies[0].velocity = {0, -2, 0};
+    setup.bodies = {placed(sphere(1, 0.5), {0, 1, 0}, {0, -2, 0})};
     setup.bodies[0].restitution = 0.25;
     setup.planes[0].restitution = 0.75;
     const auto world = build(setup, GetParam());
@@ -265,8 +224,7 @@ TEST_P(Contacts, a_body_bounces_with_the_larger_of_two_restitutions) {
 }
 
 TEST_P(Contacts, a_shape_without_contact_falls_through_the_floor) {
-    SceneSetup setup = floor(0.5L);
-    setup.bodies = {top({1, 2, 3}, {})};
+    SceneSetup setup = floor(0.5L, 0, {top({1, 2, 3}, {})});
     setup.bodies[0].position = {0, 1, 0};
     const auto world = build(setup, GetParam());
     world->run(256);
@@ -275,10 +233,7 @@ TEST_P(Contacts, a_shape_without_contact_falls_through_the_floor) {
 }
 
 TEST_P(Contacts, a_body_that_starts_below_the_floor_comes_out_and_rests) {
-    SceneSetup setup = floor(0.5L);
-    setup.bodies = {sphere(1, 0.5)};
-    setup.bodies[0].position = {0, 0.25, 0};
-    const auto world = build(setup, GetParam());
+    const auto world = build(floor(0.5L, 0, {placed(sphere(1, 0.5), {0, 0.25, 0})}), GetParam());
     world->run(2560);
     EXPECT_LE(std::abs(world->motion(0).x.y - 0.5L), tolerance::place.of(system()));
     EXPECT_LE(norm(world->motion(0).v), 1);
@@ -404,13 +359,10 @@ SceneSetup thrown_die(std::uint64_t seed) {
 // An impact leaves corners that arrive exactly at the end of the step. Rounding must not decide which of them are held.
 TEST_P(ContactsOfFew, dice_come_to_rest_as_they_do_in_double) {
     constexpr int dice = 200;
-    Case precise = GetParam();
-    for (const Case& c : cases_of(precise.method.name))
-        if (std::string_view{c.system.name} == "f64") precise = c;
     int other_way = 0;
     for (int i = 0; i < dice; ++i) {
         const SceneSetup setup = thrown_die(static_cast<std::uint64_t>(i));
-        const auto world = build(setup, GetParam()), expected = build(setup, precise);
+        const auto world = build(setup, GetParam()), expected = build(setup, GetParam().method.name, "f64");
         Number apart = 0;
         for (int step = 0; step < 150; ++step) {
             world->step();
@@ -460,12 +412,9 @@ TEST(ContactTolerance, below_the_resolution_of_the_numbers_still_holds_a_ball_on
                     SceneSetup setup{.name = "floor", .step = floor.step};
                     setup.world = {.gravity = gravity,
                                    .contact = {.restitution = 0, .friction = 0.5, .tolerance = Real{tolerance}}};
-                    setup.bodies = {box(1, floor.edges), sphere(1, 0.005)};
-                    setup.bodies[0].fixed = true;
-                    setup.bodies[0].position = {0, plane ? -2.0 : -0.5, 0};
+                    setup.bodies = {fixed(placed(box(1, floor.edges), {0, plane ? -2.0 : -0.5, 0})),
+                                    placed(sphere(1, 0.005), {0, 0.00495, 0}, {0, -0.001, 0})};
                     if (plane) setup.planes = {{}};
-                    setup.bodies[1].position = {0, 0.00495, 0};
-                    setup.bodies[1].velocity = {0, -0.001, 0};
                     const auto world = build(setup, c);
                     world->run(64);
                     EXPECT_LE(std::abs(world->motion(1).x.y - 0.005L), floor.off)
@@ -513,8 +462,7 @@ TEST_P(ContactsOfFew, extreme_scenes_stay_finite_or_are_reported) {
     // Gravity that moves a body further in a step than lengths hold, and a plane that no body reaches.
     SceneSetup setup{.name = "fall", .step = Seconds{33, 20}};
     setup.world.gravity = {0, -1000, 0};
-    setup.bodies = {sphere(1, 0.1)};
-    setup.bodies[0].position = {0, 60, 0};
+    setup.bodies = {placed(sphere(1, 0.1), {0, 60, 0})};
     setup.planes = {{.offset = 256}};
     EXPECT_TRUE(!build(setup, GetParam())->step().ok() || !system().fixed_point);
 }

@@ -54,8 +54,7 @@ INSTANTIATE_TEST_SUITE_P(exact, ExactRotation,
 TEST_P(ExactRotation, has_no_error_but_rounding) {
     const auto& [flight, name_of_system] = GetParam();
     const System& system = number_system(name_of_system);
-    SceneSetup setup{.name = flight.name, .step = Seconds{flight.step}};
-    setup.bodies = {top(flight.moments, flight.spin)};
+    SceneSetup setup{.name = flight.name, .step = Seconds{flight.step}, .bodies = {top(flight.moments, flight.spin)}};
     const int samples = std::min(flight.steps, 20);
     const auto reference =
         reference::free_trajectory(reference_body(setup.bodies[0]), start_of(setup.bodies[0]),
@@ -101,8 +100,7 @@ TEST(exact, keeps_energy_and_momentum_over_a_million_steps) {
 
 TEST(exact, many_short_steps_equal_one_long_step) {
     for (const char* system : {"f64", "f32"}) {
-        SceneSetup setup{.name = "spans", .step = Seconds{1, 64}};
-        setup.bodies = {top({1, 2, 3}, {1, 1.25, 0.75})};
+        SceneSetup setup{.name = "spans", .step = Seconds{1, 64}, .bodies = {top({1, 2, 3}, {1, 1.25, 0.75})}};
         const auto small = build(setup, "exact", system);
         small->run(640);
         setup.step = Seconds{10, 1};

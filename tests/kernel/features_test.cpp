@@ -1,7 +1,7 @@
 // The list of features, the requirements on a scene type, and misuse that ends in TUMBLE_ASSERT.
 #include <tumble/tumble.hpp>
 
-#include "worlds.hpp"
+#include "references.hpp"
 
 #include <set>
 #include <string>
@@ -146,11 +146,7 @@ TEST_F(MisuseDeathTest, of_a_body_that_is_not_there_ends_the_program) {
 
 TEST_F(MisuseDeathTest, of_a_spring_between_bodies_that_are_not_there_ends_the_program) {
     const auto spring = [](int body, int to_body) {
-        SpringSpec spec;
-        spec.body = body;
-        spec.to_body = to_body;
-        spec.stiffness = 1;
-        return spec;
+        return SpringSpec{.body = body, .to_body = to_body, .stiffness = 1};
     };
     EXPECT_DEATH((void)world_.add(spring(1, -1)), "");
     EXPECT_DEATH((void)world_.add(spring(-1, -1)), "");
@@ -258,10 +254,7 @@ TEST(Script, a_new_script_is_read_from_its_beginning) {
     World<Pair> world{Seconds{1, 256}};
     (void)world.add(sphere(Real{1}, Real{1}));
     const auto push = [&](int step) {
-        ImpulseSpec spec;
-        spec.time = Real{step} / Real{256};
-        spec.impulse = {1, 0, 0};
-        return world.prepare(spec);
+        return world.prepare(ImpulseSpec{.time = Real{step} / Real{256}, .impulse = {1, 0, 0}});
     };
     const Impulse<N> first[] = {push(0), push(2), push(3)}, second[] = {push(1), push(6)};
     world.set_impulses({first, 3});
@@ -296,18 +289,14 @@ TEST(SetUpMisuseDeathTest, of_impossible_steps_sizes_and_moments_ends_the_progra
             body.shape.size[i] = kept;
         }
     }
-    BodySpec top;
     for (int i = 0; i < 3; ++i) {
         RealVec3 moments{1, 1, 1};
         moments[i] = 2;
-        top.inertia = {moments.x, moments.y, moments.z, 0, 0, 0};
-        add(top);
-        moments[i] = 2.001;
-        top.inertia = {moments.x, moments.y, moments.z, 0, 0, 0};
-        EXPECT_DEATH(add(top), "") << i;
-        moments[i] = -1;
-        top.inertia = {moments.x, moments.y, moments.z, 0, 0, 0};
-        EXPECT_DEATH(add(top), "") << i;
+        add(top(moments, {}));
+        for (const Real& bad : {Real{2.001}, Real{-1}}) {
+            moments[i] = bad;
+            EXPECT_DEATH(add(top(moments, {})), "") << i;
+        }
     }
 }
 

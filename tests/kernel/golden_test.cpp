@@ -20,12 +20,7 @@ std::string hexadecimal(std::uint64_t hash) {
     return text;
 }
 
-std::string path_of(const SceneSetup& scene) {
-    std::string path = TUMBLE_GOLDEN_DIR "/";
-    path += scene.name;
-    path += ".txt";
-    return path;
-}
+std::string path_of(const SceneSetup& scene) { return std::string{TUMBLE_GOLDEN_DIR "/"} + scene.name + ".txt"; }
 
 class Golden : public testing::TestWithParam<SceneSetup> {};
 std::string name_of_scene(const testing::TestParamInfo<SceneSetup>& info) { return info.param.name; }

@@ -8,22 +8,17 @@
 namespace tumble::test {
 namespace {
 
-class Laws : public testing::TestWithParam<Case> {
-protected:
-    static const System& system() { return GetParam().system; }
-};
+class Laws : public CaseTest {};
 INSTANTIATE_TEST_SUITE_P(every, Laws, testing::ValuesIn(every_case()), NameOf{});
 
 // A body with general axes: a full tensor, an orientation, a velocity.
 BodySpec skew_body() {
-    BodySpec body;
-    body.mass = 2.5;
-    body.inertia = {2, 1.5, 1.75, 0.25, -0.125, 0.375};
-    body.position = {1, -2, 3};
-    body.velocity = {0.5, 0.25, -1};
-    body.orientation = {0.5, {-0.5, 0.1, 0.3}};
-    body.angular_velocity = {0.5, -1, 0.75};
-    return body;
+    return {.mass = 2.5,
+            .inertia = {2, 1.5, 1.75, 0.25, -0.125, 0.375},
+            .position = {1, -2, 3},
+            .velocity = {0.5, 0.25, -1},
+            .orientation = {0.5, {-0.5, 0.1, 0.3}},
+            .angular_velocity = {0.5, -1, 0.75}};
 }
 Vector momentum_of(const InertiaTensor& i, Vector w) {
     const Vector rows[3] = {{number(i.xx), number(i.xy), number(i.xz)},
@@ -33,23 +28,19 @@ Vector momentum_of(const InertiaTensor& i, Vector w) {
 }
 
 TEST_P(Laws, a_body_starts_at_its_given_position) {
-    SceneSetup setup{.name = "start"};
-    setup.bodies = {skew_body()};
+    SceneSetup setup{.name = "start", .bodies = {skew_body()}};
     const auto world = build(setup, GetParam());
     EXPECT_LE(distance(world->motion(0), start_of(setup.bodies[0])), tolerance::start.of(system()));
 }
 
 TEST_P(Laws, accessors_report_the_state_to_the_digits_of_working_numbers) {
-    SceneSetup setup{.name = "start"};
-    setup.bodies = {skew_body()};
-    const auto world = build(setup, GetParam());
+    const auto world = build(SceneSetup{.name = "start", .bodies = {skew_body()}}, GetParam());
     world->run(10);
     EXPECT_LE(distance(world->motion(0), world->reported(0)), tolerance::reported.of(system()));
 }
 
 TEST_P(Laws, an_impulse_off_centre_gives_the_textbook_velocity_and_spin) {
-    SceneSetup setup{.name = "impulse"};
-    setup.bodies = {skew_body()};
+    SceneSetup setup{.name = "impulse", .bodies = {skew_body()}};
     const BodySpec& body = setup.bodies[0];
     const auto world = build(setup, GetParam());
     const Motion before = world->motion(0);
@@ -65,9 +56,7 @@ TEST_P(Laws, an_impulse_off_centre_gives_the_textbook_velocity_and_spin) {
 }
 
 TEST_P(Laws, an_impulse_and_its_opposite_leave_the_motion_as_it_was) {
-    SceneSetup setup{.name = "impulse"};
-    setup.bodies = {skew_body()};
-    const auto world = build(setup, GetParam());
+    const auto world = build(SceneSetup{.name = "impulse", .bodies = {skew_body()}}, GetParam());
     const Motion before = world->motion(0);
     world->apply_impulse(0, {1, -2, 0.5L}, {0.25L, 0.5L, -0.75L});
     world->apply_impulse(0, {-1, 2, -0.5L}, {0.25L, 0.5L, -0.75L});
@@ -75,9 +64,7 @@ TEST_P(Laws, an_impulse_and_its_opposite_leave_the_motion_as_it_was) {
 }
 
 TEST_P(Laws, an_impulse_of_zero_changes_no_bit) {
-    SceneSetup setup{.name = "impulse"};
-    setup.bodies = {skew_body()};
-    const auto world = build(setup, GetParam());
+    const auto world = build(SceneSetup{.name = "impulse", .bodies = {skew_body()}}, GetParam());
     world->run(3);
     const std::uint64_t hash = world->hash();
     world->apply_impulse(0, {}, {1, 2, 3});
@@ -86,9 +73,7 @@ TEST_P(Laws, an_impulse_of_zero_changes_no_bit) {
 
 TEST_P(Laws, masses_over_twelve_decades_obey_the_same_impulse_formula) {
     for (const double mass : {1e-6, 1e-3, 1.0, 1e3, 1e6}) {
-        SceneSetup setup{.name = "masses"};
-        setup.bodies = {box(mass, {0.5, 0.25, 1})};
-        const auto world = build(setup, GetParam());
+        const auto world = build(SceneSetup{.name = "masses", .bodies = {box(mass, {0.5, 0.25, 1})}}, GetParam());
         const Number m = static_cast<Number>(mass);
         world->apply_impulse(0, Vector{1, -2, 0.5L} * m, {0.125L, 0.25L, 0});
         EXPECT_LE(norm(world->motion(0).v - Vector{1, -2, 0.5L}), tolerance::impulse.of(system())) << mass;
@@ -122,9 +107,7 @@ TEST_P(Laws, free_flight_conserves_angular_momentum_to_the_methods_order) {
 }
 
 TEST_P(Laws, momentum_is_the_same_after_a_free_flight) {
-    SceneSetup setup{.name = "drift"};
-    setup.bodies = {skew_body()};
-    const auto world = build(setup, GetParam());
+    const auto world = build(SceneSetup{.name = "drift", .bodies = {skew_body()}}, GetParam());
     const Vector before = world->motion(0).v, x = world->motion(0).x;
     world->run(1000);
     EXPECT_EQ(world->motion(0).v, before);
@@ -132,10 +115,8 @@ TEST_P(Laws, momentum_is_the_same_after_a_free_flight) {
 }
 
 TEST_P(Laws, a_body_without_spin_never_turns) {
-    SceneSetup setup{.name = "still"};
-    setup.bodies = {skew_body()};
+    SceneSetup setup{.name = "still", .bodies = {oriented(skew_body(), {0, {0, 0.6, 0.8}})}};  // w = 0
     setup.bodies[0].angular_velocity = {};
-    setup.bodies[0].orientation = {0, {0, 0.6, 0.8}};  // w = 0
     const auto world = build(setup, GetParam());
     const Motion before = world->motion(0);
     world->run(1000);
@@ -154,9 +135,7 @@ TEST_P(Laws, an_orientation_with_w_zero_turns_like_any_other) {
 }
 
 TEST_P(Laws, a_sphere_keeps_its_spin_and_turns_uniformly) {
-    SceneSetup setup{.name = "sphere"};
-    setup.bodies = {sphere(2, 0.5)};
-    setup.bodies[0].angular_velocity = {1, 2, -2};
+    SceneSetup setup{.name = "sphere", .bodies = {placed(sphere(2, 0.5), {}, {}, {1, 2, -2})}};
     const auto world = build(setup, GetParam());
     const Vector w = world->motion(0).w;
     world->run(512);
@@ -193,8 +172,7 @@ const Extreme extremes[] = {
 TEST_P(Laws, bodies_of_extreme_inertia_keep_momentum_energy_and_unit_length) {
     for (const Extreme& extreme : extremes) {
         for (const Seconds step : {Seconds{1, 256}, Seconds{Real{0.005}}, Seconds{1, 60}}) {
-            SceneSetup setup{.name = extreme.name, .step = step};
-            setup.bodies = {top(extreme.moments, extreme.spin)};
+            SceneSetup setup{.name = extreme.name, .step = step, .bodies = {top(extreme.moments, extreme.spin)}};
             const auto world = build(setup, GetParam());
             const Vector moments = vector(extreme.moments);
             const Motion start = world->motion(0);
@@ -220,8 +198,7 @@ TEST_P(Laws, bodies_of_extreme_inertia_keep_momentum_energy_and_unit_length) {
 TEST_P(Laws, spins_near_the_limit_stay_in_range_and_turn_right) {
     // 30 rad/s of NearRange's 32, at 1/128 s: 0.12 rad of half turn a step.
     for (const RealVec3& spin : {RealVec3{30, 0, 0}, RealVec3{0, 30, 0}, RealVec3{0, 0, 30}, RealVec3{-17, 17, -17}}) {
-        SceneSetup setup{.name = "fast", .step = Seconds{1, 128}};
-        setup.bodies = {top({2, 2, 2}, spin)};
+        SceneSetup setup{.name = "fast", .step = Seconds{1, 128}, .bodies = {top({2, 2, 2}, spin)}};
         const auto world = build(setup, GetParam());
         const Vector w = vector(spin);
         EXPECT_TRUE(world->run(64).ok());
@@ -237,9 +214,7 @@ TEST_P(Laws, spins_near_the_limit_stay_in_range_and_turn_right) {
 }
 
 TEST_P(Laws, a_fixed_body_that_does_not_turn_never_moves) {
-    SceneSetup setup{.name = "fixed"};
-    setup.bodies = {skew_body(), sphere(1, 0.25)};
-    setup.bodies[0].fixed = true;
+    SceneSetup setup{.name = "fixed", .bodies = {fixed(skew_body()), sphere(1, 0.25)}};
     setup.bodies[0].angular_velocity = {};
     setup.world.gravity = {0, -10, 0};
     setup.world.linear_drag = 1;

@@ -218,45 +218,32 @@ protected:
     }
     static constexpr int steps = 300;
     // Moments sorted downwards, so that the body's axes are the principal axes.
-    static SceneSetup sorted_top() {
-        SceneSetup setup{.name = "top"};
-        setup.bodies = {top({3, 2, 1}, {0.5, 2, -0.25})};
-        return setup;
+    static SceneSetup sorted_top(Real mass, Vector position, Vector velocity) {
+        return {.name = "top", .bodies = {top({3, 2, 1}, {0.5, 2, -0.25}, mass, position, velocity)}};
     }
 };
 INSTANTIATE_TEST_SUITE_P(every, Oracle, testing::ValuesIn(every_case()), NameOf{});
 
 TEST_P(Oracle, a_free_top_moves_as_the_textbook_formula_says) {
-    expect_agreement(sorted_top(), tolerance::oracle.of(GetParam().system));
+    expect_agreement(sorted_top(1, {}, {}), tolerance::oracle.of(GetParam().system));
 }
 
 TEST_P(Oracle, a_free_top_in_gravity_moves_as_the_textbook_formula_says) {
-    SceneSetup setup = sorted_top();
+    SceneSetup setup = sorted_top(1, {}, {1, 2, 3});
     setup.world.gravity = {0.5, -10, 0.25};
-    setup.bodies[0].velocity = {1, 2, 3};
     setup.step = Seconds{Real{0.005}};
     expect_agreement(setup, tolerance::oracle.of(GetParam().system));
 }
 
 TEST_P(Oracle, a_body_on_a_spring_moves_as_the_textbook_formula_says) {
-    SceneSetup setup = sorted_top();
-    setup.bodies[0].mass = 2;
-    setup.bodies[0].position = {0.5, -0.25, 0};
-    setup.bodies[0].velocity = {0.25, 1, -0.5};
+    SceneSetup setup = sorted_top(2, {0.5, -0.25, 0}, {0.25, 1, -0.5});
     setup.world.gravity = {0, -1, 0};
-    SpringSpec spring;
-    spring.point = {0.5, 0.25, -0.5};
-    spring.to = {0, 1, 0.5};
-    spring.stiffness = 8;
-    spring.rest_length = 0.25;
-    setup.springs = {spring};
+    setup.springs = {{.point = {0.5, 0.25, -0.5}, .to = {0, 1, 0.5}, .stiffness = 8, .rest_length = 0.25}};
     expect_agreement(setup, tolerance::oracle.of(GetParam().system));
 }
 
 TEST_P(Oracle, a_body_with_damping_and_drag_moves_as_the_textbook_formula_says) {
-    SceneSetup setup = sorted_top();
-    setup.bodies[0].mass = 2;
-    setup.bodies[0].position = {0.5, -0.25, 0};
+    SceneSetup setup = sorted_top(2, {0.5, -0.25, 0}, {});
     setup.world.linear_drag = 0.5;
     setup.world.angular_drag = 0.25;
     setup.springs = {

@@ -34,12 +34,7 @@ INSTANTIATE_TEST_SUITE_P(every_integrator, Order, testing::ValuesIn(methods()), 
 
 TEST_P(Order, halving_the_step_divides_the_error_of_an_oscillator_by_2_to_the_order) {
     // x'' = -4 x from (1, 0, 0) with velocity (0, 1, 0): an ellipse.
-    SceneSetup setup{.name = "oscillator"};
-    BodySpec body = top({1, 1, 1}, {});
-    body.mass = 0.5;
-    body.position = {1, 0, 0};
-    body.velocity = {0, 1, 0};
-    setup.bodies = {body};
+    SceneSetup setup{.name = "oscillator", .bodies = {top({1, 1, 1}, {}, 0.5, {1, 0, 0}, {0, 1, 0})}};
     setup.springs = {{.stiffness = 2}};
     expect_order(setup, GetParam().order, 2, [](const Motion& m) {
         const Vector x{std::cos(Number(4)), std::sin(Number(4)) / 2, 0};
@@ -49,12 +44,8 @@ TEST_P(Order, halving_the_step_divides_the_error_of_an_oscillator_by_2_to_the_or
 }
 
 TEST_P(Order, halving_the_step_divides_the_error_of_a_dragged_projectile_by_2_to_the_order) {
-    SceneSetup setup{.name = "projectile"};
-    BodySpec body = top({1, 1, 1}, {});
-    body.velocity = {10, 10, 0};
-    setup.bodies = {body};
-    setup.world.gravity = {0, -9.8125, 0};
-    setup.world.linear_drag = 0.5;
+    SceneSetup setup{.name = "projectile", .bodies = {top({1, 1, 1}, {}, 1, {}, {10, 10, 0})}};
+    setup.world = {.gravity = {0, -9.8125, 0}, .linear_drag = 0.5};
     expect_order(setup, GetParam().order, 2, [](const Motion& m) {
         const Number c = 0.5L, g = 9.8125L, t = 2, e = std::exp(-c * t);
         const Vector x{10 * (1 - e) / c, (10 + g / c) * (1 - e) / c - g * t / c, 0};
@@ -63,8 +54,7 @@ TEST_P(Order, halving_the_step_divides_the_error_of_a_dragged_projectile_by_2_to
 }
 
 TEST_P(Order, halving_the_step_divides_the_error_of_a_free_top_by_2_to_the_order) {
-    SceneSetup setup{.name = "top"};
-    setup.bodies = {top({1, 2, 3}, {0.5, 1, 0.7})};
+    SceneSetup setup{.name = "top", .bodies = {top({1, 2, 3}, {0.5, 1, 0.7})}};
     const Motion end =
         reference::free_trajectory(reference_body(setup.bodies[0]), start_of(setup.bodies[0]), {2}).back();
     expect_order(setup, GetParam().free_order, 2, [&](const Motion& m) { return angle_between(m.q, end.q); });
@@ -73,20 +63,11 @@ TEST_P(Order, halving_the_step_divides_the_error_of_a_free_top_by_2_to_the_order
 
 TEST_P(Order, halving_the_step_divides_the_error_of_a_body_on_a_spring_with_drag_by_2_to_the_order) {
     // Force and torque depend on position, orientation, velocity and spin at once.
-    SceneSetup setup{.name = "body_on_a_spring"};
-    BodySpec body = top({1, 2, 3}, {0.5, 1, 0.7}, 2);
-    body.position = {0.5, -0.25, 0};
-    setup.bodies = {body};
-    SpringSpec spring;
-    spring.point = {0.5, 0.25, -0.5};
-    spring.to = {0, 1, 0};
-    spring.stiffness = 3;
-    spring.damping = 0.25;
-    spring.rest_length = 0.5;
-    setup.springs = {spring};
-    setup.world.linear_drag = 0.125;
-    setup.world.angular_drag = 0.25;
-    setup.world.gravity = {0, -1, 0};
+    const BodySpec body = top({1, 2, 3}, {0.5, 1, 0.7}, 2, {0.5, -0.25, 0});
+    SceneSetup setup{.name = "body_on_a_spring", .bodies = {body}};
+    setup.world = {.gravity = {0, -1, 0}, .linear_drag = 0.125, .angular_drag = 0.25};
+    setup.springs = {
+        {.point = {0.5, 0.25, -0.5}, .to = {0, 1, 0}, .stiffness = 3, .damping = 0.25, .rest_length = 0.5}};
     const Motion end = reference::trajectory(reference_body(body), start_of(body), {2}, reference_load(setup)).back();
     expect_order(setup, GetParam().order, 2, [&](const Motion& m) { return norm(m.x - end.x) + norm(m.v - end.v); });
     expect_order(setup, GetParam().order, 2,
@@ -95,9 +76,7 @@ TEST_P(Order, halving_the_step_divides_the_error_of_a_body_on_a_spring_with_drag
 
 TEST_P(Order, uniform_gravity_moves_the_centre_of_mass_exactly_from_order_two_on) {
     if (GetParam().order < 2) GTEST_SKIP() << "order 1";
-    SceneSetup setup{.name = "fall", .step = Seconds{1, 4}};
-    setup.bodies = {top({1, 2, 3}, {1, 1, 1})};
-    setup.bodies[0].velocity = {1, 2, 3};
+    SceneSetup setup{.name = "fall", .step = Seconds{1, 4}, .bodies = {top({1, 2, 3}, {1, 1, 1}, 1, {}, {1, 2, 3})}};
     setup.world.gravity = {1, -10, 0.5};
     const auto world = build(setup, GetParam().name, "f64");
     world->run(16);

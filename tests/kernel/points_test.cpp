@@ -10,20 +10,14 @@
 namespace tumble::test {
 namespace {
 
-class Points : public testing::TestWithParam<Case> {
-protected:
-    static const System& system() { return GetParam().system; }
-    static int order() { return GetParam().method.order; }
-};
+class Points : public CaseTest {};
 INSTANTIATE_TEST_SUITE_P(every, Points, testing::ValuesIn(every_case()), NameOf{});
 
 // The scene with a sphere of the same mass in place of each point mass.
 SceneSetup with_spheres(SceneSetup setup, RealVec3 spin) {
     for (BodySpec& body : setup.bodies) {
         if (!is_point_mass(body)) continue;
-        BodySpec other = sphere(body.mass, 0.0625);
-        other.position = body.position;
-        other.velocity = body.velocity;
+        BodySpec other = placed(sphere(body.mass, 0.0625), vector(body.position), vector(body.velocity));
         other.fixed = body.fixed;
         other.angular_velocity = spin;
         body = other;
@@ -47,9 +41,7 @@ void expect_one_motion(const SceneSetup& one, const SceneSetup& other, const Cas
 TEST_P(Points, fly_with_the_same_bits_as_spinning_bodies) {
     SceneSetup setup{.name = "thrown"};
     setup.world = {.gravity = {0, -9.81, 0}};
-    setup.bodies = {point_mass(0.3)};
-    setup.bodies[0].position = {-3, 7, 0.1};
-    setup.bodies[0].velocity = {2, 5, -1};
+    setup.bodies = {placed(point_mass(0.3), {-3, 7, 0.1}, {2, 5, -1})};
     expect_one_motion(setup, with_spheres(setup, {1, -2, 0.5}), GetParam());
 }
 
@@ -57,12 +49,8 @@ TEST_P(Points, move_under_loads_with_the_same_bits_as_bodies_that_do_not_turn) {
     SceneSetup setup{.name = "loaded"};
     setup.world = {
         .gravity = {0, -1, 0}, .gravitation = 2, .linear_drag = 0.05, .contact = {.response = ContactResponse::none}};
-    setup.bodies = {point_mass(6), point_mass(0.5), point_mass(1)};
-    setup.bodies[0].fixed = true;
-    setup.bodies[1].position = {3, 0.5, 0};
-    setup.bodies[1].velocity = {0, 1.5, 0.25};
-    setup.bodies[2].position = {-4, 0, 1};
-    setup.bodies[2].velocity = {0, -1, 0};
+    setup.bodies = {fixed(point_mass(6)), placed(point_mass(0.5), {3, 0.5, 0}, {0, 1.5, 0.25}),
+                    placed(point_mass(1), {-4, 0, 1}, {0, -1, 0})};
     setup.springs = {{.body = 1, .to_body = 2, .stiffness = 3, .damping = 0.125, .rest_length = 2},
                      {.body = 2, .to = {-3, 4, 0}, .stiffness = 2}};
     setup.forces = {{.body = 1, .from = 0.25, .until = 1.0, .force = {0, 0.5, 0.25}}};
@@ -73,8 +61,7 @@ TEST_P(Points, move_under_loads_with_the_same_bits_as_bodies_that_do_not_turn) {
 TEST_P(Points, thrown_follow_the_parabola) {
     SceneSetup setup{.name = "parabola"};
     setup.world = {.gravity = {0, -8, 0}};
-    setup.bodies = {point_mass(0.7)};
-    setup.bodies[0].velocity = {3, 8, -1};
+    setup.bodies = {placed(point_mass(0.7), {}, {3, 8, -1})};
     const auto world = build(setup, GetParam());
     world->run(512);
     const Motion m = world->motion(0);
@@ -89,10 +76,8 @@ TEST_P(Points, on_an_orbit_keep_their_energy_and_angular_momentum) {
     // About a fixed mass: a = 4 m, G M = 64, period 2 pi, eccentricity 1/4, from the perihelion.
     SceneSetup setup{.name = "orbit", .step = Seconds{1, 512}};
     setup.world.gravitation = 0.5;
-    setup.bodies = {point_mass(128), point_mass(1)};
-    setup.bodies[0].fixed = true;
-    setup.bodies[1].position = {3, 0, 0};
-    setup.bodies[1].velocity = {0, real(std::sqrt(64 * (2 / Number(3) - 1 / Number(4)))), 0};
+    setup.bodies = {fixed(point_mass(128)),
+                    placed(point_mass(1), {3, 0, 0}, {0, std::sqrt(64 * (2 / Number(3) - 1 / Number(4))), 0})};
     const auto world = build(setup, GetParam());
     const Vector start = cross(world->motion(1).x, world->motion(1).v);
     world->run(3217);  // one turn
@@ -107,10 +92,8 @@ TEST_P(Points, on_an_orbit_keep_their_energy_and_angular_momentum) {
 TEST_P(Points, pull_a_body_and_do_not_rotate) {
     SceneSetup setup{.name = "mixed"};
     setup.world = {.angular_drag = 0.25};
-    setup.bodies = {point_mass(2), top({3, 2, 1}, {0.25, 0.5, 0.125}, 3)};
-    setup.bodies[0].position = {1, 0, 0};
-    setup.bodies[0].velocity = {0, 0.5, 0.25};
-    setup.bodies[1].position = {-1, 0.5, 0};
+    setup.bodies = {placed(point_mass(2), {1, 0, 0}, {0, 0.5, 0.25}),
+                    top({3, 2, 1}, {0.25, 0.5, 0.125}, 3, {-1, 0.5, 0})};
     setup.springs = {{.body = 0, .to_body = 1, .to = {0, -0.25, 0.5}, .stiffness = 10, .damping = 0.25}};
     const auto world = build(setup, GetParam());
     const auto momentum = [&] { return 2 * world->motion(0).v + 3 * world->motion(1).v; };
@@ -173,8 +156,7 @@ TYPED_TEST_P(PointMisuseDeathTest, of_a_rotation_of_a_point_mass_ends_the_progra
     BodySpec turned = point_mass(1);
     turned.orientation = {1, {0, 0, 1}};
     EXPECT_DEATH((void)world.add(turned), "");
-    BodySpec spinning = point_mass(1);
-    spinning.angular_velocity = {0, 0, 1};
+    BodySpec spinning = placed(point_mass(1), {}, {}, {0, 0, 1});
     EXPECT_DEATH((void)world.add(spinning), "");
     EXPECT_TRUE(world.add(SpringSpec{.to = {1, 0, 0}, .stiffness = 1}));
     EXPECT_TRUE(world.add(point_mass(1)));

@@ -7,42 +7,25 @@
 namespace tumble::test {
 namespace {
 
-constexpr int second = 256;  // steps
-
-SceneSetup floor(Number restitution, Number friction) {
-    SceneSetup setup{.name = "floor"};
-    setup.world = {.gravity = gravity, .contact = {.restitution = real(restitution), .friction = real(friction)}};
-    setup.planes = {{}};
-    return setup;
-}
-SceneSetup sleepy_floor(Number friction = 0.5L) {
-    SceneSetup setup = floor(0, friction);
-    setup.world.contact.sleep.on = true;  // 0.03 m/s and 0.05 rad/s for 0.5 s
-    return setup;
-}
 // An incline of tan = 3/4 that falls towards -x, and how a body stands on it at the origin.
 const Vector uphill{0.8L, 0.6L, 0}, off_incline{-0.6L, 0.8L, 0};
 constexpr Number slope_sine = 0.6L, slope_cosine = 0.8L;
-SceneSetup incline(Number friction) {
-    SceneSetup setup = floor(0, friction);
+SceneSetup incline(Number friction, std::vector<BodySpec> bodies = {}) {
+    SceneSetup setup = floor(0, friction, std::move(bodies));
     setup.planes[0].normal = {-3, 4, 0};
     return setup;
 }
-BodySpec on_incline(BodySpec body, Number height) {
-    body.position = real(off_incline * height);
-    body.orientation = {3, {0, 0, 1}};
-    return body;
+BodySpec on_incline(const BodySpec& body, Number height) {
+    return oriented(placed(body, off_incline * height), {3, {0, 0, 1}});
 }
-BodySpec standing(BodySpec body, Number x, Number height) {
-    body.position = {real(x), real(height), 0};
-    return body;
+BodySpec standing(const BodySpec& body, Number x, Number height, Vector velocity = {}, Vector spin = {}) {
+    return placed(body, {x, height, 0}, velocity, spin);
 }
 // Body z upwards.
 constexpr RealQuat upright{1, {-1, 0, 0}};
 
-class Resting : public testing::TestWithParam<Case> {
+class Resting : public CaseTest {
 protected:
-    static const System& system() { return GetParam().system; }
     // Whether nothing of the body moves by more than `still` for 100 steps.
     static void expect_still(AnyWorld& world, int body) {
         const Motion start = world.motion(body);
@@ -189,9 +172,8 @@ TEST_P(Resting, a_heap_of_bodies_that_touch_exactly_stays_finite_and_above_the_f
 
 TEST_P(Resting, a_box_rests_on_a_fixed_box_and_on_two_others) {
     SceneSetup setup = floor(0, 0.5L);
-    setup.bodies = {standing(box(1, {4, 1, 4}), 0, 0.5L), standing(box(1, {1, 1, 1}), -0.5625L, 1.5L),
+    setup.bodies = {fixed(standing(box(1, {4, 1, 4}), 0, 0.5L)), standing(box(1, {1, 1, 1}), -0.5625L, 1.5L),
                     standing(box(1, {1, 1, 1}), 0.5625L, 1.5L), standing(box(1, {1, 1, 1}), 0, 2.5L)};
-    setup.bodies[0].fixed = true;
     const auto world = build(setup, GetParam());
     world->run(4 * second);
     EXPECT_LE(largest_shift(*world, setup), tolerance::stack_shift);
@@ -216,15 +198,13 @@ TEST_P(Resting, a_sphere_rests_between_two_others_that_walls_hold) {
 TEST_P(Resting, a_dropped_cube_comes_to_rest_on_a_face_and_does_not_jitter) {
     struct Drop {
         RealQuat orientation;
-        RealVec3 spin;
+        Vector spin;
     };
     for (const Drop& drop : {Drop{{}, {}}, Drop{{0.9, {0.1, -0.3, 0.2}}, {}}, Drop{{1, {0, 0, 0.25}}, {0.5, 0, 0}},
                              Drop{{0.8, {0.3, 0.1, -0.4}}, {3, -2, 5}}}) {
-        SceneSetup setup = floor(0.4L, 0.3L);
-        setup.bodies = {standing(box(10, {1, 1, 1}), 0, 2)};  // the dissertation's
-        setup.bodies[0].orientation = drop.orientation;
-        setup.bodies[0].angular_velocity = drop.spin;
-        const auto world = build(setup, GetParam());
+        // The dissertation's.
+        const BodySpec cube = oriented(standing(box(10, {1, 1, 1}), 0, 2, {}, drop.spin), drop.orientation);
+        const auto world = build(floor(0.4L, 0.3L, {cube}), GetParam());
         world->run(15 * second);
         expect_still(*world, 0);
         const Motion m = world->motion(0);
@@ -238,8 +218,7 @@ TEST_P(Resting, a_dropped_cube_comes_to_rest_on_a_face_and_does_not_jitter) {
 }
 
 TEST_P(Resting, a_box_that_is_put_down_stays_where_it_is) {
-    SceneSetup setup = floor(0.5L, 0.5L);
-    setup.bodies = {standing(box(2, {1, 0.5, 0.75}), 0, 0.25L)};
+    SceneSetup setup = floor(0.5L, 0.5L, {standing(box(2, {1, 0.5, 0.75}), 0, 0.25L)});
     const auto world = build(setup, GetParam());
     world->run(4 * second);
     EXPECT_LE(largest_shift(*world, setup), tolerance::creep);
@@ -276,9 +255,7 @@ TEST_P(Resting, a_ball_dropped_on_an_awake_box_comes_to_rest_on_it) {
 // Pressed halfway to each of them it does not tip.
 TEST_P(Resting, a_hoop_that_lies_flat_rests_on_four_points_of_its_rim) {
     for (const Vector point : {Vector{0.125L, 0, 0}, {-0.125L, 0, 0}, {0, 0.125L, 0}, {0, -0.125L, 0}}) {
-        SceneSetup setup = floor(0, 0.5L);
-        setup.bodies = {standing(hoop(2, 0.25), 0, 0)};
-        setup.bodies[0].orientation = upright;
+        const SceneSetup setup = floor(0, 0.5L, {oriented(hoop(2, 0.25), upright)});
         const auto world = build(setup, GetParam());
         world->run(10);
         EXPECT_EQ(world->contact_count(0), 4);
@@ -295,11 +272,9 @@ TEST_P(Resting, a_body_that_falls_on_one_end_of_a_tilting_table_does_not_change_
     for (const bool with_another : {false, true}) {
         SceneSetup setup = floor(0.5L, 0.5L);
         setup.planes.clear();
-        setup.bodies = {standing(box(10, {4, 0.5, 4}), 0, 0), standing(box(1, {0.5, 0.5, 0.5}), -1.5L, 0.5L),
-                        standing(box(1, {0.5, 0.5, 0.5}), 1.5L, 0.75L)};
-        setup.bodies[0].fixed = true;
-        setup.bodies[0].angular_velocity = {0.5, 0, 0};
-        setup.bodies[2].position.z = -1;
+        setup.bodies = {fixed(standing(box(10, {4, 0.5, 4}), 0, 0, {}, {0.5, 0, 0})),
+                        standing(box(1, {0.5, 0.5, 0.5}), -1.5L, 0.5L),
+                        placed(box(1, {0.5, 0.5, 0.5}), {1.5L, 0.75L, -1})};
         if (!with_another) setup.bodies[1].position.x = -50;
         const auto world = build(setup, GetParam());
         for (std::size_t step = 0; step < 300; ++step) {
@@ -342,9 +317,7 @@ TEST_P(Resting, a_much_larger_box_added_far_away_does_not_disturb_boxes_at_rest)
 // --- sliding and rolling -----------------------------------------------------------------------------------------
 
 TEST_P(Resting, a_sliding_box_stops_at_its_distance_and_stays_there) {
-    SceneSetup setup = floor(0, 0.5L);
-    setup.bodies = {standing(box(2, {1, 0.25, 1}), 0, 0.125L)};
-    setup.bodies[0].velocity = {2.4, 0, 1.8};  // 3 m/s
+    SceneSetup setup = floor(0, 0.5L, {standing(box(2, {1, 0.25, 1}), 0, 0.125L, {2.4, 0, 1.8})});  // 3 m/s
     const auto world = build(setup, GetParam());
     world->run(2 * second);
     const Vector stop = Vector{0.8L, 0, 0.6L} * (9 / (2 * 0.5L * g));
@@ -386,8 +359,7 @@ TEST_P(Resting, a_bowling_ball_slides_until_it_rolls_and_then_rolls_for_ever) {
     constexpr Number speed = 3.5L, friction = 0.25L, radius = 0.5L;
     SceneSetup setup = floor(0, friction);
     setup.step = Seconds{1, 1024};
-    setup.bodies = {standing(sphere(2, 0.5), 0, radius)};
-    setup.bodies[0].velocity = {3.5, 0, 0};
+    setup.bodies = {standing(sphere(2, 0.5), 0, radius, {speed, 0, 0})};
     const auto world = build(setup, GetParam());
     const auto slip = [&] { return world->motion(0).v.x + radius * world_spin(world->motion(0)).z; };
     const Number onset = 2 * speed / (7 * friction * g);  // 0.41 s; until then slip falls evenly
@@ -425,10 +397,7 @@ std::vector<Roller> rollers() {
 
 TEST_P(Resting, round_bodies_slide_until_they_roll) {
     for (const Roller& roller : rollers()) {
-        SceneSetup setup = floor(0, 0.5L);
-        setup.bodies = {standing(roller.body, 0, roller.radius)};
-        setup.bodies[0].velocity = {3, 0, 0};
-        const auto world = build(setup, GetParam());
+        const auto world = build(floor(0, 0.5L, {standing(roller.body, 0, roller.radius, {3, 0, 0})}), GetParam());
         world->run(second);
         const Number rolls = 3 / (1 + roller.moment());
         EXPECT_LE(std::abs(world->motion(0).v.x / rolls - 1), tolerance::sliding) << roller.name;
@@ -440,9 +409,7 @@ TEST_P(Resting, round_bodies_slide_until_they_roll) {
 
 TEST_P(Resting, round_bodies_roll_down_an_incline_with_the_closed_form) {
     for (const Roller& roller : rollers()) {
-        SceneSetup setup = incline(0.625L);
-        setup.bodies = {standing(roller.body, 0, 0)};
-        setup.bodies[0].position = real(off_incline * roller.radius);
+        SceneSetup setup = incline(0.625L, {placed(roller.body, off_incline * roller.radius)});
         const auto world = build(setup, GetParam());
         world->run(second);
         const Number acceleration = g * slope_sine / (1 + roller.moment());
@@ -455,8 +422,7 @@ TEST_P(Resting, round_bodies_roll_down_an_incline_with_the_closed_form) {
 
 TEST_P(Resting, cylinders_and_capsules_rest_lying_and_a_cylinder_stands) {
     for (const bool stands : {false, true}) {
-        SceneSetup setup = floor(0, 0.5L);
-        setup.bodies = {standing(cylinder(2, 0.25, 0.75), 0, stands ? 0.375L : 0.25L)};
+        SceneSetup setup = floor(0, 0.5L, {standing(cylinder(2, 0.25, 0.75), 0, stands ? 0.375L : 0.25L)});
         if (stands) setup.bodies[0].orientation = upright;
         else setup.bodies.push_back(standing(capsule(2, 0.25, 0.75), 2, 0.25L));
         const auto world = build(setup, GetParam());
@@ -470,10 +436,8 @@ TEST_P(Resting, cylinders_and_capsules_rest_lying_and_a_cylinder_stands) {
 }
 
 TEST_P(Resting, a_standing_cylinder_slides_to_its_distance_without_falling_over) {
-    SceneSetup setup = floor(0, 0.25L);
-    setup.bodies = {standing(cylinder(2, 0.25, 0.5), 0, 0.25L)};
-    setup.bodies[0].orientation = upright;
-    setup.bodies[0].velocity = {1.2, 0, 0.9};  // 1.5 m/s
+    const BodySpec body = oriented(standing(cylinder(2, 0.25, 0.5), 0, 0.25L, {1.2, 0, 0.9}), upright);  // 1.5 m/s
+    const SceneSetup setup = floor(0, 0.25L, {body});
     const auto world = build(setup, GetParam());
     world->run(2 * second);
     const Vector stop = Vector{0.8L, 0, 0.6L} * (2.25L / (2 * 0.25L * g));
@@ -485,11 +449,8 @@ TEST_P(Resting, a_standing_cylinder_slides_to_its_distance_without_falling_over)
 TEST_P(Resting, a_dropped_cylinder_never_sinks_into_the_floor) {
     const Number radius = 0.25L, half = 0.5L;
     for (const RealQuat& orientation : {RealQuat{0.9, {0.1, -0.3, 0.2}}, RealQuat{1, {0.25, 0.5, 0}}}) {
-        SceneSetup setup = floor(0.3L, 0.4L);
-        setup.bodies = {standing(cylinder(2, 0.25, 1), 0, 1.5L)};
-        setup.bodies[0].orientation = orientation;
-        setup.bodies[0].angular_velocity = {1, 0, -2};
-        const auto world = build(setup, GetParam());
+        const BodySpec body = oriented(standing(cylinder(2, 0.25, 1), 0, 1.5L, {}, {1, 0, -2}), orientation);
+        const auto world = build(floor(0.3L, 0.4L, {body}), GetParam());
         Number deepest = 0;
         for (int step = 0; step < 8 * second; ++step) {
             world->step();
@@ -507,12 +468,9 @@ TEST_P(Resting, a_dropped_cylinder_never_sinks_into_the_floor) {
 
 // A fixed box that turns about the vertical; its top is at y = 0. Steps of 1/1024 s.
 SceneSetup turntable(Number turns) {
-    SceneSetup setup{.name = "turntable", .step = Seconds{1, 1024}};
-    setup.world = {.gravity = gravity, .contact = {.restitution = 0, .friction = 1}};
-    BodySpec table = standing(box(100, {8, 0.5, 8}), 0, -0.25L);
-    table.fixed = true;
-    table.angular_velocity = {0, real(turns), 0};
-    setup.bodies = {table};
+    SceneSetup setup = floor(0, 1, {fixed(standing(box(100, {8, 0.5, 8}), 0, -0.25L, {}, {0, turns, 0}))});
+    setup.step = Seconds{1, 1024};
+    setup.planes.clear();
     return setup;
 }
 Vector turned(Vector v, Number angle) { return exponential(Vector{0, angle, 0}).rotate(v); }
@@ -533,10 +491,8 @@ TEST_P(Resting, a_fixed_body_keeps_turning_where_it_is) {
 // v' = 2/7 W x v without slip: a circle, at 2/7 of the table's turns, in the world's frame.
 TEST_P(Resting, a_ball_on_a_turntable_rolls_in_a_circle_at_two_sevenths_of_its_turns) {
     SceneSetup setup = turntable(3.5L);
-    BodySpec ball = standing(sphere(1, 0.25), 1, 0.25L);
-    ball.velocity = {0, 0, 0.5};
-    ball.angular_velocity = {16, 0, 0};  // no slip: v + w x (0, -r, 0) = W x x
-    setup.bodies.push_back(ball);
+    // No slip: v + w x (0, -r, 0) = W x x.
+    setup.bodies.push_back(standing(sphere(1, 0.25), 1, 0.25L, {0, 0, 0.5}, {16, 0, 0}));
     const auto world = build(setup, GetParam());
     const Vector centre{1.5L, 0.25L, 0};
     for (int step = 1; step <= 6434; ++step) {  // 2 pi s
@@ -551,8 +507,7 @@ TEST_P(Resting, a_ball_on_a_turntable_rolls_in_a_circle_at_two_sevenths_of_its_t
 
 TEST_P(Resting, a_ball_that_spins_with_its_turntable_stays_where_it_is) {
     SceneSetup setup = turntable(3.5L);
-    setup.bodies.push_back(standing(sphere(1, 0.25), -2, 0.25L));
-    setup.bodies[1].angular_velocity = {-28, 0, 0};
+    setup.bodies.push_back(standing(sphere(1, 0.25), -2, 0.25L, {}, {-28, 0, 0}));
     const auto world = build(setup, GetParam());
     world->run(2048);
     EXPECT_LE(norm(world->motion(1).x - Vector{-2, 0.25L, 0}), tolerance::turntable_orbit);
@@ -560,9 +515,7 @@ TEST_P(Resting, a_ball_that_spins_with_its_turntable_stays_where_it_is) {
 
 TEST_P(Resting, a_box_is_carried_round_by_a_turntable) {
     SceneSetup setup = turntable(2);
-    setup.bodies.push_back(standing(box(1, {0.5, 0.25, 0.5}), 1, 0.125L));
-    setup.bodies[1].velocity = {0, 0, -2};  // W x x
-    setup.bodies[1].angular_velocity = {0, 2, 0};
+    setup.bodies.push_back(standing(box(1, {0.5, 0.25, 0.5}), 1, 0.125L, {0, 0, -2}, {0, 2, 0}));  // v = W x x
     const auto world = build(setup, GetParam());
     world->run(2048);
     EXPECT_LE(norm(world->motion(1).x - turned({1, 0.125L, 0}, 4)), tolerance::turntable_orbit);
@@ -594,17 +547,13 @@ void expect_falls_asleep(AnyWorld& world, int body = 0) {
 }
 
 TEST_P(Resting, nothing_sleeps_in_a_scene_that_does_not_ask_for_it) {
-    SceneSetup setup = floor(0, 0.5L);
-    setup.bodies = {sleeper()};
-    const auto world = build(setup, GetParam());
+    const auto world = build(floor(0, 0.5L, {sleeper()}), GetParam());
     world->run(4 * second);
     EXPECT_FALSE(world->asleep(0));
 }
 
 TEST_P(Resting, an_impulse_wakes_a_sleeper_at_once_and_it_sleeps_again) {
-    SceneSetup setup = sleepy_floor();
-    setup.bodies = {sleeper()};
-    const auto world = build(setup, GetParam());
+    const auto world = build(sleepy_floor(0.5L, {sleeper()}), GetParam());
     expect_falls_asleep(*world);
     const Vector start = world->motion(0).x;
     world->apply_impulse(0, {4, 0, 0});  // 2 m/s
@@ -635,8 +584,7 @@ TEST_P(Resting, a_sleeper_that_is_pushed_slides_as_far_as_one_that_never_slept) 
 }
 
 TEST_P(Resting, a_timed_force_wakes_a_sleeper_when_it_begins) {
-    SceneSetup setup = sleepy_floor();
-    setup.bodies = {sleeper()};
+    SceneSetup setup = sleepy_floor(0.5L, {sleeper()});
     setup.forces = {{.body = 0, .from = 2.0, .until = 3.0, .force = {30, 0, 0}}};
     const auto world = build(setup, GetParam());
     expect_falls_asleep(*world);
@@ -653,8 +601,7 @@ TEST_P(Resting, a_timed_force_wakes_a_sleeper_when_it_begins) {
 }
 
 TEST_P(Resting, a_force_that_is_set_while_it_acts_wakes_a_sleeper_and_stops_at_the_floor) {
-    SceneSetup setup = sleepy_floor();
-    setup.bodies = {sleeper()};
+    SceneSetup setup = sleepy_floor(0.5L, {sleeper()});
     const auto world = build(setup, GetParam());
     expect_falls_asleep(*world);
     const Vector start = world->motion(0).x;
@@ -680,10 +627,9 @@ TEST_P(Resting, contacts_and_sleep_continue_when_a_step_counter_wraps) {
         SceneSetup setup = sleepy_floor();
         setup.start = static_cast<std::uint32_t>(start);
         setup.bodies = {sleeper(), standing(sphere(1, 0.25), 4, 1), standing(sphere(0.5, 0.125), 8, 0.25L),
-                        standing(sphere(2, 0.25), -8, 0.25L)};
+                        standing(sphere(2, 0.25), -8, 0.25L, {4, 0, 0})};
         setup.bodies[1].restitution = 1;
         setup.bodies[3].friction = 0;
-        setup.bodies[3].velocity = {4, 0, 0};
         setup.springs = {{.body = 2, .to = {8.0, 1.0, 0.0}, .stiffness = 40, .damping = 0.5, .rest_length = 0.5}};
         setup.forces = {{.body = 0, .from = 0, .until = real(64.0L / second), .force = {0, 50, 0}},
                         {.body = 0, .from = at(700), .until = at(800), .force = {0, 0, 30}}};
@@ -730,8 +676,7 @@ TEST_P(Resting, a_sleeper_wakes_when_the_force_that_held_it_ends) {
 }
 
 TEST_P(Resting, a_force_that_does_not_move_a_sleeper_moves_nothing) {
-    SceneSetup setup = sleepy_floor();
-    setup.bodies = {sleeper()};
+    SceneSetup setup = sleepy_floor(0.5L, {sleeper()});
     setup.forces = {{.body = 0, .from = 2.0, .until = 4.0, .force = {5, 0, 0}}};  // friction holds 9.8 N
     const auto world = build(setup, GetParam());
     world->run(5 * second);
@@ -742,10 +687,9 @@ TEST_P(Resting, a_force_that_does_not_move_a_sleeper_moves_nothing) {
 TEST_P(Resting, a_touching_body_wakes_a_sleeper_and_a_passing_one_does_not) {
     for (const bool touches : {true, false}) {
         SceneSetup setup = sleepy_floor();
-        setup.bodies = {sleeper(), standing(sphere(2, 0.25), -8, 0.25L)};
-        setup.bodies[1].position.z = touches ? 0 : 1;
+        // 7.25 m to go: it is there at 1.8125 s.
+        setup.bodies = {sleeper(), placed(sphere(2, 0.25), {-8, 0.25L, touches ? 0.0L : 1.0L}, {4, 0, 0})};
         setup.bodies[1].friction = 0;
-        setup.bodies[1].velocity = {4, 0, 0};  // 7.25 m to go: at 1.8125 s
         const auto world = build(setup, GetParam());
         world->run(second);
         EXPECT_TRUE(world->asleep(0));
@@ -789,9 +733,7 @@ TEST_P(Resting, a_pushed_body_wakes_the_bodies_on_it) {
 }
 
 TEST_P(Resting, a_body_that_loses_its_support_falls) {
-    SceneSetup setup = sleepy_floor(0);
-    setup.bodies = {sleeper(), standing(box(1, {0.5, 0.5, 0.5}), 0, 0.75L)};
-    const auto world = build(setup, GetParam());
+    const auto world = build(sleepy_floor(0, {sleeper(), standing(box(1, {0.5, 0.5, 0.5}), 0, 0.75L)}), GetParam());
     expect_falls_asleep(*world, 1);
     world->apply_impulse(0, {16, 0, 0});  // 8 m/s: away after 0.1 s, and without friction
     world->run(second);
@@ -802,9 +744,8 @@ TEST_P(Resting, a_body_that_loses_its_support_falls) {
 
 TEST_P(Resting, a_body_slightly_faster_than_the_limit_never_sleeps) {
     SceneSetup setup = sleepy_floor(0);
-    setup.bodies = {standing(sphere(1, 0.25), 0, 0.25L), standing(sphere(1, 0.25), 2, 0.25L)};
-    setup.bodies[0].velocity = {0.0625, 0, 0};          // slides
-    setup.bodies[1].angular_velocity = {0, 0.0625, 0};  // spins where it stands
+    setup.bodies = {standing(sphere(1, 0.25), 0, 0.25L, {0.0625, 0, 0}),       // slides
+                    standing(sphere(1, 0.25), 2, 0.25L, {}, {0, 0.0625, 0})};  // spins where it stands
     const auto world = build(setup, GetParam());
     world->run(4 * second);
     EXPECT_FALSE(world->asleep(0));
@@ -816,8 +757,8 @@ TEST_P(Resting, a_body_slightly_faster_than_the_limit_never_sleeps) {
 TEST_P(Resting, nothing_sleeps_in_the_air) {
     SceneSetup setup = sleepy_floor();
     setup.world.gravity = {0, -0.0078125, 0};
-    setup.bodies = {standing(sphere(1, 0.25), 0, 2)};
-    setup.bodies[0].velocity = {0, 0.015625, 0};  // slower than the limit for 5.8 s, at its height after 2 s
+    // Slower than the limit for 5.8 s, and at its height after 2 s.
+    setup.bodies = {standing(sphere(1, 0.25), 0, 2, {0, 0.015625, 0})};
     const auto world = build(setup, GetParam());
     world->run(4 * second);
     EXPECT_FALSE(world->asleep(0));

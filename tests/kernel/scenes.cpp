@@ -1,5 +1,7 @@
 #include "scenes.hpp"
 
+#include "references.hpp"
+
 namespace tumble::test {
 
 namespace {
@@ -8,14 +10,12 @@ constexpr RealVec3 gravity{0, -9.81, 0};
 
 // With axes of its own.
 BodySpec thrown_body() {
-    BodySpec body;
-    body.mass = 1.5;
-    body.inertia = {2, 1.5, 1.75, 0.25, -0.125, 0.375};
-    body.position = {0.5, 4, -1};
-    body.velocity = {1, 2, -0.5};
-    body.orientation = {0.9, {0.1, -0.3, 0.2}};
-    body.angular_velocity = {0.5, -2, 1};
-    return body;
+    return {.mass = 1.5,
+            .inertia = {2, 1.5, 1.75, 0.25, -0.125, 0.375},
+            .position = {0.5, 4, -1},
+            .velocity = {1, 2, -0.5},
+            .orientation = {0.9, {0.1, -0.3, 0.2}},
+            .angular_velocity = {0.5, -2, 1}};
 }
 
 void add_loads(std::vector<SceneSetup>& s) {
@@ -36,8 +36,7 @@ void add_loads(std::vector<SceneSetup>& s) {
         {.point = {0.25, 0.5, 0}, .to = {0, 5, 0}, .stiffness = 40, .damping = 0.5, .rest_length = 0.75}};
 
     s.push_back({.name = "bodies_on_a_spring", .needs = with_coupling});
-    s.back().bodies = {body, sphere(2, 0.25)};
-    s.back().bodies[1].velocity = {-0.5, 0.25, 1};
+    s.back().bodies = {body, placed(sphere(2, 0.25), {}, {-0.5, 0.25, 1})};
     s.back().springs = {{.body = 0,
                          .point = {0.25, 0.5, 0},
                          .to_body = 1,
@@ -74,96 +73,64 @@ void add_loads(std::vector<SceneSetup>& s) {
 void add_contacts_of_one_body(std::vector<SceneSetup>& s) {
     s.push_back({.name = "bouncing_ball", .needs = with_plane});
     s.back().world = {.gravity = gravity, .contact = {.restitution = 0.8}};
-    s.back().bodies = {sphere(1, 0.5)};
-    s.back().bodies[0].position = {0, 2, 0};
-    s.back().bodies[0].velocity = {1, 0, 0};
-    s.back().bodies[0].angular_velocity = {0, 1, 2};
+    s.back().bodies = {placed(sphere(1, 0.5), {0, 2, 0}, {1, 0, 0}, {0, 1, 2})};
     s.back().planes = {{}};
 
     s.push_back({.name = "tumbling_box", .needs = with_box});
     s.back().world = {.gravity = gravity, .contact = {.restitution = 0.4}};
-    s.back().bodies = {box(2, {1, 0.5, 0.75})};
-    s.back().bodies[0].position = {0, 2, 0};
-    s.back().bodies[0].orientation = {0.9, {0.1, -0.3, 0.2}};
-    s.back().bodies[0].angular_velocity = {1, 0.5, -2};
+    s.back().bodies = {oriented(placed(box(2, {1, 0.5, 0.75}), {0, 2, 0}, {}, {1, 0.5, -2}), {0.9, {0.1, -0.3, 0.2}})};
     s.back().planes = {{}};
 
     s.push_back({.name = "sliding_box", .needs = with_friction});
     s.back().world = {.gravity = gravity, .contact = {.restitution = 0.3, .friction = 0.4}};
-    s.back().bodies = {box(2, {1, 0.5, 0.75})};
-    s.back().bodies[0].position = {0, 1, 0};
-    s.back().bodies[0].velocity = {3, 0, 1};
-    s.back().bodies[0].orientation = {0.9, {0, 0.1, 0.2}};
+    s.back().bodies = {oriented(placed(box(2, {1, 0.5, 0.75}), {0, 1, 0}, {3, 0, 1}), {0.9, {0, 0.1, 0.2}})};
     s.back().planes = {{.normal = {0.1, 1, 0}}};
 
     s.push_back({.name = "rolling_cylinder", .needs = with_round_shapes});
     s.back().world = {.gravity = gravity, .contact = {.restitution = 0.3, .friction = 0.4}};
-    s.back().bodies = {cylinder(2, 0.25, 1)};
-    s.back().bodies[0].position = {0, 1.25, 0};
-    s.back().bodies[0].velocity = {1, 0, 0.5};
-    s.back().bodies[0].orientation = {0.9, {0.1, -0.3, 0.2}};
+    s.back().bodies = {oriented(placed(cylinder(2, 0.25, 1), {0, 1.25, 0}, {1, 0, 0.5}), {0.9, {0.1, -0.3, 0.2}})};
     s.back().planes = {{}};
 }
 
 void add_pairs_sleep_and_contact_springs(std::vector<SceneSetup>& s) {
     s.push_back({.name = "spheres_that_meet", .needs = with_pairs});
     s.back().world = {.contact = {.restitution = 0.9}};
-    s.back().bodies = {sphere(1, 0.5), sphere(3, 0.25)};
-    s.back().bodies[0].position = {-1, 0.25, 0};
-    s.back().bodies[0].velocity = {1.5, 0, 0.25};
-    s.back().bodies[0].angular_velocity = {1, 2, 3};
-    s.back().bodies[1].position = {1, 0, 0.5};
-    s.back().bodies[1].velocity = {-1, 0, 0};
+    s.back().bodies = {placed(sphere(1, 0.5), {-1, 0.25, 0}, {1.5, 0, 0.25}, {1, 2, 3}),
+                       placed(sphere(3, 0.25), {1, 0, 0.5}, {-1, 0, 0})};
 
     s.push_back({.name = "box_falls_on_a_box", .needs = with_box_pairs});
     s.back().world = {.gravity = gravity, .contact = {.restitution = 0.3, .friction = 0.4}};
-    s.back().bodies = {box(100, {8, 1, 8}), box(2, {1, 0.5, 0.75})};
-    s.back().bodies[0].position = {0, -0.5, 0};
-    s.back().bodies[0].fixed = true;
-    s.back().bodies[1].position = {0, 1.25, 0};
-    s.back().bodies[1].velocity = {1, 0, 0.5};
-    s.back().bodies[1].orientation = {0.9, {0.1, -0.3, 0.2}};
+    s.back().bodies = {fixed(placed(box(100, {8, 1, 8}), {0, -0.5, 0})),
+                       oriented(placed(box(2, {1, 0.5, 0.75}), {0, 1.25, 0}, {1, 0, 0.5}), {0.9, {0.1, -0.3, 0.2}})};
 
     s.push_back({.name = "ball_on_a_turntable", .needs = with_turntable});
     s.back().world = {.gravity = gravity, .contact = {.restitution = 0.25, .friction = 0.5}};
-    s.back().bodies = {box(100, {8, 0.5, 8}), sphere(1, 0.25)};
-    s.back().bodies[0].position = {0, -0.25, 0};
-    s.back().bodies[0].angular_velocity = {0, 2, 0};
-    s.back().bodies[0].fixed = true;
-    s.back().bodies[1].position = {1, 0.5, 0};
-    s.back().bodies[1].velocity = {0.5, 0, 0};
+    s.back().bodies = {fixed(placed(box(100, {8, 0.5, 8}), {0, -0.25, 0}, {}, {0, 2, 0})),
+                       placed(sphere(1, 0.25), {1, 0.5, 0}, {0.5, 0, 0})};
 
     s.push_back({.name = "box_falls_asleep", .needs = with_sleep});
     s.back().world = {.gravity = gravity,
                       .contact = {.restitution = 0.2, .friction = 0.5, .sleep = {.on = true, .time = 0.25}}};
-    s.back().bodies = {box(2, {1, 0.25, 0.75})};
-    s.back().bodies[0].position = {0, 0.75, 0};
-    s.back().bodies[0].orientation = {0.99, {0.1, 0, 0.05}};
+    s.back().bodies = {oriented(placed(box(2, {1, 0.25, 0.75}), {0, 0.75, 0}), {0.99, {0.1, 0, 0.05}})};
     s.back().planes = {{}};
 
     s.push_back({.name = "balls_on_contact_springs", .needs = with_contact_springs});
     s.back().world = {.gravity = gravity,
                       .contact = {.response = ContactResponse::spring, .stiffness = 2000, .damping = 4}};
-    s.back().bodies = {sphere(1, 0.5), sphere(0.5, 0.25)};
-    s.back().bodies[0].position = {0, 0.75, 0};
-    s.back().bodies[1].position = {0.0625, 2, 0};
+    s.back().bodies = {placed(sphere(1, 0.5), {0, 0.75, 0}), placed(sphere(0.5, 0.25), {0.0625, 2, 0})};
     s.back().planes = {{}};
 
     s.push_back({.name = "balls_behind_barriers", .needs = with_contact_springs});
     s.back().world = {.gravity = gravity,
                       .contact = {.response = ContactResponse::spring, .stiffness = 2000, .barrier = 0.5}};
-    s.back().bodies = {sphere(1, 0.5), sphere(0.5, 0.25)};
-    s.back().bodies[0].position = {0, 1.25, 0};
-    s.back().bodies[1].position = {0.0625, 3, 0};
+    s.back().bodies = {placed(sphere(1, 0.5), {0, 1.25, 0}), placed(sphere(0.5, 0.25), {0.0625, 3, 0})};
     s.back().planes = {{}};
 }
 
 void add_points(std::vector<SceneSetup>& s) {
     const BodySpec body = thrown_body();
     // Alone, in loads that do not couple it, and with all that may act on it.
-    BodySpec point = point_mass(1.5);
-    point.position = {0.5, 4, -1};
-    point.velocity = {1, 2, -0.5};
+    BodySpec point = placed(point_mass(1.5), {0.5, 4, -1}, {1, 2, -0.5});
     s.push_back({.name = "thrown_point", .needs = with_point});
     s.back().world = {.gravity = gravity, .linear_drag = 0.1};
     s.back().bodies = {point};
@@ -171,11 +138,8 @@ void add_points(std::vector<SceneSetup>& s) {
 
     s.push_back({.name = "points_that_attract", .step = Seconds{1, 128}, .needs = with_points});
     s.back().world = {.gravity = {0, -1, 0}, .gravitation = 1, .linear_drag = 0.05};
-    s.back().bodies = {point_mass(8), point, point_mass(0.5)};
-    s.back().bodies[0].position = {0, 2, 0};
-    s.back().bodies[0].fixed = true;
-    s.back().bodies[2].position = {-2, 3, 1};
-    s.back().bodies[2].velocity = {0, -1, 0.5};
+    s.back().bodies = {fixed(placed(point_mass(8), {0, 2, 0})), point,
+                       placed(point_mass(0.5), {-2, 3, 1}, {0, -1, 0.5})};
     s.back().springs = {{.body = 1, .to_body = 2, .stiffness = 10, .damping = 0.25, .rest_length = 1},
                         {.body = 2, .to = {0, 5, 0}, .stiffness = 4}};
     s.back().forces = {{.body = 1, .from = 0.25, .until = 2.0, .force = {0, 1, 0.5}}};
@@ -184,11 +148,8 @@ void add_points(std::vector<SceneSetup>& s) {
     // Two tied to a body off its centre, and to each other; one flies alone.
     s.push_back({.name = "points_among_bodies", .needs = with_points_among_bodies});
     s.back().world = {.gravity = gravity, .linear_drag = 0.1, .angular_drag = 0.05};
-    s.back().bodies = {point, body, point_mass(0.5), point_mass(2)};
-    s.back().bodies[0].position = {1.5, 5, -1};
-    s.back().bodies[2].position = {-1, 4, 0};
-    s.back().bodies[3].position = {6, 2, 3};
-    s.back().bodies[3].velocity = {0, 5, 0};
+    s.back().bodies = {placed(point_mass(1.5), {1.5, 5, -1}, {1, 2, -0.5}), body, placed(point_mass(0.5), {-1, 4, 0}),
+                       placed(point_mass(2), {6, 2, 3}, {0, 5, 0})};
     s.back().springs = {{.body = 0, .to_body = 1, .to = {0.25, 0.5, 0}, .stiffness = 30, .damping = 0.5},
                         {.body = 1, .point = {-0.25, 0, 0.5}, .to_body = 2, .stiffness = 20, .rest_length = 1},
                         {.body = 2, .to_body = 0, .stiffness = 5, .rest_length = 2}};
@@ -199,9 +160,7 @@ void add_points(std::vector<SceneSetup>& s) {
     // The point passes through the plane that its ball bounces on.
     s.push_back({.name = "point_below_a_ball", .needs = with_point_and_plane});
     s.back().world = {.gravity = gravity, .contact = {.restitution = 0.8}};
-    s.back().bodies = {sphere(1, 0.25), point_mass(0.5)};
-    s.back().bodies[0].position = {0, 1, 0};
-    s.back().bodies[1].position = {0.5, 0.5, 0};
+    s.back().bodies = {placed(sphere(1, 0.25), {0, 1, 0}), placed(point_mass(0.5), {0.5, 0.5, 0})};
     s.back().springs = {{.body = 0, .point = {0.25, 0, 0}, .to_body = 1, .stiffness = 40, .rest_length = 0.5}};
     s.back().planes = {{}};
 }

@@ -1,4 +1,5 @@
 // Unused features change no bit: a world with only the features of a scene against one with all features.
+#include "references.hpp"
 #include "scenes.hpp"
 
 namespace tumble::test {
@@ -6,13 +7,8 @@ namespace {
 
 class Skipping : public testing::TestWithParam<Case> {};
 
-std::vector<Case> cases_with_minimal_worlds() {
-    std::vector<Case> cases;
-    for (const Case& c : every_case())
-        if (build_minimal({}, c) != nullptr) cases.push_back(c);
-    return cases;
-}
-INSTANTIATE_TEST_SUITE_P(every, Skipping, testing::ValuesIn(cases_with_minimal_worlds()), NameOf{});
+bool has_minimal_world(const Case& c) { return build_minimal({}, c) != nullptr; }
+INSTANTIATE_TEST_SUITE_P(every, Skipping, testing::ValuesIn(cases_where(has_minimal_world)), NameOf{});
 
 TEST_P(Skipping, features_that_are_compiled_in_but_not_used_change_no_bit) {
     for (const SceneSetup& scene : scenes()) {
@@ -31,9 +27,7 @@ TEST_P(Skipping, features_that_are_present_but_do_nothing_change_no_bit) {
     for (const SceneSetup& scene : scenes()) {
         SceneSetup busy = scene;
         const int body = static_cast<int>(busy.bodies.size());
-        busy.bodies.push_back(sphere(1, 0.25));  // far away, not connected to the others
-        busy.bodies.back().position = {-40, 0, 40};
-        busy.bodies.back().fixed = true;
+        busy.bodies.push_back(fixed(placed(sphere(1, 0.25), {-40, 0, 40})));  // not connected to the others
         busy.forces.push_back({.body = body, .from = 0.0, .until = 100.0, .force = {1, 0, 0}});
         busy.impulses.push_back({.time = 0.5, .body = body, .impulse = {1, 0, 0}});
         if (!scene.planes.empty()) busy.planes.push_back({.normal = {1, 0, 0}, .offset = 50});

@@ -6,8 +6,9 @@ namespace tumble::test {
 namespace {
 
 const Number pi = std::acos(Number(-1));
+constexpr Number step = 1.0L / 1024;  // s, of scenes that do not say otherwise
 
-// A floor of springs, 1/1024 s.
+// A floor of springs.
 SceneSetup soft_floor(Number stiffness, Number damping = 0, Number barrier = 0) {
     SceneSetup setup{.name = "springs", .step = Seconds{1, 1024}};
     setup.world.contact = {.response = ContactResponse::spring,
@@ -30,7 +31,7 @@ struct Bounce {
 };
 // Along x -> gap, before and after; `gap` must be straight in time outside the contact.
 template <class Gap>
-Bounce bounce(AnyWorld& world, Gap&& gap, Number step) {
+Bounce bounce(AnyWorld& world, Gap&& gap) {
     Bounce result;
     Number start = 0, last_speed = 0;
     for (int i = 1; i < 4096; ++i) {
@@ -50,23 +51,20 @@ Bounce bounce(AnyWorld& world, Gap&& gap, Number step) {
     return result;
 }
 
-class Springs : public testing::TestWithParam<Case> {
+class Springs : public CaseTest {
 protected:
-    static const System& system() { return GetParam().system; }
     static Bound rounding() { return tolerance::spring_rounding.of(system()); }
 };
 INSTANTIATE_TEST_SUITE_P(every, Springs, testing::ValuesIn(contact_cases()), NameOf{});
 
 TEST_P(Springs, a_penalty_bounce_lasts_half_a_period_and_keeps_its_speed) {
-    constexpr Number step = 1.0L / 1024;
     for (const Number stiffness : {256.0L, 1024.0L, 4096.0L}) {
         for (const Number speed : {0.5L, 2.0L}) {
             for (int phase = 0; phase < 8; ++phase) {
                 SceneSetup setup = soft_floor(stiffness);
                 setup.bodies = {falling(sphere(1, 0.5), 0.5L + speed * step * (4 + phase / 8.0L), speed)};
                 const auto world = build(setup, GetParam());
-                const Bounce made = bounce(
-                    *world, [&] { return world->motion(0).x.y - 0.5L; }, step);
+                const Bounce made = bounce(*world, [&] { return world->motion(0).x.y - 0.5L; });
                 const Number omega = std::sqrt(stiffness), wh = omega * step;
                 EXPECT_LE(std::abs(made.time / (pi / omega) - 1), tolerance::spring_time(wh) + rounding() * (1 / speed))
                     << "k " << stiffness << ", v " << speed;
@@ -80,12 +78,10 @@ TEST_P(Springs, a_penalty_bounce_lasts_half_a_period_and_keeps_its_speed) {
 }
 
 TEST_P(Springs, a_box_that_lands_flat_is_carried_by_a_spring_at_each_corner) {
-    constexpr Number step = 1.0L / 1024;
     SceneSetup setup = soft_floor(512);
     setup.bodies = {falling(box(2, {1, 0.5, 0.75}), 0.2578125L, 2)};
     const auto world = build(setup, GetParam());
-    const Bounce made = bounce(
-        *world, [&] { return world->motion(0).x.y - 0.25L; }, step);
+    const Bounce made = bounce(*world, [&] { return world->motion(0).x.y - 0.25L; });
     const Number omega = std::sqrt(4 * 512 / Number(2)), wh = omega * step;
     EXPECT_LE(std::abs(made.time / (pi / omega) - 1), tolerance::spring_time(wh) + rounding());
     EXPECT_LE(std::abs(made.speed / 2 - 1), tolerance::spring_speed(wh) + rounding());
@@ -93,19 +89,14 @@ TEST_P(Springs, a_box_that_lands_flat_is_carried_by_a_spring_at_each_corner) {
 }
 
 TEST_P(Springs, two_spheres_bounce_with_their_reduced_mass_and_keep_their_momentum) {
-    constexpr Number step = 1.0L / 1024;
     SceneSetup setup = soft_floor(768);
     setup.planes.clear();
     const Vector along{2 / 7.0L, -3 / 7.0L, 6 / 7.0L};
-    setup.bodies = {sphere(1, 0.25), sphere(3, 0.5)};
-    setup.bodies[0].position = real(along * 0.755L);
-    setup.bodies[0].velocity = real(along * -1.5L);
-    setup.bodies[1].velocity = real(along * 0.5L);
+    setup.bodies = {placed(sphere(1, 0.25), along * 0.755L, along * -1.5L), placed(sphere(3, 0.5), {}, along * 0.5L)};
     const auto world = build(setup, GetParam());
     const auto momentum = [&] { return world->motion(0).v + world->motion(1).v * 3; };
     const Vector start = momentum();
-    const Bounce made = bounce(
-        *world, [&] { return norm(world->motion(0).x - world->motion(1).x) - 0.75L; }, step);
+    const Bounce made = bounce(*world, [&] { return norm(world->motion(0).x - world->motion(1).x) - 0.75L; });
     const Number omega = std::sqrt(768 / 0.75L), wh = omega * step;
     EXPECT_LE(std::abs(made.time / (pi / omega) - 1), tolerance::spring_time(wh) + 2 * rounding());
     EXPECT_LE(std::abs(made.speed / 2 - 1), tolerance::spring_speed(wh) + 2 * rounding());
@@ -119,14 +110,13 @@ TEST_P(Springs, two_spheres_bounce_with_their_reduced_mass_and_keep_their_moment
 // leaves with exp(-z / s (pi - atan2(2 z s, 1 - 2 z^2))), s = sqrt(1 - z^2), of its speed: a little more than
 // exp(-pi z / s), what a force that may pull would leave (Schwager and Poeschel 2007).
 TEST_P(Springs, a_damped_bounce_leaves_the_closed_form_and_never_pulls) {
-    constexpr Number step = 1.0L / 1024, omega = 32;
+    constexpr Number omega = 32;
     for (const Number z : {0.03125L, 0.125L, 0.25L}) {
         for (int phase = 0; phase < 8; ++phase) {
             SceneSetup setup = soft_floor(2 * omega * omega, 2 * z * omega * 2);  // 2 kg
             setup.bodies = {falling(sphere(2, 0.5), 0.5L + 2 * step * (4 + phase / 8.0L), 2)};
             const auto world = build(setup, GetParam());
-            const Bounce made = bounce(
-                *world, [&] { return world->motion(0).x.y - 0.5L; }, step);
+            const Bounce made = bounce(*world, [&] { return world->motion(0).x.y - 0.5L; });
             const Number s = std::sqrt(1 - z * z),
                          left = std::exp(-z / s * (pi - std::atan2(2 * z * s, 1 - 2 * z * z)));
             EXPECT_LE(std::abs(made.speed / (2 * left) - 1), tolerance::damped_speed(z, omega * step) + rounding())
@@ -175,10 +165,7 @@ TEST_P(Springs, a_barrier_keeps_two_spheres_apart_by_their_reduced_mass) {
     constexpr Number barrier = 0.25L;
     SceneSetup setup = soft_floor(0, 0, barrier);
     setup.planes.clear();
-    setup.bodies = {sphere(1, 0.25), sphere(3, 0.5)};
-    setup.bodies[0].position = {2.75, 0, 0};
-    setup.bodies[0].velocity = {-3, 0, 0};
-    setup.bodies[1].velocity = {1, 0, 0};
+    setup.bodies = {placed(sphere(1, 0.25), {2.75, 0, 0}, {-3, 0, 0}), placed(sphere(3, 0.5), {}, {1, 0, 0})};
     const auto world = build(setup, GetParam());
     const Number energy = 0.75L * 16 / 2 + barrier / 2;
     Number nearest = 2;
@@ -196,9 +183,7 @@ TEST_P(Springs, a_barrier_reaches_from_a_box_to_a_ball_far_away) {
     for (const Number gap : {0.5L, 3.0L, 12.0L}) {
         SceneSetup setup = soft_floor(0, 0, barrier);
         setup.planes.clear();
-        setup.bodies = {sphere(1, 0.25), box(1, {0.5, 0.5, 0.5})};
-        setup.bodies[0].position = {real(gap + 0.5L), 0, 0};
-        setup.bodies[1].fixed = true;
+        setup.bodies = {placed(sphere(1, 0.25), {gap + 0.5L, 0, 0}), fixed(box(1, {0.5, 0.5, 0.5}))};
         const auto world = build(setup, GetParam());
         world->run(1024);
         const Motion m = world->motion(0);
@@ -247,8 +232,7 @@ TEST_P(Springs, the_largest_safe_step_is_near_that_of_an_oscillator_and_does_not
 TEST_P(Springs, the_largest_safe_step_of_two_spheres_is_that_of_their_reduced_mass) {
     SceneSetup setup = soft_floor(1000);
     setup.planes.clear();
-    setup.bodies = {sphere(1, 0.25), sphere(3, 0.25)};
-    setup.bodies[0].position = {0.4375, 0, 0};
+    setup.bodies = {placed(sphere(1, 0.25), {0.4375, 0, 0}), sphere(3, 0.25)};
     const Number safe = safe_step(setup, GetParam()), pair = 2 / std::sqrt(1000 / 0.75L);
     EXPECT_GE(safe, tolerance::safe_step_least * pair);
     EXPECT_LE(safe, tolerance::safe_step_most * pair);

@@ -12,19 +12,23 @@
 namespace tumble::bench::stress {
 namespace {
 
-// A run that is judged without anything known against it.
+// A run that is judged, without anything known against it.
 struct Case {
-    Measured run;
+    double error = 0, energy = 1, norm = 1;  // the norm: a quaternion's length
+    std::string status = {}, verdict = {};   // an issue; why the verdict is that the run is wrong
+    double error_in_f64 = 1;
+    std::string status_in_f64 = {};
     double floor = 1e-9, floor_in_f64 = 1e-17, of_order = 1e-6;
-    Measured in_f64 = [] {
-        Measured as_wrong;
-        as_wrong.error = 1;
-        return as_wrong;
-    }();
-    std::string verdict;
     bool is_f64 = false;
 
     [[nodiscard]] char letter() const {
+        Measured run, in_f64;
+        run.see_error(error);
+        run.see_energy(energy);
+        run.see_norm(norm);
+        in_f64.error = error_in_f64;
+        if (!status.empty()) run.troubles.push_back({status, 0, 0});
+        if (!status_in_f64.empty()) in_f64.troubles.push_back({status_in_f64, 0, 0});
         Expectation expectation;
         expectation.floor = floor;
         expectation.floor_in_f64 = floor_in_f64;
@@ -34,77 +38,38 @@ struct Case {
         expectation.is_f64 = is_f64;
         return static_cast<char>(judge(run, expectation).outcome);
     }
-    Case& error(double value) {
-        run.see_error(value);
-        return *this;
-    }
-    Case& expected(double value) {
-        of_order = value;
-        return *this;
-    }
-    Case& energy(double ratio) {
-        run.see_energy(ratio);
-        return *this;
-    }
-    Case& norm(double length) {
-        run.see_norm(length);
-        return *this;
-    }
-    Case& status(const char* issue) {
-        run.troubles.push_back({issue, 0, 0});
-        return *this;
-    }
-    Case& wrong_by_verdict() {
-        verdict = "wrong";
-        return *this;
-    }
-    Case& error_in_f64(double value) {
-        in_f64.error = value;
-        return *this;
-    }
 };
 
 TEST(Outcome, AnErrorThatTheOrderOrRoundingExplainsIsAccurate) {
-    EXPECT_EQ(Case{}.error(3e-6).letter(), 'a');
-    EXPECT_EQ(Case{}.error(0.03).expected(0.01).letter(), 'a');
-    EXPECT_EQ(Case{}.error(0.05).expected(0.01).letter(), 'd');
-    EXPECT_EQ(Case{}.error(0.11).expected(1).letter(), 'd') << "more than 0.1 is never accurate";
-    Case rounding;
-    rounding.floor = 0.01;
-    EXPECT_EQ(rounding.error(0.03).letter(), 'a');
+    EXPECT_EQ(Case{.error = 3e-6}.letter(), 'a');
+    EXPECT_EQ((Case{.error = 0.03, .of_order = 0.01}.letter()), 'a');
+    EXPECT_EQ((Case{.error = 0.05, .of_order = 0.01}.letter()), 'd');
+    EXPECT_EQ((Case{.error = 0.11, .of_order = 1}.letter()), 'd') << "more than 0.1 is never accurate";
+    EXPECT_EQ((Case{.error = 0.03, .floor = 0.01}.letter()), 'a');
 }
 
 TEST(Outcome, AMotionOfAnotherKindIsSilentUnlessItIsTold) {
-    EXPECT_EQ(Case{}.error(1).energy(1.9).norm(1.0009).error_in_f64(1).letter(), 'd');
-    EXPECT_EQ(Case{}.error(1).energy(2.1).letter(), 's');
-    EXPECT_EQ(Case{}.error(1).norm(1.0011).letter(), 's');
-    EXPECT_EQ(Case{}.error(std::nan("")).letter(), 's');
-    EXPECT_EQ(Case{}.error(1).energy(2.1).wrong_by_verdict().letter(), 'b');
-    EXPECT_EQ(Case{}.error(1).energy(2.1).status("range_left").letter(), 'r');
-    EXPECT_EQ(Case{}.error(1).energy(2.1).status("step_bound_hit").wrong_by_verdict().letter(), 't');
-    EXPECT_EQ(Case{}.error(0).status("range_left").letter(), 'r');
+    EXPECT_EQ((Case{.error = 1, .energy = 1.9, .norm = 1.0009, .error_in_f64 = 1}.letter()), 'd');
+    EXPECT_EQ((Case{.error = 1, .energy = 2.1}.letter()), 's');
+    EXPECT_EQ((Case{.error = 1, .norm = 1.0011}.letter()), 's');
+    EXPECT_EQ(Case{.error = std::nan("")}.letter(), 's');
+    EXPECT_EQ((Case{.error = 1, .energy = 2.1, .verdict = "wrong"}.letter()), 'b');
+    EXPECT_EQ((Case{.error = 1, .energy = 2.1, .status = "range_left"}.letter()), 'r');
+    EXPECT_EQ((Case{.error = 1, .energy = 2.1, .status = "step_bound_hit", .verdict = "wrong"}.letter()), 't');
+    EXPECT_EQ((Case{.error = 0, .status = "range_left"}.letter()), 'r');
 }
 
 TEST(Outcome, ANumberSystemThatIsWrongByMuchMoreThanItsRoundingIsSilent) {
-    EXPECT_EQ(Case{}.error(2e-3).error_in_f64(1e-6).letter(), 's');
-    EXPECT_EQ(Case{}.error(9e-4).error_in_f64(1e-9).letter(), 'd');
-    EXPECT_EQ(Case{}.error(2e-3).error_in_f64(1e-5).letter(), 'd');
-    Case coarse_digits;
-    coarse_digits.floor = 1e-5;
-    EXPECT_EQ(coarse_digits.error(2e-3).error_in_f64(1e-9).letter(), 'd');
-    Case stopped;  // the run in f64 has a status: its error is the error up to that step
-    stopped.in_f64.error = 0;
-    stopped.in_f64.troubles.push_back({"step_bound_hit", 0, 0});
-    EXPECT_EQ(stopped.error(2e-3).letter(), 'd');
-    Case of_method;  // f64 is at 100 of its floors as well
-    of_method.floor_in_f64 = 1e-15;
-    of_method.floor = 1e-7;
-    EXPECT_EQ(of_method.error(2e-3).error_in_f64(1e-13).letter(), 'd');
-    EXPECT_EQ(of_method.error(2e-2).error_in_f64(1e-13).letter(), 's');
-    Case f64;
-    f64.is_f64 = true;
-    f64.in_f64.error = 0;
-    EXPECT_EQ(f64.error(2e-3).letter(), 'd');
+    EXPECT_EQ((Case{.error = 2e-3, .error_in_f64 = 1e-6}.letter()), 's');
+    EXPECT_EQ((Case{.error = 9e-4, .error_in_f64 = 1e-9}.letter()), 'd');
+    EXPECT_EQ((Case{.error = 2e-3, .error_in_f64 = 1e-5}.letter()), 'd');
+    EXPECT_EQ((Case{.error = 2e-3, .error_in_f64 = 1e-9, .floor = 1e-5}.letter()), 'd');
+    // The run in f64 has a status: its error is the error up to that step.
+    EXPECT_EQ((Case{.error = 2e-3, .error_in_f64 = 0, .status_in_f64 = "step_bound_hit"}.letter()), 'd');
+    // f64 is at 100 of its floors as well.
+    EXPECT_EQ((Case{.error = 2e-3, .error_in_f64 = 1e-13, .floor = 1e-7, .floor_in_f64 = 1e-15}.letter()), 'd');
+    EXPECT_EQ((Case{.error = 2e-2, .error_in_f64 = 1e-13, .floor = 1e-7, .floor_in_f64 = 1e-15}.letter()), 's');
+    EXPECT_EQ((Case{.error = 2e-3, .error_in_f64 = 0, .is_f64 = true}.letter()), 'd');
 }
 
 // Of maps whose limit is theory's: cells that lie further than one from it are stable on one side and not on the other,
