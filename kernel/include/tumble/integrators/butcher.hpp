@@ -28,6 +28,12 @@ struct ButcherTable {
         return d;
     }
     [[nodiscard]] constexpr int weight(int i) const { return b[i].numerator * (denominator() / b[i].denominator); }
+    // The first stage with the weight of stage i.
+    [[nodiscard]] constexpr int first_of_weight(int i) const {
+        int first = 0;
+        while (!(b[first] == b[i])) ++first;
+        return first;
+    }
 };
 
 inline constexpr ButcherTable<1> euler_table{{{{}}}, {{1, 1}}};

@@ -39,20 +39,22 @@ TUMBLE_INLINE void add_times(Delta<N>& sum, const Delta<N>& delta) {
 
 // The spin of a stage, from the stages before it, without torques.
 template <const auto& table, int s, class N, class Inertia>
-[[nodiscard]] TUMBLE_INLINE Vec3<typename N::Turn> stage_turn(Vec3<typename N::Turn> t, const RotationStage<N>* stages,
-                                                              const Inertia& inertia, typename N::Scale scale) {
-    unroll<s>([&](auto earlier) {
-        constexpr int j = earlier;
-        constexpr Rational a = table.a[s][j];
-        if constexpr (!a.is_zero()) {
-            constexpr Rational twice = reduced({2 * a.numerator, a.denominator});
-            unroll<3>([&](auto axis) {
-                constexpr int i = axis;
-                t[i] += times<twice>(N::stage_turn(inertia.kappa[i], stages[j].products.v[i], scale));
-            });
-        }
-    });
-    return t;
+[[nodiscard]] TUMBLE_INLINE Vec3<typename N::Turn> stage_turn(const Vec3<typename N::Turn>& start,
+                                                              const RotationStage<N>* stages, const Inertia& inertia,
+                                                              typename N::Scale scale) {
+    const auto component = [&](int i) {
+        typename N::Turn t = start[i];
+        unroll<s>([&](auto earlier) {
+            constexpr int j = earlier;
+            constexpr Rational a = table.a[s][j];
+            if constexpr (!a.is_zero()) {
+                constexpr Rational twice = reduced({2 * a.numerator, a.denominator});
+                t += times<twice>(N::stage_turn(inertia.kappa[i], stages[j].products.v[i], scale));
+            }
+        });
+        return t;
+    };
+    return {component(0), component(1), component(2)};
 }
 
 template <const auto& table, int s, class N>
@@ -74,16 +76,23 @@ TUMBLE_INLINE void finish_rotation(BodyState<N, Spin::angular_velocity>& body, c
     TurnProducts<N> sum{};
     unroll<table.stages>([&](auto stage) {
         constexpr int s = stage;
-        constexpr Rational b = table.b[s];
-        if constexpr (!b.is_zero()) {
-            w += weighted<b>(stages[s].delta.w);
-            x += weighted<b>(stages[s].delta.v.x());
-            y += weighted<b>(stages[s].delta.v.y());
-            z += weighted<b>(stages[s].delta.v.z());
-            constexpr Rational weight{table.weight(s), 1};
+        constexpr Rational b = table.b[s], weight{table.weight(s), 1};
+        if constexpr (!b.is_zero() && (!N::fixed_point || table.first_of_weight(s) == s)) {
+            // In fixed point sums are exact, so stages of one weight are added before they are multiplied by it.
+            const auto of_weight = [&](auto&& part) {
+                auto total = part(stages[s]);
+                unroll<table.stages>([&](auto later) {
+                    if constexpr (N::fixed_point && later > s && table.first_of_weight(later) == s)
+                        total += part(stages[later]);
+                });
+                return total;
+            };
+            w += weighted<b>(of_weight([](const auto& k) { return k.delta.w; }));
+            x += weighted<b>(of_weight([](const auto& k) { return k.delta.v.x(); }));
+            y += weighted<b>(of_weight([](const auto& k) { return k.delta.v.y(); }));
+            z += weighted<b>(of_weight([](const auto& k) { return k.delta.v.z(); }));
             unroll<3>([&](auto axis) {
-                constexpr int i = axis;
-                sum.v[i] += times<weight>(stages[s].products.v[i]);
+                sum.v[axis] += times<weight>(of_weight([&](const auto& k) { return k.products.v[axis]; }));
             });
         }
     });
@@ -135,7 +144,7 @@ struct RungeKutta : Stability<tumble::detail::RungeKuttaOnOscillator<table>> {
             const auto t = detail::stage_turn<table, s, N>(start, stages, inertia, step.scale);
             const auto u = angles<N>(t, step);
             stages[s].products = TurnProducts<N>::of(t);
-            if constexpr (s == 0) stages[s].delta = {{}, u};
+            if constexpr (s == 0) stages[s].delta = {{}, {u.x(), u.y(), u.z()}};
             else stages[s].delta = detail::stage_delta<N>(detail::delta_before<table, s, N>(stages), u, step.dither);
         });
         detail::finish_rotation<table, N>(body, stages, inertia, step);
