@@ -101,13 +101,13 @@ struct SinCosSeries<Fixed<32>> {
     T sinc_less_one, cos_less_one;
 
     [[nodiscard]] TUMBLE_INLINE static constexpr SinCosSeries of(T z) {
-        return {upper_word(mul(z, upper_word(mul(z, over<120>() - upper_word(mul(z, over<5040>())))) - over<6>())),
-                upper_word(mul(z, upper_word(mul(z, over<24>() - upper_word(mul(z, over<720>())))))) - half(z)};
+        return {mul_upper(z, mul_upper(z, over<120>() - mul_upper(z, over<5040>())) - over<6>()),
+                mul_upper(z, mul_upper(z, over<24>() - mul_upper(z, over<720>()))) - half(z)};
     }
     [[nodiscard]] TUMBLE_INLINE static constexpr SinCosSeries of_small(T z) {
         // z^3 / 720 is left out: it is at most 2^-33.5.
-        return {upper_word(mul(z, upper_word(mul(z, over<120>())) - over<6>())),
-                upper_word(mul(z, upper_word(mul(z, over<24>())))) - half(z)};
+        return {mul_upper(z, mul_upper(z, over<120>()) - over<6>()),
+                mul_upper(z, mul_upper(z, over<24>())) - half(z)};
     }
 
 private:
