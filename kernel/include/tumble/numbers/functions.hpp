@@ -106,8 +106,7 @@ struct SinCosSeries<Fixed<32>> {
     }
     [[nodiscard]] TUMBLE_INLINE static constexpr SinCosSeries of_small(T z) {
         // z^3 / 720 is left out: it is at most 2^-33.5.
-        return {mul_upper(z, mul_upper(z, over<120>()) - over<6>()),
-                mul_upper(z, mul_upper(z, over<24>())) - half(z)};
+        return {mul_upper(z, mul_upper(z, over<120>()) - over<6>()), mul_upper(z, mul_upper(z, over<24>())) - half(z)};
     }
 
 private:

@@ -70,6 +70,7 @@ struct Float {
         [[nodiscard]] TUMBLE_INLINE static constexpr T widen(T a, std::uint32_t) { return a; }
         [[nodiscard]] TUMBLE_INLINE static constexpr T stretched(T t, T c, std::uint32_t) { return t + t * c; }
         [[nodiscard]] TUMBLE_INLINE static constexpr T share(T c, T t, Dither) { return c * t; }
+        [[nodiscard]] TUMBLE_INLINE static constexpr T angle(T a, T b, std::uint32_t) { return a * b; }
         [[nodiscard]] TUMBLE_INLINE static constexpr T twice_share(T c, T t, Dither) { return T(2) * c * t; }
         [[nodiscard]] TUMBLE_INLINE static constexpr bool holds_twice(T, int) { return true; }
         [[nodiscard]] TUMBLE_INLINE static constexpr bool vanishes_times_itself(const auto& change, const auto& c) {
@@ -132,7 +133,7 @@ struct Float {
         T sum = three(b.x_w) + three(b.d_w), excess = 0;
         if constexpr (requires { b.q_wb; }) {
             const Quat<T> q = b.q_wb.value();
-            excess = magnitude(q.w * q.w + dot(q.v, q.v) - T(1));
+            excess = absolute(q.w * q.w + dot(q.v, q.v) - T(1));
             if (most_turn > 0) {
                 const Vec3<T> t = b.t_b.value();
                 excess += dot(t, t) * T(0x1p-9 / (most_turn * most_turn));
@@ -141,6 +142,11 @@ struct Float {
             }
         }
         return !(excess + sum * T(0) <= most_excess);
+    }
+    // magnitude() in one instruction, for a number whose sign does not matter if it is zero.
+    [[nodiscard]] TUMBLE_INLINE static constexpr T absolute(T a) {
+        if constexpr (sizeof(T) == 4) return __builtin_fabsf(a);
+        else return __builtin_fabs(a);
     }
     [[nodiscard]] TUMBLE_INLINE static constexpr T three(const auto& v) {
         return v.x.value() + v.y.value() + v.z.value();

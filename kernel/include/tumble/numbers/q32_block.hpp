@@ -112,6 +112,9 @@ public:
         return stretched(factor, c, dither);
     }
     [[nodiscard]] TUMBLE_INLINE static constexpr Angle angle(Turn t, Fixed<32> factor) { return mul_upper(t, factor); }
+    [[nodiscard]] TUMBLE_INLINE static constexpr Angle angle(Angle a, Angle b, std::uint32_t dither) {
+        return {detail::multiply_add_upper(0, dither, a.raw, b.raw)};
+    }
     [[nodiscard]] TUMBLE_INLINE static constexpr AngleSum add_angle(AngleSum sum, Turn t, Fixed<32> factor) {
         return mul_add(sum, t, factor);
     }

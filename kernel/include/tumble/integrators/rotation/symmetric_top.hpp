@@ -95,7 +95,7 @@ struct SymmetricTopFlow {
         const Angle cosine_of_sum = cosines - sines;
         const Angle p_w = cosine_of_sum + z1.cosine_less_one + mul_upper(cosine_of_sum, z1.cosine_less_one);
         const Vec3<Angle> p{Block::stretched(u1 + u2, z1.cosine_less_one, d.turn),
-                            upper_word(mul_add(Block::widen(Angle{}, d.turn), z1.half_sine, u2 - u1)),
+                            Block::angle(z1.half_sine, u2 - u1, d.turn),
                             Block::stretched(z1.half_sine, cosines + sines, d.delta)};
 
         // The sphere's turn by the momentum at the end, (1 + e_w, e) with e = sinc * end:
