@@ -39,9 +39,9 @@ namespace detail {
         return static_cast<std::int32_t>(high * power +
                                          static_cast<std::uint32_t>((std::uint64_t{low} * power + rest) >> 32));
     } else {
-        const std::uint64_t sum =
-            (std::uint64_t{(high << shift) | (low >> 1 >> (31 - shift))} << 32 | (low << shift)) + rest;
-        return static_cast<std::int32_t>(sum >> 32);
+        const std::uint64_t shifted =
+            std::uint64_t{(high << shift) | (low >> 1 >> (31 - shift))} << 32 | (low << shift);
+        return upper_of_sum(static_cast<std::int64_t>(shifted), 0, rest);
     }
 }
 
@@ -285,7 +285,7 @@ struct Q32 {
     }
     // The upper word of an exact sum of products, dithered.
     [[nodiscard]] TUMBLE_INLINE static constexpr Angle round_angle(AngleSum a, Dither d) {
-        return {static_cast<std::int32_t>((a + AngleSum{static_cast<std::int64_t>(d.delta)}).raw >> 32)};
+        return {detail::upper_of_sum(a.raw, 0, d.delta)};
     }
     // The sum of a turn times a 32-bit number, with both words of the sum. Changes of the spin are not rounded to 32
     // bits, because white noise in the spin grows as time^1.5 in the orientation.
