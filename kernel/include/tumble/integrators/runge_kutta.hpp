@@ -34,7 +34,8 @@ template <const auto& table, int s, class N, class Inertia>
 [[nodiscard]] TUMBLE_INLINE Vec3<typename N::Turn> stage_turn(const Vec3<typename N::Turn>& start,
                                                               const RotationStage<N>* stages, const Inertia& inertia,
                                                               typename N::Scale scale) {
-    const auto component = [&](int i) {
+    const auto component = [&](auto axis) {
+        constexpr int i = axis;
         typename N::Turn t = start[i];
         unroll<s>([&](auto earlier) {
             constexpr int j = earlier;
@@ -46,7 +47,9 @@ template <const auto& table, int s, class N, class Inertia>
         });
         return t;
     };
-    return {component(0), component(1), component(2)};
+    using std::integral_constant;
+    return {component(integral_constant<int, 0>{}), component(integral_constant<int, 1>{}),
+            component(integral_constant<int, 2>{})};
 }
 
 // Adds a term to a sum. The first one replaces the zero: floating point would add it in earnest.

@@ -126,13 +126,18 @@ struct SinCosSeries {
 
     // An infinite z gives NaN.
     [[nodiscard]] TUMBLE_INLINE static constexpr SinCosSeries of(T z) {
-        if (z > T(0.0625)) [[unlikely]]
+        if (is_large(z)) [[unlikely]]
             return of_large(z);
         return series(z);
     }
     [[nodiscard]] TUMBLE_INLINE static constexpr SinCosSeries of_small(T z) { return of(z); }
 
 private:
+    // z > 1/16, for z >= 0. As integers, single numbers need no constant from memory and no move of the FPU's flags.
+    [[nodiscard]] TUMBLE_INLINE static constexpr bool is_large(T z) {
+        if constexpr (sizeof(T) == 4) return std::bit_cast<std::int32_t>(z) > std::bit_cast<std::int32_t>(T(0.0625));
+        else return z > T(0.0625);
+    }
     // Out of line: inlined copies would be most of the code of a step.
     [[nodiscard, gnu::noinline, gnu::cold]] static constexpr SinCosSeries of_large(T z) {
         if (!(z - z == T(0))) return {z - z, z - z};

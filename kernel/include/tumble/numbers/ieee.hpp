@@ -125,8 +125,8 @@ struct Float {
 
     // True if a number is not finite, if |q|^2 is off 1 by more than 2^-9, or if the half turn of a step is longer than
     // `most_turn`, rad (0: no limit). The first-order renormalisation of |q|^2 fails for turns from 1 rad (Euler's
-    // methods) up to half a turn, depending on the method. The sum is multiplied by zero: the product is zero for
-    // finite sums and NaN for infinities and NaN, which fails every comparison.
+    // methods) up to half a turn, depending on the method. The sum less itself is zero for finite sums and NaN for
+    // infinities and NaN, which fails every comparison.
     template <class Body>
     [[nodiscard]] TUMBLE_INLINE static constexpr bool out_of_range(const Body& b, double most_turn) {
         constexpr T most_excess = T(0x1p-9);
@@ -141,7 +141,7 @@ struct Float {
                 sum += three(b.t_b);
             }
         }
-        return !(excess + sum * T(0) <= most_excess);
+        return !(excess + (sum - sum) <= most_excess);
     }
     // magnitude() in one instruction, for a number whose sign does not matter if it is zero.
     [[nodiscard]] TUMBLE_INLINE static constexpr T absolute(T a) {
