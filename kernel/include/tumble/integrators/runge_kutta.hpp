@@ -79,8 +79,8 @@ template <const auto& table, int s, class N>
 }
 
 // Applies the weighted sums of all stages to the body. In fixed point sums are exact, so stages of one weight are added
-// before they are multiplied by it. Two of them fit one angle, whose range is 1/2: with turns of 1/4 at turn_shift 1 and
-// kicks of 1/16, the angles of the four stages of rk4 are below 0.13, 0.18, 0.20 and 0.30 rad.
+// before they are multiplied by it. Two of them fit one angle, whose range is 1/2: with turns of 1/4 at turn_shift 1
+// and kicks of 1/16, the angles of the four stages of rk4 are below 0.13, 0.18, 0.20 and 0.30 rad.
 template <const auto& table, class N, class Inertia>
 TUMBLE_INLINE void finish_rotation(BodyState<N, Spin::angular_velocity>& body, const RotationStage<N>* stages,
                                    const Inertia& inertia, const StepInfo<N>& step) {
