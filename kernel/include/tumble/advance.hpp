@@ -67,8 +67,9 @@ public:
     // A step of a body that feels gravity alone.
     TUMBLE_INLINE void free_body(int b, const StepInfo<N>& info) {
         if (bodies.constants[b].fixed) return step_fixed(b, info);
-        coast(b, gravity_);
+        // The centre of mass comes last, so that the check has its numbers in registers.
         rotate(b, info);
+        coast(b, gravity_);
         check_range(b);
     }
     // A step of a fixed body, which may turn where there are turntables.
