@@ -21,14 +21,14 @@ public:
     void set(Bodies& bodies, int b, detail::Push<N> push, bool holds) {
         Body& body = body_[b];
         push.value = push.value.times(seconds);
-        body.acts = true;
         if (!holds) {
-            body.has_next = true;
+            body.acts = body.has_next = true;
             add_in_the_middle(body.next, bodies, b, push);
             return;
         }
         (push.angular ? body.torque_turns : body.force_turns) = turns_with_the_body(push);
         (push.angular ? body.torque : body.force) = push;
+        body.acts = body.has_next || body.holds();
         // A steady force changes the drift alone, a steady torque the turn alone.
         const bool is_steady = !turns_with_the_body(push);
         bool within = true;
@@ -73,6 +73,7 @@ private:
         Kick steady{};                                                     // by what does not turn with the body
         Kick next{};                                                       // in the next step, where it varies
 
+        [[nodiscard]] bool holds() const { return !force.value.is_zero() || !torque.value.is_zero(); }
         [[nodiscard]] TUMBLE_INLINE bool varies() const { return has_next || force_turns || torque_turns; }
     };
 
@@ -114,7 +115,7 @@ private:
     static void forget_next(Body& body) {
         body.next = {};
         body.has_next = false;
-        body.acts = !body.force.value.is_zero() || !body.torque.value.is_zero();
+        body.acts = body.holds();
     }
 
     Body body_[capacity]{};
