@@ -485,6 +485,9 @@ TEST(ControlDeathTest, misuse_ends_the_program) {
 TEST(Conversions, of_floats_to_working_numbers_and_back_are_exact) {
     for (const float value : {0.0F, 1.0F, -1.5F, 0.1F, 3.4e38F, -1.2e-38F, 1e-45F, 16777217.0F})
         EXPECT_EQ(static_cast<float>(Scaled(value)), value) << value;
+    for (const double value : {0.0, 1.0, -1.5, 0x1p-1000, -0x1.fffffffcp500})
+        EXPECT_EQ(static_cast<double>(Scaled(value)), value) << value;
+    EXPECT_EQ(Scaled(0.1), Scaled::from(Real{0.1}));
     // Halves round to even, and what is above a half rounds up.
     EXPECT_EQ(static_cast<float>(Scaled(16777217)), 16777216.0F);
     EXPECT_EQ(static_cast<float>(Scaled(16777219)), 16777220.0F);

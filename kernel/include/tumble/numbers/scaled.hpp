@@ -28,7 +28,14 @@ public:
         mantissa_ = (bits >> 31) != 0 ? -magnitude : magnitude;
         exponent_ = exponent - 157;
     }
-    explicit constexpr Scaled(double value) : Scaled{from(Real{value})} {}
+    explicit constexpr Scaled(double value) {
+        const auto bits = std::bit_cast<std::uint64_t>(value);
+        const int exponent = static_cast<int>((bits >> 52) & 0x7ff);
+        TUMBLE_ASSERT(exponent != 0x7ff);
+        const auto fraction = static_cast<std::int64_t>(bits & ((std::uint64_t{1} << 52) - 1));
+        const std::int64_t magnitude = exponent == 0 ? fraction : fraction | (std::int64_t{1} << 52);
+        *this = of((bits >> 63) != 0 ? -magnitude : magnitude, (exponent == 0 ? 1 : exponent) - 1075);
+    }
     // A set-up number, rounded to 31 bits.
     explicit constexpr Scaled(Real value) : Scaled{from(value)} {}
     // A set-up number, rounded to 31 bits.
