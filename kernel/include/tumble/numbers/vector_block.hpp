@@ -48,7 +48,7 @@ requires(N::fixed_point) struct VectorBlock<N> {
         block.exponent = most + 2;
         for (int i = 0; i < 3; ++i) {
             const int drop = block.exponent - v[i].exponent();
-            if (drop < 32) block.mantissa[i] = ((v[i].mantissa() >> (drop - 1)) + 1) >> 1;
+            if (!v[i].is_zero() && drop < 32) block.mantissa[i] = ((v[i].mantissa() >> (drop - 1)) + 1) >> 1;
         }
         return block;
     }
