@@ -95,6 +95,7 @@ struct Float {
     [[nodiscard]] static constexpr T turn_product(T p, Scale) { return p; }
     [[nodiscard]] static constexpr T work(T u) { return u; }
     [[nodiscard]] static constexpr T position_sum(T metres) { return metres; }
+    [[nodiscard]] static constexpr T unit_sum(T u) { return u; }
     [[nodiscard]] static constexpr T drift_sum(T metres, Scale) { return metres; }
     [[nodiscard]] static constexpr T turn_sum(T half_turn, Scale) { return half_turn; }
 
@@ -157,6 +158,8 @@ struct Float {
 
     [[nodiscard]] static constexpr T fall(Real metres) { return constant<T>(metres); }
     TUMBLE_INLINE static constexpr void add_any(auto& number, T change, Scale) { number.add(change); }
+    TUMBLE_INLINE static constexpr void add_sum(auto& number, T change) { number.add(change); }
+    [[nodiscard]] TUMBLE_INLINE static constexpr T held_sum(T a, T b) { return a + b; }
     [[nodiscard]] TUMBLE_INLINE static constexpr T limited(T kick, bool&) { return kick; }
     TUMBLE_INLINE static constexpr void move(Integrated<T>& x, T drift, Scale) { x.add(drift); }
     [[nodiscard]] TUMBLE_INLINE static constexpr T half(T sum) { return sum * T(0.5); }

@@ -142,6 +142,8 @@ struct Q32 {
     [[nodiscard]] static constexpr PositionSum position_sum(Work metres) {
         return metres.template to_wide<PositionSum::fraction_bits>();
     }
+    // A component of a unit quaternion.
+    [[nodiscard]] static constexpr Wide<62> unit_sum(Work u) { return u.template to_wide<62>(); }
     [[nodiscard]] static constexpr DriftSum drift_sum(Work metres, Scale s) {
         return {metres.to_sum(Position::fraction_bits + 32 + s.drift_shift)};
     }
@@ -162,6 +164,19 @@ struct Q32 {
     }
     TUMBLE_INLINE static constexpr void add_any(auto& turn, Work half_turn, Scale s) {
         turn.add({no_wrap(turn.sum().raw, half_turn.to_sum(64 + s.turn_shift, widest))});
+    }
+    // The same for a change in the units of the state.
+    TUMBLE_INLINE static constexpr void add_sum(auto& number, auto change) {
+        const auto sum = number.sum();
+        number.add(held_sum(sum, change) - sum);
+    }
+    // The sum of two changes, held at the widest sum.
+    template <int F>
+    [[nodiscard]] TUMBLE_INLINE static constexpr Wide<F> held_sum(Wide<F> a, Wide<F> b) {
+        std::int64_t sum = 0;
+        if (__builtin_add_overflow(a.raw, b.raw, &sum)) [[unlikely]]
+            sum = a.raw < 0 ? -widest : widest;
+        return {sum};
     }
     // A load's change in a step, held within a quarter of the range, so that no stage of a method can wrap. Clears
     // `within` if the change was held.
