@@ -33,12 +33,12 @@ struct Vector3 {
 };
 // The scalar product.
 template <class T>
-[[nodiscard]] constexpr T dot(const Vector3<T>& a, const Vector3<T>& b) {
+[[nodiscard]] constexpr T dot(Vector3<T> a, Vector3<T> b) {
     return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 // The vector product.
 template <class T>
-[[nodiscard]] constexpr Vector3<T> cross(const Vector3<T>& a, const Vector3<T>& b) {
+[[nodiscard]] constexpr Vector3<T> cross(Vector3<T> a, Vector3<T> b) {
     return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
@@ -57,13 +57,13 @@ struct Quaternion {
     Vector3<T> v{};        // x, y, z
 
     friend constexpr bool operator==(const Quaternion&, const Quaternion&) = default;
-    friend constexpr Quaternion operator*(const Quaternion& a, const Quaternion& b) {
+    friend constexpr Quaternion operator*(Quaternion a, Quaternion b) {
         return {a.w * b.w - dot(a.v, b.v), b.v * a.w + a.v * b.w + cross(a.v, b.v)};
     }
     // The inverse rotation, of a unit quaternion.
     [[nodiscard]] constexpr Quaternion conjugate() const { return {w, v * T(-1)}; }
     // Rotates a vector. The quaternion must have unit length.
-    [[nodiscard]] constexpr Vector3<T> rotate(const Vector3<T>& r) const {
+    [[nodiscard]] constexpr Vector3<T> rotate(Vector3<T> r) const {
         const Vector3<T> t = cross(v, r) * T(2);
         return r + t * w + cross(v, t);
     }
