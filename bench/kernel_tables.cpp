@@ -157,7 +157,7 @@ std::string largest_turn() {
     ball.angular_velocity = {1, 0, 0};
     const auto id = world.add(ball);
     if (!id || world.step().ok()) throw std::runtime_error{"1 rad in a step is within the numbers"};
-    return text("%.3g", world.angular_velocity(*id).x().to_real().to_double());
+    return text("%.3g", world.angular_velocity(*id).x.to_real().to_double());
 }
 
 }  // namespace tumble::bench

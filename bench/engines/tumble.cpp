@@ -34,7 +34,7 @@ public:
     }
     [[nodiscard]] std::array<double, 3> spin() const override {
         const auto w = world_.angular_velocity(top_);
-        return {number(w.x()), number(w.y()), number(w.z())};
+        return {number(w.x), number(w.y), number(w.z)};
     }
 
 private:

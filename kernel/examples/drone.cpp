@@ -1,60 +1,83 @@
-// A drone under commands. Heights and headings arrive while it flies. A controller reads the state after each step and
-// applies the impulses of the rotors.
+// A drone that holds a height and a heading. The controller computes in floats. It reads the pose, the motion and the
+// inertial sensor after each step, and sets the thrust and the torque of the rotors in the drone's own axes. The same
+// code runs in a world of integers, of floats and of doubles.
 #include <tumble/tumble.hpp>
 
 using namespace tumble::literals;
-using tumble::Real;
 
 namespace {
 
-struct Drone : tumble::Scene {
-    using Numbers = tumble::Q32<tumble::NearRange>;
-};
-using World = tumble::World<Drone>;
+using Vector = tumble::Vector3<float>;
+using Quaternion = tumble::Quaternion<float>;
 
-constexpr Real step = Real{1} / 256, gravity = 9.81;  // s, m/s^2
+template <class N>
+struct Drone : tumble::Scene {
+    using Numbers = N;
+    static constexpr tumble::Features features{.control = true, .imu = true};
+};
+
+constexpr float gravity = 9.81F;  // m/s^2
 constexpr tumble::BodySpec body = tumble::box(0.25_kg, {0.2_m, 0.05_m, 0.2_m});
-constexpr tumble::RealVec3 rotors[] = {{0.1_m, 0, 0}, {-0.1_m, 0, 0}};  // body axes
+constexpr float mass = static_cast<float>(body.mass);  // kg
+constexpr Vector inertia{static_cast<float>(body.inertia.xx), static_cast<float>(body.inertia.yy),
+                         static_cast<float>(body.inertia.zz)};  // kg m^2
 
 struct Command {
-    Real height;              // m
-    Real half_cos, half_sin;  // of half the heading about the vertical
+    float height;        // m
+    Quaternion heading;  // level; a rotation about the vertical
 };
-constexpr Command commands[] = {{2, 1, 0}, {2, 0.70710678, 0.70710678}, {0.5, 1, 0}};  // up; quarter turn; back down
+constexpr Command commands[] = {
+    {2, {}}, {2, {0.70710678F, {0, 0.70710678F, 0}}}, {0.5F, {}}};  // up; quarter turn; back down
 
-Real clamped(Real value, Real limit) { return value > limit ? limit : value < -limit ? -limit : value; }
+float clamped(float value, float limit) { return value > limit ? limit : value < -limit ? -limit : value; }
+bool is_near(float a, float b, float margin) { return a - b < margin && b - a < margin; }
 
-// The rotors share the lift, against gravity and towards the height. Their couple turns the drone to its heading.
+// Both controllers are critically damped: the height with 1/3 s, the attitude with 1/6 s.
+template <class World>
 void control(World& world, tumble::BodyId drone, const Command& to) {
-    const auto q = world.orientation(drone);
-    const Real height = world.position(drone).y().to_real(), yaw_rate = world.angular_velocity(drone).y().to_real();
-    // The impulses act before a step, gravity during it: the mean velocity is g h / 2 above the velocity at its end.
-    const Real climb = world.velocity(drone).y().to_real() + gravity * step / 2;
-    const Real half_yaw_left = to.half_sin * q.w.to_real() - to.half_cos * q.v.y().to_real();
-    // Both controllers are critically damped, with 1/3 s. N s of a rotor in a step.
-    const Real lift = body.mass * clamped(gravity + (to.height - height) * 9 - climb * 6, 2 * gravity) * step / 2;
-    const Real couple = body.inertia.yy * (half_yaw_left * 18 - yaw_rate * 6) * step / 2 / rotors[0].x;
-    // The drone's z axis in the world.
-    const Real cos = 1 - 2 * q.v.y().to_real() * q.v.y().to_real(), sin = 2 * q.w.to_real() * q.v.y().to_real();
-    world.apply_impulse(drone, {-couple * sin, lift, -couple * cos}, rotors[0]);
-    world.apply_impulse(drone, {couple * sin, lift, couple * cos}, rotors[1]);
+    const auto [position, orientation] = world.template pose<float>(drone);
+    const Vector velocity = world.template motion<float>(drone).velocity;
+    const Vector rate = world.template imu<float>(drone).angular_velocity;  // the gyro
+    // The rotation that is left, in the drone's axes: twice its vector part is the angle.
+    const Quaternion left = orientation.conjugate() * to.heading;
+    const Vector angle = left.v * (left.w < 0 ? -2.0F : 2.0F);
+    const Vector gain = angle * 36 - rate * 12;  // rad/s^2
+    world.set_torque(drone, {inertia.x * gain.x, inertia.y * gain.y, inertia.z * gain.z}, tumble::Frame::body);
+    // The rotors push along the drone's own y axis, which leans while it levels out.
+    const float upright = rotate(orientation, Vector{0, 1, 0}).y;
+    const float lift = gravity + clamped((to.height - position.y) * 9 - velocity.y * 6, gravity);  // m/s^2
+    world.set_force(drone, {0.0F, mass * lift / (upright > 0.5F ? upright : 0.5F), 0.0F}, tumble::Frame::body);
 }
 
-World world{tumble::Seconds{1, 256}, {.gravity = {0, -gravity, 0}}};
-
-}  // namespace
-
-int main() {
+// 0 if the drone obeys all commands.
+template <class N>
+int fly() {
+    tumble::World<Drone<N>> world{tumble::Seconds{1, 256}, {.gravity = {0, -9.81, 0}}};
     const tumble::BodyId drone = world.add(body);
     if (!drone) return 1;
     for (const Command& command : commands) {
+        // A gust from below at one rotor: N s in the drone's axes, at a point, m.
+        world.apply_impulse(drone, Vector{0.02F, 0.05F, 0}, Vector{0.1F, 0, 0.05F}, tumble::Frame::body);
         for (int i = 0; i < 6 * 256; ++i) {
             control(world, drone, command);
             if (!world.step().ok()) return 2;
         }
-        const auto q = world.orientation(drone);
-        if (abs(world.position(drone).y().to_real() - command.height) > 1e-3) return 3;
-        if (abs(q.w.to_real() - command.half_cos) > 1e-3 || abs(q.v.y().to_real() - command.half_sin) > 1e-3) return 4;
+        const auto [position, orientation] = world.template pose<float>(drone);
+        if (!is_near(position.y, command.height, 1e-3F)) return 3;
+        const Quaternion left = orientation.conjugate() * command.heading;
+        if (dot(left.v, left.v) > 1e-8F) return 4;
+        // A drone that hovers feels its weight along its own y axis.
+        const Vector felt = world.template imu<float>(drone).specific_force;
+        if (!is_near(felt.x, 0, 0.02F) || !is_near(felt.y, gravity, 0.02F) || !is_near(felt.z, 0, 0.02F)) return 5;
     }
+    return 0;
+}
+
+}  // namespace
+
+int main() {
+    if (const int status = fly<tumble::Q32<tumble::NearRange>>()) return status;
+    if (const int status = fly<tumble::F32>()) return 10 + status;
+    if (const int status = fly<tumble::F64>()) return 20 + status;
     return 0;
 }

@@ -18,11 +18,10 @@ constexpr tumble::BodySpec box() {
 struct Kept {
     tumble::Real energy, momentum;
 
-    explicit Kept(const tumble::WorkVec3<Box::Numbers>& w) {
+    explicit Kept(const tumble::RealVec3& w) {
         constexpr tumble::InertiaTensor inertia = box().inertia;
-        const tumble::RealVec3 l{inertia.xx * w.x().to_real(), inertia.yy * w.y().to_real(),
-                                 inertia.zz * w.z().to_real()};
-        energy = l.x * w.x().to_real() + l.y * w.y().to_real() + l.z * w.z().to_real();
+        const tumble::RealVec3 l{inertia.xx * w.x, inertia.yy * w.y, inertia.zz * w.z};
+        energy = dot(l, w);
         momentum = dot(l, l);
     }
 };
@@ -36,15 +35,15 @@ tumble::World<Box> world{tumble::Seconds{1, 256}};
 int main() {
     const tumble::BodyId id = world.add(box());
     if (!id) return 1;
-    const Kept start{world.angular_velocity(id)};
+    const Kept start{world.angular_velocity(id).as<tumble::Real>()};
     int turns_over = 0;
     bool was_up = true;
     for (int step = 0; step < 30 * 256; ++step) {
         if (!world.step().ok()) return 2;
-        const auto w = world.angular_velocity(id);
+        const auto w = world.angular_velocity(id).as<tumble::Real>();
         const Kept now{w};
         if (!is_within(1e-6, now.momentum, start.momentum) || !is_within(1e-3, now.energy, start.energy)) return 3;
-        const bool is_up = w.y() > 0;
+        const bool is_up = w.y > 0;
         turns_over += is_up != was_up;
         was_up = is_up;
     }

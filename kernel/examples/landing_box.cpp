@@ -40,7 +40,7 @@ int main() {
         if (world.steps_taken() > 10 * 256) return 3;  // not at rest after 10 s
     }
     // On a face: the centre is half an edge above the ground, to within the contact tolerance.
-    const Real height = world.position(id).y().to_real();
+    const Real height = world.position(id).y.to_real();
     bool on_a_face = false;
     for (int i = 0; i < 3; ++i) on_a_face = on_a_face || abs(height - edges[i] / 2) < earth.contact.tolerance;
     if (!on_a_face) return 4;
@@ -50,5 +50,5 @@ int main() {
     if (world.hash() != hash) return 5;
     world.apply_impulse(id, {0, 6, 0});  // N s: upwards, 3 m/s
     world.step();
-    return !world.asleep(id) && world.velocity(id).y() > 2 ? 0 : 6;
+    return !world.asleep(id) && world.velocity(id).y > 2 ? 0 : 6;
 }

@@ -58,7 +58,7 @@ int main() {
     if (late.hash() != in_time.hash() || rollbacks_that_changed != steps / 64) return 2;
     // The balls have met: the other's ball was pushed to the left and driven to the right, and no ball passed through
     // the other.
-    const auto x = in_time.position(mine).x(), other_x = in_time.position(theirs).x();
+    const auto x = in_time.position(mine).x, other_x = in_time.position(theirs).x;
     const bool met = other_x > 1 && (other_x - x).to_real() > 0.199;
     return met && in_time.status().ok() ? 0 : 3;
 }

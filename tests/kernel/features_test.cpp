@@ -226,9 +226,9 @@ TEST(Events, of_a_replay_keep_their_steps_when_the_step_counter_wraps) {
         replay.step();
         const auto v = world.velocity(BodyId{0});
         const int pushed = std::clamp(step - 9, 0, 9);  // number of changes by 1/4 m/s
-        EXPECT_EQ(static_cast<double>(v.x()), pushed * 0.25) << step;
-        EXPECT_EQ(static_cast<double>(v.y()), step >= 21 ? 0.5 : 0.0) << step;
-        EXPECT_EQ(static_cast<double>(v.z()), 0) << step;
+        EXPECT_EQ(static_cast<double>(v.x), pushed * 0.25) << step;
+        EXPECT_EQ(static_cast<double>(v.y), step >= 21 ? 0.5 : 0.0) << step;
+        EXPECT_EQ(static_cast<double>(v.z), 0) << step;
     }
 }
 
@@ -259,12 +259,12 @@ TEST(Script, a_new_script_is_read_from_its_beginning) {
     const Impulse<N> first[] = {push(0), push(2), push(3)}, second[] = {push(1), push(6)};
     world.set_impulses({first, 3});
     for (int i = 0; i < 5; ++i) world.step();
-    EXPECT_EQ(static_cast<double>(world.velocity(BodyId{0}).x()), 3);
+    EXPECT_EQ(static_cast<double>(world.velocity(BodyId{0}).x), 3);
     world.set_impulses({second, 2});
     world.step();
-    EXPECT_EQ(static_cast<double>(world.velocity(BodyId{0}).x()), 3) << "what lies before the present is left out";
+    EXPECT_EQ(static_cast<double>(world.velocity(BodyId{0}).x), 3) << "what lies before the present is left out";
     world.step();
-    EXPECT_EQ(static_cast<double>(world.velocity(BodyId{0}).x()), 4);
+    EXPECT_EQ(static_cast<double>(world.velocity(BodyId{0}).x), 4);
 }
 
 TEST(SetUpMisuseDeathTest, of_impossible_steps_sizes_and_moments_ends_the_program) {

@@ -32,7 +32,7 @@ TEST(ManyBodies, a_tray_carries_as_many_balls_as_are_put_on_it) {
         for (int step = 0; step < 8; ++step) ASSERT_TRUE(world->step().ok());
         EXPECT_EQ(world->contact_count(carrier), 4 + balls);
         for (int b = 0; b <= balls; ++b)
-            EXPECT_LE(std::abs(static_cast<Number>(world->position(BodyId{b}).y()) - (b == 0 ? 0.5L : 1.125L)),
+            EXPECT_LE(std::abs(static_cast<Number>(world->position(BodyId{b}).y) - (b == 0 ? 0.5L : 1.125L)),
                       tolerance::place)
                 << "body " << b << " of " << balls;
     }

@@ -6,7 +6,7 @@ namespace tumble::test {
 
 namespace {
 
-constexpr RealVec3 gravity{0, -9.81, 0};
+constexpr RealVec3 earth_gravity{0, -9.81, 0};
 
 // With axes of its own.
 BodySpec thrown_body() {
@@ -26,11 +26,11 @@ void add_loads(std::vector<SceneSetup>& s) {
     s.back().bodies = {body};
 
     s.push_back({.name = "dragged_projectile", .step = Seconds{Real{0.005}}, .needs = with_drag});
-    s.back().world = {.gravity = gravity, .linear_drag = 0.1, .angular_drag = 0.05};
+    s.back().world = {.gravity = earth_gravity, .linear_drag = 0.1, .angular_drag = 0.05};
     s.back().bodies = {body};
 
     s.push_back({.name = "body_on_a_spring", .needs = with_spring});
-    s.back().world.gravity = gravity;
+    s.back().world.gravity = earth_gravity;
     s.back().bodies = {body};
     s.back().springs = {
         {.point = {0.25, 0.5, 0}, .to = {0, 5, 0}, .stiffness = 40, .damping = 0.5, .rest_length = 0.75}};
@@ -72,22 +72,22 @@ void add_loads(std::vector<SceneSetup>& s) {
 
 void add_contacts_of_one_body(std::vector<SceneSetup>& s) {
     s.push_back({.name = "bouncing_ball", .needs = with_plane});
-    s.back().world = {.gravity = gravity, .contact = {.restitution = 0.8}};
+    s.back().world = {.gravity = earth_gravity, .contact = {.restitution = 0.8}};
     s.back().bodies = {placed(sphere(1, 0.5), {0, 2, 0}, {1, 0, 0}, {0, 1, 2})};
     s.back().planes = {{}};
 
     s.push_back({.name = "tumbling_box", .needs = with_box});
-    s.back().world = {.gravity = gravity, .contact = {.restitution = 0.4}};
+    s.back().world = {.gravity = earth_gravity, .contact = {.restitution = 0.4}};
     s.back().bodies = {oriented(placed(box(2, {1, 0.5, 0.75}), {0, 2, 0}, {}, {1, 0.5, -2}), {0.9, {0.1, -0.3, 0.2}})};
     s.back().planes = {{}};
 
     s.push_back({.name = "sliding_box", .needs = with_friction});
-    s.back().world = {.gravity = gravity, .contact = {.restitution = 0.3, .friction = 0.4}};
+    s.back().world = {.gravity = earth_gravity, .contact = {.restitution = 0.3, .friction = 0.4}};
     s.back().bodies = {oriented(placed(box(2, {1, 0.5, 0.75}), {0, 1, 0}, {3, 0, 1}), {0.9, {0, 0.1, 0.2}})};
     s.back().planes = {{.normal = {0.1, 1, 0}}};
 
     s.push_back({.name = "rolling_cylinder", .needs = with_round_shapes});
-    s.back().world = {.gravity = gravity, .contact = {.restitution = 0.3, .friction = 0.4}};
+    s.back().world = {.gravity = earth_gravity, .contact = {.restitution = 0.3, .friction = 0.4}};
     s.back().bodies = {oriented(placed(cylinder(2, 0.25, 1), {0, 1.25, 0}, {1, 0, 0.5}), {0.9, {0.1, -0.3, 0.2}})};
     s.back().planes = {{}};
 }
@@ -99,29 +99,29 @@ void add_pairs_sleep_and_contact_springs(std::vector<SceneSetup>& s) {
                        placed(sphere(3, 0.25), {1, 0, 0.5}, {-1, 0, 0})};
 
     s.push_back({.name = "box_falls_on_a_box", .needs = with_box_pairs});
-    s.back().world = {.gravity = gravity, .contact = {.restitution = 0.3, .friction = 0.4}};
+    s.back().world = {.gravity = earth_gravity, .contact = {.restitution = 0.3, .friction = 0.4}};
     s.back().bodies = {fixed(placed(box(100, {8, 1, 8}), {0, -0.5, 0})),
                        oriented(placed(box(2, {1, 0.5, 0.75}), {0, 1.25, 0}, {1, 0, 0.5}), {0.9, {0.1, -0.3, 0.2}})};
 
     s.push_back({.name = "ball_on_a_turntable", .needs = with_turntable});
-    s.back().world = {.gravity = gravity, .contact = {.restitution = 0.25, .friction = 0.5}};
+    s.back().world = {.gravity = earth_gravity, .contact = {.restitution = 0.25, .friction = 0.5}};
     s.back().bodies = {fixed(placed(box(100, {8, 0.5, 8}), {0, -0.25, 0}, {}, {0, 2, 0})),
                        placed(sphere(1, 0.25), {1, 0.5, 0}, {0.5, 0, 0})};
 
     s.push_back({.name = "box_falls_asleep", .needs = with_sleep});
-    s.back().world = {.gravity = gravity,
+    s.back().world = {.gravity = earth_gravity,
                       .contact = {.restitution = 0.2, .friction = 0.5, .sleep = {.on = true, .time = 0.25}}};
     s.back().bodies = {oriented(placed(box(2, {1, 0.25, 0.75}), {0, 0.75, 0}), {0.99, {0.1, 0, 0.05}})};
     s.back().planes = {{}};
 
     s.push_back({.name = "balls_on_contact_springs", .needs = with_contact_springs});
-    s.back().world = {.gravity = gravity,
+    s.back().world = {.gravity = earth_gravity,
                       .contact = {.response = ContactResponse::spring, .stiffness = 2000, .damping = 4}};
     s.back().bodies = {placed(sphere(1, 0.5), {0, 0.75, 0}), placed(sphere(0.5, 0.25), {0.0625, 2, 0})};
     s.back().planes = {{}};
 
     s.push_back({.name = "balls_behind_barriers", .needs = with_contact_springs});
-    s.back().world = {.gravity = gravity,
+    s.back().world = {.gravity = earth_gravity,
                       .contact = {.response = ContactResponse::spring, .stiffness = 2000, .barrier = 0.5}};
     s.back().bodies = {placed(sphere(1, 0.5), {0, 1.25, 0}), placed(sphere(0.5, 0.25), {0.0625, 3, 0})};
     s.back().planes = {{}};
@@ -132,7 +132,7 @@ void add_points(std::vector<SceneSetup>& s) {
     // Alone, in loads that do not couple it, and with all that may act on it.
     BodySpec point = placed(point_mass(1.5), {0.5, 4, -1}, {1, 2, -0.5});
     s.push_back({.name = "thrown_point", .needs = with_point});
-    s.back().world = {.gravity = gravity, .linear_drag = 0.1};
+    s.back().world = {.gravity = earth_gravity, .linear_drag = 0.1};
     s.back().bodies = {point};
     s.back().impulses = {{.time = 0.25, .impulse = {1, 0, -0.5}}, {.time = 0.5, .impulse = {-1, 2, 0}}};
 
@@ -147,7 +147,7 @@ void add_points(std::vector<SceneSetup>& s) {
 
     // Two tied to a body off its centre, and to each other; one flies alone.
     s.push_back({.name = "points_among_bodies", .needs = with_points_among_bodies});
-    s.back().world = {.gravity = gravity, .linear_drag = 0.1, .angular_drag = 0.05};
+    s.back().world = {.gravity = earth_gravity, .linear_drag = 0.1, .angular_drag = 0.05};
     s.back().bodies = {placed(point_mass(1.5), {1.5, 5, -1}, {1, 2, -0.5}), body, placed(point_mass(0.5), {-1, 4, 0}),
                        placed(point_mass(2), {6, 2, 3}, {0, 5, 0})};
     s.back().springs = {{.body = 0, .to_body = 1, .to = {0.25, 0.5, 0}, .stiffness = 30, .damping = 0.5},
@@ -159,7 +159,7 @@ void add_points(std::vector<SceneSetup>& s) {
 
     // The point passes through the plane that its ball bounces on.
     s.push_back({.name = "point_below_a_ball", .needs = with_point_and_plane});
-    s.back().world = {.gravity = gravity, .contact = {.restitution = 0.8}};
+    s.back().world = {.gravity = earth_gravity, .contact = {.restitution = 0.8}};
     s.back().bodies = {placed(sphere(1, 0.25), {0, 1, 0}), placed(point_mass(0.5), {0.5, 0.5, 0})};
     s.back().springs = {{.body = 0, .point = {0.25, 0, 0}, .to_body = 1, .stiffness = 40, .rest_length = 0.5}};
     s.back().planes = {{}};

@@ -23,11 +23,11 @@ public:
         return static_cast<bool>(id);
     }
     bool add([[maybe_unused]] const PlaneSpec& plane) override {
-        if constexpr (f.planes > 0) return world_.add(plane);
+        if constexpr (f.planes > 0) return static_cast<bool>(world_.add(plane));
         else return false;
     }
     bool add([[maybe_unused]] const SpringSpec& spring) override {
-        if constexpr (f.springs > 0) return world_.add(spring);
+        if constexpr (f.springs > 0) return static_cast<bool>(world_.add(spring));
         else return false;
     }
     void set_impulses([[maybe_unused]] const std::vector<ImpulseSpec>& impulses) override {
@@ -77,7 +77,7 @@ public:
     }
 
 private:
-    static Vector plain(const WorkVec3<N>& v) {
+    static Vector plain(const tumble::Vector3<typename N::Work>& v) {
         return {static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2])};
     }
 

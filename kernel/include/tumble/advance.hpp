@@ -2,6 +2,7 @@
 // their place. It owns the bodies, their inertia, the loads and gravity. It knows no contact.
 #pragma once
 
+#include <tumble/events/wrench.hpp>
 #include <tumble/integrators/verlet.hpp>
 #include <tumble/loads/load_set.hpp>
 
@@ -14,8 +15,10 @@ public:
     using Integrator = typename S::Integrator;
     using Work = typename N::Work;
     using DriftSum = typename N::DriftSum;
+    using TurnSum = typename N::TurnSum;
     static constexpr Features features = S::features;
-    static constexpr bool has_loads = features.loads(), rotation = features.rotation;
+    static constexpr bool has_loads = features.loads(), rotation = features.rotation,
+                          has_wrenches = features.control && features.bodies > 0;
     static constexpr Spin spin = rotation ? Integrator::spin : Spin::none;
     using State = BodyState<N, spin>;
     using Bodies = tumble::Bodies<N, spin, features.bodies, features.mixed()>;
@@ -23,7 +26,7 @@ public:
     using Loads = LoadSet<N, spin, features>;
     using Portion = tumble::Portion<Work>;
 
-    Advance(Seconds step, const WorldSpec& spec) : bodies{step}, loads{step.value, spec} {}
+    Advance(Seconds step, const WorldSpec& spec) : bodies{step}, loads{step.value, spec}, wrenches{step.value} {}
 
     // m/s^2, world frame.
     void set_gravity(RealVec3 gravity) {
@@ -67,8 +70,7 @@ public:
     // A step of a body that feels gravity alone.
     TUMBLE_INLINE void free_body(int b, const StepInfo<N>& info) {
         if (bodies.constants[b].fixed) return step_fixed(b, info);
-        coast(b, gravity_);
-        rotate(b, info);
+        unloaded(b, info, gravity_);
         check_range(b);
     }
     // A step of a fixed body, which may turn where there are turntables.
@@ -109,7 +111,8 @@ public:
 
         DriftSum fall[3];
         for (int i = 0; i < 3; ++i) fall[i] = N::part(N::part(gravity_[i], part), part);
-        over(group, info, fall, portion.length);
+        if constexpr (has_wrenches) over(group, info, fall, portion.length, part);
+        else over(group, info, fall, portion.length);
 
         for (int k = 0; k < group.count; ++k) {
             State& s = bodies.state[group.id[k]];
@@ -128,7 +131,21 @@ public:
         spins_changed(group);
     }
 
-    // True of a body that feels anything but gravity in this step.
+    // True of a body that feels anything but gravity in this step, at stages or as a constant change.
+    [[nodiscard]] bool is_driven(int b) const {
+        if constexpr (has_wrenches)
+            if (wrenches.act_on(b)) return true;
+        return is_loaded(b);
+    }
+    // Adds the change of motion by wrenches in a step.
+    void add_wrenches(int b, Kick<N>& kick) const requires(has_wrenches) {
+        if (!wrenches.act_on(b)) return;
+        for (int i = 0; i < 3; ++i) {
+            kick.linear[i] += wrenches.kick(b).linear[i];
+            if constexpr (rotation) kick.angular[i] += wrenches.kick(b).angular[i];
+        }
+    }
+    // True of a body that feels a load, which is evaluated at stages.
     [[nodiscard]] bool is_loaded([[maybe_unused]] int b) const {
         if constexpr (has_loads) return loads.is_loaded(bodies, b);
         else return false;
@@ -181,30 +198,82 @@ private:
     }
 
     // Moves the bodies over a part of a step of this length, in steps. State and `fall` have it as the unit of time.
-    void over(const BodyGroup& group, const StepInfo<N>& info, const DriftSum (&fall)[3], Work length) {
+    // `part` is the length again, of a part that is not the whole step.
+    template <class... Part>
+    void over(const BodyGroup& group, const StepInfo<N>& info, const DriftSum (&fall)[3], Work length,
+              const Part&... part) {
         if constexpr (has_loads) {
             BodyGroup coupled;
             for (int k = 0; k < group.count; ++k) {
                 const int b = group.id[k];
                 if (is_coupled(b)) coupled.add(b);
-                else if (loads.is_loaded(bodies, b)) loaded(BodyGroup::of(b), info, fall, length);
-                else unloaded(b, info, fall);
+                else if (loads.is_loaded(bodies, b)) loaded(BodyGroup::of(b), info, fall, length, part...);
+                else unloaded(b, info, fall, part...);
             }
-            if (coupled.count > 0) loaded(coupled, info, fall, length);
+            if (coupled.count > 0) loaded(coupled, info, fall, length, part...);
         } else {
-            for (int k = 0; k < group.count; ++k) unloaded(group.id[k], info, fall);
+            for (int k = 0; k < group.count; ++k) unloaded(group.id[k], info, fall, part...);
         }
     }
-    void unloaded(int b, const StepInfo<N>& info, const DriftSum (&fall)[3]) {
-        coast(b, fall);
+    template <class... Part>
+    TUMBLE_INLINE void unloaded(int b, const StepInfo<N>& info, const DriftSum (&fall)[3], const Part&... part) {
+        if constexpr (has_wrenches)
+            if (wrenches.act_on(b)) return driven(b, info, fall, part...);
+        // The centre of mass comes last, so that the check has its numbers in registers.
         rotate(b, info);
+        coast(b, fall);
     }
-    void loaded(const BodyGroup& group, const StepInfo<N>& info, const DriftSum (&fall)[3],
-                Work length) requires has_loads {
+    // Half of a wrench's change of the spin, a free rotation, and the other half: order 2. Its change of the drift is
+    // one with gravity's.
+    template <class... Part>
+    void driven(int b, const StepInfo<N>& info, const DriftSum (&fall)[3], const Part&... part) requires(has_wrenches) {
+        DriftSum all[3];
+        for (int i = 0; i < 3; ++i) {
+            const DriftSum change = over_part(wrenches.kick(b).linear[i], part...);
+            all[i] = fall[i] + (fall_in_halves ? N::half(change) : change);
+        }
+        coast(b, all);
+        if constexpr (rotation) {
+            if (!bodies.rotates(b)) return;
+            half_turn_by_wrenches(b, part...);
+            rotate(b, info);
+            half_turn_by_wrenches(b, part...);
+        }
+    }
+    // The change in a part of a step, with the part as the unit of time.
+    template <class Sum, class... Part>
+    [[nodiscard]] TUMBLE_INLINE static Sum over_part(Sum change, const Part&... part) {
+        if constexpr (sizeof...(part) == 0) return change;
+        else return N::part(N::part(change, part...), part...);
+    }
+    template <class... Part>
+    void half_turn_by_wrenches(int b, const Part&... part) requires(has_wrenches&& rotation) {
+        const TurnSum(&change)[3] = wrenches.kick(b).angular;
+        if (change[0] == TurnSum{} && change[1] == TurnSum{} && change[2] == TurnSum{}) return;
+        for (int i = 0; i < 3; ++i) bodies.state[b].t_b[i].add(N::half(over_part(change[i], part...)));
+        spin_changed(b);
+    }
+    // Of bodies that loads act on too.
+    template <class... Part>
+    void half_kick_by_wrenches(const BodyGroup& group, const Part&... part) requires(has_wrenches) {
+        for (int k = 0; k < group.count; ++k) {
+            const int b = group.id[k];
+            if (!wrenches.act_on(b)) continue;
+            for (int i = 0; i < 3; ++i)
+                N::add(bodies.state[b].d_w[i], N::half(over_part(wrenches.kick(b).linear[i], part...)));
+            if constexpr (rotation)
+                if (bodies.rotates(b)) half_turn_by_wrenches(b, part...);
+        }
+    }
+    template <class... Part>
+    void loaded(const BodyGroup& group, const StepInfo<N>& info, const DriftSum (&fall)[3], Work length,
+                const Part&... part) requires has_loads {
+        if constexpr (has_wrenches) half_kick_by_wrenches(group, part...);
         const DriftSum falls[3]{whole(fall[0]), whole(fall[1]), whole(fall[2])};
         const auto evaluate = loads.evaluation(bodies, group, length, falls);
         if (group.count == 1) staged<1>(group, evaluate, info);
         else staged<features.bodies>(group, evaluate, info);
+        if constexpr (has_wrenches) half_kick_by_wrenches(group, part...);
     }
     template <int capacity, class Evaluate>
     void staged(const BodyGroup& ids, const Evaluate& evaluate, const StepInfo<N>& info) {
@@ -226,6 +295,7 @@ private:
 public:
     Bodies bodies;
     [[no_unique_address]] If<has_loads, Loads, 0> loads;
+    [[no_unique_address]] If<has_wrenches, Wrenches<N, rotation, features.bodies>, 6> wrenches;
 };
 
 }  // namespace tumble

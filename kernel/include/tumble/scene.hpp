@@ -23,6 +23,8 @@ struct Features {
     bool gravitation = false;      // attraction between all bodies
     bool forces = false;           // forces and torques at set times
     bool impulses = false;         // impulses at set times
+    bool control = false;          // the program sets forces and torques while it runs
+    bool imu = false;              // the world keeps the motion before each step, for World::imu()
     bool pairs = false;            // bodies collide with bodies
     bool boxes = false;            // boxes collide (spheres always do if there are planes or pairs)
     bool round_shapes = false;     // cylinders, capsules and hoops collide with planes
@@ -47,6 +49,8 @@ struct Features {
         f("gravitation", &Features::gravitation);
         f("forces", &Features::forces);
         f("impulses", &Features::impulses);
+        f("control", &Features::control);
+        f("imu", &Features::imu);
         f("pairs", &Features::pairs);
         f("boxes", &Features::boxes);
         f("round_shapes", &Features::round_shapes);

@@ -8,6 +8,7 @@
 #include <tumble/advance.hpp>
 #include <tumble/contact/island_step.hpp>
 #include <tumble/contact/sleep.hpp>
+#include <tumble/events/readout.hpp>
 
 namespace tumble {
 
@@ -64,6 +65,7 @@ public:
         if constexpr (features.touches()) TUMBLE_ASSERT(is_restitution(spec.restitution));
         const PrincipalInertia inertia = features.rotation ? principal_inertia(spec.inertia) : PrincipalInertia{};
         const int b = advance_.add(spec, inertia);
+        if constexpr (has_imu) remember(b);
         if constexpr (has_contacts) {
             contacts_.set_shape(b, spec, inertia, advance_.bodies.constants[b].units);
             if (!spec.fixed) sleepers_.add(b);
@@ -76,20 +78,25 @@ public:
 
     // Adds a plane; false when there is no room. In fixed point its offset is at most four times the range of
     // positions.
-    bool add(const PlaneSpec& spec) requires(features.planes > 0) {
+    PlaneId add(const PlaneSpec& spec) requires(features.planes > 0) {
         TUMBLE_ASSERT(is_restitution(spec.restitution));
         bool added = true;
+        int count = 1;  // where nothing can touch it
         if constexpr (has_contacts) {
             added = contacts_.add(spec);
             for (int b = 0; b < advance_.bodies.count; ++b) disturb(b);
         }
         if constexpr (features.springs_touch()) added = advance_.loads.add(spec, advance_.bodies) && added;
-        return added;
+        if constexpr (has_contacts) count = contacts_.plane_count();
+        else if constexpr (features.springs_touch()) count = advance_.loads.plane_count();
+        return added ? PlaneId{count - 1} : PlaneId{};
     }
 
     // Adds a spring between bodies already added; false when there is no room. status() reports a step that is surely
     // too long for it.
-    bool add(const SpringSpec& spec) requires(features.springs > 0) { return advance_.add(spec); }
+    SpringId add(const SpringSpec& spec) requires(features.springs > 0) {
+        return advance_.add(spec) ? SpringId{advance_.loads.spring_count() - 1} : SpringId{};
+    }
 
     // Converts an impulse to this world's numbers, for set_impulses().
     [[nodiscard]] Impulse<N> prepare(const ImpulseSpec& spec) const { return tumble::prepare(advance_.bodies, spec); }
@@ -119,6 +126,52 @@ public:
                advance_.bodies.principal_vector(b, point)});
     }
 
+    // Applies an event before the next step. Every call below is one event. It wakes the body. A fixed body takes a
+    // pose and an angular velocity, and ignores the rest. Misuse: of a point mass, anything but a linear event at its
+    // centre in the world's frame.
+    void apply(const Event<N>& event) { apply_event(event); }
+    // Applies an impulse (N s, in `frame`) at once, at a point of the body (m, user's body axes).
+    void apply_impulse(BodyId id, const InputVector<N>& impulse, const InputVector<N>& point, Frame frame) {
+        apply_event({EventKind::impulse, frame, id, impulse, point, {}});
+    }
+    // Applies an angular impulse (N m s, in `frame`) at once.
+    void apply_angular_impulse(BodyId id, const InputVector<N>& impulse, Frame frame) {
+        apply_event({EventKind::angular_impulse, frame, id, impulse, {}, {}});
+    }
+    // Sets the force (N, in `frame`) that acts from the next step on at a point of the body (m, user's body axes), in
+    // place of the force before. In the frame of the body it turns with the body.
+    void set_force(BodyId id, const InputVector<N>& force, Frame frame,
+                   const InputVector<N>& point = {}) requires(features.control) {
+        apply_event({EventKind::force, frame, id, force, point, {}});
+    }
+    // Sets the torque (N m, in `frame`) that acts from the next step on, in place of the torque before.
+    void set_torque(BodyId id, const InputVector<N>& torque, Frame frame) requires(features.control) {
+        apply_event({EventKind::torque, frame, id, torque, {}, {}});
+    }
+    // Adds a force for the next step alone.
+    void apply_force(BodyId id, const InputVector<N>& force, Frame frame,
+                     const InputVector<N>& point = {}) requires(features.control) {
+        apply_event({EventKind::step_force, frame, id, force, point, {}});
+    }
+    // Adds a torque for the next step alone.
+    void apply_torque(BodyId id, const InputVector<N>& torque, Frame frame) requires(features.control) {
+        apply_event({EventKind::step_torque, frame, id, torque, {}, {}});
+    }
+    // Sets the velocity, m/s, in `frame`.
+    void set_velocity(BodyId id, const InputVector<N>& velocity, Frame frame = Frame::world) {
+        apply_event({EventKind::velocity, frame, id, velocity, {}, {}});
+    }
+    // Sets the angular velocity, rad/s, in `frame`.
+    void set_angular_velocity(BodyId id, const InputVector<N>& velocity, Frame frame = Frame::body) {
+        apply_event({EventKind::angular_velocity, frame, id, velocity, {}, {}});
+    }
+    // Sets the position (m, world) and the orientation (user's body axes to world; normalised here; zero is misuse).
+    // The velocity and the angular velocity, in the body's axes, stay.
+    template <class T = Real>
+    void set_pose(BodyId id, const InputVector<N>& position, const Quaternion<T>& orientation = {}) {
+        apply_event({EventKind::pose, Frame::world, id, position, {}, orientation.template as<Work>()});
+    }
+
     // Advances every body by one step: events that are due, loads, motion, contacts. Returns the sticky status.
     Status step() {
         if constexpr (features.impulses) {
@@ -126,6 +179,9 @@ public:
                 apply(impulses_.first[next_event_++]);
         }
         if constexpr (features.forces && has_loads) advance_.loads.start_step(now(), [&](int b) { disturb(b); });
+        if constexpr (has_imu)
+            for (int b = 0; b < advance_.bodies.count; ++b) remember(b);
+        if constexpr (Advance::has_wrenches) advance_.wrenches.start_step(advance_.bodies);
         const StepInfo<N> info{advance_.bodies.scale, Dither::of_step(advance_.bodies.steps_taken)};
         if constexpr (has_contacts) {
             step_islands(info);
@@ -136,6 +192,7 @@ public:
         } else if constexpr (features.bodies > 1) {
             for (int b = 0; b < advance_.bodies.count; ++b) advance_.free_body(b, info);
         }
+        if constexpr (Advance::has_wrenches) advance_.wrenches.end_step(advance_.bodies.count);
         ++advance_.bodies.steps_taken;
         if constexpr (has_events)
             if (advance_.bodies.steps_taken == 0) [[unlikely]]
@@ -155,15 +212,62 @@ public:
     // The body's state in the formats of the step. The accessors below return SI units.
     [[nodiscard]] const State& state(BodyId id) const { return advance_.bodies.state[place_of(id)]; }
     // Position of the centre of mass, m, world frame.
-    [[nodiscard]] WorkVec3<N> position(BodyId id) const { return advance_.bodies.position(place_of(id)); }
+    [[nodiscard]] Vector3<Work> position(BodyId id) const { return plain(advance_.bodies.position(place_of(id))); }
     // m/s, world frame.
-    [[nodiscard]] WorkVec3<N> velocity(BodyId id) const { return advance_.bodies.velocity(place_of(id)); }
+    [[nodiscard]] Vector3<Work> velocity(BodyId id) const { return plain(advance_.bodies.velocity(place_of(id))); }
     // rad/s, user's body axes.
-    [[nodiscard]] WorkVec3<N> angular_velocity(BodyId id) const {
-        return advance_.bodies.angular_velocity(place_of(id));
+    [[nodiscard]] Vector3<Work> angular_velocity(BodyId id) const {
+        return plain(advance_.bodies.angular_velocity(place_of(id)));
     }
     // User's body axes to world; of unit length to rounding. Its real part is w, its vector part v.
-    [[nodiscard]] Quat<Work> orientation(BodyId id) const { return advance_.bodies.orientation(place_of(id)); }
+    [[nodiscard]] Quaternion<Work> orientation(BodyId id) const {
+        const auto q = advance_.bodies.orientation(place_of(id));
+        return {q.w, plain(q.v)};
+    }
+    // Position and orientation in the program's own numbers: float, double, Real or Work. Floats are the fastest in
+    // fixed point.
+    template <class T>
+    [[nodiscard]] Pose<T> pose(BodyId id) const {
+        return detail::pose_of<T>(advance_.bodies, place_of(id));
+    }
+    // Velocity and angular velocity likewise, to 29 bits in fixed point. Faster where Features::control keeps the rate
+    // of steps.
+    template <class T>
+    [[nodiscard]] Motion<T> motion(BodyId id) const {
+        return detail::motion_of<T>(advance_.bodies, place_of(id), steps_per_second());
+    }
+    // What an inertial sensor at a point of the body (m, user's body axes) measured in the last step: the means of the
+    // specific force and of the angular velocity, in the axes of the middle of the step. Impacts in the step are in
+    // them; impulses between steps are not. From add() and from every event to the next step, the body measures as one
+    // at rest.
+    template <class T>
+    [[nodiscard]] Imu<T> imu(BodyId id, const InputVector<N>& point = {}) const requires(features.imu) {
+        const int b = place_of(id);
+        typename N::DriftSum fall[3];
+        for (int i = 0; i < 3; ++i) fall[i] = advance_.whole_fall(i);
+        return detail::imu_of<T>(advance_.bodies, b, before_[b], fall, point.block(), steps_per_second());
+    }
+
+    // kg, as the world keeps it.
+    [[nodiscard]] Work mass(BodyId id) const {
+        return Work(1) / (advance_.bodies.step_per_mass(place_of(id)) * steps_per_second());
+    }
+    // kg m^2, about the centre of mass, user's axes; zero of a point mass.
+    [[nodiscard]] InertiaTensor inertia(BodyId id) const {
+        return detail::inertia_of_body(advance_.bodies, place_of(id), steps_per_second());
+    }
+    // J, of translation and rotation.
+    [[nodiscard]] Work kinetic_energy(BodyId id) const {
+        return detail::kinetic_energy(advance_.bodies, place_of(id), steps_per_second());
+    }
+    // J, of gravity, zero at the origin.
+    [[nodiscard]] Work potential_energy(BodyId id) const {
+        const Vector3<Work> x = position(id);
+        const Work rate = steps_per_second();
+        Work sum(0);
+        for (int i = 0; i < 3; ++i) sum += N::metres(advance_.whole_fall(i), advance_.bodies.scale) * x[i];
+        return -(mass(id) * sum * rate * rate);
+    }
 
     // Digest of every body's state.
     [[nodiscard]] std::uint64_t hash() const { return advance_.bodies.hash(); }
@@ -206,6 +310,23 @@ private:
     using Contacts = ContactSet<N, Integrator::spin, features>;
     using Sleepers = tumble::Sleepers<N, Integrator::spin, features>;
     static constexpr bool has_events = features.impulses || features.forces;
+    static constexpr bool has_imu = features.imu && features.bodies > 0;
+    using Before = detail::MotionBefore<State>;
+
+    [[nodiscard]] static Vector3<Work> plain(const WorkVec3<N>& v) { return {v.x(), v.y(), v.z()}; }
+    [[nodiscard]] Work steps_per_second() const {
+        if constexpr (Advance::has_wrenches) return advance_.wrenches.steps_per_second;
+        else return advance_.bodies.steps_per_second();
+    }
+    [[nodiscard]] Work seconds() const {
+        if constexpr (Advance::has_wrenches) return advance_.wrenches.seconds;
+        else return N::template constant<Work>(advance_.bodies.step_length);
+    }
+    // Keeps the motion of a body, for imu().
+    void remember(int b) requires has_imu {
+        before_[b].d_w = advance_.bodies.state[b].d_w;
+        if constexpr (features.rotation) before_[b].t_b = advance_.bodies.state[b].t_b;
+    }
 
     [[nodiscard]] TUMBLE_INLINE int place_of(BodyId id) const { return advance_.bodies.index_of(id); }
     // The next step's number, which does not wrap; events count so.
@@ -217,6 +338,36 @@ private:
     template <class Event>
     void require_bodies(Span<Event> events) const {
         for (const Event& event : events) (void)advance_.bodies.index_of(event.body);
+    }
+    TUMBLE_INLINE void apply_event(const Event<N>& event) {
+        auto& bodies = advance_.bodies;
+        const int b = place_of(event.body);
+        switch (event.kind) {
+        case EventKind::impulse:
+        case EventKind::angular_impulse:
+            if (bodies.constants[b].fixed) return;
+            detail::apply_push(bodies, b, detail::push_of(bodies, b, event, event.kind == EventKind::angular_impulse));
+            break;
+        case EventKind::force:
+        case EventKind::torque:
+        case EventKind::step_force:
+        case EventKind::step_torque:
+            TUMBLE_ASSERT(Advance::has_wrenches);
+            if (bodies.constants[b].fixed) return;
+            if constexpr (Advance::has_wrenches) {
+                const bool angular = event.kind == EventKind::torque || event.kind == EventKind::step_torque,
+                           holds = event.kind == EventKind::force || event.kind == EventKind::torque;
+                advance_.wrenches.set(bodies, b, detail::push_of(bodies, b, event, angular), holds);
+            }
+            return disturb(b);
+        case EventKind::velocity: detail::set_velocity(bodies, b, event, seconds()); break;
+        case EventKind::angular_velocity: detail::set_angular_velocity(bodies, b, event, steps_per_second()); break;
+        case EventKind::pose: detail::set_pose(bodies, b, event); break;
+        }
+        advance_.check_range(b);
+        advance_.spin_changed(b);
+        if constexpr (has_imu) remember(b);
+        disturb(b);
     }
     void apply(const Impulse<N>& event) {
         tumble::apply(event, advance_.bodies);
@@ -274,7 +425,7 @@ private:
     }
     [[gnu::noinline]] void look_around(int b) {
         contacts_.look_around(
-            advance_.bodies, b, [&](int other) { return advance_.is_loaded(other); },
+            advance_.bodies, b, [&](int other) { return advance_.is_driven(other); },
             [&](int other) { return advance_.bodies.constants[other].fixed || sleepers_.is_asleep(other); },
             [&](int other) { wake(other); });
     }
@@ -387,6 +538,7 @@ private:
             kick = {};
             for (int i = 0; i < 3; ++i) kick.linear[i] = whole[i];
             if (advance_.is_loaded(b)) loaded.add(b);
+            else if constexpr (Advance::has_wrenches) advance_.add_wrenches(b, kick);
         }
         if constexpr (has_loads) {
             if (loaded.count == 0) return;
@@ -394,7 +546,10 @@ private:
             Kick<N> kicks[features.bodies];
             for (int k = 0; k < loaded.count; ++k) stages[k] = stage_of(advance_.bodies.state[loaded.id[k]]);
             advance_.loads.evaluation(advance_.bodies, loaded, Work(1), whole)(stages, kicks);
-            for (int k = 0; k < loaded.count; ++k) contacts_.kick(loaded.id[k]) = kicks[k];
+            for (int k = 0; k < loaded.count; ++k) {
+                contacts_.kick(loaded.id[k]) = kicks[k];
+                if constexpr (Advance::has_wrenches) advance_.add_wrenches(loaded.id[k], contacts_.kick(loaded.id[k]));
+            }
         }
     }
 
@@ -403,6 +558,7 @@ private:
     [[no_unique_address]] If<has_contacts, Sleepers, 4> sleepers_;
     [[no_unique_address]] If<features.impulses, Span<Impulse<N>>, 2> impulses_{};
     [[no_unique_address]] If<features.impulses, int, 3> next_event_{};
+    [[no_unique_address]] If<has_imu, typename tumble::detail::RoomFor<Before, features.bodies>::Array, 7> before_{};
     [[no_unique_address]] If<has_events, std::uint32_t, 5> wraps_{};  // how often the number of steps began anew
 };
 

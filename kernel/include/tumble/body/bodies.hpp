@@ -27,25 +27,6 @@ struct RoomFor<T, 0> {
 
 }  // namespace detail
 
-// The number of a body in its world. False if add() found no room.
-class BodyId {
-public:
-    constexpr BodyId() = default;  // the id of no body
-    // From the body's place in the order of add(), from 0.
-    constexpr explicit BodyId(int index)
-        : index_{index < 0 || index > most ? std::int16_t{-1} : static_cast<std::int16_t>(index)} {}
-    // True of a body's id. False of the result of add() on a full world.
-    [[nodiscard]] constexpr explicit operator bool() const { return index_ >= 0; }
-    [[nodiscard]] constexpr BodyId operator*() const { return *this; }
-    // The body's place in the order of add(), from 0. -1: the id of no body.
-    [[nodiscard]] constexpr int index() const { return index_; }
-    // The largest index that an id can hold.
-    static constexpr int most = 0x7fff;
-
-private:
-    std::int16_t index_ = -1;
-};
-
 // Bodies that a step advances together, because loads couple them. A body alone is a group too.
 template <int capacity>
 struct BodyGroup {
@@ -80,6 +61,11 @@ struct SpinUnits<N, Spin::angular_velocity> {
     }
     [[nodiscard]] Work per_impulse(int i) const { return turn_per_impulse[i]; }
     [[nodiscard]] Work rate(int, Work steps_per_second) const { return steps_per_second + steps_per_second; }
+    // rate() with the step as the unit of time.
+    [[nodiscard]] Work per_half_turn(int) const {
+        static constexpr Work two = Work(2);
+        return two;
+    }
 };
 
 template <class N>
@@ -99,6 +85,7 @@ struct SpinUnits<N, Spin::angular_momentum> {
     }
     [[nodiscard]] Work per_impulse(int) const { return turn_per_impulse; }
     [[nodiscard]] Work rate(int i, Work steps_per_second) const { return rate_ratio[i] * steps_per_second; }
+    [[nodiscard]] Work per_half_turn(int i) const { return rate_ratio[i]; }
 };
 
 // The largest half turn in a step, rad, that a spin of 1 rad/s can be.
@@ -133,6 +120,7 @@ class Bodies {
     static_assert(!(spin == Spin::none && points), "where nothing rotates, all bodies are point masses");
 
 public:
+    using Numbers = N;
     using Work = typename N::Work;
     using State = BodyState<N, spin>;
     using Units = SpinUnits<N, spin>;

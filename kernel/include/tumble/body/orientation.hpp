@@ -29,7 +29,7 @@ template <class N>
 [[nodiscard]] TUMBLE_INLINE typename N::Angle inverse_length_less_one(typename N::Angle z) {
     using Angle = typename N::Angle;
     if constexpr (N::fixed_point) {
-        const auto times = [](Angle a, Angle b) { return upper_word(mul(a, b)); };
+        const auto times = [](Angle a, Angle b) { return mul_upper(a, b); };
         constexpr Angle c2 = Angle::from(Real{0.375}), c3 = Angle::from(Real{0.3125});
         const Angle r = times(z, times(z, c2 - times(z, c3))) - N::half_angle(z);
         // (1 + z) (1 + r)^2 = 1 + excess

@@ -2,6 +2,7 @@
 // world's own values. `tumble compile` writes them from a scene file.
 #pragma once
 
+#include <tumble/body/id.hpp>
 #include <tumble/body/mass.hpp>
 
 namespace tumble {
@@ -52,19 +53,19 @@ struct PlaneSpec {
 // F = -k (length - rest_length) - c (rate of length), between a point of `body` and a point of the world or of another
 // body.
 struct SpringSpec {
-    int body = 0;          // index, in the order of add()
-    RealVec3 point{};      // m, user's body axes, from the centre of mass
-    int to_body = -1;      // index of the other body; -1: `to` is a point of the world
-    RealVec3 to{};         // m, world, or user's axes of `to_body` from its centre of mass
-    Real stiffness = 0;    // N/m
-    Real damping = 0;      // N s/m
-    Real rest_length = 0;  // m
+    BodyIndex body = 0;      // its id, or its number in the order of add()
+    RealVec3 point{};        // m, user's body axes, from the centre of mass
+    BodyIndex to_body = -1;  // the other body; -1: `to` is a point of the world
+    RealVec3 to{};           // m, world, or user's axes of `to_body` from its centre of mass
+    Real stiffness = 0;      // N/m
+    Real damping = 0;        // N s/m
+    Real rest_length = 0;    // m
 };
 
 // An instantaneous change of momentum before the step that begins at `time`, which is rounded to the nearest step.
 struct ImpulseSpec {
     Real time = 0;               // s
-    int body = 0;                // index, in the order of add()
+    BodyIndex body = 0;          // its id, or its number in the order of add()
     Frame frame = Frame::world;  // of the impulses
     RealVec3 impulse{};          // N s, in `frame`
     RealVec3 point{};            // m, user's body axes, from the centre of mass
@@ -73,7 +74,7 @@ struct ImpulseSpec {
 
 // A constant force and torque while from <= t < until. Both times are rounded to the nearest step.
 struct ForceSpec {
-    int body = 0;                // index, in the order of add()
+    BodyIndex body = 0;          // its id, or its number in the order of add()
     Real from = 0;               // s
     Real until = 0;              // s
     Frame frame = Frame::world;  // of force and torque

@@ -38,6 +38,7 @@ public:
         plane_[plane_count_++] = Plane<N>{spec};
         return true;
     }
+    [[nodiscard]] int plane_count() const { return plane_count_; }
     // m: the band in which bodies touch, and the depth at which a step is redone.
     [[nodiscard]] Work tolerance() const { return scale().metres(tolerance_); }
 

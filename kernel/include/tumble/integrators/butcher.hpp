@@ -28,6 +28,22 @@ struct ButcherTable {
         return d;
     }
     [[nodiscard]] constexpr int weight(int i) const { return b[i].numerator * (denominator() / b[i].denominator); }
+    // The first stage that stage s uses, or s. Below: the first that has a weight, and the first with stage i's weight.
+    [[nodiscard]] constexpr int first_before(int s) const {
+        int first = 0;
+        while (first < s && a[s][first].is_zero()) ++first;
+        return first;
+    }
+    [[nodiscard]] constexpr int first_weighted() const {
+        int first = 0;
+        while (b[first].is_zero()) ++first;
+        return first;
+    }
+    [[nodiscard]] constexpr int first_of_weight(int i) const {
+        int first = 0;
+        while (!(b[first] == b[i])) ++first;
+        return first;
+    }
 };
 
 inline constexpr ButcherTable<1> euler_table{{{{}}}, {{1, 1}}};

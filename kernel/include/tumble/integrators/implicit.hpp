@@ -82,7 +82,7 @@ private:
             return Delta<N>::of(u);
         } else {
             const auto r = inverse_length_less_one<N>(upper_word(dot(u, u)));
-            const auto shorter = [&](typename N::Angle a) { return a + upper_word(mul(a, r)); };
+            const auto shorter = [&](typename N::Angle a) { return a + mul_upper(a, r); };
             return {r, {shorter(u.x()), shorter(u.y()), shorter(u.z())}};
         }
     }

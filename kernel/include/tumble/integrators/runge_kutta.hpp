@@ -29,44 +29,58 @@ template <class N>
              u.z() + N::round_angle(add_cross_component<2>(mul(before.w, u.z()), v, u), d)}};
 }
 
-template <Rational a, class N>
-TUMBLE_INLINE void add_times(Delta<N>& sum, const Delta<N>& delta) {
-    sum.w += times<a>(delta.w);
-    sum.v.x() += times<a>(delta.v.x());
-    sum.v.y() += times<a>(delta.v.y());
-    sum.v.z() += times<a>(delta.v.z());
-}
-
 // The spin of a stage, from the stages before it, without torques.
 template <const auto& table, int s, class N, class Inertia>
-[[nodiscard]] TUMBLE_INLINE Vec3<typename N::Turn> stage_turn(Vec3<typename N::Turn> t, const RotationStage<N>* stages,
-                                                              const Inertia& inertia, typename N::Scale scale) {
-    unroll<s>([&](auto earlier) {
-        constexpr int j = earlier;
-        constexpr Rational a = table.a[s][j];
-        if constexpr (!a.is_zero()) {
-            constexpr Rational twice = reduced({2 * a.numerator, a.denominator});
-            unroll<3>([&](auto axis) {
-                constexpr int i = axis;
-                t[i] += times<twice>(N::stage_turn(inertia.kappa[i], stages[j].products.v[i], scale));
-            });
-        }
-    });
-    return t;
+[[nodiscard]] TUMBLE_INLINE Vec3<typename N::Turn> stage_turn(const Vec3<typename N::Turn>& start,
+                                                              const RotationStage<N>* stages, const Inertia& inertia,
+                                                              typename N::Scale scale) {
+    const auto component = [&](auto axis) {
+        constexpr int i = axis;
+        typename N::Turn t = start[i];
+        unroll<s>([&](auto earlier) {
+            constexpr int j = earlier;
+            constexpr Rational a = table.a[s][j];
+            if constexpr (!a.is_zero()) {
+                constexpr Rational twice = reduced({2 * a.numerator, a.denominator});
+                t += times<twice>(N::stage_turn(inertia.kappa[i], stages[j].products.v[i], scale));
+            }
+        });
+        return t;
+    };
+    using std::integral_constant;
+    return {component(integral_constant<int, 0>{}), component(integral_constant<int, 1>{}),
+            component(integral_constant<int, 2>{})};
 }
 
+// Adds a term to a sum. The first one replaces the zero: floating point would add it in earnest.
+template <bool is_first, class T>
+TUMBLE_INLINE void gather(T& sum, T term) {
+    if constexpr (is_first) sum = term;
+    else sum += term;
+}
+
+// The weighted sum of the stages before stage s.
 template <const auto& table, int s, class N>
 [[nodiscard]] TUMBLE_INLINE Delta<N> delta_before(const RotationStage<N>* stages) {
     Delta<N> before = Delta<N>::identity();
     unroll<s>([&](auto earlier) {
         constexpr int j = earlier;
         constexpr Rational a = table.a[s][j];
-        if constexpr (!a.is_zero()) add_times<a>(before, stages[j].delta);
+        if constexpr (!a.is_zero()) {
+            constexpr bool is_first = table.first_before(s) == j;
+            const Delta<N>& delta = stages[j].delta;
+            gather<is_first>(before.w, times<a>(delta.w));
+            gather<is_first>(before.v.x(), times<a>(delta.v.x()));
+            gather<is_first>(before.v.y(), times<a>(delta.v.y()));
+            gather<is_first>(before.v.z(), times<a>(delta.v.z()));
+        }
     });
     return before;
 }
 
-// Applies the weighted sums of all stages to the body.
+// Applies the weighted sums of all stages to the body. In fixed point sums are exact, so stages of one weight are added
+// before they are multiplied by it. Two of them fit one angle, whose range is 1/2: with turns of 1/4 at turn_shift 1
+// and kicks of 1/16, the angles of the four stages of rk4 are below 0.13, 0.18, 0.20 and 0.30 rad.
 template <const auto& table, class N, class Inertia>
 TUMBLE_INLINE void finish_rotation(BodyState<N, Spin::angular_velocity>& body, const RotationStage<N>* stages,
                                    const Inertia& inertia, const StepInfo<N>& step) {
@@ -74,16 +88,24 @@ TUMBLE_INLINE void finish_rotation(BodyState<N, Spin::angular_velocity>& body, c
     TurnProducts<N> sum{};
     unroll<table.stages>([&](auto stage) {
         constexpr int s = stage;
-        constexpr Rational b = table.b[s];
-        if constexpr (!b.is_zero()) {
-            w += weighted<b>(stages[s].delta.w);
-            x += weighted<b>(stages[s].delta.v.x());
-            y += weighted<b>(stages[s].delta.v.y());
-            z += weighted<b>(stages[s].delta.v.z());
-            constexpr Rational weight{table.weight(s), 1};
+        if constexpr (!table.b[s].is_zero() && (!N::fixed_point || table.first_of_weight(s) == s)) {
+            const auto of_weight = [&](auto&& part) {
+                auto total = part(stages[s]);
+                unroll<table.stages>([&](auto later) {
+                    if constexpr (N::fixed_point && later > s && table.b[later] == table.b[s])
+                        total += part(stages[later]);
+                });
+                return total;
+            };
+            constexpr bool is_first = table.first_weighted() == s;
+            constexpr Rational b = table.b[s], weight{table.weight(s), 1};
+            gather<is_first>(w, weighted<b>(of_weight([](const auto& k) { return k.delta.w; })));
+            gather<is_first>(x, weighted<b>(of_weight([](const auto& k) { return k.delta.v.x(); })));
+            gather<is_first>(y, weighted<b>(of_weight([](const auto& k) { return k.delta.v.y(); })));
+            gather<is_first>(z, weighted<b>(of_weight([](const auto& k) { return k.delta.v.z(); })));
             unroll<3>([&](auto axis) {
-                constexpr int i = axis;
-                sum.v[i] += times<weight>(stages[s].products.v[i]);
+                gather<is_first>(sum.v[axis],
+                                 times<weight>(of_weight([&](const auto& k) { return k.products.v[axis]; })));
             });
         }
     });
@@ -135,7 +157,7 @@ struct RungeKutta : Stability<tumble::detail::RungeKuttaOnOscillator<table>> {
             const auto t = detail::stage_turn<table, s, N>(start, stages, inertia, step.scale);
             const auto u = angles<N>(t, step);
             stages[s].products = TurnProducts<N>::of(t);
-            if constexpr (s == 0) stages[s].delta = {{}, u};
+            if constexpr (s == 0) stages[s].delta = {{}, {u.x(), u.y(), u.z()}};
             else stages[s].delta = detail::stage_delta<N>(detail::delta_before<table, s, N>(stages), u, step.dither);
         });
         detail::finish_rotation<table, N>(body, stages, inertia, step);

@@ -61,12 +61,13 @@ public:
     }
     // False when there is no room.
     [[gnu::noinline]] bool add(const PlaneSpec& spec, Bodies& bodies) {
-        if (!on_) return true;
         if (plane_count_ >= features.planes) return false;
         plane_[plane_count_++] = HalfSpace<N>{spec};
+        if (!on_) return true;
         for (int b = 0; b < bodies.count; ++b) require(compliance_[b], b, bodies);
         return true;
     }
+    [[nodiscard]] int plane_count() const { return plane_count_; }
 
     // acts_on: the body may touch a plane or another body. couples: it may touch another body.
     [[nodiscard]] bool acts_on(const Bodies& bodies, int b) const {

@@ -60,6 +60,8 @@ public:
     bool add(const PlaneSpec& spec, Bodies& bodies) requires(features.springs_touch()) {
         return contacts_.add(spec, bodies);
     }
+    [[nodiscard]] int plane_count() const requires(features.springs_touch()) { return contacts_.plane_count(); }
+    [[nodiscard]] int spring_count() const requires(features.springs > 0) { return springs_.count(); }
     [[nodiscard]] Real largest_safe_step() const requires(features.springs_touch()) {
         return contacts_.largest_safe_step();
     }

@@ -88,14 +88,7 @@ template <>
 
 // Exact for every finite value.
 [[nodiscard]] constexpr Real to_real(double value) { return Real{value}; }
-[[nodiscard]] constexpr Real to_real(float value) {
-    const auto bits = std::bit_cast<std::uint32_t>(value);
-    const int exponent = static_cast<int>((bits >> 23) & 0xff);
-    const auto fraction = static_cast<std::int64_t>(bits & 0x7fffff);
-    const Real magnitude =
-        Real::scaled(exponent == 0 ? fraction : fraction | 0x800000, (exponent == 0 ? 1 : exponent) - 150);
-    return (bits >> 31) != 0 ? -magnitude : magnitude;
-}
+[[nodiscard]] constexpr Real to_real(float value) { return Real{value}; }
 
 template <class T, bool biased>
 class Carried<T, true, biased> {

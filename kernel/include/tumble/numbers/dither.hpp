@@ -15,7 +15,16 @@ struct Dither {
     std::uint32_t angle, delta, turn;  // fractions of a unit, in 2^-32
 
     [[nodiscard]] static constexpr Dither of_step(std::uint32_t step) {
-        return {step * 0xd1b54a33u, step * 0xabc98389u, step * 0x8cb92ba7u};
+        return {step * factor(0xd1b54a33u), step * factor(0xabc98389u), step * factor(0x8cb92ba7u)};
+    }
+
+private:
+    // Hides the factor from the compiler, which would make 15 shifts and sums of a product that takes one cycle.
+    [[nodiscard]] TUMBLE_INLINE static constexpr std::uint32_t factor(std::uint32_t value) {
+#if defined(__ARM_ARCH_6M__)
+        if (!std::is_constant_evaluated()) asm("" : "+r"(value));
+#endif
+        return value;
     }
 };
 

@@ -101,13 +101,12 @@ struct SinCosSeries<Fixed<32>> {
     T sinc_less_one, cos_less_one;
 
     [[nodiscard]] TUMBLE_INLINE static constexpr SinCosSeries of(T z) {
-        return {upper_word(mul(z, upper_word(mul(z, over<120>() - upper_word(mul(z, over<5040>())))) - over<6>())),
-                upper_word(mul(z, upper_word(mul(z, over<24>() - upper_word(mul(z, over<720>())))))) - half(z)};
+        return {mul_upper(z, mul_upper(z, over<120>() - mul_upper(z, over<5040>())) - over<6>()),
+                mul_upper(z, mul_upper(z, over<24>() - mul_upper(z, over<720>()))) - half(z)};
     }
     [[nodiscard]] TUMBLE_INLINE static constexpr SinCosSeries of_small(T z) {
         // z^3 / 720 is left out: it is at most 2^-33.5.
-        return {upper_word(mul(z, upper_word(mul(z, over<120>())) - over<6>())),
-                upper_word(mul(z, upper_word(mul(z, over<24>())))) - half(z)};
+        return {mul_upper(z, mul_upper(z, over<120>()) - over<6>()), mul_upper(z, mul_upper(z, over<24>())) - half(z)};
     }
 
 private:
@@ -127,13 +126,18 @@ struct SinCosSeries {
 
     // An infinite z gives NaN.
     [[nodiscard]] TUMBLE_INLINE static constexpr SinCosSeries of(T z) {
-        if (z > T(0.0625)) [[unlikely]]
+        if (is_large(z)) [[unlikely]]
             return of_large(z);
         return series(z);
     }
     [[nodiscard]] TUMBLE_INLINE static constexpr SinCosSeries of_small(T z) { return of(z); }
 
 private:
+    // z > 1/16, for z >= 0. As integers, single numbers need no constant from memory and no move of the FPU's flags.
+    [[nodiscard]] TUMBLE_INLINE static constexpr bool is_large(T z) {
+        if constexpr (sizeof(T) == 4) return std::bit_cast<std::int32_t>(z) > std::bit_cast<std::int32_t>(T(0.0625));
+        else return z > T(0.0625);
+    }
     // Out of line: inlined copies would be most of the code of a step.
     [[nodiscard, gnu::noinline, gnu::cold]] static constexpr SinCosSeries of_large(T z) {
         if (!(z - z == T(0))) return {z - z, z - z};

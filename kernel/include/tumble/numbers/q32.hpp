@@ -28,15 +28,21 @@ namespace detail {
                                      lower);
 }
 
-// The upper word of (a << shift) + rest, for 0 <= shift <= 31. A multiplication by a power of two moves the lower word
-// up in one instruction.
+// The upper word of (a << shift) + rest, for 0 <= shift <= 31. Where a long product is one instruction, a
+// multiplication by a power of two moves the lower word up.
 [[nodiscard]] TUMBLE_INLINE constexpr std::int32_t upper_shifted_left(std::int64_t a, int shift,
                                                                       std::uint32_t rest = 0) {
-    const std::uint32_t power = std::uint32_t{1} << shift;
     const auto high = static_cast<std::uint32_t>(static_cast<std::uint64_t>(a) >> 32),
                low = static_cast<std::uint32_t>(a);
-    return static_cast<std::int32_t>(high * power +
-                                     static_cast<std::uint32_t>((std::uint64_t{low} * power + rest) >> 32));
+    if constexpr (long_products_are_fast) {
+        const std::uint32_t power = std::uint32_t{1} << shift;
+        return static_cast<std::int32_t>(high * power +
+                                         static_cast<std::uint32_t>((std::uint64_t{low} * power + rest) >> 32));
+    } else {
+        const std::uint64_t shifted =
+            std::uint64_t{(high << shift) | (low >> 1 >> (31 - shift))} << 32 | (low << shift);
+        return upper_of_sum(static_cast<std::int64_t>(shifted), 0, rest);
+    }
 }
 
 [[nodiscard]] constexpr int log2_of(int power_of_two) {
@@ -136,6 +142,8 @@ struct Q32 {
     [[nodiscard]] static constexpr PositionSum position_sum(Work metres) {
         return metres.template to_wide<PositionSum::fraction_bits>();
     }
+    // A component of a unit quaternion.
+    [[nodiscard]] static constexpr Wide<62> unit_sum(Work u) { return u.template to_wide<62>(); }
     [[nodiscard]] static constexpr DriftSum drift_sum(Work metres, Scale s) {
         return {metres.to_sum(Position::fraction_bits + 32 + s.drift_shift)};
     }
@@ -156,6 +164,19 @@ struct Q32 {
     }
     TUMBLE_INLINE static constexpr void add_any(auto& turn, Work half_turn, Scale s) {
         turn.add({no_wrap(turn.sum().raw, half_turn.to_sum(64 + s.turn_shift, widest))});
+    }
+    // The same for a change in the units of the state.
+    TUMBLE_INLINE static constexpr void add_sum(auto& number, auto change) {
+        const auto sum = number.sum();
+        number.add(held_sum(sum, change) - sum);
+    }
+    // The sum of two changes, held at the widest sum.
+    template <int F>
+    [[nodiscard]] TUMBLE_INLINE static constexpr Wide<F> held_sum(Wide<F> a, Wide<F> b) {
+        std::int64_t sum = 0;
+        if (__builtin_add_overflow(a.raw, b.raw, &sum)) [[unlikely]]
+            sum = a.raw < 0 ? -widest : widest;
+        return {sum};
     }
     // A load's change in a step, held within a quarter of the range, so that no stage of a method can wrap. Clears
     // `within` if the change was held.
@@ -250,11 +271,11 @@ struct Q32 {
     // position += drift. The two sums differ only in the place of the binary point. Multiplying by a power of two
     // shifts the upper word down, straight into the sum.
     TUMBLE_INLINE static constexpr void move(Integrated<Position>& x, DriftSum drift, Scale s) {
-        const auto low = static_cast<std::int64_t>(static_cast<std::uint32_t>(drift.raw) >> s.drift_shift);
-        if constexpr (carry)
+        if constexpr (carry && detail::long_products_are_fast) {
+            const auto low = static_cast<std::int64_t>(static_cast<std::uint32_t>(drift.raw) >> s.drift_shift);
             x.accumulate(Drift{upper(drift.raw)}, Fixed<Position::fraction_bits + 2>{1 << (32 - s.drift_shift)},
                          [&](PositionSum sum) { return sum + PositionSum{low}; });
-        else x.add({detail::shift_right(drift.raw, s.drift_shift)});
+        } else x.add({detail::shift_right(drift.raw, s.drift_shift)});
     }
     [[nodiscard]] TUMBLE_INLINE static constexpr DriftSum sum(const Integrated<Drift>& d) { return d.sum(); }
     template <int F>
@@ -279,7 +300,7 @@ struct Q32 {
     }
     // The upper word of an exact sum of products, dithered.
     [[nodiscard]] TUMBLE_INLINE static constexpr Angle round_angle(AngleSum a, Dither d) {
-        return {static_cast<std::int32_t>((a + AngleSum{static_cast<std::int64_t>(d.delta)}).raw >> 32)};
+        return {detail::upper_of_sum(a.raw, 0, d.delta)};
     }
     // The sum of a turn times a 32-bit number, with both words of the sum. Changes of the spin are not rounded to 32
     // bits, because white noise in the spin grows as time^1.5 in the orientation.
@@ -298,7 +319,7 @@ struct Q32 {
         // The upper word is the product rounded down. c / 2 adds the half unit that is missing on average; without it,
         // the bias would act on the spin like a torque.
         const auto upper = static_cast<std::int32_t>(p.raw >> 32);
-        const auto product = static_cast<std::int32_t>(detail::multiply(c.raw, 2 * upper + 1) >> 32);
+        const auto product = detail::multiply_upper(c.raw, 2 * upper + 1);
         return {(product + (1 << s.turn_shift >> 1)) >> s.turn_shift};
     }
     // t += coefficient * p, to the last bit of the carried sum: 64 bits of the 96-bit product are kept.

@@ -76,14 +76,18 @@ public:
         return {(detail::upper_shifted_left(p.raw, up) + half()) >> shift_};
     }
     [[nodiscard]] TUMBLE_INLINE constexpr Turn half_square(Turn t, Dither d) const {
-        return half_angle(upper_word(mul_add(TurnProduct{static_cast<std::int64_t>(d.delta)}, t, t)), d);
+        return half_angle(Turn{detail::multiply_add_upper(0, d.delta, t.raw, t.raw)}, d);
     }
     // state -= p: a product puts the upper word in its place.
     TUMBLE_INLINE constexpr void lower(auto& state, TurnProduct p) const {
         const int down = shift_ + up_;
-        const auto low = static_cast<std::int64_t>(static_cast<std::uint32_t>(p.raw) >> down);
-        state.accumulate(upper_word(p), Fixed<32>{static_cast<std::int32_t>(0u - (0x80000000u >> (down - 1)))},
-                         [&](TurnSum sum) { return sum - TurnSum{low}; });
+        if constexpr (detail::long_products_are_fast) {
+            const auto low = static_cast<std::int64_t>(static_cast<std::uint32_t>(p.raw) >> down);
+            state.accumulate(upper_word(p), Fixed<32>{static_cast<std::int32_t>(0u - (0x80000000u >> (down - 1)))},
+                             [&](TurnSum sum) { return sum - TurnSum{low}; });
+        } else {
+            state.add(-TurnSum{detail::shift_right(p.raw, down)});
+        }
     }
     // As angles: a product of two turns, and half a turn.
     [[nodiscard]] TUMBLE_INLINE constexpr Angle square(TurnProduct p) const {
@@ -107,8 +111,9 @@ public:
                                                                         std::uint32_t dither) {
         return stretched(factor, c, dither);
     }
-    [[nodiscard]] TUMBLE_INLINE static constexpr Angle angle(Turn t, Fixed<32> factor) {
-        return upper_word(mul(t, factor));
+    [[nodiscard]] TUMBLE_INLINE static constexpr Angle angle(Turn t, Fixed<32> factor) { return mul_upper(t, factor); }
+    [[nodiscard]] TUMBLE_INLINE static constexpr Angle angle(Angle a, Angle b, std::uint32_t dither) {
+        return {detail::multiply_add_upper(0, dither, a.raw, b.raw)};
     }
     [[nodiscard]] TUMBLE_INLINE static constexpr AngleSum add_angle(AngleSum sum, Turn t, Fixed<32> factor) {
         return mul_add(sum, t, factor);
@@ -120,10 +125,10 @@ public:
     }
     // t (1 + c), c * t (share, once) and 2 c * t, dithered.
     [[nodiscard]] TUMBLE_INLINE static constexpr Turn stretched(Turn t, Angle c, std::uint32_t dither) {
-        return upper_word(mul_add(widen(t, dither), t, c));
+        return {detail::multiply_add_upper(t.raw, dither, t.raw, c.raw)};
     }
     [[nodiscard]] TUMBLE_INLINE static constexpr Turn share(Fixed<32> c, Turn t, Dither d) {
-        return upper_word(mul_add(TurnProduct{static_cast<std::int64_t>(d.turn)}, c, t));
+        return {detail::multiply_add_upper(0, d.turn, c.raw, t.raw)};
     }
     [[nodiscard]] TUMBLE_INLINE static constexpr Turn once(Fixed<30> c, Turn t, Dither d) {
         return {static_cast<std::int32_t>(mul_add(Wide<62>{static_cast<std::int64_t>(d.turn >> 2)}, c, t).raw >> 30)};

@@ -4,7 +4,7 @@
 // nearest.
 #pragma once
 
-#include <tumble/config.hpp>
+#include <tumble/numbers/vector.hpp>
 
 namespace tumble {
 
@@ -20,6 +20,15 @@ public:
         TUMBLE_ASSERT(exponent != 0x7ff);
         *this = make((bits >> 63) != 0, exponent == 0 ? fraction : fraction | (std::uint64_t{1} << 52),
                      (exponent == 0 ? 1 : exponent) - 1075);
+    }
+    // Exact. NaN and infinity are misuse.
+    constexpr Real(float value) {  // NOLINT(google-explicit-constructor)
+        const auto bits = std::bit_cast<std::uint32_t>(value);
+        const auto exponent = static_cast<int>((bits >> 23) & 0xff);
+        const std::uint32_t fraction = bits & 0x7fffff;
+        TUMBLE_ASSERT(exponent != 0xff);
+        *this = make((bits >> 31) != 0, exponent == 0 ? fraction : fraction | 0x800000,
+                     (exponent == 0 ? 1 : exponent) - 150);
     }
     // Exact.
     constexpr Real(int value)  // NOLINT(google-explicit-constructor)
@@ -139,6 +148,10 @@ public:
     [[nodiscard]] constexpr float to_float() const {
         return std::bit_cast<float>(static_cast<std::uint32_t>(ieee(23, 127)));
     }
+    // The nearest double.
+    [[nodiscard]] explicit constexpr operator double() const { return to_double(); }
+    // The nearest float.
+    [[nodiscard]] explicit constexpr operator float() const { return to_float(); }
 
 private:
     static constexpr Real make(bool negative, std::uint64_t mantissa, int exponent) {
@@ -194,49 +207,49 @@ TUMBLE_SET_UP [[nodiscard]] constexpr Real sqrt(Real a) {
     return y;
 }
 
-// A vector of set-up numbers; plain, so that scenes are constants.
-struct RealVec3 {
-    Real x;  // first component
-    Real y;  // second component
-    Real z;  // third component
-
-    [[nodiscard]] constexpr Real operator[](int i) const { return i == 0 ? x : i == 1 ? y : z; }
-    constexpr Real& operator[](int i) { return i == 0 ? x : i == 1 ? y : z; }
-    // True of the zero vector.
-    [[nodiscard]] constexpr bool is_zero() const { return x.is_zero() && y.is_zero() && z.is_zero(); }
-    friend constexpr RealVec3 operator+(RealVec3 a, RealVec3 b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-    friend constexpr RealVec3 operator-(RealVec3 a, RealVec3 b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-    friend constexpr RealVec3 operator*(RealVec3 a, Real s) { return {a.x * s, a.y * s, a.z * s}; }
-};
-// The scalar product.
-[[nodiscard]] constexpr Real dot(RealVec3 a, RealVec3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-// The vector product.
-[[nodiscard]] constexpr RealVec3 cross(RealVec3 a, RealVec3 b) {
-    return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
+// A vector of set-up numbers.
+using RealVec3 = Vector3<Real>;
 // The vector with length 1. a must not be zero.
 [[nodiscard]] constexpr RealVec3 normalized(RealVec3 a) { return a * (Real{1} / sqrt(dot(a, a))); }
-
-// Hamilton's quaternion w + xi + yj + zk of set-up numbers.
-struct RealQuat {
-    Real w = 1;    // real part
-    RealVec3 v{};  // x, y, z
-
-    friend constexpr RealQuat operator*(RealQuat a, RealQuat b) {
-        return {a.w * b.w - dot(a.v, b.v), b.v * a.w + a.v * b.w + cross(a.v, b.v)};
-    }
-    // The inverse rotation, of a unit quaternion.
-    [[nodiscard]] constexpr RealQuat conjugate() const { return {w, v * Real{-1}}; }
-    // Rotates a vector. The quaternion must have unit length.
-    [[nodiscard]] constexpr RealVec3 rotate(RealVec3 r) const {
-        const RealVec3 t = cross(v, r) * Real{2};
-        return r + t * w + cross(v, t);
-    }
-};
+// A quaternion of set-up numbers.
+using RealQuat = Quaternion<Real>;
 // The quaternion with length 1. q must not be zero.
 [[nodiscard]] constexpr RealQuat normalized(RealQuat q) {
     const Real s = Real{1} / sqrt(q.w * q.w + dot(q.v, q.v));
     return {q.w * s, q.v * s};
 }
+
+namespace detail {
+
+// raw * 2^exponent as the nearest float, ties to even. By shifts.
+[[nodiscard, gnu::noinline]] constexpr float to_float(std::int64_t raw, int exponent) {
+    if (raw == 0) return 0;
+    const std::uint64_t magnitude = raw < 0 ? 0u - static_cast<std::uint64_t>(raw) : static_cast<std::uint64_t>(raw);
+    const int up = std::countl_zero(magnitude), field = exponent + 63 - up + 127;
+    if (field < 1 || field > 254) return Real::scaled(raw, exponent).to_float();  // not a normal number
+    const std::uint64_t top = magnitude << up;
+    const auto upper = static_cast<std::uint32_t>(top >> 32);
+    std::uint32_t bits = upper >> 8;
+    const bool is_above_half = (upper & 0x7f) != 0 || static_cast<std::uint32_t>(top) != 0;
+    if ((upper & 0x80) != 0 && (is_above_half || (bits & 1) != 0)) ++bits;
+    // The leading 1 adds one to the exponent's field. So does a carry out of the fraction.
+    bits += static_cast<std::uint32_t>(field - 1) << 23;
+    return std::bit_cast<float>(raw < 0 ? bits | 0x80000000u : bits);
+}
+
+// The same of one word.
+[[nodiscard, gnu::noinline]] constexpr float to_float(std::int32_t raw, int exponent) {
+    if (raw == 0) return 0;
+    const std::uint32_t magnitude = raw < 0 ? 0u - static_cast<std::uint32_t>(raw) : static_cast<std::uint32_t>(raw);
+    const int up = std::countl_zero(magnitude), field = exponent + 31 - up + 127;
+    if (field < 1 || field > 254) return Real::scaled(raw, exponent).to_float();  // not a normal number
+    const std::uint32_t upper = magnitude << up, half = 0x7f + ((upper >> 8) & 1);
+    // Adding half a unit, less where the result is even, carries where the number rounds up.
+    const std::uint32_t rounded = (upper >> 8) + (((upper & 0xff) + half) >> 8);
+    const std::uint32_t bits = rounded + (static_cast<std::uint32_t>(field - 1) << 23);
+    return std::bit_cast<float>(raw < 0 ? bits | 0x80000000u : bits);
+}
+
+}  // namespace detail
 
 }  // namespace tumble

@@ -15,6 +15,29 @@ public:
     // Rounded to 31 bits.
     constexpr Scaled(int value)
         : Scaled{of(value, 0)} {}  // NOLINT(google-explicit-constructor): 0, 1, -1 read as numbers
+    // From float exact, by shifts; from double rounded to 31 bits. NaN and infinity are misuse.
+    explicit constexpr Scaled(float value) {
+        const auto bits = std::bit_cast<std::uint32_t>(value);
+        const int exponent = static_cast<int>((bits >> 23) & 0xff);
+        TUMBLE_ASSERT(exponent != 0xff);
+        if (exponent == 0) {  // zero, or below the normal numbers
+            *this = from(Real{value});
+            return;
+        }
+        const auto magnitude = static_cast<std::int32_t>(((bits & 0x7fffff) | 0x800000) << 7);
+        mantissa_ = (bits >> 31) != 0 ? -magnitude : magnitude;
+        exponent_ = exponent - 157;
+    }
+    explicit constexpr Scaled(double value) {
+        const auto bits = std::bit_cast<std::uint64_t>(value);
+        const int exponent = static_cast<int>((bits >> 52) & 0x7ff);
+        TUMBLE_ASSERT(exponent != 0x7ff);
+        const auto fraction = static_cast<std::int64_t>(bits & ((std::uint64_t{1} << 52) - 1));
+        const std::int64_t magnitude = exponent == 0 ? fraction : fraction | (std::int64_t{1} << 52);
+        *this = of((bits >> 63) != 0 ? -magnitude : magnitude, (exponent == 0 ? 1 : exponent) - 1075);
+    }
+    // A set-up number, rounded to 31 bits.
+    explicit constexpr Scaled(Real value) : Scaled{from(value)} {}
     // A set-up number, rounded to 31 bits.
     [[nodiscard]] static constexpr Scaled from(Real value) {
         // The leading bit goes to 2^30, rounded to nearest; `of` renormalises a carry.
@@ -78,6 +101,10 @@ public:
     }
     // The number as a set-up number, exact.
     [[nodiscard]] constexpr Real to_real() const { return Real::scaled(mantissa_, exponent_); }
+    // The number as a set-up number, exact.
+    [[nodiscard]] explicit constexpr operator Real() const { return to_real(); }
+    // The nearest float. By shifts.
+    [[nodiscard]] explicit constexpr operator float() const { return detail::to_float(mantissa_, exponent_); }
     // The number as a double, exact. Computed in integers.
     [[nodiscard]] explicit constexpr operator double() const { return to_real().to_double(); }
 

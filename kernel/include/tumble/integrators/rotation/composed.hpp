@@ -10,9 +10,8 @@ namespace tumble {
 template <class N>
 struct WholeStep {
     [[nodiscard]] static constexpr WholeStep of(Real) { return {}; }
-    [[nodiscard]] TUMBLE_INLINE constexpr Vec3<typename N::Turn> operator()(const Vec3<typename N::Turn>& turns,
-                                                                            Dither) const {
-        return turns;
+    [[nodiscard]] TUMBLE_INLINE constexpr typename N::Turn operator()(typename N::Turn turn, Dither) const {
+        return turn;
     }
 };
 template <class N>
@@ -22,11 +21,8 @@ struct PartOfStep {
     [[nodiscard]] static constexpr PartOfStep of(Real part) {
         return {N::template constant<typename N::Coefficient>(part * Real::scaled(1, -1))};
     }
-    [[nodiscard]] TUMBLE_INLINE constexpr Vec3<typename N::Turn> operator()(const Vec3<typename N::Turn>& turns,
-                                                                            Dither d) const {
-        using Block = typename N::Block;
-        return {Block::twice_share(half, turns.x(), d), Block::twice_share(half, turns.y(), d),
-                Block::twice_share(half, turns.z(), d)};
+    [[nodiscard]] TUMBLE_INLINE constexpr typename N::Turn operator()(typename N::Turn turn, Dither d) const {
+        return N::Block::twice_share(half, turn, d);
     }
 };
 

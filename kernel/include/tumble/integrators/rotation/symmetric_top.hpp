@@ -46,7 +46,7 @@ struct SymmetricTopFlow {
         using Block = typename N::Block;
         using Series = SinCosSeries<Angle>;
         const Dither d = step.dither;
-        const auto square_of = [](Angle a) { return upper_word(mul(a, a)); };
+        const auto square_of = [](Angle a) { return mul_upper(a, a); };
         const auto block = Block::of(N::sum(body.t_b.x), N::sum(body.t_b.y), N::sum(body.t_b.z), inertia.z_shift,
                                      inertia.most_up, step.scale);
         if (block.is_out_of_range()) [[unlikely]]
@@ -81,7 +81,8 @@ struct SymmetricTopFlow {
         const Turn y_late = y - block.turn(less_y), z_late = z - block.turn(less_z);
         less_z = mul_add(mul_add(less_z, x2.sine, y_late), x2.versine, z_late);
         less_y = mul_sub(mul_add(less_y, x2.versine, y_late), x2.sine, z_late);
-        const Vec3<Turn> end = inertia.part({x_end, y - block.turn(less_y), z - block.turn(less_z)}, d);
+        const Vec3<Turn> end{inertia.part(x_end, d), inertia.part(y - block.turn(less_y), d),
+                             inertia.part(z - block.turn(less_z), d)};
         block.lower(body.t_b.y, less_y);
         block.lower(body.t_b.z, less_z);
         forget_loaded();
@@ -90,11 +91,11 @@ struct SymmetricTopFlow {
         // sin(a2 - a1), sin b cos(a2 - a1)), with the first component less one.
         const Angle s1 = x1.half_sine, s2 = x2.half_sine, c1 = x1.cosine_less_one, c2 = x2.cosine_less_one;
         const Angle u1 = Block::stretched(s1, c2, d.delta), u2 = Block::stretched(s2, c1, d.delta);
-        const Angle cosines = c1 + c2 + upper_word(mul(c1, c2)), sines = upper_word(mul(s1, s2));
+        const Angle cosines = c1 + c2 + mul_upper(c1, c2), sines = mul_upper(s1, s2);
         const Angle cosine_of_sum = cosines - sines;
-        const Angle p_w = cosine_of_sum + z1.cosine_less_one + upper_word(mul(cosine_of_sum, z1.cosine_less_one));
+        const Angle p_w = cosine_of_sum + z1.cosine_less_one + mul_upper(cosine_of_sum, z1.cosine_less_one);
         const Vec3<Angle> p{Block::stretched(u1 + u2, z1.cosine_less_one, d.turn),
-                            upper_word(mul_add(Block::widen(Angle{}, d.turn), z1.half_sine, u2 - u1)),
+                            Block::angle(z1.half_sine, u2 - u1, d.turn),
                             Block::stretched(z1.half_sine, cosines + sines, d.delta)};
 
         // The sphere's turn by the momentum at the end, (1 + e_w, e) with e = sinc * end:

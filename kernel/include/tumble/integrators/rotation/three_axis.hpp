@@ -50,8 +50,7 @@ struct ThreeAxisFlow {
         const auto turn_about = [&](auto axis, Turn angle) {
             constexpr int k = axis, i = (k + 1) % 3, j = (k + 2) % 3;
             const Angle half = block.half_angle(angle);
-            const auto a =
-                detail::AxisTurn<N>::of(angle, SinCosSeries<Angle>::of(upper_word(mul(half, half))), block, d);
+            const auto a = detail::AxisTurn<N>::of(angle, SinCosSeries<Angle>::of(mul_upper(half, half)), block, d);
             less[i] = mul_sub(mul_add(less[i], a.versine, now[i]), a.sine, now[j]);
             less[j] = mul_add(mul_add(less[j], a.sine, now[i]), a.versine, now[j]);
             now[i] = start[i] - block.turn(less[i]);

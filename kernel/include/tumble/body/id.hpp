@@ -1,0 +1,53 @@
+// The ids that add() of a world returns.
+#pragma once
+
+#include <tumble/config.hpp>
+
+namespace tumble {
+
+// What a world keeps in the order of add().
+enum class Thing : std::uint8_t { body, plane, spring };
+
+// The number of a body, plane or spring in its world. False if add() found no room.
+template <Thing thing>
+class Id {
+public:
+    constexpr Id() = default;  // the id of nothing
+    // From the place in the order of add(), from 0.
+    constexpr explicit Id(int index)
+        : index_{index < 0 || index > most ? std::int16_t{-1} : static_cast<std::int16_t>(index)} {}
+    // True of an id of something. False of the result of add() without room.
+    [[nodiscard]] constexpr explicit operator bool() const { return index_ >= 0; }
+    [[nodiscard]] constexpr Id operator*() const { return *this; }
+    // The place in the order of add(), from 0. -1: the id of nothing.
+    [[nodiscard]] constexpr int index() const { return index_; }
+    friend constexpr bool operator==(Id, Id) = default;
+    // The largest index that an id can hold.
+    static constexpr int most = 0x7fff;
+
+private:
+    std::int16_t index_ = -1;
+};
+// Of a body.
+using BodyId = Id<Thing::body>;
+// Of a plane.
+using PlaneId = Id<Thing::plane>;
+// Of a spring.
+using SpringId = Id<Thing::spring>;
+
+// The place of a body in the order of add(), as springs and timed events name it: an id, or a number from 0. -1: no
+// body.
+class BodyIndex {
+public:
+    // A number; not checked until it is used.
+    constexpr BodyIndex(int index) : index_{index} {}  // NOLINT(google-explicit-constructor): generated scenes
+    // The body's number.
+    constexpr BodyIndex(BodyId id) : index_{id.index()} {}  // NOLINT(google-explicit-constructor)
+    // The number.
+    constexpr operator int() const { return index_; }  // NOLINT(google-explicit-constructor)
+
+private:
+    int index_;
+};
+
+}  // namespace tumble
