@@ -462,6 +462,119 @@ TEST(Poses, are_interpolated_from_one_to_the_other_by_the_shorter_way) {
     EXPECT_NEAR(middle.orientation.w, std::sqrt(0.9F), 1e-6F);
 }
 
+// Bodies on a fixed table whose pose or spin a program changes, asleep or awake.
+template <class N>
+class OnTable : public testing::Test {
+protected:
+    static constexpr Features features{.bodies = 2,
+                                       .control = true,
+                                       .imu = true,
+                                       .pairs = true,
+                                       .boxes = true,
+                                       .friction = true,
+                                       .sleep = true,
+                                       .turntables = true};
+    using Table = World<SceneOf<N, integrators::Verlet, features>>;
+
+    explicit OnTable(double friction = 0.5)
+        : world(Seconds{1, 256}, {.gravity = g, .contact = {.friction = friction, .sleep = {.on = true}}}) {
+        BodySpec top = box(1, {8, 1, 8});
+        top.position = {0, -0.5, 0};
+        top.fixed = true;
+        table = world.add(top);
+    }
+    BodyId add(BodySpec body, RealVec3 position) {
+        body.position = position;
+        return world.add(body);
+    }
+    void run(int steps) {
+        for (int i = 0; i < steps; ++i) world.step();
+    }
+
+    Table world;
+    BodyId table;
+};
+template <class N>
+struct OnIce : OnTable<N> {
+    OnIce() : OnTable<N>(0) {}
+};
+using TableNumbers = testing::Types<Q32<NearRange>, F32, F64>;
+TYPED_TEST_SUITE(OnTable, TableNumbers);
+TYPED_TEST_SUITE(OnIce, TableNumbers);
+
+TYPED_TEST(OnTable, a_box_is_carried_by_a_table_that_is_set_spinning_under_it) {
+    for (const int rest : {16, 512}) {  // awake, asleep
+        typename TestFixture::Table world = this->world;
+        const BodyId body = this->add(box(1, {0.4, 0.4, 0.4}), {1, 0.2, 0});
+        this->run(rest);
+        this->world.set_angular_velocity(this->table, {0, 1, 0});
+        this->run(128);
+        EXPECT_NEAR(static_cast<double>(this->world.angular_velocity(body).y), 1, 0.1) << rest;
+        this->world.set_angular_velocity(this->table, {0, 0, 0});
+        this->run(512);
+        EXPECT_TRUE(this->world.asleep(body)) << rest;
+        this->world = world;
+    }
+}
+
+TYPED_TEST(OnTable, a_body_falls_when_its_table_is_taken_away) {
+    for (const int rest : {16, 512}) {
+        typename TestFixture::Table world = this->world;
+        const BodyId body = this->add(box(1, {0.4, 0.4, 0.4}), {1, 0.2, 0});
+        this->run(rest);
+        EXPECT_EQ(this->world.asleep(body), rest == 512);
+        this->world.set_pose(this->table, {0, -20, 0});
+        this->run(128);
+        EXPECT_NEAR(static_cast<double>(this->world.position(body).y), 0.2 - 9.81 / 8, 0.02) << rest;
+        this->world = world;
+    }
+}
+
+TYPED_TEST(OnIce, a_ball_slides_down_a_table_that_is_tilted_under_it) {
+    const BodyId ball = this->add(sphere(1, 0.25), {0, 0.25, 0});
+    this->run(16);
+    // By 15 degrees, about the point under the ball.
+    const Quaternion<Real> tilt{0.991444861373810, {0, 0, 0.130526192220052}};
+    this->world.set_pose(this->table, {0.5 * 0.258819045102521, -0.5 * 0.965925826289068, 0}, tilt);
+    this->run(64);
+    EXPECT_NEAR(static_cast<double>(this->world.velocity(ball).x), -9.81 * 0.25 * 0.25, 0.05);
+}
+
+TYPED_TEST(OnTable, a_body_that_is_set_elsewhere_leaves_what_it_touched_alone) {
+    typename TestFixture::Table world{Seconds{1, 256}};
+    BodySpec ball = sphere(1, 0.5);
+    const BodyId left = world.add(ball);
+    ball.position = {1, 0, 0};
+    const BodyId right = world.add(ball);
+    world.step();
+    world.set_pose(right, {-1.001, 5, 0});
+    world.set_velocity(right, {-1, 0, 0});
+    world.step();
+    EXPECT_EQ(static_cast<double>(world.position(left).x), 0);
+    EXPECT_NEAR(static_cast<double>(world.position(right).x), -1.001 - 1.0 / 256, 1e-6);
+}
+
+TYPED_TEST(OnTable, a_sensor_does_not_feel_an_impulse_between_steps) {
+    const BodyId body = this->add(sphere(1, 0.25), {0, 10, 0});
+    this->run(4);
+    EXPECT_NEAR(static_cast<double>(this->world.template imu<float>(body).specific_force.y), 0, 1e-3);
+    this->world.apply_impulse(body, {1, 0, 0});
+    EXPECT_NEAR(static_cast<double>(this->world.template imu<float>(body).specific_force.x), 0, 1e-3);
+    this->run(1);
+    EXPECT_NEAR(static_cast<double>(this->world.template imu<float>(body).specific_force.y), 0, 1e-3);
+    this->world.set_gravity({});
+    EXPECT_NEAR(static_cast<double>(this->world.template imu<float>(body).specific_force.y), 0, 1e-3);
+}
+
+TYPED_TEST(OnTable, a_fixed_body_takes_a_spin_only_where_there_are_turntables) {
+    World<SceneOf<TypeParam, integrators::Verlet, Features{.control = true}>> world{Seconds{1, 256}};
+    BodySpec spec = box(1, {1, 1, 1});
+    spec.fixed = true;
+    const BodyId body = world.add(spec);
+    world.set_angular_velocity(body, {0, 1, 0});
+    EXPECT_EQ(static_cast<double>(world.angular_velocity(body).y), 0);
+}
+
 TEST(ControlDeathTest, misuse_ends_the_program) {
     using Q = Controlled<Kind<Q32<NearRange>, integrators::Verlet>, Features{.point_masses = true, .control = true}>;
     Q world{Seconds{1, 256}}, points{Seconds{1, 256}};

@@ -52,6 +52,8 @@ public:
             contacts_.set_gravity(gravity * (advance_.bodies.step_length * advance_.bodies.step_length));
             for (int b = 0; b < advance_.bodies.count; ++b) disturb(b);
         }
+        if constexpr (has_imu)
+            for (int b = 0; b < advance_.bodies.count; ++b) remember(b);
         advance_.set_gravity(gravity);
     }
 
@@ -166,7 +168,7 @@ public:
         apply_event({EventKind::angular_velocity, frame, id, velocity, {}, {}});
     }
     // Sets the position (m, world) and the orientation (user's body axes to world; normalised here; zero is misuse).
-    // The velocity and the angular velocity, in the body's axes, stay.
+    // The velocity stays in the world's axes, the angular velocity in the body's. Wakes all bodies.
     template <class T = Real>
     void set_pose(BodyId id, const InputVector<N>& position, const Quaternion<T>& orientation = {}) {
         apply_event({EventKind::pose, Frame::world, id, position, {}, orientation.template as<Work>()});
@@ -238,8 +240,8 @@ public:
     }
     // What an inertial sensor at a point of the body (m, user's body axes) measured in the last step: the means of the
     // specific force and of the angular velocity, in the axes of the middle of the step. Impacts in the step are in
-    // them; impulses between steps are not. From add() and from every event to the next step, the body measures as one
-    // at rest.
+    // them. From add(), from an impulse, a velocity or a pose that is set, and from new gravity, until the next step
+    // the sensor measures what it measures in a body at rest.
     template <class T>
     [[nodiscard]] Imu<T> imu(BodyId id, const InputVector<N>& point = {}) const requires(features.imu) {
         const int b = place_of(id);
@@ -361,9 +363,13 @@ private:
             }
             return disturb(b);
         case EventKind::velocity: detail::set_velocity(bodies, b, event, seconds()); break;
-        case EventKind::angular_velocity: detail::set_angular_velocity(bodies, b, event, steps_per_second()); break;
+        case EventKind::angular_velocity:
+            if (bodies.constants[b].fixed && !features.turntables) return;
+            detail::set_angular_velocity(bodies, b, event, steps_per_second());
+            break;
         case EventKind::pose: detail::set_pose(bodies, b, event); break;
         }
+        if (event.kind == EventKind::pose || bodies.constants[b].fixed) replaced(b);
         advance_.check_range(b);
         advance_.spin_changed(b);
         if constexpr (has_imu) remember(b);
@@ -372,7 +378,16 @@ private:
     void apply(const Impulse<N>& event) {
         tumble::apply(event, advance_.bodies);
         advance_.spin_changed(event.body);
+        if constexpr (has_imu) remember(event.body);
         disturb(event.body);
+    }
+    // Call after body b got another pose, or a fixed body another spin: its pairs are found anew, and every body wakes,
+    // since b may have left it or come to it.
+    void replaced([[maybe_unused]] int b) {
+        if constexpr (has_contacts) {
+            for (int other = 0; other < advance_.bodies.count; ++other) wake(other);
+            contacts_.forget_pairs_of(b);
+        }
     }
     // Call after an impulse, a force that switches or new gravity: drops the bounds on the time to contact of the body
     // and of all that it may push, and wakes it.

@@ -56,6 +56,12 @@ public:
             if (is_near(other)) startle(other, now);
     }
 
+    // Removes the pairs of body b from the list. The next look finds them anew.
+    [[gnu::noinline]] void forget_pairs_of(int b) {
+        for (int i = pair_count_ - 1; i >= 0; --i)
+            if (pair_[i].a == b || pair_[i].b == b) forget(pair_[i].a, pair_[i].b);
+    }
+
     // Examines the pairs of body b whose time to contact may be over. is_loaded(b) is true of bodies with loads other
     // than gravity, is_still(b) of fixed and sleeping ones. Calls wake(b) for a sleeping body that b may touch.
     template <class IsLoaded, class IsStill, class Wake>

@@ -30,7 +30,7 @@ struct Imu {
 // Between two poses of a body that are a step or a few apart: `share` 0 gives a, 1 gives b. The orientation takes the
 // shorter way.
 template <class T>
-[[nodiscard]] constexpr Pose<T> interpolate(const Pose<T>& a, const Pose<T>& b, T share) {
+[[nodiscard]] constexpr Pose<T> interpolate(const Pose<T>& a, const Pose<T>& b, std::type_identity_t<T> share) {
     const T cosine = a.orientation.w * b.orientation.w + dot(a.orientation.v, b.orientation.v);
     const T left = T(1) - share, right = cosine < T(0) ? -share : share;
     const T w = a.orientation.w * left + b.orientation.w * right;
