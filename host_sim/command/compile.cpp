@@ -180,7 +180,8 @@ std::string world_text(const WorldSpec& world) {
            contact.text() + "        },\n    };\n";
 }
 
-std::string config_text(const SceneDescription& scene, const NumberSystemInfo& numbers, const IntegratorInfo& integrator) {
+std::string config_text(const SceneDescription& scene, const NumberSystemInfo& numbers,
+                        const IntegratorInfo& integrator) {
     Features needed = needs(build_scene(scene));
     needed.near_pairs = near_pairs_for(scene);
     std::string text =
