@@ -180,10 +180,10 @@ std::string world_text(const WorldSpec& world) {
            contact.text() + "        },\n    };\n";
 }
 
-std::string config_text(const SceneDescription& scene, const NumberSystemInfo& numbers,
+std::string config_text(const SceneData& data, int near_pairs, const NumberSystemInfo& numbers,
                         const IntegratorInfo& integrator) {
-    Features needed = needs(build_scene(scene));
-    needed.near_pairs = near_pairs_for(scene);
+    Features needed = needs(data);
+    needed.near_pairs = near_pairs;
     std::string text =
         "    // What the scene needs, and nothing else. Derive from it to choose other numbers or another integrator.\n"
         "    struct Config : tumble::Scene {\n        using Numbers = " +
@@ -250,7 +250,7 @@ std::string compiled_scene(const SceneDescription& scene, const Choice& choice, 
          << list_text("SpringSpec", "springs", scene.springs, data.springs, spring_text)
          << list_text("ImpulseSpec", "impulses", scene.impulses, data.impulses, impulse_text)
          << list_text("ForceSpec", "forces", scene.forces, data.forces, force_text) << "\n"
-         << config_text(scene, numbers, integrator) << "};\n\n}  // namespace tumble::scenes\n";
+         << config_text(data, near_pairs_for(scene), numbers, integrator) << "};\n\n}  // namespace tumble::scenes\n";
     return text.str();
 }
 
