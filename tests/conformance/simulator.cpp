@@ -1,7 +1,7 @@
 // What the host simulator makes of every shipped scene with every integrator and the number systems it runs in: the
 // lines that conformance.hpp prints, and behind them steps and hash once more, after TUMBLE_FIRST_STEPS. Arguments: the
-// scene files; or --contacts and those of the contact scenes, of which the first steps are replayed with the default
-// integrator, and there is one hash.
+// names of the number systems, joined by commas, or `all`, and the scene files; or --contacts and those of the contact
+// scenes, of which the first steps are replayed with the default integrator in three systems, and there is one hash.
 #include <algorithm>
 #include <cstdio>
 #include <exception>
@@ -17,13 +17,15 @@
 int main(int count, char** paths) try {
     using namespace tumble::host;
     tell_lost_output();
-    const bool contacts = count > 1 && std::string_view{paths[1]} == "--contacts";
+    const std::string_view mode = count > 1 ? paths[1] : "";
+    const bool contacts = mode == "--contacts";
+    const std::string systems = "," + std::string(contacts ? "q32,f32,f64" : mode) + ",";
     std::vector<SceneDescription> scenes;
     for (int i = contacts ? 2 : 1; i < count; ++i) scenes.push_back(read_scene(paths[i]));
     std::vector<NumberVariant> variants = number_variants();
     std::sort(variants.begin(), variants.end(), [](const auto& a, const auto& b) { return a.name < b.name; });
     for (const NumberVariant& variant : variants) {
-        if (contacts && variant.name != "q32" && variant.name != "f32" && variant.name != "f64") continue;
+        if (mode != "all" && systems.find("," + std::string(variant.name) + ",") == systems.npos) continue;
         for (const IntegratorInfo& integrator : integrators()) {
             if (!runs_in(integrator, variant.numbers) || (contacts && integrator.name != "verlet")) continue;
             for (const SceneDescription& scene : scenes) {

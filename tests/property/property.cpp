@@ -147,6 +147,14 @@ void shrink(Trial& trial, Judgement& judgement) {
     }
 }
 
+// The first number system of a name has the default.
+bool has_default_carry(const Method& method) {
+    const auto& systems = number_systems();
+    const auto first =
+        std::ranges::find_if(systems, [&](const NumberSystemInfo& info) { return info.name == method.numbers; });
+    return first != systems.end() && first->carry == method.carry;
+}
+
 // The part of the message with which a file is to be refused, in a line of its own.
 std::string expected_refusal(const std::string& file) {
     const std::string mark = "# refused: ";
@@ -220,12 +228,14 @@ int main(int argc, char** argv) try {
     unsigned jobs = std::max(1u, std::thread::hardware_concurrency());
     std::string write;
     std::vector<std::string> files;
+    bool default_carry = false;
     CLI::App app{"Runs random scenes or scene files and holds them against double precision and fine references."};
     app.add_option("--seed", seed, "seed of the scenes; a new one otherwise, which is printed");
     app.add_option("--first", first, "number of the first scene");
     app.add_option("--scenes", scenes, "number of scenes")->capture_default_str()->check(CLI::PositiveNumber);
     app.add_option("--jobs", jobs, "processes")->check(CLI::PositiveNumber);
     app.add_option("--write", write, "directory for the wrong scenes, made as small as possible");
+    app.add_flag("--default-carry", default_carry, "leave out the scenes that are drawn for another carry");
     app.add_option("files", files, "scenes to judge instead of random ones");
     CLI11_PARSE(app, argc, argv);
 
@@ -234,26 +244,25 @@ int main(int argc, char** argv) try {
     bool is_right = read_trials(files, trials);
     for (std::uint64_t i = 0; files.empty() && i < scenes; ++i) trials.push_back(draw_trial(seed, first + i));
     std::cout << (files.empty() ? range : std::to_string(files.size()) + " files") << std::endl;
+    if (default_carry) std::erase_if(trials, [](const Trial& trial) { return !has_default_carry(trial.method); });
     const std::vector<Judgement> judgements = judge_all(trials, jobs);
     std::map<Kind, double> share;
     for (std::size_t i = 0; i < trials.size(); ++i) {
-        const auto& [scene, kind, method] = trials[i];
+        const auto& [scene, kind, method, index] = trials[i];
         Judgement judgement = judgements[i];
         if (judgement.kind == Kind::refused && !files.empty()) judgement.kind = Kind::wrong;  // by the simulation
         share[judgement.kind] += 1 / static_cast<double>(trials.size());
         if (judgement.kind != Kind::wrong) continue;
         const std::string options = "--integrator " + method.integrator + " --numbers " + method.numbers + " --carry " +
                                     (method.carry ? "on" : "off");
-        std::cout << words[static_cast<int>(judgement.kind)] << " " << kind << ", scene " << first + i << " ("
-                  << options << "): " << judgement.what << " (compared "
-                  << tumble::host::few_digits(100 * judgement.compared) << " %, share of its bound "
-                  << tumble::host::few_digits(judgement.share) << ")\n";
-        const auto path =
-            std::filesystem::path(write) / (std::to_string(seed) + "-" + std::to_string(first + i) + ".toml");
+        std::cout << words[static_cast<int>(judgement.kind)] << " " << kind << ", scene " << index << " (" << options
+                  << "): " << judgement.what << " (compared " << tumble::host::few_digits(100 * judgement.compared)
+                  << " %, share of its bound " << tumble::host::few_digits(judgement.share) << ")\n";
+        const auto path = std::filesystem::path(write) / (std::to_string(seed) + "-" + std::to_string(index) + ".toml");
         if (!write.empty()) write_shrunk(path, trials[i], judgement, options);
     }
     print_table(trials, judgements);
-    const bool tests_little = files.empty() && trials.size() >= enough_scenes &&
+    const bool tests_little = files.empty() && scenes >= enough_scenes &&
                               (share[Kind::refused] > most_refused || share[Kind::undecided] > most_undecided);
     if (tests_little) std::cout << "WRONG: too many scenes are refused or undecided\n";
     return share[Kind::wrong] > 0 || !is_right || tests_little ? 1 : 0;

@@ -292,6 +292,7 @@ double reach(const BodyDescription& body) {
 
 Trial draw_trial(std::uint64_t seed, std::uint64_t index) {
     Trial trial = Maker(seed, index).make();
+    trial.index = index;
     trial.scene.name = "trial " + std::to_string(index) + " of seed " + std::to_string(seed);
     return trial;
 }

@@ -17,6 +17,7 @@ struct Trial {
     host::SceneDescription scene;
     std::string kind;  // of scene
     host::Method method;
+    std::uint64_t index = 0;  // of a random scene
 };
 
 // The distance of the farthest point of a body's shape from its centre, m; without a shape its radius of gyration, and
