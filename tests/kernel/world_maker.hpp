@@ -49,7 +49,7 @@ public:
     Status step() override { return world_.step(); }
     void clear_status() override { world_.clear_status(); }
     void start_at(std::uint32_t step) override {
-        const_cast<World<SceneOf<N, Method, f>>::Bodies&>(world_.bodies()).steps_taken = step;
+        const_cast<typename World<SceneOf<N, Method, f>>::Bodies&>(world_.bodies()).steps_taken = step;
     }
 
     Motion motion(int body) const override {
