@@ -9,11 +9,13 @@
 #include <tumble/contact/island_step.hpp>
 #include <tumble/contact/sleep.hpp>
 #include <tumble/events/readout.hpp>
+#include <tumble/events/script.hpp>
 
 namespace tumble {
 
 // Bodies, loads and contacts, with the capacities of the scene type S. A world is a value: a copy goes on with the same
-// bits. The arrays of set_impulses() and set_forces() are not copied; both worlds point to them.
+// bits. The arrays of set_impulses(), set_forces() and set_script() and the recording of record() are not copied; both
+// worlds point to them.
 template <class S>
 class World {
 public:
@@ -48,6 +50,7 @@ public:
 
     // Gravity from the next step on, m/s^2, world frame. Wakes all bodies.
     void set_gravity(RealVec3 gravity) {
+        refuse_to_record();
         if constexpr (has_contacts) {
             contacts_.set_gravity(gravity * (advance_.bodies.step_length * advance_.bodies.step_length));
             for (int b = 0; b < advance_.bodies.count; ++b) disturb(b);
@@ -60,6 +63,7 @@ public:
     // Adds a body; false (and Issue::world_full) when there is no room. Mass and moments must be positive; a point mass
     // has no moments. status() reports a start outside the range.
     BodyId add(const BodySpec& spec) requires(features.bodies > 0) {
+        refuse_to_record();
         if (advance_.bodies.count >= features.bodies) {
             advance_.bodies.report(Issue::world_full, advance_.bodies.count);
             return {};
@@ -81,6 +85,7 @@ public:
     // Adds a plane; false when there is no room. In fixed point its offset is at most four times the range of
     // positions.
     PlaneId add(const PlaneSpec& spec) requires(features.planes > 0) {
+        refuse_to_record();
         TUMBLE_ASSERT(is_restitution(spec.restitution));
         bool added = true;
         int count = 1;  // where nothing can touch it
@@ -97,6 +102,7 @@ public:
     // Adds a spring between bodies already added; false when there is no room. status() reports a step that is surely
     // too long for it.
     SpringId add(const SpringSpec& spec) requires(features.springs > 0) {
+        refuse_to_record();
         return advance_.add(spec) ? SpringId{advance_.loads.spring_count() - 1} : SpringId{};
     }
 
@@ -104,24 +110,38 @@ public:
     [[nodiscard]] Impulse<N> prepare(const ImpulseSpec& spec) const { return tumble::prepare(advance_.bodies, spec); }
     // Converts a timed force to this world's numbers, for set_forces().
     [[nodiscard]] TimedForce<N> prepare(const ForceSpec& spec) const { return tumble::prepare(advance_.bodies, spec); }
+    // Converts an event of a scene to this world's numbers, for set_script().
+    [[nodiscard]] Event<N> prepare(const EventSpec& spec) const { return tumble::prepare(advance_.bodies, spec); }
     // Sets the impulses for the steps to come, in place of those set before. The array is sorted by step and must
     // outlive their use. Impulses before the next step are skipped. The bodies must have been added.
     void set_impulses(Span<Impulse<N>> impulses) requires(features.impulses) {
+        refuse_to_record();
         require_bodies(impulses);
-        for (int i = 1; i < impulses.count; ++i) TUMBLE_ASSERT(impulses.first[i - 1].step <= impulses.first[i].step);
-        impulses_ = impulses;
-        next_event_ = 0;
-        while (next_event_ < impulses.count && impulses.first[next_event_].step < now()) ++next_event_;
+        impulses_.set(impulses, now());
     }
     // Sets the timed forces likewise. A sorted array is faster, but need not be. Wakes the bodies that they act on.
     void set_forces(Span<TimedForce<N>> forces) requires(features.forces) {
+        refuse_to_record();
         require_bodies(forces);
         advance_.loads.set_forces(forces, now(), [&](int b) { disturb(b); });
     }
 
+    // Sets the script for the steps to come: events of every kind, sorted by step, in an array that outlives their use.
+    // Each step first applies its events of the script, as apply() does, then its impulses of set_impulses(). Forces
+    // need Features::control.
+    void set_script(Span<Event<N>> events) requires(features.script) {
+        require_bodies(events);
+        script_.set(events, now());
+    }
+    // Appends every event from now on, live or of the script, to `recording`; null: no longer. The recording is a
+    // script that brings a copy of this world to the same state. What no event holds is misuse meanwhile: to add
+    // something, to set gravity, impulses and forces of a scene, and apply_impulse() without a frame.
+    void record(Recording<N>* recording) requires(features.recording) { recording_ = recording; }
+
     // Applies an impulse (N s, world frame) at once, at a point of the body (m, user's body axes). The position does
     // not change. For a point mass, a point other than zero is misuse.
     void apply_impulse(BodyId id, RealVec3 impulse, RealVec3 point = {}) {
+        refuse_to_record();
         const int b = place_of(id);
         TUMBLE_ASSERT(advance_.bodies.rotates(b) || point.is_zero());
         apply({0, static_cast<std::int16_t>(b), Frame::world, work_vector<N>(impulse), zero_vector<N>(),
@@ -176,10 +196,9 @@ public:
 
     // Advances every body by one step: events that are due, loads, motion, contacts. Returns the sticky status.
     Status step() {
-        if constexpr (features.impulses) {
-            while (next_event_ < impulses_.count && impulses_.first[next_event_].step <= now())
-                apply(impulses_.first[next_event_++]);
-        }
+        if constexpr (features.script) script_.for_each_due(now(), [&](const Event<N>& event) { apply(event); });
+        if constexpr (features.impulses)
+            impulses_.for_each_due(now(), [&](const Impulse<N>& impulse) { apply(impulse); });
         if constexpr (features.forces && has_loads) advance_.loads.start_step(now(), [&](int b) { disturb(b); });
         if constexpr (has_imu)
             for (int b = 0; b < advance_.bodies.count; ++b) remember(b);
@@ -311,7 +330,7 @@ private:
     using BodyGroup = typename Advance::BodyGroup;
     using Contacts = ContactSet<N, Integrator::spin, features>;
     using Sleepers = tumble::Sleepers<N, Integrator::spin, features>;
-    static constexpr bool has_events = features.impulses || features.forces;
+    static constexpr bool has_events = features.impulses || features.forces || features.script || features.recording;
     static constexpr bool has_imu = features.imu && features.bodies > 0;
     using Before = detail::MotionBefore<State>;
 
@@ -336,6 +355,10 @@ private:
         return std::uint64_t{wraps_} << 32 | advance_.bodies.steps_taken;
     }
 
+    // What a recording does not hold is misuse while the world records.
+    void refuse_to_record() const {
+        if constexpr (features.recording) TUMBLE_ASSERT(recording_ == nullptr);
+    }
     // An event of a body that has not been added is misuse.
     template <class Event>
     void require_bodies(Span<Event> events) const {
@@ -344,6 +367,8 @@ private:
     TUMBLE_INLINE void apply_event(const Event<N>& event) {
         auto& bodies = advance_.bodies;
         const int b = place_of(event.body);
+        if constexpr (features.recording)
+            if (recording_ != nullptr) recording_->append(event, now());
         switch (event.kind) {
         case EventKind::impulse:
         case EventKind::angular_impulse:
@@ -571,8 +596,9 @@ private:
     [[no_unique_address]] Advance advance_;
     [[no_unique_address]] If<has_contacts, Contacts, 1> contacts_;
     [[no_unique_address]] If<has_contacts, Sleepers, 4> sleepers_;
-    [[no_unique_address]] If<features.impulses, Span<Impulse<N>>, 2> impulses_{};
-    [[no_unique_address]] If<features.impulses, int, 3> next_event_{};
+    [[no_unique_address]] If<features.impulses, Script<Impulse<N>>, 2> impulses_{};
+    [[no_unique_address]] If<features.script, Script<Event<N>>, 3> script_{};
+    [[no_unique_address]] If<features.recording, Recording<N>*, 8> recording_{};
     [[no_unique_address]] If<has_imu, typename tumble::detail::RoomFor<Before, features.bodies>::Array, 7> before_{};
     [[no_unique_address]] If<has_events, std::uint32_t, 5> wraps_{};  // how often the number of steps began anew
 };

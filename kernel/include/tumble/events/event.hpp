@@ -52,6 +52,7 @@ struct Event {
     InputVector<N> value{};               // see the kind
     InputVector<N> point{};               // m, user's body axes, from the centre of mass
     Quaternion<Work> orientation{};       // user's body axes to world; normalised when applied
+    std::uint64_t step = 0;               // in a script: applied before this step is taken; else without meaning
 };
 
 namespace detail {
