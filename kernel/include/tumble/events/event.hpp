@@ -28,7 +28,7 @@ private:
     VectorBlock<N> block_{};
 };
 
-// The kind of an event.
+// The kind of an event. The last is pose.
 enum class EventKind : std::uint8_t {
     impulse,           // value: N s; at `point`
     angular_impulse,   // value: N m s
@@ -40,6 +40,21 @@ enum class EventKind : std::uint8_t {
     angular_velocity,  // value: rad/s
     pose,              // value: m, world; `orientation`
 };
+
+// The name of a kind, as scene files write it: angular_impulse.
+[[nodiscard]] constexpr const char* name_of(EventKind kind) {
+    switch (kind) {
+    case EventKind::impulse: return "impulse";
+    case EventKind::angular_impulse: return "angular_impulse";
+    case EventKind::force: return "force";
+    case EventKind::torque: return "torque";
+    case EventKind::step_force: return "step_force";
+    case EventKind::step_torque: return "step_torque";
+    case EventKind::velocity: return "velocity";
+    case EventKind::angular_velocity: return "angular_velocity";
+    default: return "pose";
+    }
+}
 
 // An event of a body, in the working numbers of its world. World::apply() applies it before the next step.
 template <class N>
