@@ -37,7 +37,7 @@ void check_ranges(Table& table, const EventDescription& event, RangeDescription&
 const Words<EventKind>& event_kinds() {
     static const Words<EventKind> kinds = [] {
         Words<EventKind> all;
-        for (int i = 0; i <= static_cast<int>(EventKind::pose); ++i) {
+        for (int i = 0; i <= static_cast<int>(EventKind::pose); ++i) {  // a scene keeps its bodies
             const auto kind = static_cast<EventKind>(i);
             all.emplace_back(name_of(kind), kind);
         }

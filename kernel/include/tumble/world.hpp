@@ -6,6 +6,7 @@
 #pragma once
 
 #include <tumble/advance.hpp>
+#include <tumble/body/places.hpp>
 #include <tumble/contact/island_step.hpp>
 #include <tumble/contact/sleep.hpp>
 #include <tumble/events/readout.hpp>
@@ -60,26 +61,29 @@ public:
         advance_.set_gravity(gravity);
     }
 
-    // Adds a body; false (and Issue::world_full) when there is no room. Mass and moments must be positive; a point mass
-    // has no moments. status() reports a start outside the range.
+    // Adds a body at the first free place; false (and Issue::world_full) when there is no room. Mass and moments must
+    // be positive; a point mass has no moments. status() reports a start outside the range.
     BodyId add(const BodySpec& spec) requires(features.bodies > 0) {
         refuse_to_record();
-        if (advance_.bodies.count >= features.bodies) {
-            advance_.bodies.report(Issue::world_full, advance_.bodies.count);
+        int b = advance_.bodies.count;
+        if constexpr (features.removal) b = places_.first_free();
+        if (b >= features.bodies) {
+            advance_.bodies.report(Issue::world_full, b);
             return {};
         }
         if constexpr (features.touches()) TUMBLE_ASSERT(is_restitution(spec.restitution));
         const PrincipalInertia inertia = features.rotation ? principal_inertia(spec.inertia) : PrincipalInertia{};
-        const int b = advance_.add(spec, inertia);
+        advance_.add(spec, inertia, b);
         if constexpr (has_imu) remember(b);
         if constexpr (has_contacts) {
             contacts_.set_shape(b, spec, inertia, advance_.bodies.constants[b].units);
             if (!spec.fixed) sleepers_.add(b);
             // Before the first step no body has a time to contact, and none sleeps.
             if (advance_.bodies.steps_taken > 0)
-                for (int other = 0; other <= b; ++other) disturb(other);
+                for (int other = 0; other < advance_.bodies.count; ++other) disturb(other);
         }
-        return BodyId{b};
+        if constexpr (features.removal) return places_.take(b);
+        else return BodyId{b};
     }
 
     // Adds a plane; false when there is no room. In fixed point its offset is at most four times the range of
@@ -103,6 +107,8 @@ public:
     // too long for it.
     SpringId add(const SpringSpec& spec) requires(features.springs > 0) {
         refuse_to_record();
+        if constexpr (features.removal)
+            TUMBLE_ASSERT(places_.is_taken(spec.body) && (spec.to_body < 0 || places_.is_taken(spec.to_body)));
         return advance_.add(spec) ? SpringId{advance_.loads.spring_count() - 1} : SpringId{};
     }
 
@@ -194,9 +200,26 @@ public:
         apply_event({EventKind::pose, Frame::world, id, position, {}, orientation.template as<Work>()});
     }
 
+    // Removes a body at once. Its springs go with it, and the springs behind them move up; so do its forces, its
+    // contacts and what is known of its sleep, and all bodies wake. The place counts in the hash as one without a body.
+    // The next body that is added takes the first free place, with another id. The old id is misuse from now on, but an
+    // event of a script that names it is skipped. The impulses and forces of a scene name places, not ids: they act on
+    // a new body of the place, and on none where it is free.
+    void remove(BodyId id) requires(features.removal) {
+        apply_event({EventKind::remove, Frame::world, id, {}, {}, {}});
+    }
+    // True of a body that has been added and not been removed.
+    [[nodiscard]] bool contains(BodyId id) const {
+        if constexpr (features.removal) return places_.contains(id);
+        else return id && id.index() < advance_.bodies.count && id.generation() == 0;
+    }
+
     // Advances every body by one step: events that are due, loads, motion, contacts. Returns the sticky status.
     Status step() {
-        if constexpr (features.script) script_.for_each_due(now(), [&](const Event<N>& event) { apply(event); });
+        if constexpr (features.script)
+            script_.for_each_due(now(), [&](const Event<N>& event) {
+                if (contains(event.body)) apply(event);
+            });
         if constexpr (features.impulses)
             impulses_.for_each_due(now(), [&](const Impulse<N>& impulse) { apply(impulse); });
         if constexpr (features.forces && has_loads) advance_.loads.start_step(now(), [&](int b) { disturb(b); });
@@ -221,8 +244,11 @@ public:
         return advance_.bodies.status;
     }
 
-    // Number of bodies added.
-    [[nodiscard]] int body_count() const { return advance_.bodies.count; }
+    // Number of bodies in the world.
+    [[nodiscard]] int body_count() const {
+        if constexpr (features.removal) return places_.count();
+        else return advance_.bodies.count;
+    }
     // Number of steps since the start, modulo 2^32. Time is this times the step.
     [[nodiscard]] std::uint32_t steps_taken() const { return advance_.bodies.steps_taken; }
     // The sticky status.
@@ -349,7 +375,10 @@ private:
         if constexpr (features.rotation) before_[b].t_b = advance_.bodies.state[b].t_b;
     }
 
-    [[nodiscard]] TUMBLE_INLINE int place_of(BodyId id) const { return advance_.bodies.index_of(id); }
+    [[nodiscard]] TUMBLE_INLINE int place_of(BodyId id) const {
+        if constexpr (features.removal) TUMBLE_ASSERT(places_.contains(id));
+        return advance_.bodies.index_of(id);
+    }
     // The next step's number, which does not wrap; events count so.
     [[nodiscard]] TUMBLE_INLINE std::uint64_t now() const requires has_events {
         return std::uint64_t{wraps_} << 32 | advance_.bodies.steps_taken;
@@ -393,6 +422,10 @@ private:
             detail::set_angular_velocity(bodies, b, event, steps_per_second());
             break;
         case EventKind::pose: detail::set_pose(bodies, b, event); break;
+        case EventKind::remove:
+            TUMBLE_ASSERT(features.removal);
+            if constexpr (features.removal) take_away(b);
+            return;
         }
         if (event.kind == EventKind::pose || bodies.constants[b].fixed) replaced(b);
         advance_.check_range(b);
@@ -405,6 +438,17 @@ private:
         advance_.spin_changed(event.body);
         if constexpr (has_imu) remember(event.body);
         disturb(event.body);
+    }
+    [[gnu::noinline]] void take_away(int b) requires(features.removal) {
+        disturb(b);
+        replaced(b);
+        if constexpr (has_contacts) {
+            BodySpec nobody;
+            contacts_.set_shape(b, nobody, {{1, 1, 1}, {}}, advance_.bodies.constants[b].units);
+            sleepers_.remove(b);
+        }
+        advance_.remove(b);
+        places_.leave(b);
     }
     // Call after body b got another pose, or a fixed body another spin: its pairs are found anew, and every body wakes,
     // since b may have left it or come to it.
@@ -599,6 +643,7 @@ private:
     [[no_unique_address]] If<features.impulses, Script<Impulse<N>>, 2> impulses_{};
     [[no_unique_address]] If<features.script, Script<Event<N>>, 3> script_{};
     [[no_unique_address]] If<features.recording, Recording<N>*, 8> recording_{};
+    [[no_unique_address]] If<features.removal, Places<(features.bodies > 0 ? features.bodies : 1)>, 9> places_{};
     [[no_unique_address]] If<has_imu, typename tumble::detail::RoomFor<Before, features.bodies>::Array, 7> before_{};
     [[no_unique_address]] If<has_events, std::uint32_t, 5> wraps_{};  // how often the number of steps began anew
 };

@@ -28,7 +28,7 @@ private:
     VectorBlock<N> block_{};
 };
 
-// The kind of an event. The last is pose.
+// The kind of an event.
 enum class EventKind : std::uint8_t {
     impulse,           // value: N s; at `point`
     angular_impulse,   // value: N m s
@@ -39,6 +39,7 @@ enum class EventKind : std::uint8_t {
     velocity,          // value: m/s
     angular_velocity,  // value: rad/s
     pose,              // value: m, world; `orientation`
+    remove,            // the body leaves the world; needs Features::removal
 };
 
 // The name of a kind, as scene files write it: angular_impulse.
@@ -52,7 +53,8 @@ enum class EventKind : std::uint8_t {
     case EventKind::step_torque: return "step_torque";
     case EventKind::velocity: return "velocity";
     case EventKind::angular_velocity: return "angular_velocity";
-    default: return "pose";
+    case EventKind::pose: return "pose";
+    default: return "remove";
     }
 }
 
