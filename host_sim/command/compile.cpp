@@ -118,6 +118,19 @@ std::string force_text(const ForceDescription&, const ForceSpec& force) {
     return members.text();
 }
 
+std::string event_text(const EventDescription& description, const EventSpec& event) {
+    Members members("            ");
+    members.always("time", number(event.time), "s");
+    members.always("kind", std::string("tumble::EventKind::") + name_of(event.kind));
+    members.always("body", std::to_string(event.body));
+    members.when(event.frame == Frame::body, "frame", "tumble::Frame::body");
+    members.when(!event.value.is_zero(), "value", vector(event.value));
+    members.when(!event.point.is_zero(), "point", vector(event.point), "m");
+    members.when(description.kind == EventKind::pose, "orientation",
+                 "{" + number(event.orientation.w) + ", " + vector(event.orientation.v) + "}", "w, x, y, z");
+    return members.text();
+}
+
 std::string comment_of(const BodyDescription& body) { return "   // " + cpp_text(body.name); }
 std::string comment_of(const PlaneDescription& plane) { return "   // " + cpp_text(plane.name); }
 std::string comment_of(const auto&) { return ""; }
@@ -200,8 +213,8 @@ std::string config_text(const SceneData& data, int near_pairs, const NumberSyste
 
 // Is it a name in C++ that no member of the struct has?
 bool is_struct_name(const std::string& name) {
-    static const std::vector<std::string> members = {"Config", "name",   "step",    "steps",    "world",
-                                                     "bodies", "planes", "springs", "impulses", "forces"};
+    static const std::vector<std::string> members = {"Config", "name",    "step",     "steps",  "world", "bodies",
+                                                     "planes", "springs", "impulses", "forces", "events"};
     const auto is_in_name = [](unsigned char c) { return c < 0x80 && (std::isalnum(c) != 0 || c == '_'); };
     return !name.empty() && std::isdigit(static_cast<unsigned char>(name[0])) == 0 &&
            std::all_of(name.begin(), name.end(), is_in_name) &&
@@ -249,7 +262,8 @@ std::string compiled_scene(const SceneDescription& scene, const Choice& choice, 
          << list_text("PlaneSpec", "planes", scene.planes, data.planes, plane_text)
          << list_text("SpringSpec", "springs", scene.springs, data.springs, spring_text)
          << list_text("ImpulseSpec", "impulses", scene.impulses, data.impulses, impulse_text)
-         << list_text("ForceSpec", "forces", scene.forces, data.forces, force_text) << "\n"
+         << list_text("ForceSpec", "forces", scene.forces, data.forces, force_text)
+         << (data.events.empty() ? "" : list_text("EventSpec", "events", scene.events, data.events, event_text)) << "\n"
          << config_text(data, near_pairs_for(scene), numbers, integrator) << "};\n\n}  // namespace tumble::scenes\n";
     return text.str();
 }

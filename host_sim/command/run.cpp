@@ -9,6 +9,7 @@
 
 #include "command/check.hpp"
 #include "command/command.hpp"
+#include "command/live.hpp"
 #include "command/plot.hpp"
 #include "tools/output.hpp"
 #include "tools/progress.hpp"
@@ -21,7 +22,8 @@ namespace {
 struct RunOptions : Choice {
     std::string trajectory, plot;       // files; empty: none
     std::optional<std::int64_t> every;  // steps between rows of the trajectory
-    bool json = false;
+    bool json = false, imu = false, live = false;
+    std::string record;  // file; empty: none
     CheckOptions check;
 };
 
@@ -49,10 +51,11 @@ private:
 
 class Trajectory {
 public:
-    Trajectory(const std::string& path, std::int64_t every, const SceneDescription& scene)
-        : file_(path, "--trajectory"), every_(every) {
+    Trajectory(const std::string& path, std::int64_t every, bool imu, const SceneDescription& scene)
+        : file_(path, "--trajectory"), every_(every), imu_(imu) {
         for (const BodyDescription& body : scene.bodies) names_.push_back(csv_field(body.name));
-        file_.stream() << "time_s,body,x,y,z,vx,vy,vz,qw,qx,qy,qz,wx,wy,wz\n";
+        file_.stream() << "time_s,body,x,y,z,vx,vy,vz,qw,qx,qy,qz,wx,wy,wz" << (imu ? ",fx,fy,fz,gx,gy,gz" : "")
+                       << "\n";
     }
     void record(const Simulation& simulation, bool last) {
         if (simulation.steps_taken() % every_ != 0 && !last) return;
@@ -62,12 +65,17 @@ public:
             const BodySnapshot body = simulation.body(b);
             rows << time << "," << names_[static_cast<std::size_t>(b)];
             const auto add = [&](const auto& numbers) {
-                for (const long double x : numbers) rows << "," << seventeen_digits(x);
+                for (const auto x : numbers) rows << "," << seventeen_digits(x);
             };
             add(body.position);
             add(body.velocity);
             add(body.orientation);
             add(body.angular_velocity);
+            if (imu_) {
+                const ImuSnapshot imu = simulation.imu(b);
+                add(imu.specific_force);
+                add(imu.angular_velocity);
+            }
             rows << "\n";
         }
     }
@@ -78,6 +86,7 @@ public:
 private:
     OutputFile file_;
     std::int64_t every_;
+    bool imu_;
     std::vector<std::string> names_;
 };
 
@@ -156,7 +165,8 @@ void print_json(const SceneDescription& scene, const Simulation& simulation, con
 
 // Does nothing in the scene change the energy on purpose?
 bool keeps_energy(const SceneDescription& scene) {
-    if (!scene.impulses.empty() || !scene.forces.empty() || scene.linear_drag > 0 || scene.angular_drag > 0)
+    if (!scene.impulses.empty() || !scene.forces.empty() || !scene.events.empty() || scene.linear_drag > 0 ||
+        scene.angular_drag > 0)
         return false;
     for (const SpringDescription& spring : scene.springs)
         if (spring.damping > 0) return false;
@@ -200,15 +210,23 @@ void print_table(std::ostream& out, const SceneDescription& scene, const Simulat
 }
 
 int run(const RunOptions& options) {
+    if (options.live) {
+        if (options.json || !options.trajectory.empty() || !options.plot.empty() || !options.check.check.empty())
+            throw BadArgument("--live: got --json, --trajectory, --plot or --check beside it, expected none of them");
+        return run_live(options, options.record);
+    }
+    if (!options.record.empty()) throw BadArgument("--record: got no --live beside it, expected --live");
     const std::vector<FileArgument> outputs = {{"--trajectory", options.trajectory}, {"--plot", options.plot}};
     check_outputs({{"the scene", options.scene}}, outputs);
     std::ostream& table = takes_standard_output(outputs, options.json) ? std::cerr : std::cout;
     if (options.every && options.trajectory.empty())
         std::cerr << "warning: --every has no effect without --trajectory\n";
+    if (options.imu && options.trajectory.empty()) std::cerr << "warning: --imu has no effect without --trajectory\n";
     const SceneDescription scene = options.read();
     const auto simulation = options.start(scene);
     std::optional<Trajectory> trajectory;
-    if (!options.trajectory.empty()) trajectory.emplace(options.trajectory, options.every.value_or(1), scene);
+    if (!options.trajectory.empty())
+        trajectory.emplace(options.trajectory, options.every.value_or(1), options.imu, scene);
     std::optional<Plot> plot;
     std::optional<OutputFile> plot_file;
     if (!options.plot.empty()) {
@@ -260,6 +278,14 @@ void add_run(CommandLine& line) {
     command.add(options->trajectory, "--trajectory out.csv", "write every state as CSV; - is standard output",
                 output_file());
     command.add(options->every, "--every K", "steps between rows of the trajectory (default: 1)", at_least(1, "steps"));
+    command.add(
+        options->imu, "--imu",
+        "add columns of an inertial sensor to the trajectory: specific force and angular velocity, in the body's "
+        "axes");
+    command.add(options->live, "--live",
+                "take events as JSON lines from standard input, and write the state as JSON lines");
+    command.add(options->record, "--record out.toml", "with --live: write the scene with the events of the run",
+                output_file());
     options->check.add_to(command);
     command.add(options->json, "--json", "print one JSON object");
     command.add(options->plot, "--plot out.svg",

@@ -87,7 +87,19 @@ void sort_by_step(std::vector<Event>& events, Seconds step, Start&& start) {
 SceneData with_events_in_order(SceneData scene) {
     sort_by_step(scene.impulses, scene.step, [](const ImpulseSpec& impulse) { return impulse.time; });
     sort_by_step(scene.forces, scene.step, [](const ForceSpec& force) { return force.from; });
+    sort_by_step(scene.events, scene.step, [](const EventSpec& event) { return event.time; });
     return scene;
+}
+
+EventSpec event_of(const EventDescription& event) {
+    const Quadruple& q = event.orientation;
+    return {event.time,
+            event.kind,
+            event.body,
+            event.frame,
+            real_vector(event.value),
+            real_vector(event.point),
+            {q[0], {q[1], q[2], q[3]}}};
 }
 
 bool shapes_meet(ShapeKind a, ShapeKind b) { return meets(a, b); }
@@ -136,6 +148,7 @@ SceneData build_scene(const SceneDescription& scene) {
         data.forces.push_back(
             {f.body, f.from, f.until, f.frame, real_vector(f.force), real_vector(f.point), real_vector(f.torque)});
     }
+    for (const EventDescription& event : scene.events) data.events.push_back(event_of(event));
     return data;
 }
 
@@ -148,6 +161,13 @@ Features needs(const SceneData& scene) {
         return !body.fixed && (kind == ShapeKind::cylinder || kind == ShapeKind::capsule || kind == ShapeKind::hoop);
     };
     const auto is_turntable = [](const BodySpec& body) { return body.fixed && !body.angular_velocity.is_zero(); };
+    const auto lasts = [](const EventSpec& event) {
+        return event.kind == EventKind::force || event.kind == EventKind::torque ||
+               event.kind == EventKind::step_force || event.kind == EventKind::step_torque;
+    };
+    const auto turns_fixed = [&](const EventSpec& event) {
+        return event.kind == EventKind::angular_velocity && scene.bodies[static_cast<std::size_t>(event.body)].fixed;
+    };
     const bool rotation =
         scene.bodies.empty() || any(scene.bodies, [](const BodySpec& body) { return !is_point_mass(body); });
     const WorldSpec& world = scene.world;
@@ -167,13 +187,15 @@ Features needs(const SceneData& scene) {
         .gravitation = world.gravitation > Real{} && scene.bodies.size() > 1,
         .forces = !scene.forces.empty(),
         .impulses = !scene.impulses.empty(),
+        .control = any(scene.events, lasts),
+        .script = !scene.events.empty(),
         .pairs = pairs,
         .boxes = (by_impulses || by_springs) && any(scene.bodies, is_box),
         .round_shapes = planes > 0 && any(scene.bodies, is_moving_round),
         .friction = by_impulses &&
                     (world.contact.friction > Real{} || any(scene.bodies, is_rough) || any(scene.planes, is_rough)),
         .sleep = world.contact.sleep.on && response == ContactResponse::impulse,
-        .turntables = any(scene.bodies, is_turntable),
+        .turntables = any(scene.bodies, is_turntable) || any(scene.events, turns_fixed),
         .contact_impulses = !by_springs,
         .contact_springs = by_springs,
     };

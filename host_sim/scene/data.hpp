@@ -2,7 +2,7 @@
 // kernel's own constexpr functions, so a header that is written from it has exactly the same numbers.
 #pragma once
 
-#include <tumble/body/setup.hpp>
+#include <tumble/events/script.hpp>
 #include <tumble/scene.hpp>
 
 #include <array>
@@ -37,6 +37,7 @@ struct SceneData {
     std::vector<SpringSpec> springs;
     std::vector<ImpulseSpec> impulses;
     std::vector<ForceSpec> forces;
+    std::vector<EventSpec> events;
 };
 
 // Throws UnsupportedScene for what exceeds the host's capacities.
@@ -50,6 +51,9 @@ struct SceneData {
 
 // True if the kernel simulates contacts between the two kinds of shapes, in either order.
 [[nodiscard]] bool shapes_meet(ShapeKind a, ShapeKind b);
+
+// An event in the kernel's numbers.
+[[nodiscard]] EventSpec event_of(const EventDescription& event);
 
 // The kernel's shape. `points` become a body without a shape, which has the cloud's mass properties.
 [[nodiscard]] Shape shape_of(const ShapeDescription& shape);

@@ -3,7 +3,7 @@
 // read_scene() has checked every value here by the rules of the format.
 #pragma once
 
-#include <tumble/body/setup.hpp>
+#include <tumble/events/script.hpp>
 
 #include <algorithm>
 #include <array>
@@ -83,6 +83,16 @@ struct ForceDescription {
     Triple torque{};  // N m, in `frame`
 };
 
+struct EventDescription {
+    double time = 0.0;  // s; of a live event: none
+    EventKind kind = EventKind::impulse;
+    int body = 0;
+    Frame frame = Frame::world;                 // of `value`
+    Triple value{};                             // see EventKind
+    Triple point{};                             // body frame, user's axes
+    Quadruple orientation{1.0, 0.0, 0.0, 0.0};  // of a pose; normalised when applied
+};
+
 struct RangeDescription {
     double position = 1024.0, velocity = 128.0, angular_velocity = 64.0;
     bool is_declared = false;                    // the file has [range]
@@ -114,6 +124,7 @@ struct SceneDescription {
     std::vector<SpringDescription> springs;
     std::vector<ImpulseDescription> impulses;  // file order
     std::vector<ForceDescription> forces;
+    std::vector<EventDescription> events;  // file order
 
     [[nodiscard]] const BodyDescription& body(int index) const { return bodies[static_cast<std::size_t>(index)]; }
 

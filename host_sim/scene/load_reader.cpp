@@ -20,24 +20,6 @@ void refuse_body_frame(Table& table, Frame frame, const BodyDescription& body) {
                                "\"world\" or no frame");
 }
 
-// The body that a key names.
-int resolve(Table& table, const std::string& key, const std::string& name, const SceneDescription& scene) {
-    const auto& bodies = scene.bodies;
-    const auto found =
-        std::find_if(bodies.begin(), bodies.end(), [&](const BodyDescription& body) { return body.name == name; });
-    if (found == bodies.end()) {
-        std::vector<std::string> names;
-        for (const BodyDescription& body : bodies) names.push_back(body.name);
-        table.at(key).fail("got " + in_quotes(name) + suggestion(name, names), "the name of a body: " + listed(names));
-    }
-    return static_cast<int>(found - bodies.begin());
-}
-
-void check_time(Table& table, const std::string& key, double when, const SceneDescription& scene) {
-    if (when > scene.duration)
-        table.at(key).refuse("a time from 0 to the end of the run, " + shown(scene.duration) + " (s)");
-}
-
 // Turns `face` and `strength` into an impulse at the centre of that face of a box, pushing inwards.
 void push_face(Table& table, const std::pair<std::size_t, double>& face, double strength, const SceneDescription& scene,
                ImpulseDescription& impulse) {
@@ -56,6 +38,23 @@ void push_face(Table& table, const std::pair<std::size_t, double>& face, double 
 }
 
 }  // namespace
+
+int resolve(Table& table, const std::string& key, const std::string& name, const SceneDescription& scene) {
+    const auto& bodies = scene.bodies;
+    const auto found =
+        std::find_if(bodies.begin(), bodies.end(), [&](const BodyDescription& body) { return body.name == name; });
+    if (found == bodies.end()) {
+        std::vector<std::string> names;
+        for (const BodyDescription& body : bodies) names.push_back(body.name);
+        table.at(key).fail("got " + in_quotes(name) + suggestion(name, names), "the name of a body: " + listed(names));
+    }
+    return static_cast<int>(found - bodies.begin());
+}
+
+void check_time(Table& table, const std::string& key, double when, const SceneDescription& scene) {
+    if (when > scene.duration)
+        table.at(key).refuse("a time from 0 to the end of the run, " + shown(scene.duration) + " (s)");
+}
 
 SpringDescription read_spring(Table table, const SceneDescription& scene, RangeDescription& range) {
     SpringDescription spring;

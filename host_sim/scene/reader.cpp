@@ -139,6 +139,7 @@ SceneDescription read_root(Table root, const std::string& file, BodyCount count)
     const auto springs = root.tables("spring");
     const auto impulses = root.tables("impulse");
     const auto forces = root.tables("force");
+    const auto events = root.tables("event");
     if (root.has("joint"))
         root.at("joint").fail("there are no joints", "[[spring]] in its place: a stiff one is the nearest to a joint");
     root.finish();
@@ -157,6 +158,7 @@ SceneDescription read_root(Table root, const std::string& file, BodyCount count)
     for (const Table& table : springs) scene.springs.push_back(read_spring(table, scene, scene.range));
     for (const Table& table : impulses) scene.impulses.push_back(read_impulse(table, scene));
     for (const Table& table : forces) scene.forces.push_back(read_force(table, scene));
+    for (const Table& table : events) scene.events.push_back(read_event(table, scene, scene.range));
     return scene;
 }
 

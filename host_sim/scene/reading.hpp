@@ -13,11 +13,19 @@ inline constexpr Quantity stiffness{Quantity::not_negative, "N/m"};
 inline constexpr Quantity damping{Quantity::not_negative, "N s/m"};
 inline constexpr Quantity seconds{Quantity::not_negative, "s"};
 
-// One table each, checked. Springs, impulses and forces name bodies, which the scene has by then.
+// One table each, checked. Springs, impulses, forces and events name bodies, which the scene has by then.
 [[nodiscard]] BodyDescription read_body(Table table, const SceneDescription& scene, RangeDescription& range);
 [[nodiscard]] SpringDescription read_spring(Table table, const SceneDescription& scene, RangeDescription& range);
 [[nodiscard]] ImpulseDescription read_impulse(Table table, const SceneDescription& scene);
 [[nodiscard]] ForceDescription read_force(Table table, const SceneDescription& scene);
+// `live`: an event that a program sends, which has no time.
+[[nodiscard]] EventDescription read_event(Table table, const SceneDescription& scene, RangeDescription& range,
+                                          bool live = false);
+
+// The body that a key names. Throws where there is none.
+[[nodiscard]] int resolve(Table& table, const std::string& key, const std::string& name, const SceneDescription& scene);
+// Throws where a time is after the end of the run.
+void check_time(Table& table, const std::string& key, double when, const SceneDescription& scene);
 
 // Throws where the length of a vector or a quaternion is 0.
 void check_not_zero(const Value& value, const double* numbers, std::size_t count, const std::string& wanted);

@@ -82,7 +82,16 @@ std::string scene_text(const SceneDescription& scene) {
     for (const ForceDescription& f : scene.forces)
         text += "\n[[force]]\n" + line("body", name_of(f.body)) + line("from", f.from) + line("until", f.until) +
                 line("force", f.force) + frame(f.frame) + line("point", f.point) + line("torque", f.torque);
+    for (const EventDescription& event : scene.events) text += event_text(event, scene);
     return text;
+}
+
+std::string event_text(const EventDescription& event, const SceneDescription& scene) {
+    return "\n[[event]]\n" + line("time", event.time) + line("kind", json_text(name_of(event.kind))) +
+           line("body", json_text(scene.body(event.body).name)) + line("value", event.value) +
+           line("frame", event.frame == Frame::body ? json_text("body") : "") +
+           (event.point == Triple{} ? "" : line("point", event.point)) +
+           (event.kind == EventKind::pose ? line("orientation", event.orientation) : "");
 }
 
 }  // namespace tumble::host

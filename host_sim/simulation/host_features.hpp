@@ -5,12 +5,13 @@
 
 namespace tumble::host {
 
-// Every feature that a scene file can ask for, with the host's room. Control and its sensor are for programs.
+// Every feature that a scene file or a live run can ask for, with the host's room. The command itself keeps the events
+// of a live run, and a scene keeps its bodies.
 inline constexpr Features host_features = [] {
     Features f =
         Features{.bodies = max_bodies, .planes = max_planes, .springs = max_springs, .near_pairs = max_near_pairs}
             .with_everything();
-    f.control = f.imu = false;
+    f.recording = f.removal = false;
     return f;
 }();
 

@@ -27,6 +27,12 @@ struct BodySnapshot {
     int contacts = 0;  // contact points in the last step
 };
 
+// What an inertial sensor at the centre of mass measured in the last step: World::imu().
+struct ImuSnapshot {
+    std::array<double, 3> specific_force{};    // m/s^2, user's body axes
+    std::array<double, 3> angular_velocity{};  // rad/s, user's body axes
+};
+
 // J. The potential is that of gravity, springs, mutual gravitation and, as far as world_simulation.hpp tells, of
 // contacts by springs; fixed bodies have none of gravity's, and no kinetic energy.
 struct Energy {
@@ -58,11 +64,14 @@ public:
 
     // Takes one step.
     virtual void step() = 0;
+    // Applies an event before the next step; its time has no meaning.
+    virtual void apply(const EventDescription& event) = 0;
 
     [[nodiscard]] virtual std::int64_t steps_taken() const = 0;
     [[nodiscard]] virtual std::uint64_t hash() const = 0;
     [[nodiscard]] virtual int body_count() const = 0;
     [[nodiscard]] virtual BodySnapshot body(int index) const = 0;
+    [[nodiscard]] virtual ImuSnapshot imu(int index) const = 0;
     [[nodiscard]] virtual Energy energy() const = 0;
 
     // The troubles that set status bits, in order of first occurrence; empty: none.

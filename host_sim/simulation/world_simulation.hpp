@@ -149,6 +149,13 @@ public:
         world().clear_status();
     }
 
+    void apply(const EventDescription& event) override { world().apply(world().prepare(event_of(event))); }
+
+    [[nodiscard]] ImuSnapshot imu(int b) const override {
+        const Imu<double> imu = Owned::replay.world().template imu<double>(BodyId{b});
+        const auto array_of = [](const Vector3<double>& v) { return std::array{v.x, v.y, v.z}; };
+        return {array_of(imu.specific_force), array_of(imu.angular_velocity)};
+    }
     [[nodiscard]] long double largest_safe_step() const override {
         return number(Owned::replay.world().largest_safe_step());
     }

@@ -98,7 +98,14 @@ SceneDescription with_events_at_steps(SceneDescription scene) {
         snap(force.from);
         snap(force.until);
     }
+    for (EventDescription& event : scene.events) snap(event.time);
     return scene;
+}
+
+void require_no_events(const SceneDescription& scene) {
+    if (!scene.events.empty())
+        throw std::invalid_argument(scene.path + ": event: other steps and methods have no reference for [[event]], "
+                                                 "expected [[impulse]] and [[force]] in its place");
 }
 
 Method method_of(const Simulation& simulation) {
@@ -131,6 +138,7 @@ Errors largest_errors(const Samples& a, const Samples& b) {
 SampledScene::SampledScene(SceneDescription scene) : scene_(with_events_at_steps(std::move(scene))) {
     const std::int64_t steps = scene_.steps();
     if (steps == 0) throw std::invalid_argument(scene_.path + ": duration: got 0 s, expected a scene that lasts");
+    require_no_events(scene_);
     // Events within the run must be at whole longer steps, too.
     std::vector<std::int64_t> event_steps;
     const auto note = [&](double time) {

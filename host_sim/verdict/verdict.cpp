@@ -55,6 +55,7 @@ public:
     Judge(const SceneDescription& scene, const VerdictOptions& options)
         : scene_(with_events_at_steps(scene)), options_(options), moments_(moments_of(scene_)),
           touches_(scene.contact.response == ContactResponse::impulse && SmoothMotion(scene, shapes_meet).can_touch()) {
+        require_no_events(scene);
     }
 
     // Throws ProcessorTime::TooDear.

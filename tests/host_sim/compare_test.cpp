@@ -16,6 +16,24 @@ TEST(CompareDeep, host_and_core_agree_in_every_recorded_state_of_floats) {
     for (const char* numbers : {"f32", "f64"}) expect_core_agrees(numbers);
 }
 
+// The host has every feature compiled in, the core those of the recording.
+TEST(Compare, a_recording_of_a_live_run_gives_the_same_bits_on_a_core) {
+    const std::string record = temporary("recorded.toml");
+    std::string states;
+    Process process({TUMBLE_COMMAND, "run", shipped("cube"), "--live", "--duration", "0.5", "--record", record},
+                    "{\"kind\": \"force\", \"body\": \"cube\", \"frame\": \"body\", \"value\": [1, 2, 0.5]}\n"
+                    "{\"step\": 20}\n"
+                    "{\"kind\": \"torque\", \"body\": \"cube\", \"value\": [0.1, 0.2, 0.05]}\n{\"step\": 20}\n"
+                    "{\"kind\": \"impulse\", \"body\": \"cube\", \"value\": [1, 2, 0.5], \"point\": [0, 0.1, 0]}\n"
+                    "{\"kind\": \"pose\", \"body\": \"cube\", \"value\": [1, 2, 0.5]}\n{\"step\": 500}\n");
+    ASSERT_EQ(process.wait(&states), 0);
+    const std::string hash = Json::parse(lines_of(states).back())["state_hash"];
+    const Outcome outcome = tumble({"compare", record, "--core", "cortex-m3", "--duration", "0.5"});
+    EXPECT_EQ(outcome.status, 0) << outcome.text;
+    EXPECT_TRUE(has(outcome.text, "cortex-m3 agrees with the host")) << outcome.text;
+    EXPECT_TRUE(has(outcome.text, "hash " + hash)) << outcome.text;
+}
+
 TEST(CompareDeep, every_load_gives_the_same_bits) {
     for (const auto* scene : {"pendulum", "projectile", "satellite", "orbit"}) {
         const Outcome outcome = tumble({"compare", shipped(scene), "--core", "cortex-m4f", "--every", "64",

@@ -36,6 +36,7 @@ const std::map<std::string, Keys> least{
     {"spring", {{"body", "\"brick\""}, {"to", "[0.0, 1.0, 0.0]"}, {"stiffness", "1.0"}}},
     {"impulse", {{"time", "0.5"}, {"body", "\"brick\""}, {"impulse", "[1.0, 0.0, 0.0]"}}},
     {"force", {{"body", "\"brick\""}, {"until", "1.0"}, {"force", "[1.0, 0.0, 0.0]"}}},
+    {"event", {{"time", "0.5"}, {"kind", "\"impulse\""}, {"body", "\"brick\""}, {"value", "[1.0, 0.0, 0.0]"}}},
 };
 
 std::string inline_table(const Keys& keys) {
@@ -44,7 +45,8 @@ std::string inline_table(const Keys& keys) {
     return "{ " + text + " }";
 }
 bool is_list(const std::string& table) {
-    return table == "plane" || table == "body" || table == "spring" || table == "impulse" || table == "force";
+    return table == "plane" || table == "body" || table == "spring" || table == "impulse" || table == "force" ||
+           table == "event";
 }
 
 // A scene whose table of that name has these keys and no others; of the top level those whose value is not empty.

@@ -36,15 +36,20 @@ public:
             gravity_[i] = N::fall(fall_in_halves ? fall * Real::scaled(1, -1) : fall);
         }
     }
-    // Adds a body at the first free place, which there must be.
-    int add(const BodySpec& spec, const PrincipalInertia& inertia) {
-        const int b = bodies.add(spec, inertia);
+    // Adds a body at a place, which is free: the end or one that a body has left.
+    void add(const BodySpec& spec, const PrincipalInertia& inertia, int b) {
+        bodies.add(spec, inertia, b);
         if constexpr (rotation)
             if (bodies.rotates(b)) inertia_[b] = Inertia::of(inertia.moments, bodies.scale);
         spin_changed(b);
         if constexpr (has_loads) loads.set_body(b, spec, inertia, bodies);
         if constexpr (features.drag) loads.check_drag(b, spec, inertia, bodies, step_bounds);
-        return b;
+    }
+    // Leaves a place without a body, and removes its springs.
+    void remove(int b) {
+        bodies.remove(b);
+        if constexpr (has_loads) loads.remove(b, bodies);
+        if constexpr (has_wrenches) wrenches.forget(b);
     }
     // Adds a spring; false when there is no room.
     bool add(const SpringSpec& spec) requires(features.springs > 0) {

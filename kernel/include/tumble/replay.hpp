@@ -2,9 +2,9 @@
 // at run time) both set up their worlds here, so both do the same arithmetic in the same order.
 //
 // Data has the members name, step (Seconds), steps, world (WorldSpec), and the lists bodies, planes, springs, impulses
-// and forces of their *Spec types. In the output of `tumble compile` all of them are static constexpr. A list is a
-// std::array, or any type with size() that resize() can grow. Config is a Scene with room for all data and the features
-// that it needs.
+// and forces of their *Spec types; a list events of EventSpec may be there. In the output of `tumble compile` all of
+// them are static constexpr. A list is a std::array, or any type with size() that resize() can grow. Config is a Scene
+// with room for all data and the features that it needs.
 #pragma once
 
 #include <tumble/world.hpp>
@@ -33,6 +33,15 @@ class Replay {
     using N = typename Config::Numbers;
     template <class List, class T>
     using Prepared = typename detail::ListOf<std::remove_cvref_t<List>, T>::type;
+    static constexpr bool has_events = Config::features.script && requires(const Data& data) { data.events; };
+    template <bool has = has_events, class From = Data>
+    struct Events {
+        using type = detail::Nothing<0>;
+    };
+    template <class From>
+    struct Events<true, From> {
+        using type = Prepared<decltype(From::events), Event<N>>;
+    };
 
 public:
     // Sets up the scene. Without enough room in Config, Issue::world_full is set or the excess is dropped: check Config
@@ -47,6 +56,7 @@ public:
         if constexpr (Config::features.impulses)
             world_.set_impulses(prepare_sorted(impulses_, data.impulses, world_.bodies()));
         if constexpr (Config::features.forces) world_.set_forces(prepare_sorted(forces_, data.forces, world_.bodies()));
+        if constexpr (has_events) world_.set_script(prepare_sorted(events_, data.events, world_.bodies()));
     }
     // The world points to the prepared arrays.
     Replay(const Replay&) = delete;
@@ -63,6 +73,7 @@ private:
     World<Config> world_;
     [[no_unique_address]] Prepared<decltype(Data::impulses), Impulse<N>> impulses_{};
     [[no_unique_address]] Prepared<decltype(Data::forces), TimedForce<N>> forces_{};
+    [[no_unique_address]] typename Events<>::type events_{};
 };
 
 }  // namespace tumble

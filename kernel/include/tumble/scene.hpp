@@ -24,6 +24,9 @@ struct Features {
     bool forces = false;           // forces and torques at set times
     bool impulses = false;         // impulses at set times
     bool control = false;          // the program sets forces and torques while it runs
+    bool script = false;           // events of every kind at set times, for World::set_script()
+    bool recording = false;        // the world writes its events to a recording, for World::record()
+    bool removal = false;          // bodies can be removed, and their places are used again
     bool imu = false;              // the world keeps the motion before each step, for World::imu()
     bool pairs = false;            // bodies collide with bodies
     bool boxes = false;            // boxes collide (spheres always do if there are planes or pairs)
@@ -50,6 +53,9 @@ struct Features {
         f("forces", &Features::forces);
         f("impulses", &Features::impulses);
         f("control", &Features::control);
+        f("script", &Features::script);
+        f("recording", &Features::recording);
+        f("removal", &Features::removal);
         f("imu", &Features::imu);
         f("pairs", &Features::pairs);
         f("boxes", &Features::boxes);

@@ -6,14 +6,17 @@
 #pragma once
 
 #include <tumble/advance.hpp>
+#include <tumble/body/places.hpp>
 #include <tumble/contact/island_step.hpp>
 #include <tumble/contact/sleep.hpp>
 #include <tumble/events/readout.hpp>
+#include <tumble/events/script.hpp>
 
 namespace tumble {
 
 // Bodies, loads and contacts, with the capacities of the scene type S. A world is a value: a copy goes on with the same
-// bits. The arrays of set_impulses() and set_forces() are not copied; both worlds point to them.
+// bits. The arrays of set_impulses(), set_forces() and set_script() and the recording of record() are not copied; both
+// worlds point to them.
 template <class S>
 class World {
 public:
@@ -48,6 +51,7 @@ public:
 
     // Gravity from the next step on, m/s^2, world frame. Wakes all bodies.
     void set_gravity(RealVec3 gravity) {
+        refuse_to_record();
         if constexpr (has_contacts) {
             contacts_.set_gravity(gravity * (advance_.bodies.step_length * advance_.bodies.step_length));
             for (int b = 0; b < advance_.bodies.count; ++b) disturb(b);
@@ -57,30 +61,35 @@ public:
         advance_.set_gravity(gravity);
     }
 
-    // Adds a body; false (and Issue::world_full) when there is no room. Mass and moments must be positive; a point mass
-    // has no moments. status() reports a start outside the range.
+    // Adds a body at the first free place; false (and Issue::world_full) when there is no room. Mass and moments must
+    // be positive; a point mass has no moments. status() reports a start outside the range.
     BodyId add(const BodySpec& spec) requires(features.bodies > 0) {
-        if (advance_.bodies.count >= features.bodies) {
-            advance_.bodies.report(Issue::world_full, advance_.bodies.count);
+        refuse_to_record();
+        int b = advance_.bodies.count;
+        if constexpr (features.removal) b = places_.first_free();
+        if (b >= features.bodies) {
+            advance_.bodies.report(Issue::world_full, b);
             return {};
         }
         if constexpr (features.touches()) TUMBLE_ASSERT(is_restitution(spec.restitution));
         const PrincipalInertia inertia = features.rotation ? principal_inertia(spec.inertia) : PrincipalInertia{};
-        const int b = advance_.add(spec, inertia);
+        advance_.add(spec, inertia, b);
         if constexpr (has_imu) remember(b);
         if constexpr (has_contacts) {
             contacts_.set_shape(b, spec, inertia, advance_.bodies.constants[b].units);
             if (!spec.fixed) sleepers_.add(b);
             // Before the first step no body has a time to contact, and none sleeps.
             if (advance_.bodies.steps_taken > 0)
-                for (int other = 0; other <= b; ++other) disturb(other);
+                for (int other = 0; other < advance_.bodies.count; ++other) disturb(other);
         }
-        return BodyId{b};
+        if constexpr (features.removal) return places_.take(b);
+        else return BodyId{b};
     }
 
     // Adds a plane; false when there is no room. In fixed point its offset is at most four times the range of
     // positions.
     PlaneId add(const PlaneSpec& spec) requires(features.planes > 0) {
+        refuse_to_record();
         TUMBLE_ASSERT(is_restitution(spec.restitution));
         bool added = true;
         int count = 1;  // where nothing can touch it
@@ -97,6 +106,9 @@ public:
     // Adds a spring between bodies already added; false when there is no room. status() reports a step that is surely
     // too long for it.
     SpringId add(const SpringSpec& spec) requires(features.springs > 0) {
+        refuse_to_record();
+        if constexpr (features.removal)
+            TUMBLE_ASSERT(places_.is_taken(spec.body) && (spec.to_body < 0 || places_.is_taken(spec.to_body)));
         return advance_.add(spec) ? SpringId{advance_.loads.spring_count() - 1} : SpringId{};
     }
 
@@ -104,24 +116,38 @@ public:
     [[nodiscard]] Impulse<N> prepare(const ImpulseSpec& spec) const { return tumble::prepare(advance_.bodies, spec); }
     // Converts a timed force to this world's numbers, for set_forces().
     [[nodiscard]] TimedForce<N> prepare(const ForceSpec& spec) const { return tumble::prepare(advance_.bodies, spec); }
+    // Converts an event of a scene to this world's numbers, for set_script().
+    [[nodiscard]] Event<N> prepare(const EventSpec& spec) const { return tumble::prepare(advance_.bodies, spec); }
     // Sets the impulses for the steps to come, in place of those set before. The array is sorted by step and must
     // outlive their use. Impulses before the next step are skipped. The bodies must have been added.
     void set_impulses(Span<Impulse<N>> impulses) requires(features.impulses) {
+        refuse_to_record();
         require_bodies(impulses);
-        for (int i = 1; i < impulses.count; ++i) TUMBLE_ASSERT(impulses.first[i - 1].step <= impulses.first[i].step);
-        impulses_ = impulses;
-        next_event_ = 0;
-        while (next_event_ < impulses.count && impulses.first[next_event_].step < now()) ++next_event_;
+        impulses_.set(impulses, now());
     }
     // Sets the timed forces likewise. A sorted array is faster, but need not be. Wakes the bodies that they act on.
     void set_forces(Span<TimedForce<N>> forces) requires(features.forces) {
+        refuse_to_record();
         require_bodies(forces);
         advance_.loads.set_forces(forces, now(), [&](int b) { disturb(b); });
     }
 
+    // Sets the script for the steps to come: events of every kind, sorted by step, in an array that outlives their use.
+    // Each step first applies its events of the script, as apply() does, then its impulses of set_impulses(). Forces
+    // need Features::control.
+    void set_script(Span<Event<N>> events) requires(features.script) {
+        require_bodies(events);
+        script_.set(events, now());
+    }
+    // Appends every event from now on, live or of the script, to `recording`; null: no longer. The recording is a
+    // script that brings a copy of this world to the same state. What no event holds is misuse meanwhile: to add
+    // something, to set gravity, impulses and forces of a scene, and apply_impulse() without a frame.
+    void record(Recording<N>* recording) requires(features.recording) { recording_ = recording; }
+
     // Applies an impulse (N s, world frame) at once, at a point of the body (m, user's body axes). The position does
     // not change. For a point mass, a point other than zero is misuse.
     void apply_impulse(BodyId id, RealVec3 impulse, RealVec3 point = {}) {
+        refuse_to_record();
         const int b = place_of(id);
         TUMBLE_ASSERT(advance_.bodies.rotates(b) || point.is_zero());
         apply({0, static_cast<std::int16_t>(b), Frame::world, work_vector<N>(impulse), zero_vector<N>(),
@@ -174,12 +200,28 @@ public:
         apply_event({EventKind::pose, Frame::world, id, position, {}, orientation.template as<Work>()});
     }
 
+    // Removes a body at once. Its springs go with it, and the springs behind them move up; so do its forces, its
+    // contacts and what is known of its sleep, and all bodies wake. The place counts in the hash as one without a body.
+    // The next body that is added takes the first free place, with another id. The old id is misuse from now on, but an
+    // event of a script that names it is skipped. The impulses and forces of a scene name places, not ids: they act on
+    // a new body of the place, and on none where it is free.
+    void remove(BodyId id) requires(features.removal) {
+        apply_event({EventKind::remove, Frame::world, id, {}, {}, {}});
+    }
+    // True of a body that has been added and not been removed.
+    [[nodiscard]] bool contains(BodyId id) const {
+        if constexpr (features.removal) return places_.contains(id);
+        else return id && id.index() < advance_.bodies.count && id.generation() == 0;
+    }
+
     // Advances every body by one step: events that are due, loads, motion, contacts. Returns the sticky status.
     Status step() {
-        if constexpr (features.impulses) {
-            while (next_event_ < impulses_.count && impulses_.first[next_event_].step <= now())
-                apply(impulses_.first[next_event_++]);
-        }
+        if constexpr (features.script)
+            script_.for_each_due(now(), [&](const Event<N>& event) {
+                if (contains(event.body)) apply(event);
+            });
+        if constexpr (features.impulses)
+            impulses_.for_each_due(now(), [&](const Impulse<N>& impulse) { apply(impulse); });
         if constexpr (features.forces && has_loads) advance_.loads.start_step(now(), [&](int b) { disturb(b); });
         if constexpr (has_imu)
             for (int b = 0; b < advance_.bodies.count; ++b) remember(b);
@@ -202,8 +244,11 @@ public:
         return advance_.bodies.status;
     }
 
-    // Number of bodies added.
-    [[nodiscard]] int body_count() const { return advance_.bodies.count; }
+    // Number of bodies in the world.
+    [[nodiscard]] int body_count() const {
+        if constexpr (features.removal) return places_.count();
+        else return advance_.bodies.count;
+    }
     // Number of steps since the start, modulo 2^32. Time is this times the step.
     [[nodiscard]] std::uint32_t steps_taken() const { return advance_.bodies.steps_taken; }
     // The sticky status.
@@ -311,7 +356,7 @@ private:
     using BodyGroup = typename Advance::BodyGroup;
     using Contacts = ContactSet<N, Integrator::spin, features>;
     using Sleepers = tumble::Sleepers<N, Integrator::spin, features>;
-    static constexpr bool has_events = features.impulses || features.forces;
+    static constexpr bool has_events = features.impulses || features.forces || features.script || features.recording;
     static constexpr bool has_imu = features.imu && features.bodies > 0;
     using Before = detail::MotionBefore<State>;
 
@@ -330,12 +375,19 @@ private:
         if constexpr (features.rotation) before_[b].t_b = advance_.bodies.state[b].t_b;
     }
 
-    [[nodiscard]] TUMBLE_INLINE int place_of(BodyId id) const { return advance_.bodies.index_of(id); }
+    [[nodiscard]] TUMBLE_INLINE int place_of(BodyId id) const {
+        if constexpr (features.removal) TUMBLE_ASSERT(places_.contains(id));
+        return advance_.bodies.index_of(id);
+    }
     // The next step's number, which does not wrap; events count so.
     [[nodiscard]] TUMBLE_INLINE std::uint64_t now() const requires has_events {
         return std::uint64_t{wraps_} << 32 | advance_.bodies.steps_taken;
     }
 
+    // What a recording does not hold is misuse while the world records.
+    void refuse_to_record() const {
+        if constexpr (features.recording) TUMBLE_ASSERT(recording_ == nullptr);
+    }
     // An event of a body that has not been added is misuse.
     template <class Event>
     void require_bodies(Span<Event> events) const {
@@ -344,6 +396,8 @@ private:
     TUMBLE_INLINE void apply_event(const Event<N>& event) {
         auto& bodies = advance_.bodies;
         const int b = place_of(event.body);
+        if constexpr (features.recording)
+            if (recording_ != nullptr) recording_->append(event, now());
         switch (event.kind) {
         case EventKind::impulse:
         case EventKind::angular_impulse:
@@ -368,6 +422,10 @@ private:
             detail::set_angular_velocity(bodies, b, event, steps_per_second());
             break;
         case EventKind::pose: detail::set_pose(bodies, b, event); break;
+        case EventKind::remove:
+            TUMBLE_ASSERT(features.removal);
+            if constexpr (features.removal) take_away(b);
+            return;
         }
         if (event.kind == EventKind::pose || bodies.constants[b].fixed) replaced(b);
         advance_.check_range(b);
@@ -380,6 +438,17 @@ private:
         advance_.spin_changed(event.body);
         if constexpr (has_imu) remember(event.body);
         disturb(event.body);
+    }
+    [[gnu::noinline]] void take_away(int b) requires(features.removal) {
+        disturb(b);
+        replaced(b);
+        if constexpr (has_contacts) {
+            BodySpec nobody;
+            contacts_.set_shape(b, nobody, {{1, 1, 1}, {}}, advance_.bodies.constants[b].units);
+            sleepers_.remove(b);
+        }
+        advance_.remove(b);
+        places_.leave(b);
     }
     // Call after body b got another pose, or a fixed body another spin: its pairs are found anew, and every body wakes,
     // since b may have left it or come to it.
@@ -571,8 +640,10 @@ private:
     [[no_unique_address]] Advance advance_;
     [[no_unique_address]] If<has_contacts, Contacts, 1> contacts_;
     [[no_unique_address]] If<has_contacts, Sleepers, 4> sleepers_;
-    [[no_unique_address]] If<features.impulses, Span<Impulse<N>>, 2> impulses_{};
-    [[no_unique_address]] If<features.impulses, int, 3> next_event_{};
+    [[no_unique_address]] If<features.impulses, Script<Impulse<N>>, 2> impulses_{};
+    [[no_unique_address]] If<features.script, Script<Event<N>>, 3> script_{};
+    [[no_unique_address]] If<features.recording, Recording<N>*, 8> recording_{};
+    [[no_unique_address]] If<features.removal, Places<(features.bodies > 0 ? features.bodies : 1)>, 9> places_{};
     [[no_unique_address]] If<has_imu, typename tumble::detail::RoomFor<Before, features.bodies>::Array, 7> before_{};
     [[no_unique_address]] If<has_events, std::uint32_t, 5> wraps_{};  // how often the number of steps began anew
 };

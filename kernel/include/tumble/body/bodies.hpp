@@ -133,12 +133,12 @@ public:
         TUMBLE_ASSERT(step.value > Real{});
     }
 
-    // Adds a body at the first free place, which must exist. Misuse: a point mass with a rotation or a spin, a point
-    // mass in a world without point masses, and any other body in a world without rotation.
-    [[gnu::noinline]] int add(const BodySpec& spec, [[maybe_unused]] const PrincipalInertia& inertia) {
+    // Adds a body at a place, which is free: the end or one that a body has left. Misuse: a point mass with a rotation
+    // or a spin, a point mass in a world without point masses, and any other body in a world without rotation.
+    [[gnu::noinline]] void add(const BodySpec& spec, [[maybe_unused]] const PrincipalInertia& inertia, int b) {
         TUMBLE_ASSERT(spec.mass > Real{});
         TUMBLE_ASSERT(has_positive_size(spec.shape));
-        const int b = count++;
+        if (b == count) ++count;
         Constants& body = constants[b];
         body.drift_per_impulse = N::template constant<Work>(step_length / spec.mass);
         State& s = state[b];
@@ -152,7 +152,11 @@ public:
         if (!rotates(b)) TUMBLE_ASSERT(spec.orientation.v.is_zero() && spec.angular_velocity.is_zero());
         if constexpr (rotation) set_rotation(b, spec, inertia);
         check_range(b);
-        return b;
+    }
+    // Leaves a place without a body, as one that no body has had.
+    void remove(int b) {
+        state[b] = {};
+        constants[b] = {};
     }
     // False of a point mass.
     [[nodiscard]] TUMBLE_INLINE bool rotates([[maybe_unused]] int b) const {
@@ -265,7 +269,7 @@ public:
     [[no_unique_address]] typename detail::RoomFor<Constants, capacity>::Array constants{};
     Status status{};
     std::uint32_t steps_taken = 0;  // modulo 2^32
-    std::int16_t count = 0;
+    std::int16_t count = 0;         // of places up to the last that has had a body
     typename N::Scale scale;
 
 private:

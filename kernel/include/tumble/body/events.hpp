@@ -101,13 +101,11 @@ inline void apply(const Impulse<N>& event, Bodies<N, spin, capacity, points>& bo
 
 namespace detail {
 
-template <class N>
-[[nodiscard]] constexpr std::uint64_t start_of(const Impulse<N>& impulse) {
-    return impulse.step;
-}
-template <class N>
-[[nodiscard]] constexpr std::uint64_t start_of(const TimedForce<N>& force) {
-    return force.from;
+// The step before which an event is applied, or the first of a force.
+template <class Timed>
+[[nodiscard]] constexpr std::uint64_t start_of(const Timed& event) {
+    if constexpr (requires { event.from; }) return event.from;
+    else return event.step;
 }
 
 }  // namespace detail

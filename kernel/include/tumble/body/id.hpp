@@ -8,7 +8,8 @@ namespace tumble {
 // What a world keeps in the order of add().
 enum class Thing : std::uint8_t { body, plane, spring };
 
-// The number of a body, plane or spring in its world. False if add() found no room.
+// The number of a body, plane or spring in its world. False if add() found no room. The id of a body also holds how
+// often the body of its place had been removed when it was added, so that the id of a removed body names no other.
 template <Thing thing>
 class Id {
 public:
@@ -16,17 +17,22 @@ public:
     // From the place in the order of add(), from 0.
     constexpr explicit Id(int index)
         : index_{index < 0 || index > most ? std::int16_t{-1} : static_cast<std::int16_t>(index)} {}
+    // The same after so many removals of this place, modulo 2^16.
+    constexpr Id(int index, std::uint16_t generation) : Id{index} { generation_ = generation; }
     // True of an id of something. False of the result of add() without room.
     [[nodiscard]] constexpr explicit operator bool() const { return index_ >= 0; }
     [[nodiscard]] constexpr Id operator*() const { return *this; }
     // The place in the order of add(), from 0. -1: the id of nothing.
     [[nodiscard]] constexpr int index() const { return index_; }
+    // How often a body of this place had been removed before, modulo 2^16.
+    [[nodiscard]] constexpr std::uint16_t generation() const { return generation_; }
     friend constexpr bool operator==(Id, Id) = default;
     // The largest index that an id can hold.
     static constexpr int most = 0x7fff;
 
 private:
     std::int16_t index_ = -1;
+    std::uint16_t generation_ = 0;
 };
 // Of a body.
 using BodyId = Id<Thing::body>;

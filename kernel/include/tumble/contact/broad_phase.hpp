@@ -25,6 +25,7 @@ public:
     [[gnu::noinline]] void set_shape(int b, const BodySpec& spec, const PrincipalInertia& inertia,
                                      const SpinUnits<N, spin>& units) {
         if (make_room(reach_of(spec.shape))) forget_all();
+        touching_[b] = 0;
         set_collision_shape<N, spin, features.mixed()>(shape_[b], spec, inertia, scale(), units);
     }
 

@@ -32,6 +32,11 @@ public:
 
     // Adds an awake body.
     void add(int b) { awake_[awake_count_++] = static_cast<std::int16_t>(b); }
+    // Call when a body that is awake is removed.
+    void remove(int b) {
+        remove_from_list(b);
+        if constexpr (features.sleep) quiet_[b] = 0;
+    }
     // Awake bodies, in the order in which they were added or woke.
     [[nodiscard]] TUMBLE_INLINE int awake_count() const { return awake_count_; }
     [[nodiscard]] TUMBLE_INLINE int awake(int k) const {
@@ -69,13 +74,16 @@ public:
             state.d_w[i] = {};
             state.t_b[i] = {};
         }
+        remove_from_list(b);
+    }
+
+private:
+    void remove_from_list(int b) {
         int kept = 0;
         for (int k = 0; k < awake_count_; ++k)
             if (awake_[k] != b) awake_[kept++] = awake_[k];
         awake_count_ = kept;
     }
-
-private:
     [[nodiscard]] bool is_slow(const Bodies& bodies, int b) const requires(features.sleep) {
         const auto& state = bodies.state[b];
         Work speed2(0), spin2(0);

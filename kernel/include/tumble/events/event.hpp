@@ -39,7 +39,24 @@ enum class EventKind : std::uint8_t {
     velocity,          // value: m/s
     angular_velocity,  // value: rad/s
     pose,              // value: m, world; `orientation`
+    remove,            // the body leaves the world; needs Features::removal
 };
+
+// The name of a kind, as scene files write it: angular_impulse.
+[[nodiscard]] constexpr const char* name_of(EventKind kind) {
+    switch (kind) {
+    case EventKind::impulse: return "impulse";
+    case EventKind::angular_impulse: return "angular_impulse";
+    case EventKind::force: return "force";
+    case EventKind::torque: return "torque";
+    case EventKind::step_force: return "step_force";
+    case EventKind::step_torque: return "step_torque";
+    case EventKind::velocity: return "velocity";
+    case EventKind::angular_velocity: return "angular_velocity";
+    case EventKind::pose: return "pose";
+    default: return "remove";
+    }
+}
 
 // An event of a body, in the working numbers of its world. World::apply() applies it before the next step.
 template <class N>
@@ -52,6 +69,7 @@ struct Event {
     InputVector<N> value{};               // see the kind
     InputVector<N> point{};               // m, user's body axes, from the centre of mass
     Quaternion<Work> orientation{};       // user's body axes to world; normalised when applied
+    std::uint64_t step = 0;               // in a script: applied before this step is taken; else without meaning
 };
 
 namespace detail {

@@ -46,6 +46,8 @@ public:
                 });
         if (!within) bodies.report(Issue::range_left, b);
     }
+    // Call when a body has been removed.
+    void forget(int b) { body_[b] = {}; }
     // Call when the step begins.
     template <class Bodies>
     TUMBLE_INLINE void start_step(Bodies& bodies) {

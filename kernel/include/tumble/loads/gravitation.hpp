@@ -32,6 +32,7 @@ public:
             const int a = group.members.id[k];
             for (int b = 0; b < group.bodies.count; ++b) {
                 if (b == a || (b < a && group.find(b) != nullptr)) continue;  // a pair of the group once
+                if (mass_[b] == Work(0)) continue;                            // the place of a removed body
                 if (!apply(group.loaded[k], mass_[a], *group.other_end(b), mass_[b], group.bodies.constants[b].fixed))
                     group.bodies.report(Issue::step_too_long, a);
             }

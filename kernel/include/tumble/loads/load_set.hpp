@@ -56,6 +56,14 @@ public:
             return false;
         });
     }
+    // Call when a body has been removed: its place loads nothing, and its springs go.
+    void remove(int b, Bodies& bodies) {
+        BodySpec nobody;
+        nobody.mass = 0;
+        nobody.fixed = true;
+        set_body(b, nobody, {}, bodies);
+        if constexpr (features.springs > 0) springs_.remove_from(b);
+    }
     // False when there is no room.
     bool add(const PlaneSpec& spec, Bodies& bodies) requires(features.springs_touch()) {
         return contacts_.add(spec, bodies);

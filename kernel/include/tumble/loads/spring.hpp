@@ -102,6 +102,14 @@ public:
         return true;
     }
 
+    // Removes the springs that are tied to body b. The others keep their order.
+    void remove_from(int b) {
+        int kept = 0;
+        for (int s = 0; s < count_; ++s)
+            if (spring_[s].body != b && spring_[s].to_body != b) spring_[kept++] = spring_[s];
+        count_ = kept;
+    }
+
     // Returns a body that the newest spring moves, if the step is surely too long for that spring; else -1. `body`
     // holds all bodies as they stand, without velocity; `step` is in s.
     //

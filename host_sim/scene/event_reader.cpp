@@ -1,0 +1,81 @@
+// Tables of events, in scene files and on the standard input of a live run.
+#include "scene/reading.hpp"
+
+namespace tumble::host {
+namespace {
+
+// The unit of a value depends on its kind.
+constexpr Quantity any_triple{Quantity::any, "", "x, y, z"};
+constexpr Quantity any_quaternion{Quantity::any, "", "w, x, y, z"};
+
+// Does the event act at a point?
+bool has_point(EventKind kind) {
+    return kind == EventKind::impulse || kind == EventKind::force || kind == EventKind::step_force;
+}
+bool turns(EventKind kind) {
+    return kind == EventKind::angular_impulse || kind == EventKind::torque || kind == EventKind::step_torque ||
+           kind == EventKind::angular_velocity;
+}
+// What a point mass does not have.
+void refuse_rotation(Table& table, const EventDescription& event, const BodyDescription& body) {
+    if (!body.is_point_mass()) return;
+    const std::string what = "body " + in_quotes(body.name) + " is a point mass, which does not rotate";
+    if (turns(event.kind)) table.at("kind").fail(what, "a kind of event that does not rotate it");
+    if (event.frame == Frame::body) table.at("frame").fail(what, "\"world\" or no frame");
+    if (table.has("orientation")) table.at("orientation").fail(what, "no orientation");
+    refuse_to_turn(table, "point", event.point, body);
+}
+void check_ranges(Table& table, const EventDescription& event, RangeDescription& range) {
+    switch (event.kind) {
+    case EventKind::velocity: return check_range(table, "value", event.value, "velocity", range);
+    case EventKind::angular_velocity: return check_range(table, "value", event.value, "angular_velocity", range);
+    case EventKind::pose: return check_range(table, "value", event.value, "position", range);
+    default: return;
+    }
+}
+
+const Words<EventKind>& event_kinds() {
+    static const Words<EventKind> kinds = [] {
+        Words<EventKind> all;
+        for (int i = 0; i <= static_cast<int>(EventKind::pose); ++i) {  // a scene keeps its bodies
+            const auto kind = static_cast<EventKind>(i);
+            all.emplace_back(name_of(kind), kind);
+        }
+        return all;
+    }();
+    return kinds;
+}
+
+}  // namespace
+
+EventDescription read_event(Table table, const SceneDescription& scene, RangeDescription& range, bool live) {
+    static const Words<Frame> frames{{"world", Frame::world}, {"body", Frame::body}};
+    EventDescription event;
+    std::string body;
+    if (!live) table.required("time", event.time, seconds);
+    table.required("kind", event.kind, event_kinds());
+    table.required("body", body);
+    table.required("value", event.value, any_triple);
+    table.optional("frame", event.frame, frames);
+    table.optional("point", event.point, metres);
+    const bool has_orientation = table.optional("orientation", event.orientation, any_quaternion);
+    table.finish();
+
+    event.body = resolve(table, "body", body, scene);
+    if (!live) check_time(table, "time", event.time, scene);
+    const std::string kind = name_of(event.kind);
+    if (has_orientation && event.kind != EventKind::pose)
+        table.at("orientation").fail("given for " + in_quotes(kind), "it for a pose alone");
+    if (table.has("frame") && event.kind == EventKind::pose)
+        table.at("frame").fail("given for a pose", "no frame: a pose is in the world's");
+    if (table.has("point") && !has_point(event.kind))
+        table.at("point").fail("given for " + in_quotes(kind), "it for an impulse or a force alone");
+    if (has_orientation)
+        check_not_zero(table.at("orientation"), event.orientation.data(), event.orientation.size(),
+                       "a quaternion [w, x, y, z] whose length is not 0");
+    refuse_rotation(table, event, scene.body(event.body));
+    check_ranges(table, event, range);
+    return event;
+}
+
+}  // namespace tumble::host

@@ -1,0 +1,122 @@
+// Events of many steps: a script, which a world applies, and a recording, which a world writes. A recording is a
+// script: a world that starts where the recording started, and applies it, reaches the same state in every bit.
+#pragma once
+
+#include <tumble/body/events.hpp>
+#include <tumble/events/event.hpp>
+
+namespace tumble {
+
+// An event of a scene, in SI units. World::prepare() makes an Event from it.
+struct EventSpec {
+    Real time = 0;                        // s, rounded to the nearest step; the event comes before that step
+    EventKind kind = EventKind::impulse;  // what happens
+    BodyIndex body = 0;                   // its id, or its number in the order of add()
+    Frame frame = Frame::world;           // of `value`
+    RealVec3 value{};                     // see EventKind
+    RealVec3 point{};                     // m, user's body axes, from the centre of mass
+    RealQuat orientation{};               // user's body axes to world
+};
+
+// An event of a scene in the numbers of the bodies' world.
+template <class N, Spin spin, int capacity, bool points>
+[[gnu::noinline, nodiscard]] Event<N> prepare(const Bodies<N, spin, capacity, points>& bodies, const EventSpec& spec) {
+    return {spec.kind,
+            spec.frame,
+            BodyId{bodies.index_of(spec.body)},
+            spec.value,
+            spec.point,
+            spec.orientation.template as<typename N::Work>(),
+            bodies.step_of(spec.time)};
+}
+
+// An array of events that is sorted by step, and the place of the next one.
+template <class Timed>
+class Script {
+public:
+    // The array must outlive its use. Events before step `now` are skipped.
+    void set(Span<Timed> events, std::uint64_t now) {
+        for (int i = 1; i < events.count; ++i) TUMBLE_ASSERT(events.first[i - 1].step <= events.first[i].step);
+        events_ = events;
+        next_ = 0;
+        while (next_ < events.count && events.first[next_].step < now) ++next_;
+    }
+    // Calls apply(event) for each event that is due at step `now`, in the order of the array.
+    template <class F>
+    TUMBLE_INLINE void for_each_due(std::uint64_t now, F&& apply) {
+        while (next_ < events_.count && events_.first[next_].step <= now) apply(events_.first[next_++]);
+    }
+
+private:
+    Span<Timed> events_{};
+    int next_ = 0;
+};
+
+// The events that a world has applied, each with its step. The room is that of the Recorder that it belongs to. An
+// event for which there is no room overwrites the oldest one and is counted.
+template <class N>
+class Recording {
+public:
+    Recording(const Recording&) = delete;
+    Recording& operator=(const Recording&) = delete;
+
+    // Number of events that are kept.
+    [[nodiscard]] int count() const { return count_; }
+    // Event i of those that are kept, from the oldest.
+    [[nodiscard]] const Event<N>& operator[](int i) const {
+        TUMBLE_ASSERT(i >= 0 && i < count_);
+        return ring_[place(i)];
+    }
+    // Number of events that have been overwritten since the start or clear(), held at 2^32 - 1.
+    [[nodiscard]] std::uint32_t lost() const { return lost_; }
+    // The events as a script for World::set_script(). A recording that has lost events is no script: asking for it is
+    // misuse.
+    [[nodiscard]] Span<Event<N>> script() const {
+        TUMBLE_ASSERT(lost_ == 0);
+        return {ring_, count_};
+    }
+    // Starts anew, for instance where the program takes a snapshot of the world.
+    void clear() {
+        first_ = count_ = 0;
+        lost_ = 0;
+    }
+    // Forgets the events of `step` and of all later steps: call it where the world goes back to this step.
+    void forget_from(std::uint64_t step) {
+        while (count_ > 0 && ring_[place(count_ - 1)].step >= step) --count_;
+    }
+    // Appends an event that is applied before `step`. The world calls it.
+    void append(const Event<N>& event, std::uint64_t step) {
+        if (count_ == room_) {
+            first_ = place(1);
+            --count_;
+            if (lost_ != 0xffffffffu) ++lost_;
+        }
+        Event<N>& kept = ring_[place(count_++)];
+        kept = event;
+        kept.step = step;
+    }
+
+protected:
+    Recording(Event<N>* ring, int room) : ring_{ring}, room_{room} {}
+
+private:
+    [[nodiscard]] int place(int i) const { return i < room_ - first_ ? first_ + i : first_ + i - room_; }
+
+    Event<N>* ring_;
+    int room_, first_ = 0, count_ = 0;
+    std::uint32_t lost_ = 0;
+};
+
+// A recording with room for this many events. World::record() attaches it.
+template <class N, int room>
+class Recorder : public Recording<N> {
+    static_assert(room > 0, "room for one event at least");
+
+public:
+    Recorder() : Recording<N>{ring_, room} {}
+
+private:
+    Event<N> ring_[room]{};
+};
+
+}  // namespace tumble

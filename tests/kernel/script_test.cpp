@@ -1,0 +1,230 @@
+// Scripts of events and recordings of them, in every kind of number system and in worlds with and without contacts.
+#include <tumble/tumble.hpp>
+
+#include "worlds.hpp"
+
+#include <vector>
+
+namespace tumble::test {
+namespace {
+
+using ScriptNumbers = testing::Types<Q32<NearRange>, Q32<NearRange, false>, F32, F64>;
+
+constexpr Features on_a_floor{.bodies = 2,
+                              .planes = 1,
+                              .drag = true,
+                              .control = true,
+                              .script = true,
+                              .recording = true,
+                              .imu = true,
+                              .pairs = true,
+                              .boxes = true,
+                              .friction = true,
+                              .sleep = true};
+constexpr Features bare{.control = true, .script = true, .recording = true};
+
+template <class N>
+class Scripts : public testing::Test {
+protected:
+    using E = Event<N>;
+    template <Features features>
+    using WorldOf = World<SceneOf<N, integrators::Verlet, features>>;
+
+    template <Features features>
+    [[nodiscard]] static WorldOf<features> set_up() {
+        WorldOf<features> world{
+            Seconds{1, 256},
+            {.gravity = {0, -9.81, 0}, .linear_drag = 0, .contact = {.friction = 0.4, .sleep = {.on = true}}}};
+        BodySpec body = box(2, {0.5, 0.25, 0.75});
+        body.position = {0, 0.125, 0};
+        (void)world.add(body);
+        body.position = {1, 0.125, 0};
+        if constexpr (features.bodies > 1) (void)world.add(body);
+        if constexpr (features.planes > 0) (void)world.add(PlaneSpec{});
+        return world;
+    }
+    // Each kind of event in turn, with floats and doubles.
+    template <class World>
+    static void command(World& world, int step) {
+        const BodyId id{step % 3 == 0 ? world.body_count() - 1 : 0};
+        const auto s = static_cast<float>(step);
+        switch (step % 40) {
+        case 1: world.apply_impulse(id, {0.1F, 1.0F + s / 512, 0.0F}, {0.1F, 0.0F, 0.2F}, Frame::body); break;
+        case 5: world.apply_angular_impulse(id, {0.01, 0.02, 0.03}, Frame::world); break;
+        case 9: world.set_force(id, {1.0F, 20.0F, 0.3F}, Frame::body, {0.0F, 0.1F, 0.0F}); break;
+        case 14: world.set_torque(id, {0.01F, 0.02F, 0.0F}, Frame::world); break;
+        case 20: world.set_force(id, {}, Frame::world); break;
+        case 21: world.set_torque(id, {}, Frame::body); break;
+        case 22: world.apply_force(id, {2.5, 1, 0}, Frame::body); break;
+        case 23:
+            world.apply_torque(id, {0.1, 0, 0}, Frame::world);
+            world.apply_torque(id, {0, 0.1, 0}, Frame::body);
+            break;
+        case 30: world.set_velocity(id, {0.25, 0.5, -0.125}, Frame::body); break;
+        case 33: world.set_angular_velocity(id, {0.5F, 1.0F, s / 256}); break;
+        case 37: world.set_pose(id, {s / 128, 0.6F, 0.1F}, Quaternion<double>{1, {0.1, 0.2, 0.3}}); break;
+        default: break;
+        }
+    }
+    // The hashes after each step of a run under live commands.
+    template <class World>
+    static std::vector<std::uint64_t> run_live(World& world, int steps) {
+        std::vector<std::uint64_t> hashes;
+        for (int i = 0; i < steps; ++i) {
+            command(world, static_cast<int>(world.steps_taken()));
+            world.step();
+            hashes.push_back(world.hash());
+        }
+        return hashes;
+    }
+    template <class World>
+    static std::vector<std::uint64_t> run(World& world, int steps) {
+        std::vector<std::uint64_t> hashes;
+        for (int i = 0; i < steps; ++i) {
+            world.step();
+            hashes.push_back(world.hash());
+        }
+        return hashes;
+    }
+};
+TYPED_TEST_SUITE(Scripts, ScriptNumbers);
+
+TYPED_TEST(Scripts, a_recording_replays_to_the_same_state) {
+    const auto trial = [&]<Features features>() {
+        auto live = this->template set_up<features>(), replayed = live;
+        Recorder<TypeParam, 256> recorder;
+        live.record(&recorder);
+        const auto expected = this->run_live(live, 320);
+        EXPECT_EQ(recorder.count(), 8 * 12) << "each command is one event";
+        EXPECT_EQ(recorder.lost(), 0u);
+        replayed.set_script(recorder.script());
+        EXPECT_EQ(this->run(replayed, 320), expected);
+        EXPECT_EQ(live.status().bits, replayed.status().bits);
+    };
+    trial.template operator()<bare>();
+    trial.template operator()<on_a_floor>();
+}
+
+TYPED_TEST(Scripts, a_world_with_every_feature_replays_the_recording_of_a_minimal_one) {
+    auto live = this->template set_up<bare>();
+    Recorder<TypeParam, 256> recorder;
+    live.record(&recorder);
+    const auto expected = this->run_live(live, 120);
+    World<SceneOf<TypeParam, integrators::Verlet, everything>> full{
+        Seconds{1, 256}, {.gravity = {0, -9.81, 0}, .contact = {.friction = 0.4, .sleep = {.on = true}}}};
+    BodySpec body = box(2, {0.5, 0.25, 0.75});
+    body.position = {0, 0.125, 0};
+    (void)full.add(body);
+    full.set_script(recorder.script());
+    EXPECT_EQ(this->run(full, 120), expected);
+}
+
+TYPED_TEST(Scripts, a_recording_that_begins_at_a_snapshot_replays_from_there) {
+    auto live = this->template set_up<on_a_floor>();
+    Recorder<TypeParam, 64> recorder;
+    live.record(&recorder);
+    (void)this->run_live(live, 100);
+    auto snapshot = live;
+    snapshot.record(nullptr);
+    recorder.clear();
+    const auto expected = this->run_live(live, 100);
+    snapshot.set_script(recorder.script());
+    EXPECT_EQ(this->run(snapshot, 100), expected);
+}
+
+TYPED_TEST(Scripts, a_world_that_goes_back_forgets_the_events_after_that_step) {
+    auto live = this->template set_up<on_a_floor>();
+    const auto start = live;
+    Recorder<TypeParam, 64> recorder;
+    live.record(&recorder);
+    (void)this->run_live(live, 60);
+    const auto snapshot = live;
+    (void)this->run_live(live, 40);
+    live = snapshot;
+    recorder.forget_from(60);
+    live.apply_impulse(BodyId{0}, {0, 3, 0}, {}, Frame::world);
+    const auto end = this->run(live, 40).back();
+    auto replayed = start;
+    replayed.set_script(recorder.script());
+    EXPECT_EQ(this->run(replayed, 100).back(), end);
+}
+
+TYPED_TEST(Scripts, a_full_recording_loses_its_oldest_events_and_counts_them) {
+    auto world = this->template set_up<bare>();
+    Recorder<TypeParam, 3> recorder;
+    world.record(&recorder);
+    for (int i = 0; i < 8; ++i) {
+        world.set_velocity(BodyId{0}, {static_cast<float>(i + 1), 0.0F, 0.0F});
+        world.step();
+        EXPECT_EQ(recorder.count(), i < 3 ? i + 1 : 3);
+        EXPECT_EQ(recorder.lost(), i < 3 ? 0u : static_cast<std::uint32_t>(i - 2));
+    }
+    for (int k = 0; k < 3; ++k) {
+        EXPECT_EQ(recorder[k].step, static_cast<std::uint64_t>(5 + k));
+        EXPECT_EQ(recorder[k].value.block().template as<float>().x, static_cast<float>(6 + k));
+    }
+    recorder.forget_from(7);
+    EXPECT_EQ(recorder.count(), 2);
+    EXPECT_EQ(recorder[1].step, 6u);
+    EXPECT_DEATH((void)recorder.script(), "") << "it lacks its first events";
+    EXPECT_DEATH((void)recorder[2], "");
+    recorder.clear();
+    EXPECT_EQ(recorder.script().count, 0);
+}
+
+TYPED_TEST(Scripts, an_event_that_is_written_as_doubles_is_the_same_event) {
+    auto live = this->template set_up<on_a_floor>(), replayed = live;
+    Recorder<TypeParam, 256> recorder;
+    live.record(&recorder);
+    const auto expected = this->run_live(live, 320);
+    std::vector<EventSpec> specs;
+    for (const Event<TypeParam>& event : recorder.script()) {
+        const auto real = [](const Vector3<double>& v) { return RealVec3{v.x, v.y, v.z}; };
+        const auto q = event.orientation.template as<double>();
+        specs.push_back({Real{static_cast<int>(event.step)} * Real::scaled(1, -8),
+                         event.kind,
+                         event.body,
+                         event.frame,
+                         real(event.value.block().template as<double>()),
+                         real(event.point.block().template as<double>()),
+                         {q.w, real(q.v)}});
+    }
+    std::swap(specs.front(), specs.back());  // prepare_sorted() sorts by step
+    std::vector<Event<TypeParam>> events;
+    replayed.set_script(prepare_sorted(events, specs, replayed.bodies()));
+    EXPECT_EQ(this->run(replayed, 320), expected);
+}
+
+TYPED_TEST(Scripts, a_script_starts_at_the_present_step) {
+    auto world = this->template set_up<bare>();
+    const Event<TypeParam> events[] = {{.kind = EventKind::velocity, .body = BodyId{0}, .value = {8, 0, 0}, .step = 1},
+                                       {.kind = EventKind::velocity, .body = BodyId{0}, .value = {1, 0, 0}, .step = 4},
+                                       {.kind = EventKind::velocity, .body = BodyId{0}, .value = {2, 0, 0}, .step = 4}};
+    for (int i = 0; i < 3; ++i) world.step();
+    world.set_script({events, 3});
+    const auto speed = [&] { return static_cast<double>(world.velocity(BodyId{0}).x); };
+    world.step();
+    EXPECT_EQ(speed(), 0) << "the event of step 1 is over";
+    world.step();
+    EXPECT_EQ(speed(), 2) << "events of one step keep their order";
+}
+
+TYPED_TEST(Scripts, what_no_event_holds_is_misuse_while_a_world_records) {
+    auto world = this->template set_up<on_a_floor>();
+    Recorder<TypeParam, 4> recorder;
+    world.record(&recorder);
+    EXPECT_DEATH(world.set_gravity({}), "");
+    EXPECT_DEATH((void)world.add(sphere(1, 1)), "");
+    EXPECT_DEATH((void)world.add(PlaneSpec{}), "");
+    EXPECT_DEATH(world.apply_impulse(BodyId{0}, {1, 0, 0}), "");
+    world.record(nullptr);
+    world.apply_impulse(BodyId{0}, {1, 0, 0});
+    world.set_gravity({});
+    EXPECT_EQ(recorder.count(), 0);
+    const Event<TypeParam> unsorted[] = {{.body = BodyId{0}, .step = 2}, {.body = BodyId{0}, .step = 1}}, of_nobody[] = {{.body = BodyId{2}}};
+    EXPECT_DEATH(world.set_script({unsorted, 2}), "");
+    EXPECT_DEATH(world.set_script({of_nobody, 1}), "");
+}
+
+}  // namespace
+}  // namespace tumble::test
