@@ -20,7 +20,7 @@ constexpr Number tolerance = 1e-14L;
 
 const std::string ball = "[[body]]\nname = \"ball\"\nshape = { sphere = 0.5 }\nmass = 2.0\n";
 
-SceneDescription scene_of(const std::string& world, const std::string& rest) {
+SceneDescription smooth_scene(const std::string& world, const std::string& rest) {
     return read_scene_text("name = \"test\"\n[world]\nstep = \"1/64\"\nduration = 4.0\n" + world + rest, "test.toml");
 }
 
@@ -39,15 +39,16 @@ void expect_near(const Rotation& got, const Rotation& expected) {
 }
 
 TEST(SmoothMotion, thrown_ball_flies_a_parabola) {
-    const Motion end = at_two_seconds(scene_of("gravity = [0.0, -10.0, 0.0]\n", ball + "velocity = [3.0, 4.0, 0.0]\n"));
+    const Motion end =
+        at_two_seconds(smooth_scene("gravity = [0.0, -10.0, 0.0]\n", ball + "velocity = [3.0, 4.0, 0.0]\n"));
     expect_near(end.x, {6, -12, 0});
     expect_near(end.v, {3, -16, 0});
 }
 
 TEST(SmoothMotion, drag_slows_exponentially) {
     const Motion end =
-        at_two_seconds(scene_of("linear_drag = 0.5\nangular_drag = 0.25\n",
-                                ball + "velocity = [3.0, 0.0, 0.0]\nangular_velocity = [0.0, 0.0, 5.0]\n"));
+        at_two_seconds(smooth_scene("linear_drag = 0.5\nangular_drag = 0.25\n",
+                                    ball + "velocity = [3.0, 0.0, 0.0]\nangular_velocity = [0.0, 0.0, 5.0]\n"));
     const Number left = std::exp(Number(-0.5)), spin_left = std::exp(Number(-2.5));  // I = 0.2 kg m^2
     expect_near(end.v, {3 * left, 0, 0});
     expect_near(end.x, {3 * (1 - left) * 4, 0, 0});
@@ -56,7 +57,7 @@ TEST(SmoothMotion, drag_slows_exponentially) {
 }
 
 TEST(SmoothMotion, symmetric_top_precesses_about_its_angular_momentum) {
-    const SceneDescription scene = scene_of(
+    const SceneDescription scene = smooth_scene(
         "", "[[body]]\nname = \"hoop\"\nshape = { hoop = 1.0 }\nmass = 1.0\nangular_velocity = [1.0, 0.0, 3.0]\n");
     // Moments 1/2, 1/2, 1: q = exp(L t / I1) exp(e3 w3 (1 - I3 / I1) t).
     const Vector momentum{0.5L, 0, 3};
@@ -65,23 +66,23 @@ TEST(SmoothMotion, symmetric_top_precesses_about_its_angular_momentum) {
 
 TEST(SmoothMotion, spring_swings_harmonically) {
     const std::string spring = "[[spring]]\nbody = \"ball\"\nto = [0.0, 0.0, 0.0]\nstiffness = 8.0\n";
-    const Motion end = at_two_seconds(scene_of("", ball + "position = [1.0, 0.0, 0.0]\n" + spring));
+    const Motion end = at_two_seconds(smooth_scene("", ball + "position = [1.0, 0.0, 0.0]\n" + spring));
     expect_near(end.x, {std::cos(Number(4)), 0, 0});
     expect_near(end.v, {-2 * std::sin(Number(4)), 0, 0});
 }
 
 TEST(SmoothMotion, damped_spring_between_bodies_moves_their_distance_alone) {
-    const Motion end = at_two_seconds(
-        scene_of("", ball + "position = [1.5, 0.0, 0.0]\n[[body]]\nname = \"other\"\nshape = { sphere = 0.5 }\nmass = "
-                            "2.0\n[[spring]]\nbody = \"ball\"\nto_body = \"other\"\nto_point = [0.0, 0.0, "
-                            "0.0]\nstiffness = 5.0\ndamping = 2.0\nrest_length = 1.0\n"));
+    const Motion end = at_two_seconds(smooth_scene(
+        "", ball + "position = [1.5, 0.0, 0.0]\n[[body]]\nname = \"other\"\nshape = { sphere = 0.5 }\nmass = "
+                   "2.0\n[[spring]]\nbody = \"ball\"\nto_body = \"other\"\nto_point = [0.0, 0.0, "
+                   "0.0]\nstiffness = 5.0\ndamping = 2.0\nrest_length = 1.0\n"));
     // Reduced mass 1 kg: s'' + 2 s' + 5 s = 0 for the stretch s from 1/2 at rest.
     const Number stretch = std::exp(Number(-2)) * (std::cos(Number(4)) + std::sin(Number(4)) / 2) / 2;
     expect_near(end.x, {Number(1.25) + stretch / 2, 0, 0});
 }
 
 TEST(SmoothMotion, two_bodies_circle_their_centre_of_mass) {
-    const Motion end = at_two_seconds(scene_of(
+    const Motion end = at_two_seconds(smooth_scene(
         "gravitation = 2.0\n", ball + "position = [1.0, 0.0, 0.0]\nvelocity = [0.0, 1.0, 0.0]\n[[body]]\nname = "
                                       "\"other\"\nshape = { sphere = 0.5 }\nmass = 2.0\nposition = [-1.0, 0.0, "
                                       "0.0]\nvelocity = [0.0, -1.0, 0.0]\n"));
@@ -95,7 +96,7 @@ TEST(SmoothMotion, force_off_the_centre_in_the_body_frame_spins_up_while_it_is_o
         "[0.5, 0.0, 0.0]\n[[force]]\nbody = \"ball\"\nfrom = 0.505\nuntil = 1.495\nforce = [0.0, -0.4, 0.0]\nframe = "
         "\"body\"\n[[force]]\nbody = \"ball\"\nfrom = 0.0\nuntil = 1.0\nforce = [2.0, 0.0, 0.0]\n[[force]]\nbody = "
         "\"ball\"\nfrom = 0.0\nuntil = 1.0\ntorque = [0.0, 0.0, 0.2]\n";
-    const Motion end = at_two_seconds(scene_of("", ball + couple));
+    const Motion end = at_two_seconds(smooth_scene("", ball + couple));
     expect_near(end.w, {0, 0, 2});  // both torques for 1 s each, at 1 rad/s^2
     expect_near(end.q, exponential<Number>({0, 0, Number(0.5) + 1 + Number(0.5) + Number(0.5)}));
     expect_near(end.x, {1.5L, 0, 0});
@@ -106,7 +107,7 @@ TEST(SmoothMotion, impulses_act_at_the_nearest_step_at_their_point) {
         "[[impulse]]\ntime = 1.001\nbody = \"ball\"\nimpulse = [4.0, 0.0, 0.0]\npoint = [0.0, 0.25, "
         "0.0]\nangular_impulse = [0.4, 0.0, 0.0]\nframe = \"body\"\n";
     const SceneDescription scene =
-        scene_of("", ball + "orientation = [0.0, 0.0, 0.0, 1.0]\n" + hit);  // half a turn about z
+        smooth_scene("", ball + "orientation = [0.0, 0.0, 0.0, 1.0]\n" + hit);  // half a turn about z
     const Motion end = at_two_seconds(scene);
     expect_near(end.x, {-2, 0, 0});
     expect_near(end.w, {2, 0, -5});
@@ -118,8 +119,8 @@ TEST(SmoothMotion, impulses_act_at_the_nearest_step_at_their_point) {
 TEST(SmoothMotion, bodies_have_the_inertia_of_their_shape) {
     // Drag about an axis slows the spin by exp(-c t / I): the moment follows from what is left.
     const auto moment = [](const std::string& shape, const char* spin, int axis) {
-        const Motion end = at_two_seconds(scene_of("angular_drag = 0.5\n", "[[body]]\nname = \"body\"\n" + shape +
-                                                                               "angular_velocity = " + spin + "\n"));
+        const Motion end = at_two_seconds(smooth_scene(
+            "angular_drag = 0.5\n", "[[body]]\nname = \"body\"\n" + shape + "angular_velocity = " + spin + "\n"));
         return static_cast<double>(-1 / std::log(end.w[axis]));
     };
     const char *about_x = "[1.0, 0.0, 0.0]", *about_z = "[0.0, 0.0, 1.0]";
@@ -148,7 +149,7 @@ TEST(SmoothMotion, bodies_have_the_inertia_of_their_shape) {
 }
 
 TEST(SmoothMotion, fixed_bodies_stay) {
-    const Motion end = at_two_seconds(scene_of("gravity = [0.0, -10.0, 0.0]\n", ball + "fixed = true\n"));
+    const Motion end = at_two_seconds(smooth_scene("gravity = [0.0, -10.0, 0.0]\n", ball + "fixed = true\n"));
     expect_near(end.x, {0, 0, 0});
 }
 
@@ -156,19 +157,19 @@ TEST(SmoothMotion, clearance_is_that_of_the_lowest_vertex) {
     const std::string box = body_of("box", "box = [2.0, 2.0, 2.0]", "[0.0, 5.0, 0.0]") +
                             "orientation = [0.92387953251128674, 0.0, 0.0, 0.38268343236508977]\n";
     const std::string plane = "[[plane]]\nname = \"floor\"\nnormal = [0.0, 2.0, 0.0]\noffset = -1.0\n";
-    EXPECT_NEAR(static_cast<double>(SmoothMotion(scene_of("", plane + box), shapes_meet).clearance()),
+    EXPECT_NEAR(static_cast<double>(SmoothMotion(smooth_scene("", plane + box), shapes_meet).clearance()),
                 4.0 - std::sqrt(2.0), 1e-15);
-    EXPECT_GT(static_cast<double>(SmoothMotion(scene_of("", box), shapes_meet).clearance()), 1e29);
+    EXPECT_GT(static_cast<double>(SmoothMotion(smooth_scene("", box), shapes_meet).clearance()), 1e29);
 }
 
 TEST(SmoothMotion, clearance_is_that_of_every_shape_that_touches_planes) {
     // Above the floor y = 0; the axis is turned by `angle` from z towards the vertical.
     const auto clearance = [](const std::string& shape, double angle, const std::string& contact = "") {
-        const std::string plane = "[[plane]]\nname = \"floor\"\nnormal = [0.0, 1.0, 0.0]\n",
-                          turn = "orientation = [" + std::to_string(std::cos(angle / 2)) + ", " +
+        const std::string turn = "orientation = [" + std::to_string(std::cos(angle / 2)) + ", " +
                                  std::to_string(-std::sin(angle / 2)) + ", 0.0, 0.0]\n",
                           body = body_of("body", shape, "[0.0, 5.0, 0.0]") + turn;
-        return static_cast<double>(SmoothMotion(scene_of("", contact + plane + body), shapes_meet).clearance());
+        return static_cast<double>(
+            SmoothMotion(smooth_scene("", contact + floor_plane + body), shapes_meet).clearance());
     };
     const double quarter = std::numbers::pi / 2, eighth = quarter / 2, diagonal = std::sqrt(0.5);
     const double rounding = 1e-5;  // of the orientation's text
@@ -184,7 +185,7 @@ TEST(SmoothMotion, clearance_is_that_of_every_shape_that_touches_planes) {
 
 TEST(SmoothMotion, clearance_of_two_bodies_is_their_distance_or_less) {
     const auto clearance = [](const std::string& bodies, const std::string& contact = "") {
-        return static_cast<double>(SmoothMotion(scene_of("", contact + bodies), shapes_meet).clearance());
+        return static_cast<double>(SmoothMotion(smooth_scene("", contact + bodies), shapes_meet).clearance());
     };
     const std::string far_ball = body_of("other", "sphere = 1.0", "[3.0, 4.0, 0.0]"),
                       table = body_of("other", "box = [20.0, 2.0, 20.0]", "[5.0, -4.0, 5.0]");
@@ -204,7 +205,7 @@ TEST(SmoothMotion, clearance_of_two_bodies_is_their_distance_or_less) {
 TEST(SmoothMotion, fixed_body_turns_at_a_constant_angular_velocity) {
     const std::string table = body_of("table", "box = [1.0, 2.0, 3.0]", "[1.0, 0.0, 0.0]") +
                               "velocity = [1.0, 0.0, 0.0]\nangular_velocity = [0.5, 0.0, 1.0]\nfixed = true\n";
-    const Motion end = at_two_seconds(scene_of("gravity = [0.0, -10.0, 0.0]\nangular_drag = 0.5\n", table));
+    const Motion end = at_two_seconds(smooth_scene("gravity = [0.0, -10.0, 0.0]\nangular_drag = 0.5\n", table));
     expect_near(end.x, {1, 0, 0});
     expect_near(end.w, {0.5L, 0, 1});
     expect_near(end.q, exponential<Number>({1, 0, 2}));
