@@ -26,6 +26,16 @@ inline constexpr NumberStyle number_styles[]{{"q32 carry", "#0072b2", "#0072b2",
                                              {"f32 carry", "#e69f00", "#a06e00", 4, " carry"},
                                              {"f64", "#009e73", "#00835f", 9, ""}};
 
+// Gnuplot's commands that start a picture of several panels; sizes in pixels.
+[[nodiscard]] inline std::string start_of_picture(double width, double height, double font_size) {
+    return text("set terminal svg size %g,%g font 'sans-serif,%g' background 'white'\n", width, height, font_size) +
+           "set multiplot\nunset key\nset tics scale 0\nset border linecolor '#808080'\nset mxtics 1\n";
+}
+
+// Gnuplot's commands for axes of powers of ten.
+inline constexpr const char* logarithmic_axes =
+    "set logscale xy\nset format '10^{%L}'\nset mytics 1\nset grid linecolor '#e4e4e4' linetype 1\n";
+
 // Gnuplot's commands for a panel at x and y, pixels from the lower left corner of the picture.
 [[nodiscard]] inline std::string panel_at(double x, double y, double panel_width, double panel_height, double width,
                                           double height) {

@@ -51,11 +51,8 @@ public:
     }
 
     [[nodiscard]] std::string script() const {
-        std::string out = text("set terminal svg size %g,%g font 'sans-serif,%g' background 'white'\n", width(),
-                               height(), font_size) +
-                          "set multiplot\nunset key\nset tics scale 0\nset border linecolor '#808080'\n" +
-                          "set grid xtics linecolor '#e4e4e4' linetype 1\nset mxtics 1\n" +
-                          text("set yrange [%g:0]\n", -rungs());
+        std::string out = start_of_picture(width(), height(), font_size) +
+                          "set grid xtics linecolor '#e4e4e4' linetype 1\n" + text("set yrange [%g:0]\n", -rungs());
         legend(out);
         for (std::size_t i = 0; i < panels.size(); ++i) panel(out, i);
         return out + "unset multiplot\n";

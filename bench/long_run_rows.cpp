@@ -132,11 +132,7 @@ public:
 
     [[nodiscard]] std::string script() const {
         std::string out =
-            text("set terminal svg size %g,%g font 'sans-serif,%g' background 'white'\n", width(), height(),
-                 font_size) +
-            "set multiplot\nunset key\nset logscale xy\nset mxtics 1\nset mytics 1\nset format '10^{%L}'\n" +
-            "set grid linecolor '#e4e4e4' linetype 1\nset tics scale 0\nset border linecolor '#808080'\n" +
-            "set tics textcolor 'black'\n";
+            start_of_picture(width(), height(), font_size) + logarithmic_axes + "set tics textcolor 'black'\n";
         legend(out);
         for (std::size_t i = 0; i < std::size(panels); ++i) panel(out, i);
         return out + "unset multiplot\n";

@@ -13,7 +13,6 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <iostream>
 
 namespace {
 
@@ -167,7 +166,4 @@ int main(int argc, char** argv) try {
     write_rows(file, rows);
     std::printf("%zu rows in %s\n", rows.size(), results);
     return 0;
-} catch (const std::exception& error) {
-    std::cerr << "tumble_ordinary: " << error.what() << '\n';
-    return 1;
-}
+} catch (...) { return tumble::bench::report_failure("tumble_ordinary"); }

@@ -22,7 +22,6 @@ public:
         if (is_new) file->second = read_rows(directory_ / (name + ".jsonl"));
         return file->second;
     }
-    [[nodiscard]] const std::filesystem::path& directory() const { return directory_; }
 
 private:
     std::filesystem::path directory_;

@@ -17,7 +17,6 @@
 #include <array>
 #include <cctype>
 #include <cmath>
-#include <iostream>
 #include <limits>
 #include <string>
 #include <utility>
@@ -26,7 +25,8 @@
 namespace {
 
 using tumble::bench::numbers_of, tumble::bench::Row, tumble::bench::Point, tumble::bench::Box, tumble::bench::text;
-using tumble::bench::NumberStyle, tumble::bench::number_styles;
+using tumble::bench::NumberStyle, tumble::bench::number_styles, tumble::bench::start_of_picture,
+    tumble::bench::logarithmic_axes;
 namespace fs = std::filesystem;
 
 // An orientation wrong by a radian, or a position by a metre, is no answer to any of the problems.
@@ -221,11 +221,7 @@ private:
 
     [[nodiscard]] std::string script() const {
         std::string out =
-            text("set terminal svg size %g,%g font 'sans-serif,%g' background 'white'\n", width(), height(),
-                 font_size) +
-            "set multiplot\nunset key\nset logscale xy\nset format '10^{%L}'\n" +
-            "set mxtics 1\nset mytics 1\nset grid linecolor '#e4e4e4' linetype 1\nset tics scale 0\n" +
-            "set border linecolor '#808080'\nset tics textcolor 'black'\n" +
+            start_of_picture(width(), height(), font_size) + logarithmic_axes + "set tics textcolor 'black'\n" +
             text("set xrange [%g:%g]\nset yrange [%g:%g]\n", useless_error, least_.error, least_.cost, largest_cost_) +
             "set xtics (1";
         for (double tick = 0.01 * useless_error; tick > 0.9 * least_.error; tick /= 100) out += text(", %g", tick);
@@ -369,7 +365,4 @@ int main(int argc, char** argv) try {
     if (!host.empty())
         tumble::bench::draw_host(tumble::bench::HostRows{tumble::bench::read_rows(host)}, directory / "host.svg");
     return 0;
-} catch (const std::exception& error) {
-    std::cerr << "tumble_pictures: " << error.what() << '\n';
-    return 1;
-}
+} catch (...) { return tumble::bench::report_failure("tumble_pictures"); }

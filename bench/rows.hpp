@@ -7,14 +7,17 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <iostream>
 #include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "firmware/cost.hpp"
+#include "scene/error.hpp"
 #include "tools/output.hpp"
 #include "tools/text.hpp"
 
@@ -67,6 +70,20 @@ inline void write_rows(const std::filesystem::path& path, const std::vector<Row>
             {"integrator", integrator}, {"step_s", step}};
 }
 
+// Those of a contender of an engine on the host.
+[[nodiscard]] inline Row row_of_engine(const std::string& scene, const auto& contender, double step,
+                                       std::int64_t steps) {
+    return {{"scene", scene},
+            {"core", "host"},
+            {"engine", contender.engine},
+            {"version", contender.version},
+            {"integrator", contender.method},
+            {"numbers", contender.numbers},
+            {"carry", contender.carry},
+            {"step_s", step},
+            {"steps", steps}};
+}
+
 [[nodiscard]] inline std::string numbers_of(const Row& row) {
     return host::numbers_text(row.at("numbers"), row.at("carry"));
 }
@@ -88,6 +105,22 @@ struct SecondCost {
     }
     return {true, row.at("cycles_per_simulated_second_est"), row.at("cycles_per_simulated_second_min"),
             row.at("cycles_per_simulated_second_max")};
+}
+
+// For the handler of a main: prints the exception on standard error and returns the exit status.
+[[nodiscard]] inline int report_failure(const char* program) {
+    try {
+        throw;
+    } catch (const host::SceneError& error) {
+        std::cerr << error.what() << '\n';
+        return 2;
+    } catch (const std::invalid_argument& error) {
+        std::cerr << program << ": " << error.what() << '\n';
+        return 2;
+    } catch (const std::exception& error) {
+        std::cerr << program << ": " << error.what() << '\n';
+        return 1;
+    }
 }
 
 // The median of the observed orders above 0.5. Smaller ones come from too large a step or from rounding.

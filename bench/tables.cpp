@@ -3,13 +3,13 @@
 // own, a value within its line. With --check nothing is written; a difference, a table that no page shows and a broken
 // promise of the long runs are errors.
 #include <cmath>
-#include <fstream>
 #include <iostream>
 #include <limits>
 #include <map>
 #include <set>
 
 #include "cells.hpp"
+#include "firmware/firmware.hpp"
 #include "host/host_tables.hpp"
 #include "kernel_tables.hpp"
 #include "ladder.hpp"
@@ -315,20 +315,12 @@ Table engines_table(Rows rows) {
 }
 
 // The cores that firmware is built for: rows of port/boards.txt.
-Table boards_table(const std::filesystem::path& file) {
+Table boards_table() {
     Table table{{"core", "port", "machine and CPU", "counts", "model of its cycles", "tested by", "compiler's options"},
                 {}};
-    std::ifstream boards{file};
-    for (std::string line; std::getline(boards, line);) {
-        std::istringstream row{line};
-        std::string core, port, machine, clock, counter, flash, ram, stack, timing, set, numbers, flags;
-        if (!(row >> core) || core.starts_with("#")) continue;
-        row >> port >> machine >> clock >> counter >> flash >> ram >> stack >> timing >> set >> numbers >> std::ws;
-        if (!std::getline(row, flags)) throw std::runtime_error{file.string() + ": too few columns for " + core};
-        table.lines.push_back({core, port, machine, counter.substr(0, counter.find(':')), timing,
-                               set == "quick" ? "make test" : "make check", in_code(flags)});
-    }
-    if (table.lines.empty()) throw std::runtime_error{"no core in " + file.string()};
+    for (const tumble::host::Core& core : tumble::host::cores())
+        table.lines.push_back({core.name, core.port, core.machine, core.counter.substr(0, core.counter.find(':')),
+                               core.timing, core.set == "quick" ? "make test" : "make check", in_code(core.flags)});
     return table;
 }
 
@@ -358,7 +350,7 @@ std::string top_error(R r, const char* numbers) {
                    "orientation_error_rad");
 }
 const Makers makers{
-    {"table boards", [](R r) { return boards_table(r.directory() / "../../port/boards.txt"); }},
+    {"table boards", [](R) { return boards_table(); }},
     {"table cores", [](R r) { return cores_table(r["free"]); }},
     {"table free", [](R r) { return free_table(r["free"], true); }},
     {"table free_insn", [](R r) { return free_table(r["free"], false); }},
@@ -440,7 +432,4 @@ int main(int argc, char** argv) try {
         for (const std::string& fault : faults_of(results, used)) faults.push_back(fault);
     for (const std::string& fault : faults) std::cerr << fault << '\n';
     return faults.empty() ? 0 : 1;
-} catch (const std::exception& error) {
-    std::cerr << "tumble_tables: " << error.what() << '\n';
-    return 1;
-}
+} catch (...) { return tumble::bench::report_failure("tumble_tables"); }

@@ -1,4 +1,4 @@
-// Shared by the measuring programs: number systems and integrators to loop over, parallel loops, and exit statuses.
+// Shared by the measuring programs: number systems and integrators to loop over, and parallel loops.
 #pragma once
 
 #include "firmware/firmware.hpp"
@@ -8,7 +8,6 @@
 #include "tools/progress.hpp"
 
 #include <algorithm>
-#include <iostream>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -48,22 +47,6 @@ inline void in_parallel_counted(const std::string& what, std::size_t count, cons
         work(i);
         progress.step(what);
     });
-}
-
-// For the handler of a main: prints the exception on standard error and returns the exit status.
-[[nodiscard]] inline int report_failure(const char* program) {
-    try {
-        throw;
-    } catch (const host::SceneError& error) {
-        std::cerr << error.what() << '\n';
-        return 2;
-    } catch (const std::invalid_argument& error) {
-        std::cerr << program << ": " << error.what() << '\n';
-        return 2;
-    } catch (const std::exception& error) {
-        std::cerr << program << ": " << error.what() << '\n';
-        return 1;
-    }
 }
 
 }  // namespace tumble::bench

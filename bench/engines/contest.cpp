@@ -71,16 +71,7 @@ int contest(int argc, char** argv, const std::vector<Contender>& contenders) try
         const Errors errors = errors_of(*runner);
         const auto counted =
             host::instructions_in("counted_step", std::string{argv[0]} + " --count " + std::to_string(i)).count;
-        Row row;
-        row["scene"] = "free top";
-        row["core"] = "host";
-        row["engine"] = c.engine;
-        row["version"] = c.version;
-        row["integrator"] = c.method;
-        row["numbers"] = c.numbers;
-        row["carry"] = c.carry;
-        row["step_s"] = 1.0 / top_steps_per_second;
-        row["steps"] = top_seconds * top_steps_per_second;
+        Row row = row_of_engine("free top", c, 1.0 / top_steps_per_second, top_seconds * top_steps_per_second);
         row["insn_per_step"] = (counted + counted_steps / 2) / counted_steps;
         row["orientation_error_rad"] = errors.orientation;
         row["within_100_mrad_s"] = errors.good_until;
@@ -89,9 +80,6 @@ int contest(int argc, char** argv, const std::vector<Contender>& contenders) try
         std::cout << row.dump() << std::endl;
     }
     return 0;
-} catch (const std::exception& error) {
-    std::cerr << argv[0] << ": " << error.what() << '\n';
-    return 1;
-}
+} catch (...) { return report_failure(argv[0]); }
 
 }  // namespace tumble::bench

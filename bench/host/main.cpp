@@ -170,17 +170,8 @@ std::vector<Row> rows_of(const Problem& problem, const std::vector<Entry>& entri
     std::vector<Row> rows;
     for (const Entry& entry : entries) {
         const Contender& c = *entry.contender;
-        Row& row = rows.emplace_back();
-        row["scene"] = problem.name;
-        row["core"] = "host";
-        row["engine"] = c.engine;
-        row["version"] = c.version;
-        row["integrator"] = c.method;
-        row["numbers"] = c.numbers;
-        row["carry"] = c.carry;
+        Row& row = rows.emplace_back(row_of_engine(problem.name, c, problem.step(), problem.scene.steps));
         row["bodies"] = problem.moving_bodies();
-        row["step_s"] = problem.step();
-        row["steps"] = problem.scene.steps;
         row["compiler"] = TUMBLE_HOST_COMPILER;
         row["flags"] = TUMBLE_HOST_FLAGS;
         if (!entry.failure.empty()) {
@@ -251,7 +242,4 @@ int main(int argc, char** argv) try {
     }
     write_rows(file, rows);
     return as_known ? 0 : 1;
-} catch (const std::exception& error) {
-    std::cerr << argv[0] << ": " << error.what() << '\n';
-    return 1;
-}
+} catch (...) { return tumble::bench::report_failure(argv[0]); }

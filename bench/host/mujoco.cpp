@@ -4,6 +4,7 @@
 // and, in this version, no sleep.
 #include "contender.hpp"
 #include "engines/mujoco_model.hpp"
+#include "tools/text.hpp"
 
 #include <cmath>
 #include <numbers>
@@ -14,11 +15,7 @@ namespace {
 using namespace tumble;
 using namespace tumble::bench;
 
-std::string text(double x) {
-    char buffer[32];
-    std::snprintf(buffer, sizeof buffer, "%.17g", x);
-    return buffer;
-}
+std::string text(double x) { return host::seventeen_digits(x); }
 std::string text(const RealVec3& v) {
     const auto a = array_of<double>(v);
     return text(a[0]) + " " + text(a[1]) + " " + text(a[2]);
@@ -41,6 +38,18 @@ std::string contact_xml(const Problem& problem) {
         xml += " solref='" + text(-rate * rate) + " " + text(-2 * damping * rate) + "' solimp='0.99 0.99 0.001 0.5 2'";
     }
     return xml;
+}
+
+// The springs, between sites that are named after their indices.
+std::string tendons_xml(const std::vector<SpringSpec>& springs) {
+    std::ostringstream xml;
+    for (std::size_t s = 0; s < springs.size(); ++s) {
+        const SpringSpec& spring = springs[s];
+        xml << "<spatial stiffness='" << text(spring.stiffness.to_double()) << "' damping='"
+            << text(spring.damping.to_double()) << "' springlength='" << text(spring.rest_length.to_double())
+            << "'><site site='from" << s << "'/><site site='to" << s << "'/></spatial>";
+    }
+    return springs.empty() ? "" : "<tendon>" + xml.str() + "</tendon>";
 }
 
 std::string xml_of(const Problem& problem, const Method& method) {
@@ -84,18 +93,7 @@ std::string xml_of(const Problem& problem, const Method& method) {
     }
     for (std::size_t s = 0; s < scene.springs.size(); ++s)
         xml << "<site name='to" << s << "' pos='" << text(scene.springs[s].to) << "'/>";
-    xml << "</worldbody>";
-    if (!scene.springs.empty()) {
-        xml << "<tendon>";
-        for (std::size_t s = 0; s < scene.springs.size(); ++s) {
-            const SpringSpec& spring = scene.springs[s];
-            xml << "<spatial stiffness='" << text(spring.stiffness.to_double()) << "' damping='"
-                << text(spring.damping.to_double()) << "' springlength='" << text(spring.rest_length.to_double())
-                << "'><site site='from" << s << "'/><site site='to" << s << "'/></spatial>";
-        }
-        xml << "</tendon>";
-    }
-    xml << "</mujoco>";
+    xml << "</worldbody>" << tendons_xml(scene.springs) << "</mujoco>";
     return xml.str();
 }
 

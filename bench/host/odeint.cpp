@@ -38,11 +38,7 @@ struct BodyEquations {
             rate[10 + i] = gravity[i];
         }
     }
-    static void normalise(State& s) {
-        const T excess = s[0] * s[0] + s[1] * s[1] + s[2] * s[2] + s[3] * s[3];
-        const T scale = T(1.5) - T(0.5) * excess;
-        for (std::size_t i = 0; i < 4; ++i) s[i] *= scale;
-    }
+    static void normalise(State& s) { Top::normalise(s); }
     static reference::Motion motion(const State& s) {
         return {{s[7], s[8], s[9]}, {s[10], s[11], s[12]}, {s[0], {s[1], s[2], s[3]}}, {s[4], s[5], s[6]}};
     }

@@ -39,9 +39,7 @@ std::string script(const HostRows& rows) {
     if (scenes.empty()) throw std::runtime_error{"no scene has rows of several numbers of bodies"};
     const std::size_t lines = (scenes.size() + 1) / 2;
     const double height = top + static_cast<double>(lines) * (panel_height + row_gap) - row_gap + bottom;
-    std::string out = text("set terminal svg size %g,%g font 'sans-serif,13' background 'white'\n", width, height) +
-                      "set multiplot\nunset key\nset logscale xy\nset format '10^{%L}'\nset mxtics 1\nset mytics 1\n" +
-                      "set grid linecolor '#e4e4e4' linetype 1\nset tics scale 0\nset border linecolor '#808080'\n" +
+    std::string out = start_of_picture(width, height, 13) + logarithmic_axes +
                       text("set label 'time of a step, divided by the bodies' at screen %g,%g font ',18'\n",
                            left / width, 1 - 22 / height);
     double x = left;

@@ -78,7 +78,7 @@ struct TopEquations {
         }
     }
     // One step of Newton's iteration keeps the quaternion of unit length.
-    static void normalise(State& s) {
+    static void normalise(auto& s) {
         const T excess = s[0] * s[0] + s[1] * s[1] + s[2] * s[2] + s[3] * s[3];
         const T scale = T(1.5) - T(0.5) * excess;
         for (std::size_t i = 0; i < 4; ++i) s[i] *= scale;

@@ -54,7 +54,11 @@ public:
     }
 
 protected:
-    static void set_step(SceneFile& scene, double x) { scene.set("world.step", 1 / x); }
+    void change(SceneFile& scene, double x, double y) const final {
+        scene.set("world.step", 1 / x);
+        change_besides(scene, x, y);
+    }
+    virtual void change_besides(SceneFile& scene, double x, double y) const = 0;
 };
 
 // In tolerances; 0 if the shape is clear of it.
@@ -116,8 +120,7 @@ public:
 
 protected:
     // The fall and two bounces, and a while at rest where the step is long.
-    void change(SceneFile& scene, double x, double y) const override {
-        set_step(scene, x);
+    void change_besides(SceneFile& scene, double x, double y) const override {
         drop(scene, y * y / (2 * gravity), 0.5, std::max(4 * y / gravity, 16 / x));
     }
 };
@@ -129,10 +132,7 @@ public:
                   {"restitution", "restitution", "", false, {0, 0.1, 0.3, 0.5, 0.7, 0.8, 0.9, 0.95, 1}, {0, 0.5, 1}}) {}
 
 protected:
-    void change(SceneFile& scene, double x, double y) const override {
-        set_step(scene, x);
-        drop(scene, 1, y, 4);
-    }
+    void change_besides(SceneFile& scene, double, double y) const override { drop(scene, 1, y, 4); }
 };
 
 class Friction final : public ContactMap {
@@ -171,10 +171,7 @@ public:
     }
 
 protected:
-    void change(SceneFile& scene, double x, double y) const override {
-        set_step(scene, x);
-        scene.set("contact.friction", y);
-    }
+    void change_besides(SceneFile& scene, double, double y) const override { scene.set("contact.friction", y); }
 
 private:
     // Of the scene's file: kg, m/s, s.
@@ -223,10 +220,7 @@ public:
     }
 
 protected:
-    void change(SceneFile& scene, double x, double y) const override {
-        set_step(scene, x);
-        scene.set("body[0].mass", y);
-    }
+    void change_besides(SceneFile& scene, double, double y) const override { scene.set("body[0].mass", y); }
 };
 
 class Piles : public ContactMap {
@@ -269,10 +263,7 @@ public:
                 {"mass_ratio", "upper over lower mass", "", true, mass_ratios, {1e-4, 1, 1e4}}) {}
 
 protected:
-    void change(SceneFile& scene, double x, double y) const override {
-        set_step(scene, x);
-        scene.set("body[1].mass", y);
-    }
+    void change_besides(SceneFile& scene, double, double y) const override { scene.set("body[1].mass", y); }
 };
 
 class Stack final : public Piles {
@@ -282,8 +273,7 @@ public:
                 {"height", "boxes", "", false, {1, 2, 3, 5, 7, 10, 15, 20, 30}, {1, 3, 10}}) {}
 
 protected:
-    void change(SceneFile& scene, double x, double y) const override {
-        set_step(scene, x);
+    void change_besides(SceneFile& scene, double, double y) const override {
         for (int box = 1; box < static_cast<int>(y); ++box) {
             const std::string copy = "body[" + std::to_string(scene.append_copy("body[0]")) + "]";
             scene.set(copy + ".name", "box " + std::to_string(box + 1));

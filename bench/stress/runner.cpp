@@ -228,9 +228,9 @@ std::vector<Job> jobs_of(const Choice& choice) {
 
 namespace {
 
-fs::path directory_of(const RunOptions& options) { return options.kept / (options.coarse ? "coarse" : "fine"); }
-std::string file_name(const Job& job) {
-    return job.map->name() + "." + job.integrator + "." + job.variant.name + ".json";
+fs::path file_of(const Job& job, const RunOptions& options) {
+    return options.kept / (options.coarse ? "coarse" : "fine") /
+           (job.map->name() + "." + job.integrator + "." + job.variant.name + ".json");
 }
 
 // A row that an earlier run of this program kept in a file; none if there is none.
@@ -244,48 +244,57 @@ std::optional<Row> kept_row(const fs::path& file, const std::string& digest) {
 
 void keep(Row row, const fs::path& file, const std::string& digest) {
     row["program"] = digest;
+    fs::create_directories(file.parent_path());
     const fs::path unfinished = file.string() + ".new";
     host::write_if_changed(unfinished, row.dump() + "\n");
     fs::rename(unfinished, file);
+}
+
+// The jobs that have no kept row.
+struct Rest {
+    std::vector<std::size_t> jobs;  // the most expensive first, so that none runs alone at the end
+    std::map<const Map*, std::vector<Cell>> cells;
+    std::int64_t cost = 0;
+};
+// The others have their rows afterwards.
+Rest rest_of(const std::vector<Job>& jobs, const RunOptions& options, const std::string& digest,
+             std::vector<Row>& rows) {
+    Rest rest;
+    for (std::size_t i = 0; i < jobs.size(); ++i) {
+        if (auto kept = options.anew ? std::nullopt : kept_row(file_of(jobs[i], options), digest)) {
+            rows[i] = *kept;
+            continue;
+        }
+        const Map* map = jobs[i].map;
+        if (!rest.cells.contains(map)) rest.cells[map] = cells_of(*map, options.coarse);
+        rest.jobs.push_back(i);
+        rest.cost += cost_of(rest.cells[map]);
+    }
+    std::stable_sort(rest.jobs.begin(), rest.jobs.end(), [&](std::size_t a, std::size_t b) {
+        return cost_of(rest.cells[jobs[a].map]) > cost_of(rest.cells[jobs[b].map]);
+    });
+    return rest;
 }
 
 }  // namespace
 
 std::vector<Row> run(const std::vector<Job>& jobs, const RunOptions& options) {
     const std::string digest = digest_of_program();
-    fs::create_directories(directory_of(options));
     std::vector<Row> rows(jobs.size());
-    std::vector<std::size_t> left;
-    std::map<const Map*, std::vector<Cell>> cells;
-    std::int64_t total = 0;
-    for (std::size_t i = 0; i < jobs.size(); ++i) {
-        if (auto kept = options.anew ? std::nullopt : kept_row(directory_of(options) / file_name(jobs[i]), digest)) {
-            rows[i] = *kept;
-            continue;
-        }
-        Map* map = jobs[i].map;
-        if (!cells.contains(map)) cells[map] = cells_of(*map, options.coarse);
-        left.push_back(i);
-        total += cost_of(cells[map]);
-    }
-    // The most expensive first, so that none runs alone at the end.
-    std::stable_sort(left.begin(), left.end(), [&](std::size_t a, std::size_t b) {
-        return cost_of(cells[jobs[a].map]) > cost_of(cells[jobs[b].map]);
-    });
-
-    host::Progress progress(total, host::Progress::Piped::tenths);
+    Rest rest = rest_of(jobs, options, digest, rows);
+    host::Progress progress(rest.cost, host::Progress::Piped::tenths);
     std::int64_t done = 0;
     std::set<const Map*> prepared;
     std::map<std::size_t, RunningRow> running;
     std::size_t next = 0;
     const std::size_t processors = std::max(1u, std::thread::hardware_concurrency());
-    while (next < left.size() || !running.empty()) {
-        while (next < left.size() && running.size() < processors) {
-            const std::size_t i = left[next++];
+    while (next < rest.jobs.size() || !running.empty()) {
+        while (next < rest.jobs.size() && running.size() < processors) {
+            const std::size_t i = rest.jobs[next++];
             Map* map = jobs[i].map;
             // The shared data of rows, before the processes are forked.
             if (prepared.insert(map).second) map->prepare(map->y().values(options.coarse));
-            running.emplace(i, RunningRow{jobs[i], cells[map], !options.coarse});
+            running.emplace(i, RunningRow{jobs[i], rest.cells[map], !options.coarse});
         }
         std::vector<pollfd> waiting;
         for (const auto& [i, row] : running) waiting.push_back({row.descriptor(), POLLIN, 0});
@@ -300,8 +309,8 @@ std::vector<Row> run(const std::vector<Job>& jobs, const RunOptions& options) {
                 ++it;
                 continue;
             }
-            rows[i] = row_of(row, cells[job.map]);
-            keep(rows[i], directory_of(options) / file_name(job), digest);
+            rows[i] = row_of(row, rest.cells[job.map]);
+            keep(rows[i], file_of(job, options), digest);
             it = running.erase(it);
         }
     }

@@ -10,8 +10,8 @@
 #include "command/advice.hpp"
 #include "command/command.hpp"
 #include "firmware/firmware.hpp"
-#include "firmware/measurement.hpp"
 #include "scene/reader.hpp"
+#include "tools/files.hpp"
 #include "tools/parallel.hpp"
 #include "tools/progress.hpp"
 #include "tools/text.hpp"
@@ -27,12 +27,13 @@ constexpr std::int64_t most_measured_steps = 16384;
 // That method evaluates every load once and adds to every number of a state once, as all methods do.
 constexpr double least_share_of_euler = 0.5;
 
-// Are costs in cycles, or in instructions? Throws BadArgument where cycles are asked for and the core has none.
+// Are costs in cycles, or in instructions? Throws std::invalid_argument where cycles are asked for and the core has
+// none.
 bool ranks_by_cycles(const AdviseOptions& options) {
     const bool known = core_named(options.core).has_cycles();
     const auto refuse = [&](const char* option) {
-        throw BadArgument(std::string(option) + ": nothing publishes the cycles of " + options.core +
-                          ", expected a core that has a timing table: " + cores_with_cycles());
+        throw std::invalid_argument(std::string(option) + ": nothing publishes the cycles of " + options.core +
+                                    ", expected a core that has a timing table: " + cores_with_cycles());
     };
     if (!known && options.cost == "cycles") refuse("--cost");
     if (!known && options.clock) refuse("--clock");
@@ -41,13 +42,20 @@ bool ranks_by_cycles(const AdviseOptions& options) {
     return known && options.cost != "insn";
 }
 
+// A method in a number system, and the scene that its firmware replays.
+struct StepProgram {
+    NumberVariant variant;
+    std::string integrator;
+    SceneDescription scene;
+};
+
 // Measures what candidates cost on the core, but for those that cannot be the cheapest.
 class Ranking {
 public:
     Ranking(const AdviseOptions& options, const Advice& advice, const SampledScene& scene)
         : options_(options), advice_(advice), scene_(scene), struct_(struct_name(scene.with_step(0).path)),
-          measurement_(std::filesystem::path(TUMBLE_SOURCE_DIR) / "build/advise" / options.core / struct_, options.core,
-                       struct_) {}
+          build_(std::filesystem::path(TUMBLE_SOURCE_DIR) / "build/advise" / options.core / struct_),
+          scenes_(made(build_ / "scenes")), lock_(build_), firmware_(build_, options.core, struct_, scenes_) {}
 
     void fill_in(std::vector<Candidate>& candidates) {
         std::vector<Candidate*> queue, with_useless_carry;
@@ -71,6 +79,11 @@ public:
     }
 
 private:
+    [[nodiscard]] static std::filesystem::path made(const std::filesystem::path& directory) {
+        std::filesystem::create_directories(directory);
+        return directory;
+    }
+
     [[nodiscard]] static bool is_without_carry(const Candidate& plain, const Candidate& carried) {
         const Method &a = plain.attempt.method, &b = carried.attempt.method;
         return !a.carry && b.carry && a.integrator == b.integrator && a.numbers == b.numbers;
@@ -80,8 +93,30 @@ private:
         SceneDescription scene = scene_.with_step(step);
         if (scene.steps() > most_measured_steps)
             scene.duration = static_cast<double>(most_measured_steps) * scene.step.seconds();
-        return {variant_of(method.numbers, method.carry), method.integrator, scene,
-                compiled_scene(scene, Choice{})};  // the firmware has its own method
+        return {variant_of(method.numbers, method.carry), method.integrator, scene};
+    }
+
+    // The row of each program by StepFirmware; null where the program does not fit the core's memory. Throws
+    // std::runtime_error where a program cannot be built or run, or ends with another state than the host's.
+    [[nodiscard]] std::vector<nlohmann::ordered_json> rows_of(const std::vector<StepProgram>& programs) {
+        std::vector<std::string> names;
+        for (const StepProgram& program : programs) {
+            names.push_back(StepFirmware::name_of(program.variant, program.integrator));
+            write_if_changed(scenes_ / (names.back() + ".hpp"),
+                             compiled_scene(program.scene, Choice{}));  // the firmware has its own method
+        }
+        firmware_.build(names);
+        std::vector<nlohmann::ordered_json> rows(programs.size());
+        in_parallel(programs.size(), [&](std::size_t i) {
+            const auto& [variant, integrator, scene] = programs[i];
+            const std::string name = options_.core + ", " + names[i];
+            StepOutcome outcome = firmware_.run(names[i]);
+            if (!outcome.shortage.empty()) return;
+            if (!outcome.error.empty()) throw std::runtime_error(name + ": " + outcome.error);
+            check_state(outcome.row, *make_simulation(scene, integrator, variant.numbers, variant.carry), name);
+            rows[i] = std::move(outcome.row);
+        });
+        return rows;
     }
 
     // What a step of semi-implicit Euler costs in each number system, at the shortest step of a candidate in it, where
@@ -95,7 +130,7 @@ private:
         std::vector<StepProgram> programs;
         for (const auto& [numbers, step] : shortest)
             programs.push_back(program_of({"semi_implicit_euler", numbers, false}, step));
-        const auto rows = measurement_.rows_of(programs);
+        const auto rows = rows_of(programs);
         for (std::size_t i = 0; i < rows.size(); ++i)
             if (!rows[i].is_null()) euler_[programs[i].variant.numbers] = advice_.cost_of(rows[i]).mean;
     }
@@ -123,7 +158,7 @@ private:
     void measure_wave(const std::vector<Candidate*>& wave) {
         std::vector<StepProgram> programs;
         for (const Candidate* c : wave) programs.push_back(program_of(c->attempt.method, c->attempt.step));
-        const auto rows = measurement_.rows_of(programs);
+        const auto rows = rows_of(programs);
         for (std::size_t i = 0; i < wave.size(); ++i) {
             Candidate& c = *wave[i];
             c.row = rows[i];
@@ -136,8 +171,10 @@ private:
     const AdviseOptions& options_;
     const Advice& advice_;
     const SampledScene& scene_;
-    std::string struct_;
-    Measurement measurement_;
+    std::string struct_;                    // in the headers of the scene
+    std::filesystem::path build_, scenes_;  // one header for each program
+    DirectoryLock lock_;                    // of the build directory
+    StepFirmware firmware_;
     std::map<std::string, double> euler_;  // cost of a step, by number system; empty: not measured
     const Candidate* best_ = nullptr;
     std::size_t processors_ = std::max(1u, std::thread::hardware_concurrency());
@@ -217,7 +254,8 @@ void find_advice(const AdviseOptions& options, const std::vector<Method>& method
 int advise(const AdviseOptions& options) {
     check_core(options.core);
     if (!core_named(options.core).has_insn())
-        throw BadArgument("--core: got \"" + options.core + "\", expected a core whose instructions are counted");
+        throw std::invalid_argument("--core: got \"" + options.core +
+                                    "\", expected a core whose instructions are counted");
     Advice advice{ranks_by_cycles(options), {}, {}, {}, {}, {}};
     Choice choice;
     choice.scene = options.scene;

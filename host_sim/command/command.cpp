@@ -30,8 +30,8 @@ SceneDescription Choice::read() const {
     if (!step.empty()) description.step = parse_step(step).value();
     if (duration) description.duration = *duration;
     if (description.steps() > max_steps)
-        throw BadArgument("--step, --duration: got more than 2^31 steps, expected at most " +
-                          std::to_string(max_steps));
+        throw std::invalid_argument("--step, --duration: got more than 2^31 steps, expected at most " +
+                                    std::to_string(max_steps));
     (void)find_number_system(description, numbers, wants_carry());
     require_runs_in(method, numbers);
     require_range(description, numbers);
@@ -60,7 +60,7 @@ bool takes_standard_output(const std::vector<FileArgument>& outputs, bool json) 
     const bool is_taken = !taking.empty();
     if (json) taking.emplace_back("--json");
     if (is_taken && taking.size() > 1)
-        throw BadArgument(joined(taking) + ": got standard output for each of them, expected it for one");
+        throw std::invalid_argument(joined(taking) + ": got standard output for each of them, expected it for one");
     return is_taken;
 }
 
@@ -69,8 +69,8 @@ void check_core(const std::string& name) {
     for (const Core& core : cores())
         if (core.machine != "-") names.push_back(core.name);
     if (std::find(names.begin(), names.end(), name) != names.end()) return;
-    throw BadArgument("--core: got " + in_quotes(name) + suggestion(name, names) + ", expected one of " +
-                      joined(names));
+    throw std::invalid_argument("--core: got " + in_quotes(name) + suggestion(name, names) + ", expected one of " +
+                                joined(names));
 }
 
 std::string cores_with_cycles() {
@@ -90,9 +90,6 @@ int command(int argc, const char* const* argv) {
         return bad_input;
     } catch (const UnsupportedScene& error) {
         std::cerr << error.what() << "\n";
-        return bad_input;
-    } catch (const BadArgument& error) {
-        std::cerr << "tumble: " << error.what() << "\n";
         return bad_input;
     } catch (const std::invalid_argument& error) {
         std::cerr << "tumble: " << error.what() << "\n";

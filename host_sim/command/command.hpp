@@ -49,11 +49,11 @@ void add_list(CommandLine& line);
 // The name of the struct in it: the file's name in PascalCase.
 [[nodiscard]] std::string struct_name(const std::string& path);
 
-// Does an output go to standard output? The table then goes to standard error. Throws BadArgument where two outputs,
-// or an output and the JSON object, would go there.
+// Does an output go to standard output? The table then goes to standard error. Throws std::invalid_argument where two
+// outputs, or an output and the JSON object, would go there.
 [[nodiscard]] bool takes_standard_output(const std::vector<FileArgument>& outputs, bool json);
 
-// Throws BadArgument unless the name is that of a core that QEMU emulates.
+// Throws std::invalid_argument unless the name is that of a core that QEMU emulates.
 void check_core(const std::string& name);
 // "cortex-m0, cortex-m3": the cores whose manuals give the cycles of their instructions.
 [[nodiscard]] std::string cores_with_cycles();

@@ -136,9 +136,9 @@ int compare(const CompareOptions& options) {
     const SceneDescription scene = options.read();
     if (options.flip && (*options.flip < 0 || *options.flip > scene.steps() ||
                          (*options.flip % options.every != 0 && *options.flip != scene.steps())))
-        throw BadArgument("--flip: got " + std::to_string(*options.flip) +
-                          ", expected a step that is recorded: a multiple of --every, up to " +
-                          std::to_string(scene.steps()));
+        throw std::invalid_argument("--flip: got " + std::to_string(*options.flip) +
+                                    ", expected a step that is recorded: a multiple of --every, up to " +
+                                    std::to_string(scene.steps()));
     const fs::path build = fs::path(TUMBLE_SOURCE_DIR) / "build/compare" / options.core;
     fs::create_directories(build);
     const DirectoryLock lock(build);

@@ -21,10 +21,9 @@ std::string numbers_of(const Simulation& simulation) {
 // The longest step, of halvings of the scene's, at which floating point holds the spin that a body has now.
 std::string step_that_holds(const HeldNumber& spin, int body, const SceneDescription& scene,
                             const Simulation& simulation) {
-    double now = 0;
-    for (const long double w : simulation.body(body).angular_velocity)
-        if (std::isfinite(w)) now = std::max(now, static_cast<double>(std::abs(w)));
-    const double halvings = std::ceil(std::log2(now / spin.most));
+    const auto w = simulation.body(body).angular_velocity;
+    const auto now = static_cast<double>(std::hypot(w[0], w[1], w[2]));
+    const double halvings = std::isfinite(now) ? std::ceil(std::log2(now / spin.most)) : 1;
     return step_text(scaled(scene.step, -static_cast<int>(std::max(1.0, halvings))));
 }
 

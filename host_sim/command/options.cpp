@@ -49,8 +49,8 @@ void refuse_unknown_option(const CLI::App& app) {
         for (const std::string& argument : subcommand->remaining()) {
             if (!argument.starts_with("-") || argument == "-") continue;
             const std::string name = argument.substr(0, argument.find('='));
-            throw BadArgument(name + ": unknown option of " + subcommand->get_name() + suggestion(name, names) +
-                              ", expected one of " + listed(names));
+            throw std::invalid_argument(name + ": unknown option of " + subcommand->get_name() +
+                                        suggestion(name, names) + ", expected one of " + listed(names));
         }
     }
 }
@@ -126,7 +126,8 @@ int CommandLine::run(int argc, const char* const* argv) {
     const std::vector<std::string> names = subcommands_of(*app_);
     if (const std::string first = argc > 1 ? argv[1] : "-";
         !first.starts_with("-") && std::find(names.begin(), names.end(), first) == names.end())
-        throw BadArgument("got " + in_quotes(first) + suggestion(first, names) + ", expected " + listed(names));
+        throw std::invalid_argument("got " + in_quotes(first) + suggestion(first, names) + ", expected " +
+                                    listed(names));
     try {
         app_->parse(argc, argv);
     } catch (const CLI::ParseError& error) {

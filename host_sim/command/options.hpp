@@ -16,12 +16,6 @@ namespace tumble::host {
 // Exit statuses.
 inline constexpr int done = 0, failed = 1, bad_input = 2;
 
-// An error in the arguments; the exit status is 2.
-class BadArgument : public std::runtime_error {
-public:
-    using std::runtime_error::runtime_error;
-};
-
 // The texts that an option accepts. `what` describes them in messages; `accepts` may also rewrite the text.
 struct Expected {
     std::string what;
@@ -71,8 +65,8 @@ public:
     // Adds a subcommand; `run` returns its exit status. The help prints `footer` below the options.
     Subcommand add(const std::string& name, const std::string& help, std::function<int()> run,
                    const std::string& footer = {});
-    // Reads the arguments, runs the subcommand and returns the exit status. Throws BadArgument, and the exceptions of
-    // the subcommand.
+    // Reads the arguments, runs the subcommand and returns the exit status. Throws std::invalid_argument, and the
+    // exceptions of the subcommand.
     int run(int argc, const char* const* argv);
 
 private:

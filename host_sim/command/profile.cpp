@@ -44,15 +44,8 @@ struct Branches {
     std::vector<Branch> one_way;
 };
 
-std::string output_of(const std::vector<std::string>& command) {
-    std::string text;
-    if (const int status = Process(command).wait(&text); status != 0)
-        throw std::runtime_error(command.front() + " ended with status " + std::to_string(status));
-    return text;
-}
-
 std::vector<Function> functions_of(const fs::path& places, const fs::path& elf) {
-    std::istringstream lines(output_of({TUMBLE_FLAME, places.string(), elf.string()}));
+    std::istringstream lines(run_quietly({TUMBLE_FLAME, places.string(), elf.string()}));
     std::vector<Function> functions;
     for (Function f; lines >> f.own >> f.with_callees >> std::ws && std::getline(lines, f.name);)
         functions.push_back(f);
@@ -71,7 +64,7 @@ Branches branches_of(const fs::path& file, const fs::path& elf) {
         command.push_back("0x" + b.address);
     }
     if (branches.one_way.empty()) return branches;
-    std::istringstream places(output_of(command));
+    std::istringstream places(run_quietly(command));
     const std::string root = std::string(TUMBLE_SOURCE_DIR) + "/";
     for (Branch& b : branches.one_way) {
         std::getline(places, b.line);
@@ -143,8 +136,8 @@ void print_json(Json row, const std::vector<Function>& functions, const Branches
 int profile(const ProfileOptions& options) {
     check_core(options.core);
     if (!core_named(options.core).has_cycles())
-        throw BadArgument("--core: got \"" + options.core + "\", whose cycles no manual gives, expected one of " +
-                          cores_with_cycles());
+        throw std::invalid_argument("--core: got \"" + options.core +
+                                    "\", whose cycles no manual gives, expected one of " + cores_with_cycles());
     const SceneDescription scene = options.read();
     const NumberSystemInfo& system = find_number_system(scene, options.numbers, options.wants_carry());
     const NumberVariant& variant = variant_of(system.name, system.carry);
@@ -178,7 +171,7 @@ int profile(const ProfileOptions& options) {
                                   numbers_text(variant.numbers, variant.carry) + " on " + options.core + ": " +
                                   few_digits(outcome.row.at("cycles_per_step_est").get<double>()) +
                                   " cycles a step, estimate, zero wait states";
-        flame->stream() << output_of({TUMBLE_FLAME, places.string(), elf.string(), "/dev/stdout", title});
+        flame->stream() << run_quietly({TUMBLE_FLAME, places.string(), elf.string(), "/dev/stdout", title});
         flame->commit();
     }
     if (options.json) print_json(outcome.row, functions, branches);

@@ -1,11 +1,11 @@
 // Counts the host's instructions inside one function by valgrind's callgrind. A second run gives the same number.
 #pragma once
 
-#include <array>
 #include <cstdint>
-#include <cstdio>
 #include <stdexcept>
 #include <string>
+
+#include "tools/process.hpp"
 
 namespace tumble::host {
 
@@ -22,19 +22,11 @@ struct Counted {
     const std::string whole =
         "env -i PATH=/usr/bin:/bin valgrind --tool=callgrind --callgrind-out-file=/dev/null --toggle-collect='" +
         function + "' " + command;
-    FILE* pipe = popen((whole + " 2>&1").c_str(), "r");
-    if (pipe == nullptr) throw std::runtime_error{"cannot run: " + whole};
+    Process process({"sh", "-c", whole}, {}, Process::Errors::merge);
     std::string all;
-    std::array<char, 4096> part{};
-    while (const std::size_t n = std::fread(part.data(), 1, part.size(), pipe)) all.append(part.data(), n);
-    const int status = pclose(pipe);
     Counted counted;
     bool found = false;
-    for (std::size_t at = 0; at < all.size();) {
-        std::size_t end = all.find('\n', at);
-        if (end == std::string::npos) end = all.size();
-        const std::string line = all.substr(at, end - at);
-        at = end + 1;
+    for (std::string line; process.read_line(line); all += line + '\n') {
         // valgrind's own lines start with ==PID==.
         if (!line.starts_with("==")) counted.text += line + '\n';
         else if (const std::size_t mark = line.find("Collected : "); mark != std::string::npos) {
@@ -42,7 +34,7 @@ struct Counted {
             found = true;
         }
     }
-    if (status != 0 || !found)
+    if (process.wait() != 0 || !found)
         throw std::runtime_error{"valgrind (port/setup installs it) with " + command + ":\n" + all};
     return counted;
 }

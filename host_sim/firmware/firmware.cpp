@@ -52,18 +52,14 @@ void configure(const char* program, const fs::path& build, const std::string& co
 }
 
 void add_sizes(nlohmann::ordered_json& row, const fs::path& elf) {
-    std::string text;
     const std::string core = row.at("core");
     const std::string size = core == StepFirmware::host ? "size" : core_named(core).tool("size");
-    const int status = Process({size, elf.string()}, {}, Process::Errors::merge).wait(&text);
+    const std::string sums = run_quietly({size, elf.string()});
     unsigned long code = 0, data = 0, zeros = 0;
-    if (status != 0 || std::sscanf(text.c_str(), "%*[^\n]\n%lu %lu %lu", &code, &data, &zeros) != 3)
-        throw std::runtime_error(size + ": " + text);
+    if (std::sscanf(sums.c_str(), "%*[^\n]\n%lu %lu %lu", &code, &data, &zeros) != 3)
+        throw std::runtime_error(size + ": " + sums);
     row["text_bytes"] = code + data;
-    text.clear();
-    if (Process({size, "-A", "-d", elf.string()}, {}, Process::Errors::merge).wait(&text) != 0)
-        throw std::runtime_error(size + ": " + text);
-    std::istringstream lines(text);
+    std::istringstream lines(run_quietly({size, "-A", "-d", elf.string()}));
     for (std::string line; std::getline(lines, line);) {
         std::istringstream words(line);
         std::string section;
@@ -74,13 +70,8 @@ void add_sizes(nlohmann::ordered_json& row, const fs::path& elf) {
     }
     row["ram_bytes"] = data + zeros;
     if (core == StepFirmware::host || core_named(core).port != "cortex_m") return;
-    text.clear();
-    const std::string bound = (source_directory / "port/cortex_m/stack_bound").string();
-    unsigned long most = 0;
-    if (Process({bound, elf.string(), "step_world"}, {}, Process::Errors::merge).wait(&text) != 0 ||
-        std::sscanf(text.c_str(), "%lu", &most) != 1)
-        throw std::runtime_error(text);
-    row["step_stack_bound_bytes"] = most;
+    row["step_stack_bound_bytes"] = std::stoul(
+        run_quietly({(source_directory / "port/cortex_m/stack_bound").string(), elf.string(), "step_world"}));
 }
 
 // The row of a program for the host, with valgrind's count of instructions instead of times.
@@ -190,7 +181,8 @@ std::vector<Core> cores() {
             core.numbers.push_back(word);
         }
         if (core.numbers.empty()) wrong_numbers(core.name, numbers);
-        std::getline(row, core.flags);
+        if (!std::getline(row, core.flags))
+            throw std::runtime_error(boards_file.string() + ": too few columns for " + core.name);
         const auto family = families.find(core.port);
         if (family == families.end())
             throw std::runtime_error(boards_file.string() + ": " + core.name + ": column port is '" + core.port +
@@ -198,6 +190,7 @@ std::vector<Core> cores() {
         std::tie(core.compiler, core.tools) = family->second;
         list.push_back(core);
     }
+    if (list.empty()) throw std::runtime_error("no core in " + boards_file.string());
     return list;
 }
 

@@ -67,10 +67,14 @@ template <class N, Spin spin, int capacity, bool points>
             const reference::Motion motion = host::motion_of(bodies, axes, b);
             if (!std::isfinite(norm(motion.x)) || !std::isfinite(norm(motion.v)) || !std::isfinite(norm(motion.w)))
                 return {};
-            // As in Advance::check_range.
-            const double most_turn = spin == Spin::angular_momentum ? 1.5 : 0.5;
-            return HeldNumber{"angular velocity", 2 * most_turn / static_cast<double>(host::number(bodies.step_length)),
-                              "rad/s"};
+            // As in Advance::check_range, which limits the momentum over the middle moment where the method keeps that.
+            constexpr bool of_momentum = spin == Spin::angular_momentum;
+            const double most_turn = of_momentum ? 1.5 : 0.5;  // rad, half of the turn in a step
+            const reference::Vector w = spin_of(bodies, axes, b),
+                                    limited = of_momentum ? times(axes.moments, w) * (1 / axes.moments.y) : w;
+            const double share = std::min(1.0, static_cast<double>(norm(w) / norm(limited)));
+            return HeldNumber{"angular velocity",
+                              share * 2 * most_turn / static_cast<double>(host::number(bodies.step_length)), "rad/s"};
         }
         return {};
     }

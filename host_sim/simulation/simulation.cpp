@@ -174,11 +174,8 @@ const std::vector<IntegratorInfo>& integrators() {
             if constexpr (requires { Method::not_in_fixed_point; }) not_in_fixed_point = Method::not_in_fixed_point;
             int free_order = Method::order;
             if constexpr (requires { Method::free_order; }) free_order = Method::free_order;
-            bool takes_any_load = false;
-            if constexpr (requires { Method::takes_any_load; }) takes_any_load = Method::takes_any_load;
             infos.push_back({Method::name, type_name<Method>(), Method::order, free_order, needs, not_in_fixed_point,
-                             Method::oscillation_limit, Method::drag_limit, &Method::oscillator_step, Method::spin,
-                             takes_any_load, Method::coasting == Coasting::mean, Method::step_bounds});
+                             Method::oscillation_limit, Method::drag_limit, &Method::oscillator_step, Method::spin});
         });
         return infos;
     }();

@@ -143,10 +143,7 @@ struct IntegratorInfo {
     // Of the linear oscillator: Stability of integrators/stability.hpp.
     double oscillation_limit = 0, drag_limit = 0;
     OscillatorStep (*oscillator_step)(double k, double c) = nullptr;
-    Spin spin = Spin::none;         // what it keeps of a spin
-    bool takes_any_load = false;    // fixed point does not limit the change of motion in a step
-    bool coasts_with_mean = false;  // positions advance by the mean of a step's first and last velocity
-    StepBounds step_bounds{};       // beyond them the kernel reports springs, dampers and drag
+    Spin spin = Spin::none;  // what it keeps of a spin
 };
 struct NumberSystemInfo {
     std::string name;

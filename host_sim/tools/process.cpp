@@ -150,12 +150,15 @@ std::string Process::errors() const {
     return text;
 }
 
-void run_quietly(const std::vector<std::string>& command) {
-    std::string messages;
-    const int status = Process(command, {}, Process::Errors::merge).wait(&messages);
+std::string run_quietly(const std::vector<std::string>& command) {
+    std::string text;
+    Process process(command, {}, Process::Errors::keep);
+    const int status = process.wait(&text);
     if (status == 127) throw std::runtime_error(command[0] + " not found");
     if (status != 0)
-        throw std::runtime_error(command[0] + " failed with status " + std::to_string(status) + ":\n" + messages);
+        throw std::runtime_error(command[0] + " failed with status " + std::to_string(status) + ":\n" + text +
+                                 process.errors());
+    return text;
 }
 
 }  // namespace tumble::host

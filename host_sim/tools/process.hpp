@@ -38,7 +38,8 @@ private:
     std::FILE* output_ = nullptr;
 };
 
-// Runs a command. Where it fails, throws std::runtime_error with its output, which is not shown otherwise.
-void run_quietly(const std::vector<std::string>& command);
+// Runs a command and returns what it prints. Where it fails, throws std::runtime_error with that and with its errors,
+// which are not shown otherwise.
+std::string run_quietly(const std::vector<std::string>& command);
 
 }  // namespace tumble::host

@@ -58,12 +58,10 @@ template <class Method, class Scene>
     constexpr std::uint32_t steps = most < Scene::steps ? most : Scene::steps;
     while (replay.world().steps_taken() < steps && replay.step().ok()) {}
     namespace port = tumble::port;
-    port::write(Scene::name);
-    port::write(" ");
-    port::write(variant);
-    port::write(" ");
-    port::write(Method::name);
-    port::write(" ");
+    for (const char* word : {Scene::name, variant, Method::name}) {
+        port::write(word);
+        port::write(" ");
+    }
     write_number(replay.world().steps_taken(), 10, 1);
     port::write(" ");
     write_number(replay.world().hash(), 16, 16);

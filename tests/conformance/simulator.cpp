@@ -13,6 +13,7 @@
 #include "scene/reader.hpp"
 #include "simulation/simulation.hpp"
 #include "tools/output.hpp"
+#include "tools/text.hpp"
 
 int main(int count, char** paths) try {
     using namespace tumble::host;
@@ -33,10 +34,7 @@ int main(int count, char** paths) try {
                 const auto most = contacts ? 4096 / static_cast<std::int64_t>(scene.bodies.size()) : run->steps();
                 const auto answer_after = [&](std::int64_t steps) {
                     while (run->steps_taken() < steps && run->troubles().empty()) run->step();
-                    char text[64];
-                    std::snprintf(text, sizeof text, " %lld %016llx", static_cast<long long>(run->steps_taken()),
-                                  static_cast<unsigned long long>(run->hash()));
-                    return std::string(text);
+                    return " " + std::to_string(run->steps_taken()) + " " + hex(run->hash());
                 };
                 const std::int64_t whole = std::min(run->steps(), most);
                 const std::string first = answer_after(std::min<std::int64_t>(whole, TUMBLE_FIRST_STEPS));

@@ -57,16 +57,14 @@ TEST(Advise, the_cheapest_method_is_measured_with_carry_too) {
 }
 
 TEST(Advise, cost_is_in_instructions_on_request_and_without_a_timing_table) {
-    const auto advise = [](const char* core, const char* tolerance, std::vector<std::string> more) {
-        more.insert(more.begin(), {"advise", shipped("free"), "--core", core, "--tolerance", tolerance, "--integrators",
-                                   "rk4", "--numbers", "q32"});
-        return tumble(more);
+    const auto advise = [](const std::vector<std::string>& options) {
+        return tumble(with({"advise", shipped("free"), "--integrators", "rk4", "--numbers", "q32"}, options));
     };
-    const Outcome asked = advise("cortex-m3", "1e-4", {"--cost", "insn", "--clock", "16 MHz"});
-    expect_outcome(asked, 0, " instructions a simulated second.");
-    expect_outcome(asked, 0, "At 16 MHz a step of 1/32 s has 500000 cycles: the mean step takes 0.");
+    expect_outcome(advise({"--core", "cortex-m3", "--tolerance", "1e-4", "--cost", "insn", "--clock", "16 MHz"}), 0,
+                   " instructions a simulated second.",
+                   "At 16 MHz a step of 1/32 s has 500000 cycles: the mean step takes 0.");
     // No firmware is built: no method has so small an error.
-    expect_outcome(advise("cortex-m7", "1e-12", {}), 1,
+    expect_outcome(advise({"--core", "cortex-m7", "--tolerance", "1e-12"}), 1,
                    "cortex-m7: nothing publishes its cycles; costs are in instructions");
 }
 

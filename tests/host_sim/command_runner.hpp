@@ -1,6 +1,10 @@
 // Runs the command `tumble` as a user does.
 #pragma once
 
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -61,10 +65,41 @@ struct Outcome {
     EXPECT_EQ(outcome.status, status) << outcome.text;
     return Json::parse(outcome.text);
 }
-// Checks the exit status and a part of the output.
-inline void expect_outcome(const Outcome& outcome, int status, const std::string& part) {
+// Checks that a text has all these parts.
+inline void expect_parts(const std::string& text, const std::vector<std::string>& parts) {
+    for (const std::string& part : parts) EXPECT_TRUE(has(text, part)) << text << "\nexpected: " << part;
+}
+// Checks the exit status and parts of the output.
+inline void expect_outcome(const Outcome& outcome, int status, const auto&... parts) {
     EXPECT_EQ(outcome.status, status) << outcome.text;
-    EXPECT_TRUE(has(outcome.text, part)) << outcome.text << "\nexpected: " << part;
+    expect_parts(outcome.text, {std::string(parts)...});
+}
+// What the command prints, errors too, when it ends with this status.
+[[nodiscard]] inline std::string text_of(const std::vector<std::string>& arguments, int status = 0) {
+    const Outcome outcome = tumble(arguments);
+    EXPECT_EQ(outcome.status, status) << outcome.text;
+    return outcome.text;
+}
+// Arguments, followed by others.
+[[nodiscard]] inline std::vector<std::string> with(std::vector<std::string> arguments,
+                                                   const std::vector<std::string>& others) {
+    arguments.insert(arguments.end(), others.begin(), others.end());
+    return arguments;
+}
+
+// Runs a function in a process of its own, which leaves no core file. Returns its status, as waitpid() tells it.
+template <class Body>
+[[nodiscard]] int status_in_a_process(const Body& body) {
+    const pid_t program = fork();
+    if (program == 0) {
+        const rlimit no_core{0, 0};
+        setrlimit(RLIMIT_CORE, &no_core);
+        body();
+        _exit(0);
+    }
+    int status = 0;
+    EXPECT_EQ(waitpid(program, &status, 0), program);
+    return status;
 }
 
 // A file of this test alone.
@@ -86,16 +121,35 @@ inline void expect_outcome(const Outcome& outcome, int status, const std::string
     return {std::istreambuf_iterator<char>(file), {}};
 }
 
+// --- parts of scenes -------------------------------------------------------------------------------------------------
+
+inline const std::string floor_plane = "[[plane]]\nname = \"floor\"\nnormal = [0.0, 1.0, 0.0]\n",
+                         smallest_range = "[range]\nposition = 64.0\nvelocity = 32.0\nangular_velocity = 32.0\n";
+
+// With gravity along y, m/s^2.
+[[nodiscard]] inline std::string world_of(const std::string& gravity, const std::string& step,
+                                          const std::string& duration) {
+    return "[world]\ngravity = [0.0, " + gravity + ", 0.0]\nstep = \"" + step + "\"\nduration = " + duration + "\n";
+}
 // A scene of 26 steps with a floor below its bodies.
 [[nodiscard]] inline std::string scene_of(const std::string& contact, const std::string& bodies) {
-    return "name = \"test\"\n[world]\nstep = \"1/256\"\nduration = 0.1\n" + contact +
-           "[[plane]]\nname = \"floor\"\nnormal = [0.0, 1.0, 0.0]\noffset = 10.0\n" + bodies;
+    return "name = \"test\"\n[world]\nstep = \"1/256\"\nduration = 0.1\n" + contact + floor_plane + "offset = 10.0\n" +
+           bodies;
 }
-// Of 1 kg; at the origin where no position is given.
+// At the origin where no position is given; the mass in kg.
 [[nodiscard]] inline std::string body_of(const std::string& name, const std::string& shape,
-                                         const std::string& position = "") {
-    return "[[body]]\nname = \"" + name + "\"\nshape = { " + shape + " }\nmass = 1.0\n" +
+                                         const std::string& position = "", const std::string& mass = "1.0") {
+    return "[[body]]\nname = \"" + name + "\"\nshape = { " + shape + " }\nmass = " + mass + "\n" +
            (position.empty() ? "" : "position = " + position + "\n");
+}
+// n by n boxes side by side on a floor. They have more neighbours than a heap of spheres: four by four 58 pairs.
+[[nodiscard]] inline std::string packed_boxes(int n, const std::string& duration) {
+    std::string scene =
+        world_of("-9.81", "1/256", duration) + "[contact]\nrestitution = 0.0\nfriction = 0.5\n" + floor_plane;
+    for (int i = 0; i < n * n; ++i)
+        scene += body_of("b" + std::to_string(i), "box = [0.5, 0.5, 0.5]",
+                         "[" + std::to_string(0.5 * (i / n)) + ", 0.25, " + std::to_string(0.5 * (i % n)) + "]");
+    return scene;
 }
 
 }  // namespace tumble::host

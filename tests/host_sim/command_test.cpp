@@ -23,56 +23,57 @@ TEST_P(BadInput, ends_with_status_2_and_says_what_was_expected) {
     expect_outcome(tumble(GetParam().arguments), 2, GetParam().message);
 }
 
-const std::string brick = shipped("brick");
+const std::string brick_file = shipped("brick");
 INSTANTIATE_TEST_SUITE_P(
     Command, BadInput,
     testing::Values(
         BadCall{{}, "subcommand"}, BadCall{{"dance"}, "dance"}, BadCall{{"run"}, "scene"},
         BadCall{{"run", "missing.toml"}, "missing.toml: cannot be read: no such file"},
         BadCall{{"run", TUMBLE_SOURCE_DIR "/tests/host_sim/CMakeLists.txt"}, "CMakeLists.txt:2: TOML syntax: "},
-        BadCall{{"run", brick, "--integrator", "rk5"},
+        BadCall{{"run", brick_file, "--integrator", "rk5"},
                 "unknown integrator \"rk5\" (did you mean \"rk4\"?), expected one of explicit_euler, "},
-        BadCall{{"run", brick, "--integrator", "exact"}, "expected --numbers to be one of f32, f64"},
-        BadCall{{"compile", brick, "--integrator", "exact", "--numbers", "q32"},
+        BadCall{{"run", brick_file, "--integrator", "exact"}, "expected --numbers to be one of f32, f64"},
+        BadCall{{"compile", brick_file, "--integrator", "exact", "--numbers", "q32"},
                 "integrator \"exact\" does not run in q32, because "},
-        BadCall{{"run", brick, "--numbers", "q16"}, "unknown number system \"q16\", expected one of q32, f32, f64"},
-        BadCall{{"run", brick, "--carry", "maybe"}, "--carry: got \"maybe\", expected on or off"},
-        BadCall{{"run", brick, "--step", "-1"}, "--step: got \"-1\", expected a positive number"},
-        BadCall{{"run", brick, "--step", "1/0"}, "--step: got \"1/0\", expected a positive number"},
-        BadCall{{"run", brick, "--step", ""}, "--step: got \"\", expected a positive number"},
-        BadCall{{"run", brick, "--duration", "-1"}, "--duration: got \"-1\", expected a number of seconds"},
-        BadCall{{"run", brick, "--duration", "nan"}, "--duration: got \"nan\", expected a number of seconds"},
-        BadCall{{"run", brick, "--duration", "2s"}, "--duration: got \"2s\", expected a number of seconds"},
-        BadCall{{"run", brick, "--duration", "1e12"}, "2^31 steps"},
-        BadCall{{"run", brick, "--every", "0"}, "--every: got \"0\", expected a whole number of steps >= 1\n"},
-        BadCall{{"run", brick, "--every", "1.5"}, "--every: got \"1.5\", expected a whole number of steps"},
-        BadCall{{"run", brick, "--trajectory", ""}, "--trajectory: got \"\", expected the name of a file"},
-        BadCall{{"run", brick, "--plot", ""}, "--plot: got \"\", expected the name of a file"},
-        BadCall{{"run", brick, "--trajectory", "/no/where.csv"}, "/no/where.csv"},
-        BadCall{{"compile", brick, "-o", "/no/where.hpp"}, "/no/where.hpp"},
-        BadCall{{"compile", brick, "-o", ""}, "--output: got \"\", expected the name of a file"},
-        BadCall{{"compare", brick}, "--core"},
-        BadCall{{"compare", brick, "--core", "z80"}, "got \"z80\", expected one of cortex-m0, "},
-        BadCall{{"compare", brick, "--core", "cortexm3"}, "got \"cortexm3\" (did you mean \"cortex-m3\"?)"},
-        BadCall{{"rum", brick}, "got \"rum\" (did you mean \"run\"?), expected \"run\", \"compile\", "},
+        BadCall{{"run", brick_file, "--numbers", "q16"},
+                "unknown number system \"q16\", expected one of q32, f32, f64"},
+        BadCall{{"run", brick_file, "--carry", "maybe"}, "--carry: got \"maybe\", expected on or off"},
+        BadCall{{"run", brick_file, "--step", "-1"}, "--step: got \"-1\", expected a positive number"},
+        BadCall{{"run", brick_file, "--step", "1/0"}, "--step: got \"1/0\", expected a positive number"},
+        BadCall{{"run", brick_file, "--step", ""}, "--step: got \"\", expected a positive number"},
+        BadCall{{"run", brick_file, "--duration", "-1"}, "--duration: got \"-1\", expected a number of seconds"},
+        BadCall{{"run", brick_file, "--duration", "nan"}, "--duration: got \"nan\", expected a number of seconds"},
+        BadCall{{"run", brick_file, "--duration", "2s"}, "--duration: got \"2s\", expected a number of seconds"},
+        BadCall{{"run", brick_file, "--duration", "1e12"}, "2^31 steps"},
+        BadCall{{"run", brick_file, "--every", "0"}, "--every: got \"0\", expected a whole number of steps >= 1\n"},
+        BadCall{{"run", brick_file, "--every", "1.5"}, "--every: got \"1.5\", expected a whole number of steps"},
+        BadCall{{"run", brick_file, "--trajectory", ""}, "--trajectory: got \"\", expected the name of a file"},
+        BadCall{{"run", brick_file, "--plot", ""}, "--plot: got \"\", expected the name of a file"},
+        BadCall{{"run", brick_file, "--plot", "/nonexistent/a.svg"}, "--plot: cannot write /nonexistent/a.svg"},
+        BadCall{{"run", brick_file, "--integrator", "foo"}, ", implicit_euler,"},
+        BadCall{{"run", brick_file, "--trajectory", "/no/where.csv"}, "/no/where.csv"},
+        BadCall{{"compile", brick_file, "-o", "/no/where.hpp"}, "/no/where.hpp"},
+        BadCall{{"compile", brick_file, "-o", ""}, "--output: got \"\", expected the name of a file"},
+        BadCall{{"compare", brick_file}, "--core"},
+        BadCall{{"compare", brick_file, "--core", "z80"}, "got \"z80\", expected one of cortex-m0, "},
+        BadCall{{"compare", brick_file, "--core", "cortexm3"}, "got \"cortexm3\" (did you mean \"cortex-m3\"?)"},
+        BadCall{{"rum", brick_file}, "got \"rum\" (did you mean \"run\"?), expected \"run\", \"compile\", "},
         BadCall{{"run", "--integrators", "rk4"},
                 "--integrators: unknown option of run (did you mean \"--integrator\"?), expected one of \"--help\", "},
-        BadCall{{"advise", brick, "--toleranc=1"},
+        BadCall{{"advise", brick_file, "--toleranc=1"},
                 "--toleranc: unknown option of advise (did you mean \"--tolerance\"?), expected one of "},
-        BadCall{{"run", brick, "--trajectory", "-", "--json"},
+        BadCall{{"run", brick_file, "--trajectory", "-", "--json"},
                 "--trajectory, --json: got standard output for each of them, expected it for one"},
-        BadCall{{"compare", brick, "--core", "cortex-m3", "--every", "16", "--flip", "17"},
+        BadCall{{"compare", brick_file, "--core", "cortex-m3", "--every", "16", "--flip", "17"},
                 "--flip: got 17, expected a step that is recorded"},
-        BadCall{{"compare", brick, "--core", "cortex-m3", "--flip", "-1"}, "--flip: got \"-1\", expected"},
-        BadCall{{"compare", brick, "--core", "cortex-m3", "--every", "0"},
+        BadCall{{"compare", brick_file, "--core", "cortex-m3", "--flip", "-1"}, "--flip: got \"-1\", expected"},
+        BadCall{{"compare", brick_file, "--core", "cortex-m3", "--every", "0"},
                 "--every: got \"0\", expected a whole number of steps >= 1\n"},
-        BadCall{{"compare", brick, "--core", "cortex-m3", "--timeout", "0"},
+        BadCall{{"compare", brick_file, "--core", "cortex-m3", "--timeout", "0"},
                 "--timeout: got \"0\", expected a whole number of seconds >= 1\n"}));
 
 TEST(Command, version_is_that_of_the_kernel_and_of_its_bits) {
-    const Outcome outcome = tumble({"--version"});
-    EXPECT_EQ(outcome.status, 0);
-    EXPECT_EQ(outcome.text, "tumble " TUMBLE_VERSION ", bits " + std::to_string(TUMBLE_BITS) + "\n");
+    EXPECT_EQ(text_of({"--version"}), "tumble " TUMBLE_VERSION ", bits " + std::to_string(TUMBLE_BITS) + "\n");
 }
 
 TEST(Command, help_is_not_an_error) {
@@ -96,12 +97,10 @@ TEST(Firmware, a_memory_shortage_is_one_sentence) {
 }
 
 TEST(List, names_integrators_number_systems_ranges_and_cores) {
-    const Outcome outcome = tumble({"list"});
-    EXPECT_EQ(outcome.status, 0);
-    for (const IntegratorInfo& info : integrators()) EXPECT_TRUE(has(outcome.text, info.name)) << info.name;
-    EXPECT_TRUE(has(outcome.text, "not in q32, because " + find_integrator("exact").not_in_fixed_point));
-    for (const auto* part : {"q32", "f32", "f64", "near", "room", "field", "32768 m", "cortex-m0", "mps2-an385"})
-        EXPECT_TRUE(has(outcome.text, part)) << part;
+    const std::string text = text_of({"list"});
+    for (const IntegratorInfo& info : integrators()) EXPECT_TRUE(has(text, info.name)) << info.name;
+    expect_parts(text, {"not in q32, because " + find_integrator("exact").not_in_fixed_point, "q32", "f32", "f64",
+                        "near", "room", "field", "32768 m", "cortex-m0", "mps2-an385"});
 }
 
 TEST(List, shows_the_order_of_free_rotation_where_it_differs) {

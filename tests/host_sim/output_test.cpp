@@ -1,8 +1,5 @@
 // Files and standard output of the command: written whole or not at all, and lost output is reported.
 #include <signal.h>
-#include <sys/resource.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include "command_runner.hpp"
 #include "rows.hpp"
@@ -11,18 +8,17 @@
 namespace tumble::host {
 namespace {
 
-// Runs the command in a shell, which redirects its standard output.
-Outcome tumble_in_shell(const std::string& arguments, const std::string& output) {
+// Runs the command in a shell, which may redirect its output. A scene may come from standard input.
+Outcome tumble_in_shell(const std::string& arguments, const std::string& scene = {}) {
     Outcome outcome{};
-    outcome.status = Process({"sh", "-c", std::string(TUMBLE_COMMAND) + " " + arguments + " 2>&1 " + output}, {},
-                             Process::Errors::merge)
+    outcome.status = Process({"sh", "-c", std::string(TUMBLE_COMMAND) + " " + arguments}, scene, Process::Errors::keep)
                          .wait(&outcome.text);
     return outcome;
 }
 
 TEST(Output, lost_standard_output_is_reported) {
     if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "no /dev/full";
-    EXPECT_TRUE(has(tumble_in_shell("list", ">/dev/full").text,
+    EXPECT_TRUE(has(tumble_in_shell("list 2>&1 >/dev/full").text,
                     "tumble: writing to standard output failed: No space left on device\n"));
     const std::string orbit = shipped("orbit");
     for (const std::string& arguments :
@@ -30,28 +26,20 @@ TEST(Output, lost_standard_output_is_reported) {
           "compile " + orbit, "run " + orbit, "run --json " + orbit, "compile -o /dev/stdout " + orbit,
           "run --trajectory /dev/stdout " + orbit}) {
         SCOPED_TRACE(arguments);
-        expect_outcome(tumble_in_shell(arguments, ">/dev/full"), 1, "failed");
+        expect_outcome(tumble_in_shell(arguments + " 2>&1 >/dev/full"), 1, "failed");
         if (has(arguments, "/dev/stdout")) continue;
-        expect_outcome(tumble_in_shell(arguments, ">&-"), 1, "failed");
+        expect_outcome(tumble_in_shell(arguments + " 2>&1 >&-"), 1, "failed");
     }
-}
-
-// The scene comes from standard input.
-Outcome tumble_of(const std::string& scene, const std::string& arguments) {
-    Outcome outcome{};
-    outcome.status = Process({"sh", "-c", std::string(TUMBLE_COMMAND) + " " + arguments}, scene, Process::Errors::keep)
-                         .wait(&outcome.text);
-    return outcome;
 }
 
 TEST(Output, a_hyphen_is_standard_input_and_standard_output) {
     const std::string orbit = shipped("orbit"), scene = contents(orbit), csv = temporary("out.csv");
     ASSERT_EQ(tumble({"run", orbit, "--duration", "1", "--trajectory", csv}).status, 0);
-    const Outcome trajectory = tumble_of(scene, "run - --duration 1 --trajectory -");
+    const Outcome trajectory = tumble_in_shell("run - --duration 1 --trajectory -", scene);
     EXPECT_EQ(trajectory.status, 0);
     EXPECT_EQ(trajectory.text, contents(csv));  // the table is on standard error
-    expect_outcome(tumble_of(scene, "compile - --struct Orbit -o -"), 0, "struct Orbit {");
-    expect_outcome(tumble_of("name = 3\n", "run - 2>&1"), 2, "/dev/stdin:1: name: got 3");
+    expect_outcome(tumble_in_shell("compile - --struct Orbit -o -", scene), 0, "struct Orbit {");
+    expect_outcome(tumble_in_shell("run - 2>&1", "name = 3\n"), 2, "/dev/stdin:1: name: got 3");
     EXPECT_FALSE(std::filesystem::exists("-"));
 }
 
@@ -113,17 +101,11 @@ TEST(OutputFile, is_written_whole_or_not_at_all) {
     EXPECT_EQ(count(), before);
     // A signal leaves nothing behind.
     for (const int signal : {SIGINT, SIGTERM, SIGQUIT}) {
-        const pid_t program = fork();
-        if (program == 0) {
-            const rlimit no_core{0, 0};
-            setrlimit(RLIMIT_CORE, &no_core);
+        const int status = status_in_a_process([&] {
             OutputFile file(path), other(temporary("other"));
             file.stream() << "newer";
             raise(signal);
-            _exit(0);
-        }
-        int status = 0;
-        ASSERT_EQ(waitpid(program, &status, 0), program);
+        });
         EXPECT_TRUE(WIFSIGNALED(status)) << signal;
         EXPECT_EQ(contents(path), "new");
         EXPECT_EQ(count(), before) << signal;
@@ -143,18 +125,14 @@ TEST(OutputFile, a_write_error_throws) {
     EXPECT_EQ(bench::read_rows(rows).at(0).at("scene"), "none");
     // More than the largest file that the program may write, as a disk that fills up in the middle.
     const std::string path = written("limited", "old");
-    const pid_t program = fork();
-    if (program == 0) {
+    const int status = status_in_a_process([&] {
         const rlimit small{4096, 4096};
         setrlimit(RLIMIT_FSIZE, &small);
         signal(SIGXFSZ, SIG_IGN);
         try {
             write_file(path, std::string(1 << 18, 'x'));
         } catch (const std::runtime_error& error) { _exit(has(error.what(), "File too large") ? 3 : 4); }
-        _exit(0);
-    }
-    int status = 0;
-    ASSERT_EQ(waitpid(program, &status, 0), program);
+    });
     EXPECT_EQ(WEXITSTATUS(status), 3);
     EXPECT_EQ(contents(path), "old");
 }

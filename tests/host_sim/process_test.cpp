@@ -1,9 +1,6 @@
 // Processes that the command starts.
 #include <poll.h>
 #include <signal.h>
-#include <sys/resource.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <array>
 
@@ -16,11 +13,7 @@ TEST(Process, all_processes_end_when_the_program_ends) {
     for (const int signal : {SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGABRT, SIGKILL, SIGSEGV}) {
         std::array<int, 2> held{};  // its writing end stays open for as long as one of them runs
         ASSERT_EQ(pipe(held.data()), 0);
-        const pid_t program = fork();
-        ASSERT_GE(program, 0);
-        if (program == 0) {
-            const rlimit no_core{0, 0};
-            setrlimit(RLIMIT_CORE, &no_core);
+        const int status = status_in_a_process([&] {
             // A sanitizer's own handler would end it by exit().
             if (signal == SIGSEGV || signal == SIGABRT) ::signal(signal, SIG_DFL);
             dup2(held[1], STDERR_FILENO);  // what is above it is not kept by all of them
@@ -28,11 +21,8 @@ TEST(Process, all_processes_end_when_the_program_ends) {
             std::string line;
             (void)child.read_line(line);
             raise(signal);
-            _exit(0);
-        }
+        });
         close(held[1]);
-        int status = 0;
-        ASSERT_EQ(waitpid(program, &status, 0), program);
         EXPECT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == signal) << signal << ": " << status;
         pollfd end{held[0], POLLIN, 0};
         EXPECT_EQ(poll(&end, 1, 10000), 1) << "something runs on after signal " << signal;

@@ -33,9 +33,8 @@ TEST(Profile, functions_add_up_to_the_cycles_of_a_step) {
 }
 
 TEST(Profile, bad_input_is_refused) {
-    const auto expect = [](std::vector<std::string> arguments, const std::string& message) {
-        arguments.insert(arguments.begin(), {"profile", shipped("free")});
-        expect_outcome(tumble(arguments), 2, message);
+    const auto expect = [](const std::vector<std::string>& options, const std::string& message) {
+        expect_outcome(tumble(with({"profile", shipped("free")}, options)), 2, message);
     };
     expect({"--core", "cortex-m7"}, "got \"cortex-m7\", whose cycles no manual gives, expected one of cortex-m0");
     expect({"--core", "z80"}, "got \"z80\", expected one of");

@@ -3,44 +3,17 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdint>
 #include <cstdio>
-#include <filesystem>
-#include <fstream>
-#include <initializer_list>
 #include <limits>
 #include <map>
 #include <stdexcept>
-#include <string>
-#include <string_view>
-#include <utility>
-#include <vector>
 
-#include <gtest/gtest.h>
-
+#include "command_runner.hpp"
 #include "scene/data.hpp"
 #include "scene/reader.hpp"
 
 namespace tumble::host {
 namespace {
-
-namespace fs = std::filesystem;
-
-// TUMBLE_SOURCE_DIR overrides what the compiler was told about this file's place.
-fs::path source_dir() {
-#ifdef TUMBLE_SOURCE_DIR
-    return TUMBLE_SOURCE_DIR;
-#else
-    return fs::absolute(__FILE__).parent_path().parent_path().parent_path();
-#endif
-}
-
-std::vector<fs::path> shipped_files() {
-    std::vector<fs::path> files;
-    for (const auto& entry : fs::directory_iterator(source_dir() / "host_sim/scenes"))
-        if (entry.path().extension() == ".toml") files.push_back(entry.path());
-    return files;
-}
 
 struct BadScene {
     std::string name, line, key, part, toml;
@@ -53,7 +26,7 @@ std::vector<BadScene> bad_scenes() {
     std::vector<BadScene> scenes;
     std::map<std::string, std::string> fragments;
     std::string* text = nullptr;
-    std::ifstream stream(source_dir() / "tests/host_sim/bad_scenes.txt");
+    std::ifstream stream(source_directory / "tests/host_sim/bad_scenes.txt");
     for (std::string line; std::getline(stream, line);) {
         if (line.starts_with(mark + "$")) {
             text = &fragments[line.substr(mark.size())];
@@ -102,20 +75,21 @@ TEST_P(RefusedScene, names_file_line_key_and_expectation) {
 INSTANTIATE_TEST_SUITE_P(cases, RefusedScene, testing::ValuesIn(bad_scenes()),
                          [](const auto& info) { return info.param.name; });
 
-class ShippedScene : public testing::TestWithParam<fs::path> {};
+class ShippedScene : public testing::TestWithParam<std::string> {};
 
 TEST_P(ShippedScene, reads) {
     try {
-        const SceneDescription scene = read_scene(GetParam());
-        EXPECT_EQ(scene.path, GetParam().string());
+        const std::string file = shipped(GetParam());
+        const SceneDescription scene = read_scene(file);
+        EXPECT_EQ(scene.path, file);
         EXPECT_FALSE(scene.name.empty());
         EXPECT_FALSE(scene.bodies.empty());
         EXPECT_GT(scene.steps(), 0);
     } catch (const SceneError& error) { FAIL() << error.what(); }
 }
 
-INSTANTIATE_TEST_SUITE_P(files, ShippedScene, testing::ValuesIn(shipped_files()),
-                         [](const auto& info) { return info.param.stem().string(); });
+INSTANTIATE_TEST_SUITE_P(files, ShippedScene, testing::ValuesIn(shipped_scenes()),
+                         [](const auto& info) { return info.param; });
 
 const std::string world = "[world]\nstep = \"1/256\"\nduration = 4.0\n";
 const std::string brick = "[[body]]\nname = \"brick\"\nshape = { box = [1.0, 4.0, 9.0] }\nmass = 10\n";
@@ -286,7 +260,7 @@ TEST(SceneReader, what_there_is_no_room_for_is_told_with_its_line) {
 }
 
 TEST(SceneReader, files_that_cannot_be_read_are_errors_that_name_them) {
-    const auto error_of_file = [](const fs::path& path) -> std::string {
+    const auto error_of_file = [](const std::string& path) -> std::string {
         try {
             (void)read_scene(path);
         } catch (const SceneError& error) {
@@ -297,8 +271,9 @@ TEST(SceneReader, files_that_cannot_be_read_are_errors_that_name_them) {
     };
     EXPECT_EQ(error_of_file("no/such/scene.toml"),
               "no/such/scene.toml: cannot be read: no such file, expected a scene file (TOML)");
-    EXPECT_TRUE(error_of_file(source_dir()).starts_with(source_dir().string() + ": "));
-    if (fs::exists("/dev/zero")) {
+    const std::string directory = source_directory.string();
+    EXPECT_TRUE(error_of_file(directory).starts_with(directory + ": "));
+    if (std::filesystem::exists("/dev/zero")) {
         EXPECT_EQ(error_of_file("/dev/zero"), "/dev/zero: cannot be read: it is larger than 33554432 bytes, expected a "
                                               "scene file (TOML)");
     }
@@ -604,17 +579,15 @@ TEST(SceneReader, events_keep_the_order_of_the_file) {
 
 TEST(SceneReader, cube_scenes_differ_in_name_and_step_only) {
     const auto text = [](const char* stem) {
-        std::ifstream stream(source_dir() / "host_sim/scenes" / (std::string(stem) + ".toml"));
-        std::string kept, line;
-        while (std::getline(stream, line))
+        std::string kept;
+        for (const std::string& line : lines_of(contents(shipped(stem))))
             if (!line.starts_with("#") && !line.starts_with("name     ") && !line.starts_with("step") &&
                 !line.starts_with("name = \"cube"))
                 kept += line + "\n";
         return kept;
     };
     EXPECT_EQ(text("cube"), text("cube_binary"));
-    const auto decimal = read_scene(source_dir() / "host_sim/scenes/cube.toml"),
-               binary = read_scene(source_dir() / "host_sim/scenes/cube_binary.toml");
+    const auto decimal = read_scene(shipped("cube")), binary = read_scene(shipped("cube_binary"));
     EXPECT_EQ(decimal.steps(), 800);
     EXPECT_EQ(binary.steps(), 1024);
     EXPECT_EQ(decimal.impulses.size(), 9u);

@@ -48,7 +48,7 @@ TEST(SceneBuilder, fraction_of_a_step_is_exact_to_64_bits) {
 
 TEST(SceneBuilder, planes_without_a_response_are_left_out) {
     const std::string rest = "shape = { box = [1.0, 1.0, 1.0] }\nmass = 1.0\n";
-    const std::string plane = "[[plane]]\nname = \"floor\"\nnormal = [0.0, 1.0, 0.0]\noffset = 10.0\n";
+    const std::string plane = floor_plane + "offset = 10.0\n";
     const SceneData without = build_scene(scene_with(rest, "[contact]\nresponse = \"none\"\n" + plane)),
                     with = build_scene(scene_with(rest, plane));
     EXPECT_TRUE(without.planes.empty());
@@ -61,9 +61,8 @@ TEST(SceneBuilder, planes_without_a_response_are_left_out) {
 TEST(SceneBuilder, contact_is_as_written) {
     const std::string rest = "shape = { sphere = 1.0 }\nmass = 1.0\n", sleep = "sleep = { speed = 0.1, time = 2.0 }\n",
                       constants = "stiffness = 500.0\ndamping = 3.0\nbarrier = 0.5\ntolerance = 0.01\n";
-    const SceneData soft =
-        build_scene(scene_with(rest, "[contact]\nresponse = \"spring\"\n" + constants + sleep +
-                                         "[[plane]]\nname = \"floor\"\nnormal = [0.0, 1.0, 0.0]\noffset = 10.0\n"));
+    const SceneData soft = build_scene(
+        scene_with(rest, "[contact]\nresponse = \"spring\"\n" + constants + sleep + floor_plane + "offset = 10.0\n"));
     const ContactSpec& contact = soft.world.contact;
     EXPECT_EQ(contact.response, tumble::ContactResponse::spring);
     EXPECT_EQ(contact.stiffness.to_double(), 500.0);

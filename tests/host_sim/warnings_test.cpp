@@ -9,11 +9,9 @@ namespace {
 // The warnings of a run that is well otherwise, without the file's name.
 std::vector<std::string> warnings_of(const std::string& contact, const std::string& bodies) {
     const std::string scene = written("scene.toml", scene_of(contact, bodies));
-    const Outcome outcome = tumble({"run", scene});
-    EXPECT_EQ(outcome.status, 0) << outcome.text;
     const std::string start = "warning: " + scene + ": ";
     std::vector<std::string> warnings;
-    for (const std::string& line : lines_of(outcome.text))
+    for (const std::string& line : lines_of(text_of({"run", scene})))
         if (line.starts_with(start)) warnings.push_back(line.substr(start.size()));
     return warnings;
 }
@@ -21,11 +19,7 @@ using Warnings = std::vector<std::string>;
 
 // The messages of `tumble compile` about a scene.
 std::string warnings_of_compile(const std::string& scene, const std::vector<std::string>& options = {}) {
-    std::vector<std::string> arguments{"compile", written("scene.toml", scene), "-o", "/dev/null"};
-    arguments.insert(arguments.end(), options.begin(), options.end());
-    const Outcome outcome = tumble(arguments);
-    EXPECT_EQ(outcome.status, 0) << outcome.text;
-    return outcome.text;
+    return text_of(with({"compile", written("scene.toml", scene), "-o", "/dev/null"}, options));
 }
 
 TEST(Limits, shapes_without_body_contacts_give_a_warning_beside_other_bodies) {
@@ -94,9 +88,7 @@ TEST(Limits, spring_response_has_neither_friction_nor_sleep) {
 
 TEST(Limits, events_without_an_effect_give_a_warning) {
     const auto output = [](const std::string& contact, const std::string& bodies) {
-        const Outcome outcome = tumble({"run", written("scene.toml", scene_of(contact, bodies))});
-        EXPECT_EQ(outcome.status, 0) << outcome.text;
-        return outcome.text;
+        return text_of({"run", written("scene.toml", scene_of(contact, bodies))});
     };
     // 0.1 s is nearest to the end of the last step, the 26th.
     const auto impulse_at = [](const char* time) {

@@ -35,7 +35,7 @@ Number worst_apex(AnyWorld& world, Number restitution) {
 }
 
 TEST_P(Contacts, a_ball_bounces_to_its_heights) {
-    if (GetParam().method.order < 2) GTEST_SKIP() << "falls with the error of order 1";
+    if (order() < 2) GTEST_SKIP() << "falls with the error of order 1";
     for (const Number restitution : {1.0L, 0.8L}) {
         const auto world = build(floor(restitution, 0, {placed(sphere(1, 0.5), {0, 1.5, 0})}), GetParam());
         const Number worst = worst_apex(*world, restitution);
@@ -68,14 +68,13 @@ void bounce_without_gain(AnyWorld& world, const Case& c, int wanted) {
 }
 
 TEST_P(Contacts, an_elastic_ball_never_gains_energy_in_a_thousand_bounces) {
-    if (GetParam().method.order < 2) GTEST_SKIP() << "falls with the error of order 1";
+    if (order() < 2) GTEST_SKIP() << "falls with the error of order 1";
     bounce_without_gain(*build(elastic_ball(), GetParam()), GetParam(), 1000);
 }
 
 TEST_P(Contacts, a_ball_comes_to_rest_and_stays) {
     for (const Number restitution : {0.0L, 0.5L, 0.9L}) {
-        const auto world = build(floor(restitution, 0, {placed(sphere(1, 0.5), {0, 1, 0})}), GetParam());
-        world->run(256 * 20);
+        const auto world = run(floor(restitution, 0, {placed(sphere(1, 0.5), {0, 1, 0})}), 256 * 20);
         EXPECT_TRUE(world->status().ok()) << restitution << ": status " << static_cast<int>(world->status().bits)
                                           << " at step " << world->status().first_step;
         Number lowest = 1, highest = 0;
@@ -87,7 +86,7 @@ TEST_P(Contacts, a_ball_comes_to_rest_and_stays) {
         }
         EXPECT_LE(-lowest, tolerance::depth.of(system())) << restitution;
         // A method of order 1 may add g h to the speed of every hop. The hops last until restitution takes as much.
-        const Number hop = GetParam().method.order == 1 ? 2 * g / 256 / (1 - restitution) : g / 256 * 1.01L;
+        const Number hop = order() == 1 ? 2 * g / 256 / (1 - restitution) : g / 256 * 1.01L;
         EXPECT_LE(highest - hop * hop / 2 / g, tolerance::depth.of(system())) << restitution;
         EXPECT_LE(norm(world->motion(0).v), hop) << restitution;
     }
@@ -96,12 +95,11 @@ TEST_P(Contacts, a_ball_comes_to_rest_and_stays) {
 TEST_P(Contacts, a_ball_pressed_down_by_a_force_rests_too) {
     SceneSetup setup = floor(0.5L, 0, {placed(sphere(1, 0.5), {0, 0.5, 0})});
     setup.forces = {{.body = 0, .from = 0.0, .until = 100.0, .force = {0, -100, 0}}};
-    const auto world = build(setup, GetParam());
-    world->run(256 * 4);
+    const auto world = run(setup, 256 * 4);
     // A hop of a method of order 1 adds (g + f) h to the speed. The hops last until restitution takes as much.
     const Number step_speed = (g + 100) / 256;
-    EXPECT_LE(norm(world->motion(0).v), GetParam().method.order == 1 ? tolerance::pressed_hop.of(system()) * step_speed
-                                                                     : tolerance::rest_speed.of(system()));
+    EXPECT_LE(norm(world->motion(0).v),
+              order() == 1 ? tolerance::pressed_hop.of(system()) * step_speed : tolerance::rest_speed.of(system()));
     EXPECT_LE(std::abs(world->motion(0).x.y - 0.5L), tolerance::place.of(system()));
 }
 
@@ -111,15 +109,13 @@ TEST_P(Contacts, too_many_impacts_in_a_step_are_reported) {
     setup.planes = {{}, {.normal = {0, -1, 0}, .offset = 0.25}};  // 0.05 m of room, 0.4 m a step
     setup.bodies = {placed(sphere(1, 0.1), {0, 0.125, 0}, {0, 30, 0})};
     setup.step = Seconds{1, 64};
-    const auto world = build(setup, GetParam());
-    world->run(8);
+    const auto world = run(setup, 8);
     EXPECT_TRUE(world->status().has(Issue::step_bound_hit));
 }
 
 TEST_P(Contacts, a_tilted_box_comes_to_rest_on_a_face) {
     const BodySpec body = oriented(placed(box(2, {1, 0.5, 0.75}), {0, 1.5, 0}), {0.9, {0.1, -0.3, 0.2}});
-    const auto world = build(floor(0.25L, 0.5L, {body}), GetParam());
-    world->run(256 * 15);
+    const auto world = run(floor(0.25L, 0.5L, {body}), 256 * 15);
     const Motion m = world->motion(0);
     const Vector up = m.q.normalized().rotate_back({0, 1, 0});  // the plane's normal in the box's axes
     const Number upright = std::max({std::abs(up.x), std::abs(up.y), std::abs(up.z)});
@@ -160,7 +156,7 @@ TEST_P(Contacts, a_box_hit_off_centre_gets_the_spin_of_the_impulse_formula) {
             // compared.
             EXPECT_LE(norm(angular_momentum(after, moments) - before.q.rotate(times(moments, w))),
                       tolerance::contact_impulse.of(system()) +
-                          tolerance::method_error(GetParam().method.order, norm(w) / 256, norm(w) / 256))
+                          tolerance::method_error(order(), norm(w) / 256, norm(w) / 256))
                 << restitution;
         }
     }
@@ -194,16 +190,14 @@ TEST_P(Contacts, a_ball_in_a_groove_of_two_planes_stays_in_its_middle) {
 }
 
 TEST_P(Contacts, a_sliding_box_stops_where_friction_stops_it) {
-    const auto world = build(floor(0, 0.5L, {placed(box(2, {1, 0.25, 1}), {0, 0.125, 0}, {3, 0, 0})}), GetParam());
-    world->run(512);
+    const auto world = run(floor(0, 0.5L, {placed(box(2, {1, 0.25, 1}), {0, 0.125, 0}, {3, 0, 0})}), 512);
     EXPECT_LE(norm(world->motion(0).v - Vector{0, world->motion(0).v.y, 0}), tolerance::rest_speed.of(system()));
     const Number distance_exact = 9 / (2 * 0.5L * g);
     EXPECT_LE(std::abs(world->motion(0).x.x / distance_exact - 1), tolerance::stop_distance.of(system()));
 }
 
 TEST_P(Contacts, a_ball_that_slides_comes_to_roll_with_five_sevenths_of_its_speed) {
-    const auto world = build(floor(0, 0.25L, {placed(sphere(2, 0.5), {0, 0.5, 0}, {3.5, 0, 0})}), GetParam());
-    world->run(512);
+    const auto world = run(floor(0, 0.25L, {placed(sphere(2, 0.5), {0, 0.5, 0}, {3.5, 0, 0})}), 512);
     EXPECT_LE(std::abs(world->motion(0).v.x / 2.5L - 1), tolerance::roll_speed.of(system()));
     EXPECT_LE(std::abs(world->motion(0).q.rotate(world->motion(0).w).z / -5 - 1), tolerance::roll_speed.of(system()));
 }
@@ -214,27 +208,23 @@ TEST_P(Contacts, a_body_bounces_with_the_larger_of_two_restitutions) {
     setup.bodies = {placed(sphere(1, 0.5), {0, 1, 0}, {0, -2, 0})};
     setup.bodies[0].restitution = 0.25;
     setup.planes[0].restitution = 0.75;
-    const auto world = build(setup, GetParam());
-    world->run(128);
+    const auto world = run(setup, 128);
     EXPECT_LE(std::abs(world->motion(0).v.y - 1.5L), tolerance::contact_impulse.of(system()));
     setup.planes[0].restitution = -1;
-    const auto other = build(setup, GetParam());
-    other->run(128);
+    const auto other = run(setup, 128);
     EXPECT_LE(std::abs(other->motion(0).v.y - 0.5L), tolerance::contact_impulse.of(system()));
 }
 
 TEST_P(Contacts, a_shape_without_contact_falls_through_the_floor) {
     SceneSetup setup = floor(0.5L, 0, {top({1, 2, 3}, {})});
     setup.bodies[0].position = {0, 1, 0};
-    const auto world = build(setup, GetParam());
-    world->run(256);
+    const auto world = run(setup, 256);
     EXPECT_LT(world->motion(0).x.y, -3);
     EXPECT_EQ(world->contact_count(0), 0);
 }
 
 TEST_P(Contacts, a_body_that_starts_below_the_floor_comes_out_and_rests) {
-    const auto world = build(floor(0.5L, 0, {placed(sphere(1, 0.5), {0, 0.25, 0})}), GetParam());
-    world->run(2560);
+    const auto world = run(floor(0.5L, 0, {placed(sphere(1, 0.5), {0, 0.25, 0})}), 2560);
     EXPECT_LE(std::abs(world->motion(0).x.y - 0.5L), tolerance::place.of(system()));
     EXPECT_LE(norm(world->motion(0).v), 1);
 }

@@ -12,7 +12,7 @@ class Laws : public CaseTest {};
 INSTANTIATE_TEST_SUITE_P(every, Laws, testing::ValuesIn(every_case()), NameOf{});
 
 // A body with general axes: a full tensor, an orientation, a velocity.
-BodySpec skew_body() {
+BodySpec general_body() {
     return {.mass = 2.5,
             .inertia = {2, 1.5, 1.75, 0.25, -0.125, 0.375},
             .position = {1, -2, 3},
@@ -28,19 +28,18 @@ Vector momentum_of(const InertiaTensor& i, Vector w) {
 }
 
 TEST_P(Laws, a_body_starts_at_its_given_position) {
-    SceneSetup setup{.name = "start", .bodies = {skew_body()}};
+    SceneSetup setup{.name = "start", .bodies = {general_body()}};
     const auto world = build(setup, GetParam());
     EXPECT_LE(distance(world->motion(0), start_of(setup.bodies[0])), tolerance::start.of(system()));
 }
 
 TEST_P(Laws, accessors_report_the_state_to_the_digits_of_working_numbers) {
-    const auto world = build(SceneSetup{.name = "start", .bodies = {skew_body()}}, GetParam());
-    world->run(10);
+    const auto world = run(SceneSetup{.name = "start", .bodies = {general_body()}}, 10);
     EXPECT_LE(distance(world->motion(0), world->reported(0)), tolerance::reported.of(system()));
 }
 
 TEST_P(Laws, an_impulse_off_centre_gives_the_textbook_velocity_and_spin) {
-    SceneSetup setup{.name = "impulse", .bodies = {skew_body()}};
+    SceneSetup setup{.name = "impulse", .bodies = {general_body()}};
     const BodySpec& body = setup.bodies[0];
     const auto world = build(setup, GetParam());
     const Motion before = world->motion(0);
@@ -56,7 +55,7 @@ TEST_P(Laws, an_impulse_off_centre_gives_the_textbook_velocity_and_spin) {
 }
 
 TEST_P(Laws, an_impulse_and_its_opposite_leave_the_motion_as_it_was) {
-    const auto world = build(SceneSetup{.name = "impulse", .bodies = {skew_body()}}, GetParam());
+    const auto world = build(SceneSetup{.name = "impulse", .bodies = {general_body()}}, GetParam());
     const Motion before = world->motion(0);
     world->apply_impulse(0, {1, -2, 0.5L}, {0.25L, 0.5L, -0.75L});
     world->apply_impulse(0, {-1, 2, -0.5L}, {0.25L, 0.5L, -0.75L});
@@ -64,8 +63,7 @@ TEST_P(Laws, an_impulse_and_its_opposite_leave_the_motion_as_it_was) {
 }
 
 TEST_P(Laws, an_impulse_of_zero_changes_no_bit) {
-    const auto world = build(SceneSetup{.name = "impulse", .bodies = {skew_body()}}, GetParam());
-    world->run(3);
+    const auto world = run(SceneSetup{.name = "impulse", .bodies = {general_body()}}, 3);
     const std::uint64_t hash = world->hash();
     world->apply_impulse(0, {}, {1, 2, 3});
     EXPECT_EQ(world->hash(), hash);
@@ -90,8 +88,7 @@ TEST_P(Laws, free_flight_keeps_the_orientation_of_unit_length) {
     const auto world = build(free_top({1, 256}), GetParam());
     for (int i = 0; i < 1280; ++i) {
         world->step();
-        ASSERT_LE(std::abs(std::sqrt(world->motion(0).q.norm2()) - 1),
-                  tolerance::unit_length(GetParam().method.order, system()));
+        ASSERT_LE(std::abs(std::sqrt(world->motion(0).q.norm2()) - 1), tolerance::unit_length(order(), system()));
     }
 }
 
@@ -100,14 +97,13 @@ TEST_P(Laws, free_flight_conserves_angular_momentum_to_the_methods_order) {
     const Vector moments{1, 2, 3}, start = angular_momentum(world->motion(0), moments);
     world->run(1280);
     const Number drift = norm(angular_momentum(world->motion(0), moments) - start) / norm(start);
-    const Bound of_method =
-        GetParam().method.conserves ? Bound{} : tolerance::method_error(GetParam().method.order, 2.0L / 256, 5);
+    const Bound of_method = GetParam().method.conserves ? Bound{} : tolerance::method_error(order(), 2.0L / 256, 5);
     EXPECT_LE(drift, of_method + tolerance::flight_rounding.of(system()));
     EXPECT_TRUE(world->status().ok());
 }
 
 TEST_P(Laws, momentum_is_the_same_after_a_free_flight) {
-    const auto world = build(SceneSetup{.name = "drift", .bodies = {skew_body()}}, GetParam());
+    const auto world = build(SceneSetup{.name = "drift", .bodies = {general_body()}}, GetParam());
     const Vector before = world->motion(0).v, x = world->motion(0).x;
     world->run(1000);
     EXPECT_EQ(world->motion(0).v, before);
@@ -115,7 +111,7 @@ TEST_P(Laws, momentum_is_the_same_after_a_free_flight) {
 }
 
 TEST_P(Laws, a_body_without_spin_never_turns) {
-    SceneSetup setup{.name = "still", .bodies = {oriented(skew_body(), {0, {0, 0.6, 0.8}})}};  // w = 0
+    SceneSetup setup{.name = "still", .bodies = {oriented(general_body(), {0, {0, 0.6, 0.8}})}};  // w = 0
     setup.bodies[0].angular_velocity = {};
     const auto world = build(setup, GetParam());
     const Motion before = world->motion(0);
@@ -127,9 +123,7 @@ TEST_P(Laws, a_body_without_spin_never_turns) {
 TEST_P(Laws, an_orientation_with_w_zero_turns_like_any_other) {
     SceneSetup there = free_top({1, 256}), here = there;
     here.bodies[0].orientation = {0, {0.48, 0.6, 0.64}};
-    const auto a = build(here, GetParam()), b = build(there, GetParam());
-    a->run(512);
-    b->run(512);
+    const auto a = run(here, 512), b = run(there, 512);
     const Rotation q = rotation(normalized(here.bodies[0].orientation));
     EXPECT_LE(angle_between(a->motion(0).q, q * b->motion(0).q), tolerance::same_flight.of(system()));
 }
@@ -179,7 +173,7 @@ TEST_P(Laws, bodies_of_extreme_inertia_keep_momentum_energy_and_unit_length) {
             const Number h = number(step.value), w = norm(start.w);
             world->run(256);
             const Motion end = world->motion(0);
-            const Bound of_method = tolerance::method_error(GetParam().method.order, h * w, 256 * h * w);
+            const Bound of_method = tolerance::method_error(order(), h * w, 256 * h * w);
             const Number momentum = norm(angular_momentum(start, moments)), energy = spin_energy(start, moments);
             const Bound allowed = tolerance::flight_rounding.of(system()) + of_method;
             EXPECT_LE(norm(angular_momentum(end, moments) - angular_momentum(start, moments)) / momentum,
@@ -187,8 +181,7 @@ TEST_P(Laws, bodies_of_extreme_inertia_keep_momentum_energy_and_unit_length) {
                 << extreme.name;
             EXPECT_LE(std::abs(spin_energy(end, moments) / energy - 1), allowed) << extreme.name;
             EXPECT_LE(std::abs(std::sqrt(end.q.norm2()) - 1),
-                      tolerance::unit_length(GetParam().method.order, system()) *
-                          std::max(Number(1), std::pow(h * w * 128, Number(4))))
+                      tolerance::unit_length(order(), system()) * std::max(Number(1), std::pow(h * w * 128, Number(4))))
                 << extreme.name;
             EXPECT_TRUE(world->status().ok()) << extreme.name;
         }
@@ -214,7 +207,7 @@ TEST_P(Laws, spins_near_the_limit_stay_in_range_and_turn_right) {
 }
 
 TEST_P(Laws, a_fixed_body_that_does_not_turn_never_moves) {
-    SceneSetup setup{.name = "fixed", .bodies = {fixed(skew_body()), sphere(1, 0.25)}};
+    SceneSetup setup{.name = "fixed", .bodies = {fixed(general_body()), sphere(1, 0.25)}};
     setup.bodies[0].angular_velocity = {};
     setup.world.gravity = {0, -10, 0};
     setup.world.linear_drag = 1;
@@ -237,7 +230,7 @@ std::vector<Case> splitting_cases() {
         for (const Case& c : cases_of(method)) cases.push_back(c);
     return cases;
 }
-class Splitting : public testing::TestWithParam<Case> {};
+class Splitting : public CaseTest {};
 INSTANTIATE_TEST_SUITE_P(every, Splitting, testing::ValuesIn(splitting_cases()), NameOf{});
 
 TEST_P(Splitting, conserves_the_norm_of_angular_momentum_over_1e5_steps_and_bounds_the_energy_error) {
@@ -254,14 +247,12 @@ TEST_P(Splitting, conserves_the_norm_of_angular_momentum_over_1e5_steps_and_boun
     }
     std::printf("%s: |L| drift %.3Lg, energy error %.3Lg then %.3Lg\n", name_of(GetParam()).c_str(), worst, early,
                 late);
-    EXPECT_LE(worst, tolerance::momentum_norm.of(GetParam().system));
-    EXPECT_LE(early,
-              tolerance::splitting_energy.of(GetParam().system) + 2 * tolerance::momentum_norm.of(GetParam().system));
-    EXPECT_LE(late,
-              tolerance::splitting_energy.of(GetParam().system) + 2 * tolerance::momentum_norm.of(GetParam().system));
+    EXPECT_LE(worst, tolerance::momentum_norm.of(system()));
+    for (const Number error : {early, late})
+        EXPECT_LE(error, tolerance::splitting_energy.of(system()) + 2 * tolerance::momentum_norm.of(system()));
 }
 
-class Default : public testing::TestWithParam<Case> {};
+class Default : public CaseTest {};
 INSTANTIATE_TEST_SUITE_P(every, Default, testing::ValuesIn(cases_of("verlet")), NameOf{});
 
 TEST_P(Default, verlet_run_backward_returns_to_the_start) {
@@ -272,18 +263,16 @@ TEST_P(Default, verlet_run_backward_returns_to_the_start) {
     body.velocity = {0.5, 1, -0.25};
     setup.world.gravity = {0, -1, 0};
     setup.springs = {{.point = {0.25, 0.5, 0}, .to = {0, 3, 0}, .stiffness = 2, .rest_length = 0.5}};
-    const auto forward = build(setup, GetParam());
-    forward->run(500);
+    const auto forward = run(setup, 500);
     const Motion turned = forward->motion(0), start = start_of(body);
     EXPECT_GT(angle_between(turned.q, start.q), 0.1L);
     body.position = real(turned.x);
     body.orientation = real(turned.q);
     body.velocity = real(-turned.v);
     body.angular_velocity = real(-turned.w);
-    const auto backward = build(setup, GetParam());
-    backward->run(500);
+    const auto backward = run(setup, 500);
     const Motion back = backward->motion(0);
-    EXPECT_LE(distance({back.x, -back.v, back.q, -back.w}, start), tolerance::there_and_back.of(GetParam().system));
+    EXPECT_LE(distance({back.x, -back.v, back.q, -back.w}, start), tolerance::there_and_back.of(system()));
 }
 
 }  // namespace

@@ -5,12 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace tumble::test {
 namespace {
-
-constexpr Number pi = std::numbers::pi_v<Number>;
 
 struct Matrix {
     Number e[3][3]{};
@@ -33,7 +30,7 @@ Number difference(const Matrix& a, const Matrix& b) {
     return l;
 }
 // R diag(d) R^T
-Matrix turned(Rotation q, Vector d) {
+Matrix in_turned_axes(Rotation q, Vector d) {
     const Vector columns[3] = {q.rotate({1, 0, 0}), q.rotate({0, 1, 0}), q.rotate({0, 0, 1})};
     Matrix m;
     for (int i = 0; i < 3; ++i)
@@ -159,7 +156,7 @@ void expect_principal(const InertiaTensor& tensor) {
     const PrincipalInertia p = principal_inertia(tensor);
     const Matrix m = matrix(tensor);
     const Rotation q = rotation(p.principal);
-    EXPECT_LE(difference(turned(q, vector(p.moments)), m),
+    EXPECT_LE(difference(in_turned_axes(q, vector(p.moments)), m),
               largest(m) * tolerance::jacobi);  // a rotation: right-handed by construction
     EXPECT_LE(std::abs(q.norm2() - 1), tolerance::jacobi);
     EXPECT_TRUE(p.moments.x >= p.moments.y && p.moments.y >= p.moments.z);
@@ -179,7 +176,7 @@ TEST(mass, principal_axes_give_back_random_tensors) {
         if (kind == 4) d.x = d.y * 1e-5L;                                                              // rod
         if (kind == 5) d.x = d.y + d.z;                                                                // plate
         if (kind == 6) d.y = d.x * (1 + static_cast<Number>(std::ldexp(1, -random.between(10, 60))));  // nearly equal
-        const Matrix m = turned(q, d);
+        const Matrix m = in_turned_axes(q, d);
         const Real scale = Real::scaled(1, random.between(-60, 60));
         expect_principal({real(m.e[0][0]) * scale, real(m.e[1][1]) * scale, real(m.e[2][2]) * scale,
                           real(m.e[0][1]) * scale, real(m.e[0][2]) * scale, real(m.e[1][2]) * scale});

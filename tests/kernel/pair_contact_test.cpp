@@ -18,10 +18,8 @@ const Vector directions[] = {{1, 0, 0}, {0, 0, -1}, {1 / 3.0L, 2 / 3.0L, 2 / 3.0
 
 TEST_P(Pairs, equal_elastic_spheres_exchange_their_velocities) {
     for (const Vector& along : directions) {
-        SceneSetup setup = space(1);
-        setup.bodies = {placed(sphere(2, 0.25), -along, 3 * along), placed(sphere(2, 0.25), along, -along)};
-        const auto world = build(setup, GetParam());
-        world->run(256);
+        const auto world =
+            run(space(1, 0, {placed(sphere(2, 0.25), -along, 3 * along), placed(sphere(2, 0.25), along, -along)}), 256);
         const Bound allowed = 4 * tolerance::exchange.of(system());
         EXPECT_LE(norm(world->motion(0).v + along), allowed);
         EXPECT_LE(norm(world->motion(1).v - 3 * along), allowed);
@@ -35,8 +33,7 @@ TEST_P(Pairs, unequal_spheres_separate_by_the_impulse_formula) {
         for (const Number restitution : {0.0L, 0.5L, 1.0L}) {
             SceneSetup setup = space(restitution);
             setup.bodies = {placed(sphere(3, 0.5), -along, 2 * along), placed(sphere(0.5, 0.125), along, -3 * along)};
-            const auto world = build(setup, GetParam());
-            world->run(256);
+            const auto world = run(setup, 256);
             const Number centre = (3 * 2 - 0.5L * 3) / 3.5L;  // of mass, m/s
             const Number a = centre - restitution * 5 * 0.5L / 3.5L, b = centre + restitution * 5 * 3 / 3.5L;
             const Bound allowed = 8 * tolerance::exchange.of(system());
@@ -48,10 +45,8 @@ TEST_P(Pairs, unequal_spheres_separate_by_the_impulse_formula) {
 
 TEST_P(Pairs, an_elastic_ball_off_a_resting_one_leaves_at_right_angles_to_it) {
     for (const double offset : {0.125, 0.25, 0.375}) {
-        SceneSetup setup = space(1);
-        setup.bodies = {placed(sphere(1, 0.25), {-1, offset, 0}, {4, 0, 0}), sphere(1, 0.25)};
-        const auto world = build(setup, GetParam());
-        world->run(256);
+        const auto world =
+            run(space(1, 0, {placed(sphere(1, 0.25), {-1, offset, 0}, {4, 0, 0}), sphere(1, 0.25)}), 256);
         const Vector a = world->motion(0).v, b = world->motion(1).v;
         EXPECT_GT(norm(a), 0.5L);
         EXPECT_GT(norm(b), 0.5L);
@@ -83,8 +78,7 @@ TEST_P(Pairs, any_two_spheres_follow_the_impulse_formula_and_coulombs_law) {
         a = placed(a, n * distance - (relative + common) * time, relative + common, spin_a);
         b = placed(b, -common * time, common, spin_b);
         setup.bodies = {a, b};
-        const auto world = build(setup, GetParam());
-        world->run(128);
+        const auto world = run(setup, 128);
         Struck first{start_of(a), a, n * -number(a.shape.size.x)}, second{start_of(b), b, n * number(b.shape.size.x)};
         (collide(first, second, n, restitution, friction) ? stuck : slid) += friction > 0 ? 1 : 0;
         const Bound allowed = 16 * tolerance::oblique.of(system());
@@ -114,8 +108,7 @@ TEST_P(Pairs, a_sphere_that_hits_a_plane_obliquely_sticks_or_slides_by_coulombs_
                 BodySpec ball = placed(sphere(2, 0.25), Vector{0, 0.25L, 0} - thrown.velocity * 0.201L, thrown.velocity,
                                        thrown.spin);
                 setup.bodies = {ball};
-                const auto world = build(setup, GetParam());
-                world->run(64);
+                const auto world = run(setup, 64);
                 Struck struck{start_of(ball), ball, n * -0.25L}, still{Motion{}, wall, Vector{}};
                 (collide(struck, still, n, restitution, friction) ? stuck : slid) += 1;
                 const Bound allowed = 16 * tolerance::levered.of(system());
@@ -154,7 +147,7 @@ TEST_P(Pairs, a_rod_hit_off_its_centre_by_a_sphere_gets_the_spin_of_the_impulse_
                 const Vector moments = moments_of(rod), expected = angular_momentum(hit.motion, moments);
                 const Number angle = norm(hit.motion.w) / 256;
                 EXPECT_LE(norm(angular_momentum(world->motion(1), moments) - expected),
-                          2 * allowed + tolerance::method_error(GetParam().method.order, angle, angle) * norm(expected))
+                          2 * allowed + tolerance::method_error(order(), angle, angle) * norm(expected))
                     << offset.x << ", e " << restitution;
                 EXPECT_LE(norm(world->motion(0).w), allowed);
                 EXPECT_EQ(norm(offset) > 0, norm(expected) > 0.1L);
@@ -187,7 +180,7 @@ TEST_P(Pairs, a_corner_of_a_box_on_the_face_of_another_gives_both_the_spin_of_th
             const Number angle = norm(right.w) / 256;
             EXPECT_LE(norm(world->motion(i).v - right.v), allowed) << "body " << i << ", e " << restitution;
             EXPECT_LE(norm(angular_momentum(world->motion(i), moments) - l),
-                      2 * allowed + tolerance::method_error(GetParam().method.order, angle, angle) * norm(l))
+                      2 * allowed + tolerance::method_error(order(), angle, angle) * norm(l))
                 << "body " << i << ", e " << restitution;
         }
     }
@@ -214,11 +207,7 @@ TEST_P(Pairs, an_edge_and_a_corner_of_a_box_send_a_sphere_back_the_way_it_came) 
 TEST_P(Pairs, the_larger_restitution_and_the_geometric_mean_of_friction_count) {
     SceneSetup setup = space(0.5L, 0.5L);
     setup.bodies = {placed(sphere(1, 0.25), {-1, 0, 0}, {2, 0, 0}), placed(sphere(1, 0.25), {1, 0, 0}, {-2, 0, 0})};
-    const auto rebound = [&] {
-        const auto world = build(setup, GetParam());
-        world->run(192);
-        return world->motion(1).v.x;
-    };
+    const auto rebound = [&] { return run(setup, 192)->motion(1).v.x; };
     const Bound allowed = 4 * tolerance::exchange.of(system());
     EXPECT_LE(std::abs(rebound() - 1), allowed);  // the world's value
     setup.bodies[0].restitution = 0.25;
@@ -230,8 +219,7 @@ TEST_P(Pairs, the_larger_restitution_and_the_geometric_mean_of_friction_count) {
     setup.bodies[0].angular_velocity = {0, 0, 30};
     setup.bodies[0].friction = 0.5;
     setup.bodies[1].friction = 0.02;
-    const auto world = build(setup, GetParam());
-    world->run(192);
+    const auto world = run(setup, 192);
     EXPECT_LE(std::abs(world->motion(1).v.y - 0.1L * 1.75L * 2), 4 * tolerance::oblique.of(system()));
 }
 
@@ -239,8 +227,7 @@ TEST_P(Pairs, without_a_response_bodies_pass_through_each_other) {
     SceneSetup setup = space(1);
     setup.world.contact.response = ContactResponse::none;
     setup.bodies = {placed(sphere(1, 0.25), {-1, 0, 0}, {2, 0, 0}), placed(box(1, {1, 1, 1}), {1, 0, 0}, {-2, 0, 0})};
-    const auto world = build(setup, GetParam());
-    world->run(256);
+    const auto world = run(setup, 256);
     EXPECT_LE(std::abs(world->motion(0).x.x - 1) + std::abs(world->motion(1).x.x + 1), tolerance::passed.of(system()));
     EXPECT_EQ(world->contact_count(0), 0);
 }
@@ -282,14 +269,13 @@ void expect_conserved(const SceneSetup& setup, const Case& c, const std::string&
     }
     EXPECT_GT(norm(world->motion(0).v - start), 0.1L) << what << ": they never met";
 }
-enum class Kind { sphere, box };
-void expect_meetings_conserve(Kind kind_a, Kind kind_b, const Case& c) {
+void expect_meetings_conserve(ShapeKind kind_a, ShapeKind kind_b, const Case& c) {
     Random random{17};
     for (int i = 0; i < 12; ++i) {
         SceneSetup setup = space(random.uniform(0, 1), i % 2 == 0 ? 0.0L : 0.4L);
-        const auto body = [&](Kind kind) {
+        const auto body = [&](ShapeKind kind) {
             const Real mass = random.uniform(0.5, 4), x = random.uniform(0.5, 1), y = random.uniform(0.5, 1);
-            BodySpec b = kind == Kind::sphere ? sphere(mass, x * y) : box(mass, {x, y, 0.75});
+            BodySpec b = kind == ShapeKind::sphere ? sphere(mass, x * y) : box(mass, {x, y, 0.75});
             b.orientation = {1, {random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)}};
             return b;
         };
@@ -302,13 +288,13 @@ void expect_meetings_conserve(Kind kind_a, Kind kind_b, const Case& c) {
 }
 
 TEST_P(Pairs, two_spheres_keep_their_momentum_and_angular_momentum) {
-    expect_meetings_conserve(Kind::sphere, Kind::sphere, GetParam());
+    expect_meetings_conserve(ShapeKind::sphere, ShapeKind::sphere, GetParam());
 }
 TEST_P(Pairs, a_sphere_and_a_box_keep_their_momentum_and_angular_momentum) {
-    expect_meetings_conserve(Kind::sphere, Kind::box, GetParam());
+    expect_meetings_conserve(ShapeKind::sphere, ShapeKind::box, GetParam());
 }
 TEST_P(Pairs, two_boxes_keep_their_momentum_and_angular_momentum) {
-    expect_meetings_conserve(Kind::box, Kind::box, GetParam());
+    expect_meetings_conserve(ShapeKind::box, ShapeKind::box, GetParam());
 }
 
 // Five equal spheres on a floor without friction. The moving ones come from the left at 2 m/s, touch each other, and
@@ -669,8 +655,7 @@ TEST_P(Bullets, hit_each_other_where_their_paths_cross) {
                        b = placed(sphere(0.1, real(radius)), meet + gap - other * speed * time, other * speed);
         if (norm(vector(a.position) - vector(b.position)) < 3 * radius) continue;
         setup.bodies = {a, b};
-        const auto world = build(setup, GetParam());
-        world->run(5);
+        const auto world = run(setup, 5);
         Struck first{start_of(a), a, {}}, second{start_of(b), b, {}};
         if (beside < 2 * radius) {
             ++hits;

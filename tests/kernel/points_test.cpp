@@ -62,8 +62,7 @@ TEST_P(Points, thrown_follow_the_parabola) {
     SceneSetup setup{.name = "parabola"};
     setup.world = {.gravity = {0, -8, 0}};
     setup.bodies = {placed(point_mass(0.7), {}, {3, 8, -1})};
-    const auto world = build(setup, GetParam());
-    world->run(512);
+    const auto world = run(setup, 512);
     const Motion m = world->motion(0);
     const Vector expected{6, 0, -2};
     // A method of order 1 advances by the velocity of one end of the step: the error is g t h / 2.

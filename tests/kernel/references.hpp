@@ -14,6 +14,12 @@ class CaseTest : public testing::TestWithParam<Case> {
 protected:
     static const System& system() { return GetParam().system; }
     static int order() { return GetParam().method.order; }
+    // The world of a scene after this number of steps.
+    static std::unique_ptr<AnyWorld> run(const SceneSetup& setup, std::int64_t steps) {
+        auto world = build(setup, GetParam());
+        world->run(steps);
+        return world;
+    }
 };
 // The cases of which is_one(case) is true.
 [[nodiscard]] std::vector<Case> cases_where(const auto& is_one) {

@@ -174,8 +174,7 @@ TEST_P(Resting, a_box_rests_on_a_fixed_box_and_on_two_others) {
     SceneSetup setup = floor(0, 0.5L);
     setup.bodies = {fixed(standing(box(1, {4, 1, 4}), 0, 0.5L)), standing(box(1, {1, 1, 1}), -0.5625L, 1.5L),
                     standing(box(1, {1, 1, 1}), 0.5625L, 1.5L), standing(box(1, {1, 1, 1}), 0, 2.5L)};
-    const auto world = build(setup, GetParam());
-    world->run(4 * second);
+    const auto world = run(setup, 4 * second);
     EXPECT_LE(largest_shift(*world, setup), tolerance::stack_shift);
     for (int b = 1; b < 4; ++b) expect_still(*world, b);
 }
@@ -187,8 +186,7 @@ TEST_P(Resting, a_sphere_rests_between_two_others_that_walls_hold) {
     // Centres on a triangle of sides 0.5, 0.5 and 0.5: the walls at 0.25 m from the centres below.
     setup.bodies = {standing(sphere(1, 0.25), -0.5L, 0.25L), standing(sphere(1, 0.25), 0.5L, 0.25L),
                     standing(sphere(2, 0.75), 0, 0.25L + std::sqrt(Number(0.75L)))};
-    const auto world = build(setup, GetParam());
-    world->run(4 * second);
+    const auto world = run(setup, 4 * second);
     EXPECT_LE(largest_shift(*world, setup), tolerance::place);
     for (int b = 0; b < 3; ++b) expect_still(*world, b);
 }
@@ -204,8 +202,7 @@ TEST_P(Resting, a_dropped_cube_comes_to_rest_on_a_face_and_does_not_jitter) {
                              Drop{{0.8, {0.3, 0.1, -0.4}}, {3, -2, 5}}}) {
         // The dissertation's.
         const BodySpec cube = oriented(standing(box(10, {1, 1, 1}), 0, 2, {}, drop.spin), drop.orientation);
-        const auto world = build(floor(0.4L, 0.3L, {cube}), GetParam());
-        world->run(15 * second);
+        const auto world = run(floor(0.4L, 0.3L, {cube}), 15 * second);
         expect_still(*world, 0);
         const Motion m = world->motion(0);
         const Vector up = m.q.normalized().rotate_back({0, 1, 0});
@@ -219,8 +216,7 @@ TEST_P(Resting, a_dropped_cube_comes_to_rest_on_a_face_and_does_not_jitter) {
 
 TEST_P(Resting, a_box_that_is_put_down_stays_where_it_is) {
     SceneSetup setup = floor(0.5L, 0.5L, {standing(box(2, {1, 0.5, 0.75}), 0, 0.25L)});
-    const auto world = build(setup, GetParam());
-    world->run(4 * second);
+    const auto world = run(setup, 4 * second);
     EXPECT_LE(largest_shift(*world, setup), tolerance::creep);
     EXPECT_LE(angle_between(world->motion(0).q, Rotation{}), tolerance::creep);
 }
@@ -256,8 +252,7 @@ TEST_P(Resting, a_ball_dropped_on_an_awake_box_comes_to_rest_on_it) {
 TEST_P(Resting, a_hoop_that_lies_flat_rests_on_four_points_of_its_rim) {
     for (const Vector point : {Vector{0.125L, 0, 0}, {-0.125L, 0, 0}, {0, 0.125L, 0}, {0, -0.125L, 0}}) {
         const SceneSetup setup = floor(0, 0.5L, {oriented(hoop(2, 0.25), upright)});
-        const auto world = build(setup, GetParam());
-        world->run(10);
+        const auto world = run(setup, 10);
         EXPECT_EQ(world->contact_count(0), 4);
         world->apply_impulse(0, {0, -1, 0}, point);
         world->run(second / 2);
@@ -294,8 +289,7 @@ TEST_P(Resting, a_much_larger_box_added_far_away_does_not_disturb_boxes_at_rest)
             SceneSetup setup = floor(0, 0.5L);
             setup.bodies = {standing(box(2, {1, 0.5, 0.75}), 0, 0.25L),
                             standing(box(1, {0.5, 0.5, 0.5}), 0.125L, 0.75L)};
-            const auto world = build(setup, GetParam());
-            world->run(second);
+            const auto world = run(setup, second);
             const Motion before[] = {world->motion(0), world->motion(1)};
             BodySpec large = standing(box(1000, {real(edge), real(edge), real(edge)}), 40, edge / 2);
             large.fixed = fixed;
@@ -318,33 +312,31 @@ TEST_P(Resting, a_much_larger_box_added_far_away_does_not_disturb_boxes_at_rest)
 
 TEST_P(Resting, a_sliding_box_stops_at_its_distance_and_stays_there) {
     SceneSetup setup = floor(0, 0.5L, {standing(box(2, {1, 0.25, 1}), 0, 0.125L, {2.4, 0, 1.8})});  // 3 m/s
-    const auto world = build(setup, GetParam());
-    world->run(2 * second);
+    const auto world = run(setup, 2 * second);
     const Vector stop = Vector{0.8L, 0, 0.6L} * (9 / (2 * 0.5L * g));
     EXPECT_LE(norm(world->motion(0).x - (vector(setup.bodies[0].position) + stop)), tolerance::sliding * norm(stop));
     expect_still(*world, 0);
 }
 
 // Two sides combine by the geometric mean: the plane has 0.8, the boxes as much as gives 0.8, 0.7 and 0.5.
-TEST_P(Resting, a_box_on_an_incline_sticks_below_the_friction_angle) {
-    SceneSetup setup = incline(0.125L);
+SceneSetup box_on_incline(Number friction) {
+    SceneSetup setup = incline(0.125L, {on_incline(box(2, {0.5, 0.25, 0.5}), 0.125L)});
     setup.planes[0].friction = 0.8;
-    setup.bodies = {on_incline(box(2, {0.5, 0.25, 0.5}), 0.125L)};
-    setup.bodies[0].friction = 0.8;
-    const auto world = build(setup, GetParam());
-    world->run(4 * second);
+    setup.bodies[0].friction = real(friction);
+    return setup;
+}
+
+TEST_P(Resting, a_box_on_an_incline_sticks_below_the_friction_angle) {
+    const SceneSetup setup = box_on_incline(0.8L);
+    const auto world = run(setup, 4 * second);
     EXPECT_LE(largest_shift(*world, setup), tolerance::creep);
     expect_still(*world, 0);
 }
 
 TEST_P(Resting, a_box_on_an_incline_slides_with_the_closed_form_above_the_friction_angle) {
     for (const auto& [own, combined] : {std::pair{0.6125L, 0.7L}, std::pair{0.3125L, 0.5L}}) {
-        SceneSetup setup = incline(0.125L);
-        setup.planes[0].friction = 0.8;
-        setup.bodies = {on_incline(box(2, {0.5, 0.25, 0.5}), 0.125L)};
-        setup.bodies[0].friction = real(own);
-        const auto world = build(setup, GetParam());
-        world->run(2 * second);
+        const SceneSetup setup = box_on_incline(own);
+        const auto world = run(setup, 2 * second);
         const Number acceleration = g * (slope_sine - combined * slope_cosine);
         const Motion m = world->motion(0);
         const Vector moved = m.x - vector(setup.bodies[0].position);
@@ -397,8 +389,7 @@ std::vector<Roller> rollers() {
 
 TEST_P(Resting, round_bodies_slide_until_they_roll) {
     for (const Roller& roller : rollers()) {
-        const auto world = build(floor(0, 0.5L, {standing(roller.body, 0, roller.radius, {3, 0, 0})}), GetParam());
-        world->run(second);
+        const auto world = run(floor(0, 0.5L, {standing(roller.body, 0, roller.radius, {3, 0, 0})}), second);
         const Number rolls = 3 / (1 + roller.moment());
         EXPECT_LE(std::abs(world->motion(0).v.x / rolls - 1), tolerance::sliding) << roller.name;
         EXPECT_LE(std::abs(world_spin(world->motion(0)).z * roller.radius / -rolls - 1), tolerance::sliding)
@@ -410,8 +401,7 @@ TEST_P(Resting, round_bodies_slide_until_they_roll) {
 TEST_P(Resting, round_bodies_roll_down_an_incline_with_the_closed_form) {
     for (const Roller& roller : rollers()) {
         SceneSetup setup = incline(0.625L, {placed(roller.body, off_incline * roller.radius)});
-        const auto world = build(setup, GetParam());
-        world->run(second);
+        const auto world = run(setup, second);
         const Number acceleration = g * slope_sine / (1 + roller.moment());
         const Vector moved = world->motion(0).x - vector(setup.bodies[0].position);
         EXPECT_LE(std::abs(-dot(moved, uphill) / (acceleration / 2) - 1), tolerance::sliding) << roller.name;
@@ -425,8 +415,7 @@ TEST_P(Resting, cylinders_and_capsules_rest_lying_and_a_cylinder_stands) {
         SceneSetup setup = floor(0, 0.5L, {standing(cylinder(2, 0.25, 0.75), 0, stands ? 0.375L : 0.25L)});
         if (stands) setup.bodies[0].orientation = upright;
         else setup.bodies.push_back(standing(capsule(2, 0.25, 0.75), 2, 0.25L));
-        const auto world = build(setup, GetParam());
-        world->run(2 * second);
+        const auto world = run(setup, 2 * second);
         EXPECT_LE(largest_shift(*world, setup), tolerance::creep);
         for (int b = 0; b < world->body_count(); ++b) {
             expect_still(*world, b);
@@ -438,8 +427,7 @@ TEST_P(Resting, cylinders_and_capsules_rest_lying_and_a_cylinder_stands) {
 TEST_P(Resting, a_standing_cylinder_slides_to_its_distance_without_falling_over) {
     const BodySpec body = oriented(standing(cylinder(2, 0.25, 0.5), 0, 0.25L, {1.2, 0, 0.9}), upright);  // 1.5 m/s
     const SceneSetup setup = floor(0, 0.25L, {body});
-    const auto world = build(setup, GetParam());
-    world->run(2 * second);
+    const auto world = run(setup, 2 * second);
     const Vector stop = Vector{0.8L, 0, 0.6L} * (2.25L / (2 * 0.25L * g));
     EXPECT_LE(norm(world->motion(0).x - (vector(setup.bodies[0].position) + stop)),
               2 * tolerance::sliding * norm(stop));
@@ -483,7 +471,7 @@ TEST_P(Resting, a_fixed_body_keeps_turning_where_it_is) {
         EXPECT_EQ(norm(m.x - Vector{0, -0.25L, 0}) + norm(m.v), 0);
         EXPECT_LE(angle_between(m.q, exponential(Vector{0, 1.75L * static_cast<Number>(i), 0})),
                   tolerance::turntable_rounding +
-                      tolerance::method_error(GetParam().method.order, 3.5L / 1024, 1.75L * static_cast<Number>(i)));
+                      tolerance::method_error(order(), 3.5L / 1024, 1.75L * static_cast<Number>(i)));
         EXPECT_LE(norm(m.w - Vector{0, 3.5L, 0}), tolerance::turntable_spin);
     }
 }
@@ -508,16 +496,14 @@ TEST_P(Resting, a_ball_on_a_turntable_rolls_in_a_circle_at_two_sevenths_of_its_t
 TEST_P(Resting, a_ball_that_spins_with_its_turntable_stays_where_it_is) {
     SceneSetup setup = turntable(3.5L);
     setup.bodies.push_back(standing(sphere(1, 0.25), -2, 0.25L, {}, {-28, 0, 0}));
-    const auto world = build(setup, GetParam());
-    world->run(2048);
+    const auto world = run(setup, 2048);
     EXPECT_LE(norm(world->motion(1).x - Vector{-2, 0.25L, 0}), tolerance::turntable_orbit);
 }
 
 TEST_P(Resting, a_box_is_carried_round_by_a_turntable) {
     SceneSetup setup = turntable(2);
     setup.bodies.push_back(standing(box(1, {0.5, 0.25, 0.5}), 1, 0.125L, {0, 0, -2}, {0, 2, 0}));  // v = W x x
-    const auto world = build(setup, GetParam());
-    world->run(2048);
+    const auto world = run(setup, 2048);
     EXPECT_LE(norm(world->motion(1).x - turned({1, 0.125L, 0}, 4)), tolerance::turntable_orbit);
     EXPECT_LE(angle_between(world->motion(1).q, exponential(Vector{0, 4, 0})), tolerance::turntable_orbit);
 }
@@ -547,8 +533,7 @@ void expect_falls_asleep(AnyWorld& world, int body = 0) {
 }
 
 TEST_P(Resting, nothing_sleeps_in_a_scene_that_does_not_ask_for_it) {
-    const auto world = build(floor(0, 0.5L, {sleeper()}), GetParam());
-    world->run(4 * second);
+    const auto world = run(floor(0, 0.5L, {sleeper()}), 4 * second);
     EXPECT_FALSE(world->asleep(0));
 }
 
@@ -571,8 +556,7 @@ TEST_P(Resting, a_sleeper_that_is_pushed_slides_as_far_as_one_that_never_slept) 
     for (const bool sleep : {false, true}) {
         SceneSetup setup = sleep ? sleepy_floor() : floor(0, 0.5L);
         setup.bodies = {sleeper()};
-        const auto world = build(setup, GetParam());
-        world->run(2 * second);
+        const auto world = run(setup, 2 * second);
         EXPECT_EQ(world->asleep(0), sleep);
         const Vector start = world->motion(0).x;
         world->apply_impulse(0, {4, 0, 0});
@@ -612,8 +596,7 @@ TEST_P(Resting, a_force_that_is_set_while_it_acts_wakes_a_sleeper_and_stops_at_t
 
     setup.world.gravity = {};
     setup.bodies = {standing(sphere(2, 0.25), 0, 0.75L)};
-    const auto floating = build(setup, GetParam());
-    floating->run(3);
+    const auto floating = run(setup, 3);
     floating->set_forces({{.body = 0, .from = 0.0, .until = 9.0, .force = {0, -100, 0}}});
     floating->run(second);
     EXPECT_LE(0.25L - floating->motion(0).x.y, tolerance::depth);
@@ -678,8 +661,7 @@ TEST_P(Resting, a_sleeper_wakes_when_the_force_that_held_it_ends) {
 TEST_P(Resting, a_force_that_does_not_move_a_sleeper_moves_nothing) {
     SceneSetup setup = sleepy_floor(0.5L, {sleeper()});
     setup.forces = {{.body = 0, .from = 2.0, .until = 4.0, .force = {5, 0, 0}}};  // friction holds 9.8 N
-    const auto world = build(setup, GetParam());
-    world->run(5 * second);
+    const auto world = run(setup, 5 * second);
     EXPECT_LE(largest_shift(*world, setup), tolerance::creep);
     EXPECT_TRUE(world->asleep(0));
 }
@@ -690,8 +672,7 @@ TEST_P(Resting, a_touching_body_wakes_a_sleeper_and_a_passing_one_does_not) {
         // 7.25 m to go: it is there at 1.8125 s.
         setup.bodies = {sleeper(), placed(sphere(2, 0.25), {-8, 0.25L, touches ? 0.0L : 1.0L}, {4, 0, 0})};
         setup.bodies[1].friction = 0;
-        const auto world = build(setup, GetParam());
-        world->run(second);
+        const auto world = run(setup, second);
         EXPECT_TRUE(world->asleep(0));
         const Motion before = world->motion(0);
         world->run(second / 2 + second / 4);
@@ -746,8 +727,7 @@ TEST_P(Resting, a_body_slightly_faster_than_the_limit_never_sleeps) {
     SceneSetup setup = sleepy_floor(0);
     setup.bodies = {standing(sphere(1, 0.25), 0, 0.25L, {0.0625, 0, 0}),       // slides
                     standing(sphere(1, 0.25), 2, 0.25L, {}, {0, 0.0625, 0})};  // spins where it stands
-    const auto world = build(setup, GetParam());
-    world->run(4 * second);
+    const auto world = run(setup, 4 * second);
     EXPECT_FALSE(world->asleep(0));
     EXPECT_FALSE(world->asleep(1));
     EXPECT_LE(std::abs(world->motion(0).x.x - 0.25L), tolerance::creep);
@@ -759,8 +739,7 @@ TEST_P(Resting, nothing_sleeps_in_the_air) {
     setup.world.gravity = {0, -0.0078125, 0};
     // Slower than the limit for 5.8 s, and at its height after 2 s.
     setup.bodies = {standing(sphere(1, 0.25), 0, 2, {0, 0.015625, 0})};
-    const auto world = build(setup, GetParam());
-    world->run(4 * second);
+    const auto world = run(setup, 4 * second);
     EXPECT_FALSE(world->asleep(0));
     EXPECT_LE(std::abs(world->motion(0).x.y - 2), tolerance::creep);
     EXPECT_LE(std::abs(world->motion(0).v.y + 0.015625L), tolerance::creep);

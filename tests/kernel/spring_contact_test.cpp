@@ -5,7 +5,6 @@
 namespace tumble::test {
 namespace {
 
-const Number pi = std::acos(Number(-1));
 constexpr Number step = 1.0L / 1024;  // s, of scenes that do not say otherwise
 
 // A floor of springs.
@@ -131,8 +130,7 @@ TEST_P(Springs, a_damped_ball_and_box_come_to_rest_at_the_depth_that_carries_the
         SceneSetup setup = soft_floor(512, 16);
         setup.world.gravity = gravity;
         setup.bodies = {falling(boxed ? box(2, {1, 1, 1}) : sphere(2, 0.5), 0.75L, 0)};
-        const auto world = build(setup, GetParam());
-        world->run(8 * 1024);
+        const auto world = run(setup, 8 * 1024);
         const Number depth = 2 * g / (boxed ? 4 * 512 : 512);
         EXPECT_LE(std::abs((0.5L - world->motion(0).x.y) / depth - 1), tolerance::rest_depth)
             << (boxed ? "box" : "ball");
@@ -184,8 +182,7 @@ TEST_P(Springs, a_barrier_reaches_from_a_box_to_a_ball_far_away) {
         SceneSetup setup = soft_floor(0, 0, barrier);
         setup.planes.clear();
         setup.bodies = {placed(sphere(1, 0.25), {gap + 0.5L, 0, 0}), fixed(box(1, {0.5, 0.5, 0.5}))};
-        const auto world = build(setup, GetParam());
-        world->run(1024);
+        const auto world = run(setup, 1024);
         const Motion m = world->motion(0);
         const Number gained = barrier / gap - barrier / (m.x.x - 0.5L);
         EXPECT_LE(std::abs(m.v.x * m.v.x / 2 / gained - 1), tolerance::barrier_energy + 64 * rounding()) << gap;
@@ -198,8 +195,7 @@ TEST_P(Springs, a_ball_hovers_where_the_barrier_carries_its_weight) {
     setup.world.gravity = gravity;
     const Number height = std::sqrt(0.5L / g);
     setup.bodies = {falling(sphere(1, 0.25), 0.25L + height, 0)};
-    const auto world = build(setup, GetParam());
-    world->run(2048);
+    const auto world = run(setup, 2048);
     EXPECT_LE(std::abs(world->motion(0).x.y - 0.25L - height), tolerance::barrier_height + 4 * rounding());
 }
 
@@ -251,13 +247,11 @@ TEST_P(Springs, the_largest_safe_step_of_a_box_is_safe_for_its_rocking_too) {
 TEST_P(Springs, a_step_beyond_the_limit_is_reported_and_one_within_it_is_not) {
     const Number safe = safe_step(oscillator(limit / 8), GetParam());
     for (const Number share : {0.5L, 0.9L, 1.1L, 2.5L}) {
-        const auto world = build(oscillator(share * safe), GetParam());
-        world->run(8);
+        const auto world = run(oscillator(share * safe), 8);
         EXPECT_EQ(world->status().has(Issue::step_too_long), share > 1) << share;
         EXPECT_EQ(world->status().first_body, 0);
     }
-    const auto world = build(oscillator(1.1L * limit), GetParam());
-    world->run(8);
+    const auto world = run(oscillator(1.1L * limit), 8);
     EXPECT_TRUE(world->status().has(Issue::step_too_long));
 }
 
@@ -298,8 +292,7 @@ TEST_P(Springs, at_nine_tenths_of_the_largest_safe_step_a_damped_ball_comes_to_r
         const Number step = 0.9L * safe_step(oscillator(limit / 64, damping), GetParam());
         SceneSetup setup = oscillator(step, damping);
         setup.bodies[0].position.y = 0.625;
-        const auto world = build(setup, GetParam());
-        world->run(4000);
+        const auto world = run(setup, 4000);
         EXPECT_LE(std::abs((0.5L - world->motion(0).x.y) / (g / 1000) - 1), tolerance::rest_depth)
             << "damping ratio " << z;
         EXPECT_LE(norm(world->motion(0).v), tolerance::creep) << "damping ratio " << z;

@@ -13,6 +13,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <numbers>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -23,6 +24,8 @@ using reference::Motion;
 using reference::Number;
 using reference::Rotation;
 using reference::Vector;
+
+inline constexpr Number pi = std::numbers::pi_v<Number>;
 
 using host::number;
 using host::rotation;

@@ -2,6 +2,8 @@
 // 40 million, and short stretches at every position around a wrap of the counter's lower part.
 #include "port.hpp"
 
+#include "../write_number.hpp"
+
 namespace {
 
 using namespace tumble::port;
@@ -50,22 +52,14 @@ constexpr std::uint64_t instructions(std::uint32_t rounds) { return 2 + 2 * std:
     return readings;
 }
 
-void write_number(std::uint64_t value) {
-    char text[20];
-    std::size_t at = sizeof text;
-    do text[--at] = static_cast<char>('0' + value % 10);
-    while ((value /= 10) != 0);
-    write(text + at, sizeof text - at);
-}
-
 bool exact(std::uint32_t rounds) {
     const Readings readings = run_loop(rounds);
     const std::uint64_t got = elapsed(readings.from, readings.to);
     if (got == instructions(rounds)) return true;
     write("got ");
-    write_number(got);
+    write_number(got, 10, 1);
     write(" insn, expected ");
-    write_number(instructions(rounds));
+    write_number(instructions(rounds), 10, 1);
     write("\n");
     return false;
 }
@@ -113,7 +107,7 @@ int main() {
     for (std::uint32_t rounds = 1; rounds <= 300; ++rounds) ok &= exact(rounds);
     for (std::uint32_t rounds : {1'000U, 9'999U, 100'000U, 1'234'567U, 5'000'000U, 20'000'000U}) {
         ok &= exact(rounds);
-        write_number(instructions(rounds));
+        write_number(instructions(rounds), 10, 1);
         write(" insn\n");
     }
 
@@ -131,7 +125,7 @@ int main() {
         // Step past what is left, so that each round meets a new wrap.
         ok &= exact(10'000);
     }
-    write_number(crossed);
+    write_number(crossed, 10, 1);
     write(" short stretches held a wrap\n");
     if (crossed == 0) return 3;
     return ok ? 0 : 2;

@@ -2,6 +2,8 @@
 // all: prints a digest for the build to compare with the one that IEEE hardware gives.
 #include "port.hpp"
 
+#include "../write_number.hpp"
+
 #include <bit>
 #include <cstdint>
 
@@ -47,9 +49,7 @@ int main() {
         add(a * b);
         add(a / b);
     }
-    char text[9];
-    for (int i = 0; i < 8; ++i) text[i] = "0123456789abcdef"[(digest >> (28 - 4 * i)) & 15];
-    text[8] = '\n';
-    tumble::port::write(text, sizeof text);
+    write_number(digest, 16, 8);
+    tumble::port::write("\n");
     return 0;
 }

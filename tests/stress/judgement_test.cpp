@@ -100,6 +100,7 @@ public:
     std::int64_t steps_taken() const override { return run_->steps_taken(); }
     std::uint64_t hash() const override { return run_->hash(); }
     int body_count() const override { return run_->body_count(); }
+    int near_pair_count() const override { return run_->near_pair_count(); }
     BodySnapshot body(int index) const override {
         BodySnapshot body = run_->body(index);
         for (auto* numbers : {body.position.data(), body.orientation.data()})
