@@ -22,7 +22,7 @@ int main(int count, char** paths) try {
     const bool contacts = mode == "--contacts";
     const std::string systems = "," + std::string(contacts ? "q32,f32,f64" : mode) + ",";
     std::vector<SceneDescription> scenes;
-    for (int i = contacts ? 2 : 1; i < count; ++i) scenes.push_back(read_scene(paths[i]));
+    for (int i = 2; i < count; ++i) scenes.push_back(read_scene(paths[i]));
     std::vector<NumberVariant> variants = number_variants();
     std::sort(variants.begin(), variants.end(), [](const auto& a, const auto& b) { return a.name < b.name; });
     for (const NumberVariant& variant : variants) {
