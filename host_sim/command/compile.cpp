@@ -287,14 +287,9 @@ std::string compiled_scene(const SceneDescription& scene, const Choice& choice, 
          << list_text("PlaneSpec", "planes", scene.planes, data.planes, plane_text)
          << list_text("SpringSpec", "springs", scene.springs, data.springs, spring_text)
          << list_text("ImpulseSpec", "impulses", scene.impulses, data.impulses, impulse_text)
-<<<<<<< HEAD
          << list_text("ForceSpec", "forces", scene.forces, data.forces, force_text)
          << (data.events.empty() ? "" : list_text("EventSpec", "events", scene.events, data.events, event_text)) << "\n"
-         << config_text(data, near_pairs_for(scene), numbers, integrator) << "};\n\n}  // namespace tumble::scenes\n";
-=======
-         << list_text("ForceSpec", "forces", scene.forces, data.forces, force_text) << "\n"
          << config_text(scene, data, numbers, integrator) << "};\n\n}  // namespace tumble::scenes\n";
->>>>>>> ff44a9df78a3300d5fc967cdcb78d05ba978ecc1
     return text.str();
 }
 

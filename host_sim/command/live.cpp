@@ -52,7 +52,7 @@ bool goes_on(const Simulation& simulation) {
 
 int run_live(const Choice& choice, const std::string& record) {
     if (choice.scene == "/dev/stdin")
-        throw BadArgument("scene: got standard input, from which --live reads events, expected a file");
+        throw std::invalid_argument("scene: got standard input, from which --live reads events, expected a file");
     check_outputs({{"the scene", choice.scene}}, {{"--record", record}});
     const SceneDescription scene = choice.read();
     const auto simulation = choice.start(scene);

@@ -212,10 +212,10 @@ void print_table(std::ostream& out, const SceneDescription& scene, const Simulat
 int run(const RunOptions& options) {
     if (options.live) {
         if (options.json || !options.trajectory.empty() || !options.plot.empty() || !options.check.check.empty())
-            throw BadArgument("--live: got --json, --trajectory, --plot or --check beside it, expected none of them");
+            throw std::invalid_argument("--live: got --json, --trajectory, --plot or --check beside it, expected none of them");
         return run_live(options, options.record);
     }
-    if (!options.record.empty()) throw BadArgument("--record: got no --live beside it, expected --live");
+    if (!options.record.empty()) throw std::invalid_argument("--record: got no --live beside it, expected --live");
     const std::vector<FileArgument> outputs = {{"--trajectory", options.trajectory}, {"--plot", options.plot}};
     check_outputs({{"the scene", options.scene}}, outputs);
     std::ostream& table = takes_standard_output(outputs, options.json) ? std::cerr : std::cout;
