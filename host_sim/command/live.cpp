@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <iostream>
 #include <optional>
+#include <stdexcept>
 
 #include "command/check.hpp"
 #include "scene/json_event.hpp"
