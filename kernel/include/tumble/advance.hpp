@@ -2,6 +2,7 @@
 // their place. It owns the bodies, their inertia, the loads and gravity. It knows no contact.
 #pragma once
 
+#include <tumble/events/snapshot.hpp>
 #include <tumble/events/wrench.hpp>
 #include <tumble/integrators/verlet.hpp>
 #include <tumble/loads/load_set.hpp>
@@ -55,6 +56,22 @@ public:
     bool add(const SpringSpec& spec) requires(features.springs > 0) {
         static constexpr SpringBounds<N> bounds{step_bounds};
         return loads.add(spec, bodies, bounds);
+    }
+    // Writes or reads what a snapshot of a whole world holds.
+    template <class Self, class Archive>
+    static void archive(Self& self, Archive& to) {
+        if constexpr (rotation &&
+                      requires(Inertia & inertia) { inertia.prepare(self.bodies.state[0], self.bodies.scale); })
+            for (int b = 0; b < self.bodies.count; ++b) to(self.inertia_[b]);
+        if constexpr (has_wrenches) to(self.wrenches);
+    }
+    // Adds gravity to the digest of a scene.
+    void add_to(detail::Digest& digest) const {
+        for (const DriftSum& fall : gravity_) {
+            detail::SnapshotWriter count{nullptr};
+            count(fall);
+            digest.add(count.check());
+        }
     }
     // Call after every change of the spin other than by free rotation.
     TUMBLE_INLINE void spin_changed([[maybe_unused]] int b) {

@@ -27,6 +27,7 @@ struct Features {
     bool script = false;           // events of every kind at set times, for World::set_script()
     bool recording = false;        // the world writes its events to a recording, for World::record()
     bool removal = false;          // bodies can be removed, and their places are used again
+    bool snapshots = false;        // the world can be saved as bytes and restored, for World::save()
     bool imu = false;              // the world keeps the motion before each step, for World::imu()
     bool pairs = false;            // bodies collide with bodies
     bool boxes = false;            // boxes collide (spheres always do if there are planes or pairs)
@@ -56,6 +57,7 @@ struct Features {
         f("script", &Features::script);
         f("recording", &Features::recording);
         f("removal", &Features::removal);
+        f("snapshots", &Features::snapshots);
         f("imu", &Features::imu);
         f("pairs", &Features::pairs);
         f("boxes", &Features::boxes);

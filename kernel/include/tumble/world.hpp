@@ -47,6 +47,8 @@ public:
         : advance_{step, spec}, contacts_{step.value, spec.contact}, sleepers_{step.value, spec.contact.sleep} {
         if constexpr (features.touches()) TUMBLE_ASSERT(is_valid(spec.contact));
         set_gravity(spec.gravity);
+        if constexpr (features.snapshots) digest_.add(step.value);
+        note(spec);
     }
 
     // Gravity from the next step on, m/s^2, world frame. Wakes all bodies.
@@ -74,6 +76,7 @@ public:
         if constexpr (features.touches()) TUMBLE_ASSERT(is_restitution(spec.restitution));
         const PrincipalInertia inertia = features.rotation ? principal_inertia(spec.inertia) : PrincipalInertia{};
         advance_.add(spec, inertia, b);
+        note(spec);
         if constexpr (has_imu) remember(b);
         if constexpr (has_contacts) {
             contacts_.set_shape(b, spec, inertia, advance_.bodies.constants[b].units);
@@ -100,6 +103,7 @@ public:
         if constexpr (features.springs_touch()) added = advance_.loads.add(spec, advance_.bodies) && added;
         if constexpr (has_contacts) count = contacts_.plane_count();
         else if constexpr (features.springs_touch()) count = advance_.loads.plane_count();
+        if (added) note(spec);
         return added ? PlaneId{count - 1} : PlaneId{};
     }
 
@@ -109,7 +113,9 @@ public:
         refuse_to_record();
         if constexpr (features.removal)
             TUMBLE_ASSERT(places_.is_taken(spec.body) && (spec.to_body < 0 || places_.is_taken(spec.to_body)));
-        return advance_.add(spec) ? SpringId{advance_.loads.spring_count() - 1} : SpringId{};
+        if (!advance_.add(spec)) return {};
+        note(spec);
+        return SpringId{advance_.loads.spring_count() - 1};
     }
 
     // Converts an impulse to this world's numbers, for set_impulses().
@@ -316,6 +322,49 @@ public:
         return -(mass(id) * sum * rate * rate);
     }
 
+    // The size of a snapshot as bytes. That of a whole world depends on the pairs that are near each other now.
+    [[nodiscard]] int snapshot_size(SnapshotPart part = SnapshotPart::world) const requires(features.snapshots) {
+        detail::SnapshotWriter count{nullptr};
+        write(count, part, 0);
+        return count.size() + 4;
+    }
+    // Writes a snapshot, which restore() takes on any machine; returns its size, or 0 where there is no room for it.
+    // The arrays of set_impulses(), set_forces() and set_script(), and the recording, are not in it.
+    [[nodiscard]] int save(std::uint8_t* to, int room, SnapshotPart part = SnapshotPart::world) const
+        requires(features.snapshots) {
+        const int size = snapshot_size(part);
+        if (size > room) return 0;
+        detail::SnapshotWriter bytes{to};
+        write(bytes, part, static_cast<std::uint32_t>(size));
+        const std::uint32_t check = bytes.check();
+        bytes.word(check);
+        return size;
+    }
+    // Takes over a snapshot of a world with the same scene: the same number system, step, world values, and the same
+    // bodies, planes and springs, added in the same order and removed at the same places between; of a whole world also
+    // the same features, method and gravity. It may be followed by other bytes. Where it says why not, the world is as
+    // before. Of bodies alone it sets their states and the number of steps: all wake, and contacts are found anew.
+    [[nodiscard]] SnapshotFault restore(const std::uint8_t* from, int count) requires(features.snapshots) {
+        const SnapshotFault fault = detail::SnapshotHeader::fault_of(from, count, detail::digest_of_numbers<N>());
+        if (fault != SnapshotFault::none) return fault;
+        const auto header = detail::SnapshotHeader::read(from);
+        if (header.scene != scene_digest(header.part) ||
+            (header.part == SnapshotPart::bodies &&
+             header.size != static_cast<std::uint32_t>(snapshot_size(header.part))))
+            return SnapshotFault::other_scene;
+        detail::SnapshotReader reader{from + detail::SnapshotHeader::bytes};
+        archive(*this, reader, header.part);
+        if constexpr (has_events) seek();
+        if (header.part == SnapshotPart::world) return SnapshotFault::none;
+        for (int b = 0; b < advance_.bodies.count; ++b) {
+            advance_.spin_changed(b);
+            if constexpr (has_imu) remember(b);
+            replaced(b);
+            disturb(b);
+        }
+        return SnapshotFault::none;
+    }
+
     // Digest of every body's state.
     [[nodiscard]] std::uint64_t hash() const { return advance_.bodies.hash(); }
 
@@ -439,6 +488,45 @@ private:
         if constexpr (has_imu) remember(event.body);
         disturb(event.body);
     }
+    // Notes what is constant, for snapshots.
+    void note([[maybe_unused]] const auto& spec) {
+        if constexpr (features.snapshots) tumble::detail::add_to(digest_, spec);
+    }
+    [[nodiscard]] std::uint64_t scene_digest(SnapshotPart part) const requires(features.snapshots) {
+        detail::Digest digest = digest_;
+        if (part == SnapshotPart::bodies) return digest.value();
+        digest.add(Integrator::name);
+        Features::for_each([&](const char*, auto member) { digest.add(static_cast<int>(features.*member)); });
+        advance_.add_to(digest);
+        return digest.value();
+    }
+    void write(detail::SnapshotWriter& to, SnapshotPart part, std::uint32_t size) const requires(features.snapshots) {
+        detail::SnapshotHeader{part, detail::digest_of_numbers<N>(), scene_digest(part), size}.write(to);
+        archive(*this, to, part);
+    }
+    template <class Self, class Archive>
+    static void archive(Self& self, Archive& to, SnapshotPart part) requires(features.snapshots) {
+        auto& bodies = self.advance_.bodies;
+        to(bodies.steps_taken);
+        for (int b = 0; b < bodies.count; ++b) to(bodies.state[b]);
+        if (part == SnapshotPart::bodies) return;
+        Advance::archive(self.advance_, to);
+        auto& status = bodies.status;
+        to(status.first_step, status.count, status.first_body, status.bits);
+        if constexpr (has_contacts) {
+            Contacts::archive(self.contacts_, bodies, to);
+            to(self.sleepers_);
+        }
+        if constexpr (has_imu)
+            for (int b = 0; b < bodies.count; ++b) to(self.before_[b]);
+        if constexpr (has_events) to(self.wraps_);
+    }
+    // Call when the world has gone to another step.
+    void seek() requires has_events {
+        if constexpr (features.impulses) impulses_.seek(now());
+        if constexpr (features.script) script_.seek(now());
+        if constexpr (features.forces && has_loads) advance_.loads.seek(now());
+    }
     [[gnu::noinline]] void take_away(int b) requires(features.removal) {
         disturb(b);
         replaced(b);
@@ -449,6 +537,7 @@ private:
         }
         advance_.remove(b);
         places_.leave(b);
+        if constexpr (features.snapshots) digest_.add(b);
     }
     // Call after body b got another pose, or a fixed body another spin: its pairs are found anew, and every body wakes,
     // since b may have left it or come to it.
@@ -643,6 +732,7 @@ private:
     [[no_unique_address]] If<features.impulses, Script<Impulse<N>>, 2> impulses_{};
     [[no_unique_address]] If<features.script, Script<Event<N>>, 3> script_{};
     [[no_unique_address]] If<features.recording, Recording<N>*, 8> recording_{};
+    [[no_unique_address]] If<features.snapshots, tumble::detail::Digest, 10> digest_{};
     [[no_unique_address]] If<features.removal, Places<(features.bodies > 0 ? features.bodies : 1)>, 9> places_{};
     [[no_unique_address]] If<has_imu, typename tumble::detail::RoomFor<Before, features.bodies>::Array, 7> before_{};
     [[no_unique_address]] If<has_events, std::uint32_t, 5> wraps_{};  // how often the number of steps began anew

@@ -9,6 +9,11 @@ namespace tumble {
 template <int capacity>
 class Places {
 public:
+    // Calls visit with the members that a snapshot holds.
+    template <class Self, class Visit>
+    static void each(Self& self, Visit& visit) {
+        visit(self.taken_, self.generation_, self.count_);
+    }
     [[nodiscard]] int count() const { return count_; }
     [[nodiscard]] bool is_taken(int place) const { return place >= 0 && place < capacity && taken_[place]; }
     // False of the id of a body that has been removed.

@@ -162,6 +162,25 @@ public:
             if (pair_[i].b >= 0 && pair_[i].count > 0) f(pair_[i].a, pair_[i].b);
     }
 
+    // Writes or reads what a snapshot holds.
+    template <class Archive>
+    static void archive(std::conditional_t<Archive::reads, BroadPhase, const BroadPhase>& self, const Bodies& bodies,
+                        Archive& to) {
+        Base::archive(self, to);
+        to(self.foreseen_until_, self.due_, self.touching_, self.pairs_of_, self.pair_count_);
+        for (int i = 0; i < self.pair_count_; ++i) {
+            auto& pair = self.pair_[i];
+            std::int16_t a = pair.a, b = pair.b;
+            to(a, b);
+            if constexpr (Archive::reads) {
+                pair = {};
+                pair.begin(a, b);
+                self.set_up(pair, bodies);
+            }
+            to(pair);
+        }
+    }
+
 protected:
     using Base::axes_;
     using Base::fall_;

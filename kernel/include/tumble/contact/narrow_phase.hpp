@@ -42,6 +42,12 @@ public:
     // m: the band in which bodies touch, and the depth at which a step is redone.
     [[nodiscard]] Work tolerance() const { return scale().metres(tolerance_); }
 
+    // Writes or reads what a snapshot holds.
+    template <class Archive>
+    static void archive(std::conditional_t<Archive::reads, NarrowPhase, const NarrowPhase>& self, Archive& to) {
+        to(self.axes_, self.turned_);
+    }
+
 protected:
     [[nodiscard]] const typename C::LengthScale& scale() const { return shape_.scale(); }
     // Makes room for a length, m. True where the scale of lengths has changed: lengths from before are invalid then.

@@ -81,6 +81,22 @@ struct NearPair {
     typename C::SpeedScale scale{};  // of the points' impulses
     Point point[max_points];
 
+    // Calls visit with the members that a snapshot holds. The others follow from the bodies, or a step computes them
+    // anew.
+    template <class Self, class Visit>
+    static void each(Self& self, Visit& visit) {
+        visit(self.count, self.moved, self.touched, self.left_out, self.passed, self.sought, self.turns, self.gap,
+              self.start_gap, self.normal, self.tangent, self.scale);
+        if constexpr (features.pairs) visit(self.start_normal);
+        if constexpr (features.pairs && features.boxes) visit(self.axis);
+        for (int i = 0; i < self.count; ++i) {
+            auto& point = self.point[i];
+            visit(point.arm, point.gap, point.pushed);
+            if constexpr (features.pairs) visit(point.arm_b);
+            if constexpr (Visit::reads) point.rows_hold = false;
+        }
+    }
+
     // Another pair in this place.
     void begin(int first, int second) {
         a = static_cast<std::int16_t>(first);

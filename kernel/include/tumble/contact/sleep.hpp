@@ -32,6 +32,12 @@ public:
 
     // Adds an awake body.
     void add(int b) { awake_[awake_count_++] = static_cast<std::int16_t>(b); }
+    // Calls visit with the members that a snapshot holds.
+    template <class Self, class Visit>
+    static void each(Self& self, Visit& visit) {
+        visit(self.awake_count_, self.awake_);
+        if constexpr (features.sleep) visit(self.asleep_, self.quiet_);
+    }
     // Call when a body that is awake is removed.
     void remove(int b) {
         remove_from_list(b);

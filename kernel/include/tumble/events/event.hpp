@@ -83,6 +83,12 @@ struct Push {
     VectorBlock<N> value{};
     bool at_centre = true;
     VectorBlock<N> point{};  // m, principal axes
+
+    // Calls visit with the members that a snapshot holds.
+    template <class Self, class Visit>
+    static void each(Self& self, Visit& visit) {
+        visit(self.angular, self.frame, self.value, self.at_centre, self.point);
+    }
 };
 
 // The value and point of an event as a push. Misuse: of a point mass, anything but a linear push at its centre in the

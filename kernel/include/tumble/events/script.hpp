@@ -38,8 +38,12 @@ public:
     void set(Span<Timed> events, std::uint64_t now) {
         for (int i = 1; i < events.count; ++i) TUMBLE_ASSERT(events.first[i - 1].step <= events.first[i].step);
         events_ = events;
+        seek(now);
+    }
+    // Skips what comes before step `now`, after the world has gone to this step.
+    void seek(std::uint64_t now) {
         next_ = 0;
-        while (next_ < events.count && events.first[next_].step < now) ++next_;
+        while (next_ < events_.count && events_.first[next_].step < now) ++next_;
     }
     // Calls apply(event) for each event that is due at step `now`, in the order of the array.
     template <class F>

@@ -48,6 +48,11 @@ public:
     }
     // Call when a body has been removed.
     void forget(int b) { body_[b] = {}; }
+    // Calls visit with the members that a snapshot holds.
+    template <class Self, class Visit>
+    static void each(Self& self, Visit& visit) {
+        for (auto& body : self.body_) visit(body);
+    }
     // Call when the step begins.
     template <class Bodies>
     TUMBLE_INLINE void start_step(Bodies& bodies) {
@@ -74,6 +79,13 @@ private:
         detail::Push<N> force{}, torque{true, Frame::body, {}, true, {}};  // of a step: N s, N m s
         Kick steady{};                                                     // by what does not turn with the body
         Kick next{};                                                       // in the next step, where it varies
+
+        // Calls visit with the members that a snapshot holds.
+        template <class Self, class Visit>
+        static void each(Self& self, Visit& visit) {
+            visit(self.acts, self.has_next, self.force_turns, self.torque_turns, self.force, self.torque, self.steady,
+                  self.next);
+        }
 
         [[nodiscard]] bool holds() const { return !force.value.is_zero() || !torque.value.is_zero(); }
         [[nodiscard]] TUMBLE_INLINE bool varies() const { return has_next || force_turns || torque_turns; }

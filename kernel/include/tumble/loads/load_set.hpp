@@ -106,6 +106,9 @@ public:
         forces_.set(forces, now, changed);
     }
 
+    // Call when the world has gone to step `now`.
+    void seek(std::uint64_t now) requires(features.forces) { forces_.seek(now); }
+
     // True of a body that feels anything but gravity in this step.
     [[nodiscard]] bool is_loaded([[maybe_unused]] const Bodies& bodies, [[maybe_unused]] int b) const {
         return any(*this, [&](const auto& load) { return load.acts_on(bodies, b); });

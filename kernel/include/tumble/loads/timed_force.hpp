@@ -40,6 +40,11 @@ public:
             if (force.is_on(now)) changed(force.body);
         }
     }
+    // Skips what has ended before step `now`, after the world has gone to this step.
+    void seek(std::uint64_t now) {
+        first_ = end_ = 0;
+        now_ = now;
+    }
     // Call before step `now` is taken; calls changed(body) for every force that begins or ends at it.
     template <class F>
     void start_step(std::uint64_t now, F&& changed) {

@@ -220,6 +220,11 @@ requires(!N::fixed_point) struct ContactNumbers<N> {
     };
     class SpeedScale {
     public:
+        // Calls visit with the members that a snapshot holds.
+        template <class Self, class Visit>
+        static void each(Self& self, Visit& visit) {
+            visit(self.enough_at_rest_, self.enough_in_impact_);
+        }
         [[nodiscard]] static SpeedScale of(T largest, int bodies, int) {
             SpeedScale s;
             s.enough_at_rest_ = largest * sqrt(T(6 * bodies)) * (sizeof(T) == 4 ? T(0x1p-20) : T(0x1p-40));

@@ -20,6 +20,11 @@ requires(N::fixed_point) struct VectorBlock<N> {
     std::int32_t mantissa[3]{};
     int exponent = 0;
     static constexpr int lowest = -0x10000;  // below the exponent of every number but zero
+    // Calls visit with the members that a snapshot holds.
+    template <class Self, class Visit>
+    static void each(Self& self, Visit& visit) {
+        visit(self.mantissa, self.exponent);
+    }
 
     [[nodiscard, gnu::noinline]] static constexpr VectorBlock of(float x, float y, float z) {
         const std::uint32_t bits[3]{std::bit_cast<std::uint32_t>(x), std::bit_cast<std::uint32_t>(y),
@@ -179,6 +184,11 @@ requires(!N::fixed_point) struct VectorBlock<N> {
     using T = typename N::Work;
 
     Vec3<T> v = Vec3<T>::Constant(T(0));
+    // Calls visit with the members that a snapshot holds.
+    template <class Self, class Visit>
+    static void each(Self& self, Visit& visit) {
+        visit(self.v);
+    }
 
     template <class X, class Y, class Z>
     [[nodiscard]] static VectorBlock of(X x, Y y, Z z) {

@@ -11,6 +11,12 @@ namespace tumble {
 struct BoxAxis {
     std::int8_t index = 0;
     bool negative = false;
+
+    // Calls visit with the members that a snapshot holds.
+    template <class Self, class Visit>
+    static void each(Self& self, Visit& visit) {
+        visit(self.index, self.negative);
+    }
 };
 
 template <class N>

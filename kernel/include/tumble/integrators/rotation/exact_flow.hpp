@@ -83,6 +83,11 @@ public:
         product_[2] = h.z * alpha_ * h.f * h.q;
     }
 
+    // Calls visit with the members that a snapshot holds.
+    template <class Self, class Visit>
+    static void each(Self& self, Visit& visit) {
+        visit(self.constant_, self.square_, self.linear_, self.product_);
+    }
     // The quaternion of a step that starts with the spin m, not of unit length: 11 multiplications.
     [[nodiscard]] TUMBLE_INLINE Quat<T> turn_of(const Vec3<T>& m) const {
         return {constant_ + square_ * (m.y() * m.y()),

@@ -123,6 +123,11 @@ struct MoserVeselovInertia {
     }
 
     // Computes the modified moments for the body's spin.
+    // Calls visit with the members that a snapshot holds.
+    template <class Self, class Visit>
+    static void each(Self& self, Visit& visit) {
+        visit(self.modified, self.inverse, self.z_shift);
+    }
     void prepare(const BodyState<N, Spin::angular_momentum>& body, typename N::Scale scale) {
         const Work moment[3] = {x, Work(1), z};
         Work n(0), e(0);

@@ -1,0 +1,268 @@
+// Snapshots as bytes: what is restored goes on with the same bits, and what cannot be restored changes nothing.
+#include <tumble/tumble.hpp>
+
+#include "worlds.hpp"
+
+#include <cstring>
+#include <string>
+#include <vector>
+
+namespace tumble::test {
+namespace {
+
+template <class N, class Method>
+struct Way {
+    using Numbers = N;
+    using Integrator = Method;
+};
+using Ways =
+    testing::Types<Way<Q32<NearRange>, integrators::Verlet>, Way<Q32<NearRange, false>, integrators::Rk4>,
+                   Way<Q32<NearRange>, integrators::Pdmv6>, Way<F32, integrators::Verlet>,
+                   Way<F32Plain, integrators::Rk4>, Way<F64, integrators::Exact>, Way<F64Carried, integrators::Pdmv8>>;
+
+constexpr Features with_all = Features{.bodies = 5, .planes = 2, .springs = 2, .near_pairs = 12}.with_everything();
+constexpr Features bare{.control = true, .snapshots = true};
+
+template <class W>
+class Snapshots : public testing::Test {
+protected:
+    using N = typename W::Numbers;
+    template <Features features>
+    using WorldOf = World<SceneOf<N, typename W::Integrator, features>>;
+    using Full = WorldOf<with_all>;
+    using Bytes = std::vector<std::uint8_t>;
+
+    // Boxes and balls on a floor and on each other, one of them on a spring.
+    [[nodiscard]] static Full full(Real mass = 1, Real gravity = -9.81) {
+        Full world{Seconds{1, 256},
+                   {.gravity = {0, gravity, 0},
+                    .linear_drag = 0.01,
+                    .contact = {.restitution = 0.25, .friction = 0.4, .sleep = {.on = true}}}};
+        (void)world.add(PlaneSpec{});
+        const auto add = [&](BodySpec body, RealVec3 position, RealVec3 spin) {
+            body.position = position;
+            body.angular_velocity = spin;
+            (void)world.add(body);
+        };
+        add(box(2, {1, 0.5, 1}), {0, 0.25, 0}, {});
+        add(box(1, {0.5, 0.4, 0.3}), {0.1, 0.8, 0}, {0.5, 1, 0.25});
+        add(sphere(mass, 0.25), {2, 1, 0}, {});
+        add(box(1, {0.5, 0.4, 0.3}), {2, 2, 0}, {1, 2, 3});
+        add(box(1, {0.5, 0.4, 0.3}), {-3, 9, 0}, {3, 0.5, 2});
+        SpringSpec tie;
+        tie.body = 2;
+        tie.to_body = 3;
+        tie.stiffness = 20;
+        (void)world.add(tie);
+        return world;
+    }
+    [[nodiscard]] static WorldOf<bare> small(Real mass = 1) {
+        WorldOf<bare> world{Seconds{1, 256}};
+        BodySpec body = box(mass, {1, 0.5, 0.25});
+        body.angular_velocity = {1, 2, 3};
+        (void)world.add(body);
+        return world;
+    }
+    template <class World>
+    static void run(World& world, int steps) {
+        for (int i = 0; i < steps; ++i) {
+            if (world.steps_taken() % 64 == 5) world.set_torque(BodyId{0}, {0.01F, 0.5F, 0.0F}, Frame::world);
+            if (world.steps_taken() % 64 == 9) world.set_torque(BodyId{0}, {}, Frame::world);
+            if (world.steps_taken() % 64 == 12) world.apply_force(BodyId{0}, {0.0F, 3.0F, 0.0F}, Frame::body);
+            world.step();
+        }
+    }
+    template <class World>
+    [[nodiscard]] static Bytes saved(const World& world, SnapshotPart part = SnapshotPart::world) {
+        Bytes bytes(static_cast<std::size_t>(world.snapshot_size(part)));
+        EXPECT_EQ(world.save(bytes.data(), static_cast<int>(bytes.size()), part), static_cast<int>(bytes.size()));
+        return bytes;
+    }
+    template <class World>
+    static SnapshotFault restored(World& world, const Bytes& bytes) {
+        return world.restore(bytes.data(), static_cast<int>(bytes.size()));
+    }
+    // The world goes on with the same bits, sleep and status as another.
+    template <class World>
+    static void expect_same(World& a, World& b, int steps) {
+        for (int i = 0; i < steps; ++i) {
+            run(a, 1);
+            run(b, 1);
+            ASSERT_EQ(a.hash(), b.hash()) << i;
+            for (int k = 0; k < a.body_count(); ++k) {
+                ASSERT_EQ(a.asleep(BodyId{k}), b.asleep(BodyId{k})) << i;
+                ASSERT_EQ(a.contact_count(BodyId{k}), b.contact_count(BodyId{k})) << i;
+            }
+        }
+        EXPECT_EQ(a.status().bits, b.status().bits);
+        EXPECT_EQ(a.near_pair_count(), b.near_pair_count());
+    }
+};
+TYPED_TEST_SUITE(Snapshots, Ways);
+
+TYPED_TEST(Snapshots, a_world_that_is_restored_goes_on_with_the_same_bits) {
+    // In flight, in contact, beginning to sleep.
+    for (const int steps : {0, 30, 90, 333}) {
+        auto world = this->full();
+        this->run(world, steps);
+        const auto bytes = this->saved(world);
+        auto other = this->full();
+        this->run(other, 11);
+        ASSERT_EQ(this->restored(other, bytes), SnapshotFault::none);
+        EXPECT_EQ(other.hash(), world.hash());
+        EXPECT_EQ(this->saved(other), bytes) << "a snapshot of the restored world is the same";
+        this->expect_same(world, other, 60);
+    }
+}
+
+TYPED_TEST(Snapshots, of_a_free_body_in_a_minimal_world_go_on_with_the_same_bits) {
+    auto world = this->small(), other = this->small();
+    this->run(world, 100);
+    const auto bytes = this->saved(world);
+    ASSERT_EQ(this->restored(other, bytes), SnapshotFault::none);
+    this->expect_same(world, other, 100);
+}
+
+TYPED_TEST(Snapshots, of_bodies_alone_restore_the_hash_in_worlds_with_other_features) {
+    auto world = this->small();
+    this->run(world, 100);
+    const auto bytes = this->saved(world, SnapshotPart::bodies);
+    EXPECT_LT(bytes.size(), this->saved(world).size());
+    using Other =
+        typename TestFixture::template WorldOf<Features{.bodies = 3, .drag = true, .snapshots = true, .imu = true}>;
+    Other other{Seconds{1, 256}};
+    (void)other.add(box(1, {1, 0.5, 0.25}));
+    ASSERT_EQ(this->restored(other, bytes), SnapshotFault::none);
+    EXPECT_EQ(other.hash(), world.hash());
+    EXPECT_EQ(other.steps_taken(), world.steps_taken());
+}
+
+TYPED_TEST(Snapshots, of_bodies_alone_wake_all_and_find_contacts_anew) {
+    using Resting = typename TestFixture::template WorldOf<Features{
+        .planes = 1, .snapshots = true, .boxes = true, .friction = true, .sleep = true}>;
+    Resting world{Seconds{1, 256}, {.gravity = {0, -9.81, 0}, .contact = {.friction = 0.5, .sleep = {.on = true}}}};
+    BodySpec body = box(1, {0.5, 0.25, 0.5});
+    body.position = {0, 0.3, 0};
+    const BodyId id = world.add(body);
+    (void)world.add(PlaneSpec{});
+    const auto in_flight = this->saved(world, SnapshotPart::bodies);
+    const auto rest = [&] {
+        for (int i = 0; i < 512; ++i) world.step();
+        EXPECT_TRUE(world.asleep(id));
+        EXPECT_NEAR(static_cast<double>(world.position(id).y), 0.125, 2e-3);
+    };
+    rest();
+    ASSERT_EQ(this->restored(world, in_flight), SnapshotFault::none);
+    EXPECT_FALSE(world.asleep(id));
+    rest();
+}
+
+TYPED_TEST(Snapshots, that_are_wrong_are_refused_and_change_nothing) {
+    auto world = this->full();
+    this->run(world, 60);
+    const auto own = this->saved(world);
+    for (const SnapshotPart part : {SnapshotPart::bodies, SnapshotPart::world}) {
+        auto source = this->full();
+        this->run(source, 50);
+        const auto bytes = this->saved(source, part);
+        const auto refused = [&](const typename TestFixture::Bytes& wrong, SnapshotFault fault) {
+            EXPECT_EQ(name_of(this->restored(world, wrong)), std::string(name_of(fault)));
+            ASSERT_EQ(this->saved(world), own);
+        };
+        // A bit of each of the first bytes, and of some of the others.
+        for (std::size_t i = 0; i < bytes.size(); i += i < 48 ? 1 : 61) {
+            auto wrong = bytes;
+            wrong[i] = static_cast<std::uint8_t>(wrong[i] ^ 1u << i % 8);
+            EXPECT_NE(this->restored(world, wrong), SnapshotFault::none) << i;
+        }
+        ASSERT_EQ(this->saved(world), own);
+        for (std::size_t count = 0; count < bytes.size(); ++count)
+            EXPECT_EQ(world.restore(bytes.data(), static_cast<int>(count)), SnapshotFault::truncated) << count;
+        ASSERT_EQ(this->saved(world), own);
+        refused(typename TestFixture::Bytes(64, 0), SnapshotFault::no_snapshot);
+        auto wrong = bytes;
+        wrong[4] = 2;
+        refused(wrong, SnapshotFault::other_version);
+        refused(this->saved(this->full(3), part), SnapshotFault::other_scene);
+        World<SceneOf<std::conditional_t<std::is_same_v<typename TestFixture::N, F64>, F32, F64>, integrators::Verlet,
+                      with_all>>
+            others{Seconds{1, 256}};
+        refused(this->saved(others, part), SnapshotFault::other_numbers);
+        auto longer = bytes;
+        longer.push_back(1);
+        auto copy = world;
+        EXPECT_EQ(this->restored(copy, longer), SnapshotFault::none) << "what follows it is not read";
+    }
+    auto falling = this->full(1, -1.5);
+    EXPECT_EQ(this->restored(falling, own), SnapshotFault::other_scene) << "other gravity";
+}
+
+TYPED_TEST(Snapshots, need_their_room) {
+    const auto world = this->small();
+    std::vector<std::uint8_t> bytes(static_cast<std::size_t>(world.snapshot_size()), 0xab);
+    EXPECT_EQ(world.save(bytes.data(), static_cast<int>(bytes.size()) - 1), 0);
+    EXPECT_EQ(bytes, std::vector<std::uint8_t>(bytes.size(), 0xab)) << "nothing is written";
+    EXPECT_GT(world.save(bytes.data(), static_cast<int>(bytes.size())), 0);
+}
+
+TEST(SnapshotBytes, have_the_check_word_of_the_standard_and_the_lowest_byte_first) {
+    tumble::detail::Crc32 crc;
+    for (const char c : std::string("123456789")) crc.add(static_cast<std::uint8_t>(c));
+    EXPECT_EQ(crc.value(), 0xcbf43926u);
+    World<SceneOf<F64, integrators::Verlet, bare>> world{Seconds{1, 256}};
+    BodySpec body = sphere(1, 1);
+    body.position = {1, 0, 0};
+    (void)world.add(body);
+    world.step();
+    std::vector<std::uint8_t> bytes(static_cast<std::size_t>(world.snapshot_size(SnapshotPart::bodies)));
+    (void)world.save(bytes.data(), static_cast<int>(bytes.size()), SnapshotPart::bodies);
+    ASSERT_EQ(bytes.size(), 8u * 4 + 4 + 13 * 8 + 4);
+    EXPECT_EQ(std::memcmp(bytes.data(), "tmbl\1\0\0\0", 8), 0);
+    EXPECT_EQ(bytes[8], TUMBLE_BITS);
+    EXPECT_EQ(bytes[32], 1) << "steps";
+    const std::uint8_t one[8] = {0, 0, 0, 0, 0, 0, 0xf0, 0x3f};
+    EXPECT_EQ(std::memcmp(bytes.data() + 36, one, 8), 0) << "x";
+}
+
+TEST(SnapshotBytes, of_a_world_let_its_script_go_on) {
+    World<SceneOf<F64, integrators::Verlet,
+                  Features{.forces = true, .impulses = true, .control = true, .script = true, .snapshots = true}>>
+        world{Seconds{1, 256}};
+    (void)world.add(sphere(1, 1));
+    ImpulseSpec impulse;
+    impulse.impulse = {1, 0, 0};
+    std::vector<Impulse<F64>> impulses;
+    for (int i = 0; i < 4; ++i) {
+        impulse.time = Real{i} * Real{0.125};
+        impulses.push_back(world.prepare(impulse));
+    }
+    ForceSpec force;
+    force.force = {0, 1, 0};
+    force.from = 0.1;
+    force.until = 0.3;
+    const TimedForce<F64> forces[] = {world.prepare(force)};
+    const Event<F64> events[] = {{.kind = EventKind::force, .body = BodyId{0}, .value = {0, 0, 1}, .step = 10},
+                                 {.kind = EventKind::force, .body = BodyId{0}, .value = {0, 0, 2}, .step = 50}};
+    world.set_impulses({impulses.data(), 4});
+    world.set_forces({forces, 1});
+    world.set_script({events, 2});
+    std::vector<std::vector<std::uint8_t>> saved;
+    std::vector<std::uint64_t> hashes;
+    for (int i = 0; i < 128; ++i) {
+        saved.emplace_back(static_cast<std::size_t>(world.snapshot_size()));
+        (void)world.save(saved.back().data(), static_cast<int>(saved.back().size()));
+        world.step();
+        hashes.push_back(world.hash());
+    }
+    for (const int from : {0, 5, 10, 26, 33, 50, 90}) {
+        ASSERT_EQ(world.restore(saved[static_cast<std::size_t>(from)].data(), static_cast<int>(saved[0].size())),
+                  SnapshotFault::none);
+        for (std::size_t i = static_cast<std::size_t>(from); i < 128; ++i) {
+            world.step();
+            ASSERT_EQ(world.hash(), hashes[i]) << from << " " << i;
+        }
+    }
+}
+
+}  // namespace
+}  // namespace tumble::test
