@@ -9,20 +9,21 @@ namespace tumble::test {
 namespace {
 
 template <class N, class Method>
-struct Way {
+struct Leaving {
     using Numbers = N;
     using Integrator = Method;
 };
-using Ways =
-    testing::Types<Way<Q32<NearRange>, integrators::Verlet>, Way<Q32<NearRange, false>, integrators::Rk4>,
-                   Way<Q32<NearRange>, integrators::Pdmv6>, Way<F32, integrators::Verlet>, Way<F64, integrators::Rk4>>;
+using LeavingWays =
+    testing::Types<Leaving<Q32<NearRange>, integrators::Verlet>, Leaving<Q32<NearRange, false>, integrators::Rk4>,
+                   Leaving<Q32<NearRange>, integrators::Pdmv6>, Leaving<F32, integrators::Verlet>,
+                   Leaving<F64, integrators::Rk4>>;
 
 constexpr Features everything_that_leaves = [] {
     Features f = Features{.bodies = 5, .planes = 2, .springs = 3}.with_everything();
     f.contact_springs = false;
     return f;
 }();
-constexpr Features alone{.removal = true};
+constexpr Features only_leaving{.removal = true};
 
 template <class W>
 class Removal : public testing::Test {
@@ -48,7 +49,7 @@ protected:
         for (int i = 0; i < steps; ++i) world.step();
     }
 };
-TYPED_TEST_SUITE(Removal, Ways);
+TYPED_TEST_SUITE(Removal, LeavingWays);
 
 TYPED_TEST(Removal, the_others_move_as_if_the_body_had_never_been_there) {
     auto with = this->world(4), without = this->world(4);
@@ -173,7 +174,7 @@ TYPED_TEST(Removal, a_recording_has_the_removal_and_a_script_skips_events_of_rem
 }
 
 TYPED_TEST(Removal, a_minimal_world_can_be_emptied_and_filled) {
-    typename TestFixture::template WorldOf<alone> world{Seconds{1, 256}, {.gravity = {0, -9.81, 0}}};
+    typename TestFixture::template WorldOf<only_leaving> world{Seconds{1, 256}, {.gravity = {0, -9.81, 0}}};
     for (int i = 0; i < 3; ++i) {
         const BodyId id = world.add(this->at(sphere(1, 0.5), {i, 3, 0}));
         EXPECT_EQ(id.generation(), i);

@@ -10,18 +10,18 @@ namespace {
 
 using ScriptNumbers = testing::Types<Q32<NearRange>, Q32<NearRange, false>, F32, F64>;
 
-constexpr Features on_a_floor{.bodies = 2,
-                              .planes = 1,
-                              .drag = true,
-                              .control = true,
-                              .script = true,
-                              .recording = true,
-                              .imu = true,
-                              .pairs = true,
-                              .boxes = true,
-                              .friction = true,
-                              .sleep = true};
-constexpr Features bare{.control = true, .script = true, .recording = true};
+constexpr Features scripts_on_a_floor{.bodies = 2,
+                                      .planes = 1,
+                                      .drag = true,
+                                      .control = true,
+                                      .script = true,
+                                      .recording = true,
+                                      .imu = true,
+                                      .pairs = true,
+                                      .boxes = true,
+                                      .friction = true,
+                                      .sleep = true};
+constexpr Features only_scripts{.control = true, .script = true, .recording = true};
 
 template <class N>
 class Scripts : public testing::Test {
@@ -101,12 +101,12 @@ TYPED_TEST(Scripts, a_recording_replays_to_the_same_state) {
         EXPECT_EQ(this->run(replayed, 320), expected);
         EXPECT_EQ(live.status().bits, replayed.status().bits);
     };
-    trial.template operator()<bare>();
-    trial.template operator()<on_a_floor>();
+    trial.template operator()<only_scripts>();
+    trial.template operator()<scripts_on_a_floor>();
 }
 
 TYPED_TEST(Scripts, a_world_with_every_feature_replays_the_recording_of_a_minimal_one) {
-    auto live = this->template set_up<bare>();
+    auto live = this->template set_up<only_scripts>();
     Recorder<TypeParam, 256> recorder;
     live.record(&recorder);
     const auto expected = this->run_live(live, 120);
@@ -120,7 +120,7 @@ TYPED_TEST(Scripts, a_world_with_every_feature_replays_the_recording_of_a_minima
 }
 
 TYPED_TEST(Scripts, a_recording_that_begins_at_a_snapshot_replays_from_there) {
-    auto live = this->template set_up<on_a_floor>();
+    auto live = this->template set_up<scripts_on_a_floor>();
     Recorder<TypeParam, 64> recorder;
     live.record(&recorder);
     (void)this->run_live(live, 100);
@@ -133,7 +133,7 @@ TYPED_TEST(Scripts, a_recording_that_begins_at_a_snapshot_replays_from_there) {
 }
 
 TYPED_TEST(Scripts, a_world_that_goes_back_forgets_the_events_after_that_step) {
-    auto live = this->template set_up<on_a_floor>();
+    auto live = this->template set_up<scripts_on_a_floor>();
     const auto start = live;
     Recorder<TypeParam, 64> recorder;
     live.record(&recorder);
@@ -150,7 +150,7 @@ TYPED_TEST(Scripts, a_world_that_goes_back_forgets_the_events_after_that_step) {
 }
 
 TYPED_TEST(Scripts, a_full_recording_loses_its_oldest_events_and_counts_them) {
-    auto world = this->template set_up<bare>();
+    auto world = this->template set_up<only_scripts>();
     Recorder<TypeParam, 3> recorder;
     world.record(&recorder);
     for (int i = 0; i < 8; ++i) {
@@ -173,7 +173,7 @@ TYPED_TEST(Scripts, a_full_recording_loses_its_oldest_events_and_counts_them) {
 }
 
 TYPED_TEST(Scripts, an_event_that_is_written_as_doubles_is_the_same_event) {
-    auto live = this->template set_up<on_a_floor>(), replayed = live;
+    auto live = this->template set_up<scripts_on_a_floor>(), replayed = live;
     Recorder<TypeParam, 256> recorder;
     live.record(&recorder);
     const auto expected = this->run_live(live, 320);
@@ -196,7 +196,7 @@ TYPED_TEST(Scripts, an_event_that_is_written_as_doubles_is_the_same_event) {
 }
 
 TYPED_TEST(Scripts, a_script_starts_at_the_present_step) {
-    auto world = this->template set_up<bare>();
+    auto world = this->template set_up<only_scripts>();
     const Event<TypeParam> events[] = {{.kind = EventKind::velocity, .body = BodyId{0}, .value = {8, 0, 0}, .step = 1},
                                        {.kind = EventKind::velocity, .body = BodyId{0}, .value = {1, 0, 0}, .step = 4},
                                        {.kind = EventKind::velocity, .body = BodyId{0}, .value = {2, 0, 0}, .step = 4}};
@@ -210,7 +210,7 @@ TYPED_TEST(Scripts, a_script_starts_at_the_present_step) {
 }
 
 TYPED_TEST(Scripts, what_no_event_holds_is_misuse_while_a_world_records) {
-    auto world = this->template set_up<on_a_floor>();
+    auto world = this->template set_up<scripts_on_a_floor>();
     Recorder<TypeParam, 4> recorder;
     world.record(&recorder);
     EXPECT_DEATH(world.set_gravity({}), "");
@@ -221,7 +221,8 @@ TYPED_TEST(Scripts, what_no_event_holds_is_misuse_while_a_world_records) {
     world.apply_impulse(BodyId{0}, {1, 0, 0});
     world.set_gravity({});
     EXPECT_EQ(recorder.count(), 0);
-    const Event<TypeParam> unsorted[] = {{.body = BodyId{0}, .step = 2}, {.body = BodyId{0}, .step = 1}}, of_nobody[] = {{.body = BodyId{2}}};
+    const Event<TypeParam> unsorted[] = {{.body = BodyId{0}, .step = 2}, {.body = BodyId{0}, .step = 1}},
+                           of_nobody[] = {{.body = BodyId{2}}};
     EXPECT_DEATH(world.set_script({unsorted, 2}), "");
     EXPECT_DEATH(world.set_script({of_nobody, 1}), "");
 }

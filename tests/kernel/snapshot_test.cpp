@@ -11,17 +11,19 @@ namespace tumble::test {
 namespace {
 
 template <class N, class Method>
-struct Way {
+struct Saved {
     using Numbers = N;
     using Integrator = Method;
 };
-using Ways =
-    testing::Types<Way<Q32<NearRange>, integrators::Verlet>, Way<Q32<NearRange, false>, integrators::Rk4>,
-                   Way<Q32<NearRange>, integrators::Pdmv6>, Way<F32, integrators::Verlet>,
-                   Way<F32Plain, integrators::Rk4>, Way<F64, integrators::Exact>, Way<F64Carried, integrators::Pdmv8>>;
+using SavedWays =
+    testing::Types<Saved<Q32<NearRange>, integrators::Verlet>, Saved<Q32<NearRange, false>, integrators::Rk4>,
+                   Saved<Q32<NearRange>, integrators::Pdmv6>, Saved<F32, integrators::Verlet>,
+                   Saved<F32Plain, integrators::Rk4>, Saved<F64, integrators::Exact>,
+                   Saved<F64Carried, integrators::Pdmv8>>;
 
-constexpr Features with_all = Features{.bodies = 5, .planes = 2, .springs = 2, .near_pairs = 12}.with_everything();
-constexpr Features bare{.control = true, .snapshots = true};
+constexpr Features saved_with_all =
+    Features{.bodies = 5, .planes = 2, .springs = 2, .near_pairs = 12}.with_everything();
+constexpr Features only_saved{.control = true, .snapshots = true};
 
 template <class W>
 class Snapshots : public testing::Test {
@@ -29,7 +31,7 @@ protected:
     using N = typename W::Numbers;
     template <Features features>
     using WorldOf = World<SceneOf<N, typename W::Integrator, features>>;
-    using Full = WorldOf<with_all>;
+    using Full = WorldOf<saved_with_all>;
     using Bytes = std::vector<std::uint8_t>;
 
     // Boxes and balls on a floor and on each other, one of them on a spring.
@@ -56,8 +58,8 @@ protected:
         (void)world.add(tie);
         return world;
     }
-    [[nodiscard]] static WorldOf<bare> small(Real mass = 1) {
-        WorldOf<bare> world{Seconds{1, 256}};
+    [[nodiscard]] static WorldOf<only_saved> small(Real mass = 1) {
+        WorldOf<only_saved> world{Seconds{1, 256}};
         BodySpec body = box(mass, {1, 0.5, 0.25});
         body.angular_velocity = {1, 2, 3};
         (void)world.add(body);
@@ -98,7 +100,7 @@ protected:
         EXPECT_EQ(a.near_pair_count(), b.near_pair_count());
     }
 };
-TYPED_TEST_SUITE(Snapshots, Ways);
+TYPED_TEST_SUITE(Snapshots, SavedWays);
 
 TYPED_TEST(Snapshots, a_world_that_is_restored_goes_on_with_the_same_bits) {
     // In flight, in contact, beginning to sleep.
@@ -185,7 +187,7 @@ TYPED_TEST(Snapshots, that_are_wrong_are_refused_and_change_nothing) {
         refused(wrong, SnapshotFault::other_version);
         refused(this->saved(this->full(3), part), SnapshotFault::other_scene);
         World<SceneOf<std::conditional_t<std::is_same_v<typename TestFixture::N, F64>, F32, F64>, integrators::Verlet,
-                      with_all>>
+                      saved_with_all>>
             others{Seconds{1, 256}};
         refused(this->saved(others, part), SnapshotFault::other_numbers);
         auto longer = bytes;
@@ -209,7 +211,7 @@ TEST(SnapshotBytes, have_the_check_word_of_the_standard_and_the_lowest_byte_firs
     tumble::detail::Crc32 crc;
     for (const char c : std::string("123456789")) crc.add(static_cast<std::uint8_t>(c));
     EXPECT_EQ(crc.value(), 0xcbf43926u);
-    World<SceneOf<F64, integrators::Verlet, bare>> world{Seconds{1, 256}};
+    World<SceneOf<F64, integrators::Verlet, only_saved>> world{Seconds{1, 256}};
     BodySpec body = sphere(1, 1);
     body.position = {1, 0, 0};
     (void)world.add(body);
