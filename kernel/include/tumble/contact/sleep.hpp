@@ -65,10 +65,8 @@ public:
     void put_to_sleep(Bodies& bodies, int b) requires(features.sleep) {
         asleep_[b] = true;
         auto& state = bodies.state[b];
-        for (int i = 0; i < 3; ++i) {
-            state.d_w[i] = {};
-            state.t_b[i] = {};
-        }
+        for (int i = 0; i < 3; ++i) state.d_w[i] = {};
+        bodies.stop_spin(b);
         int kept = 0;
         for (int k = 0; k < awake_count_; ++k)
             if (awake_[k] != b) awake_[kept++] = awake_[k];
