@@ -111,11 +111,12 @@ Table resolution_table() {
             const Real step = Real{1} / Real{n}, half = step * Real::scaled(1, -1);
             const auto scale = N::Scale::of(step, turn_per_spin(Spin::angular_velocity, step));
             const auto smallest = [](Real value) { return short_text(value.to_double(), "%.1e"); };
-            table.lines.push_back({Entry::name, "1/" + std::to_string(n), smallest(last_digit<typename N::Position>()),
-                                   smallest(scale.metres(last_digit<typename N::Drift>()) / step),
-                                   smallest(scale.angle(last_digit<typename N::Turn>()) / half),
-                                   short_text((scale.angle(N::largest_turn) / half).to_double()),
-                                   short_text((scale.metres(N::largest_drift) / step).to_double() / 4)});
+            table.lines.push_back(
+                {Entry::name, "1/" + std::to_string(n), smallest(last_digit<typename N::Position>()),
+                 smallest(scale.metres(last_digit<typename N::Drift>()) / step),
+                 smallest(scale.angle(last_digit<typename N::Turn>()) / half),
+                 short_text((scale.halved(scale.most_halvings).angle(N::largest_turn) / half).to_double()),
+                 short_text((scale.metres(N::largest_drift) / step).to_double() / 4)});
         }
     });
     return table;
@@ -154,9 +155,9 @@ Table near_pairs_table() {
 std::string largest_turn() {
     World<Scene> world{Seconds{1, 1}};
     BodySpec ball = sphere(1, 1);
-    ball.angular_velocity = {1, 0, 0};
+    ball.angular_velocity = {4, 0, 0};
     const auto id = world.add(ball);
-    if (!id || world.step().ok()) throw std::runtime_error{"1 rad in a step is within the numbers"};
+    if (!id || world.step().ok()) throw std::runtime_error{"4 rad in a step are within the numbers"};
     return text("%.3g", world.angular_velocity(*id).x.to_real().to_double());
 }
 

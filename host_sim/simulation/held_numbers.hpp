@@ -22,16 +22,22 @@ template <class N, Spin spin, int capacity, bool points>
     else return rate;
 }
 
-// rad/s about principal axis i; infinite in floating point.
+// rad/s about principal axis i, in a scale of spins; infinite in floating point.
+template <class N, Spin spin, int capacity, bool points>
+[[nodiscard]] double held_spin(const Bodies<N, spin, capacity, points>& bodies, const PrincipalAxes& axes, int b, int i,
+                               typename N::Scale scale) {
+    if constexpr (spin != Spin::none && N::fixed_point) {
+        if (bodies.rotates(b))
+            return spin_of_half_turn(bodies, axes, static_cast<double>(host::number(scale.angle(N::largest_turn))), i);
+    }
+    return std::numeric_limits<double>::infinity();
+}
+// The same in the shortest parts of a step.
 template <class N, Spin spin, int capacity, bool points>
 [[nodiscard]] double held_spin(const Bodies<N, spin, capacity, points>& bodies, const PrincipalAxes& axes, int b,
                                int i) {
-    if constexpr (spin != Spin::none && N::fixed_point) {
-        if (bodies.rotates(b))
-            return spin_of_half_turn(bodies, axes,
-                                     static_cast<double>(host::number(bodies.scale.angle(N::largest_turn))), i);
-    }
-    return std::numeric_limits<double>::infinity();
+    if constexpr (N::fixed_point) return held_spin(bodies, axes, b, i, bodies.scale.halved(bodies.scale.most_halvings));
+    else return held_spin(bodies, axes, b, i, bodies.scale);
 }
 
 // The number at its limit, of a body that has just left the range. None if a number is not finite.
@@ -57,9 +63,10 @@ template <class N, Spin spin, int capacity, bool points>
         double spin_change = 0;
         if constexpr (spin != Spin::none)
             if (bodies.rotates(b))
-                spin_change = std::min({held_spin(bodies, axes, b, 0), held_spin(bodies, axes, b, 1),
-                                        held_spin(bodies, axes, b, 2)}) /
-                              4;
+                spin_change =
+                    std::min({held_spin(bodies, axes, b, 0, bodies.scale), held_spin(bodies, axes, b, 1, bodies.scale),
+                              held_spin(bodies, axes, b, 2, bodies.scale)}) /
+                    4;
         return HeldNumber{"change of velocity in a step", velocity / 4, "m/s", false, spin_change};
     } else {
         if constexpr (spin != Spin::none) {

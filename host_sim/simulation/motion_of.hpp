@@ -35,7 +35,8 @@ template <class N, Spin spin, int capacity, bool points>
     if (!bodies.rotates(body)) return w;
     if constexpr (spin != Spin::none) {
         const auto& turn = bodies.state[body].t_b;
-        const reference::Number unit = number(bodies.scale.angle(Real{1})), step = number(bodies.step_length);
+        const reference::Number unit = number(bodies.spin_scale(body).angle(Real{1})),
+                                step = number(bodies.step_length);
         for (int i = 0; i < 3; ++i) {
             w[i] = number(turn[i]) * unit * 2 / step;
             if constexpr (spin == Spin::angular_momentum) w[i] *= axes.moments.y / axes.moments[i];

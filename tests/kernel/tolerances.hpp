@@ -102,6 +102,13 @@ inline constexpr Tolerance start{"start"}, reported{"reported"}, impulse{"impuls
 // rounded before they are summed. Without carry it adds up.
 inline constexpr Tolerance flight_rounding{"flight_rounding"}, coasting{"coasting"}, same_flight{"same_flight"},
     there_and_back{"there_and_back"}, momentum_norm{"momentum_norm"};
+// Spins of up to 100 rad/s at 1/60 s: rounding of the orientation, a rad/s, and of the spin, relative. A spin in parts
+// of a step against one in steps of that length, which have other dithers: a rad/s, relative, and in m and m/s, where a
+// part of a step is a fraction of 31 bits.
+inline constexpr Tolerance fast_turn{"fast_turn"}, fast_spin{"fast_spin"}, parts_turn{"parts_turn"},
+    parts_spin{"parts_spin"}, parts_drift{"parts_drift"};
+// m/s, of a ball that slid until it rolled: a step of friction begins and ends with a whole step.
+inline constexpr Tolerance rolling{"rolling"};
 // q32: each step finds its implicit stage to within three units of 2^-34 of a half turn.
 inline constexpr Tolerance oracle{"oracle"};
 inline constexpr Tolerance loaded_flight{"loaded_flight"}, pair_momentum{"pair_momentum"};

@@ -81,9 +81,15 @@ public:
     void spins_changed(const BodyGroup& group) {
         for (int k = 0; k < group.count; ++k) spin_changed(group.id[k]);
     }
-    TUMBLE_INLINE void check_range(int b) { bodies.check_range(b, most_turn); }
+    TUMBLE_INLINE void check_range(int b) {
+        if (bodies.check_range(b, most_turn)) [[unlikely]]
+            spin_changed(b);
+    }
     void check_range(const BodyGroup& group) {
-        for (int k = 0; k < group.count; ++k) check_range(group.id[k]);
+        for (int k = 0; k < group.count; ++k) {
+            check_range(group.id[k]);
+            settle(group.id[k]);
+        }
     }
 
     // Change of drift by gravity in a step.
@@ -92,14 +98,14 @@ public:
     // A step of a body that feels gravity alone.
     TUMBLE_INLINE void free_body(int b, const StepInfo<N>& info) {
         if (bodies.constants[b].fixed) return step_fixed(b, info);
-        unloaded(b, info, gravity_);
+        unloaded<true>(b, info, gravity_);
         check_range(b);
     }
     // A step of a fixed body, which may turn where there are turntables.
     TUMBLE_INLINE void step_fixed([[maybe_unused]] int b, [[maybe_unused]] const StepInfo<N>& info) {
         if constexpr (features.turntables && rotation)
             if (bodies.is_turning(b)) {
-                rotate(b, info);
+                rotate<true>(b, info);
                 check_range(b);
             }
     }
@@ -110,47 +116,15 @@ public:
     }
     // A portion of a step, of bodies that are not fixed. It does not check their range.
     void portion(const BodyGroup& group, const StepInfo<N>& info, const Portion& portion) {
+        if constexpr (has_loads && Bodies::has_parts) {
+            if (const int halvings = halvings_under_loads(group); halvings > 0) [[unlikely]]
+                return portion_in_parts(group, info, portion.length, halvings);
+        }
         if (portion.whole) {
             over(group, info, gravity_, Work(1));
             return;
         }
-        // With the portion as the unit of time, drift and spin shrink with it, and accelerations with its square. Then
-        // the same code steps over the portion. Only the changes are scaled back, so that a drift that loads do not
-        // change stays exact.
-        const auto part = N::fraction(portion.length);
-        const Work inverse = Work(1) / portion.length;
-        StateCopies<State, features.bodies> whole, scaled;
-        for (int k = 0; k < group.count; ++k) {
-            State& s = bodies.state[group.id[k]];
-            whole.keep(k, s);
-            for (int i = 0; i < 3; ++i) {
-                N::add(s.d_w[i], N::part(N::sum(s.d_w[i]), part) - N::sum(s.d_w[i]));
-                if constexpr (rotation) s.t_b[i].add(N::part(N::sum(s.t_b[i]), part) - N::sum(s.t_b[i]));
-            }
-            scaled.keep(k, s);
-        }
-        spins_changed(group);
-
-        DriftSum fall[3];
-        for (int i = 0; i < 3; ++i) fall[i] = N::part(N::part(gravity_[i], part), part);
-        if constexpr (has_wrenches) over(group, info, fall, portion.length, part);
-        else over(group, info, fall, portion.length);
-
-        for (int k = 0; k < group.count; ++k) {
-            State& s = bodies.state[group.id[k]];
-            for (int i = 0; i < 3; ++i) {
-                const Work linear = N::metres(N::sum(s.d_w[i]) - N::sum(scaled[k].d_w[i]), bodies.scale) * inverse;
-                s.d_w[i] = whole[k].d_w[i];
-                N::add(s.d_w[i], N::drift_sum(linear, bodies.scale));
-                if constexpr (rotation) {
-                    const Work angular =
-                        N::half_turn(N::sum(s.t_b[i]) - N::sum(scaled[k].t_b[i]), bodies.scale) * inverse;
-                    s.t_b[i] = whole[k].t_b[i];
-                    s.t_b[i].add(N::turn_sum(angular, bodies.scale));
-                }
-            }
-        }
-        spins_changed(group);
+        part_of_step(group, info, portion.length);
     }
 
     // True of a body that feels anything but gravity in this step, at stages or as a constant change.
@@ -179,6 +153,93 @@ public:
     }
 
 private:
+    // A part of a step, with the part as the unit of time. Drift and spin shrink with it, and accelerations with its
+    // square. Then the same code steps over the part. Only the changes are scaled back, so that a drift that loads do
+    // not change stays exact. The spin is already in half turns of 2^-halvings of the step.
+    void part_of_step(const BodyGroup& group, const StepInfo<N>& info, Work length, int halvings = 0) {
+        const auto part = N::fraction(length);
+        const Work inverse = Work(1) / length;
+        const Work spin_length = N::times_power_of_two(length, halvings),
+                   spin_inverse = N::times_power_of_two(inverse, -halvings);
+        const bool spin_shrinks = halvings == 0 || spin_length < Work(1);
+        StateCopies<State, features.bodies> whole, scaled;
+        [[maybe_unused]] std::int8_t before[features.bodies]{};
+        for (int k = 0; k < group.count; ++k) {
+            const int b = group.id[k];
+            State& s = bodies.state[b];
+            whole.keep(k, s);
+            before[k] = static_cast<std::int8_t>(bodies.halvings_of(b));
+            for (int i = 0; i < 3; ++i) {
+                N::add(s.d_w[i], N::part(N::sum(s.d_w[i]), part) - N::sum(s.d_w[i]));
+                if constexpr (rotation)
+                    if (spin_shrinks)
+                        s.t_b[i].add(N::part(N::sum(s.t_b[i]), N::fraction(spin_length)) - N::sum(s.t_b[i]));
+            }
+            scaled.keep(k, s);
+        }
+        spins_changed(group);
+
+        DriftSum fall[3];
+        for (int i = 0; i < 3; ++i) fall[i] = N::part(N::part(gravity_[i], part), part);
+        if constexpr (has_wrenches) over(group, info, fall, length, part);
+        else over(group, info, fall, length);
+
+        for (int k = 0; k < group.count; ++k) {
+            const int b = group.id[k];
+            State& s = bodies.state[b];
+            if constexpr (Bodies::has_parts) {
+                for (int h = before[k]; h < bodies.halvings_of(b); ++h) {
+                    N::halve(whole.first()[k].t_b);
+                    N::halve(scaled.first()[k].t_b);
+                }
+            }
+            for (int i = 0; i < 3; ++i) {
+                const Work linear = N::metres(N::sum(s.d_w[i]) - N::sum(scaled[k].d_w[i]), bodies.scale) * inverse;
+                s.d_w[i] = whole[k].d_w[i];
+                N::add(s.d_w[i], N::drift_sum(linear, bodies.scale));
+                if constexpr (rotation) {
+                    const Work angular =
+                        N::half_turn(N::sum(s.t_b[i]) - N::sum(scaled[k].t_b[i]), bodies.scale) * spin_inverse;
+                    s.t_b[i] = whole[k].t_b[i];
+                    s.t_b[i].add(N::turn_sum(angular, bodies.scale));
+                }
+            }
+        }
+        spins_changed(group);
+    }
+    // The most halvings of a spin in a group in which loads act on a body with such a spin, else 0.
+    [[nodiscard]] int halvings_under_loads(const BodyGroup& group) const requires(has_loads&& Bodies::has_parts) {
+        int most = 0;
+        bool loaded = false;
+        for (int k = 0; k < group.count; ++k) {
+            const int b = group.id[k];
+            if (bodies.parts.halvings[b] == 0) continue;
+            loaded = loaded || is_loaded(b);
+            if (bodies.parts.halvings[b] > most) most = bodies.parts.halvings[b];
+        }
+        return loaded ? most : 0;
+    }
+    // A portion of a step of bodies under loads, in 2^halvings parts: in each of them the spins have their usual scale.
+    [[gnu::noinline]] void portion_in_parts(const BodyGroup& group, const StepInfo<N>& info, Work length,
+                                            int halvings) requires(has_loads&& Bodies::has_parts) {
+        for (int part = 0; part < 1 << halvings; ++part) {
+            for (int k = 0; k < group.count; ++k) {
+                const int b = group.id[k];
+                for (; bodies.parts.halvings[b] < halvings; ++bodies.parts.halvings[b]) N::halve(bodies.state[b].t_b);
+                bodies.parts.halvings[b] = 0;
+            }
+            part_of_step(group, info, N::times_power_of_two(length, -halvings), halvings);
+            int most = halvings;
+            for (int k = 0; k < group.count; ++k) {
+                const int b = group.id[k];
+                bodies.parts.halvings[b] = static_cast<std::int8_t>(bodies.parts.halvings[b] + halvings);
+                (void)bodies.check_range(b);
+                if (bodies.parts.halvings[b] > most) most = bodies.parts.halvings[b];
+            }
+            for (; halvings < most; ++halvings) part = 2 * part + 1;
+        }
+    }
+
     using Inertia = typename Integrator::template Inertia<N>;
     // No bounds for a method that does not name its own.
     static constexpr StepBounds step_bounds = [] {
@@ -210,13 +271,60 @@ private:
         axis(s.x_w.y, s.d_w.y, fall[1]);
         axis(s.x_w.z, s.d_w.z, fall[2]);
     }
+    // Free rotation, in as many parts as the spin has halvings.
+    template <bool ends_step = false>
     TUMBLE_INLINE void rotate([[maybe_unused]] int b, [[maybe_unused]] const StepInfo<N>& info) {
         if constexpr (rotation) {
             if (!bodies.rotates(b)) return;
-            const auto run = [&] { return Integrator::template rotate<N>(bodies.state[b], inertia_[b], info); };
-            if constexpr (std::is_void_v<decltype(run())>) run();
-            else if (!run()) bodies.report(Issue::step_bound_hit, b);
+            if constexpr (Bodies::has_parts) {
+                for (;;) {
+                    rotate_once(b, info);
+                    if (bodies.parts.halvings[b] == 0) [[likely]]
+                        return;
+                    if (!has_part_left(b, ends_step)) return;
+                }
+            } else {
+                rotate_once(b, info);
+            }
         }
+    }
+    TUMBLE_INLINE void rotate_once(int b, const StepInfo<N>& info) requires(rotation) {
+        const auto run = [&] { return Integrator::template rotate<N>(bodies.state[b], inertia_[b], info); };
+        if constexpr (std::is_void_v<decltype(run())>) {
+            run();
+        } else if constexpr (std::is_same_v<decltype(run()), Turned>) {
+            const Turned turned = run();
+            if (turned == Turned::not_converged) bodies.report(Issue::step_bound_hit, b);
+            if constexpr (Bodies::has_parts)
+                if (turned == Turned::too_far) [[unlikely]]
+                    turn_less(b);
+        } else {
+            if (!run()) bodies.report(Issue::step_bound_hit, b);
+        }
+    }
+    // The part that a method could not follow is done again in two, if there may be more parts.
+    [[gnu::noinline, gnu::cold]] void turn_less(int b) requires(Bodies::has_parts) {
+        if (bodies.repeat_part(b)) spin_changed(b);
+        else N::leave_range(bodies.state[b].t_b.z);
+    }
+    // Counts a part. The spin may have left its range in it.
+    [[gnu::noinline]] bool has_part_left(int b, bool ends_step) requires(Bodies::has_parts) {
+        const int before = bodies.halvings_of(b);
+        const bool left = bodies.end_part(b);
+        if (bodies.halvings_of(b) != before) spin_changed(b);
+        if (!left && ends_step) settle(b);
+        return left;
+    }
+    // Gives a spin that has become slow longer parts again. At the end of a step.
+    TUMBLE_INLINE void settle([[maybe_unused]] int b) {
+        if constexpr (Bodies::has_parts)
+            if (bodies.parts.halvings[b] != 0) [[unlikely]]
+                settle_parts(b);
+    }
+    [[gnu::noinline, gnu::cold]] void settle_parts(int b) requires(Bodies::has_parts) {
+        int z_room = 0;
+        if constexpr (requires { inertia_[b].z_room(); }) z_room = inertia_[b].z_room();
+        if (bodies.settle_parts(b, z_room)) spin_changed(b);
     }
 
     // Moves the bodies over a part of a step of this length, in steps. State and `fall` have it as the unit of time.
@@ -237,12 +345,17 @@ private:
             for (int k = 0; k < group.count; ++k) unloaded(group.id[k], info, fall, part...);
         }
     }
-    template <class... Part>
+    template <bool ends_step = false, class... Part>
     TUMBLE_INLINE void unloaded(int b, const StepInfo<N>& info, const DriftSum (&fall)[3], const Part&... part) {
-        if constexpr (has_wrenches)
-            if (wrenches.act_on(b)) return driven(b, info, fall, part...);
+        if constexpr (has_wrenches) {
+            if (wrenches.act_on(b)) {
+                driven(b, info, fall, part...);
+                if constexpr (ends_step) settle(b);
+                return;
+            }
+        }
         // The centre of mass comes last, so that the check has its numbers in registers.
-        rotate(b, info);
+        rotate<ends_step>(b, info);
         coast(b, fall);
     }
     // Half of a wrench's change of the spin, a free rotation, and the other half: order 2. Its change of the drift is
@@ -272,7 +385,10 @@ private:
     void half_turn_by_wrenches(int b, const Part&... part) requires(has_wrenches&& rotation) {
         const TurnSum(&change)[3] = wrenches.kick(b).angular;
         if (change[0] == TurnSum{} && change[1] == TurnSum{} && change[2] == TurnSum{}) return;
-        for (int i = 0; i < 3; ++i) bodies.state[b].t_b[i].add(N::half(over_part(change[i], part...)));
+        const int halvings = bodies.halvings_of(b);
+        for (int i = 0; i < 3; ++i)
+            bodies.state[b].t_b[i].add(N::halved(N::half(over_part(change[i], part...)), halvings));
+        bodies.fit_parts(b);
         spin_changed(b);
     }
     // Of bodies that loads act on too.
@@ -308,6 +424,9 @@ private:
         }
         if (!Integrator::template advance<N, capacity>(group, evaluate, info))
             bodies.report(Issue::step_bound_hit, ids.id[0]);
+        if constexpr (Bodies::has_parts)
+            if (group.too_fast >= 0) [[unlikely]]
+                bodies.report(Issue::range_left, ids.id[group.too_fast]);
         spins_changed(ids);
     }
 

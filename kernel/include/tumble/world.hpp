@@ -421,7 +421,10 @@ private:
     // Keeps the motion of a body, for imu().
     void remember(int b) requires has_imu {
         before_[b].d_w = advance_.bodies.state[b].d_w;
-        if constexpr (features.rotation) before_[b].t_b = advance_.bodies.state[b].t_b;
+        if constexpr (features.rotation) {
+            before_[b].t_b = advance_.bodies.state[b].t_b;
+            before_[b].halvings = static_cast<std::int8_t>(advance_.bodies.halvings_of(b));
+        }
     }
 
     [[nodiscard]] TUMBLE_INLINE int place_of(BodyId id) const {
@@ -509,6 +512,8 @@ private:
         auto& bodies = self.advance_.bodies;
         to(bodies.steps_taken);
         for (int b = 0; b < bodies.count; ++b) to(bodies.state[b]);
+        if constexpr (Bodies::has_parts)
+            for (int b = 0; b < bodies.count; ++b) to(bodies.parts.halvings[b]);
         if (part == SnapshotPart::bodies) return;
         Advance::archive(self.advance_, to);
         auto& status = bodies.status;
@@ -710,20 +715,60 @@ private:
             Kick<N>& kick = contacts_.kick(b);
             kick = {};
             for (int i = 0; i < 3; ++i) kick.linear[i] = whole[i];
-            if (advance_.is_loaded(b)) loaded.add(b);
-            else if constexpr (Advance::has_wrenches) advance_.add_wrenches(b, kick);
+            if (advance_.is_loaded(b)) {
+                loaded.add(b);
+            } else if constexpr (Advance::has_wrenches) {
+                advance_.add_wrenches(b, kick);
+                contacts_.rescale_kick(b, advance_.bodies.halvings_of(b));
+            }
         }
         if constexpr (has_loads) {
             if (loaded.count == 0) return;
             StageState<N> stages[features.bodies];
             Kick<N> kicks[features.bodies];
             for (int k = 0; k < loaded.count; ++k) stages[k] = stage_of(advance_.bodies.state[loaded.id[k]]);
-            advance_.loads.evaluation(advance_.bodies, loaded, Work(1), whole)(stages, kicks);
+            if (!foresee_in_parts(loaded, stages, kicks))
+                advance_.loads.evaluation(advance_.bodies, loaded, Work(1), whole)(stages, kicks);
             for (int k = 0; k < loaded.count; ++k) {
                 contacts_.kick(loaded.id[k]) = kicks[k];
                 if constexpr (Advance::has_wrenches) advance_.add_wrenches(loaded.id[k], contacts_.kick(loaded.id[k]));
+                contacts_.rescale_kick(loaded.id[k], advance_.bodies.halvings_of(loaded.id[k]));
             }
         }
+    }
+
+    // Where a spin has halvings, the loads act over the shortest part. The kicks are then those over the whole step
+    // again. False where none has.
+    template <class Stage, class Kick>
+    bool foresee_in_parts([[maybe_unused]] const BodyGroup& loaded, [[maybe_unused]] Stage* stages,
+                          [[maybe_unused]] Kick* kicks) requires has_loads {
+        if constexpr (Advance::Bodies::has_parts) {
+            auto& bodies = advance_.bodies;
+            int most = 0;
+            for (int k = 0; k < loaded.count; ++k)
+                if (bodies.parts.halvings[loaded.id[k]] > most) most = bodies.parts.halvings[loaded.id[k]];
+            if (most == 0) [[likely]]
+                return false;
+            typename N::DriftSum fall[3];
+            for (int i = 0; i < 3; ++i) {
+                fall[i] = {advance_.whole_fall(i).raw >> 2 * most};
+                for (int k = 0; k < loaded.count; ++k) {
+                    stages[k].d_w[i].raw >>= most;
+                    stages[k].t_b[i].raw >>= most - bodies.parts.halvings[loaded.id[k]];
+                }
+            }
+            advance_.loads.evaluation(bodies, loaded, N::times_power_of_two(Work(1), -most), fall)(stages, kicks);
+            const auto of_step = [&](Work change) { return N::times_power_of_two(change, 2 * most); };
+            for (int k = 0; k < loaded.count; ++k) {
+                for (int i = 0; i < 3; ++i) {
+                    auto& [linear, angular] = kicks[k];
+                    linear[i] = N::drift_sum(of_step(N::metres(linear[i], bodies.scale)), bodies.scale);
+                    angular[i] = N::turn_sum(of_step(N::half_turn(angular[i], bodies.scale)), bodies.scale);
+                }
+            }
+            return true;
+        }
+        return false;
     }
 
     [[no_unique_address]] Advance advance_;

@@ -25,6 +25,15 @@ struct RoomFor<T, 0> {
     };
 };
 
+// The parts of a step in which bodies rotate. Nothing where each spin has the same scale.
+template <int capacity>
+struct StepParts {
+    std::int8_t halvings[capacity]{};  // of the step, of each body
+    std::int8_t done = 0;              // parts of the present rotation; 0 between rotations
+};
+template <>
+struct StepParts<0> {};
+
 }  // namespace detail
 
 // Bodies that a step advances together, because loads couple them. A body alone is a group too.
@@ -126,6 +135,7 @@ public:
     using Units = SpinUnits<N, spin>;
     using Constants = BodyConstants<N, spin, points>;
     static constexpr bool rotation = spin != Spin::none, has_points = points;
+    static constexpr bool has_parts = rotation && N::fixed_point && capacity > 0;
     static constexpr int room = capacity;
 
     explicit Bodies(Seconds step)
@@ -157,6 +167,7 @@ public:
     void remove(int b) {
         state[b] = {};
         constants[b] = {};
+        if constexpr (has_parts) parts.halvings[b] = 0;
     }
     // False of a point mass.
     [[nodiscard]] TUMBLE_INLINE bool rotates([[maybe_unused]] int b) const {
@@ -190,25 +201,94 @@ public:
 
     // Adds a momentum (world, N s) and an angular momentum (principal axes, N m s) to the state.
     void push(int b, const WorkVec3<N>& linear_w, const WorkVec3<N>& angular_b) requires(rotation) {
-        for (int i = 0; i < 3; ++i) {
-            N::add_any(state[b].d_w[i], linear_w[i] * constants[b].drift_per_impulse, scale);
-            N::add_any(state[b].t_b[i], angular_b[i] * constants[b].units.per_impulse(i), scale);
-        }
+        push(b, linear_w);
+        change_spin(b, [&](auto& t_b, typename N::Scale unit) {
+            for (int i = 0; i < 3; ++i) N::add_any(t_b[i], angular_b[i] * constants[b].units.per_impulse(i), unit);
+        });
     }
     // The same for a point mass.
     void push(int b, const WorkVec3<N>& linear_w) {
         for (int i = 0; i < 3; ++i) N::add_any(state[b].d_w[i], linear_w[i] * constants[b].drift_per_impulse, scale);
     }
 
-    // Reports range_left if the body left its range. most_turn: the longest half turn in a step that the method follows
-    // in floating point, rad; 0: any.
-    TUMBLE_INLINE void check_range(int b, double most_turn = 0) {
-        if (N::out_of_range(state[b], most_turn)) [[unlikely]]
-            leave_range(b);
+    // A spin beyond the format is held in half turns of 2^-halvings of the step, and the rotation of a step has as many
+    // parts. The scale of the body's spin:
+    [[nodiscard]] TUMBLE_INLINE int halvings_of([[maybe_unused]] int b) const {
+        if constexpr (has_parts) return parts.halvings[b];
+        else return 0;
     }
-    [[gnu::noinline]] void leave_range(int b) {
+    [[nodiscard]] TUMBLE_INLINE typename N::Scale spin_scale([[maybe_unused]] int b) const {
+        if constexpr (has_parts) return scale.halved(parts.halvings[b]);
+        else return scale;
+    }
+    // Halves the parts; false where they are as short as the range needs.
+    [[gnu::noinline, gnu::cold]] bool halve_parts(int b) requires(has_parts) {
+        if (parts.halvings[b] >= scale.most_halvings) return false;
+        ++parts.halvings[b];
+        N::halve(state[b].t_b);
+        return true;
+    }
+    // Halves the parts until the spin is in its range. Returns whether it did.
+    TUMBLE_INLINE bool fit_parts([[maybe_unused]] int b) {
+        bool halved = false;
+        if constexpr (has_parts)
+            while (N::spins_out_of_range(state[b]) && halve_parts(b)) halved = true;
+        return halved;
+    }
+    // Ends a part of a rotation; a spin that has left its range in it has shorter parts from here on. False after the
+    // last one. Below: halves the present part, which has not been done; false where it is as short as the range needs.
+    bool end_part(int b) requires(has_parts) {
+        int done = parts.done + 1;
+        for (; N::spins_out_of_range(state[b]) && halve_parts(b);) done *= 2;
+        (void)check_range(b);  // a later part may bring the spin back
+        const bool left = done < 1 << parts.halvings[b];
+        parts.done = static_cast<std::int8_t>(left ? done : 0);
+        return left;
+    }
+    bool repeat_part(int b) requires(has_parts) {
+        if (!halve_parts(b)) return false;
+        parts.done = static_cast<std::int8_t>(2 * parts.done - 1);  // the end of this part is counted nevertheless
+        return true;
+    }
+    // Doubles the parts of a body that has become slow. z_up: the rotation needs room for the spin about z times
+    // 2^z_up. Returns whether it did.
+    [[gnu::noinline, gnu::cold]] bool settle_parts(int b, int z_up) requires(has_parts) {
+        const int before = parts.halvings[b];
+        for (; parts.halvings[b] > 0 && N::is_slow(state[b].t_b, z_up); --parts.halvings[b]) N::twice(state[b].t_b);
+        return parts.halvings[b] != before;
+    }
+    void stop_spin(int b) requires(rotation) {
+        state[b].t_b = {};
+        if constexpr (has_parts) parts.halvings[b] = 0;
+    }
+    // Calls change(spin, its scale) for the spin of the body, and again in shorter parts where it would leave its
+    // range.
+    template <class F>
+    void change_spin(int b, F&& change) requires(rotation) {
+        if constexpr (has_parts) {
+            auto changed = state[b];
+            while (change(changed.t_b, spin_scale(b)), N::spins_out_of_range(changed) && halve_parts(b))
+                changed.t_b = state[b].t_b;
+            state[b].t_b = changed.t_b;
+        } else {
+            change(state[b].t_b, scale);
+        }
+    }
+
+    // Reports range_left if the body left its range. most_turn: the longest half turn in a step that the method follows
+    // in floating point, rad; 0: any. Returns whether the spin has another scale from here on.
+    TUMBLE_INLINE bool check_range(int b, double most_turn = 0) {
+        if (N::out_of_range(state[b], most_turn)) [[unlikely]]
+            return leave_range(b);
+        return false;
+    }
+    [[gnu::noinline]] bool leave_range(int b) {
+        const bool halved = fit_parts(b);
+        if constexpr (has_parts)
+            if (!N::out_of_range(state[b], 0)) return halved;
         N::saturate(state[b]);
         report(Issue::range_left, b);
+        return halved;
     }
     // True of a fixed body that spins.
     [[nodiscard]] bool is_turning(int b) const requires(rotation) {
@@ -221,7 +301,10 @@ public:
     [[nodiscard]] Work steps_per_second() const { return N::template constant<Work>(Real{1} / step_length); }
     [[nodiscard]] std::uint64_t hash() const {
         Hash h;
-        for (int b = 0; b < count; ++b) h.add(state[b], rotates(b));
+        for (int b = 0; b < count; ++b) {
+            h.add(state[b], rotates(b));
+            if (halvings_of(b) > 0) h.add(static_cast<std::uint32_t>(halvings_of(b)));
+        }
         return h.value();
     }
 
@@ -238,7 +321,7 @@ public:
     }
     // The angle turned in a step about principal axis i, rad.
     [[nodiscard]] Work turn(int b, int i) const requires(rotation) {
-        return N::half_turn(N::sum(state[b].t_b[i]), scale) * constants[b].units.rate(i, Work(1));
+        return N::half_turn(N::sum(state[b].t_b[i]), spin_scale(b)) * constants[b].units.rate(i, Work(1));
     }
     [[nodiscard]] WorkVec3<N> angular_velocity([[maybe_unused]] int b) const {
         if constexpr (rotation) {
@@ -246,7 +329,7 @@ public:
                 const Work rate = steps_per_second();
                 WorkVec3<N> w;
                 for (int i = 0; i < 3; ++i)
-                    w[i] = N::half_turn(state[b].t_b[i].value(), scale) * constants[b].units.rate(i, rate);
+                    w[i] = N::half_turn(state[b].t_b[i].value(), spin_scale(b)) * constants[b].units.rate(i, rate);
                 return rotate(work_quaternion<N>(constants[b].principal), w);
             }
         }
@@ -271,6 +354,7 @@ public:
     std::uint32_t steps_taken = 0;  // modulo 2^32
     std::int16_t count = 0;         // of places up to the last that has had a body
     typename N::Scale scale;
+    [[no_unique_address]] detail::StepParts<has_parts ? capacity : 0> parts{};
 
 private:
     void set_rotation(int b, const BodySpec& spec, const PrincipalInertia& inertia) requires(rotation) {
@@ -291,8 +375,15 @@ private:
         s.q_wb.y = N::IntegratedUnit::from(q.v.y);
         s.q_wb.z = N::IntegratedUnit::from(q.v.z);
         const RealVec3 w = inertia.principal.conjugate().rotate(spec.angular_velocity);
-        for (int i = 0; i < 3; ++i)
-            assign(s.t_b[i], scale.turn_units(Units::turn_of(inertia.moments, w[i], i, step_length)));
+        do {
+            for (int i = 0; i < 3; ++i)
+                assign(s.t_b[i], spin_scale(b).turn_units(Units::turn_of(inertia.moments, w[i], i, step_length)));
+        } while (starts_too_fast(b));
+    }
+    // Halves the parts of a spin that leaves its range.
+    [[nodiscard]] bool starts_too_fast([[maybe_unused]] int b) requires(rotation) {
+        if constexpr (has_parts) return N::spins_out_of_range(state[b]) && halve_parts(b);
+        else return false;
     }
     template <class Number>
     static void assign(Number& number, Real value) {

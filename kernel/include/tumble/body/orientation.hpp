@@ -6,6 +6,10 @@
 
 namespace tumble {
 
+// What a step of a free rotation has done. too_far: nothing, because the body turns further in the step than the
+// formats of fixed point follow.
+enum class Turned : std::uint8_t { done, not_converged, too_far };
+
 // A rotation less the identity: the quaternion (1 + w, v). w is computed as minus 2 sin^2, so it stays accurate.
 template <class N>
 struct Delta {

@@ -94,12 +94,22 @@ private:
         island.first_pair = contacts_.list(islands_, island.root);
     }
 
-    using Saved = StateCopies<State, features.bodies>;
+    struct Saved {
+        StateCopies<State, features.bodies> state;
+        [[no_unique_address]]
+        typename detail::RoomFor<std::int8_t, Bodies::has_parts ? features.bodies : 0>::Array halvings;
+    };
     void save(const BodyGroup& group, Saved& saved) const {
-        for (int k = 0; k < group.count; ++k) saved.keep(k, bodies_.state[group.id[k]]);
+        for (int k = 0; k < group.count; ++k) {
+            saved.state.keep(k, bodies_.state[group.id[k]]);
+            if constexpr (Bodies::has_parts) saved.halvings[k] = bodies_.parts.halvings[group.id[k]];
+        }
     }
     void restore(const BodyGroup& group, const Saved& saved) {
-        for (int k = 0; k < group.count; ++k) bodies_.state[group.id[k]] = saved[k];
+        for (int k = 0; k < group.count; ++k) {
+            bodies_.state[group.id[k]] = saved.state[k];
+            if constexpr (Bodies::has_parts) bodies_.parts.halvings[group.id[k]] = saved.halvings[k];
+        }
     }
 
     // A flight of an island from `start`, under the contact forces in kick(), which are for `span` of the step.
@@ -113,6 +123,12 @@ private:
     void fly(const Flight& flight, Work length, bool restart) {
         const BodyGroup& group = flight.island.group;
         if (restart) {
+            if constexpr (Bodies::has_parts) {
+                if (flight.pressed && flyer_.coasting != Coasting::end)
+                    for (int k = 0; k < group.count; ++k)
+                        contacts_.rescale_kick(group.id[k],
+                                               flight.start.halvings[k] - bodies_.parts.halvings[group.id[k]]);
+            }
             restore(group, flight.start);
             flyer_.spins_changed(flyer_.world, group);
         }
@@ -121,11 +137,15 @@ private:
         // Contact forces act as gravity does in the method: before the drift, after it, or half before and half after.
         if (flight.pressed && flyer_.coasting != Coasting::start) push(group, part, all, false);
         flyer_.fly(flyer_.world, group, {flight.whole && all, length});
-        if (flight.pressed && flyer_.coasting != Coasting::end) push(group, part, all, true);
+        if (flight.pressed && flyer_.coasting != Coasting::end) push(group, part, all, true, &flight.start);
     }
-    void push(const BodyGroup& group, Work part, bool all, bool second) {
+    // `start`: where the kicks still have the scale that the spins had at the start of the flight. They get that of
+    // now.
+    void push(const BodyGroup& group, Work part, bool all, bool second, const Saved* start = nullptr) {
         for (int k = 0; k < group.count; ++k) {
             const int b = group.id[k];
+            if constexpr (Bodies::has_parts)
+                if (start != nullptr) contacts_.rescale_kick(b, bodies_.parts.halvings[b] - start->halvings[k]);
             const Kick<N>& kick = contacts_.kick(b);
             const auto share = [&](auto sum) {
                 if (!all) sum = N::part(sum, N::fraction(part));
@@ -136,6 +156,7 @@ private:
                 N::add(bodies_.state[b].d_w[i], share(kick.linear[i]));
                 bodies_.state[b].t_b[i].add(share(kick.angular[i]));
             }
+            if (!second) (void)bodies_.fit_parts(b);
         }
         flyer_.spins_changed(flyer_.world, group);
     }

@@ -76,10 +76,8 @@ public:
     void put_to_sleep(Bodies& bodies, int b) requires(features.sleep) {
         asleep_[b] = true;
         auto& state = bodies.state[b];
-        for (int i = 0; i < 3; ++i) {
-            state.d_w[i] = {};
-            state.t_b[i] = {};
-        }
+        for (int i = 0; i < 3; ++i) state.d_w[i] = {};
+        bodies.stop_spin(b);
         remove_from_list(b);
     }
 

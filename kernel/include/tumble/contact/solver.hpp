@@ -35,8 +35,14 @@ public:
         for (int k = 0; k < group.count; ++k) touching_[group.id[k]] = 0;
     }
 
-    // Before press(): the expected change of motion by loads over the whole step. After press(): that by contacts.
+    // Before press(): the expected change of motion by loads over the whole step. After press(): that by contacts. The
+    // spin's part has the scale of the body's spin.
     [[nodiscard]] Kick<N>& kick(int b) { return kick_[b]; }
+    // Converts the kick to a scale with more halvings, or fewer.
+    TUMBLE_INLINE void rescale_kick(int b, int halvings) {
+        if (halvings != 0) [[unlikely]]
+            halve_kick(b, halvings);
+    }
 
     // Solves for the contact forces over a part of the step, so that no touching point approaches at its end. Writes
     // them into kick(), as changes of motion in that part. A point strikes if it is below the surface and approaches
@@ -96,7 +102,7 @@ public:
                     speeds_.sum(motion_[b].linear[i] - loaded_[b].linear[i], C::drift_bits(bodies.scale),
                                 shape.per_root_mass, within));
                 kick.angular[i] = C::template as<typename N::TurnSum>(
-                    speeds_.sum(motion_[b].angular[i] - loaded_[b].angular[i], C::turn_bits(bodies.scale),
+                    speeds_.sum(motion_[b].angular[i] - loaded_[b].angular[i], C::turn_bits(bodies.spin_scale(b)),
                                 shape.per_weight[i], within));
             }
             if (!within) [[unlikely]]
@@ -162,11 +168,17 @@ public:
             const int b = island.group.id[k];
             const CollisionShape<N>& shape = shape_[b];
             for (int i = 0; i < 3; ++i) {
-                const Speed linear = motion_[b].linear[i] - start_[b].linear[i],
-                            angular = motion_[b].angular[i] - start_[b].angular[i];
+                const Speed linear = motion_[b].linear[i] - start_[b].linear[i];
                 N::add_any(bodies.state[b].d_w[i], speeds_.work(linear) * shape.per_root_mass, bodies.scale);
-                N::add_any(bodies.state[b].t_b[i], speeds_.work(angular) * shape.per_weight[i], bodies.scale);
             }
+            const int halvings = bodies.halvings_of(b);
+            bodies.change_spin(b, [&](auto& t_b, typename N::Scale unit) {
+                for (int i = 0; i < 3; ++i) {
+                    const Speed angular = motion_[b].angular[i] - start_[b].angular[i];
+                    N::add_any(t_b[i], speeds_.work(angular) * shape.per_weight[i], unit);
+                }
+            });
+            rescale_kick(b, bodies.halvings_of(b) - halvings);
         }
         count_points(island);
         // The impulses of an impact are no warm start for the forces of the next step.
@@ -176,6 +188,9 @@ public:
     }
 
 private:
+    [[gnu::noinline, gnu::cold]] void halve_kick(int b, int halvings) {
+        for (auto& change : kick_[b].angular) change = N::halved(change, halvings);
+    }
     using Rows = Solver<N, features>;
     using Motion = WeightedMotion<N>;
     using Point = ContactPoint<N, features>;
@@ -202,7 +217,7 @@ private:
     // Sets the bodies' weighted motions, all in one scale: start_ as they are, motion_ and loaded_ with `part` of the
     // change by loads in kick().
     void weigh(const Bodies& bodies, const BodyGroup& group, Work part, bool whole) {
-        const int drift_bits = C::drift_bits(bodies.scale), turn_bits = C::turn_bits(bodies.scale);
+        const int drift_bits = C::drift_bits(bodies.scale);
         auto largest = C::nothing();
         // Calls f(now, with loads, the sum now, the loads' change, its fraction bits, its weight) for each component.
         const auto for_each_component = [&](auto&& f) {
@@ -210,11 +225,12 @@ private:
                 const int b = group.id[k];
                 const CollisionShape<N>& shape = shape_[b];
                 const State& s = bodies.state[b];
+                const int spin_bits = C::turn_bits(bodies.spin_scale(b));
                 for (int i = 0; i < 3; ++i) {
                     f(start_[b].linear[i], motion_[b].linear[i], C::raw(N::sum(s.d_w[i])), C::raw(kick_[b].linear[i]),
                       drift_bits, shape.root_mass);
                     f(start_[b].angular[i], motion_[b].angular[i], C::raw(N::sum(s.t_b[i])),
-                      C::raw(kick_[b].angular[i]), turn_bits, shape.weight[i]);
+                      C::raw(kick_[b].angular[i]), spin_bits, shape.weight[i]);
                 }
             }
         };

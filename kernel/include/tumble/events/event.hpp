@@ -114,12 +114,12 @@ template <class N, class Bodies>
     Vec3<typename N::Unit> u;
     for (int i = 0; i < 3; ++i)
         u[i] = VectorBlock<N>::half_angle(bodies.state[b].t_b[i].value(), bodies.constants[b].units.per_half_turn(i),
-                                          bodies.scale);
+                                          bodies.spin_scale(b));
     return u;
 }
 
-// Calls linear(axis, change of drift) and angular(axis, change of turn) for what a push changes. A push that lasts a
-// step acts in the orientation of the middle of that step; `ahead` is half the angle that the body turns in it.
+// Calls linear(axis, change of drift) and angular(change of turns in a scale) for what a push changes. A push that
+// lasts a step acts in the orientation of the middle of that step; `ahead` is half the angle that the body turns in it.
 template <class N, class Bodies, class Linear, class Angular>
 TUMBLE_INLINE void resolve(const Bodies& bodies, int b, const Push<N>& push,
                            [[maybe_unused]] const Vec3<typename N::Unit>* ahead, Linear&& linear,
@@ -139,7 +139,7 @@ TUMBLE_INLINE void resolve(const Bodies& bodies, int b, const Push<N>& push,
             }
             if (!push.at_centre) p_b = cross(push.point, p_b);
             if (!push.at_centre || push.angular)
-                for (int i = 0; i < 3; ++i) angular(i, p_b.turn(i, body.units.per_impulse(i), bodies.scale));
+                angular([&](int i, typename N::Scale unit) { return p_b.turn(i, body.units.per_impulse(i), unit); });
             if (push.angular) return;
         }
     }
@@ -153,8 +153,11 @@ void apply_push(Bodies& bodies, int b, const Push<N>& push) {
     auto& s = bodies.state[b];
     resolve(
         bodies, b, push, nullptr, [&](int i, auto change) { N::add_sum(s.d_w[i], change); },
-        [&](int i, auto change) {
-            if constexpr (Bodies::rotation) N::add_sum(s.t_b[i], change);
+        [&]([[maybe_unused]] auto&& change) {
+            if constexpr (Bodies::rotation)
+                bodies.change_spin(b, [&](auto& t_b, typename N::Scale unit) {
+                    for (int i = 0; i < 3; ++i) N::add_sum(t_b[i], change(i, unit));
+                });
         });
 }
 
@@ -192,11 +195,11 @@ void set_angular_velocity([[maybe_unused]] Bodies& bodies, [[maybe_unused]] int 
     TUMBLE_ASSERT(bodies.rotates(b));
     if constexpr (Bodies::rotation) {
         const VectorBlock<N> w = in_principal(bodies, b, event);
-        for (int i = 0; i < 3; ++i) {
-            auto& t = bodies.state[b].t_b[i];
-            t = {};
-            N::add_sum(t, w.turn(i, typename N::Work(1) / bodies.constants[b].units.rate(i, rate), bodies.scale));
-        }
+        bodies.stop_spin(b);
+        bodies.change_spin(b, [&](auto& t_b, typename N::Scale unit) {
+            for (int i = 0; i < 3; ++i)
+                N::add_sum(t_b[i], w.turn(i, typename N::Work(1) / bodies.constants[b].units.rate(i, rate), unit));
+        });
     }
 }
 template <class N, class Bodies>

@@ -84,10 +84,11 @@ template <class T, class Bodies>
 // Angular velocity in principal axes from half turns.
 template <class N, class Bodies>
 [[nodiscard]] VectorBlock<N> spin_of(const Bodies& bodies, int b, const typename N::TurnSum (&t)[3],
+                                     typename N::Scale unit,
                                      typename N::Work steps_per_second) requires(Bodies::rotation) {
     using Work = typename N::Work;
     const auto& units = bodies.constants[b].units;
-    return VectorBlock<N>::of_turns(t, bodies.scale)
+    return VectorBlock<N>::of_turns(t, unit)
         .times(Vector3<Work>{units.per_half_turn(0), units.per_half_turn(1), units.per_half_turn(2)})
         .times(steps_per_second);
 }
@@ -101,8 +102,9 @@ template <class T, class Bodies>
     if constexpr (Bodies::rotation) {
         if (!bodies.rotates(b)) return motion;
         const typename N::TurnSum t[3]{N::sum(s.t_b.x), N::sum(s.t_b.y), N::sum(s.t_b.z)};
-        motion.angular_velocity =
-            spin_of<N>(bodies, b, t, steps_per_second).rotated(bodies.constants[b].principal).template as<T>();
+        motion.angular_velocity = spin_of<N>(bodies, b, t, bodies.spin_scale(b), steps_per_second)
+                                      .rotated(bodies.constants[b].principal)
+                                      .template as<T>();
     }
     return motion;
 }
@@ -112,6 +114,7 @@ template <class State>
 struct MotionBefore {
     decltype(State::d_w) d_w{};
     decltype(State::t_b) t_b{};
+    std::int8_t halvings = 0;  // of the scale of t_b
 };
 template <class N>
 struct MotionBefore<BodyState<N, Spin::none>> {
@@ -144,17 +147,24 @@ template <class T, class Bodies>
     }
     if constexpr (Bodies::rotation) {
         typename N::TurnSum mean[3], turned[3];
-        for (int i = 0; i < 3; ++i) {
-            turned[i] = change<N>(s.t_b[i], before.t_b[i]);
-            mean[i] = N::sum(s.t_b[i]) - N::half(turned[i]);
+        auto now = s.t_b, from = before.t_b;
+        typename N::Scale unit = bodies.spin_scale(b);
+        if constexpr (Bodies::has_parts) {
+            for (int h = bodies.halvings_of(b); h < before.halvings; ++h) N::halve(now);
+            for (int h = before.halvings; h < bodies.halvings_of(b); ++h) N::halve(from);
+            if (before.halvings > bodies.halvings_of(b)) unit = bodies.scale.halved(before.halvings);
         }
-        const Block spin = spin_of<N>(bodies, b, mean, steps_per_second);
+        for (int i = 0; i < 3; ++i) {
+            turned[i] = change<N>(now[i], from[i]);
+            mean[i] = N::sum(now[i]) - N::half(turned[i]);
+        }
+        const Block spin = spin_of<N>(bodies, b, mean, unit, steps_per_second);
         // From the axes at the end of the step back to those of its middle: f + (h/2) w x f.
         force = force.rotated_back(s.q_wb.value()).turned(half_turn<N>(bodies, b));
         const auto& principal = bodies.constants[b].principal;
         if (!point.is_zero()) {
             const Block arm = point.rotated_back(principal);
-            const Block gain = spin_of<N>(bodies, b, turned, steps_per_second).times(steps_per_second);
+            const Block gain = spin_of<N>(bodies, b, turned, unit, steps_per_second).times(steps_per_second);
             force = force + cross(gain, arm) + cross(spin, cross(spin, arm));
         }
         return {force.rotated(principal).template as<T>(), spin.rotated(principal).template as<T>()};

@@ -118,6 +118,7 @@ void transfer(A& archive, T& value) {
         transfer(archive, value.d_w);
         if constexpr (requires { value.q_wb; }) transfer(archive, value.q_wb);
         if constexpr (requires { value.t_b; }) transfer(archive, value.t_b);
+        if constexpr (requires { value.halvings; }) transfer(archive, value.halvings);
     } else if constexpr (requires { value.linear; }) {
         transfer(archive, value.linear);
         if constexpr (requires { value.angular; }) transfer(archive, value.angular);

@@ -41,8 +41,10 @@ public:
             detail::resolve(
                 bodies, b, push, nullptr,
                 [&](int i, auto change) { body.steady.linear[i] = N::limited(change, within); },
-                [&](int i, auto change) {
-                    if constexpr (rotation) body.steady.angular[i] = N::limited(change, within);
+                [&]([[maybe_unused]] auto&& change) {
+                    if constexpr (rotation)
+                        for (int i = 0; i < 3; ++i)
+                            body.steady.angular[i] = N::limited(change(i, bodies.scale), within);
                 });
         if (!within) bodies.report(Issue::range_left, b);
     }
@@ -109,8 +111,9 @@ private:
         }
         detail::resolve(
             bodies, b, push, ahead, [&](int i, auto change) { kick.linear[i] = N::held_sum(kick.linear[i], change); },
-            [&](int i, auto change) {
-                if constexpr (rotation) kick.angular[i] = N::held_sum(kick.angular[i], change);
+            [&]([[maybe_unused]] auto&& change) {
+                if constexpr (rotation)
+                    for (int i = 0; i < 3; ++i) kick.angular[i] = N::held_sum(kick.angular[i], change(i, bodies.scale));
             });
     }
     template <class Bodies>

@@ -9,6 +9,7 @@
 #pragma once
 
 #include <tumble/integrators/method.hpp>
+#include <tumble/integrators/rotation/composed.hpp>
 #include <tumble/integrators/stability.hpp>
 
 namespace tumble {
@@ -122,8 +123,9 @@ struct KickDriftKick : Stability<tumble::detail::KickDriftKickOnOscillator<Parts
                 for (int i = 0; i < 3; ++i) drift<N>(body.x_w[i], body.d_w[i], part, step.scale);
                 if constexpr (Group::rotation) {
                     if (!group.rotates(b)) continue;
-                    if constexpr (needs_preparation<N>) group.inertia[b]->prepare(body, step.scale);
-                    converged = turn_part<N>(body, *group.inertia[b], part, step) && converged;
+                    const Turned turned = turn_part<N>(body, *group.inertia[b], part, step);
+                    if (turned == Turned::not_converged) converged = false;
+                    if (turned == Turned::too_far) group.too_fast = b;
                 }
             }
             look();
@@ -159,16 +161,18 @@ private:
     }
     // A flow of one part has no part number. A flow that cannot fail returns nothing.
     template <class N>
-    [[nodiscard]] TUMBLE_INLINE static bool turn_part(BodyState<N, Spin::angular_momentum>& body,
-                                                      const Inertia<N>& inertia, [[maybe_unused]] int part,
-                                                      const StepInfo<N>& step) {
+    [[nodiscard]] TUMBLE_INLINE static Turned turn_part(BodyState<N, Spin::angular_momentum>& body, Inertia<N>& inertia,
+                                                        [[maybe_unused]] int part, const StepInfo<N>& step) {
         const auto run = [&] {
+            if constexpr (needs_preparation<N>) inertia.prepare(body, step.scale);
             if constexpr (Parts::count == 1) return RotationFlow::template flow<N>(body, inertia, step);
             else return RotationFlow::template flow_part<N>(body, inertia, part, step);
         };
         if constexpr (std::is_void_v<decltype(run())>) {
             run();
-            return true;
+            return Turned::done;
+        } else if constexpr (N::fixed_point) {
+            return run_in_parts<N>(body, run);
         } else {
             return run();
         }

@@ -5,7 +5,8 @@
 //   spin                            the kind of the state's spin: see Spin in body/state.hpp
 //   coasting                        the advance of a position under constant acceleration
 //   Inertia<N>::of(moments, step, scale)   the constants of a body that its rotation needs
-//   rotate<N>(body, inertia, step)         one step of torque-free rotation
+//   rotate<N>(body, inertia, step)         one step of torque-free rotation. Returns nothing, whether it converged, or
+//                                          Turned
 //   oscillator_step, oscillation_limit, drag_limit, step_bounds   limits of the step: a method has them from its base
 //                                   Stability in stability.hpp
 //   advance<N, capacity>(group, evaluate, step)   one step of bodies whose loads depend on their state. A method whose
@@ -47,6 +48,7 @@ struct Group {
     int count = 0;
     BodyState<N, spin>* body[capacity]{};
     Inertia* inertia[capacity]{};  // null for a point mass
+    mutable int too_fast = -1;     // a body that the method could not turn, because it turns too far in the step
 
     [[nodiscard]] TUMBLE_INLINE bool rotates([[maybe_unused]] int b) const {
         if constexpr (points) return inertia[b] != nullptr;
@@ -87,8 +89,7 @@ concept DescribesItself = requires {
 
 }  // namespace detail
 
-// M can step the bodies of a world in the number system N. advance() returns whether it converged. rotate() returns
-// nothing or whether it converged.
+// M can step the bodies of a world in the number system N. advance() returns whether it converged.
 template <class M, class N>
 concept Method = detail::DescribesItself<M, N> &&
     requires(BodyState<N, M::spin>& body, const typename M::template Inertia<N>& inertia, const StepInfo<N>& step,

@@ -152,6 +152,7 @@ struct Float {
     [[nodiscard]] TUMBLE_INLINE static constexpr T three(const auto& v) {
         return v.x.value() + v.y.value() + v.z.value();
     }
+    [[nodiscard]] TUMBLE_INLINE static constexpr T halved(T change, int) { return change; }
     static constexpr void leave_range(auto&) {}
     template <class Body>
     static constexpr void saturate(Body&) {}

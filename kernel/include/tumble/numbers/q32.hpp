@@ -93,13 +93,21 @@ struct Q32 {
         std::int8_t drift_shift = 2;
         std::int8_t turn_shift = 1;                 // Turn is the half turn times 2^turn_shift
         static constexpr int most_turn_shift = 14;  // squares of angles are shifted by up to 2 (14 + 1) < 32 bits
+        // A faster spin is held in half turns of a half, a quarter or an eighth of the step: as many halvings as the
+        // declared range needs.
+        std::int8_t most_halvings = 0;
 
         // `turn_per_spin`: the largest half turn in a step that a spin of 1 rad/s can be, s (h/2; h for momentum).
         [[nodiscard]] static constexpr Scale of(Real step, Real turn_per_spin) {
             const int drift_bits = 30 - (Real{R::velocity} * step).ceil_log2_bound();
             const int turn_bits = -2 - (Real{R::spin} * turn_per_spin).ceil_log2_bound();
             return {static_cast<std::int8_t>(detail::clamp(drift_bits - Position::fraction_bits, 2, 30)),
-                    static_cast<std::int8_t>(detail::clamp(turn_bits, 1, most_turn_shift))};
+                    static_cast<std::int8_t>(detail::clamp(turn_bits, 1, most_turn_shift)),
+                    static_cast<std::int8_t>(detail::clamp(1 - turn_bits, 0, 3))};
+        }
+        // The scale of turns that are half turns in 2^-halvings of the step.
+        [[nodiscard]] TUMBLE_INLINE constexpr Scale halved(int halvings) const {
+            return {drift_shift, static_cast<std::int8_t>(turn_shift - halvings), most_halvings};
         }
         // For set-up: metres in a step (or in a step^2), and half turns in a step, in the units of the state.
         [[nodiscard]] constexpr Real drift_units(Real metres) const {
@@ -236,6 +244,29 @@ struct Q32 {
         std::uint32_t bits = three(b.x_w) | three(b.d_w);
         if constexpr (requires { b.t_b; }) bits |= three(b.t_b);
         return (bits >> 31) != 0;
+    }
+    // The same for the spin alone. Below: a spin in half or twice the unit of time.
+    template <class Body>
+    [[nodiscard]] TUMBLE_INLINE static constexpr bool spins_out_of_range(const Body& b) {
+        return ((range_bits(upper(b.t_b.x.sum().raw)) | range_bits(upper(b.t_b.y.sum().raw)) |
+                 range_bits(upper(b.t_b.z.sum().raw))) >>
+                31) != 0;
+    }
+    // A change of the spin in a scale with more halvings, or fewer.
+    [[nodiscard]] TUMBLE_INLINE static constexpr TurnSum halved(TurnSum change, int halvings) {
+        return {halvings >= 0 ? change.raw >> halvings : change.raw * (std::int64_t{1} << -halvings)};
+    }
+    static constexpr void halve(auto& turns) {
+        for (int i = 0; i < 3; ++i) turns[i].add(half(turns[i].sum()) - turns[i].sum());
+    }
+    static constexpr void twice(auto& turns) {
+        for (int i = 0; i < 3; ++i) turns[i].add(turns[i].sum());
+    }
+    // True if twice the spin, and that about z times 2^z_up, is below half of the range.
+    [[nodiscard]] static constexpr bool is_slow(const auto& turns, int z_up) {
+        const auto below = [](std::int64_t raw, int bits) { return ((raw ^ (raw >> 63)) >> bits) == 0; };
+        return below(turns.x.sum().raw, 60) && below(turns.y.sum().raw, 60) && z_up <= 60 &&
+               below(turns.z.sum().raw, 60 - z_up);
     }
     // Moves a number out of its range, so that out_of_range() reports it.
     static constexpr void leave_range(auto& number) {

@@ -122,6 +122,8 @@ struct MoserVeselovInertia {
         return inertia;
     }
 
+    // The flow follows a spin about z that has room times 2^z_room.
+    [[nodiscard]] constexpr int z_room() const { return z_shift % with_care; }
     // Computes the modified moments for the body's spin.
     // Calls visit with the members that a snapshot holds.
     template <class Self, class Visit>
@@ -191,10 +193,10 @@ struct MoserVeselovFlow {
     template <class N>
     using Inertia = MoserVeselovInertia<N, order>;
 
-    // False if c was not found within max_sweeps.
+    // not_converged: c was not found within max_sweeps.
     template <class N>
-    TUMBLE_INLINE static bool flow(BodyState<N, Spin::angular_momentum>& body, const Inertia<N>& inertia,
-                                   const StepInfo<N>& step) {
+    TUMBLE_INLINE static Turned flow(BodyState<N, Spin::angular_momentum>& body, const Inertia<N>& inertia,
+                                     const StepInfo<N>& step) {
         using Turn = typename N::Turn;
         using Angle = typename N::Angle;
         using Block = typename N::Block;
@@ -231,7 +233,7 @@ struct MoserVeselovFlow {
 
         const auto less = [&](int i, Turn v, Turn w) { return mul(Block::twice(-difference[i], v, d), w); };
         finish<N>(body, block, c, less, step);
-        return converged;
+        return converged ? Turned::done : Turned::not_converged;
     }
 
 private:
@@ -257,8 +259,8 @@ private:
     // of line, because few bodies are so flat, so slender or so fast. `step` is a value, because a reference would
     // force it into memory.
     template <class N>
-    [[gnu::noinline]] static bool careful_flow(BodyState<N, Spin::angular_momentum>& body, const Inertia<N>& inertia,
-                                               StepInfo<N> step) {
+    [[gnu::noinline]] static Turned careful_flow(BodyState<N, Spin::angular_momentum>& body, const Inertia<N>& inertia,
+                                                 StepInfo<N> step) {
         if constexpr (N::fixed_point) {
             using Turn = typename N::Turn;
             using Angle = typename N::Angle;
@@ -268,10 +270,7 @@ private:
             const int up = inertia.z_shift - Inertia<N>::with_care;
             const auto block =
                 Block::of(N::sum(body.t_b.x), N::sum(body.t_b.y), N::sum(body.t_b.z), up, inertia.most_up, step.scale);
-            if (up < 0 || block.is_out_of_range()) {
-                N::leave_range(body.t_b.z);
-                return true;
-            }
+            if (up < 0 || block.is_out_of_range()) return Turned::too_far;
             const Vec3<Turn> t{block.turn(N::sum(body.t_b.x), d), block.turn(N::sum(body.t_b.y), d),
                                block.turn(N::sum(body.t_b.z), d, up)};
             constexpr Factor one = Factor::from_raw(1 << 30);
@@ -302,9 +301,9 @@ private:
                 return typename N::TurnProduct{i == 2 ? once.raw * 2 >> up : once.raw * 2};
             };
             finish<N>(body, block, c, less, step);
-            return converged;
+            return converged ? Turned::done : Turned::not_converged;
         } else {
-            return true;  // floating point has room for every spin
+            return Turned::done;  // floating point has room for every spin
         }
     }
 };

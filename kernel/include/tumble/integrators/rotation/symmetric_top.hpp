@@ -20,6 +20,8 @@ struct SymmetricTopInertia {
     std::int8_t most_up;                   // for N::Block
     [[no_unique_address]] Part<N> part;
 
+    // The flow follows a spin about z that has room times 2^z_room.
+    [[nodiscard]] constexpr int z_room() const { return z_shift; }
     // The spin is h/2 L / I_y; moments are sorted downwards. `step` is the part of a step, in [-1, 1].
     [[nodiscard]] static constexpr SymmetricTopInertia of(RealVec3 moments, typename N::Scale scale, Real step = 1) {
         const Real z = moments.y / moments.z - Real{1};
@@ -38,8 +40,8 @@ struct SymmetricTopFlow {
     using PartInertia = SymmetricTopInertia<N, PartOfStep>;
 
     template <class N, template <class> class Part>
-    TUMBLE_INLINE static void flow(BodyState<N, Spin::angular_momentum>& body,
-                                   const SymmetricTopInertia<N, Part>& inertia, const StepInfo<N>& step) {
+    TUMBLE_INLINE static Turned flow(BodyState<N, Spin::angular_momentum>& body,
+                                     const SymmetricTopInertia<N, Part>& inertia, const StepInfo<N>& step) {
         using namespace detail;
         using Turn = typename N::Turn;
         using Angle = typename N::Angle;
@@ -50,7 +52,7 @@ struct SymmetricTopFlow {
         const auto block = Block::of(N::sum(body.t_b.x), N::sum(body.t_b.y), N::sum(body.t_b.z), inertia.z_shift,
                                      inertia.most_up, step.scale);
         if (block.is_out_of_range()) [[unlikely]]
-            return N::leave_range(body.t_b.z);
+            return Turned::too_far;
         // All turns below share the block's power of two. The factor 2^z_shift keeps the digits of a rod's spin about
         // z.
         const Turn z_up = block.turn(N::sum(body.t_b.z), d, inertia.z_shift);
@@ -116,6 +118,7 @@ struct SymmetricTopFlow {
                 Delta<N>{w,
                          {component(std::integral_constant<int, 0>{}), component(std::integral_constant<int, 1>{}),
                           component(std::integral_constant<int, 2>{})}});
+        return Turned::done;
     }
 };
 

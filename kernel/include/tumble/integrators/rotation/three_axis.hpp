@@ -14,6 +14,8 @@ struct ThreeAxisInertia {
     typename N::Coefficient z_half;  // I_y / I_z / 2^z_shift: half the angle of the step about z, per turn
     std::int8_t z_shift, most_up;
 
+    // The flow follows a spin about z that has room times 2^z_room.
+    [[nodiscard]] constexpr int z_room() const { return z_shift; }
     // The spin is h/2 L / I_y; moments are sorted downwards.
     [[nodiscard]] static constexpr ThreeAxisInertia of(RealVec3 moments, typename N::Scale scale) {
         using Coefficient = typename N::Coefficient;
@@ -30,7 +32,7 @@ struct ThreeAxisFlow {
     using Inertia = ThreeAxisInertia<N>;
 
     template <class N>
-    static void flow(BodyState<N, Spin::angular_momentum>& body, const Inertia<N>& inertia, const StepInfo<N>& step) {
+    static Turned flow(BodyState<N, Spin::angular_momentum>& body, const Inertia<N>& inertia, const StepInfo<N>& step) {
         using Turn = typename N::Turn;
         using Angle = typename N::Angle;
         using Block = typename N::Block;
@@ -38,7 +40,7 @@ struct ThreeAxisFlow {
         const auto block = Block::of(N::sum(body.t_b.x), N::sum(body.t_b.y), N::sum(body.t_b.z), inertia.z_shift,
                                      inertia.most_up, step.scale);
         if (block.is_out_of_range()) [[unlikely]]
-            return N::leave_range(body.t_b.z);
+            return Turned::too_far;
         const Turn z_up = block.turn(N::sum(body.t_b.z), d, inertia.z_shift);
         const Turn start[3] = {block.turn(N::sum(body.t_b.x), d), block.turn(N::sum(body.t_b.y), d),
                                block.down(z_up, inertia.z_shift)};
@@ -71,7 +73,7 @@ struct ThreeAxisFlow {
         turn_about(integral_constant<int, 1>{}, now[1]);
         // The turns about x and y may have moved momentum to the z axis, about which the body turns fastest.
         if (!Block::holds_twice(now[2], inertia.z_shift)) [[unlikely]]
-            return N::leave_range(body.t_b.z);
+            return Turned::too_far;
         turn_about(integral_constant<int, 2>{},
                    Block::twice_share(inertia.z_half, z_up - block.turn_up(less[2], inertia.z_shift), d));
         turn_about(integral_constant<int, 1>{}, now[1]);
@@ -80,6 +82,7 @@ struct ThreeAxisFlow {
         block.lower(body.t_b.y, less[1]);
         block.lower(body.t_b.z, less[2]);
         turn<N>(body.q_wb, turned);
+        return Turned::done;
     }
 };
 
