@@ -3,6 +3,12 @@
 // u_s the half turn of the stage. This is the method applied to q' = q u, because that equation is linear in q from the
 // left. Cost: 3 multiplications for the spin and 12 for the delta in each stage but the first, and 20 for the product
 // with the quaternion.
+//
+// A method of order 4 with classical stages (at 0, 1/2, 1/2 and 1) turns by one exponential in place of the weighted
+// sum of deltas. Its half angle is the Magnus series to order 4, with u_s the half turn of stage s:
+//   (u_1 + 2 u_2 + 2 u_3 + u_4) / 6 + u_1 x u_4 / 6,
+// Simpson's sum and the commutator of the two ends (S. Blanes, F. Casas, J. A. Oteo and J. Ros, Phys. Rep. 470 (2009)
+// 151). A free body then needs no delta of a stage, and its quaternion keeps its length.
 #pragma once
 
 #include <tumble/integrators/butcher.hpp>
@@ -16,8 +22,39 @@ namespace tumble::detail {
 template <class N>
 struct RotationStage {
     Delta<N> delta;
+    Vec3<typename N::Angle> half_turn;
     TurnProducts<N> products;
 };
+
+// True of the tables whose stages the Magnus series needs.
+template <const auto& table>
+inline constexpr bool turns_by_exponential =
+    table.stages == 4 && table.a[1][0] == Rational{1, 2} && table.a[2][1] == Rational{1, 2} &&
+    table.a[3][2] == Rational{1, 1} && table.b[0] == Rational{1, 6} && table.b[1] == Rational{1, 3} &&
+    table.b[2] == Rational{1, 3} && table.b[3] == Rational{1, 6};
+
+// The turn of a step from the half turns of four classical stages.
+template <class N>
+[[nodiscard]] TUMBLE_INLINE Delta<N> magnus_delta(const RotationStage<N>* stages, Dither d) {
+    using Angle = typename N::Angle;
+    constexpr Rational sixth{1, 6}, third{1, 3};
+    const auto share = N::template constant<Angle>(Real{1} / Real{6});
+    const auto &u1 = stages[0].half_turn, &u2 = stages[1].half_turn, &u3 = stages[2].half_turn,
+               &u4 = stages[3].half_turn;
+    const Vec3<Angle> part{N::Block::angle(u1.x(), share, d.turn), N::Block::angle(u1.y(), share, d.turn),
+                           N::Block::angle(u1.z(), share, d.turn)};
+    const auto component = [&](auto axis) {
+        constexpr int i = axis;
+        return N::round_angle(
+            add_cross_component<i>(weighted<sixth>(u1[i] + u4[i]) + weighted<third>(u2[i] + u3[i]), part, u4), d);
+    };
+    using std::integral_constant;
+    const Vec3<Angle> a{component(integral_constant<int, 0>{}), component(integral_constant<int, 1>{}),
+                        component(integral_constant<int, 2>{})};
+    const auto series = SinCosSeries<Angle>::of(upper_word(dot(a, a)));
+    const auto stretched = [&](Angle angle) { return N::Block::stretched(angle, series.sinc_less_one, d.angle); };
+    return {series.cos_less_one, {stretched(a.x()), stretched(a.y()), stretched(a.z())}};
+}
 
 // Delta (1 + before) u, exact to first order in u.
 template <class N>
@@ -84,7 +121,8 @@ template <const auto& table, int s, class N>
 template <const auto& table, class N, class Inertia>
 TUMBLE_INLINE void finish_rotation(BodyState<N, Spin::angular_velocity>& body, const RotationStage<N>* stages,
                                    const Inertia& inertia, const StepInfo<N>& step) {
-    typename N::AngleSum w{}, x{}, y{}, z{};
+    constexpr bool by_exponential = turns_by_exponential<table>;
+    [[maybe_unused]] typename N::AngleSum w{}, x{}, y{}, z{};
     TurnProducts<N> sum{};
     unroll<table.stages>([&](auto stage) {
         constexpr int s = stage;
@@ -99,10 +137,12 @@ TUMBLE_INLINE void finish_rotation(BodyState<N, Spin::angular_velocity>& body, c
             };
             constexpr bool is_first = table.first_weighted() == s;
             constexpr Rational b = table.b[s], weight{table.weight(s), 1};
-            gather<is_first>(w, weighted<b>(of_weight([](const auto& k) { return k.delta.w; })));
-            gather<is_first>(x, weighted<b>(of_weight([](const auto& k) { return k.delta.v.x(); })));
-            gather<is_first>(y, weighted<b>(of_weight([](const auto& k) { return k.delta.v.y(); })));
-            gather<is_first>(z, weighted<b>(of_weight([](const auto& k) { return k.delta.v.z(); })));
+            if constexpr (!by_exponential) {
+                gather<is_first>(w, weighted<b>(of_weight([](const auto& k) { return k.delta.w; })));
+                gather<is_first>(x, weighted<b>(of_weight([](const auto& k) { return k.delta.v.x(); })));
+                gather<is_first>(y, weighted<b>(of_weight([](const auto& k) { return k.delta.v.y(); })));
+                gather<is_first>(z, weighted<b>(of_weight([](const auto& k) { return k.delta.v.z(); })));
+            }
             unroll<3>([&](auto axis) {
                 gather<is_first>(sum.v[axis],
                                  times<weight>(of_weight([&](const auto& k) { return k.products.v[axis]; })));
@@ -110,9 +150,13 @@ TUMBLE_INLINE void finish_rotation(BodyState<N, Spin::angular_velocity>& body, c
         }
     });
     const Dither d = step.dither;
-    const Vec3<typename N::Angle> v{N::round_angle(x, d), N::round_angle(y, d), N::round_angle(z, d)};
-    if constexpr (table.stages == 1) turn<N>(body.q_wb, Delta<N>::of(v));
-    else turn<N>(body.q_wb, Delta<N>{N::round_angle(w, d), v});
+    if constexpr (by_exponential) {
+        turn<N>(body.q_wb, magnus_delta<N>(stages, d));
+    } else {
+        const Vec3<typename N::Angle> v{N::round_angle(x, d), N::round_angle(y, d), N::round_angle(z, d)};
+        if constexpr (table.stages == 1) turn<N>(body.q_wb, Delta<N>::of(v));
+        else turn<N>(body.q_wb, Delta<N>{N::round_angle(w, d), v});
+    }
     N::add_turn(body.t_b.x, inertia.summed[0], sum.v[0], step.scale);
     N::add_turn(body.t_b.y, inertia.summed[1], sum.v[1], step.scale);
     N::add_turn(body.t_b.z, inertia.summed[2], sum.v[2], step.scale);
@@ -157,7 +201,8 @@ struct RungeKutta : Stability<tumble::detail::RungeKuttaOnOscillator<table>> {
             const auto t = detail::stage_turn<table, s, N>(start, stages, inertia, step.scale);
             const auto u = angles<N>(t, step);
             stages[s].products = TurnProducts<N>::of(t);
-            if constexpr (s == 0) stages[s].delta = {{}, {u.x(), u.y(), u.z()}};
+            if constexpr (detail::turns_by_exponential<table>) stages[s].half_turn = u;
+            else if constexpr (s == 0) stages[s].delta = {{}, {u.x(), u.y(), u.z()}};
             else stages[s].delta = detail::stage_delta<N>(detail::delta_before<table, s, N>(stages), u, step.dither);
         });
         detail::finish_rotation<table, N>(body, stages, inertia, step);
@@ -247,7 +292,8 @@ private:
         const Delta<N> before = detail::delta_before<table, s, N>(stages);
         if constexpr (s > 0) now.q_wb = turned<N>(start.q_wb, before);
         stages[s].products = TurnProducts<N>::of(now.t_b);
-        stages[s].delta = detail::stage_delta<N>(before, angles<N>(now.t_b, step), step.dither);
+        stages[s].half_turn = angles<N>(now.t_b, step);
+        stages[s].delta = detail::stage_delta<N>(before, stages[s].half_turn, step.dither);
     }
 };
 
@@ -266,10 +312,12 @@ struct Heun : RungeKutta<heun_table> {
     static constexpr const char* name = "heun";
     static constexpr int order = 2;
 };
-// The classical method: order 4, four stages.
+// The classical method: order 4, four stages. It turns by the exponential of its stages' half turns, so a free sphere
+// turns exactly.
 struct Rk4 : RungeKutta<rk4_table> {
     static constexpr const char* name = "rk4";
     static constexpr int order = 4;
+    static constexpr bool exact_for_spheres = true;
 };
 
 }  // namespace tumble::integrators
