@@ -173,7 +173,6 @@ public:
             std::int16_t a = pair.a, b = pair.b;
             to(a, b);
             if constexpr (Archive::reads) {
-                pair = {};
                 pair.begin(a, b);
                 self.set_up(pair, bodies);
             }
