@@ -39,9 +39,6 @@ void require_no_events(const SceneDescription& scene);
 // The step times 2^doublings; exact.
 [[nodiscard]] StepSize scaled(StepSize step, int doublings);
 // The scene with its events at the starts of whole steps, so that a finer run replays them at the same times.
-// Throws std::invalid_argument where the scene has [[event]]. A force for one step has no meaning at another step, so no
-// other run is a reference.
-void require_no_events(const SceneDescription& scene);
 [[nodiscard]] SceneDescription with_events_at_steps(SceneDescription scene);
 
 // The largest seen.
