@@ -74,10 +74,14 @@ Motion heun(const Problem& p, const Motion& m) {
     return finished(plus(plus(m, p.h / 2, k1), p.h / 2, k2), m);
 }
 
+// The classical method; the orientation turns by the exponential of the Magnus series of the stages' spins.
 Motion rk4(const Problem& p, const Motion& m) {
-    const Motion k1 = p.rate(m), k2 = p.rate(plus(m, p.h / 2, k1)), k3 = p.rate(plus(m, p.h / 2, k2)),
-                 k4 = p.rate(plus(m, p.h, k3));
-    return finished(plus(plus(plus(plus(m, p.h / 6, k1), p.h / 3, k2), p.h / 3, k3), p.h / 6, k4), m);
+    const Motion k1 = p.rate(m), m2 = plus(m, p.h / 2, k1), k2 = p.rate(m2), m3 = plus(m, p.h / 2, k2), k3 = p.rate(m3),
+                 m4 = plus(m, p.h, k3), k4 = p.rate(m4);
+    Motion end = plus(plus(plus(plus(m, p.h / 6, k1), p.h / 3, k2), p.h / 3, k3), p.h / 6, k4);
+    const Vector angle = p.h / 6 * (m.w + 2 * m2.w + 2 * m3.w + m4.w) + p.h * p.h / 12 * cross(m.w, m4.w);
+    end.q = m.q * exponential(angle);
+    return finished(end, m);
 }
 
 // Half the impulse of the loads, a free flight with the rotation rotate(q, l, h), and the other half at its end, which
