@@ -19,6 +19,7 @@ public:
     static constexpr Features features = S::features;
     static constexpr bool has_loads = features.loads(), rotation = features.rotation,
                           has_wrenches = features.control && features.bodies > 0;
+    static constexpr bool keeps_kicks = has_loads && requires { Integrator::keeps_kick; };
     static constexpr Spin spin = rotation ? Integrator::spin : Spin::none;
     using State = BodyState<N, spin>;
     using Bodies = tumble::Bodies<N, spin, features.bodies, features.mixed()>;
@@ -31,6 +32,7 @@ public:
     // m/s^2, world frame.
     void set_gravity(RealVec3 gravity) {
         const Real h2 = bodies.step_length * bodies.step_length;
+        disturb();
         for (int i = 0; i < 3; ++i) {
             const Real fall = bodies.scale.drift_units(gravity[i] * h2);
             gravity_[i] = N::fall(fall_in_halves ? fall * Real::scaled(1, -1) : fall);
@@ -42,6 +44,7 @@ public:
         if constexpr (rotation)
             if (bodies.rotates(b)) inertia_[b] = Inertia::of(inertia.moments, bodies.scale);
         spin_changed(b);
+        disturb();
         if constexpr (has_loads) loads.set_body(b, spec, inertia, bodies);
         if constexpr (features.drag) loads.check_drag(b, spec, inertia, bodies, step_bounds);
         return b;
@@ -49,7 +52,13 @@ public:
     // Adds a spring; false when there is no room.
     bool add(const SpringSpec& spec) requires(features.springs > 0) {
         static constexpr SpringBounds<N> bounds{step_bounds};
+        disturb();
         return loads.add(spec, bodies, bounds);
+    }
+    // Call after every change of what loads depend on, other than by steps: kicks that were kept are void.
+    TUMBLE_INLINE void disturb() {
+        if constexpr (keeps_kicks)
+            if (++kept_.disturbances == 0) ++kept_.disturbances;
     }
     // Call after every change of the spin other than by free rotation.
     TUMBLE_INLINE void spin_changed([[maybe_unused]] int b) {
@@ -79,17 +88,21 @@ public:
             if (bodies.is_turning(b)) {
                 rotate(b, info);
                 check_range(b);
+                disturb();
             }
     }
     // A step of one body, or of bodies that loads couple.
     void group(const BodyGroup& group, const StepInfo<N>& info) {
-        portion(group, info, {});
+        over(group, info, gravity_, Work(1), true);
         check_range(group);
     }
-    // A portion of a step, of bodies that are not fixed. It does not check their range.
+    // A portion of a step, of bodies that are not fixed. It does not check their range. Contacts may change the motion
+    // after it.
     void portion(const BodyGroup& group, const StepInfo<N>& info, const Portion& portion) {
+        if constexpr (keeps_kicks)
+            for (int k = 0; k < group.count; ++k) kept_.of_body[group.id[k]].age = 0;
         if (portion.whole) {
-            over(group, info, gravity_, Work(1));
+            over(group, info, gravity_, Work(1), false);
             return;
         }
         // With the portion as the unit of time, drift and spin shrink with it, and accelerations with its square. Then
@@ -111,8 +124,8 @@ public:
 
         DriftSum fall[3];
         for (int i = 0; i < 3; ++i) fall[i] = N::part(N::part(gravity_[i], part), part);
-        if constexpr (has_wrenches) over(group, info, fall, portion.length, part);
-        else over(group, info, fall, portion.length);
+        if constexpr (has_wrenches) over(group, info, fall, portion.length, false, part);
+        else over(group, info, fall, portion.length, false);
 
         for (int k = 0; k < group.count; ++k) {
             State& s = bodies.state[group.id[k]];
@@ -198,19 +211,21 @@ private:
     }
 
     // Moves the bodies over a part of a step of this length, in steps. State and `fall` have it as the unit of time.
-    // `part` is the length again, of a part that is not the whole step.
+    // `keeps`: nothing changes the motion of the bodies until their next step. `part` is the length again, of a part
+    // that is not the whole step.
     template <class... Part>
     void over(const BodyGroup& group, const StepInfo<N>& info, const DriftSum (&fall)[3], Work length,
-              const Part&... part) {
+              [[maybe_unused]] bool keeps, const Part&... part) {
         if constexpr (has_loads) {
             BodyGroup coupled;
             for (int k = 0; k < group.count; ++k) {
                 const int b = group.id[k];
                 if (is_coupled(b)) coupled.add(b);
-                else if (loads.is_loaded(bodies, b)) loaded(BodyGroup::of(b), info, fall, length, part...);
+                else if (loads.is_loaded(bodies, b))
+                    loaded(BodyGroup::of(b), info, fall, length, false, keeps, part...);
                 else unloaded(b, info, fall, part...);
             }
-            if (coupled.count > 0) loaded(coupled, info, fall, length, part...);
+            if (coupled.count > 0) loaded(coupled, info, fall, length, true, false, part...);
         } else {
             for (int k = 0; k < group.count; ++k) unloaded(group.id[k], info, fall, part...);
         }
@@ -265,30 +280,71 @@ private:
                 if (bodies.rotates(b)) half_turn_by_wrenches(b, part...);
         }
     }
+    // Bodies that loads act on: one body, or bodies that they couple.
     template <class... Part>
-    void loaded(const BodyGroup& group, const StepInfo<N>& info, const DriftSum (&fall)[3], Work length,
-                const Part&... part) requires has_loads {
+    void loaded(const BodyGroup& group, const StepInfo<N>& info, const DriftSum (&fall)[3], Work length, bool coupled,
+                [[maybe_unused]] bool keeps, const Part&... part) requires has_loads {
         if constexpr (has_wrenches) half_kick_by_wrenches(group, part...);
         const DriftSum falls[3]{whole(fall[0]), whole(fall[1]), whole(fall[2])};
-        const auto evaluate = loads.evaluation(bodies, group, length, falls);
-        if (group.count == 1) staged<1>(group, evaluate, info);
-        else staged<features.bodies>(group, evaluate, info);
+        if (features.bodies == 1 || !coupled) {
+            auto evaluate = loads.template evaluation<true>(bodies, group, length, falls);
+            if constexpr (keeps_kicks) {
+                if (keeps) evaluate.kept = &kept_.of_body[group.id[0]];
+                evaluate.age = kept_.disturbances;
+            }
+            staged<1>(group, evaluate, info);
+        } else if constexpr (features.bodies > 1) {
+            const BodyPlaces<features.bodies> places{group};
+            staged<features.bodies>(
+                group, loads.template evaluation<false>(bodies, group, length, falls, places.of_body), info);
+        }
         if constexpr (has_wrenches) half_kick_by_wrenches(group, part...);
     }
     template <int capacity, class Evaluate>
     void staged(const BodyGroup& ids, const Evaluate& evaluate, const StepInfo<N>& info) {
-        Group<N, spin, Inertia, capacity, features.mixed()> group;
-        group.count = ids.count;
+        using Moved = Translations<N, spin, capacity>;
+        if constexpr (!rotation || requires(const Moved& group) {
+                          Integrator::template advance<N, capacity>(group, evaluate, info);
+                      }) {
+            if (!is_turned(ids)) return translated<Moved>(ids, evaluate, info);
+        }
+        if constexpr (rotation) {
+            Group<N, spin, Inertia, capacity, features.mixed()> group;
+            group.set_count(ids.count);
+            for (int k = 0; k < ids.count; ++k) {
+                group.body[k] = &bodies.state[ids.id[k]];
+                if (bodies.rotates(ids.id[k])) group.inertia[k] = &inertia_[ids.id[k]];
+            }
+            if (!Integrator::template advance<N, capacity>(group, evaluate, info))
+                bodies.report(Issue::step_bound_hit, ids.id[0]);
+            spins_changed(ids);
+        }
+    }
+    // The bodies rotate freely, and the loads move their centres of mass.
+    template <class Moved, class Evaluate>
+    void translated(const BodyGroup& ids, const Evaluate& evaluate, const StepInfo<N>& info) {
+        Moved group;
+        group.set_count(ids.count);
         for (int k = 0; k < ids.count; ++k) {
             group.body[k] = &bodies.state[ids.id[k]];
-            if constexpr (rotation)
-                if (bodies.rotates(ids.id[k])) group.inertia[k] = &inertia_[ids.id[k]];
+            rotate(ids.id[k], info);
         }
+        constexpr int capacity = std::extent_v<decltype(group.body)>;
         if (!Integrator::template advance<N, capacity>(group, evaluate, info))
             bodies.report(Issue::step_bound_hit, ids.id[0]);
-        spins_changed(ids);
+    }
+    [[nodiscard]] bool is_turned([[maybe_unused]] const BodyGroup& ids) const {
+        if constexpr (rotation)
+            for (int k = 0; k < ids.count; ++k)
+                if (loads.is_turned(bodies, ids.id[k])) return true;
+        return false;
     }
 
+    struct KeptKicks {
+        typename detail::RoomFor<KeptKick<N, rotation>, features.bodies>::Array of_body{};
+        std::uint32_t disturbances = 1;  // counted; 0 is skipped
+    };
+    [[no_unique_address]] If<keeps_kicks, KeptKicks, 2> kept_{};
     DriftSum gravity_[3]{};  // change of drift a step, or half of it: see fall_in_halves
     [[no_unique_address]] If<rotation, typename detail::RoomFor<Inertia, features.bodies>::Array, 1> inertia_{};
 

@@ -89,6 +89,7 @@ public:
             for (int b = 0; b < advance_.bodies.count; ++b) disturb(b);
         }
         if constexpr (features.springs_touch()) added = advance_.loads.add(spec, advance_.bodies) && added;
+        advance_.disturb();
         if constexpr (has_contacts) count = contacts_.plane_count();
         else if constexpr (features.springs_touch()) count = advance_.loads.plane_count();
         return added ? PlaneId{count - 1} : PlaneId{};
@@ -116,6 +117,7 @@ public:
     // Sets the timed forces likewise. A sorted array is faster, but need not be. Wakes the bodies that they act on.
     void set_forces(Span<TimedForce<N>> forces) requires(features.forces) {
         require_bodies(forces);
+        advance_.disturb();
         advance_.loads.set_forces(forces, now(), [&](int b) { disturb(b); });
     }
 
@@ -389,9 +391,10 @@ private:
             contacts_.forget_pairs_of(b);
         }
     }
-    // Call after an impulse, a force that switches or new gravity: drops the bounds on the time to contact of the body
-    // and of all that it may push, and wakes it.
+    // Call after an impulse, a force that switches or new gravity: drops the kicks that were kept, and the bounds on
+    // the time to contact of the body and of all that it may push, and wakes it.
     void disturb([[maybe_unused]] int b) {
+        advance_.disturb();
         if constexpr (has_contacts) {
             contacts_.startle_all_near(b, advance_.bodies.steps_taken);
             wake(b);
@@ -560,7 +563,9 @@ private:
             StageState<N> stages[features.bodies];
             Kick<N> kicks[features.bodies];
             for (int k = 0; k < loaded.count; ++k) stages[k] = stage_of(advance_.bodies.state[loaded.id[k]]);
-            advance_.loads.evaluation(advance_.bodies, loaded, Work(1), whole)(stages, kicks);
+            const BodyPlaces<features.bodies> places{loaded};
+            advance_.loads.template evaluation<false>(advance_.bodies, loaded, Work(1), whole, places.of_body)(stages,
+                                                                                                               kicks);
             for (int k = 0; k < loaded.count; ++k) {
                 contacts_.kick(loaded.id[k]) = kicks[k];
                 if constexpr (Advance::has_wrenches) advance_.add_wrenches(loaded.id[k], contacts_.kick(loaded.id[k]));
