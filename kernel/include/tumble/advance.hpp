@@ -20,6 +20,7 @@ public:
     static constexpr Features features = S::features;
     static constexpr bool has_loads = features.loads(), rotation = features.rotation,
                           has_wrenches = features.control && features.bodies > 0;
+    static constexpr bool keeps_kicks = has_loads && requires { Integrator::keeps_kick; };
     static constexpr Spin spin = rotation ? Integrator::spin : Spin::none;
     using State = BodyState<N, spin>;
     using Bodies = tumble::Bodies<N, spin, features.bodies, features.mixed()>;
@@ -32,6 +33,7 @@ public:
     // m/s^2, world frame.
     void set_gravity(RealVec3 gravity) {
         const Real h2 = bodies.step_length * bodies.step_length;
+        disturb();
         for (int i = 0; i < 3; ++i) {
             const Real fall = bodies.scale.drift_units(gravity[i] * h2);
             gravity_[i] = N::fall(fall_in_halves ? fall * Real::scaled(1, -1) : fall);
@@ -43,11 +45,13 @@ public:
         if constexpr (rotation)
             if (bodies.rotates(b)) inertia_[b] = Inertia::of(inertia.moments, bodies.scale);
         spin_changed(b);
+        disturb();
         if constexpr (has_loads) loads.set_body(b, spec, inertia, bodies);
         if constexpr (features.drag) loads.check_drag(b, spec, inertia, bodies, step_bounds);
     }
     // Leaves a place without a body, and removes its springs.
     void remove(int b) {
+        disturb();
         bodies.remove(b);
         if constexpr (has_loads) loads.remove(b, bodies);
         if constexpr (has_wrenches) wrenches.forget(b);
@@ -55,6 +59,7 @@ public:
     // Adds a spring; false when there is no room.
     bool add(const SpringSpec& spec) requires(features.springs > 0) {
         static constexpr SpringBounds<N> bounds{step_bounds};
+        disturb();
         return loads.add(spec, bodies, bounds);
     }
     // Writes or reads what a snapshot of a whole world holds.
@@ -64,6 +69,7 @@ public:
                       requires(Inertia & inertia) { inertia.prepare(self.bodies.state[0], self.bodies.scale); })
             for (int b = 0; b < self.bodies.count; ++b) to(self.inertia_[b]);
         if constexpr (has_wrenches) to(self.wrenches);
+        if constexpr (Archive::reads) self.disturb();
     }
     // Adds gravity to the digest of a scene.
     void add_to(detail::Digest& digest) const {
@@ -72,6 +78,11 @@ public:
             count(fall);
             digest.add(count.check());
         }
+    }
+    // Call after every change of what loads depend on, other than by steps: kicks that were kept are void.
+    TUMBLE_INLINE void disturb() {
+        if constexpr (keeps_kicks)
+            if (++kept_.disturbances == 0) ++kept_.disturbances;
     }
     // Call after every change of the spin other than by free rotation.
     TUMBLE_INLINE void spin_changed([[maybe_unused]] int b) {
@@ -107,21 +118,22 @@ public:
             if (bodies.is_turning(b)) {
                 rotate<true>(b, info);
                 check_range(b);
+                disturb();
             }
     }
     // A step of one body, or of bodies that loads couple.
     void group(const BodyGroup& group, const StepInfo<N>& info) {
-        portion(group, info, {});
+        if (moved_in_parts(group, info, Work(1))) forget_kicks(group);
+        else over(group, info, gravity_, Work(1), true);
         check_range(group);
     }
-    // A portion of a step, of bodies that are not fixed. It does not check their range.
+    // A portion of a step, of bodies that are not fixed. It does not check their range. Contacts may change the motion
+    // after it.
     void portion(const BodyGroup& group, const StepInfo<N>& info, const Portion& portion) {
-        if constexpr (has_loads && Bodies::has_parts) {
-            if (const int halvings = halvings_under_loads(group); halvings > 0) [[unlikely]]
-                return portion_in_parts(group, info, portion.length, halvings);
-        }
+        forget_kicks(group);
+        if (moved_in_parts(group, info, portion.length)) return;
         if (portion.whole) {
-            over(group, info, gravity_, Work(1));
+            over(group, info, gravity_, Work(1), false);
             return;
         }
         part_of_step(group, info, portion.length);
@@ -181,8 +193,8 @@ private:
 
         DriftSum fall[3];
         for (int i = 0; i < 3; ++i) fall[i] = N::part(N::part(gravity_[i], part), part);
-        if constexpr (has_wrenches) over(group, info, fall, length, part);
-        else over(group, info, fall, length);
+        if constexpr (has_wrenches) over(group, info, fall, length, false, part);
+        else over(group, info, fall, length, false);
 
         for (int k = 0; k < group.count; ++k) {
             const int b = group.id[k];
@@ -206,6 +218,21 @@ private:
             }
         }
         spins_changed(group);
+    }
+    void forget_kicks([[maybe_unused]] const BodyGroup& group) {
+        if constexpr (keeps_kicks)
+            for (int k = 0; k < group.count; ++k) kept_.of_body[group.id[k]].age = 0;
+    }
+    // Moves bodies whose spins have halvings under loads; false of others.
+    TUMBLE_INLINE bool moved_in_parts([[maybe_unused]] const BodyGroup& group, [[maybe_unused]] const StepInfo<N>& info,
+                                      [[maybe_unused]] Work length) {
+        if constexpr (has_loads && Bodies::has_parts) {
+            if (const int halvings = halvings_under_loads(group); halvings > 0) [[unlikely]] {
+                portion_in_parts(group, info, length, halvings);
+                return true;
+            }
+        }
+        return false;
     }
     // The most halvings of a spin in a group in which loads act on a body with such a spin, else 0.
     [[nodiscard]] int halvings_under_loads(const BodyGroup& group) const requires(has_loads&& Bodies::has_parts) {
@@ -328,19 +355,21 @@ private:
     }
 
     // Moves the bodies over a part of a step of this length, in steps. State and `fall` have it as the unit of time.
-    // `part` is the length again, of a part that is not the whole step.
+    // `keeps`: nothing changes the motion of the bodies until their next step. `part` is the length again, of a part
+    // that is not the whole step.
     template <class... Part>
     void over(const BodyGroup& group, const StepInfo<N>& info, const DriftSum (&fall)[3], Work length,
-              const Part&... part) {
+              [[maybe_unused]] bool keeps, const Part&... part) {
         if constexpr (has_loads) {
             BodyGroup coupled;
             for (int k = 0; k < group.count; ++k) {
                 const int b = group.id[k];
                 if (is_coupled(b)) coupled.add(b);
-                else if (loads.is_loaded(bodies, b)) loaded(BodyGroup::of(b), info, fall, length, part...);
+                else if (loads.is_loaded(bodies, b))
+                    loaded(BodyGroup::of(b), info, fall, length, false, keeps, part...);
                 else unloaded(b, info, fall, part...);
             }
-            if (coupled.count > 0) loaded(coupled, info, fall, length, part...);
+            if (coupled.count > 0) loaded(coupled, info, fall, length, true, false, part...);
         } else {
             for (int k = 0; k < group.count; ++k) unloaded(group.id[k], info, fall, part...);
         }
@@ -403,33 +432,74 @@ private:
                 if (bodies.rotates(b)) half_turn_by_wrenches(b, part...);
         }
     }
+    // Bodies that loads act on: one body, or bodies that they couple.
     template <class... Part>
-    void loaded(const BodyGroup& group, const StepInfo<N>& info, const DriftSum (&fall)[3], Work length,
-                const Part&... part) requires has_loads {
+    void loaded(const BodyGroup& group, const StepInfo<N>& info, const DriftSum (&fall)[3], Work length, bool coupled,
+                [[maybe_unused]] bool keeps, const Part&... part) requires has_loads {
         if constexpr (has_wrenches) half_kick_by_wrenches(group, part...);
         const DriftSum falls[3]{whole(fall[0]), whole(fall[1]), whole(fall[2])};
-        const auto evaluate = loads.evaluation(bodies, group, length, falls);
-        if (group.count == 1) staged<1>(group, evaluate, info);
-        else staged<features.bodies>(group, evaluate, info);
+        if (features.bodies == 1 || !coupled) {
+            auto evaluate = loads.template evaluation<true>(bodies, group, length, falls);
+            if constexpr (keeps_kicks) {
+                if (keeps) evaluate.kept = &kept_.of_body[group.id[0]];
+                evaluate.age = kept_.disturbances;
+            }
+            staged<1>(group, evaluate, info);
+        } else if constexpr (features.bodies > 1) {
+            const BodyPlaces<features.bodies> places{group};
+            staged<features.bodies>(
+                group, loads.template evaluation<false>(bodies, group, length, falls, places.of_body), info);
+        }
         if constexpr (has_wrenches) half_kick_by_wrenches(group, part...);
     }
     template <int capacity, class Evaluate>
     void staged(const BodyGroup& ids, const Evaluate& evaluate, const StepInfo<N>& info) {
-        Group<N, spin, Inertia, capacity, features.mixed()> group;
-        group.count = ids.count;
+        using Moved = Translations<N, spin, capacity>;
+        if constexpr (!rotation || requires(const Moved& group) {
+                          Integrator::template advance<N, capacity>(group, evaluate, info);
+                      }) {
+            if (!is_turned(ids)) return translated<Moved>(ids, evaluate, info);
+        }
+        if constexpr (rotation) {
+            Group<N, spin, Inertia, capacity, features.mixed()> group;
+            group.set_count(ids.count);
+            for (int k = 0; k < ids.count; ++k) {
+                group.body[k] = &bodies.state[ids.id[k]];
+                if (bodies.rotates(ids.id[k])) group.inertia[k] = &inertia_[ids.id[k]];
+            }
+            if (!Integrator::template advance<N, capacity>(group, evaluate, info))
+                bodies.report(Issue::step_bound_hit, ids.id[0]);
+            if constexpr (Bodies::has_parts)
+                if (group.too_fast >= 0) [[unlikely]]
+                    bodies.report(Issue::range_left, ids.id[group.too_fast]);
+            spins_changed(ids);
+        }
+    }
+    // The bodies rotate freely, and the loads move their centres of mass.
+    template <class Moved, class Evaluate>
+    void translated(const BodyGroup& ids, const Evaluate& evaluate, const StepInfo<N>& info) {
+        Moved group;
+        group.set_count(ids.count);
         for (int k = 0; k < ids.count; ++k) {
             group.body[k] = &bodies.state[ids.id[k]];
-            if constexpr (rotation)
-                if (bodies.rotates(ids.id[k])) group.inertia[k] = &inertia_[ids.id[k]];
+            rotate(ids.id[k], info);
         }
+        constexpr int capacity = std::extent_v<decltype(group.body)>;
         if (!Integrator::template advance<N, capacity>(group, evaluate, info))
             bodies.report(Issue::step_bound_hit, ids.id[0]);
-        if constexpr (Bodies::has_parts)
-            if (group.too_fast >= 0) [[unlikely]]
-                bodies.report(Issue::range_left, ids.id[group.too_fast]);
-        spins_changed(ids);
+    }
+    [[nodiscard]] bool is_turned([[maybe_unused]] const BodyGroup& ids) const {
+        if constexpr (rotation)
+            for (int k = 0; k < ids.count; ++k)
+                if (loads.is_turned(bodies, ids.id[k])) return true;
+        return false;
     }
 
+    struct KeptKicks {
+        typename detail::RoomFor<KeptKick<N, rotation>, features.bodies>::Array of_body{};
+        std::uint32_t disturbances = 1;  // counted; 0 is skipped
+    };
+    [[no_unique_address]] If<keeps_kicks, KeptKicks, 2> kept_{};
     DriftSum gravity_[3]{};  // change of drift a step, or half of it: see fall_in_halves
     [[no_unique_address]] If<rotation, typename detail::RoomFor<Inertia, features.bodies>::Array, 1> inertia_{};
 

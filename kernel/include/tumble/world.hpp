@@ -101,6 +101,7 @@ public:
             for (int b = 0; b < advance_.bodies.count; ++b) disturb(b);
         }
         if constexpr (features.springs_touch()) added = advance_.loads.add(spec, advance_.bodies) && added;
+        advance_.disturb();
         if constexpr (has_contacts) count = contacts_.plane_count();
         else if constexpr (features.springs_touch()) count = advance_.loads.plane_count();
         if (added) note(spec);
@@ -135,6 +136,7 @@ public:
     void set_forces(Span<TimedForce<N>> forces) requires(features.forces) {
         refuse_to_record();
         require_bodies(forces);
+        advance_.disturb();
         advance_.loads.set_forces(forces, now(), [&](int b) { disturb(b); });
     }
 
@@ -552,9 +554,10 @@ private:
             contacts_.forget_pairs_of(b);
         }
     }
-    // Call after an impulse, a force that switches or new gravity: drops the bounds on the time to contact of the body
-    // and of all that it may push, and wakes it.
+    // Call after an impulse, a force that switches or new gravity: drops the kicks that were kept, and the bounds on
+    // the time to contact of the body and of all that it may push, and wakes it.
     void disturb([[maybe_unused]] int b) {
+        advance_.disturb();
         if constexpr (has_contacts) {
             contacts_.startle_all_near(b, advance_.bodies.steps_taken);
             wake(b);
@@ -727,8 +730,10 @@ private:
             StageState<N> stages[features.bodies];
             Kick<N> kicks[features.bodies];
             for (int k = 0; k < loaded.count; ++k) stages[k] = stage_of(advance_.bodies.state[loaded.id[k]]);
-            if (!foresee_in_parts(loaded, stages, kicks))
-                advance_.loads.evaluation(advance_.bodies, loaded, Work(1), whole)(stages, kicks);
+            const BodyPlaces<features.bodies> places{loaded};
+            if (!foresee_in_parts(loaded, places, stages, kicks))
+                advance_.loads.template evaluation<false>(advance_.bodies, loaded, Work(1), whole,
+                                                          places.of_body)(stages, kicks);
             for (int k = 0; k < loaded.count; ++k) {
                 contacts_.kick(loaded.id[k]) = kicks[k];
                 if constexpr (Advance::has_wrenches) advance_.add_wrenches(loaded.id[k], contacts_.kick(loaded.id[k]));
@@ -740,7 +745,8 @@ private:
     // Where a spin has halvings, the loads act over the shortest part. The kicks are then those over the whole step
     // again. False where none has.
     template <class Stage, class Kick>
-    bool foresee_in_parts([[maybe_unused]] const BodyGroup& loaded, [[maybe_unused]] Stage* stages,
+    bool foresee_in_parts([[maybe_unused]] const BodyGroup& loaded,
+                          [[maybe_unused]] const BodyPlaces<features.bodies>& places, [[maybe_unused]] Stage* stages,
                           [[maybe_unused]] Kick* kicks) requires has_loads {
         if constexpr (Advance::Bodies::has_parts) {
             auto& bodies = advance_.bodies;
@@ -757,7 +763,8 @@ private:
                     stages[k].t_b[i].raw >>= most - bodies.parts.halvings[loaded.id[k]];
                 }
             }
-            advance_.loads.evaluation(bodies, loaded, N::times_power_of_two(Work(1), -most), fall)(stages, kicks);
+            advance_.loads.template evaluation<false>(bodies, loaded, N::times_power_of_two(Work(1), -most), fall,
+                                                      places.of_body)(stages, kicks);
             const auto of_step = [&](Work change) { return N::times_power_of_two(change, 2 * most); };
             for (int k = 0; k < loaded.count; ++k) {
                 for (int i = 0; i < 3; ++i) {

@@ -50,6 +50,17 @@ struct BodyGroup {
     void add(int body) { id[count++] = static_cast<std::int16_t>(body); }
 };
 
+// The place in a group of each body of the world; -1 for a body that is not in the group.
+template <int capacity>
+struct BodyPlaces {
+    std::int16_t of_body[capacity];
+
+    explicit BodyPlaces(const BodyGroup<capacity>& group) {
+        for (std::int16_t& place : of_body) place = -1;
+        for (int k = 0; k < group.count; ++k) of_body[group.id[k]] = static_cast<std::int16_t>(k);
+    }
+};
+
 // Converts a spin to angular velocity and from angular momentum: half_turn_i = turn_per_impulse_i * L_i, w_i = rate_i *
 // half_turn_i.
 template <class N, Spin spin>

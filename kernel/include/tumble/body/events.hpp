@@ -4,6 +4,7 @@
 #pragma once
 
 #include <tumble/body/bodies.hpp>
+#include <tumble/numbers/vector_block.hpp>
 
 namespace tumble {
 
@@ -22,13 +23,13 @@ struct Impulse {
 // a ForceSpec.
 template <class N>
 struct TimedForce {
-    std::int16_t body = 0;                   // index
-    Frame frame = Frame::world;              // of force and torque
-    std::uint64_t from = 0;                  // the first step in which it acts
-    std::uint64_t until = 0;                 // the first step in which it no longer acts
-    WorkVec3<N> force = zero_vector<N>();    // N, in `frame` (body: principal axes)
-    WorkVec3<N> torque = zero_vector<N>();   // N m, in `frame`
-    WorkVec3<N> point_b = zero_vector<N>();  // m, principal axes
+    std::int16_t body = 0;       // index
+    Frame frame = Frame::world;  // of force and torque
+    std::uint64_t from = 0;      // the first step in which it acts
+    std::uint64_t until = 0;     // the first step in which it no longer acts
+    VectorBlock<N> force{};      // N s in a step, in `frame` (body: principal axes)
+    VectorBlock<N> torque{};     // N m s in a step, in `frame`
+    VectorBlock<N> point_b{};    // m, principal axes
 
     // True in the steps in which it acts.
     [[nodiscard]] bool is_on(std::uint64_t step) const { return from <= step && step < until; }
@@ -68,13 +69,18 @@ template <class N, Spin spin, int capacity, bool points>
     const bool in_body = spec.frame == Frame::body;
     if (!bodies.rotates(bodies.index_of(spec.body)))
         TUMBLE_ASSERT(!in_body && spec.point.is_zero() && spec.torque.is_zero());
+    const auto block = [](const WorkVec3<N>& v) { return VectorBlock<N>::of(v.x(), v.y(), v.z()); };
+    const auto in_step = [&](const RealVec3& v) {
+        const RealVec3 impulse = v * bodies.step_length;
+        return block(in_body ? bodies.principal_vector(spec.body, impulse) : work_vector<N>(impulse));
+    };
     return {static_cast<std::int16_t>(bodies.index_of(spec.body)),
             spec.frame,
             bodies.step_of(spec.from),
             bodies.step_of(spec.until),
-            in_body ? bodies.principal_vector(spec.body, spec.force) : work_vector<N>(spec.force),
-            in_body ? bodies.principal_vector(spec.body, spec.torque) : work_vector<N>(spec.torque),
-            bodies.principal_vector(spec.body, spec.point)};
+            in_step(spec.force),
+            in_step(spec.torque),
+            block(bodies.principal_vector(spec.body, spec.point))};
 }
 
 // Applies the impulse's change of momentum at once.

@@ -34,23 +34,32 @@ struct StageState {
 };
 template <class N>
 struct StageState<N, false> {
-    typename N::PositionSum x_w[3]{};
-    typename N::DriftSum d_w[3]{};
+    typename N::PositionSum x_w[3];
+    typename N::DriftSum d_w[3];
 };
 
 // The change of drift and spin in a whole step that the loads would make at their present strength. The spin's part is
-// unused for a point mass.
+// unused for a point mass. Kick{} is zero.
 template <class N, bool rotation = true>
 struct Kick {
-    typename N::DriftSum linear[3]{};
-    typename N::TurnSum angular[3]{};
+    typename N::DriftSum linear[3];
+    typename N::TurnSum angular[3];
 };
 template <class N>
 struct Kick<N, false> {
-    typename N::DriftSum linear[3]{};
+    typename N::DriftSum linear[3];
 };
 
-// The same in working numbers, m and rad. For a solver, whose trial values may lie far outside the range of a format.
+// The kick at the end of a body's last step, which is the kick at the start of its next one where no load depends on
+// the velocity and nothing but steps has happened. It saves an evaluation and changes no bit.
+template <class N, bool rotation>
+struct KeptKick {
+    Kick<N, rotation> kick{};
+    std::uint32_t age = 0;  // the world's count of disturbances when it was kept; 0: none is kept
+};
+
+// The same as a Kick in working numbers, m and rad. For a solver, whose trial values may lie far outside the range of a
+// format.
 template <class N, bool rotation = true>
 struct WorkKick {
     Vec3<typename N::Work> linear, angular;
@@ -60,18 +69,35 @@ struct WorkKick<N, false> {
     Vec3<typename N::Work> linear;
 };
 
-template <class N, Spin spin>
-[[nodiscard]] TUMBLE_INLINE StageState<N, spin != Spin::none> stage_of(const BodyState<N, spin>& body) {
-    StageState<N, spin != Spin::none> s;
+// Writes the body as it stands to a stage, in place.
+template <class N, Spin spin, bool rotation>
+TUMBLE_INLINE void take_stage(StageState<N, rotation>& s, const BodyState<N, spin>& body) {
     for (int i = 0; i < 3; ++i) {
         s.x_w[i] = N::sum(body.x_w[i]);
         s.d_w[i] = N::sum(body.d_w[i]);
     }
-    if constexpr (spin != Spin::none) {
+    if constexpr (rotation) {
         s.q_wb = body.q_wb.value();
         s.t_b = body.t_b.value();
     }
+}
+template <class N, Spin spin>
+[[nodiscard]] TUMBLE_INLINE StageState<N, spin != Spin::none> stage_of(const BodyState<N, spin>& body) {
+    StageState<N, spin != Spin::none> s;
+    take_stage(s, body);
     return s;
+}
+// Copies a stage, likewise.
+template <class N, bool rotation>
+TUMBLE_INLINE void copy_stage(StageState<N, rotation>& to, const StageState<N, rotation>& from) {
+    for (int i = 0; i < 3; ++i) {
+        to.x_w[i] = from.x_w[i];
+        to.d_w[i] = from.d_w[i];
+    }
+    if constexpr (rotation) {
+        to.q_wb = from.q_wb;
+        to.t_b = from.t_b;
+    }
 }
 
 // The angles of three turns.

@@ -115,7 +115,7 @@ private:
 
         bool solve() {
             for (int b = 0; b < group.count; ++b) {
-                start[b] = stage_of(*group.body[b]);
+                group.take(b, start[b]);
                 if constexpr (Group::rotation)
                     if (group.rotates(b)) start[b].t_b = group.body[b]->t_b.take();
             }

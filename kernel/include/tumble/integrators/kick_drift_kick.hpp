@@ -1,7 +1,9 @@
 // Kick-drift-kick: half a kick by forces and torques, a drift of the centre of mass with a torque-free rotation, and
 // half a kick. Order 2, reversible in time. RotationFlow is the rotation. Without loads only the drift and the rotation
 // run. Loads that depend on velocity (drag, damping) keep the symmetry: the first half kick is that of explicit Euler,
-// the second that of implicit Euler, its adjoint, solved by fixed-point iteration.
+// the second that of implicit Euler, its adjoint. It is solved in closed form where the evaluation can
+// (ends_in_closed_form(), at_end()), and else by fixed-point iteration. Loads that depend on position alone are
+// evaluated once a step: the next step starts with the kick of this one's end (take_kept(), keep()).
 //
 // Composed<RotationFlow, Parts> consists of several such steps, whose lengths are parts of a step that cancel the
 // leading errors. Loads that depend on position alone are evaluated once between two parts, because both kicks have the
@@ -22,23 +24,35 @@ struct OnePart {
     [[nodiscard]] static constexpr Real of(int) { return 1; }
 };
 
-// Fixed-point iterations for the half kick that ends a part.
+// Fixed-point iterations for the half kick that ends a part, at most: they end where no sum changes any more.
 inline constexpr int end_kick_iterations = 6;
 
 // The half kick that ends a part, for loads that depend on velocity: kick = the loads at the velocity after the kick.
 template <class N, int capacity, class Group, class Evaluate, class HalfOf>
 void solve_end_kick(const Group& group, const typename Group::Stage (&state)[capacity],
                     typename Group::Kick (&kick)[capacity], Evaluate& evaluate, HalfOf&& half) {
-    for (int iteration = 0; iteration < end_kick_iterations; ++iteration) {
+    bool changes = true;
+    for (int iteration = 0; iteration < end_kick_iterations && changes; ++iteration) {
         typename Group::Stage end[capacity];
+        typename Group::Kick before[capacity];
         for (int b = 0; b < group.count; ++b) {
-            end[b] = state[b];
-            for (int i = 0; i < 3; ++i) end[b].d_w[i] += half(kick[b].linear[i]);
-            if constexpr (Group::rotation)
-                for (int i = 0; i < 3 && group.rotates(b); ++i)
-                    end[b].t_b[i] += N::narrow_turn(half(kick[b].angular[i]));
+            copy_stage(end[b], state[b]);
+            for (int i = 0; i < 3; ++i) {
+                before[b].linear[i] = kick[b].linear[i];
+                end[b].d_w[i] += half(kick[b].linear[i]);
+                if constexpr (Group::rotation) {
+                    before[b].angular[i] = kick[b].angular[i];
+                    if (group.rotates(b)) end[b].t_b[i] += N::narrow_turn(half(kick[b].angular[i]));
+                }
+            }
         }
         evaluate(end, kick);
+        changes = false;
+        for (int b = 0; b < group.count; ++b)
+            for (int i = 0; i < 3; ++i) {
+                changes = changes || !(before[b].linear[i] == kick[b].linear[i]);
+                if constexpr (Group::rotation) changes = changes || !(before[b].angular[i] == kick[b].angular[i]);
+            }
     }
 }
 
@@ -77,6 +91,7 @@ template <class RotationFlow, class Parts = tumble::detail::OnePart>
 struct KickDriftKick : Stability<tumble::detail::KickDriftKickOnOscillator<Parts>> {
     static constexpr Spin spin = Spin::angular_momentum;
     static constexpr Coasting coasting = Coasting::mean;
+    static constexpr bool keeps_kick = true;
 
     template <class N>
     using Inertia = typename RotationFlow::template Inertia<N>;
@@ -100,7 +115,7 @@ struct KickDriftKick : Stability<tumble::detail::KickDriftKickOnOscillator<Parts
         typename Group::Kick kick[capacity];
         // Evaluates the loads at the present state.
         const auto look = [&] {
-            for (int b = 0; b < group.count; ++b) state[b] = stage_of(*group.body[b]);
+            for (int b = 0; b < group.count; ++b) group.take(b, state[b]);
             evaluate(state, kick);
         };
         const auto kick_bodies = [&](auto&& share) {
@@ -113,7 +128,11 @@ struct KickDriftKick : Stability<tumble::detail::KickDriftKickOnOscillator<Parts
         };
         const bool velocity_matters = evaluate.depends_on_velocity();
         bool converged = true;
-        look();
+        // Loads that depend on position alone have pulled like this at the end of the last step.
+        bool is_known = false;
+        if constexpr (capacity == 1 && requires { evaluate.take_kept(kick); })
+            is_known = !velocity_matters && evaluate.take_kept(kick);
+        if (!is_known) look();
         for (int part = 0; part < Parts::count; ++part) {
             const auto half = [&](auto sum) { return half_of_part<N>(sum, part); };
             if (part > 0 && velocity_matters) look();
@@ -128,10 +147,20 @@ struct KickDriftKick : Stability<tumble::detail::KickDriftKickOnOscillator<Parts
                     if (turned == Turned::too_far) group.too_fast = b;
                 }
             }
+            if constexpr (Parts::count == 1 && !Group::rotation && requires { evaluate.ends_in_closed_form(); }) {
+                if (velocity_matters && evaluate.ends_in_closed_form()) {
+                    for (int b = 0; b < group.count; ++b) group.take(b, state[b]);
+                    evaluate.at_end(state, kick);
+                    kick_bodies(half);
+                    continue;
+                }
+            }
             look();
             if (velocity_matters) tumble::detail::solve_end_kick<N, capacity>(group, state, kick, evaluate, half);
             kick_bodies(half);
         }
+        if constexpr (capacity == 1 && requires { evaluate.keep(kick); })
+            if (!velocity_matters) evaluate.keep(kick);
         return converged;
     }
 

@@ -18,6 +18,8 @@
 //   follows_any_turn                if a step may turn a body by any angle. Without it, floating point sets range_left
 //                                   for more than 1 rad, or for more than 3 rad if the spin is the angular momentum
 //   takes_any_load                  if fixed point does not limit the change that loads make in a step
+//   keeps_kick                      if a step of a body alone starts with the kick that the last step ended with:
+//                                   evaluate.take_kept() and keep()
 //   not_in_fixed_point              if the method is for floating point only: the reason for the user; see runs_in
 // A new method is one such header and one line in integrators/list.hpp. World checks the required members by the
 // concept Method below.
@@ -36,16 +38,29 @@ inline constexpr int no_truncation = 0x7fffffff;
 template <class Method, class N>
 inline constexpr bool runs_in = !(N::fixed_point && requires { Method::not_in_fixed_point; });
 
+// The number of bodies of a group; of a body alone, a constant.
+template <int capacity>
+struct GroupCount {
+    int count = 0;
+    void set_count(int bodies) {
+        if (bodies < 1) __builtin_unreachable();  // so that compilers see that there is a first stage
+        count = bodies;
+    }
+};
+template <>
+struct GroupCount<1> {
+    static constexpr int count = 1;
+    static void set_count(int) {}
+};
+
 // Bodies that have their stages together, because loads couple them, or one body alone. With `points` some of them may
-// be point masses; without a spin all of them are. The orientation and spin of a point mass are not used and may be
-// absent.
+// be point masses, whose orientation and spin are not used.
 template <class N, Spin spin, class Inertia, int capacity, bool points = false>
-struct Group {
+struct Group : GroupCount<capacity> {
     static constexpr bool rotation = true, has_points = points;
     using Stage = StageState<N>;
     using Kick = tumble::Kick<N>;
 
-    int count = 0;
     BodyState<N, spin>* body[capacity]{};
     Inertia* inertia[capacity]{};  // null for a point mass
     mutable int too_fast = -1;     // a body that the method could not turn, because it turns too far in the step
@@ -54,17 +69,20 @@ struct Group {
         if constexpr (points) return inertia[b] != nullptr;
         else return true;
     }
+    // Writes body b as it stands.
+    TUMBLE_INLINE void take(int b, Stage& stage) const { take_stage(stage, *body[b]); }
 };
-template <class N, class Inertia, int capacity>
-struct Group<N, Spin::none, Inertia, capacity, false> {
+// Bodies whose rotation the loads neither change nor ask for: point masses, and bodies that feel no torque.
+template <class N, Spin spin, int capacity>
+struct Translations : GroupCount<capacity> {
     static constexpr bool rotation = false, has_points = false;
     using Stage = StageState<N, false>;
     using Kick = tumble::Kick<N, false>;
 
-    int count = 0;
-    BodyState<N, Spin::none>* body[capacity]{};
+    BodyState<N, spin>* body[capacity]{};
 
     [[nodiscard]] static constexpr bool rotates(int) { return false; }
+    TUMBLE_INLINE void take(int b, Stage& stage) const { take_stage(stage, *body[b]); }
 };
 
 namespace detail {

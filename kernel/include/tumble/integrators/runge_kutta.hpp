@@ -216,7 +216,7 @@ struct RungeKutta : Stability<tumble::detail::RungeKuttaOnOscillator<table>> {
         typename N::DriftSum drift[table.stages][capacity][3];
         typename Group::Stage start[capacity], state[capacity];
         for (int b = 0; b < group.count; ++b) {
-            start[b] = stage_of(*group.body[b]);
+            group.take(b, start[b]);
             if constexpr (Group::rotation)
                 if (group.rotates(b)) start[b].t_b = group.body[b]->t_b.take();
         }
@@ -224,7 +224,7 @@ struct RungeKutta : Stability<tumble::detail::RungeKuttaOnOscillator<table>> {
             constexpr int s = stage;
             for (int b = 0; b < group.count; ++b) {
                 auto& now = state[b];
-                now = start[b];
+                copy_stage(now, start[b]);
                 detail::unroll<s>([&](auto earlier) {
                     constexpr int j = earlier;
                     constexpr Rational a = table.a[s][j];

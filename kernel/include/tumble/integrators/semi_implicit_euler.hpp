@@ -42,7 +42,7 @@ struct SemiImplicitEuler : Stability<tumble::detail::SemiImplicitOnOscillator> {
     static bool advance(const Group& group, Evaluate&& evaluate, const StepInfo<N>& step) {
         typename Group::Stage state[capacity];
         typename Group::Kick kick[capacity];
-        for (int b = 0; b < group.count; ++b) state[b] = stage_of(*group.body[b]);
+        for (int b = 0; b < group.count; ++b) group.take(b, state[b]);
         evaluate(state, kick);
         for (int b = 0; b < group.count; ++b) {
             auto& body = *group.body[b];

@@ -96,13 +96,20 @@ public:
         return step;
     }
 
-    TUMBLE_INLINE void apply_to(const auto& group) const {
-        for (int k = 0; k < group.members.count; ++k) {
-            const int a = group.members.id[k];
-            apply(group.loaded[k], a, group.bodies);
-            for (int b = 0; features.pairs && b < group.bodies.count; ++b) {
-                if (b == a || (b < a && group.find(b) != nullptr)) continue;
-                apply(group.loaded[k], a, *group.other_end(b), b, group.bodies);
+    // The contacts are on in this world.
+    [[nodiscard]] bool is_on() const { return on_; }
+    [[nodiscard]] bool turns(const Bodies& bodies, int b) const { return acts_on(bodies, b); }
+    // Adds the forces of the contacts to the loaded bodies of a group. find(b) returns that of a body, or null where b
+    // is not in the group; other_end(b) returns it for a body outside the group too, such as a fixed one.
+    template <class Find, class OtherEnd>
+    TUMBLE_INLINE void apply_to(const BodyGroup<features.bodies>& group, Loaded* loaded, Bodies& bodies,
+                                const Find& find, const OtherEnd& other_end) const {
+        for (int k = 0; k < group.count; ++k) {
+            const int a = group.id[k];
+            apply(loaded[k], a, bodies);
+            for (int b = 0; features.pairs && b < bodies.count; ++b) {
+                if (b == a || (b < a && find(b) != nullptr)) continue;
+                apply(loaded[k], a, *other_end(b), b, bodies);
             }
         }
     }

@@ -1,8 +1,8 @@
-// Newton's gravitation between two bodies as point masses: F = G m1 m2 / r^2. One square root and one division a pair.
+// Newton's gravitation between two bodies as point masses: F = G m1 m2 / r^2. One inverse square root a pair.
 #pragma once
 
 #include <tumble/body/setup.hpp>
-#include <tumble/loads/loaded_body.hpp>
+#include <tumble/loads/loaded_group.hpp>
 #include <tumble/status.hpp>
 
 namespace tumble {
@@ -11,30 +11,37 @@ template <class N, int bodies>
 class Gravitation {
 public:
     using Work = typename N::Work;
+    using L = LoadNumbers<N>;
+    using Factor = typename L::Factor;
 
     Gravitation(Real step, const WorldSpec& spec)
-        : constant_{N::template constant<Work>(spec.gravitation)},
-          near_per_mass_{N::template constant<Work>(spec.gravitation * step * step * Real{least_steps * least_steps})} {
-    }
+        : per_mass_{N::template constant<Work>(spec.gravitation * step * step)} {}
     void set_body(int b, const BodySpec& spec, const auto&, const auto&) {
-        mass_[b] = N::template constant<Work>(spec.mass);
+        pull_[b] = L::factor(per_mass_ * N::template constant<Work>(spec.mass));
     }
+    // The place of a removed body does not attract.
+    void remove(int b) { pull_[b] = {}; }
 
-    [[nodiscard]] bool acts_on(const auto& all, int) const { return constant_ > Work(0) && all.count > 1; }
-    [[nodiscard]] bool couples(const auto& all, int b) const { return acts_on(all, b); }
+    [[nodiscard]] bool acts_on(const auto& all, int) const { return per_mass_ > Work{} && all.count > 1; }
+    [[nodiscard]] bool couples(const auto& all, int b) const {
+        for (int other = 0; per_mass_ > Work{} && other < all.count; ++other)
+            if (other != b && !all.constants[other].fixed && !L::is_zero(pull_[other])) return true;
+        return false;
+    }
     template <class F>
     void for_each_coupled(const auto& all, int b, F&& f) const {
-        for (int other = 0; constant_ > Work(0) && other < all.count; ++other)
-            if (other != b) f(other);
+        for (int other = 0; per_mass_ > Work{} && other < all.count; ++other)
+            if (other != b && !L::is_zero(pull_[other])) f(other);
     }
-    TUMBLE_INLINE void apply_to(const auto& group) const {
-        for (int k = 0; k < group.members.count && constant_ > Work(0); ++k) {
-            const int a = group.members.id[k];
+    template <class Group>
+    TUMBLE_INLINE void apply_to(const Group& group) const {
+        for (int k = 0; k < group.count && per_mass_ > Work{}; ++k) {
+            const int a = group.id[k];
             for (int b = 0; b < group.bodies.count; ++b) {
-                if (b == a || (b < a && group.find(b) != nullptr)) continue;  // a pair of the group once
-                if (mass_[b] == Work(0)) continue;                            // the place of a removed body
-                if (!apply(group.loaded[k], mass_[a], *group.other_end(b), mass_[b], group.bodies.constants[b].fixed))
-                    group.bodies.report(Issue::step_too_long, a);
+                const int other = group.place_of(b);
+                if (b == a || (b < a && other >= 0)) continue;  // a pair of the group once
+                if (L::is_zero(pull_[b])) continue;             // the place of a removed body
+                if (!apply(group, k, a, other, b)) group.bodies.report(Issue::step_too_long, a);
             }
         }
     }
@@ -42,26 +49,34 @@ public:
 private:
     // Least number of steps in the time sqrt(r^3 / G (m1 + m2)), in which two bodies at the distance r turn about each
     // other by a radian or fall into each other. With fewer, the energy drifts.
-    static constexpr int least_steps = 2;
+    static constexpr int log2_least_steps = 1;
 
     // False where the step is too long for two bodies so near each other. Where b is fixed, only its own mass counts.
     // Bodies at the same place exert no force, since there is no direction.
-    template <class Body>
-    bool apply(Body& a, Work mass_a, Body& b, Work mass_b, bool b_is_fixed) const {
-        WorkVec3<N> r;
-        for (int i = 0; i < 3; ++i) r[i] = N::apart(b.stage->x_w[i], a.stage->x_w[i]);
-        const Work r2 = dot(r, r);
-        if (!(r2 > Work(0))) return false;
-        const Work r3 = r2 * sqrt(r2), inverse = Work(1) / r3;
-        const WorkVec3<N> force = scaled_by(r, constant_ * mass_a * mass_b * inverse);
-        a.force_w += force;
-        b.force_w -= force;
-        return !(r3 < near_per_mass_ * (b_is_fixed ? mass_b : mass_a + mass_b));
+    template <class Group>
+    TUMBLE_INLINE bool apply(const Group& group, int k, int a, int other, int b) const {
+        const auto r = L::between([&](auto& to) {
+            for (int i = 0; i < 3; ++i) {
+                to.template put<true>(i, other >= 0 ? group.stage[other].x_w[i] : N::sum(group.bodies.state[b].x_w[i]));
+                to.template put<false>(i, group.stage[k].x_w[i]);
+            }
+        });
+        if (L::is_zero(r)) return false;
+        const Factor u = L::inverse_length(r), u3 = L::product(L::product(u, u), u);
+        Factor pull = L::product(u3, pull_[b]);
+        L::add(group.kick[k].linear, r, pull, group.bodies.scale);
+        if (other >= 0) {
+            const Factor back = L::product(u3, pull_[a]);
+            L::add(group.kick[other].linear, r, L::negative(back), group.bodies.scale);
+            pull = L::sum(pull, back);
+        } else if (!group.bodies.constants[b].fixed) {
+            pull = L::sum(pull, L::product(u3, pull_[a]));
+        }
+        return !L::template exceeds_power_of_two<-2 * log2_least_steps>(pull);
     }
 
-    Work constant_{};       // m^3/(kg s^2)
-    Work near_per_mass_{};  // m^3/kg: r^3 below which a pair is too near for the step
-    Work mass_[bodies]{};
+    Work per_mass_;        // G h^2, m^3/kg
+    Factor pull_[bodies];  // G h^2 m of each body, m^3
 };
 
 }  // namespace tumble

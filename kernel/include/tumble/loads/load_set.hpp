@@ -11,26 +11,14 @@
 
 namespace tumble {
 
-// The bodies of one group as a load sees them. find(b) returns the loaded body, or null where b is not in the group.
-// other_end(b) returns it for a body outside the group too, such as a fixed one.
-template <class Group, class Body, class Bodies, class Find, class OtherEnd>
-struct LoadedGroup {
-    const Group& members;
-    Body* loaded;
-    Bodies& bodies;
-    const Find& find;
-    const OtherEnd& other_end;
-};
-template <class Group, class Body, class Bodies, class Find, class OtherEnd>
-LoadedGroup(const Group&, Body*, Bodies&, const Find&, const OtherEnd&)
-    -> LoadedGroup<Group, Body, Bodies, Find, OtherEnd>;
-
 // A load has its header, its set-up here, a line in any() and a member. Its functions:
 //   acts_on(bodies, b)                 true of a body that feels it in this step
-//   apply_to(group)                    adds to the forces and torques of a LoadedGroup
+//   turns(bodies, b)                   only where it changes or asks for an orientation or a spin: true of such a body
+//   apply_to(group)                    adds the changes of drift and turn to a LoadedGroup
 //   couples(bodies, b), for_each_coupled(bodies, b, f)   only where a body feels another
 //   depends_on_velocity()              only where it may
 //   set_body(b, spec, inertia, bodies) only where it keeps something of each body
+// Contacts by springs are the exception: their points are found in working numbers, and so are their forces.
 template <class N, Spin spin, Features features>
 class LoadSet {
 public:
@@ -39,6 +27,7 @@ public:
     static constexpr bool rotation = features.rotation;
     using Bodies = tumble::Bodies<N, spin, features.bodies, features.mixed()>;
     using BodyGroup = tumble::BodyGroup<features.bodies>;
+    using L = LoadNumbers<N>;
     using Stage = StageState<N, rotation>;
     using Loaded = LoadedBody<N, rotation, features.mixed()>;
 
@@ -59,9 +48,9 @@ public:
     // Call when a body has been removed: its place loads nothing, and its springs go.
     void remove(int b, Bodies& bodies) {
         BodySpec nobody;
-        nobody.mass = 0;
         nobody.fixed = true;
         set_body(b, nobody, {}, bodies);
+        if constexpr (features.gravitation) gravitation_.remove(b);
         if constexpr (features.springs > 0) springs_.remove_from(b);
     }
     // False when there is no room.
@@ -80,12 +69,11 @@ public:
         if (!springs_.add(spec, bodies)) return false;
         const bool is_straight = !spec.rest_length.is_zero();
         for (int axis = is_straight ? 3 : 0; axis < (is_straight ? 4 : 3); ++axis) {
-            const Evaluate at_rest{bodies, *this, {}, seconds_, Work{}, {}};  // no steps a second: no velocities
             Loaded loaded[features.bodies];
             Stage stage[features.bodies];
             for (int b = 0; b < bodies.count; ++b) {
                 stage[b] = stage_of(bodies.state[b]);
-                load(loaded[b], b, stage[b], at_rest);
+                load(loaded[b], b, stage[b], bodies, Work{});  // no steps a second: no velocities
             }
             const int b = springs_.body_beyond(bounds, bodies, loaded, drag_, seconds_, axis);
             if (b < 0) continue;
@@ -120,6 +108,13 @@ public:
             else return false;
         });
     }
+    // True of a body whose orientation or spin a load changes or asks for. The others move as point masses do.
+    [[nodiscard]] bool is_turned([[maybe_unused]] const Bodies& bodies, [[maybe_unused]] int b) const {
+        return any(*this, [&](const auto& load) {
+            if constexpr (requires { load.turns(bodies, b); }) return load.turns(bodies, b);
+            else return false;
+        });
+    }
     // Calls f(other) for every body that a spring or gravitation ties to b.
     template <class F>
     void for_each_coupled([[maybe_unused]] const Bodies& bodies, [[maybe_unused]] int b, [[maybe_unused]] F&& f) const {
@@ -134,7 +129,8 @@ public:
         forces_.start_step(now, changed);
     }
 
-    // The loads of one group of bodies, as the methods call them.
+    // The loads of one group of bodies, as the methods call them. `alone`: of a body that loads do not couple.
+    template <bool alone>
     struct Evaluate {
         static constexpr bool may_depend_on_velocity = features.drag || features.springs > 0 ||
                                                        features.springs_touch();
@@ -142,30 +138,78 @@ public:
         Bodies& bodies;
         const LoadSet& loads;
         const BodyGroup& group;
-        Work seconds, steps_per_second;  // of this portion of a step
-        DriftSum fall[3];                // gravity's change of drift in it
+        Work length;                            // of this portion, in steps
+        DriftSum fall[3];                       // gravity's change of drift in it
+        const std::int16_t* place;              // in the group, of each body of the world; null of a body alone
+        bool is_whole;                          // the portion is a whole step
+        typename L::Factor per_length;          // portions in a step
+        KeptKick<N, rotation>* kept = nullptr;  // of a body alone; null where none is kept
+        std::uint32_t age = 0;                  // the world's count of disturbances
 
-        void operator()(const Stage* stages, Kick<N, rotation>* kicks) const {
-            loads.evaluate(*this, stages, [&](int k, const WorkVec3<N>& linear, const auto&... angular) {
-                bool within = true;
-                for (int i = 0; i < 3; ++i)
-                    kicks[k].linear[i] = N::limited(fall[i] + N::drift_sum(linear[i], bodies.scale), within);
-                if constexpr (rotation) {  // two conditions, because Clang 14 instantiates the body of a combined one
-                    if constexpr (sizeof...(angular) > 0)
-                        for (int i = 0; i < 3; ++i)
-                            kicks[k].angular[i] = N::limited(N::turn_sum((angular[i], ...), bodies.scale), within);
+        [[nodiscard]] TUMBLE_INLINE int count() const { return alone ? 1 : group.count; }
+
+        template <class StageState, bool rotates>
+        void operator()(const StageState* stages, Kick<N, rotates>* kicks) const {
+            evaluate(stages, kicks, nullptr);
+        }
+        // The kick of whose half a step ends, with the loads at the velocity after that half. Only where
+        // ends_in_closed_form().
+        template <class StageState>
+        void at_end(const StageState* stages, Kick<N, false>* kicks) const {
+            evaluate(stages, kicks, fall);
+        }
+        // True of a body alone on which only one load depends on the velocity, and linearly.
+        [[nodiscard]] bool ends_in_closed_form() const {
+            if constexpr (!alone) return false;
+            int loads_of_velocity = 0;
+            if constexpr (features.drag) loads_of_velocity += loads.drag_.linear > Work{} ? 1 : 0;
+            if constexpr (features.springs > 0) loads_of_velocity += loads.springs_.dampers_at(group.id[0]);
+            return is_whole && loads_of_velocity == 1;
+        }
+        template <class StageState, bool rotates>
+        TUMBLE_INLINE void evaluate(const StageState* stages, Kick<N, rotates>* kicks,
+                                    const DriftSum* ends_with_half_of) const {
+            loads.sum_up(*this, stages, kicks, ends_with_half_of);
+            bool within = true;
+            for (int k = 0; k < count(); ++k) {
+                for (int i = 0; i < 3; ++i) {
+                    kicks[k].linear[i] = L::settled(kicks[k].linear[i], fall[i], within);
+                    if constexpr (rotates)
+                        kicks[k].angular[i] = L::settled(kicks[k].angular[i], typename N::TurnSum{}, within);
                 }
-                if (!within) bodies.report(Issue::range_left, group.id[k]);
-            });
+                if (within) [[likely]]
+                    continue;
+                bodies.report(Issue::range_left, group.id[k]);
+                within = true;
+            }
         }
         // The same in working numbers, whose range is not limited: m and rad.
-        void operator()(const Stage* stages, WorkKick<N, rotation>* kicks) const {
-            loads.evaluate(*this, stages, [&](int k, const WorkVec3<N>& linear, const auto&... angular) {
-                for (int i = 0; i < 3; ++i) kicks[k].linear[i] = linear[i] + N::metres(fall[i], bodies.scale);
-                if constexpr (rotation) {
-                    if constexpr (sizeof...(angular) > 0) kicks[k].angular = (angular, ...);
-                }
-            });
+        template <class StageState, bool rotates>
+        void operator()(const StageState* stages, WorkKick<N, rotates>* kicks) const {
+            loads.sum_up(*this, stages, kicks, nullptr);
+            for (int k = 0; k < count(); ++k)
+                for (int i = 0; i < 3; ++i) kicks[k].linear[i] += N::metres(fall[i], bodies.scale);
+        }
+        // The kick that was kept; false if there is none.
+        template <bool rotates>
+        [[nodiscard]] bool take_kept(Kick<N, rotates>* kicks) const requires(alone) {
+            if (kept == nullptr || kept->age != age) return false;
+            for (int i = 0; i < 3; ++i) {
+                kicks->linear[i] = kept->kick.linear[i];
+                detail::keep_apart();
+                if constexpr (rotates) kicks->angular[i] = kept->kick.angular[i];
+            }
+            return true;
+        }
+        template <bool rotates>
+        void keep(const Kick<N, rotates>* kicks) const requires(alone) {
+            if (kept == nullptr) return;
+            for (int i = 0; i < 3; ++i) {
+                kept->kick.linear[i] = kicks->linear[i];
+                detail::keep_apart();
+                if constexpr (rotates) kept->kick.angular[i] = kicks->angular[i];
+            }
+            kept->age = age;
         }
         [[nodiscard]] bool depends_on_velocity() const {
             return any(loads, [](const auto& load) {
@@ -175,39 +219,89 @@ public:
         }
     };
     // `length` is the portion's, of a step; `fall` gravity's change of drift in it.
-    [[nodiscard]] Evaluate evaluation(Bodies& bodies, const BodyGroup& group, Work length,
-                                      const DriftSum (&fall)[3]) const {
+    template <bool alone>
+    [[nodiscard]] Evaluate<alone> evaluation(Bodies& bodies, const BodyGroup& group, Work length,
+                                             const DriftSum (&fall)[3], const std::int16_t* place = nullptr) const {
+        const bool is_whole = length == Work(1);
         return {bodies,
                 *this,
                 group,
-                seconds_ * length,
-                length == Work(1) ? steps_per_second_ : steps_per_second_ / length,
-                {fall[0], fall[1], fall[2]}};
+                length,
+                {fall[0], fall[1], fall[2]},
+                place,
+                is_whole,
+                is_whole ? L::one() : L::factor(Work(1) / length)};
     }
 
 private:
-    // Calls ask(load) for each load of the scene, in the order of the sum, until it is true.
+    // Calls ask(load) for each load of the scene, in the order of the sum, until it is true. Loads that depend on the
+    // velocity come last.
     template <class Self, class F>
     TUMBLE_INLINE static bool any([[maybe_unused]] Self& loads, [[maybe_unused]] F&& ask) {
-        if constexpr (features.drag)
-            if (ask(loads.drag_)) return true;
-        if constexpr (features.springs > 0)
-            if (ask(loads.springs_)) return true;
         if constexpr (features.gravitation)
             if (ask(loads.gravitation_)) return true;
         if constexpr (features.forces)
             if (ask(loads.forces_)) return true;
+        if constexpr (features.springs > 0)
+            if (ask(loads.springs_)) return true;
+        if constexpr (features.drag)
+            if (ask(loads.drag_)) return true;
         if constexpr (features.springs_touch())
             if (ask(loads.contacts_)) return true;
         return false;
     }
 
-    // Calls kick(place in the group, change of drift in m, change of half turn in rad) for each body; without the last
-    // for a point mass.
-    template <class F>
-    void evaluate(const Evaluate& e, const Stage* stages, F&& kick) const {
+    // Adds up the changes that the loads make in the portion, with the portion as the unit of time.
+    template <bool alone, class StageState, class Kick>
+    void sum_up(const Evaluate<alone>& e, const StageState* stages, Kick* kicks,
+                const DriftSum* ends_with_half_of) const {
+        for (int k = 0; k < e.count(); ++k) clear(kicks[k]);
+        using Group = LoadedGroup<N, Bodies, StageState, Kick, alone>;
+        Group group{{}, e.bodies, stages, kicks, e.group.id, e.place, e.per_length, e.is_whole, ends_with_half_of};
+        group.set_count(e.count());
+        (void)any(
+            *this, [&](const auto& load) __attribute__((always_inline)) {
+                if constexpr (requires { load.apply_to(group); }) load.apply_to(group);
+                return false;
+            });
+        if constexpr (features.springs_touch() && Group::rotation)
+            if (contacts_.is_on()) add_contacts(e, stages, kicks);
+        // The step is the unit of time of all constants: a change in a portion is a share with its square.
+        if (!e.is_whole) shrink(kicks, e.count(), e.length);
+    }
+    template <class Kick>
+    TUMBLE_INLINE static void clear(Kick& kick) {
+        for (int i = 0; i < 3; ++i) {
+            kick.linear[i] = std::remove_reference_t<decltype(kick.linear[i])>{};
+            if constexpr (requires { kick.angular; })
+                kick.angular[i] = std::remove_reference_t<decltype(kick.angular[i])>{};
+        }
+    }
+    template <class Kick>
+    static void shrink(Kick* kicks, int count, Work length) {
+        for (int k = 0; k < count; ++k) {
+            if constexpr (requires { kicks[k].linear.x(); }) {
+                kicks[k].linear = scaled_by(kicks[k].linear, length * length);
+                if constexpr (requires { kicks[k].angular; })
+                    kicks[k].angular = scaled_by(kicks[k].angular, length * length);
+            } else {
+                const auto part = N::fraction(length);
+                for (int i = 0; i < 3; ++i) {
+                    kicks[k].linear[i] = N::part(N::part(kicks[k].linear[i], part), part);
+                    if constexpr (requires { kicks[k].angular; })
+                        kicks[k].angular[i] = N::part(N::part(kicks[k].angular[i], part), part);
+                }
+            }
+        }
+    }
+
+    // Adds what contacts by springs change in a step.
+    template <bool alone, class Kick>
+    [[gnu::noinline]] void add_contacts(const Evaluate<alone>& e, const Stage* stages, Kick* kicks) const
+        requires(features.springs_touch()) {
         Loaded loaded[features.bodies];
-        for (int k = 0; k < e.group.count; ++k) load(loaded[k], e.group.id[k], stages[k], e);
+        const Work steps_per_second = e.is_whole ? steps_per_second_ : steps_per_second_ / e.length;
+        for (int k = 0; k < e.group.count; ++k) load(loaded[k], e.group.id[k], stages[k], e.bodies, steps_per_second);
         const auto find = [&](int b) -> Loaded* {
             if constexpr (features.bodies == 1) return loaded;
             for (int k = 0; k < e.group.count; ++k)
@@ -220,52 +314,41 @@ private:
             if constexpr (features.bodies == 1) return find(b);
             if (Loaded* found = find(b)) return found;
             still_stage = stage_of(e.bodies.state[b]);
-            load(still, b, still_stage, e);
+            load(still, b, still_stage, e.bodies, steps_per_second);
             return &still;
         };
-        const LoadedGroup group{e.group, loaded, e.bodies, find, other_end};
-        (void)any(
-            *this, [&](const auto& load) __attribute__((always_inline)) {
-                load.apply_to(group);
-                return false;
-            });
-        // Force to change of drift: F h^2 / m. The portion's own length enters squared.
-        const Work part = e.seconds * e.seconds * steps_per_second_;
+        contacts_.apply_to(e.group, loaded, e.bodies, find, other_end);
         for (int k = 0; k < e.group.count; ++k) {
             const auto& body = e.bodies.constants[e.group.id[k]];
-            const auto linear = [&] { return scaled_by(loaded[k].force_w, body.drift_per_impulse * part); };
-            if (!loaded[k].rotates()) {
-                kick(k, linear());
-            } else if constexpr (rotation) {
-                WorkVec3<N> angular;
-                for (int i = 0; i < 3; ++i) angular[i] = loaded[k].torque_b[i] * (body.units.per_impulse(i) * part);
-                kick(k, linear(), angular);
-            }
+            const Work linear = body.drift_per_impulse * seconds_;
+            for (int i = 0; i < 3; ++i) L::add(kicks[k].linear, i, loaded[k].force_w[i] * linear, e.bodies.scale);
+            for (int i = 0; i < 3 && loaded[k].rotates(); ++i)
+                L::add(kicks[k].angular, i, loaded[k].torque_b[i] * (body.units.per_impulse(i) * seconds_),
+                       e.bodies.scale);
         }
     }
 
-    static void load(Loaded& loaded, [[maybe_unused]] int b, const Stage& stage, const Evaluate& e) {
+    static void load(Loaded& loaded, [[maybe_unused]] int b, const Stage& stage, const Bodies& bodies,
+                     Work steps_per_second) {
         loaded.stage = &stage;
         loaded.force_w = zero_vector<N>();
-        if constexpr (Evaluate::may_depend_on_velocity)
-            for (int i = 0; i < 3; ++i) loaded.v_w[i] = N::metres(stage.d_w[i], e.bodies.scale) * e.steps_per_second;
+        for (int i = 0; i < 3; ++i) loaded.v_w[i] = N::metres(stage.d_w[i], bodies.scale) * steps_per_second;
         if constexpr (features.mixed()) {
-            loaded.is_point = !e.bodies.rotates(b);
+            loaded.is_point = !bodies.rotates(b);
             if (loaded.is_point) return;
         }
         if constexpr (rotation) {
             loaded.q_wb = work_quaternion<N>(stage.q_wb);
             loaded.torque_b = zero_vector<N>();
-            if constexpr (Evaluate::may_depend_on_velocity)
-                for (int i = 0; i < 3; ++i)
-                    loaded.w_b[i] = N::half_turn(stage.t_b[i], e.bodies.scale) *
-                                    e.bodies.constants[b].units.rate(i, e.steps_per_second);
+            for (int i = 0; i < 3; ++i)
+                loaded.w_b[i] =
+                    N::half_turn(stage.t_b[i], bodies.scale) * bodies.constants[b].units.rate(i, steps_per_second);
         }
     }
 
     Work seconds_, steps_per_second_;
-    [[no_unique_address]] If<features.drag, Drag<N>, 0> drag_;
-    [[no_unique_address]] If<(features.springs > 0), Springs<N, features.springs>, 1> springs_;
+    [[no_unique_address]] If<features.drag, Drag<N, features.bodies>, 0> drag_;
+    [[no_unique_address]] If<(features.springs > 0), Springs<N, features.springs, features.bodies>, 1> springs_;
     [[no_unique_address]] If<features.gravitation, Gravitation<N, features.bodies>, 2> gravitation_;
     [[no_unique_address]] If<features.forces, TimedForces<N>, 3> forces_;
     [[no_unique_address]] If<features.springs_touch(), ContactSprings<N, spin, features>, 4> contacts_;

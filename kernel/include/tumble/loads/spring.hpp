@@ -1,64 +1,25 @@
 // A spring with damping along its length, from a point of a body to a world point or to a point of another body.
-// One square root and one division unless the rest length and the damping are zero.
+// One inverse square root unless the rest length and the damping are zero.
 #pragma once
 
 #include <tumble/body/bodies.hpp>
 #include <tumble/integrators/stability.hpp>
 #include <tumble/loads/loaded_body.hpp>
+#include <tumble/loads/loaded_group.hpp>
 
 namespace tumble {
 
 template <class N>
 struct Spring {
     using Work = typename N::Work;
+    using Vector = VectorBlock<N>;
 
     std::int16_t body = 0, to_body = -1;
-    WorkVec3<N> point_b = zero_vector<N>();      // m, principal axes of `body`
-    WorkVec3<N> to = zero_vector<N>();           // m, principal axes of `to_body`; unused for a world point
+    Vector point_b{};                            // m, principal axes of `body`
+    Vector to{};                                 // m, principal axes of `to_body`; unused for a world point
     typename N::PositionSum anchor_w[3]{};       // the world point
-    Work stiffness{}, damping{}, rest_length{};  // N/m, N s/m, m
-
-    // `other` is null for a world point.
-    template <class Body>
-    void apply(Body& a, Body* other) const {
-        const WorkVec3<N> reach = reach_of(a, other);
-        WorkVec3<N> force = scaled_by(reach, stiffness);
-        if (rest_length > Work(0) || damping > Work(0)) {
-            const Work length = sqrt(dot(reach, reach));
-            if (!(length > Work(0))) return;  // no direction: no force
-            const WorkVec3<N> along = scaled_by(reach, Work(1) / length);
-            Work strength = stiffness * (length - rest_length);
-            if (damping > Work(0)) { strength = mul_add(strength, damping, dot(rate_of(a, other), along)); }
-            force = scaled_by(along, strength);
-        }
-        push(a, other, force);
-    }
-
-    // The vector from its point of `a` to its other end, m, world. Positions are subtracted in the state's format,
-    // before they are rounded to working numbers.
-    template <class Body>
-    [[nodiscard]] WorkVec3<N> reach_of(const Body& a, const Body* other) const {
-        WorkVec3<N> reach;
-        for (int i = 0; i < 3; ++i)
-            reach[i] = N::apart(other != nullptr ? other->stage->x_w[i] : anchor_w[i], a.stage->x_w[i]);
-        if constexpr (Body::rotation) {
-            if (a.rotates()) reach -= rotate(a.q_wb, point_b);
-            if (other != nullptr && other->rotates()) reach += rotate(other->q_wb, to);
-        }
-        return reach;
-    }
-    // The rate of reach_of(), m/s.
-    template <class Body>
-    [[nodiscard]] WorkVec3<N> rate_of(const Body& a, const Body* other) const {
-        WorkVec3<N> rate = -a.velocity_at(point_b);
-        if (other != nullptr) rate += other->velocity_at(to);
-        return rate;
-    }
-    template <class Body>
-    void push(Body& a, Body* other, const WorkVec3<N>& force) const {
-        a.push(force, point_b);
-        if (other != nullptr) other->push(-force, to);
-    }
+    Work stiffness{}, damping{}, rest_length{};  // h k (N s/m), N s/m, m
+    Work damping_at_end{};                       // c / (1 + h c / 2m) with the mass of `body`
 };
 
 // StepBounds of a method in working numbers: constants, which a firmware need not convert.
@@ -75,39 +36,63 @@ struct SpringBounds {
 };
 
 // The springs of a world.
-template <class N, int capacity>
+template <class N, int capacity, int bodies>
 class Springs {
 public:
     using Work = typename N::Work;
+    using L = LoadNumbers<N>;
+    using Vector = typename L::Vector;
+    using Factor = typename L::Factor;
 
-    Springs(Real, const WorldSpec&) {}
+    Springs(Real, const WorldSpec&) {
+        for (std::uint16_t& first : first_) first = none;
+    }
     // Adds a spring; false when there is no room. Misuse: a point other than zero of a point mass, and a point outside
     // the range.
-    [[gnu::noinline, gnu::cold]] bool add(const SpringSpec& spec, const auto& bodies) {
-        TUMBLE_ASSERT(spec.to_body >= -1 && spec.to_body < bodies.count);
+    [[gnu::noinline, gnu::cold]] bool add(const SpringSpec& spec, const auto& all) {
+        TUMBLE_ASSERT(spec.to_body >= -1 && spec.to_body < all.count);
         TUMBLE_ASSERT(is_in_range(spec.point) && is_in_range(spec.to));
-        TUMBLE_ASSERT(bodies.rotates(bodies.index_of(spec.body)) || spec.point.is_zero());
-        TUMBLE_ASSERT(spec.to_body < 0 || bodies.rotates(spec.to_body) || spec.to.is_zero());
+        TUMBLE_ASSERT(all.rotates(all.index_of(spec.body)) || spec.point.is_zero());
+        TUMBLE_ASSERT(spec.to_body < 0 || all.rotates(spec.to_body) || spec.to.is_zero());
         if (count_ >= capacity) return false;
-        Spring<N>& spring = spring_[count_++];
-        spring.body = static_cast<std::int16_t>(bodies.index_of(spec.body));
+        const auto point = [&](int b, const RealVec3& at) {
+            const WorkVec3<N> p = all.principal_vector(b, at);
+            return Vector::of(p.x(), p.y(), p.z());
+        };
+        Spring<N>& spring = spring_[count_];
+        spring.body = static_cast<std::int16_t>(all.index_of(spec.body));
         spring.to_body = static_cast<std::int16_t>(spec.to_body);
-        spring.point_b = bodies.principal_vector(spec.body, spec.point);
-        if (spec.to_body >= 0) spring.to = bodies.principal_vector(spec.to_body, spec.to);
+        spring.point_b = point(spec.body, spec.point);
+        enlist(spec.body, 2 * count_);
+        if (spec.to_body >= 0) enlist(spec.to_body, 2 * count_ + 1);
+        ++count_;
+        if (spec.to_body >= 0) spring.to = point(spec.to_body, spec.to);
         else
             for (int i = 0; i < 3; ++i) spring.anchor_w[i] = position_sum(spec.to[i]);
-        spring.stiffness = N::template constant<Work>(spec.stiffness);
+        spring.stiffness = N::template constant<Work>(spec.stiffness * all.step_length);
         spring.damping = N::template constant<Work>(spec.damping);
         spring.rest_length = N::template constant<Work>(spec.rest_length);
+        spring.damping_at_end = spring.damping;
+        if (spec.damping > Real{}) {
+            const Work share = spring.damping * all.constants[spec.body].drift_per_impulse;
+            spring.damping_at_end = spring.damping / (Work(1) + N::half_of(share));
+            is_damped_ = true;
+        }
         return true;
     }
 
     // Removes the springs that are tied to body b. The others keep their order.
     void remove_from(int b) {
-        int kept = 0;
-        for (int s = 0; s < count_; ++s)
-            if (spring_[s].body != b && spring_[s].to_body != b) spring_[kept++] = spring_[s];
-        count_ = kept;
+        const int before = count_;
+        count_ = 0;
+        for (std::uint16_t& first : first_) first = none;
+        for (int s = 0; s < before; ++s) {
+            if (spring_[s].body == b || spring_[s].to_body == b) continue;
+            spring_[count_] = spring_[s];
+            enlist(spring_[s].body, 2 * count_);
+            if (spring_[s].to_body >= 0) enlist(spring_[s].to_body, 2 * count_ + 1);
+            ++count_;
+        }
     }
 
     // Returns a body that the newest spring moves, if the step is surely too long for that spring; else -1. `body`
@@ -130,89 +115,214 @@ public:
     // A spring counts with its stiffness at its rest length, which is along itself alone; without a rest length it is
     // as stiff in all directions.
     template <class Body>
-    [[nodiscard, gnu::cold, gnu::noinline]] int body_beyond(const SpringBounds<N>& bounds, const auto& bodies,
-                                                            Body* body, const auto& drag, Work step, int axis) const {
+    [[nodiscard, gnu::cold, gnu::noinline]] int body_beyond(const SpringBounds<N>& bounds, const auto& all, Body* body,
+                                                            const auto& drag, Work step, int axis) const {
         const auto other = [&](const Spring<N>& spring) {
             return spring.to_body < 0 ? nullptr : body + spring.to_body;
         };
         const Spring<N>& newest = spring_[count_ - 1];
         Body& a = body[newest.body];
         Body* const b = other(newest);
-        WorkVec3<N> pull = newest.reach_of(a, b);
+        WorkVec3<N> pull = reach_of(newest, a, b);
         if (axis < 3) {
             pull = zero_vector<N>();
             pull[axis] = step;  // of any size
         }
-        newest.push(a, b, pull);
-        Work stiffness{}, damping = respond(a, newest.body, bodies, drag);
-        if (b != nullptr) damping += respond(*b, newest.to_body, bodies, drag);
+        push(newest, a, b, pull);
+        Work stiffness{}, damping = respond(a, newest.body, all, drag);
+        if (b != nullptr) damping += respond(*b, newest.to_body, all, drag);
         for (int s = 0; s < count_; ++s) {
             const Spring<N>& spring = spring_[s];
-            const WorkVec3<N> reach = spring.reach_of(body[spring.body], other(spring)),
-                              rate = spring.rate_of(body[spring.body], other(spring));
+            const WorkVec3<N> reach = reach_of(spring, body[spring.body], other(spring)),
+                              rate = rate_of(spring, body[spring.body], other(spring));
             const Work squares = product(reach, reach), along = product(reach, rate);
             const Work square = squares > Work{} ? along * along / squares : squares;
             stiffness += spring.stiffness * (spring.rest_length > Work{} ? square : product(rate, rate));
             damping += spring.damping * square;
         }
-        stiffness *= step;
-        const Work inertia = -product(newest.rate_of(a, b), pull);  // u.(m u) / h
+        const Work inertia = -product(rate_of(newest, a, b), pull);  // u.(m u) / h
         for (int i = 0; i < StepBounds::sums; ++i)
             if (inertia < bounds.of_spring[i] * stiffness + bounds.of_damper[i] * damping)
-                return bodies.constants[newest.body].fixed ? newest.to_body : newest.body;
+                return all.constants[newest.body].fixed ? newest.to_body : newest.body;
         return -1;
     }
     [[nodiscard]] int count() const { return count_; }
     [[nodiscard]] const Spring<N>& operator[](int s) const { return spring_[s]; }
 
-    [[nodiscard]] bool acts_on(const auto&, int b) const {
-        for (int s = 0; s < count_; ++s)
-            if (spring_[s].body == b || spring_[s].to_body == b) return true;
-        return false;
-    }
+    [[nodiscard]] bool acts_on(const auto&, int b) const { return first_[b] != none; }
     [[nodiscard]] bool couples(const auto&, int b) const {
-        for (int s = 0; s < count_; ++s)
-            if (spring_[s].to_body >= 0 && (spring_[s].body == b || spring_[s].to_body == b)) return true;
+        bool coupled = false;
+        for_each_coupled(0, b, [&](int) { coupled = true; });
+        return coupled;
+    }
+    // True if a spring pulls at a point of the body off its centre.
+    [[nodiscard]] bool turns(const auto&, int b) const {
+        for (int end = first_[b]; end != none; end = next_[end])
+            if (!(end % 2 == 0 ? spring_[end / 2].point_b : spring_[end / 2].to).is_zero()) return true;
         return false;
     }
     template <class F>
     void for_each_coupled(const auto&, int b, F&& f) const {
-        for (int s = 0; s < count_; ++s) {
-            if (spring_[s].to_body < 0) continue;
-            if (spring_[s].body == b) f(spring_[s].to_body);
-            if (spring_[s].to_body == b) f(spring_[s].body);
+        for (int end = first_[b]; end != none; end = next_[end]) {
+            const Spring<N>& spring = spring_[end / 2];
+            if (spring.to_body >= 0) f(end % 2 == 0 ? spring.to_body : spring.body);
         }
     }
-    [[nodiscard]] bool depends_on_velocity() const {
-        for (int s = 0; s < count_; ++s)
-            if (spring_[s].damping > Work(0)) return true;
-        return false;
+    [[nodiscard]] bool depends_on_velocity() const { return is_damped_; }
+    [[nodiscard]] int dampers_at(int b) const {
+        int dampers = 0;
+        for (int end = first_[b]; is_damped_ && end != none; end = next_[end])
+            dampers += spring_[end / 2].damping > Work{} ? 1 : 0;
+        return dampers;
     }
-    TUMBLE_INLINE void apply_to(const auto& group) const {
-        for (int s = 0; s < count_; ++s) {
-            const Spring<N>& spring = spring_[s];
-            auto* a = group.find(spring.body);
-            if (a != nullptr) {
-                spring.apply(*a, spring.to_body < 0 ? nullptr : group.other_end(spring.to_body));
-            } else if (spring.to_body >= 0 && group.find(spring.to_body) != nullptr) {
-                spring.apply(*group.other_end(spring.body), group.find(spring.to_body));
+    // A body alone has springs to world points only.
+    template <class Group>
+    TUMBLE_INLINE void apply_to(const Group& group) const {
+        if constexpr (Group::alone) {
+            // At the end of a step a damper comes last.
+            const int first = first_[group.id[0]];
+            for (int pass = group.at_end() ? 0 : 1; pass < 2; ++pass)
+                for (int end = first; end != none; end = next_[end]) {
+                    const Spring<N>& spring = spring_[end / 2];
+                    if (group.at_end() && (spring.damping > Work{}) != (pass == 1)) continue;
+                    pull(group, spring, 0, spring.point_b, -1, -1, spring.to);
+                }
+        } else {
+            for (int s = 0; s < count_; ++s) {
+                const Spring<N>& spring = spring_[s];
+                const int a = group.place_of(spring.body), b = spring.to_body < 0 ? -1 : group.place_of(spring.to_body);
+                if (a >= 0) pull(group, spring, a, spring.point_b, b, spring.to_body, spring.to);
+                else if (b >= 0) pull(group, spring, b, spring.to, -1, spring.body, spring.point_b);
             }
         }
     }
 
 private:
+    // Adds an end to the list of its body.
+    void enlist(int b, int end) {
+        next_[end] = first_[b];
+        first_[b] = static_cast<std::uint16_t>(end);
+    }
+
+    // Adds the place of a point of a body to a sum, or takes it from it. Below: its velocity.
+    template <bool adds>
+    TUMBLE_INLINE static void add_place(auto& to, const auto& all, int b, const auto& stage, const Vector& point_b) {
+        for (int i = 0; i < 3; ++i) to.template put<adds>(i, stage.x_w[i]);
+        if constexpr (requires { stage.q_wb; }) {
+            if (point_b.is_zero() || !all.rotates(b)) return;
+            const Vector arm = L::rotated(stage.q_wb, point_b);
+            for (int i = 0; i < 3; ++i) to.template put<adds>(i, arm);
+        }
+    }
+    template <bool adds, class Group>
+    TUMBLE_INLINE static void add_rate(typename L::Span (&to)[3], const Group& group, int b, int k,
+                                       const Vector& point_b) {
+        const auto put = [&](int i, typename L::Span d) { to[i] = adds ? to[i] + d : to[i] - d; };
+        for (int i = 0; i < 3; ++i) put(i, L::span(group.velocity(k, i)));
+        if constexpr (Group::rotation) {
+            if (point_b.is_zero() || !group.bodies.rotates(b)) return;
+            const Vector v = rate_of_point(group.bodies, b, group.stage[k], point_b);
+            for (int i = 0; i < 3; ++i) put(i, L::span_of_velocity(v, i, group.bodies.scale));
+        }
+    }
+    // Of a body outside of the group: fixed, or asleep.
+    static void add_rate_outside(typename L::Span (&to)[3], const auto& all, int b, const Vector& point_b) {
+        const auto stage = stage_of(all.state[b]);
+        for (int i = 0; i < 3; ++i) to[i] += L::span(stage.d_w[i]);
+        if constexpr (requires { stage.q_wb; }) {
+            if (point_b.is_zero() || !all.rotates(b)) return;
+            const Vector v = rate_of_point(all, b, stage, point_b);
+            for (int i = 0; i < 3; ++i) to[i] += L::span_of_velocity(v, i, all.scale);
+        }
+    }
+    // The velocity of a point against the centre of mass, m in a step, world.
+    [[nodiscard]] static Vector rate_of_point(const auto& all, int b, const auto& stage, const Vector& point_b) {
+        const auto& units = all.constants[b].units;
+        const Vector turn = L::half_turns(stage.t_b, all.scale)
+                                .times({units.per_half_turn(0), units.per_half_turn(1), units.per_half_turn(2)});
+        return L::rotated(stage.q_wb, cross(turn, point_b));
+    }
+
+    // The pull of a spring on `own`, a body of the group, at own_point, and on the body at its other end if that is in
+    // the group too: at `other` >= 0. Else it is the body `other_body`, or the world point if that is below 0.
+    // The strength is h (k (1 - l u) + c (r . r') u^2) with u = 1/|r|.
+    template <class Group>
+    TUMBLE_INLINE static void pull(const Group& group, const Spring<N>& spring, int own, const Vector& own_point,
+                                   int other, int other_body, const Vector& other_point) {
+        auto& all = group.bodies;
+        const Vector r = L::between([&](auto& to) {
+            if (other_body < 0)
+                for (int i = 0; i < 3; ++i) to.template put<true>(i, spring.anchor_w[i]);
+            else if (other >= 0) add_place<true>(to, all, other_body, group.stage[other], other_point);
+            else add_place<true>(to, all, other_body, stage_of(all.state[other_body]), other_point);
+            add_place<false>(to, all, group.id[own], group.stage[own], own_point);
+        });
+        Factor strength = L::factor(spring.stiffness), u{};
+        const bool is_damped = spring.damping > Work{};
+        if (spring.rest_length > Work{} || is_damped) {
+            if (L::is_zero(r)) return;  // no direction: no force
+            u = L::inverse_length(r);
+            if (spring.rest_length > Work{})
+                strength = L::product(strength, L::difference(L::one(), L::product(L::factor(spring.rest_length), u)));
+        }
+        if (is_damped) {
+            if (group.at_end()) group.push(own, r, strength);
+            typename L::Span rate[3]{};
+            if (other >= 0) add_rate<true>(rate, group, other_body, other, other_point);
+            else if (other_body >= 0) add_rate_outside(rate, all, other_body, other_point);
+            add_rate<false>(rate, group, group.id[own], own, own_point);
+            const Factor along = L::product(L::product(L::dot(r, L::velocity(rate, all.scale)), u), u);
+            if (group.at_end()) return group.push(own, r, L::product(along, L::factor(spring.damping_at_end)));
+            strength = L::sum(strength, L::product(along, group.of_velocity(L::factor(spring.damping))));
+        }
+        if (L::is_zero(strength)) return;
+        group.push(own, r, strength, own_point);
+        if (other >= 0) group.push(other, r, L::negative(strength), other_point);
+    }
+
+    // The same in working numbers, for body_beyond(). From a spring's point of `a` to its other end, m, world.
+    template <class Body>
+    [[nodiscard, gnu::cold, gnu::noinline]] static WorkVec3<N> reach_of(const Spring<N>& spring, const Body& a,
+                                                                        const Body* other) {
+        WorkVec3<N> reach;
+        for (int i = 0; i < 3; ++i)
+            reach[i] = N::apart(other != nullptr ? other->stage->x_w[i] : spring.anchor_w[i], a.stage->x_w[i]);
+        if constexpr (Body::rotation) {
+            if (a.rotates()) reach -= rotate(a.q_wb, in_work(spring.point_b));
+            if (other != nullptr && other->rotates()) reach += rotate(other->q_wb, in_work(spring.to));
+        }
+        return reach;
+    }
+    // The rate of reach_of(), m/s.
+    template <class Body>
+    [[nodiscard, gnu::cold, gnu::noinline]] static WorkVec3<N> rate_of(const Spring<N>& spring, const Body& a,
+                                                                       const Body* other) {
+        WorkVec3<N> rate = -a.velocity_at(in_work(spring.point_b));
+        if (other != nullptr) rate += other->velocity_at(in_work(spring.to));
+        return rate;
+    }
+    template <class Body>
+    [[gnu::cold, gnu::noinline]] static void push(const Spring<N>& spring, Body& a, Body* other,
+                                                  const WorkVec3<N>& force) {
+        a.push(force, in_work(spring.point_b));
+        if (other != nullptr) other->push(-force, in_work(spring.to));
+    }
+    [[nodiscard]] static WorkVec3<N> in_work(const Vector& v) {
+        const auto [x, y, z] = v.template as<Work>();
+        return {x, y, z};
+    }
     // Gives a body that is not fixed the velocity that its forces cause in a step. Returns what drag takes of it, u.(c
     // u).
     template <class Body>
-    [[gnu::cold, gnu::noinline]] static Work respond(Body& body, int b, const auto& bodies,
+    [[gnu::cold, gnu::noinline]] static Work respond(Body& body, int b, const auto& all,
                                                      [[maybe_unused]] const auto& drag) {
         Work damping{};
-        if (bodies.constants[b].fixed) return damping;
-        body.v_w = scaled_by(body.force_w, bodies.step_per_mass(b));
+        if (all.constants[b].fixed) return damping;
+        body.v_w = scaled_by(body.force_w, all.step_per_mass(b));
         if constexpr (requires { drag.linear; }) damping += drag.linear * product(body.v_w, body.v_w);
         if constexpr (Body::rotation) {
             if (!body.rotates()) return damping;
-            for (int i = 0; i < 3; ++i) body.w_b[i] = body.torque_b[i] * bodies.step_per_moment(b, i);
+            for (int i = 0; i < 3; ++i) body.w_b[i] = body.torque_b[i] * all.step_per_moment(b, i);
             if constexpr (requires { drag.angular; }) damping += drag.angular * product(body.w_b, body.w_b);
         }
         return damping;
@@ -229,8 +339,13 @@ private:
         else return N::template constant<typename N::PositionSum>(metres);
     }
 
+    static constexpr std::uint16_t none = 0xffff;
+
     Spring<N> spring_[capacity];
     int count_ = 0;
+    bool is_damped_ = false;  // one of them
+    // Ends of springs: 2 s is that of `body`, 2 s + 1 that of `to_body`. Each body has a list of the ends at it.
+    std::uint16_t first_[bodies], next_[2 * capacity]{};
 };
 
 }  // namespace tumble

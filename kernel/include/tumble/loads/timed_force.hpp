@@ -3,23 +3,25 @@
 #pragma once
 
 #include <tumble/body/events.hpp>
-#include <tumble/loads/loaded_body.hpp>
+#include <tumble/loads/loaded_group.hpp>
 
 namespace tumble {
 
-template <class N, class Body>
-inline void apply(const TimedForce<N>& load, Body& b) {
-    using Work = typename N::Work;
-    if (!b.rotates()) {
-        b.force_w += load.force;
-    } else if constexpr (Body::rotation) {
-        if (load.frame == Frame::world) {
-            b.push(load.force, load.point_b);
-            b.torque_b += rotate_back(b.q_wb, load.torque);
-        } else {
-            b.force_w += rotate(b.q_wb, load.force);
-            b.torque_b += cross<Work>(load.point_b, load.force) + load.torque;
+// Adds the load to the changes of body k of the group.
+template <class N, class Group>
+TUMBLE_INLINE void apply(const TimedForce<N>& load, const Group& group, int k) {
+    using L = LoadNumbers<N>;
+    const auto one = L::one();
+    const bool in_world = load.frame == Frame::world;
+    if (in_world && !load.force.is_zero()) group.push(k, load.force, one, load.point_b);
+    if constexpr (Group::rotation) {
+        if (!group.rotates(k)) return;
+        const auto& q = group.stage[k].q_wb;
+        if (!in_world && !load.force.is_zero()) {
+            group.push(k, L::rotated(q, load.force), one);
+            if (!load.point_b.is_zero()) group.turn(k, L::cross(load.point_b, load.force), one);
         }
+        if (!load.torque.is_zero()) group.turn(k, in_world ? L::rotated_back(q, load.torque) : load.torque, one);
     }
 }
 
@@ -60,10 +62,20 @@ public:
             if (force.body == b && force.is_on(now_)) return true;
         return false;
     }
-    TUMBLE_INLINE void apply_to(const auto& group) const {
+    // True of a force that turns the body or turns with it.
+    [[nodiscard]] bool turns(const auto&, int b) const {
+        for (const TimedForce<N>& force : current())
+            if (force.body == b && force.is_on(now_) &&
+                (force.frame == Frame::body || !force.torque.is_zero() || !force.point_b.is_zero()))
+                return true;
+        return false;
+    }
+    template <class Group>
+    TUMBLE_INLINE void apply_to(const Group& group) const {
         for (const TimedForce<N>& force : current()) {
             if (!force.is_on(now_)) continue;
-            if (auto* b = group.find(force.body)) tumble::apply(force, *b);
+            const int k = group.place_of(force.body);
+            if (k >= 0) tumble::apply(force, group, k);
         }
     }
 

@@ -221,6 +221,13 @@ TUMBLE_INLINE constexpr void forget_loaded() {
 #endif
 }
 
+// Keeps copies of words apart. Compilers would merge them into a call of memmove, which costs four times as much.
+TUMBLE_INLINE constexpr void keep_apart() {
+#if defined(__arm__) || defined(__riscv)
+    if (!std::is_constant_evaluated()) asm volatile("" ::: "memory");
+#endif
+}
+
 }  // namespace detail
 
 // The exact product, and sums of products: one SMULL or SMLAL each on a core that has them.

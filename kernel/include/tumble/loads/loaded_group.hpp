@@ -1,0 +1,85 @@
+// LoadedGroup: the bodies of one evaluation as loads see them, at a stage of a step, and the sums of what the loads
+// change. A load adds its change of drift (m) and of half a turn (rad) in a step.
+#pragma once
+
+#include <tumble/body/bodies.hpp>
+#include <tumble/integrators/method.hpp>
+#include <tumble/numbers/load_numbers.hpp>
+
+namespace tumble {
+
+// Stage: a StageState. Kick: a Kick or a WorkKick. `is_alone`: a body that loads do not couple to another.
+template <class N, class Bodies, class Stage, class Kick, bool is_alone>
+struct LoadedGroup : std::conditional_t<is_alone, GroupCount<1>, GroupCount<2>> {
+    using Work = typename N::Work;
+    using L = LoadNumbers<N>;
+    using Vector = typename L::Vector;
+    using Factor = typename L::Factor;
+    static constexpr bool alone = is_alone, rotation = requires(Stage stage) { stage.q_wb; };
+    // Such an end of a step is only solved for a body alone that loads do not turn.
+    static constexpr bool can_end = alone && !rotation && requires(Kick kick) {
+        kick.linear[0] = typename N::DriftSum{};
+    };
+
+    Bodies& bodies;
+    const Stage* stage;         // of each body of the group
+    Kick* kick;                 // of each body of the group: in the formats of L::add
+    const std::int16_t* id;     // the bodies of the group
+    const std::int16_t* place;  // the place in the group of each body of the world, or -1; null of a body alone
+    Factor per_length;          // portions in a step: 1 where the portion is a whole step
+    bool whole;                 // the portion is a whole step
+    // Null, or gravity's change of drift in a step that ends with half a kick: see velocity().
+    const typename N::DriftSum* ends_with_half_of;
+
+    [[nodiscard]] TUMBLE_INLINE int place_of(int b) const {
+        if constexpr (Bodies::room == 1) return 0;
+        else if constexpr (alone) return b == id[0] ? 0 : -1;
+        else return place[b];
+    }
+    [[nodiscard]] TUMBLE_INLINE bool rotates(int k) const {
+        if constexpr (!rotation) return false;
+        else return bodies.rotates(id[k]);
+    }
+    // The drift of a body that a load depends on: that of the stage. At the end of a step, half of the kick comes after
+    // the stage, and the load depends on the drift after it. Of a load that comes last, this is the drift with half of
+    // all other kicks: with a coefficient c / (1 + h c / 2m) in place of c, its kick is that of the drift after it.
+    [[nodiscard]] TUMBLE_INLINE typename N::DriftSum velocity(int k, int i) const {
+        if constexpr (can_end)
+            if (ends_with_half_of != nullptr) {
+                bool within = true;
+                return stage[k].d_w[i] + N::half(L::settled(kick[k].linear[i], ends_with_half_of[i], within));
+            }
+        return stage[k].d_w[i];
+    }
+    [[nodiscard]] TUMBLE_INLINE bool at_end() const { return can_end && ends_with_half_of != nullptr; }
+    // A coefficient of the velocity: drifts and turns are those of the portion.
+    [[nodiscard]] TUMBLE_INLINE Factor of_velocity(Factor coefficient) const {
+        return whole ? coefficient : L::product(coefficient, per_length);
+    }
+    [[nodiscard]] TUMBLE_INLINE Factor step_per_mass(int k) const {
+        return L::factor(bodies.constants[id[k]].drift_per_impulse);
+    }
+    [[nodiscard]] TUMBLE_INLINE Factor half_turn_per_impulse(int k, int axis) const requires(rotation) {
+        return L::factor(bodies.constants[id[k]].units.per_impulse(axis));
+    }
+
+    // Adds f v, the change of momentum in a step (N s), at the centre of mass of body k.
+    TUMBLE_INLINE void push(int k, const Vector& v, Factor f) const {
+        L::add(kick[k].linear, v, L::product(f, step_per_mass(k)), bodies.scale);
+    }
+    // The same at a point (m, principal axes).
+    TUMBLE_INLINE void push(int k, const Vector& v, Factor f, const Vector& point_b) const {
+        push(k, v, f);
+        if constexpr (rotation) {
+            if (point_b.is_zero() || !rotates(k)) return;
+            turn(k, L::cross(point_b, L::rotated_back(stage[k].q_wb, v)), f);
+        }
+    }
+    // Adds f v, the change of angular momentum in a step (N m s, principal axes).
+    TUMBLE_INLINE void turn(int k, const Vector& v, Factor f) const requires(rotation) {
+        for (int i = 0; i < 3; ++i)
+            L::add(kick[k].angular[i], v, i, L::product(f, half_turn_per_impulse(k, i)), bodies.scale);
+    }
+};
+
+}  // namespace tumble
