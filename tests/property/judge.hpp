@@ -9,6 +9,7 @@
 //    calls wrong has at most half of the error at a quarter, a 16th or a 64th of the step, or a status there.
 // 3. Quaternions have unit length, a body that was clear of a plane is not deep in it, an isolated scene keeps its
 //    momentum, and with residuals and a method of order 2 energy that no load gave grows only if it does in f64.
+//    In fixed point the comparison ends where a body is rotated in parts of the step, whose error is a smaller one.
 // 4. A status ends all comparisons: what the kernel reports may be wrong from there on.
 #pragma once
 

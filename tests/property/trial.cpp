@@ -85,8 +85,8 @@ private:
     }
     // m/s, of v h / size, as far as a range holds it.
     double speed(double low, double high) { return std::min(draw_.magnitude(low, high) * size_ / h_, 1000.0); }
-    // rad/s, of h |w|. Fixed point holds 1 rad a step about every axis of every body.
-    double spin() { return std::min(draw_.magnitude(1e-4, trial_.method.numbers == "q32" ? 0.96 : 4) / h_, 250.0); }
+    // rad/s, of h |w|. Fixed point rotates by more than a quarter of a radian in parts of the step.
+    double spin() { return std::min(draw_.magnitude(1e-4, trial_.method.numbers == "q32" ? 0.24 : 4) / h_, 250.0); }
     // m/s^2, of a h^2 / size.
     double acceleration(double low, double high) { return draw_.magnitude(low, high) * size_ / (h_ * h_); }
 

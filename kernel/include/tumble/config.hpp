@@ -51,6 +51,9 @@ static_assert(sizeof(0.1) == sizeof(double),
 #pragma GCC diagnostic ignored "-Wsign-conversion"
 #pragma GCC diagnostic ignored "-Wunused-parameter"
 #pragma GCC diagnostic ignored "-Wunused-variable"
+#ifndef __clang__
+#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"  // of copies of stages, which are in loops over a group
+#endif
 #include <Eigen/Core>
 #pragma GCC diagnostic pop
 

@@ -68,6 +68,7 @@ struct OneStageImplicit : Stability<detail::OneStageOnOscillator<stage>> {
 
     template <class N, int capacity, class Group, class Evaluate>
     static bool advance(const Group& group, Evaluate&& evaluate, const StepInfo<N>& step) {
+        group.has_bodies();
         Solver<N, capacity, Group, std::remove_reference_t<Evaluate>> solver{group, evaluate, step};
         return solver.solve();
     }

@@ -111,10 +111,12 @@ struct KickDriftKick : Stability<tumble::detail::KickDriftKickOnOscillator<Parts
 
     template <class N, int capacity, class Group, class Evaluate>
     static bool advance(const Group& group, Evaluate&& evaluate, const StepInfo<N>& step) {
+        group.has_bodies();
         typename Group::Stage state[capacity];
         typename Group::Kick kick[capacity];
         // Evaluates the loads at the present state.
         const auto look = [&] {
+            group.has_bodies();
             for (int b = 0; b < group.count; ++b) group.take(b, state[b]);
             evaluate(state, kick);
         };

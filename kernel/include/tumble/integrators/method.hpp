@@ -43,14 +43,19 @@ template <int capacity>
 struct GroupCount {
     int count = 0;
     void set_count(int bodies) {
-        if (bodies < 1) __builtin_unreachable();  // so that compilers see that there is a first stage
         count = bodies;
+        has_bodies();
+    }
+    // Tells compilers that there is a first stage.
+    TUMBLE_INLINE void has_bodies() const {
+        if (count < 1) __builtin_unreachable();
     }
 };
 template <>
 struct GroupCount<1> {
     static constexpr int count = 1;
     static void set_count(int) {}
+    static void has_bodies() {}
 };
 
 // Bodies that have their stages together, because loads couple them, or one body alone. With `points` some of them may

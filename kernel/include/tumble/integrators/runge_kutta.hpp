@@ -211,6 +211,7 @@ struct RungeKutta : Stability<tumble::detail::RungeKuttaOnOscillator<table>> {
     // Steps all bodies of the group stage by stage. Calls `evaluate(stage states, kicks)` once a stage.
     template <class N, int capacity, class Group, class Evaluate>
     static bool advance(const Group& group, Evaluate&& evaluate, const StepInfo<N>& step) {
+        group.has_bodies();
         [[maybe_unused]] detail::RotationStage<N> rotation[Group::rotation ? capacity : 1][table.stages];
         typename Group::Kick kick[table.stages][capacity];
         typename N::DriftSum drift[table.stages][capacity][3];

@@ -40,6 +40,7 @@ struct SemiImplicitEuler : Stability<tumble::detail::SemiImplicitOnOscillator> {
 
     template <class N, int capacity, class Group, class Evaluate>
     static bool advance(const Group& group, Evaluate&& evaluate, const StepInfo<N>& step) {
+        group.has_bodies();
         typename Group::Stage state[capacity];
         typename Group::Kick kick[capacity];
         for (int b = 0; b < group.count; ++b) group.take(b, state[b]);
