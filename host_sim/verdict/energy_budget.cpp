@@ -66,9 +66,16 @@ long double EnergyBudget::rounding(const Simulation& simulation) const {
         const long double places = norm(one) + norm(other) + norm(one - at(spring.body).x) + spring.rest_length;
         add(spring.stiffness * std::abs(norm(one - other) - spring.rest_length), places);
     }
-    // Contact springs hold about the weight of all bodies, at their distance from the origin.
-    if (scene_.contact.response == ContactResponse::spring)
-        for (const reference::Motion& body : now) add(weight, norm(body.x));
+    // Contact springs hold about the weight of all bodies, at their distance from the origin. Where surfaces just
+    // touch, the rounding of two bodies makes them overlap by up to two spacings s, which stores k (2 s)^2 / 2 at up to
+    // four points of each pair.
+    if (scene_.contact.response == ContactResponse::spring) {
+        const auto pairs = static_cast<long double>(scene_.planes.size() + now.size() - 1);
+        for (const reference::Motion& body : now) {
+            const long double spacing = unit * norm(body.x) + held;
+            sum += weight * spacing + 4 * pairs * 2 * scene_.contact.stiffness * spacing * spacing;
+        }
+    }
     return sum;
 }
 

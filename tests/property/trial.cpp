@@ -1,7 +1,8 @@
 // A scene is made of the field's numbers without unit, each drawn log-uniformly between what has no effect and what no
 // step follows: h w of springs, h c/m of drag and dampers, h |w| of spins, v h / size, a h^2 / size of accelerations,
 // mass ratios, slenderness, tolerance / size, distance / size. Nothing keeps a scene from being chaotic, stiff or
-// absurd: the judge says what it cannot decide.
+// absurd: the judge says what it cannot decide. A statement draws once, or in braces, whose order is the same with
+// every compiler; the order of operands and arguments is not.
 #include "trial.hpp"
 
 #include <algorithm>
@@ -32,8 +33,8 @@ public:
     }
     // Any power of two between the ends is as likely as another.
     double magnitude(double low, double high) {
-        const double x = std::ldexp(uniform(1.0, 2.0), between(std::ilogb(low), std::ilogb(high)));
-        return std::clamp(x, low, high);
+        const int exponent = between(std::ilogb(low), std::ilogb(high));
+        return std::clamp(std::ldexp(uniform(1.0, 2.0), exponent), low, high);
     }
     // Of unit length; a third of them along an axis of the world.
     Vector direction() {
@@ -42,6 +43,8 @@ public:
         while (!(norm(v) > 0.1 && norm(v) <= 1)) v = Vector{uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)};
         return v * (1 / norm(v));
     }
+    // Of this length, which is drawn before.
+    Vector along(double length) { return direction() * length; }
 };
 
 class Maker {
@@ -52,7 +55,7 @@ public:
         draw_method();
         draw_step();
         size_ = draw_.magnitude(0.01, 2);
-        if (draw_.one_in(3)) centre_ = draw_.direction() * std::min(size_ * draw_.magnitude(1, 1e5), 2e4);
+        if (draw_.one_in(3)) centre_ = draw_.along(std::min(size_ * draw_.magnitude(1, 1e5), 2e4));
         scene_.duration = draw_.magnitude(20, 512) * h_;
         const int kind = draw_.between(1, 6);
         constexpr const char* kinds[] = {"flight", "springs", "orbits", "soft contacts", "impacts", "impacts"};
@@ -119,7 +122,7 @@ private:
                 if (!draw_.one_in(4))
                     body.orientation = {1, draw_.uniform(-1, 1), draw_.uniform(-1, 1), draw_.uniform(-1, 1)};
                 // Often about nearly an axis of the body, the middle one among them.
-                const Vector axis = draw_.direction() + draw_.direction() * draw_.magnitude(1e-4, 0.5);
+                const Vector beside = draw_.along(draw_.magnitude(1e-4, 0.5)), axis = draw_.direction() + beside;
                 if (!draw_.one_in(4)) body.angular_velocity = triple(axis * (spin() / std::max(1.0, norm(axis))));
                 body.fixed = b > 0 && draw_.one_in(8);
                 if (!body.fixed) body.velocity = triple(draw_.direction() * speed);
@@ -134,17 +137,16 @@ private:
     }
 
     Triple point_of(const BodyDescription& body) {
-        return draw_.one_in(3) ? Triple{} : triple(draw_.direction() * (draw_.magnitude(1e-3, 1) * reach(body)));
+        return draw_.one_in(3) ? Triple{} : triple(draw_.along(draw_.magnitude(1e-3, 1) * reach(body)));
     }
     void add_pushes() {
         const int b = draw_.between(0, static_cast<int>(scene_.bodies.size()) - 1);
         const BodyDescription& body = scene_.body(b);
         const double mass = *body.mass, moment = mass * reach(body) * reach(body) / 40, time = scene_.duration;
         const Frame frame = draw_.one_in(2) ? Frame::body : Frame::world;
-        const Triple point = point_of(body), push = triple(draw_.direction() * (speed(1e-5, 0.3) * mass)),
-                     force = triple(draw_.direction() * (acceleration(1e-7, 1e-3) * mass)), none{},
-                     turn = triple(draw_.direction() * (moment * spin())),
-                     torque = triple(draw_.direction() * (moment * spin() / time));
+        const Triple point = point_of(body), push = triple(draw_.along(speed(1e-5, 0.3) * mass)),
+                     force = triple(draw_.along(acceleration(1e-7, 1e-3) * mass)), none{},
+                     turn = triple(draw_.along(moment * spin())), torque = triple(draw_.along(moment * spin() / time));
         const double at = time * draw_.uniform(0, 0.9), from = time * draw_.uniform(0, 0.5),
                      until = from + time * draw_.uniform(0.1, 0.45);
         if (!draw_.one_in(3)) scene_.impulses.push_back({at, b, frame, push, point, draw_.one_in(3) ? turn : none});
@@ -185,8 +187,10 @@ private:
 
     void flight() {
         scene_.contact.response = ContactResponse::none;
-        add_bodies(draw_.between(1, 3), false, draw_.direction(), size_ * draw_.magnitude(0.1, 30), speed(1e-5, 1));
-        if (draw_.one_in(2)) scene_.gravity = triple(draw_.direction() * acceleration(1e-7, 1e-2));
+        const double fastest = speed(1e-5, 1), gap = size_ * draw_.magnitude(0.1, 30);
+        const Vector row = draw_.direction();
+        add_bodies(draw_.between(1, 3), false, row, gap, fastest);
+        if (draw_.one_in(2)) scene_.gravity = triple(draw_.along(acceleration(1e-7, 1e-2)));
         if (draw_.one_in(2)) add_pushes();
         if (!draw_.one_in(3)) return;
         const double rate = draw_.magnitude(1e-4, 4) / h_;
@@ -204,8 +208,9 @@ private:
         const bool stands = draw_.one_in(4);
         const Vector up = stands ? Vector{0, 1, 0} : draw_.direction();
         if (!draw_.one_in(8)) scene_.gravity = triple(up * -acceleration(1e-6, 0.01));
-        add_bodies(draw_.between(1, 3), true, stands ? up : draw_.direction(), size_ * draw_.magnitude(1e-3, 1),
-                   stands ? 0 : speed(1e-5, 0.3));
+        const double fastest = stands ? 0 : speed(1e-5, 0.3), gap = size_ * draw_.magnitude(1e-3, 1);
+        const Vector row = stands ? up : draw_.direction();
+        add_bodies(draw_.between(1, 3), true, row, gap, fastest);
         double top = centre_.y;
         for (BodyDescription& body : scene_.bodies) {
             const double half = body.shape.kind == ShapeKind::box ? body.shape.size[1] / 2 : body.shape.size[0];
