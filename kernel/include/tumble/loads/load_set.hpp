@@ -129,6 +129,10 @@ public:
         forces_.start_step(now, changed);
     }
 
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC diagnostic push  // GCC does not see that the stages of a group are set in loops over its bodies
+#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
+#endif
     // The loads of one group of bodies, as the methods call them. `alone`: of a body that loads do not couple.
     template <bool alone>
     struct Evaluate {
@@ -218,6 +222,9 @@ public:
             });
         }
     };
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC diagnostic pop
+#endif
     // `length` is the portion's, of a step; `fall` gravity's change of drift in it.
     template <bool alone>
     [[nodiscard]] Evaluate<alone> evaluation(Bodies& bodies, const BodyGroup& group, Work length,
