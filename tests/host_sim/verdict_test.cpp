@@ -87,14 +87,14 @@ TEST(Verdict, spin_beyond_fixed_point_is_told_with_the_number_that_left_and_a_cu
     SceneDescription scene = parsed(R"(
 world = { step = "1/256", duration = 1.0 }
 body = [ { name = "die", shape = { box = [0.1, 0.1, 0.1] }, mass = 1.0 } ]
-impulse = [ { time = 0.25, body = "die", angular_impulse = [0, 0, 0.15] } ]
+impulse = [ { time = 0.25, body = "die", angular_impulse = [0, 0, 0.3] } ]
 )");
     const Verdict verdict = verdict_of(scene, verlet_q32);
     ASSERT_EQ(verdict.kind, Verdict::Kind::told);
     EXPECT_EQ(verdict.time_s, 0.25);
     ASSERT_TRUE(verdict.troubles.front().number.has_value());
     EXPECT_EQ(verdict.troubles.front().number->name, "angular velocity");
-    EXPECT_NEAR(verdict.troubles.front().number->most, 64, 1e-6);
+    EXPECT_NEAR(verdict.troubles.front().number->most, 128, 1e-6);
     ASSERT_TRUE(verdict.cure.has_value());
     scene.step = verdict.cure->step;
     EXPECT_EQ(verdict_of(scene, verdict.cure->method).kind, Verdict::Kind::right);
