@@ -212,7 +212,8 @@ void print_table(std::ostream& out, const SceneDescription& scene, const Simulat
 int run(const RunOptions& options) {
     if (options.live) {
         if (options.json || !options.trajectory.empty() || !options.plot.empty() || !options.check.check.empty())
-            throw std::invalid_argument("--live: got --json, --trajectory, --plot or --check beside it, expected none of them");
+            throw std::invalid_argument(
+                "--live: got --json, --trajectory, --plot or --check beside it, expected none of them");
         return run_live(options, options.record);
     }
     if (!options.record.empty()) throw std::invalid_argument("--record: got no --live beside it, expected --live");
