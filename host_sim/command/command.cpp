@@ -53,6 +53,13 @@ std::unique_ptr<Simulation> Choice::start(const SceneDescription& description) c
     return simulation;
 }
 
+std::string json_of_motion(const std::string& name, const BodySnapshot& body, const std::string& separator) {
+    return "\"name\": " + json_text(name) + separator + "\"position_m\": " + json_array(body.position) + separator +
+           "\"velocity_m_s\": " + json_array(body.velocity) + separator +
+           "\"orientation\": " + json_array(body.orientation) + separator +
+           "\"angular_velocity_rad_s\": " + json_array(body.angular_velocity);
+}
+
 bool takes_standard_output(const std::vector<FileArgument>& outputs, bool json) {
     std::vector<std::string> taking;
     for (const FileArgument& output : outputs)

@@ -53,6 +53,10 @@ void add_list(CommandLine& line);
 // outputs, or an output and the JSON object, would go there.
 [[nodiscard]] bool takes_standard_output(const std::vector<FileArgument>& outputs, bool json);
 
+// The members of a body's JSON object that say where it is and how it moves.
+[[nodiscard]] std::string json_of_motion(const std::string& name, const BodySnapshot& body,
+                                         const std::string& separator);
+
 // Throws std::invalid_argument unless the name is that of a core that QEMU emulates.
 void check_core(const std::string& name);
 // "cortex-m0, cortex-m3": the cores whose manuals give the cycles of their instructions.

@@ -14,21 +14,12 @@
 namespace tumble::host {
 namespace {
 
-template <class Numbers>
-std::string array_text(const Numbers& numbers) {
-    std::string text;
-    for (const auto x : numbers) text += (text.empty() ? "" : ", ") + json_number(x);
-    return "[" + text + "]";
-}
-
 std::string body_text(const Simulation& simulation, const SceneDescription& scene, int b) {
     const BodySnapshot body = simulation.body(b);
     const ImuSnapshot imu = simulation.imu(b);
-    return "{\"name\": " + json_text(scene.body(b).name) + ", \"position_m\": " + array_text(body.position) +
-           ", \"velocity_m_s\": " + array_text(body.velocity) + ", \"orientation\": " + array_text(body.orientation) +
-           ", \"angular_velocity_rad_s\": " + array_text(body.angular_velocity) +
-           ", \"specific_force_m_s2\": " + array_text(imu.specific_force) +
-           ", \"mean_angular_velocity_rad_s\": " + array_text(imu.angular_velocity) +
+    return "{" + json_of_motion(scene.body(b).name, body, ", ") +
+           ", \"specific_force_m_s2\": " + json_array(imu.specific_force) +
+           ", \"mean_angular_velocity_rad_s\": " + json_array(imu.angular_velocity) +
            ", \"asleep\": " + (body.asleep ? "true" : "false") + ", \"contacts\": " + std::to_string(body.contacts) +
            "}";
 }

@@ -90,13 +90,6 @@ private:
     std::vector<std::string> names_;
 };
 
-template <class Numbers>
-std::string json_array(const Numbers& numbers) {
-    std::string text = "[";
-    for (std::size_t i = 0; i < numbers.size(); ++i) text += (i > 0 ? ", " : "") + json_number(numbers[i]);
-    return text + "]";
-}
-
 int fastest_body(const Simulation& simulation) {
     const auto speed = [&](int body) {
         const auto& v = simulation.body(body).velocity;
@@ -151,12 +144,7 @@ void print_json(const SceneDescription& scene, const Simulation& simulation, con
               << ",\n  \"bodies\": [";
     for (int b = 0; b < simulation.body_count(); ++b) {
         const BodySnapshot body = simulation.body(b);
-        std::cout << (b > 0 ? "," : "")
-                  << "\n    {\n      \"name\": " << json_text(scene.bodies[static_cast<std::size_t>(b)].name)
-                  << ",\n      \"position_m\": " << json_array(body.position)
-                  << ",\n      \"velocity_m_s\": " << json_array(body.velocity)
-                  << ",\n      \"orientation\": " << json_array(body.orientation)
-                  << ",\n      \"angular_velocity_rad_s\": " << json_array(body.angular_velocity)
+        std::cout << (b > 0 ? "," : "") << "\n    {\n      " << json_of_motion(scene.body(b).name, body, ",\n      ")
                   << ",\n      \"asleep\": " << (body.asleep ? "true" : "false")
                   << ",\n      \"contacts\": " << body.contacts << "\n    }";
     }

@@ -54,10 +54,10 @@ bool holds(std::string_view range, const SceneDescription& scene) {
 
 std::size_t index_of(const SceneDescription& scene, std::string_view numbers, std::optional<bool> carry) {
     const auto& systems = number_systems();
+    const bool has_carry = carry ? *carry : default_carry(numbers);
     std::size_t found = systems.size();
     for (std::size_t i = 0; i < systems.size(); ++i) {
-        if (systems[i].name != numbers || systems[i].carry != carry.value_or(systems[i].carry)) continue;
-        if (!carry) carry = systems[i].carry;  // the first of a name is its default
+        if (systems[i].name != numbers || systems[i].carry != has_carry) continue;
         found = i;
         if (holds(systems[i].range, scene)) break;
     }
@@ -139,6 +139,13 @@ void add_overlaps(const SceneDescription& scene, std::vector<std::string>& list)
 }
 
 }  // namespace
+
+bool default_carry(std::string_view numbers) {
+    const auto& systems = number_systems();
+    const auto first = std::ranges::find(systems, numbers, &NumberSystemInfo::name);
+    if (first == systems.end()) refuse_name("number system", numbers, systems);
+    return first->carry;
+}
 
 bool Simulation::has_trouble(std::string_view issue) const {
     return std::any_of(troubles().begin(), troubles().end(),

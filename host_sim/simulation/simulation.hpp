@@ -155,6 +155,8 @@ struct NumberSystemInfo {
 };
 [[nodiscard]] const std::vector<IntegratorInfo>& integrators();
 [[nodiscard]] const std::vector<NumberSystemInfo>& number_systems();
+// Does this number system carry residuals where a run does not say? Throws std::invalid_argument for an unknown one.
+[[nodiscard]] bool default_carry(std::string_view numbers);
 [[nodiscard]] const IntegratorInfo& find_integrator(std::string_view name);  // throws std::invalid_argument
 // Is the integrator there in the number system (q32, f32 or f64)? Where it is not, require_runs_in throws
 // std::invalid_argument that says why and what to choose.

@@ -81,6 +81,13 @@ template <class Names>
 // A number (null when it is not finite as a double) or a text in JSON.
 [[nodiscard]] std::string json_number(long double value);
 [[nodiscard]] std::string json_text(std::string_view text);
+// Of numbers: [1, 2, 3].
+template <class Numbers>
+[[nodiscard]] std::string json_array(const Numbers& numbers) {
+    std::string text = "[";
+    for (std::size_t i = 0; i < numbers.size(); ++i) text += (i > 0 ? ", " : "") + json_number(numbers[i]);
+    return text + "]";
+}
 
 // A string literal of C++ in ASCII; it is safe in a comment as well.
 [[nodiscard]] std::string cpp_text(std::string_view text);

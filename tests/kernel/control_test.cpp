@@ -12,11 +12,6 @@
 namespace tumble::test {
 namespace {
 
-template <class N, class Method>
-struct Kind {
-    using Numbers = N;
-    using Integrator = Method;
-};
 // One method of each way to rotate and to coast, in each kind of numbers.
 using Kinds =
     testing::Types<Kind<Q32<NearRange>, integrators::Verlet>, Kind<Q32<NearRange>, integrators::Rk4>,

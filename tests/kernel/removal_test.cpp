@@ -8,15 +8,10 @@
 namespace tumble::test {
 namespace {
 
-template <class N, class Method>
-struct Leaving {
-    using Numbers = N;
-    using Integrator = Method;
-};
 using LeavingWays =
-    testing::Types<Leaving<Q32<NearRange>, integrators::Verlet>, Leaving<Q32<NearRange, false>, integrators::Rk4>,
-                   Leaving<Q32<NearRange>, integrators::Pdmv6>, Leaving<F32, integrators::Verlet>,
-                   Leaving<F64, integrators::Rk4>>;
+    testing::Types<Kind<Q32<NearRange>, integrators::Verlet>, Kind<Q32<NearRange, false>, integrators::Rk4>,
+                   Kind<Q32<NearRange>, integrators::Pdmv6>, Kind<F32, integrators::Verlet>,
+                   Kind<F64, integrators::Rk4>>;
 
 constexpr Features everything_that_leaves = [] {
     Features f = Features{.bodies = 5, .planes = 2, .springs = 3}.with_everything();

@@ -10,16 +10,11 @@
 namespace tumble::test {
 namespace {
 
-template <class N, class Method>
-struct Saved {
-    using Numbers = N;
-    using Integrator = Method;
-};
 using SavedWays =
-    testing::Types<Saved<Q32<NearRange>, integrators::Verlet>, Saved<Q32<NearRange, false>, integrators::Rk4>,
-                   Saved<Q32<NearRange>, integrators::Pdmv6>, Saved<F32, integrators::Verlet>,
-                   Saved<F32Plain, integrators::Rk4>, Saved<F64, integrators::Exact>,
-                   Saved<F64Carried, integrators::Pdmv8>>;
+    testing::Types<Kind<Q32<NearRange>, integrators::Verlet>, Kind<Q32<NearRange, false>, integrators::Rk4>,
+                   Kind<Q32<NearRange>, integrators::Pdmv6>, Kind<F32, integrators::Verlet>,
+                   Kind<F32Plain, integrators::Rk4>, Kind<F64, integrators::Exact>,
+                   Kind<F64Carried, integrators::Pdmv8>>;
 
 constexpr Features saved_with_all =
     Features{.bodies = 5, .planes = 2, .springs = 2, .near_pairs = 12}.with_everything();

@@ -147,14 +147,6 @@ void shrink(Trial& trial, Judgement& judgement) {
     }
 }
 
-// The first number system of a name has the default.
-bool has_default_carry(const Method& method) {
-    const auto& systems = number_systems();
-    const auto first =
-        std::ranges::find_if(systems, [&](const NumberSystemInfo& info) { return info.name == method.numbers; });
-    return first != systems.end() && first->carry == method.carry;
-}
-
 // The part of the message with which a file is to be refused, in a line of its own.
 std::string expected_refusal(const std::string& file) {
     const std::string mark = "# refused: ";
@@ -228,14 +220,14 @@ int main(int argc, char** argv) try {
     unsigned jobs = std::max(1u, std::thread::hardware_concurrency());
     std::string write;
     std::vector<std::string> files;
-    bool default_carry = false;
+    bool only_default_carry = false;
     CLI::App app{"Runs random scenes or scene files and holds them against double precision and fine references."};
     app.add_option("--seed", seed, "seed of the scenes; a new one otherwise, which is printed");
     app.add_option("--first", first, "number of the first scene");
     app.add_option("--scenes", scenes, "number of scenes")->capture_default_str()->check(CLI::PositiveNumber);
     app.add_option("--jobs", jobs, "processes")->check(CLI::PositiveNumber);
     app.add_option("--write", write, "directory for the wrong scenes, made as small as possible");
-    app.add_flag("--default-carry", default_carry, "leave out the scenes that are drawn for another carry");
+    app.add_flag("--default-carry", only_default_carry, "leave out the scenes that are drawn for another carry");
     app.add_option("files", files, "scenes to judge instead of random ones");
     CLI11_PARSE(app, argc, argv);
 
@@ -244,7 +236,10 @@ int main(int argc, char** argv) try {
     bool is_right = read_trials(files, trials);
     for (std::uint64_t i = 0; files.empty() && i < scenes; ++i) trials.push_back(draw_trial(seed, first + i));
     std::cout << (files.empty() ? range : std::to_string(files.size()) + " files") << std::endl;
-    if (default_carry) std::erase_if(trials, [](const Trial& trial) { return !has_default_carry(trial.method); });
+    if (only_default_carry)
+        std::erase_if(trials, [](const Trial& trial) {
+            return trial.method.carry != tumble::host::default_carry(trial.method.numbers);
+        });
     const std::vector<Judgement> judgements = judge_all(trials, jobs);
     std::map<Kind, double> share;
     for (std::size_t i = 0; i < trials.size(); ++i) {

@@ -65,8 +65,7 @@ public:
     // Writes or reads what a snapshot of a whole world holds.
     template <class Self, class Archive>
     static void archive(Self& self, Archive& to) {
-        if constexpr (rotation &&
-                      requires(Inertia & inertia) { inertia.prepare(self.bodies.state[0], self.bodies.scale); })
+        if constexpr (prepares_spin())
             for (int b = 0; b < self.bodies.count; ++b) to(self.inertia_[b]);
         if constexpr (has_wrenches) to(self.wrenches);
         if constexpr (Archive::reads) self.disturb();
@@ -79,14 +78,14 @@ public:
             digest.add(count.check());
         }
     }
-    // Call after every change of what loads depend on, other than by steps: kicks that were kept are void.
+    // Call after every change of what loads depend on, unless a step made it. It voids the kicks that were kept.
     TUMBLE_INLINE void disturb() {
         if constexpr (keeps_kicks)
             if (++kept_.disturbances == 0) ++kept_.disturbances;
     }
     // Call after every change of the spin other than by free rotation.
     TUMBLE_INLINE void spin_changed([[maybe_unused]] int b) {
-        if constexpr (rotation && requires(Inertia & inertia) { inertia.prepare(bodies.state[0], bodies.scale); })
+        if constexpr (prepares_spin())
             if (bodies.rotates(b)) inertia_[b].prepare(bodies.state[b], bodies.scale);
     }
     void spins_changed(const BodyGroup& group) {
@@ -163,6 +162,18 @@ public:
         if constexpr (has_loads) return loads.is_coupled(bodies, b);
         else return false;
     }
+    // The most halvings of a spin in a group in which loads act on a body with such a spin, else 0.
+    [[nodiscard]] int halvings_under_loads(const BodyGroup& group) const requires(has_loads&& Bodies::has_parts) {
+        int most = 0;
+        bool loaded = false;
+        for (int k = 0; k < group.count; ++k) {
+            const int b = group.id[k];
+            if (bodies.parts.halvings[b] == 0) continue;
+            loaded = loaded || is_loaded(b);
+            if (bodies.parts.halvings[b] > most) most = bodies.parts.halvings[b];
+        }
+        return loaded ? most : 0;
+    }
 
 private:
     // A part of a step, with the part as the unit of time. Drift and spin shrink with it, and accelerations with its
@@ -234,18 +245,6 @@ private:
         }
         return false;
     }
-    // The most halvings of a spin in a group in which loads act on a body with such a spin, else 0.
-    [[nodiscard]] int halvings_under_loads(const BodyGroup& group) const requires(has_loads&& Bodies::has_parts) {
-        int most = 0;
-        bool loaded = false;
-        for (int k = 0; k < group.count; ++k) {
-            const int b = group.id[k];
-            if (bodies.parts.halvings[b] == 0) continue;
-            loaded = loaded || is_loaded(b);
-            if (bodies.parts.halvings[b] > most) most = bodies.parts.halvings[b];
-        }
-        return loaded ? most : 0;
-    }
     // A portion of a step of bodies under loads, in 2^halvings parts: in each of them the spins have their usual scale.
     [[gnu::noinline]] void portion_in_parts(const BodyGroup& group, const StepInfo<N>& info, Work length,
                                             int halvings) requires(has_loads&& Bodies::has_parts) {
@@ -268,6 +267,10 @@ private:
     }
 
     using Inertia = typename Integrator::template Inertia<N>;
+    // True if the constants of a body's rotation depend on its spin.
+    static constexpr bool prepares_spin() {
+        return rotation && requires(Inertia & inertia, const Bodies& all) { inertia.prepare(all.state[0], all.scale); };
+    }
     // No bounds for a method that does not name its own.
     static constexpr StepBounds step_bounds = [] {
         if constexpr (requires { Integrator::step_bounds; }) return Integrator::step_bounds;

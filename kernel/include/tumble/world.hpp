@@ -750,9 +750,7 @@ private:
                           [[maybe_unused]] Kick* kicks) requires has_loads {
         if constexpr (Advance::Bodies::has_parts) {
             auto& bodies = advance_.bodies;
-            int most = 0;
-            for (int k = 0; k < loaded.count; ++k)
-                if (bodies.parts.halvings[loaded.id[k]] > most) most = bodies.parts.halvings[loaded.id[k]];
+            const int most = advance_.halvings_under_loads(loaded);
             if (most == 0) [[likely]]
                 return false;
             typename N::DriftSum fall[3];

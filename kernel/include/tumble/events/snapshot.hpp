@@ -244,7 +244,7 @@ struct SnapshotHeader {
     }
 };
 
-// A digest of what is constant: words of a scene and of a number system.
+// A digest of the constants of a scene and of a number system.
 class Digest {
 public:
     constexpr void add(std::uint32_t word) { hash_.add(word); }

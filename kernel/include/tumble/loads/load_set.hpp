@@ -198,21 +198,13 @@ public:
         template <bool rotates>
         [[nodiscard]] bool take_kept(Kick<N, rotates>* kicks) const requires(alone) {
             if (kept == nullptr || kept->age != age) return false;
-            for (int i = 0; i < 3; ++i) {
-                kicks->linear[i] = kept->kick.linear[i];
-                detail::keep_apart();
-                if constexpr (rotates) kicks->angular[i] = kept->kick.angular[i];
-            }
+            copy_kick(*kicks, kept->kick);
             return true;
         }
         template <bool rotates>
         void keep(const Kick<N, rotates>* kicks) const requires(alone) {
             if (kept == nullptr) return;
-            for (int i = 0; i < 3; ++i) {
-                kept->kick.linear[i] = kicks->linear[i];
-                detail::keep_apart();
-                if constexpr (rotates) kept->kick.angular[i] = kicks->angular[i];
-            }
+            copy_kick(kept->kick, *kicks);
             kept->age = age;
         }
         [[nodiscard]] bool depends_on_velocity() const {
