@@ -1,12 +1,13 @@
-# tumble_add_firmware(<name> SOURCES <file>... [DEFINES <definition>...] [OPTIONS <option of GCC>...])
+# tumble_add_firmware(<name> SOURCES <file>... [DEFINES <definition>...] [OPTIONS <option of GCC>...] [MINIMAL])
 #   makes <name>.elf and <name>.map for the current core (TUMBLE_CORE), linked with the start-up code, the compiler's own
-#   library and no libc.
+#   library and no libc. MINIMAL: the least start-up code, without port.hpp, where the core's family has it.
 # tumble_add_firmware_objects(<name> ...)
 #   takes the same arguments and only compiles. Several firmware use the result as SOURCES $<TARGET_OBJECTS:<name>>.
 # tumble_add_firmware_test(<test> FIRMWARE <name> [STATUS <n>] [OUTPUT <regex>] [TIMEOUT <seconds>])
 #   runs it in the core's emulator under ctest; exit status n or n|m (default 0), and the text must match the regex.
 # Each family of cores has a file port/<port>/family.cmake, which sets
 #   family_sources         the start-up code and the port, compiled for every firmware
+#   family_minimal_sources the start-up code of firmware without port.hpp, if there is one
 #   family_options         compiler options of all firmware, besides the row's
 #   family_linker_script   the linker's script, or the template from which CMake makes it; empty: the linker's own
 #   family_link_options    the linker's options, besides the row's
@@ -44,12 +45,20 @@ target_include_directories(tumble_firmware_flags INTERFACE ${TUMBLE_PORT_DIR})
 
 # Objects and not an archive, because nothing refers to the code of the reset. The level of optimisation is fixed, so a
 # reading of the counter costs the same in every firmware. Loops stay loops: otherwise memcpy would call itself.
-add_library(tumble_startup OBJECT ${family_sources} ${TUMBLE_PORT_DIR}/runtime.cpp)
-target_link_libraries(tumble_startup PRIVATE tumble_firmware_flags tumble::f64)
-target_include_directories(tumble_startup PRIVATE ${TUMBLE_BOARD_DIR} ${family_dir})
-set_target_properties(tumble_startup PROPERTIES CXX_EXTENSIONS OFF)
-target_compile_options(tumble_startup PRIVATE -O2 -ffreestanding -fno-builtin
-    $<$<CXX_COMPILER_ID:GNU>:-fno-tree-loop-distribute-patterns>)
+function(tumble_add_startup name)
+    add_library(${name} OBJECT EXCLUDE_FROM_ALL ${ARGN} ${TUMBLE_PORT_DIR}/runtime.cpp)
+    target_link_libraries(${name} PRIVATE tumble_firmware_flags tumble::f64)
+    target_include_directories(${name} PRIVATE ${TUMBLE_BOARD_DIR} ${family_dir})
+    set_target_properties(${name} PROPERTIES CXX_EXTENSIONS OFF)
+    target_compile_options(${name} PRIVATE -ffreestanding -fno-builtin
+        $<$<CXX_COMPILER_ID:GNU>:-fno-tree-loop-distribute-patterns>)
+endfunction()
+tumble_add_startup(tumble_startup ${family_sources})
+target_compile_options(tumble_startup PRIVATE -O2)
+if(family_minimal_sources)
+    tumble_add_startup(tumble_minimal_startup ${family_minimal_sources})
+    target_compile_options(tumble_minimal_startup PRIVATE -Os)
+endif()
 
 add_library(tumble_firmware_link INTERFACE)
 target_link_options(tumble_firmware_link INTERFACE ${TUMBLE_BOARD_FLAGS} -nostdlib ${family_link_options}
@@ -77,11 +86,18 @@ function(tumble_compile_as_firmware name)
 endfunction()
 
 function(tumble_add_firmware name)
-    cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;DEFINES;OPTIONS")
+    cmake_parse_arguments(PARSE_ARGV 1 arg "MINIMAL" "" "SOURCES;DEFINES;OPTIONS")
     if(arg_UNPARSED_ARGUMENTS OR NOT arg_SOURCES)
         message(FATAL_ERROR "tumble_add_firmware(${name}): needs SOURCES; unknown: '${arg_UNPARSED_ARGUMENTS}'")
     endif()
-    add_executable(${name} ${arg_SOURCES} $<TARGET_OBJECTS:tumble_startup>)
+    if(NOT arg_MINIMAL)
+        set(startup tumble_startup)
+    elseif(TARGET tumble_minimal_startup)
+        set(startup tumble_minimal_startup)
+    else()
+        message(FATAL_ERROR "tumble_add_firmware(${name} MINIMAL): ${family_dir} has no minimal start-up code")
+    endif()
+    add_executable(${name} ${arg_SOURCES} $<TARGET_OBJECTS:${startup}>)
     set_target_properties(${name} PROPERTIES SUFFIX .elf)
     tumble_compile_as_firmware(${name})
     target_link_libraries(${name} PRIVATE tumble_firmware_link)

@@ -24,7 +24,7 @@ public:
     [[gnu::flatten]] void step() override { (void)world_.step(); }
     [[nodiscard]] std::array<double, 4> orientation() const override {
         const auto& q = world_.state(top_).q_wb;
-        const auto& p = world_.bodies().constants[top_.index()].principal;
+        const auto p = world_.bodies().constants[top_.index()].principal();
         const std::array<double, 4> a{number(q.w), number(q.x), number(q.y), number(q.z)},
             b{number(p.w), -number(p.v.x()), -number(p.v.y()), -number(p.v.z())};
         return {a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],

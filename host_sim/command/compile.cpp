@@ -225,7 +225,8 @@ std::string config_text(const SceneDescription& scene, const SceneData& data, co
     std::string text =
         "    // What the scene needs, and nothing else. Derive from it to choose other numbers or another integrator.\n"
         "    struct Config : tumble::Scene {\n        using Numbers = " +
-        numbers.type + ";\n        using Integrator = " + integrator.type + ";\n";
+        numbers.type + ";\n        using Integrator = " + integrator.type +
+        ";\n        static constexpr tumble::Seconds step" + step_in_cpp(scene.step) + ";\n";
     Members members("            ");
     Features::for_each([&]<class T>(const char* name, T Features::*member) {
         const T value = needed.*member;

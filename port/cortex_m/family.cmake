@@ -1,6 +1,7 @@
 # Cortex-M: vector table and faults, SysTick or DWT as the counter, semihosting.
 set(stack_alignment 8)
 set(family_sources ${family_dir}/startup.cpp ${family_dir}/port.cpp ${TUMBLE_PORT_DIR}/bare_metal.cpp)
+set(family_minimal_sources ${family_dir}/minimal.cpp)
 set(family_options -masm-syntax-unified)
 set(family_linker_script ${TUMBLE_PORT_DIR}/firmware.ld.in)
 set(family_link_options "")

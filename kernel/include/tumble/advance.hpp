@@ -23,15 +23,20 @@ public:
     static constexpr bool keeps_kicks = has_loads && requires { Integrator::keeps_kick; };
     static constexpr Spin spin = rotation ? Integrator::spin : Spin::none;
     using State = BodyState<N, spin>;
-    using Bodies = tumble::Bodies<N, spin, features.bodies, features.mixed()>;
+    // The step is a constant of the program where the scene names it and bodies fly freely.
+    static constexpr bool is_step_constant = requires { S::step; }
+    &&!has_loads && !features.contacts();
+    using Bodies =
+        tumble::Bodies<N, spin, features.bodies, features.mixed(), std::conditional_t<is_step_constant, S, void>>;
     using BodyGroup = tumble::BodyGroup<features.bodies>;
     using Loads = LoadSet<N, spin, features>;
     using Portion = tumble::Portion<Work>;
 
-    Advance(Seconds step, const WorldSpec& spec) : bodies{step}, loads{step.value, spec}, wrenches{step.value} {}
+    constexpr Advance(Seconds step, const WorldSpec& spec)
+        : bodies{step}, loads{step.value, spec}, wrenches{step.value} {}
 
     // m/s^2, world frame.
-    void set_gravity(RealVec3 gravity) {
+    constexpr void set_gravity(RealVec3 gravity) {
         const Real h2 = bodies.step_length * bodies.step_length;
         disturb();
         for (int i = 0; i < 3; ++i) {
@@ -40,7 +45,7 @@ public:
         }
     }
     // Adds a body at a place, which is free: the end or one that a body has left.
-    void add(const BodySpec& spec, const PrincipalInertia& inertia, int b) {
+    constexpr void add(const BodySpec& spec, const PrincipalInertia& inertia, int b) {
         bodies.add(spec, inertia, b);
         if constexpr (rotation)
             if (bodies.rotates(b)) inertia_[b] = Inertia::of(inertia.moments, bodies.scale);
@@ -79,19 +84,19 @@ public:
         }
     }
     // Call after every change of what loads depend on, unless a step made it. It voids the kicks that were kept.
-    TUMBLE_INLINE void disturb() {
+    TUMBLE_INLINE constexpr void disturb() {
         if constexpr (keeps_kicks)
             if (++kept_.disturbances == 0) ++kept_.disturbances;
     }
     // Call after every change of the spin other than by free rotation.
-    TUMBLE_INLINE void spin_changed([[maybe_unused]] int b) {
+    TUMBLE_INLINE constexpr void spin_changed([[maybe_unused]] int b) {
         if constexpr (prepares_spin())
             if (bodies.rotates(b)) inertia_[b].prepare(bodies.state[b], bodies.scale);
     }
-    void spins_changed(const BodyGroup& group) {
+    constexpr void spins_changed(const BodyGroup& group) {
         for (int k = 0; k < group.count; ++k) spin_changed(group.id[k]);
     }
-    TUMBLE_INLINE void check_range(int b) {
+    TUMBLE_INLINE constexpr void check_range(int b) {
         if (bodies.check_range(b, most_turn)) [[unlikely]]
             spin_changed(b);
     }
@@ -502,7 +507,7 @@ private:
         typename detail::RoomFor<KeptKick<N, rotation>, features.bodies>::Array of_body{};
         std::uint32_t disturbances = 1;  // counted; 0 is skipped
     };
-    [[no_unique_address]] If<keeps_kicks, KeptKicks, 2> kept_{};
+    [[no_unique_address]] If<keeps_kicks, KeptKicks, 11> kept_{};
     DriftSum gravity_[3]{};  // change of drift a step, or half of it: see fall_in_halves
     [[no_unique_address]] If<rotation, typename detail::RoomFor<Inertia, features.bodies>::Array, 1> inertia_{};
 

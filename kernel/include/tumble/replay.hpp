@@ -46,7 +46,7 @@ class Replay {
 public:
     // Sets up the scene. Without enough room in Config, Issue::world_full is set or the excess is dropped: check Config
     // against the data first.
-    explicit Replay(const Data& data = Data{}) : world_{data.step, data.world} {
+    constexpr explicit Replay(const Data& data = Data{}) : world_{empty_world(data)} {
         if constexpr (Config::features.bodies > 0)
             for (const BodySpec& body : data.bodies) (void)world_.add(body);
         if constexpr (Config::features.planes > 0)
@@ -70,6 +70,11 @@ public:
     [[nodiscard]] const World<Config>& world() const { return world_; }
 
 private:
+    static constexpr World<Config> empty_world(const Data& data) {
+        if constexpr (World<Config>::has_step) return World<Config>{data.world};
+        else return World<Config>{data.step, data.world};
+    }
+
     World<Config> world_;
     [[no_unique_address]] Prepared<decltype(Data::impulses), Impulse<N>> impulses_{};
     [[no_unique_address]] Prepared<decltype(Data::forces), TimedForce<N>> forces_{};

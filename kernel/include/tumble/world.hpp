@@ -41,18 +41,16 @@ public:
                   "room for 32767 near pairs at the most: name fewer by .near_pairs");
     static constexpr bool has_contacts = features.contacts();  // the code of contacts by impulses is there
     static constexpr bool has_loads = features.loads();        // the code of loads is there
+    static constexpr bool has_step = requires { S::step; };    // the scene has the step, as `static constexpr Seconds`
 
     // A world without bodies. `step` is the length of every step, positive; a power of two is exact in binary.
-    explicit World(Seconds step, const WorldSpec& spec = {})
-        : advance_{step, spec}, contacts_{step.value, spec.contact}, sleepers_{step.value, spec.contact.sleep} {
-        if constexpr (features.touches()) TUMBLE_ASSERT(is_valid(spec.contact));
-        set_gravity(spec.gravity);
-        if constexpr (features.snapshots) digest_.add(step.value);
-        note(spec);
-    }
+    constexpr explicit World(Seconds step, const WorldSpec& spec = {}) requires(!has_step) : World{spec, step} {}
+    // The same where the scene has a `step`. Where bodies fly freely, the program then holds what follows from the step
+    // as constants.
+    constexpr explicit World(const WorldSpec& spec = {}) requires has_step : World{spec, S::step} {}
 
     // Gravity from the next step on, m/s^2, world frame. Wakes all bodies.
-    void set_gravity(RealVec3 gravity) {
+    constexpr void set_gravity(RealVec3 gravity) {
         refuse_to_record();
         if constexpr (has_contacts) {
             contacts_.set_gravity(gravity * (advance_.bodies.step_length * advance_.bodies.step_length));
@@ -65,7 +63,7 @@ public:
 
     // Adds a body at the first free place; false (and Issue::world_full) when there is no room. Mass and moments must
     // be positive; a point mass has no moments. status() reports a start outside the range.
-    BodyId add(const BodySpec& spec) requires(features.bodies > 0) {
+    constexpr BodyId add(const BodySpec& spec) requires(features.bodies > 0) {
         refuse_to_record();
         int b = advance_.bodies.count;
         if constexpr (features.removal) b = places_.first_free();
@@ -403,6 +401,14 @@ public:
     }
 
 private:
+    constexpr World(const WorldSpec& spec, Seconds step)
+        : advance_{step, spec}, contacts_{step.value, spec.contact}, sleepers_{step.value, spec.contact.sleep} {
+        if constexpr (features.touches()) TUMBLE_ASSERT(is_valid(spec.contact));
+        set_gravity(spec.gravity);
+        if constexpr (features.snapshots) digest_.add(step.value);
+        note(spec);
+    }
+
     using Advance = tumble::Advance<S>;
     using BodyGroup = typename Advance::BodyGroup;
     using Contacts = ContactSet<N, Integrator::spin, features>;
@@ -421,7 +427,7 @@ private:
         else return N::template constant<Work>(advance_.bodies.step_length);
     }
     // Keeps the motion of a body, for imu().
-    void remember(int b) requires has_imu {
+    constexpr void remember(int b) requires has_imu {
         before_[b].d_w = advance_.bodies.state[b].d_w;
         if constexpr (features.rotation) {
             before_[b].t_b = advance_.bodies.state[b].t_b;
@@ -439,7 +445,7 @@ private:
     }
 
     // What a recording does not hold is misuse while the world records.
-    void refuse_to_record() const {
+    constexpr void refuse_to_record() const {
         if constexpr (features.recording) TUMBLE_ASSERT(recording_ == nullptr);
     }
     // An event of a body that has not been added is misuse.
@@ -494,7 +500,7 @@ private:
         disturb(event.body);
     }
     // Notes what is constant, for snapshots.
-    void note([[maybe_unused]] const auto& spec) {
+    constexpr void note([[maybe_unused]] const auto& spec) {
         if constexpr (features.snapshots) tumble::detail::add_to(digest_, spec);
     }
     [[nodiscard]] std::uint64_t scene_digest(SnapshotPart part) const requires(features.snapshots) {
@@ -556,7 +562,7 @@ private:
     }
     // Call after an impulse, a force that switches or new gravity: drops the kicks that were kept, and the bounds on
     // the time to contact of the body and of all that it may push, and wakes it.
-    void disturb([[maybe_unused]] int b) {
+    constexpr void disturb([[maybe_unused]] int b) {
         advance_.disturb();
         if constexpr (has_contacts) {
             contacts_.startle_all_near(b, advance_.bodies.steps_taken);

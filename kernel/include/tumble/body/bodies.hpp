@@ -20,8 +20,8 @@ template <class T>
 struct RoomFor<T, 0> {
     struct Array {
         // Never called: there is no element.
-        [[nodiscard]] T& operator[](int) { __builtin_unreachable(); }
-        [[nodiscard]] const T& operator[](int) const { __builtin_unreachable(); }
+        [[nodiscard]] constexpr T& operator[](int) { __builtin_unreachable(); }
+        [[nodiscard]] constexpr const T& operator[](int) const { __builtin_unreachable(); }
     };
 };
 
@@ -118,8 +118,12 @@ template <class N, Spin spin, bool points>
 struct BodyConstants {
     SpinUnits<N, spin> units{};            // units of the spin
     typename N::Work drift_per_impulse{};  // h / m
-    Quat<typename N::Unit> principal{};    // principal axes to the user's body axes
+    typename N::Unit axes[4]{};            // w, x, y, z: principal axes to the user's body axes
     bool fixed = true;                     // a place without a body counts as fixed
+
+    [[nodiscard]] TUMBLE_INLINE Quat<typename N::Unit> principal() const {
+        return {axes[0], {axes[1], axes[2], axes[3]}};
+    }
 };
 // The constants of a point mass, in a world that has only point masses.
 template <class N>
@@ -133,30 +137,56 @@ struct BodyConstants<N, spin, true> : BodyConstants<N, spin, false> {
     bool is_point = false;  // without rotation
 };
 
+// The step of a world: a member, or a constant of the program where `Constant::step` names it.
+template <class N, Spin spin, class Constant>
+struct StepOfWorld {
+    static constexpr Real step_length = Constant::step.value;  // s
+    static constexpr typename N::Scale scale = N::Scale::of(step_length, turn_per_spin(spin, step_length));
+    // False where the declared spin never needs shorter parts than the step.
+    static constexpr bool may_need_parts = [] {
+        if constexpr (N::fixed_point) return scale.most_halvings > 0;
+        else return false;
+    }();
+    static_assert(step_length > Real{}, "the scene's step must be positive");
+
+    constexpr explicit StepOfWorld(Seconds) {}
+};
+template <class N, Spin spin>
+struct StepOfWorld<N, spin, void> {
+    [[no_unique_address]] Real step_length;  // s
+    typename N::Scale scale;
+    static constexpr bool may_need_parts = N::fixed_point;
+
+    constexpr explicit StepOfWorld(Seconds step)
+        : step_length{step.value}, scale{N::Scale::of(step.value, turn_per_spin(spin, step.value))} {
+        TUMBLE_ASSERT(step.value > Real{});
+    }
+};
+
 // Without a spin all bodies are point masses; with `points` some may be. A point mass has no orientation and no spin:
 // in a world with rotation, its orientation stays the identity and its spin zero.
-template <class N, Spin spin, int capacity, bool points = false>
-class Bodies {
+template <class N, Spin spin, int capacity, bool points = false, class Constant = void>
+class Bodies : public StepOfWorld<N, spin, Constant> {
     static_assert(!(spin == Spin::none && points), "where nothing rotates, all bodies are point masses");
+    using Step = StepOfWorld<N, spin, Constant>;
 
 public:
+    using Step::scale, Step::step_length;
     using Numbers = N;
     using Work = typename N::Work;
     using State = BodyState<N, spin>;
     using Units = SpinUnits<N, spin>;
     using Constants = BodyConstants<N, spin, points>;
     static constexpr bool rotation = spin != Spin::none, has_points = points;
-    static constexpr bool has_parts = rotation && N::fixed_point && capacity > 0;
+    static constexpr bool has_parts = rotation && capacity > 0 && Step::may_need_parts;
     static constexpr int room = capacity;
 
-    explicit Bodies(Seconds step)
-        : step_length{step.value}, scale{N::Scale::of(step.value, turn_per_spin(spin, step.value))} {
-        TUMBLE_ASSERT(step.value > Real{});
-    }
+    constexpr explicit Bodies(Seconds step) : Step{step} {}
 
     // Adds a body at a place, which is free: the end or one that a body has left. Misuse: a point mass with a rotation
     // or a spin, a point mass in a world without point masses, and any other body in a world without rotation.
-    [[gnu::noinline]] void add(const BodySpec& spec, [[maybe_unused]] const PrincipalInertia& inertia, int b) {
+    [[gnu::noinline]] constexpr void add(const BodySpec& spec, [[maybe_unused]] const PrincipalInertia& inertia,
+                                         int b) {
         TUMBLE_ASSERT(spec.mass > Real{});
         TUMBLE_ASSERT(has_positive_size(spec.shape));
         if (b == count) ++count;
@@ -181,7 +211,7 @@ public:
         if constexpr (has_parts) parts.halvings[b] = 0;
     }
     // False of a point mass.
-    [[nodiscard]] TUMBLE_INLINE bool rotates([[maybe_unused]] int b) const {
+    [[nodiscard]] TUMBLE_INLINE constexpr bool rotates([[maybe_unused]] int b) const {
         if constexpr (points) return !constants[b].is_point;
         else return rotation;
     }
@@ -200,7 +230,7 @@ public:
     // From the user's body axes to principal axes.
     [[nodiscard]] WorkVec3<N> principal_vector([[maybe_unused]] int b, RealVec3 v) const {
         if constexpr (!rotation) return work_vector<N>(v);
-        else return rotate(work_quaternion<N>(constants[b].principal.conjugate()), work_vector<N>(v));
+        else return rotate(work_quaternion<N>(constants[b].principal().conjugate()), work_vector<N>(v));
     }
 
     // h / m of a body, h in s.
@@ -224,23 +254,23 @@ public:
 
     // A spin beyond the format is held in half turns of 2^-halvings of the step, and the rotation of a step has as many
     // parts. The scale of the body's spin:
-    [[nodiscard]] TUMBLE_INLINE int halvings_of([[maybe_unused]] int b) const {
+    [[nodiscard]] TUMBLE_INLINE constexpr int halvings_of([[maybe_unused]] int b) const {
         if constexpr (has_parts) return parts.halvings[b];
         else return 0;
     }
-    [[nodiscard]] TUMBLE_INLINE typename N::Scale spin_scale([[maybe_unused]] int b) const {
+    [[nodiscard]] TUMBLE_INLINE constexpr typename N::Scale spin_scale([[maybe_unused]] int b) const {
         if constexpr (has_parts) return scale.halved(parts.halvings[b]);
         else return scale;
     }
     // Halves the parts; false where they are as short as the range needs.
-    [[gnu::noinline, gnu::cold]] bool halve_parts(int b) requires(has_parts) {
+    [[gnu::noinline, gnu::cold]] constexpr bool halve_parts(int b) requires(has_parts) {
         if (parts.halvings[b] >= scale.most_halvings) return false;
         ++parts.halvings[b];
         N::halve(state[b].t_b);
         return true;
     }
     // Halves the parts until the spin is in its range. Returns whether it did.
-    TUMBLE_INLINE bool fit_parts([[maybe_unused]] int b) {
+    TUMBLE_INLINE constexpr bool fit_parts([[maybe_unused]] int b) {
         bool halved = false;
         if constexpr (has_parts)
             while (N::spins_out_of_range(state[b]) && halve_parts(b)) halved = true;
@@ -268,7 +298,7 @@ public:
         for (; parts.halvings[b] > 0 && N::is_slow(state[b].t_b, z_up); --parts.halvings[b]) N::twice(state[b].t_b);
         return parts.halvings[b] != before;
     }
-    void stop_spin(int b) requires(rotation) {
+    constexpr void stop_spin(int b) requires(rotation) {
         state[b].t_b = {};
         if constexpr (has_parts) parts.halvings[b] = 0;
     }
@@ -288,12 +318,12 @@ public:
 
     // Reports range_left if the body left its range. most_turn: the longest half turn in a step that the method follows
     // in floating point, rad; 0: any. Returns whether the spin has another scale from here on.
-    TUMBLE_INLINE bool check_range(int b, double most_turn = 0) {
+    TUMBLE_INLINE constexpr bool check_range(int b, double most_turn = 0) {
         if (N::out_of_range(state[b], most_turn)) [[unlikely]]
             return leave_range(b);
         return false;
     }
-    [[gnu::noinline]] bool leave_range(int b) {
+    [[gnu::noinline]] constexpr bool leave_range(int b) {
         const bool halved = fit_parts(b);
         if constexpr (has_parts)
             if (!N::out_of_range(state[b], 0)) return halved;
@@ -307,7 +337,7 @@ public:
             if (!(state[b].t_b[i].value() == typename N::Turn{})) return true;
         return false;
     }
-    void report(Issue issue, int b) { status.set(issue, b, steps_taken); }
+    constexpr void report(Issue issue, int b) { status.set(issue, b, steps_taken); }
 
     [[nodiscard]] Work steps_per_second() const { return N::template constant<Work>(Real{1} / step_length); }
     [[nodiscard]] std::uint64_t hash() const {
@@ -341,7 +371,7 @@ public:
                 WorkVec3<N> w;
                 for (int i = 0; i < 3; ++i)
                     w[i] = N::half_turn(state[b].t_b[i].value(), spin_scale(b)) * constants[b].units.rate(i, rate);
-                return rotate(work_quaternion<N>(constants[b].principal), w);
+                return rotate(work_quaternion<N>(constants[b].principal()), w);
             }
         }
         return zero_vector<N>();
@@ -350,7 +380,7 @@ public:
         if constexpr (rotation) {
             if (rotates(b)) {
                 const Quat<Work> q = work_quaternion<N>(state[b].q_wb.value()),
-                                 p = work_quaternion<N>(constants[b].principal).conjugate();
+                                 p = work_quaternion<N>(constants[b].principal()).conjugate();
                 const WorkVec3<N> v = scaled_by(p.v, q.w) + scaled_by(q.v, p.w) + cross<Work>(q.v, p.v);
                 return {q.w * p.w - dot(q.v, p.v), v};
             }
@@ -358,28 +388,26 @@ public:
         return {Work(1), zero_vector<N>()};
     }
 
-    Real step_length;  // s
     [[no_unique_address]] typename detail::RoomFor<State, capacity>::Array state{};
     [[no_unique_address]] typename detail::RoomFor<Constants, capacity>::Array constants{};
     Status status{};
     std::uint32_t steps_taken = 0;  // modulo 2^32
     std::int16_t count = 0;         // of places up to the last that has had a body
-    typename N::Scale scale;
     [[no_unique_address]] detail::StepParts<has_parts ? capacity : 0> parts{};
 
 private:
-    void set_rotation(int b, const BodySpec& spec, const PrincipalInertia& inertia) requires(rotation) {
+    constexpr void set_rotation(int b, const BodySpec& spec, const PrincipalInertia& inertia) requires(rotation) {
         Constants& body = constants[b];
         State& s = state[b];
         if (!rotates(b)) {
-            set_unit(body.principal, {});
+            set_axes(body, {});
             s.q_wb.w = N::IntegratedUnit::from(1);
             return;
         }
         TUMBLE_ASSERT(inertia.moments.z > Real{});
         TUMBLE_ASSERT(are_of_a_body(inertia.moments));
         body.units = Units::of(inertia.moments, step_length);
-        set_unit(body.principal, inertia.principal);
+        set_axes(body, inertia.principal);
         const RealQuat q = normalized(normalized(spec.orientation) * inertia.principal);
         s.q_wb.w = N::IntegratedUnit::from(q.w);
         s.q_wb.x = N::IntegratedUnit::from(q.v.x);
@@ -392,17 +420,17 @@ private:
         } while (starts_too_fast(b));
     }
     // Halves the parts of a spin that leaves its range.
-    [[nodiscard]] bool starts_too_fast([[maybe_unused]] int b) requires(rotation) {
+    [[nodiscard]] constexpr bool starts_too_fast([[maybe_unused]] int b) requires(rotation) {
         if constexpr (has_parts) return N::spins_out_of_range(state[b]) && halve_parts(b);
         else return false;
     }
     template <class Number>
-    static void assign(Number& number, Real value) {
+    static constexpr void assign(Number& number, Real value) {
         number = Number::from(value);
     }
-    static void set_unit(Quat<typename N::Unit>& q, const RealQuat& value) {
-        q.w = N::template constant<typename N::Unit>(value.w);
-        for (int i = 0; i < 3; ++i) q.v[i] = N::template constant<typename N::Unit>(value.v[i]);
+    static constexpr void set_axes(Constants& body, const RealQuat& q) {
+        body.axes[0] = N::template constant<typename N::Unit>(q.w);
+        for (int i = 0; i < 3; ++i) body.axes[i + 1] = N::template constant<typename N::Unit>(q.v[i]);
     }
 };
 

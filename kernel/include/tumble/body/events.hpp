@@ -49,8 +49,8 @@ struct Span {
 
 // An event in the numbers of the bodies' world. The body must exist. Misuse: a rotation of a point mass, and the frame
 // of a body that has none.
-template <class N, Spin spin, int capacity, bool points>
-[[gnu::noinline, nodiscard]] Impulse<N> prepare(const Bodies<N, spin, capacity, points>& bodies,
+template <class N, Spin spin, int capacity, bool points, class Constant>
+[[gnu::noinline, nodiscard]] Impulse<N> prepare(const Bodies<N, spin, capacity, points, Constant>& bodies,
                                                 const ImpulseSpec& spec) {
     const bool in_body = spec.frame == Frame::body;
     if (!bodies.rotates(bodies.index_of(spec.body)))
@@ -63,8 +63,8 @@ template <class N, Spin spin, int capacity, bool points>
             bodies.principal_vector(spec.body, spec.point)};
 }
 // The same for a force that acts for a while.
-template <class N, Spin spin, int capacity, bool points>
-[[gnu::noinline, nodiscard]] TimedForce<N> prepare(const Bodies<N, spin, capacity, points>& bodies,
+template <class N, Spin spin, int capacity, bool points, class Constant>
+[[gnu::noinline, nodiscard]] TimedForce<N> prepare(const Bodies<N, spin, capacity, points, Constant>& bodies,
                                                    const ForceSpec& spec) {
     const bool in_body = spec.frame == Frame::body;
     if (!bodies.rotates(bodies.index_of(spec.body)))
@@ -84,8 +84,8 @@ template <class N, Spin spin, int capacity, bool points>
 }
 
 // Applies the impulse's change of momentum at once.
-template <class N, Spin spin, int capacity, bool points>
-inline void apply(const Impulse<N>& event, Bodies<N, spin, capacity, points>& bodies) {
+template <class N, Spin spin, int capacity, bool points, class Constant>
+inline void apply(const Impulse<N>& event, Bodies<N, spin, capacity, points, Constant>& bodies) {
     using Work = typename N::Work;
     const int b = bodies.index_of(event.body);
     if (bodies.constants[b].fixed) return;

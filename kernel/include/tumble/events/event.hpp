@@ -101,7 +101,7 @@ template <class N, class Bodies>
         return push;
     }
     if constexpr (Bodies::rotation) {
-        const auto& principal = bodies.constants[b].principal;
+        const auto principal = bodies.constants[b].principal();
         if (event.frame == Frame::body) push.value = push.value.rotated_back(principal);
         if (!push.at_centre) push.point = event.point.block().rotated_back(principal);
     }
@@ -168,7 +168,7 @@ template <class N, class Bodies>
     if (event.frame == Frame::world) return v;
     TUMBLE_ASSERT(bodies.rotates(b));
     if constexpr (Bodies::rotation)
-        v = v.rotated_back(bodies.constants[b].principal).rotated(bodies.state[b].q_wb.value());
+        v = v.rotated_back(bodies.constants[b].principal()).rotated(bodies.state[b].q_wb.value());
     return v;
 }
 template <class N, class Bodies>
@@ -176,7 +176,7 @@ template <class N, class Bodies>
                                           const Event<N>& event) requires(Bodies::rotation) {
     const VectorBlock<N>& v = event.value.block();
     return event.frame == Frame::world ? v.rotated_back(bodies.state[b].q_wb.value())
-                                       : v.rotated_back(bodies.constants[b].principal);
+                                       : v.rotated_back(bodies.constants[b].principal());
 }
 
 // `seconds`: of a step.
@@ -218,7 +218,7 @@ void set_pose(Bodies& bodies, int b, const Event<N>& event) {
     if constexpr (Bodies::rotation) {
         const Work norm2 = q.w * q.w + dot(q.v, q.v);
         TUMBLE_ASSERT(norm2 > Work(0));
-        const auto& p = bodies.constants[b].principal;
+        const auto p = bodies.constants[b].principal();
         const Work length = sqrt(norm2);
         const Quaternion<Work> to{q.w / length, {q.v.x / length, q.v.y / length, q.v.z / length}},
             principal{N::work(p.w), {N::work(p.v.x()), N::work(p.v.y()), N::work(p.v.z())}}, product = to * principal;

@@ -68,7 +68,7 @@ template <class T, class Bodies>
             if (!bodies.rotates(b)) return pose;
             using Unit = typename N::Unit;
             const auto q = s.q_wb.value();
-            const auto p = bodies.constants[b].principal.conjugate();
+            const auto p = bodies.constants[b].principal().conjugate();
             const auto component = [&]<int i>() {
                 const auto sum = mul_add(mul(q.w, p.v[i]), q.v[i], p.w);
                 return number<T, N>(narrow<Unit>(add_cross_component<i>(sum, q.v, p.v)));
@@ -103,7 +103,7 @@ template <class T, class Bodies>
         if (!bodies.rotates(b)) return motion;
         const typename N::TurnSum t[3]{N::sum(s.t_b.x), N::sum(s.t_b.y), N::sum(s.t_b.z)};
         motion.angular_velocity = spin_of<N>(bodies, b, t, bodies.spin_scale(b), steps_per_second)
-                                      .rotated(bodies.constants[b].principal)
+                                      .rotated(bodies.constants[b].principal())
                                       .template as<T>();
     }
     return motion;
@@ -161,7 +161,7 @@ template <class T, class Bodies>
         const Block spin = spin_of<N>(bodies, b, mean, unit, steps_per_second);
         // From the axes at the end of the step back to those of its middle: f + (h/2) w x f.
         force = force.rotated_back(s.q_wb.value()).turned(half_turn<N>(bodies, b));
-        const auto& principal = bodies.constants[b].principal;
+        const auto principal = bodies.constants[b].principal();
         if (!point.is_zero()) {
             const Block arm = point.rotated_back(principal);
             const Block gain = spin_of<N>(bodies, b, turned, unit, steps_per_second).times(steps_per_second);
@@ -207,7 +207,7 @@ template <class Bodies>
     if constexpr (Bodies::rotation) {
         if (!bodies.rotates(b)) return tensor;
         using N = typename Bodies::Numbers;
-        const auto& p = bodies.constants[b].principal;
+        const auto p = bodies.constants[b].principal();
         const auto real = [](auto u) { return static_cast<Real>(N::work(u)); };
         const RealQuat q{real(p.w), {real(p.v[0]), real(p.v[1]), real(p.v[2])}};
         for (int i = 0; i < 3; ++i) {

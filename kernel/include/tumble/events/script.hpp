@@ -19,8 +19,9 @@ struct EventSpec {
 };
 
 // An event of a scene in the numbers of the bodies' world.
-template <class N, Spin spin, int capacity, bool points>
-[[gnu::noinline, nodiscard]] Event<N> prepare(const Bodies<N, spin, capacity, points>& bodies, const EventSpec& spec) {
+template <class N, Spin spin, int capacity, bool points, class Constant>
+[[gnu::noinline, nodiscard]] Event<N> prepare(const Bodies<N, spin, capacity, points, Constant>& bodies,
+                                              const EventSpec& spec) {
     return {spec.kind,
             spec.frame,
             BodyId{bodies.index_of(spec.body)},

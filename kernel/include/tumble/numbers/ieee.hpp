@@ -133,11 +133,10 @@ struct Float {
         constexpr T most_excess = T(0x1p-9);
         T sum = three(b.x_w) + three(b.d_w), excess = 0;
         if constexpr (requires { b.q_wb; }) {
-            const Quat<T> q = b.q_wb.value();
-            excess = absolute(q.w * q.w + dot(q.v, q.v) - T(1));
+            const T w = b.q_wb.w.value();
+            excess = absolute(w * w + square_of(b.q_wb) - T(1));
             if (most_turn > 0) {
-                const Vec3<T> t = b.t_b.value();
-                excess += dot(t, t) * T(0x1p-9 / (most_turn * most_turn));
+                excess += square_of(b.t_b) * T(0x1p-9 / (most_turn * most_turn));
             } else {
                 sum += three(b.t_b);
             }
@@ -151,6 +150,10 @@ struct Float {
     }
     [[nodiscard]] TUMBLE_INLINE static constexpr T three(const auto& v) {
         return v.x.value() + v.y.value() + v.z.value();
+    }
+    [[nodiscard]] TUMBLE_INLINE static constexpr T square_of(const auto& v) {
+        const T x = v.x.value(), y = v.y.value(), z = v.z.value();
+        return x * x + y * y + z * z;
     }
     [[nodiscard]] TUMBLE_INLINE static constexpr T halved(T change, int) { return change; }
     static constexpr void leave_range(auto&) {}

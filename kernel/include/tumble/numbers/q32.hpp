@@ -264,9 +264,11 @@ struct Q32 {
     }
     // True if twice the spin, and that about z times 2^z_up, is below half of the range.
     [[nodiscard]] static constexpr bool is_slow(const auto& turns, int z_up) {
-        const auto below = [](std::int64_t raw, int bits) { return ((raw ^ (raw >> 63)) >> bits) == 0; };
-        return below(turns.x.sum().raw, 60) && below(turns.y.sum().raw, 60) && z_up <= 60 &&
-               below(turns.z.sum().raw, 60 - z_up);
+        const auto size = [](const auto& t) {
+            const std::int32_t high = upper(t.sum().raw);
+            return static_cast<std::uint32_t>(high ^ (high >> 31));
+        };
+        return ((size(turns.x) | size(turns.y)) >> 28) == 0 && z_up <= 28 && (size(turns.z) >> (28 - z_up)) == 0;
     }
     // Moves a number out of its range, so that out_of_range() reports it.
     static constexpr void leave_range(auto& number) {

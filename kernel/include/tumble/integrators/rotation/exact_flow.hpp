@@ -53,7 +53,7 @@ public:
 
     // Finds the constants of the motion for a body's spin. Five square roots and three divisions, and two of each for
     // every doubling: one for each factor of two by which half a step turns the body by more than about 1/16 rad.
-    [[gnu::noinline]] void prepare(const BodyState<N, Spin::angular_momentum>& body, typename N::Scale) {
+    [[gnu::noinline]] constexpr void prepare(const BodyState<N, Spin::angular_momentum>& body, typename N::Scale) {
         const T m_x = N::sum(body.t_b.x), m_y = N::sum(body.t_b.y), m_z = N::sum(body.t_b.z);
         const T xx = m_x * m_x, yy = m_y * m_y, zz = m_z * m_z, mm = xx + yy + zz;
         HalfStep h{T(1), T(1), T(1), T(1), inverse_x_, T(1), inverse_z_};
@@ -104,7 +104,7 @@ private:
         T f, p, q, w, x, y, z;
     };
 
-    [[nodiscard]] HalfStep half_step(const Motion& m) const {
+    [[nodiscard]] constexpr HalfStep half_step(const Motion& m) const {
         const T inverse_length = T(1) / sqrt(m.mm), rate = m.twice_energy * inverse_length;
         // The loop's bound follows from the exponents. Finite numbers never reach it.
         constexpr int most_doublings = sizeof(T) == 4 ? 70 : 520;
@@ -130,7 +130,7 @@ private:
     }
 
     // A part of the half step.
-    [[nodiscard]] HalfStep small_part(const Motion& m, T part, T inverse_length, T rate) const {
+    [[nodiscard]] constexpr HalfStep small_part(const Motion& m, T part, T inverse_length, T rate) const {
         HalfStep h{};
         const T part2 = part * part;
         h.f = part * elliptic_sine(m.a * part2, m.b * part2);
@@ -150,13 +150,13 @@ private:
     }
 
     // y from x or from z, whichever has more digits. The accuracy of x matters little where X is small.
-    [[nodiscard]] T middle(const HalfStep& h, const Motion& m) const {
+    [[nodiscard]] constexpr T middle(const HalfStep& h, const Motion& m) const {
         return m.x2 > m.z2 ? h.p * h.x + alpha_ * h.f * h.w : h.q * h.z - beta_ * h.f * h.w;
     }
 
     // Twice the half step: the product of the turns of two steps, and the double argument. Both are scaled to w^2 + X^2
     // x^2 + Z^2 z^2 = 1 and p^2 + A f^2 = q^2 + B f^2 = 1, so that their rounding errors do not double.
-    [[nodiscard]] HalfStep doubled(const HalfStep& h, const Motion& m, T a_less_b) const {
+    [[nodiscard]] constexpr HalfStep doubled(const HalfStep& h, const Motion& m, T a_less_b) const {
         HalfStep twice{};
         const T x = h.q * h.x, y = h.f * h.y, z = h.p * h.z;
         const T w2 = h.w * h.w - m.x2 * x * x - m.z2 * z * z + (m.gamma_x2 * y) * (m.gamma_z2 * y);

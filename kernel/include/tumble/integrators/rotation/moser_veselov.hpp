@@ -124,13 +124,13 @@ struct MoserVeselovInertia {
 
     // The flow follows a spin about z that has room times 2^z_room.
     [[nodiscard]] constexpr int z_room() const { return z_shift % with_care; }
-    // Computes the modified moments for the body's spin.
     // Calls visit with the members that a snapshot holds.
     template <class Self, class Visit>
     static void each(Self& self, Visit& visit) {
         visit(self.modified, self.inverse, self.z_shift);
     }
-    void prepare(const BodyState<N, Spin::angular_momentum>& body, typename N::Scale scale) {
+    // Computes the modified moments for the body's spin.
+    constexpr void prepare(const BodyState<N, Spin::angular_momentum>& body, typename N::Scale scale) {
         const Work moment[3] = {x, Work(1), z};
         Work n(0), e(0);
         for (int i = 0; i < 3; ++i) {

@@ -1,0 +1,102 @@
+// Worlds that the compiler sets up. The oracle is the same world, set up when the program runs.
+#include <tumble/tumble.hpp>
+
+#include "worlds.hpp"
+
+namespace tumble::test {
+namespace {
+
+// A scene with the step as a constant.
+template <class Scene>
+struct Stepped : Scene {
+    static constexpr Seconds step{1, 250};
+};
+template <class N, class Method>
+using Free = SceneOf<N, Method, Features{.bodies = 2}>;
+using Loaded = SceneOf<Q32<NearRange>, integrators::Verlet, Features{.drag = true}>;
+using Landing = SceneOf<Q32<NearRange>, integrators::Verlet, Features{.planes = 1, .boxes = true}>;
+
+constexpr BodySpec thrown() {
+    BodySpec body = box(0.3, {0.1, 0.4, 0.9});
+    body.inertia.xy = 0.0003;
+    body.position = {1, -2, 0.5};
+    body.velocity = {0.25, 3, -1};
+    body.orientation = {0.5, {0.5, -0.25, 0.75}};
+    body.angular_velocity = {0.3, 7, 0.01};
+    return body;
+}
+
+template <class Scene>
+constexpr World<Scene> set_up() {
+    constexpr WorldSpec spec{.gravity = {0.1, -9.81, 0}};
+    World<Scene> world = [&] {
+        if constexpr (World<Scene>::has_step) return World<Scene>{spec};
+        else return World<Scene>{Seconds{1, 250}, spec};
+    }();
+    BodySpec body = thrown();
+    world.add(body);
+    body.mass = 4;
+    body.angular_velocity = {20, 0.5, -9};
+    world.add(body);
+    return world;
+}
+
+template <class W>
+class ConstantWorld : public testing::Test {};
+using Constant =
+    testing::Types<Kind<Q32<NearRange>, integrators::Verlet>, Kind<Q32<NearRange, false>, integrators::Rk4>,
+                   Kind<Q32<>, integrators::Pdmv6>, Kind<F32, integrators::Suzuki4>, Kind<F64, integrators::Exact>>;
+TYPED_TEST_SUITE(ConstantWorld, Constant);
+
+template <class Scene>
+constinit World<Scene> constant_world = set_up<Scene>();
+
+template <class W>
+std::uint64_t hash_after(W& world, int steps) {
+    for (int i = 0; i < steps; ++i) world.step();
+    EXPECT_TRUE(world.status().ok());
+    return world.hash();
+}
+
+TYPED_TEST(ConstantWorld, a_world_that_the_compiler_set_up_has_the_bits_of_one_set_up_at_run_time) {
+    using Scene = Free<typename TypeParam::Numbers, typename TypeParam::Integrator>;
+    auto world = set_up<Scene>();
+    EXPECT_EQ(world.hash(), constant_world<Scene>.hash());
+    EXPECT_EQ(hash_after(world, 500), hash_after(constant_world<Scene>, 500));
+}
+
+TYPED_TEST(ConstantWorld, a_step_of_the_scene_gives_the_bits_of_a_step_of_the_world) {
+    using Scene = Free<typename TypeParam::Numbers, typename TypeParam::Integrator>;
+    auto world = set_up<Scene>();
+    EXPECT_EQ(hash_after(world, 500), hash_after(constant_world<Stepped<Scene>>, 500));
+    EXPECT_LT(sizeof(constant_world<Stepped<Scene>>), sizeof(world));
+}
+
+// Where the program needs no parts of a rotation, its code has none: the spin of the range turns by 1/4 rad at most.
+TEST(ConstantWorld, parts_of_a_rotation_are_compiled_only_where_the_step_of_the_scene_may_need_them) {
+    using Slow = Stepped<Free<Q32<Range<64, 32, 16>>, integrators::Verlet>>;  // 16 rad/s, 1/250 s
+    using Fast = Stepped<Free<Q32<>, integrators::Verlet>>;           // 64 rad/s, 1/250 s
+    EXPECT_FALSE(World<Slow>::Bodies::has_parts);
+    EXPECT_TRUE(World<Fast>::Bodies::has_parts);
+}
+
+// Loads and contacts take the step of the scene too, as a number of the world.
+TEST(ConstantWorld, a_scene_with_loads_or_contacts_may_name_its_step) {
+    const auto run = [](auto world, auto same) {
+        BodySpec body = thrown();
+        body.position.y = 1;
+        world.add(body);
+        same.add(body);
+        if constexpr (decltype(world)::features.planes > 0) {
+            world.add(PlaneSpec{});
+            same.add(PlaneSpec{});
+        }
+        EXPECT_EQ(hash_after(world, 300), hash_after(same, 300));
+    };
+    constexpr WorldSpec spec{.gravity = {0, -9.81, 0}, .linear_drag = 0.1};
+    run(World<Stepped<Loaded>>{spec}, World<Loaded>{{1, 250}, spec});
+    run(World<Stepped<Landing>>{spec}, World<Landing>{{1, 250}, spec});
+}
+
+}  // namespace
+}  // namespace tumble::test
