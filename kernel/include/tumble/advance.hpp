@@ -18,7 +18,7 @@ public:
     using DriftSum = typename N::DriftSum;
     using TurnSum = typename N::TurnSum;
     static constexpr Features features = S::features;
-    static constexpr bool has_loads = features.loads(), rotation = features.rotation,
+    static constexpr bool has_loads = detail::has_loads<S>, rotation = features.rotation,
                           has_wrenches = features.control && features.bodies > 0;
     static constexpr bool keeps_kicks = has_loads && requires { Integrator::keeps_kick; };
     static constexpr Spin spin = rotation ? Integrator::spin : Spin::none;
@@ -29,7 +29,7 @@ public:
     using Bodies =
         tumble::Bodies<N, spin, features.bodies, features.mixed(), std::conditional_t<is_step_constant, S, void>>;
     using BodyGroup = tumble::BodyGroup<features.bodies>;
-    using Loads = LoadSet<N, spin, features>;
+    using Loads = LoadSet<N, spin, features, typename detail::OwnLoads<S>::List>;
     using Portion = tumble::Portion<Work>;
 
     constexpr Advance(Seconds step, const WorldSpec& spec)

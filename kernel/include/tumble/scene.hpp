@@ -106,11 +106,19 @@ struct Features {
     }
 };
 
+// Loads that a program brings along, besides those of its scene's features: loads/loaded_group.hpp says what such a
+// struct has.
+template <class... Loads>
+struct LoadList {
+    static constexpr int count = sizeof...(Loads);  // number of loads
+};
+
 // The base of every scene type. Override the members that differ.
 struct Scene {
     using Numbers = Q32<>;                   // the number system
     using Integrator = integrators::Verlet;  // one of tumble::integrators
     static constexpr Features features{};    // room and features
+    using Loads = LoadList<>;                // loads of the program's own
 };
 
 // A scene type from its parts, for programs that vary them.
@@ -122,6 +130,20 @@ struct SceneOf {
 };
 
 namespace detail {
+
+// The loads of a scene's own; none where it does not name them.
+template <class S>
+struct OwnLoads {
+    using List = LoadList<>;
+};
+template <class S>
+requires requires { typename S::Loads; }
+struct OwnLoads<S> {
+    using List = typename S::Loads;
+};
+// True if anything other than gravity may push bodies of the scene.
+template <class S>
+inline constexpr bool has_loads = S::features.loads() || (S::features.bodies > 0 && OwnLoads<S>::List::count > 0);
 
 // Takes no room if a feature is absent. The tag allows two of them at one address.
 template <int tag>

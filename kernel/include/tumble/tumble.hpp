@@ -30,6 +30,9 @@
 #endif
 
 #include <tumble/integrators/list.hpp>
+#include <tumble/loads/air.hpp>
+#include <tumble/loads/gravity_gradient.hpp>
+#include <tumble/loads/wheels.hpp>
 #include <tumble/replay.hpp>
 #include <tumble/version.hpp>
 #include <tumble/world.hpp>

@@ -40,7 +40,7 @@ public:
     static_assert(features.near_pairs >= 0 && (!features.contacts() || features.room_for_pairs() <= BodyId::most),
                   "room for 32767 near pairs at the most: name fewer by .near_pairs");
     static constexpr bool has_contacts = features.contacts();  // the code of contacts by impulses is there
-    static constexpr bool has_loads = features.loads();        // the code of loads is there
+    static constexpr bool has_loads = detail::has_loads<S>;    // the code of loads is there
     static constexpr bool has_step = requires { S::step; };    // the scene has the step, as `static constexpr Seconds`
 
     // A world without bodies. `step` is the length of every step, positive; a power of two is exact in binary.
@@ -115,6 +115,19 @@ public:
         if (!advance_.add(spec)) return {};
         note(spec);
         return SpringId{advance_.loads.spring_count() - 1};
+    }
+
+    // A load of the scene's own, as it is.
+    template <class Load>
+    [[nodiscard]] const Load& load() const {
+        return advance_.loads.template own<Load>();
+    }
+    // The same to be changed, before the next step. Wakes all bodies.
+    template <class Load>
+    [[nodiscard]] Load& change_load() {
+        refuse_to_record();
+        for (int b = 0; b < advance_.bodies.count; ++b) disturb(b);
+        return advance_.loads.template own<Load>();
     }
 
     // Converts an impulse to this world's numbers, for set_impulses().

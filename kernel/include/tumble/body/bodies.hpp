@@ -121,6 +121,7 @@ struct BodyConstants {
     typename N::Unit axes[4]{};            // w, x, y, z: principal axes to the user's body axes
     bool fixed = true;                     // a place without a body counts as fixed
 
+    // The same, to compute with.
     [[nodiscard]] TUMBLE_INLINE Quat<typename N::Unit> principal() const {
         return {axes[0], {axes[1], axes[2], axes[3]}};
     }
@@ -136,6 +137,8 @@ template <class N, Spin spin>
 struct BodyConstants<N, spin, true> : BodyConstants<N, spin, false> {
     bool is_point = false;  // without rotation
 };
+
+namespace detail {
 
 // The step of a world: a member, or a constant of the program where `Constant::step` names it.
 template <class N, Spin spin, class Constant>
@@ -163,12 +166,14 @@ struct StepOfWorld<N, spin, void> {
     }
 };
 
+}  // namespace detail
+
 // Without a spin all bodies are point masses; with `points` some may be. A point mass has no orientation and no spin:
 // in a world with rotation, its orientation stays the identity and its spin zero.
 template <class N, Spin spin, int capacity, bool points = false, class Constant = void>
-class Bodies : public StepOfWorld<N, spin, Constant> {
+class Bodies : public detail::StepOfWorld<N, spin, Constant> {
     static_assert(!(spin == Spin::none && points), "where nothing rotates, all bodies are point masses");
-    using Step = StepOfWorld<N, spin, Constant>;
+    using Step = detail::StepOfWorld<N, spin, Constant>;
 
 public:
     using Step::scale, Step::step_length;

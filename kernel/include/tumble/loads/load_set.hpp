@@ -11,15 +11,33 @@
 
 namespace tumble {
 
-// A load has its header, its set-up here, a line in any() and a member. Its functions:
-//   acts_on(bodies, b)                 true of a body that feels it in this step
-//   turns(bodies, b)                   only where it changes or asks for an orientation or a spin: true of such a body
-//   apply_to(group)                    adds the changes of drift and turn to a LoadedGroup
-//   couples(bodies, b), for_each_coupled(bodies, b, f)   only where a body feels another
-//   depends_on_velocity()              only where it may
-//   set_body(b, spec, inertia, bodies) only where it keeps something of each body
-// Contacts by springs are the exception: their points are found in working numbers, and so are their forces.
-template <class N, Spin spin, Features features>
+namespace detail {
+
+template <class Load>
+concept MayDependOnVelocity = requires(const Load& load) {
+    load.depends_on_velocity();
+};
+
+// The loads of a list as one value.
+template <class List>
+struct ListedLoads;
+template <class... Loads>
+struct ListedLoads<LoadList<Loads...>> : Loads... {
+    static constexpr bool may_depend_on_velocity = (MayDependOnVelocity<Loads> || ...);
+
+    // Calls ask(load) for each load, until it is true.
+    template <class Self, class F>
+    TUMBLE_INLINE static bool any([[maybe_unused]] Self& loads, [[maybe_unused]] F&& ask) {
+        return (ask(static_cast<std::conditional_t<std::is_const_v<Self>, const Loads, Loads>&>(loads)) || ...);
+    }
+};
+
+}  // namespace detail
+
+// A load of the kernel has its header, its set-up here, a line in any() and a member. A load of a program stands in the
+// scene's list. What each has, loaded_group.hpp says. Contacts by springs are the exception: their points are found in
+// working numbers, and so are their forces.
+template <class N, Spin spin, Features features, class Own = LoadList<>>
 class LoadSet {
 public:
     using Work = typename N::Work;
@@ -30,12 +48,21 @@ public:
     using L = LoadNumbers<N>;
     using Stage = StageState<N, rotation>;
     using Loaded = LoadedBody<N, rotation, features.mixed()>;
+    using OwnLoads = detail::ListedLoads<Own>;
 
     LoadSet(Real step, const WorldSpec& spec)
         : seconds_{N::template constant<Work>(step)}, steps_per_second_{N::template constant<Work>(Real{1} / step)},
           drag_{step, spec}, springs_{step, spec}, gravitation_{step, spec}, forces_{step, spec}, contacts_{step,
                                                                                                             spec} {}
 
+    template <class Load>
+    [[nodiscard]] Load& own() {
+        return own_;
+    }
+    template <class Load>
+    [[nodiscard]] const Load& own() const {
+        return own_;
+    }
     // Call when a body has been added.
     void set_body([[maybe_unused]] int b, [[maybe_unused]] const BodySpec& spec,
                   [[maybe_unused]] const PrincipalInertia& inertia, [[maybe_unused]] Bodies& bodies) {
@@ -137,7 +164,7 @@ public:
     template <bool alone>
     struct Evaluate {
         static constexpr bool may_depend_on_velocity = features.drag || features.springs > 0 ||
-                                                       features.springs_touch();
+                                                       features.springs_touch() || OwnLoads::may_depend_on_velocity;
 
         Bodies& bodies;
         const LoadSet& loads;
@@ -164,7 +191,7 @@ public:
         }
         // True of a body alone on which only one load depends on the velocity, and linearly.
         [[nodiscard]] bool ends_in_closed_form() const {
-            if constexpr (!alone) return false;
+            if constexpr (!alone || OwnLoads::may_depend_on_velocity) return false;
             int loads_of_velocity = 0;
             if constexpr (features.drag) loads_of_velocity += loads.drag_.linear > Work{} ? 1 : 0;
             if constexpr (features.springs > 0) loads_of_velocity += loads.springs_.dampers_at(group.id[0]);
@@ -241,6 +268,7 @@ private:
             if (ask(loads.gravitation_)) return true;
         if constexpr (features.forces)
             if (ask(loads.forces_)) return true;
+        if (OwnLoads::any(loads.own_, ask)) return true;
         if constexpr (features.springs > 0)
             if (ask(loads.springs_)) return true;
         if constexpr (features.drag)
@@ -256,7 +284,9 @@ private:
                 const DriftSum* ends_with_half_of) const {
         for (int k = 0; k < e.count(); ++k) clear(kicks[k]);
         using Group = LoadedGroup<N, Bodies, StageState, Kick, alone>;
-        Group group{{}, e.bodies, stages, kicks, e.group.id, e.place, e.per_length, e.is_whole, ends_with_half_of};
+        Group group{
+            {},       e.bodies,         stages, kicks, e.group.id, e.place, e.per_length, e.is_whole, ends_with_half_of,
+            seconds_, steps_per_second_};
         group.set_count(e.count());
         (void)any(
             *this, [&](const auto& load) __attribute__((always_inline)) {
@@ -351,6 +381,7 @@ private:
     [[no_unique_address]] If<features.gravitation, Gravitation<N, features.bodies>, 2> gravitation_;
     [[no_unique_address]] If<features.forces, TimedForces<N>, 3> forces_;
     [[no_unique_address]] If<features.springs_touch(), ContactSprings<N, spin, features>, 4> contacts_;
+    [[no_unique_address]] OwnLoads own_{};
 };
 
 }  // namespace tumble

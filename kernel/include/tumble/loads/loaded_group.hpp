@@ -1,5 +1,15 @@
 // LoadedGroup: the bodies of one evaluation as loads see them, at a stage of a step, and the sums of what the loads
 // change. A load adds its change of drift (m) and of half a turn (rad) in a step.
+//
+// A load is a struct, of the kernel or of a program. Its functions, all const but set_body:
+//   acts_on(bodies, b)                 true of a body that feels it in this step
+//   turns(bodies, b)                   only where it changes or asks for an orientation or a spin: true of such a body
+//   apply_to(group)                    pushes and turns the bodies of a LoadedGroup
+//   couples(bodies, b), for_each_coupled(bodies, b, f)   only where a body feels another that moves
+//   depends_on_velocity()              only where it may
+//   set_body(b, spec, inertia, bodies) only where it keeps something of each body; called when a body is added
+// The functions of a group with vectors of working numbers are the simplest: SI units, and the user's body axes. Those
+// of blocks and factors (numbers/load_numbers.hpp) are the fastest.
 #pragma once
 
 #include <tumble/body/bodies.hpp>
@@ -30,6 +40,7 @@ struct LoadedGroup : std::conditional_t<is_alone, GroupCount<1>, GroupCount<2>> 
     bool whole;                 // the portion is a whole step
     // Null, or gravity's change of drift in a step that ends with half a kick: see velocity().
     const typename N::DriftSum* ends_with_half_of;
+    Work seconds, steps_per_second;  // of a whole step, and of steps of that length
 
     [[nodiscard]] TUMBLE_INLINE int place_of(int b) const {
         if constexpr (Bodies::room == 1) return 0;
@@ -80,6 +91,55 @@ struct LoadedGroup : std::conditional_t<is_alone, GroupCount<1>, GroupCount<2>> 
         for (int i = 0; i < 3; ++i)
             L::add(kick[k].angular[i], v, i, L::product(f, half_turn_per_impulse(k, i)), bodies.scale);
     }
+
+    // --- in working numbers, SI units and the user's body axes ---------------------------------------------------
+
+    // m, world.
+    [[nodiscard]] Vector3<Work> position(int k) const {
+        Vector3<Work> x;
+        for (int i = 0; i < 3; ++i) x[i] = N::metres(stage[k].x_w[i]);
+        return x;
+    }
+    // m/s, world.
+    [[nodiscard]] Vector3<Work> velocity(int k) const {
+        const Work per_second = rate();
+        Vector3<Work> v;
+        for (int i = 0; i < 3; ++i) v[i] = N::metres(stage[k].d_w[i], bodies.scale) * per_second;
+        return v;
+    }
+    // From the body's axes to the world's.
+    [[nodiscard]] Quaternion<Work> orientation(int k) const requires(rotation) {
+        return plain(stage[k].q_wb) * plain(bodies.constants[id[k]].principal()).conjugate();
+    }
+    // rad/s.
+    [[nodiscard]] Vector3<Work> angular_velocity(int k) const requires(rotation) {
+        const Work per_second = rate();
+        Vector3<Work> w;
+        for (int i = 0; i < 3; ++i)
+            w[i] = N::half_turn(stage[k].t_b[i], bodies.scale) * bodies.constants[id[k]].units.rate(i, per_second);
+        return rotate(plain(bodies.constants[id[k]].principal()), w);
+    }
+    // A force, N, world.
+    void push(int k, const Vector3<Work>& force) const { push(k, block(force), L::factor(seconds)); }
+    // The same at a point of the body, m.
+    void push(int k, const Vector3<Work>& force, const Vector3<Work>& point) const requires(rotation) {
+        push(k, block(force), L::factor(seconds), in_principal_axes(k, point));
+    }
+    // A torque, N m, in the body's axes.
+    void turn(int k, const Vector3<Work>& torque) const requires(rotation) {
+        turn(k, in_principal_axes(k, torque), L::factor(seconds));
+    }
+
+private:
+    [[nodiscard]] static Vector block(const Vector3<Work>& v) { return Vector::of(v.x, v.y, v.z); }
+    [[nodiscard]] static Quaternion<Work> plain(const Quat<typename N::Unit>& q) {
+        return {N::work(q.w), {N::work(q.v.x()), N::work(q.v.y()), N::work(q.v.z())}};
+    }
+    [[nodiscard]] Vector in_principal_axes(int k, const Vector3<Work>& v) const requires(rotation) {
+        return block(v).rotated_back(bodies.constants[id[k]].principal());
+    }
+    // Portions a second.
+    [[nodiscard]] Work rate() const { return whole ? steps_per_second : steps_per_second * L::work(per_length); }
 };
 
 }  // namespace tumble

@@ -1,0 +1,48 @@
+// Air: drag in air that moves, with coefficients of each body: F = -(a + b |u|) u, where u is the velocity through the
+// air. For LoadList of a scene. One square root a body and evaluation where b is not zero.
+#pragma once
+
+#include <tumble/loads/loaded_group.hpp>
+#include <tumble/numbers/functions.hpp>
+
+namespace tumble {
+
+// Drag of each body of a world with so many bodies, at the centre of mass.
+template <class N, int bodies>
+class Air {
+public:
+    // Velocity of the air, m/s, world.
+    constexpr void set_wind(const RealVec3& wind) {
+        for (int i = 0; i < 3; ++i) wind_[i] = N::template constant<Work>(wind[i]);
+    }
+    // Drag of a body: linear, kg/s, and quadratic, kg/m. Not negative.
+    constexpr void set_drag(BodyIndex body, Real linear, Real quadratic) {
+        TUMBLE_ASSERT(body >= 0 && body < bodies && !linear.is_negative() && !quadratic.is_negative());
+        linear_[body] = N::template constant<Work>(linear);
+        quadratic_[body] = N::template constant<Work>(quadratic);
+    }
+
+    // As each load has it: loads/loaded_group.hpp.
+    [[nodiscard]] bool acts_on(const auto&, int b) const { return linear_[b] > Work(0) || quadratic_[b] > Work(0); }
+    // Likewise.
+    [[nodiscard]] bool depends_on_velocity() const { return true; }
+    // Likewise.
+    template <class Group>
+    void apply_to(const Group& group) const {
+        for (int k = 0; k < group.count; ++k) {
+            const int b = group.id[k];
+            if (!acts_on(group.bodies, b)) continue;
+            const Vector3<Work> through = group.velocity(k) - wind_;
+            Work drag = linear_[b];
+            if (quadratic_[b] > Work(0)) drag = drag + quadratic_[b] * sqrt(dot(through, through));
+            group.push(k, through * -drag);
+        }
+    }
+
+private:
+    using Work = typename N::Work;
+    Vector3<Work> wind_{};                         // m/s
+    Work linear_[bodies]{}, quadratic_[bodies]{};  // kg/s, kg/m
+};
+
+}  // namespace tumble

@@ -1,0 +1,41 @@
+// Wheels: the angular momentum that wheels inside a body store (a gyrostat): the body feels the torque h x w, and so
+// keeps its axis or precesses. For LoadList of a scene. A motor that turns a wheel changes h, and turns the body by the
+// opposite torque: World::set_torque. P. C. Hughes, Spacecraft Attitude Dynamics, 1986, section 3.4.
+#pragma once
+
+#include <tumble/loads/loaded_group.hpp>
+
+namespace tumble {
+
+// The stored angular momentum of each body of a world with so many bodies.
+template <class N, int bodies>
+class Wheels {
+public:
+    // The sum over all wheels of a body, N m s, user's body axes, relative to the body.
+    template <class T>
+    constexpr void set_momentum(BodyIndex body, const Vector3<T>& momentum) {
+        TUMBLE_ASSERT(body >= 0 && body < bodies);
+        for (int i = 0; i < 3; ++i) momentum_[body][i] = static_cast<Work>(momentum[i]);
+    }
+
+    // As each load has it: loads/loaded_group.hpp.
+    [[nodiscard]] bool acts_on(const auto& all, int b) const { return turns(all, b); }
+    // Likewise.
+    [[nodiscard]] bool turns(const auto& all, int b) const { return all.rotates(b) && !momentum_[b].is_zero(); }
+    // Likewise.
+    [[nodiscard]] bool depends_on_velocity() const { return true; }
+    // Likewise.
+    template <class Group>
+    void apply_to(const Group& group) const {
+        if constexpr (Group::rotation)
+            for (int k = 0; k < group.count; ++k)
+                if (turns(group.bodies, group.id[k]))
+                    group.turn(k, cross(momentum_[group.id[k]], group.angular_velocity(k)));
+    }
+
+private:
+    using Work = typename N::Work;
+    Vector3<Work> momentum_[bodies]{};
+};
+
+}  // namespace tumble

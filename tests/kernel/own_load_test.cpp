@@ -1,0 +1,258 @@
+// Loads that a program brings along: closed forms of motion under them, and the kernel's own loads beside the same
+// written by a program.
+#include <tumble/tumble.hpp>
+
+#include "worlds.hpp"
+
+#include <cmath>
+
+namespace tumble::test {
+namespace {
+
+// A spring to the origin of the world, without rest length.
+struct Tether {
+    Real stiffness = 0;  // N/m
+
+    [[nodiscard]] bool acts_on(const auto&, int) const { return !stiffness.is_zero(); }
+    template <class Group>
+    void apply_to(const Group& group) const {
+        for (int k = 0; k < group.count; ++k)
+            group.push(k, group.position(k) * -static_cast<typename Group::Work>(stiffness));
+    }
+};
+
+// Drag with the square of the speed against air that moves.
+struct Wind {
+    Real drag = 0;    // kg/m
+    RealVec3 wind{};  // m/s
+
+    [[nodiscard]] bool acts_on(const auto&, int) const { return !drag.is_zero(); }
+    [[nodiscard]] bool depends_on_velocity() const { return true; }
+    template <class Group>
+    void apply_to(const Group& group) const {
+        using Work = typename Group::Work;
+        for (int k = 0; k < group.count; ++k) {
+            const Vector3<Work> through = group.velocity(k) - wind.as<Work>();
+            group.push(k, through * (-static_cast<Work>(drag) * sqrt(dot(through, through))));
+        }
+    }
+};
+
+// A torque that turns the body's z axis along the world's y axis, as a field turns a compass needle.
+struct Field {
+    Real moment = 0;  // N m
+
+    [[nodiscard]] bool acts_on(const auto&, int) const { return true; }
+    [[nodiscard]] bool turns(const auto& bodies, int b) const { return bodies.rotates(b); }
+    template <class Group>
+    void apply_to(const Group& group) const {
+        using Work = typename Group::Work;
+        if constexpr (Group::rotation)
+            for (int k = 0; k < group.count; ++k) {
+                const Vector3<Work> field = rotate_back(group.orientation(k), Vector3<Work>{Work(0), Work(1), Work(0)});
+                group.turn(k, cross(Vector3<Work>{Work(0), Work(0), static_cast<Work>(moment)}, field));
+            }
+    }
+};
+
+// Two bodies that attract each other with a force in proportion to their distance.
+struct Bond {
+    Real stiffness = 0;  // N/m
+
+    [[nodiscard]] bool acts_on(const auto&, int) const { return true; }
+    [[nodiscard]] bool couples(const auto&, int) const { return true; }
+    template <class F>
+    void for_each_coupled(const auto&, int b, F&& f) const {
+        f(1 - b);
+    }
+    template <class Group>
+    void apply_to(const Group& group) const {
+        if (group.count < 2) return;
+        const auto pull = (group.position(1) - group.position(0)) * static_cast<typename Group::Work>(stiffness);
+        group.push(0, pull);
+        group.push(1, -pull);
+    }
+};
+
+template <class W, class List, Features what = Features{}>
+struct With : SceneOf<typename W::Numbers, typename W::Integrator, what> {
+    using Loads = List;
+};
+
+template <class W>
+class OwnLoad : public testing::Test {
+protected:
+    // Of a step of 1/256 s over some seconds; plain float has 24 digits, and its rounding adds up.
+    static constexpr double tolerance = sizeof(typename W::Numbers::Work) == 4 ? 2e-4 : 2e-5;
+};
+using Kinds = testing::Types<Kind<Q32<NearRange>, integrators::Suzuki4>, Kind<F32, integrators::Rk4>>;
+TYPED_TEST_SUITE(OwnLoad, Kinds);
+
+template <class World>
+double at(const World& world, BodyId id, int axis) {
+    return static_cast<double>(world.position(id)[axis]);
+}
+
+TYPED_TEST(OwnLoad, a_tether_of_the_program_swings_as_a_sine) {
+    World<With<TypeParam, LoadList<Tether>>> world{Seconds{1, 256}};
+    BodySpec ball = sphere(2, 0.1);
+    ball.position = {1.5, 0, -0.5};
+    const BodyId id = world.add(ball);
+    world.template change_load<Tether>() = {18};  // 3 rad/s
+    for (int i = 0; i < 1024; ++i) world.step();
+    EXPECT_NEAR(at(world, id, 0), 1.5 * std::cos(12), this->tolerance);
+    EXPECT_NEAR(at(world, id, 2), -0.5 * std::cos(12), this->tolerance);
+    EXPECT_TRUE(world.status().ok());
+}
+
+TYPED_TEST(OwnLoad, a_tether_beside_a_spring_of_the_kernel_adds_up) {
+    static constexpr Features springs{.springs = 1};
+    World<With<TypeParam, LoadList<Tether>, springs>> both{Seconds{1, 256}};
+    World<With<TypeParam, LoadList<>, springs>> one{Seconds{1, 256}};
+    BodySpec ball = sphere(1, 0.1);
+    ball.position = {1, 0.25, 0};
+    SpringSpec spring;
+    spring.stiffness = 6;
+    const BodyId id = both.add(ball);
+    one.add(ball);
+    both.add(spring);
+    both.template change_load<Tether>() = {3};
+    spring.stiffness = 9;
+    one.add(spring);
+    for (int i = 0; i < 512; ++i) {
+        both.step();
+        one.step();
+    }
+    EXPECT_NEAR(at(both, id, 0), at(one, id, 0), this->tolerance);
+    EXPECT_NEAR(at(both, id, 1), at(one, id, 1), this->tolerance);
+}
+
+TYPED_TEST(OwnLoad, quadratic_drag_against_the_wind_has_its_closed_form) {
+    World<With<TypeParam, LoadList<Wind>>> world{Seconds{1, 256}};
+    BodySpec ball = sphere(0.5, 0.1);
+    ball.velocity = {9, 0, 1};  // 8 m/s through the air
+    const BodyId id = world.add(ball);
+    world.template change_load<Wind>() = {0.25, {1, 0, 1}};
+    for (int i = 0; i < 512; ++i) world.step();
+    // v' = -(c / m) v^2: x = t wind + (m / c) ln(1 + v0 t c / m).
+    EXPECT_NEAR(at(world, id, 0), 2 + 2 * std::log(1 + 8 * 2 / 2.0), this->tolerance);
+    EXPECT_NEAR(at(world, id, 2), 2, this->tolerance);
+    EXPECT_EQ(world.template load<Wind>().drag, Real{0.25});
+}
+
+TYPED_TEST(OwnLoad, a_torque_of_the_program_swings_a_body_as_a_pendulum) {
+    World<With<TypeParam, LoadList<Field>>> world{Seconds{1, 256}};
+    BodySpec needle;
+    needle.inertia = {0.02, 0.02, 0.02, 0, 0, 0};
+    // The z axis along y, tilted about x by 0.01 rad.
+    const double tilt = 0.01, half = (std::acos(-1.0) / 2 - tilt) / 2;
+    needle.orientation = {std::cos(half), {-std::sin(half), 0, 0}};
+    const BodyId id = world.add(needle);
+    world.template change_load<Field>() = {0.32};  // 4 rad/s
+    double most = 0;
+    for (int i = 0; i < 402; ++i) {  // a period: pi/2 s
+        world.step();
+        const auto q = world.orientation(id);
+        const auto z = rotate(q, decltype(world.position(id)){{}, {}, typename TypeParam::Numbers::Work(1)});
+        most = std::max(most, std::abs(static_cast<double>(z.z)));
+        const double quarters = i == 100 ? 1 : i == 201 ? 2 : 0;
+        if (quarters > 0) {
+            EXPECT_NEAR(static_cast<double>(z.z), quarters > 1 ? -tilt : 0, quarters > 1 ? 2e-5 : 2e-4);
+        }
+    }
+    EXPECT_NEAR(most, tilt, 2e-5);
+}
+
+TYPED_TEST(OwnLoad, bodies_that_a_load_couples_keep_their_momentum) {
+    static constexpr Features two{.bodies = 2};
+    World<With<TypeParam, LoadList<Bond>, two>> world{Seconds{1, 256}};
+    BodySpec a = sphere(1, 0.1), b = sphere(3, 0.1);
+    a.position = {-1.5, 0, 0};
+    b.position = {0.5, 0, 0};
+    const BodyId left = world.add(a), right = world.add(b);
+    world.template change_load<Bond>() = {12};  // 4 rad/s of the relative motion
+    for (int i = 0; i < 256; ++i) world.step();
+    EXPECT_NEAR(at(world, right, 0) - at(world, left, 0), 2 * std::cos(4), this->tolerance);
+    EXPECT_NEAR(at(world, left, 0) + 3 * at(world, right, 0), 0, this->tolerance);
+}
+
+// --- the kernel's loads for a list -----------------------------------------------------------------------------------
+
+TYPED_TEST(OwnLoad, air_drags_each_body_by_its_own_coefficients) {
+    using N = typename TypeParam::Numbers;
+    static constexpr Features two{.bodies = 2};
+    World<With<TypeParam, LoadList<Air<N, 2>>, two>> world{Seconds{1, 256}};
+    BodySpec ball = sphere(0.5, 0.1);
+    ball.velocity = {9, 0, 1};
+    const BodyId blunt = world.add(ball), slow = world.add(ball);
+    auto& air = world.template change_load<Air<N, 2>>();
+    air.set_wind({1, 0, 1});
+    air.set_drag(blunt, 0, 0.25);
+    air.set_drag(slow, 0.25, 0);
+    for (int i = 0; i < 512; ++i) world.step();
+    EXPECT_NEAR(at(world, blunt, 0), 2 + 2 * std::log(1 + 8 * 2 / 2.0), this->tolerance);
+    EXPECT_NEAR(at(world, slow, 0), 2 + 8 * 2 * (1 - std::exp(-1.0)), this->tolerance);
+    EXPECT_NEAR(at(world, slow, 2), 2, this->tolerance);
+}
+
+// Small swings about the stable attitude, in a plane: the frequency is w sqrt(3 (I_x - I_z) / I_y) where the axis of
+// the least moment points to the centre, which stands still in these axes.
+TYPED_TEST(OwnLoad, a_long_body_swings_about_the_direction_to_the_centre) {
+    using N = typename TypeParam::Numbers;
+    World<With<TypeParam, LoadList<GravityGradient<N, 1>>>> world{Seconds{1, 64}};
+    BodySpec rod;
+    rod.mass = 3;
+    rod.inertia = {0.4, 0.1, 0.45, 0, 0, 0};  // long along y
+    const double tilt = 0.01, rate = 0.5, frequency = rate * std::sqrt(3 * (0.4 - 0.1) / 0.45);
+    rod.orientation = {std::cos(tilt / 2), {0, 0, std::sin(tilt / 2)}};  // about z
+    const BodyId id = world.add(rod);
+    world.template change_load<GravityGradient<N, 1>>().set_orbit(rate, {0, -2, 0});
+    for (int i = 0; i < 640; ++i) world.step();
+    const auto q = world.orientation(id);
+    EXPECT_NEAR(2 * static_cast<double>(q.v.z), tilt * std::cos(frequency * 10), this->tolerance);
+    EXPECT_NEAR(static_cast<double>(q.v.x), 0, this->tolerance);
+}
+
+// A symmetric body with a wheel along its axis precesses as a spinning top without torque does: its transverse spin
+// turns in the body with the rate (h + (I_z - I) w_z) / I.
+TYPED_TEST(OwnLoad, a_wheel_makes_the_transverse_spin_precess) {
+    using N = typename TypeParam::Numbers;
+    World<With<TypeParam, LoadList<Wheels<N, 1>>>> world{Seconds{1, 256}};
+    BodySpec body;
+    body.inertia = {0.3, 0.3, 0.2, 0, 0, 0};
+    body.angular_velocity = {0.2, 0, 0.5};
+    const BodyId id = world.add(body);
+    world.template change_load<Wheels<N, 1>>().set_momentum(id, Vector3<double>{0, 0, 0.35});
+    const auto momentum = [&] {  // world, N m s
+        const auto w = world.angular_velocity(id).template as<double>();
+        return rotate(world.orientation(id).template as<double>(),
+                      Vector3<double>{0.3 * w.x, 0.3 * w.y, 0.2 * w.z + 0.35});
+    };
+    const auto before = momentum();
+    for (int i = 0; i < 768; ++i) world.step();
+    const double angle = (0.35 + (0.2 - 0.3) * 0.5) / 0.3 * 3;
+    const auto w = world.angular_velocity(id).template as<double>();
+    EXPECT_NEAR(w.x, 0.2 * std::cos(angle), this->tolerance);
+    EXPECT_NEAR(w.y, 0.2 * std::sin(angle), this->tolerance);
+    EXPECT_NEAR(w.z, 0.5, this->tolerance);
+    for (int i = 0; i < 3; ++i) EXPECT_NEAR(momentum()[i], before[i], this->tolerance);
+}
+
+TYPED_TEST(OwnLoad, a_load_that_acts_on_nothing_changes_no_bit) {
+    static constexpr Features planes{.planes = 1};
+    World<With<TypeParam, LoadList<Tether>, planes>> with{Seconds{1, 256}, {.gravity = {0, -9.81, 0}}};
+    World<With<TypeParam, LoadList<>, planes>> without{Seconds{1, 256}, {.gravity = {0, -9.81, 0}}};
+    BodySpec ball = sphere(1, 0.1);
+    ball.position = {0, 1, 0};
+    ball.angular_velocity = {3, 1, 4};
+    const auto run = [&](auto& world) {
+        world.add(PlaneSpec{});
+        world.add(ball);
+        for (int i = 0; i < 300; ++i) world.step();
+        return world.hash();
+    };
+    EXPECT_EQ(run(with), run(without));
+}
+
+}  // namespace
+}  // namespace tumble::test
