@@ -155,6 +155,11 @@ requires(N::fixed_point) struct ContactNumbers<N> {
             return SpeedScale{29 - log2 - norm - spread};
         }
         [[nodiscard]] Speed speed(Work w) const { return {static_cast<std::int32_t>(w.to_sum(bits_, 0x3fffffff))}; }
+        // Makes the scale coarser if it would hold a speed at the end of the format.
+        void make_room(Work w) {
+            const int over = w.exponent() + bits_ + 1;
+            if (w.mantissa() != 0 && over > 0) bits_ -= over;
+        }
         // A sum of the state with `fraction_bits` fraction bits, times a weight.
         [[nodiscard]] Speed speed(std::int64_t sum, int fraction_bits, Work weight) const {
             if (sum == 0) return {0};
