@@ -101,6 +101,7 @@ public:
     }
 
 protected:
+    // Writes into `ring`, which has room for `room` events.
     Recording(Event<N>* ring, int room) : ring_{ring}, room_{room} {}
 
 private:
