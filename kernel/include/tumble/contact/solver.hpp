@@ -250,13 +250,7 @@ private:
             if (log2 < lightest) lightest = log2;
         }
         speeds_ = C::SpeedScale::of(largest, group.count, heaviest - lightest + (group.count > 1 ? 2 : 0));
-        // The surface of a fixed body that turns may be much faster than the bodies.
-        if constexpr (N::fixed_point && features.turntables && features.pairs && features.friction)
-            for_each_pair(island, [&](const Pair& pair) {
-                for (int i = 0; pair.turns && i < pair.count; ++i)
-                    for (int k = 1; k < Rows::rows(pair); ++k)
-                        speeds_.make_room(surface_speed(bodies, pair, pair.point[i], k));
-            });
+        make_room_for_surfaces(bodies, island);
         const typename N::Unit fraction = whole ? C::one() : C::unit(part);
         for_each_component([&](Speed& start, Speed& end, auto now, auto load, int bits, Work weight) {
             start = speeds_.speed(now, bits, weight);
@@ -265,6 +259,26 @@ private:
             end += start;
         });
         for (int k = 0; k < group.count; ++k) loaded_[group.id[k]] = motion_[group.id[k]];
+    }
+    // The surface of a fixed body that turns may be much faster than the bodies.
+    void make_room_for_surfaces([[maybe_unused]] const Bodies& bodies, [[maybe_unused]] const Island& island) {
+        if constexpr (N::fixed_point && features.turntables && features.pairs && features.friction)
+            for_each_pair(island, [&](const Pair& pair) {
+                if (!pair.turns) return;
+                // Along a unit direction, turn x arm is below four times the product of the largest components. Most
+                // surfaces are so slow that this bound suffices.
+                int log2 = -1000;  // of no turn
+                for (int i = 0; i < 3; ++i) {
+                    const Work turn = bodies.turn(pair.b, i);
+                    if (!turn.is_zero() && turn.exponent() > log2) log2 = turn.exponent();
+                }
+                log2 += pair.weight.exponent() + 2 * 31 + 2;
+                for (int i = 0; i < pair.count; ++i) {
+                    if (speeds_.holds(log2 + scale().log2(pair.point[i].arm_b))) continue;
+                    for (int k = 1; k < Rows::rows(pair); ++k)
+                        speeds_.make_room(surface_speed(bodies, pair, pair.point[i], k));
+                }
+            });
     }
     [[nodiscard]] Motion* other_motion(const Pair& pair) { return moves_b(pair) ? &motion_[pair.b] : nullptr; }
     // Makes the rows of a pair's points anew where these or the bodies have moved.
