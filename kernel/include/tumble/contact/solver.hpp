@@ -59,7 +59,7 @@ public:
             any = any || pair.count > 0;
         });
         if (!any) return Touch::nothing;
-        weigh(bodies, island.group, part, whole);
+        weigh(bodies, island, part, whole);
         int active = 0;
         bool strikes = false;
         for_each_pair(island, [&](Pair& pair) {
@@ -127,7 +127,7 @@ public:
     // nothing bounces.
     void resolve(Bodies& bodies, const Island& island, bool stop) {
         this->find(bodies, island);
-        weigh(bodies, island.group, Work(1), true);
+        weigh(bodies, island, Work(1), true);
         int active = 0;
         const Length hit = C::half(C::half(tolerance_));
         for_each_pair(island, [&](Pair& pair) {
@@ -216,7 +216,8 @@ private:
 
     // Sets the bodies' weighted motions, all in one scale: start_ as they are, motion_ and loaded_ with `part` of the
     // change by loads in kick().
-    void weigh(const Bodies& bodies, const BodyGroup& group, Work part, bool whole) {
+    void weigh(const Bodies& bodies, const Island& island, Work part, bool whole) {
+        const BodyGroup& group = island.group;
         const int drift_bits = C::drift_bits(bodies.scale);
         auto largest = C::nothing();
         // Calls f(now, with loads, the sum now, the loads' change, its fraction bits, its weight) for each component.
@@ -249,6 +250,7 @@ private:
             if (log2 < lightest) lightest = log2;
         }
         speeds_ = C::SpeedScale::of(largest, group.count, heaviest - lightest + (group.count > 1 ? 2 : 0));
+        make_room_for_surfaces(bodies, island);
         const typename N::Unit fraction = whole ? C::one() : C::unit(part);
         for_each_component([&](Speed& start, Speed& end, auto now, auto load, int bits, Work weight) {
             start = speeds_.speed(now, bits, weight);
@@ -257,6 +259,26 @@ private:
             end += start;
         });
         for (int k = 0; k < group.count; ++k) loaded_[group.id[k]] = motion_[group.id[k]];
+    }
+    // The surface of a fixed body that turns may be much faster than the bodies.
+    void make_room_for_surfaces([[maybe_unused]] const Bodies& bodies, [[maybe_unused]] const Island& island) {
+        if constexpr (N::fixed_point && features.turntables && features.pairs && features.friction)
+            for_each_pair(island, [&](const Pair& pair) {
+                if (!pair.turns) return;
+                // Along a unit direction, turn x arm is below four times the product of the largest components. Most
+                // surfaces are so slow that this bound suffices.
+                int log2 = -1000;  // of no turn
+                for (int i = 0; i < 3; ++i) {
+                    const Work turn = bodies.turn(pair.b, i);
+                    if (!turn.is_zero() && turn.exponent() > log2) log2 = turn.exponent();
+                }
+                log2 += pair.weight.exponent() + 2 * 31 + 2;
+                for (int i = 0; i < pair.count; ++i) {
+                    if (speeds_.holds(log2 + scale().log2(pair.point[i].arm_b))) continue;
+                    for (int k = 1; k < Rows::rows(pair); ++k)
+                        speeds_.make_room(surface_speed(bodies, pair, pair.point[i], k));
+                }
+            });
     }
     [[nodiscard]] Motion* other_motion(const Pair& pair) { return moves_b(pair) ? &motion_[pair.b] : nullptr; }
     // Makes the rows of a pair's points anew where these or the bodies have moved.
@@ -277,7 +299,8 @@ private:
         if constexpr (features.turntables && features.friction) {
             for (int i = 0; i < pair.count; ++i)
                 for (int k = 1; k < Rows::rows(pair); ++k)
-                    pair.point[i].carried[k] = surface_speed(bodies, pair, pair.point[i], k);
+                    pair.point[i].carried[k] = narrow<Speed>(mul(
+                        speeds_.speed(surface_speed(bodies, pair, pair.point[i], k)), pair.point[i].row[k].inverse));
         }
     }
     [[nodiscard]] Speed velocity(const Motion (&motion)[features.bodies], const Pair& pair, const Point& point) const {
@@ -294,11 +317,11 @@ private:
     [[nodiscard]] static Speed along(const Point& point, Speed of_pair) {
         return narrow<Speed>(mul(of_pair, point.row[0].inverse));
     }
-    // The velocity of a turning fixed body's surface along direction k of a point.
-    [[nodiscard]] Speed surface_speed([[maybe_unused]] const Bodies& bodies, [[maybe_unused]] const Pair& pair,
-                                      [[maybe_unused]] const Point& point, [[maybe_unused]] int k) const {
+    // The velocity of a turning fixed body's surface along direction k of a point, as a speed of the pair.
+    [[nodiscard]] Work surface_speed([[maybe_unused]] const Bodies& bodies, [[maybe_unused]] const Pair& pair,
+                                     [[maybe_unused]] const Point& point, [[maybe_unused]] int k) const {
         if constexpr (features.turntables && features.pairs && features.friction) {
-            if (!pair.turns) return Speed{};
+            if (!pair.turns) return Work(0);
             const int b = pair.b;
             WorkVec3<N> turn, arm, direction;
             const Vec3<typename N::Unit> direction_b = axes_[b].to_body(pair.tangent[k - 1]);
@@ -307,10 +330,9 @@ private:
                 arm[i] = scale().metres(point.arm_b[i]);
                 direction[i] = N::work(direction_b[i]);
             }
-            return narrow<Speed>(
-                mul(speeds_.speed(dot(cross<Work>(turn, arm), direction) * pair.weight), point.row[k].inverse));
+            return dot(cross<Work>(turn, arm), direction) * pair.weight;
         }
-        return Speed{};
+        return Work(0);
     }
     // Position correction: an eighth of the penetration beyond tolerance / 4 per step, at most tolerance / 8.
     [[nodiscard]] Speed correction(const Pair& pair, const Point& point) const {

@@ -61,7 +61,7 @@ enum class EventKind : std::uint8_t {
 // An event of a body, in the working numbers of its world. World::apply() applies it before the next step.
 template <class N>
 struct Event {
-    using Work = typename N::Work;
+    using Work = typename N::Work;  // number of the orientation
 
     EventKind kind = EventKind::impulse;  // what happens
     Frame frame = Frame::world;           // of `value`; body: the user's body axes

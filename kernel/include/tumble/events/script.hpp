@@ -102,6 +102,7 @@ public:
     }
 
 protected:
+    // Writes into `ring`, which has room for `room` events.
     Recording(Event<N>* ring, int room) : ring_{ring}, room_{room} {}
 
 private:

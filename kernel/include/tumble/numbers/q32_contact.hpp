@@ -93,6 +93,12 @@ requires(N::fixed_point) struct ContactNumbers<N> {
         }
         [[nodiscard]] Length length(Work metres) const { return cut(metres.to_sum(bits_)); }
         [[nodiscard]] Work metres(Length l) const { return Work::of(l.raw, -bits_); }
+        // The power of two, in m, above the largest component.
+        [[nodiscard]] int log2(const Vec3<Length>& lengths) const {
+            std::uint32_t any = 0;
+            for (int i = 0; i < 3; ++i) any |= static_cast<std::uint32_t>(lengths[i].raw ^ (lengths[i].raw >> 31));
+            return static_cast<int>(std::bit_width(any)) - bits_;
+        }
         // True of a length that was held at the end of the format.
         [[nodiscard]] static constexpr bool is_cut(Length l) { return l.raw >= far || l.raw <= -far; }
         // The displacement of a drift in a step, and that of gravity, rounded down.
@@ -155,6 +161,13 @@ requires(N::fixed_point) struct ContactNumbers<N> {
             return SpeedScale{29 - log2 - norm - spread};
         }
         [[nodiscard]] Speed speed(Work w) const { return {static_cast<std::int32_t>(w.to_sum(bits_, 0x3fffffff))}; }
+        // True of speeds below 2^log2.
+        [[nodiscard]] bool holds(int log2) const { return log2 + bits_ <= 30; }
+        // Makes the scale coarser if it would hold a speed at the end of the format.
+        void make_room(Work w) {
+            const int over = w.exponent() + bits_ + 1;
+            if (w.mantissa() != 0 && over > 0) bits_ -= over;
+        }
         // A sum of the state with `fraction_bits` fraction bits, times a weight.
         [[nodiscard]] Speed speed(std::int64_t sum, int fraction_bits, Work weight) const {
             if (sum == 0) return {0};

@@ -22,7 +22,7 @@ public:
         mantissa_ = negative ? -mantissa : mantissa;
         exponent_ = -up;
     }
-    // From float exact, by shifts; from double rounded to 31 bits. NaN and infinity are misuse.
+    // Exact, by shifts. NaN and infinity are misuse.
     explicit constexpr Scaled(float value) {
         const auto bits = std::bit_cast<std::uint32_t>(value);
         const int exponent = static_cast<int>((bits >> 23) & 0xff);
@@ -35,6 +35,7 @@ public:
         mantissa_ = (bits >> 31) != 0 ? -magnitude : magnitude;
         exponent_ = exponent - 157;
     }
+    // Rounded to 31 bits. NaN and infinity are misuse.
     explicit constexpr Scaled(double value) {
         const auto bits = std::bit_cast<std::uint64_t>(value);
         const int exponent = static_cast<int>((bits >> 52) & 0x7ff);
