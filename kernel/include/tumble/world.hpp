@@ -74,17 +74,7 @@ public:
             return {};
         }
         if constexpr (features.touches()) TUMBLE_ASSERT(is_restitution(spec.restitution));
-        const PrincipalInertia inertia = features.rotation ? principal_inertia(spec.inertia) : PrincipalInertia{};
-        advance_.add(spec, inertia, b);
-        note(spec);
-        if constexpr (has_imu) remember(b);
-        if constexpr (has_contacts) {
-            contacts_.set_shape(b, spec, inertia, advance_.bodies.constants[b].units);
-            if (!spec.fixed) sleepers_.add(b);
-            // Before the first step no body has a time to contact, and none sleeps.
-            if (advance_.bodies.steps_taken > 0)
-                for (int other = 0; other < advance_.bodies.count; ++other) disturb(other);
-        }
+        detail::run_once([&] { add_at(b, spec); });
         if constexpr (features.removal) return places_.take(b);
         else return BodyId{b};
     }
@@ -114,7 +104,9 @@ public:
         refuse_to_record();
         if constexpr (features.removal)
             TUMBLE_ASSERT(places_.is_taken(spec.body) && (spec.to_body < 0 || places_.is_taken(spec.to_body)));
-        if (!advance_.add(spec)) return {};
+        bool added = false;
+        detail::run_once([&] { added = advance_.add(spec); });
+        if (!added) return {};
         note(spec);
         return SpringId{advance_.loads.spring_count() - 1};
     }
@@ -410,6 +402,21 @@ private:
     static constexpr bool has_events = features.impulses || features.forces || features.script || features.recording;
     static constexpr bool has_imu = features.imu && features.bodies > 0;
     using Before = detail::MotionBefore<State>;
+
+    // Sets up a body at a place, which is free.
+    TUMBLE_COLD void add_at(int b, const BodySpec& spec) requires(features.bodies > 0) {
+        const PrincipalInertia inertia = features.rotation ? principal_inertia(spec.inertia) : PrincipalInertia{};
+        advance_.add(spec, inertia, b);
+        note(spec);
+        if constexpr (has_imu) remember(b);
+        if constexpr (has_contacts) {
+            contacts_.set_shape(b, spec, inertia, advance_.bodies.constants[b].units);
+            if (!spec.fixed) sleepers_.add(b);
+            // Before the first step no body has a time to contact, and none sleeps.
+            if (advance_.bodies.steps_taken > 0)
+                for (int other = 0; other < advance_.bodies.count; ++other) disturb(other);
+        }
+    }
 
     [[nodiscard]] static Vector3<Work> plain(const WorkVec3<N>& v) { return {v.x(), v.y(), v.z()}; }
     [[nodiscard]] Work steps_per_second() const {
