@@ -577,7 +577,7 @@ private:
         for (int b = 0; b < advance_.bodies.count; ++b) {
             if (advance_.bodies.constants[b].fixed) advance_.step_fixed(b, info);
             else if (advance_.is_coupled(b)) coupled.add(b);
-            else advance_.group(BodyGroup::of(b), info);
+            else advance_.alone(b, info);
         }
         if (coupled.count > 0) advance_.group(coupled, info);
     }
@@ -602,11 +602,14 @@ private:
             const int b = sleepers_.awake(k);
             if (contacts_.is_near(b) || advance_.is_coupled(b)) {
                 islands = true;
-            } else if (advance_.is_loaded(b)) {
-                advance_.group(BodyGroup::of(b), info);
-            } else {
-                advance_.free_body(b, info);
+                continue;
             }
+            if constexpr (has_loads)
+                if (advance_.is_loaded(b)) {
+                    advance_.alone(b, info);
+                    continue;
+                }
+            advance_.free_body(b, info);
         }
         if (islands) [[unlikely]]
             advance_islands(info);
@@ -739,7 +742,7 @@ private:
             for (int k = 0; k < loaded.count; ++k) stages[k] = stage_of(advance_.bodies.state[loaded.id[k]]);
             const BodyPlaces<features.bodies> places{loaded};
             if (!foresee_in_parts(loaded, places, stages, kicks))
-                advance_.loads.template evaluation<false>(advance_.bodies, loaded, Work(1), whole,
+                advance_.loads.template evaluation<false>(advance_.bodies, loaded, Work(1), whole, true,
                                                           places.of_body)(stages, kicks);
             for (int k = 0; k < loaded.count; ++k) {
                 contacts_.kick(loaded.id[k]) = kicks[k];
@@ -768,7 +771,7 @@ private:
                     stages[k].t_b[i].raw >>= most - bodies.parts.halvings[loaded.id[k]];
                 }
             }
-            advance_.loads.template evaluation<false>(bodies, loaded, N::times_power_of_two(Work(1), -most), fall,
+            advance_.loads.template evaluation<false>(bodies, loaded, N::times_power_of_two(Work(1), -most), fall, true,
                                                       places.of_body)(stages, kicks);
             const auto of_step = [&](Work change) { return N::times_power_of_two(change, 2 * most); };
             for (int k = 0; k < loaded.count; ++k) {
