@@ -33,9 +33,8 @@ struct Sums {
         raw[random.between(0, 2)] |= 1;  // not zero
     }
     [[nodiscard]] L::Vector vector() const {
-        return L::between([&](auto& to) {
-            for (int i = 0; i < 3; ++i) to.template put<true>(i, N::PositionSum{raw[i]});
-        });
+        const auto place = [&](int i) { return L::place(N::PositionSum{raw[i]}); };
+        return L::between({place(0), place(1), place(2)});
     }
     [[nodiscard]] Number metres(int i) const { return std::ldexp(Number(raw[i]), -N::PositionSum::fraction_bits); }
 };
@@ -67,12 +66,8 @@ TEST(load_numbers, a_vector_across_the_whole_range_has_its_bits_too) {
             metres[i] = std::ldexp(Number(to[i]) - Number(from[i]), -N::PositionSum::fraction_bits);
             most = std::max(most, std::abs(metres[i]));
         }
-        const L::Vector v = L::between([&](auto& places) {
-            for (int i = 0; i < 3; ++i) {
-                places.template put<true>(i, N::PositionSum{to[i]});
-                places.template put<false>(i, N::PositionSum{from[i]});
-            }
-        });
+        const auto sum = [&](int i) { return L::place(N::PositionSum{to[i]}) - L::place(N::PositionSum{from[i]}); };
+        const L::Vector v = L::between({sum(0), sum(1), sum(2)});
         for (int i = 0; i < 3; ++i) ASSERT_LE(std::abs(value(v, i) - metres[i]), most * 0x1p-30L) << n;
     }
 }

@@ -125,6 +125,14 @@ public:
                 disturb();
             }
     }
+    // A step of a body that loads do not couple to another.
+    void alone(int b, const StepInfo<N>& info) requires has_loads {
+        const BodyGroup group = BodyGroup::of(b);
+        if (moved_in_parts(group, info, Work(1))) forget_kicks(group);
+        else one(b, info, gravity_, Work(1), true);
+        check_range(b);
+        settle(b);
+    }
     // A step of one body, or of bodies that loads couple.
     void group(const BodyGroup& group, const StepInfo<N>& info) {
         if (moved_in_parts(group, info, Work(1))) forget_kicks(group);
@@ -324,7 +332,11 @@ private:
         }
     }
     TUMBLE_INLINE void rotate_once(int b, const StepInfo<N>& info) requires(rotation) {
-        const auto run = [&] { return Integrator::template rotate<N>(bodies.state[b], inertia_[b], info); };
+        const auto run = [&] {
+            if constexpr (has_loads && requires { Integrator::template rotate_called<N>; })
+                return Integrator::template rotate_called<N>(bodies.state[b], inertia_[b], info);
+            else return Integrator::template rotate<N>(bodies.state[b], inertia_[b], info);
+        };
         if constexpr (std::is_void_v<decltype(run())>) {
             run();
         } else if constexpr (std::is_same_v<decltype(run()), Turned>) {
@@ -373,14 +385,18 @@ private:
             for (int k = 0; k < group.count; ++k) {
                 const int b = group.id[k];
                 if (is_coupled(b)) coupled.add(b);
-                else if (loads.is_loaded(bodies, b))
-                    loaded(BodyGroup::of(b), info, fall, length, false, keeps, part...);
-                else unloaded(b, info, fall, part...);
+                else one(b, info, fall, length, keeps, part...);
             }
             if (coupled.count > 0) loaded(coupled, info, fall, length, true, false, part...);
         } else {
             for (int k = 0; k < group.count; ++k) unloaded(group.id[k], info, fall, part...);
         }
+    }
+    template <class... Part>
+    void one(int b, const StepInfo<N>& info, const DriftSum (&fall)[3], Work length, bool keeps,
+             const Part&... part) requires has_loads {
+        if (loads.is_loaded(bodies, b)) loaded(BodyGroup::of(b), info, fall, length, false, keeps, part...);
+        else unloaded(b, info, fall, part...);
     }
     template <bool ends_step = false, class... Part>
     TUMBLE_INLINE void unloaded(int b, const StepInfo<N>& info, const DriftSum (&fall)[3], const Part&... part) {
@@ -446,8 +462,9 @@ private:
                 [[maybe_unused]] bool keeps, const Part&... part) requires has_loads {
         if constexpr (has_wrenches) half_kick_by_wrenches(group, part...);
         const DriftSum falls[3]{whole(fall[0]), whole(fall[1]), whole(fall[2])};
+        const bool turned = is_turned(group);
         if (features.bodies == 1 || !coupled) {
-            auto evaluate = loads.template evaluation<true>(bodies, group, length, falls);
+            auto evaluate = loads.template evaluation<true>(bodies, group, length, falls, turned);
             if constexpr (keeps_kicks) {
                 if (keeps) evaluate.kept = &kept_.of_body[group.id[0]];
                 evaluate.age = kept_.disturbances;
@@ -456,50 +473,46 @@ private:
         } else if constexpr (features.bodies > 1) {
             const BodyPlaces<features.bodies> places{group};
             staged<features.bodies>(
-                group, loads.template evaluation<false>(bodies, group, length, falls, places.of_body), info);
+                group, loads.template evaluation<false>(bodies, group, length, falls, turned, places.of_body), info);
         }
         if constexpr (has_wrenches) half_kick_by_wrenches(group, part...);
     }
+    // Whether the method steps bodies whose rotation the loads neither change nor ask for as it steps point masses.
+    static constexpr bool translates =
+        requires(const Translations<N, spin, 1>& group, const detail::NoLoads<N>& loads, const StepInfo<N>& info) {
+        Integrator::template advance<N, 1>(group, loads, info);
+    };
+    template <int capacity>
+    using Staged = std::conditional_t<rotation, Group<N, spin, Inertia, capacity, features.mixed() || translates>,
+                                      Translations<N, spin, capacity>>;
+    // Bodies that the loads do not turn rotate freely, and the loads move their centres of mass.
     template <int capacity, class Evaluate>
     void staged(const BodyGroup& ids, const Evaluate& evaluate, const StepInfo<N>& info) {
-        using Moved = Translations<N, spin, capacity>;
-        if constexpr (!rotation || requires(const Moved& group) {
-                          Integrator::template advance<N, capacity>(group, evaluate, info);
-                      }) {
-            if (!is_turned(ids)) return translated<Moved>(ids, evaluate, info);
-        }
-        if constexpr (rotation) {
-            Group<N, spin, Inertia, capacity, features.mixed()> group;
-            group.set_count(ids.count);
-            for (int k = 0; k < ids.count; ++k) {
-                group.body[k] = &bodies.state[ids.id[k]];
-                if (bodies.rotates(ids.id[k])) group.inertia[k] = &inertia_[ids.id[k]];
+        Staged<capacity> group;
+        group.set_count(ids.count);
+        for (int k = 0; k < ids.count; ++k) {
+            const int b = ids.id[k];
+            group.body[k] = &bodies.state[b];
+            if constexpr (rotation) {
+                if (!evaluate.turned) rotate(b, info);
+                else if (bodies.rotates(b)) group.inertia[k] = &inertia_[b];
             }
-            if (!Integrator::template advance<N, capacity>(group, evaluate, info))
-                bodies.report(Issue::step_bound_hit, ids.id[0]);
+        }
+        if (!Integrator::template advance<N, capacity>(group, evaluate, info))
+            bodies.report(Issue::step_bound_hit, ids.id[0]);
+        if constexpr (rotation) {
             if constexpr (Bodies::has_parts)
                 if (group.too_fast >= 0) [[unlikely]]
                     bodies.report(Issue::range_left, ids.id[group.too_fast]);
-            spins_changed(ids);
+            if (evaluate.turned) spins_changed(ids);
         }
     }
-    // The bodies rotate freely, and the loads move their centres of mass.
-    template <class Moved, class Evaluate>
-    void translated(const BodyGroup& ids, const Evaluate& evaluate, const StepInfo<N>& info) {
-        Moved group;
-        group.set_count(ids.count);
-        for (int k = 0; k < ids.count; ++k) {
-            group.body[k] = &bodies.state[ids.id[k]];
-            rotate(ids.id[k], info);
-        }
-        constexpr int capacity = std::extent_v<decltype(group.body)>;
-        if (!Integrator::template advance<N, capacity>(group, evaluate, info))
-            bodies.report(Issue::step_bound_hit, ids.id[0]);
-    }
+    // True of a group that the method turns stage by stage.
     [[nodiscard]] bool is_turned([[maybe_unused]] const BodyGroup& ids) const {
-        if constexpr (rotation)
-            for (int k = 0; k < ids.count; ++k)
-                if (loads.is_turned(bodies, ids.id[k])) return true;
+        if constexpr (!rotation) return false;
+        if constexpr (!translates) return true;
+        for (int k = 0; k < ids.count; ++k)
+            if (loads.is_turned(bodies, ids.id[k])) return true;
         return false;
     }
 

@@ -90,6 +90,23 @@ static_assert(sizeof(0.1) == sizeof(double),
 #endif
 #endif
 
+// A set-up function that runs once a body or less: compiled for size. A caller that programs call reaches it through
+// detail::run_once().
+#define TUMBLE_COLD TUMBLE_SET_UP [[gnu::cold]]
+
+namespace tumble::detail {
+
+// Calls f, which calls cold functions. GCC takes a function that always calls a cold one for cold itself, and so its
+// callers, up to a program's loop of steps. It cannot see that this call is always made.
+template <class F>
+TUMBLE_INLINE constexpr void run_once(F&& f) {
+    int always = 1;
+    if (!std::is_constant_evaluated()) asm("" : "+r"(always));
+    if (always != 0) f();
+}
+
+}  // namespace tumble::detail
+
 // From here on no multiply-add is fused, so a product and a sum are rounded each, whatever the compiler's default for
 // the core. At the end of the kernel <tumble/tumble.hpp> restores the user's choice. If another header of the kernel is
 // included first, the setting holds to the end of the file. GCC does not inline functions with this option into

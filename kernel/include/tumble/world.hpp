@@ -72,17 +72,7 @@ public:
             return {};
         }
         if constexpr (features.touches()) TUMBLE_ASSERT(is_restitution(spec.restitution));
-        const PrincipalInertia inertia = features.rotation ? principal_inertia(spec.inertia) : PrincipalInertia{};
-        advance_.add(spec, inertia, b);
-        note(spec);
-        if constexpr (has_imu) remember(b);
-        if constexpr (has_contacts) {
-            contacts_.set_shape(b, spec, inertia, advance_.bodies.constants[b].units);
-            if (!spec.fixed) sleepers_.add(b);
-            // Before the first step no body has a time to contact, and none sleeps.
-            if (advance_.bodies.steps_taken > 0)
-                for (int other = 0; other < advance_.bodies.count; ++other) disturb(other);
-        }
+        detail::run_once([&] { add_at(b, spec); });
         if constexpr (features.removal) return places_.take(b);
         else return BodyId{b};
     }
@@ -112,7 +102,9 @@ public:
         refuse_to_record();
         if constexpr (features.removal)
             TUMBLE_ASSERT(places_.is_taken(spec.body) && (spec.to_body < 0 || places_.is_taken(spec.to_body)));
-        if (!advance_.add(spec)) return {};
+        bool added = false;
+        detail::run_once([&] { added = advance_.add(spec); });
+        if (!added) return {};
         note(spec);
         return SpringId{advance_.loads.spring_count() - 1};
     }
@@ -430,6 +422,21 @@ private:
     static constexpr bool has_imu = features.imu && features.bodies > 0;
     using Before = detail::MotionBefore<State>;
 
+    // Sets up a body at a place, which is free.
+    TUMBLE_COLD constexpr void add_at(int b, const BodySpec& spec) requires(features.bodies > 0) {
+        const PrincipalInertia inertia = features.rotation ? principal_inertia(spec.inertia) : PrincipalInertia{};
+        advance_.add(spec, inertia, b);
+        note(spec);
+        if constexpr (has_imu) remember(b);
+        if constexpr (has_contacts) {
+            contacts_.set_shape(b, spec, inertia, advance_.bodies.constants[b].units);
+            if (!spec.fixed) sleepers_.add(b);
+            // Before the first step no body has a time to contact, and none sleeps.
+            if (advance_.bodies.steps_taken > 0)
+                for (int other = 0; other < advance_.bodies.count; ++other) disturb(other);
+        }
+    }
+
     [[nodiscard]] static Vector3<Work> plain(const WorkVec3<N>& v) { return {v.x(), v.y(), v.z()}; }
     [[nodiscard]] Work steps_per_second() const {
         if constexpr (Advance::has_wrenches) return advance_.wrenches.steps_per_second;
@@ -589,7 +596,7 @@ private:
         for (int b = 0; b < advance_.bodies.count; ++b) {
             if (advance_.bodies.constants[b].fixed) advance_.step_fixed(b, info);
             else if (advance_.is_coupled(b)) coupled.add(b);
-            else advance_.group(BodyGroup::of(b), info);
+            else advance_.alone(b, info);
         }
         if (coupled.count > 0) advance_.group(coupled, info);
     }
@@ -614,11 +621,14 @@ private:
             const int b = sleepers_.awake(k);
             if (contacts_.is_near(b) || advance_.is_coupled(b)) {
                 islands = true;
-            } else if (advance_.is_loaded(b)) {
-                advance_.group(BodyGroup::of(b), info);
-            } else {
-                advance_.free_body(b, info);
+                continue;
             }
+            if constexpr (has_loads)
+                if (advance_.is_loaded(b)) {
+                    advance_.alone(b, info);
+                    continue;
+                }
+            advance_.free_body(b, info);
         }
         if (islands) [[unlikely]]
             advance_islands(info);
@@ -751,7 +761,7 @@ private:
             for (int k = 0; k < loaded.count; ++k) stages[k] = stage_of(advance_.bodies.state[loaded.id[k]]);
             const BodyPlaces<features.bodies> places{loaded};
             if (!foresee_in_parts(loaded, places, stages, kicks))
-                advance_.loads.template evaluation<false>(advance_.bodies, loaded, Work(1), whole,
+                advance_.loads.template evaluation<false>(advance_.bodies, loaded, Work(1), whole, true,
                                                           places.of_body)(stages, kicks);
             for (int k = 0; k < loaded.count; ++k) {
                 contacts_.kick(loaded.id[k]) = kicks[k];
@@ -780,7 +790,7 @@ private:
                     stages[k].t_b[i].raw >>= most - bodies.parts.halvings[loaded.id[k]];
                 }
             }
-            advance_.loads.template evaluation<false>(bodies, loaded, N::times_power_of_two(Work(1), -most), fall,
+            advance_.loads.template evaluation<false>(bodies, loaded, N::times_power_of_two(Work(1), -most), fall, true,
                                                       places.of_body)(stages, kicks);
             const auto of_step = [&](Work change) { return N::times_power_of_two(change, 2 * most); };
             for (int k = 0; k < loaded.count; ++k) {

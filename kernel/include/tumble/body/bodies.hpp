@@ -71,7 +71,7 @@ struct SpinUnits<N, Spin::angular_velocity> {
     using Work = typename N::Work;
     Work turn_per_impulse[3]{};  // h / 2 I_i, rad/(N m s)
 
-    [[nodiscard]] static constexpr SpinUnits of(RealVec3 moments, Real step) {
+    TUMBLE_COLD [[nodiscard]] static constexpr SpinUnits of(RealVec3 moments, Real step) {
         SpinUnits u;
         for (int i = 0; i < 3; ++i) u.turn_per_impulse[i] = N::template constant<Work>(step / (moments[i] * Real{2}));
         return u;
@@ -94,7 +94,7 @@ struct SpinUnits<N, Spin::angular_momentum> {
     Work turn_per_impulse{};  // h / 2 I_y
     Work rate_ratio[3]{};     // 2 I_y / I_i
 
-    [[nodiscard]] static constexpr SpinUnits of(RealVec3 moments, Real step) {
+    TUMBLE_COLD [[nodiscard]] static constexpr SpinUnits of(RealVec3 moments, Real step) {
         SpinUnits u;
         u.turn_per_impulse = N::template constant<Work>(step / (moments.y * Real{2}));
         for (int i = 0; i < 3; ++i) u.rate_ratio[i] = N::template constant<Work>(Real{2} * moments.y / moments[i]);
@@ -190,8 +190,7 @@ public:
 
     // Adds a body at a place, which is free: the end or one that a body has left. Misuse: a point mass with a rotation
     // or a spin, a point mass in a world without point masses, and any other body in a world without rotation.
-    [[gnu::noinline]] constexpr void add(const BodySpec& spec, [[maybe_unused]] const PrincipalInertia& inertia,
-                                         int b) {
+    TUMBLE_COLD constexpr void add(const BodySpec& spec, [[maybe_unused]] const PrincipalInertia& inertia, int b) {
         TUMBLE_ASSERT(spec.mass > Real{});
         TUMBLE_ASSERT(has_positive_size(spec.shape));
         if (b == count) ++count;
@@ -401,7 +400,8 @@ public:
     [[no_unique_address]] detail::StepParts<has_parts ? capacity : 0> parts{};
 
 private:
-    constexpr void set_rotation(int b, const BodySpec& spec, const PrincipalInertia& inertia) requires(rotation) {
+    TUMBLE_COLD constexpr void set_rotation(int b, const BodySpec& spec,
+                                            const PrincipalInertia& inertia) requires(rotation) {
         Constants& body = constants[b];
         State& s = state[b];
         if (!rotates(b)) {
@@ -413,12 +413,12 @@ private:
         TUMBLE_ASSERT(are_of_a_body(inertia.moments));
         body.units = Units::of(inertia.moments, step_length);
         set_axes(body, inertia.principal);
-        const RealQuat q = normalized(normalized(spec.orientation) * inertia.principal);
+        const RealQuat q = normalized(detail::product(normalized(spec.orientation), inertia.principal));
         s.q_wb.w = N::IntegratedUnit::from(q.w);
         s.q_wb.x = N::IntegratedUnit::from(q.v.x);
         s.q_wb.y = N::IntegratedUnit::from(q.v.y);
         s.q_wb.z = N::IntegratedUnit::from(q.v.z);
-        const RealVec3 w = inertia.principal.conjugate().rotate(spec.angular_velocity);
+        const RealVec3 w = detail::rotated_back(inertia.principal, spec.angular_velocity);
         do {
             for (int i = 0; i < 3; ++i)
                 assign(s.t_b[i], spin_scale(b).turn_units(Units::turn_of(inertia.moments, w[i], i, step_length)));

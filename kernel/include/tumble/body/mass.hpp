@@ -36,56 +36,84 @@ struct Shape {
 
 namespace detail {
 
+// (x, y) rotated by the angle with this cosine and sine.
+TUMBLE_COLD constexpr void turn_pair(Real& x, Real& y, const Real& cosine, const Real& sine) {
+    const Real before = x;
+    x = cosine * before - sine * y;
+    y = sine * before + cosine * y;
+}
+
 // One Jacobi rotation, which zeroes element (p, q) of the symmetric matrix a. v accumulates the rotations.
-constexpr void jacobi_rotate(Real (&a)[3][3], Real (&v)[3][3], int p, int q) {
+TUMBLE_COLD constexpr void jacobi_rotate(Real (&a)[3][3], Real (&v)[3][3], int p, int q) {
     if (a[p][q].is_zero()) return;
     const Real theta = (a[q][q] - a[p][p]) / (a[p][q] * Real{2});
     const Real t = (theta.is_negative() ? Real{-1} : Real{1}) / (abs(theta) + sqrt(theta * theta + Real{1}));
     const Real c = Real{1} / sqrt(t * t + Real{1}), s = t * c;
-    for (int k = 0; k < 3; ++k) {
-        const Real x = a[k][p], y = a[k][q];
-        a[k][p] = c * x - s * y;
-        a[k][q] = s * x + c * y;
-    }
-    for (int k = 0; k < 3; ++k) {
-        const Real x = a[p][k], y = a[q][k];
-        a[p][k] = c * x - s * y;
-        a[q][k] = s * x + c * y;
-    }
+    for (int k = 0; k < 3; ++k) turn_pair(a[k][p], a[k][q], c, s);
+    for (int k = 0; k < 3; ++k) turn_pair(a[p][k], a[q][k], c, s);
     a[p][q] = a[q][p] = Real{};
-    for (int k = 0; k < 3; ++k) {
-        const Real x = v[k][p], y = v[k][q];
-        v[k][p] = c * x - s * y;
-        v[k][q] = s * x + c * y;
+    for (int k = 0; k < 3; ++k) turn_pair(v[k][p], v[k][q], c, s);
+}
+
+// Products of set-up numbers as loops over their components, which is less code than the same by name.
+TUMBLE_COLD constexpr void cross_product(const Real (&a)[3], const Real (&b)[3], Real (&result)[3]) {
+    for (int i = 0; i < 3; ++i) {
+        const int j = (i + 1) % 3, k = (i + 2) % 3;
+        result[i] = a[j] * b[k] - a[k] * b[j];
     }
+}
+// a b of quaternions.
+TUMBLE_COLD [[nodiscard]] constexpr RealQuat product(const RealQuat& a, const RealQuat& b) {
+    const Real u[3]{a.v.x, a.v.y, a.v.z}, v[3]{b.v.x, b.v.y, b.v.z};
+    Real across[3], along{};
+    cross_product(u, v, across);
+    for (int i = 0; i < 3; ++i) {
+        along += u[i] * v[i];
+        across[i] = v[i] * a.w + u[i] * b.w + across[i];
+    }
+    return {a.w * b.w - along, {across[0], across[1], across[2]}};
+}
+// The inverse rotation by a unit quaternion.
+TUMBLE_COLD [[nodiscard]] constexpr RealVec3 rotated_back(const RealQuat& q, const RealVec3& v) {
+    const Real u[3]{-q.v.x, -q.v.y, -q.v.z}, r[3]{v.x, v.y, v.z};
+    Real twice[3], across[3];
+    cross_product(u, r, twice);
+    for (Real& component : twice) component *= Real{2};
+    cross_product(u, twice, across);
+    for (int i = 0; i < 3; ++i) across[i] = r[i] + twice[i] * q.w + across[i];
+    return {across[0], across[1], across[2]};
 }
 
 // The unit quaternion of a rotation matrix that is given by its columns (Shepperd: the largest pivot).
-[[nodiscard]] constexpr RealQuat quaternion_of(RealVec3 x, RealVec3 y, RealVec3 z) {
-    const Real trace = x.x + y.y + z.z;
-    RealQuat q;
+TUMBLE_COLD [[nodiscard]] constexpr RealQuat quaternion_of(const Real (&column)[3][3]) {
+    const Real trace = column[0][0] + column[1][1] + column[2][2];
+    // Element (i, j) less (j, i): of twice the sine of the angle, the component along the third axis.
+    const auto lean = [&](int i, int j) { return column[i][j] - column[j][i]; };
+    Real w{}, v[3];
     if (trace > Real{}) {
-        q = {trace + Real{1}, {y.z - z.y, z.x - x.z, x.y - y.x}};
-    } else if (x.x >= y.y && x.x >= z.z) {
-        q = {y.z - z.y, {Real{1} + x.x - y.y - z.z, x.y + y.x, z.x + x.z}};
-    } else if (y.y >= z.z) {
-        q = {z.x - x.z, {x.y + y.x, Real{1} + y.y - x.x - z.z, y.z + z.y}};
+        w = trace + Real{1};
+        for (int i = 0; i < 3; ++i) v[i] = lean((i + 1) % 3, (i + 2) % 3);
     } else {
-        q = {x.y - y.x, {z.x + x.z, y.z + z.y, Real{1} + z.z - x.x - y.y}};
+        int p = column[1][1] >= column[2][2] ? 1 : 2;
+        if (column[0][0] >= column[1][1] && column[0][0] >= column[2][2]) p = 0;
+        w = lean((p + 1) % 3, (p + 2) % 3);
+        v[p] = Real{1} + column[p][p];
+        for (int i = 0; i < 3; ++i) {
+            if (i == p) continue;
+            v[p] -= column[i][i];
+            v[i] = column[p][i] + column[i][p];
+        }
     }
-    return normalized(q);
+    return normalized(RealQuat{w, {v[0], v[1], v[2]}});
 }
 
-}  // namespace detail
-
-// Principal moments and axes of a full tensor, by cyclic Jacobi rotations (Golub & Van Loan, 8.5), to about 2^-60.
-[[nodiscard]] constexpr PrincipalInertia principal_inertia(const InertiaTensor& i) {
+TUMBLE_COLD [[nodiscard]] constexpr PrincipalInertia principal_inertia_of(const InertiaTensor& i) {
     Real a[3][3] = {{i.xx, i.xy, i.xz}, {i.xy, i.yy, i.yz}, {i.xz, i.yz, i.zz}};
     Real v[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     for (int sweep = 0; sweep < 8; ++sweep) {
-        detail::jacobi_rotate(a, v, 0, 1);
-        detail::jacobi_rotate(a, v, 0, 2);
-        detail::jacobi_rotate(a, v, 1, 2);
+        jacobi_rotate(a, v, 0, 1);
+        jacobi_rotate(a, v, 0, 2);
+        jacobi_rotate(a, v, 1, 2);
     }
     int order[3] = {0, 1, 2};  // the sort is stable: equal moments keep the user's order
     const auto swap_if_less = [&](int m, int n) {
@@ -98,10 +126,20 @@ constexpr void jacobi_rotate(Real (&a)[3][3], Real (&v)[3][3], int p, int q) {
     swap_if_less(0, 1);
     swap_if_less(1, 2);
     swap_if_less(0, 1);
-    const auto column = [&](int n) { return RealVec3{v[0][order[n]], v[1][order[n]], v[2][order[n]]}; };
-    const RealVec3 x = column(0), y = column(1);
-    return {{a[order[0]][order[0]], a[order[1]][order[1]], a[order[2]][order[2]]},
-            detail::quaternion_of(x, y, cross(x, y))};
+    Real axis[3][3];
+    for (int k = 0; k < 3; ++k)
+        for (int n = 0; n < 2; ++n) axis[n][k] = v[k][order[n]];
+    cross_product(axis[0], axis[1], axis[2]);
+    return {{a[order[0]][order[0]], a[order[1]][order[1]], a[order[2]][order[2]]}, quaternion_of(axis)};
+}
+
+}  // namespace detail
+
+// Principal moments and axes of a full tensor, by cyclic Jacobi rotations (Golub & Van Loan, 8.5), to about 2^-60.
+[[nodiscard]] constexpr PrincipalInertia principal_inertia(const InertiaTensor& i) {
+    PrincipalInertia principal{};
+    detail::run_once([&] { principal = detail::principal_inertia_of(i); });
+    return principal;
 }
 
 // The tensor of a homogeneous solid (of a thin ring for a hoop) of the given mass, kg m^2. Zero for `none`.
@@ -139,16 +177,15 @@ constexpr void jacobi_rotate(Real (&a)[3][3], Real (&v)[3][3], int p, int q) {
 
 // True if all lengths of the shape are positive. The straight part of a capsule may be 0: it is then a ball.
 [[nodiscard]] constexpr bool has_positive_size(const Shape& shape) {
-    const auto [a, b, c] = shape.size;
-    const Real zero{};
-    switch (shape.kind) {
-    case ShapeKind::box: return a > zero && b > zero && c > zero;
-    case ShapeKind::cylinder: return a > zero && b > zero;
-    case ShapeKind::capsule: return a > zero && b >= zero;
-    case ShapeKind::sphere:
-    case ShapeKind::hoop: return a > zero;
-    default: return true;
+    const bool is_flat = shape.kind == ShapeKind::none || shape.kind == ShapeKind::points,
+               is_round = shape.kind == ShapeKind::sphere || shape.kind == ShapeKind::hoop;
+    const int lengths = is_flat ? 0 : is_round ? 1 : shape.kind == ShapeKind::box ? 3 : 2;
+    for (int i = 0; i < lengths; ++i) {
+        const Real length = shape.size[i];
+        const bool may_be_zero = shape.kind == ShapeKind::capsule && i == 1;
+        if (length.is_negative() || (length.is_zero() && !may_be_zero)) return false;
     }
+    return true;
 }
 // True if a body can have these principal moments, sorted downwards: the largest is at most the sum of the others, with
 // a millionth as the margin for rounding.

@@ -93,6 +93,7 @@ TUMBLE_INLINE void copy_stage(StageState<N, rotation>& to, const StageState<N, r
     for (int i = 0; i < 3; ++i) {
         to.x_w[i] = from.x_w[i];
         to.d_w[i] = from.d_w[i];
+        if constexpr (rotation) detail::keep_apart();
     }
     if constexpr (rotation) {
         to.q_wb = from.q_wb;

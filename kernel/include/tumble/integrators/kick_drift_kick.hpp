@@ -3,7 +3,7 @@
 // run. Loads that depend on velocity (drag, damping) keep the symmetry: the first half kick is that of explicit Euler,
 // the second that of implicit Euler, its adjoint. It is solved in closed form where the evaluation can
 // (ends_in_closed_form(), at_end()), and else by fixed-point iteration. Loads that depend on position alone are
-// evaluated once a step: the next step starts with the kick of this one's end (take_kept(), keep()).
+// evaluated once a step: the next step starts with the kick of this one's end (kept_kick()).
 //
 // Composed<RotationFlow, Parts> consists of several such steps, whose lengths are parts of a step that cancel the
 // leading errors. Loads that depend on position alone are evaluated once between two parts, because both kicks have the
@@ -29,8 +29,8 @@ inline constexpr int end_kick_iterations = 6;
 
 // The half kick that ends a part, for loads that depend on velocity: kick = the loads at the velocity after the kick.
 template <class N, int capacity, class Group, class Evaluate, class HalfOf>
-void solve_end_kick(const Group& group, const typename Group::Stage (&state)[capacity],
-                    typename Group::Kick (&kick)[capacity], Evaluate& evaluate, HalfOf&& half) {
+void solve_end_kick(const Group& group, const typename Group::Stage (&state)[capacity], typename Group::Kick* kick,
+                    Evaluate& evaluate, HalfOf&& half) {
     bool changes = true;
     for (int iteration = 0; iteration < end_kick_iterations && changes; ++iteration) {
         typename Group::Stage end[capacity];
@@ -102,6 +102,12 @@ struct KickDriftKick : Stability<tumble::detail::KickDriftKickOnOscillator<Parts
         return RotationFlow::template flow<N>(body, inertia, step);
     }
 
+    template <class N>
+    [[gnu::noinline]] static auto rotate_called(BodyState<N, Spin::angular_momentum>& body, const Inertia<N>& inertia,
+                                                const StepInfo<N>& step) {
+        return rotate<N>(body, inertia, step);
+    }
+
     // True if the constants of the flow depend on the spin. Code that changes the spin then calls prepare.
     template <class N>
     static constexpr bool needs_preparation = requires(Inertia<N>& inertia, const BodyState<N, spin>& body,
@@ -113,7 +119,13 @@ struct KickDriftKick : Stability<tumble::detail::KickDriftKickOnOscillator<Parts
     static bool advance(const Group& group, Evaluate&& evaluate, const StepInfo<N>& step) {
         group.has_bodies();
         typename Group::Stage state[capacity];
-        typename Group::Kick kick[capacity];
+        typename Group::Kick new_kick[capacity], *kick = new_kick;
+        bool is_known = false;
+        if constexpr (capacity == 1 && requires { evaluate.kept_kick(); })
+            if (evaluate.keeps()) {
+                kick = evaluate.kept_kick();
+                is_known = evaluate.is_known();
+            }
         // Evaluates the loads at the present state.
         const auto look = [&] {
             group.has_bodies();
@@ -131,10 +143,7 @@ struct KickDriftKick : Stability<tumble::detail::KickDriftKickOnOscillator<Parts
         const bool velocity_matters = evaluate.depends_on_velocity();
         bool converged = true;
         // Loads that depend on position alone have pulled like this at the end of the last step.
-        bool is_known = false;
-        if constexpr (capacity == 1 && requires { evaluate.take_kept(kick); })
-            is_known = !velocity_matters && evaluate.take_kept(kick);
-        if (!is_known) look();
+        if (velocity_matters || !is_known) look();
         for (int part = 0; part < Parts::count; ++part) {
             const auto half = [&](auto sum) { return half_of_part<N>(sum, part); };
             if (part > 0 && velocity_matters) look();
@@ -149,7 +158,7 @@ struct KickDriftKick : Stability<tumble::detail::KickDriftKickOnOscillator<Parts
                     if (turned == Turned::too_far) group.too_fast = b;
                 }
             }
-            if constexpr (Parts::count == 1 && !Group::rotation && requires { evaluate.ends_in_closed_form(); }) {
+            if constexpr (Parts::count == 1 && requires { evaluate.ends_in_closed_form(); }) {
                 if (velocity_matters && evaluate.ends_in_closed_form()) {
                     for (int b = 0; b < group.count; ++b) group.take(b, state[b]);
                     evaluate.at_end(state, kick);
@@ -161,8 +170,7 @@ struct KickDriftKick : Stability<tumble::detail::KickDriftKickOnOscillator<Parts
             if (velocity_matters) tumble::detail::solve_end_kick<N, capacity>(group, state, kick, evaluate, half);
             kick_bodies(half);
         }
-        if constexpr (capacity == 1 && requires { evaluate.keep(kick); })
-            if (!velocity_matters) evaluate.keep(kick);
+        if constexpr (capacity == 1 && requires { evaluate.kept_kick(); }) evaluate.keep();
         return converged;
     }
 
@@ -196,7 +204,7 @@ private:
                                                         [[maybe_unused]] int part, const StepInfo<N>& step) {
         const auto run = [&] {
             if constexpr (needs_preparation<N>) inertia.prepare(body, step.scale);
-            if constexpr (Parts::count == 1) return RotationFlow::template flow<N>(body, inertia, step);
+            if constexpr (Parts::count == 1) return rotate_called<N>(body, inertia, step);
             else return RotationFlow::template flow_part<N>(body, inertia, part, step);
         };
         if constexpr (std::is_void_v<decltype(run())>) {

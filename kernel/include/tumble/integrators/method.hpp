@@ -19,7 +19,9 @@
 //                                   for more than 1 rad, or for more than 3 rad if the spin is the angular momentum
 //   takes_any_load                  if fixed point does not limit the change that loads make in a step
 //   keeps_kick                      if a step of a body alone starts with the kick that the last step ended with:
-//                                   evaluate.take_kept() and keep()
+//                                   evaluate.kept_kick()
+//   rotate_called<N>                rotate() out of line, if advance() turns bodies by the same code: worlds with loads
+//                                   then have it once
 //   not_in_fixed_point              if the method is for floating point only: the reason for the user; see runs_in
 // A new method is one such header and one line in integrators/list.hpp. World checks the required members by the
 // concept Method below.
@@ -59,7 +61,8 @@ struct GroupCount<1> {
 };
 
 // Bodies that have their stages together, because loads couple them, or one body alone. With `points` some of them may
-// be point masses, whose orientation and spin are not used.
+// move as point masses do, whose orientation and spin the method leaves alone: point masses, and bodies whose rotation
+// the loads neither change nor ask for.
 template <class N, Spin spin, class Inertia, int capacity, bool points = false>
 struct Group : GroupCount<capacity> {
     static constexpr bool rotation = true, has_points = points;
@@ -67,7 +70,7 @@ struct Group : GroupCount<capacity> {
     using Kick = tumble::Kick<N>;
 
     BodyState<N, spin>* body[capacity]{};
-    Inertia* inertia[capacity]{};  // null for a point mass
+    Inertia* inertia[capacity]{};  // null for a body that moves as a point mass
     mutable int too_fast = -1;     // a body that the method could not turn, because it turns too far in the step
 
     [[nodiscard]] TUMBLE_INLINE bool rotates([[maybe_unused]] int b) const {
@@ -77,7 +80,7 @@ struct Group : GroupCount<capacity> {
     // Writes body b as it stands.
     TUMBLE_INLINE void take(int b, Stage& stage) const { take_stage(stage, *body[b]); }
 };
-// Bodies whose rotation the loads neither change nor ask for: point masses, and bodies that feel no torque.
+// The same in a world that has only point masses.
 template <class N, Spin spin, int capacity>
 struct Translations : GroupCount<capacity> {
     static constexpr bool rotation = false, has_points = false;

@@ -220,23 +220,29 @@ struct RungeKutta : Stability<tumble::detail::RungeKuttaOnOscillator<table>> {
             group.take(b, start[b]);
             if constexpr (Group::rotation)
                 if (group.rotates(b)) start[b].t_b = group.body[b]->t_b.take();
+            copy_stage(state[b], start[b]);
         }
         detail::unroll<table.stages>([&](auto stage) {
             constexpr int s = stage;
             for (int b = 0; b < group.count; ++b) {
                 auto& now = state[b];
-                copy_stage(now, start[b]);
-                detail::unroll<s>([&](auto earlier) {
-                    constexpr int j = earlier;
-                    constexpr Rational a = table.a[s][j];
-                    if constexpr (!a.is_zero()) {
-                        for (int i = 0; i < 3; ++i) {
-                            now.x_w[i] = N::displaced(now.x_w[i], detail::times<a>(drift[j][b][i]), step.scale);
-                            now.d_w[i] += detail::times<a>(kick[j][b].linear[i]);
+                for (int i = 0; i < 3; ++i) {
+                    auto x = start[b].x_w[i];
+                    auto d = start[b].d_w[i];
+                    detail::unroll<s>([&](auto earlier) {
+                        constexpr int j = earlier;
+                        constexpr Rational a = table.a[s][j];
+                        if constexpr (!a.is_zero()) {
+                            x = N::displaced(x, detail::times<a>(drift[j][b][i]), step.scale);
+                            d += detail::times<a>(kick[j][b].linear[i]);
                         }
+                    });
+                    if constexpr (s > 0) {
+                        now.x_w[i] = x;
+                        now.d_w[i] = d;
                     }
-                });
-                for (int i = 0; i < 3; ++i) drift[s][b][i] = now.d_w[i];
+                    drift[s][b][i] = d;
+                }
                 if constexpr (Group::rotation)
                     if (group.rotates(b)) rotate_stage<s, N>(start[b], now, group, b, rotation[b], kick, step);
             }

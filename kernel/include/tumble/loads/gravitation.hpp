@@ -55,12 +55,11 @@ private:
     // Bodies at the same place exert no force, since there is no direction.
     template <class Group>
     TUMBLE_INLINE bool apply(const Group& group, int k, int a, int other, int b) const {
-        const auto r = L::between([&](auto& to) {
-            for (int i = 0; i < 3; ++i) {
-                to.template put<true>(i, other >= 0 ? group.stage[other].x_w[i] : N::sum(group.bodies.state[b].x_w[i]));
-                to.template put<false>(i, group.stage[k].x_w[i]);
-            }
-        });
+        const auto component = [&](int i) {
+            return L::place(other >= 0 ? group.stage[other].x_w[i] : N::sum(group.bodies.state[b].x_w[i])) -
+                   L::place(group.stage[k].x_w[i]);
+        };
+        const auto r = L::between({component(0), component(1), component(2)});
         if (L::is_zero(r)) return false;
         const Factor u = L::inverse_length(r), u3 = L::product(L::product(u, u), u);
         Factor pull = L::product(u3, pull_[b]);

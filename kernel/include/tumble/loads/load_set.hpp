@@ -96,13 +96,7 @@ public:
         if (!springs_.add(spec, bodies)) return false;
         const bool is_straight = !spec.rest_length.is_zero();
         for (int axis = is_straight ? 3 : 0; axis < (is_straight ? 4 : 3); ++axis) {
-            Loaded loaded[features.bodies];
-            Stage stage[features.bodies];
-            for (int b = 0; b < bodies.count; ++b) {
-                stage[b] = stage_of(bodies.state[b]);
-                load(loaded[b], b, stage[b], bodies, Work{});  // no steps a second: no velocities
-            }
-            const int b = springs_.body_beyond(bounds, bodies, loaded, drag_, seconds_, axis);
+            const int b = springs_.body_beyond(bounds, bodies, drag_, axis);
             if (b < 0) continue;
             bodies.report(Issue::step_too_long, b);
             break;
@@ -171,6 +165,7 @@ public:
         const BodyGroup& group;
         Work length;                            // of this portion, in steps
         DriftSum fall[3];                       // gravity's change of drift in it
+        bool turned;                            // the loads change or ask for the rotation of the group
         const std::int16_t* place;              // in the group, of each body of the world; null of a body alone
         bool is_whole;                          // the portion is a whole step
         typename L::Factor per_length;          // portions in a step
@@ -185,13 +180,13 @@ public:
         }
         // The kick of whose half a step ends, with the loads at the velocity after that half. Only where
         // ends_in_closed_form().
-        template <class StageState>
-        void at_end(const StageState* stages, Kick<N, false>* kicks) const {
+        template <class StageState, bool rotates>
+        void at_end(const StageState* stages, Kick<N, rotates>* kicks) const {
             evaluate(stages, kicks, fall);
         }
-        // True of a body alone on which only one load depends on the velocity, and linearly.
+        // True of a body alone that loads do not turn, on which only one load depends on the velocity, and linearly.
         [[nodiscard]] bool ends_in_closed_form() const {
-            if constexpr (!alone || OwnLoads::may_depend_on_velocity) return false;
+            if (!alone || turned || OwnLoads::may_depend_on_velocity) return false;
             int loads_of_velocity = 0;
             if constexpr (features.drag) loads_of_velocity += loads.drag_.linear > Work{} ? 1 : 0;
             if constexpr (features.springs > 0) loads_of_velocity += loads.springs_.dampers_at(group.id[0]);
@@ -206,7 +201,8 @@ public:
                 for (int i = 0; i < 3; ++i) {
                     kicks[k].linear[i] = L::settled(kicks[k].linear[i], fall[i], within);
                     if constexpr (rotates)
-                        kicks[k].angular[i] = L::settled(kicks[k].angular[i], typename N::TurnSum{}, within);
+                        if (turned)
+                            kicks[k].angular[i] = L::settled(kicks[k].angular[i], typename N::TurnSum{}, within);
                 }
                 if (within) [[likely]]
                     continue;
@@ -221,18 +217,12 @@ public:
             for (int k = 0; k < count(); ++k)
                 for (int i = 0; i < 3; ++i) kicks[k].linear[i] += N::metres(fall[i], bodies.scale);
         }
-        // The kick that was kept; false if there is none.
-        template <bool rotates>
-        [[nodiscard]] bool take_kept(Kick<N, rotates>* kicks) const requires(alone) {
-            if (kept == nullptr || kept->age != age) return false;
-            copy_kick(*kicks, kept->kick);
-            return true;
-        }
-        template <bool rotates>
-        void keep(const Kick<N, rotates>* kicks) const requires(alone) {
-            if (kept == nullptr) return;
-            copy_kick(kept->kick, *kicks);
-            kept->age = age;
+        // Whether the kick at the end of the step is kept, its place, and whether it holds that of the last step.
+        [[nodiscard]] bool keeps() const requires(alone) { return kept != nullptr; }
+        [[nodiscard]] auto* kept_kick() const requires(alone) { return &kept->kick; }
+        [[nodiscard]] bool is_known() const requires(alone) { return kept->age == age; }
+        void keep() const requires(alone) {
+            if (kept != nullptr) kept->age = age;
         }
         [[nodiscard]] bool depends_on_velocity() const {
             return any(loads, [](const auto& load) {
@@ -247,13 +237,15 @@ public:
     // `length` is the portion's, of a step; `fall` gravity's change of drift in it.
     template <bool alone>
     [[nodiscard]] Evaluate<alone> evaluation(Bodies& bodies, const BodyGroup& group, Work length,
-                                             const DriftSum (&fall)[3], const std::int16_t* place = nullptr) const {
+                                             const DriftSum (&fall)[3], bool turned,
+                                             const std::int16_t* place = nullptr) const {
         const bool is_whole = length == Work(1);
         return {bodies,
                 *this,
                 group,
                 length,
                 {fall[0], fall[1], fall[2]},
+                turned,
                 place,
                 is_whole,
                 is_whole ? L::one() : L::factor(Work(1) / length)};
@@ -284,9 +276,9 @@ private:
                 const DriftSum* ends_with_half_of) const {
         for (int k = 0; k < e.count(); ++k) clear(kicks[k]);
         using Group = LoadedGroup<N, Bodies, StageState, Kick, alone>;
-        Group group{
-            {},       e.bodies,         stages, kicks, e.group.id, e.place, e.per_length, e.is_whole, ends_with_half_of,
-            seconds_, steps_per_second_};
+        Group group{{},         e.bodies,          stages,       kicks,
+                    e.group.id, e.place,           e.per_length, e.is_whole,
+                    e.turned,   ends_with_half_of, seconds_,     steps_per_second_};
         group.set_count(e.count());
         (void)any(
             *this, [&](const auto& load) __attribute__((always_inline)) {
@@ -302,6 +294,7 @@ private:
     TUMBLE_INLINE static void clear(Kick& kick) {
         for (int i = 0; i < 3; ++i) {
             kick.linear[i] = std::remove_reference_t<decltype(kick.linear[i])>{};
+            detail::keep_apart();
             if constexpr (requires { kick.angular; })
                 kick.angular[i] = std::remove_reference_t<decltype(kick.angular[i])>{};
         }

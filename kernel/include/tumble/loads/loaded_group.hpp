@@ -26,10 +26,8 @@ struct LoadedGroup : std::conditional_t<is_alone, GroupCount<1>, GroupCount<2>> 
     using Vector = typename L::Vector;
     using Factor = typename L::Factor;
     static constexpr bool alone = is_alone, rotation = requires(Stage stage) { stage.q_wb; };
-    // Such an end of a step is only solved for a body alone that loads do not turn.
-    static constexpr bool can_end = alone && !rotation && requires(Kick kick) {
-        kick.linear[0] = typename N::DriftSum{};
-    };
+    // Such an end of a step is only solved for a body alone.
+    static constexpr bool can_end = alone && requires(Kick kick) { kick.linear[0] = typename N::DriftSum{}; };
 
     Bodies& bodies;
     const Stage* stage;         // of each body of the group
@@ -38,6 +36,7 @@ struct LoadedGroup : std::conditional_t<is_alone, GroupCount<1>, GroupCount<2>> 
     const std::int16_t* place;  // the place in the group of each body of the world, or -1; null of a body alone
     Factor per_length;          // portions in a step: 1 where the portion is a whole step
     bool whole;                 // the portion is a whole step
+    bool turned;                // else no body of the group rotates in the stages
     // Null, or gravity's change of drift in a step that ends with half a kick: see velocity().
     const typename N::DriftSum* ends_with_half_of;
     Work seconds, steps_per_second;  // of a whole step, and of steps of that length
@@ -49,7 +48,7 @@ struct LoadedGroup : std::conditional_t<is_alone, GroupCount<1>, GroupCount<2>> 
     }
     [[nodiscard]] TUMBLE_INLINE bool rotates(int k) const {
         if constexpr (!rotation) return false;
-        else return bodies.rotates(id[k]);
+        else return turned && bodies.rotates(id[k]);
     }
     // The drift of a body that a load depends on: that of the stage. At the end of a step, half of the kick comes after
     // the stage, and the load depends on the drift after it. Of a load that comes last, this is the drift with half of

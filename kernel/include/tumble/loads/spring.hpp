@@ -4,7 +4,6 @@
 
 #include <tumble/body/bodies.hpp>
 #include <tumble/integrators/stability.hpp>
-#include <tumble/loads/loaded_body.hpp>
 #include <tumble/loads/loaded_group.hpp>
 
 namespace tumble {
@@ -55,18 +54,14 @@ public:
         TUMBLE_ASSERT(all.rotates(all.index_of(spec.body)) || spec.point.is_zero());
         TUMBLE_ASSERT(spec.to_body < 0 || all.rotates(spec.to_body) || spec.to.is_zero());
         if (count_ >= capacity) return false;
-        const auto point = [&](int b, const RealVec3& at) {
-            const WorkVec3<N> p = all.principal_vector(b, at);
-            return Vector::of(p.x(), p.y(), p.z());
-        };
         Spring<N>& spring = spring_[count_];
         spring.body = static_cast<std::int16_t>(all.index_of(spec.body));
         spring.to_body = static_cast<std::int16_t>(spec.to_body);
-        spring.point_b = point(spec.body, spec.point);
+        spring.point_b = principal_point(all, spec.body, spec.point);
         enlist(spec.body, 2 * count_);
         if (spec.to_body >= 0) enlist(spec.to_body, 2 * count_ + 1);
         ++count_;
-        if (spec.to_body >= 0) spring.to = point(spec.to_body, spec.to);
+        if (spec.to_body >= 0) spring.to = principal_point(all, spec.to_body, spec.to);
         else
             for (int i = 0; i < 3; ++i) spring.anchor_w[i] = position_sum(spec.to[i]);
         spring.stiffness = N::template constant<Work>(spec.stiffness * all.step_length);
@@ -95,8 +90,8 @@ public:
         }
     }
 
-    // Returns a body that the newest spring moves, if the step is surely too long for that spring; else -1. `body`
-    // holds all bodies as they stand, without velocity; `step` is in s.
+    // Returns a body that the newest spring moves, if the step is surely too long for that spring as the bodies stand;
+    // else -1.
     //
     // A pull at both ends of the spring brings about a motion u: h/m times the force and h/I times the torque at each
     // end. The pull is along a world axis (0 to 2) or along the spring (3). In this motion all springs, dampers and
@@ -114,33 +109,27 @@ public:
     //
     // A spring counts with its stiffness at its rest length, which is along itself alone; without a rest length it is
     // as stiff in all directions.
-    template <class Body>
-    [[nodiscard, gnu::cold, gnu::noinline]] int body_beyond(const SpringBounds<N>& bounds, const auto& all, Body* body,
-                                                            const auto& drag, Work step, int axis) const {
-        const auto other = [&](const Spring<N>& spring) {
-            return spring.to_body < 0 ? nullptr : body + spring.to_body;
-        };
+    TUMBLE_COLD [[nodiscard]] int body_beyond(const SpringBounds<N>& bounds, const auto& all, const auto& drag,
+                                              int axis) const {
         const Spring<N>& newest = spring_[count_ - 1];
-        Body& a = body[newest.body];
-        Body* const b = other(newest);
-        WorkVec3<N> pull = reach_of(newest, a, b);
-        if (axis < 3) {
-            pull = zero_vector<N>();
-            pull[axis] = step;  // of any size
+        const Vector pull =
+            axis < 3 ? Vector::of(Work(axis == 0), Work(axis == 1), Work(axis == 2)) : reach_of(newest, all);
+        const Motion moved[2]{response(all, newest.body, newest.point_b, pull),
+                              response(all, newest.to_body, newest.to, pull.times(Work(-1)))};
+        Work stiffness{}, damping{};
+        for (const Motion& motion : moved) {
+            if constexpr (requires { drag.linear; }) damping += drag.linear * product(motion.v_w, motion.v_w);
+            if constexpr (requires { drag.angular; }) damping += drag.angular * product(motion.w_b, motion.w_b);
         }
-        push(newest, a, b, pull);
-        Work stiffness{}, damping = respond(a, newest.body, all, drag);
-        if (b != nullptr) damping += respond(*b, newest.to_body, all, drag);
         for (int s = 0; s < count_; ++s) {
             const Spring<N>& spring = spring_[s];
-            const WorkVec3<N> reach = reach_of(spring, body[spring.body], other(spring)),
-                              rate = rate_of(spring, body[spring.body], other(spring));
+            const Vector reach = reach_of(spring, all), rate = rate_of(spring, all, moved);
             const Work squares = product(reach, reach), along = product(reach, rate);
             const Work square = squares > Work{} ? along * along / squares : squares;
             stiffness += spring.stiffness * (spring.rest_length > Work{} ? square : product(rate, rate));
             damping += spring.damping * square;
         }
-        const Work inertia = -product(rate_of(newest, a, b), pull);  // u.(m u) / h
+        const Work inertia = -product(rate_of(newest, all, moved), pull);  // u.(m u) / h
         for (int i = 0; i < StepBounds::sums; ++i)
             if (inertia < bounds.of_spring[i] * stiffness + bounds.of_damper[i] * damping)
                 return all.constants[newest.body].fixed ? newest.to_body : newest.body;
@@ -204,14 +193,29 @@ private:
         first_[b] = static_cast<std::uint16_t>(end);
     }
 
-    // Adds the place of a point of a body to a sum, or takes it from it. Below: its velocity.
-    template <bool adds>
-    TUMBLE_INLINE static void add_place(auto& to, const auto& all, int b, const auto& stage, const Vector& point_b) {
-        for (int i = 0; i < 3; ++i) to.template put<adds>(i, stage.x_w[i]);
+    // Sets sums to the place of a spring's other end as it stands: the world point, or a point of a body.
+    TUMBLE_INLINE static void set_other_end(typename L::Place (&sums)[3], const auto& all, int b, const Vector& point_b,
+                                            const Spring<N>& spring) {
+        if (b >= 0) return set_place(sums, all, b, stage_of(all.state[b]), point_b);
+        for (int i = 0; i < 3; ++i) sums[i] = L::place(spring.anchor_w[i]);
+    }
+    TUMBLE_INLINE static void set_place(typename L::Place (&sums)[3], const auto& all, int b, const auto& stage,
+                                        const Vector& point_b) {
+        for (int i = 0; i < 3; ++i) sums[i] = L::place(stage.x_w[i]);
         if constexpr (requires { stage.q_wb; }) {
             if (point_b.is_zero() || !all.rotates(b)) return;
             const Vector arm = L::rotated(stage.q_wb, point_b);
-            for (int i = 0; i < 3; ++i) to.template put<adds>(i, arm);
+            for (int i = 0; i < 3; ++i) sums[i] = sums[i] + L::place(arm, i);
+        }
+    }
+    // Takes the place of a point of a body from sums. Below: the velocity of a point, added or taken.
+    TUMBLE_INLINE static void take_place(typename L::Place (&sums)[3], const auto& all, int b, const auto& stage,
+                                         const Vector& point_b) {
+        for (int i = 0; i < 3; ++i) sums[i] = sums[i] - L::place(stage.x_w[i]);
+        if constexpr (requires { stage.q_wb; }) {
+            if (point_b.is_zero() || !all.rotates(b)) return;
+            const Vector arm = L::rotated(stage.q_wb, point_b);
+            for (int i = 0; i < 3; ++i) sums[i] = sums[i] - L::place(arm, i);
         }
     }
     template <bool adds, class Group>
@@ -250,13 +254,11 @@ private:
     TUMBLE_INLINE static void pull(const Group& group, const Spring<N>& spring, int own, const Vector& own_point,
                                    int other, int other_body, const Vector& other_point) {
         auto& all = group.bodies;
-        const Vector r = L::between([&](auto& to) {
-            if (other_body < 0)
-                for (int i = 0; i < 3; ++i) to.template put<true>(i, spring.anchor_w[i]);
-            else if (other >= 0) add_place<true>(to, all, other_body, group.stage[other], other_point);
-            else add_place<true>(to, all, other_body, stage_of(all.state[other_body]), other_point);
-            add_place<false>(to, all, group.id[own], group.stage[own], own_point);
-        });
+        typename L::Place apart[3];
+        if (other >= 0) set_place(apart, all, other_body, group.stage[other], other_point);
+        else set_other_end(apart, all, other_body, other_point, spring);
+        take_place(apart, all, group.id[own], group.stage[own], own_point);
+        const Vector r = L::between(apart);
         Factor strength = L::factor(spring.stiffness), u{};
         const bool is_damped = spring.damping > Work{};
         if (spring.rest_length > Work{} || is_damped) {
@@ -280,54 +282,60 @@ private:
         if (other >= 0) group.push(other, r, L::negative(strength), other_point);
     }
 
-    // The same in working numbers, for body_beyond(). From a spring's point of `a` to its other end, m, world.
-    template <class Body>
-    [[nodiscard, gnu::cold, gnu::noinline]] static WorkVec3<N> reach_of(const Spring<N>& spring, const Body& a,
-                                                                        const Body* other) {
-        WorkVec3<N> reach;
-        for (int i = 0; i < 3; ++i)
-            reach[i] = N::apart(other != nullptr ? other->stage->x_w[i] : spring.anchor_w[i], a.stage->x_w[i]);
-        if constexpr (Body::rotation) {
-            if (a.rotates()) reach -= rotate(a.q_wb, in_work(spring.point_b));
-            if (other != nullptr && other->rotates()) reach += rotate(other->q_wb, in_work(spring.to));
-        }
-        return reach;
+    // For body_beyond(): the velocity that a force causes in a step, m/s and rad/s for newtons. No body: none.
+    struct Motion {
+        int body = -1;
+        Vector v_w{}, w_b{};
+    };
+    TUMBLE_COLD [[nodiscard]] static Motion response(const auto& all, int b, const Vector& point_b,
+                                                     const Vector& force_w) {
+        Motion motion;
+        if (b < 0 || all.constants[b].fixed) return motion;
+        motion.body = b;
+        motion.v_w = force_w.times(all.step_per_mass(b));
+        if constexpr (std::remove_cvref_t<decltype(all)>::rotation)
+            if (all.rotates(b) && !point_b.is_zero())
+                motion.w_b =
+                    cross(point_b, L::rotated_back(all.state[b].q_wb.value(), force_w))
+                        .times({all.step_per_moment(b, 0), all.step_per_moment(b, 1), all.step_per_moment(b, 2)});
+        return motion;
     }
-    // The rate of reach_of(), m/s.
-    template <class Body>
-    [[nodiscard, gnu::cold, gnu::noinline]] static WorkVec3<N> rate_of(const Spring<N>& spring, const Body& a,
-                                                                       const Body* other) {
-        WorkVec3<N> rate = -a.velocity_at(in_work(spring.point_b));
-        if (other != nullptr) rate += other->velocity_at(in_work(spring.to));
+    // From a spring's point of `body` to its other end as the bodies stand, m, world. Below: the rate of it in motions.
+    TUMBLE_COLD [[nodiscard]] static Vector reach_of(const Spring<N>& spring, const auto& all) {
+        typename L::Place apart[3];
+        set_other_end(apart, all, spring.to_body, spring.to, spring);
+        take_place(apart, all, spring.body, stage_of(all.state[spring.body]), spring.point_b);
+        return L::between(apart);
+    }
+    TUMBLE_COLD [[nodiscard]] static Vector rate_of(const Spring<N>& spring, const auto& all,
+                                                    const Motion (&moved)[2]) {
+        Vector rate{};
+        for (const Motion& motion : moved)
+            for (int end = 0; end < 2 && motion.body >= 0; ++end) {
+                if (motion.body != (end == 0 ? spring.body : spring.to_body)) continue;
+                const Vector& point_b = end == 0 ? spring.point_b : spring.to;
+                Vector v = motion.v_w;
+                if constexpr (std::remove_cvref_t<decltype(all)>::rotation)
+                    if (all.rotates(motion.body) && !point_b.is_zero())
+                        v = v + L::rotated(all.state[motion.body].q_wb.value(), cross(motion.w_b, point_b));
+                rate = rate + (end == 0 ? v.times(Work(-1)) : v);
+            }
         return rate;
     }
-    template <class Body>
-    [[gnu::cold, gnu::noinline]] static void push(const Spring<N>& spring, Body& a, Body* other,
-                                                  const WorkVec3<N>& force) {
-        a.push(force, in_work(spring.point_b));
-        if (other != nullptr) other->push(-force, in_work(spring.to));
-    }
-    [[nodiscard]] static WorkVec3<N> in_work(const Vector& v) {
-        const auto [x, y, z] = v.template as<Work>();
-        return {x, y, z};
-    }
-    // Gives a body that is not fixed the velocity that its forces cause in a step. Returns what drag takes of it, u.(c
-    // u).
-    template <class Body>
-    [[gnu::cold, gnu::noinline]] static Work respond(Body& body, int b, const auto& all,
-                                                     [[maybe_unused]] const auto& drag) {
-        Work damping{};
-        if (all.constants[b].fixed) return damping;
-        body.v_w = scaled_by(body.force_w, all.step_per_mass(b));
-        if constexpr (requires { drag.linear; }) damping += drag.linear * product(body.v_w, body.v_w);
-        if constexpr (Body::rotation) {
-            if (!body.rotates()) return damping;
-            for (int i = 0; i < 3; ++i) body.w_b[i] = body.torque_b[i] * all.step_per_moment(b, i);
-            if constexpr (requires { drag.angular; }) damping += drag.angular * product(body.w_b, body.w_b);
+    [[nodiscard, gnu::noinline]] static Work product(const Vector& a, const Vector& b) { return L::work(L::dot(a, b)); }
+    // A point of a body from the user's axes to principal axes. In fixed point, set-up numbers make less code.
+    TUMBLE_COLD [[nodiscard]] static Vector principal_point(const auto& all, int b, const RealVec3& at) {
+        using Bodies = std::remove_cvref_t<decltype(all)>;
+        if constexpr (Bodies::rotation && N::fixed_point) {
+            const auto q = all.constants[b].principal();
+            const auto real = [](auto unit) { return Real::scaled(unit.raw, -unit.fraction_bits); };
+            const RealVec3 p = detail::rotated_back({real(q.w), {real(q.v.x()), real(q.v.y()), real(q.v.z())}}, at);
+            return Vector::of(Work(p.x), Work(p.y), Work(p.z));
+        } else {
+            const WorkVec3<N> p = all.principal_vector(b, at);
+            return Vector::of(p.x(), p.y(), p.z());
         }
-        return damping;
     }
-    [[gnu::cold, gnu::noinline]] static Work product(const WorkVec3<N>& a, const WorkVec3<N>& b) { return dot(a, b); }
     [[nodiscard, gnu::cold]] static bool is_in_range(const RealVec3& point) {
         if constexpr (N::fixed_point)
             for (int i = 0; i < 3; ++i)

@@ -30,9 +30,10 @@ requires(N::fixed_point) struct LoadNumbers<N> {
     [[nodiscard]] TUMBLE_INLINE static constexpr Factor product(Factor a, Factor b) {
         const std::int64_t raw = detail::multiply(a.mantissa, b.mantissa);  // 2^60 to 2^62, or zero
         const auto upper = static_cast<std::uint32_t>(static_cast<std::uint64_t>(raw) >> 32);
-        const int drop = upper + 0x1fffffffu < 0x3ffffffeu ? 30 : 31;  // 30 below 2^61 - 2^32
-        return {static_cast<std::int32_t>((raw + (std::int64_t{1} << (drop - 1))) >> drop),
-                a.exponent + b.exponent + drop};
+        const int exponent = a.exponent + b.exponent;
+        if (upper + 0x1fffffffu < 0x3ffffffeu)  // below 2^61 - 2^32
+            return {static_cast<std::int32_t>((raw + (std::int64_t{1} << 29)) >> 30), exponent + 30};
+        return {static_cast<std::int32_t>((raw + (std::int64_t{1} << 30)) >> 31), exponent + 31};
     }
     // a + b, rounded to nearest, to 30 bits of the larger.
     [[nodiscard, gnu::noinline]] static constexpr Factor sum(Factor a, Factor b) {
@@ -53,38 +54,29 @@ requires(N::fixed_point) struct LoadNumbers<N> {
         return f.mantissa > 0 && (f.exponent + 30 > n || (f.exponent + 30 == n && f.mantissa > std::int32_t{1} << 30));
     }
 
-    // A sum of positions, and of points beside them, in units of 2^shift of a position's sum.
-    template <int shift>
-    struct Places {
-        std::int64_t raw[3]{};
-        std::int32_t signs = 0;  // negative if a sum has overflowed
+    // A sum of up to four positions and components of points beside them, with either sign: the sum modulo 2^64, and
+    // its upper word in quarters, up to 4 below, which tells whether the sum has more than 64 bits.
+    struct Place {
+        std::int64_t sum;
+        std::int32_t quarters;
 
-        template <bool adds>
-        TUMBLE_INLINE void put(int i, typename N::PositionSum x) {
-            const std::int64_t before = raw[i], term = x.raw >> shift;
-            const auto bits = [](std::int64_t a) { return static_cast<std::uint64_t>(a); };
-            raw[i] = static_cast<std::int64_t>(adds ? bits(before) + bits(term) : bits(before) - bits(term));
-            // The sum has another sign than both terms.
-            const std::int32_t a = N::upper(before), b = N::upper(term), sum = N::upper(raw[i]);
-            signs |= (adds ? b ^ sum : a ^ b) & (a ^ sum);
+        TUMBLE_INLINE friend Place operator+(Place a, Place b) {
+            return {(Wide<0>{a.sum} + Wide<0>{b.sum}).raw, a.quarters + b.quarters};
         }
-        template <bool adds>
-        void put(int i, const Vector& v) {
-            put<adds>(i, v.position(i));
+        TUMBLE_INLINE friend Place operator-(Place a, Place b) {
+            return {(Wide<0>{a.sum} - Wide<0>{b.sum}).raw, a.quarters - b.quarters};
         }
     };
-    // The vector that fill(places) adds up, m. A difference of places at opposite ends of the range has more than 64
-    // bits: it is added up anew in quarters.
-    template <class Fill>
-    [[nodiscard]] TUMBLE_INLINE static Vector between(Fill&& fill) {
-        Places<0> places;
-        fill(places);
-        if (places.signs < 0) [[unlikely]] {
-            Places<2> quarters;
-            fill(quarters);
-            return of_sums(quarters.raw, 2 - N::PositionSum::fraction_bits);
-        }
-        return of_sums(places.raw, -N::PositionSum::fraction_bits);
+    [[nodiscard]] TUMBLE_INLINE static constexpr Place place(typename N::PositionSum x) {
+        return {x.raw, N::upper(x.raw) >> 2};
+    }
+    [[nodiscard]] static constexpr Place place(const Vector& v, int i) { return place(v.position(i)); }
+    // The vector of these places, m.
+    [[nodiscard]] TUMBLE_INLINE static Vector between(const Place (&places)[3]) {
+        const auto magnitude = [&](int i) { return places[i].quarters ^ (places[i].quarters >> 31); };
+        if ((magnitude(0) | magnitude(1) | magnitude(2)) >= (1 << 29) - 8) [[unlikely]]
+            return across(places);
+        return of_sums({places[0].sum, places[1].sum, places[2].sum}, -N::PositionSum::fraction_bits);
     }
     // The difference of two drifts, in quarters of a sum's unit: no difference in the range overflows.
     using Span = std::int64_t;
@@ -193,18 +185,21 @@ requires(N::fixed_point) struct LoadNumbers<N> {
         sum[i] = N::held_sum(sum[i], {N::turn_sum(half_turn, s).raw >> headroom});
     }
     static void add(Vec3<Work>& sum, int i, Work change, typename N::Scale) { sum[i] += change; }
-    // The sum as the kick of a step, held within a quarter of the range. Clears `within` if it was held.
+    // The sum as the kick of a step, held within a quarter of the range. Clears `within` at its ends.
     template <int F>
     [[nodiscard]] TUMBLE_INLINE static constexpr Wide<F> settled(Wide<F> sum, Wide<F> constant, bool& within) {
-        constexpr std::int64_t most = std::int64_t{1} << (60 - headroom);
-        const Wide<F> total = N::held_sum(sum, Wide<F>{constant.raw >> headroom});
-        if (total.raw <= most && total.raw >= -most) [[likely]]
-            return N::limited(
-                constant + Wide<F>{static_cast<std::int64_t>(static_cast<std::uint64_t>(sum.raw) << headroom)}, within);
-        within = false;
-        return {total.raw < 0 ? -(std::int64_t{1} << 60) : std::int64_t{1} << 60};
+        const auto is_below = [](Wide<F> a, int bits) {  // the magnitude, of 32 + bits bits
+            return static_cast<std::uint32_t>(N::upper(a.raw)) + (1u << bits) < 2u << bits;
+        };
+        // A constant has at most 62 bits and a little: the sum below cannot wrap.
+        const Wide<F> kick =
+            constant + Wide<F>{static_cast<std::int64_t>(static_cast<std::uint64_t>(sum.raw) << headroom)};
+        if (is_below(sum, 21) && is_below(kick, 28)) [[likely]]
+            return kick;
+        const Wide<F> held = settled_far(sum, constant);
+        if (held.raw == limit || held.raw == -limit) within = false;
+        return held;
     }
-
     // The same in working numbers, of any size.
     static void add(Vec3<Work>& sum, const Vector& v, Factor f, typename N::Scale) {
         for (int i = 0; i < 3; ++i) sum[i] += product_of(v.mantissa[i], f, v.exponent);
@@ -220,6 +215,17 @@ requires(N::fixed_point) struct LoadNumbers<N> {
     }
 
 private:
+    static constexpr std::int64_t limit = std::int64_t{1} << 60;
+    template <int F>
+    [[nodiscard, gnu::noinline, gnu::cold]] static constexpr Wide<F> settled_far(Wide<F> sum, Wide<F> constant) {
+        constexpr std::int64_t most = limit >> headroom;
+        const Wide<F> total = N::held_sum(sum, Wide<F>{constant.raw >> headroom});
+        bool within = true;
+        if (total.raw <= most && total.raw >= -most)
+            return N::limited(
+                constant + Wide<F>{static_cast<std::int64_t>(static_cast<std::uint64_t>(sum.raw) << headroom)}, within);
+        return {total.raw < 0 ? -limit : limit};
+    }
     [[nodiscard]] TUMBLE_INLINE static constexpr int drift_bits(typename N::Scale s) {
         return N::Position::fraction_bits + 32 + s.drift_shift;
     }
@@ -246,26 +252,36 @@ private:
     }
     // Three sums as a block of 30 bits.
     [[nodiscard]] TUMBLE_INLINE static Vector of_sums(const std::int64_t (&raw)[3], int exponent) {
-        std::uint64_t bits = 0;
-        for (int i = 0; i < 3; ++i) bits |= static_cast<std::uint64_t>(raw[i] ^ (raw[i] >> 63));
-        const int drop = 64 - 30 - std::countl_zero(bits);
-        Vector v;
-        v.exponent = exponent + drop;
+        const auto magnitude = [&](int i) { return static_cast<std::uint64_t>(raw[i] ^ (raw[i] >> 63)); };
+        const int drop = 64 - 30 - std::countl_zero(magnitude(0) | magnitude(1) | magnitude(2));
         if (drop >= 1 && drop <= 31) [[likely]] {
-            const std::uint64_t half = std::uint64_t{1} << (drop - 1);
-            for (int i = 0; i < 3; ++i)
-                v.mantissa[i] = static_cast<std::int32_t>(
-                    detail::shift_right(static_cast<std::int64_t>(static_cast<std::uint64_t>(raw[i]) + half), drop));
-        } else {
-            far(v, raw, drop);
+            const std::uint64_t half = std::uint32_t{1} << (drop - 1);
+            const auto component = [&](int i) {
+                const auto sum = static_cast<std::int64_t>(static_cast<std::uint64_t>(raw[i]) + half);
+                return static_cast<std::int32_t>(detail::shift_right(sum, drop));
+            };
+            return {{component(0), component(1), component(2)}, exponent + drop};
         }
-        return v;
+        return far(raw, drop, exponent + drop);
+    }
+    // The vector of places at opposite ends of the range, in quarters of a unit: their upper words tell the bits that
+    // the sums have lost.
+    [[nodiscard, gnu::noinline]] static Vector across(const Place (&places)[3]) {
+        std::int64_t raw[3];
+        for (int i = 0; i < 3; ++i) {
+            const std::uint64_t low = static_cast<std::uint64_t>(places[i].sum) >> 2;  // without the upper two bits
+            const auto missing = static_cast<std::uint32_t>(places[i].quarters) - static_cast<std::uint32_t>(low >> 32);
+            raw[i] = static_cast<std::int64_t>(low + (std::uint64_t{(missing + (1u << 29)) & 0xc0000000u} << 32));
+        }
+        return of_sums(raw, 2 - N::PositionSum::fraction_bits);
     }
     // The same where a body is far away or very near.
-    [[gnu::noinline]] static void far(Vector& v, const std::int64_t (&raw)[3], int drop) {
+    [[nodiscard, gnu::noinline]] static Vector far(const std::int64_t (&raw)[3], int drop, int exponent) {
+        Vector v{{}, exponent};
         for (int i = 0; i < 3; ++i)
             v.mantissa[i] = static_cast<std::int32_t>(drop > 0 ? ((raw[i] >> (drop - 1)) + 1) >> 1
                                                                : raw[i] * (std::int64_t{1} << -drop));
+        return v;
     }
     template <int F>
     TUMBLE_INLINE static void add_product(Wide<F>& sum, std::int32_t a, std::int32_t b, int down) {
@@ -275,7 +291,7 @@ private:
     template <int F>
     TUMBLE_INLINE static void add_shifted(Wide<F>& sum, std::int64_t raw, int down) {
         if (down >= 1 && down <= 31) [[likely]]
-            sum = N::held_sum(sum, Wide<F>{detail::shift_right(raw + (std::int64_t{1} << (down - 1)), down)});
+            sum = N::held_sum(sum, Wide<F>{detail::shift_right(raw + (std::uint32_t{1} << (down - 1)), down)});
         else sum = N::held_sum(sum, Wide<F>{shifted(raw, down)});
     }
     [[nodiscard, gnu::noinline]] static std::int64_t shifted(std::int64_t raw, int down) {
@@ -307,24 +323,10 @@ requires(!N::fixed_point) struct LoadNumbers<N> {
         return f > limit;
     }
     [[nodiscard]] TUMBLE_INLINE static constexpr T span(T x) { return x; }
-    struct Places {
-        T raw[3]{};
-
-        template <bool adds>
-        TUMBLE_INLINE void put(int i, T x) {
-            raw[i] = adds ? raw[i] + x : raw[i] - x;
-        }
-        template <bool adds>
-        TUMBLE_INLINE void put(int i, const Vector& v) {
-            put<adds>(i, v.v[i]);
-        }
-    };
-    template <class Fill>
-    [[nodiscard]] TUMBLE_INLINE static Vector between(Fill&& fill) {
-        Places places;
-        fill(places);
-        return {{places.raw[0], places.raw[1], places.raw[2]}};
-    }
+    using Place = T;
+    [[nodiscard]] TUMBLE_INLINE static constexpr T place(T x) { return x; }
+    [[nodiscard]] TUMBLE_INLINE static constexpr T place(const Vector& v, int i) { return v.v[i]; }
+    [[nodiscard]] TUMBLE_INLINE static Vector between(const T (&sums)[3]) { return {{sums[0], sums[1], sums[2]}}; }
     [[nodiscard]] TUMBLE_INLINE static Vector velocity(const T (&raw)[3], typename N::Scale) {
         return {{raw[0], raw[1], raw[2]}};
     }

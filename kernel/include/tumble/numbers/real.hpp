@@ -213,10 +213,19 @@ using RealVec3 = Vector3<Real>;
 [[nodiscard]] constexpr RealVec3 normalized(RealVec3 a) { return a * (Real{1} / sqrt(dot(a, a))); }
 // A quaternion of set-up numbers.
 using RealQuat = Quaternion<Real>;
+namespace detail {
+
+TUMBLE_COLD constexpr void normalize(RealQuat& q) {
+    const Real s = Real{1} / sqrt(q.w * q.w + (q.v.x * q.v.x + q.v.y * q.v.y + q.v.z * q.v.z));
+    for (Real* component : {&q.w, &q.v.x, &q.v.y, &q.v.z}) *component *= s;
+}
+
+}  // namespace detail
+
 // The quaternion with length 1. q must not be zero.
 [[nodiscard]] constexpr RealQuat normalized(RealQuat q) {
-    const Real s = Real{1} / sqrt(q.w * q.w + dot(q.v, q.v));
-    return {q.w * s, q.v * s};
+    detail::run_once([&] { detail::normalize(q); });
+    return q;
 }
 
 namespace detail {
