@@ -123,7 +123,7 @@ golden: build/host/build.ninja
 	@cmake --build build/host --target conformance_simulator kernel_tests_deep
 	tests/conformance/update_golden
 
-## check: format, the deep set of tests (hours), the sanitizers, comments of the public interface, and the pages' tables
+## check: format, the deep set of tests (an hour or more), the sanitizers, comments of the public interface, and the pages' tables
 check: TARGETS := all deep
 check: setup
 	port/setup format
