@@ -621,14 +621,11 @@ private:
             const int b = sleepers_.awake(k);
             if (contacts_.is_near(b) || advance_.is_coupled(b)) {
                 islands = true;
-                continue;
+            } else if (advance_.is_loaded(b)) {
+                if constexpr (has_loads) advance_.alone(b, info);
+            } else {
+                advance_.free_body(b, info);
             }
-            if constexpr (has_loads)
-                if (advance_.is_loaded(b)) {
-                    advance_.alone(b, info);
-                    continue;
-                }
-            advance_.free_body(b, info);
         }
         if (islands) [[unlikely]]
             advance_islands(info);
