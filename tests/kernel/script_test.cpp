@@ -8,7 +8,7 @@
 namespace tumble::test {
 namespace {
 
-using ScriptNumbers = testing::Types<Q32<NearRange>, Q32<NearRange, false>, F32, F64>;
+using ScriptNumbers = Tested<testing::Types<Q32<NearRange>, F64>, testing::Types<Q32<NearRange, false>, F32>>;
 
 constexpr Features scripts_on_a_floor{.bodies = 2,
                                       .planes = 1,
