@@ -1,7 +1,7 @@
 // Bodies that leave a world: what they leave behind, and who takes their place. The oracle is a world without the body.
 #include <tumble/tumble.hpp>
 
-#include "worlds.hpp"
+#include "kinds.hpp"
 
 #include <vector>
 

@@ -1,7 +1,7 @@
 // Scripts of events and recordings of them, in every kind of number system and in worlds with and without contacts.
 #include <tumble/tumble.hpp>
 
-#include "worlds.hpp"
+#include "kinds.hpp"
 
 #include <vector>
 

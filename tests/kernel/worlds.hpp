@@ -78,20 +78,6 @@ struct Kind {
     using Integrator = Method;
 };
 
-// The kinds of a typed test: the quick set has the first, since a kind takes seconds to compile; the deep set has all.
-template <class Quick, class Deep>
-struct TestedKinds;
-template <class... Quick, class... Deep>
-struct TestedKinds<testing::Types<Quick...>, testing::Types<Deep...>> {
-#ifdef TUMBLE_EVERY_KIND
-    using Types = testing::Types<Quick..., Deep...>;
-#else
-    using Types = testing::Types<Quick...>;
-#endif
-};
-template <class Quick, class Deep>
-using Tested = typename TestedKinds<Quick, Deep>::Types;
-
 // A scene: all data of a world.
 struct SceneSetup {
     const char* name = "";
