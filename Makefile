@@ -26,7 +26,7 @@ help:
 	    $(MAKEFILE_LIST)
 
 ## run: replay a scene on the host and on the cores of the quick set, compare the bits, say which method is the cheapest; ARGS=--all for every method, number system and core
-# Worlds that the scene and the next runs need are built beside the command; the commands build the others when they need them.
+# Worlds that the scene needs are built beside the command; the commands build the others when they need them.
 run: say-run build/host/build.ninja $(if $(findstring --all,$(ARGS)),deep-setup)
 	$(call compile,tumble tumble_matrix tumble_first_worlds)
 	@build/host/tumble run $(SCENE)

@@ -47,13 +47,18 @@ template <class... Methods, class Method>
 constexpr bool contains(IntegratorList<Methods...>, std::type_identity<Method>) {
     return (std::is_same_v<Methods, Method> || ...);
 }
-// The front has the methods of most runs, and of the smallest range all, which `make run` compares.
+// The methods of most runs, and the one that all are compared with.
+template <class Method>
+constexpr bool is_usual() {
+    using namespace integrators;
+    using Usual = IntegratorList<ExplicitEuler, SemiImplicitEuler, Rk4, Verlet, Suzuki4>;
+    return contains(Usual{}, std::type_identity<Method>{});
+}
+// The front has the usual methods, and of the smallest range all, which `make run` compares.
 template <class N, class Method>
 constexpr Part part_of() {
-    using namespace integrators;
-    using Usual = IntegratorList<SemiImplicitEuler, Rk4, Verlet, Suzuki4>;
     const bool is_first = std::is_same_v<N, NumbersOf<"q32", NearRange>>;
-    return is_first || contains(Usual{}, std::type_identity<Method>{}) ? Part::front : Part::rest;
+    return is_first || is_usual<Method>() ? Part::front : Part::rest;
 }
 
 // A simulation in the index-th number system; null for an integrator that is not in this part of it.

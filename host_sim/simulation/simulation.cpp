@@ -182,7 +182,8 @@ const std::vector<IntegratorInfo>& integrators() {
             int free_order = Method::order;
             if constexpr (requires { Method::free_order; }) free_order = Method::free_order;
             infos.push_back({Method::name, type_name<Method>(), Method::order, free_order, needs, not_in_fixed_point,
-                             Method::oscillation_limit, Method::drag_limit, &Method::oscillator_step, Method::spin});
+                             Method::oscillation_limit, Method::drag_limit, &Method::oscillator_step, Method::spin,
+                             host::is_usual<Method>()});
         });
         return infos;
     }();

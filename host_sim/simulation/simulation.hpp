@@ -144,6 +144,7 @@ struct IntegratorInfo {
     double oscillation_limit = 0, drag_limit = 0;
     OscillatorStep (*oscillator_step)(double k, double c) = nullptr;
     Spin spin = Spin::none;  // what it keeps of a spin
+    bool is_usual = false;   // its worlds are in the first module of every number system
 };
 struct NumberSystemInfo {
     std::string name;

@@ -1,10 +1,12 @@
 // What the host simulator makes of every shipped scene with every integrator and the number systems it runs in: the
 // lines that conformance.hpp prints, and behind them steps and hash once more, after TUMBLE_FIRST_STEPS. Arguments: the
-// names of the number systems, joined by commas, or `all`, and the scene files; or --contacts and those of the contact
-// scenes, of which the first steps are replayed with the default integrator in three systems, and there is one hash.
+// names of the number systems and those of the integrators, each joined by commas or `all`, and the scene files; or
+// --contacts and those of the contact scenes, of which the first steps are replayed with the default integrator in
+// three systems, and there is one hash.
 #include <algorithm>
 #include <cstdio>
 #include <exception>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -15,20 +17,32 @@
 #include "tools/output.hpp"
 #include "tools/text.hpp"
 
-int main(int count, char** paths) try {
+namespace {
+
+// True if a name is among others that are joined by commas, or these are `all`.
+bool is_among(std::string_view name, std::string_view names) {
+    const std::string list = "," + std::string(names) + ",", entry = "," + std::string(name) + ",";
+    return names == "all" || list.find(entry) != list.npos;
+}
+
+}  // namespace
+
+int main(int count, char** arguments) try {
     using namespace tumble::host;
     tell_lost_output();
-    const std::string_view mode = count > 1 ? paths[1] : "";
-    const bool contacts = mode == "--contacts";
-    const std::string systems = "," + std::string(contacts ? "q32,f32,f64" : mode) + ",";
+    const bool contacts = count > 1 && std::string_view(arguments[1]) == "--contacts";
+    const int first_scene = contacts ? 2 : 3;
+    if (count < first_scene) throw std::runtime_error("expected --contacts, or number systems and integrators");
+    const std::string_view systems = contacts ? "q32,f32,f64" : arguments[1];
+    const std::string_view methods = contacts ? "verlet" : arguments[2];
     std::vector<SceneDescription> scenes;
-    for (int i = 2; i < count; ++i) scenes.push_back(read_scene(paths[i]));
+    for (int i = first_scene; i < count; ++i) scenes.push_back(read_scene(arguments[i]));
     std::vector<NumberVariant> variants = number_variants();
     std::sort(variants.begin(), variants.end(), [](const auto& a, const auto& b) { return a.name < b.name; });
     for (const NumberVariant& variant : variants) {
-        if (mode != "all" && systems.find("," + std::string(variant.name) + ",") == systems.npos) continue;
+        if (!is_among(variant.name, systems)) continue;
         for (const IntegratorInfo& integrator : integrators()) {
-            if (!runs_in(integrator, variant.numbers) || (contacts && integrator.name != "verlet")) continue;
+            if (!runs_in(integrator, variant.numbers) || !is_among(integrator.name, methods)) continue;
             for (const SceneDescription& scene : scenes) {
                 const auto run = make_simulation(scene, integrator.name, variant.numbers, variant.carry);
                 const auto most = contacts ? 4096 / static_cast<std::int64_t>(scene.bodies.size()) : run->steps();

@@ -11,10 +11,15 @@ namespace {
 
 SampledScene sampled(const char* name) { return SampledScene(read_scene(shipped(name))); }
 
+// In the range whose worlds without carry other tests need too.
 constexpr const char* swing = R"(name = "swing"
 [world]
 step = "1/128"
 duration = 2.0
+[range]
+position = 64.0
+velocity = 32.0
+angular_velocity = 32.0
 [[body]]
 name = "bob"
 shape = "none"

@@ -131,7 +131,12 @@ TEST(SceneBuilder, misuse_of_the_kernel_is_an_exception_that_says_what_failed) {
 
 // --- snapshots -------------------------------------------------------------------------------------------------------
 
-class EverySystem : public testing::TestWithParam<std::size_t> {
+struct TestedSystem {
+    std::size_t index;  // in number_systems()
+    bool has_every_method;
+};
+
+class EverySystem : public testing::TestWithParam<TestedSystem> {
 protected:
     [[nodiscard]] std::unique_ptr<Simulation> start(const SceneDescription& scene,
                                                     std::string_view integrator = "verlet") const {
@@ -139,7 +144,10 @@ protected:
     }
     // The largest relative rounding of a set-up value.
     [[nodiscard]] double tolerance() const { return info().name == "f64" || info().carry ? 1e-9 : 1e-5; }
-    [[nodiscard]] const NumberSystemInfo& info() const { return number_systems()[GetParam()]; }
+    [[nodiscard]] const NumberSystemInfo& info() const { return number_systems()[GetParam().index]; }
+    [[nodiscard]] bool is_tested(const IntegratorInfo& integrator) const {
+        return runs_in(integrator, info().name) && (GetParam().has_every_method || integrator.is_usual);
+    }
 };
 
 // The axes of a body whose moments are not in the kernel's order, and that is turned in the world.
@@ -178,7 +186,7 @@ Simulation::Place last_place(Simulation& simulation, int steps) {
 
 TEST_P(EverySystem, words_of_a_record_are_what_the_hash_digests) {
     for (const IntegratorInfo& integrator : integrators()) {
-        if (!runs_in(integrator, info().name)) continue;
+        if (!is_tested(integrator)) continue;
         const auto simulation = start(read_scene(shipped("cube")), integrator.name);
         EXPECT_EQ(last_place(*simulation, 300).number, "t_b.z") << integrator.name;
     }
@@ -186,7 +194,7 @@ TEST_P(EverySystem, words_of_a_record_are_what_the_hash_digests) {
 
 TEST_P(EverySystem, a_point_mass_has_a_place_and_a_velocity_alone) {
     for (const IntegratorInfo& integrator : integrators()) {
-        if (!runs_in(integrator, info().name)) continue;
+        if (!is_tested(integrator)) continue;
         const auto simulation = start(read_scene(shipped("oscillators")), integrator.name);
         const auto last = last_place(*simulation, 100);
         EXPECT_EQ(last.body, 1);
@@ -197,16 +205,17 @@ TEST_P(EverySystem, a_point_mass_has_a_place_and_a_velocity_alone) {
     }
 }
 
-std::string name_of_system(const testing::TestParamInfo<std::size_t>& info) {
-    const NumberSystemInfo& system = number_systems()[info.param];
+std::string name_of_system(const testing::TestParamInfo<TestedSystem>& info) {
+    const NumberSystemInfo& system = number_systems()[info.param.index];
     return system.name + system.range + (system.carry ? "" : "_plain");
 }
-// Few runs need worlds of another carry than the default, which the deep set builds.
-std::vector<std::size_t> systems_of(bool has_default) {
+// In the quick set those with the default carry, with the methods of their first modules: in the smallest range all.
+std::vector<TestedSystem> systems_of(bool quick) {
     const auto& all = number_systems();
-    std::vector<std::size_t> found;
+    std::vector<TestedSystem> found;
     for (std::size_t i = 0; i < all.size(); ++i)
-        if ((all[i].carry == default_carry(all[i].name)) == has_default) found.push_back(i);
+        if (!quick || all[i].carry == default_carry(all[i].name))
+            found.push_back({i, !quick || (all[i].name == "q32" && all[i].range == "near")});
     return found;
 }
 INSTANTIATE_TEST_SUITE_P(Simulation, EverySystem, testing::ValuesIn(systems_of(true)), name_of_system);
@@ -353,9 +362,10 @@ TEST_P(EveryScene, runs_in_every_number_system_that_the_integrator_has) {
     }
 }
 
-std::vector<std::string> integrator_names() {
+std::vector<std::string> integrator_names(bool only_usual) {
     std::vector<std::string> names;
-    for (const IntegratorInfo& info : integrators()) names.push_back(info.name);
+    for (const IntegratorInfo& info : integrators())
+        if (!only_usual || info.is_usual) names.push_back(info.name);
     return names;
 }
 std::string name_of_run(const testing::TestParamInfo<EveryScene::ParamType>& info) {
@@ -363,12 +373,13 @@ std::string name_of_run(const testing::TestParamInfo<EveryScene::ParamType>& inf
     return name + "_" + integrator + (!carry ? "" : *carry ? "_carry" : "_plain");
 }
 INSTANTIATE_TEST_SUITE_P(All, EveryScene,
-                         testing::Combine(testing::ValuesIn(shipped_scenes()), testing::ValuesIn(integrator_names()),
-                                          testing::Values(std::nullopt)),
+                         testing::Combine(testing::ValuesIn(shipped_scenes()),
+                                          testing::ValuesIn(integrator_names(true)), testing::Values(std::nullopt)),
                          name_of_run);
 INSTANTIATE_TEST_SUITE_P(Deep, EveryScene,
-                         testing::Combine(testing::ValuesIn(shipped_scenes()), testing::ValuesIn(integrator_names()),
-                                          testing::Values(true, false)),
+                         testing::Combine(testing::ValuesIn(shipped_scenes()),
+                                          testing::ValuesIn(integrator_names(false)),
+                                          testing::Values(std::nullopt, true, false)),
                          name_of_run);
 
 }  // namespace

@@ -1,14 +1,14 @@
 // Scripts of events and recordings of them, in every kind of number system and in worlds with and without contacts.
 #include <tumble/tumble.hpp>
 
-#include "worlds.hpp"
+#include "kinds.hpp"
 
 #include <vector>
 
 namespace tumble::test {
 namespace {
 
-using ScriptNumbers = testing::Types<Q32<NearRange>, Q32<NearRange, false>, F32, F64>;
+using ScriptNumbers = Tested<testing::Types<Q32<NearRange>, F64>, testing::Types<Q32<NearRange, false>, F32>>;
 
 constexpr Features scripts_on_a_floor{.bodies = 2,
                                       .planes = 1,

@@ -95,16 +95,24 @@ std::unique_ptr<AnyWorld> make_world_of(std::string_view method, Seconds step, c
     });
     return world;
 }
-// Every method in the systems that differ most. In the other systems, methods that differ from others by more than a
-// table of coefficients.
+// The systems that differ most. The others do not have every method.
 template <class N>
 constexpr bool has_every_method = std::is_same_v<N, systems::q32_near> || std::is_same_v<N, systems::f64>;
-using DistinctIntegrators =
+#ifdef TUMBLE_EVERY_KIND
+// For tests of features: one method of each kind.
+using FeatureIntegrators = IntegratorList<integrators::ImplicitEuler, integrators::Rk4, integrators::Verlet>;
+// Those that differ from others by more than a table of coefficients.
+using OtherIntegrators =
     IntegratorList<integrators::ExplicitEuler, integrators::SemiImplicitEuler, integrators::ImplicitEuler,
                    integrators::Midpoint, integrators::Heun, integrators::Rk4, integrators::Verlet,
                    integrators::Suzuki4, integrators::Pdmv6, integrators::Exact>;
+#else
+// In the quick set one that keeps the angular velocity and one that keeps the angular momentum.
+using FeatureIntegrators = IntegratorList<integrators::Rk4, integrators::Verlet>;
+using OtherIntegrators = IntegratorList<integrators::Rk4, integrators::Verlet, integrators::Exact>;
+#endif
 template <class N>
-using IntegratorsOf = std::conditional_t<has_every_method<N>, Integrators, DistinctIntegrators>;
+using IntegratorsOf = std::conditional_t<has_every_method<N>, Integrators, OtherIntegrators>;
 template <class N>
 std::unique_ptr<AnyWorld> make_world(std::string_view method, Seconds step, const WorldSpec& spec) {
     return make_world_of<N, everything, IntegratorsOf<N>>(method, step, spec);
@@ -115,11 +123,10 @@ bool has_world(std::string_view method) {
     IntegratorsOf<N>::template for_each_in<N>([&]<class Method>() { found |= method == Method::name; });
     return found;
 }
-// One method of each kind is enough for tests of features. Null for the others.
+// Null for other methods.
 template <class N, Features f>
 std::unique_ptr<AnyWorld> make_minimal_world(std::string_view method, Seconds step, const WorldSpec& spec) {
-    return make_world_of<N, f, IntegratorList<integrators::ImplicitEuler, integrators::Rk4, integrators::Verlet>>(
-        method, step, spec);
+    return make_world_of<N, f, FeatureIntegrators>(method, step, spec);
 }
 
 }  // namespace tumble::test

@@ -220,14 +220,15 @@ int main(int argc, char** argv) try {
     unsigned jobs = std::max(1u, std::thread::hardware_concurrency());
     std::string write;
     std::vector<std::string> files;
-    bool only_default_carry = false;
+    bool only_first_modules = false;
     CLI::App app{"Runs random scenes or scene files and holds them against double precision and fine references."};
     app.add_option("--seed", seed, "seed of the scenes; a new one otherwise, which is printed");
     app.add_option("--first", first, "number of the first scene");
     app.add_option("--scenes", scenes, "number of scenes")->capture_default_str()->check(CLI::PositiveNumber);
     app.add_option("--jobs", jobs, "processes")->check(CLI::PositiveNumber);
     app.add_option("--write", write, "directory for the wrong scenes, made as small as possible");
-    app.add_flag("--default-carry", only_default_carry, "leave out the scenes that are drawn for another carry");
+    app.add_flag("--first-modules", only_first_modules,
+                 "leave out the scenes that are drawn for another carry than the default or for an unusual method");
     app.add_option("files", files, "scenes to judge instead of random ones");
     CLI11_PARSE(app, argc, argv);
 
@@ -236,9 +237,10 @@ int main(int argc, char** argv) try {
     bool is_right = read_trials(files, trials);
     for (std::uint64_t i = 0; files.empty() && i < scenes; ++i) trials.push_back(draw_trial(seed, first + i));
     std::cout << (files.empty() ? range : std::to_string(files.size()) + " files") << std::endl;
-    if (only_default_carry)
+    if (only_first_modules)
         std::erase_if(trials, [](const Trial& trial) {
-            return trial.method.carry != tumble::host::default_carry(trial.method.numbers);
+            return trial.method.carry != tumble::host::default_carry(trial.method.numbers) ||
+                   !tumble::host::find_integrator(trial.method.integrator).is_usual;
         });
     const std::vector<Judgement> judgements = judge_all(trials, jobs);
     std::map<Kind, double> share;
