@@ -330,17 +330,18 @@ private:
         } else if constexpr (std::is_same_v<decltype(run()), Turned>) {
             const Turned turned = run();
             if (turned == Turned::not_converged) bodies.report(Issue::step_bound_hit, b);
-            if constexpr (Bodies::has_parts)
-                if (turned == Turned::too_far) [[unlikely]]
-                    turn_less(b);
+            if (turned == Turned::too_far) [[unlikely]]
+                turn_less(b);
         } else {
             if (!run()) bodies.report(Issue::step_bound_hit, b);
         }
     }
-    // The part that a method could not follow is done again in two, if there may be more parts.
-    [[gnu::noinline, gnu::cold]] void turn_less(int b) requires(Bodies::has_parts) {
-        if (bodies.repeat_part(b)) spin_changed(b);
-        else N::leave_range(bodies.state[b].t_b.z);
+    // The part that a method could not follow is done again in two, if there may be more parts. Else the spin is out of
+    // its range, and the check of the range reports it.
+    [[gnu::noinline, gnu::cold]] void turn_less(int b) {
+        if constexpr (Bodies::has_parts)
+            if (bodies.repeat_part(b)) return spin_changed(b);
+        if constexpr (N::fixed_point) N::leave_range(bodies.state[b].t_b.z);
     }
     // Counts a part. The spin may have left its range in it.
     [[gnu::noinline]] bool has_part_left(int b, bool ends_step) requires(Bodies::has_parts) {
