@@ -109,6 +109,26 @@ TEST(ConstantWorld, a_spin_that_the_method_cannot_follow_is_reported_where_no_pa
     expect_the_report_of_a_fast_spin<integrators::Strang>();
 }
 
+template <Features what>
+constinit World<SceneOf<Q32<>, integrators::Verlet, what>> with_feature = [] {
+    World<SceneOf<Q32<>, integrators::Verlet, what>> world{Seconds{1, 250}, {.gravity = {0, -9.81, 0}}};
+    if constexpr (what.rotation) world.add(thrown());
+    if constexpr (what.point_masses) world.add(point_mass(0.2));
+    return world;
+}();
+TEST(ConstantWorld, the_compiler_sets_up_a_world_with_every_feature_but_loads_and_contacts) {
+    EXPECT_EQ(with_feature<(Features{.control = true})>.body_count(), 1);
+    EXPECT_EQ(with_feature<(Features{.bodies = 2, .point_masses = true, .removal = true})>.body_count(), 2);
+    EXPECT_EQ(with_feature<(Features{.rotation = false, .point_masses = true})>.body_count(), 1);
+    EXPECT_EQ(with_feature<(Features{.impulses = true, .script = true, .recording = true})>.body_count(), 1);
+    auto& saved = with_feature<(Features{.snapshots = true, .imu = true})>;
+    auto world = std::remove_reference_t<decltype(saved)>{Seconds{1, 250}, {.gravity = {0, -9.81, 0}}};
+    world.add(thrown());
+    std::uint8_t bytes[1024];
+    EXPECT_EQ(world.restore(bytes, saved.save(bytes, sizeof bytes)), SnapshotFault::none);
+    EXPECT_EQ(world.hash(), saved.hash());
+}
+
 // Loads and contacts take the step of the scene too, as a number of the world.
 TEST(ConstantWorld, a_scene_with_loads_or_contacts_may_name_its_step) {
     const auto run = [](auto world, auto same) {
