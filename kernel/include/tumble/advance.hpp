@@ -113,6 +113,7 @@ public:
     // A step of a body that feels gravity alone.
     TUMBLE_INLINE void free_body(int b, const StepInfo<N>& info) {
         if (bodies.constants[b].fixed) return step_fixed(b, info);
+        lose_kick(b);
         unloaded<true>(b, info, gravity_);
         check_range(b);
     }
@@ -238,6 +239,11 @@ private:
     void forget_kicks([[maybe_unused]] const BodyGroup& group) {
         if constexpr (keeps_kicks)
             for (int k = 0; k < group.count; ++k) kept_.of_body[group.id[k]].age = 0;
+    }
+    // Call for a body that no load pushes alone in this step. A load of the program may push it again in any later
+    // step, and the kick that was kept is not that of its place then.
+    TUMBLE_INLINE void lose_kick([[maybe_unused]] int b) {
+        if constexpr (keeps_kicks && detail::OwnLoads<S>::List::count > 0) kept_.of_body[b].age = 0;
     }
     // Moves bodies whose spins have halvings under loads; false of others.
     TUMBLE_INLINE bool moved_in_parts([[maybe_unused]] const BodyGroup& group, [[maybe_unused]] const StepInfo<N>& info,
@@ -373,9 +379,13 @@ private:
             BodyGroup coupled;
             for (int k = 0; k < group.count; ++k) {
                 const int b = group.id[k];
-                if (is_coupled(b)) coupled.add(b);
-                else if (loads.is_loaded(bodies, b))
+                const bool is_tied = is_coupled(b);
+                if (!is_tied && is_loaded(b)) {
                     loaded(BodyGroup::of(b), info, fall, length, false, keeps, part...);
+                    continue;
+                }
+                lose_kick(b);
+                if (is_tied) coupled.add(b);
                 else unloaded(b, info, fall, part...);
             }
             if (coupled.count > 0) loaded(coupled, info, fall, length, true, false, part...);

@@ -50,7 +50,8 @@ template <class List>
 struct ListedLoads;
 template <class... Loads>
 struct ListedLoads<LoadList<Loads...>> : Loads... {
-    static constexpr bool may_depend_on_velocity = (HasDependsOnVelocity<Loads> || ...);
+    static constexpr bool may_turn = (HasTurns<Loads> || ...),
+                          may_depend_on_velocity = (HasDependsOnVelocity<Loads> || ...);
     template <class Load>
     static constexpr bool has = times_in<Load, Loads...> == 1;
 
@@ -286,6 +287,11 @@ public:
         template <bool rotates>
         void keep(const Kick<N, rotates>* kicks) const requires(alone) {
             if (kept == nullptr) return;
+            // A load of the program may turn the body from the next step on.
+            if constexpr (rotation && !rotates && OwnLoads::may_turn) {
+                kept->age = 0;
+                return;
+            }
             copy_kick(kept->kick, *kicks);
             kept->age = age;
         }
