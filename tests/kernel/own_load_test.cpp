@@ -237,6 +237,19 @@ TYPED_TEST(OwnLoad, a_load_that_turns_in_some_steps_turns_from_the_attitude_of_i
     expect_the_motion_without_kept_kicks<TypeParam, What::turns>(this->tolerance);
 }
 
+TYPED_TEST(OwnLoad, a_snapshot_of_a_world_with_other_loads_is_refused) {
+    static constexpr Features snapshots{.snapshots = true};
+    World<With<TypeParam, LoadList<Tether>, snapshots>> one{Seconds{1, 256}};
+    World<With<TypeParam, LoadList<Tether, Wind>, snapshots>> two{Seconds{1, 256}};
+    one.add(sphere(1, 0.1));
+    two.add(sphere(1, 0.1));
+    std::uint8_t bytes[1024];
+    const int size = one.save(bytes, sizeof bytes);
+    EXPECT_GT(size, 0);
+    EXPECT_EQ(one.restore(bytes, size), SnapshotFault::none);
+    EXPECT_EQ(two.restore(bytes, size), SnapshotFault::other_scene);
+}
+
 // --- the kernel's loads for a list -----------------------------------------------------------------------------------
 
 TYPED_TEST(OwnLoad, air_drags_each_body_by_its_own_coefficients) {
