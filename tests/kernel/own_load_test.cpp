@@ -312,6 +312,23 @@ TYPED_TEST(OwnLoad, a_wheel_makes_the_transverse_spin_precess) {
     for (int i = 0; i < 3; ++i) EXPECT_NEAR(momentum()[i], before[i], this->tolerance);
 }
 
+TYPED_TEST(OwnLoad, the_next_body_at_the_place_of_a_removed_one_has_neither_its_drag_nor_its_wheels) {
+    using N = typename TypeParam::Numbers;
+    static constexpr Features removal{.removal = true};
+    World<With<TypeParam, LoadList<Air<N, 1>, Wheels<N, 1>>, removal>> world{Seconds{1, 256}};
+    BodySpec ball = sphere(1, 0.1);
+    ball.velocity = {5, 0, 0};
+    ball.angular_velocity = {1, 0, 0};
+    const BodyId before = world.add(ball);
+    world.template change_load<Air<N, 1>>().set_drag(before, 1, 1);
+    world.template change_load<Wheels<N, 1>>().set_momentum(before, Vector3<double>{0, 0, 0.1});
+    world.remove(before);
+    const BodyId id = world.add(ball);
+    for (int i = 0; i < 64; ++i) world.step();
+    EXPECT_NEAR(at(world, id, 0), 5 * 0.25, this->tolerance);
+    EXPECT_NEAR(static_cast<double>(world.angular_velocity(id).x), 1, this->tolerance);
+}
+
 TYPED_TEST(OwnLoad, a_load_that_acts_on_nothing_changes_no_bit) {
     static constexpr Features planes{.planes = 1};
     World<With<TypeParam, LoadList<Tether>, planes>> with{Seconds{1, 256}, {.gravity = {0, -9.81, 0}}};
