@@ -75,9 +75,58 @@ TYPED_TEST(ConstantWorld, a_step_of_the_scene_gives_the_bits_of_a_step_of_the_wo
 // Where the program needs no parts of a rotation, its code has none: the spin of the range turns by 1/4 rad at most.
 TEST(ConstantWorld, parts_of_a_rotation_are_compiled_only_where_the_step_of_the_scene_may_need_them) {
     using Slow = Stepped<Free<Q32<Range<64, 32, 16>>, integrators::Verlet>>;  // 16 rad/s, 1/250 s
-    using Fast = Stepped<Free<Q32<>, integrators::Verlet>>;           // 64 rad/s, 1/250 s
+    using Fast = Stepped<Free<Q32<>, integrators::Verlet>>;                   // 64 rad/s, 1/250 s
     EXPECT_FALSE(World<Slow>::Bodies::has_parts);
     EXPECT_TRUE(World<Fast>::Bodies::has_parts);
+}
+
+// A spin far beyond the declared range, which the method cannot follow.
+template <class Method>
+void expect_the_report_of_a_fast_spin() {
+    using Scene = SceneOf<Q32<Range<64, 32, 16>>, Method, Features{}>;
+    BodySpec body;
+    body.inertia = {1, 0.640833, 0.359467, 0, 0, 0};
+    bool is_reported = false;
+    for (const RealVec3& spin : {RealVec3{0, -60, 50}, RealVec3{23, -57, -46}, RealVec3{-32, 0.5, 90}}) {
+        body.angular_velocity = spin;
+        World<Scene> world{Seconds{1, 250}};
+        World<Stepped<Scene>> stepped{WorldSpec{}};
+        world.add(body);
+        stepped.add(body);
+        for (int i = 0; i < 100; ++i) {
+            world.step();
+            stepped.step();
+        }
+        EXPECT_EQ(stepped.status().bits, world.status().bits);
+        EXPECT_EQ(stepped.hash(), world.hash());
+        is_reported = is_reported || !stepped.status().ok();
+    }
+    EXPECT_TRUE(is_reported);
+}
+TEST(ConstantWorld, a_spin_that_the_method_cannot_follow_is_reported_where_no_parts_are_compiled) {
+    expect_the_report_of_a_fast_spin<integrators::Verlet>();
+    expect_the_report_of_a_fast_spin<integrators::Pdmv6>();
+    expect_the_report_of_a_fast_spin<integrators::Strang>();
+}
+
+template <Features what>
+constinit World<SceneOf<Q32<>, integrators::Verlet, what>> with_feature = [] {
+    World<SceneOf<Q32<>, integrators::Verlet, what>> world{Seconds{1, 250}, {.gravity = {0, -9.81, 0}}};
+    if constexpr (what.rotation) world.add(thrown());
+    if constexpr (what.point_masses) world.add(point_mass(0.2));
+    return world;
+}();
+TEST(ConstantWorld, the_compiler_sets_up_a_world_with_every_feature_but_loads_and_contacts) {
+    EXPECT_EQ(with_feature<(Features{.control = true})>.body_count(), 1);
+    EXPECT_EQ(with_feature<(Features{.bodies = 2, .point_masses = true, .removal = true})>.body_count(), 2);
+    EXPECT_EQ(with_feature<(Features{.rotation = false, .point_masses = true})>.body_count(), 1);
+    EXPECT_EQ(with_feature<(Features{.impulses = true, .script = true, .recording = true})>.body_count(), 1);
+    auto& saved = with_feature<(Features{.snapshots = true, .imu = true})>;
+    auto world = std::remove_reference_t<decltype(saved)>{Seconds{1, 250}, {.gravity = {0, -9.81, 0}}};
+    world.add(thrown());
+    std::uint8_t bytes[1024];
+    EXPECT_EQ(world.restore(bytes, saved.save(bytes, sizeof bytes)), SnapshotFault::none);
+    EXPECT_EQ(world.hash(), saved.hash());
 }
 
 // Loads and contacts take the step of the scene too, as a number of the world.

@@ -176,6 +176,80 @@ TYPED_TEST(OwnLoad, bodies_that_a_load_couples_keep_their_momentum) {
     EXPECT_NEAR(at(world, left, 0) + 3 * at(world, right, 0), 0, this->tolerance);
 }
 
+// A spring to the origin that acts, couples or turns in the first 8 of every 16 steps.
+enum class What { acts, couples, turns };
+template <What what>
+struct Flicker {
+    Real stiffness = 0;  // N/m, or N m/rad
+
+    [[nodiscard]] static bool is_on(const auto& bodies) { return bodies.steps_taken % 16 < 8; }
+    [[nodiscard]] bool acts_on(const auto& bodies, int) const { return what != What::acts || is_on(bodies); }
+    [[nodiscard]] bool couples(const auto& bodies, int) const { return what == What::couples && !is_on(bodies); }
+    void for_each_coupled(const auto&, int, auto&&) const {}
+    [[nodiscard]] bool turns(const auto& bodies, int) const { return what == What::turns && is_on(bodies); }
+    template <class Group>
+    void apply_to(const Group& group) const {
+        using Work = typename Group::Work;
+        const auto k = static_cast<Work>(stiffness);
+        for (int b = 0; b < group.count; ++b) {
+            if (what != What::turns) group.push(b, group.position(b) * -k);
+            if constexpr (Group::rotation)
+                if (turns(group.bodies, group.id[b])) group.turn(b, group.orientation(b).v * (k * Work(-2)));
+        }
+    }
+};
+// The same without a kick that is kept from step to step.
+template <What what>
+struct Anew : Flicker<what> {
+    [[nodiscard]] bool depends_on_velocity() const { return true; }
+};
+
+// A kick that was kept before the load paused is not that of the place where it acts again.
+template <class W, What what>
+void expect_the_motion_without_kept_kicks(double tolerance) {
+    using Scene = Kind<typename W::Numbers, integrators::Verlet>;
+    World<With<Scene, LoadList<Flicker<what>>>> flicker{Seconds{1, 64}};
+    World<With<Scene, LoadList<Anew<what>>>> anew{Seconds{1, 64}};
+    BodySpec ball = sphere(1, 1);
+    ball.position = {1, 0, 0};
+    ball.velocity = {0, 20, 0};
+    ball.angular_velocity = {0, 0, 3};
+    const BodyId id = flicker.add(ball), same = anew.add(ball);
+    flicker.template change_load<Flicker<what>>().stiffness = 20;
+    anew.template change_load<Anew<what>>().stiffness = 20;
+    for (int i = 0; i < 40; ++i) {
+        flicker.step();
+        anew.step();
+    }
+    for (int i = 0; i < 3; ++i) {
+        EXPECT_NEAR(at(flicker, id, i), at(anew, same, i), tolerance);
+        EXPECT_NEAR(static_cast<double>(flicker.angular_velocity(id)[i]),
+                    static_cast<double>(anew.angular_velocity(same)[i]), tolerance);
+    }
+}
+TYPED_TEST(OwnLoad, a_load_that_acts_in_some_steps_pushes_from_the_place_of_its_step) {
+    expect_the_motion_without_kept_kicks<TypeParam, What::acts>(this->tolerance);
+}
+TYPED_TEST(OwnLoad, a_load_that_couples_in_some_steps_pushes_from_the_place_of_its_step) {
+    expect_the_motion_without_kept_kicks<TypeParam, What::couples>(this->tolerance);
+}
+TYPED_TEST(OwnLoad, a_load_that_turns_in_some_steps_turns_from_the_attitude_of_its_step) {
+    expect_the_motion_without_kept_kicks<TypeParam, What::turns>(this->tolerance);
+}
+
+TYPED_TEST(OwnLoad, a_snapshot_of_a_world_with_other_loads_is_refused) {
+    static constexpr Features snapshots{.snapshots = true};
+    World<With<TypeParam, LoadList<Tether>, snapshots>> one{Seconds{1, 256}};
+    World<With<TypeParam, LoadList<Tether, Wind>, snapshots>> two{Seconds{1, 256}};
+    one.add(sphere(1, 0.1));
+    two.add(sphere(1, 0.1));
+    std::uint8_t bytes[1024];
+    const int size = one.save(bytes, sizeof bytes);
+    EXPECT_GT(size, 0);
+    EXPECT_EQ(one.restore(bytes, size), SnapshotFault::none);
+    EXPECT_EQ(two.restore(bytes, size), SnapshotFault::other_scene);
+}
+
 // --- the kernel's loads for a list -----------------------------------------------------------------------------------
 
 TYPED_TEST(OwnLoad, air_drags_each_body_by_its_own_coefficients) {
@@ -236,6 +310,23 @@ TYPED_TEST(OwnLoad, a_wheel_makes_the_transverse_spin_precess) {
     EXPECT_NEAR(w.y, 0.2 * std::sin(angle), this->tolerance);
     EXPECT_NEAR(w.z, 0.5, this->tolerance);
     for (int i = 0; i < 3; ++i) EXPECT_NEAR(momentum()[i], before[i], this->tolerance);
+}
+
+TYPED_TEST(OwnLoad, the_next_body_at_the_place_of_a_removed_one_has_neither_its_drag_nor_its_wheels) {
+    using N = typename TypeParam::Numbers;
+    static constexpr Features removal{.removal = true};
+    World<With<TypeParam, LoadList<Air<N, 1>, Wheels<N, 1>>, removal>> world{Seconds{1, 256}};
+    BodySpec ball = sphere(1, 0.1);
+    ball.velocity = {5, 0, 0};
+    ball.angular_velocity = {1, 0, 0};
+    const BodyId before = world.add(ball);
+    world.template change_load<Air<N, 1>>().set_drag(before, 1, 1);
+    world.template change_load<Wheels<N, 1>>().set_momentum(before, Vector3<double>{0, 0, 0.1});
+    world.remove(before);
+    const BodyId id = world.add(ball);
+    for (int i = 0; i < 64; ++i) world.step();
+    EXPECT_NEAR(at(world, id, 0), 5 * 0.25, this->tolerance);
+    EXPECT_NEAR(static_cast<double>(world.angular_velocity(id).x), 1, this->tolerance);
 }
 
 TYPED_TEST(OwnLoad, a_load_that_acts_on_nothing_changes_no_bit) {

@@ -113,6 +113,7 @@ public:
     // A step of a body that feels gravity alone.
     TUMBLE_INLINE void free_body(int b, const StepInfo<N>& info) {
         if (bodies.constants[b].fixed) return step_fixed(b, info);
+        lose_kick(b);
         unloaded<true>(b, info, gravity_);
         check_range(b);
     }
@@ -247,6 +248,11 @@ private:
         if constexpr (keeps_kicks)
             for (int k = 0; k < group.count; ++k) kept_.of_body[group.id[k]].age = 0;
     }
+    // Call for a body that no load pushes alone in this step. A load of the program may push it again in any later
+    // step, and the kick that was kept is not that of its place then.
+    TUMBLE_INLINE void lose_kick([[maybe_unused]] int b) {
+        if constexpr (keeps_kicks && detail::OwnLoads<S>::List::count > 0) kept_.of_body[b].age = 0;
+    }
     // Moves bodies whose spins have halvings under loads; false of others.
     TUMBLE_INLINE bool moved_in_parts([[maybe_unused]] const BodyGroup& group, [[maybe_unused]] const StepInfo<N>& info,
                                       [[maybe_unused]] Work length) {
@@ -342,17 +348,18 @@ private:
         } else if constexpr (std::is_same_v<decltype(run()), Turned>) {
             const Turned turned = run();
             if (turned == Turned::not_converged) bodies.report(Issue::step_bound_hit, b);
-            if constexpr (Bodies::has_parts)
-                if (turned == Turned::too_far) [[unlikely]]
-                    turn_less(b);
+            if (turned == Turned::too_far) [[unlikely]]
+                turn_less(b);
         } else {
             if (!run()) bodies.report(Issue::step_bound_hit, b);
         }
     }
-    // The part that a method could not follow is done again in two, if there may be more parts.
-    [[gnu::noinline, gnu::cold]] void turn_less(int b) requires(Bodies::has_parts) {
-        if (bodies.repeat_part(b)) spin_changed(b);
-        else N::leave_range(bodies.state[b].t_b.z);
+    // The part that a method could not follow is done again in two, if there may be more parts. Else the spin is out of
+    // its range, and the check of the range reports it.
+    [[gnu::noinline, gnu::cold]] void turn_less(int b) {
+        if constexpr (Bodies::has_parts)
+            if (bodies.repeat_part(b)) return spin_changed(b);
+        if constexpr (N::fixed_point) N::leave_range(bodies.state[b].t_b.z);
     }
     // Counts a part. The spin may have left its range in it.
     [[gnu::noinline]] bool has_part_left(int b, bool ends_step) requires(Bodies::has_parts) {
@@ -384,8 +391,12 @@ private:
             BodyGroup coupled;
             for (int k = 0; k < group.count; ++k) {
                 const int b = group.id[k];
-                if (is_coupled(b)) coupled.add(b);
-                else one(b, info, fall, length, keeps, part...);
+                if (!is_coupled(b)) {
+                    one(b, info, fall, length, keeps, part...);
+                    continue;
+                }
+                lose_kick(b);
+                coupled.add(b);
             }
             if (coupled.count > 0) loaded(coupled, info, fall, length, true, false, part...);
         } else {
@@ -395,8 +406,9 @@ private:
     template <class... Part>
     void one(int b, const StepInfo<N>& info, const DriftSum (&fall)[3], Work length, bool keeps,
              const Part&... part) requires has_loads {
-        if (loads.is_loaded(bodies, b)) loaded(BodyGroup::of(b), info, fall, length, false, keeps, part...);
-        else unloaded(b, info, fall, part...);
+        if (is_loaded(b)) return loaded(BodyGroup::of(b), info, fall, length, false, keeps, part...);
+        lose_kick(b);
+        unloaded(b, info, fall, part...);
     }
     template <bool ends_step = false, class... Part>
     TUMBLE_INLINE void unloaded(int b, const StepInfo<N>& info, const DriftSum (&fall)[3], const Part&... part) {

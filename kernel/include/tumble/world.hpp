@@ -114,7 +114,8 @@ public:
     [[nodiscard]] const Load& load() const {
         return advance_.loads.template own<Load>();
     }
-    // The same to be changed, before the next step. Wakes all bodies.
+    // The same to be changed, before the next step. Wakes all bodies. Call it for every change: a reference that is
+    // kept and changed later wakes nobody.
     template <class Load>
     [[nodiscard]] Load& change_load() {
         refuse_to_record();
@@ -334,7 +335,8 @@ public:
         return count.size() + 4;
     }
     // Writes a snapshot, which restore() takes on any machine; returns its size, or 0 where there is no room for it.
-    // The arrays of set_impulses(), set_forces() and set_script(), and the recording, are not in it.
+    // The arrays of set_impulses(), set_forces() and set_script(), the recording, and the values of the scene's own
+    // loads are not in it.
     [[nodiscard]] int save(std::uint8_t* to, int room, SnapshotPart part = SnapshotPart::world) const
         requires(features.snapshots) {
         const int size = snapshot_size(part);
@@ -528,6 +530,8 @@ private:
         if (part == SnapshotPart::bodies) return digest.value();
         digest.add(Integrator::name);
         Features::for_each([&](const char*, auto member) { digest.add(static_cast<int>(features.*member)); });
+        if constexpr (tumble::detail::OwnLoads<S>::List::count > 0)
+            digest.add(tumble::detail::OwnLoads<S>::List::count);
         advance_.add_to(digest);
         return digest.value();
     }

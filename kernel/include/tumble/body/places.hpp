@@ -21,12 +21,12 @@ public:
         return is_taken(id.index()) && generation_[id.index()] == id.generation();
     }
     // `capacity` where none is free.
-    [[nodiscard]] int first_free() const {
+    [[nodiscard]] constexpr int first_free() const {
         int place = 0;
         while (place < capacity && taken_[place]) ++place;
         return place;
     }
-    [[nodiscard]] BodyId take(int place) {
+    [[nodiscard]] constexpr BodyId take(int place) {
         taken_[place] = true;
         ++count_;
         return {place, generation_[place]};

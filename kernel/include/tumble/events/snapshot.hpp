@@ -266,7 +266,7 @@ private:
     Hash hash_{};
 };
 
-inline void add_to(Digest& digest, const WorldSpec& world) {
+constexpr void add_to(Digest& digest, const WorldSpec& world) {
     const ContactSpec& c = world.contact;
     for (const Real& value :
          {world.gravitation, world.linear_drag, world.angular_drag, c.restitution, c.restitution_threshold, c.friction,
@@ -276,7 +276,7 @@ inline void add_to(Digest& digest, const WorldSpec& world) {
     digest.add(static_cast<int>(c.sleep.on));
 }
 // The constants of a body, not its state.
-inline void add_to(Digest& digest, const BodySpec& body) {
+constexpr void add_to(Digest& digest, const BodySpec& body) {
     const InertiaTensor& i = body.inertia;
     digest.add(static_cast<int>(body.shape.kind));
     digest.add(body.shape.size);

@@ -13,7 +13,7 @@ public:
     using Work = typename N::Work;
     using Kick = tumble::Kick<N, rotation>;
 
-    explicit Wrenches(Real step)
+    constexpr explicit Wrenches(Real step)
         : seconds{N::template constant<Work>(step)}, steps_per_second{N::template constant<Work>(Real{1} / step)} {}
 
     // Takes over a force or torque of a body that is not fixed.

@@ -15,14 +15,18 @@ public:
     constexpr void set_wind(const RealVec3& wind) {
         for (int i = 0; i < 3; ++i) wind_[i] = N::template constant<Work>(wind[i]);
     }
-    // Drag of a body: linear, kg/s, and quadratic, kg/m. Not negative.
+    // Drag of a body: linear, kg/s, and quadratic, kg/m. Not negative. Zero until it is set.
     constexpr void set_drag(BodyIndex body, Real linear, Real quadratic) {
         TUMBLE_ASSERT(body >= 0 && body < bodies && !linear.is_negative() && !quadratic.is_negative());
         linear_[body] = N::template constant<Work>(linear);
         quadratic_[body] = N::template constant<Work>(quadratic);
     }
 
-    // As each load has it: loads/loaded_group.hpp.
+    // As each load has it: loads/loaded_group.hpp. The next body at the place of a removed one has no drag.
+    void set_body(int b, const BodySpec& spec, const auto&, const auto&) {
+        if (spec.fixed) linear_[b] = quadratic_[b] = Work(0);
+    }
+    // Likewise.
     [[nodiscard]] bool acts_on(const auto&, int b) const { return linear_[b] > Work(0) || quadratic_[b] > Work(0); }
     // Likewise.
     [[nodiscard]] bool depends_on_velocity() const { return true; }

@@ -13,9 +13,36 @@ namespace tumble {
 
 namespace detail {
 
+// The functions that a load may lack. Has...<Load>: it has a function of this name, whatever its arguments.
+struct OptionalFunctions {
+    void turns();
+    void couples();
+    void for_each_coupled();
+    void depends_on_velocity();
+    void set_body();
+};
+// A name of both bases is ambiguous.
 template <class Load>
-concept MayDependOnVelocity = requires(const Load& load) {
-    load.depends_on_velocity();
+struct LoadWithAll : Load, OptionalFunctions {};
+template <class Load>
+concept HasTurns = !requires {
+    &LoadWithAll<Load>::turns;
+};
+template <class Load>
+concept HasCouples = !requires {
+    &LoadWithAll<Load>::couples;
+};
+template <class Load>
+concept HasForEachCoupled = !requires {
+    &LoadWithAll<Load>::for_each_coupled;
+};
+template <class Load>
+concept HasDependsOnVelocity = !requires {
+    &LoadWithAll<Load>::depends_on_velocity;
+};
+template <class Load>
+concept HasSetBody = !requires {
+    &LoadWithAll<Load>::set_body;
 };
 
 // The loads of a list as one value.
@@ -23,7 +50,10 @@ template <class List>
 struct ListedLoads;
 template <class... Loads>
 struct ListedLoads<LoadList<Loads...>> : Loads... {
-    static constexpr bool may_depend_on_velocity = (MayDependOnVelocity<Loads> || ...);
+    static constexpr bool may_turn = (HasTurns<Loads> || ...),
+                          may_depend_on_velocity = (HasDependsOnVelocity<Loads> || ...);
+    template <class Load>
+    static constexpr bool has = times_in<Load, Loads...> == 1;
 
     // Calls ask(load) for each load, until it is true.
     template <class Self, class F>
@@ -49,6 +79,9 @@ public:
     using Stage = StageState<N, rotation>;
     using Loaded = LoadedBody<N, rotation, features.mixed()>;
     using OwnLoads = detail::ListedLoads<Own>;
+    // Contacts by springs, which wake no body and have their own sum.
+    template <class Load>
+    static constexpr bool is_contacts = std::is_same_v<Load, ContactSprings<N, spin, features>>;
 
     LoadSet(Real step, const WorldSpec& spec)
         : seconds_{N::template constant<Work>(step)}, steps_per_second_{N::template constant<Work>(Real{1} / step)},
@@ -57,10 +90,12 @@ public:
 
     template <class Load>
     [[nodiscard]] Load& own() {
+        static_assert(OwnLoads::template has<Load>, "the scene's Loads do not name this load");
         return own_;
     }
     template <class Load>
     [[nodiscard]] const Load& own() const {
+        static_assert(OwnLoads::template has<Load>, "the scene's Loads do not name this load");
         return own_;
     }
     // Call when a body has been added.
@@ -69,6 +104,10 @@ public:
         (void)any(*this, [&](auto& load) {
             if constexpr (requires { load.set_body(b, spec, inertia, bodies); })
                 load.set_body(b, spec, inertia, bodies);
+            else
+                static_assert(!detail::HasSetBody<std::remove_reference_t<decltype(load)>>,
+                              "a load's set_body is void set_body(int b, const BodySpec&, const PrincipalInertia&, "
+                              "const auto& bodies)");
             return false;
         });
     }
@@ -125,15 +164,28 @@ public:
     // True of a body that feels another moving body.
     [[nodiscard]] bool is_coupled([[maybe_unused]] const Bodies& bodies, [[maybe_unused]] int b) const {
         return any(*this, [&](const auto& load) {
-            if constexpr (requires { load.couples(bodies, b); }) return load.couples(bodies, b);
-            else return false;
+            using Load = std::remove_cvref_t<decltype(load)>;
+            if constexpr (requires { load.couples(bodies, b); }) {
+                static_assert(detail::HasForEachCoupled<Load> || is_contacts<Load>,
+                              "a load with couples has for_each_coupled too");
+                return load.couples(bodies, b);
+            } else {
+                static_assert(!detail::HasCouples<Load>,
+                              "a load's couples is bool couples(const auto& bodies, int b) const");
+                return false;
+            }
         });
     }
     // True of a body whose orientation or spin a load changes or asks for. The others move as point masses do.
     [[nodiscard]] bool is_turned([[maybe_unused]] const Bodies& bodies, [[maybe_unused]] int b) const {
         return any(*this, [&](const auto& load) {
-            if constexpr (requires { load.turns(bodies, b); }) return load.turns(bodies, b);
-            else return false;
+            if constexpr (requires { load.turns(bodies, b); }) {
+                return load.turns(bodies, b);
+            } else {
+                static_assert(!detail::HasTurns<std::remove_cvref_t<decltype(load)>>,
+                              "a load's turns is bool turns(const auto& bodies, int b) const");
+                return false;
+            }
         });
     }
     // Calls f(other) for every body that a spring or gravitation ties to b.
@@ -141,6 +193,10 @@ public:
     void for_each_coupled([[maybe_unused]] const Bodies& bodies, [[maybe_unused]] int b, [[maybe_unused]] F&& f) const {
         (void)any(*this, [&](const auto& load) {
             if constexpr (requires { load.for_each_coupled(bodies, b, f); }) load.for_each_coupled(bodies, b, f);
+            else
+                static_assert(!detail::HasForEachCoupled<std::remove_cvref_t<decltype(load)>>,
+                              "a load's for_each_coupled is void for_each_coupled(const auto& bodies, int b, auto&& f) "
+                              "const");
             return false;
         });
     }
@@ -222,12 +278,23 @@ public:
         [[nodiscard]] auto* kept_kick() const requires(alone) { return &kept->kick; }
         [[nodiscard]] bool is_known() const requires(alone) { return kept->age == age; }
         void keep() const requires(alone) {
-            if (kept != nullptr) kept->age = age;
+            if (kept == nullptr) return;
+            kept->age = age;
+            // A load of the program may turn the body from the next step on, or no longer depend on its velocity.
+            if constexpr (OwnLoads::may_turn)
+                if (!turned) kept->age = 0;
+            if constexpr (OwnLoads::may_depend_on_velocity)
+                if (depends_on_velocity()) kept->age = 0;
         }
         [[nodiscard]] bool depends_on_velocity() const {
             return any(loads, [](const auto& load) {
-                if constexpr (requires { load.depends_on_velocity(); }) return load.depends_on_velocity();
-                else return false;
+                if constexpr (requires { load.depends_on_velocity(); }) {
+                    return load.depends_on_velocity();
+                } else {
+                    static_assert(!detail::HasDependsOnVelocity<std::remove_cvref_t<decltype(load)>>,
+                                  "a load's depends_on_velocity is bool depends_on_velocity() const");
+                    return false;
+                }
             });
         }
     };
@@ -283,6 +350,9 @@ private:
         (void)any(
             *this, [&](const auto& load) __attribute__((always_inline)) {
                 if constexpr (requires { load.apply_to(group); }) load.apply_to(group);
+                else
+                    static_assert(is_contacts<std::remove_cvref_t<decltype(load)>>,
+                                  "a load has void apply_to(const auto& group) const");
                 return false;
             });
         if constexpr (features.springs_touch() && Group::rotation)

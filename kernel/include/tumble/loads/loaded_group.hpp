@@ -4,10 +4,16 @@
 // A load is a struct, of the kernel or of a program. Its functions, all const but set_body:
 //   acts_on(bodies, b)                 true of a body that feels it in this step
 //   turns(bodies, b)                   only where it changes or asks for an orientation or a spin: true of such a body
-//   apply_to(group)                    pushes and turns the bodies of a LoadedGroup
+//   apply_to(group)                    pushes and turns the bodies of a LoadedGroup. On some of them only other loads
+//   may
+//                                      act. Where Group::rotation is false, nothing turns and there is no orientation
 //   couples(bodies, b), for_each_coupled(bodies, b, f)   only where a body feels another that moves
-//   depends_on_velocity()              only where it may
-//   set_body(b, spec, inertia, bodies) only where it keeps something of each body; called when a body is added
+//   depends_on_velocity()              only where it may depend on a velocity or a spin
+//   set_body(b, spec, inertia, bodies) only where it keeps something of each body; called when a body is added, and
+//   with
+//                                      a fixed body when one is removed
+// acts_on, turns and couples may change from step to step. The forces depend on the stage and on the load's own members
+// alone, which World::change_load() changes: methods keep the last forces of a step for the next one.
 // The functions of a group with vectors of working numbers are the simplest: SI units, and the user's body axes. Those
 // of blocks and factors (numbers/load_numbers.hpp) are the fastest.
 #pragma once

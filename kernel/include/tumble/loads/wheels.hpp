@@ -18,7 +18,11 @@ public:
         for (int i = 0; i < 3; ++i) momentum_[body][i] = static_cast<Work>(momentum[i]);
     }
 
-    // As each load has it: loads/loaded_group.hpp.
+    // As each load has it: loads/loaded_group.hpp. The next body at the place of a removed one has no wheels.
+    void set_body(int b, const BodySpec& spec, const auto&, const auto&) {
+        if (spec.fixed) momentum_[b] = {};
+    }
+    // Likewise.
     [[nodiscard]] bool acts_on(const auto& all, int b) const { return turns(all, b); }
     // Likewise.
     [[nodiscard]] bool turns(const auto& all, int b) const { return all.rotates(b) && !momentum_[b].is_zero(); }
