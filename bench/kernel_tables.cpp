@@ -152,6 +152,53 @@ Table near_pairs_table() {
              {"boxes and each other", bytes_of_a_pair<true, true, false>(), bytes_of_a_pair<true, true, true>()}}};
 }
 
+Table control_table(const Rows& control) {
+    const std::pair<const char*, const char*> calls[] = {
+        {"free_step", "a free step without `control`"},
+        {"step", "a free step with `control` and `imu`, and nothing set"},
+        {"step_under_body_torque", "a step under a torque in the body's frame"},
+        {"step_under_world_force", "a step under a force in the world's frame"},
+        {"step_under_body_force", "a step under a force in the body's frame"},
+        {"set_torque", "`set_torque`, body frame"},
+        {"set_world_force", "`set_force`, world frame"},
+        {"set_body_force", "`set_force`, body frame"},
+        {"impulse_at_centre", "`apply_impulse` at the centre of mass"},
+        {"impulse_at_point", "`apply_impulse` at a point"},
+        {"impulse_prepared", "the same of two `InputVector`"},
+        {"impulse_of_reals", "the same of set-up numbers"},
+        {"pose_and_motion", "`pose<float>` and `motion<float>`: thirteen floats"},
+        {"imu", "`imu<float>`"},
+        {"set_velocity", "`set_velocity`"},
+        {"set_angular_velocity", "`set_angular_velocity`, body frame"},
+        {"set_pose", "`set_pose`"},
+        {"recorded_torque", "`set_torque` while the world records"},
+        {"scripted_step", "a step of two bodies, with an event of a script"},
+        {"copy", "a copy of a world of two bodies"},
+        {"save", "`save()` of it"},
+        {"restore", "`restore()` of it"},
+        {"remove", "`remove()` of a body"},
+        {"add", "`add()` of a body: set-up numbers"}};
+    std::vector<Line> lines;
+    for (const auto& [call, what] : calls) lines.push_back({{what}, {{"call", call}}});
+    std::vector<Column> columns;
+    for (const auto& [core, numbers] :
+         {std::pair{"cortex-m0", "q32"}, {"cortex-m3", "q32"}, {"cortex-m4f", "q32"}, {"cortex-m4f", "f32"}})
+        columns.push_back({std::string{core} + ", " + numbers,
+                           value("cycles_est"),
+                           {{"core", core}, {"numbers", std::string{numbers} == "q32" ? "q32 carry" : "f32 plain"}}});
+    return cross(control, {""}, lines, columns);
+}
+
+Table stories_table(const Rows& control) {
+    Table table{{"example", "core", "function", "cycles", "worst"}, {}};
+    for (const Row& row : control)
+        if (row.contains("story"))
+            table.lines.push_back({in_code(row.at("story").get<std::string>() + ".cpp"), row.at("core"),
+                                   in_code(row.at("call")), text_of(row, "cycles_est"),
+                                   text_of(row, "cycles_worst_est")});
+    return table;
+}
+
 std::string largest_turn() {
     World<Scene> world{Seconds{1, 1}};
     BodySpec ball = sphere(1, 1);

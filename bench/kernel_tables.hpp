@@ -23,6 +23,10 @@ namespace tumble::bench {
 // RAM that a near pair takes in a world of `q32`, by the shapes that touch.
 [[nodiscard]] Table near_pairs_table();
 
+// What the calls cost by which a program controls a body and reads it, and the examples that are measured.
+[[nodiscard]] Table control_table(const Rows& control);
+[[nodiscard]] Table stories_table(const Rows& control);
+
 // The largest angle that a body turns in a step, rad.
 [[nodiscard]] std::string largest_turn();
 

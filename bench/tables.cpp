@@ -376,6 +376,8 @@ const Makers makers{
     {"table host_many", [](R r) { return host_many_table(r["host"]); }},
     {"table host_growth", [](R r) { return host_growth_table(r["host"]); }},
     {"table engines", [](R r) { return engines_table(r["engines"]); }},
+    {"table control", [](R r) { return control_table(r["control"]); }},
+    {"table stories", [](R r) { return stories_table(r["control"]); }},
     {"table formats", [](R) { return formats_table(); }},
     {"table bounds", [](R) { return bounds_table(); }},
     {"table near_pairs", [](R) { return near_pairs_table(); }},

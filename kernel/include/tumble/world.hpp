@@ -153,63 +153,55 @@ public:
     }
     // Appends every event from now on, live or of the script, to `recording`; null: no longer. The recording is a
     // script that brings a copy of this world to the same state. What no event holds is misuse meanwhile: to add
-    // something, to set gravity, impulses and forces of a scene, and apply_impulse() without a frame.
+    // something, and to set gravity, impulses and forces of a scene.
     void record(Recording<N>* recording) requires(features.recording) { recording_ = recording; }
-
-    // Applies an impulse (N s, world frame) at once, at a point of the body (m, user's body axes). The position does
-    // not change. For a point mass, a point other than zero is misuse.
-    void apply_impulse(BodyId id, RealVec3 impulse, RealVec3 point = {}) {
-        refuse_to_record();
-        const int b = place_of(id);
-        TUMBLE_ASSERT(advance_.bodies.rotates(b) || point.is_zero());
-        apply({0, static_cast<std::int16_t>(b), Frame::world, work_vector<N>(impulse), zero_vector<N>(),
-               advance_.bodies.principal_vector(b, point)});
-    }
 
     // Applies an event before the next step. Every call below is one event. It wakes the body. A fixed body takes a
     // pose and an angular velocity, and ignores the rest. Misuse: of a point mass, anything but a linear event at its
     // centre in the world's frame.
     void apply(const Event<N>& event) { apply_event(event); }
-    // Applies an impulse (N s, in `frame`) at once, at a point of the body (m, user's body axes).
-    void apply_impulse(BodyId id, const InputVector<N>& impulse, const InputVector<N>& point, Frame frame) {
-        apply_event({EventKind::impulse, frame, id, impulse, point, {}});
+    // Applies an impulse (N s, in `frame`) at once, at a point of the body (m, user's body axes). The position does not
+    // change.
+    void apply_impulse(BodyId id, const InputVector<N>& impulse, const InputVector<N>& point = {},
+                       Frame frame = Frame::world) {
+        act<EventKind::impulse>(id, frame, impulse, point);
     }
     // Applies an angular impulse (N m s, in `frame`) at once.
     void apply_angular_impulse(BodyId id, const InputVector<N>& impulse, Frame frame) {
-        apply_event({EventKind::angular_impulse, frame, id, impulse, {}, {}});
+        act<EventKind::angular_impulse>(id, frame, impulse);
     }
     // Sets the force (N, in `frame`) that acts from the next step on at a point of the body (m, user's body axes), in
     // place of the force before. In the frame of the body it turns with the body.
     void set_force(BodyId id, const InputVector<N>& force, Frame frame,
                    const InputVector<N>& point = {}) requires(features.control) {
-        apply_event({EventKind::force, frame, id, force, point, {}});
+        act<EventKind::force>(id, frame, force, point);
     }
     // Sets the torque (N m, in `frame`) that acts from the next step on, in place of the torque before.
     void set_torque(BodyId id, const InputVector<N>& torque, Frame frame) requires(features.control) {
-        apply_event({EventKind::torque, frame, id, torque, {}, {}});
+        act<EventKind::torque>(id, frame, torque);
     }
     // Adds a force for the next step alone.
     void apply_force(BodyId id, const InputVector<N>& force, Frame frame,
                      const InputVector<N>& point = {}) requires(features.control) {
-        apply_event({EventKind::step_force, frame, id, force, point, {}});
+        act<EventKind::step_force>(id, frame, force, point);
     }
     // Adds a torque for the next step alone.
     void apply_torque(BodyId id, const InputVector<N>& torque, Frame frame) requires(features.control) {
-        apply_event({EventKind::step_torque, frame, id, torque, {}, {}});
+        act<EventKind::step_torque>(id, frame, torque);
     }
     // Sets the velocity, m/s, in `frame`.
     void set_velocity(BodyId id, const InputVector<N>& velocity, Frame frame = Frame::world) {
-        apply_event({EventKind::velocity, frame, id, velocity, {}, {}});
+        act<EventKind::velocity>(id, frame, velocity);
     }
     // Sets the angular velocity, rad/s, in `frame`.
     void set_angular_velocity(BodyId id, const InputVector<N>& velocity, Frame frame = Frame::body) {
-        apply_event({EventKind::angular_velocity, frame, id, velocity, {}, {}});
+        act<EventKind::angular_velocity>(id, frame, velocity);
     }
     // Sets the position (m, world) and the orientation (user's body axes to world; normalised here; zero is misuse).
     // The velocity stays in the world's axes, the angular velocity in the body's. Wakes all bodies.
     template <class T = Real>
     void set_pose(BodyId id, const InputVector<N>& position, const Quaternion<T>& orientation = {}) {
-        apply_event({EventKind::pose, Frame::world, id, position, {}, orientation.template as<Work>()});
+        act<EventKind::pose>(id, Frame::world, position, {}, orientation.template as<Work>());
     }
 
     // Removes a body at once. Its springs go with it, and the springs behind them move up; so do its forces, its
@@ -217,9 +209,7 @@ public:
     // The next body that is added takes the first free place, with another id. The old id is misuse from now on, but an
     // event of a script that names it is skipped. The impulses and forces of a scene name places, not ids: they act on
     // a new body of the place, and on none where it is free.
-    void remove(BodyId id) requires(features.removal) {
-        apply_event({EventKind::remove, Frame::world, id, {}, {}, {}});
-    }
+    void remove(BodyId id) requires(features.removal) { act<EventKind::remove>(id, Frame::world, {}); }
     // True of a body that has been added and not been removed.
     [[nodiscard]] bool contains(BodyId id) const {
         if constexpr (features.removal) return places_.contains(id);
@@ -475,51 +465,72 @@ private:
     void require_bodies(Span<Event> events) const {
         for (const Event& event : events) (void)advance_.bodies.index_of(event.body);
     }
-    TUMBLE_INLINE void apply_event(const Event<N>& event) {
+    void apply_event(const Event<N>& e) {
+        switch (e.kind) {
+        case EventKind::impulse: return act<EventKind::impulse>(e.body, e.frame, e.value, e.point);
+        case EventKind::angular_impulse: return act<EventKind::angular_impulse>(e.body, e.frame, e.value);
+        case EventKind::force: return act<EventKind::force>(e.body, e.frame, e.value, e.point);
+        case EventKind::torque: return act<EventKind::torque>(e.body, e.frame, e.value);
+        case EventKind::step_force: return act<EventKind::step_force>(e.body, e.frame, e.value, e.point);
+        case EventKind::step_torque: return act<EventKind::step_torque>(e.body, e.frame, e.value);
+        case EventKind::velocity: return act<EventKind::velocity>(e.body, e.frame, e.value);
+        case EventKind::angular_velocity: return act<EventKind::angular_velocity>(e.body, e.frame, e.value);
+        case EventKind::pose: return act<EventKind::pose>(e.body, e.frame, e.value, {}, e.orientation);
+        case EventKind::remove: return act<EventKind::remove>(e.body, e.frame, {});
+        }
+    }
+    // One event. The kind is known when the program is compiled, so that a call costs what its kind needs.
+    template <EventKind kind>
+    void act(BodyId id, [[maybe_unused]] Frame frame, [[maybe_unused]] const InputVector<N>& value,
+             [[maybe_unused]] const InputVector<N>& point = {},
+             [[maybe_unused]] const Quaternion<Work>& orientation = {}) {
+        using Kind = EventKind;
         auto& bodies = advance_.bodies;
-        const int b = place_of(event.body);
+        const int b = place_of(id);
         if constexpr (features.recording)
-            if (recording_ != nullptr) recording_->append(event, now());
-        switch (event.kind) {
-        case EventKind::impulse:
-        case EventKind::angular_impulse:
-            if (bodies.constants[b].fixed) return;
-            detail::apply_push(bodies, b, detail::push_of(bodies, b, event, event.kind == EventKind::angular_impulse));
-            break;
-        case EventKind::force:
-        case EventKind::torque:
-        case EventKind::step_force:
-        case EventKind::step_torque:
+            if (recording_ != nullptr) recording_->append({kind, frame, id, value, point, orientation}, now());
+        if constexpr (kind == Kind::force || kind == Kind::torque || kind == Kind::step_force ||
+                      kind == Kind::step_torque) {
             TUMBLE_ASSERT(Advance::has_wrenches);
             if (bodies.constants[b].fixed) return;
             if constexpr (Advance::has_wrenches) {
-                const bool angular = event.kind == EventKind::torque || event.kind == EventKind::step_torque,
-                           holds = event.kind == EventKind::force || event.kind == EventKind::torque;
-                advance_.wrenches.set(bodies, b, detail::push_of(bodies, b, event, angular), holds);
+                constexpr bool angular = kind == Kind::torque || kind == Kind::step_torque;
+                if constexpr (kind == Kind::force || kind == Kind::torque)
+                    advance_.wrenches.template set<angular>(bodies, b, frame, value.block(), point.block());
+                else advance_.wrenches.template add<angular>(bodies, b, frame, value.block(), point.block());
             }
             return disturb(b);
-        case EventKind::velocity: detail::set_velocity(bodies, b, event, seconds()); break;
-        case EventKind::angular_velocity:
-            if (bodies.constants[b].fixed && !features.turntables) return;
-            detail::set_angular_velocity(bodies, b, event, steps_per_second());
-            break;
-        case EventKind::pose: detail::set_pose(bodies, b, event); break;
-        case EventKind::remove:
+        } else if constexpr (kind == Kind::remove) {
             TUMBLE_ASSERT(features.removal);
             if constexpr (features.removal) take_away(b);
             return;
+        } else if constexpr (kind == Kind::impulse || kind == Kind::angular_impulse) {
+            if (bodies.constants[b].fixed) return;
+            constexpr bool angular = kind == Kind::angular_impulse;
+            detail::apply_push<N, angular>(bodies, b,
+                                           detail::push_of<N, angular>(bodies, b, frame, value.block(), point.block()));
+        } else if constexpr (kind == Kind::velocity) {
+            detail::set_velocity(bodies, b, frame, value.block(), seconds());
+        } else if constexpr (kind == Kind::angular_velocity) {
+            if (bodies.constants[b].fixed && !features.turntables) return;
+            detail::set_angular_velocity(bodies, b, frame, value.block(), steps_per_second());
+        } else {
+            detail::set_pose(bodies, b, value.block(), orientation);
         }
-        if (event.kind == EventKind::pose || bodies.constants[b].fixed) replaced(b);
+        if (kind == Kind::pose || bodies.constants[b].fixed) replaced(b);
+        has_changed(b);
+    }
+    // The motion or the pose of a body is another.
+    void has_changed(int b) {
         advance_.check_range(b);
         advance_.spin_changed(b);
         if constexpr (has_imu) remember(b);
         disturb(b);
     }
     void apply(const Impulse<N>& event) {
-        tumble::apply(event, advance_.bodies);
-        advance_.spin_changed(event.body);
-        if constexpr (has_imu) remember(event.body);
-        disturb(event.body);
+        const int b = advance_.bodies.index_of(event.body);
+        if (!advance_.bodies.constants[b].fixed) detail::apply_impulse(advance_.bodies, event);
+        has_changed(b);
     }
     // Notes what is constant, for snapshots.
     constexpr void note([[maybe_unused]] const auto& spec) {

@@ -79,6 +79,7 @@ struct SpinUnits<N, Spin::angular_velocity> {
     [[nodiscard]] static constexpr Real turn_of(RealVec3, Real spin, int, Real step) {
         return spin * step * Real::scaled(1, -1);
     }
+    static constexpr bool has_one_rate = true;  // of all axes
     [[nodiscard]] Work per_impulse(int i) const { return turn_per_impulse[i]; }
     [[nodiscard]] Work rate(int, Work steps_per_second) const { return steps_per_second + steps_per_second; }
     // rate() with the step as the unit of time.
@@ -103,6 +104,7 @@ struct SpinUnits<N, Spin::angular_momentum> {
     [[nodiscard]] static constexpr Real turn_of(RealVec3 moments, Real spin, int i, Real step) {
         return spin * moments[i] / moments.y * step * Real::scaled(1, -1);
     }
+    static constexpr bool has_one_rate = false;
     [[nodiscard]] Work per_impulse(int) const { return turn_per_impulse; }
     [[nodiscard]] Work rate(int i, Work steps_per_second) const { return rate_ratio[i] * steps_per_second; }
     [[nodiscard]] Work per_half_turn(int i) const { return rate_ratio[i]; }
@@ -119,6 +121,7 @@ struct BodyConstants {
     SpinUnits<N, spin> units{};            // units of the spin
     typename N::Work drift_per_impulse{};  // h / m
     typename N::Unit axes[4]{};            // w, x, y, z: principal axes to the user's body axes
+    AxisOrder order{};                     // the same, where it is an order of axes
     bool fixed = true;                     // a place without a body counts as fixed
 
     // The same, to compute with.
@@ -229,7 +232,19 @@ public:
     [[nodiscard]] TUMBLE_INLINE int index_of(BodyId id) const { return index_of(id.index()); }
     [[nodiscard]] TUMBLE_INLINE int index_of(int b) const {
         TUMBLE_ASSERT(b >= 0 && b < count);
-        return b;
+        if constexpr (capacity == 1) return 0;  // every address is known
+        else return b;
+    }
+    // A block in the user's body axes, in principal axes; below: back.
+    template <class Block>
+    [[nodiscard]] TUMBLE_INLINE Block in_principal_axes(int b, const Block& user) const requires(rotation) {
+        const Constants& body = constants[b];
+        return body.order.is_known() ? user.ordered(body.order) : user.rotated_back(body.principal());
+    }
+    template <class Block>
+    [[nodiscard]] TUMBLE_INLINE Block in_users_axes(int b, const Block& block) const requires(rotation) {
+        const Constants& body = constants[b];
+        return body.order.is_known() ? block.ordered_back(body.order) : block.rotated(body.principal());
     }
     // From the user's body axes to principal axes.
     [[nodiscard]] WorkVec3<N> principal_vector([[maybe_unused]] int b, RealVec3 v) const {
@@ -242,18 +257,6 @@ public:
     // h / I about principal axis i.
     [[nodiscard]] Work step_per_moment(int b, int i) const requires(rotation) {
         return constants[b].units.per_impulse(i) * constants[b].units.rate(i, Work(1));
-    }
-
-    // Adds a momentum (world, N s) and an angular momentum (principal axes, N m s) to the state.
-    void push(int b, const WorkVec3<N>& linear_w, const WorkVec3<N>& angular_b) requires(rotation) {
-        push(b, linear_w);
-        change_spin(b, [&](auto& t_b, typename N::Scale unit) {
-            for (int i = 0; i < 3; ++i) N::add_any(t_b[i], angular_b[i] * constants[b].units.per_impulse(i), unit);
-        });
-    }
-    // The same for a point mass.
-    void push(int b, const WorkVec3<N>& linear_w) {
-        for (int i = 0; i < 3; ++i) N::add_any(state[b].d_w[i], linear_w[i] * constants[b].drift_per_impulse, scale);
     }
 
     // A spin beyond the format is held in half turns of 2^-halvings of the step, and the rotation of a step has as many
@@ -311,7 +314,9 @@ public:
     template <class F>
     void change_spin(int b, F&& change) requires(rotation) {
         if constexpr (has_parts) {
-            auto changed = state[b];
+            struct {
+                decltype(State::t_b) t_b;
+            } changed{state[b].t_b};
             while (change(changed.t_b, spin_scale(b)), N::spins_out_of_range(changed) && halve_parts(b))
                 changed.t_b = state[b].t_b;
             state[b].t_b = changed.t_b;
@@ -413,6 +418,7 @@ private:
         TUMBLE_ASSERT(are_of_a_body(inertia.moments));
         body.units = Units::of(inertia.moments, step_length);
         set_axes(body, inertia.principal);
+        body.order = inertia.order;
         const RealQuat q = normalized(detail::product(normalized(spec.orientation), inertia.principal));
         s.q_wb.w = N::IntegratedUnit::from(q.w);
         s.q_wb.x = N::IntegratedUnit::from(q.v.x);

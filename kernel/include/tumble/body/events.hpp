@@ -11,12 +11,12 @@ namespace tumble {
 // An instantaneous change of momentum. World::prepare() makes it from an ImpulseSpec.
 template <class N>
 struct Impulse {
-    std::uint64_t step = 0;                  // applied before this step is taken
-    std::int16_t body = 0;                   // index
-    Frame frame = Frame::world;              // of impulse and angular
-    WorkVec3<N> impulse = zero_vector<N>();  // N s, in `frame` (body: principal axes)
-    WorkVec3<N> angular = zero_vector<N>();  // N m s, in `frame`
-    WorkVec3<N> point_b = zero_vector<N>();  // m, principal axes
+    std::uint64_t step = 0;      // applied before this step is taken
+    std::int16_t body = 0;       // index
+    Frame frame = Frame::world;  // of impulse and angular
+    VectorBlock<N> impulse{};    // N s, in `frame` (body: principal axes)
+    VectorBlock<N> angular{};    // N m s, in `frame`
+    VectorBlock<N> point_b{};    // m, principal axes
 };
 
 // A constant force at a point of a body and a constant torque, both acting for a while. World::prepare() makes it from
@@ -47,62 +47,50 @@ struct Span {
     [[nodiscard]] const T* end() const { return first + count; }
 };
 
+namespace detail {
+
+// A vector of set-up numbers in the numbers of the bodies' world; in the frame of the body in its principal axes.
+template <class N, Spin spin, int capacity, bool points, class Constant>
+[[nodiscard]] VectorBlock<N> prepared(const Bodies<N, spin, capacity, points, Constant>& bodies, [[maybe_unused]] int b,
+                                      [[maybe_unused]] Frame frame, const RealVec3& v) {
+    const auto block = VectorBlock<N>::of(v.x, v.y, v.z);
+    if constexpr (spin == Spin::none) return block;
+    else return frame == Frame::world || !bodies.rotates(b) ? block : bodies.in_principal_axes(b, block);
+}
+
+}  // namespace detail
+
 // An event in the numbers of the bodies' world. The body must exist. Misuse: a rotation of a point mass, and the frame
 // of a body that has none.
 template <class N, Spin spin, int capacity, bool points, class Constant>
 [[gnu::noinline, nodiscard]] Impulse<N> prepare(const Bodies<N, spin, capacity, points, Constant>& bodies,
                                                 const ImpulseSpec& spec) {
-    const bool in_body = spec.frame == Frame::body;
-    if (!bodies.rotates(bodies.index_of(spec.body)))
-        TUMBLE_ASSERT(!in_body && spec.point.is_zero() && spec.angular_impulse.is_zero());
+    const int b = bodies.index_of(spec.body);
+    if (!bodies.rotates(b))
+        TUMBLE_ASSERT(spec.frame == Frame::world && spec.point.is_zero() && spec.angular_impulse.is_zero());
     return {bodies.step_of(spec.time),
-            static_cast<std::int16_t>(bodies.index_of(spec.body)),
+            static_cast<std::int16_t>(b),
             spec.frame,
-            in_body ? bodies.principal_vector(spec.body, spec.impulse) : work_vector<N>(spec.impulse),
-            in_body ? bodies.principal_vector(spec.body, spec.angular_impulse) : work_vector<N>(spec.angular_impulse),
-            bodies.principal_vector(spec.body, spec.point)};
+            detail::prepared(bodies, b, spec.frame, spec.impulse),
+            detail::prepared(bodies, b, spec.frame, spec.angular_impulse),
+            detail::prepared(bodies, b, Frame::body, spec.point)};
 }
 // The same for a force that acts for a while.
 template <class N, Spin spin, int capacity, bool points, class Constant>
 [[gnu::noinline, nodiscard]] TimedForce<N> prepare(const Bodies<N, spin, capacity, points, Constant>& bodies,
                                                    const ForceSpec& spec) {
-    const bool in_body = spec.frame == Frame::body;
-    if (!bodies.rotates(bodies.index_of(spec.body)))
-        TUMBLE_ASSERT(!in_body && spec.point.is_zero() && spec.torque.is_zero());
-    const auto block = [](const WorkVec3<N>& v) { return VectorBlock<N>::of(v.x(), v.y(), v.z()); };
+    const int b = bodies.index_of(spec.body);
+    if (!bodies.rotates(b)) TUMBLE_ASSERT(spec.frame == Frame::world && spec.point.is_zero() && spec.torque.is_zero());
     const auto in_step = [&](const RealVec3& v) {
-        const RealVec3 impulse = v * bodies.step_length;
-        return block(in_body ? bodies.principal_vector(spec.body, impulse) : work_vector<N>(impulse));
+        return detail::prepared(bodies, b, spec.frame, v * bodies.step_length);
     };
-    return {static_cast<std::int16_t>(bodies.index_of(spec.body)),
+    return {static_cast<std::int16_t>(b),
             spec.frame,
             bodies.step_of(spec.from),
             bodies.step_of(spec.until),
             in_step(spec.force),
             in_step(spec.torque),
-            block(bodies.principal_vector(spec.body, spec.point))};
-}
-
-// Applies the impulse's change of momentum at once.
-template <class N, Spin spin, int capacity, bool points, class Constant>
-inline void apply(const Impulse<N>& event, Bodies<N, spin, capacity, points, Constant>& bodies) {
-    using Work = typename N::Work;
-    const int b = bodies.index_of(event.body);
-    if (bodies.constants[b].fixed) return;
-    if (!bodies.rotates(b)) {
-        bodies.push(b, event.impulse);
-    } else if constexpr (spin != Spin::none) {
-        const Quat<Work> q = work_quaternion<N>(bodies.state[b].q_wb.value());
-        WorkVec3<N> linear_w = event.impulse, linear_b = event.impulse, angular_b = event.angular;
-        if (event.frame == Frame::world) {
-            linear_b = rotate_back(q, event.impulse);
-            angular_b = rotate_back(q, event.angular);
-        } else {
-            linear_w = rotate(q, event.impulse);
-        }
-        bodies.push(b, linear_w, angular_b + cross<Work>(event.point_b, linear_b));
-    }
-    bodies.check_range(b);
+            detail::prepared(bodies, b, Frame::body, spec.point)};
 }
 
 namespace detail {

@@ -18,9 +18,44 @@ struct InertiaTensor {
     Real yz{};  // minus the product of inertia of y and z
 };
 
+// The order of the user's axes as principal axes, where no product of inertia makes them turn. The third principal axis
+// points backwards if the order is odd.
+class AxisOrder {
+public:
+    // No order: the principal axes are others than the user's.
+    constexpr AxisOrder() = default;
+    // The user's axes that are the first and the second principal axis.
+    constexpr AxisOrder(int first, int second)
+        : code_{static_cast<std::uint8_t>(known | first | second << 2 | ((second - first + 3) % 3 == 1 ? 0 : odd))} {}
+
+    // False where the principal axes are others than the user's.
+    [[nodiscard]] TUMBLE_INLINE constexpr bool is_known() const { return code_ != 0; }
+    // The user's axis that is principal axis i.
+    [[nodiscard]] TUMBLE_INLINE constexpr int axis(int i) const {
+        const int first = code_ & 3, second = code_ >> 2 & 3;
+        return i == 0 ? first : i == 1 ? second : 3 - first - second;
+    }
+    // The component along principal axis i of a vector in the user's axes.
+    [[nodiscard]] TUMBLE_INLINE constexpr auto principal(const auto& user, int i) const {
+        const auto component = user[axis(i)];
+        return i == 2 && (code_ & odd) != 0 ? -component : component;
+    }
+    // Writes a vector in principal axes to `user`.
+    TUMBLE_INLINE constexpr void place(auto& user, const auto& principal) const {
+        user[axis(0)] = principal[0];
+        user[axis(1)] = principal[1];
+        user[axis(2)] = (code_ & odd) != 0 ? -principal[2] : principal[2];
+    }
+
+private:
+    static constexpr int known = 32, odd = 16;
+    std::uint8_t code_ = 0;
+};
+
 struct PrincipalInertia {
     RealVec3 moments;    // kg m^2, sorted downwards
     RealQuat principal;  // rotates principal-frame vectors into the user's body frame
+    AxisOrder order{};   // the same rotation, where it is an order of axes
 };
 
 // Solids, and the hoop, a thin ring. Bodies of shape `points` and `none` collide with nothing.
@@ -130,7 +165,10 @@ TUMBLE_COLD [[nodiscard]] constexpr PrincipalInertia principal_inertia_of(const 
     for (int k = 0; k < 3; ++k)
         for (int n = 0; n < 2; ++n) axis[n][k] = v[k][order[n]];
     cross_product(axis[0], axis[1], axis[2]);
-    return {{a[order[0]][order[0]], a[order[1]][order[1]], a[order[2]][order[2]]}, quaternion_of(axis)};
+    const bool is_diagonal = i.xy.is_zero() && i.xz.is_zero() && i.yz.is_zero();
+    return {{a[order[0]][order[0]], a[order[1]][order[1]], a[order[2]][order[2]]},
+            quaternion_of(axis),
+            is_diagonal ? AxisOrder{order[0], order[1]} : AxisOrder{}};
 }
 
 }  // namespace detail

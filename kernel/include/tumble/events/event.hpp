@@ -2,6 +2,7 @@
 #pragma once
 
 #include <tumble/body/bodies.hpp>
+#include <tumble/body/events.hpp>
 #include <tumble/body/stage.hpp>
 #include <tumble/numbers/vector_block.hpp>
 
@@ -78,123 +79,140 @@ namespace detail {
 // the body's.
 template <class N>
 struct Push {
-    bool angular = false;
     Frame frame = Frame::world;
+    bool at_centre = true;  // of an angular push too
     VectorBlock<N> value{};
-    bool at_centre = true;
     VectorBlock<N> point{};  // m, principal axes
 
     // Calls visit with the members that a snapshot holds.
     template <class Self, class Visit>
     static void each(Self& self, Visit& visit) {
-        visit(self.angular, self.frame, self.value, self.at_centre, self.point);
+        visit(self.frame, self.at_centre, self.value, self.point);
     }
 };
 
-// The value and point of an event as a push. Misuse: of a point mass, anything but a linear push at its centre in the
-// world's frame.
-template <class N, class Bodies>
-[[nodiscard]] TUMBLE_INLINE Push<N> push_of(const Bodies& bodies, int b, const Event<N>& event, bool angular) {
-    Push<N> push{angular, event.frame, event.value.block(), angular || event.point.block().is_zero(), {}};
-    if (!bodies.rotates(b)) {
-        TUMBLE_ASSERT(!angular && event.frame == Frame::world && push.at_centre);
-        return push;
-    }
-    if constexpr (Bodies::rotation) {
-        const auto principal = bodies.constants[b].principal();
-        if (event.frame == Frame::body) push.value = push.value.rotated_back(principal);
-        if (!push.at_centre) push.point = event.point.block().rotated_back(principal);
-    }
-    return push;
+// Of a point mass, anything but a linear push at its centre in the world's frame is misuse.
+template <bool angular>
+TUMBLE_INLINE void require_rotation(const auto& bodies, int b, Frame frame, bool at_centre) {
+    if (!bodies.rotates(b)) TUMBLE_ASSERT(!angular && frame == Frame::world && at_centre);
+}
+// The push in the frame, at a point in the user's body axes.
+template <class N, bool angular, class Bodies>
+[[nodiscard]] TUMBLE_INLINE Push<N> push_of(const Bodies& bodies, int b, Frame frame, const VectorBlock<N>& value,
+                                            [[maybe_unused]] const VectorBlock<N>& point) {
+    const bool at_centre = angular || point.is_zero();
+    require_rotation<angular>(bodies, b, frame, at_centre);
+    if constexpr (!Bodies::rotation) return {frame, at_centre, value, {}};
+    else
+        return {frame, at_centre, frame == Frame::body ? bodies.in_principal_axes(b, value) : value,
+                at_centre ? VectorBlock<N>{} : bodies.in_principal_axes(b, point)};
 }
 
 // Half the angle that the body turns in a step, at its present spin, in principal axes.
 template <class N, class Bodies>
 [[nodiscard]] Vec3<typename N::Unit> half_turn(const Bodies& bodies, int b) requires(Bodies::rotation) {
-    Vec3<typename N::Unit> u;
-    for (int i = 0; i < 3; ++i)
-        u[i] = VectorBlock<N>::half_angle(bodies.state[b].t_b[i].value(), bodies.constants[b].units.per_half_turn(i),
-                                          bodies.spin_scale(b));
-    return u;
+    const auto& units = bodies.constants[b].units;
+    const auto t = bodies.state[b].t_b.value();
+    const typename N::Scale unit = bodies.spin_scale(b);
+    return {VectorBlock<N>::half_angle(t[0], units.per_half_turn(0), unit),
+            VectorBlock<N>::half_angle(t[1], units.per_half_turn(1), unit),
+            VectorBlock<N>::half_angle(t[2], units.per_half_turn(2), unit)};
 }
 
-// Calls linear(axis, change of drift) and angular(change of turns in a scale) for what a push changes. A push that
+// Calls linear(axis, change of drift) and turning(change of turns in a scale) for what a push changes. A push that
 // lasts a step acts in the orientation of the middle of that step; `ahead` is half the angle that the body turns in it.
-template <class N, class Bodies, class Linear, class Angular>
+template <class N, bool angular, class Bodies, class Linear, class Turning>
 TUMBLE_INLINE void resolve(const Bodies& bodies, int b, const Push<N>& push,
-                           [[maybe_unused]] const Vec3<typename N::Unit>* ahead, Linear&& linear,
-                           [[maybe_unused]] Angular&& angular) {
+                           [[maybe_unused]] const Vec3<typename N::Unit>* ahead, [[maybe_unused]] Linear&& linear,
+                           [[maybe_unused]] Turning&& turning) {
+    using Block = VectorBlock<N>;
     const auto& body = bodies.constants[b];
-    VectorBlock<N> p_w = push.value;
+    [[maybe_unused]] const Block* p_w = &push.value;
+    [[maybe_unused]] Block turned;
     if constexpr (Bodies::rotation) {
-        const bool in_world = push.frame == Frame::world;
-        if (!in_world || !push.at_centre || push.angular) {
-            const auto q = bodies.state[b].q_wb.value();
-            VectorBlock<N> p_b = push.value;
-            if (in_world) {
-                p_b = p_b.rotated_back(q);
-                if (ahead != nullptr) p_b = p_b.turned(-*ahead);
-            } else if (!push.angular) {
-                p_w = (ahead != nullptr ? p_b.turned(*ahead) : p_b).rotated(q);
+        const auto turn = [&](const Block& p_b) {
+            turning([&](int i, typename N::Scale unit) { return p_b.turn(i, body.units.per_impulse(i), unit); });
+        };
+        const auto in_body = [&] {
+            const Block p_b = push.value.rotated_back(bodies.state[b].q_wb.value());
+            return ahead != nullptr ? p_b.turned(-*ahead) : p_b;
+        };
+        if constexpr (angular) {
+            turn(push.frame == Frame::world ? in_body() : push.value);
+        } else {
+            if (!push.at_centre) turn(cross(push.point, push.frame == Frame::world ? in_body() : push.value));
+            if (push.frame == Frame::body) {
+                const auto q = bodies.state[b].q_wb.value();
+                turned = ahead != nullptr ? push.value.turned(*ahead).rotated(q) : push.value.rotated(q);
+                p_w = &turned;
             }
-            if (!push.at_centre) p_b = cross(push.point, p_b);
-            if (!push.at_centre || push.angular)
-                angular([&](int i, typename N::Scale unit) { return p_b.turn(i, body.units.per_impulse(i), unit); });
-            if (push.angular) return;
         }
     }
-    for (int i = 0; i < 3; ++i) linear(i, p_w.drift(i, body.drift_per_impulse, bodies.scale));
+    if constexpr (!angular) {
+        const typename N::Scale unit = bodies.scale;
+        const auto factor = body.drift_per_impulse;
+        linear(0, p_w->drift(0, factor, unit));
+        linear(1, p_w->drift(1, factor, unit));
+        linear(2, p_w->drift(2, factor, unit));
+    }
 }
 
 // --- events that change the state at once ------------------------------------------------------------------------
 
-template <class N, class Bodies>
-void apply_push(Bodies& bodies, int b, const Push<N>& push) {
+template <class N, bool angular, class Bodies>
+TUMBLE_INLINE void apply_push(Bodies& bodies, int b, const Push<N>& push) {
     auto& s = bodies.state[b];
-    resolve(
+    resolve<N, angular>(
         bodies, b, push, nullptr, [&](int i, auto change) { N::add_sum(s.d_w[i], change); },
         [&]([[maybe_unused]] auto&& change) {
             if constexpr (Bodies::rotation)
                 bodies.change_spin(b, [&](auto& t_b, typename N::Scale unit) {
-                    for (int i = 0; i < 3; ++i) N::add_sum(t_b[i], change(i, unit));
+                    N::add_sum(t_b.x, change(0, unit));
+                    N::add_sum(t_b.y, change(1, unit));
+                    N::add_sum(t_b.z, change(2, unit));
                 });
         });
+}
+// Of a script of impulses.
+template <class N, class Bodies>
+void apply_impulse(Bodies& bodies, const Impulse<N>& event) {
+    const int b = event.body;
+    if (!event.impulse.is_zero())
+        apply_push<N, false>(bodies, b, {event.frame, event.point_b.is_zero(), event.impulse, event.point_b});
+    if constexpr (Bodies::rotation)
+        if (!event.angular.is_zero()) apply_push<N, true>(bodies, b, {event.frame, true, event.angular, {}});
 }
 
 // The vector in the world's axes, or in principal axes.
 template <class N, class Bodies>
-[[nodiscard]] VectorBlock<N> in_world(const Bodies& bodies, int b, const Event<N>& event) {
-    VectorBlock<N> v = event.value.block();
-    if (event.frame == Frame::world) return v;
+[[nodiscard]] VectorBlock<N> in_world(const Bodies& bodies, int b, Frame frame, VectorBlock<N> v) {
+    if (frame == Frame::world) return v;
     TUMBLE_ASSERT(bodies.rotates(b));
-    if constexpr (Bodies::rotation)
-        v = v.rotated_back(bodies.constants[b].principal()).rotated(bodies.state[b].q_wb.value());
+    if constexpr (Bodies::rotation) v = bodies.in_principal_axes(b, v).rotated(bodies.state[b].q_wb.value());
     return v;
 }
 template <class N, class Bodies>
-[[nodiscard]] VectorBlock<N> in_principal(const Bodies& bodies, int b,
-                                          const Event<N>& event) requires(Bodies::rotation) {
-    const VectorBlock<N>& v = event.value.block();
-    return event.frame == Frame::world ? v.rotated_back(bodies.state[b].q_wb.value())
-                                       : v.rotated_back(bodies.constants[b].principal());
+[[nodiscard]] VectorBlock<N> in_principal(const Bodies& bodies, int b, Frame frame,
+                                          const VectorBlock<N>& v) requires(Bodies::rotation) {
+    return frame == Frame::world ? v.rotated_back(bodies.state[b].q_wb.value()) : bodies.in_principal_axes(b, v);
 }
 
 // `seconds`: of a step.
 template <class N, class Bodies>
-void set_velocity(Bodies& bodies, int b, const Event<N>& event, typename N::Work seconds) {
+void set_velocity(Bodies& bodies, int b, Frame frame, const VectorBlock<N>& value, typename N::Work seconds) {
     if (bodies.constants[b].fixed) return;
-    const VectorBlock<N> v = in_world(bodies, b, event);
+    const VectorBlock<N> v = in_world<N>(bodies, b, frame, value);
     for (int i = 0; i < 3; ++i) {
         bodies.state[b].d_w[i] = {};
         N::add_sum(bodies.state[b].d_w[i], v.drift(i, seconds, bodies.scale));
     }
 }
 template <class N, class Bodies>
-void set_angular_velocity([[maybe_unused]] Bodies& bodies, [[maybe_unused]] int b,
-                          [[maybe_unused]] const Event<N>& event, [[maybe_unused]] typename N::Work rate) {
+void set_angular_velocity([[maybe_unused]] Bodies& bodies, [[maybe_unused]] int b, [[maybe_unused]] Frame frame,
+                          [[maybe_unused]] const VectorBlock<N>& value, [[maybe_unused]] typename N::Work rate) {
     TUMBLE_ASSERT(bodies.rotates(b));
     if constexpr (Bodies::rotation) {
-        const VectorBlock<N> w = in_principal(bodies, b, event);
+        const VectorBlock<N> w = in_principal<N>(bodies, b, frame, value);
         bodies.stop_spin(b);
         bodies.change_spin(b, [&](auto& t_b, typename N::Scale unit) {
             for (int i = 0; i < 3; ++i)
@@ -203,14 +221,13 @@ void set_angular_velocity([[maybe_unused]] Bodies& bodies, [[maybe_unused]] int 
     }
 }
 template <class N, class Bodies>
-void set_pose(Bodies& bodies, int b, const Event<N>& event) {
+void set_pose(Bodies& bodies, int b, const VectorBlock<N>& position, const Quaternion<typename N::Work>& q) {
     using Work = typename N::Work;
     auto& s = bodies.state[b];
     for (int i = 0; i < 3; ++i) {
         s.x_w[i] = {};
-        N::add_sum(s.x_w[i], event.value.block().position(i));
+        N::add_sum(s.x_w[i], position.position(i));
     }
-    const Quaternion<Work>& q = event.orientation;
     if (!bodies.rotates(b)) {
         TUMBLE_ASSERT(q == Quaternion<Work>{});
         return;

@@ -41,12 +41,6 @@ template <class T>
 
 namespace detail {
 
-template <class T, class N, int F>
-[[nodiscard]] T number(Fixed<F> a) {
-    if constexpr (std::is_same_v<T, float>) return to_float(a.raw, -F);
-    else return static_cast<T>(Scaled::of(a));
-}
-
 // True where readouts avoid working numbers.
 template <class T, class N>
 inline constexpr bool reads_by_shifts = N::fixed_point&& std::is_same_v<T, float>;
@@ -71,11 +65,13 @@ template <class T, class Bodies>
             const auto p = bodies.constants[b].principal().conjugate();
             const auto component = [&]<int i>() {
                 const auto sum = mul_add(mul(q.w, p.v[i]), q.v[i], p.w);
-                return number<T, N>(narrow<Unit>(add_cross_component<i>(sum, q.v, p.v)));
+                return narrow<Unit>(add_cross_component<i>(sum, q.v, p.v)).raw;
             };
-            pose.orientation = {number<T, N>(narrow<Unit>(mul(q.w, p.w) - dot(q.v, p.v))),
-                                {component.template operator()<0>(), component.template operator()<1>(),
-                                 component.template operator()<2>()}};
+            const VectorBlock<N> v{{component.template operator()<0>(), component.template operator()<1>(),
+                                    component.template operator()<2>()},
+                                   -Unit::fraction_bits};
+            pose.orientation = {to_float(narrow<Unit>(mul(q.w, p.w) - dot(q.v, p.v)).raw, -Unit::fraction_bits),
+                                v.template as<float>()};
         }
     }
     return pose;
@@ -86,11 +82,16 @@ template <class N, class Bodies>
 [[nodiscard]] VectorBlock<N> spin_of(const Bodies& bodies, int b, const typename N::TurnSum (&t)[3],
                                      typename N::Scale unit,
                                      typename N::Work steps_per_second) requires(Bodies::rotation) {
-    using Work = typename N::Work;
     const auto& units = bodies.constants[b].units;
-    return VectorBlock<N>::of_turns(t, unit)
-        .times(Vector3<Work>{units.per_half_turn(0), units.per_half_turn(1), units.per_half_turn(2)})
-        .times(steps_per_second);
+    VectorBlock<N> spin;
+    if constexpr (Bodies::Units::has_one_rate) {
+        spin = VectorBlock<N>::of_turns(t, unit);
+        spin.multiply_by(units.per_half_turn(0));
+    } else {
+        spin = VectorBlock<N>::of_turns(t, unit, units.rate_ratio);
+    }
+    spin.multiply_by(steps_per_second);
+    return spin;
 }
 
 template <class T, class Bodies>
@@ -98,13 +99,14 @@ template <class T, class Bodies>
     using N = typename Bodies::Numbers;
     const auto& s = bodies.state[b];
     const typename N::DriftSum d[3]{N::sum(s.d_w.x), N::sum(s.d_w.y), N::sum(s.d_w.z)};
-    Motion<T> motion{VectorBlock<N>::of_drifts(d, bodies.scale).times(steps_per_second).template as<T>(), {}};
+    VectorBlock<N> velocity = VectorBlock<N>::of_drifts(d, bodies.scale);
+    velocity.multiply_by(steps_per_second);
+    Motion<T> motion{velocity.template as<T>(), {}};
     if constexpr (Bodies::rotation) {
         if (!bodies.rotates(b)) return motion;
         const typename N::TurnSum t[3]{N::sum(s.t_b.x), N::sum(s.t_b.y), N::sum(s.t_b.z)};
-        motion.angular_velocity = spin_of<N>(bodies, b, t, bodies.spin_scale(b), steps_per_second)
-                                      .rotated(bodies.constants[b].principal())
-                                      .template as<T>();
+        const VectorBlock<N> spin = spin_of<N>(bodies, b, t, bodies.spin_scale(b), steps_per_second);
+        motion.angular_velocity = bodies.in_users_axes(b, spin).template as<T>();
     }
     return motion;
 }
@@ -161,13 +163,12 @@ template <class T, class Bodies>
         const Block spin = spin_of<N>(bodies, b, mean, unit, steps_per_second);
         // From the axes at the end of the step back to those of its middle: f + (h/2) w x f.
         force = force.rotated_back(s.q_wb.value()).turned(half_turn<N>(bodies, b));
-        const auto principal = bodies.constants[b].principal();
         if (!point.is_zero()) {
-            const Block arm = point.rotated_back(principal);
+            const Block arm = bodies.in_principal_axes(b, point);
             const Block gain = spin_of<N>(bodies, b, turned, unit, steps_per_second).times(steps_per_second);
             force = force + cross(gain, arm) + cross(spin, cross(spin, arm));
         }
-        return {force.rotated(principal).template as<T>(), spin.rotated(principal).template as<T>()};
+        return {bodies.in_users_axes(b, force).template as<T>(), bodies.in_users_axes(b, spin).template as<T>()};
     }
     return {};
 }

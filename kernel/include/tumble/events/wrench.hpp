@@ -12,40 +12,52 @@ class Wrenches {
 public:
     using Work = typename N::Work;
     using Kick = tumble::Kick<N, rotation>;
+    using Block = VectorBlock<N>;
 
     constexpr explicit Wrenches(Real step)
         : seconds{N::template constant<Work>(step)}, steps_per_second{N::template constant<Work>(Real{1} / step)} {}
 
-    // Takes over a force or torque of a body that is not fixed.
-    template <class Bodies>
-    void set(Bodies& bodies, int b, detail::Push<N> push, bool holds) {
+    // Takes over a force or torque of a body that is not fixed, for the next step alone. `point`: in the user's axes.
+    template <bool angular, class Bodies>
+    void add(Bodies& bodies, int b, Frame frame, const Block& value, const Block& point) {
         Body& body = body_[b];
-        push.value = push.value.times(seconds);
-        if (!holds) {
-            body.acts = body.has_next = true;
-            add_in_the_middle(body.next, bodies, b, push);
-            return;
+        detail::Push<N> push = detail::push_of<N, angular>(bodies, b, frame, value, point);
+        push.value.multiply_by(seconds);
+        body.acts = body.has_next = true;
+        add_in_the_middle<angular>(body.next, bodies, b, push);
+    }
+    // The same for all steps from the next one on.
+    template <bool angular, class Bodies>
+    void set(Bodies& bodies, int b, Frame frame, const Block& value, const Block& point) {
+        Body& body = body_[b];
+        Held& held = angular ? body.torque : body.force;
+        const bool at_centre = angular || point.is_zero();
+        detail::require_rotation<angular>(bodies, b, frame, at_centre);
+        held.holds = !value.is_zero();
+        body.acts = body.has_next | body.force.holds | body.torque.holds;
+        // The change of drift or turn depends on the orientation.
+        if (angular ? frame == Frame::world : frame == Frame::body || !at_centre) {
+            if (held.holds) return turn_with_the_body<angular>(bodies, b, frame, value, point);
         }
-        (push.angular ? body.torque_turns : body.force_turns) = turns_with_the_body(push);
-        (push.angular ? body.torque : body.force) = push;
-        body.acts = body.has_next || body.holds();
-        // A steady force changes the drift alone, a steady torque the turn alone.
-        const bool is_steady = !turns_with_the_body(push);
+        if (held.turns) forget(held);
         bool within = true;
-        for (int i = 0; i < 3; ++i) {
-            if (!push.angular) body.steady.linear[i] = {};
-            if constexpr (rotation)
-                if (push.angular) body.steady.angular[i] = {};
+        const typename N::Scale unit = bodies.scale;
+        const auto& constants = bodies.constants[b];
+        if constexpr (!angular) {
+            Block impulse = value;
+            impulse.multiply_by(seconds);
+            const Work factor = constants.drift_per_impulse;
+            body.steady.linear[0] = N::limited(impulse.drift(0, factor, unit), within);
+            body.steady.linear[1] = N::limited(impulse.drift(1, factor, unit), within);
+            body.steady.linear[2] = N::limited(impulse.drift(2, factor, unit), within);
+        } else if constexpr (rotation) {
+            Block impulse = bodies.in_principal_axes(b, value);
+            impulse.multiply_by(seconds);
+            const auto& units = constants.units;
+            body.steady.angular[0] = N::limited(impulse.turn(0, units.per_impulse(0), unit), within);
+            body.steady.angular[1] = N::limited(impulse.turn(1, units.per_impulse(1), unit), within);
+            body.steady.angular[2] = N::limited(impulse.turn(2, units.per_impulse(2), unit), within);
         }
-        if (is_steady && !push.value.is_zero())
-            detail::resolve(
-                bodies, b, push, nullptr,
-                [&](int i, auto change) { body.steady.linear[i] = N::limited(change, within); },
-                [&]([[maybe_unused]] auto&& change) {
-                    if constexpr (rotation)
-                        for (int i = 0; i < 3; ++i)
-                            body.steady.angular[i] = N::limited(change(i, bodies.scale), within);
-                });
         if (!within) bodies.report(Issue::range_left, b);
     }
     // Call when a body has been removed.
@@ -76,40 +88,67 @@ public:
     Work seconds, steps_per_second;  // of a step
 
 private:
-    struct Body {
-        bool acts = false, has_next = false, force_turns = false, torque_turns = false;
-        detail::Push<N> force{}, torque{true, Frame::body, {}, true, {}};  // of a step: N s, N m s
-        Kick steady{};                                                     // by what does not turn with the body
-        Kick next{};                                                       // in the next step, where it varies
+    struct Held {
+        bool holds = false, turns = false;  // not zero; its change of the motion depends on the orientation
+        detail::Push<N> push{};             // of a step: N s or N m s; kept where it turns
 
         // Calls visit with the members that a snapshot holds.
         template <class Self, class Visit>
         static void each(Self& self, Visit& visit) {
-            visit(self.acts, self.has_next, self.force_turns, self.torque_turns, self.force, self.torque, self.steady,
-                  self.next);
+            visit(self.holds, self.turns, self.push);
+        }
+    };
+    struct Body {
+        bool acts = false, has_next = false;
+        Held force{}, torque{};
+        Kick steady{};  // by what does not turn with the body
+        Kick next{};    // in the next step, where it varies
+
+        // Calls visit with the members that a snapshot holds.
+        template <class Self, class Visit>
+        static void each(Self& self, Visit& visit) {
+            visit(self.acts, self.has_next, self.force, self.torque, self.steady, self.next);
         }
 
-        [[nodiscard]] bool holds() const { return !force.value.is_zero() || !torque.value.is_zero(); }
-        [[nodiscard]] TUMBLE_INLINE bool varies() const { return has_next || force_turns || torque_turns; }
+        [[nodiscard]] TUMBLE_INLINE bool holds() const { return force.holds || torque.holds; }
+        [[nodiscard]] TUMBLE_INLINE bool varies() const { return has_next || force.turns || torque.turns; }
     };
 
-    // True of a push whose change of drift or turn depends on the orientation.
-    [[nodiscard]] static bool turns_with_the_body(const detail::Push<N>& push) {
-        if (push.value.is_zero()) return false;
-        return push.angular ? push.frame == Frame::world : push.frame == Frame::body || !push.at_centre;
+    template <bool angular, class Bodies>
+    [[gnu::noinline]] void turn_with_the_body(const Bodies& bodies, int b, Frame frame, const Block& value,
+                                              const Block& point) {
+        Body& body = body_[b];
+        Held& held = angular ? body.torque : body.force;
+        held.push = detail::push_of<N, angular>(bodies, b, frame, value, point);
+        held.push.value.multiply_by(seconds);
+        held.turns = true;
+        for (int i = 0; i < 3; ++i) {
+            if constexpr (!angular) body.steady.linear[i] = {};
+            else if constexpr (rotation) body.steady.angular[i] = {};
+        }
     }
-    template <class Bodies>
+    [[gnu::noinline]] static void forget(Held& held) {
+        held.push = {};
+        held.turns = false;
+    }
+    // True of a push whose change of drift or turn depends on the orientation.
+    template <bool angular>
+    [[nodiscard]] TUMBLE_INLINE static bool turns_with_the_body(const detail::Push<N>& push) {
+        const bool turns = angular ? push.frame == Frame::world : push.frame == Frame::body || !push.at_centre;
+        return turns && !push.value.is_zero();
+    }
+    template <bool angular, class Bodies>
     [[gnu::noinline]] static void add_in_the_middle(Kick& kick, const Bodies& bodies, int b,
                                                     const detail::Push<N>& push) {
         Vec3<typename N::Unit> u;
         const Vec3<typename N::Unit>* ahead = nullptr;
         if constexpr (rotation) {
-            if (turns_with_the_body(push)) {
+            if (turns_with_the_body<angular>(push)) {
                 u = detail::half_turn<N>(bodies, b);
                 ahead = &u;
             }
         }
-        detail::resolve(
+        detail::resolve<N, angular>(
             bodies, b, push, ahead, [&](int i, auto change) { kick.linear[i] = N::held_sum(kick.linear[i], change); },
             [&]([[maybe_unused]] auto&& change) {
                 if constexpr (rotation)
@@ -119,8 +158,8 @@ private:
     template <class Bodies>
     [[gnu::noinline]] void add_up(Bodies& bodies, int b) {
         Body& body = body_[b];
-        if (body.force_turns) add_in_the_middle(body.next, bodies, b, body.force);
-        if (body.torque_turns) add_in_the_middle(body.next, bodies, b, body.torque);
+        if (body.force.turns) add_in_the_middle<false>(body.next, bodies, b, body.force.push);
+        if (body.torque.turns) add_in_the_middle<true>(body.next, bodies, b, body.torque.push);
         bool within = true;
         for (int i = 0; i < 3; ++i) {
             body.next.linear[i] = N::limited(N::held_sum(body.next.linear[i], body.steady.linear[i]), within);

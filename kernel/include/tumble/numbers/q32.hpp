@@ -181,10 +181,11 @@ struct Q32 {
     // The sum of two changes, held at the widest sum.
     template <int F>
     [[nodiscard]] TUMBLE_INLINE static constexpr Wide<F> held_sum(Wide<F> a, Wide<F> b) {
-        std::int64_t sum = 0;
-        if (__builtin_add_overflow(a.raw, b.raw, &sum)) [[unlikely]]
-            sum = a.raw < 0 ? -widest : widest;
-        return {sum};
+        // A sum wraps if its sign differs from those of both numbers. Compilers make more of __builtin_add_overflow().
+        const Wide<F> sum = a + b;
+        if (((upper(sum.raw) ^ upper(a.raw)) & (upper(sum.raw) ^ upper(b.raw))) < 0) [[unlikely]]
+            return {a.raw < 0 ? -widest : widest};
+        return sum;
     }
     // A load's change in a step, held within a quarter of the range, so that no stage of a method can wrap. Clears
     // `within` if the change was held.

@@ -133,6 +133,10 @@ public:
         if (magnitude > static_cast<std::uint64_t>(limit)) return negative_ ? -limit : limit;
         return negative_ ? -static_cast<std::int64_t>(magnitude) : static_cast<std::int64_t>(magnitude);
     }
+    // The 32 leading bits of the magnitude, the first of which is set unless the number is zero.
+    [[nodiscard]] constexpr std::uint32_t leading_bits() const { return static_cast<std::uint32_t>(mantissa_ >> 32); }
+    // The power of two of their unit.
+    [[nodiscard]] constexpr int leading_exponent() const { return exponent_ + 32; }
     // The exponent of the power of two above the magnitude: the least result with |value| < 2^result. Zero gives a very
     // small number.
     [[nodiscard]] constexpr int ceil_log2() const { return mantissa_ == 0 ? -100000 : exponent_ + 64; }

@@ -48,10 +48,12 @@ public:
     explicit constexpr Scaled(Real value) : Scaled{from(value)} {}
     // A set-up number, rounded to 31 bits.
     [[nodiscard]] static constexpr Scaled from(Real value) {
-        // The leading bit goes to 2^30, rounded to nearest; `of` renormalises a carry.
+        // The leading bit goes to 2^30, rounded to nearest, ties away from zero. A carry out of 31 bits leaves 2^31.
         if (value.is_zero()) return {};
-        const int up = 31 - value.ceil_log2();
-        return of(value.to_fixed(up, 64), -up);
+        const std::uint32_t bits = value.leading_bits(), rounded = (bits >> 1) + (bits & 1), carry = rounded >> 31;
+        const auto magnitude = static_cast<std::int32_t>(rounded >> carry);
+        return Scaled{value.is_negative() ? -magnitude : magnitude,
+                      value.leading_exponent() + 1 + static_cast<int>(carry)};
     }
     // raw * 2^exponent, rounded to 31 bits, ties away from zero.
     [[nodiscard, gnu::noinline]] static constexpr Scaled of(std::int64_t raw, int exponent) {

@@ -1,6 +1,6 @@
 // VectorBlock<N>: a vector for what a program gives to a world and reads from it. In fixed point its three mantissas
 // share one exponent: rotations and products are sums of 64 bits, and only the ends of a calculation shift. It holds 29
-// bits of the largest component. In floating point it is a plain vector.
+// bits of the largest component. Every rounding is to nearest, ties upwards. In floating point it is a plain vector.
 #pragma once
 
 #include <tumble/numbers/systems.hpp>
@@ -37,15 +37,17 @@ requires(N::fixed_point) struct VectorBlock<N> {
         const auto component = [&](int i) -> std::int32_t {  // 24 bits, moved to below 2^29 and down
             const int drop = most - field(i);
             if (drop > 29 || field(i) == 0) return 0;
-            const auto m = static_cast<std::int32_t>((((bits[i] & 0x7fffff) | 0x800000) << 5 >> drop));
-            return (bits[i] >> 31) != 0 ? -m : m;
+            const auto m = static_cast<std::int32_t>(((bits[i] & 0x7fffff) | 0x800000) << 5);
+            return (((bits[i] >> 31) != 0 ? -m : m) + (1 << drop >> 1)) >> drop;
         };
         return {{component(0), component(1), component(2)}, most - 155};
     }
     // Three numbers of any type.
     template <class X, class Y, class Z>
-    [[nodiscard, gnu::noinline]] static constexpr VectorBlock of(X x, Y y, Z z) {
-        const Scaled v[3]{static_cast<Scaled>(x), static_cast<Scaled>(y), static_cast<Scaled>(z)};
+    [[nodiscard]] static constexpr VectorBlock of(X x, Y y, Z z) {
+        return of_numbers({static_cast<Scaled>(x), static_cast<Scaled>(y), static_cast<Scaled>(z)});
+    }
+    [[nodiscard, gnu::noinline]] static constexpr VectorBlock of_numbers(const Scaled (&v)[3]) {
         int most = lowest;
         for (const Scaled& c : v)
             if (!c.is_zero() && c.exponent() > most) most = c.exponent();
@@ -59,15 +61,19 @@ requires(N::fixed_point) struct VectorBlock<N> {
     }
     // raw * 2^exponent, each below 2^63.
     [[nodiscard, gnu::noinline]] static constexpr VectorBlock of_sums(const std::int64_t (&raw)[3], int exponent) {
-        std::uint64_t bits = 0;
-        for (int i = 0; i < 3; ++i) bits |= static_cast<std::uint64_t>(raw[i] ^ (raw[i] >> 63));
-        const int drop = 64 - 29 - std::countl_zero(bits);
-        VectorBlock block;
-        block.exponent = exponent + drop;
-        for (int i = 0; i < 3; ++i)
-            block.mantissa[i] = static_cast<std::int32_t>(drop > 0 ? ((raw[i] >> (drop - 1)) + 1) >> 1
-                                                                   : raw[i] * (std::int64_t{1} << -drop));
-        return block;
+        const std::int32_t x = upper_of(raw[0]), y = upper_of(raw[1]), z = upper_of(raw[2]);
+        const auto high = static_cast<std::uint32_t>((x ^ (x >> 31)) | (y ^ (y >> 31)) | (z ^ (z >> 31)));
+        if (high == 0) [[unlikely]]
+            return of_small_sums(raw, exponent);
+        const int drop = 64 - 29 - std::countl_zero(high);  // 4 to 34
+        // The result fits one word, so it comes from the words of the sum.
+        if (drop < 32) [[likely]]
+            return {{lower_shifted(raw[0], drop), lower_shifted(raw[1], drop), lower_shifted(raw[2], drop)},
+                    exponent + drop};
+        const auto rounded = [&](std::int64_t sum) {
+            return static_cast<std::int32_t>(((sum >> (drop - 1)) + 1) >> 1);
+        };
+        return {{rounded(raw[0]), rounded(raw[1]), rounded(raw[2])}, exponent + drop};
     }
     // Changes of drift, m, and of half a turn, rad, from the units of the state.
     [[nodiscard]] static constexpr VectorBlock of_drifts(const typename N::DriftSum (&d)[3], typename N::Scale s) {
@@ -76,11 +82,23 @@ requires(N::fixed_point) struct VectorBlock<N> {
     [[nodiscard]] static constexpr VectorBlock of_turns(const typename N::TurnSum (&t)[3], typename N::Scale s) {
         return of_sums({t[0].raw, t[1].raw, t[2].raw}, -(64 + s.turn_shift));
     }
+    // Turns times the rate of each axis, rounded to 30 bits each before they share an exponent.
+    [[nodiscard]] static constexpr VectorBlock of_turns(const typename N::TurnSum (&t)[3], typename N::Scale s,
+                                                        const Scaled (&rate)[3]) {
+        const Product x = Product::of(t[0].raw, rate[0]), y = Product::of(t[1].raw, rate[1]),
+                      z = Product::of(t[2].raw, rate[2]);
+        int most = x.exponent > y.exponent ? x.exponent : y.exponent;
+        if (z.exponent > most) most = z.exponent;
+        const std::int32_t a = x.below(most), b = y.below(most), c = z.below(most);
+        const int drop = ((a ^ (a >> 31)) | (b ^ (b >> 31)) | (c ^ (c >> 31))) >> 30 != 0 ? 2 : 1;
+        const auto rounded = [&](std::int32_t m) { return ((m >> (drop - 1)) + 1) >> 1; };
+        return {{rounded(a), rounded(b), rounded(c)}, most + 31 + 32 - (64 + s.turn_shift) + drop};
+    }
     // Back to the units of the state, times a factor. Held far below the end of a sum.
-    [[nodiscard]] constexpr typename N::DriftSum drift(int i, Scaled factor, typename N::Scale s) const {
+    [[nodiscard]] TUMBLE_INLINE constexpr typename N::DriftSum drift(int i, Scaled factor, typename N::Scale s) const {
         return {sum(i, factor, Position::fraction_bits + 32 + s.drift_shift)};
     }
-    [[nodiscard]] constexpr typename N::TurnSum turn(int i, Scaled factor, typename N::Scale s) const {
+    [[nodiscard]] TUMBLE_INLINE constexpr typename N::TurnSum turn(int i, Scaled factor, typename N::Scale s) const {
         return {sum(i, factor, 64 + s.turn_shift)};
     }
     // m.
@@ -88,7 +106,18 @@ requires(N::fixed_point) struct VectorBlock<N> {
         return {shifted(mantissa[i], exponent + N::PositionSum::fraction_bits)};
     }
 
-    [[nodiscard]] constexpr bool is_zero() const { return (mantissa[0] | mantissa[1] | mantissa[2]) == 0; }
+    [[nodiscard]] TUMBLE_INLINE constexpr bool is_zero() const {
+        return (mantissa[0] | mantissa[1] | mantissa[2]) == 0;
+    }
+    // From the user's axes to principal axes and back, by the order of the axes.
+    [[nodiscard]] TUMBLE_INLINE constexpr VectorBlock ordered(const auto& order) const {
+        return {{order.principal(mantissa, 0), order.principal(mantissa, 1), order.principal(mantissa, 2)}, exponent};
+    }
+    [[nodiscard]] TUMBLE_INLINE constexpr VectorBlock ordered_back(const auto& order) const {
+        VectorBlock user{{}, exponent};
+        order.place(user.mantissa, mantissa);
+        return user;
+    }
     [[nodiscard, gnu::noinline]] constexpr VectorBlock rotated(const Quat<Unit>& q) const {
         const std::int32_t across[3]{rounded<30>(cross_sum<0>(q.v, mantissa)), rounded<30>(cross_sum<1>(q.v, mantissa)),
                                      rounded<30>(cross_sum<2>(q.v, mantissa))};
@@ -99,7 +128,9 @@ requires(N::fixed_point) struct VectorBlock<N> {
                  component.template operator()<2>()},
                 exponent};
     }
-    [[nodiscard]] constexpr VectorBlock rotated_back(const Quat<Unit>& q) const { return rotated(q.conjugate()); }
+    [[nodiscard]] TUMBLE_INLINE constexpr VectorBlock rotated_back(const Quat<Unit>& q) const {
+        return rotated({-q.w, q.v});
+    }
     // v + u x v: the rotation by a small angle u to first order.
     [[nodiscard]] constexpr VectorBlock turned(const Vec3<Unit>& u) const {
         return {{mantissa[0] + rounded<30>(cross_sum<0>(u, mantissa)),
@@ -108,16 +139,25 @@ requires(N::fixed_point) struct VectorBlock<N> {
                 exponent};
     }
     // Half the angle of a turn, rad, held at 1/2. `rate` is that of SpinUnits, of steps.
-    [[nodiscard]] static constexpr Unit half_angle(typename N::Turn t, Scaled rate, typename N::Scale s) {
-        constexpr std::int64_t limit = std::int64_t{1} << 29;
-        const std::int64_t raw =
-            shifted(detail::multiply(t.raw, rate.mantissa()), rate.exponent() - 1 - (32 + s.turn_shift) + 30);
+    [[nodiscard]] TUMBLE_INLINE static constexpr Unit half_angle(typename N::Turn t, Scaled rate, typename N::Scale s) {
+        constexpr std::int32_t limit = 1 << 29;
+        const std::int64_t product = detail::multiply(t.raw, rate.mantissa());
+        const int down = 32 + s.turn_shift + 1 - 30 - rate.exponent();
+        std::int64_t raw = 0;
+        if (down >= 33 && down <= 62) [[likely]]  // of the upper word, rounded
+            raw = ((upper_of(product) >> (down - 33)) + 1) >> 1;
+        else raw = shifted(product, -down);
         return {static_cast<std::int32_t>(raw > limit ? limit : raw < -limit ? -limit : raw)};
     }
+    // Exact where s is a power of two.
+    TUMBLE_INLINE constexpr void multiply_by(Scaled s) {
+        exponent += s.exponent() + 30;
+        if (s.mantissa() != 1 << 30) multiply_by_mantissa(s.mantissa());
+    }
     [[nodiscard]] constexpr VectorBlock times(Scaled s) const {
-        VectorBlock r{{}, exponent + s.exponent() + 31};
-        for (int i = 0; i < 3; ++i) r.mantissa[i] = rounded<31>(detail::multiply(mantissa[i], s.mantissa()));
-        return r;
+        VectorBlock product = *this;
+        product.multiply_by(s);
+        return product;
     }
     // Each component times its factor.
     [[nodiscard, gnu::noinline]] constexpr VectorBlock times(const Vector3<Scaled>& s) const {
@@ -131,10 +171,12 @@ requires(N::fixed_point) struct VectorBlock<N> {
         }
         return of_sums(raw, exponent + most);
     }
+    // To 2^-30 of the product of the lengths.
     [[nodiscard]] friend constexpr VectorBlock cross(const VectorBlock& a, const VectorBlock& b) {
         const Vec3<Unit> u{Unit{a.mantissa[0]}, Unit{a.mantissa[1]}, Unit{a.mantissa[2]}};
-        return of_sums({cross_sum<0>(u, b.mantissa), cross_sum<1>(u, b.mantissa), cross_sum<2>(u, b.mantissa)},
-                       a.exponent + b.exponent);
+        return {{rounded<30>(cross_sum<0>(u, b.mantissa)), rounded<30>(cross_sum<1>(u, b.mantissa)),
+                 rounded<30>(cross_sum<2>(u, b.mantissa))},
+                a.exponent + b.exponent + 30};
     }
     [[nodiscard]] friend constexpr VectorBlock operator+(const VectorBlock& a, const VectorBlock& b) {
         if (a.is_zero()) return b;
@@ -148,10 +190,87 @@ requires(N::fixed_point) struct VectorBlock<N> {
     }
     template <class T>
     [[nodiscard]] constexpr Vector3<T> as() const {
-        return {number<T>(mantissa[0]), number<T>(mantissa[1]), number<T>(mantissa[2])};
+        if constexpr (std::is_same_v<T, float>) return floats();
+        else
+            return {static_cast<T>(Scaled::of(mantissa[0], exponent)),
+                    static_cast<T>(Scaled::of(mantissa[1], exponent)),
+                    static_cast<T>(Scaled::of(mantissa[2], exponent))};
     }
 
 private:
+    // A sum times a factor: 30 bits or 31, or zero.
+    struct Product {
+        std::int32_t mantissa = 0;
+        int exponent = lowest;
+
+        [[nodiscard]] TUMBLE_INLINE static constexpr Product of(std::int64_t raw, Scaled factor) {
+            if (raw == 0) return {};
+            const std::int32_t upper = upper_of(raw), sign = upper >> 31;
+            const auto high = static_cast<std::uint32_t>(upper ^ sign);
+            // The upper word of raw * 2^up, whose leading bit is 30.
+            int up = 31;
+            std::uint32_t leading = 0;
+            if (high >> 1 != 0) [[likely]] {
+                up = std::countl_zero(high) - 1;
+                leading = static_cast<std::uint32_t>(upper) << up | lower_of(raw) >> 1 >> (31 - up);
+            } else {
+                up = std::countl_zero(static_cast<std::uint64_t>(raw ^ (raw >> 63))) - 1;
+                leading = static_cast<std::uint32_t>((static_cast<std::uint64_t>(raw) << up) >> 32);
+            }
+            return {rounded<31>(detail::multiply(static_cast<std::int32_t>(leading), factor.mantissa())),
+                    factor.exponent() - up};
+        }
+        // The mantissa with a larger exponent.
+        [[nodiscard]] TUMBLE_INLINE constexpr std::int32_t below(int most) const {
+            const int drop = most - exponent;
+            return drop > 31 ? 0 : mantissa >> drop;
+        }
+    };
+    // raw / 2^drop, rounded, for results of one word and 1 <= drop <= 31.
+    [[nodiscard]] TUMBLE_INLINE static constexpr std::int32_t lower_shifted(std::int64_t raw, int drop) {
+        const std::uint32_t lower = lower_of(raw), upper = static_cast<std::uint32_t>(upper_of(raw));
+        return static_cast<std::int32_t>((upper << (32 - drop) | lower >> drop) + ((lower >> (drop - 1)) & 1));
+    }
+    // Of sums whose magnitudes fit one word.
+    [[nodiscard, gnu::noinline]] static constexpr VectorBlock of_small_sums(const std::int64_t (&raw)[3],
+                                                                            int exponent) {
+        std::uint32_t low = 0;
+        for (int i = 0; i < 3; ++i) low |= lower_of(raw[i] ^ (raw[i] >> 63));
+        const int drop = 32 - 29 - std::countl_zero(low);
+        VectorBlock block{{}, exponent + drop};
+        for (int i = 0; i < 3; ++i)
+            block.mantissa[i] =
+                drop > 0 ? lower_shifted(raw[i], drop) : static_cast<std::int32_t>(lower_of(raw[i]) << -drop);
+        return block;
+    }
+    // The nearest floats, ties to even. They are normal numbers unless the exponent is extreme.
+    [[nodiscard, gnu::noinline]] constexpr Vector3<float> floats() const {
+        const int field = exponent + 31 + 127;
+        if (field < 32 || field > 254) [[unlikely]]
+            return {detail::to_float(mantissa[0], exponent), detail::to_float(mantissa[1], exponent),
+                    detail::to_float(mantissa[2], exponent)};
+        return {normal_float(mantissa[0], field), normal_float(mantissa[1], field), normal_float(mantissa[2], field)};
+    }
+    // Of m * 2^(field - 158), by adding half a unit, less where the result is even.
+    [[nodiscard]] TUMBLE_INLINE static constexpr float normal_float(std::int32_t m, int field) {
+        if (m == 0) return 0;
+        const std::uint32_t sign = static_cast<std::uint32_t>(m) & 0x80000000u,
+                            magnitude = sign != 0 ? 0u - static_cast<std::uint32_t>(m) : static_cast<std::uint32_t>(m);
+        const int up = std::countl_zero(magnitude);
+        const std::uint32_t upper = magnitude << up;
+        const std::uint32_t rounded = (upper >> 8) + (((upper & 0xff) + 0x7f + ((upper >> 8) & 1)) >> 8);
+        return std::bit_cast<float>(sign | (rounded + (static_cast<std::uint32_t>(field - 1 - up) << 23)));
+    }
+    [[gnu::noinline]] constexpr void multiply_by_mantissa(std::int32_t m) {
+        ++exponent;
+        for (int i = 0; i < 3; ++i) mantissa[i] = rounded<31>(detail::multiply(mantissa[i], m));
+    }
+    [[nodiscard]] TUMBLE_INLINE static constexpr std::int32_t upper_of(std::int64_t raw) {
+        return static_cast<std::int32_t>(raw >> 32);
+    }
+    [[nodiscard]] TUMBLE_INLINE static constexpr std::uint32_t lower_of(std::int64_t raw) {
+        return static_cast<std::uint32_t>(raw);
+    }
     template <int bits>
     [[nodiscard]] TUMBLE_INLINE static constexpr std::int32_t rounded(std::int64_t sum) {
         return static_cast<std::int32_t>((sum + (std::int64_t{1} << (bits - 1))) >> bits);
@@ -169,13 +288,13 @@ private:
             return raw == 0 ? 0 : raw * (std::int64_t{1} << up);
         return raw < 0 ? -N::widest : N::widest;
     }
-    [[nodiscard]] constexpr std::int64_t sum(int i, Scaled factor, int fraction_bits) const {
-        return shifted(detail::multiply(mantissa[i], factor.mantissa()), exponent + factor.exponent() + fraction_bits);
-    }
-    template <class T>
-    [[nodiscard]] constexpr T number(std::int32_t m) const {
-        if constexpr (std::is_same_v<T, float>) return detail::to_float(m, exponent);
-        else return static_cast<T>(Scaled::of(m, exponent));
+    // The usual change of a state is a shift to the right by less than a word.
+    [[nodiscard]] TUMBLE_INLINE constexpr std::int64_t sum(int i, Scaled factor, int fraction_bits) const {
+        const std::int64_t raw = detail::multiply(mantissa[i], factor.mantissa());
+        const int down = -(exponent + factor.exponent() + fraction_bits);
+        if (down >= 1 && down <= 31) [[likely]]
+            return detail::shift_right(raw + static_cast<std::int64_t>(std::uint32_t{1} << (down - 1)), down);
+        return shifted(raw, -down);
     }
 };
 
@@ -196,15 +315,27 @@ requires(!N::fixed_point) struct VectorBlock<N> {
     }
     [[nodiscard]] static VectorBlock of_drifts(const T (&d)[3], typename N::Scale) { return {{d[0], d[1], d[2]}}; }
     [[nodiscard]] static VectorBlock of_turns(const T (&t)[3], typename N::Scale) { return {{t[0], t[1], t[2]}}; }
+    [[nodiscard]] static VectorBlock of_turns(const T (&t)[3], typename N::Scale, const T (&rate)[3]) {
+        return {{t[0] * rate[0], t[1] * rate[1], t[2] * rate[2]}};
+    }
     [[nodiscard]] T drift(int i, T factor, typename N::Scale) const { return v[i] * factor; }
     [[nodiscard]] T turn(int i, T factor, typename N::Scale) const { return v[i] * factor; }
     [[nodiscard]] T position(int i) const { return v[i]; }
-    [[nodiscard]] bool is_zero() const { return v[0] == T(0) && v[1] == T(0) && v[2] == T(0); }
+    [[nodiscard]] TUMBLE_INLINE bool is_zero() const { return v[0] == T(0) && v[1] == T(0) && v[2] == T(0); }
+    [[nodiscard]] TUMBLE_INLINE VectorBlock ordered(const auto& order) const {
+        return {{order.principal(v, 0), order.principal(v, 1), order.principal(v, 2)}};
+    }
+    [[nodiscard]] TUMBLE_INLINE VectorBlock ordered_back(const auto& order) const {
+        VectorBlock user;
+        order.place(user.v, v);
+        return user;
+    }
     [[nodiscard]] VectorBlock rotated(const Quat<T>& q) const { return {rotate(q, v)}; }
     [[nodiscard]] VectorBlock rotated_back(const Quat<T>& q) const { return {rotate_back(q, v)}; }
     [[nodiscard]] VectorBlock turned(const Vec3<T>& u) const { return {v + tumble::cross<T>(u, v)}; }
     [[nodiscard]] static T half_angle(T t, T rate, typename N::Scale) { return t * rate * T(0.5); }
     [[nodiscard]] VectorBlock times(T s) const { return {scaled_by(v, s)}; }
+    TUMBLE_INLINE void multiply_by(T s) { v = scaled_by(v, s); }
     [[nodiscard]] VectorBlock times(const Vector3<T>& s) const { return {{v[0] * s.x, v[1] * s.y, v[2] * s.z}}; }
     [[nodiscard]] friend VectorBlock cross(const VectorBlock& a, const VectorBlock& b) {
         return {tumble::cross<T>(a.v, b.v)};
