@@ -507,8 +507,11 @@ private:
         } else if constexpr (kind == Kind::impulse || kind == Kind::angular_impulse) {
             if (bodies.constants[b].fixed) return;
             constexpr bool angular = kind == Kind::angular_impulse;
-            detail::apply_push<N, angular>(bodies, b,
-                                           detail::push_of<N, angular>(bodies, b, frame, value.block(), point.block()));
+            const bool opposite = value.block().is_negative();
+            detail::apply_push<N, angular>(
+                bodies, b,
+                detail::push_of<N, angular>(bodies, b, frame, opposite ? -value.block() : value.block(), point.block()),
+                opposite);
         } else if constexpr (kind == Kind::velocity) {
             detail::set_velocity(bodies, b, frame, value.block(), seconds());
         } else if constexpr (kind == Kind::angular_velocity) {

@@ -159,17 +159,20 @@ TUMBLE_INLINE void resolve(const Bodies& bodies, int b, const Push<N>& push,
 
 // --- events that change the state at once ------------------------------------------------------------------------
 
+// Applies a push, or its opposite. An impulse and its opposite leave the motion as it was, bit for bit: they are
+// applied as one of the two, since ties are rounded upwards.
 template <class N, bool angular, class Bodies>
-TUMBLE_INLINE void apply_push(Bodies& bodies, int b, const Push<N>& push) {
+TUMBLE_INLINE void apply_push(Bodies& bodies, int b, const Push<N>& push, bool opposite) {
+    const auto signed_change = [&](auto change) { return opposite ? -change : change; };
     auto& s = bodies.state[b];
     resolve<N, angular>(
-        bodies, b, push, nullptr, [&](int i, auto change) { N::add_sum(s.d_w[i], change); },
+        bodies, b, push, nullptr, [&](int i, auto change) { N::add_sum(s.d_w[i], signed_change(change)); },
         [&]([[maybe_unused]] auto&& change) {
             if constexpr (Bodies::rotation)
                 bodies.change_spin(b, [&](auto& t_b, typename N::Scale unit) {
-                    N::add_sum(t_b.x, change(0, unit));
-                    N::add_sum(t_b.y, change(1, unit));
-                    N::add_sum(t_b.z, change(2, unit));
+                    N::add_sum(t_b.x, signed_change(change(0, unit)));
+                    N::add_sum(t_b.y, signed_change(change(1, unit)));
+                    N::add_sum(t_b.z, signed_change(change(2, unit)));
                 });
         });
 }
@@ -177,10 +180,13 @@ TUMBLE_INLINE void apply_push(Bodies& bodies, int b, const Push<N>& push) {
 template <class N, class Bodies>
 void apply_impulse(Bodies& bodies, const Impulse<N>& event) {
     const int b = event.body;
-    if (!event.impulse.is_zero())
-        apply_push<N, false>(bodies, b, {event.frame, event.point_b.is_zero(), event.impulse, event.point_b});
+    const auto apply = [&]<bool angular>(const VectorBlock<N>& value, const VectorBlock<N>& point) {
+        const bool opposite = value.is_negative();
+        apply_push<N, angular>(bodies, b, {event.frame, point.is_zero(), opposite ? -value : value, point}, opposite);
+    };
+    if (!event.impulse.is_zero()) apply.template operator()<false>(event.impulse, event.point_b);
     if constexpr (Bodies::rotation)
-        if (!event.angular.is_zero()) apply_push<N, true>(bodies, b, {event.frame, true, event.angular, {}});
+        if (!event.angular.is_zero()) apply.template operator()<true>(event.angular, {});
 }
 
 // The vector in the world's axes, or in principal axes.

@@ -1,6 +1,7 @@
 // VectorBlock<N>: a vector for what a program gives to a world and reads from it. In fixed point its three mantissas
 // share one exponent: rotations and products are sums of 64 bits, and only the ends of a calculation shift. It holds 29
-// bits of the largest component. Every rounding is to nearest, ties upwards. In floating point it is a plain vector.
+// bits of the largest component. Every rounding is to nearest, ties upwards; where a block is made of numbers, ties
+// away from zero. In floating point it is a plain vector.
 #pragma once
 
 #include <tumble/numbers/systems.hpp>
@@ -38,7 +39,8 @@ requires(N::fixed_point) struct VectorBlock<N> {
             const int drop = most - field(i);
             if (drop > 29 || field(i) == 0) return 0;
             const auto m = static_cast<std::int32_t>(((bits[i] & 0x7fffff) | 0x800000) << 5);
-            return (((bits[i] >> 31) != 0 ? -m : m) + (1 << drop >> 1)) >> drop;
+            const std::int32_t rounded = (m + (1 << drop >> 1)) >> drop;
+            return (bits[i] >> 31) != 0 ? -rounded : rounded;
         };
         return {{component(0), component(1), component(2)}, most - 155};
     }
@@ -55,7 +57,10 @@ requires(N::fixed_point) struct VectorBlock<N> {
         block.exponent = most + 2;
         for (int i = 0; i < 3; ++i) {
             const int drop = block.exponent - v[i].exponent();
-            if (!v[i].is_zero() && drop < 32) block.mantissa[i] = ((v[i].mantissa() >> (drop - 1)) + 1) >> 1;
+            if (v[i].is_zero() || drop > 31) continue;
+            const std::int32_t m = v[i].mantissa(), magnitude = m < 0 ? -m : m,
+                               rounded = ((magnitude >> (drop - 1)) + 1) >> 1;
+            block.mantissa[i] = m < 0 ? -rounded : rounded;
         }
         return block;
     }
@@ -108,6 +113,14 @@ requires(N::fixed_point) struct VectorBlock<N> {
 
     [[nodiscard]] TUMBLE_INLINE constexpr bool is_zero() const {
         return (mantissa[0] | mantissa[1] | mantissa[2]) == 0;
+    }
+    // True of one of a vector and its opposite.
+    [[nodiscard]] TUMBLE_INLINE constexpr bool is_negative() const {
+        if (mantissa[0] != 0) return mantissa[0] < 0;
+        return mantissa[1] != 0 ? mantissa[1] < 0 : mantissa[2] < 0;
+    }
+    [[nodiscard]] TUMBLE_INLINE constexpr VectorBlock operator-() const {
+        return {{-mantissa[0], -mantissa[1], -mantissa[2]}, exponent};
     }
     // From the user's axes to principal axes and back, by the order of the axes.
     [[nodiscard]] TUMBLE_INLINE constexpr VectorBlock ordered(const auto& order) const {
@@ -322,6 +335,9 @@ requires(!N::fixed_point) struct VectorBlock<N> {
     [[nodiscard]] T turn(int i, T factor, typename N::Scale) const { return v[i] * factor; }
     [[nodiscard]] T position(int i) const { return v[i]; }
     [[nodiscard]] TUMBLE_INLINE bool is_zero() const { return v[0] == T(0) && v[1] == T(0) && v[2] == T(0); }
+    // Floating point rounds opposites to opposites.
+    [[nodiscard]] TUMBLE_INLINE static constexpr bool is_negative() { return false; }
+    [[nodiscard]] VectorBlock operator-() const { return {-v}; }
     [[nodiscard]] TUMBLE_INLINE VectorBlock ordered(const auto& order) const {
         return {{order.principal(v, 0), order.principal(v, 1), order.principal(v, 2)}};
     }
