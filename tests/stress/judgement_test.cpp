@@ -10,6 +10,8 @@ namespace {
 
 using namespace tumble::bench::stress;
 using tumble::host::BodySnapshot;
+using tumble::host::EventDescription;
+using tumble::host::ImuSnapshot;
 using tumble::host::SceneDescription;
 using tumble::host::Simulation;
 
@@ -97,10 +99,11 @@ public:
         : Simulation(run->steps(), run->step_length()), run_{std::move(run)}, energy_{energy}, digits_{digits} {}
 
     void step() override { run_->step(); }
+    void apply(const EventDescription& event) override { run_->apply(event); }
+    ImuSnapshot imu(int index) const override { return run_->imu(index); }
     std::int64_t steps_taken() const override { return run_->steps_taken(); }
     std::uint64_t hash() const override { return run_->hash(); }
     int body_count() const override { return run_->body_count(); }
-    int near_pair_count() const override { return run_->near_pair_count(); }
     BodySnapshot body(int index) const override {
         BodySnapshot body = run_->body(index);
         for (auto* numbers : {body.position.data(), body.orientation.data()})
