@@ -1,8 +1,8 @@
 // What the host simulator makes of every shipped scene with every integrator and the number systems it runs in: the
 // lines that conformance.hpp prints, and behind them steps and hash once more, after TUMBLE_FIRST_STEPS. Arguments: the
-// names of the number systems and those of the integrators, each joined by commas or `all`, and the scene files; or
-// --contacts and those of the contact scenes, of which the first steps are replayed with the default integrator in
-// three systems, and there is one hash.
+// names of the number systems and those of the integrators, each joined by commas or `all`, and the scene files;
+// --first before them: the first steps alone; or --contacts and those of the contact scenes, of which the first steps
+// are replayed with the default integrator in three systems, and there is one hash.
 #include <algorithm>
 #include <cstdio>
 #include <exception>
@@ -30,11 +30,12 @@ bool is_among(std::string_view name, std::string_view names) {
 int main(int count, char** arguments) try {
     using namespace tumble::host;
     tell_lost_output();
-    const bool contacts = count > 1 && std::string_view(arguments[1]) == "--contacts";
-    const int first_scene = contacts ? 2 : 3;
+    const std::string_view option = count > 1 ? arguments[1] : "";
+    const bool contacts = option == "--contacts", first_alone = option == "--first";
+    const int first_name = first_alone ? 2 : 1, first_scene = contacts ? 2 : first_name + 2;
     if (count < first_scene) throw std::runtime_error("expected --contacts, or number systems and integrators");
-    const std::string_view systems = contacts ? "q32,f32,f64" : arguments[1];
-    const std::string_view methods = contacts ? "verlet" : arguments[2];
+    const std::string_view systems = contacts ? "q32,f32,f64" : arguments[first_name];
+    const std::string_view methods = contacts ? "verlet" : arguments[first_name + 1];
     std::vector<SceneDescription> scenes;
     for (int i = first_scene; i < count; ++i) scenes.push_back(read_scene(arguments[i]));
     std::vector<NumberVariant> variants = number_variants();
@@ -53,7 +54,7 @@ int main(int count, char** arguments) try {
                 const std::int64_t whole = std::min(run->steps(), most);
                 const std::string first = answer_after(std::min<std::int64_t>(whole, TUMBLE_FIRST_STEPS));
                 std::printf("%s %s %s%s%s\n", scene.name.c_str(), variant.name.c_str(), integrator.name.c_str(),
-                            answer_after(whole).c_str(), contacts ? "" : first.c_str());
+                            first_alone ? "" : answer_after(whole).c_str(), contacts ? "" : first.c_str());
             }
         }
     }
