@@ -140,7 +140,7 @@ TEST(CompareDeep, a_declared_range_left_in_floating_point_is_reported_where_all_
         ball_in_the_smallest_range("fast.toml", world_of("0", "1/64", "3.0"), "velocity = [0.0, 0.0, -30.0]\n");
     expect_outcome(tumble({"compare", scene, "--core", "cortex-m3", "--numbers", "f32"}), 1,
                    "cortex-m3 agrees with the host: 193 states",
-                   "range_left: a component of the position left the 64 m");
+                   "range_left: position exceeds 64 m");
 }
 
 }  // namespace

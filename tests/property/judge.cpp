@@ -163,12 +163,21 @@ std::string broken_law(const SceneDescription& scene, const Record& run, const R
     return {};
 }
 
-// Spins, rad/s, from which fixed point rotates each body in up to 8 parts of a step, whose error is not that of f64.
+// The parts of a step in which fixed point rotates the fastest body, as Q32::Scale::of counts them for a momentum.
+double most_parts(const Simulation& simulation) {
+    const std::string_view range = simulation.range();
+    const double spin = range == "near" ? NearRange::spin : range == "room" ? RoomRange::spin : FieldRange::spin;
+    const double turn = std::ceil(std::log2(spin * static_cast<double>(simulation.step_length())));
+    return std::exp2(std::clamp(3 + turn, 0.0, 3.0));
+}
+
+// Spins, rad/s, from which fixed point rotates each body in parts of a step, whose error is not that of f64.
 std::vector<double> whole_step_spins(const SceneDescription& scene, const Method& method) {
     std::vector<double> spins(scene.bodies.size(), std::numeric_limits<double>::infinity());
     if (method.numbers != "q32") return spins;
     const auto simulation = make_simulation(scene, method.integrator, method.numbers, method.carry);
-    for (std::size_t b = 0; b < spins.size(); ++b) spins[b] = simulation->held_spin(static_cast<int>(b)) / 8;
+    const double parts = most_parts(*simulation);
+    for (std::size_t b = 0; b < spins.size(); ++b) spins[b] = simulation->held_spin(static_cast<int>(b)) / parts;
     return spins;
 }
 
