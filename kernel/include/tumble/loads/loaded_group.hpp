@@ -128,20 +128,17 @@ struct LoadedGroup : std::conditional_t<is_alone, GroupCount<1>, GroupCount<2>> 
     void push(int k, const Vector3<Work>& force) const { push(k, block(force), L::factor(seconds)); }
     // The same at a point of the body, m.
     void push(int k, const Vector3<Work>& force, const Vector3<Work>& point) const requires(rotation) {
-        push(k, block(force), L::factor(seconds), in_principal_axes(k, point));
+        push(k, block(force), L::factor(seconds), bodies.in_principal_axes(id[k], block(point)));
     }
     // A torque, N m, in the body's axes.
     void turn(int k, const Vector3<Work>& torque) const requires(rotation) {
-        turn(k, in_principal_axes(k, torque), L::factor(seconds));
+        turn(k, bodies.in_principal_axes(id[k], block(torque)), L::factor(seconds));
     }
 
 private:
     [[nodiscard]] static Vector block(const Vector3<Work>& v) { return Vector::of(v.x, v.y, v.z); }
     [[nodiscard]] static Quaternion<Work> plain(const Quat<typename N::Unit>& q) {
         return {N::work(q.w), {N::work(q.v.x()), N::work(q.v.y()), N::work(q.v.z())}};
-    }
-    [[nodiscard]] Vector in_principal_axes(int k, const Vector3<Work>& v) const requires(rotation) {
-        return block(v).rotated_back(bodies.constants[id[k]].principal());
     }
     // Portions a second.
     [[nodiscard]] Work rate() const { return whole ? steps_per_second : steps_per_second * L::work(per_length); }
