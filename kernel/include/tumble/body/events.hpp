@@ -4,7 +4,7 @@
 #pragma once
 
 #include <tumble/body/bodies.hpp>
-#include <tumble/numbers/vector_block.hpp>
+#include <tumble/numbers/load_numbers.hpp>
 
 namespace tumble {
 
@@ -27,9 +27,11 @@ struct TimedForce {
     Frame frame = Frame::world;  // of force and torque
     std::uint64_t from = 0;      // the first step in which it acts
     std::uint64_t until = 0;     // the first step in which it no longer acts
-    VectorBlock<N> force{};      // N s in a step, in `frame` (body: principal axes)
-    VectorBlock<N> torque{};     // N m s in a step, in `frame`
-    VectorBlock<N> point_b{};    // m, principal axes
+    // The change of drift in a step by a force in the world's frame, in units of the sums of loads
+    typename N::DriftSum change[3]{};
+    VectorBlock<N> force{};    // N s in a step, in `frame` (body: principal axes)
+    VectorBlock<N> torque{};   // N m s in a step, in `frame`
+    VectorBlock<N> point_b{};  // m, principal axes
 
     // True in the steps in which it acts.
     [[nodiscard]] bool is_on(std::uint64_t step) const { return from <= step && step < until; }
@@ -84,13 +86,18 @@ template <class N, Spin spin, int capacity, bool points, class Constant>
     const auto in_step = [&](const RealVec3& v) {
         return detail::prepared(bodies, b, spec.frame, v * bodies.step_length);
     };
-    return {static_cast<std::int16_t>(b),
-            spec.frame,
-            bodies.step_of(spec.from),
-            bodies.step_of(spec.until),
-            in_step(spec.force),
-            in_step(spec.torque),
-            detail::prepared(bodies, b, Frame::body, spec.point)};
+    TimedForce<N> force{static_cast<std::int16_t>(b),
+                        spec.frame,
+                        bodies.step_of(spec.from),
+                        bodies.step_of(spec.until),
+                        {},
+                        in_step(spec.force),
+                        in_step(spec.torque),
+                        detail::prepared(bodies, b, Frame::body, spec.point)};
+    using L = LoadNumbers<N>;
+    if (spec.frame == Frame::world)
+        L::add(force.change, force.force, L::factor(bodies.constants[b].drift_per_impulse), bodies.scale);
+    return force;
 }
 
 namespace detail {

@@ -13,7 +13,32 @@ struct Rational {
     [[nodiscard]] constexpr bool is_zero() const { return numerator == 0; }
     [[nodiscard]] constexpr bool is_dyadic() const { return (denominator & (denominator - 1)) == 0; }
     friend constexpr bool operator==(Rational, Rational) = default;
+    friend constexpr Rational operator+(Rational a, Rational b) {
+        return reduced(a.numerator * b.denominator + b.numerator * a.denominator, a.denominator * b.denominator);
+    }
+    friend constexpr Rational operator*(Rational a, Rational b) {
+        return reduced(a.numerator * b.numerator, a.denominator * b.denominator);
+    }
+
+    // The fraction in lowest terms, so that 2/2 is 1.
+    [[nodiscard]] static constexpr Rational reduced(int numerator, int denominator) {
+        int a = numerator < 0 ? -numerator : numerator, b = denominator;
+        while (b != 0) {
+            const int t = a % b;
+            a = b;
+            b = t;
+        }
+        return a == 0 ? Rational{} : Rational{numerator / a, denominator / a};
+    }
 };
+
+// The least common denominator of fractions.
+template <int count>
+[[nodiscard]] constexpr int common_denominator(const Rational (&fractions)[count]) {
+    int d = 1;
+    for (const Rational& r : fractions) d = Rational::reduced(d, r.denominator).numerator * r.denominator;
+    return d;
+}
 
 template <int S>
 struct ButcherTable {
@@ -21,12 +46,33 @@ struct ButcherTable {
     Rational a[S][S];  // strictly lower triangular
     Rational b[S];
 
-    // The least common denominator of the weights; b[i] is weight(i) / denominator().
-    [[nodiscard]] constexpr int denominator() const {
-        int d = 1;
-        for (const Rational& r : b) d = r.is_zero() || d % r.denominator == 0 ? d : r.denominator;
-        return d;
+    // Nystroem's form of the table, for positions. They follow from the kicks and from the drift d at the start: stage
+    // s is at x + node(s) d + sum_j of_kick(s, j) kick_j, and the step ends at x + d + sum_j arrivals().of[j] kick_j
+    // (E. Hairer, S. P. Noersett and G. Wanner, Solving Ordinary Differential Equations I, section II.14).
+    [[nodiscard]] constexpr Rational node(int s) const {
+        Rational c;
+        for (int j = 0; j < s; ++j) c = c + a[s][j];
+        return c;
     }
+    [[nodiscard]] constexpr Rational of_kick(int s, int j) const {
+        Rational sum;
+        for (int i = j + 1; i < s; ++i) sum = sum + a[s][i] * a[i][j];
+        return sum;
+    }
+    struct Weights {
+        Rational of[S];
+        // The least common denominator, and a weight times it.
+        [[nodiscard]] constexpr int denominator() const { return common_denominator(of); }
+        [[nodiscard]] constexpr Rational whole(int i) const { return of[i] * Rational{denominator(), 1}; }
+    };
+    [[nodiscard]] constexpr Weights arrivals() const {
+        Weights sum;
+        for (int j = 0; j < S; ++j)
+            for (int s = j + 1; s < S; ++s) sum.of[j] = sum.of[j] + b[s] * a[s][j];
+        return sum;
+    }
+    // The least common denominator of the weights; b[i] is weight(i) / denominator().
+    [[nodiscard]] constexpr int denominator() const { return common_denominator(b); }
     [[nodiscard]] constexpr int weight(int i) const { return b[i].numerator * (denominator() / b[i].denominator); }
     // The first stage that stage s uses, or s. Below: the first that has a weight, and the first with stage i's weight.
     [[nodiscard]] constexpr int first_before(int s) const {
@@ -60,17 +106,6 @@ template <int N, class F>
 TUMBLE_INLINE void unroll(F&& f) {
     [&]<int... i>(std::integer_sequence<int, i...>) { (f(std::integral_constant<int, i>{}), ...); }
     (std::make_integer_sequence<int, N>{});
-}
-
-// The fraction in lowest terms, so that 2/2 is 1.
-[[nodiscard]] constexpr Rational reduced(Rational r) {
-    int a = r.numerator < 0 ? -r.numerator : r.numerator, b = r.denominator;
-    while (b != 0) {
-        const int t = a % b;
-        a = b;
-        b = t;
-    }
-    return a == 0 ? Rational{} : Rational{r.numerator / a, r.denominator / a};
 }
 
 // 2^bits * r, rounded to nearest.

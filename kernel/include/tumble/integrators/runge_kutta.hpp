@@ -78,7 +78,7 @@ template <const auto& table, int s, class N, class Inertia>
             constexpr int j = earlier;
             constexpr Rational a = table.a[s][j];
             if constexpr (!a.is_zero()) {
-                constexpr Rational twice = reduced({2 * a.numerator, a.denominator});
+                constexpr Rational twice = Rational{2, 1} * a;
                 t += times<twice>(N::stage_turn(inertia.kappa[i], stages[j].products.v[i], scale));
             }
         });
@@ -208,14 +208,15 @@ struct RungeKutta : Stability<tumble::detail::RungeKuttaOnOscillator<table>> {
         detail::finish_rotation<table, N>(body, stages, inertia, step);
     }
 
-    // Steps all bodies of the group stage by stage. Calls `evaluate(stage states, kicks)` once a stage.
+    // Steps all bodies of the group stage by stage. Calls `evaluate(stage states, kicks)` once a stage. A stage has the
+    // drift only where loads depend on it.
     template <class N, int capacity, class Group, class Evaluate>
     static bool advance(const Group& group, Evaluate&& evaluate, const StepInfo<N>& step) {
         group.has_bodies();
         [[maybe_unused]] detail::RotationStage<N> rotation[Group::rotation ? capacity : 1][table.stages];
         typename Group::Kick kick[table.stages][capacity];
-        typename N::DriftSum drift[table.stages][capacity][3];
         typename Group::Stage start[capacity], state[capacity];
+        const bool velocity_matters = evaluate.depends_on_velocity();
         for (int b = 0; b < group.count; ++b) {
             group.take(b, start[b]);
             if constexpr (Group::rotation)
@@ -226,22 +227,11 @@ struct RungeKutta : Stability<tumble::detail::RungeKuttaOnOscillator<table>> {
             constexpr int s = stage;
             for (int b = 0; b < group.count; ++b) {
                 auto& now = state[b];
-                for (int i = 0; i < 3; ++i) {
-                    auto x = start[b].x_w[i];
-                    auto d = start[b].d_w[i];
-                    detail::unroll<s>([&](auto earlier) {
-                        constexpr int j = earlier;
-                        constexpr Rational a = table.a[s][j];
-                        if constexpr (!a.is_zero()) {
-                            x = N::displaced(x, detail::times<a>(drift[j][b][i]), step.scale);
-                            d += detail::times<a>(kick[j][b].linear[i]);
-                        }
-                    });
-                    if constexpr (s > 0) {
-                        now.x_w[i] = x;
-                        now.d_w[i] = d;
-                    }
-                    drift[s][b][i] = d;
+                for (int i = 0; i < 3 && s > 0; ++i) {
+                    const auto d = start[b].d_w[i];
+                    now.x_w[i] = N::displaced(
+                        start[b].x_w[i], with_kicks<s, true>(detail::times<table.node(s)>(d), kick, b, i), step.scale);
+                    if (velocity_matters) now.d_w[i] = with_kicks<s, false>(d, kick, b, i);
                 }
                 if constexpr (Group::rotation)
                     if (group.rotates(b)) rotate_stage<s, N>(start[b], now, group, b, rotation[b], kick, step);
@@ -252,18 +242,16 @@ struct RungeKutta : Stability<tumble::detail::RungeKuttaOnOscillator<table>> {
             auto& body = *group.body[b];
             constexpr Rational share{1, table.denominator()};
             for (int i = 0; i < 3; ++i) {
+                constexpr auto arrivals = table.arrivals();
                 typename N::DriftSum linear{}, travelled{};
                 detail::unroll<table.stages>([&](auto stage) {
-                    constexpr int s = stage;
-                    constexpr Rational weight{table.weight(s), 1};
-                    if constexpr (weight.numerator != 0) {
-                        linear += detail::times<weight>(kick[s][b].linear[i]);
-                        travelled += detail::times<weight>(drift[s][b][i] - start[b].d_w[i]);
-                    }
+                    constexpr Rational drifts{table.weight(stage), 1}, travels = arrivals.whole(stage);
+                    const auto change = kick[stage][b].linear[i];
+                    if constexpr (!drifts.is_zero()) linear += detail::times<drifts>(change);
+                    if constexpr (!travels.is_zero()) travelled += detail::times<travels>(change);
                 });
-                // The drift at the start has the total weight 1. Only the differences of the stages from it are
-                // averaged.
-                N::coast(body.x_w[i], body.d_w[i], detail::times<share>(travelled), step.scale);
+                N::coast(body.x_w[i], body.d_w[i], detail::times<Rational{1, arrivals.denominator()}>(travelled),
+                         step.scale);
                 N::add(body.d_w[i], detail::times<share>(linear));
             }
             if constexpr (Group::rotation) {
@@ -284,6 +272,17 @@ struct RungeKutta : Stability<tumble::detail::RungeKuttaOnOscillator<table>> {
     }
 
 private:
+    // A sum and what the kicks of axis i before stage s add: to the way, or to the drift.
+    template <int s, bool to_way, class Sum, class Kick, int capacity>
+    [[nodiscard]] TUMBLE_INLINE static Sum with_kicks(Sum sum, const Kick (&kick)[table.stages][capacity], int b,
+                                                      int i) {
+        detail::unroll<s>([&](auto earlier) {
+            constexpr int j = earlier;
+            constexpr Rational weight = to_way ? table.of_kick(s, j) : table.a[s][j];
+            if constexpr (!weight.is_zero()) sum += detail::times<weight>(kick[j][b].linear[i]);
+        });
+        return sum;
+    }
     // The rotation of a body of the group at stage s, from the stages before it.
     template <int s, class N, class Group, int capacity>
     TUMBLE_INLINE static void rotate_stage(const StageState<N>& start, StageState<N>& now, const Group& group, int b,

@@ -38,7 +38,7 @@ public:
         for (int k = 0; k < group.count && per_mass_ > Work{}; ++k) {
             const int a = group.id[k];
             for (int b = 0; b < group.bodies.count; ++b) {
-                const int other = group.place_of(b);
+                const int other = Group::alone ? -1 : group.place_of(b);
                 if (b == a || (b < a && other >= 0)) continue;  // a pair of the group once
                 if (L::is_zero(pull_[b])) continue;             // the place of a removed body
                 if (!apply(group, k, a, other, b)) group.bodies.report(Issue::step_too_long, a);

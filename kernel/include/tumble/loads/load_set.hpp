@@ -341,7 +341,7 @@ private:
     template <bool alone, class StageState, class Kick>
     void sum_up(const Evaluate<alone>& e, const StageState* stages, Kick* kicks,
                 const DriftSum* ends_with_half_of) const {
-        for (int k = 0; k < e.count(); ++k) clear(kicks[k]);
+        for (int k = 0; k < e.count(); ++k) clear(kicks[k], e.turned);
         using Group = LoadedGroup<N, Bodies, StageState, Kick, alone>;
         Group group{{},         e.bodies,          stages,       kicks,
                     e.group.id, e.place,           e.per_length, e.is_whole,
@@ -361,13 +361,14 @@ private:
         if (!e.is_whole) shrink(kicks, e.count(), e.length);
     }
     template <class Kick>
-    TUMBLE_INLINE static void clear(Kick& kick) {
+    TUMBLE_INLINE static void clear(Kick& kick, [[maybe_unused]] bool turned) {
         for (int i = 0; i < 3; ++i) {
             kick.linear[i] = std::remove_reference_t<decltype(kick.linear[i])>{};
             detail::keep_apart();
-            if constexpr (requires { kick.angular; })
-                kick.angular[i] = std::remove_reference_t<decltype(kick.angular[i])>{};
         }
+        if constexpr (requires { kick.angular; })
+            for (int i = 0; i < 3 && turned; ++i)
+                kick.angular[i] = std::remove_reference_t<decltype(kick.angular[i])>{};
     }
     template <class Kick>
     static void shrink(Kick* kicks, int count, Work length) {

@@ -91,7 +91,10 @@ struct LoadedGroup : std::conditional_t<is_alone, GroupCount<1>, GroupCount<2>> 
             turn(k, L::cross(point_b, L::rotated_back(stage[k].q_wb, v)), f);
         }
     }
-    // Adds f v, the change of angular momentum in a step (N m s, principal axes).
+    // Adds v, or f v, the change of angular momentum in a step (N m s, principal axes).
+    TUMBLE_INLINE void turn(int k, const Vector& v) const requires(rotation) {
+        for (int i = 0; i < 3; ++i) L::add(kick[k].angular[i], v, i, half_turn_per_impulse(k, i), bodies.scale);
+    }
     TUMBLE_INLINE void turn(int k, const Vector& v, Factor f) const requires(rotation) {
         for (int i = 0; i < 3; ++i)
             L::add(kick[k].angular[i], v, i, L::product(f, half_turn_per_impulse(k, i)), bodies.scale);

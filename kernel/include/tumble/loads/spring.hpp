@@ -265,7 +265,7 @@ private:
             if (L::is_zero(r)) return;  // no direction: no force
             u = L::inverse_length(r);
             if (spring.rest_length > Work{})
-                strength = L::product(strength, L::difference(L::one(), L::product(L::factor(spring.rest_length), u)));
+                strength = L::product(strength, L::one_less(L::product(L::factor(spring.rest_length), u)));
         }
         if (is_damped) {
             if (group.at_end()) group.push(own, r, strength);

@@ -11,17 +11,15 @@ namespace tumble {
 template <class N, class Group>
 TUMBLE_INLINE void apply(const TimedForce<N>& load, const Group& group, int k) {
     using L = LoadNumbers<N>;
-    const auto one = L::one();
-    const bool in_world = load.frame == Frame::world;
-    if (in_world && !load.force.is_zero()) group.push(k, load.force, one, load.point_b);
+    const bool in_world = load.frame == Frame::world, pushes = !load.force.is_zero();
+    if (in_world && pushes) L::add(group.kick[k].linear, load.change, group.bodies.scale);
     if constexpr (Group::rotation) {
         if (!group.rotates(k)) return;
         const auto& q = group.stage[k].q_wb;
-        if (!in_world && !load.force.is_zero()) {
-            group.push(k, L::rotated(q, load.force), one);
-            if (!load.point_b.is_zero()) group.turn(k, L::cross(load.point_b, load.force), one);
-        }
-        if (!load.torque.is_zero()) group.turn(k, in_world ? L::rotated_back(q, load.torque) : load.torque, one);
+        if (!in_world && pushes) group.push(k, L::rotated(q, load.force), L::one());
+        if (pushes && !load.point_b.is_zero())
+            group.turn(k, L::cross(load.point_b, in_world ? L::rotated_back(q, load.force) : load.force));
+        if (!load.torque.is_zero()) group.turn(k, in_world ? L::rotated_back(q, load.torque) : load.torque);
     }
 }
 

@@ -35,18 +35,24 @@ requires(N::fixed_point) struct LoadNumbers<N> {
             return {static_cast<std::int32_t>((raw + (std::int64_t{1} << 29)) >> 30), exponent + 30};
         return {static_cast<std::int32_t>((raw + (std::int64_t{1} << 30)) >> 31), exponent + 31};
     }
-    // a + b, rounded to nearest, to 30 bits of the larger.
+    // a + b, rounded to nearest, with what the smaller one has down to 2^-60 of the larger.
     [[nodiscard, gnu::noinline]] static constexpr Factor sum(Factor a, Factor b) {
         if (a.mantissa == 0) return b;
         if (b.mantissa == 0) return a;
         const bool swapped = a.exponent < b.exponent;
         const Factor large = swapped ? b : a, small = swapped ? a : b;
-        const int gap = large.exponent - small.exponent, down = gap > 63 ? 63 : gap;
-        return normal(std::int64_t{large.mantissa} * (std::int64_t{1} << 31) +
-                          ((std::int64_t{small.mantissa} * (std::int64_t{1} << 31)) >> down),
-                      large.exponent - 31);
+        const int gap = large.exponent - small.exponent;
+        const std::int64_t raw = detail::multiply(large.mantissa, 1 << 30);
+        if (gap <= 30) [[likely]]
+            return normal(detail::multiply_add(raw, small.mantissa, 1 << (30 - gap)), large.exponent - 30);
+        return normal(raw + (small.mantissa >> (gap > 61 ? 31 : gap - 30)), large.exponent - 30);
     }
-    [[nodiscard]] TUMBLE_INLINE static constexpr Factor difference(Factor a, Factor b) { return sum(a, negative(b)); }
+    // 1 - f.
+    [[nodiscard]] TUMBLE_INLINE static constexpr Factor one_less(Factor f) {
+        if (f.exponent <= -30 && f.exponent >= -60) [[likely]]
+            return normal((std::int64_t{1} << 60) - detail::multiply(f.mantissa, 1 << (f.exponent + 60)), -60);
+        return sum(one(), negative(f));
+    }
     [[nodiscard]] TUMBLE_INLINE static constexpr Factor negative(Factor f) { return {-f.mantissa, f.exponent}; }
     // f > 2^n.
     template <int n>
@@ -166,6 +172,11 @@ requires(N::fixed_point) struct LoadNumbers<N> {
         const int down = -(v.exponent + f.exponent + drift_bits(s) - headroom);
         for (int i = 0; i < 3; ++i) add_product(sum[i], v.mantissa[i], f.mantissa, down);
     }
+    // sum += change, which is such a sum.
+    TUMBLE_INLINE static void add(typename N::DriftSum (&sum)[3], const typename N::DriftSum (&change)[3],
+                                  typename N::Scale) {
+        for (int i = 0; i < 3; ++i) sum[i] = N::held_sum(sum[i], change[i]);
+    }
     TUMBLE_INLINE static void add(typename N::TurnSum& sum, const Vector& v, int i, Factor f, typename N::Scale s) {
         add_product(sum, v.mantissa[i], f.mantissa, -(v.exponent + f.exponent + turn_bits(s) - headroom));
     }
@@ -201,6 +212,9 @@ requires(N::fixed_point) struct LoadNumbers<N> {
         return held;
     }
     // The same in working numbers, of any size.
+    static void add(Vec3<Work>& sum, const typename N::DriftSum (&change)[3], typename N::Scale s) {
+        for (int i = 0; i < 3; ++i) sum[i] += N::times_power_of_two(N::metres(change[i], s), headroom);
+    }
     static void add(Vec3<Work>& sum, const Vector& v, Factor f, typename N::Scale) {
         for (int i = 0; i < 3; ++i) sum[i] += product_of(v.mantissa[i], f, v.exponent);
     }
@@ -244,25 +258,40 @@ private:
     }
     // raw * 2^exponent, rounded to 31 bits. A mantissa of 2^31 is held at the end of its format, half a unit below.
     [[nodiscard]] TUMBLE_INLINE static constexpr Factor normal(std::int64_t raw, int exponent) {
+        const std::int32_t high = N::upper(raw);
+        const auto size = static_cast<std::uint32_t>(high ^ (high >> 31));
+        if (size == 0) [[unlikely]]
+            return normal_of_low(raw, exponent);
+        const int up = std::countl_zero(size) - 1;  // 0 to 30
+        const auto low = static_cast<std::uint32_t>(raw);
+        const std::uint32_t upper =
+            (static_cast<std::uint32_t>(high) << up | low >> 1 >> (31 - up)) + (low << up >> 31);
+        return {raw > 0 && upper >> 31 != 0 ? INT32_MAX : static_cast<std::int32_t>(upper), exponent + 32 - up};
+    }
+    // The same of a sum of one word.
+    [[nodiscard, gnu::noinline]] static constexpr Factor normal_of_low(std::int64_t raw, int exponent) {
         if (raw == 0) return {};
         const int up = std::countl_zero(static_cast<std::uint64_t>(raw ^ (raw >> 63))) - 1;
         const std::uint64_t moved = static_cast<std::uint64_t>(raw) << up;
         const std::uint32_t upper = static_cast<std::uint32_t>(moved >> 32) + (static_cast<std::uint32_t>(moved) >> 31);
         return {raw > 0 && upper >> 31 != 0 ? INT32_MAX : static_cast<std::int32_t>(upper), exponent + 32 - up};
     }
-    // Three sums as a block of 30 bits.
+    // Three sums as a block of 30 bits, rounded to nearest, ties upwards.
     [[nodiscard]] TUMBLE_INLINE static Vector of_sums(const std::int64_t (&raw)[3], int exponent) {
-        const auto magnitude = [&](int i) { return static_cast<std::uint64_t>(raw[i] ^ (raw[i] >> 63)); };
-        const int drop = 64 - 30 - std::countl_zero(magnitude(0) | magnitude(1) | magnitude(2));
-        if (drop >= 1 && drop <= 31) [[likely]] {
-            const std::uint64_t half = std::uint32_t{1} << (drop - 1);
+        const auto size = [&](int i) {
+            const std::int32_t high = N::upper(raw[i]);
+            return static_cast<std::uint32_t>(high ^ (high >> 31));
+        };
+        const int drop = 64 - 30 - std::countl_zero(size(0) | size(1) | size(2));
+        if (drop >= 3 && drop <= 31) [[likely]] {  // one of the upper words is not zero
             const auto component = [&](int i) {
-                const auto sum = static_cast<std::int64_t>(static_cast<std::uint64_t>(raw[i]) + half);
-                return static_cast<std::int32_t>(detail::shift_right(sum, drop));
+                const auto low = static_cast<std::uint32_t>(raw[i]),
+                           high = static_cast<std::uint32_t>(N::upper(raw[i]));
+                return static_cast<std::int32_t>((high << (32 - drop) | low >> drop) + ((low >> (drop - 1)) & 1));
             };
             return {{component(0), component(1), component(2)}, exponent + drop};
         }
-        return far(raw, drop, exponent + drop);
+        return far(raw, exponent);
     }
     // The vector of places at opposite ends of the range, in quarters of a unit: their upper words tell the bits that
     // the sums have lost.
@@ -276,8 +305,10 @@ private:
         return of_sums(raw, 2 - N::PositionSum::fraction_bits);
     }
     // The same where a body is far away or very near.
-    [[nodiscard, gnu::noinline]] static Vector far(const std::int64_t (&raw)[3], int drop, int exponent) {
-        Vector v{{}, exponent};
+    [[nodiscard, gnu::noinline]] static Vector far(const std::int64_t (&raw)[3], int exponent) {
+        const auto size = [&](int i) { return static_cast<std::uint64_t>(raw[i] ^ (raw[i] >> 63)); };
+        const int drop = 64 - 30 - std::countl_zero(size(0) | size(1) | size(2));
+        Vector v{{}, exponent + drop};
         for (int i = 0; i < 3; ++i)
             v.mantissa[i] = static_cast<std::int32_t>(drop > 0 ? ((raw[i] >> (drop - 1)) + 1) >> 1
                                                                : raw[i] * (std::int64_t{1} << -drop));
@@ -315,7 +346,7 @@ requires(!N::fixed_point) struct LoadNumbers<N> {
     [[nodiscard]] TUMBLE_INLINE static constexpr bool is_zero(T f) { return f == T(0); }
     [[nodiscard]] TUMBLE_INLINE static constexpr T product(T a, T b) { return a * b; }
     [[nodiscard]] TUMBLE_INLINE static constexpr T sum(T a, T b) { return a + b; }
-    [[nodiscard]] TUMBLE_INLINE static constexpr T difference(T a, T b) { return a - b; }
+    [[nodiscard]] TUMBLE_INLINE static constexpr T one_less(T f) { return T(1) - f; }
     [[nodiscard]] TUMBLE_INLINE static constexpr T negative(T f) { return -f; }
     template <int n>
     [[nodiscard]] TUMBLE_INLINE static constexpr bool exceeds_power_of_two(T f) {
@@ -346,6 +377,9 @@ requires(!N::fixed_point) struct LoadNumbers<N> {
     }
     TUMBLE_INLINE static void add(Vec3<T>& sum, const Vector& v, T f, typename N::Scale) {
         for (int i = 0; i < 3; ++i) sum[i] += v.v[i] * f;
+    }
+    TUMBLE_INLINE static void add(auto& sum, const T (&change)[3], typename N::Scale) {
+        for (int i = 0; i < 3; ++i) sum[i] += change[i];
     }
     TUMBLE_INLINE static void add(auto& sum, int i, T change, typename N::Scale) { sum[i] += change; }
     TUMBLE_INLINE static void add(T& sum, const Vector& v, int i, T f, typename N::Scale) { sum += v.v[i] * f; }
