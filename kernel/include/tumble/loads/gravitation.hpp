@@ -35,9 +35,11 @@ public:
     }
     template <class Group>
     TUMBLE_INLINE void apply_to(const Group& group) const {
-        for (int k = 0; k < group.count && per_mass_ > Work{}; ++k) {
+        if (!(per_mass_ > Work{})) return;
+        const int count = group.bodies.count;
+        for (int k = 0; k < group.count; ++k) {
             const int a = group.id[k];
-            for (int b = 0; b < group.bodies.count; ++b) {
+            for (int b = 0; b < count; ++b) {
                 const int other = Group::alone ? -1 : group.place_of(b);
                 if (b == a || (b < a && other >= 0)) continue;  // a pair of the group once
                 if (L::is_zero(pull_[b])) continue;             // the place of a removed body
