@@ -25,6 +25,7 @@ struct BodySnapshot {
     std::array<long double, 3> angular_velocity{};  // rad/s, user's body axes
     bool asleep = false;
     int contacts = 0;  // contact points in the last step
+    int parts = 1;     // of a step, in which it rotates: 1 unless it turns too far for the method
 };
 
 // What an inertial sensor at the centre of mass measured in the last step: World::imu().

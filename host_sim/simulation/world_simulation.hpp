@@ -59,6 +59,7 @@ public:
         snapshot.angular_velocity = array_of(motion.w);
         snapshot.asleep = is_asleep(index_of_body);
         snapshot.contacts = contact_count(index_of_body);
+        snapshot.parts = 1 << now_.halvings_of(index_of_body);
         return snapshot;
     }
 
