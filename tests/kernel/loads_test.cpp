@@ -34,6 +34,26 @@ TEST_P(Loads, a_dragged_projectile_flies_its_closed_form) {
               of_method + 20 * tolerance::loaded_flight.of(system()));
 }
 
+// Linear drag is the only load: methods of order two and more have no truncation error, whatever the step.
+TEST_P(Loads, a_body_under_linear_drag_and_constant_forces_alone_has_no_error_of_the_method) {
+    if (order() < 2) GTEST_SKIP() << "order 1";
+    for (const Number share : {1e-4L, 0.01L, 0.2L, 0.2499L})  // h c/m
+        for (const Vector& start : {Vector{10, 10, -3}, Vector{-6, 0, 2}}) {
+            const Number h = 1.0L / 32, mass = 2, c = share / h, g = 9.8125L, t = 2, e = std::exp(-c * t);
+            SceneSetup setup{.name = "projectile",
+                             .step = Seconds{1, 32},
+                             .bodies = {placed(sphere(2, 0.125), {}, start, {1, 2, 4})}};
+            setup.world = {.gravity = {0, -9.8125, 0}, .linear_drag = real(c * mass)};
+            const auto world = build(setup, GetParam());
+            world->run(64);
+            const Vector end{0, -g / c, 0}, change = start - end;
+            const Vector x = end * t + change * ((1 - e) / c), v = end + change * e;
+            EXPECT_LE(norm(world->motion(0).x - x), 20 * tolerance::loaded_flight.of(system())) << share;
+            EXPECT_LE(norm(world->motion(0).v - v), 20 * tolerance::loaded_flight.of(system())) << share;
+            EXPECT_TRUE(world->status().ok());
+        }
+}
+
 TEST_P(Loads, a_spring_oscillates_with_its_period) {
     SceneSetup setup{.name = "oscillator", .bodies = {placed(sphere(0.5, 0.125), {2.5, 0, 0})}};
     setup.springs = {{.to = {1, 0, 0}, .stiffness = 8, .rest_length = 1}};  // about x = 2, omega 4

@@ -302,9 +302,21 @@ private:
     static constexpr bool fall_in_halves = Integrator::coasting == Coasting::mean && N::fixed_point && N::carry;
     [[nodiscard]] static constexpr DriftSum whole(DriftSum f) { return fall_in_halves ? f + f : f; }
 
-    // Motion under a constant acceleration, exact for methods of order two and more.
+    static constexpr bool drags_in_closed_form = features.drag && Integrator::order >= 2;
+
+    // Motion under a constant acceleration, exact for methods of order two and more, and under linear drag beside it.
+    template <bool dragged = false>
     TUMBLE_INLINE void coast(int b, const DriftSum (&fall)[3]) {
         State& s = bodies.state[b];
+        if constexpr (dragged) {
+            const auto& form = *loads.closed_form(bodies, b);
+            for (int i = 0; i < 3; ++i) {
+                const DriftSum kick = whole(fall[i]) - LoadNumbers<N>::share(N::sum(s.d_w[i]), form.share);
+                N::coast(s.x_w[i], s.d_w[i], N::part(kick, form.of_way), bodies.scale);
+                N::add(s.d_w[i], N::part(kick, form.of_drift));
+            }
+            return;
+        }
         const auto axis = [&](auto& x, auto& d, DriftSum f) {
             if constexpr (Integrator::coasting == Coasting::mean && !fall_in_halves)
                 N::coast(x, d, N::half(f), bodies.scale);
@@ -406,33 +418,41 @@ private:
     template <class... Part>
     void one(int b, const StepInfo<N>& info, const DriftSum (&fall)[3], Work length, bool keeps,
              const Part&... part) requires has_loads {
-        if (is_loaded(b)) return loaded(BodyGroup::of(b), info, fall, length, false, keeps, part...);
+        if (is_loaded(b)) {
+            if constexpr (drags_in_closed_form && sizeof...(part) == 0)
+                if (length == Work(1) && loads.closed_form(bodies, b) != nullptr) {
+                    lose_kick(b);
+                    return unloaded<false, true>(b, info, fall);
+                }
+            return loaded(BodyGroup::of(b), info, fall, length, false, keeps, part...);
+        }
         lose_kick(b);
         unloaded(b, info, fall, part...);
     }
-    template <bool ends_step = false, class... Part>
+    // `dragged`: by linear drag, the only load.
+    template <bool ends_step = false, bool dragged = false, class... Part>
     TUMBLE_INLINE void unloaded(int b, const StepInfo<N>& info, const DriftSum (&fall)[3], const Part&... part) {
         if constexpr (has_wrenches) {
             if (wrenches.act_on(b)) {
-                driven(b, info, fall, part...);
+                driven<dragged>(b, info, fall, part...);
                 if constexpr (ends_step) settle(b);
                 return;
             }
         }
         // The centre of mass comes last, so that the check has its numbers in registers.
         rotate<ends_step>(b, info);
-        coast(b, fall);
+        coast<dragged>(b, fall);
     }
     // Half of a wrench's change of the spin, a free rotation, and the other half: order 2. Its change of the drift is
     // one with gravity's.
-    template <class... Part>
+    template <bool dragged = false, class... Part>
     void driven(int b, const StepInfo<N>& info, const DriftSum (&fall)[3], const Part&... part) requires(has_wrenches) {
         DriftSum all[3];
         for (int i = 0; i < 3; ++i) {
             const DriftSum change = over_part(wrenches.kick(b).linear[i], part...);
             all[i] = fall[i] + (fall_in_halves ? N::half(change) : change);
         }
-        coast(b, all);
+        coast<dragged>(b, all);
         if constexpr (rotation) {
             if (!bodies.rotates(b)) return;
             half_turn_by_wrenches(b, part...);

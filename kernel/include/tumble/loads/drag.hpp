@@ -1,5 +1,10 @@
 // Linear drag: force -c v and torque -c w, the same for every body of the world; a point mass
 // feels no torque. Depends on the body's own velocity.
+//
+// The motion of a body that feels linear drag and constant forces alone has a closed form. With a = h c/m and the kick
+// k = h^2 g - a d at the start of a step, in units of the drift d = h v,
+//   x(h) = x + d + Q k and d(h) = d + P k, with P = (1 - exp(-a)) / a and Q = (1 - P) / a.
+// Methods of order two and more step such a body by it, without stages, as they do under gravity.
 #pragma once
 
 #include <tumble/body/setup.hpp>
@@ -27,7 +32,16 @@ struct Drag {
         return linear_in_step * bound > spec.mass || (rotates && angular_in_step * bound > inertia.moments.z);
     }
 
+    // Of a body with a < 1/4: no product with a leaves the format then, and the series end early.
+    struct ClosedForm {
+        bool exists = false;
+        typename L::Factor share{};                 // a
+        typename N::Fraction of_drift{}, of_way{};  // P and Q
+    };
+    [[nodiscard]] const ClosedForm& closed_form(int b) const { return closed_form_[b]; }
+
     void set_body(int b, const BodySpec& spec, const auto&, const auto&) {
+        set_closed_form(closed_form_[b], linear_in_step / spec.mass);
         share_at_end_[b] =
             L::factor(N::template constant<Work>(linear_in_step / (spec.mass + linear_in_step * Real::scaled(1, -1))));
     }
@@ -63,6 +77,19 @@ struct Drag {
     }
 
 private:
+    TUMBLE_COLD static void set_closed_form(ClosedForm& form, Real a) {
+        form.exists = a > Real{} && a < Real::scaled(1, -2);
+        if (!form.exists) return;
+        // Q = 1/2! - a/3! + a^2/4! - ..., whose terms are below 2^-64 from a^14/16! on.
+        Real way = Real{1} / Real{17};
+        for (int n = 16; n > 2; --n) way = (Real{1} - a * way) / Real{n};
+        way = (Real{1} - a * way) * Real::scaled(1, -1);
+        form.share = L::factor(N::template constant<Work>(a));
+        form.of_way = N::template constant<typename N::Fraction>(way);
+        form.of_drift = N::template constant<typename N::Fraction>(Real{1} - a * way);
+    }
+
+    ClosedForm closed_form_[capacity]{};
     typename L::Factor share_at_end_[capacity];  // c' h / m of each body, with c' = c / (1 + h c / 2m)
 };
 

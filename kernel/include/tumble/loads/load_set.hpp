@@ -161,6 +161,15 @@ public:
     [[nodiscard]] bool is_loaded([[maybe_unused]] const Bodies& bodies, [[maybe_unused]] int b) const {
         return any(*this, [&](const auto& load) { return load.acts_on(bodies, b); });
     }
+    // The closed form of a body on which linear drag is the only load, or null.
+    [[nodiscard]] auto* closed_form(const Bodies& bodies, int b) const requires(features.drag) {
+        const auto* form = &drag_.closed_form(b);
+        const bool has_others = any(*this, [&](const auto& load) {
+            if constexpr (requires { load.closed_form(b); }) return load.turns(bodies, b);
+            else return load.acts_on(bodies, b);
+        });
+        return form->exists && !has_others ? form : nullptr;
+    }
     // True of a body that feels another moving body.
     [[nodiscard]] bool is_coupled([[maybe_unused]] const Bodies& bodies, [[maybe_unused]] int b) const {
         return any(*this, [&](const auto& load) {

@@ -188,6 +188,11 @@ requires(N::fixed_point) struct LoadNumbers<N> {
     TUMBLE_INLINE static void add_share(typename N::TurnSum& sum, typename N::Turn t, Factor f, typename N::Scale) {
         add_product(sum, t.raw, f.mantissa, headroom - (f.exponent + 32));
     }
+    // f d, for 0 <= f < 1/4.
+    [[nodiscard]] TUMBLE_INLINE static constexpr typename N::DriftSum share(typename N::DriftSum d, Factor f) {
+        const int down = -(f.exponent + 32);
+        return {N::mul_sum({d.raw}, Fixed<31>{f.mantissa}).raw >> (down > 63 ? 63 : down)};
+    }
     // Adds a change of drift (m) or of half a turn (rad) in working numbers.
     static void add(typename N::DriftSum (&sum)[3], int i, Work metres, typename N::Scale s) {
         sum[i] = N::held_sum(sum[i], {N::drift_sum(metres, s).raw >> headroom});
@@ -384,6 +389,7 @@ requires(!N::fixed_point) struct LoadNumbers<N> {
     TUMBLE_INLINE static void add(auto& sum, int i, T change, typename N::Scale) { sum[i] += change; }
     TUMBLE_INLINE static void add(T& sum, const Vector& v, int i, T f, typename N::Scale) { sum += v.v[i] * f; }
     TUMBLE_INLINE static void add_share(T& sum, T d, T f, typename N::Scale) { sum += d * f; }
+    [[nodiscard]] TUMBLE_INLINE static constexpr T share(T d, T f) { return d * f; }
     [[nodiscard]] TUMBLE_INLINE static constexpr T settled(T sum, T constant, bool&) { return constant + sum; }
 };
 
