@@ -329,6 +329,47 @@ TYPED_TEST(OwnLoad, the_next_body_at_the_place_of_a_removed_one_has_neither_its_
     EXPECT_NEAR(static_cast<double>(world.angular_velocity(id).x), 1, this->tolerance);
 }
 
+// A feature brings the same load as the list does.
+TYPED_TEST(OwnLoad, air_and_wheels_by_features_have_the_bits_of_those_by_the_list) {
+    using N = typename TypeParam::Numbers;
+    World<With<TypeParam, LoadList<Air<N, 1>, Wheels<N, 1>>>> listed{Seconds{1, 256}};
+    World<With<TypeParam, LoadList<>, Features{.air = true, .wheels = true}>> named{Seconds{1, 256}};
+    const auto run = [](auto& world) {
+        BodySpec crate = box(1, {1, 2, 3});
+        crate.velocity = {5, 1, 0};
+        crate.angular_velocity = {1, 0.5, 0.25};
+        const BodyId id = world.add(crate);
+        world.template change_load<Air<N, 1>>().set_drag(id, 0.25, 0.5);
+        world.template change_load<Wheels<N, 1>>().set_momentum(id, Vector3<double>{0, 0.5, 1});
+        for (int i = 0; i < 128; ++i) world.step();
+        return world.hash();
+    };
+    const auto hash = run(listed);
+    EXPECT_EQ(run(named), hash);
+}
+
+// Of drag, whose end of a step has a closed form where no other load depends on the velocity, and of a spring, whose
+// kick is kept from step to step.
+template <class N, Features more>
+std::uint64_t hash_on_a_dragged_spring() {
+    static constexpr Features features = more.united_with({.springs = 1, .drag = true});
+    World<SceneOf<N, integrators::Verlet, features>> world{Seconds{1, 64}, {.linear_drag = 0.25}};
+    BodySpec ball = sphere(1, 0.5);
+    ball.position = {1, 0.5, 0};
+    ball.angular_velocity = {0, 2, 1};
+    SpringSpec spring;
+    spring.body = world.add(ball);
+    spring.stiffness = 20;
+    world.add(spring);
+    for (int i = 0; i < 128; ++i) world.step();
+    return world.hash();
+}
+TYPED_TEST(OwnLoad, features_of_loads_that_act_on_nothing_change_no_bit) {
+    using N = typename TypeParam::Numbers;
+    const auto hash = hash_on_a_dragged_spring<N, Features{}>();
+    EXPECT_EQ((hash_on_a_dragged_spring<N, Features{.air = true, .gravity_gradient = true, .wheels = true}>()), hash);
+}
+
 TYPED_TEST(OwnLoad, a_load_that_acts_on_nothing_changes_no_bit) {
     static constexpr Features planes{.planes = 1};
     World<With<TypeParam, LoadList<Tether>, planes>> with{Seconds{1, 256}, {.gravity = {0, -9.81, 0}}};
