@@ -178,7 +178,9 @@ std::string list_text(const char* type, const char* name, const std::vector<Spec
 // What the loads have that a scene names by keys of bodies or by a table.
 std::string loads_text(const SceneData& data) {
     std::string text;
-    if (!data.drags.empty()) text = "    static constexpr tumble::RealVec3 wind" + vector(data.wind) + ";   // m/s\n";
+    if (!data.softening.is_zero())
+        text = "    static constexpr tumble::Real softening{" + number(data.softening) + "};   // m\n";
+    if (!data.drags.empty()) text += "    static constexpr tumble::RealVec3 wind" + vector(data.wind) + ";   // m/s\n";
     text += list_text("DragSpec", "drags", data.drags, drag_text) +
             list_text("WheelsSpec", "wheels", data.wheels, wheels_text);
     if (!data.orbit.rate.is_zero())
@@ -277,9 +279,9 @@ std::string config_text(const SceneDescription& scene, const SceneData& data, co
 
 // Is it a name in C++ that no member of the struct has?
 bool is_struct_name(const std::string& name) {
-    static const std::vector<std::string> members = {"Config", "name",   "step",    "steps",    "world",
-                                                     "bodies", "planes", "springs", "impulses", "forces",
-                                                     "events", "wind",   "drags",   "wheels",   "orbit"};
+    static const std::vector<std::string> members = {"Config", "name",    "step",     "steps",  "world",  "bodies",
+                                                     "planes", "springs", "impulses", "forces", "events", "softening",
+                                                     "wind",   "drags",   "wheels",   "orbit"};
     const auto is_in_name = [](unsigned char c) { return c < 0x80 && (std::isalnum(c) != 0 || c == '_'); };
     return !name.empty() && std::isdigit(static_cast<unsigned char>(name[0])) == 0 &&
            std::all_of(name.begin(), name.end(), is_in_name) &&

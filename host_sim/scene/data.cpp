@@ -137,6 +137,7 @@ SceneData build_scene(const SceneDescription& scene) {
     data.steps = static_cast<std::uint32_t>(scene.steps());
     data.world.gravity = real_vector(scene.gravity);
     data.world.gravitation = scene.gravitation;
+    data.softening = scene.softening;
     data.world.linear_drag = scene.linear_drag;
     data.world.angular_drag = scene.angular_drag;
     const ContactDescription& contact = scene.contact;
@@ -201,6 +202,7 @@ Features needs(const SceneData& scene) {
         .point_masses = any(scene.bodies, is_point_mass),
         .drag = world.linear_drag > Real{} || world.angular_drag > Real{},
         .gravitation = world.gravitation > Real{} && scene.bodies.size() > 1,
+        .softening = scene.softening > Real{} && scene.bodies.size() > 1,
         .air = !scene.drags.empty(),
         .gravity_gradient = !scene.orbit.rate.is_zero() && rotation,
         .wheels = !scene.wheels.empty(),

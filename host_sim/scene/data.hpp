@@ -38,6 +38,7 @@ struct SceneData {
     std::vector<BodySpec> bodies;
     std::vector<PlaneSpec> planes;  // none without a contact response
     std::vector<SpringSpec> springs;
+    Real softening = 0;              // m, of gravitation
     RealVec3 wind{};                 // m/s, for the bodies of `drags`
     std::vector<DragSpec> drags;     // of the bodies that have one
     std::vector<WheelsSpec> wheels;  // of the bodies that have some

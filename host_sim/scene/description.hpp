@@ -124,7 +124,8 @@ struct SceneDescription {
     StepSize step;
     double duration = 0.0;  // s
     double gravitation = 0.0, linear_drag = 0.0, angular_drag = 0.0;
-    Triple wind{};  // m/s
+    double softening = 0.0;  // m, of gravitation
+    Triple wind{};           // m/s
     std::optional<GravityGradientDescription> gravity_gradient;
     RangeDescription range;
     ContactDescription contact;

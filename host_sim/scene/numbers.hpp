@@ -22,8 +22,8 @@ void for_each_number(SceneDescription& scene, const Visit& visit) {
         visit(scene.gravity_gradient->orbit_rate, Measure::factor);
         all(scene.gravity_gradient->to_centre, Measure::angle);
     }
-    for (double* x : {&scene.gravitation, &scene.linear_drag, &scene.angular_drag, &contact.restitution,
-                      &contact.friction, &contact.stiffness, &contact.damping})
+    for (double* x : {&scene.gravitation, &scene.softening, &scene.linear_drag, &scene.angular_drag,
+                      &contact.restitution, &contact.friction, &contact.stiffness, &contact.damping})
         visit(*x, Measure::factor);
     for (auto& plane : scene.planes) {
         all(plane.normal, Measure::angle);

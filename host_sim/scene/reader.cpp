@@ -57,10 +57,14 @@ void read_world(Table table, SceneDescription& scene) {
     table.required("step", scene.step, Quantity{Quantity::positive, "s"});
     table.required("duration", scene.duration, seconds);
     table.optional("gravitation", scene.gravitation, Quantity{Quantity::not_negative, "m^3/(kg s^2)"});
+    table.optional("softening", scene.softening, Quantity{Quantity::not_negative, "m"});
     table.optional("linear_drag", scene.linear_drag, Quantity{Quantity::not_negative, "kg/s"});
     table.optional("angular_drag", scene.angular_drag, Quantity{Quantity::not_negative, "N m s"});
     table.optional("wind", scene.wind, Quantity{Quantity::any, "m/s", "x, y, z"});
     table.finish();
+    if (scene.softening > 0.0 && !(scene.gravitation > 0.0))
+        table.at("softening")
+            .fail("there is no gravitation to soften", "a gravitation above 0 (m^3/(kg s^2)), or no softening");
     if (scene.steps() > max_steps)
         table.at("duration")
             .fail("got " + shown(scene.duration) + " s, which takes more than 2^31 steps",

@@ -58,8 +58,9 @@ std::string scene_text(const SceneDescription& scene) {
         scene.step.denominator == 0 ? text_of(scene.step.decimal) : json_text(step_text(scene.step));
     std::string text = line("name", json_text(scene.name));
     text += "\n[world]\n" + line("step", step) + line("duration", scene.duration) + line("gravity", scene.gravity) +
-            line("gravitation", scene.gravitation) + line("linear_drag", scene.linear_drag) +
-            line("angular_drag", scene.angular_drag) + line("wind", scene.wind);
+            line("gravitation", scene.gravitation) + line("softening", scene.softening) +
+            line("linear_drag", scene.linear_drag) + line("angular_drag", scene.angular_drag) +
+            line("wind", scene.wind);
     if (const auto& gradient = scene.gravity_gradient)
         text += "\n[gravity_gradient]\n" + line("orbit_rate", gradient->orbit_rate) +
                 line("to_centre", gradient->to_centre);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "simulation/long_double.hpp"
 
@@ -45,8 +46,8 @@ Energy SceneEnergy::of(const std::vector<Motion>& now, const std::vector<Vector>
     for (std::size_t a = 0; attracts_ && a < now.size(); ++a) {
         for (std::size_t b = a + 1; b < now.size(); ++b) {
             if (data_.bodies[a].fixed && data_.bodies[b].fixed) continue;
-            energy.potential -=
-                number(data_.world.gravitation) * bodies_[a].mass * bodies_[b].mass / norm(now[b].x - now[a].x);
+            const Number distance = std::hypot(norm(now[b].x - now[a].x), number(data_.softening));
+            energy.potential -= number(data_.world.gravitation) * bodies_[a].mass * bodies_[b].mass / distance;
         }
     }
     if (has_contact_springs_) energy.potential += of_contacts(now);

@@ -228,7 +228,7 @@ void SmoothMotion::add_loads(const std::vector<Motion>& motions, std::int64_t st
     for (std::size_t i = 0; constant > 0 && i < bodies_.size(); ++i) {
         for (std::size_t j = i + 1; j < bodies_.size(); ++j) {
             const Vector r = motions[j].x - motions[i].x;
-            const Number distance = norm(r);
+            const Number distance = std::hypot(norm(r), Number(scene_.softening));
             if (!(distance > 0)) continue;
             const Vector force = r * (constant * bodies_[i].mass * bodies_[j].mass / (distance * distance * distance));
             sums[i].force_w = sums[i].force_w + force;

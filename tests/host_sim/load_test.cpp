@@ -54,6 +54,13 @@ BodySnapshot end_of(const std::string& text, int body = 0, const char* numbers =
     return simulation->body(body);
 }
 
+// Two bodies that pass through each other: they begin at rest on a line, and attract each other by softened
+// gravitation.
+const std::string pair_that_meets =
+    world_with("gravitation = 2.0\nsoftening = 0.5\n", "1/256", "8.0") + "[contact]\nresponse = \"none\"\n" +
+    body_with("left", "shape = { sphere = 0.1 }\nmass = 1.0\nposition = [-1.0, 0.0, 0.0]\n") +
+    body_with("right", "shape = \"none\"\nmass = 3.0\nposition = [0.25, 0.0, 0.0]\n");
+
 // Of suzuki4 in q32 with carry over some seconds at these steps: rounding of motions of a few metres and radians.
 constexpr double tolerance = 2e-6;
 
@@ -89,8 +96,22 @@ TEST(LoadsOfScenes, the_gravity_gradient_swings_a_long_body) {
     expect_near(end.orientation[1], 0);
 }
 
+// Bodies on a circle of radius r about each other: w^2 = G (m1 + m2) / (r^2 + e^2)^(3/2).
+TEST(LoadsOfScenes, softened_gravitation_has_slower_circular_orbits) {
+    const double rate = std::sqrt(2.0 * 4 / std::pow(1 + 0.75 * 0.75, 1.5));
+    const auto speed = [&](double of) { return "velocity = [0.0, " + std::to_string(of * rate) + ", 0.0]\n"; };
+    const BodySnapshot end = end_of(
+        world_with("gravitation = 2.0\nsoftening = 0.75\n", "1/256", "4.0") + "[contact]\nresponse = \"none\"\n" +
+            body_with("light", "shape = \"none\"\nmass = 1.0\nposition = [0.75, 0.0, 0.0]\n" + speed(0.75)) +
+            body_with("heavy", "shape = \"none\"\nmass = 3.0\nposition = [-0.25, 0.0, 0.0]\n" + speed(-0.25)),
+        0);
+    // The speeds of the file have six decimals.
+    EXPECT_NEAR(static_cast<double>(end.position[0]), 0.75 * std::cos(4 * rate), 1e-5);
+    EXPECT_NEAR(static_cast<double>(end.position[1]), 0.75 * std::sin(4 * rate), 1e-5);
+}
+
 TEST(LoadsOfScenes, the_reference_has_every_load_of_the_kernel) {
-    for (const std::string& text : {windy, gyrostat, rod, all}) {
+    for (const std::string& text : {windy, gyrostat, rod, all, pair_that_meets}) {
         SceneDescription scene = read_scene_text(text, "scene.toml");
         scene.step = {1, 4096, 0};
         const auto simulation = make_simulation(scene, "rk4", "f64", false);
@@ -106,9 +127,10 @@ TEST(LoadsOfScenes, the_reference_has_every_load_of_the_kernel) {
     }
 }
 
-// Wheels and the gravity gradient keep the energy that is told; a run of wind is not blamed for what the wind adds.
-TEST(LoadsOfScenes, energy_is_kept_where_only_wheels_and_the_gravity_gradient_act) {
-    for (const std::string& text : {gyrostat, rod}) {
+// Wheels, the gravity gradient and softened gravitation keep the energy that is told; a run of wind is not blamed for
+// what the wind adds.
+TEST(LoadsOfScenes, energy_is_kept_where_only_wheels_gravity_gradient_and_softened_gravitation_act) {
+    for (const std::string& text : {gyrostat, rod, pair_that_meets}) {
         const auto simulation = make_simulation(read_scene_text(text, "scene.toml"), "suzuki4", "f64");
         const long double start = simulation->energy().total();
         (void)finish(*simulation);
@@ -130,6 +152,7 @@ TEST(LoadsOfScenes, the_header_of_a_firmware_holds_the_loads_that_act_and_no_oth
         return compiled_scene(read_scene_text(text, "scene.toml"), Choice{}, "");
     };
     const std::string air = header(windy), wheels = header(gyrostat), gradient = header(rod),
+                      soft = header(pair_that_meets),
                       none = header(world_with("", "1/256", "1.0") + body_with("free", ball));
     for (const char* part : {".air = true", "wind{1.0, 0.0, 1.0}", "DragSpec, 2> drags", ".quadratic = 0.25"})
         EXPECT_TRUE(has(air, part)) << part << "\n" << air;
@@ -137,9 +160,11 @@ TEST(LoadsOfScenes, the_header_of_a_firmware_holds_the_loads_that_act_and_no_oth
         EXPECT_TRUE(has(wheels, part)) << part << "\n" << wheels;
     for (const char* part : {".gravity_gradient = true", "OrbitSpec orbit{0.5, {0.0, -2.0, 0.0}}"})
         EXPECT_TRUE(has(gradient, part)) << part << "\n" << gradient;
-    for (const char* part : {"air", "wind", "drags", "wheels", "gradient", "orbit"}) {
+    for (const char* part : {".softening = true", "Real softening{0.5}"})
+        EXPECT_TRUE(has(soft, part)) << part << "\n" << soft;
+    for (const char* part : {"softening", "air", "wind", "drags", "wheels", "gradient", "orbit"}) {
         EXPECT_FALSE(has(none, part)) << part << "\n" << none;
-        EXPECT_LE(has(air, part) + has(wheels, part) + has(gradient, part), 1) << part;
+        EXPECT_LE(has(air, part) + has(wheels, part) + has(gradient, part) + has(soft, part), 1) << part;
     }
 }
 

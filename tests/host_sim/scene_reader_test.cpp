@@ -320,6 +320,7 @@ gravity = [1, -9.81, 2]
 step = 0.005
 duration = 3
 gravitation = 0.5
+softening = 0.0625
 linear_drag = 0.25
 angular_drag = 0.125
 wind = [3, 4, 5]
@@ -420,6 +421,7 @@ TEST(SceneReader, every_key_of_world_and_bodies_arrives_as_written) {
     EXPECT_EQ(b.density, 700.0);
     EXPECT_EQ((Numbers{b.linear_drag, b.quadratic_drag}), (Numbers{0.5, 0.75}));
     EXPECT_EQ((Triples{b.wheel_momentum, scene.wind}), (Triples{{1, 2, 4}, {3, 4, 5}}));
+    EXPECT_EQ(scene.softening, 0.0625);
     ASSERT_TRUE(scene.gravity_gradient);
     EXPECT_EQ(scene.gravity_gradient->orbit_rate, 0.25);
     EXPECT_EQ(scene.gravity_gradient->to_centre, (Triple{0, -3, 0}));

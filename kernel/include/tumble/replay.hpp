@@ -3,9 +3,9 @@
 //
 // Data has the members name, step (Seconds), steps, world (WorldSpec), and the lists bodies, planes, springs, impulses
 // and forces of their *Spec types. There may be a list events of EventSpec, and for loads that Config has: wind, m/s,
-// and a list drags of DragSpec; a list wheels of WheelsSpec; orbit, an OrbitSpec. In the output of `tumble compile` all
-// of them are static constexpr. A list is a std::array, or any type with size() that resize() can grow. Config is a
-// Scene with room for all data and the features that it needs.
+// and a list drags of DragSpec; a list wheels of WheelsSpec; orbit, an OrbitSpec; softening, m, of gravitation. In the
+// output of `tumble compile` all of them are static constexpr. A list is a std::array, or any type with size() that
+// resize() can grow. Config is a Scene with room for all data and the features that it needs.
 #pragma once
 
 #include <tumble/world.hpp>
@@ -72,9 +72,11 @@ public:
     [[nodiscard]] const World<Config>& world() const { return world_; }
 
 private:
-    // Air, wheels and orbit, where both Config and the data have them.
+    // Softening, air, wheels and orbit, where both Config and the data have them.
     constexpr void set_up_loads([[maybe_unused]] const Data& data) {
         constexpr int bodies = Config::features.bodies;
+        if constexpr (Config::features.gravitation && Config::features.softening && requires { data.softening; })
+            world_.set_softening(data.softening);
         if constexpr (Config::features.air && requires { data.drags; }) {
             auto& air = world_.template change_load<Air<N, bodies>>();
             air.set_wind(data.wind);

@@ -21,6 +21,7 @@ struct Features {
     bool point_masses = false;      // some bodies may be point masses, which do not rotate
     bool drag = false;              // world-wide linear and angular drag
     bool gravitation = false;       // attraction between all bodies
+    bool softening = false;         // of that attraction at short distances: World::set_softening()
     bool air = false;               // drag of each body in wind: Air
     bool gravity_gradient = false;  // torque on a long body in orbit: GravityGradient
     bool wheels = false;            // stored angular momentum of each body: Wheels
@@ -54,6 +55,7 @@ struct Features {
         f("point_masses", &Features::point_masses);
         f("drag", &Features::drag);
         f("gravitation", &Features::gravitation);
+        f("softening", &Features::softening);
         f("air", &Features::air);
         f("gravity_gradient", &Features::gravity_gradient);
         f("wheels", &Features::wheels);

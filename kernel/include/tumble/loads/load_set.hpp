@@ -143,6 +143,9 @@ public:
         if constexpr (features.gravitation) gravitation_.remove(b);
         if constexpr (features.springs > 0) springs_.remove_from(b);
     }
+    void set_softening(Real length) requires(features.gravitation&& features.softening) {
+        gravitation_.set_softening(length);
+    }
     // False when there is no room.
     bool add(const PlaneSpec& spec, Bodies& bodies) requires(features.springs_touch()) {
         return contacts_.add(spec, bodies);
@@ -468,7 +471,7 @@ private:
     Work seconds_, steps_per_second_;
     [[no_unique_address]] If<features.drag, Drag<N, features.bodies>, 0> drag_;
     [[no_unique_address]] If<(features.springs > 0), Springs<N, features.springs, features.bodies>, 1> springs_;
-    [[no_unique_address]] If<features.gravitation, Gravitation<N, features.bodies>, 2> gravitation_;
+    [[no_unique_address]] If<features.gravitation, Gravitation<N, features.bodies, features.softening>, 2> gravitation_;
     [[no_unique_address]] If<features.forces, TimedForces<N>, 3> forces_;
     [[no_unique_address]] If<features.springs_touch(), ContactSprings<N, spin, features>, 4> contacts_;
     [[no_unique_address]] OwnLoads own_{};
