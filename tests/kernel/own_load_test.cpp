@@ -250,6 +250,50 @@ TYPED_TEST(OwnLoad, a_snapshot_of_a_world_with_other_loads_is_refused) {
     EXPECT_EQ(two.restore(bytes, size), SnapshotFault::other_scene);
 }
 
+// A tether whose stiffness a snapshot holds.
+struct SavedTether : Tether {
+    float strength = 0;  // N/m
+
+    [[nodiscard]] bool acts_on(const auto&, int) const { return strength > 0; }
+    template <class Group>
+    void apply_to(const Group& group) const {
+        for (int k = 0; k < group.count; ++k)
+            group.push(k, group.position(k) * -static_cast<typename Group::Work>(strength));
+    }
+    static void each(auto& load, auto& archive) { archive(load.strength); }
+};
+TYPED_TEST(OwnLoad, a_world_from_a_snapshot_has_the_values_of_loads_and_goes_on_with_the_same_bits) {
+    using N = typename TypeParam::Numbers;
+    static constexpr Features saved{.air = true, .gravity_gradient = true, .wheels = true, .snapshots = true};
+    using Saved = World<With<TypeParam, LoadList<SavedTether>, saved>>;
+    const auto start = [] {
+        Saved world{Seconds{1, 256}};
+        BodySpec crate = box(1, {1, 2, 3});
+        crate.velocity = {5, 1, 0};
+        crate.angular_velocity = {1, 0.5, 0.25};
+        (void)world.add(crate);
+        return world;
+    };
+    Saved one = start(), other = start();
+    one.template change_load<SavedTether>().strength = 12;
+    auto& air = one.template change_load<Air<N, 1>>();
+    air.set_wind({1, 2, 0});
+    air.set_drag(BodyId{0}, 0.25, 0.125);
+    one.template change_load<Wheels<N, 1>>().set_momentum(BodyId{0}, Vector3<double>{0, 0.5, 1});
+    one.template change_load<GravityGradient<N, 1>>().set_orbit(0.5, {1, 0, 2});
+    for (int i = 0; i < 64; ++i) one.step();
+    std::uint8_t bytes[1024];
+    const int size = one.save(bytes, sizeof bytes);
+    ASSERT_GT(size, 0);
+    ASSERT_EQ(other.restore(bytes, size), SnapshotFault::none);
+    EXPECT_EQ(other.template load<SavedTether>().strength, 12);
+    for (int i = 0; i < 64; ++i) {
+        one.step();
+        other.step();
+    }
+    EXPECT_EQ(other.hash(), one.hash());
+}
+
 // --- the kernel's loads for a list -----------------------------------------------------------------------------------
 
 TYPED_TEST(OwnLoad, air_drags_each_body_by_its_own_coefficients) {

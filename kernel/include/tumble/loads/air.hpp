@@ -54,6 +54,9 @@ public:
         }
     }
 
+    // Likewise.
+    static void each(auto& air, auto& archive) { archive(air.wind_, air.linear_, air.quadratic_); }
+
 private:
     using Work = typename N::Work;
     Vector3<Work> wind_{};                         // m/s

@@ -49,6 +49,14 @@ public:
         }
     }
 
+    // Likewise.
+    static void each(auto& gradient, auto& archive) {
+        archive(gradient.strength_);
+        if constexpr (requires { gradient.to_centre_.mantissa; })
+            archive(gradient.to_centre_.mantissa, gradient.to_centre_.exponent);
+        else archive(gradient.to_centre_.v);
+    }
+
 private:
     using Work = typename N::Work;
     using L = LoadNumbers<N>;

@@ -122,6 +122,15 @@ public:
         static_assert(OwnLoads::template has<Load>, "the scene's Loads do not name this load");
         return own_;
     }
+    // Writes or reads the values of the listed loads that have each().
+    template <class Self, class Archive>
+    static void archive(Self& self, Archive& to) {
+        (void)OwnLoads::any(self.own_, [&](auto& load) {
+            using Load = std::remove_cvref_t<decltype(load)>;
+            if constexpr (requires { Load::each(load, to); }) Load::each(load, to);
+            return false;
+        });
+    }
     // Call when a body has been added.
     void set_body([[maybe_unused]] int b, [[maybe_unused]] const BodySpec& spec,
                   [[maybe_unused]] const PrincipalInertia& inertia, [[maybe_unused]] Bodies& bodies) {

@@ -48,6 +48,9 @@ public:
                     group.turn(k, cross(momentum_[group.id[k]], group.angular_velocity(k)));
     }
 
+    // Likewise.
+    static void each(auto& wheels, auto& archive) { archive(wheels.momentum_); }
+
 private:
     using Work = typename N::Work;
     Vector3<Work> momentum_[bodies]{};
