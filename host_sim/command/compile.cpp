@@ -95,6 +95,21 @@ std::string spring_text(const SpringDescription&, const SpringSpec& spring) {
     return members.text();
 }
 
+std::string drag_text(const DragSpec& drag) {
+    Members members("            ");
+    members.always("body", std::to_string(drag.body));
+    members.when(!drag.linear.is_zero(), "linear", number(drag.linear), "kg/s");
+    members.when(!drag.quadratic.is_zero(), "quadratic", number(drag.quadratic), "kg/m");
+    return members.text();
+}
+
+std::string wheels_text(const WheelsSpec& wheels) {
+    Members members("            ");
+    members.always("body", std::to_string(wheels.body));
+    members.always("momentum", vector(wheels.momentum), "N m s");
+    return members.text();
+}
+
 std::string impulse_text(const ImpulseDescription&, const ImpulseSpec& impulse) {
     Members members("            ");
     members.always("time", number(impulse.time), "s");
@@ -147,6 +162,31 @@ std::string list_text(const char* type, const char* name, const std::vector<Desc
         list += "        {" + comment_of(descriptions[i]) + "\n" + text(descriptions[i], specs[i]) + "        },\n";
     }
     return list + "    }};\n";
+}
+
+// A std::array of specs that stand for keys of bodies; nothing where there are none.
+template <class Spec>
+std::string list_text(const char* type, const char* name, const std::vector<Spec>& specs,
+                      std::string (*text)(const Spec&)) {
+    if (specs.empty()) return "";
+    std::string list = "    static constexpr std::array<tumble::" + std::string(type) + ", " +
+                       std::to_string(specs.size()) + "> " + name + "{{\n";
+    for (const Spec& spec : specs) list += "        {\n" + text(spec) + "        },\n";
+    return list + "    }};\n";
+}
+
+// What the loads have that a scene names by keys of bodies or by a table.
+std::string loads_text(const SceneData& data) {
+    std::string text;
+    if (!data.softening.is_zero())
+        text = "    static constexpr tumble::Real softening{" + number(data.softening) + "};   // m\n";
+    if (!data.drags.empty()) text += "    static constexpr tumble::RealVec3 wind" + vector(data.wind) + ";   // m/s\n";
+    text += list_text("DragSpec", "drags", data.drags, drag_text) +
+            list_text("WheelsSpec", "wheels", data.wheels, wheels_text);
+    if (!data.orbit.rate.is_zero())
+        text += "    static constexpr tumble::OrbitSpec orbit{" + number(data.orbit.rate) + ", " +
+                vector(data.orbit.to_centre) + "};   // rad/s\n";
+    return text;
 }
 
 std::string step_in_cpp(const StepSize& step) {
@@ -239,8 +279,9 @@ std::string config_text(const SceneDescription& scene, const SceneData& data, co
 
 // Is it a name in C++ that no member of the struct has?
 bool is_struct_name(const std::string& name) {
-    static const std::vector<std::string> members = {"Config", "name",    "step",     "steps",  "world", "bodies",
-                                                     "planes", "springs", "impulses", "forces", "events"};
+    static const std::vector<std::string> members = {"Config", "name",    "step",     "steps",  "world",  "bodies",
+                                                     "planes", "springs", "impulses", "forces", "events", "softening",
+                                                     "wind",   "drags",   "wheels",   "orbit"};
     const auto is_in_name = [](unsigned char c) { return c < 0x80 && (std::isalnum(c) != 0 || c == '_'); };
     return !name.empty() && std::isdigit(static_cast<unsigned char>(name[0])) == 0 &&
            std::all_of(name.begin(), name.end(), is_in_name) &&
@@ -286,7 +327,7 @@ std::string compiled_scene(const SceneDescription& scene, const Choice& choice, 
          << ";\n    static constexpr std::uint32_t steps = " << data.steps << "u;\n"
          << world_text(data.world) << list_text("BodySpec", "bodies", scene.bodies, data.bodies, body_text)
          << list_text("PlaneSpec", "planes", scene.planes, data.planes, plane_text)
-         << list_text("SpringSpec", "springs", scene.springs, data.springs, spring_text)
+         << list_text("SpringSpec", "springs", scene.springs, data.springs, spring_text) << loads_text(data)
          << list_text("ImpulseSpec", "impulses", scene.impulses, data.impulses, impulse_text)
          << list_text("ForceSpec", "forces", scene.forces, data.forces, force_text)
          << (data.events.empty() ? "" : list_text("EventSpec", "events", scene.events, data.events, event_text)) << "\n"

@@ -156,6 +156,8 @@ bool keeps_energy(const SceneDescription& scene) {
     if (!scene.impulses.empty() || !scene.forces.empty() || !scene.events.empty() || scene.linear_drag > 0 ||
         scene.angular_drag > 0)
         return false;
+    for (const BodyDescription& body : scene.bodies)
+        if (!body.fixed && (body.linear_drag > 0 || body.quadratic_drag > 0)) return false;
     for (const SpringDescription& spring : scene.springs)
         if (spring.damping > 0) return false;
     const auto has_shape = [](const BodyDescription& body) {

@@ -169,6 +169,9 @@ BodyDescription read_body(Table table, const SceneDescription& scene, RangeDescr
     table.optional("angular_velocity", body.angular_velocity, radians_per_second);
     table.optional("restitution", body.restitution, restitution);
     table.optional("friction", body.friction, friction);
+    table.optional("linear_drag", body.linear_drag, Quantity{Quantity::not_negative, "kg/s"});
+    table.optional("quadratic_drag", body.quadratic_drag, Quantity{Quantity::not_negative, "kg/m"});
+    table.optional("wheel_momentum", body.wheel_momentum, Quantity{Quantity::any, "N m s", "x, y, z"});
     table.optional("fixed", body.fixed);
     table.finish();
 
@@ -181,6 +184,7 @@ BodyDescription read_body(Table table, const SceneDescription& scene, RangeDescr
                        "a quaternion [w, x, y, z] that is not zero");
     refuse_to_turn(table, "orientation", body.orientation.data() + 1, 3, body, "[1, 0, 0, 0] or no orientation");
     refuse_to_turn(table, "angular_velocity", body.angular_velocity, body);
+    refuse_to_turn(table, "wheel_momentum", body.wheel_momentum, body);
     check_range(table, "position", body.position, "position", range);
     check_range(table, "velocity", body.velocity, "velocity", range);
     check_range(table, "angular_velocity", body.angular_velocity, "angular_velocity", range);

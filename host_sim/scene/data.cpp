@@ -73,6 +73,19 @@ bool any_pair_meets(const std::vector<BodySpec>& bodies) {
     return false;
 }
 
+// Air and wheels. A fixed body feels neither.
+void add_loads_of_bodies(const SceneDescription& scene, SceneData& data) {
+    data.wind = real_vector(scene.wind);
+    for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+        const BodyDescription& body = scene.bodies[i];
+        const int index = static_cast<int>(i);
+        if (body.fixed) continue;
+        if (body.linear_drag > 0 || body.quadratic_drag > 0)
+            data.drags.push_back({index, body.linear_drag, body.quadratic_drag});
+        if (body.wheel_momentum != Triple{}) data.wheels.push_back({index, real_vector(body.wheel_momentum)});
+    }
+}
+
 template <class Event, class Start>
 void sort_by_step(std::vector<Event>& events, Seconds step, Start&& start) {
     std::vector<std::pair<std::int64_t, Event>> keyed;
@@ -124,6 +137,7 @@ SceneData build_scene(const SceneDescription& scene) {
     data.steps = static_cast<std::uint32_t>(scene.steps());
     data.world.gravity = real_vector(scene.gravity);
     data.world.gravitation = scene.gravitation;
+    data.softening = scene.softening;
     data.world.linear_drag = scene.linear_drag;
     data.world.angular_drag = scene.angular_drag;
     const ContactDescription& contact = scene.contact;
@@ -131,6 +145,9 @@ SceneData build_scene(const SceneDescription& scene) {
                           contact.friction, contact.tolerance,   contact.stiffness,
                           contact.damping,  contact.barrier,     sleep_of(contact)};
     for (const BodyDescription& body : scene.bodies) data.bodies.push_back(body_of(body));
+    add_loads_of_bodies(scene, data);
+    if (const auto& gradient = scene.gravity_gradient)
+        data.orbit = {gradient->orbit_rate, real_vector(gradient->to_centre)};
     for (const PlaneDescription& plane : scene.planes) {
         if (contact.response != ContactResponse::none)
             data.planes.push_back(
@@ -185,6 +202,10 @@ Features needs(const SceneData& scene) {
         .point_masses = any(scene.bodies, is_point_mass),
         .drag = world.linear_drag > Real{} || world.angular_drag > Real{},
         .gravitation = world.gravitation > Real{} && scene.bodies.size() > 1,
+        .softening = scene.softening > Real{} && scene.bodies.size() > 1,
+        .air = !scene.drags.empty(),
+        .gravity_gradient = !scene.orbit.rate.is_zero() && rotation,
+        .wheels = !scene.wheels.empty(),
         .forces = !scene.forces.empty(),
         .impulses = !scene.impulses.empty(),
         .control = any(scene.events, lasts),

@@ -3,6 +3,9 @@
 #pragma once
 
 #include <tumble/events/script.hpp>
+#include <tumble/loads/air.hpp>
+#include <tumble/loads/gravity_gradient.hpp>
+#include <tumble/loads/wheels.hpp>
 #include <tumble/scene.hpp>
 
 #include <array>
@@ -35,6 +38,11 @@ struct SceneData {
     std::vector<BodySpec> bodies;
     std::vector<PlaneSpec> planes;  // none without a contact response
     std::vector<SpringSpec> springs;
+    Real softening = 0;              // m, of gravitation
+    RealVec3 wind{};                 // m/s, for the bodies of `drags`
+    std::vector<DragSpec> drags;     // of the bodies that have one
+    std::vector<WheelsSpec> wheels;  // of the bodies that have some
+    OrbitSpec orbit;                 // for the gravity gradient
     std::vector<ImpulseSpec> impulses;
     std::vector<ForceSpec> forces;
     std::vector<EventSpec> events;

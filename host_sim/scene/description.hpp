@@ -44,6 +44,8 @@ struct BodyDescription {
     Quadruple orientation{1.0, 0.0, 0.0, 0.0};  // as written; not yet normalised
     Triple angular_velocity{};                  // body frame, user's axes
     std::optional<double> restitution, friction;
+    double linear_drag = 0.0, quadratic_drag = 0.0;  // kg/s and kg/m, against the air
+    Triple wheel_momentum{};                         // N m s, body frame, user's axes
     bool fixed = false;
 
     // True of a body without rotation.
@@ -110,6 +112,11 @@ struct ContactDescription {
     std::optional<SleepDescription> sleep;
 };
 
+struct GravityGradientDescription {
+    double orbit_rate = 0.0;  // rad/s
+    Triple to_centre{};       // world; as written, not yet normalised
+};
+
 struct SceneDescription {
     std::string name;
     std::string path;  // the file it came from, as given
@@ -117,6 +124,9 @@ struct SceneDescription {
     StepSize step;
     double duration = 0.0;  // s
     double gravitation = 0.0, linear_drag = 0.0, angular_drag = 0.0;
+    double softening = 0.0;  // m, of gravitation
+    Triple wind{};           // m/s
+    std::optional<GravityGradientDescription> gravity_gradient;
     RangeDescription range;
     ContactDescription contact;
     std::vector<PlaneDescription> planes;

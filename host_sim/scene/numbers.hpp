@@ -17,8 +17,13 @@ void for_each_number(SceneDescription& scene, const Visit& visit) {
     };
     ContactDescription& contact = scene.contact;
     all(scene.gravity, Measure::factor);
-    for (double* x : {&scene.gravitation, &scene.linear_drag, &scene.angular_drag, &contact.restitution,
-                      &contact.friction, &contact.stiffness, &contact.damping})
+    all(scene.wind, Measure::velocity);
+    if (scene.gravity_gradient) {
+        visit(scene.gravity_gradient->orbit_rate, Measure::factor);
+        all(scene.gravity_gradient->to_centre, Measure::angle);
+    }
+    for (double* x : {&scene.gravitation, &scene.softening, &scene.linear_drag, &scene.angular_drag,
+                      &contact.restitution, &contact.friction, &contact.stiffness, &contact.damping})
         visit(*x, Measure::factor);
     for (auto& plane : scene.planes) {
         all(plane.normal, Measure::angle);
@@ -31,6 +36,9 @@ void for_each_number(SceneDescription& scene, const Visit& visit) {
         all(body.velocity, Measure::velocity);
         all(body.orientation, Measure::angle);
         all(body.angular_velocity, Measure::spin);
+        visit(body.linear_drag, Measure::factor);
+        visit(body.quadratic_drag, Measure::factor);
+        all(body.wheel_momentum, Measure::factor);
     }
     for (auto& spring : scene.springs) {
         for (double* x : {&spring.stiffness, &spring.damping, &spring.rest_length}) visit(*x, Measure::factor);

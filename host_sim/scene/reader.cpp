@@ -57,13 +57,39 @@ void read_world(Table table, SceneDescription& scene) {
     table.required("step", scene.step, Quantity{Quantity::positive, "s"});
     table.required("duration", scene.duration, seconds);
     table.optional("gravitation", scene.gravitation, Quantity{Quantity::not_negative, "m^3/(kg s^2)"});
+    table.optional("softening", scene.softening, Quantity{Quantity::not_negative, "m"});
     table.optional("linear_drag", scene.linear_drag, Quantity{Quantity::not_negative, "kg/s"});
     table.optional("angular_drag", scene.angular_drag, Quantity{Quantity::not_negative, "N m s"});
+    table.optional("wind", scene.wind, Quantity{Quantity::any, "m/s", "x, y, z"});
     table.finish();
+    if (scene.softening > 0.0 && !(scene.gravitation > 0.0))
+        table.at("softening")
+            .fail("there is no gravitation to soften", "a gravitation above 0 (m^3/(kg s^2)), or no softening");
     if (scene.steps() > max_steps)
         table.at("duration")
             .fail("got " + shown(scene.duration) + " s, which takes more than 2^31 steps",
                   "at most " + std::to_string(max_steps) + " steps of " + shown(scene.step.seconds()) + " s");
+}
+
+GravityGradientDescription read_gravity_gradient(Table table) {
+    GravityGradientDescription gradient;
+    table.required("orbit_rate", gradient.orbit_rate, Quantity{Quantity::positive, "rad/s"});
+    table.required("to_centre", gradient.to_centre, Quantity{Quantity::any, "", "x, y, z"});
+    table.finish();
+    check_not_zero(table.at("to_centre"), gradient.to_centre.data(), 3, "a vector [x, y, z] that is not zero");
+    return gradient;
+}
+
+// A load on bodies, none of which feels it, is a mistake.
+void check_felt(const SceneDescription& scene, Table& world, const std::optional<Table>& gravity_gradient) {
+    if (scene.angular_drag > 0.0 && !scene.has_rotation())
+        world.at("angular_drag").fail("all bodies are point masses, which have no rotation", "0 or no angular_drag");
+    if (gravity_gradient && !scene.has_rotation())
+        gravity_gradient->place().fail("all bodies are point masses, which have no rotation", "no [gravity_gradient]");
+    const auto feels_air = [](const BodyDescription& b) { return b.linear_drag > 0.0 || b.quadratic_drag > 0.0; };
+    if (scene.wind != Triple{} && std::none_of(scene.bodies.begin(), scene.bodies.end(), feels_air))
+        world.at("wind").fail("no body feels it",
+                              "a body with linear_drag (kg/s) or quadratic_drag (kg/m), or no wind");
 }
 
 void read_range(Table table, RangeDescription& range) {
@@ -133,6 +159,7 @@ SceneDescription read_root(Table root, const std::string& file, BodyCount count)
     if (!world) root.missing("world", "the table [world] with step and duration (s)");
     const auto range = root.table("range");
     const auto contact = root.table("contact");
+    const auto gravity_gradient = root.table("gravity_gradient");
     const auto planes = root.tables("plane");
     const auto bodies = root.tables("body");
     if (bodies.empty() && count == BodyCount::at_least_one) root.missing("body", "at least one [[body]]");
@@ -147,14 +174,14 @@ SceneDescription read_root(Table root, const std::string& file, BodyCount count)
     read_world(*world, scene);
     if (range) read_range(*range, scene.range);
     if (contact) read_contact(*contact, scene.contact);
+    if (gravity_gradient) scene.gravity_gradient = read_gravity_gradient(*gravity_gradient);
     std::set<std::string> names;
     check_count(planes, max_planes);
     check_count(bodies, max_bodies);
     check_count(springs, max_springs);
     for (Table table : planes) add_named(scene.planes, read_plane(table, scene.range), table, names);
     for (Table table : bodies) add_named(scene.bodies, read_body(table, scene, scene.range), table, names);
-    if (scene.angular_drag > 0.0 && !scene.has_rotation())
-        world->at("angular_drag").fail("all bodies are point masses, which have no rotation", "0 or no angular_drag");
+    check_felt(scene, *world, gravity_gradient);
     for (const Table& table : springs) scene.springs.push_back(read_spring(table, scene, scene.range));
     for (const Table& table : impulses) scene.impulses.push_back(read_impulse(table, scene));
     for (const Table& table : forces) scene.forces.push_back(read_force(table, scene));

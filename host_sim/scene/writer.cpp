@@ -58,8 +58,12 @@ std::string scene_text(const SceneDescription& scene) {
         scene.step.denominator == 0 ? text_of(scene.step.decimal) : json_text(step_text(scene.step));
     std::string text = line("name", json_text(scene.name));
     text += "\n[world]\n" + line("step", step) + line("duration", scene.duration) + line("gravity", scene.gravity) +
-            line("gravitation", scene.gravitation) + line("linear_drag", scene.linear_drag) +
-            line("angular_drag", scene.angular_drag);
+            line("gravitation", scene.gravitation) + line("softening", scene.softening) +
+            line("linear_drag", scene.linear_drag) + line("angular_drag", scene.angular_drag) +
+            line("wind", scene.wind);
+    if (const auto& gradient = scene.gravity_gradient)
+        text += "\n[gravity_gradient]\n" + line("orbit_rate", gradient->orbit_rate) +
+                line("to_centre", gradient->to_centre);
     text += "\n[range]\n" + line("position", scene.range.position) + line("velocity", scene.range.velocity) +
             line("angular_velocity", scene.range.angular_velocity) + contact_text(scene.contact);
     for (const PlaneDescription& p : scene.planes)
@@ -71,7 +75,10 @@ std::string scene_text(const SceneDescription& scene) {
                 line("inertia", b.inertia ? text_of(*b.inertia) : "") + line("position", b.position) +
                 line("velocity", b.velocity) + line("orientation", b.orientation) +
                 line("angular_velocity", b.angular_velocity) + line("restitution", b.restitution) +
-                line("friction", b.friction) + line("fixed", b.fixed ? std::string("true") : "");
+                line("friction", b.friction) + line("linear_drag", b.linear_drag) +
+                line("quadratic_drag", b.quadratic_drag) +
+                line("wheel_momentum", b.is_point_mass() ? std::string() : text_of(b.wheel_momentum)) +
+                line("fixed", b.fixed ? std::string("true") : "");
     for (const SpringDescription& s : scene.springs)
         text += "\n[[spring]]\n" + line("body", name_of(s.body)) + line("point", s.point) +
                 (s.to_body < 0 ? line("to", s.to) : line("to_body", name_of(s.to_body)) + line("to_point", s.to)) +

@@ -5,12 +5,13 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "simulation/long_double.hpp"
 
 namespace tumble::host {
 
-using reference::Motion, reference::Number, reference::Vector;
+using reference::Motion, reference::Number, reference::Rotation, reference::Vector;
 
 SceneEnergy::SceneEnergy(const SceneData& data) : data_(data) {
     const Features needed = needs(data);
@@ -30,6 +31,7 @@ Energy SceneEnergy::of(const std::vector<Motion>& now, const std::vector<Vector>
         energy.kinetic += body.mass * dot(now[b].v, now[b].v) / 2;
         energy.kinetic += dot(times(body.moments, spins[b]), spins[b]) / 2;
         energy.potential -= body.mass * dot(vector(data_.world.gravity), now[b].x);
+        energy.potential += of_gravity_gradient(b, now[b]);
     }
     const auto point = [&](int b, const RealVec3& p) {
         const Motion& motion = now[static_cast<std::size_t>(b)];
@@ -44,12 +46,22 @@ Energy SceneEnergy::of(const std::vector<Motion>& now, const std::vector<Vector>
     for (std::size_t a = 0; attracts_ && a < now.size(); ++a) {
         for (std::size_t b = a + 1; b < now.size(); ++b) {
             if (data_.bodies[a].fixed && data_.bodies[b].fixed) continue;
-            energy.potential -=
-                number(data_.world.gravitation) * bodies_[a].mass * bodies_[b].mass / norm(now[b].x - now[a].x);
+            const Number distance = std::hypot(norm(now[b].x - now[a].x), number(data_.softening));
+            energy.potential -= number(data_.world.gravitation) * bodies_[a].mass * bodies_[b].mass / distance;
         }
     }
     if (has_contact_springs_) energy.potential += of_contacts(now);
     return energy;
+}
+
+// 3/2 w^2 r . J r of a body of moments J, whose torque is 3 w^2 r x J r.
+Number SceneEnergy::of_gravity_gradient(std::size_t b, const Motion& now) const {
+    const BodySpec& spec = data_.bodies[b];
+    if (data_.orbit.rate.is_zero() || is_point_mass(spec)) return 0;
+    const Rotation to_principal = rotation(principal_inertia(spec.inertia).principal).conjugate();
+    const Vector r = to_principal.rotate(now.q.normalized().rotate_back(vector(normalized(data_.orbit.to_centre))));
+    const Number rate = number(data_.orbit.rate);
+    return rate * rate * dot(times(bodies_[b].moments, r), r) * 3 / 2;
 }
 
 // Of contacts by springs: of spheres and boxes, by their lowest vertices, with planes, and of spheres with each other.

@@ -28,6 +28,7 @@ private:
         reference::Number offset;  // m
     };
 
+    [[nodiscard]] reference::Number of_gravity_gradient(std::size_t b, const reference::Motion& now) const;
     [[nodiscard]] reference::Number of_contacts(const std::vector<reference::Motion>& now) const;
 
     const SceneData& data_;

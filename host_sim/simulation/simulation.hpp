@@ -34,8 +34,8 @@ struct ImuSnapshot {
     std::array<double, 3> angular_velocity{};  // rad/s, user's body axes
 };
 
-// J. The potential is that of gravity, springs, mutual gravitation and, as far as world_simulation.hpp tells, of
-// contacts by springs; fixed bodies have none of gravity's, and no kinetic energy.
+// J. The potential is that of gravity, springs, mutual gravitation, the gravity gradient and, as far as
+// world_simulation.hpp tells, of contacts by springs; fixed bodies have none of gravity's, and no kinetic energy.
 struct Energy {
     long double kinetic = 0;  // translation and rotation
     long double potential = 0;

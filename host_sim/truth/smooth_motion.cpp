@@ -200,16 +200,35 @@ void SmoothMotion::add_spring(const SpringDescription& spring, const std::vector
     if (b != nullptr) push(static_cast<std::size_t>(spring.to_body), -force, to);
 }
 
+// Drag -(a + b |u|) u of a body with the velocity u through the air; the torque h x w of stored angular momentum h; and
+// the gravity gradient 3 w0^2 r x J r, with r the unit vector to the centre.
+void SmoothMotion::add_air_wheels_and_gradient(const std::vector<Motion>& motions, Wrenches& sums) const {
+    for (std::size_t i = 0; i < bodies_.size(); ++i) {
+        const BodyDescription& body = scene_.bodies[i];
+        const Vector u = motions[i].v - vector_of(scene_.wind);
+        sums[i].force_w = sums[i].force_w - u * (body.linear_drag + body.quadratic_drag * norm(u));
+        Vector torque = cross(vector_of(body.wheel_momentum), motions[i].w);
+        if (scene_.gravity_gradient) {
+            const Vector to_centre = vector_of(scene_.gravity_gradient->to_centre);
+            const Vector r = motions[i].q.rotate_back(to_centre * (1 / norm(to_centre)));
+            const Number rate = scene_.gravity_gradient->orbit_rate;
+            torque = torque + cross(r, bodies_[i].inertia * r) * (3 * rate * rate);
+        }
+        sums[i].torque_b = sums[i].torque_b + torque;
+    }
+}
+
 void SmoothMotion::add_loads(const std::vector<Motion>& motions, std::int64_t step, Wrenches& sums) const {
     const Vector gravity = vector_of(scene_.gravity);
     const Number linear = scene_.linear_drag, angular = scene_.angular_drag, constant = scene_.gravitation;
     for (std::size_t i = 0; i < bodies_.size(); ++i)
         sums[i] = {gravity * bodies_[i].mass - motions[i].v * linear, motions[i].w * -angular};
+    add_air_wheels_and_gradient(motions, sums);
     for (const SpringDescription& spring : scene_.springs) add_spring(spring, motions, sums);
     for (std::size_t i = 0; constant > 0 && i < bodies_.size(); ++i) {
         for (std::size_t j = i + 1; j < bodies_.size(); ++j) {
             const Vector r = motions[j].x - motions[i].x;
-            const Number distance = norm(r);
+            const Number distance = std::hypot(norm(r), Number(scene_.softening));
             if (!(distance > 0)) continue;
             const Vector force = r * (constant * bodies_[i].mass * bodies_[j].mass / (distance * distance * distance));
             sums[i].force_w = sums[i].force_w + force;

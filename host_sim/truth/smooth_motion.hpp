@@ -88,6 +88,7 @@ private:
     [[nodiscard]] bool may_touch(std::size_t i, std::size_t j) const;
     [[nodiscard]] reference::Number distance_bound(std::size_t i, std::size_t j) const;
     [[nodiscard]] reference::Number height_over(const Plane& plane, std::size_t i) const;
+    void add_air_wheels_and_gradient(const std::vector<reference::Motion>& motions, Wrenches& sums) const;
     void add_spring(const SpringDescription& spring, const std::vector<reference::Motion>& motions,
                     Wrenches& sums) const;
 

@@ -22,9 +22,10 @@ double thread_seconds() {
     return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-// The steps in which impulses or forces act.
+// The steps in which impulses or forces act. Wind acts in all.
 std::vector<std::pair<std::int64_t, std::int64_t>> driven_steps_of(const SceneDescription& scene) {
     std::vector<std::pair<std::int64_t, std::int64_t>> spans;
+    if (scene.wind != Triple{}) spans.emplace_back(0, scene.steps());
     for (const ImpulseDescription& impulse : scene.impulses) {
         const std::int64_t at = nearest_step(impulse.time, scene.step);
         spans.push_back({at, at + 1});

@@ -114,8 +114,8 @@ TEST(SceneReader, unknown_key_names_file_line_and_key) {
     EXPECT_EQ(error_of(world + brick + "masss = 3.0\n"),
               "text.toml:8: body[0].masss: unknown key (did you mean \"mass\"?), expected \"angular_velocity\", "
               "\"density\", \"fixed\", "
-              "\"friction\", \"inertia\", \"mass\", \"name\", \"orientation\", \"position\", \"restitution\", "
-              "\"shape\" or \"velocity\"");
+              "\"friction\", \"inertia\", \"linear_drag\", \"mass\", \"name\", \"orientation\", \"position\", "
+              "\"quadratic_drag\", \"restitution\", \"shape\", \"velocity\" or \"wheel_momentum\"");
 }
 
 TEST(SceneReader, wrong_value_names_what_it_got_and_the_unit_expected) {
@@ -320,8 +320,13 @@ gravity = [1, -9.81, 2]
 step = 0.005
 duration = 3
 gravitation = 0.5
+softening = 0.0625
 linear_drag = 0.25
 angular_drag = 0.125
+wind = [3, 4, 5]
+[gravity_gradient]
+orbit_rate = 0.25
+to_centre = [0, -3, 0]
 [range]
 velocity = 32
 [contact]
@@ -354,6 +359,9 @@ fixed = true
 name = "b"
 shape = { capsule = [0.5, 2] }
 density = 700
+linear_drag = 0.5
+quadratic_drag = 0.75
+wheel_momentum = [1, 2, 4]
 [[spring]]
 body = "a"
 point = [1, 0, 0]
@@ -409,7 +417,14 @@ TEST(SceneReader, every_key_of_world_and_bodies_arrives_as_written) {
     EXPECT_EQ((Numbers{a.restitution.value(), a.friction.value()}), (Numbers{0.9, 0.1}));
     EXPECT_TRUE(a.fixed);
     EXPECT_EQ(scene.bodies.at(1).shape.size, (Triple{0.5, 2.0, 0.0}));
-    EXPECT_EQ(scene.bodies.at(1).density, 700.0);
+    const BodyDescription& b = scene.bodies.at(1);
+    EXPECT_EQ(b.density, 700.0);
+    EXPECT_EQ((Numbers{b.linear_drag, b.quadratic_drag}), (Numbers{0.5, 0.75}));
+    EXPECT_EQ((Triples{b.wheel_momentum, scene.wind}), (Triples{{1, 2, 4}, {3, 4, 5}}));
+    EXPECT_EQ(scene.softening, 0.0625);
+    ASSERT_TRUE(scene.gravity_gradient);
+    EXPECT_EQ(scene.gravity_gradient->orbit_rate, 0.25);
+    EXPECT_EQ(scene.gravity_gradient->to_centre, (Triple{0, -3, 0}));
 }
 
 TEST(SceneReader, every_key_of_springs_and_events_arrives_as_written) {

@@ -29,6 +29,7 @@ const std::map<std::string, Keys> least{
     {"world", {{"step", "\"1/256\""}, {"duration", "1.0"}}},
     {"range", {}},
     {"contact", {}},
+    {"gravity_gradient", {{"orbit_rate", "0.001"}, {"to_centre", "[0.0, -1.0, 0.0]"}}},
     {"contact.sleep", {}},
     {"plane", {{"name", "\"floor\""}, {"normal", "[0.0, 1.0, 0.0]"}}},
     {"body", {{"name", "\"brick\""}, {"shape", "{ box = [1.0, 1.0, 1.0] }"}, {"mass", "1.0"}}},
@@ -119,7 +120,7 @@ using Page = std::map<std::string, std::map<std::string, Row>>;
 Page read_page() {
     std::ifstream in{TUMBLE_SOURCE_DIR "/host_sim/scenes/README.md"};
     EXPECT_TRUE(in);
-    static const std::regex heading{R"(^## (Top level|\[+([a-z.]+)\]+).*)"}, row{R"(^\| `([a-z_]+)` \|(.*)\|$)"};
+    static const std::regex heading{R"(^## (Top level|\[+([a-z_.]+)\]+).*)"}, row{R"(^\| `([a-z_]+)` \|(.*)\|$)"};
     Page page;
     std::string table = "none";
     bool in_format = false;

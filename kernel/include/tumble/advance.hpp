@@ -73,6 +73,7 @@ public:
         if constexpr (prepares_spin())
             for (int b = 0; b < self.bodies.count; ++b) to(self.inertia_[b]);
         if constexpr (has_wrenches) to(self.wrenches);
+        if constexpr (has_loads) Loads::archive(self.loads, to);
         if constexpr (Archive::reads) self.disturb();
     }
     // Adds gravity to the digest of a scene.

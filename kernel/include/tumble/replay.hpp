@@ -2,9 +2,10 @@
 // at run time) both set up their worlds here, so both do the same arithmetic in the same order.
 //
 // Data has the members name, step (Seconds), steps, world (WorldSpec), and the lists bodies, planes, springs, impulses
-// and forces of their *Spec types; a list events of EventSpec may be there. In the output of `tumble compile` all of
-// them are static constexpr. A list is a std::array, or any type with size() that resize() can grow. Config is a Scene
-// with room for all data and the features that it needs.
+// and forces of their *Spec types. There may be a list events of EventSpec, and for loads that Config has: wind, m/s,
+// and a list drags of DragSpec; a list wheels of WheelsSpec; orbit, an OrbitSpec; softening, m, of gravitation. In the
+// output of `tumble compile` all of them are static constexpr. A list is a std::array, or any type with size() that
+// resize() can grow. Config is a Scene with room for all data and the features that it needs.
 #pragma once
 
 #include <tumble/world.hpp>
@@ -53,6 +54,7 @@ public:
             for (const PlaneSpec& plane : data.planes) (void)world_.add(plane);
         if constexpr (Config::features.springs > 0)
             for (const SpringSpec& spring : data.springs) (void)world_.add(spring);
+        set_up_loads(data);
         if constexpr (Config::features.impulses)
             world_.set_impulses(prepare_sorted(impulses_, data.impulses, world_.bodies()));
         if constexpr (Config::features.forces) world_.set_forces(prepare_sorted(forces_, data.forces, world_.bodies()));
@@ -70,6 +72,25 @@ public:
     [[nodiscard]] const World<Config>& world() const { return world_; }
 
 private:
+    // Softening, air, wheels and orbit, where both Config and the data have them.
+    constexpr void set_up_loads([[maybe_unused]] const Data& data) {
+        constexpr int bodies = Config::features.bodies;
+        if constexpr (Config::features.gravitation && Config::features.softening && requires { data.softening; })
+            world_.set_softening(data.softening);
+        if constexpr (Config::features.air && requires { data.drags; }) {
+            auto& air = world_.template change_load<Air<N, bodies>>();
+            air.set_wind(data.wind);
+            for (const DragSpec& drag : data.drags) air.set_drag(drag.body, drag.linear, drag.quadratic);
+        }
+        if constexpr (Config::features.wheels && requires { data.wheels; }) {
+            auto& wheels = world_.template change_load<Wheels<N, bodies>>();
+            for (const WheelsSpec& spec : data.wheels) wheels.set_momentum(spec.body, spec.momentum);
+        }
+        if constexpr (Config::features.gravity_gradient && requires { data.orbit; })
+            if (!data.orbit.rate.is_zero())
+                world_.template change_load<GravityGradient<N, bodies>>().set_orbit(data.orbit.rate,
+                                                                                    data.orbit.to_centre);
+    }
     static constexpr World<Config> empty_world(const Data& data) {
         if constexpr (World<Config>::has_step) return World<Config>{data.world};
         else return World<Config>{data.step, data.world};

@@ -61,6 +61,16 @@ public:
         advance_.set_gravity(gravity);
     }
 
+    // Softens the attraction between bodies from the next step on: F = G m1 m2 r / (r^2 + e^2)^(3/2) with the length e,
+    // m, not negative. Wakes all bodies.
+    void set_softening(Real length) requires(features.gravitation&& features.softening) {
+        refuse_to_record();
+        TUMBLE_ASSERT(!length.is_negative());
+        for (int b = 0; b < advance_.bodies.count; ++b) disturb(b);
+        advance_.loads.set_softening(length);
+        if constexpr (features.snapshots) digest_.add(length);
+    }
+
     // Adds a body at the first free place; false (and Issue::world_full) when there is no room. Mass and moments must
     // be positive; a point mass has no moments. status() reports a start outside the range.
     constexpr BodyId add(const BodySpec& spec) requires(features.bodies > 0) {

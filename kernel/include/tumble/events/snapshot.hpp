@@ -129,6 +129,8 @@ void transfer(A& archive, T& value) {
         transfer(archive, value.v);
     } else if constexpr (requires { value.w, value.x; }) {
         for (auto* part : {&value.w, &value.x, &value.y, &value.z}) transfer(archive, *part);
+    } else if constexpr (requires { value.x, value.y, value.z; }) {
+        for (auto* part : {&value.x, &value.y, &value.z}) transfer(archive, *part);
     } else {
         for (int i = 0; i < 3; ++i) transfer(archive, value[i]);
     }

@@ -1,11 +1,18 @@
 // Air: drag in air that moves, with coefficients of each body: F = -(a + b |u|) u, where u is the velocity through the
-// air. For LoadList of a scene. One square root a body and evaluation where b is not zero.
+// air. For Features::air or the LoadList of a scene. One square root a body and evaluation where b is not zero.
 #pragma once
 
 #include <tumble/loads/loaded_group.hpp>
 #include <tumble/numbers/functions.hpp>
 
 namespace tumble {
+
+// Drag of a body in a scene's data: linear, kg/s, and quadratic, kg/m.
+struct DragSpec {
+    BodyIndex body = 0;  // its id, or its number in the order of add()
+    Real linear = 0;     // kg/s
+    Real quadratic = 0;  // kg/m
+};
 
 // Drag of each body of a world with so many bodies, at the centre of mass.
 template <class N, int bodies>
@@ -29,7 +36,11 @@ public:
     // Likewise.
     [[nodiscard]] bool acts_on(const auto&, int b) const { return linear_[b] > Work(0) || quadratic_[b] > Work(0); }
     // Likewise.
-    [[nodiscard]] bool depends_on_velocity() const { return true; }
+    [[nodiscard]] bool depends_on_velocity() const {
+        for (int b = 0; b < bodies; ++b)
+            if (acts_on(b, b)) return true;
+        return false;
+    }
     // Likewise.
     template <class Group>
     void apply_to(const Group& group) const {
@@ -42,6 +53,9 @@ public:
             group.push(k, through * -drag);
         }
     }
+
+    // Likewise.
+    static void each(auto& air, auto& archive) { archive(air.wind_, air.linear_, air.quadratic_); }
 
 private:
     using Work = typename N::Work;

@@ -1,13 +1,16 @@
-// Newton's gravitation between two bodies as point masses: F = G m1 m2 / r^2. One inverse square root a pair.
+// Newton's gravitation between two bodies as point masses: F = G m1 m2 / r^2. One inverse square root a pair. With a
+// softening e it is Plummer's, F = G m1 m2 r / (r^2 + e^2)^(3/2), with a square root and a division more: H. C.
+// Plummer, Monthly Notices of the Royal Astronomical Society 71, 460, 1911.
 #pragma once
 
 #include <tumble/body/setup.hpp>
 #include <tumble/loads/loaded_group.hpp>
+#include <tumble/numbers/functions.hpp>
 #include <tumble/status.hpp>
 
 namespace tumble {
 
-template <class N, int bodies>
+template <class N, int bodies, bool may_soften = false>
 class Gravitation {
 public:
     using Work = typename N::Work;
@@ -16,6 +19,8 @@ public:
 
     Gravitation(Real step, const WorldSpec& spec)
         : per_mass_{N::template constant<Work>(spec.gravitation * step * step)} {}
+    // Softening, m; 0: none.
+    void set_softening(Real length) requires(may_soften) { softening_.length = N::template constant<Work>(length); }
     void set_body(int b, const BodySpec& spec, const auto&, const auto&) {
         pull_[b] = L::factor(per_mass_ * N::template constant<Work>(spec.mass));
     }
@@ -53,8 +58,15 @@ private:
     // other by a radian or fall into each other. With fewer, the energy drifts.
     static constexpr int log2_least_steps = 1;
 
+    // 1 / sqrt(r^2 + e^2) from u = 1 / r: u / sqrt(1 + (e u)^2).
+    [[nodiscard]] Factor softened(Factor u) const requires(may_soften) {
+        if (!(softening_.length > Work{})) return u;
+        const Work ratio = softening_.length * L::work(u);
+        return L::product(u, L::factor(Work(1) / sqrt(Work(1) + ratio * ratio)));
+    }
+
     // False where the step is too long for two bodies so near each other. Where b is fixed, only its own mass counts.
-    // Bodies at the same place exert no force, since there is no direction.
+    // Bodies at the same place exert no force, since there is no direction; it is that of their softened attraction.
     template <class Group>
     TUMBLE_INLINE bool apply(const Group& group, int k, int a, int other, int b) const {
         const auto component = [&](int i) {
@@ -62,8 +74,13 @@ private:
                    L::place(group.stage[k].x_w[i]);
         };
         const auto r = L::between({component(0), component(1), component(2)});
-        if (L::is_zero(r)) return false;
-        const Factor u = L::inverse_length(r), u3 = L::product(L::product(u, u), u);
+        if (L::is_zero(r)) {
+            if constexpr (may_soften) return softening_.length > Work{};
+            return false;
+        }
+        Factor u = L::inverse_length(r);
+        if constexpr (may_soften) u = softened(u);
+        const Factor u3 = L::product(L::product(u, u), u);
         Factor pull = L::product(u3, pull_[b]);
         L::add(group.kick[k].linear, r, pull, group.bodies.scale);
         if (other >= 0) {
@@ -76,6 +93,10 @@ private:
         return !L::template exceeds_power_of_two<-2 * log2_least_steps>(pull);
     }
 
+    struct Softening {
+        Work length{};  // m
+    };
+    [[no_unique_address]] If<may_soften, Softening, 0> softening_{};
     Work per_mass_;        // G h^2, m^3/kg
     Factor pull_[bodies];  // G h^2 m of each body, m^3
 };

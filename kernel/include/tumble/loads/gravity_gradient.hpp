@@ -1,11 +1,17 @@
 // GravityGradient: the torque on a long body whose lower end is attracted more than its upper end: 3 w^2 r x J r, with
 // r the unit vector to the attracting centre and w the angular velocity of a circular orbit at this height. For
-// LoadList of a scene. P. C. Hughes, Spacecraft Attitude Dynamics, 1986, section 8.1.
+// Features::gravity_gradient or the LoadList of a scene. P. C. Hughes, Spacecraft Attitude Dynamics, 1986, section 8.1.
 #pragma once
 
 #include <tumble/loads/loaded_group.hpp>
 
 namespace tumble {
+
+// The orbit in a scene's data; without a rate there is no torque.
+struct OrbitSpec {
+    Real rate = 0;         // angular velocity of the orbit, rad/s
+    RealVec3 to_centre{};  // the direction to the centre, world, of any length but zero
+};
 
 // The torque on each body of a world with so many bodies. The same centre for all.
 template <class N, int bodies>
@@ -41,6 +47,14 @@ public:
                            L::factor(strength_ * group.seconds));
             }
         }
+    }
+
+    // Likewise.
+    static void each(auto& gradient, auto& archive) {
+        archive(gradient.strength_);
+        if constexpr (requires { gradient.to_centre_.mantissa; })
+            archive(gradient.to_centre_.mantissa, gradient.to_centre_.exponent);
+        else archive(gradient.to_centre_.v);
     }
 
 private:

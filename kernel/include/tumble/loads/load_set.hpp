@@ -3,11 +3,14 @@
 #pragma once
 
 #include <tumble/body/bodies.hpp>
+#include <tumble/loads/air.hpp>
 #include <tumble/loads/contact_spring.hpp>
 #include <tumble/loads/drag.hpp>
 #include <tumble/loads/gravitation.hpp>
+#include <tumble/loads/gravity_gradient.hpp>
 #include <tumble/loads/spring.hpp>
 #include <tumble/loads/timed_force.hpp>
+#include <tumble/loads/wheels.hpp>
 
 namespace tumble {
 
@@ -62,6 +65,25 @@ struct ListedLoads<LoadList<Loads...>> : Loads... {
     }
 };
 
+// The loads of several lists as one list.
+template <class... Lists>
+struct JoinedLists {
+    using List = LoadList<>;
+};
+template <class... Loads, class... More, class... Lists>
+struct JoinedLists<LoadList<Loads...>, LoadList<More...>, Lists...>
+    : JoinedLists<LoadList<Loads..., More...>, Lists...> {};
+template <class... Loads>
+struct JoinedLists<LoadList<Loads...>> {
+    using List = LoadList<Loads...>;
+};
+// The loads of a program, and those of the kernel that are written as such and that features ask for.
+template <class N, Features features, class Own>
+using WithListed = typename JoinedLists<
+    Own, std::conditional_t<features.air, LoadList<Air<N, features.bodies>>, LoadList<>>,
+    std::conditional_t<features.gravity_gradient, LoadList<GravityGradient<N, features.bodies>>, LoadList<>>,
+    std::conditional_t<features.wheels, LoadList<Wheels<N, features.bodies>>, LoadList<>>>::List;
+
 }  // namespace detail
 
 // A load of the kernel has its header, its set-up here, a line in any() and a member. A load of a program stands in the
@@ -78,7 +100,9 @@ public:
     using L = LoadNumbers<N>;
     using Stage = StageState<N, rotation>;
     using Loaded = LoadedBody<N, rotation, features.mixed()>;
-    using OwnLoads = detail::ListedLoads<Own>;
+    using OwnLoads = detail::ListedLoads<detail::WithListed<N, features, Own>>;
+    // Those of the program, which may begin and end to act in any step. The kernel's change by change_load() alone.
+    using ProgramLoads = detail::ListedLoads<Own>;
     // Contacts by springs, which wake no body and have their own sum.
     template <class Load>
     static constexpr bool is_contacts = std::is_same_v<Load, ContactSprings<N, spin, features>>;
@@ -97,6 +121,15 @@ public:
     [[nodiscard]] const Load& own() const {
         static_assert(OwnLoads::template has<Load>, "the scene's Loads do not name this load");
         return own_;
+    }
+    // Writes or reads the values of the listed loads that have each().
+    template <class Self, class Archive>
+    static void archive(Self& self, Archive& to) {
+        (void)OwnLoads::any(self.own_, [&](auto& load) {
+            using Load = std::remove_cvref_t<decltype(load)>;
+            if constexpr (requires { Load::each(load, to); }) Load::each(load, to);
+            return false;
+        });
     }
     // Call when a body has been added.
     void set_body([[maybe_unused]] int b, [[maybe_unused]] const BodySpec& spec,
@@ -118,6 +151,9 @@ public:
         set_body(b, nobody, {}, bodies);
         if constexpr (features.gravitation) gravitation_.remove(b);
         if constexpr (features.springs > 0) springs_.remove_from(b);
+    }
+    void set_softening(Real length) requires(features.gravitation&& features.softening) {
+        gravitation_.set_softening(length);
     }
     // False when there is no room.
     bool add(const PlaneSpec& spec, Bodies& bodies) requires(features.springs_touch()) {
@@ -251,7 +287,8 @@ public:
         }
         // True of a body alone that loads do not turn, on which only one load depends on the velocity, and linearly.
         [[nodiscard]] bool ends_in_closed_form() const {
-            if (!alone || turned || OwnLoads::may_depend_on_velocity) return false;
+            if (!alone || turned || OwnLoads::any(loads.own_, [](const auto& load) { return needs_velocity(load); }))
+                return false;
             int loads_of_velocity = 0;
             if constexpr (features.drag) loads_of_velocity += loads.drag_.linear > Work{} ? 1 : 0;
             if constexpr (features.springs > 0) loads_of_velocity += loads.springs_.dampers_at(group.id[0]);
@@ -290,21 +327,23 @@ public:
             if (kept == nullptr) return;
             kept->age = age;
             // A load of the program may turn the body from the next step on, or no longer depend on its velocity.
-            if constexpr (OwnLoads::may_turn)
+            if constexpr (ProgramLoads::may_turn)
                 if (!turned) kept->age = 0;
-            if constexpr (OwnLoads::may_depend_on_velocity)
+            if constexpr (ProgramLoads::may_depend_on_velocity)
                 if (depends_on_velocity()) kept->age = 0;
         }
         [[nodiscard]] bool depends_on_velocity() const {
-            return any(loads, [](const auto& load) {
-                if constexpr (requires { load.depends_on_velocity(); }) {
-                    return load.depends_on_velocity();
-                } else {
-                    static_assert(!detail::HasDependsOnVelocity<std::remove_cvref_t<decltype(load)>>,
-                                  "a load's depends_on_velocity is bool depends_on_velocity() const");
-                    return false;
-                }
-            });
+            return any(loads, [](const auto& load) { return needs_velocity(load); });
+        }
+        template <class Load>
+        [[nodiscard]] static bool needs_velocity(const Load& load) {
+            if constexpr (requires { load.depends_on_velocity(); }) {
+                return load.depends_on_velocity();
+            } else {
+                static_assert(!detail::HasDependsOnVelocity<Load>,
+                              "a load's depends_on_velocity is bool depends_on_velocity() const");
+                return false;
+            }
         }
     };
 #if defined(__GNUC__) && !defined(__clang__)
@@ -451,7 +490,7 @@ private:
     Work seconds_, steps_per_second_;
     [[no_unique_address]] If<features.drag, Drag<N, features.bodies>, 0> drag_;
     [[no_unique_address]] If<(features.springs > 0), Springs<N, features.springs, features.bodies>, 1> springs_;
-    [[no_unique_address]] If<features.gravitation, Gravitation<N, features.bodies>, 2> gravitation_;
+    [[no_unique_address]] If<features.gravitation, Gravitation<N, features.bodies, features.softening>, 2> gravitation_;
     [[no_unique_address]] If<features.forces, TimedForces<N>, 3> forces_;
     [[no_unique_address]] If<features.springs_touch(), ContactSprings<N, spin, features>, 4> contacts_;
     [[no_unique_address]] OwnLoads own_{};

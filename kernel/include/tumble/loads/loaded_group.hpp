@@ -12,6 +12,7 @@
 //   set_body(b, spec, inertia, bodies) only where it keeps something of each body; called when a body is added, and
 //   with
 //                                      a fixed body when one is removed
+//   each(load, archive)                only where snapshots hold values of it; static: archive(load.a, ...)
 // acts_on, turns and couples may change from step to step. The forces depend on the stage and on the load's own members
 // alone, which World::change_load() changes: methods keep the last forces of a step for the next one.
 // The functions of a group with vectors of working numbers are the simplest: SI units, and the user's body axes. Those

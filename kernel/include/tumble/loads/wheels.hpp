@@ -1,11 +1,18 @@
 // Wheels: the angular momentum that wheels inside a body store (a gyrostat): the body feels the torque h x w, and so
-// keeps its axis or precesses. For LoadList of a scene. A motor that turns a wheel changes h, and turns the body by the
-// opposite torque: World::set_torque. P. C. Hughes, Spacecraft Attitude Dynamics, 1986, section 3.4.
+// keeps its axis or precesses. For Features::wheels or the LoadList of a scene. A motor that turns a wheel changes h,
+// and turns the body by the opposite torque: World::set_torque. P. C. Hughes, Spacecraft Attitude Dynamics, 1986,
+// section 3.4.
 #pragma once
 
 #include <tumble/loads/loaded_group.hpp>
 
 namespace tumble {
+
+// The wheels of a body in a scene's data.
+struct WheelsSpec {
+    BodyIndex body = 0;   // its id, or its number in the order of add()
+    RealVec3 momentum{};  // N m s, user's body axes, relative to the body
+};
 
 // The stored angular momentum of each body of a world with so many bodies.
 template <class N, int bodies>
@@ -27,7 +34,11 @@ public:
     // Likewise.
     [[nodiscard]] bool turns(const auto& all, int b) const { return all.rotates(b) && !momentum_[b].is_zero(); }
     // Likewise.
-    [[nodiscard]] bool depends_on_velocity() const { return true; }
+    [[nodiscard]] bool depends_on_velocity() const {
+        for (const Vector3<Work>& momentum : momentum_)
+            if (!momentum.is_zero()) return true;
+        return false;
+    }
     // Likewise.
     template <class Group>
     void apply_to(const Group& group) const {
@@ -36,6 +47,9 @@ public:
                 if (turns(group.bodies, group.id[k]))
                     group.turn(k, cross(momentum_[group.id[k]], group.angular_velocity(k)));
     }
+
+    // Likewise.
+    static void each(auto& wheels, auto& archive) { archive(wheels.momentum_); }
 
 private:
     using Work = typename N::Work;
