@@ -19,6 +19,21 @@ bool word_aligned(const void* a, const void* b) {
     return ((reinterpret_cast<std::uintptr_t>(a) | reinterpret_cast<std::uintptr_t>(b)) & 3) == 0;
 }
 
+#if defined(__thumb2__)
+// Copies blocks of four words, where both are word-aligned, and returns the bytes that it copied. LDM and STM
+// move each word in one cycle: 3.5 cycles a word in place of 7 on a Cortex-M3. Apart, so that short copies save no
+// registers for it. On a Cortex-M0, the test for a long copy would cost more than it saves.
+[[gnu::noinline]] std::size_t copy_blocks(unsigned char* to, const unsigned char* from, std::size_t size) {
+    const std::size_t blocks = size & ~std::size_t{15};
+    for (const unsigned char* const end = to + blocks; to != end;)
+        asm volatile("ldmia %0!, {r3-r6}\n\tstmia %1!, {r3-r6}"
+                     : "+l"(from), "+l"(to)
+                     :
+                     : "r3", "r4", "r5", "r6", "memory");
+    return blocks;
+}
+#endif
+
 }  // namespace
 
 extern "C" {
@@ -27,8 +42,17 @@ extern "C" {
 void* memcpy(void* __restrict to, const void* __restrict from, std::size_t size) {
     auto* t = static_cast<unsigned char*>(to);
     auto* f = static_cast<const unsigned char*>(from);
-    if (word_aligned(t, f))
+    if (word_aligned(t, f)) {
+#if defined(__thumb2__)
+        if (size >= 64) [[unlikely]] {
+            const std::size_t copied = copy_blocks(t, f, size);
+            t += copied;
+            f += copied;
+            size -= copied;
+        }
+#endif
         for (; size >= 4; size -= 4, t += 4, f += 4) *reinterpret_cast<Word*>(t) = *reinterpret_cast<const Word*>(f);
+    }
     for (; size != 0; --size) *t++ = *f++;
     return to;
 }

@@ -130,5 +130,109 @@ TEST(AxisOrders, are_the_rotation_to_principal_axes_of_every_diagonal_tensor) {
     EXPECT_FALSE(principal_inertia({3, 2, 1.5, 0, 0.25, 0}).order.is_known());
 }
 
+// Any finite float: mantissas with few digits, which make ties, as often as with many.
+float any_float(Random& random) {
+    const auto bits = static_cast<std::uint32_t>(random.bits()) & (0xff800000u | 0xffffffffu << random.between(0, 23));
+    return std::isfinite(std::bit_cast<float>(bits)) ? std::bit_cast<float>(bits) : 1;
+}
+
+TEST(Blocks, are_the_same_from_floats_by_instructions_and_by_shifts) {
+    Random random{11};
+    for (int n = 0; n < 200000; ++n) {
+        const float x = any_float(random);
+        // The others within 40 powers of two of it, above and below.
+        float other[2];
+        for (float& c : other) {
+            c = std::ldexp(any_float(random), random.between(-3, 3));
+            if (n % 8 != 0) {
+                int ignored = 0;
+                c = std::ldexp(std::frexp(c, &ignored), (x == 0 ? 0 : std::ilogb(x)) + random.between(-40, 2));
+            }
+            if (!std::isfinite(c)) c = 0;
+        }
+        const Block shifts = Block::of<false>(other[0], x, other[1]),
+                    instructions = Block::of<true>(other[0], x, other[1]);
+        ASSERT_EQ(shifts.exponent, instructions.exponent);
+        for (int i = 0; i < 3; ++i)
+            ASSERT_EQ(shifts.mantissa[i], instructions.mantissa[i]) << other[0] << ' ' << x << ' ' << other[1];
+    }
+}
+
+TEST(Blocks, become_the_same_floats_by_instructions_and_by_shifts) {
+    Random random{12};
+    const auto word = [&] { return random.int32() >> random.between(0, 31); };
+    for (int n = 0; n < 200000; ++n) {
+        const int exponent = random.between(-200, 130);
+        const std::int32_t a = word(), b = word(), c = word();
+        const Block block{{a / 2, b / 2, c / 2}, exponent};
+        const Vector3<float> shifts = block.floats<false>(), instructions = block.floats<true>();
+        ASSERT_TRUE(shifts == instructions) << a << ' ' << b << ' ' << c << ' ' << exponent;
+        ASSERT_EQ(detail::to_float<false>(a, exponent), detail::to_float<true>(a, exponent)) << a << ' ' << exponent;
+        const std::int64_t wide = (std::int64_t{a} * 0x100000000 + b) >> random.between(0, 31) | (n & 1);
+        ASSERT_EQ(detail::to_float<false>(wide, exponent), detail::to_float<true>(wide, exponent))
+            << wide << ' ' << exponent;
+    }
+}
+
+TEST(Blocks, of_a_format_are_exact_to_29_bits_and_come_back_to_the_nearest) {
+    Random random{13};
+    using Q = Fixed<20>;
+    for (int n = 0; n < 20000; ++n) {
+        const int size = random.between(0, 31);
+        Q v[3];
+        for (Q& c : v) c = Q::from_raw(random.int32() >> size);
+        const Block block = Block::of(v[0], v[1], v[2]);
+        const Vector3<Q> back = block.as<Q>();
+        for (int i = 0; i < 3; ++i) {
+            const long double exact = std::ldexp(static_cast<long double>(v[i].raw), -20);
+            EXPECT_EQ(block.mantissa[i], nearest(std::ldexp(exact, -block.exponent)));
+            EXPECT_EQ(back[i].raw, size < 3 ? nearest(std::ldexp(value(block, i), 20)) : v[i].raw);
+        }
+    }
+    EXPECT_EQ((Block{{1 << 28, -(1 << 28), 0}, -10}.as<Q>().x.raw), INT32_MAX) << "saturates";
+    EXPECT_EQ((Block{{1 << 28, -(1 << 28), 0}, -10}.as<Q>().y.raw), -INT32_MAX) << "saturates";
+}
+
+TEST(Products, of_a_format_round_to_nearest) {
+    using Q = Fixed<20>;
+    constexpr auto of = [](double x) { return Q::from(Real{x}); };
+    EXPECT_EQ(of(1.5) * of(-2.25), of(-3.375));
+    EXPECT_EQ(Q{3} * of(0.5), Q{2}) << "ties upwards";
+    EXPECT_EQ(Q{-3} * of(0.5), Q{-1});
+    EXPECT_EQ((Quaternion<Q>{}.w), of(1));
+    const Quaternion<Q> turn{of(0.5), {of(0.5), of(0.5), of(0.5)}};  // x to y, y to z, z to x
+    EXPECT_TRUE((turn.rotate({of(1), of(2), of(3)}) == Vector3<Q>{of(3), of(1), of(2)}));
+    EXPECT_TRUE((turn.conjugate() * turn == Quaternion<Q>{}));
+}
+
+TEST(Orientations, that_a_program_sets_are_normalised_to_their_rounding) {
+    Random random{14};
+    for (int n = 0; n < 20000; ++n) {
+        // Of any length; the components differ by up to 40 powers of two.
+        long double c[4], norm = 0;
+        Scaled q[4];
+        const int length = random.between(-1000, 1000);
+        for (int i = 0; i < 4; ++i) {
+            q[i] = Scaled{random.uniform(-1, 1)}.times_power_of_two(n % 4 == 0 ? random.between(-40, 0) : 0);
+            c[i] = static_cast<double>(q[i]);
+            norm += c[i] * c[i];
+            q[i] = q[i].times_power_of_two(length);
+        }
+        norm = std::sqrt(norm);
+        const Quaternion<Scaled> given{q[0], {q[1], q[2], q[3]}};
+        // Before the last correction the length is 1 to 2^-22, and to the rounding of 30 bits after it.
+        const Quat<N::Unit> unit = detail::unit_of<N>(given);
+        EXPECT_LE(std::abs(static_cast<long double>(static_cast<double>(unit.w)) - c[0] / norm), 0x1p-21L);
+        IntegratedQuat<N> state;
+        set_product<N>(state, given, {N::Unit::from(1), {N::Unit{}, N::Unit{}, N::Unit{}}});
+        const auto component = [](const auto& number) {
+            return std::ldexp(static_cast<long double>(number.sum().raw), -62);
+        };
+        const long double got[4]{component(state.w), component(state.x), component(state.y), component(state.z)};
+        // A component of the rounded quaternion is off by 2^-31, its mantissa by as much, and its length is corrected.
+        for (int i = 0; i < 4; ++i) EXPECT_LE(std::abs(got[i] - c[i] / norm), 0x1p-29L) << n;
+    }
+}
+
 }  // namespace
 }  // namespace tumble::test

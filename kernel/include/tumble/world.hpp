@@ -283,8 +283,8 @@ public:
         const auto q = advance_.bodies.orientation(place_of(id));
         return {q.w, plain(q.v)};
     }
-    // Position and orientation in the program's own numbers: float, double, Real or Work. Floats are the fastest in
-    // fixed point.
+    // Position and orientation in the program's own numbers: float, double, Real or Work, or in fixed point Fixed<F>
+    // with F below 30, which saturates. Fixed<F> is the fastest in fixed point, then float.
     template <class T>
     [[nodiscard]] Pose<T> pose(BodyId id) const {
         return detail::pose_of<T>(advance_.bodies, place_of(id));
@@ -292,7 +292,7 @@ public:
     // Velocity and angular velocity likewise, to 29 bits in fixed point. Faster where Features::control keeps the rate
     // of steps.
     template <class T>
-    [[nodiscard]] Motion<T> motion(BodyId id) const {
+    [[nodiscard]] TUMBLE_INLINE Motion<T> motion(BodyId id) const {
         return detail::motion_of<T>(advance_.bodies, place_of(id), steps_per_second());
     }
     // What an inertial sensor at a point of the body (m, user's body axes) measured in the last step: the means of the
@@ -518,10 +518,10 @@ private:
             if (bodies.constants[b].fixed) return;
             constexpr bool angular = kind == Kind::angular_impulse;
             const bool opposite = value.block().is_negative();
-            detail::apply_push<N, angular>(
-                bodies, b,
-                detail::push_of<N, angular>(bodies, b, frame, opposite ? -value.block() : value.block(), point.block()),
-                opposite);
+            detail::Push<N> push;
+            detail::take_push<N, angular>(push, bodies, b, frame, opposite ? -value.block() : value.block(),
+                                          point.block());
+            detail::apply_push<N, angular>(bodies, b, push, opposite);
         } else if constexpr (kind == Kind::velocity) {
             detail::set_velocity(bodies, b, frame, value.block(), seconds());
         } else if constexpr (kind == Kind::angular_velocity) {

@@ -77,6 +77,10 @@ CALL(pose_and_motion) {
     pose = world.pose<float>(body);
     motion = world.motion<float>(body);
 }
+CALL(pose_and_spin) {
+    pose = world.pose<float>(body);
+    motion.angular_velocity = world.motion<float>(body).angular_velocity;
+}
 CALL(imu) { imu = world.imu<float>(body); }
 CALL(set_velocity) { world.set_velocity(body, a); }
 CALL(set_angular_velocity) { world.set_angular_velocity(body, b); }
@@ -146,6 +150,7 @@ void take_round() {
     call_impulse_prepared();
     call_impulse_of_reals();
     call_impulse_at_centre();
+    call_pose_and_spin();
     call_pose_and_motion();
     add(pose.position);
     add(pose.orientation.w);

@@ -79,7 +79,7 @@ struct SpinUnits<N, Spin::angular_velocity> {
     [[nodiscard]] static constexpr Real turn_of(RealVec3, Real spin, int, Real step) {
         return spin * step * Real::scaled(1, -1);
     }
-    static constexpr bool has_one_rate = true;  // of all axes
+    static constexpr bool has_one_rate = true, has_one_factor = false;  // for all axes: rate(), per_impulse()
     [[nodiscard]] Work per_impulse(int i) const { return turn_per_impulse[i]; }
     [[nodiscard]] Work rate(int, Work steps_per_second) const { return steps_per_second + steps_per_second; }
     // rate() with the step as the unit of time.
@@ -104,7 +104,7 @@ struct SpinUnits<N, Spin::angular_momentum> {
     [[nodiscard]] static constexpr Real turn_of(RealVec3 moments, Real spin, int i, Real step) {
         return spin * moments[i] / moments.y * step * Real::scaled(1, -1);
     }
-    static constexpr bool has_one_rate = false;
+    static constexpr bool has_one_rate = false, has_one_factor = true;
     [[nodiscard]] Work per_impulse(int) const { return turn_per_impulse; }
     [[nodiscard]] Work rate(int i, Work steps_per_second) const { return rate_ratio[i] * steps_per_second; }
     [[nodiscard]] Work per_half_turn(int i) const { return rate_ratio[i]; }
@@ -312,7 +312,7 @@ public:
     // Calls change(spin, its scale) for the spin of the body, and again in shorter parts where it would leave its
     // range.
     template <class F>
-    void change_spin(int b, F&& change) requires(rotation) {
+    TUMBLE_INLINE void change_spin(int b, F&& change) requires(rotation) {
         if constexpr (has_parts) {
             struct {
                 decltype(State::t_b) t_b;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <tumble/body/state.hpp>
+#include <tumble/numbers/vectors.hpp>
 
 namespace tumble {
 
@@ -82,6 +83,84 @@ template <class N>
          q.v.y() + narrow<Unit>(add_cross_component<1>(mul_add(mul(q.w, delta.v.y()), q.v.y(), delta.w), q.v, delta.v)),
          q.v.z() +
              narrow<Unit>(add_cross_component<2>(mul_add(mul(q.w, delta.v.z()), q.v.z(), delta.w), q.v, delta.v))}};
+}
+
+namespace detail {
+
+// The inverse of the root of a number of [1/4, 1), given times 2^32, to 2^-22 of it; times 2^29. A line, whose error is
+// 0.086, and Newton's iteration: twice in 16 bits, which leave 3e-4, and once in 32.
+[[nodiscard]] constexpr std::int32_t inverse_root(std::uint32_t a) {
+    const std::uint32_t upper = a >> 16;
+    std::uint32_t y = 34942 - ((19967 * upper) >> 16);  // times 2^14: 2.1327 - 1.2187 a
+    for (int i = 0; i < 2; ++i) y = (y * (3 * 32768 - ((upper * ((y * y) >> 14)) >> 15))) >> 16;
+    const auto square = multiply(static_cast<std::int32_t>(a >> 1), static_cast<std::int32_t>(y * y)) >> 31;
+    return static_cast<std::int32_t>(
+        multiply(static_cast<std::int32_t>(y), (3 << 28) - static_cast<std::int32_t>(square)) >> 14);
+}
+
+// q / |q| in the format of a state, whose length is 1 to 2^-22. A q of zero is misuse.
+template <class N>
+requires(N::fixed_point) [[nodiscard]] constexpr Quat<typename N::Unit> unit_of(const Quaternion<Scaled>& q) {
+    const Scaled c[4]{q.w, q.v.x, q.v.y, q.v.z};
+    int most = INT32_MIN;
+    for (const Scaled& s : c)
+        if (!s.is_zero() && s.exponent() > most) most = s.exponent();
+    std::int32_t m[4]{};
+    std::uint64_t norm2 = 0;  // below 2^64, and at least 2^60
+    for (int i = 0; i < 4; ++i) {
+        const int drop = most - c[i].exponent();
+        if (c[i].is_zero() || drop > 31) continue;
+        m[i] = drop == 0 ? c[i].mantissa() : ((c[i].mantissa() >> (drop - 1)) + 1) >> 1;
+        norm2 += static_cast<std::uint64_t>(multiply(m[i], m[i]));
+    }
+    TUMBLE_ASSERT(norm2 != 0);
+    const auto upper = static_cast<std::uint32_t>(norm2 >> 32);
+    const bool is_small = upper >> 30 == 0;
+    const std::int32_t root = inverse_root(is_small ? static_cast<std::uint32_t>(norm2 >> 30) : upper),
+                       factor = is_small ? root : root >> 1;
+    const auto component = [&](int i) {
+        return typename N::Unit{static_cast<std::int32_t>((multiply(m[i], factor) + (std::int64_t{1} << 29)) >> 30)};
+    };
+    return {component(0), {component(1), component(2), component(3)}};
+}
+
+}  // namespace detail
+
+// q_wb = q / |q| times p, a unit quaternion.
+template <class N>
+TUMBLE_INLINE void set_product(IntegratedQuat<N>& q_wb, const Quaternion<typename N::Work>& q,
+                               const Quat<typename N::Unit>& p) {
+    using Unit = typename N::Unit;
+    const auto set = [](auto& number, auto value) {
+        number = {};
+        number.add(value);
+    };
+    if constexpr (N::fixed_point) {
+        const Quat<Unit> u = detail::unit_of<N>(q);
+        const auto excess = norm_excess<N>(u);  // of the length; 1.5 times its square is left
+        const auto scaled = [&](auto sum) {
+            const auto product = mul_sub(sum, upper_word(sum), excess);
+            return Wide<Unit::fraction_bits + 32>{product.raw * (std::int64_t{1} << (32 - Unit::fraction_bits))};
+        };
+        set(q_wb.w,
+            scaled(mul_sub(mul_sub(mul_sub(mul(u.w, p.w), u.v.x(), p.v.x()), u.v.y(), p.v.y()), u.v.z(), p.v.z())));
+        const auto component = [&]<int i>() {
+            return scaled(add_cross_component<i>(mul_add(mul(u.w, p.v[i]), u.v[i], p.w), u.v, p.v));
+        };
+        set(q_wb.x, component.template operator()<0>());
+        set(q_wb.y, component.template operator()<1>());
+        set(q_wb.z, component.template operator()<2>());
+    } else {
+        const auto norm2 = q.w * q.w + dot(q.v, q.v);
+        TUMBLE_ASSERT(norm2 > Unit(0));
+        const Unit length = sqrt(norm2);
+        const Quaternion<Unit> to{q.w / length, {q.v.x / length, q.v.y / length, q.v.z / length}},
+            product = to * Quaternion<Unit>{p.w, {p.v.x(), p.v.y(), p.v.z()}};
+        set(q_wb.w, product.w);
+        set(q_wb.x, product.v.x);
+        set(q_wb.y, product.v.y);
+        set(q_wb.z, product.v.z);
+    }
 }
 
 }  // namespace tumble

@@ -3,14 +3,15 @@
 
 #include <tumble/body/bodies.hpp>
 #include <tumble/body/events.hpp>
+#include <tumble/body/orientation.hpp>
 #include <tumble/body/stage.hpp>
 #include <tumble/numbers/vector_block.hpp>
 
 namespace tumble {
 
-// A vector that a program gives to a world: three numbers, or a Vector3, of float, double, int, Real or the world's
-// working numbers. In fixed point it keeps 29 bits of the largest component, a float costs shifts and a double integer
-// arithmetic, and NaN and infinity are misuse. In floating point they make the body leave its range.
+// A vector that a program gives to a world: three numbers, or a Vector3, of float, double, int, Fixed, Real or the
+// world's working numbers. In fixed point it keeps 29 bits of the largest component, a float costs shifts and a double
+// integer arithmetic, and NaN and infinity are misuse. In floating point they make the body leave its range.
 template <class N>
 class InputVector {
 public:
@@ -96,16 +97,20 @@ template <bool angular>
 TUMBLE_INLINE void require_rotation(const auto& bodies, int b, Frame frame, bool at_centre) {
     if (!bodies.rotates(b)) TUMBLE_ASSERT(!angular && frame == Frame::world && at_centre);
 }
-// The push in the frame, at a point in the user's body axes.
+// Writes the push in the frame, at a point in the user's body axes.
 template <class N, bool angular, class Bodies>
-[[nodiscard]] TUMBLE_INLINE Push<N> push_of(const Bodies& bodies, int b, Frame frame, const VectorBlock<N>& value,
-                                            [[maybe_unused]] const VectorBlock<N>& point) {
+TUMBLE_INLINE void take_push(Push<N>& push, const Bodies& bodies, int b, Frame frame, const VectorBlock<N>& value,
+                             [[maybe_unused]] const VectorBlock<N>& point) {
     const bool at_centre = angular || point.is_zero();
     require_rotation<angular>(bodies, b, frame, at_centre);
-    if constexpr (!Bodies::rotation) return {frame, at_centre, value, {}};
-    else
-        return {frame, at_centre, frame == Frame::body ? bodies.in_principal_axes(b, value) : value,
-                at_centre ? VectorBlock<N>{} : bodies.in_principal_axes(b, point)};
+    push.frame = frame;
+    push.at_centre = at_centre;
+    push.value = value;
+    push.point = {};
+    if constexpr (Bodies::rotation) {
+        if (frame == Frame::body) push.value = bodies.in_principal_axes(b, value);
+        if (!at_centre) push.point = bodies.in_principal_axes(b, point);
+    }
 }
 
 // Half the angle that the body turns in a step, at its present spin, in principal axes.
@@ -119,61 +124,60 @@ template <class N, class Bodies>
             VectorBlock<N>::half_angle(t[2], units.per_half_turn(2), unit)};
 }
 
-// Calls linear(axis, change of drift) and turning(change of turns in a scale) for what a push changes. A push that
+// Calls linear(push in world axes) and turning(push in principal axes, N m s) for what a push changes. A push that
 // lasts a step acts in the orientation of the middle of that step; `ahead` is half the angle that the body turns in it.
 template <class N, bool angular, class Bodies, class Linear, class Turning>
 TUMBLE_INLINE void resolve(const Bodies& bodies, int b, const Push<N>& push,
                            [[maybe_unused]] const Vec3<typename N::Unit>* ahead, [[maybe_unused]] Linear&& linear,
                            [[maybe_unused]] Turning&& turning) {
     using Block = VectorBlock<N>;
-    const auto& body = bodies.constants[b];
-    [[maybe_unused]] const Block* p_w = &push.value;
-    [[maybe_unused]] Block turned;
-    if constexpr (Bodies::rotation) {
-        const auto turn = [&](const Block& p_b) {
-            turning([&](int i, typename N::Scale unit) { return p_b.turn(i, body.units.per_impulse(i), unit); });
-        };
+    if constexpr (!Bodies::rotation) {
+        linear(push.value);
+    } else {
         const auto in_body = [&] {
             const Block p_b = push.value.rotated_back(bodies.state[b].q_wb.value());
             return ahead != nullptr ? p_b.turned(-*ahead) : p_b;
         };
         if constexpr (angular) {
-            turn(push.frame == Frame::world ? in_body() : push.value);
+            turning(push.frame == Frame::world ? in_body() : push.value);
         } else {
-            if (!push.at_centre) turn(cross(push.point, push.frame == Frame::world ? in_body() : push.value));
+            const Block* p_w = &push.value;
+            Block turned;
             if (push.frame == Frame::body) {
                 const auto q = bodies.state[b].q_wb.value();
                 turned = ahead != nullptr ? push.value.turned(*ahead).rotated(q) : push.value.rotated(q);
                 p_w = &turned;
             }
+            linear(*p_w);
+            if (!push.at_centre) turning(cross(push.point, push.frame == Frame::world ? in_body() : push.value));
         }
-    }
-    if constexpr (!angular) {
-        const typename N::Scale unit = bodies.scale;
-        const auto factor = body.drift_per_impulse;
-        linear(0, p_w->drift(0, factor, unit));
-        linear(1, p_w->drift(1, factor, unit));
-        linear(2, p_w->drift(2, factor, unit));
     }
 }
 
 // --- events that change the state at once ------------------------------------------------------------------------
 
 // Applies a push, or its opposite. An impulse and its opposite leave the motion as it was, bit for bit: they are
-// applied as one of the two, since ties are rounded upwards.
+// applied as one of the two, with ties upwards, and with ties downwards where the opposite is meant.
 template <class N, bool angular, class Bodies>
 TUMBLE_INLINE void apply_push(Bodies& bodies, int b, const Push<N>& push, bool opposite) {
-    const auto signed_change = [&](auto change) { return opposite ? -change : change; };
-    auto& s = bodies.state[b];
+    using Block = VectorBlock<N>;
+    const auto add = [](auto& to) {
+        return [&](int i, auto change, auto is_small) __attribute__((always_inline)) {
+            if constexpr (is_small) to[i].add(change);
+            else N::add_sum(to[i], change);
+        };
+    };
+    const auto& body = bodies.constants[b];
     resolve<N, angular>(
-        bodies, b, push, nullptr, [&](int i, auto change) { N::add_sum(s.d_w[i], signed_change(change)); },
-        [&]([[maybe_unused]] auto&& change) {
+        bodies, b, push, nullptr,
+        [&](const Block& p_w) __attribute__((always_inline)) {
+            p_w.each_drift(body.drift_per_impulse, bodies.scale, opposite, add(bodies.state[b].d_w));
+        },
+        [&]([[maybe_unused]] const Block& p_b) __attribute__((always_inline)) {
             if constexpr (Bodies::rotation)
-                bodies.change_spin(b, [&](auto& t_b, typename N::Scale unit) {
-                    N::add_sum(t_b.x, signed_change(change(0, unit)));
-                    N::add_sum(t_b.y, signed_change(change(1, unit)));
-                    N::add_sum(t_b.z, signed_change(change(2, unit)));
-                });
+                bodies.change_spin(
+                    b, [&](auto& t_b, typename N::Scale unit)
+                           __attribute__((always_inline)) { p_b.each_turn(body.units, unit, opposite, add(t_b)); });
         });
 }
 // Of a script of impulses.
@@ -238,22 +242,7 @@ void set_pose(Bodies& bodies, int b, const VectorBlock<N>& position, const Quate
         TUMBLE_ASSERT(q == Quaternion<Work>{});
         return;
     }
-    if constexpr (Bodies::rotation) {
-        const Work norm2 = q.w * q.w + dot(q.v, q.v);
-        TUMBLE_ASSERT(norm2 > Work(0));
-        const auto p = bodies.constants[b].principal();
-        const Work length = sqrt(norm2);
-        const Quaternion<Work> to{q.w / length, {q.v.x / length, q.v.y / length, q.v.z / length}},
-            principal{N::work(p.w), {N::work(p.v.x()), N::work(p.v.y()), N::work(p.v.z())}}, product = to * principal;
-        const auto set = [](auto& number, Work value) {
-            number = {};
-            number.add(N::unit_sum(value));
-        };
-        set(s.q_wb.w, product.w);
-        set(s.q_wb.x, product.v.x);
-        set(s.q_wb.y, product.v.y);
-        set(s.q_wb.z, product.v.z);
-    }
+    if constexpr (Bodies::rotation) set_product<N>(s.q_wb, q, bodies.constants[b].principal());
 }
 
 }  // namespace detail

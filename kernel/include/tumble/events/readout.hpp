@@ -1,5 +1,6 @@
-// What a program reads of a body, in its own numbers: T is float, double, Real or the world's working numbers. Floats
-// of a world in fixed point come by shifts, all others through working numbers.
+// What a program reads of a body, in its own numbers: T is float, double, Real or the world's working numbers, and of a
+// world in fixed point Fixed<F> with F below 30. Floats and Fixed of a world in fixed point come by shifts, all others
+// through working numbers.
 #pragma once
 
 #include <tumble/events/event.hpp>
@@ -43,7 +44,27 @@ namespace detail {
 
 // True where readouts avoid working numbers.
 template <class T, class N>
-inline constexpr bool reads_by_shifts = N::fixed_point&& std::is_same_v<T, float>;
+inline constexpr bool reads_by_shifts = N::fixed_point && (std::is_same_v<T, float> || is_fixed<T>);
+
+// raw * 2^-bits, which is at most half as precise in T, as the nearest T.
+template <class T, int bits, class Raw>
+[[nodiscard]] TUMBLE_INLINE constexpr T read(Raw raw) {
+    if constexpr (!is_fixed<T>) {
+        return to_float(raw, -bits);
+    } else {
+        constexpr int down = bits - T::fraction_bits;
+        if constexpr (down <= 0) {
+            return Scaled::of(raw, -bits).template to_fixed<T>();
+        } else {
+            const Raw rounded = ((raw >> (down - 1)) + 1) >> 1;
+            if constexpr (8 * static_cast<int>(sizeof(Raw)) - down > 32) {
+                constexpr std::int64_t limit = INT32_MAX;
+                return T{static_cast<std::int32_t>(rounded > limit ? limit : rounded < -limit ? -limit : rounded)};
+            }
+            return T{static_cast<std::int32_t>(rounded)};
+        }
+    }
+}
 
 template <class T, class Bodies>
 [[nodiscard]] Pose<T> pose_of(const Bodies& bodies, int b) {
@@ -57,7 +78,7 @@ template <class T, class Bodies>
                             {static_cast<T>(q.v[0]), static_cast<T>(q.v[1]), static_cast<T>(q.v[2])}};
     } else {
         const auto& s = bodies.state[b];
-        for (int i = 0; i < 3; ++i) pose.position[i] = to_float(s.x_w[i].sum().raw, -N::PositionSum::fraction_bits);
+        for (int i = 0; i < 3; ++i) pose.position[i] = read<T, N::PositionSum::fraction_bits>(s.x_w[i].sum().raw);
         if constexpr (Bodies::rotation) {
             if (!bodies.rotates(b)) return pose;
             using Unit = typename N::Unit;
@@ -70,8 +91,8 @@ template <class T, class Bodies>
             const VectorBlock<N> v{{component.template operator()<0>(), component.template operator()<1>(),
                                     component.template operator()<2>()},
                                    -Unit::fraction_bits};
-            pose.orientation = {to_float(narrow<Unit>(mul(q.w, p.w) - dot(q.v, p.v)).raw, -Unit::fraction_bits),
-                                v.template as<float>()};
+            pose.orientation = {read<T, Unit::fraction_bits>(narrow<Unit>(mul(q.w, p.w) - dot(q.v, p.v)).raw),
+                                v.template as<T>()};
         }
     }
     return pose;
@@ -94,8 +115,9 @@ template <class N, class Bodies>
     return spin;
 }
 
+// Inlined: a program that reads one of the two pays for one.
 template <class T, class Bodies>
-[[nodiscard]] Motion<T> motion_of(const Bodies& bodies, int b, typename Bodies::Work steps_per_second) {
+[[nodiscard]] TUMBLE_INLINE Motion<T> motion_of(const Bodies& bodies, int b, typename Bodies::Work steps_per_second) {
     using N = typename Bodies::Numbers;
     const auto& s = bodies.state[b];
     const typename N::DriftSum d[3]{N::sum(s.d_w.x), N::sum(s.d_w.y), N::sum(s.d_w.z)};

@@ -20,8 +20,10 @@ public:
     // Takes over a force or torque of a body that is not fixed, for the next step alone. `point`: in the user's axes.
     template <bool angular, class Bodies>
     void add(Bodies& bodies, int b, Frame frame, const Block& value, const Block& point) {
+        if constexpr (capacity == 1) b = 0;  // every address is known
         Body& body = body_[b];
-        detail::Push<N> push = detail::push_of<N, angular>(bodies, b, frame, value, point);
+        detail::Push<N> push;
+        detail::take_push<N, angular>(push, bodies, b, frame, value, point);
         push.value.multiply_by(seconds);
         body.acts = body.has_next = true;
         add_in_the_middle<angular>(body.next, bodies, b, push);
@@ -29,6 +31,7 @@ public:
     // The same for all steps from the next one on.
     template <bool angular, class Bodies>
     void set(Bodies& bodies, int b, Frame frame, const Block& value, const Block& point) {
+        if constexpr (capacity == 1) b = 0;
         Body& body = body_[b];
         Held& held = angular ? body.torque : body.force;
         const bool at_centre = angular || point.is_zero();
@@ -41,22 +44,18 @@ public:
         }
         if (held.turns) forget(held);
         bool within = true;
-        const typename N::Scale unit = bodies.scale;
+        const auto set = [&](auto& to) {
+            return [&](int i, auto change, auto is_small) __attribute__((always_inline)) {
+                if constexpr (is_small) to[i] = change;
+                else to[i] = N::limited(change, within);
+            };
+        };
         const auto& constants = bodies.constants[b];
         if constexpr (!angular) {
-            Block impulse = value;
-            impulse.multiply_by(seconds);
-            const Work factor = constants.drift_per_impulse;
-            body.steady.linear[0] = N::limited(impulse.drift(0, factor, unit), within);
-            body.steady.linear[1] = N::limited(impulse.drift(1, factor, unit), within);
-            body.steady.linear[2] = N::limited(impulse.drift(2, factor, unit), within);
+            value.times(seconds).each_drift(constants.drift_per_impulse, bodies.scale, false, set(body.steady.linear));
         } else if constexpr (rotation) {
-            Block impulse = bodies.in_principal_axes(b, value);
-            impulse.multiply_by(seconds);
-            const auto& units = constants.units;
-            body.steady.angular[0] = N::limited(impulse.turn(0, units.per_impulse(0), unit), within);
-            body.steady.angular[1] = N::limited(impulse.turn(1, units.per_impulse(1), unit), within);
-            body.steady.angular[2] = N::limited(impulse.turn(2, units.per_impulse(2), unit), within);
+            bodies.in_principal_axes(b, value).times(seconds).each_turn(constants.units, bodies.scale, false,
+                                                                        set(body.steady.angular));
         }
         if (!within) bodies.report(Issue::range_left, b);
     }
@@ -117,9 +116,10 @@ private:
     template <bool angular, class Bodies>
     [[gnu::noinline]] void turn_with_the_body(const Bodies& bodies, int b, Frame frame, const Block& value,
                                               const Block& point) {
+        if constexpr (capacity == 1) b = 0;
         Body& body = body_[b];
         Held& held = angular ? body.torque : body.force;
-        held.push = detail::push_of<N, angular>(bodies, b, frame, value, point);
+        detail::take_push<N, angular>(held.push, bodies, b, frame, value, point);
         held.push.value.multiply_by(seconds);
         held.turns = true;
         for (int i = 0; i < 3; ++i) {
@@ -148,11 +148,15 @@ private:
                 ahead = &u;
             }
         }
+        const auto add = [](auto& to) { return [&](int i, auto change, auto) { to[i] = N::held_sum(to[i], change); }; };
+        const auto& constants = bodies.constants[b];
         detail::resolve<N, angular>(
-            bodies, b, push, ahead, [&](int i, auto change) { kick.linear[i] = N::held_sum(kick.linear[i], change); },
-            [&]([[maybe_unused]] auto&& change) {
-                if constexpr (rotation)
-                    for (int i = 0; i < 3; ++i) kick.angular[i] = N::held_sum(kick.angular[i], change(i, bodies.scale));
+            bodies, b, push, ahead,
+            [&](const Block& p_w) {
+                p_w.each_drift(constants.drift_per_impulse, bodies.scale, false, add(kick.linear));
+            },
+            [&]([[maybe_unused]] const Block& p_b) {
+                if constexpr (rotation) p_b.each_turn(constants.units, bodies.scale, false, add(kick.angular));
             });
     }
     template <class Bodies>

@@ -62,6 +62,14 @@ private:
 
 namespace detail {
 
+template <int F>
+inline constexpr Fixed<F> one<Fixed<F>> = Fixed<F>::from_raw(std::int32_t{1} << F);
+
+template <class T>
+inline constexpr bool is_fixed = false;
+template <int F>
+inline constexpr bool is_fixed<Fixed<F>> = true;
+
 // Whether a long product, 32 x 32 bits with all 64 bits of the result, costs no more than a few instructions. A
 // Cortex-M0 has none, and one takes up to seven cycles on a Cortex-M3: there, powers of two are shifts.
 #if defined(__ARM_ARCH_6M__) || defined(__ARM_ARCH_7M__)
@@ -252,6 +260,13 @@ template <class To, int F>
     const auto half = std::uint64_t{1} << (shift - 1);
     return To::from_raw(
         static_cast<std::int32_t>(static_cast<std::int64_t>(static_cast<std::uint64_t>(a.raw) + half) >> shift));
+}
+
+// A product in the format of its factors, rounded to nearest, for a program that computes in one format. The kernel
+// rounds sums of products once.
+template <int F>
+[[nodiscard]] TUMBLE_INLINE constexpr Fixed<F> operator*(Fixed<F> a, Fixed<F> b) {
+    return narrow<Fixed<F>>(mul(a, b));
 }
 
 // The upper word of a product, rounded down, which is free on a 32-bit core. For small corrections, in which a bias of

@@ -234,9 +234,27 @@ TUMBLE_COLD constexpr void normalize(RealQuat& q) {
 
 namespace detail {
 
-// raw * 2^exponent as the nearest float, ties to even. By shifts.
+// Whether the core has instructions for floats. Conversions then use them, for the bits that shifts give: an IEEE
+// conversion of an integer rounds to the nearest float, ties to even, and a product by a power of two is exact.
+#if defined(__ARM_FP)
+inline constexpr bool has_float_unit = (__ARM_FP & 4) != 0;
+#else
+inline constexpr bool has_float_unit = false;
+#endif
+
+// raw * 2^exponent as the nearest float, ties to even.
+template <bool by_float_unit = has_float_unit>
 [[nodiscard, gnu::noinline]] constexpr float to_float(std::int64_t raw, int exponent) {
     if (raw == 0) return 0;
+    if constexpr (by_float_unit) {
+        // The upper word with the leading digit in bit 30; its last bit tells whether bits below it are set.
+        const std::int64_t sign = raw >> 63;
+        const int up = std::countl_zero(static_cast<std::uint64_t>(raw ^ sign)) - 1, field = exponent + 32 - up + 127;
+        if (field < 1 || field > 254 - 31) return Real::scaled(raw, exponent).to_float();
+        const auto top = static_cast<std::int64_t>(static_cast<std::uint64_t>(raw) << up);
+        const auto upper = static_cast<std::int32_t>(top >> 32) | (static_cast<std::uint32_t>(top) != 0 ? 1 : 0);
+        return static_cast<float>(upper) * std::bit_cast<float>(static_cast<std::uint32_t>(field) << 23);
+    }
     const std::uint64_t magnitude = raw < 0 ? 0u - static_cast<std::uint64_t>(raw) : static_cast<std::uint64_t>(raw);
     const int up = std::countl_zero(magnitude), field = exponent + 63 - up + 127;
     if (field < 1 || field > 254) return Real::scaled(raw, exponent).to_float();  // not a normal number
@@ -251,8 +269,14 @@ namespace detail {
 }
 
 // The same of one word.
+template <bool by_float_unit = has_float_unit>
 [[nodiscard, gnu::noinline]] constexpr float to_float(std::int32_t raw, int exponent) {
     if (raw == 0) return 0;
+    if constexpr (by_float_unit) {
+        const int field = exponent + 127;
+        if (field < 1 || field > 254 - 32) return Real::scaled(raw, exponent).to_float();
+        return static_cast<float>(raw) * std::bit_cast<float>(static_cast<std::uint32_t>(field) << 23);
+    }
     const std::uint32_t magnitude = raw < 0 ? 0u - static_cast<std::uint32_t>(raw) : static_cast<std::uint32_t>(raw);
     const int up = std::countl_zero(magnitude), field = exponent + 31 - up + 127;
     if (field < 1 || field > 254) return Real::scaled(raw, exponent).to_float();  // not a normal number

@@ -44,6 +44,9 @@ public:
         const std::int64_t magnitude = exponent == 0 ? fraction : fraction | (std::int64_t{1} << 52);
         *this = of((bits >> 63) != 0 ? -magnitude : magnitude, (exponent == 0 ? 1 : exponent) - 1075);
     }
+    // A fixed-point number, exact.
+    template <int F>
+    explicit constexpr Scaled(Fixed<F> value) : Scaled{of(value)} {}
     // A set-up number, rounded to 31 bits.
     explicit constexpr Scaled(Real value) : Scaled{from(value)} {}
     // A set-up number, rounded to 31 bits.
@@ -115,6 +118,11 @@ public:
     [[nodiscard]] explicit constexpr operator Real() const { return to_real(); }
     // The nearest float. By shifts.
     [[nodiscard]] explicit constexpr operator float() const { return detail::to_float(mantissa_, exponent_); }
+    // The nearest fixed-point number. Saturates at the ends of the format.
+    template <int F>
+    [[nodiscard]] explicit constexpr operator Fixed<F>() const {
+        return to_fixed<Fixed<F>>();
+    }
     // The number as a double, exact. Computed in integers.
     [[nodiscard]] explicit constexpr operator double() const { return to_real().to_double(); }
 

@@ -61,10 +61,10 @@ struct Quaternion {
         return {a.w * b.w - dot(a.v, b.v), b.v * a.w + a.v * b.w + cross(a.v, b.v)};
     }
     // The inverse rotation, of a unit quaternion.
-    [[nodiscard]] constexpr Quaternion conjugate() const { return {w, v * T(-1)}; }
+    [[nodiscard]] constexpr Quaternion conjugate() const { return {w, -v}; }
     // Rotates a vector. The quaternion must have unit length.
     [[nodiscard]] constexpr Vector3<T> rotate(Vector3<T> r) const {
-        const Vector3<T> t = cross(v, r) * T(2);
+        const Vector3<T> c = cross(v, r), t = c + c;
         return r + t * w + cross(v, t);
     }
     // The same quaternion in other numbers.

@@ -27,6 +27,9 @@ requires(N::fixed_point) struct VectorBlock<N> {
         visit(self.mantissa, self.exponent);
     }
 
+    // `by_float_unit`: the core's instructions take the place of shifts, for the same bits. 2^(156 - most) is exact and
+    // brings the largest component below 2^30, in halves of a unit, of which the conversion drops all that is smaller.
+    template <bool by_float_unit = detail::has_float_unit>
     [[nodiscard, gnu::noinline]] static constexpr VectorBlock of(float x, float y, float z) {
         const std::uint32_t bits[3]{std::bit_cast<std::uint32_t>(x), std::bit_cast<std::uint32_t>(y),
                                     std::bit_cast<std::uint32_t>(z)};
@@ -34,15 +37,40 @@ requires(N::fixed_point) struct VectorBlock<N> {
         int most = field(0) > field(1) ? field(0) : field(1);
         if (field(2) > most) most = field(2);
         TUMBLE_ASSERT(most != 0xff);
-        if (most == 0) return {};                            // zero; denormals are below every format
+        if constexpr (by_float_unit) {
+            if (most >= 32) [[likely]] {
+                const auto scale = std::bit_cast<float>(static_cast<std::uint32_t>(156 + 127 - most) << 23);
+                const auto component = [&](float value) {
+                    const auto halves = static_cast<std::int32_t>(value * scale);
+                    return (halves + 1 + (halves >> 31)) >> 1;
+                };
+                return {{component(x), component(y), component(z)}, most - 155};
+            }
+        }
+        if (most == 0) return {};  // zero; denormals are below every format
+        // The field of a component that counts is above 0 and at most 29 below `most`.
+        const int farthest = most > 29 ? 29 : most - 1;
         const auto component = [&](int i) -> std::int32_t {  // 24 bits, moved to below 2^29 and down
             const int drop = most - field(i);
-            if (drop > 29 || field(i) == 0) return 0;
-            const auto m = static_cast<std::int32_t>(((bits[i] & 0x7fffff) | 0x800000) << 5);
-            const std::int32_t rounded = (m + (1 << drop >> 1)) >> drop;
-            return (bits[i] >> 31) != 0 ? -rounded : rounded;
+            if (drop > farthest) return 0;
+            const auto sign = static_cast<std::int32_t>(bits[i]) >> 31;
+            return (static_cast<std::int32_t>(((0x80000000u | bits[i] << 8) >> (drop + 2)) + 1) >> 1 ^ sign) - sign;
         };
         return {{component(0), component(1), component(2)}, most - 155};
+    }
+    // Three numbers in a program's format.
+    template <int F>
+    [[nodiscard]] static constexpr VectorBlock of(Fixed<F> x, Fixed<F> y, Fixed<F> z) {
+        return of_words(x.raw, y.raw, z.raw, -F);
+    }
+    // raw * 2^exponent.
+    [[nodiscard, gnu::noinline]] static constexpr VectorBlock of_words(std::int32_t x, std::int32_t y, std::int32_t z,
+                                                                       int exponent) {
+        const auto digits = static_cast<std::uint32_t>((x ^ (x >> 31)) | (y ^ (y >> 31)) | (z ^ (z >> 31)));
+        const int up = std::countl_zero(digits) - 3;  // to below 2^29
+        if (up >= 0) return {{x * (1 << up), y * (1 << up), z * (1 << up)}, exponent - up};
+        const auto rounded = [&](std::int32_t raw) { return ((raw >> (-up - 1)) + 1) >> 1; };
+        return {{rounded(x), rounded(y), rounded(z)}, exponent - up};
     }
     // Three numbers of any type.
     template <class X, class Y, class Z>
@@ -65,7 +93,8 @@ requires(N::fixed_point) struct VectorBlock<N> {
         return block;
     }
     // raw * 2^exponent, each below 2^63.
-    [[nodiscard, gnu::noinline]] static constexpr VectorBlock of_sums(const std::int64_t (&raw)[3], int exponent) {
+    [[nodiscard, gnu::noinline, gnu::pure]] static constexpr VectorBlock of_sums(const std::int64_t (&raw)[3],
+                                                                                 int exponent) {
         const std::int32_t x = upper_of(raw[0]), y = upper_of(raw[1]), z = upper_of(raw[2]);
         const auto high = static_cast<std::uint32_t>((x ^ (x >> 31)) | (y ^ (y >> 31)) | (z ^ (z >> 31)));
         if (high == 0) [[unlikely]]
@@ -88,8 +117,8 @@ requires(N::fixed_point) struct VectorBlock<N> {
         return of_sums({t[0].raw, t[1].raw, t[2].raw}, -(64 + s.turn_shift));
     }
     // Turns times the rate of each axis, rounded to 30 bits each before they share an exponent.
-    [[nodiscard]] static constexpr VectorBlock of_turns(const typename N::TurnSum (&t)[3], typename N::Scale s,
-                                                        const Scaled (&rate)[3]) {
+    [[nodiscard, gnu::pure]] static constexpr VectorBlock of_turns(const typename N::TurnSum (&t)[3],
+                                                                   typename N::Scale s, const Scaled (&rate)[3]) {
         const Product x = Product::of(t[0].raw, rate[0]), y = Product::of(t[1].raw, rate[1]),
                       z = Product::of(t[2].raw, rate[2]);
         int most = x.exponent > y.exponent ? x.exponent : y.exponent;
@@ -105,6 +134,31 @@ requires(N::fixed_point) struct VectorBlock<N> {
     }
     [[nodiscard]] TUMBLE_INLINE constexpr typename N::TurnSum turn(int i, Scaled factor, typename N::Scale s) const {
         return {sum(i, factor, 64 + s.turn_shift)};
+    }
+    // Calls take(i, change, is_small) for the three changes of drift, or of turn; `units` has the factors. is_small is
+    // std::true_type where changes are below 2^60: they fit N::limited(), and a state in its range plus one cannot
+    // wrap. Of the opposite: ties are rounded downwards, so that it is the exact opposite.
+    template <class F>
+    TUMBLE_INLINE constexpr void each_drift(Scaled factor, typename N::Scale s, bool opposite, F&& take) const {
+        each_sum<typename N::DriftSum>(factor, Position::fraction_bits + 32 + s.drift_shift, opposite, take);
+    }
+    template <class Units, class F>
+    TUMBLE_INLINE constexpr void each_turn(const Units& units, typename N::Scale s, bool opposite, F&& take) const {
+        using Sum = typename N::TurnSum;
+        const int bits = 64 + s.turn_shift;
+        if constexpr (Units::has_one_factor) {
+            each_sum<Sum>(units.per_impulse(0), bits, opposite, take);
+        } else {
+            const auto one = [&](int i) __attribute__((always_inline)) {
+                const Change change{*this, units.per_impulse(i), bits, opposite};
+                if (change.is_small()) [[likely]]
+                    take(i, Sum{change.small(mantissa[i])}, std::true_type{});
+                else take(i, Sum{change.any(mantissa[i])}, std::false_type{});
+            };
+            one(0);
+            one(1);
+            one(2);
+        }
     }
     // m.
     [[nodiscard]] constexpr typename N::PositionSum position(int i) const {
@@ -131,7 +185,7 @@ requires(N::fixed_point) struct VectorBlock<N> {
         order.place(user.mantissa, mantissa);
         return user;
     }
-    [[nodiscard, gnu::noinline]] constexpr VectorBlock rotated(const Quat<Unit>& q) const {
+    [[nodiscard, gnu::noinline, gnu::pure]] constexpr VectorBlock rotated(const Quat<Unit>& q) const {
         const std::int32_t across[3]{rounded<30>(cross_sum<0>(q.v, mantissa)), rounded<30>(cross_sum<1>(q.v, mantissa)),
                                      rounded<30>(cross_sum<2>(q.v, mantissa))};
         const auto component = [&]<int i>() {  // v + 2 w (u x v) + 2 u x (u x v)
@@ -165,9 +219,11 @@ requires(N::fixed_point) struct VectorBlock<N> {
     // Exact where s is a power of two.
     TUMBLE_INLINE constexpr void multiply_by(Scaled s) {
         exponent += s.exponent() + 30;
-        if (s.mantissa() != 1 << 30) multiply_by_mantissa(s.mantissa());
+        if (s.mantissa() != 1 << 30) *this = times_mantissa(s.mantissa());
     }
-    [[nodiscard]] constexpr VectorBlock times(Scaled s) const {
+    // The same as a copy, which stays in registers where s is a power of two.
+    [[nodiscard]] TUMBLE_INLINE constexpr VectorBlock times(Scaled s) const {
+        if (s.mantissa() == 1 << 30) return {{mantissa[0], mantissa[1], mantissa[2]}, exponent + s.exponent() + 30};
         VectorBlock product = *this;
         product.multiply_by(s);
         return product;
@@ -204,13 +260,45 @@ requires(N::fixed_point) struct VectorBlock<N> {
     template <class T>
     [[nodiscard]] constexpr Vector3<T> as() const {
         if constexpr (std::is_same_v<T, float>) return floats();
+        else if constexpr (detail::is_fixed<T>) return words<T>();
         else
             return {static_cast<T>(Scaled::of(mantissa[0], exponent)),
                     static_cast<T>(Scaled::of(mantissa[1], exponent)),
                     static_cast<T>(Scaled::of(mantissa[2], exponent))};
     }
 
+    // The nearest floats, ties to even. They are normal numbers unless the exponent is extreme.
+    template <bool by_float_unit = detail::has_float_unit>
+    [[nodiscard, gnu::noinline, gnu::pure]] constexpr Vector3<float> floats() const {
+        const int field = exponent + 31 + 127;
+        if (field < 32 || field > 254) [[unlikely]]
+            return {detail::to_float(mantissa[0], exponent), detail::to_float(mantissa[1], exponent),
+                    detail::to_float(mantissa[2], exponent)};
+        if constexpr (by_float_unit) {
+            const auto unit = std::bit_cast<float>(static_cast<std::uint32_t>(field - 31) << 23);  // 2^exponent
+            return {static_cast<float>(mantissa[0]) * unit, static_cast<float>(mantissa[1]) * unit,
+                    static_cast<float>(mantissa[2]) * unit};
+        } else {
+            return {normal_float(mantissa[0], field), normal_float(mantissa[1], field),
+                    normal_float(mantissa[2], field)};
+        }
+    }
+
 private:
+    // The nearest numbers of a program's format, ties upwards. Saturates at the ends of the format.
+    template <class T>
+    [[nodiscard, gnu::noinline, gnu::pure]] constexpr Vector3<T> words() const {
+        const int down = -(exponent + T::fraction_bits);
+        if (down >= 1 && down <= 31) [[likely]] {
+            const auto rounded = [&](int i) { return T{((mantissa[i] >> (down - 1)) + 1) >> 1}; };
+            return {rounded(0), rounded(1), rounded(2)};
+        }
+        const auto held = [&](int i) {
+            const std::int64_t raw = shifted(mantissa[i], -down), limit = INT32_MAX;
+            return T{static_cast<std::int32_t>(raw > limit ? limit : raw < -limit ? -limit : raw)};
+        };
+        return {held(0), held(1), held(2)};
+    }
     // A sum times a factor: 30 bits or 31, or zero.
     struct Product {
         std::int32_t mantissa = 0;
@@ -245,8 +333,8 @@ private:
         return static_cast<std::int32_t>((upper << (32 - drop) | lower >> drop) + ((lower >> (drop - 1)) & 1));
     }
     // Of sums whose magnitudes fit one word.
-    [[nodiscard, gnu::noinline]] static constexpr VectorBlock of_small_sums(const std::int64_t (&raw)[3],
-                                                                            int exponent) {
+    [[nodiscard, gnu::noinline, gnu::pure]] static constexpr VectorBlock of_small_sums(const std::int64_t (&raw)[3],
+                                                                                       int exponent) {
         std::uint32_t low = 0;
         for (int i = 0; i < 3; ++i) low |= lower_of(raw[i] ^ (raw[i] >> 63));
         const int drop = 32 - 29 - std::countl_zero(low);
@@ -255,14 +343,6 @@ private:
             block.mantissa[i] =
                 drop > 0 ? lower_shifted(raw[i], drop) : static_cast<std::int32_t>(lower_of(raw[i]) << -drop);
         return block;
-    }
-    // The nearest floats, ties to even. They are normal numbers unless the exponent is extreme.
-    [[nodiscard, gnu::noinline]] constexpr Vector3<float> floats() const {
-        const int field = exponent + 31 + 127;
-        if (field < 32 || field > 254) [[unlikely]]
-            return {detail::to_float(mantissa[0], exponent), detail::to_float(mantissa[1], exponent),
-                    detail::to_float(mantissa[2], exponent)};
-        return {normal_float(mantissa[0], field), normal_float(mantissa[1], field), normal_float(mantissa[2], field)};
     }
     // Of m * 2^(field - 158), by adding half a unit, less where the result is even.
     [[nodiscard]] TUMBLE_INLINE static constexpr float normal_float(std::int32_t m, int field) {
@@ -274,9 +354,10 @@ private:
         const std::uint32_t rounded = (upper >> 8) + (((upper & 0xff) + 0x7f + ((upper >> 8) & 1)) >> 8);
         return std::bit_cast<float>(sign | (rounded + (static_cast<std::uint32_t>(field - 1 - up) << 23)));
     }
-    [[gnu::noinline]] constexpr void multiply_by_mantissa(std::int32_t m) {
-        ++exponent;
-        for (int i = 0; i < 3; ++i) mantissa[i] = rounded<31>(detail::multiply(mantissa[i], m));
+    [[nodiscard, gnu::noinline, gnu::pure]] constexpr VectorBlock times_mantissa(std::int32_t m) const {
+        return {{rounded<31>(detail::multiply(mantissa[0], m)), rounded<31>(detail::multiply(mantissa[1], m)),
+                 rounded<31>(detail::multiply(mantissa[2], m))},
+                exponent + 1};
     }
     [[nodiscard]] TUMBLE_INLINE static constexpr std::int32_t upper_of(std::int64_t raw) {
         return static_cast<std::int32_t>(raw >> 32);
@@ -301,13 +382,46 @@ private:
             return raw == 0 ? 0 : raw * (std::int64_t{1} << up);
         return raw < 0 ? -N::widest : N::widest;
     }
-    // The usual change of a state is a shift to the right by less than a word.
+    // How a component times a factor becomes a sum of the state, or its opposite.
+    struct Change {
+        std::int32_t factor;
+        int drop;
+        std::uint32_t half;  // half a unit of the result; less where ties are rounded downwards
+        bool opposite;
+
+        TUMBLE_INLINE constexpr Change(const VectorBlock& block, Scaled by, int fraction_bits, bool is_opposite)
+            : factor{is_opposite ? -by.mantissa() : by.mantissa()},
+              drop{-(block.exponent + by.exponent() + fraction_bits)}, half{(std::uint32_t{1} << ((drop - 1) & 31)) -
+                                                                            static_cast<std::uint32_t>(is_opposite)},
+              opposite{is_opposite} {}
+
+        // The usual change is a shift to the right by less than a word. It leaves less than 2^60, because a component
+        // is at most sqrt(3) 2^29.
+        [[nodiscard]] TUMBLE_INLINE constexpr bool is_small() const { return drop >= 1 && drop <= 31; }
+        [[nodiscard]] TUMBLE_INLINE constexpr std::int64_t small(std::int32_t m) const {
+            return detail::shift_right(detail::multiply(m, factor) + std::int64_t{half}, drop);
+        }
+        [[nodiscard]] constexpr std::int64_t any(std::int32_t m) const {
+            const std::int64_t raw = detail::multiply(m, factor);
+            return opposite ? -shifted(-raw, -drop) : shifted(raw, -drop);
+        }
+    };
     [[nodiscard]] TUMBLE_INLINE constexpr std::int64_t sum(int i, Scaled factor, int fraction_bits) const {
-        const std::int64_t raw = detail::multiply(mantissa[i], factor.mantissa());
-        const int down = -(exponent + factor.exponent() + fraction_bits);
-        if (down >= 1 && down <= 31) [[likely]]
-            return detail::shift_right(raw + static_cast<std::int64_t>(std::uint32_t{1} << (down - 1)), down);
-        return shifted(raw, -down);
+        const Change change{*this, factor, fraction_bits, false};
+        if (change.is_small()) [[likely]]
+            return change.small(mantissa[i]);
+        return change.any(mantissa[i]);
+    }
+    template <class Sum, class F>
+    TUMBLE_INLINE constexpr void each_sum(Scaled factor, int fraction_bits, bool opposite, F&& take) const {
+        const Change change{*this, factor, fraction_bits, opposite};
+        if (change.is_small()) [[likely]] {
+            take(0, Sum{change.small(mantissa[0])}, std::true_type{});
+            take(1, Sum{change.small(mantissa[1])}, std::true_type{});
+            take(2, Sum{change.small(mantissa[2])}, std::true_type{});
+        } else {
+            for (int i = 0; i < 3; ++i) take(i, Sum{change.any(mantissa[i])}, std::false_type{});
+        }
     }
 };
 
@@ -333,6 +447,18 @@ requires(!N::fixed_point) struct VectorBlock<N> {
     }
     [[nodiscard]] T drift(int i, T factor, typename N::Scale) const { return v[i] * factor; }
     [[nodiscard]] T turn(int i, T factor, typename N::Scale) const { return v[i] * factor; }
+    template <class F>
+    TUMBLE_INLINE void each_drift(T factor, typename N::Scale, bool, F&& take) const {
+        take(0, v[0] * factor, std::false_type{});
+        take(1, v[1] * factor, std::false_type{});
+        take(2, v[2] * factor, std::false_type{});
+    }
+    template <class Units, class F>
+    TUMBLE_INLINE void each_turn(const Units& units, typename N::Scale, bool, F&& take) const {
+        take(0, v[0] * units.per_impulse(0), std::false_type{});
+        take(1, v[1] * units.per_impulse(1), std::false_type{});
+        take(2, v[2] * units.per_impulse(2), std::false_type{});
+    }
     [[nodiscard]] T position(int i) const { return v[i]; }
     [[nodiscard]] TUMBLE_INLINE bool is_zero() const { return v[0] == T(0) && v[1] == T(0) && v[2] == T(0); }
     // Floating point rounds opposites to opposites.
