@@ -16,6 +16,11 @@
 #include <tumble/integrators/rotation/euler_equations.hpp>
 #include <tumble/integrators/stability.hpp>
 
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC diagnostic push  // GCC does not see that a body that rotates in a stage has rotated in those before
+#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
+#endif
+
 namespace tumble::detail {
 
 // A stage of the rotation, as the weighted sums at the end of the step need it.
@@ -327,3 +332,7 @@ struct Rk4 : RungeKutta<rk4_table> {
 };
 
 }  // namespace tumble::integrators
+
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC diagnostic pop
+#endif
