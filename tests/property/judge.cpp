@@ -22,6 +22,7 @@ namespace tumble::test {
 namespace {
 
 using namespace host;
+using host::Method;
 using Kind = Judgement::Kind;
 using reference::Motion, reference::vector_of;
 

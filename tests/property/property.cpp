@@ -29,6 +29,7 @@ namespace tumble::test {
 namespace {
 
 using namespace host;
+using host::runs_in;
 using Kind = Judgement::Kind;
 
 constexpr time_t seconds_of_a_trial = 60;  // CPU, under sanitizers too

@@ -17,6 +17,7 @@ namespace tumble::test {
 namespace {
 
 using namespace host;
+using host::runs_in;
 using Vector = reference::Vec<double>;
 
 Triple triple(const Vector& v) { return {v.x, v.y, v.z}; }
