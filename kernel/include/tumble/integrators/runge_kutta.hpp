@@ -248,6 +248,7 @@ struct RungeKutta : Stability<tumble::detail::RungeKuttaOnOscillator<table>> {
             constexpr Rational share{1, table.denominator()};
             for (int i = 0; i < 3; ++i) {
                 constexpr auto arrivals = table.arrivals();
+                constexpr Rational part{1, arrivals.denominator()};
                 typename N::DriftSum linear{}, travelled{};
                 detail::unroll<table.stages>([&](auto stage) {
                     constexpr Rational drifts{table.weight(stage), 1}, travels = arrivals.whole(stage);
@@ -255,8 +256,7 @@ struct RungeKutta : Stability<tumble::detail::RungeKuttaOnOscillator<table>> {
                     if constexpr (!drifts.is_zero()) linear += detail::times<drifts>(change);
                     if constexpr (!travels.is_zero()) travelled += detail::times<travels>(change);
                 });
-                N::coast(body.x_w[i], body.d_w[i], detail::times<Rational{1, arrivals.denominator()}>(travelled),
-                         step.scale);
+                N::coast(body.x_w[i], body.d_w[i], detail::times<part>(travelled), step.scale);
                 N::add(body.d_w[i], detail::times<share>(linear));
             }
             if constexpr (Group::rotation) {
