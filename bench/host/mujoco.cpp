@@ -21,7 +21,7 @@ std::string text(const RealVec3& v) {
     return text(a[0]) + " " + text(a[1]) + " " + text(a[2]);
 }
 
-struct Method {
+struct MujocoMethod {
     const char *name, *integrator, *solver;
 };
 
@@ -52,7 +52,7 @@ std::string tendons_xml(const std::vector<SpringSpec>& springs) {
     return springs.empty() ? "" : "<tendon>" + xml.str() + "</tendon>";
 }
 
-std::string xml_of(const Problem& problem, const Method& method) {
+std::string xml_of(const Problem& problem, const MujocoMethod& method) {
     const SceneData& scene = problem.scene;
     const std::size_t bodies = scene.bodies.size();
     std::ostringstream xml;
@@ -99,7 +99,7 @@ std::string xml_of(const Problem& problem, const Method& method) {
 
 class MujocoRunner final : public Runner {
 public:
-    MujocoRunner(const Problem& problem, const Method& method)
+    MujocoRunner(const Problem& problem, const MujocoMethod& method)
         : bodies_{problem.scene.bodies}, model_{mujoco_model(xml_of(problem, method))}, data_{
                                                                                             mj_makeData(model_.get())} {
         if (!data_) throw std::runtime_error{"MuJoCo cannot allocate its data"};
@@ -141,11 +141,11 @@ private:
 void tumble::bench::add_mujoco(std::vector<Contender>& contenders) {
     // With more bodies Newton's matrix is too large. Without contacts there is nothing to solve.
     constexpr std::size_t most_for_newton = 10;
-    static constexpr Method methods[]{{"Euler", "Euler", "CG"},
-                                      {"RK4", "RK4", "CG"},
-                                      {"Euler, Newton", "Euler", "Newton"},
-                                      {"Euler, conjugate gradients", "Euler", "CG"}};
-    for (const Method& method : methods) {
+    static constexpr MujocoMethod methods[]{{"Euler", "Euler", "CG"},
+                                            {"RK4", "RK4", "CG"},
+                                            {"Euler, Newton", "Euler", "Newton"},
+                                            {"Euler, conjugate gradients", "Euler", "CG"}};
+    for (const MujocoMethod& method : methods) {
         const bool solves = std::string{method.name}.find(',') != std::string::npos,
                    newton = method.solver == std::string{"Newton"};
         contenders.push_back({"MuJoCo", mj_versionString(), method.name, sizeof(mjtNum) == 8 ? "f64" : "f32", false,
