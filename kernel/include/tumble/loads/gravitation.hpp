@@ -6,6 +6,7 @@
 #include <tumble/body/setup.hpp>
 #include <tumble/loads/loaded_group.hpp>
 #include <tumble/numbers/functions.hpp>
+#include <tumble/scene.hpp>
 #include <tumble/status.hpp>
 
 namespace tumble {
