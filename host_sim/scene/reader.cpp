@@ -86,10 +86,12 @@ void check_felt(const SceneDescription& scene, Table& world, const std::optional
         world.at("angular_drag").fail("all bodies are point masses, which have no rotation", "0 or no angular_drag");
     if (gravity_gradient && !scene.has_rotation())
         gravity_gradient->place().fail("all bodies are point masses, which have no rotation", "no [gravity_gradient]");
-    const auto feels_air = [](const BodyDescription& b) { return b.linear_drag > 0.0 || b.quadratic_drag > 0.0; };
+    const auto feels_air = [](const BodyDescription& b) {
+        return !b.fixed && (b.linear_drag > 0.0 || b.quadratic_drag > 0.0);
+    };
     if (scene.wind != Triple{} && std::none_of(scene.bodies.begin(), scene.bodies.end(), feels_air))
         world.at("wind").fail("no body feels it",
-                              "a body with linear_drag (kg/s) or quadratic_drag (kg/m), or no wind");
+                              "a body that is not fixed, with linear_drag (kg/s) or quadratic_drag (kg/m), or no wind");
 }
 
 void read_range(Table table, RangeDescription& range) {

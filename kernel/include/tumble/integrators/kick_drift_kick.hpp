@@ -41,8 +41,9 @@ void solve_end_kick(const Group& group, const typename Group::Stage (&state)[cap
                 before[b].linear[i] = kick[b].linear[i];
                 end[b].d_w[i] += half(kick[b].linear[i]);
                 if constexpr (Group::rotation) {
+                    if (!group.rotates(b)) continue;
                     before[b].angular[i] = kick[b].angular[i];
-                    if (group.rotates(b)) end[b].t_b[i] += N::narrow_turn(half(kick[b].angular[i]));
+                    end[b].t_b[i] += N::narrow_turn(half(kick[b].angular[i]));
                 }
             }
         }
@@ -51,7 +52,8 @@ void solve_end_kick(const Group& group, const typename Group::Stage (&state)[cap
         for (int b = 0; b < group.count; ++b)
             for (int i = 0; i < 3; ++i) {
                 changes = changes || !(before[b].linear[i] == kick[b].linear[i]);
-                if constexpr (Group::rotation) changes = changes || !(before[b].angular[i] == kick[b].angular[i]);
+                if constexpr (Group::rotation)
+                    changes = changes || (group.rotates(b) && !(before[b].angular[i] == kick[b].angular[i]));
             }
     }
 }

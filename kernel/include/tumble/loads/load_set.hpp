@@ -406,7 +406,7 @@ private:
         if constexpr (features.springs_touch() && Group::rotation)
             if (contacts_.is_on()) add_contacts(e, stages, kicks);
         // The step is the unit of time of all constants: a change in a portion is a share with its square.
-        if (!e.is_whole) shrink(kicks, e.count(), e.length);
+        if (!e.is_whole) shrink(kicks, e.count(), e.length, e.turned);
     }
     template <class Kick>
     TUMBLE_INLINE static void clear(Kick& kick, [[maybe_unused]] bool turned) {
@@ -419,18 +419,18 @@ private:
                 kick.angular[i] = std::remove_reference_t<decltype(kick.angular[i])>{};
     }
     template <class Kick>
-    static void shrink(Kick* kicks, int count, Work length) {
+    static void shrink(Kick* kicks, int count, Work length, [[maybe_unused]] bool turned) {
         for (int k = 0; k < count; ++k) {
             if constexpr (requires { kicks[k].linear.x(); }) {
                 kicks[k].linear = scaled_by(kicks[k].linear, length * length);
                 if constexpr (requires { kicks[k].angular; })
-                    kicks[k].angular = scaled_by(kicks[k].angular, length * length);
+                    if (turned) kicks[k].angular = scaled_by(kicks[k].angular, length * length);
             } else {
                 const auto part = N::fraction(length);
                 for (int i = 0; i < 3; ++i) {
                     kicks[k].linear[i] = N::part(N::part(kicks[k].linear[i], part), part);
                     if constexpr (requires { kicks[k].angular; })
-                        kicks[k].angular[i] = N::part(N::part(kicks[k].angular[i], part), part);
+                        if (turned) kicks[k].angular[i] = N::part(N::part(kicks[k].angular[i], part), part);
                 }
             }
         }
