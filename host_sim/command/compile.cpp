@@ -150,29 +150,32 @@ std::string comment_of(const BodyDescription& body) { return "   // " + cpp_text
 std::string comment_of(const PlaneDescription& plane) { return "   // " + cpp_text(plane.name); }
 std::string comment_of(const auto&) { return ""; }
 
-// A std::array of specs, each with the name of its description in a comment.
-template <class Description, class Spec>
-std::string list_text(const char* type, const char* name, const std::vector<Description>& descriptions,
-                      const std::vector<Spec>& specs, std::string (*text)(const Description&, const Spec&)) {
+// A std::array of specs; item(i) is what follows the opening brace of spec i.
+template <class Spec, class Item>
+std::string array_text(const char* type, const char* name, const std::vector<Spec>& specs, Item&& item) {
     std::string list = "    static constexpr std::array<tumble::" + std::string(type) + ", " +
                        std::to_string(specs.size()) + "> " + name + "{";
     if (specs.empty()) return list + "};\n";
     list += "{\n";
-    for (std::size_t i = 0; i < specs.size(); ++i) {
-        list += "        {" + comment_of(descriptions[i]) + "\n" + text(descriptions[i], specs[i]) + "        },\n";
-    }
+    for (std::size_t i = 0; i < specs.size(); ++i) list += "        {" + item(i) + "        },\n";
     return list + "    }};\n";
 }
 
-// A std::array of specs that stand for keys of bodies; nothing where there are none.
+// The same with the name of each description in a comment.
+template <class Description, class Spec>
+std::string list_text(const char* type, const char* name, const std::vector<Description>& descriptions,
+                      const std::vector<Spec>& specs, std::string (*text)(const Description&, const Spec&)) {
+    return array_text(type, name, specs, [&](std::size_t i) {
+        return comment_of(descriptions[i]) + "\n" + text(descriptions[i], specs[i]);
+    });
+}
+
+// The same of specs that stand for keys of bodies; nothing where there are none.
 template <class Spec>
 std::string list_text(const char* type, const char* name, const std::vector<Spec>& specs,
                       std::string (*text)(const Spec&)) {
     if (specs.empty()) return "";
-    std::string list = "    static constexpr std::array<tumble::" + std::string(type) + ", " +
-                       std::to_string(specs.size()) + "> " + name + "{{\n";
-    for (const Spec& spec : specs) list += "        {\n" + text(spec) + "        },\n";
-    return list + "    }};\n";
+    return array_text(type, name, specs, [&](std::size_t i) { return "\n" + text(specs[i]); });
 }
 
 // What the loads have that a scene names by keys of bodies or by a table.

@@ -127,8 +127,8 @@ TEST(LoadsOfScenes, the_reference_has_every_load_of_the_kernel) {
     }
 }
 
-// Wheels, the gravity gradient and softened gravitation keep the energy that is told; a run of wind is not blamed for
-// what the wind adds.
+// Wheels, the gravity gradient and softened gravitation conserve the energy that the simulator reports. Wind adds
+// energy, and the verdict does not call that an error.
 TEST(LoadsOfScenes, energy_is_kept_where_only_wheels_gravity_gradient_and_softened_gravitation_act) {
     for (const std::string& text : {gyrostat, rod, pair_that_meets}) {
         const auto simulation = make_simulation(read_scene_text(text, "scene.toml"), "suzuki4", "f64");
