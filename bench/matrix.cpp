@@ -32,7 +32,7 @@ struct Options {
     fs::path scene, results = "build/results/run.jsonl";
     std::optional<fs::path> front;  // rows of a free body's step; none: all jobs are measured and shown
     std::vector<std::string> cores, methods, numbers, levels{"-O2"};
-    bool accuracy = false, all = false;
+    bool accuracy = false, all = false, separate = false;
     double tolerance = 0;
 
     // All of them, with the defaults filled in; none where the command line ends the program with `status`.
@@ -69,6 +69,9 @@ std::optional<Options> Options::parse(int argc, char** argv, int& status) {
         ->delimiter(',')
         ->capture_default_str();
     app.add_flag("--all", o.all, "Every number system and method, and every core where --cores names none");
+    app.add_flag("--separate", o.separate,
+                 "Compile each method by itself, as a firmware has it, which takes three times as long; methods that "
+                 "are compiled together share functions, which makes steps with loads dearer");
     app.add_option("--results", o.results, "Where the rows go, as JSON lines")->capture_default_str();
     app.add_flag("--accuracy", o.accuracy,
                  "Add errors against the long-double reference, up to the scene's first contact");
@@ -197,7 +200,7 @@ void measure(std::vector<Job>& jobs, const Options& options, const SceneDescript
             }
         firmware[b].emplace(work / (level == "-O2" ? core : core + level), core,
                             tumble::host::struct_name(options.scene.string()), header, methods,
-                            StepFirmware::Lines::none, level);
+                            StepFirmware::Compilation{.level = level, .is_separate = options.separate});
         if (!programs.empty()) firmware[b]->build(programs);
         progress.step("built for " + core);
     });

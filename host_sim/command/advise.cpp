@@ -55,7 +55,7 @@ public:
     Ranking(const AdviseOptions& options, const Advice& advice, const SampledScene& scene)
         : options_(options), advice_(advice), scene_(scene), struct_(struct_name(scene.with_step(0).path)),
           build_(std::filesystem::path(TUMBLE_SOURCE_DIR) / "build/advise" / options.core / struct_),
-          scenes_(made(build_ / "scenes")), lock_(build_), firmware_(build_, options.core, struct_, scenes_) {}
+          scenes_(made(build_ / "scenes")), lock_(build_), firmware_(build_, options.core, struct_, scenes_, {}, {}) {}
 
     void fill_in(std::vector<Candidate>& candidates) {
         std::vector<Candidate*> queue, with_useless_carry;

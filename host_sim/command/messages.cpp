@@ -66,10 +66,8 @@ std::string strong_loads(const SceneDescription& scene) {
     };
     if (has(&SpringDescription::stiffness)) loads.emplace_back("a spring");
     if (has(&SpringDescription::damping)) loads.emplace_back("a damper");
-    const auto has_drag = [](const BodyDescription& b) { return b.linear_drag > 0 || b.quadratic_drag > 0; };
-    if (scene.linear_drag > 0 || scene.angular_drag > 0 ||
-        std::any_of(scene.bodies.begin(), scene.bodies.end(), has_drag))
-        loads.emplace_back("drag");
+    // The kernel does not judge the drag of a body alone.
+    if (scene.linear_drag > 0 || scene.angular_drag > 0) loads.emplace_back("drag");
     if (scene.gravitation > 0) loads.emplace_back("gravitation");
     std::string text;
     for (std::size_t i = 0; i < loads.size(); ++i)

@@ -153,7 +153,7 @@ int profile(const ProfileOptions& options) {
     write_if_changed(header, compiled_scene(scene, Choice{}));  // the firmware has its own method
     // Debug lines name the inlined functions; they do not change the code of a step.
     StepFirmware firmware(build, options.core, struct_name(scene.path), header, {options.integrator},
-                          StepFirmware::Lines::known);
+                          {.has_lines = true});
     const std::string name = StepFirmware::name_of(variant, options.integrator);
     firmware.build({name});
     const fs::path places = build / "places", branches_file = build / "branches", elf = build / (name + ".elf");

@@ -294,13 +294,14 @@ std::string StepFirmware::name_of(const NumberVariant& variant, const std::strin
 }
 
 StepFirmware::StepFirmware(fs::path build, std::string core, const std::string& scene, const fs::path& scenes,
-                           const std::vector<std::string>& integrators, Lines lines, const std::string& optimize)
+                           const std::vector<std::string>& integrators, const Compilation& compilation)
     : build_(std::move(build)), core_(std::move(core)) {
     std::string methods;
     for (const std::string& integrator : integrators) methods += (methods.empty() ? "" : "|") + method_of(integrator);
     configure("step", build_, core_,
-              {"-DTUMBLE_SCENE=" + scene, "-DTUMBLE_METHODS=" + methods, "-DTUMBLE_OPTIMIZE=" + optimize,
-               std::string("-DTUMBLE_LINES=") + (lines == Lines::known ? "ON" : "OFF"),
+              {"-DTUMBLE_SCENE=" + scene, "-DTUMBLE_METHODS=" + methods, "-DTUMBLE_OPTIMIZE=" + compilation.level,
+               std::string("-DTUMBLE_LINES=") + (compilation.has_lines ? "ON" : "OFF"),
+               std::string("-DTUMBLE_SEPARATE=") + (compilation.is_separate ? "ON" : "OFF"),
                (fs::is_directory(scenes) ? "-DTUMBLE_SCENE_DIR=" : "-DTUMBLE_SCENE_HEADER=") + scenes.string()});
 }
 

@@ -91,14 +91,20 @@ public:
     // A program's name: "q32-Rk4".
     [[nodiscard]] static std::string name_of(const NumberVariant& variant, const std::string& integrator);
 
-    enum class Lines { none, known };  // debug information, which does not change the code of a step
+    // How its programs are compiled.
+    struct Compilation {
+        std::string level = "-O2";
+        bool has_lines = false;    // debug information, which does not change the code of a step
+        bool is_separate = false;  // each method by itself, as a firmware has it. Methods that are compiled together
+                                   // share functions, which can make their steps dearer
+    };
 
     // Configures the build directory. `scenes` is one header for all programs, or a directory that has a header for
     // each program, named after it. `scene` is the name of the struct in the headers. Programs are made of the
-    // integrators that are given, or of all where none is. `optimize` is the compiler's level.
+    // integrators that are given, or of all where none is.
     StepFirmware(std::filesystem::path build, std::string core, const std::string& scene,
-                 const std::filesystem::path& scenes, const std::vector<std::string>& integrators = {},
-                 Lines lines = Lines::none, const std::string& optimize = "-O2");
+                 const std::filesystem::path& scenes, const std::vector<std::string>& integrators,
+                 const Compilation& compilation);
 
     // Builds programs on all processors. All programs of a number system that replay one scene take about 20 s; a
     // program that has a scene of its own takes 4 s. run() reports programs that could not be built.

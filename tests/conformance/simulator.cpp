@@ -1,8 +1,8 @@
 // What the host simulator makes of every shipped scene with every integrator and the number systems it runs in: the
 // lines that conformance.hpp prints, and behind them steps and hash once more, after TUMBLE_FIRST_STEPS. Arguments: the
 // names of the number systems and those of the integrators, each joined by commas or `all`, and the scene files;
-// --first before them: the first steps alone; or --contacts and those of the contact scenes, of which the first steps
-// are replayed with the default integrator in three systems, and there is one hash.
+// --first before them: the first steps alone; or --contacts, names of number systems without ranges, and those of the
+// contact scenes, of which the first steps are replayed with the default integrator, and there is one hash.
 #include <algorithm>
 #include <cstdio>
 #include <exception>
@@ -32,9 +32,9 @@ int main(int count, char** arguments) try {
     tell_lost_output();
     const std::string_view option = count > 1 ? arguments[1] : "";
     const bool contacts = option == "--contacts", first_alone = option == "--first";
-    const int first_name = first_alone ? 2 : 1, first_scene = contacts ? 2 : first_name + 2;
+    const int first_name = first_alone || contacts ? 2 : 1, first_scene = first_name + (contacts ? 1 : 2);
     if (count < first_scene) throw std::runtime_error("expected --contacts, or number systems and integrators");
-    const std::string_view systems = contacts ? "q32,f32,f64" : arguments[first_name];
+    const std::string_view systems = arguments[first_name];
     const std::string_view methods = contacts ? "verlet" : arguments[first_name + 1];
     std::vector<SceneDescription> scenes;
     for (int i = first_scene; i < count; ++i) scenes.push_back(read_scene(arguments[i]));

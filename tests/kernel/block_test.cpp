@@ -69,19 +69,23 @@ TEST(Blocks, of_sums_round_to_nearest_with_ties_upwards_at_every_size) {
     }
 }
 
+struct Rates {
+    Scaled of[3];
+    [[nodiscard]] Scaled per_half_turn(int i) const { return of[i]; }
+};
 TEST(Blocks, of_turns_times_rates_are_right_to_28_bits_of_the_largest) {
     Random random{3};
     const N::Scale scale = N::Scale::of(Real{1} / Real{256}, Real{1} / Real{256});
     for (int n = 0; n < 6000; ++n) {
         N::TurnSum turns[3];
-        Scaled rates[3];
+        Rates rates;
         long double expected[3], largest = 0;
         for (int i = 0; i < 3; ++i) {
             turns[i].raw = static_cast<std::int64_t>(std::ldexp(static_cast<long double>(random.uniform(-1, 1)), 62)) >>
                            random.between(0, 61);
-            rates[i] = Scaled{std::ldexp(1 + random.uniform(0, 1), random.between(0, 12))};
+            rates.of[i] = Scaled{std::ldexp(1 + random.uniform(0, 1), random.between(0, 12))};
             expected[i] = std::ldexp(static_cast<long double>(turns[i].raw), -(64 + scale.turn_shift)) *
-                          static_cast<long double>(static_cast<double>(rates[i]));
+                          static_cast<long double>(static_cast<double>(rates.of[i]));
             largest = std::max(largest, std::abs(expected[i]));
         }
         const Block block = Block::of_turns(turns, scale, rates);

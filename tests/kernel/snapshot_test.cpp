@@ -117,6 +117,44 @@ TYPED_TEST(Snapshots, of_a_free_body_in_a_minimal_world_go_on_with_the_same_bits
     this->expect_same(world, other, 100);
 }
 
+TEST(SnapshotBytes, know_the_last_softening) {
+    using N = Q32<NearRange>;
+    static constexpr Features soft{.bodies = 2, .gravitation = true, .softening = true, .snapshots = true};
+    World<SceneOf<N, integrators::Verlet, soft>> world{Seconds{1, 64}}, other{Seconds{1, 64}};
+    world.set_softening(Real{2});
+    world.set_softening(Real{0.5});
+    std::vector<std::uint8_t> bytes(static_cast<std::size_t>(world.snapshot_size()));
+    const int size = world.save(bytes.data(), static_cast<int>(bytes.size()));
+    EXPECT_EQ(other.restore(bytes.data(), size), SnapshotFault::other_scene);
+    other.set_softening(Real{0.5});
+    EXPECT_EQ(other.restore(bytes.data(), size), SnapshotFault::none);
+}
+
+// The kick that ends a step is solved, and begins the next one.
+TYPED_TEST(Snapshots, of_a_damped_body_go_on_with_the_same_bits) {
+    static constexpr Features hung{.springs = 1, .control = true, .snapshots = true};
+    const auto make = [] {
+        typename TestFixture::template WorldOf<hung> world{Seconds{1, 256}, {.gravity = {0, -9.81, 0}}};
+        BodySpec body = box(2, {1, 0.5, 0.25});
+        body.position = {0.25, -1, 0.125};
+        body.velocity = {1, 0, 0.5};
+        (void)world.add(body);
+        (void)world.add(SpringSpec{.body = 0, .stiffness = 300, .damping = 4, .rest_length = 1});
+        return world;
+    };
+    for (const int steps : {8, 11, 12, 13, 100}) {  // with wrenches, and after them
+        auto world = make(), other = make();
+        this->run(world, steps);
+        this->run(other, 33);
+        ASSERT_EQ(this->restored(other, this->saved(world)), SnapshotFault::none);
+        for (int i = 0; i < 40; ++i) {
+            this->run(world, 1);
+            this->run(other, 1);
+            ASSERT_EQ(world.hash(), other.hash()) << steps << " " << i;
+        }
+    }
+}
+
 TYPED_TEST(Snapshots, of_bodies_alone_restore_the_hash_in_worlds_with_other_features) {
     auto world = this->small();
     this->run(world, 100);

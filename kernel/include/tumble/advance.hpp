@@ -75,14 +75,13 @@ public:
         if constexpr (has_wrenches) to(self.wrenches);
         if constexpr (has_loads) Loads::archive(self.loads, to);
         if constexpr (Archive::reads) self.disturb();
+        if constexpr (keeps_kicks && Loads::may_depend_on_velocity)
+            for (int b = 0; b < self.bodies.count; ++b)
+                KeptKick<N, rotation>::archive(self.kept_.of_body[b], to, self.kept_.disturbances);
     }
     // Adds gravity to the digest of a scene.
     void add_to(detail::Digest& digest) const {
-        for (const DriftSum& fall : gravity_) {
-            detail::SnapshotWriter count{nullptr};
-            count(fall);
-            digest.add(count.check());
-        }
+        for (const DriftSum& fall : gravity_) digest.add_number(fall);
     }
     // Call after every change of what loads depend on, unless a step made it. It voids the kicks that were kept.
     TUMBLE_INLINE constexpr void disturb() {
@@ -177,14 +176,16 @@ public:
         if constexpr (has_loads) return loads.is_coupled(bodies, b);
         else return false;
     }
-    // The most halvings of a spin in a group in which loads act on a body with such a spin, else 0.
-    [[nodiscard]] int halvings_under_loads(const BodyGroup& group) const requires(has_loads&& Bodies::has_parts) {
+    // The most halvings of a spin in a group in which loads act at stages on a body with such a spin, else 0. `whole`:
+    // over a whole step.
+    [[nodiscard]] int halvings_under_loads(const BodyGroup& group, bool whole) const
+        requires(has_loads&& Bodies::has_parts) {
         int most = 0;
         bool loaded = false;
         for (int k = 0; k < group.count; ++k) {
             const int b = group.id[k];
             if (bodies.parts.halvings[b] == 0) continue;
-            loaded = loaded || is_loaded(b);
+            loaded = loaded || (is_loaded(b) && !(whole && is_dragged_alone(b)));
             if (bodies.parts.halvings[b] > most) most = bodies.parts.halvings[b];
         }
         return loaded ? most : 0;
@@ -254,11 +255,17 @@ private:
     TUMBLE_INLINE void lose_kick([[maybe_unused]] int b) {
         if constexpr (keeps_kicks && detail::OwnLoads<S>::List::count > 0) kept_.of_body[b].age = 0;
     }
+    // True of a body whose velocity a wrench changes between the kick that ends a step and the next one, if that
+    // matters.
+    [[nodiscard]] bool is_pushed_between_kicks([[maybe_unused]] int b, [[maybe_unused]] const auto& evaluate) const {
+        if constexpr (has_wrenches) return wrenches.act_on(b) && evaluate.depends_on_velocity();
+        else return false;
+    }
     // Moves bodies whose spins have halvings under loads; false of others.
     TUMBLE_INLINE bool moved_in_parts([[maybe_unused]] const BodyGroup& group, [[maybe_unused]] const StepInfo<N>& info,
                                       [[maybe_unused]] Work length) {
         if constexpr (has_loads && Bodies::has_parts) {
-            if (const int halvings = halvings_under_loads(group); halvings > 0) [[unlikely]] {
+            if (const int halvings = halvings_under_loads(group, length == Work(1)); halvings > 0) [[unlikely]] {
                 portion_in_parts(group, info, length, halvings);
                 return true;
             }
@@ -304,13 +311,18 @@ private:
     [[nodiscard]] static constexpr DriftSum whole(DriftSum f) { return fall_in_halves ? f + f : f; }
 
     static constexpr bool drags_in_closed_form = features.drag && Integrator::order >= 2;
+    // True of a body of which linear drag is the only load, and which moves by its closed form.
+    [[nodiscard]] TUMBLE_INLINE bool is_dragged_alone([[maybe_unused]] int b) const {
+        if constexpr (drags_in_closed_form) return loads.closed_form(b).exists && loads.is_only_dragged(bodies, b);
+        else return false;
+    }
 
     // Motion under a constant acceleration, exact for methods of order two and more, and under linear drag beside it.
     template <bool dragged = false>
     TUMBLE_INLINE void coast(int b, const DriftSum (&fall)[3]) {
         State& s = bodies.state[b];
         if constexpr (dragged) {
-            const auto& form = *loads.closed_form(bodies, b);
+            const auto& form = loads.closed_form(b);
             for (int i = 0; i < 3; ++i) {
                 const DriftSum kick = whole(fall[i]) - LoadNumbers<N>::share(N::sum(s.d_w[i]), form.share);
                 N::coast(s.x_w[i], s.d_w[i], N::part(kick, form.of_way), bodies.scale);
@@ -421,7 +433,7 @@ private:
              const Part&... part) requires has_loads {
         if (is_loaded(b)) {
             if constexpr (drags_in_closed_form && sizeof...(part) == 0)
-                if (length == Work(1) && loads.closed_form(bodies, b) != nullptr) {
+                if (length == Work(1) && is_dragged_alone(b)) {
                     lose_kick(b);
                     return unloaded<false, true>(b, info, fall);
                 }
@@ -499,7 +511,9 @@ private:
         if (features.bodies == 1 || !coupled) {
             auto evaluate = loads.template evaluation<true>(bodies, group, length, falls, turned);
             if constexpr (keeps_kicks) {
-                if (keeps) evaluate.kept = &kept_.of_body[group.id[0]];
+                if (keeps && !is_pushed_between_kicks(group.id[0], evaluate))
+                    evaluate.kept = &kept_.of_body[group.id[0]];
+                else kept_.of_body[group.id[0]].age = 0;
                 evaluate.age = kept_.disturbances;
             }
             staged<1>(group, evaluate, info);
@@ -555,10 +569,15 @@ private:
     };
     [[no_unique_address]] If<keeps_kicks, KeptKicks, 11> kept_{};
     DriftSum gravity_[3]{};  // change of drift a step, or half of it: see fall_in_halves
+
+public:
+    [[no_unique_address]] Bodies bodies;
+
+private:
+    // Behind the bodies, where it may fill the end of their last word.
     [[no_unique_address]] If<rotation, typename detail::RoomFor<Inertia, features.bodies>::Array, 1> inertia_{};
 
 public:
-    Bodies bodies;
     [[no_unique_address]] If<has_loads, Loads, 0> loads;
     [[no_unique_address]] If<has_wrenches, Wrenches<N, rotation, features.bodies>, 6> wrenches;
 };

@@ -68,7 +68,6 @@ public:
         TUMBLE_ASSERT(!length.is_negative());
         for (int b = 0; b < advance_.bodies.count; ++b) disturb(b);
         advance_.loads.set_softening(length);
-        if constexpr (features.snapshots) digest_.add(length);
     }
 
     // Adds a body at the first free place; false (and Issue::world_full) when there is no room. Mass and moments must
@@ -238,7 +237,8 @@ public:
         if constexpr (has_imu)
             for (int b = 0; b < advance_.bodies.count; ++b) remember(b);
         if constexpr (Advance::has_wrenches) advance_.wrenches.start_step(advance_.bodies);
-        const StepInfo<N> info{advance_.bodies.scale, Dither::of_step(advance_.bodies.steps_taken)};
+        const StepInfo<N> info{advance_.bodies.scale,
+                               N::fixed_point ? Dither::of_step(advance_.bodies.steps_taken) : Dither{}};
         if constexpr (has_contacts) {
             step_islands(info);
         } else if constexpr (has_loads) {
@@ -551,6 +551,7 @@ private:
     }
     [[nodiscard]] std::uint64_t scene_digest(SnapshotPart part) const requires(features.snapshots) {
         detail::Digest digest = digest_;
+        if constexpr (features.gravitation && features.softening) digest.add_number(advance_.loads.softening());
         if (part == SnapshotPart::bodies) return digest.value();
         digest.add(Integrator::name);
         Features::for_each([&](const char*, auto member) { digest.add(static_cast<int>(features.*member)); });
@@ -804,7 +805,7 @@ private:
                           [[maybe_unused]] Kick* kicks) requires has_loads {
         if constexpr (Advance::Bodies::has_parts) {
             auto& bodies = advance_.bodies;
-            const int most = advance_.halvings_under_loads(loaded);
+            const int most = advance_.halvings_under_loads(loaded, false);
             if (most == 0) [[likely]]
                 return false;
             typename N::DriftSum fall[3];

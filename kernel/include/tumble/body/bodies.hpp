@@ -69,45 +69,53 @@ struct SpinUnits;
 template <class N>
 struct SpinUnits<N, Spin::angular_velocity> {
     using Work = typename N::Work;
-    Work turn_per_impulse[3]{};  // h / 2 I_i, rad/(N m s)
 
     TUMBLE_COLD [[nodiscard]] static constexpr SpinUnits of(RealVec3 moments, Real step) {
         SpinUnits u;
-        for (int i = 0; i < 3; ++i) u.turn_per_impulse[i] = N::template constant<Work>(step / (moments[i] * Real{2}));
+        for (int i = 0; i < 3; ++i)
+            u.turn_per_impulse_.set(i, N::template constant<Work>(step / (moments[i] * Real{2})));
         return u;
     }
     [[nodiscard]] static constexpr Real turn_of(RealVec3, Real spin, int, Real step) {
         return spin * step * Real::scaled(1, -1);
     }
     static constexpr bool has_one_rate = true, has_one_factor = false;  // for all axes: rate(), per_impulse()
-    [[nodiscard]] Work per_impulse(int i) const { return turn_per_impulse[i]; }
+    [[nodiscard]] Work per_impulse(int i) const { return turn_per_impulse_[i]; }
     [[nodiscard]] Work rate(int, Work steps_per_second) const { return steps_per_second + steps_per_second; }
     // rate() with the step as the unit of time.
     [[nodiscard]] Work per_half_turn(int) const {
         static constexpr Work two = Work(2);
         return two;
     }
+
+private:
+    [[no_unique_address]] Stored<Work, 3> turn_per_impulse_{};  // h / 2 I_i, rad/(N m s)
 };
 
 template <class N>
 struct SpinUnits<N, Spin::angular_momentum> {
     using Work = typename N::Work;
-    Work turn_per_impulse{};  // h / 2 I_y
-    Work rate_ratio[3]{};     // 2 I_y / I_i
 
     TUMBLE_COLD [[nodiscard]] static constexpr SpinUnits of(RealVec3 moments, Real step) {
         SpinUnits u;
-        u.turn_per_impulse = N::template constant<Work>(step / (moments.y * Real{2}));
-        for (int i = 0; i < 3; ++i) u.rate_ratio[i] = N::template constant<Work>(Real{2} * moments.y / moments[i]);
+        for (int i = 0; i < 3; i += 2)
+            u.constants_.set(i, N::template constant<Work>(Real{2} * moments.y / moments[i]));
+        u.constants_.set(1, N::template constant<Work>(step / (moments.y * Real{2})));
         return u;
     }
     [[nodiscard]] static constexpr Real turn_of(RealVec3 moments, Real spin, int i, Real step) {
         return spin * moments[i] / moments.y * step * Real::scaled(1, -1);
     }
     static constexpr bool has_one_rate = false, has_one_factor = true;
-    [[nodiscard]] Work per_impulse(int) const { return turn_per_impulse; }
-    [[nodiscard]] Work rate(int i, Work steps_per_second) const { return rate_ratio[i] * steps_per_second; }
-    [[nodiscard]] Work per_half_turn(int i) const { return rate_ratio[i]; }
+    [[nodiscard]] Work per_impulse(int) const { return constants_[1]; }
+    [[nodiscard]] Work rate(int i, Work steps_per_second) const { return per_half_turn(i) * steps_per_second; }
+    [[nodiscard]] Work per_half_turn(int i) const {
+        static constexpr Work two = Work(2);
+        return i == 1 ? two : constants_[i];
+    }
+
+private:
+    [[no_unique_address]] Stored<Work, 3> constants_{};  // 2 I_y / I_x, h / 2 I_y in rad/(N m s), 2 I_y / I_z
 };
 
 // The largest half turn in a step, rad, that a spin of 1 rad/s can be.
@@ -118,12 +126,14 @@ struct SpinUnits<N, Spin::angular_momentum> {
 // The constants of a body.
 template <class N, Spin spin, bool points>
 struct BodyConstants {
-    SpinUnits<N, spin> units{};            // units of the spin
-    typename N::Work drift_per_impulse{};  // h / m
-    typename N::Unit axes[4]{};            // w, x, y, z: principal axes to the user's body axes
-    AxisOrder order{};                     // the same, where it is an order of axes
-    bool fixed = true;                     // a place without a body counts as fixed
+    typename N::Unit axes[4]{};                        // w, x, y, z: principal axes to the user's body axes
+    [[no_unique_address]] SpinUnits<N, spin> units{};  // units of the spin
+    AxisOrder order{};                                 // `axes`, where they are an order of axes
+    bool fixed = true;                                 // a place without a body counts as fixed
+    [[no_unique_address]] Stored<typename N::Work, 1> mass_units{};  // h / m
 
+    // Change of drift, m, by 1 N s.
+    [[nodiscard]] TUMBLE_INLINE constexpr typename N::Work drift_per_impulse() const { return mass_units[0]; }
     // The same, to compute with.
     [[nodiscard]] TUMBLE_INLINE Quat<typename N::Unit> principal() const {
         return {axes[0], {axes[1], axes[2], axes[3]}};
@@ -132,8 +142,11 @@ struct BodyConstants {
 // The constants of a point mass, in a world that has only point masses.
 template <class N>
 struct BodyConstants<N, Spin::none, false> {
-    typename N::Work drift_per_impulse{};  // h / m
-    bool fixed = true;                     // a place without a body counts as fixed
+    [[no_unique_address]] Stored<typename N::Work, 1> mass_units{};  // h / m
+    bool fixed = true;                                               // a place without a body counts as fixed
+
+    // Change of drift, m, by 1 N s.
+    [[nodiscard]] TUMBLE_INLINE constexpr typename N::Work drift_per_impulse() const { return mass_units[0]; }
 };
 // The constants of a body that may be a point mass.
 template <class N, Spin spin>
@@ -198,7 +211,7 @@ public:
         TUMBLE_ASSERT(has_positive_size(spec.shape));
         if (b == count) ++count;
         Constants& body = constants[b];
-        body.drift_per_impulse = N::template constant<Work>(step_length / spec.mass);
+        body.mass_units.set(0, N::template constant<Work>(step_length / spec.mass));
         State& s = state[b];
         for (int i = 0; i < 3; ++i) {
             assign(s.x_w[i], spec.position[i]);
@@ -253,7 +266,7 @@ public:
     }
 
     // h / m of a body, h in s.
-    [[nodiscard]] const Work& step_per_mass(int b) const { return constants[b].drift_per_impulse; }
+    [[nodiscard]] Work step_per_mass(int b) const { return constants[b].drift_per_impulse(); }
     // h / I about principal axis i.
     [[nodiscard]] Work step_per_moment(int b, int i) const requires(rotation) {
         return constants[b].units.per_impulse(i) * constants[b].units.rate(i, Work(1));

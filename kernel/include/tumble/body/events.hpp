@@ -96,7 +96,7 @@ template <class N, Spin spin, int capacity, bool points, class Constant>
                         detail::prepared(bodies, b, Frame::body, spec.point)};
     using L = LoadNumbers<N>;
     if (spec.frame == Frame::world)
-        L::add(force.change, force.force, L::factor(bodies.constants[b].drift_per_impulse), bodies.scale);
+        L::add(force.change, force.force, L::factor(bodies.constants[b].drift_per_impulse()), bodies.scale);
     return force;
 }
 

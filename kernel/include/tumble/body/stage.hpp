@@ -50,12 +50,25 @@ struct Kick<N, false> {
     typename N::DriftSum linear[3];
 };
 
-// The kick at the end of a body's last step, which is the kick at the start of its next one where no load depends on
-// the velocity and nothing but steps has happened. It saves an evaluation and changes no bit.
+// The kick at the end of a body's last step, which is the kick at the start of its next one where nothing but steps has
+// happened. It saves an evaluation.
 template <class N, bool rotation>
 struct KeptKick {
     Kick<N, rotation> kick{};
     std::uint32_t age = 0;  // the world's count of disturbances when it was kept; 0: none is kept
+
+    // Writes or reads it, in a world with this count of disturbances.
+    template <class Self, class Archive>
+    static void archive(Self& self, Archive& to, std::uint32_t disturbances) {
+        bool is_kept = self.age == disturbances;
+        to(is_kept);
+        if constexpr (Archive::reads) {
+            to(self.kick);
+            self.age = is_kept ? disturbances : 0;
+        } else {
+            to(is_kept ? self.kick : Kick<N, rotation>{});
+        }
+    }
 };
 
 // The same as a Kick in working numbers, m and rad. For a solver, whose trial values may lie far outside the range of a
@@ -72,10 +85,10 @@ struct WorkKick<N, false> {
 // Writes the body as it stands to a stage, in place.
 template <class N, Spin spin, bool rotation>
 TUMBLE_INLINE void take_stage(StageState<N, rotation>& s, const BodyState<N, spin>& body) {
-    for (int i = 0; i < 3; ++i) {
+    detail::for_axes<N>([&](int i) __attribute__((always_inline)) {
         s.x_w[i] = N::sum(body.x_w[i]);
         s.d_w[i] = N::sum(body.d_w[i]);
-    }
+    });
     if constexpr (rotation) {
         s.q_wb = body.q_wb.value();
         s.t_b = body.t_b.value();
@@ -90,11 +103,11 @@ template <class N, Spin spin>
 // Copies a stage, likewise.
 template <class N, bool rotation>
 TUMBLE_INLINE void copy_stage(StageState<N, rotation>& to, const StageState<N, rotation>& from) {
-    for (int i = 0; i < 3; ++i) {
+    detail::for_axes<N>([&](int i) __attribute__((always_inline)) {
         to.x_w[i] = from.x_w[i];
         to.d_w[i] = from.d_w[i];
-        if constexpr (rotation) detail::keep_apart();
-    }
+        if constexpr (rotation && N::fixed_point) detail::keep_apart();
+    });
     if constexpr (rotation) {
         to.q_wb = from.q_wb;
         to.t_b = from.t_b;

@@ -171,7 +171,7 @@ TUMBLE_INLINE void apply_push(Bodies& bodies, int b, const Push<N>& push, bool o
     resolve<N, angular>(
         bodies, b, push, nullptr,
         [&](const Block& p_w) __attribute__((always_inline)) {
-            p_w.each_drift(body.drift_per_impulse, bodies.scale, opposite, add(bodies.state[b].d_w));
+            p_w.each_drift(body.drift_per_impulse(), bodies.scale, opposite, add(bodies.state[b].d_w));
         },
         [&]([[maybe_unused]] const Block& p_b) __attribute__((always_inline)) {
             if constexpr (Bodies::rotation)

@@ -109,7 +109,7 @@ template <class N, class Bodies>
         spin = VectorBlock<N>::of_turns(t, unit);
         spin.multiply_by(units.per_half_turn(0));
     } else {
-        spin = VectorBlock<N>::of_turns(t, unit, units.rate_ratio);
+        spin = VectorBlock<N>::of_turns(t, unit, units);
     }
     spin.multiply_by(steps_per_second);
     return spin;

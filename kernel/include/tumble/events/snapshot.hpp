@@ -262,6 +262,12 @@ public:
     constexpr void add(const char* text) {
         for (; *text != 0; ++text) hash_.add(static_cast<std::uint32_t>(static_cast<unsigned char>(*text)));
     }
+    // A number of a world.
+    void add_number(const auto& value) {
+        SnapshotWriter words{nullptr};
+        words(value);
+        add(words.check());
+    }
     [[nodiscard]] constexpr std::uint64_t value() const { return hash_.value(); }
 
 private:

@@ -52,7 +52,8 @@ public:
         };
         const auto& constants = bodies.constants[b];
         if constexpr (!angular) {
-            value.times(seconds).each_drift(constants.drift_per_impulse, bodies.scale, false, set(body.steady.linear));
+            value.times(seconds).each_drift(constants.drift_per_impulse(), bodies.scale, false,
+                                            set(body.steady.linear));
         } else if constexpr (rotation) {
             bodies.in_principal_axes(b, value).times(seconds).each_turn(constants.units, bodies.scale, false,
                                                                         set(body.steady.angular));
@@ -153,7 +154,7 @@ private:
         detail::resolve<N, angular>(
             bodies, b, push, ahead,
             [&](const Block& p_w) {
-                p_w.each_drift(constants.drift_per_impulse, bodies.scale, false, add(kick.linear));
+                p_w.each_drift(constants.drift_per_impulse(), bodies.scale, false, add(kick.linear));
             },
             [&]([[maybe_unused]] const Block& p_b) {
                 if constexpr (rotation) p_b.each_turn(constants.units, bodies.scale, false, add(kick.angular));

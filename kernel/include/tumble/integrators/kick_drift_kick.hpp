@@ -2,12 +2,11 @@
 // half a kick. Order 2, reversible in time. RotationFlow is the rotation. Without loads only the drift and the rotation
 // run. Loads that depend on velocity (drag, damping) keep the symmetry: the first half kick is that of explicit Euler,
 // the second that of implicit Euler, its adjoint. It is solved in closed form where the evaluation can
-// (ends_in_closed_form(), at_end()), and else by fixed-point iteration. Loads that depend on position alone are
-// evaluated once a step: the next step starts with the kick of this one's end (kept_kick()).
+// (ends_in_closed_form(), at_end()), and else by fixed-point iteration. The kick that ends a step, once solved, is also
+// the one that begins the next (kept_kick()): it has the loads at the same place and velocity.
 //
 // Composed<RotationFlow, Parts> consists of several such steps, whose lengths are parts of a step that cancel the
-// leading errors. Loads that depend on position alone are evaluated once between two parts, because both kicks have the
-// same force.
+// leading errors. The kick that ends a part begins the next one likewise.
 #pragma once
 
 #include <tumble/integrators/method.hpp>
@@ -28,8 +27,9 @@ struct OnePart {
 inline constexpr int end_kick_iterations = 6;
 
 // The half kick that ends a part, for loads that depend on velocity: kick = the loads at the velocity after the kick.
+// Returns whether it is solved.
 template <class N, int capacity, class Group, class Evaluate, class HalfOf>
-void solve_end_kick(const Group& group, const typename Group::Stage (&state)[capacity], typename Group::Kick* kick,
+bool solve_end_kick(const Group& group, const typename Group::Stage (&state)[capacity], typename Group::Kick* kick,
                     Evaluate& evaluate, HalfOf&& half) {
     bool changes = true;
     for (int iteration = 0; iteration < end_kick_iterations && changes; ++iteration) {
@@ -56,6 +56,7 @@ void solve_end_kick(const Group& group, const typename Group::Stage (&state)[cap
                     changes = changes || (group.rotates(b) && !(before[b].angular[i] == kick[b].angular[i]));
             }
     }
+    return !changes;
 }
 
 // Half a kick, a drift and half a kick of each part, on the oscillator. The kick that ends a part has the velocity from
@@ -136,7 +137,9 @@ struct KickDriftKick : Stability<tumble::detail::KickDriftKickOnOscillator<Parts
         };
         const auto kick_bodies = [&](auto&& share) {
             for (int b = 0; b < group.count; ++b) {
-                for (int i = 0; i < 3; ++i) N::add(group.body[b]->d_w[i], share(kick[b].linear[i]));
+                tumble::detail::for_axes<N>([&](int i) __attribute__((always_inline)) {
+                    N::add(group.body[b]->d_w[i], share(kick[b].linear[i]));
+                });
                 if constexpr (Group::rotation)
                     for (int i = 0; i < 3 && group.rotates(b); ++i)
                         group.body[b]->t_b[i].add(share(kick[b].angular[i]));
@@ -144,15 +147,15 @@ struct KickDriftKick : Stability<tumble::detail::KickDriftKickOnOscillator<Parts
         };
         const bool velocity_matters = evaluate.depends_on_velocity();
         bool converged = true;
-        // Loads that depend on position alone have pulled like this at the end of the last step.
-        if (velocity_matters || !is_known) look();
         for (int part = 0; part < Parts::count; ++part) {
             const auto half = [&](auto sum) { return half_of_part<N>(sum, part); };
-            if (part > 0 && velocity_matters) look();
+            if (!is_known) look();
             kick_bodies(half);
             for (int b = 0; b < group.count; ++b) {
                 auto& body = *group.body[b];
-                for (int i = 0; i < 3; ++i) drift<N>(body.x_w[i], body.d_w[i], part, step.scale);
+                tumble::detail::for_axes<N>([&](int i) __attribute__((always_inline)) {
+                    drift<N>(body.x_w[i], body.d_w[i], part, step.scale);
+                });
                 if constexpr (Group::rotation) {
                     if (!group.rotates(b)) continue;
                     const Turned turned = turn_part<N>(body, *group.inertia[b], part, step);
@@ -165,14 +168,16 @@ struct KickDriftKick : Stability<tumble::detail::KickDriftKickOnOscillator<Parts
                     for (int b = 0; b < group.count; ++b) group.take(b, state[b]);
                     evaluate.at_end(state, kick);
                     kick_bodies(half);
+                    is_known = true;
                     continue;
                 }
             }
             look();
-            if (velocity_matters) tumble::detail::solve_end_kick<N, capacity>(group, state, kick, evaluate, half);
+            is_known =
+                !velocity_matters || tumble::detail::solve_end_kick<N, capacity>(group, state, kick, evaluate, half);
             kick_bodies(half);
         }
-        if constexpr (capacity == 1 && requires { evaluate.kept_kick(); }) evaluate.keep();
+        if constexpr (capacity == 1 && requires { evaluate.kept_kick(); }) evaluate.keep(is_known);
         return converged;
     }
 

@@ -232,12 +232,14 @@ struct RungeKutta : Stability<tumble::detail::RungeKuttaOnOscillator<table>> {
             constexpr int s = stage;
             for (int b = 0; b < group.count; ++b) {
                 auto& now = state[b];
-                for (int i = 0; i < 3 && s > 0; ++i) {
-                    const auto d = start[b].d_w[i];
-                    now.x_w[i] = N::displaced(
-                        start[b].x_w[i], with_kicks<s, true>(detail::times<table.node(s)>(d), kick, b, i), step.scale);
-                    if (velocity_matters) now.d_w[i] = with_kicks<s, false>(d, kick, b, i);
-                }
+                if constexpr (s > 0)
+                    detail::for_axes<N>([&](int i) __attribute__((always_inline)) {
+                        const auto d = start[b].d_w[i];
+                        now.x_w[i] =
+                            N::displaced(start[b].x_w[i],
+                                         with_kicks<s, true>(detail::times<table.node(s)>(d), kick, b, i), step.scale);
+                        if (velocity_matters) now.d_w[i] = with_kicks<s, false>(d, kick, b, i);
+                    });
                 if constexpr (Group::rotation)
                     if (group.rotates(b)) rotate_stage<s, N>(start[b], now, group, b, rotation[b], kick, step);
             }
@@ -246,7 +248,7 @@ struct RungeKutta : Stability<tumble::detail::RungeKuttaOnOscillator<table>> {
         for (int b = 0; b < group.count; ++b) {
             auto& body = *group.body[b];
             constexpr Rational share{1, table.denominator()};
-            for (int i = 0; i < 3; ++i) {
+            detail::for_axes<N>([&](int i) __attribute__((always_inline)) {
                 constexpr auto arrivals = table.arrivals();
                 constexpr Rational part{1, arrivals.denominator()};
                 typename N::DriftSum linear{}, travelled{};
@@ -258,7 +260,7 @@ struct RungeKutta : Stability<tumble::detail::RungeKuttaOnOscillator<table>> {
                 });
                 N::coast(body.x_w[i], body.d_w[i], detail::times<part>(travelled), step.scale);
                 N::add(body.d_w[i], detail::times<share>(linear));
-            }
+            });
             if constexpr (Group::rotation) {
                 if (!group.rotates(b)) continue;
                 detail::finish_rotation<table, N>(body, rotation[b], *group.inertia[b], step);

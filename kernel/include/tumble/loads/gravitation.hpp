@@ -22,6 +22,7 @@ public:
         : per_mass_{N::template constant<Work>(spec.gravitation * step * step)} {}
     // Softening, m; 0: none.
     void set_softening(Real length) requires(may_soften) { softening_.length = N::template constant<Work>(length); }
+    [[nodiscard]] Work softening() const requires(may_soften) { return softening_.length; }
     void set_body(int b, const BodySpec& spec, const auto&, const auto&) {
         pull_[b] = L::factor(per_mass_ * N::template constant<Work>(spec.mass));
     }
@@ -30,25 +31,24 @@ public:
 
     [[nodiscard]] bool acts_on(const auto& all, int) const { return per_mass_ > Work{} && all.count > 1; }
     [[nodiscard]] bool couples(const auto& all, int b) const {
-        for (int other = 0; per_mass_ > Work{} && other < all.count; ++other)
+        for (int other = 0; other < all.count; ++other)
             if (other != b && !all.constants[other].fixed && !L::is_zero(pull_[other])) return true;
         return false;
     }
     template <class F>
     void for_each_coupled(const auto& all, int b, F&& f) const {
-        for (int other = 0; per_mass_ > Work{} && other < all.count; ++other)
+        for (int other = 0; other < all.count; ++other)
             if (other != b && !L::is_zero(pull_[other])) f(other);
     }
     template <class Group>
     TUMBLE_INLINE void apply_to(const Group& group) const {
-        if (!(per_mass_ > Work{})) return;
         const int count = group.bodies.count;
         for (int k = 0; k < group.count; ++k) {
             const int a = group.id[k];
             for (int b = 0; b < count; ++b) {
                 const int other = Group::alone ? -1 : group.place_of(b);
                 if (b == a || (b < a && other >= 0)) continue;  // a pair of the group once
-                if (L::is_zero(pull_[b])) continue;             // the place of a removed body
+                if (L::is_zero(pull_[b])) continue;             // no gravitation, or the place of a removed body
                 if (!apply(group, k, a, other, b)) group.bodies.report(Issue::step_too_long, a);
             }
         }

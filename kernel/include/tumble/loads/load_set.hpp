@@ -103,6 +103,8 @@ public:
     using OwnLoads = detail::ListedLoads<detail::WithListed<N, features, Own>>;
     // Those of the program, which may begin and end to act in any step. The kernel's change by change_load() alone.
     using ProgramLoads = detail::ListedLoads<Own>;
+    static constexpr bool may_depend_on_velocity = features.drag || features.springs > 0 ||
+                                                   features.springs_touch() || OwnLoads::may_depend_on_velocity;
     // Contacts by springs, which wake no body and have their own sum.
     template <class Load>
     static constexpr bool is_contacts = std::is_same_v<Load, ContactSprings<N, spin, features>>;
@@ -155,6 +157,9 @@ public:
     void set_softening(Real length) requires(features.gravitation&& features.softening) {
         gravitation_.set_softening(length);
     }
+    [[nodiscard]] Work softening() const requires(features.gravitation&& features.softening) {
+        return gravitation_.softening();
+    }
     // False when there is no room.
     bool add(const PlaneSpec& spec, Bodies& bodies) requires(features.springs_touch()) {
         return contacts_.add(spec, bodies);
@@ -197,14 +202,14 @@ public:
     [[nodiscard]] bool is_loaded([[maybe_unused]] const Bodies& bodies, [[maybe_unused]] int b) const {
         return any(*this, [&](const auto& load) { return load.acts_on(bodies, b); });
     }
-    // The closed form of a body on which linear drag is the only load, or null.
-    [[nodiscard]] auto* closed_form(const Bodies& bodies, int b) const requires(features.drag) {
-        const auto* form = &drag_.closed_form(b);
-        const bool has_others = any(*this, [&](const auto& load) {
+    // The motion of a body under linear drag, where there is a closed form.
+    [[nodiscard]] const auto& closed_form(int b) const requires(features.drag) { return drag_.closed_form(b); }
+    // True of a body on which no other load acts than linear drag.
+    [[nodiscard]] bool is_only_dragged(const Bodies& bodies, int b) const requires(features.drag) {
+        return !any(*this, [&](const auto& load) {
             if constexpr (requires { load.closed_form(b); }) return load.turns(bodies, b);
             else return load.acts_on(bodies, b);
         });
-        return form->exists && !has_others ? form : nullptr;
     }
     // True of a body that feels another moving body.
     [[nodiscard]] bool is_coupled([[maybe_unused]] const Bodies& bodies, [[maybe_unused]] int b) const {
@@ -258,8 +263,7 @@ public:
     // The loads of one group of bodies, as the methods call them. `alone`: of a body that loads do not couple.
     template <bool alone>
     struct Evaluate {
-        static constexpr bool may_depend_on_velocity = features.drag || features.springs > 0 ||
-                                                       features.springs_touch() || OwnLoads::may_depend_on_velocity;
+        static constexpr bool may_depend_on_velocity = LoadSet::may_depend_on_velocity;
 
         Bodies& bodies;
         const LoadSet& loads;
@@ -270,7 +274,7 @@ public:
         const std::int16_t* place;              // in the group, of each body of the world; null of a body alone
         bool is_whole;                          // the portion is a whole step
         typename L::Factor per_length;          // portions in a step
-        KeptKick<N, rotation>* kept = nullptr;  // of a body alone; null where none is kept
+        KeptKick<N, rotation>* kept = nullptr;  // of a body alone; null where none may be kept
         std::uint32_t age = 0;                  // the world's count of disturbances
 
         [[nodiscard]] TUMBLE_INLINE int count() const { return alone ? 1 : group.count; }
@@ -300,12 +304,12 @@ public:
             loads.sum_up(*this, stages, kicks, ends_with_half_of);
             bool within = true;
             for (int k = 0; k < count(); ++k) {
-                for (int i = 0; i < 3; ++i) {
+                detail::for_axes<N>([&](int i) __attribute__((always_inline)) {
                     kicks[k].linear[i] = L::settled(kicks[k].linear[i], fall[i], within);
                     if constexpr (rotates)
                         if (turned)
                             kicks[k].angular[i] = L::settled(kicks[k].angular[i], typename N::TurnSum{}, within);
-                }
+                });
                 if (within) [[likely]]
                     continue;
                 bodies.report(Issue::range_left, group.id[k]);
@@ -323,14 +327,12 @@ public:
         [[nodiscard]] bool keeps() const requires(alone) { return kept != nullptr; }
         [[nodiscard]] auto* kept_kick() const requires(alone) { return &kept->kick; }
         [[nodiscard]] bool is_known() const requires(alone) { return kept->age == age; }
-        void keep() const requires(alone) {
+        // `solved`: it is the loads at the body's place and velocity after the step.
+        void keep(bool solved) const requires(alone) {
             if (kept == nullptr) return;
-            kept->age = age;
-            // A load of the program may turn the body from the next step on, or no longer depend on its velocity.
-            if constexpr (ProgramLoads::may_turn)
-                if (!turned) kept->age = 0;
-            if constexpr (ProgramLoads::may_depend_on_velocity)
-                if (depends_on_velocity()) kept->age = 0;
+            // A load of the program may turn the body from the next step on.
+            const bool stays = solved && (turned || !ProgramLoads::may_turn);
+            kept->age = stays ? age : 0;
         }
         [[nodiscard]] bool depends_on_velocity() const {
             return any(loads, [](const auto& load) { return needs_velocity(load); });
@@ -410,10 +412,10 @@ private:
     }
     template <class Kick>
     TUMBLE_INLINE static void clear(Kick& kick, [[maybe_unused]] bool turned) {
-        for (int i = 0; i < 3; ++i) {
+        detail::for_axes<N>([&](int i) __attribute__((always_inline)) {
             kick.linear[i] = std::remove_reference_t<decltype(kick.linear[i])>{};
-            detail::keep_apart();
-        }
+            if constexpr (N::fixed_point) detail::keep_apart();
+        });
         if constexpr (requires { kick.angular; })
             for (int i = 0; i < 3 && turned; ++i)
                 kick.angular[i] = std::remove_reference_t<decltype(kick.angular[i])>{};
@@ -461,7 +463,7 @@ private:
         contacts_.apply_to(e.group, loaded, e.bodies, find, other_end);
         for (int k = 0; k < e.group.count; ++k) {
             const auto& body = e.bodies.constants[e.group.id[k]];
-            const Work linear = body.drift_per_impulse * seconds_;
+            const Work linear = body.drift_per_impulse() * seconds_;
             for (int i = 0; i < 3; ++i) L::add(kicks[k].linear, i, loaded[k].force_w[i] * linear, e.bodies.scale);
             for (int i = 0; i < 3 && loaded[k].rotates(); ++i)
                 L::add(kicks[k].angular, i, loaded[k].torque_b[i] * (body.units.per_impulse(i) * seconds_),

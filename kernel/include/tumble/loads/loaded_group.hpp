@@ -4,14 +4,13 @@
 // A load is a struct, of the kernel or of a program. Its functions, all const but set_body:
 //   acts_on(bodies, b)                 true of a body that feels it in this step
 //   turns(bodies, b)                   only where it changes or asks for an orientation or a spin: true of such a body
-//   apply_to(group)                    pushes and turns the bodies of a LoadedGroup. On some of them only other loads
-//   may
-//                                      act. Where Group::rotation is false, nothing turns and there is no orientation
+//   apply_to(group)                    pushes and turns the bodies of a LoadedGroup, also those on which only other
+//                                      loads act. Where Group::rotation is false, there is no orientation, and nothing
+//                                      turns
 //   couples(bodies, b), for_each_coupled(bodies, b, f)   only where a body feels another that moves
 //   depends_on_velocity()              only where it may depend on a velocity or a spin
 //   set_body(b, spec, inertia, bodies) only where it keeps something of each body; called when a body is added, and
-//   with
-//                                      a fixed body when one is removed
+//                                      with a fixed body when one is removed
 //   each(load, archive)                only where snapshots hold values of it; static: archive(load.a, ...)
 // acts_on, turns and couples may change from step to step. The forces depend on the stage and on the load's own members
 // alone, which World::change_load() changes: methods keep the last forces of a step for the next one.
@@ -74,7 +73,7 @@ struct LoadedGroup : std::conditional_t<is_alone, GroupCount<1>, GroupCount<2>> 
         return whole ? coefficient : L::product(coefficient, per_length);
     }
     [[nodiscard]] TUMBLE_INLINE Factor step_per_mass(int k) const {
-        return L::factor(bodies.constants[id[k]].drift_per_impulse);
+        return L::factor(bodies.constants[id[k]].drift_per_impulse());
     }
     [[nodiscard]] TUMBLE_INLINE Factor half_turn_per_impulse(int k, int axis) const requires(rotation) {
         return L::factor(bodies.constants[id[k]].units.per_impulse(axis));

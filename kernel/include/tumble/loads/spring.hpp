@@ -18,7 +18,7 @@ struct Spring {
     Vector to{};                                 // m, principal axes of `to_body`; unused for a world point
     typename N::PositionSum anchor_w[3]{};       // the world point
     Work stiffness{}, damping{}, rest_length{};  // h k (N s/m), N s/m, m
-    Work damping_at_end{};                       // c / (1 + h c / 2m) with the mass of `body`
+    Work stiffness_at_end{}, damping_at_end{};   // h k and c, both / (1 + h c / 2m) with the mass of `body`
 };
 
 // StepBounds of a method in working numbers: constants, which a firmware need not convert.
@@ -67,10 +67,12 @@ public:
         spring.stiffness = N::template constant<Work>(spec.stiffness * all.step_length);
         spring.damping = N::template constant<Work>(spec.damping);
         spring.rest_length = N::template constant<Work>(spec.rest_length);
-        spring.damping_at_end = spring.damping;
+        spring.stiffness_at_end = spring.stiffness;
         if (spec.damping > Real{}) {
-            const Work share = spring.damping * all.constants[spec.body].drift_per_impulse;
-            spring.damping_at_end = spring.damping / (Work(1) + N::half_of(share));
+            const Work share = spring.damping * all.constants[spec.body].drift_per_impulse();
+            const Work divisor = Work(1) + N::half_of(share);
+            spring.stiffness_at_end = spring.stiffness / divisor;
+            spring.damping_at_end = spring.damping / divisor;
             is_damped_ = true;
         }
         return true;
@@ -197,11 +199,11 @@ private:
     TUMBLE_INLINE static void set_other_end(typename L::Place (&sums)[3], const auto& all, int b, const Vector& point_b,
                                             const Spring<N>& spring) {
         if (b >= 0) return set_place(sums, all, b, stage_of(all.state[b]), point_b);
-        for (int i = 0; i < 3; ++i) sums[i] = L::place(spring.anchor_w[i]);
+        detail::for_axes<N>([&](int i) { sums[i] = L::place(spring.anchor_w[i]); });
     }
     TUMBLE_INLINE static void set_place(typename L::Place (&sums)[3], const auto& all, int b, const auto& stage,
                                         const Vector& point_b) {
-        for (int i = 0; i < 3; ++i) sums[i] = L::place(stage.x_w[i]);
+        detail::for_axes<N>([&](int i) { sums[i] = L::place(stage.x_w[i]); });
         if constexpr (requires { stage.q_wb; }) {
             if (point_b.is_zero() || !all.rotates(b)) return;
             const Vector arm = L::rotated(stage.q_wb, point_b);
@@ -211,7 +213,7 @@ private:
     // Takes the place of a point of a body from sums. Below: the velocity of a point, added or taken.
     TUMBLE_INLINE static void take_place(typename L::Place (&sums)[3], const auto& all, int b, const auto& stage,
                                          const Vector& point_b) {
-        for (int i = 0; i < 3; ++i) sums[i] = sums[i] - L::place(stage.x_w[i]);
+        detail::for_axes<N>([&](int i) { sums[i] = sums[i] - L::place(stage.x_w[i]); });
         if constexpr (requires { stage.q_wb; }) {
             if (point_b.is_zero() || !all.rotates(b)) return;
             const Vector arm = L::rotated(stage.q_wb, point_b);
@@ -222,7 +224,7 @@ private:
     TUMBLE_INLINE static void add_rate(typename L::Span (&to)[3], const Group& group, int b, int k,
                                        const Vector& point_b) {
         const auto put = [&](int i, typename L::Span d) { to[i] = adds ? to[i] + d : to[i] - d; };
-        for (int i = 0; i < 3; ++i) put(i, L::span(group.velocity(k, i)));
+        detail::for_axes<N>([&](int i) { put(i, L::span(group.velocity(k, i))); });
         if constexpr (Group::rotation) {
             if (point_b.is_zero() || !group.bodies.rotates(b)) return;
             const Vector v = rate_of_point(group.bodies, b, group.stage[k], point_b);
@@ -259,7 +261,7 @@ private:
         else set_other_end(apart, all, other_body, other_point, spring);
         take_place(apart, all, group.id[own], group.stage[own], own_point);
         const Vector r = L::between(apart);
-        Factor strength = L::factor(spring.stiffness), u{};
+        Factor strength = L::factor(group.at_end() ? spring.stiffness_at_end : spring.stiffness), u{};
         const bool is_damped = spring.damping > Work{};
         if (spring.rest_length > Work{} || is_damped) {
             if (L::is_zero(r)) return;  // no direction: no force
@@ -268,14 +270,14 @@ private:
                 strength = L::product(strength, L::one_less(L::product(L::factor(spring.rest_length), u)));
         }
         if (is_damped) {
-            if (group.at_end()) group.push(own, r, strength);
             typename L::Span rate[3]{};
             if (other >= 0) add_rate<true>(rate, group, other_body, other, other_point);
             else if (other_body >= 0) add_rate_outside(rate, all, other_body, other_point);
             add_rate<false>(rate, group, group.id[own], own, own_point);
             const Factor along = L::product(L::product(L::dot(r, L::velocity(rate, all.scale)), u), u);
-            if (group.at_end()) return group.push(own, r, L::product(along, L::factor(spring.damping_at_end)));
-            strength = L::sum(strength, L::product(along, group.of_velocity(L::factor(spring.damping))));
+            const Factor damping =
+                group.at_end() ? L::factor(spring.damping_at_end) : group.of_velocity(L::factor(spring.damping));
+            strength = L::sum(strength, L::product(along, damping));
         }
         if (L::is_zero(strength)) return;
         group.push(own, r, strength, own_point);

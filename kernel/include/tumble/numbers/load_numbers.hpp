@@ -377,14 +377,11 @@ requires(!N::fixed_point) struct LoadNumbers<N> {
     [[nodiscard]] TUMBLE_INLINE static Vector cross(const Vector& a, const Vector& b) {
         return {tumble::cross<T>(a.v, b.v)};
     }
-    TUMBLE_INLINE static void add(T (&sum)[3], const Vector& v, T f, typename N::Scale) {
-        for (int i = 0; i < 3; ++i) sum[i] += v.v[i] * f;
-    }
-    TUMBLE_INLINE static void add(Vec3<T>& sum, const Vector& v, T f, typename N::Scale) {
-        for (int i = 0; i < 3; ++i) sum[i] += v.v[i] * f;
+    TUMBLE_INLINE static void add(auto& sum, const Vector& v, T f, typename N::Scale) {
+        detail::for_axes<N>([&](int i) { sum[i] += v.v[i] * f; });
     }
     TUMBLE_INLINE static void add(auto& sum, const T (&change)[3], typename N::Scale) {
-        for (int i = 0; i < 3; ++i) sum[i] += change[i];
+        detail::for_axes<N>([&](int i) { sum[i] += change[i]; });
     }
     TUMBLE_INLINE static void add(auto& sum, int i, T change, typename N::Scale) { sum[i] += change; }
     TUMBLE_INLINE static void add(T& sum, const Vector& v, int i, T f, typename N::Scale) { sum += v.v[i] * f; }

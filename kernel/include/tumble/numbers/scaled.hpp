@@ -180,6 +180,35 @@ private:
 
     std::int32_t mantissa_ = 0;  // 2^30 <= |mantissa| < 2^31, or zero with exponent 0
     std::int32_t exponent_ = 0;
+
+    template <class, int>
+    friend class Stored;
+};
+
+// Working numbers as a world stores them.
+template <class Work, int count>
+class Stored {
+public:
+    [[nodiscard]] TUMBLE_INLINE constexpr Work operator[](int i) const { return value_[i]; }
+    constexpr void set(int i, Work value) { value_[i] = value; }
+
+private:
+    Work value_[count]{};
+};
+// With exponents of 16 bits they take a quarter less. Misuse: a number beyond 2^32767.
+template <int count>
+class Stored<Scaled, count> {
+public:
+    [[nodiscard]] TUMBLE_INLINE constexpr Scaled operator[](int i) const { return Scaled{mantissa_[i], exponent_[i]}; }
+    constexpr void set(int i, Scaled value) {
+        mantissa_[i] = value.mantissa_;
+        exponent_[i] = static_cast<std::int16_t>(value.exponent_);
+        TUMBLE_ASSERT(exponent_[i] == value.exponent_);
+    }
+
+private:
+    std::int32_t mantissa_[count]{};
+    std::int16_t exponent_[count]{};
 };
 
 }  // namespace tumble

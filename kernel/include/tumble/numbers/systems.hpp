@@ -14,6 +14,23 @@
 
 namespace tumble {
 
+namespace detail {
+
+// Calls f(i) for the three axes: a loop in fixed point, and three calls in floating point, where an axis is a few
+// instructions.
+template <class N, class F>
+TUMBLE_INLINE constexpr void for_axes(F&& f) {
+    if constexpr (N::fixed_point) {
+        for (int i = 0; i < 3; ++i) f(i);
+    } else {
+        f(0);
+        f(1);
+        f(2);
+    }
+}
+
+}  // namespace detail
+
 // 64 m, 32 m/s, 32 rad/s.
 using NearRange = Range<64, 32, 32>;
 // 1024 m, 128 m/s, 64 rad/s: the default.

@@ -116,11 +116,12 @@ requires(N::fixed_point) struct VectorBlock<N> {
     [[nodiscard]] static constexpr VectorBlock of_turns(const typename N::TurnSum (&t)[3], typename N::Scale s) {
         return of_sums({t[0].raw, t[1].raw, t[2].raw}, -(64 + s.turn_shift));
     }
-    // Turns times the rate of each axis, rounded to 30 bits each before they share an exponent.
+    // Turns times the rate of each axis, units.per_half_turn(), rounded to 30 bits each before they share an exponent.
     [[nodiscard, gnu::pure]] static constexpr VectorBlock of_turns(const typename N::TurnSum (&t)[3],
-                                                                   typename N::Scale s, const Scaled (&rate)[3]) {
-        const Product x = Product::of(t[0].raw, rate[0]), y = Product::of(t[1].raw, rate[1]),
-                      z = Product::of(t[2].raw, rate[2]);
+                                                                   typename N::Scale s, const auto& units) {
+        const Product x = Product::of(t[0].raw, units.per_half_turn(0)),
+                      y = Product::of(t[1].raw, units.per_half_turn(1)),
+                      z = Product::of(t[2].raw, units.per_half_turn(2));
         int most = x.exponent > y.exponent ? x.exponent : y.exponent;
         if (z.exponent > most) most = z.exponent;
         const std::int32_t a = x.below(most), b = y.below(most), c = z.below(most);
@@ -442,8 +443,8 @@ requires(!N::fixed_point) struct VectorBlock<N> {
     }
     [[nodiscard]] static VectorBlock of_drifts(const T (&d)[3], typename N::Scale) { return {{d[0], d[1], d[2]}}; }
     [[nodiscard]] static VectorBlock of_turns(const T (&t)[3], typename N::Scale) { return {{t[0], t[1], t[2]}}; }
-    [[nodiscard]] static VectorBlock of_turns(const T (&t)[3], typename N::Scale, const T (&rate)[3]) {
-        return {{t[0] * rate[0], t[1] * rate[1], t[2] * rate[2]}};
+    [[nodiscard]] static VectorBlock of_turns(const T (&t)[3], typename N::Scale, const auto& units) {
+        return {{t[0] * units.per_half_turn(0), t[1] * units.per_half_turn(1), t[2] * units.per_half_turn(2)}};
     }
     [[nodiscard]] T drift(int i, T factor, typename N::Scale) const { return v[i] * factor; }
     [[nodiscard]] T turn(int i, T factor, typename N::Scale) const { return v[i] * factor; }
