@@ -156,9 +156,9 @@ tolerances: build/host/build.ninja
 
 ## sanitize: the host tests under the address and undefined-behaviour sanitizers
 # With clang++, which compiles them in half of the time that g++ takes. The quick set, of which the deep set has more of each
-# kind, without what builds projects of its own, without the sanitizers. The use of tolerances is not judged, because
-# kernel_tests has other number systems and methods there.
-UNSANITIZED := ^(kernel\.tolerances_are_used|a_project_|a_firmware_as_)
+# kind, without what builds projects of its own, without the sanitizers, and without a test of CPU time. The use of tolerances
+# is not judged, because kernel_tests has other number systems and methods there.
+UNSANITIZED := ^(kernel\.tolerances_are_used|a_project_|a_firmware_as_|VerdictOfRun\.a_check_that_is_ended)
 sanitize: deep-setup
 	@test -f build/sanitize/build.ninja || cmake --preset host-debug-sanitize > /dev/null
 	@cmake --build build/sanitize --target all quick

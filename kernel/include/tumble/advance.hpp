@@ -285,7 +285,7 @@ private:
             int most = halvings;
             for (int k = 0; k < group.count; ++k) {
                 const int b = group.id[k];
-                bodies.parts.halvings[b] = static_cast<std::int8_t>(bodies.parts.halvings[b] + halvings);
+                bodies.set_halvings(b, bodies.parts.halvings[b] + halvings);
                 (void)bodies.check_range(b);
                 if (bodies.parts.halvings[b] > most) most = bodies.parts.halvings[b];
             }

@@ -318,6 +318,12 @@ public:
         for (; parts.halvings[b] > 0 && N::is_slow(state[b].t_b, z_up); --parts.halvings[b]) N::twice(state[b].t_b);
         return parts.halvings[b] != before;
     }
+    // Sets the halvings of a spin that has the scale of so many. A step has no shorter parts than the range needs: a
+    // spin that asks for them leaves its range.
+    void set_halvings(int b, int halvings) requires(has_parts) {
+        for (; halvings > scale.most_halvings; --halvings) N::twice_or_beyond(state[b].t_b);
+        parts.halvings[b] = static_cast<std::int8_t>(halvings);
+    }
     constexpr void stop_spin(int b) requires(rotation) {
         state[b].t_b = {};
         if constexpr (has_parts) parts.halvings[b] = 0;

@@ -263,6 +263,15 @@ struct Q32 {
     static constexpr void twice(auto& turns) {
         for (int i = 0; i < 3; ++i) turns[i].add(turns[i].sum());
     }
+    // The same, but beyond the range where twice the spin is.
+    static constexpr void twice_or_beyond(auto& turns) {
+        for (int i = 0; i < 3; ++i) {
+            auto& turn = turns[i];
+            if (const std::int64_t raw = turn.sum().raw; raw >= -(std::int64_t{1} << 61) && raw < std::int64_t{1} << 61)
+                turn.add(turn.sum());
+            else leave_range(turn);
+        }
+    }
     // True if twice the spin, and that about z times 2^z_up, is below half of the range.
     [[nodiscard]] static constexpr bool is_slow(const auto& turns, int z_up) {
         const auto size = [](const auto& t) {
