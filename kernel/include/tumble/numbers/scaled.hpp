@@ -189,7 +189,9 @@ private:
 template <class Work, int count>
 class Stored {
 public:
+    // Number i.
     [[nodiscard]] TUMBLE_INLINE constexpr Work operator[](int i) const { return value_[i]; }
+    // Sets number i.
     constexpr void set(int i, Work value) { value_[i] = value; }
 
 private:
@@ -199,7 +201,9 @@ private:
 template <int count>
 class Stored<Scaled, count> {
 public:
+    // Number i.
     [[nodiscard]] TUMBLE_INLINE constexpr Scaled operator[](int i) const { return Scaled{mantissa_[i], exponent_[i]}; }
+    // Sets number i.
     constexpr void set(int i, Scaled value) {
         mantissa_[i] = value.mantissa_;
         exponent_[i] = static_cast<std::int16_t>(value.exponent_);
