@@ -128,6 +128,13 @@ TEST(SnapshotBytes, know_the_last_softening) {
     EXPECT_EQ(other.restore(bytes.data(), size), SnapshotFault::other_scene);
     other.set_softening(Real{0.5});
     EXPECT_EQ(other.restore(bytes.data(), size), SnapshotFault::none);
+
+    static constexpr Features hard{.bodies = 2, .gravitation = true, .snapshots = true};
+    World<SceneOf<N, integrators::Verlet, hard>> without{Seconds{1, 64}};
+    World<SceneOf<N, integrators::Verlet, soft>> never_set{Seconds{1, 64}};
+    const int part = without.save(bytes.data(), static_cast<int>(bytes.size()), SnapshotPart::bodies);
+    ASSERT_GT(part, 0);
+    EXPECT_EQ(never_set.restore(bytes.data(), part), SnapshotFault::none);
 }
 
 // The kick that ends a step is solved, and begins the next one.

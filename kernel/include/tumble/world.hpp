@@ -336,7 +336,8 @@ public:
     }
     // Writes a snapshot, which restore() takes on any machine; returns its size, or 0 where there is no room for it.
     // The arrays of set_impulses(), set_forces() and set_script(), the recording, and the values of the scene's own
-    // loads are not in it.
+    // loads are not in it. Set forces before restore(): after it they drop the kick that the last step has left, and
+    // the next step differs in its last bits where springs or drag act.
     [[nodiscard]] int save(std::uint8_t* to, int room, SnapshotPart part = SnapshotPart::world) const
         requires(features.snapshots) {
         const int size = snapshot_size(part);
@@ -551,7 +552,8 @@ private:
     }
     [[nodiscard]] std::uint64_t scene_digest(SnapshotPart part) const requires(features.snapshots) {
         detail::Digest digest = digest_;
-        if constexpr (features.gravitation && features.softening) digest.add_number(advance_.loads.softening());
+        if constexpr (features.gravitation && features.softening)
+            if (advance_.loads.softening() > Work(0)) digest.add_number(advance_.loads.softening());
         if (part == SnapshotPart::bodies) return digest.value();
         digest.add(Integrator::name);
         Features::for_each([&](const char*, auto member) { digest.add(static_cast<int>(features.*member)); });
