@@ -66,7 +66,7 @@ std::string strong_loads(const SceneDescription& scene) {
     };
     if (has(&SpringDescription::stiffness)) loads.emplace_back("a spring");
     if (has(&SpringDescription::damping)) loads.emplace_back("a damper");
-    // The kernel does not judge the drag of a body alone.
+    // The kernel does not judge a body's own drag.
     if (scene.linear_drag > 0 || scene.angular_drag > 0) loads.emplace_back("drag");
     if (scene.gravitation > 0) loads.emplace_back("gravitation");
     std::string text;

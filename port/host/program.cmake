@@ -1,6 +1,6 @@
 # tumble_add_firmware() and tumble_add_firmware_objects() for a build without a cross compiler: the same programs for the
 # workstation, with the host's port. OPTIONS are for a core's compiler and are ignored. GCC does not always see that a loop
-# over axes or stages sets them all.
+# over axes or stages sets them all; its warning of that ends no build.
 include_guard(GLOBAL)
 if(NOT TARGET tumble::tumble)
     add_subdirectory(${CMAKE_CURRENT_LIST_DIR}/../../kernel kernel)

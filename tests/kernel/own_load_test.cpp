@@ -198,6 +198,7 @@ struct Flicker {
         }
     }
 };
+
 // A kick that was kept before the load paused is not that of the place where it acts again.
 template <class W, What what>
 void expect_the_motion_without_kept_kicks(double tolerance) {
