@@ -123,17 +123,16 @@ Table resolution_table() {
 }
 
 Table bounds_table() {
-    using Step = IslandStep<Boxes::Numbers, Boxes::Integrator::spin, Boxes::features>;
     struct Bound {
         const char *name, *what;
         int most;
     };
     const Bound bounds[]{
-        {"IslandStep::max_impacts", "impacts of an island's step that are resolved at their own time",
-         Step::max_impacts},
-        {"IslandStep::max_resteps", "flights redone to find one impact", Step::max_resteps},
-        {"IslandStep::max_crossings", "pairs examined because they may have passed through each other",
-         Step::max_crossings},
+        {"contact::max_impacts", "impacts of an island's step that are resolved at their own time",
+         contact::max_impacts},
+        {"contact::max_resteps", "flights redone to find one impact", contact::max_resteps},
+        {"contact::max_crossings", "pairs examined because they may have passed through each other",
+         contact::max_crossings},
         {"contact::max_points", "contact points of a pair", contact::max_points},
         {"contact::max_sweeps", "sweeps over the resting points", contact::max_sweeps},
         {"contact::max_impact_sweeps", "sweeps over the points of an impact", contact::max_impact_sweeps},

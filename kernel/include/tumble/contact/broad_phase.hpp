@@ -69,7 +69,7 @@ public:
     [[gnu::noinline]] void look_around(Bodies& bodies, int b, IsLoaded&& is_loaded, IsStill&& is_still, Wake&& wake) {
         const std::uint32_t now = bodies.steps_taken;
         if (response_ != ContactResponse::impulse || shape_[b].is(ShapeKind::none)) {
-            foreseen_until_[b] = now + longest_look;
+            foreseen_until_[b] = now + contact::longest_look;
             return;
         }
         const bool was_near = is_near(b);
@@ -78,12 +78,12 @@ public:
         for (int other = 0; was_near && other < bodies.count; ++other)
             loaded = loaded || (is_near(other) && is_loaded(other));
         if (!was_near) touching_[b] = 0;
-        int until = longest_look;
+        int until = contact::longest_look;
         // Examines a pair if it is due: near() adds it to the list, apart() removes it.
         const auto meet = [&](int slot, auto&& clear_steps, auto&& near, auto&& apart) {
             int steps =
                 static_cast<std::int16_t>(static_cast<std::uint16_t>(due_[slot] - static_cast<std::uint16_t>(now)));
-            if (steps <= 0 || steps > longest_look) {
+            if (steps <= 0 || steps > contact::longest_look) {
                 steps = clear_steps();
                 if (steps == 0) steps = near();
                 else apart();
@@ -96,7 +96,7 @@ public:
                 plane_slot(b, p), [&] { return steps_to_plane(bodies, b, p, loaded); },
                 [&] {
                     (void)pair_of(bodies, b, -1 - p);
-                    return near_look;
+                    return contact::near_look;
                 },
                 [&] { forget(b, -1 - p); });
         }
@@ -112,7 +112,7 @@ public:
                     [&] { return steps_to_body(bodies, b, other, loaded || (!still && is_loaded(other)), still); },
                     [&] {
                         Pair* pair = pair_of(bodies, first, second);
-                        if (pair == nullptr || !still || !other_moves) return near_look;
+                        if (pair == nullptr || !still || !other_moves) return contact::near_look;
                         place(bodies, b);
                         measure(bodies, *pair);
                         if (!(pair->gap > reach_in_step(bodies, b))) wake(other);
@@ -208,8 +208,6 @@ protected:
     CountTo<most_pairs_of_a_body * Pair::max_points> touching_[features.bodies]{};  // contact points in the last step
 
 private:
-    static constexpr int longest_look = 128;  // most steps between two examinations
-    static constexpr int near_look = 8;       // the same of a near pair
     static constexpr int slots =
         features.bodies * features.planes + (features.pairs ? features.bodies * (features.bodies - 1) / 2 : 0);
 
@@ -233,7 +231,9 @@ private:
     }
     // The most steps that a pair is foreseen. The bounds assume that loads at most double a speed within a step. A body
     // near something may be pushed.
-    [[nodiscard]] static int foresight(bool loaded, bool near) { return loaded ? 1 : near ? near_look : longest_look; }
+    [[nodiscard]] static int foresight(bool loaded, bool near) {
+        return loaded ? 1 : near ? contact::near_look : contact::longest_look;
+    }
     [[nodiscard]] int steps_to_plane(const Bodies& bodies, int b, int p, bool loaded) const {
         const Plane<N>& plane = plane_[p];
         const Vec3<Length> d = drift(bodies, b);

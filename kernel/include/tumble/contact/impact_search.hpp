@@ -12,7 +12,7 @@ class ImpactSearch : public BroadPhase<N, spin, features> {
 
 public:
     using typename Base::Bodies;
-    using typename Base::C;
+    using typename Base::Bounds;
     using typename Base::Length;
     using typename Base::Pair;
     using typename Base::Work;
@@ -98,9 +98,9 @@ public:
         const Work gap = scale().metres(pair.gap);
         return gap / (gap - scale().metres(left));
     }
-    // The gap is at most tolerance / 256.
+    // The bodies are as close as conservative advancement brings them.
     [[nodiscard]] bool is_close(const Crossing& crossing) const {
-        return !(crossing.pair->gap > C::sixteenth(C::sixteenth(tolerance_)));
+        return !(crossing.pair->gap > Bounds::crossing_gap(tolerance_));
     }
 
 protected:
@@ -136,7 +136,7 @@ private:
     }
     // Where the search for an impact ends.
     [[nodiscard]] Length level(const Pair& pair) const {
-        const Length half = C::half(tolerance_);
+        const Length half = Bounds::search_depth(tolerance_);
         if (pair.start_gap < Length{}) return pair.start_gap - half;
         return pair.touched ? -half : Length{};
     }

@@ -26,12 +26,8 @@ public:
     using Island = typename Contacts::Island;
     using BodyGroup = typename Contacts::BodyGroup;
     using Work = typename N::Work;
+    using Bounds = ContactBounds<N>;
     using State = typename Bodies::State;
-
-    // Bounds of one step.
-    static constexpr int max_impacts = 8;    // impacts that are resolved at their own time
-    static constexpr int max_crossings = 4;  // pairs that are examined because they may have passed through each other
-    static constexpr int max_resteps = 12;   // flights redone to find one impact, or for one such pair
 
     IslandStep(Bodies& bodies, Contacts& contacts, Islands<features.bodies>& islands,
                const Flyer<Work, features.bodies>& flyer)
@@ -66,7 +62,7 @@ public:
                 contacts_.find(bodies_, island);
                 break;
             }
-            const bool last = impact == max_impacts;
+            const bool last = impact == contact::max_impacts;
             Work landed = length;
             if (last) {
                 const bool far_below = deep && contacts_.is_far_too_deep(island);
@@ -80,7 +76,7 @@ public:
             // Always, however short the rest of the step is: an impact ends the bounds on the time to contact.
             look_again(island);
             span -= landed;
-            if (last || !(span > min_portion())) break;
+            if (last || !(span > Bounds::min_portion())) break;
         }
     }
 
@@ -161,27 +157,24 @@ private:
         flyer_.spins_changed(flyer_.world, group);
     }
 
-    // The shortest flight, as a part of a step.
-    [[nodiscard]] static constexpr Work min_portion() { return N::template constant<Work>(Real::scaled(1, -20)); }
-
     // Conservative advancement (Mirtich 1996) of pairs that may have passed through each other. The flight is redone up
     // to the moment when the separation along its first direction runs out. From there it is redone again, until the
     // bodies touch or have gone past each other. Returns the part of the step flown, which is less than the span where
     // a pair is stopped at its surface.
     Work stop_before_crossing(const Flight& flight) {
         Work end = flight.span;
-        for (int pair = 0; pair < max_crossings; ++pair) {
+        for (int pair = 0; pair < contact::max_crossings; ++pair) {
             auto crossing = contacts_.find_crossing(bodies_, flight.island);
             if (crossing.pair == nullptr) return end;
             Work from(0);
             bool passes = false;
             crossing.at_start();
-            for (int i = 0; i < max_resteps; ++i) {
+            for (int i = 0; i < contact::max_resteps; ++i) {
                 const Work part = contacts_.part_apart(crossing);
                 passes = part < Work(0);
                 if (passes) break;
                 from += (end - from) * part;
-                if (from < min_portion()) from = min_portion();
+                if (from < Bounds::min_portion()) from = Bounds::min_portion();
                 fly(flight, from, true);
                 contacts_.measure(bodies_, flight.island);
                 if (contacts_.is_close(crossing)) break;
@@ -208,11 +201,11 @@ private:
         Work low(0), high = longest;
         Work gap_low = contacts_.least_gap(flight.island, true), gap_high = contacts_.least_gap(flight.island, false);
         if (!(gap_low > Work(0))) gap_low = N::half_of(contacts_.tolerance());
-        const Work close_enough = contacts_.tolerance() * N::template constant<Work>(Real::scaled(1, -16));
-        const Work shortest = min_portion();
+        const Work close_enough = Bounds::search_gap(contacts_.tolerance());
+        const Work shortest = Bounds::min_portion();
         Work at = high;
         int side = 0;
-        for (int i = 0; i < max_resteps; ++i) {
+        for (int i = 0; i < contact::max_resteps; ++i) {
             // Where rounding has left no difference, halfway.
             const Work apart = gap_low - gap_high;
             at = low + (apart > Work(0) ? (high - low) * (gap_low / apart) : N::half_of(high - low));
@@ -234,10 +227,9 @@ private:
                 side = -1;
             }
         }
-        // Not found. Where a pair is four tolerances deep, the flight ends at the last time when none was, or after the
+        // Not found. Where a pair is far too deep, the flight ends at the last time when none was, or after the
         // shortest flight. The next search starts from there.
-        const Work twice = contacts_.tolerance() + contacts_.tolerance();
-        if (contacts_.least_gap(flight.island, false) < -(twice + twice)) {
+        if (contacts_.least_gap(flight.island, false) < -Bounds::failed_search_depth(contacts_.tolerance())) {
             at = low > shortest ? low : shortest;
             fly(flight, at, true);
             contacts_.measure(bodies_, flight.island);

@@ -14,6 +14,7 @@ public:
     using Bodies = tumble::Bodies<N, spin, features.bodies, features.mixed()>;
     using State = typename Bodies::State;
     using C = ContactNumbers<N>;
+    using Bounds = ContactBounds<N>;
     using Length = typename C::Length;
     using Speed = typename C::Speed;
     using Pair = NearPair<N, features>;
@@ -139,7 +140,7 @@ protected:
         const auto make = [&]<class Contact>(const PairView<N>& view) {
             if constexpr (requires(Contact contact) { contact.axis; })
                 return measured ? Contact{view, pair.axis, pair.normal, pair.gap}
-                                : Contact{view, C::half(C::half(tolerance_))};
+                                : Contact{view, Bounds::axis_margin(tolerance_)};
             else return Contact{view};
         };
         with_contact<features>(view_of(bodies, pair), make, f);
@@ -191,7 +192,7 @@ protected:
     }
     // Takes the points over. A point inherits the impulses of the one that was at its place.
     void take(Pair& pair, const FoundPoints<N>& found) const {
-        const Length near = C::sixteenth(shape_[pair.a].radius);
+        const Length near = Bounds::same_point(shape_[pair.a].radius);
         const auto is_same = [&](const Vec3<Length>& p, const Vec3<Length>& q) {
             return !(magnitude_of(p.x() - q.x()) > near) && !(magnitude_of(p.y() - q.y()) > near) &&
                    !(magnitude_of(p.z() - q.z()) > near);
@@ -235,7 +236,7 @@ protected:
 private:
     void set_fall() {
         for (int i = 0; i < 3; ++i) fall_[i] = scale().drift(fall_metres_[i]);
-        slow_ = N::template constant<Work>(sqrt(dot(fall_metres_, fall_metres_)) * Real{2});
+        slow_ = N::template constant<Work>(sqrt(dot(fall_metres_, fall_metres_)) * Real{Bounds::slow_in_falls});
         fall_bound_ = sum_of_magnitudes(fall_);
     }
 

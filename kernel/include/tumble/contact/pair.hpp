@@ -2,16 +2,11 @@
 // the warm start.
 #pragma once
 
+#include <tumble/contact/bounds.hpp>
 #include <tumble/scene.hpp>
 #include <tumble/shapes/boxes.hpp>
 
 namespace tumble {
-
-namespace contact {
-inline constexpr int max_sweeps = 32;         // over the points of an island, for the forces of a step
-inline constexpr int max_impact_sweeps = 40;  // over the points of an impact
-inline constexpr int max_rounds = 16;         // of impacts that pass from pair to pair at one moment
-}  // namespace contact
 
 // The smallest unsigned type that counts to `most`.
 template <int most>

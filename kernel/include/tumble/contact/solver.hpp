@@ -17,6 +17,7 @@ class ContactSet : public ImpactSearch<N, spin, features> {
 public:
     using typename Base::Bodies;
     using typename Base::BodyGroup;
+    using typename Base::Bounds;
     using typename Base::C;
     using typename Base::Island;
     using typename Base::Length;
@@ -64,8 +65,6 @@ public:
         bool strikes = false;
         for_each_pair(island, [&](Pair& pair) {
             if (pair.count == 0) return;
-            // After an impact, points approach at exactly `closing`. The margin `late` keeps rounding from deciding
-            // which of them are held.
             const bool hit = pair.touched && (struck || !whole);
             pair.touched = false;
             const Speed slow = pair_speed(pair, slow_);
@@ -74,7 +73,7 @@ public:
                 auto& point = pair.point[i];
                 const Speed approach = -velocity(start_, pair, point), closing = speed(pair, point, point.gap);
                 const bool fast = approach > along(point, slow), above = point.gap > Length{};
-                const Speed late = hit ? C::eighth(C::eighth(closing)) : Speed{};
+                const Speed late = hit ? Bounds::late(closing) : Speed{};
                 point.active = !(above && fast && approach - late > closing);
                 if (!point.active) {
                     for (Speed& pushed : point.pushed) pushed = Speed{};
@@ -129,9 +128,8 @@ public:
         this->find(bodies, island);
         weigh(bodies, island, Work(1), true);
         int active = 0;
-        const Length hit = C::half(C::half(tolerance_));
+        const Length hit = Bounds::largest_impact_gap(tolerance_);
         for_each_pair(island, [&](Pair& pair) {
-            // The impact leaves out pairs with a gap above tolerance / 4.
             pair.touched = pair.count > 0 && !(pair.gap > hit);
             for (int i = 0; i < pair.count; ++i) pair.point[i].active = pair.touched;
             if (!pair.touched) return;
@@ -336,10 +334,10 @@ private:
     }
     // Position correction: an eighth of the penetration beyond tolerance / 4 per step, at most tolerance / 8.
     [[nodiscard]] Speed correction(const Pair& pair, const Point& point) const {
-        const Length excess = -point.gap - C::half(C::half(tolerance_));
+        const Length excess = -point.gap - Bounds::resting_depth(tolerance_);
         if (!(excess > Length{})) return Speed{};
-        Length lift = C::eighth(excess);
-        const Length most = C::eighth(tolerance_);
+        Length lift = Bounds::correction(excess);
+        const Length most = Bounds::most_correction(tolerance_);
         if (lift > most) lift = most;
         return speed(pair, point, lift);
     }
@@ -348,7 +346,7 @@ private:
     [[nodiscard]] bool bounces(const Pair& pair, const Point& point, Speed approach, Speed loads) const {
         if (!(approach > speeds_.enough_at_rest())) return false;
         const Speed bounce = narrow<Speed>(mul(approach, pair.restitution));
-        if (!(bounce + bounce > C::eighth(loads))) return false;
+        if (!Bounds::bounce_lasts(bounce, loads)) return false;
         if (!(threshold_ > Work(0))) return true;
         return !(approach < along(point, pair_speed(pair, threshold_)));
     }
@@ -416,7 +414,7 @@ private:
                 Rows::visit(pair, point, motion_[pair.a], other_motion(pair), most);
             });
             if (!(most > enough)) break;
-            if (sweep == 0 || most > last + C::eighth(last)) {
+            if (sweep == 0 || Bounds::diverges(most, last)) {
                 momentum = {};
             } else {
                 const typename N::Unit ratio = most < last ? C::ratio(most, last) : C::one();

@@ -1,0 +1,89 @@
+// Every bound and every threshold of a step with contacts: its value, its unit and its reason. A part of a tolerance, a
+// speed or a step is a power of two, so that it is exact in every number system.
+#pragma once
+
+#include <tumble/shapes/points.hpp>
+
+namespace tumble {
+
+// Bounds of loops. They bound the time of a step. contact::max_points, of a pair, is in shapes/points.hpp.
+namespace contact {
+// Impacts of an island's step that are resolved at their own time. A ball that comes to rest bounces without end in
+// finite time.
+inline constexpr int max_impacts = 8;
+// Pairs of an island's flight that are examined because they may have passed through each other.
+inline constexpr int max_crossings = 4;
+// Flights redone to find one impact, or for one such pair.
+inline constexpr int max_resteps = 12;
+// Sweeps over the points of an island, for the forces of a step. They carry the load of a stack from box to box.
+inline constexpr int max_sweeps = 32;
+// Sweeps over the points of an impact, which has no warm start.
+inline constexpr int max_impact_sweeps = 40;
+// Rounds of impacts that pass from pair to pair at one moment.
+inline constexpr int max_rounds = 16;
+// Most steps between two examinations of a pair that is far apart.
+inline constexpr int longest_look = 128;
+// The same of a near pair, or of a body near something, which may be pushed.
+inline constexpr int near_look = 8;
+}  // namespace contact
+
+// Thresholds, from the quantity that each is a part of. C: ContactNumbers<N>.
+template <class N>
+struct ContactBounds {
+    using C = ContactNumbers<N>;
+    using Length = typename C::Length;
+    using Speed = typename C::Speed;
+    using Work = typename N::Work;
+
+    // --- lengths, from the tolerance ---
+
+    // How far below the gap at its start the flight of a pair that touched ends: between the depth of a resting point,
+    // which is less than resting_depth, and the tolerance, at which the flight is redone.
+    [[nodiscard]] static Length search_depth(Length tolerance) { return C::half(tolerance); }
+    // An impact leaves out pairs with a larger gap. The search for the impact ends much closer to the surface.
+    [[nodiscard]] static Length largest_impact_gap(Length tolerance) { return C::half(C::half(tolerance)); }
+    // Penetration that is not corrected: the points of a resting body stay in touch.
+    [[nodiscard]] static Length resting_depth(Length tolerance) { return C::half(C::half(tolerance)); }
+    // Position correction of a step: an eighth of the excess penetration.
+    [[nodiscard]] static Length correction(Length excess) { return C::eighth(excess); }
+    // The most of it.
+    [[nodiscard]] static Length most_correction(Length tolerance) { return C::eighth(tolerance); }
+    // A face axis of two boxes is preferred to an edge axis up to this difference, so that rounding does not decide.
+    [[nodiscard]] static Length axis_margin(Length tolerance) { return C::half(C::half(tolerance)); }
+    // Conservative advancement ends at this gap.
+    [[nodiscard]] static Length crossing_gap(Length tolerance) { return C::sixteenth(C::sixteenth(tolerance)); }
+    // A contact point inherits the impulses of a point within this distance, from the radius of its body.
+    [[nodiscard]] static Length same_point(Length radius) { return C::sixteenth(radius); }
+
+    // --- lengths, m, from the tolerance ---
+
+    // The secant search ends within this gap of its level.
+    [[nodiscard]] static Work search_gap(Work tolerance) {
+        return tolerance * N::template constant<Work>(Real::scaled(1, -16));
+    }
+    // A search that ends deeper has failed.
+    [[nodiscard]] static Work failed_search_depth(Work tolerance) {
+        const Work twice = tolerance + tolerance;
+        return twice + twice;
+    }
+
+    // --- times, as a part of a step ---
+
+    // The shortest flight.
+    [[nodiscard]] static constexpr Work min_portion() { return N::template constant<Work>(Real::scaled(1, -20)); }
+
+    // --- speeds ---
+
+    // A point that approaches more slowly rests, in multiples of gravity's change of speed in a step: the contact holds
+    // it by the step's end, and the last step has added one such change.
+    static constexpr int slow_in_falls = 2;
+    // After an impact, points approach at exactly the closing speed. This margin keeps rounding from deciding which of
+    // them are held.
+    [[nodiscard]] static Speed late(Speed closing) { return C::eighth(C::eighth(closing)); }
+    // A bounce lasts 2 v / a. It is the last where that is below an eighth of a step; `loads` is a step's a.
+    [[nodiscard]] static bool bounce_lasts(Speed bounce, Speed loads) { return bounce + bounce > C::eighth(loads); }
+    // The momentum of the sweeps restarts where the changes of impulses grow by more than an eighth.
+    [[nodiscard]] static bool diverges(Speed change, Speed last) { return change > last + C::eighth(last); }
+};
+
+}  // namespace tumble
