@@ -1,7 +1,7 @@
 #include "simulation/energy.hpp"
 
 #include <tumble/body/mass.hpp>
-#include <tumble/shapes/points.hpp>
+#include <tumble/shapes/manifold.hpp>
 
 #include <algorithm>
 #include <array>

@@ -2,6 +2,7 @@
 // their place. It owns the bodies, their inertia, the loads and gravity. It knows no contact.
 #pragma once
 
+#include <tumble/contact/marks.hpp>
 #include <tumble/events/snapshot.hpp>
 #include <tumble/events/wrench.hpp>
 #include <tumble/integrators/verlet.hpp>
@@ -152,6 +153,16 @@ public:
         part_of_step(group, info, portion.length);
     }
 
+    // What an island's step asks for (contact/island_step.hpp).
+    template <class Flight, class Marks>
+    void move(const Flight& flight, const StepInfo<N>& info, const Marks& marks) {
+        if (flight.new_spins) spins_changed(flight.group);
+        if (flight.loads != nullptr) foresee(flight.group, marks, *flight.loads);
+        if (flight.portion.length > Work(0)) portion(flight.group, info, flight.portion);
+    }
+    // What acts on a body in this step besides gravity.
+    [[nodiscard]] TUMBLE_INLINE Mark mark(int b) const { return {is_coupled(b), is_loaded(b), is_driven(b)}; }
+
     // True of a body that feels anything but gravity in this step, at stages or as a constant change.
     [[nodiscard]] bool is_driven(int b) const {
         if constexpr (has_wrenches)
@@ -192,6 +203,72 @@ public:
     }
 
 private:
+    // Writes the change of motion by gravity and by the loads, at their present strength, over the whole step.
+    template <class Marks, class Kicks>
+    void foresee(const BodyGroup& group, const Marks& marks, Kicks& kick_of) {
+        const DriftSum fall[3]{whole_fall(0), whole_fall(1), whole_fall(2)};
+        BodyGroup loaded;
+        for (int k = 0; k < group.count; ++k) {
+            const int b = group.id[k];
+            Kick<N>& kick = kick_of[b];
+            kick = {};
+            for (int i = 0; i < 3; ++i) kick.linear[i] = fall[i];
+            if (marks[b].loaded) {
+                loaded.add(b);
+            } else if constexpr (has_wrenches) {
+                add_wrenches(b, kick);
+                kick_of.rescale(b, bodies.halvings_of(b));
+            }
+        }
+        if constexpr (has_loads) {
+            if (loaded.count == 0) return;
+            StageState<N> stages[features.bodies];
+            Kick<N> kicks[features.bodies];
+            for (int k = 0; k < loaded.count; ++k) stages[k] = stage_of(bodies.state[loaded.id[k]]);
+            const BodyPlaces<features.bodies> places{loaded};
+            if (!foresee_in_parts(loaded, places, stages, kicks))
+                loads.template evaluation<false>(bodies, loaded, Work(1), fall, true, places.of_body)(stages, kicks);
+            for (int k = 0; k < loaded.count; ++k) {
+                kick_of[loaded.id[k]] = kicks[k];
+                if constexpr (has_wrenches) add_wrenches(loaded.id[k], kick_of[loaded.id[k]]);
+                kick_of.rescale(loaded.id[k], bodies.halvings_of(loaded.id[k]));
+            }
+        }
+    }
+
+    // Where a spin has halvings, the loads act over the shortest part. The kicks are then those over the whole step
+    // again. False where none has.
+    template <class Stage, class Kick>
+    bool foresee_in_parts([[maybe_unused]] const BodyGroup& loaded,
+                          [[maybe_unused]] const BodyPlaces<features.bodies>& places, [[maybe_unused]] Stage* stages,
+                          [[maybe_unused]] Kick* kicks) requires has_loads {
+        if constexpr (Bodies::has_parts) {
+            const int most = halvings_under_loads(loaded, false);
+            if (most == 0) [[likely]]
+                return false;
+            DriftSum part_of_fall[3];
+            for (int i = 0; i < 3; ++i) {
+                part_of_fall[i] = {whole_fall(i).raw >> 2 * most};
+                for (int k = 0; k < loaded.count; ++k) {
+                    stages[k].d_w[i].raw >>= most;
+                    stages[k].t_b[i].raw >>= most - bodies.parts.halvings[loaded.id[k]];
+                }
+            }
+            loads.template evaluation<false>(bodies, loaded, N::times_power_of_two(Work(1), -most), part_of_fall, true,
+                                             places.of_body)(stages, kicks);
+            const auto of_step = [&](Work change) { return N::times_power_of_two(change, 2 * most); };
+            for (int k = 0; k < loaded.count; ++k) {
+                for (int i = 0; i < 3; ++i) {
+                    auto& [linear, angular] = kicks[k];
+                    linear[i] = N::drift_sum(of_step(N::metres(linear[i], bodies.scale)), bodies.scale);
+                    angular[i] = N::turn_sum(of_step(N::half_turn(angular[i], bodies.scale)), bodies.scale);
+                }
+            }
+            return true;
+        }
+        return false;
+    }
+
     // A part of a step, with the part as the unit of time. Drift and spin shrink with it, and accelerations with its
     // square. Then the same code steps over the part. Only the changes are scaled back, so that a drift that loads do
     // not change stays exact. The spin is already in half turns of 2^-halvings of the step.

@@ -7,8 +7,7 @@
 
 #include <tumble/advance.hpp>
 #include <tumble/body/places.hpp>
-#include <tumble/contact/island_step.hpp>
-#include <tumble/contact/sleep.hpp>
+#include <tumble/contact/contacts.hpp>
 #include <tumble/events/readout.hpp>
 #include <tumble/events/script.hpp>
 
@@ -240,7 +239,7 @@ public:
         const StepInfo<N> info{advance_.bodies.scale,
                                N::fixed_point ? Dither::of_step(advance_.bodies.steps_taken) : Dither{}};
         if constexpr (has_contacts) {
-            step_islands(info);
+            contacts_.step(advance_, info);
         } else if constexpr (has_loads) {
             step_groups(info);
         } else if constexpr (features.bodies == 1) {
@@ -362,7 +361,7 @@ public:
             return SnapshotFault::other_scene;
         detail::SnapshotReader reader{from + detail::SnapshotHeader::bytes};
         archive(*this, reader, header.part);
-        if constexpr (has_events) seek();
+        if constexpr (has_events) select();
         if (header.part == SnapshotPart::world) return SnapshotFault::none;
         for (int b = 0; b < advance_.bodies.count; ++b) {
             advance_.spin_changed(b);
@@ -383,7 +382,7 @@ public:
 
     // True where the body sleeps: it rests at no cost until something touches or pushes it.
     [[nodiscard]] bool asleep([[maybe_unused]] BodyId id) const {
-        if constexpr (has_contacts) return sleepers_.is_asleep(place_of(id));
+        if constexpr (has_contacts) return contacts_.is_asleep(place_of(id));
         else return false;
     }
     // The largest safe step for contacts by springs, s; zero where they do not limit the step.
@@ -404,13 +403,12 @@ public:
     }
     // Number of contact points of the body in the last step.
     [[nodiscard]] int contact_count(BodyId id) const {
-        if constexpr (has_contacts) return contacts_.count(place_of(id));
+        if constexpr (has_contacts) return contacts_.points_of(place_of(id));
         else return 0;
     }
 
 private:
-    constexpr World(const WorldSpec& spec, Seconds step)
-        : advance_{step, spec}, contacts_{step.value, spec.contact}, sleepers_{step.value, spec.contact.sleep} {
+    constexpr World(const WorldSpec& spec, Seconds step) : advance_{step, spec}, contacts_{step.value, spec.contact} {
         if constexpr (features.touches()) TUMBLE_ASSERT(is_valid(spec.contact));
         set_gravity(spec.gravity);
         if constexpr (features.snapshots) digest_.add(step.value);
@@ -419,8 +417,7 @@ private:
 
     using Advance = tumble::Advance<S>;
     using BodyGroup = typename Advance::BodyGroup;
-    using Contacts = ContactSet<N, Integrator::spin, features>;
-    using Sleepers = tumble::Sleepers<N, Integrator::spin, features>;
+    using Contacts = tumble::Contacts<N, Integrator::spin, features>;
     static constexpr bool has_events = features.impulses || features.forces || features.script || features.recording;
     static constexpr bool has_imu = features.imu && features.bodies > 0;
     using Before = detail::MotionBefore<State>;
@@ -432,8 +429,7 @@ private:
         note(spec);
         if constexpr (has_imu) remember(b);
         if constexpr (has_contacts) {
-            contacts_.set_shape(b, spec, inertia, advance_.bodies.constants[b].units);
-            if (!spec.fixed) sleepers_.add(b);
+            contacts_.add(b, spec, inertia, advance_.bodies.constants[b].units);
             // Before the first step no body has a time to contact, and none sleeps.
             if (advance_.bodies.steps_taken > 0)
                 for (int other = 0; other < advance_.bodies.count; ++other) disturb(other);
@@ -579,14 +575,14 @@ private:
         to(status.first_step, status.count, status.first_body, status.bits);
         if constexpr (has_contacts) {
             Contacts::archive(self.contacts_, bodies, to);
-            to(self.sleepers_);
+            if constexpr (Archive::reads) self.contacts_.mark_all(self.advance_);
         }
         if constexpr (has_imu)
             for (int b = 0; b < bodies.count; ++b) to(self.before_[b]);
         if constexpr (has_events) to(self.wraps_);
     }
     // Call when the world has gone to another step.
-    void seek() requires has_events {
+    void select() requires has_events {
         if constexpr (features.impulses) impulses_.seek(now());
         if constexpr (features.script) script_.seek(now());
         if constexpr (features.forces && has_loads) advance_.loads.seek(now());
@@ -596,8 +592,7 @@ private:
         replaced(b);
         if constexpr (has_contacts) {
             BodySpec nobody;
-            contacts_.set_shape(b, nobody, {{1, 1, 1}, {}}, advance_.bodies.constants[b].units);
-            sleepers_.remove(b);
+            contacts_.remove(b, nobody, {{1, 1, 1}, {}}, advance_.bodies.constants[b].units);
         }
         advance_.remove(b);
         places_.leave(b);
@@ -607,7 +602,7 @@ private:
     // since b may have left it or come to it.
     void replaced([[maybe_unused]] int b) {
         if constexpr (has_contacts) {
-            for (int other = 0; other < advance_.bodies.count; ++other) wake(other);
+            for (int other = 0; other < advance_.bodies.count; ++other) contacts_.wake(advance_, other);
             contacts_.forget_pairs_of(b);
         }
     }
@@ -615,10 +610,7 @@ private:
     // the time to contact of the body and of all that it may push, and wakes it.
     constexpr void disturb([[maybe_unused]] int b) {
         advance_.disturb();
-        if constexpr (has_contacts) {
-            contacts_.startle_all_near(b, advance_.bodies.steps_taken);
-            wake(b);
-        }
+        if constexpr (has_contacts) { contacts_.disturb(advance_, b); }
     }
 
     // One step of a world with loads. Bodies that loads couple advance together, the others one by one.
@@ -632,210 +624,8 @@ private:
         if (coupled.count > 0) advance_.group(coupled, info);
     }
 
-    // --- contacts ------------------------------------------------------------------------------------------------
-
-    // One step of a world with contacts. Bodies that can touch nothing in this step fly freely. The others advance
-    // together with the bodies that they may touch.
-    void step_islands(const StepInfo<N>& info) {
-        const std::uint32_t now = advance_.bodies.steps_taken;
-        if constexpr (features.turntables) {
-            for (int b = 0; b < advance_.bodies.count; ++b)
-                if (advance_.bodies.constants[b].fixed) advance_.step_fixed(b, info);
-        }
-        // Waking appends to the list.
-        for (int k = 0; k < sleepers_.awake_count(); ++k) {
-            const int b = sleepers_.awake(k);
-            if (!contacts_.is_foreseen(b, now)) look_around(b);
-        }
-        bool islands = false;
-        for (int k = 0; k < sleepers_.awake_count(); ++k) {
-            const int b = sleepers_.awake(k);
-            if (contacts_.is_near(b) || advance_.is_coupled(b)) {
-                islands = true;
-            } else if (advance_.is_loaded(b)) {
-                if constexpr (has_loads) advance_.alone(b, info);
-            } else {
-                advance_.free_body(b, info);
-            }
-        }
-        if (islands) [[unlikely]]
-            advance_islands(info);
-    }
-    [[gnu::noinline]] void look_around(int b) {
-        contacts_.look_around(
-            advance_.bodies, b, [&](int other) { return advance_.is_driven(other); },
-            [&](int other) { return advance_.bodies.constants[other].fixed || sleepers_.is_asleep(other); },
-            [&](int other) { wake(other); });
-    }
-    // Wakes the body and all sleeping bodies that touch it, directly or through others.
-    void wake([[maybe_unused]] int b) {
-        if constexpr (features.sleep)
-            if (sleepers_.is_asleep(b)) wake_all_with(b);
-    }
-    // Depth first, without recursion. Out of line, because it is rare.
-    [[gnu::noinline]] void wake_all_with(int b) requires(features.sleep) {
-        // The path from b to the body that woke last, from neighbour to neighbour.
-        BodyGroup path;
-        int next = b;
-        do {
-            if (next >= 0) {
-                sleepers_.wake(next);
-                contacts_.startle(next, advance_.bodies.steps_taken);
-                path.add(next);
-            } else {
-                --path.count;
-            }
-            next = path.count > 0 ? sleeping_neighbour(path.id[path.count - 1]) : -1;
-        } while (path.count > 0);
-    }
-    // The first sleeping body that touches b or is coupled to it; -1 if there is none.
-    [[nodiscard]] int sleeping_neighbour(int b) const requires(features.sleep) {
-        int found = -1;
-        const auto look_at = [&](int other) {
-            if (found < 0 && sleepers_.is_asleep(other)) found = other;
-        };
-        contacts_.for_each_touching([&](int p, int q) {
-            if (p == b) look_at(q);
-            if (q == b) look_at(p);
-        });
-        if constexpr (has_loads) advance_.loads.for_each_coupled(advance_.bodies, b, look_at);
-        return found;
-    }
-
-    [[gnu::noinline]] void advance_islands(const StepInfo<N>& info) {
-        using Island = typename Contacts::Island;
-        Islands<features.bodies> islands;
-        islands.clear(advance_.bodies.count);
-        // The bodies that have not flown freely. A body that wakes or comes near something in this step joins in the
-        // next.
-        bool joins[features.bodies]{};
-        int coupled = -1;
-        for (int k = 0; k < sleepers_.awake_count(); ++k) {
-            const int b = sleepers_.awake(k);
-            const bool is_tied = advance_.is_coupled(b);
-            joins[b] = contacts_.is_near(b) || is_tied;
-            if (!is_tied) continue;
-            if (coupled >= 0) islands.connect(coupled, b);
-            coupled = b;
-        }
-        contacts_.connect(islands, advance_.bodies, [&](int b) { return !sleepers_.is_asleep(b); });
-        Asked asked{*this, info};
-        IslandStep<N, Integrator::spin, features> step{advance_.bodies, contacts_, islands, flyer(asked)};
-        // Sleep changes the list of awake bodies, so it waits until all islands have flown.
-        BodyGroup to_sleep;
-        for (int root = 0; root < advance_.bodies.count; ++root) {
-            if (!joins[root] || islands.root(root) != root) continue;
-            BodyGroup group;
-            for (int b = root; b < advance_.bodies.count; ++b)
-                if (joins[b] && islands.root(b) == root) group.add(b);
-            Island island{group, root, contacts_.list(islands, root)};
-            if (island.first_pair < 0) advance_.portion(group, info, {});
-            else step.take(island);
-            advance_.check_range(group);
-            if constexpr (features.sleep) {
-                if (sleepers_.may_sleep(advance_.bodies, group, contacts_.presses(island)))
-                    for (int k = 0; k < group.count; ++k) to_sleep.add(group.id[k]);
-            }
-        }
-        if constexpr (features.sleep) {
-            for (int k = 0; k < to_sleep.count; ++k) {
-                sleepers_.put_to_sleep(advance_.bodies, to_sleep.id[k]);
-                advance_.spin_changed(to_sleep.id[k]);
-            }
-        }
-    }
-
-    // The world as an island's step sees it, through Flyer.
-    struct Asked {
-        World& world;
-        const StepInfo<N>& info;
-
-        static Asked& of(void* asked) { return *static_cast<Asked*>(asked); }
-    };
-    [[nodiscard]] static constexpr auto flyer(Asked& asked) {
-        return Flyer<Work, features.bodies>{
-            &asked,
-            Integrator::coasting,
-            [](void* to, const BodyGroup& group, const Portion<Work>& portion) {
-                Asked::of(to).world.advance_.portion(group, Asked::of(to).info, portion);
-            },
-            [](void* to, const BodyGroup& group) { Asked::of(to).world.advance_.spins_changed(group); },
-            [](void* to, const BodyGroup& group) { Asked::of(to).world.foresee_loads(group); },
-            [](void* to, int b) { Asked::of(to).world.look_around(b); },
-        };
-    }
-
-    // Writes the change of motion by gravity and by the loads, at their present strength, over the whole step into the
-    // contacts' kick().
-    void foresee_loads(const BodyGroup& group) {
-        const typename N::DriftSum whole[3]{advance_.whole_fall(0), advance_.whole_fall(1), advance_.whole_fall(2)};
-        BodyGroup loaded;
-        for (int k = 0; k < group.count; ++k) {
-            const int b = group.id[k];
-            Kick<N>& kick = contacts_.kick(b);
-            kick = {};
-            for (int i = 0; i < 3; ++i) kick.linear[i] = whole[i];
-            if (advance_.is_loaded(b)) {
-                loaded.add(b);
-            } else if constexpr (Advance::has_wrenches) {
-                advance_.add_wrenches(b, kick);
-                contacts_.rescale_kick(b, advance_.bodies.halvings_of(b));
-            }
-        }
-        if constexpr (has_loads) {
-            if (loaded.count == 0) return;
-            StageState<N> stages[features.bodies];
-            Kick<N> kicks[features.bodies];
-            for (int k = 0; k < loaded.count; ++k) stages[k] = stage_of(advance_.bodies.state[loaded.id[k]]);
-            const BodyPlaces<features.bodies> places{loaded};
-            if (!foresee_in_parts(loaded, places, stages, kicks))
-                advance_.loads.template evaluation<false>(advance_.bodies, loaded, Work(1), whole, true,
-                                                          places.of_body)(stages, kicks);
-            for (int k = 0; k < loaded.count; ++k) {
-                contacts_.kick(loaded.id[k]) = kicks[k];
-                if constexpr (Advance::has_wrenches) advance_.add_wrenches(loaded.id[k], contacts_.kick(loaded.id[k]));
-                contacts_.rescale_kick(loaded.id[k], advance_.bodies.halvings_of(loaded.id[k]));
-            }
-        }
-    }
-
-    // Where a spin has halvings, the loads act over the shortest part. The kicks are then those over the whole step
-    // again. False where none has.
-    template <class Stage, class Kick>
-    bool foresee_in_parts([[maybe_unused]] const BodyGroup& loaded,
-                          [[maybe_unused]] const BodyPlaces<features.bodies>& places, [[maybe_unused]] Stage* stages,
-                          [[maybe_unused]] Kick* kicks) requires has_loads {
-        if constexpr (Advance::Bodies::has_parts) {
-            auto& bodies = advance_.bodies;
-            const int most = advance_.halvings_under_loads(loaded, false);
-            if (most == 0) [[likely]]
-                return false;
-            typename N::DriftSum fall[3];
-            for (int i = 0; i < 3; ++i) {
-                fall[i] = {advance_.whole_fall(i).raw >> 2 * most};
-                for (int k = 0; k < loaded.count; ++k) {
-                    stages[k].d_w[i].raw >>= most;
-                    stages[k].t_b[i].raw >>= most - bodies.parts.halvings[loaded.id[k]];
-                }
-            }
-            advance_.loads.template evaluation<false>(bodies, loaded, N::times_power_of_two(Work(1), -most), fall, true,
-                                                      places.of_body)(stages, kicks);
-            const auto of_step = [&](Work change) { return N::times_power_of_two(change, 2 * most); };
-            for (int k = 0; k < loaded.count; ++k) {
-                for (int i = 0; i < 3; ++i) {
-                    auto& [linear, angular] = kicks[k];
-                    linear[i] = N::drift_sum(of_step(N::metres(linear[i], bodies.scale)), bodies.scale);
-                    angular[i] = N::turn_sum(of_step(N::half_turn(angular[i], bodies.scale)), bodies.scale);
-                }
-            }
-            return true;
-        }
-        return false;
-    }
-
     [[no_unique_address]] Advance advance_;
     [[no_unique_address]] If<has_contacts, Contacts, 1> contacts_;
-    [[no_unique_address]] If<has_contacts, Sleepers, 4> sleepers_;
     [[no_unique_address]] If<features.impulses, Script<Impulse<N>>, 2> impulses_{};
     [[no_unique_address]] If<features.script, Script<Event<N>>, 3> script_{};
     [[no_unique_address]] If<features.recording, Recording<N>*, 8> recording_{};

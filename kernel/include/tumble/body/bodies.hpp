@@ -48,6 +48,12 @@ struct BodyGroup {
         return alone;
     }
     void add(int body) { id[count++] = static_cast<std::int16_t>(body); }
+    // Adds a body that is not in the group yet.
+    void add_once(int body) {
+        for (int k = 0; k < count; ++k)
+            if (id[k] == body) return;
+        add(body);
+    }
 };
 
 // The place in a group of each body of the world; -1 for a body that is not in the group.

@@ -2,11 +2,11 @@
 // speed or a step is a power of two, so that it is exact in every number system.
 #pragma once
 
-#include <tumble/shapes/points.hpp>
+#include <tumble/shapes/manifold.hpp>
 
 namespace tumble {
 
-// Bounds of loops. They bound the time of a step. contact::max_points, of a pair, is in shapes/points.hpp.
+// Bounds of loops. They bound the time of a step. contact::max_points, of a pair, is in shapes/manifold.hpp.
 namespace contact {
 // Impacts of an island's step that are resolved at their own time. A ball that comes to rest bounces without end in
 // finite time.
@@ -22,9 +22,9 @@ inline constexpr int max_impact_sweeps = 40;
 // Rounds of impacts that pass from pair to pair at one moment.
 inline constexpr int max_rounds = 16;
 // Most steps between two examinations of a pair that is far apart.
-inline constexpr int longest_look = 128;
+inline constexpr int most_clear_steps = 128;
 // The same of a near pair, or of a body near something, which may be pushed.
-inline constexpr int near_look = 8;
+inline constexpr int most_clear_steps_near = 8;
 }  // namespace contact
 
 // Thresholds, from the quantity that each is a part of. C: ContactNumbers<N>.

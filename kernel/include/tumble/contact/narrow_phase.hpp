@@ -17,12 +17,13 @@ public:
     using Bounds = ContactBounds<N>;
     using Length = typename C::Length;
     using Speed = typename C::Speed;
-    using Pair = NearPair<N, features>;
+    using Pair = tumble::Pair<N, features>;
     using Point = ContactPoint<N, features>;
 
     NarrowPhase(Real step, const ContactSpec& spec)
         : restitution_{N::template constant<Work>(spec.restitution)},
-          friction_{N::template constant<Work>(spec.friction)}, tolerance_metres_{spec.tolerance} {
+          friction_{N::template constant<Work>(spec.friction)}, response_{spec.response}, tolerance_metres_{
+                                                                                              spec.tolerance} {
         if constexpr (N::fixed_point) (void)make_room(Real{N::Range::velocity} * step);
         (void)make_room(spec.tolerance);
     }
@@ -39,9 +40,16 @@ public:
         plane_[plane_count_++] = Plane<N>{spec};
         return true;
     }
+    [[nodiscard]] ContactResponse response() const { return response_; }
     [[nodiscard]] int plane_count() const { return plane_count_; }
-    // m: the band in which bodies touch, and the depth at which a step is redone.
-    [[nodiscard]] Work tolerance() const { return scale().metres(tolerance_); }
+    [[nodiscard]] const Plane<N>& plane(int p) const { return plane_[p]; }
+    // The band in which bodies touch, and the depth at which a step is redone.
+    [[nodiscard]] Length tolerance() const { return tolerance_; }
+    // Gravity's change of drift in a step, and the sum of the sizes of its components.
+    [[nodiscard]] const Vec3<Length>& fall() const { return fall_; }
+    [[nodiscard]] Length fall_bound() const { return fall_bound_; }
+    // m a step: a slower approach is no impact.
+    [[nodiscard]] Work slow() const { return slow_; }
 
     // Writes or reads what a snapshot holds.
     template <class Archive>
@@ -49,31 +57,17 @@ public:
         to(self.axes_, self.turned_);
     }
 
-protected:
-    [[nodiscard]] const typename C::LengthScale& scale() const { return shape_.scale(); }
-    // Makes room for a length, m. True where the scale of lengths has changed: lengths from before are invalid then.
-    // Raises the tolerance to the least that the scale resolves.
-    bool make_room(Real largest) {
-        const bool rescaled = shape_.make_room(largest);
-        const Real least = shape_.least_tolerance();
-        tolerance_ = scale().length(tolerance_metres_ < least ? least : tolerance_metres_);
-        set_fall();
+    // Sets the collision shape of body b. True where the scale of lengths has changed: lengths from before are invalid
+    // then.
+    bool set_shape(int b, const BodySpec& spec, const PrincipalInertia& inertia, const SpinUnits<N, spin>& units) {
+        const bool rescaled = make_room(reach_of(spec.shape));
+        set_collision_shape<N, spin, features.mixed()>(shape_[b], spec, inertia, scale(), units);
         return rescaled;
     }
-    [[nodiscard]] bool moves_b(const Pair& pair) const {
-        return features.pairs && pair.b >= 0 && !(pair.share_b == typename N::Unit{});
-    }
-
-    [[nodiscard]] static Work combined_restitution(Work a, Work b, Work otherwise) {
-        const Work none(0);
-        if (a < none && b < none) return otherwise;
-        return a < b ? b : a;  // the larger one
-    }
-    // The geometric mean. A side without a coefficient has the world's.
-    [[nodiscard]] static Work combined_friction(Work a, Work b, Work otherwise) {
-        const Work x = a < Work(0) ? otherwise : a, y = b < Work(0) ? otherwise : b;
-        return x == y ? x : sqrt(x * y);
-    }
+    [[nodiscard]] const CollisionShape<N>& shape(int b) const { return shape_[b]; }
+    // Of body b when it was placed last.
+    [[nodiscard]] const Axes<N>& axes(int b) const { return axes_[b]; }
+    [[nodiscard]] const typename C::LengthScale& scale() const { return shape_.scale(); }
     // Sets the constants of a new pair.
     void set_up(Pair& pair, [[maybe_unused]] const Bodies& bodies) {
         const CollisionShape<N>& a = shape_[pair.a];
@@ -101,12 +95,12 @@ protected:
                     pair.weight = a.root_mass * share;
                 }
                 if constexpr (features.turntables)
-                    pair.turns = bodies.constants[pair.b].fixed && bodies.is_turning(pair.b);
+                    pair.on_turntable = bodies.constants[pair.b].fixed && bodies.is_turning(pair.b);
             }
         }
         pair.restitution = C::unit(restitution);
         pair.friction = C::friction(friction);
-        if constexpr (features.friction) pair.rubs = friction > Work(0);
+        if constexpr (features.friction) pair.has_friction = friction > Work(0);
     }
     // --- where they are ----------------------------------------------------------------------------------------------
 
@@ -153,7 +147,7 @@ protected:
         }
         if constexpr (features.pairs) {
             // On a fixed body b the rows depend through the normal only.
-            pair.moved = pair.moved || (moves_b(pair) && turned_[pair.b]);
+            pair.moved = pair.moved || (pair.moves_b() && turned_[pair.b]);
             with_pair(bodies, pair, false, [&](const auto& contact, const auto&, bool reversed) {
                 pair.gap = contact.gap;
                 if constexpr (requires { contact.axis; }) pair.axis = contact.axis;
@@ -171,7 +165,7 @@ protected:
             pair.count = 0;
             return;
         }
-        FoundPoints<N> found;
+        Manifold<N> found;
         if (pair.with_plane()) {
             view_of_plane(bodies, pair).find(found, tolerance_);
         } else if constexpr (features.pairs) {
@@ -186,12 +180,33 @@ protected:
                 }
             });
             if constexpr (features.friction)
-                if (pair.rubs) set_tangents<N>(pair.normal, pair.tangent);
+                if (pair.has_friction) set_tangents<N>(pair.normal, pair.tangent);
         }
         take(pair, found);
     }
+
+private:
+    // Makes room for a length, m. True where the scale of lengths has changed. Raises the tolerance to the least that
+    // the scale resolves.
+    bool make_room(Real largest) {
+        const bool rescaled = shape_.make_room(largest);
+        const Real least = shape_.least_tolerance();
+        tolerance_ = scale().length(tolerance_metres_ < least ? least : tolerance_metres_);
+        set_fall();
+        return rescaled;
+    }
+    [[nodiscard]] static Work combined_restitution(Work a, Work b, Work otherwise) {
+        const Work none(0);
+        if (a < none && b < none) return otherwise;
+        return a < b ? b : a;  // the larger one
+    }
+    // The geometric mean. A side without a coefficient has the world's.
+    [[nodiscard]] static Work combined_friction(Work a, Work b, Work otherwise) {
+        const Work x = a < Work(0) ? otherwise : a, y = b < Work(0) ? otherwise : b;
+        return x == y ? x : sqrt(x * y);
+    }
     // Takes the points over. A point inherits the impulses of the one that was at its place.
-    void take(Pair& pair, const FoundPoints<N>& found) const {
+    void take(Pair& pair, const Manifold<N>& found) const {
         const Length near = Bounds::same_point(shape_[pair.a].radius);
         const auto is_same = [&](const Vec3<Length>& p, const Vec3<Length>& q) {
             return !(magnitude_of(p.x() - q.x()) > near) && !(magnitude_of(p.y() - q.y()) > near) &&
@@ -199,13 +214,13 @@ protected:
         };
         const int count = found.count < Pair::max_points ? found.count : Pair::max_points;
         const bool only = count == 1 && pair.count == 1;
-        Speed pushed[Pair::max_points][Point::directions];
+        Speed impulse[Pair::max_points][Point::directions];
         for (int i = 0; i < count; ++i) {
             int before = -1;
             for (int j = 0; j < pair.count && before < 0; ++j)
                 if (only || is_same(pair.point[j].arm, found.point[i].arm)) before = j;
             for (int k = 0; k < Point::directions; ++k)
-                pushed[i][k] = before < 0 ? Speed{} : pair.point[before].pushed[k];
+                impulse[i][k] = before < 0 ? Speed{} : pair.point[before].row[k].impulse;
         }
         for (int i = 0; i < count; ++i) {
             Point& point = pair.point[i];
@@ -216,31 +231,28 @@ protected:
                 point.arm_b = found.point[i].arm_b;
             }
             point.gap = found.point[i].gap;
-            for (int k = 0; k < Point::directions; ++k) point.pushed[k] = pushed[i][k];
+            for (int k = 0; k < Point::directions; ++k) point.row[k].impulse = impulse[i][k];
         }
         pair.count = static_cast<std::uint8_t>(count);
         pair.moved = false;
     }
 
-    template <class T, int n>
-    using Array = T[n > 0 ? n : 1];
-
-    Length tolerance_{}, fall_bound_{};
-    Vec3<Length> fall_ = Vec3<Length>::Constant(Length{});  // gravity's change of drift in a step
-    Work slow_{};                                           // m: twice that; a slower approach is no impact
-    Array<Plane<N>, features.planes> plane_{};
-    int plane_count_ = 0;
-    Shapes<N, features.bodies> shape_{};
-    Axes<N> axes_[features.bodies]{};
-
-private:
     void set_fall() {
         for (int i = 0; i < 3; ++i) fall_[i] = scale().drift(fall_metres_[i]);
         slow_ = N::template constant<Work>(sqrt(dot(fall_metres_, fall_metres_)) * Real{Bounds::slow_in_falls});
         fall_bound_ = sum_of_magnitudes(fall_);
     }
 
+    Length tolerance_{}, fall_bound_{};
+    Vec3<Length> fall_ = Vec3<Length>::Constant(Length{});
+    Work slow_{};
+    Plane<N> plane_[features.planes > 0 ? features.planes : 1]{};
+    int plane_count_ = 0;
+    Shapes<N, features.bodies> shape_{};
+    Axes<N> axes_[features.bodies]{};
+
     Work restitution_, friction_;  // where neither side names its own
+    ContactResponse response_;
     Real tolerance_metres_;
     RealVec3 fall_metres_{};
     bool turned_[features.bodies]{};  // since it was placed before

@@ -3,7 +3,7 @@
 #pragma once
 
 #include <tumble/contact/bounds.hpp>
-#include <tumble/scene.hpp>
+#include <tumble/contact/row.hpp>
 #include <tumble/shapes/boxes.hpp>
 
 namespace tumble {
@@ -12,18 +12,6 @@ namespace tumble {
 template <int most>
 using CountTo =
     std::conditional_t<(most > 0xffff), std::uint32_t, std::conditional_t<(most > 0xff), std::uint16_t, std::uint8_t>>;
-
-// A row of the constraint matrix, for one direction of a point (the normal or a tangent). It is weighted by the roots
-// of mass and moments and of unit length. Its product with the weighted velocities is the velocity along the direction,
-// and an impulse adds its own size along it.
-template <class N, bool pairs>
-struct ContactRow {
-    using Unit = typename ContactNumbers<N>::Unit;
-
-    Vec3<Unit> linear, angular;  // of body a
-    [[no_unique_address]] If<pairs, Vec3<Unit>, 0> linear_b, angular_b;
-    Unit inverse;  // 1 / |J|, at most 1; 1 for an impulse through both centres of mass
-};
 
 template <class N, Features features>
 struct ContactPoint {
@@ -35,18 +23,14 @@ struct ContactPoint {
     Vec3<Length> arm;  // from the centre of mass of body a, its principal axes
     [[no_unique_address]] If<features.pairs, Vec3<Length>, 0> arm_b;
     Length gap;
-    bool active;             // part of the present solution
-    bool rows_hold = false;  // for where the bodies are
-    Speed target;            // least velocity along the normal
-    Speed loads;             // its change by the loads in a step
-    Speed pushed[directions];
-    Speed before[directions], course[directions];  // the impulse before this sweep; the conjugate direction
-    [[no_unique_address]] If<features.turntables, Speed[directions], 1> carried;  // the surface's own velocity
-    ContactRow<N, features.pairs> row[directions];
+    bool active;                             // part of the present solution
+    bool rows_hold = false;                  // for where the bodies are
+    Speed loads;                             // change of the velocity along the normal by the loads in a step
+    Row<N, features.pairs> row[directions];  // the normal, of which the target is the least velocity; the tangents
 };
 
 template <class N, Features features>
-struct NearPair {
+struct Pair {
     using C = ContactNumbers<N>;
     using Length = typename C::Length;
     using Unit = typename C::Unit;
@@ -61,8 +45,9 @@ struct NearPair {
     bool touched = false;       // it had contact forces or an impact at the start of the flight
     bool left_out = false;      // it came near in this step, between two islands
     bool passed = false;        // its bodies went past each other in this flight
-    bool sought = false;        // the search for an impact considers it
-    bool rubs = false, turns = false;
+    bool selected = false;      // the search for an impact considers it
+    bool has_friction = false;
+    bool on_turntable = false;                         // body b is fixed and turns
     Length gap{};                                      // least distance; of boxes apart a lower bound
     Length start_gap{};                                // where the flight began
     Vec3<Unit> normal = Vec3<Unit>::Constant(Unit{});  // world, from b to a
@@ -80,13 +65,14 @@ struct NearPair {
     // anew.
     template <class Self, class Visit>
     static void each(Self& self, Visit& visit) {
-        visit(self.count, self.moved, self.touched, self.left_out, self.passed, self.sought, self.turns, self.gap,
-              self.start_gap, self.normal, self.tangent, self.scale);
+        visit(self.count, self.moved, self.touched, self.left_out, self.passed, self.selected, self.on_turntable,
+              self.gap, self.start_gap, self.normal, self.tangent, self.scale);
         if constexpr (features.pairs) visit(self.start_normal);
         if constexpr (features.pairs && features.boxes) visit(self.axis);
         for (int i = 0; i < self.count; ++i) {
             auto& point = self.point[i];
-            visit(point.arm, point.gap, point.pushed);
+            visit(point.arm, point.gap);
+            for (auto& row : point.row) visit(row.impulse);
             if constexpr (features.pairs) visit(point.arm_b);
             if constexpr (Visit::reads) point.rows_hold = false;
         }
@@ -98,9 +84,11 @@ struct NearPair {
         b = static_cast<std::int16_t>(second);
         count = 0;
         moved = true;
-        touched = left_out = passed = sought = rubs = turns = false;
+        touched = left_out = passed = selected = has_friction = on_turntable = false;
         share_b = {};
     }
+    // Body b moves too: it is neither a plane nor a fixed body.
+    [[nodiscard]] bool moves_b() const { return features.pairs && b >= 0 && !(share_b == Unit{}); }
     [[nodiscard]] bool with_plane() const { return b < 0; }
     [[nodiscard]] int plane() const { return -1 - b; }
     // Pairs are sorted by it.

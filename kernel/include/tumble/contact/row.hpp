@@ -1,164 +1,87 @@
-// Sequential impulses (Catto 2005): sweeps over the points of an island. A visit gives a point its target velocity by
-// an impulse. At a single point this is the textbook impulse J = -(1 + e) v_n / (1/m_a + 1/m_b + (r x n) . I^-1 (r x n)
-// of both), exact after one visit.
+// A row of the constraint matrix: a direction in the velocities of one body or two. It knows neither contact nor joint.
 //
-// Velocities are weighted by the roots of mass and moments (principal axes), so that every effective mass is 1 and rows
-// are of unit length. Then every number of a row lies in [-1, 1] whatever the masses are.
+// Velocities are weighted by the roots of mass and moments of inertia (principal axes): u = (sqrt(m) v, sqrt(I_i) w_i).
+// A constraint J M^-1/2 u has the inverse effective mass |J M^-1/2|^2. Rows are divided by its root, so that they are
+// of unit length: then an impulse p adds p to the velocity along its own row, every effective mass is 1, and every
+// number of a row lies in [-1, 1] whatever the masses are. An impulse gives the row its target velocity w:
+//   p += w - row . u        (Catto 2005, sequential impulses)
+// At a single row without bounds this is the textbook impulse, exact after one visit.
 #pragma once
 
-#include <tumble/contact/pair.hpp>
+#include <tumble/scene.hpp>
 
 namespace tumble {
 
 template <class N>
-struct WeightedMotion {
+struct WeightedVelocity {
     using Speed = typename ContactNumbers<N>::Speed;
     Vec3<Speed> linear, angular;  // sqrt(m) v h, world; sqrt(I_i) w_i h, principal axes
 };
 
-template <class N, Features features>
-class Solver {
-public:
+template <class N, bool pairs>
+struct Row {
     using C = ContactNumbers<N>;
     using Unit = typename C::Unit;
-    using Length = typename C::Length;
+    using Lever = typename C::Lever;
     using Speed = typename C::Speed;
-    using Pair = NearPair<N, features>;
-    using Point = ContactPoint<N, features>;
-    using Row = ContactRow<N, features.pairs>;
-    using Motion = WeightedMotion<N>;
+    using Velocity = WeightedVelocity<N>;
 
-    // The directions of a pair's rows, in the principal axes of its bodies, times the bodies' shares of the motion.
-    struct Directions {
-        Vec3<Unit> linear[Point::directions], angular[Point::directions];
-        [[no_unique_address]] If<features.pairs, Vec3<Unit>[Point::directions], 0> linear_b;
-        [[no_unique_address]] If<features.pairs, Vec3<Unit>[Point::directions], 1> angular_b;
-        bool moves_b = false;
+    Vec3<Unit> linear, angular;  // of body a
+    [[no_unique_address]] If<pairs, Vec3<Unit>, 0> linear_b, angular_b;
+    Unit inverse;     // 1 / |J M^-1/2| times the root of the reduced mass, at most 1; 1: through both centres of mass
+    Speed target{};   // the velocity along the row that the impulse makes
+    Speed impulse{};  // the sum of the step
+    Speed before, conjugate;  // the impulse before this sweep; the conjugate direction
 
-        Directions(const Pair& pair, const Axes<N>& axes, [[maybe_unused]] const Axes<N>* axes_b) {
-            for (int k = 0; k < rows(pair); ++k) {
-                const Vec3<Unit>& direction = k == 0 ? pair.normal : pair.tangent[k - 1];
-                if constexpr (features.pairs) {
-                    if (axes_b != nullptr) {
-                        moves_b = true;
-                        linear[k] = times(direction, pair.share_a);
-                        linear_b[k] = times(direction, pair.share_b);
-                        angular[k] = axes.to_body(linear[k]);
-                        angular_b[k] = axes_b->to_body(linear_b[k]);
-                        continue;
-                    }
-                }
-                linear[k] = direction;
-                angular[k] = axes.to_body(direction);
-            }
-        }
-    };
-    [[nodiscard]] static int rows([[maybe_unused]] const Pair& pair) {
-        if constexpr (features.friction) return pair.rubs ? 3 : 1;
-        else return 1;
+    // Sets the row of one body, or of two. A direction is the world's, times the body's share of the motion; a lever is
+    // arm x direction over the radii of gyration, in principal axes.
+    void set(const Vec3<Unit>& direction, const Vec3<Lever>& lever) {
+        set_scaled(direction, lever, C::inverse_root_of_one_and(dot(lever, lever)));
+    }
+    void set(const Vec3<Unit>& direction, const Vec3<Lever>& lever, const Vec3<Unit>& direction_b,
+             const Vec3<Lever>& lever_b) requires pairs {
+        set_scaled(direction, lever, C::inverse_root_of_one_and(dot(lever, lever) + dot(lever_b, lever_b)));
+        linear_b = -times(direction_b, inverse);
+        angular_b = {-C::unit(lever_b.x(), inverse), -C::unit(lever_b.y(), inverse), -C::unit(lever_b.z(), inverse)};
     }
 
-    static void make_row(Row& row, const Point& point, const Directions& directions, int k, const CollisionShape<N>& a,
-                         [[maybe_unused]] const CollisionShape<N>* b) {
-        const Vec3<typename C::Lever> lever = levers(a, point.arm, directions.angular[k]);
-        Vec3<typename C::Lever> lever_b = Vec3<typename C::Lever>::Constant({});
-        auto squares = dot(lever, lever);
-        if constexpr (features.pairs) {
-            if (directions.moves_b) {
-                lever_b = levers(*b, point.arm_b, directions.angular_b[k]);
-                squares = squares + dot(lever_b, lever_b);
-            }
-        }
-        row.inverse = C::inverse_root_of_one_and(squares);
-        row.linear = times(directions.linear[k], row.inverse);
-        row.angular = {C::unit(lever.x(), row.inverse), C::unit(lever.y(), row.inverse),
-                       C::unit(lever.z(), row.inverse)};
-        if constexpr (features.pairs) {
-            if (directions.moves_b) {
-                row.linear_b = -times(directions.linear_b[k], row.inverse);
-                row.angular_b = {-C::unit(lever_b.x(), row.inverse), -C::unit(lever_b.y(), row.inverse),
-                                 -C::unit(lever_b.z(), row.inverse)};
-            }
-        }
-    }
-
-    // The velocity along a row; b is null where only a moves.
-    [[nodiscard]] TUMBLE_INLINE static Speed velocity(const Row& row, const Motion& a,
-                                                      [[maybe_unused]] const Motion* b) {
-        auto sum = add_dot(dot(row.linear, a.linear), row.angular, a.angular);
-        if constexpr (features.pairs)
-            if (b != nullptr) sum = add_dot(add_dot(sum, row.linear_b, b->linear), row.angular_b, b->angular);
+    // The velocity along the row; b is null where only a moves.
+    [[nodiscard]] TUMBLE_INLINE Speed velocity(const Velocity& a, [[maybe_unused]] const Velocity* b) const {
+        auto sum = add_dot(dot(linear, a.linear), angular, a.angular);
+        if constexpr (pairs)
+            if (b != nullptr) sum = add_dot(add_dot(sum, linear_b, b->linear), angular_b, b->angular);
         return C::speed(sum);
     }
-    TUMBLE_INLINE static void push(const Row& row, Speed impulse, Motion& a, [[maybe_unused]] Motion* b) {
-        add(a.linear, row.linear, impulse);
-        add(a.angular, row.angular, impulse);
-        if constexpr (features.pairs) {
+    TUMBLE_INLINE void push(Speed by, Velocity& a, [[maybe_unused]] Velocity* b) const {
+        add(a.linear, linear, by);
+        add(a.angular, angular, by);
+        if constexpr (pairs) {
             if (b != nullptr) {
-                add(b->linear, row.linear_b, impulse);
-                add(b->angular, row.angular_b, impulse);
+                add(b->linear, linear_b, by);
+                add(b->angular, angular_b, by);
             }
         }
     }
-
-    // One visit of a point. Raises `most` to the largest change of an impulse.
-    static void visit(const Pair& pair, Point& point, Motion& a, Motion* b, Speed& most) {
-        Speed pushed = point.pushed[0] + (point.target - velocity(point.row[0], a, b));
-        if (pushed < Speed{}) pushed = Speed{};
-        note(pushed - point.pushed[0], most);
-        give(point, 0, pushed, a, b);
-        if constexpr (features.friction) {
-            if (pair.rubs) rub(pair, point, a, b, most);
-        }
-    }
-
-private:
-    // Coulomb's cone. The impulse stops the point along both tangents. Where that takes more than friction times the
-    // normal impulse, the point slips: both tangents take steps in proportion to their velocities, and the sum is
-    // scaled back to the cone. Once this changes nothing any more, friction is opposite to the slip.
-    static void rub(const Pair& pair, Point& point, Motion& a, Motion* b, Speed& most) {
-        const Speed limit = C::times_friction(pair.friction, product(point.pushed[0], point.row[0].inverse));
-        const Speed before[2] = {point.pushed[1], point.pushed[2]};
-        Speed wanted[2];
-        for (int k = 0; k < 2; ++k) give(point, 1 + k, before[k] - slip(point, k, a, b), a, b);
-        if (square(point, point.pushed[1], point.pushed[2]) > mul(limit, limit)) {
-            for (int k = 0; k < 2; ++k) give(point, 1 + k, before[k], a, b);
-            const Unit least =
-                point.row[1].inverse < point.row[2].inverse ? point.row[1].inverse : point.row[2].inverse;
-            for (int k = 0; k < 2; ++k) {
-                const Unit inverse = point.row[1 + k].inverse;
-                Speed step = slip(point, k, a, b);
-                if (inverse > least) step = C::over_square(product(product(step, least), least), inverse);
-                wanted[k] = before[k] - step;
-            }
-            const auto squares = square(point, wanted[0], wanted[1]);
-            if (squares > mul(limit, limit)) {
-                const Unit share = C::share(limit, squares);
-                for (Speed& w : wanted) w = product(w, share);
-            }
-            for (int k = 0; k < 2; ++k) give(point, 1 + k, wanted[k], a, b);
-        }
-        for (int k = 0; k < 2; ++k) note(point.pushed[1 + k] - before[k], most);
-    }
-    [[nodiscard]] static Speed slip(const Point& point, int k, const Motion& a, const Motion* b) {
-        return velocity(point.row[1 + k], a, b) - surface(point, 1 + k);
-    }
-    // Of the tangential impulse.
-    [[nodiscard]] static auto square(const Point& point, Speed first, Speed second) {
-        const Speed x = product(first, point.row[1].inverse), y = product(second, point.row[2].inverse);
-        return mul_add(mul(x, x), y, y);
-    }
-
-    [[nodiscard]] static Speed surface([[maybe_unused]] const Point& point, [[maybe_unused]] int k) {
-        if constexpr (features.turntables) return point.carried[k];
-        else return Speed{};
-    }
-    TUMBLE_INLINE static void give(Point& point, int k, Speed pushed, Motion& a, Motion* b) {
-        const Speed change = pushed - point.pushed[k];
+    // Changes the impulse to this value.
+    TUMBLE_INLINE void change_to(Speed wanted, Velocity& a, Velocity* b) {
+        const Speed change = wanted - impulse;
         if (change == Speed{}) return;
-        point.pushed[k] = pushed;
-        push(point.row[k], change, a, b);
+        impulse = wanted;
+        push(change, a, b);
     }
+    // Velocity along the row above its target.
+    [[nodiscard]] TUMBLE_INLINE Speed excess(const Velocity& a, const Velocity* b) const {
+        return velocity(a, b) - target;
+    }
+    // One visit: the impulse that makes the target velocity, at least `lower`. Raises `most` to the size of its change.
+    TUMBLE_INLINE void visit(Speed lower, Velocity& a, Velocity* b, Speed& most) {
+        Speed wanted = impulse + (target - velocity(a, b));
+        if (wanted < lower) wanted = lower;
+        note(wanted - impulse, most);
+        change_to(wanted, a, b);
+    }
+
+    // Raises `most` to the size of a change.
     TUMBLE_INLINE static void note(Speed change, Speed& most) {
         const Speed size = magnitude_of(change);
         if (size > most) most = size;
@@ -167,10 +90,12 @@ private:
         return {C::product(v.x(), s), C::product(v.y(), s), C::product(v.z(), s)};
     }
     [[nodiscard]] TUMBLE_INLINE static Speed product(Speed s, Unit u) { return narrow<Speed>(mul(s, u)); }
-    [[nodiscard]] static Vec3<typename C::Lever> levers(const CollisionShape<N>& shape, const Vec3<Length>& arm,
-                                                        const Vec3<Unit>& direction) {
-        const Vec3<Length> c = cross<Length>(arm, direction);
-        return {shape.per_gyration[0](c.x()), shape.per_gyration[1](c.y()), shape.per_gyration[2](c.z())};
+
+private:
+    void set_scaled(const Vec3<Unit>& direction, const Vec3<Lever>& lever, Unit scale) {
+        inverse = scale;
+        linear = times(direction, inverse);
+        angular = {C::unit(lever.x(), inverse), C::unit(lever.y(), inverse), C::unit(lever.z(), inverse)};
     }
     [[nodiscard]] TUMBLE_INLINE static auto add_dot(auto sum, const Vec3<Unit>& row, const Vec3<Speed>& v) {
         return mul_add(mul_add(mul_add(sum, row.x(), v.x()), row.y(), v.y()), row.z(), v.z());

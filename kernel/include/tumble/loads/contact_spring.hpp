@@ -131,7 +131,7 @@ private:
                 continue;
             }
             const Axes<N> axes = Axes<N>::of(body.stage->q_wb);
-            FoundPoints<N> found;
+            Manifold<N> found;
             const Length centre = shape_.scale().length(height);
             PlaneView<N, features>{shape, axes, plane.normal, centre}.find(found, band());
             // m: what is left of the centre's height where a length ends.
@@ -168,7 +168,7 @@ private:
             };
             with_contact<features>(both, make, [&](const auto& contact, const auto& view, bool reversed) {
                 if (contact.gap > band()) return;
-                FoundPoints<N> found;
+                Manifold<N> found;
                 contact.find(view, found, band());
                 const WorkVec3<N> normal = work_unit<N>(contact.normal);
                 if (reversed) push_all(found, Work(0), b, &a, index_b, index_a, normal, bodies);
@@ -181,10 +181,10 @@ private:
     [[nodiscard]] Length band() const { return has_barrier_ ? C::longest() : Length{}; }
 
     // `rest` is added to the gap of every point, m.
-    void push_all(const FoundPoints<N>& found, Work rest, Loaded& a, Loaded* b, int index_a, int index_b,
+    void push_all(const Manifold<N>& found, Work rest, Loaded& a, Loaded* b, int index_a, int index_b,
                   const WorkVec3<N>& normal, Bodies& bodies) const {
         for (int i = 0; i < found.count; ++i) {
-            const FoundPoint<N>& point = found.point[i];
+            const ManifoldPoint<N>& point = found.point[i];
             WorkVec3<N> arm, arm_b;
             for (int k = 0; k < 3; ++k) {
                 arm[k] = shape_.scale().metres(point.arm[k]);

@@ -85,7 +85,7 @@ public:
     BoxBox(const PairView<N>& view, const BoxAxis& found, const Vec3<Unit>& along, Length apart)
         : normal{along}, gap{apart}, axis{found}, axes_{view.a.axes(view.axes_a), view.b.axes(view.axes_b)} {}
 
-    void find(const PairView<N>& view, FoundPoints<N>& found, Length band) const {
+    void find(const PairView<N>& view, Manifold<N>& found, Length band) const {
         if (axis.index >= 6) find_on_edges(view, found);
         else find_on_faces(view, found, band);
     }
@@ -102,7 +102,7 @@ private:
 
     // Clips the incident face (of the other box, the one that points most against the normal of the reference face)
     // against the sides of the reference face. Both bodies get the same points: those of the incident face.
-    void find_on_faces(const PairView<N>& view, FoundPoints<N>& found, Length band) const {
+    void find_on_faces(const PairView<N>& view, Manifold<N>& found, Length band) const {
         const int side = axis.index < 3 ? 0 : 1, other = 1 - side, face = axis.index % 3, iu = (face + 1) % 3,
                   iv = (face + 2) % 3;
         const Axes<N>&axes = axes_[side], &incident = axes_[other];
@@ -208,7 +208,7 @@ private:
     }
 
     // The point on a's edge that is nearest to the line of b's edge.
-    void find_on_edges(const PairView<N>& view, FoundPoints<N>& found) const {
+    void find_on_edges(const PairView<N>& view, Manifold<N>& found) const {
         const int i = (axis.index - 6) / 3, j = (axis.index - 6) % 3;
         const Vec3<Unit> na = axes_[0].to_body(normal), nb = axes_[1].to_body(normal);
         Vec3<Length> on_a, on_b;

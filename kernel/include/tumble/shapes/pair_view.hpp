@@ -1,7 +1,7 @@
 // Two shapes at their places: the position of one body relative to another, and their separation along a direction.
 #pragma once
 
-#include <tumble/shapes/points.hpp>
+#include <tumble/shapes/manifold.hpp>
 #include <tumble/shapes/shape.hpp>
 
 namespace tumble {

@@ -4,7 +4,7 @@
 #pragma once
 
 #include <tumble/scene.hpp>
-#include <tumble/shapes/points.hpp>
+#include <tumble/shapes/manifold.hpp>
 #include <tumble/shapes/shape.hpp>
 
 namespace tumble {
@@ -47,7 +47,7 @@ public:
     }
 
     // The points that are not higher than `band`.
-    void find(FoundPoints<N>& found, Length band) const {
+    void find(Manifold<N>& found, Length band) const {
         const auto add = [&](Length gap, const Vec3<Length>& arm) {
             if (!(gap > band)) found.add_lowest({arm, Vec3<Length>::Constant(Length{}), gap});
         };

@@ -24,7 +24,7 @@ struct SphereSphere {
         gap = narrow<Length>(dot(normal, view.reach)) - view.a.half.x() - view.b.half.x();
     }
     // Both bodies get the same point, that of b, so that the impulses are equal and opposite.
-    void find(const PairView<N>& view, FoundPoints<N>& found, Length) const {
+    void find(const PairView<N>& view, Manifold<N>& found, Length) const {
         found.add() = {along(view.axes_a.to_body(normal), -(view.a.half.x() + gap)),
                        along(view.axes_b.to_body(normal), view.b.half.x()), gap};
     }
@@ -73,7 +73,7 @@ struct SphereBox {
         }
         normal = axes.to_world(n);
     }
-    void find(const PairView<N>& view, FoundPoints<N>& found, Length) const {
+    void find(const PairView<N>& view, Manifold<N>& found, Length) const {
         found.add() = {along(view.axes_a.to_body(normal), -(view.a.half.x() + gap)), view.b.principal(nearest), gap};
     }
 };

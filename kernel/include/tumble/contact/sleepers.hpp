@@ -2,7 +2,7 @@
 // for long enough. A step does not visit sleeping bodies; they keep their place.
 #pragma once
 
-#include <tumble/contact/solver.hpp>
+#include <tumble/body/bodies.hpp>
 
 namespace tumble {
 

@@ -11,7 +11,7 @@ inline constexpr int max_points = 4;  // of a pair
 
 // A contact point: its place from the centre of mass of each body, in that body's principal axes.
 template <class N>
-struct FoundPoint {
+struct ManifoldPoint {
     using Length = typename ContactNumbers<N>::Length;
     Vec3<Length> arm, arm_b;
     Length gap;
@@ -19,12 +19,12 @@ struct FoundPoint {
 
 // The lowest of the points that are added, at most as many as a pair has.
 template <class N>
-struct FoundPoints {
-    FoundPoint<N> point[contact::max_points];
+struct Manifold {
+    ManifoldPoint<N> point[contact::max_points];
     int count = 0;
 
-    [[nodiscard]] FoundPoint<N>& add() { return point[count++]; }
-    void add_lowest(const FoundPoint<N>& p) {
+    [[nodiscard]] ManifoldPoint<N>& add() { return point[count++]; }
+    void add_lowest(const ManifoldPoint<N>& p) {
         if (count < contact::max_points) {
             point[count++] = p;
             return;

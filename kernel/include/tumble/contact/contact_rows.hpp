@@ -1,0 +1,193 @@
+// The rows of an island's contact points, and what a length, a speed and a surface are along them.
+#pragma once
+
+#include <tumble/contact/pair_list.hpp>
+#include <tumble/contact/solver.hpp>
+#include <tumble/contact/velocities.hpp>
+
+namespace tumble {
+
+template <class N, Spin spin, Features features>
+class ContactRows {
+public:
+    using C = ContactNumbers<N>;
+    using Unit = typename C::Unit;
+    using Length = typename C::Length;
+    using Speed = typename C::Speed;
+    using Work = typename N::Work;
+    using NarrowPhase = tumble::NarrowPhase<N, spin, features>;
+    using Bodies = typename NarrowPhase::Bodies;
+    using Pair = typename NarrowPhase::Pair;
+    using Point = typename NarrowPhase::Point;
+    using PairList = tumble::PairList<N, features>;
+    using Island = tumble::Island<features.bodies>;
+    using Velocities = SolverVelocities<N, spin, features>;
+    using Velocity = WeightedVelocity<N>;
+    using Kicks = typename Velocities::Kicks;
+    using Solver = tumble::Solver<N, features.pairs, features.friction>;
+
+    ContactRows(const NarrowPhase& shapes, PairList& pairs, Velocities& velocities, Bodies& bodies,
+                const Island& island)
+        : shapes_{shapes}, pairs_{pairs}, velocities_{velocities}, bodies_{bodies}, island_{island} {}
+
+    // Sets the velocities of the island's bodies, with `part` of the loads' change; `whole`: all of it.
+    void set_velocities(const Kicks& loads, Work part, bool whole) {
+        velocities_.set_scale(bodies_, shapes_, island_.group, loads);
+        make_room_for_surfaces();
+        velocities_.set(bodies_, shapes_, island_.group, loads, part, whole);
+    }
+    // Makes the rows of a pair's points anew where these or the bodies have moved.
+    void make_rows(Pair& pair) {
+        bool hold = true;
+        for (int i = 0; i < pair.count; ++i) hold = hold && pair.point[i].rows_hold;
+        if (!hold) {
+            const Directions directions{pair, shapes_.axes(pair.a), pair.moves_b() ? &shapes_.axes(pair.b) : nullptr};
+            for (int i = 0; i < pair.count; ++i) {
+                Point& point = pair.point[i];
+                if (point.rows_hold) continue;
+                for (int k = 0; k < rows(pair); ++k) set_row(point, directions, k, pair);
+                point.rows_hold = true;
+            }
+        }
+        if constexpr (features.turntables && features.friction) {
+            for (int i = 0; i < pair.count; ++i)
+                for (int k = 1; k < rows(pair); ++k) {
+                    auto& row = pair.point[i].row[k];
+                    row.target =
+                        narrow<Speed>(mul(velocities_.scale.speed(surface_speed(pair, pair.point[i], k)), row.inverse));
+                }
+        }
+    }
+    [[nodiscard]] static int rows([[maybe_unused]] const Pair& pair) {
+        if constexpr (features.friction) return pair.has_friction ? 3 : 1;
+        else return 1;
+    }
+
+    // The rows of a point, with the velocities that their impulses change.
+    [[nodiscard]] typename Solver::Block block(Pair& pair, Point& point) {
+        return {point.row, rows(pair), pair.friction, velocities_.now[pair.a],
+                pair.moves_b() ? &velocities_.now[pair.b] : nullptr};
+    }
+    // Along the normal of a point.
+    [[nodiscard]] Speed velocity(const Velocity (&of)[features.bodies], const Pair& pair, const Point& point) const {
+        return point.row[0].velocity(of[pair.a], pair.moves_b() ? &of[pair.b] : nullptr);
+    }
+    // A length per step along the pair's normal, as a speed along the point's row.
+    [[nodiscard]] Speed speed(const Pair& pair, const Point& point, Length per_step) const {
+        return narrow<Speed>(
+            mul(velocities_.scale.speed(per_step, pair.weight, shapes_.scale()), point.row[0].inverse));
+    }
+    // A length in m per step along the pair's normal, as a speed of the pair.
+    [[nodiscard]] Speed pair_speed(const Pair& pair, Work per_step) const {
+        return velocities_.scale.speed(per_step * pair.weight);
+    }
+    [[nodiscard]] static Speed along(const Point& point, Speed of_pair) {
+        return narrow<Speed>(mul(of_pair, point.row[0].inverse));
+    }
+
+    // Solves all points that take part by sweeps.
+    void sweep(Speed enough, int bound) {
+        Solver::sweep(
+            [&](auto&& f) {
+                pairs_.for_each_active(island_, [&](Pair& pair, Point& point) { f(block(pair, point)); });
+            },
+            enough, bound);
+    }
+    // Applies the impulses of all points that take part.
+    void push_all() {
+        pairs_.for_each_active(island_, [&](Pair& pair, Point& point) { Solver::push(block(pair, point)); });
+    }
+    static void clear_impulses(Point& point) {
+        for (auto& row : point.row) row.impulse = Speed{};
+    }
+
+private:
+    // The directions of a pair's rows, in the principal axes of its bodies, times the bodies' shares of the motion.
+    struct Directions {
+        Vec3<Unit> linear[Point::directions], angular[Point::directions];
+        [[no_unique_address]] If<features.pairs, Vec3<Unit>[Point::directions], 0> linear_b;
+        [[no_unique_address]] If<features.pairs, Vec3<Unit>[Point::directions], 1> angular_b;
+        bool moves_b = false;
+
+        Directions(const Pair& pair, const Axes<N>& axes, [[maybe_unused]] const Axes<N>* axes_b) {
+            using Row = tumble::Row<N, features.pairs>;
+            for (int k = 0; k < rows(pair); ++k) {
+                const Vec3<Unit>& direction = k == 0 ? pair.normal : pair.tangent[k - 1];
+                if constexpr (features.pairs) {
+                    if (axes_b != nullptr) {
+                        moves_b = true;
+                        linear[k] = Row::times(direction, pair.share_a);
+                        linear_b[k] = Row::times(direction, pair.share_b);
+                        angular[k] = axes.to_body(linear[k]);
+                        angular_b[k] = axes_b->to_body(linear_b[k]);
+                        continue;
+                    }
+                }
+                linear[k] = direction;
+                angular[k] = axes.to_body(direction);
+            }
+        }
+    };
+    void set_row(Point& point, const Directions& directions, int k, const Pair& pair) const {
+        const auto lever = levers(shapes_.shape(pair.a), point.arm, directions.angular[k]);
+        if constexpr (features.pairs) {
+            if (directions.moves_b) {
+                point.row[k].set(directions.linear[k], lever, directions.linear_b[k],
+                                 levers(shapes_.shape(pair.b), point.arm_b, directions.angular_b[k]));
+                return;
+            }
+        }
+        point.row[k].set(directions.linear[k], lever);
+    }
+    [[nodiscard]] static Vec3<typename C::Lever> levers(const CollisionShape<N>& shape, const Vec3<Length>& arm,
+                                                        const Vec3<Unit>& direction) {
+        const Vec3<Length> c = cross<Length>(arm, direction);
+        return {shape.per_gyration[0](c.x()), shape.per_gyration[1](c.y()), shape.per_gyration[2](c.z())};
+    }
+
+    // The surface of a fixed body that turns may be much faster than the bodies.
+    void make_room_for_surfaces() {
+        if constexpr (N::fixed_point && features.turntables && features.pairs && features.friction)
+            pairs_.for_each(island_, [&](const Pair& pair) {
+                if (!pair.on_turntable) return;
+                // Along a unit direction, turn x arm is below four times the product of the largest components. Most
+                // surfaces are so slow that this bound suffices.
+                int log2 = -1000;  // of no turn
+                for (int i = 0; i < 3; ++i) {
+                    const Work turn = bodies_.turn(pair.b, i);
+                    if (!turn.is_zero() && turn.exponent() > log2) log2 = turn.exponent();
+                }
+                log2 += pair.weight.exponent() + 2 * 31 + 2;
+                for (int i = 0; i < pair.count; ++i) {
+                    if (velocities_.scale.holds(log2 + shapes_.scale().log2(pair.point[i].arm_b))) continue;
+                    for (int k = 1; k < rows(pair); ++k)
+                        velocities_.scale.make_room(surface_speed(pair, pair.point[i], k));
+                }
+            });
+    }
+    // The velocity of a turning fixed body's surface along direction k of a point, as a speed of the pair.
+    [[nodiscard]] Work surface_speed([[maybe_unused]] const Pair& pair, [[maybe_unused]] const Point& point,
+                                     [[maybe_unused]] int k) const {
+        if constexpr (features.turntables && features.pairs && features.friction) {
+            if (!pair.on_turntable) return Work(0);
+            const int b = pair.b;
+            WorkVec3<N> turn, arm, direction;
+            const Vec3<Unit> direction_b = shapes_.axes(b).to_body(pair.tangent[k - 1]);
+            for (int i = 0; i < 3; ++i) {
+                turn[i] = bodies_.turn(b, i);
+                arm[i] = shapes_.scale().metres(point.arm_b[i]);
+                direction[i] = N::work(direction_b[i]);
+            }
+            return dot(cross<Work>(turn, arm), direction) * pair.weight;
+        }
+        return Work(0);
+    }
+
+    const NarrowPhase& shapes_;
+    PairList& pairs_;
+    Velocities& velocities_;
+    Bodies& bodies_;
+    const Island& island_;
+};
+
+}  // namespace tumble

@@ -1,0 +1,32 @@
+// What contacts keep from step to step.
+#pragma once
+
+#include <tumble/contact/broad_phase.hpp>
+#include <tumble/contact/kicks.hpp>
+#include <tumble/contact/marks.hpp>
+#include <tumble/contact/sleepers.hpp>
+#include <tumble/contact/velocities.hpp>
+
+namespace tumble {
+
+template <class N, Spin spin, Features features>
+struct ContactState {
+    using Work = typename N::Work;
+
+    ContactState(Real step, const ContactSpec& spec)
+        : shapes{step, spec}, sleepers{step, spec.sleep}, threshold{N::template constant<Work>(
+                                                              spec.restitution_threshold * step)} {}
+
+    NarrowPhase<N, spin, features> shapes;
+    PairList<N, features> pairs{};
+    ClearTimes<features> times{};
+    Sleepers<N, spin, features> sleepers;
+    Marks<features.bodies> marks{};
+    Work threshold;  // of restitution, m a step
+    // While an island is solved.
+    SolverVelocities<N, spin, features> velocities{};
+    Kicks<N, features.bodies> loads{};   // by gravity and loads over the whole step
+    Kicks<N, features.bodies> forces{};  // by the contacts over the rest of the step
+};
+
+}  // namespace tumble

@@ -1,0 +1,224 @@
+// The contacts of a world by impulses. They own their step: the broad phase finds the pairs that may touch, bodies that
+// can touch nothing fly freely, the others step in islands, and islands that rest fall asleep (CONTACTS.md has the
+// stages). `Advance` moves the bodies; what is compiled for each method is here, and the islands' step is not.
+#pragma once
+
+#include <tumble/contact/island_step.hpp>
+
+namespace tumble {
+
+template <class N, Spin spin, Features features>
+class Contacts {
+public:
+    using Bodies = typename NarrowPhase<N, spin, features>::Bodies;
+    using BodyGroup = tumble::BodyGroup<features.bodies>;
+    using Work = typename N::Work;
+
+    Contacts(Real step, const ContactSpec& spec) : state_{step, spec} {}
+
+    // Gravity's change of drift in a step, m.
+    void set_gravity(const RealVec3& change) { state_.shapes.set_gravity(change); }
+    // Adds a plane; false when there is no room.
+    bool add(const PlaneSpec& spec) { return state_.shapes.add(spec); }
+    // Adds a body at its place.
+    void add(int b, const BodySpec& spec, const PrincipalInertia& inertia, const SpinUnits<N, spin>& units) {
+        set_shape(b, spec, inertia, units);
+        if (!spec.fixed) state_.sleepers.add(b);
+    }
+    // Leaves the place without a body: `nobody` has no shape.
+    void remove(int b, const BodySpec& nobody, const PrincipalInertia& inertia, const SpinUnits<N, spin>& units) {
+        set_shape(b, nobody, inertia, units);
+        state_.sleepers.remove(b);
+    }
+
+    [[nodiscard]] int plane_count() const { return state_.shapes.plane_count(); }
+    // Near pairs.
+    [[nodiscard]] int pair_count() const { return state_.pairs.count(); }
+    // Contact points of the body in the last step.
+    [[nodiscard]] int points_of(int b) const { return state_.pairs.points_of(b); }
+    [[nodiscard]] bool is_asleep(int b) const { return state_.sleepers.is_asleep(b); }
+    // m: the band in which bodies touch, and the depth at which a step is redone.
+    [[nodiscard]] Work tolerance() const { return state_.shapes.scale().metres(state_.shapes.tolerance()); }
+
+    // Call where the body's motion changes other than by a step: ends the bounds on the time to contact of the body and
+    // of all that it may push, and wakes it.
+    template <class Advance>
+    void disturb(const Advance& advance, int b) {
+        const std::uint32_t now = advance.bodies.steps_taken;
+        end_times(b, now);
+        for (int other = 0; state_.pairs.is_near(b) && other < features.bodies; ++other)
+            if (state_.pairs.is_near(other)) end_times(other, now);
+        wake(advance, b);
+    }
+    // Removes the pairs of a body that is elsewhere now. They are found anew.
+    void forget_pairs_of(int b) { state_.pairs.forget_pairs_of(b); }
+    // Wakes the body and all sleeping bodies that touch it, directly or through others.
+    template <class Advance>
+    void wake([[maybe_unused]] const Advance& advance, [[maybe_unused]] int b) {
+        if constexpr (features.sleep)
+            if (state_.sleepers.is_asleep(b)) wake_all_with(advance, b);
+    }
+
+    // One step of a world with contacts. Bodies that can touch nothing in this step fly freely. The others advance
+    // together with the bodies that they may touch.
+    template <class Advance>
+    void step(Advance& advance, const StepInfo<N>& info) {
+        auto& [shapes, pairs, times, sleepers, marks, threshold, velocities, loads, forces] = state_;
+        if constexpr (features.turntables) {
+            for (int b = 0; b < advance.bodies.count; ++b)
+                if (advance.bodies.constants[b].fixed) advance.step_fixed(b, info);
+        }
+        for (int k = 0; k < sleepers.awake_count(); ++k) marks[sleepers.awake(k)] = advance.mark(sleepers.awake(k));
+        // Waking appends to the list.
+        for (int k = 0; k < sleepers.awake_count(); ++k)
+            if (!times.is_clear(sleepers.awake(k), advance.bodies.steps_taken)) update(advance, sleepers.awake(k));
+        bool islands = false;
+        for (int k = 0; k < sleepers.awake_count(); ++k) {
+            const int b = sleepers.awake(k);
+            if (pairs.is_near(b) || marks[b].coupled) {
+                islands = true;
+            } else if (marks[b].loaded) {
+                if constexpr (Advance::has_loads) advance.alone(b, info);
+            } else {
+                advance.free_body(b, info);
+            }
+        }
+        if (islands) [[unlikely]]
+            step_islands(advance, info);
+    }
+
+    // Writes or reads what a snapshot holds.
+    template <class Self, class Archive>
+    static void archive(Self& self, const Bodies& bodies, Archive& to) {
+        auto& state = self.state_;
+        NarrowPhase<N, spin, features>::archive(state.shapes, to);
+        to(state.times);
+        PairList<N, features>::archive(state.pairs, to, [&](auto& pair) { state.shapes.set_up(pair, bodies); });
+        to(state.sleepers);
+    }
+    // Call after archive() has read: asks of all bodies what acts on them.
+    template <class Advance>
+    void mark_all(const Advance& advance) {
+        for (int b = 0; b < advance.bodies.count; ++b) state_.marks[b] = advance.mark(b);
+    }
+
+private:
+    using Schedule = tumble::Schedule<features.bodies>;
+    using Broad = BroadPhase<N, spin, features>;
+
+    void set_shape(int b, const BodySpec& spec, const PrincipalInertia& inertia, const SpinUnits<N, spin>& units) {
+        if (state_.shapes.set_shape(b, spec, inertia, units)) state_.pairs.forget_all();
+        state_.pairs.forget_points_of(b);
+    }
+    void end_times(int b, std::uint32_t now) { state_.times.end(b, state_.shapes.plane_count(), now); }
+    template <class Advance>
+    [[gnu::noinline]] void update(Advance& advance, int b) {
+        BodyGroup wakes;
+        Broad{state_.shapes, state_.pairs, state_.times, advance.bodies}.update(b, state_.marks, state_.sleepers,
+                                                                                wakes);
+        wake(advance, wakes);
+    }
+    template <class Advance>
+    void wake(const Advance& advance, const BodyGroup& group) {
+        for (int k = 0; k < group.count; ++k) wake(advance, group.id[k]);
+    }
+    // Depth first, without recursion. Out of line, because it is rare.
+    template <class Advance>
+    [[gnu::noinline]] void wake_all_with(const Advance& advance, int b) requires(features.sleep) {
+        // The path from b to the body that woke last, from neighbour to neighbour.
+        BodyGroup path;
+        int next = b;
+        do {
+            if (next >= 0) {
+                state_.sleepers.wake(next);
+                end_times(next, advance.bodies.steps_taken);
+                path.add(next);
+            } else {
+                --path.count;
+            }
+            next = path.count > 0 ? sleeping_neighbour(advance, path.id[path.count - 1]) : -1;
+        } while (path.count > 0);
+    }
+    // The first sleeping body that touches b or is coupled to it; -1 if there is none.
+    template <class Advance>
+    [[nodiscard]] int sleeping_neighbour(const Advance& advance, int b) const requires(features.sleep) {
+        int found = -1;
+        const auto look = [&](int other) {
+            if (found < 0 && state_.sleepers.is_asleep(other)) found = other;
+        };
+        state_.pairs.for_each_touching([&](int p, int q) {
+            if (p == b) look(q);
+            if (q == b) look(p);
+        });
+        if constexpr (Advance::has_loads) advance.loads.for_each_coupled(advance.bodies, b, look);
+        return found;
+    }
+
+    // Connects the bodies that do not fly freely to islands. A body that wakes or comes near something in this step
+    // joins in the next.
+    void connect(Schedule& schedule, Bodies& bodies) {
+        schedule.islands.clear(bodies.count);
+        int coupled = -1;
+        for (int k = 0; k < state_.sleepers.awake_count(); ++k) {
+            const int b = state_.sleepers.awake(k);
+            const bool is_coupled = state_.marks[b].coupled;
+            schedule.joins[b] = state_.pairs.is_near(b) || is_coupled;
+            if (!is_coupled) continue;
+            if (coupled >= 0) schedule.islands.connect(coupled, b);
+            coupled = b;
+        }
+        Broad{state_.shapes, state_.pairs, state_.times, bodies}.connect(schedule.islands, state_.sleepers);
+    }
+    template <class Advance>
+    [[gnu::noinline]] void step_islands(Advance& advance, const StepInfo<N>& info) {
+        Schedule schedule;
+        connect(schedule, advance.bodies);
+        struct Asked {
+            Advance& advance;
+            const StepInfo<N>& info;
+            const Marks<features.bodies>& marks;
+        } asked{advance, info, state_.marks};
+        const Mover<N, features.bodies> mover{&asked,
+                                              [](void* to, const Flight<N, features.bodies>& flight) {
+                                                  Asked& method = *static_cast<Asked*>(to);
+                                                  method.advance.move(flight, method.info, method.marks);
+                                              },
+                                              Advance::Integrator::coasting};
+        // Sleep changes the list of awake bodies, so it waits until all islands have flown.
+        BodyGroup to_sleep;
+        for (int root = 0; root < advance.bodies.count; ++root) {
+            if (!schedule.joins[root] || schedule.islands.root(root) != root) continue;
+            BodyGroup group;
+            for (int b = root; b < advance.bodies.count; ++b)
+                if (schedule.joins[b] && schedule.islands.root(b) == root) group.add(b);
+            Island<features.bodies> island{group, root, state_.pairs.link(schedule.islands, root)};
+            if (island.first_pair < 0) advance.portion(group, info, {});
+            else IslandStep<N, spin, features>{state_, schedule, advance.bodies, island, mover}.take();
+            advance.check_range(group);
+            if constexpr (features.sleep) {
+                if (state_.sleepers.may_sleep(advance.bodies, group, rests(island)))
+                    for (int k = 0; k < group.count; ++k) to_sleep.add(group.id[k]);
+            }
+        }
+        wake(advance, schedule.wakes);
+        if constexpr (features.sleep) {
+            for (int k = 0; k < to_sleep.count; ++k) {
+                state_.sleepers.put_to_sleep(advance.bodies, to_sleep.id[k]);
+                advance.spin_changed(to_sleep.id[k]);
+            }
+        }
+    }
+    // True where the island touches something, and touches no fixed body that turns.
+    [[nodiscard]] bool rests(const Island<features.bodies>& island) const {
+        bool any = false, on_turntable = false;
+        state_.pairs.for_each(island, [&](const auto& pair) {
+            any = any || pair.count > 0;
+            on_turntable = on_turntable || (pair.count > 0 && pair.on_turntable);
+        });
+        return any && !on_turntable;
+    }
+
+    ContactState<N, spin, features> state_;
+};
+
+}  // namespace tumble

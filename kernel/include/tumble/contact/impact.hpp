@@ -1,0 +1,149 @@
+// The impacts of an island at one moment.
+#pragma once
+
+#include <tumble/contact/contact_rows.hpp>
+
+namespace tumble {
+
+template <class N, Spin spin, Features features>
+class Impact {
+public:
+    using Rows = ContactRows<N, spin, features>;
+    using Bounds = ContactBounds<N>;
+    using Length = typename Rows::Length;
+    using Speed = typename Rows::Speed;
+    using Work = typename N::Work;
+    using NarrowPhase = typename Rows::NarrowPhase;
+    using Bodies = typename Rows::Bodies;
+    using Pair = typename Rows::Pair;
+    using Point = typename Rows::Point;
+    using PairList = typename Rows::PairList;
+    using Island = typename Rows::Island;
+    using Velocities = typename Rows::Velocities;
+    using Velocity = typename Rows::Velocity;
+    using Kicks = typename Rows::Kicks;
+
+    // threshold: m a step; slower approaches do not bounce.
+    Impact(const NarrowPhase& shapes, PairList& pairs, Velocities& velocities, Bodies& bodies, const Island& island,
+           Work threshold)
+        : shapes_{shapes}, pairs_{pairs}, velocities_{velocities}, bodies_{bodies}, island_{island},
+          rows_{shapes, pairs, velocities, bodies, island}, threshold_{threshold} {}
+
+    // Solves the impact of the island, of which the points have been found. With restitution, one pair after another
+    // bounces by itself, as an impact passes through a row of balls. Then all pairs together stop the points that still
+    // approach. With `stop` nothing bounces. `loads`: over a whole step.
+    void resolve(Kicks& loads, bool stop) {
+        rows_.set_velocities(loads, Work(1), true);
+        int active = 0;
+        const Length hit = Bounds::largest_impact_gap(shapes_.tolerance());
+        pairs_.for_each(island_, [&](Pair& pair) {
+            // The impact leaves out pairs with a larger gap.
+            pair.touched = pair.count > 0 && !(pair.gap > hit);
+            for (int i = 0; i < pair.count; ++i) pair.point[i].active = pair.touched;
+            if (!pair.touched) return;
+            pair.scale = velocities_.scale;
+            rows_.make_rows(pair);
+            for (int i = 0; i < pair.count; ++i) {
+                Point& point = pair.point[i];
+                point.loads = magnitude_of(rows_.velocity(velocities_.now, pair, point) -
+                                           rows_.velocity(velocities_.start, pair, point));
+                ++active;
+            }
+        });
+        if (active == 0) return;
+        copy(velocities_.now, velocities_.start);
+        bool bounced = !stop;
+        for (int round = 0; bounced && round < contact::max_rounds; ++round) {
+            bounced = false;
+            pairs_.for_each(island_, [&](Pair& pair) {
+                if (pair.touched && collide(pair)) bounced = true;
+            });
+        }
+        if (bounced || stop) [[unlikely]]
+            report_cut_off();
+        pairs_.for_each_active(island_, [&](const Pair& pair, Point& point) {
+            point.row[0].target = target_of_gap(pair, point);
+            Rows::clear_impulses(point);
+        });
+        copy(velocities_.loaded, velocities_.now);
+        rows_.sweep(velocities_.scale.enough_in_impact(), contact::max_impact_sweeps);
+        // Each impulse is applied once, not in one part per sweep: this rounds less.
+        copy(velocities_.now, velocities_.loaded);
+        rows_.push_all();
+        velocities_.add_to(bodies_, loads, shapes_, island_.group);
+        pairs_.count_points(island_);
+        // The impulses of an impact are no warm start for the forces of the next step.
+        pairs_.for_each_active(island_, [&](Pair&, Point& point) { Rows::clear_impulses(point); });
+    }
+
+private:
+    void copy(Velocity (&to)[features.bodies], const Velocity (&from)[features.bodies]) {
+        for (int k = 0; k < island_.group.count; ++k) to[island_.group.id[k]] = from[island_.group.id[k]];
+    }
+    // The least velocity of a point that does not bounce: one above the surface reaches it at the end of the step.
+    [[nodiscard]] Speed target_of_gap(const Pair& pair, const Point& point) const {
+        return point.gap > Length{} ? -rows_.speed(pair, point, point.gap) : Speed{};
+    }
+    // True of an approach that bounces: it is faster than the scene's threshold, and the bounce lasts long enough under
+    // the loads.
+    [[nodiscard]] bool bounces(const Pair& pair, const Point& point, Speed approach) const {
+        if (!(approach > velocities_.scale.enough_at_rest())) return false;
+        const Speed bounce = narrow<Speed>(mul(approach, pair.restitution));
+        if (!Bounds::bounce_lasts(bounce, point.loads)) return false;
+        if (!(threshold_ > Work(0))) return true;
+        return !(approach < Rows::along(point, rows_.pair_speed(pair, threshold_)));
+    }
+    // True if it is an error to leave out a bounce: it is faster than the change of speed by all loads in a step, and
+    // faster than a resting point, which is twice gravity's change. A slower bounce returns no faster than it left, and
+    // the forces of the next step then hold it: without the bounce the body comes to rest a few steps earlier. A pile
+    // that comes to rest has infinitely many such bounces in finite time, and a shorter step makes them no fewer.
+    [[nodiscard]] bool bounces_far(const Pair& pair, const Point& point) const {
+        const Speed approach = -rows_.velocity(velocities_.now, pair, point);
+        const Speed bounce = narrow<Speed>(mul(approach, pair.restitution));
+        return bounces(pair, point, approach) && bounce > point.loads &&
+               bounce > Rows::along(point, rows_.pair_speed(pair, shapes_.slow()));
+    }
+    [[gnu::noinline]] void report_cut_off() {
+        pairs_.for_each_active(island_, [&](const Pair& pair, const Point& point) {
+            if (bounces_far(pair, point)) bodies_.report(Issue::step_bound_hit, pair.a);
+        });
+    }
+    // Solves the impact of one pair by itself. False where no point of it bounces.
+    bool collide(Pair& pair) {
+        auto& now = velocities_.now;
+        bool any = false;
+        for (int i = 0; i < pair.count; ++i) {
+            const Point& point = pair.point[i];
+            any = any || bounces(pair, point, -rows_.velocity(now, pair, point));
+        }
+        if (!any) return false;
+        // Where one point bounces, all do: rounding must not turn a body that lands flat.
+        for (int i = 0; i < pair.count; ++i) {
+            Point& point = pair.point[i];
+            const Speed approach = -rows_.velocity(now, pair, point);
+            Rows::clear_impulses(point);
+            point.row[0].target =
+                approach > Speed{} ? narrow<Speed>(mul(approach, pair.restitution)) : target_of_gap(pair, point);
+        }
+        const Velocity a = now[pair.a], b = pair.moves_b() ? now[pair.b] : a;
+        for (int sweep = 0; sweep < contact::max_impact_sweeps; ++sweep) {
+            Speed most{};
+            for (int i = 0; i < pair.count; ++i) Rows::Solver::visit(rows_.block(pair, pair.point[i]), most);
+            if (!(most > velocities_.scale.enough_in_impact())) break;
+        }
+        now[pair.a] = a;
+        if (pair.moves_b()) now[pair.b] = b;
+        for (int i = 0; i < pair.count; ++i) Rows::Solver::push(rows_.block(pair, pair.point[i]));
+        return true;
+    }
+
+    const NarrowPhase& shapes_;
+    PairList& pairs_;
+    Velocities& velocities_;
+    Bodies& bodies_;
+    const Island& island_;
+    Rows rows_;
+    Work threshold_;
+};
+
+}  // namespace tumble

@@ -1,0 +1,119 @@
+// The weighted velocities of an island's bodies while its rows are solved, all in one scale.
+#pragma once
+
+#include <tumble/contact/kicks.hpp>
+#include <tumble/contact/narrow_phase.hpp>
+
+namespace tumble {
+
+template <class N, Spin spin, Features features>
+class SolverVelocities {
+public:
+    using C = ContactNumbers<N>;
+    using Speed = typename C::Speed;
+    using Work = typename N::Work;
+    using Velocity = WeightedVelocity<N>;
+    using NarrowPhase = tumble::NarrowPhase<N, spin, features>;
+    using Bodies = typename NarrowPhase::Bodies;
+    using BodyGroup = tumble::BodyGroup<features.bodies>;
+    using Kicks = tumble::Kicks<N, features.bodies>;
+
+    Velocity start[features.bodies]{};   // before the loads
+    Velocity loaded[features.bodies]{};  // before the impulses of the rows
+    Velocity now[features.bodies]{};     // with the impulses of the rows
+    typename C::SpeedScale scale{};
+
+    // Chooses the scale for these bodies and the changes of their motion by loads.
+    void set_scale(const Bodies& bodies, const NarrowPhase& shapes, const BodyGroup& group, const Kicks& loads) {
+        auto largest = C::nothing();
+        for_each_component(bodies, shapes, group, loads,
+                           [&](Speed&, Speed&, auto motion, auto load, int bits, Work weight) {
+                               const auto note = [&](auto size) {
+                                   if (size > largest) largest = size;
+                               };
+                               note(C::size(motion, bits, weight));
+                               note(C::size(load, bits, weight));
+                           });
+        // The root of the mass ratio, as a power of two. Several bodies need one bit more.
+        int heaviest = C::log2(shapes.shape(group.id[0]).root_mass), lightest = heaviest;
+        for (int k = 1; k < group.count; ++k) {
+            const int log2 = C::log2(shapes.shape(group.id[k]).root_mass);
+            if (log2 > heaviest) heaviest = log2;
+            if (log2 < lightest) lightest = log2;
+        }
+        scale = C::SpeedScale::of(largest, group.count, heaviest - lightest + (group.count > 1 ? 2 : 0));
+    }
+    // Sets the velocities in the scale: `start` as the bodies move, `loaded` and `now` with `part` of the change by
+    // loads; `whole`: all of it.
+    void set(const Bodies& bodies, const NarrowPhase& shapes, const BodyGroup& group, const Kicks& loads, Work part,
+             bool whole) {
+        const typename N::Unit fraction = whole ? C::one() : C::unit(part);
+        for_each_component(bodies, shapes, group, loads,
+                           [&](Speed& before, Speed& end, auto motion, auto load, int bits, Work weight) {
+                               before = scale.speed(motion, bits, weight);
+                               end = scale.speed(load, bits, weight);
+                               if (!whole) end = narrow<Speed>(mul(end, fraction));
+                               end += before;
+                           });
+        for (int k = 0; k < group.count; ++k) loaded[group.id[k]] = now[group.id[k]];
+    }
+    // Writes what the rows have changed as kicks. A change beyond the range is reported.
+    void write(Kicks& kicks, Bodies& bodies, const NarrowPhase& shapes, const BodyGroup& group) const {
+        for (int k = 0; k < group.count; ++k) {
+            const int b = group.id[k];
+            const CollisionShape<N>& shape = shapes.shape(b);
+            Kick<N>& kick = kicks[b];
+            bool within = true;
+            for (int i = 0; i < 3; ++i) {
+                kick.linear[i] = C::template as<typename N::DriftSum>(scale.sum(
+                    now[b].linear[i] - loaded[b].linear[i], C::drift_bits(bodies.scale), shape.per_root_mass, within));
+                kick.angular[i] = C::template as<typename N::TurnSum>(
+                    scale.sum(now[b].angular[i] - loaded[b].angular[i], C::turn_bits(bodies.spin_scale(b)),
+                              shape.per_weight[i], within));
+            }
+            if (!within) [[unlikely]]
+                bodies.report(Issue::range_left, b);
+        }
+    }
+    // Adds the change since `start` to the motion of the bodies. `loads` keep the scale of the spins.
+    void add_to(Bodies& bodies, Kicks& loads, const NarrowPhase& shapes, const BodyGroup& group) const {
+        for (int k = 0; k < group.count; ++k) {
+            const int b = group.id[k];
+            const CollisionShape<N>& shape = shapes.shape(b);
+            for (int i = 0; i < 3; ++i) {
+                const Speed linear = now[b].linear[i] - start[b].linear[i];
+                N::add_any(bodies.state[b].d_w[i], scale.work(linear) * shape.per_root_mass, bodies.scale);
+            }
+            const int halvings = bodies.halvings_of(b);
+            bodies.change_spin(b, [&](auto& t_b, typename N::Scale unit) {
+                for (int i = 0; i < 3; ++i) {
+                    const Speed angular = now[b].angular[i] - start[b].angular[i];
+                    N::add_any(t_b[i], scale.work(angular) * shape.per_weight[i], unit);
+                }
+            });
+            loads.rescale(b, bodies.halvings_of(b) - halvings);
+        }
+    }
+
+private:
+    // Calls f(start, with loads, the sum now, the loads' change, its fraction bits, its weight) for each component.
+    template <class F>
+    void for_each_component(const Bodies& bodies, const NarrowPhase& shapes, const BodyGroup& group, const Kicks& loads,
+                            F&& f) {
+        const int drift_bits = C::drift_bits(bodies.scale);
+        for (int k = 0; k < group.count; ++k) {
+            const int b = group.id[k];
+            const CollisionShape<N>& shape = shapes.shape(b);
+            const auto& s = bodies.state[b];
+            const int spin_bits = C::turn_bits(bodies.spin_scale(b));
+            for (int i = 0; i < 3; ++i) {
+                f(start[b].linear[i], now[b].linear[i], C::raw(N::sum(s.d_w[i])), C::raw(loads[b].linear[i]),
+                  drift_bits, shape.root_mass);
+                f(start[b].angular[i], now[b].angular[i], C::raw(N::sum(s.t_b[i])), C::raw(loads[b].angular[i]),
+                  spin_bits, shape.weight[i]);
+            }
+        }
+    }
+};
+
+}  // namespace tumble
