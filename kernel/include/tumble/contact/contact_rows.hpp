@@ -32,7 +32,7 @@ public:
 
     // Sets the velocities of the island's bodies, with `part` of the loads' change; `whole`: all of it.
     void set_velocities(const Kicks& loads, Work part, bool whole) {
-        velocities_.set_scale(bodies_, shapes_, island_.group, loads);
+        velocities_.set_scale(bodies_, shapes_, island_.group, loads, [&](int b) { return pairs_.pairs_of(b) > 1; });
         make_room_for_surfaces();
         velocities_.set(bodies_, shapes_, island_.group, loads, part, whole);
     }

@@ -27,6 +27,8 @@ public:
     [[nodiscard]] Pair& operator[](int i) { return pair_[i]; }
     // The pair of a body with a plane or another body has a place in the list.
     [[nodiscard]] TUMBLE_INLINE bool is_near(int b) const { return pairs_of_[b] != 0; }
+    // Near pairs of the body.
+    [[nodiscard]] int pairs_of(int b) const { return pairs_of_[b]; }
     // Contact points of the body in the last step.
     [[nodiscard]] int points_of(int b) const { return touching_[b]; }
 

@@ -23,8 +23,11 @@ public:
     Velocity now[features.bodies]{};     // with the impulses of the rows
     typename C::SpeedScale scale{};
 
-    // Chooses the scale for these bodies and the changes of their motion by loads.
-    void set_scale(const Bodies& bodies, const NarrowPhase& shapes, const BodyGroup& group, const Kicks& loads) {
+    // Chooses the scale for these bodies and the changes of their motion by loads. is_between(b): the body has several
+    // pairs.
+    template <class IsBetween>
+    void set_scale(const Bodies& bodies, const NarrowPhase& shapes, const BodyGroup& group, const Kicks& loads,
+                   IsBetween&& is_between) {
         auto largest = C::nothing();
         for_each_component(bodies, shapes, group, loads,
                            [&](Speed&, Speed&, auto motion, auto load, int bits, Work weight) {
@@ -34,12 +37,17 @@ public:
                                note(C::size(motion, bits, weight));
                                note(C::size(load, bits, weight));
                            });
-        // The root of the mass ratio, as a power of two. Several bodies need one bit more.
-        int heaviest = C::log2(shapes.shape(group.id[0]).root_mass), lightest = heaviest;
+        // The root of the mass ratio, as a power of two: a light body between a heavy one and another takes impulses
+        // that are larger than its velocities. Several bodies need one bit more.
+        int heaviest = C::log2(shapes.shape(group.id[0]).root_mass);
         for (int k = 1; k < group.count; ++k) {
             const int log2 = C::log2(shapes.shape(group.id[k]).root_mass);
             if (log2 > heaviest) heaviest = log2;
-            if (log2 < lightest) lightest = log2;
+        }
+        int lightest = heaviest;
+        for (int k = 0; k < group.count; ++k) {
+            const int log2 = C::log2(shapes.shape(group.id[k]).root_mass);
+            if (log2 < lightest && is_between(group.id[k])) lightest = log2;
         }
         scale = C::SpeedScale::of(largest, group.count, heaviest - lightest + (group.count > 1 ? 2 : 0));
     }
