@@ -37,6 +37,8 @@ struct ContactBounds {
 
     // --- lengths, from the tolerance ---
 
+    // A point of a resting body that is not farther above the surface carries: float resolves positions up to 30 m so.
+    [[nodiscard]] static Length resting_gap(Length tolerance) { return C::sixteenth(C::sixteenth(tolerance)); }
     // How far below the gap at its start the flight of a pair that touched ends: between the depth of a resting point,
     // which is less than resting_depth, and the tolerance, at which the flight is redone.
     [[nodiscard]] static Length search_depth(Length tolerance) { return C::half(tolerance); }
@@ -80,6 +82,11 @@ struct ContactBounds {
     // After an impact, points approach at exactly the closing speed. This margin keeps rounding from deciding which of
     // them are held.
     [[nodiscard]] static Speed late(Speed closing) { return C::eighth(C::eighth(closing)); }
+    // Statics are tried where nothing moves at the start of a step by more than this part of what loads change in it.
+    // What slides or falls is faster after a few steps, and then costs nothing here.
+    [[nodiscard]] static Speed still(Speed loads) { return C::eighth(loads); }
+    // What a dozen roundings may make of a speed, from the rounding of one.
+    [[nodiscard]] static Speed slack(Speed rounding) { return rounding + rounding + rounding + rounding; }
     // A bounce lasts 2 v / a. It is the last where that is below an eighth of a step; `loads` is a step's a.
     [[nodiscard]] static bool bounce_lasts(Speed bounce, Speed loads) { return bounce + bounce > C::eighth(loads); }
     // The momentum of the sweeps restarts where the changes of impulses grow by more than an eighth.

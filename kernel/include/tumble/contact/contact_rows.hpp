@@ -30,17 +30,19 @@ public:
                 const Island& island)
         : shapes_{shapes}, pairs_{pairs}, velocities_{velocities}, bodies_{bodies}, island_{island} {}
 
-    // Sets the velocities of the island's bodies, with `part` of the loads' change; `whole`: all of it.
-    void set_velocities(const Kicks& loads, Work part, bool whole) {
+    // Sets the velocities of the island's bodies, with `part` of the loads' change; `whole`: all of it. True where they
+    // are what they were, apart from their scale.
+    bool set_velocities(const Kicks& loads, Work part, bool whole) {
         velocities_.set_scale(bodies_, shapes_, island_.group, loads, [&](int b) { return pairs_.pairs_of(b) > 1; });
         make_room_for_surfaces();
-        velocities_.set(bodies_, shapes_, island_.group, loads, part, whole);
+        return velocities_.set(bodies_, shapes_, island_.group, loads, part, whole);
     }
     // Makes the rows of a pair's points anew where these or the bodies have moved.
     void make_rows(Pair& pair) {
         bool hold = true;
         for (int i = 0; i < pair.count; ++i) hold = hold && pair.point[i].rows_hold;
         if (!hold) {
+            pair.still = 0;
             const Directions directions{pair, shapes_.axes(pair.a), pair.moves_b() ? &shapes_.axes(pair.b) : nullptr};
             for (int i = 0; i < pair.count; ++i) {
                 Point& point = pair.point[i];

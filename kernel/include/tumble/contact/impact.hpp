@@ -35,10 +35,11 @@ public:
     // an impact passes through a row of balls. Then all points together stop what still approaches. With `stop` nothing
     // bounces. `loads`: over a whole step.
     void resolve(Kicks& loads, bool stop) {
-        rows_.set_velocities(loads, Work(1), true);
+        (void)rows_.set_velocities(loads, Work(1), true);
         int pairs = 0;
         const Length hit = Bounds::largest_impact_gap(shapes_.tolerance());
         pairs_.for_each(island_, [&](Pair& pair) {
+            pair.still = 0;
             // The impact leaves out pairs with a larger gap.
             pair.touched = pair.count > 0 && !(pair.gap > hit);
             for (int i = 0; i < pair.count; ++i) pair.point[i].active = false;

@@ -86,7 +86,10 @@ public:
         for (int i = count_ - 1; i >= 0; --i) {
             Pair& pair = pair_[i];
             const bool has_a = islands.root(pair.a) == root, has_b = pair.moves_b() && islands.root(pair.b) == root;
-            if (pair.moves_b() && has_a != has_b) pair.left_out = true;
+            if (pair.moves_b() && has_a != has_b) {
+                pair.left_out = true;
+                pair.still = 0;
+            }
             if (!has_a || (pair.moves_b() && !has_b)) continue;
             pair.next = static_cast<std::int16_t>(first);
             first = i;

@@ -1,7 +1,7 @@
 // The forces of a step between touching bodies.
 #pragma once
 
-#include <tumble/contact/contact_rows.hpp>
+#include <tumble/contact/statics.hpp>
 
 namespace tumble {
 
@@ -37,10 +37,11 @@ public:
         bool any = false;
         pairs_.for_each(island_, [&](const Pair& pair) { any = any || pair.count > 0; });
         if (!any) return Touch::nothing;
-        rows_.set_velocities(loads, part, whole);
+        const bool same = rows_.set_velocities(loads, part, whole);
         int active = 0;
         bool strikes = false;
         pairs_.for_each(island_, [&](Pair& pair) {
+            if (!same || !(pair.scale == velocities_.scale)) pair.still = 0;
             if (pair.count == 0) return;
             const bool hit = pair.touched && (struck || !whole);
             pair.touched = false;
@@ -67,9 +68,13 @@ public:
         });
         if (active == 0) return Touch::nothing;
         if (strikes && !struck) return Touch::strikes;
-        rows_.push_all();
-        rows_.sweep(velocities_.scale.enough_at_rest(), contact::max_sweeps);
-        velocities_.write(forces, bodies_, shapes_, island_.group);
+        if (whole && Statics<N, spin, features>{shapes_, pairs_, velocities_, island_}.solve()) {
+            velocities_.stop(forces, loads, bodies_, island_.group);
+        } else {
+            rows_.push_all();
+            rows_.sweep(velocities_.scale.enough_at_rest(), contact::max_sweeps);
+            velocities_.write(forces, bodies_, shapes_, island_.group);
+        }
         pairs_.count_points(island_);
         return Touch::rests;
     }

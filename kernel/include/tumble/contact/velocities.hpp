@@ -52,8 +52,8 @@ public:
         scale = C::SpeedScale::of(largest, group.count, heaviest - lightest + (group.count > 1 ? 2 : 0));
     }
     // Sets the velocities in the scale: `start` as the bodies move, `loaded` and `now` with `part` of the change by
-    // loads; `whole`: all of it.
-    void set(const Bodies& bodies, const NarrowPhase& shapes, const BodyGroup& group, const Kicks& loads, Work part,
+    // loads; `whole`: all of it. True where `loaded` is what it was.
+    bool set(const Bodies& bodies, const NarrowPhase& shapes, const BodyGroup& group, const Kicks& loads, Work part,
              bool whole) {
         const typename N::Unit fraction = whole ? C::one() : C::unit(part);
         for_each_component(bodies, shapes, group, loads,
@@ -63,7 +63,24 @@ public:
                                if (!whole) end = narrow<Speed>(mul(end, fraction));
                                end += before;
                            });
-        for (int k = 0; k < group.count; ++k) loaded[group.id[k]] = now[group.id[k]];
+        bool same = true;
+        for (int k = 0; k < group.count; ++k) {
+            const int b = group.id[k];
+            same = same && loaded[b].linear == now[b].linear && loaded[b].angular == now[b].angular;
+            loaded[b] = now[b];
+        }
+        return same;
+    }
+    // Writes the kicks that stop the bodies, which then have no velocity at all, by the end of the step.
+    void stop(Kicks& kicks, const Kicks& loads, const Bodies& bodies, const BodyGroup& group) const {
+        for (int k = 0; k < group.count; ++k) {
+            const int b = group.id[k];
+            const auto& s = bodies.state[b];
+            for (int i = 0; i < 3; ++i) {
+                kicks[b].linear[i] = -(N::sum(s.d_w[i]) + loads[b].linear[i]);
+                kicks[b].angular[i] = -(N::sum(s.t_b[i]) + loads[b].angular[i]);
+            }
+        }
     }
     // Writes what the rows have changed as kicks. A change beyond the range is reported.
     void write(Kicks& kicks, Bodies& bodies, const NarrowPhase& shapes, const BodyGroup& group) const {

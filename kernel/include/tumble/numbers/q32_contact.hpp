@@ -211,6 +211,7 @@ requires(N::fixed_point) struct ContactNumbers<N> {
         [[nodiscard]] static constexpr Speed noise() { return {32}; }
 
         constexpr SpeedScale() = default;
+        friend constexpr bool operator==(SpeedScale, SpeedScale) = default;
 
     private:
         constexpr explicit SpeedScale(int bits) : bits_{bits > 120 ? 120 : bits} {}
