@@ -455,12 +455,17 @@ TEST_P(Rules, a_spring_wakes_the_body_at_its_other_end) {
 }
 
 // A body hovers ahead of a sleeping one and has been clear of contact for half a second. An impulse from behind the
-// sleeping body arrives sooner. Three equal elastic balls in a row: the last takes all momentum.
+// sleeping body arrives sooner. Three elastic balls of one mass in a row: the last takes all momentum. Forces hold the
+// first two on a smooth floor, and the last, which is smaller, does not touch it.
 TEST_P(Rules, a_body_woken_with_its_neighbour_hits_a_body_that_was_clear_of_contact) {
     for (const Vector n : normals) {
         for (const bool reversed : {false, true}) {
             SceneSetup setup =
-                space(1, 0, {sphere(1, 0.25), placed(sphere(1, 0.25), n * 0.5L), placed(sphere(1, 0.25), n * 1.75L)});
+                space(1, 0, {sphere(1, 0.25), placed(sphere(1, 0.25), n * 0.5L), placed(sphere(1, 0.2), n * 1.7L)});
+            const Vector up = std::abs(n.x) < 0.9L ? cross(n, {1, 0, 0}) : cross(n, {0, 1, 0});
+            setup.planes = {{.normal = real(up), .offset = 0.25}};
+            for (int b = 0; b < 2; ++b)
+                setup.forces.push_back({.body = b, .from = 0, .until = 100, .force = real(up * -8)});
             setup.world.contact.sleep.on = true;
             if (reversed) std::swap(setup.bodies[0], setup.bodies[1]);
             const int pushed = reversed ? 1 : 0;
@@ -569,9 +574,11 @@ TEST_P(Rules, a_deep_penetration_is_corrected_as_slowly_as_promised) {
                 const Number excess = before - tolerance::contact_band / 4;
                 const Number most = std::min(excess > 0 ? excess / 8 : Number(0), tolerance::contact_band / 8);
                 ASSERT_LE(before - now - 1.25L * most, tolerance::still) << "from " << depth << " m, step " << step;
-                // The first step moves with the mean of the speeds before and after it.
-                ASSERT_LE((step == 0 ? 0.49L : 0.75L) * most - (before - now), tolerance::still)
-                    << "from " << depth << " m, step " << step;
+                // An excess below 1/256 of the tolerance stays.
+                if (excess > tolerance::contact_band / 250) {
+                    ASSERT_LE(0.75L * most - (before - now), tolerance::still)
+                        << "from " << depth << " m, step " << step;
+                }
                 before = now;
             }
         }

@@ -32,8 +32,17 @@ public:
 
     // Sets the velocities of the island's bodies, with `part` of the loads' change; `whole`: all of it. True where they
     // are what they were, apart from their scale.
-    bool set_velocities(const Kicks& loads, Work part, bool whole) {
-        velocities_.set_scale(bodies_, shapes_, island_.group, loads, [&](int b) { return pairs_.pairs_of(b) > 1; });
+    // `lifts`: the scale has room for the correction of penetrations.
+    bool set_velocities(const Kicks& loads, Work part, bool whole, bool lifts = false) {
+        auto least = C::nothing();
+        if (lifts) [[unlikely]]
+            pairs_.for_each(island_, [&](const Pair& pair) {
+                const auto size =
+                    C::size(ContactBounds<N>::lift(pair.gap, shapes_.tolerance()), shapes_.scale(), pair.weight);
+                if (size > least) least = size;
+            });
+        velocities_.set_scale(bodies_, shapes_, island_.group, loads, least,
+                              [&](int b) { return pairs_.pairs_of(b) > 1; });
         make_room_for_surfaces();
         return velocities_.set(bodies_, shapes_, island_.group, loads, part, whole);
     }
@@ -87,9 +96,9 @@ public:
         return narrow<Speed>(mul(of_pair, point.row[0].inverse));
     }
 
-    // Solves all points that take part by sweeps.
-    void sweep(Speed enough, int bound) {
-        Solver::sweep(
+    // Solves all points that take part by sweeps. Returns the largest change of an impulse in the last one.
+    Speed sweep(Speed enough, int bound) {
+        return Solver::sweep(
             [&](auto&& f) {
                 pairs_.for_each_active(island_, [&](Pair& pair, Point& point) { f(block(pair, point)); });
             },

@@ -109,7 +109,7 @@ private:
     // Solves for the impulses of the active points from the present velocities.
     void solve() {
         copy(velocities_.loaded, velocities_.now);
-        rows_.sweep(velocities_.scale.enough_in_impact(), contact::max_impact_sweeps);
+        (void)rows_.sweep(velocities_.scale.enough_in_impact(), contact::max_impact_sweeps);
         // Each impulse is applied once, not in one part per sweep: this rounds less.
         copy(velocities_.now, velocities_.loaded);
         rows_.push_all();

@@ -83,7 +83,11 @@ private:
     // `struck`: the impact has been resolved.
     Touch solve_resting(Work span, bool whole, bool struck) {
         return Resting<N, spin, features>{contacts_.shapes, contacts_.pairs, contacts_.velocities, bodies_, island_}
-            .solve(contacts_.loads, span, whole, struck, contacts_.forces);
+            .solve(contacts_.loads, span, whole, struck, contacts_.forces, contacts_.solution);
+    }
+    void lift(bool off) {
+        Resting<N, spin, features>{contacts_.shapes, contacts_.pairs, contacts_.velocities, bodies_, island_}.lift(off);
+        take_over_spins();
     }
     // After an impact the bodies' bounds on the time to contact hold no longer, and other bodies may be near.
     void find_near_pairs() {
@@ -139,7 +143,10 @@ private:
         // Contact forces act as gravity does in the method: before the drift, after it, or half before and half after.
         const bool before = attempt.held && mover_.coasting != Coasting::start;
         if (before) push(part, all, false);
+        const bool lifts = attempt.held && contacts_.solution.lifts;
+        if (lifts) lift(false);
         move({.group = group, .new_spins = restart || before, .portion = {attempt.whole && all, length}});
+        if (lifts) lift(true);
         if (attempt.held && mover_.coasting != Coasting::end) {
             push(part, all, true, &attempt.start);
             take_over_spins();
@@ -269,6 +276,7 @@ private:
         check_range();
         move({.group = island_.group, .loads = &contacts_.loads});
         search_.find();
+        contacts_.solution = {};
         Impact<N, spin, features>{contacts_.shapes, contacts_.pairs, contacts_.velocities,
                                   bodies_,          island_,         contacts_.threshold}
             .resolve(contacts_.loads, stop);

@@ -23,12 +23,11 @@ public:
     Velocity now[features.bodies]{};     // with the impulses of the rows
     typename C::SpeedScale scale{};
 
-    // Chooses the scale for these bodies and the changes of their motion by loads. is_between(b): the body has several
-    // pairs.
+    // Chooses the scale for these bodies, the changes of their motion by loads, and other speeds up to the size
+    // `largest`. is_between(b): the body has several pairs.
     template <class IsBetween>
     void set_scale(const Bodies& bodies, const NarrowPhase& shapes, const BodyGroup& group, const Kicks& loads,
-                   IsBetween&& is_between) {
-        auto largest = C::nothing();
+                   decltype(C::nothing()) largest, IsBetween&& is_between) {
         for_each_component(bodies, shapes, group, loads,
                            [&](Speed&, Speed&, auto motion, auto load, int bits, Work weight) {
                                const auto note = [&](auto size) {
@@ -72,10 +71,11 @@ public:
         return same;
     }
     // Writes the kicks that stop the bodies, which then have no velocity at all, by the end of the step.
-    void stop(Kicks& kicks, const Kicks& loads, const Bodies& bodies, const BodyGroup& group) const {
+    void stop(Kicks& kicks, const Kicks& loads, const Bodies& bodies, const BodyGroup& group) {
         for (int k = 0; k < group.count; ++k) {
             const int b = group.id[k];
             const auto& s = bodies.state[b];
+            now[b].linear = now[b].angular = Vec3<Speed>::Constant(Speed{});
             for (int i = 0; i < 3; ++i) {
                 kicks[b].linear[i] = -(N::sum(s.d_w[i]) + loads[b].linear[i]);
                 kicks[b].angular[i] = -(N::sum(s.t_b[i]) + loads[b].angular[i]);

@@ -250,6 +250,7 @@ requires(!N::fixed_point) struct ContactNumbers<N> {
         T enough_at_rest_ = 0, enough_in_impact_ = 0;
     };
     [[nodiscard]] static T size(T sum, int, T weight) { return magnitude_of(sum) * weight; }
+    [[nodiscard]] static T size(T l, const LengthScale&, T weight) { return magnitude_of(l) * weight; }
     [[nodiscard]] static constexpr T nothing() { return T(0); }
     [[nodiscard]] static constexpr int log2(T) { return 0; }
     [[nodiscard]] static constexpr int drift_bits(typename N::Scale) { return 0; }

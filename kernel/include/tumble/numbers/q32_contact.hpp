@@ -229,6 +229,10 @@ requires(N::fixed_point) struct ContactNumbers<N> {
         return 64 - std::countl_zero(static_cast<std::uint64_t>(sum < 0 ? -sum : sum)) - fraction_bits + 31 +
                weight.exponent();
     }
+    // The same for a length times a weight.
+    [[nodiscard]] static int size(Length l, const LengthScale& scale, Work weight) {
+        return size(std::int64_t{l.raw}, scale.bits(), weight);
+    }
     [[nodiscard]] static constexpr int nothing() { return -1000; }
     [[nodiscard]] static int log2(Work w) { return w.exponent(); }
     [[nodiscard]] static int drift_bits(typename N::Scale s) { return N::PositionSum::fraction_bits + s.drift_shift; }
