@@ -35,7 +35,7 @@ SceneSetup tower(int count, Number mass, Vector edges, Number turn = 0, Number d
     }
     return setup;
 }
-Number largest_shift(const AnyWorld& world, const SceneSetup& setup) {
+Number farthest_from_start(const AnyWorld& world, const SceneSetup& setup) {
     Number largest = 0;
     for (int b = 0; b < world.body_count(); ++b)
         largest =
@@ -116,7 +116,7 @@ TEST_P(Rest, what_rests_falls_asleep_within_a_second_whatever_the_masses) {
                             placed(sphere(real(mass), 0.25), {2, 0.25L, 0})};
             const auto world = run(setup, second);
             EXPECT_TRUE(sleeps(*world)) << mass << " kg, ratio " << ratio;
-            EXPECT_LE(largest_shift(*world, setup), 0.001L) << mass << " kg, ratio " << ratio;
+            EXPECT_LE(farthest_from_start(*world, setup), 0.001L) << mass << " kg, ratio " << ratio;
         }
     }
 }
@@ -205,7 +205,7 @@ TEST_P(Rest, a_box_squeezed_between_walls_stays_where_it_is) {
         setup.planes.push_back({.normal = {1, 0, 0}, .offset = 0.24});
         setup.planes.push_back({.normal = {-1, 0, 0}, .offset = 0.24});
         const auto world = run(setup, 2 * second);
-        EXPECT_LE(largest_shift(*world, setup), 0.001L);
+        EXPECT_LE(farthest_from_start(*world, setup), 0.001L);
         EXPECT_LE(norm(world->motion(0).v) + norm(world->motion(0).w), rounding());
     }
 }
@@ -227,7 +227,7 @@ TEST_P(Rest, a_tall_stack_stands_at_a_long_step) {
         SceneSetup setup = tower(stack.count, stack.mass, stack.edges, stack.turn);
         setup.step = Seconds{1, stack.rate};
         const auto world = run(setup, 5 * stack.rate);
-        EXPECT_LE(largest_shift(*world, setup), 0.005L) << stack.count << " boxes at 1/" << stack.rate << " s";
+        EXPECT_LE(farthest_from_start(*world, setup), 0.005L) << stack.count << " boxes at 1/" << stack.rate << " s";
         for (int b = 0; b < stack.count; ++b)
             EXPECT_LE(norm(world->motion(b).v), 0.005L) << stack.count << " boxes at 1/" << stack.rate << " s";
         EXPECT_TRUE(world->status().ok()) << stack.count << " boxes at 1/" << stack.rate << " s";

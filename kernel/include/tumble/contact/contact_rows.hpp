@@ -97,12 +97,12 @@ public:
     }
 
     // Solves all points that take part by sweeps. Returns the largest change of an impulse in the last one.
-    Speed sweep(Speed enough, int bound) {
+    Speed sweep(Speed enough, int bound, bool with_momentum = true) {
         return Solver::sweep(
             [&](auto&& f) {
                 pairs_.for_each_active(island_, [&](Pair& pair, Point& point) { f(block(pair, point)); });
             },
-            enough, bound);
+            enough, bound, with_momentum);
     }
     // Applies the impulses of all points that take part.
     void push_all() {

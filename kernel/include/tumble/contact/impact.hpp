@@ -48,8 +48,8 @@ public:
             rows_.make_rows(pair);
             for (int i = 0; i < pair.count; ++i) {
                 Point& point = pair.point[i];
-                point.loads = magnitude_of(rows_.velocity(velocities_.now, pair, point) -
-                                           rows_.velocity(velocities_.start, pair, point));
+                point.set_aside[0] = magnitude_of(rows_.velocity(velocities_.now, pair, point) -
+                                                  rows_.velocity(velocities_.start, pair, point));
             }
             ++pairs;
         });
@@ -57,8 +57,6 @@ public:
         copy(velocities_.now, velocities_.start);
         bool bounced = !stop;
         for (int round = 0; bounced && round < contact::max_rounds + pairs; ++round) bounced = bounce();
-        if (bounced || stop) [[unlikely]]
-            report_cut_off();
         pairs_.for_each(island_, [&](Pair& pair) {
             for (int i = 0; pair.touched && i < pair.count; ++i) {
                 Point& point = pair.point[i];
@@ -67,7 +65,9 @@ public:
                 Rows::clear_impulses(point);
             }
         });
-        solve();
+        if (bounced || stop) [[unlikely]]
+            report_cut_off();
+        solve(false);
         velocities_.add_to(bodies_, loads, shapes_, island_.group);
         pairs_.count_points(island_);
         // The impulses of an impact are no warm start for the forces of the next step.
@@ -87,7 +87,7 @@ private:
     [[nodiscard]] bool bounces(const Pair& pair, const Point& point, Speed approach) const {
         if (!(approach > velocities_.scale.noise())) return false;
         const Speed bounce = narrow<Speed>(mul(approach, pair.restitution));
-        if (!Bounds::bounce_lasts(bounce, point.loads)) return false;
+        if (!Bounds::bounce_lasts(bounce, point.set_aside[0])) return false;
         if (!(threshold_ > Work(0))) return true;
         return !(approach < Rows::along(point, rows_.pair_speed(pair, threshold_)));
     }
@@ -98,7 +98,7 @@ private:
     [[nodiscard]] bool bounces_far(const Pair& pair, const Point& point) const {
         const Speed approach = -rows_.velocity(velocities_.now, pair, point);
         const Speed bounce = narrow<Speed>(mul(approach, pair.restitution));
-        return bounces(pair, point, approach) && bounce > point.loads &&
+        return bounces(pair, point, approach) && bounce > point.set_aside[0] &&
                bounce > Rows::along(point, rows_.pair_speed(pair, shapes_.slow()));
     }
     [[gnu::noinline]] void report_cut_off() {
@@ -106,17 +106,17 @@ private:
             if (bounces_far(pair, point)) bodies_.report(Issue::step_bound_hit, pair.a);
         });
     }
-    // Solves for the impulses of the active points from the present velocities.
-    void solve() {
+    // Solves for the impulses of the active points from the present velocities. Plain sweeps of one pair converge best.
+    void solve(bool one_pair) {
         copy(velocities_.loaded, velocities_.now);
-        (void)rows_.sweep(velocities_.scale.enough_in_impact(), contact::max_impact_sweeps);
+        (void)rows_.sweep(velocities_.scale.enough_in_impact(), contact::max_impact_sweeps, !one_pair);
         // Each impulse is applied once, not in one part per sweep: this rounds less.
         copy(velocities_.now, velocities_.loaded);
         rows_.push_all();
     }
     // One round. False where no point bounces.
     bool bounce() {
-        int active = 0;
+        int active = 0, pairs = 0;
         bool rough = false;
         pairs_.for_each(island_, [&](Pair& pair) {
             if (!pair.touched) return;
@@ -127,6 +127,7 @@ private:
                 any = any || bounces(pair, point, approach);
                 point.row[0].target = approach;
             }
+            if (any) ++pairs;
             for (int i = 0; i < pair.count; ++i) {
                 Point& point = pair.point[i];
                 const Speed approach = point.row[0].target;
@@ -142,7 +143,7 @@ private:
             }
         });
         if (active == 0) return false;
-        solve();
+        solve(pairs == 1);
         // One smooth point makes no energy.
         return (!rough && active == 1) || scale_back();
     }

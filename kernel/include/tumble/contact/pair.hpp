@@ -23,9 +23,11 @@ struct ContactPoint {
     Vec3<Length> arm;  // from the centre of mass of body a, its principal axes
     [[no_unique_address]] If<features.pairs, Vec3<Length>, 0> arm_b;
     Length gap;
-    bool active;                             // part of the present solution
-    bool rows_hold = false;                  // for where the bodies are
-    Speed loads;                             // change of the velocity along the normal by the loads in a step
+    bool active;             // part of the present solution
+    bool rows_hold = false;  // for where the bodies are
+    // In an impact, the change of the velocity along the normal by the loads in a step; while penetrations are
+    // corrected, the impulses without that.
+    Speed set_aside[directions];
     Row<N, features.pairs> row[directions];  // the normal, of which the target is the least velocity; the tangents
 };
 

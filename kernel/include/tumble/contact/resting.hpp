@@ -131,22 +131,29 @@ public:
     }
 
 private:
-    // Solves anew with the correction of penetrations, and writes what it adds to the motion into `loaded`. False where
+    // Solves anew with the correction of penetrations, and writes what it adds to the motion into `loaded`. Points keep
+    // the impulses that press without it, for those of a squeezed body would grow from step to step. False where
     // there is no solution, as for a body squeezed between fixed ones: then its points push against each other by more
     // than their corrections in every sweep. The last two sweeps have no momentum, so that only the points themselves
     // decide.
     [[gnu::noinline]] bool find_lifts() {
         const auto& group = island_.group;
-        for (int k = 0; k < group.count; ++k) velocities_.loaded[group.id[k]] = velocities_.now[group.id[k]];
         Speed largest{};
         pairs_.for_each_active(island_, [&](Pair& pair, Point& point) {
+            for (int k = 0; k < Point::directions; ++k) point.set_aside[k] = point.row[k].impulse;
             if (point.gap > Length{}) return;
             Speed& target = point.row[0].target;
             target = rows_.speed(pair, point, Bounds::lift(point.gap, shapes_.tolerance()));
             if (target > largest) largest = target;
         });
+        // The points may be less deep than the pair.
+        if (!(largest > Speed{})) return false;
+        for (int k = 0; k < group.count; ++k) velocities_.loaded[group.id[k]] = velocities_.now[group.id[k]];
         (void)rows_.sweep(velocities_.scale.enough_at_rest(), contact::max_sweeps);
         const Speed left = rows_.sweep(velocities_.scale.enough_at_rest(), 2);
+        pairs_.for_each_active(island_, [&](Pair&, Point& point) {
+            for (int k = 0; k < Point::directions; ++k) point.row[k].impulse = point.set_aside[k];
+        });
         const bool solved = !(left > largest);
         for (int k = 0; k < group.count; ++k) {
             const int b = group.id[k];

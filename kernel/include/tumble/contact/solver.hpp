@@ -42,11 +42,11 @@ struct Solver {
     // The momentum is the ratio of the squares of the largest changes, at most 1. It restarts from 0 where these grow.
     // Returns the largest change of the last sweep.
     template <class ForEachBlock>
-    static Speed sweep(ForEachBlock&& for_each_block, Speed enough, int bound) {
+    static Speed sweep(ForEachBlock&& for_each_block, Speed enough, int bound, bool with_momentum = true) {
         Speed last{};
         Unit momentum{};
         for (int sweep = 0; sweep < bound; ++sweep) {
-            if (sweep > 0) for_each_block([&](const Block& block) { go_on(block, momentum); });
+            if (sweep > 0 && with_momentum) for_each_block([&](const Block& block) { go_on(block, momentum); });
             Speed most{};
             for_each_block([&](const Block& block) {
                 for (int k = 0; k < block.rows; ++k) block.row[k].before = block.row[k].impulse;
