@@ -239,11 +239,12 @@ private:
         return pair.moves_b() ? W::over(impulse, of_a ? pair.share_a : pair.share_b) : impulse;
     }
     void set_impulses() {
-        for_each_carrying([&](int, Pair& pair) {
+        pairs_.for_each(island_, [&](Pair& pair) {
             for (int i = 0; i < pair.count; ++i) {
-                for (auto& row : pair.point[i].row)
-                    row.impulse =
-                        is_carrying(pair, i) && !(row.before == Speed{}) ? W::over(row.before, row.inverse) : Speed{};
+                for (auto& row : pair.point[i].row) {
+                    const bool pushes = is_carrying(pair, i) && !(row.before == Speed{});
+                    row.impulse = pushes ? W::over(row.before, row.inverse) : Speed{};
+                }
             }
         });
     }
