@@ -155,21 +155,19 @@ public:
     // What each point gives along the normal and the tangents.
     using Shares = Speed[most][3];
 
-    // Sets the places of the points along the tangents. A single point has a lever of `radius`. False of two points and
-    // of points in a line: they carry no moment about it.
+    // Sets the places of the points along the tangents. False of three or four points that are nearly in a line.
     [[nodiscard]] bool set(const Length (&x)[most], const Length (&z)[most], int count, Length radius) {
         count_ = count;
-        if (count == 1) {
-            x_[0] = z_[0] = x_per_moment_[0] = z_per_moment_[0] = Lever{};
-            extent_ = Extent::above(radius);
-            return true;
-        }
         Length farthest{};
         for (int i = 0; i < count; ++i) {
             if (magnitude_of(x[i]) > farthest) farthest = magnitude_of(x[i]);
             if (magnitude_of(z[i]) > farthest) farthest = magnitude_of(z[i]);
         }
-        if (count < 3 || !(farthest > Length{})) return false;
+        // The lever of a single point, or of points at one place.
+        if (!(farthest > Length{})) {
+            if (count > 1) return false;
+            farthest = radius;
+        }
         extent_ = Extent::above(farthest);
         typename W::Square xx{}, xz{}, zz{};
         for (int i = 0; i < count; ++i) {
@@ -179,10 +177,21 @@ public:
             xz += W::square(x_[i], z_[i]);
             zz += W::square(z_[i], z_[i]);
         }
-        // The pushes of least squares are linear in the place: their matrix is that of the sums of squares.
-        const Unit a = W::quarter(xx), b = W::quarter(xz), c = W::quarter(zz);
-        const auto both = mul(a, c), determinant = mul_sub(both, b, b);
-        if (!(determinant > W::hair(both))) return false;
+        // The pushes of least squares are linear in the place: their matrix is that of the sums of squares. Two points
+        // carry no moment about their line, and a single one carries none.
+        Unit a = W::quarter(xx), b = W::quarter(xz), c = W::quarter(zz);
+        auto determinant = mul_sub(mul(a, c), b, b);
+        if (count == 1) {
+            x_per_moment_[0] = z_per_moment_[0] = Lever{};
+            return true;
+        }
+        if (count == 2) {
+            determinant = mul(W::quarter(xx + zz), C::one());
+            a = c = C::one();
+            b = Unit{};
+        } else if (!(determinant > W::hair(mul(a, c)))) {
+            return false;
+        }
         const typename W::Inverse inverse{determinant};
         for (int i = 0; i < count; ++i) {
             const Unit px = unit(x_[i]), pz = unit(z_[i]);
@@ -204,11 +213,14 @@ public:
         const bool straight = vanishes(first) && vanishes(second) && vanishes(turn);
         for (int i = 0; i < count_; ++i) shares[i][1] = shares[i][2] = Speed{};
         if (!rough && !straight) return false;
-        if (count_ == 1) {
-            if (!vanishes(x) || !vanishes(z) || !vanishes(turn)) return false;
-            shares[0][0] = normal;
-        } else if (!press(normal, x, z, slack, shares)) {
-            return false;
+        if (!push(normal, x, z, slack, shares)) return false;
+        if (count_ < 3) {
+            Speed x_left = x, z_left = z;
+            for (int i = 0; i < count_; ++i) {
+                x_left -= W::speed(mul(x_[i], shares[i][0]));
+                z_left -= W::speed(mul(z_[i], shares[i][0]));
+            }
+            if (!vanishes(x_left) || !vanishes(z_left)) return false;
         }
         for (int i = 0; i < count_; ++i) {
             if (shares[i][0] < -slack) return false;
@@ -225,7 +237,7 @@ private:
         else return l;
     }
     // The pushes: of least squares, or the nearest to them that pull nowhere.
-    [[nodiscard]] bool press(Speed normal, Speed x, Speed z, Speed slack, Shares& shares) const {
+    [[nodiscard]] bool push(Speed normal, Speed x, Speed z, Speed slack, Shares& shares) const {
         const Speed even = W::mean(normal, count_);
         bool pulls = false;
         for (int i = 0; i < count_; ++i) {
