@@ -19,7 +19,7 @@ inline constexpr int max_resteps = 12;
 inline constexpr int max_sweeps = 32;
 // Sweeps over the points of an impact, which has no warm start.
 inline constexpr int max_impact_sweeps = 40;
-// Rounds of impacts that pass from pair to pair at one moment.
+// Rounds of impacts that pass from pair to pair at one moment, besides one for each pair.
 inline constexpr int max_rounds = 16;
 // Most steps between two examinations of a pair that is far apart.
 inline constexpr int most_clear_steps = 128;
