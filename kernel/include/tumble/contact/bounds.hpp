@@ -20,7 +20,7 @@ inline constexpr int max_sweeps = 32;
 // Sweeps over the points of an impact, which has no warm start.
 inline constexpr int max_impact_sweeps = 40;
 // Rounds of impacts that pass from pair to pair at one moment, besides one for each pair.
-inline constexpr int max_rounds = 16;
+inline constexpr int max_rounds = 32;
 // Most steps between two examinations of a pair that is far apart.
 inline constexpr int most_clear_steps = 128;
 // The same of a near pair, or of a body near something, which may be pushed.

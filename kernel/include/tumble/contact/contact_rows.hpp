@@ -176,22 +176,44 @@ private:
                 }
             });
     }
-    // The velocity of a turning fixed body's surface along direction k of a point, as a speed of the pair.
+    // The velocity of a turning fixed body's surface along direction k of a point, as a speed of the pair: where the
+    // point is at the end of the step, because the solution is for then. The row is that of the start. It leaves out by
+    // how much the point's own velocity turns in the step, w x (w x arm), so that is taken off.
     [[nodiscard]] Work surface_speed([[maybe_unused]] const Pair& pair, [[maybe_unused]] const Point& point,
                                      [[maybe_unused]] int k) const {
         if constexpr (features.turntables && features.pairs && features.friction) {
             if (!pair.on_turntable) return Work(0);
-            const int b = pair.b;
-            WorkVec3<N> turn, arm, direction;
-            const Vec3<Unit> direction_b = shapes_.axes(b).to_body(pair.tangent[k - 1]);
-            for (int i = 0; i < 3; ++i) {
-                turn[i] = bodies_.turn(b, i);
-                arm[i] = shapes_.scale().metres(point.arm_b[i]);
-                direction[i] = N::work(direction_b[i]);
+            WorkVec3<N> turn = WorkVec3<N>::Constant(Work(0)), along_arm = turn;
+            // The arm of a sphere does not turn with it.
+            if (!shapes_.shape(pair.a).is(ShapeKind::sphere)) {
+                turn = turn_of(pair.a);
+                along_arm = cross<Work>(turn, arm_of(pair.a, point.arm));
             }
-            return dot(cross<Work>(turn, arm), direction) * pair.weight;
+            WorkVec3<N> place = arm_of(pair.b, point.arm_b), direction;
+            for (int i = 0; i < 3; ++i) {
+                place[i] += N::metres(N::sum(bodies_.state[pair.a].d_w[i]), bodies_.scale) + along_arm[i];
+                direction[i] = N::work(pair.tangent[k - 1][i]);
+            }
+            const WorkVec3<N> surface = cross<Work>(turn_of(pair.b), place), own = cross<Work>(turn, along_arm);
+            return (dot(surface, direction) - dot(own, direction)) * pair.weight;
         }
         return Work(0);
+    }
+    // Rad a step, and m from the centre of mass, world.
+    [[nodiscard]] WorkVec3<N> turn_of(int b) const {
+        return to_world(b, {bodies_.turn(b, 0), bodies_.turn(b, 1), bodies_.turn(b, 2)});
+    }
+    [[nodiscard]] WorkVec3<N> arm_of(int b, const Vec3<Length>& arm) const {
+        const auto& scale = shapes_.scale();
+        return to_world(b, {scale.metres(arm[0]), scale.metres(arm[1]), scale.metres(arm[2])});
+    }
+    [[nodiscard]] WorkVec3<N> to_world(int b, const WorkVec3<N>& v) const {
+        WorkVec3<N> world;
+        for (int i = 0; i < 3; ++i) {
+            const Vec3<Unit>& row = shapes_.axes(b).row[i];
+            world[i] = dot(WorkVec3<N>{N::work(row[0]), N::work(row[1]), N::work(row[2])}, v);
+        }
+        return world;
     }
 
     const NarrowPhase& shapes_;
