@@ -140,6 +140,34 @@ TEST_P(Statics, a_ball_on_a_slope_of_a_thousandth_rolls) {
     EXPECT_NEAR(static_cast<double>(world->motion(0).x.x), static_cast<double>(g / 1024 * 5 / 14), 1e-6);
 }
 
+// Upon a board of 1 kg on the floor.
+TEST_P(Statics, a_heavy_body_slides_to_rest_or_rolls_on_a_light_one_that_stays) {
+    for (const Number side : {1.0L, -1.0L}) {
+        for (const bool first : {false, true}) {
+            for (const bool ball : {false, true}) {
+                SceneSetup setup = floor(0, 0.5L, {at(box(1, {4, 0.25, 4}), 0, 0.125L)});
+                BodySpec heavy = ball ? at(sphere(1000, 0.25), 0, 0.5L) : at(box(1000, {0.5, 0.25, 0.75}), 0, 0.375L);
+                heavy.velocity.x = real(side);
+                if (ball) heavy.angular_velocity.z = real(-4 * side);  // it rolls
+                setup.bodies.push_back(heavy);
+                if (first) setup = reversed(setup);
+                const int mover = first ? 0 : 1, board = 1 - mover;
+                const auto world = run(setup, second / 2);
+                const Number way = ball ? 0.5L : 1 / (2 * 0.5L * g);
+                EXPECT_NEAR(static_cast<double>(side * world->motion(mover).x.x), static_cast<double>(way), 1e-5);
+                EXPECT_LE(norm(world->motion(board).x - Vector{0, 0.125L, 0}), rounding);
+                EXPECT_LE(norm(world->motion(board).v) + norm(world->motion(board).w), rounding);
+                EXPECT_TRUE(world->status().ok());
+            }
+        }
+    }
+}
+
+TEST_P(Statics, a_body_lies_on_two_points) {
+    const SceneSetup setup = floor(0, 0.5L, {at(capsule(3, 0.125, 0.5), 0, 0.125L)});
+    expect_at_rest(setup, 64, "capsule");
+}
+
 TEST_P(Statics, what_rests_moves_when_it_is_struck_and_rests_again) {
     SceneSetup setup = floor(0, 0.5L);
     for (int i = 0; i < 4; ++i) setup.bodies.push_back(at(box(2, {1, 0.5, 1}), 0, 0.25L + 0.5L * i));

@@ -96,6 +96,13 @@ public:
         return narrow<Speed>(mul(of_pair, point.row[0].inverse));
     }
 
+    // arm x direction over the radii of gyration, in principal axes.
+    [[nodiscard]] static Vec3<typename C::Lever> levers(const CollisionShape<N>& shape, const Vec3<Length>& arm,
+                                                        const Vec3<Unit>& direction) {
+        const Vec3<Length> c = cross<Length>(arm, direction);
+        return {shape.per_gyration[0](c.x()), shape.per_gyration[1](c.y()), shape.per_gyration[2](c.z())};
+    }
+
     // Solves all points that take part by sweeps. Returns the largest change of an impulse in the last one.
     Speed sweep(Speed enough, int bound, bool with_momentum = true) {
         return Solver::sweep(
@@ -149,11 +156,6 @@ private:
             }
         }
         point.row[k].set(directions.linear[k], lever);
-    }
-    [[nodiscard]] static Vec3<typename C::Lever> levers(const CollisionShape<N>& shape, const Vec3<Length>& arm,
-                                                        const Vec3<Unit>& direction) {
-        const Vec3<Length> c = cross<Length>(arm, direction);
-        return {shape.per_gyration[0](c.x()), shape.per_gyration[1](c.y()), shape.per_gyration[2](c.z())};
     }
 
     // The surface of a fixed body that turns may be much faster than the bodies.

@@ -77,7 +77,7 @@ public:
         if (active == 0) return Touch::nothing;
         if (strikes && !struck) return Touch::strikes;
         if (whole && Statics<N, spin, features>{shapes_, pairs_, velocities_, island_}.solve()) {
-            velocities_.stop(forces, loads, bodies_, island_.group);
+            velocities_.write(forces, bodies_, shapes_, island_.group, &loads);
         } else {
             rows_.push_all();
             (void)rows_.sweep(velocities_.scale.enough_at_rest(), contact::max_sweeps);

@@ -1,7 +1,7 @@
 // Islands at rest, solved by statics. Where everything rests, the velocity at the end of the step is known: it is zero.
 // What each pair carries then follows from the balance of one body after another, from the bodies that carry nothing to
 // the ground, whatever the masses are. If the points of every pair can carry it, this is the solution. No sweep is
-// needed.
+// needed. A body on which nothing stands may move on one that rests: its pair is solved by itself.
 #pragma once
 
 #include <tumble/contact/contact_rows.hpp>
@@ -26,28 +26,37 @@ public:
     using Island = typename Rows::Island;
     using Velocities = typename Rows::Velocities;
     using Velocity = typename Rows::Velocity;
+    using Row = tumble::Row<N, features.pairs>;
     using Weld = tumble::Weld<N>;
 
     Statics(const NarrowPhase& shapes, PairList& pairs, Velocities& velocities, const Island& island)
         : shapes_{shapes}, pairs_{pairs}, velocities_{velocities}, island_{island} {}
 
-    // True where the forces of the pairs stop the whole island: the impulses of the points are then set. Otherwise
-    // nothing changes. The targets of the points must be set.
+    // True where the forces are found: the velocities and the impulses of the points are then set. Otherwise nothing
+    // changes. The targets of the points must be set.
     //
-    // Each body must rest on one pair, and no pair must be left over: the pairs are a tree whose root is the ground.
+    // Each body must stand on one pair, and no pair must be left over: the pairs are a tree whose root is the ground.
+    // All bodies must come to rest, but for bodies on which nothing stands: these may move on one that rests.
     bool solve() {
-        const bool carries = is_slow() && find_carrying() && (is_known() || balance());
+        const bool slow = is_slow([](int) { return true; });
+        const bool may = (slow || island_.group.count > 1) && find_carrying(), known = may && slow && is_known();
+        if (known)
+            for (int k = 0; k < island_.group.count; ++k) stop(island_.group.id[k]);
+        const bool found = known || (may && balance(slow));
         pairs_.for_each(island_, [&](Pair& pair) {
-            pair.still = carries ? static_cast<std::int16_t>(carrying_) : std::int16_t{0};
+            pair.still = found && !moves_ ? static_cast<std::int16_t>(carrying_) : std::int16_t{0};
         });
-        return carries;
+        return found;
     }
 
 private:
     static constexpr int bodies = features.bodies;
+    static constexpr unsigned must_move = 0x80;  // among the bits of Pair::carrying
 
-    // Whether nothing moves faster at the start than a part of what loads change.
-    [[nodiscard]] bool is_slow() const {
+    void stop(int b) { velocities_.now[b].linear = velocities_.now[b].angular = Vec3<Speed>::Constant(Speed{}); }
+    // Whether none of the bodies for which counts(b) moves faster at the start than a part of what loads change.
+    template <class F>
+    [[nodiscard]] bool is_slow(F&& counts) const {
         Speed fastest{}, most{};
         const auto note = [](Speed s, Speed& largest) {
             const Speed size = magnitude_of(s);
@@ -56,17 +65,18 @@ private:
         for (int k = 0; k < island_.group.count; ++k) {
             const int b = island_.group.id[k];
             const Velocity &start = velocities_.start[b], &loaded = velocities_.loaded[b];
+            const bool counted = counts(b);
             for (int i = 0; i < 3; ++i) {
-                note(start.linear[i], fastest);
-                note(start.angular[i], fastest);
+                if (counted) note(start.linear[i], fastest);
+                if (counted) note(start.angular[i], fastest);
                 note(loaded.linear[i] - start.linear[i], most);
                 note(loaded.angular[i] - start.angular[i], most);
             }
         }
         return !(fastest > Bounds::still(most));
     }
-    // Finds the points that may carry: those at the surface. Points above it are open. False where there are not as
-    // many pairs with such points as bodies, or where a point must move.
+    // Finds the points that may carry: those at the surface. Points above it are open. A pair with a point that must
+    // move is marked. False where there are not as many pairs with such points as bodies.
     bool find_carrying() {
         const Length touch = Bounds::resting_gap(shapes_.tolerance());
         carrying_ = 0;
@@ -77,7 +87,7 @@ private:
                 const Point& point = pair.point[i];
                 if (!point.active) continue;
                 if (!(point.gap > touch)) carrying |= 1u << i;
-                may = may && !(point.row[0].target > Speed{});
+                if (point.row[0].target > Speed{}) carrying |= must_move;
             }
             if (carrying != pair.carrying) pair.still = 0;
             pair.carrying = static_cast<std::uint8_t>(carrying);
@@ -96,8 +106,9 @@ private:
     }
 
     // From the leaves of the tree to the ground. Of a body with one pair left, `last` is that pair.
-    [[gnu::noinline]] bool balance() {
+    [[gnu::noinline]] bool balance(bool slow) {
         std::int16_t left[bodies], last[bodies];
+        bool is_leaf[bodies];
         const auto& group = island_.group;
         for (int k = 0; k < group.count; ++k) left[group.id[k]] = last[group.id[k]] = 0;
         for_each_carrying([&](int i, const Pair& pair) {
@@ -108,14 +119,16 @@ private:
             join(pair.a);
             if (pair.moves_b()) join(pair.b);
         });
+        for (int k = 0; k < group.count; ++k) is_leaf[group.id[k]] = left[group.id[k]] == 1;
+        if (!slow && !is_slow([&](int b) { return !is_leaf[b]; })) return false;
         int solved = 0;
-        bool carries = true;
-        for (int k = 0; carries && k < group.count; ++k) {
+        bool found = true;
+        for (int k = 0; found && k < group.count; ++k) {
             int b = group.id[k];
-            while (carries && b >= 0 && left[b] == 1) {
+            while (found && b >= 0 && left[b] == 1) {
                 const int i = last[b];
                 Pair& pair = pairs_[i];
-                carries = carry(pair, b);
+                found = ((pair.carrying & must_move) == 0 && carry(pair, b)) || (is_leaf[b] && slide(pair, b));
                 left[b] = 0;
                 ++solved;
                 const int other = b == pair.a ? pair.b : pair.a;
@@ -126,20 +139,88 @@ private:
                 last[b] = static_cast<std::int16_t>(last[b] ^ i);
             }
         }
-        carries = carries && solved == group.count;
-        if (carries) {
+        found = found && solved == group.count && (!moves_ || open_points_hold());
+        if (found) {
             set_impulses();
         } else {
+            moves_ = false;
             for (int k = 0; k < group.count; ++k) velocities_.now[group.id[k]] = velocities_.loaded[group.id[k]];
         }
-        return carries;
+        return found;
+    }
+    // Whether no point of the other pairs, which carry nothing, comes too deep.
+    [[nodiscard]] bool open_points_hold() {
+        bool hold = true;
+        const Speed slack = Bounds::slack(velocities_.scale.enough_in_impact());
+        pairs_.for_each_active(island_, [&](Pair& pair, Point& point) {
+            if (pair.carrying != 0) return;
+            const Speed excess =
+                point.row[0].excess(velocities_.now[pair.a], pair.moves_b() ? &velocities_.now[pair.b] : nullptr);
+            hold = hold && !(excess < -slack);
+        });
+        return hold;
+    }
+    // Solves the pair of a body that moves on one that rests, by sweeps over its points alone, and hands on what they
+    // push. `before` of the points' rows gets this as impulses of the body.
+    bool slide([[maybe_unused]] Pair& pair, [[maybe_unused]] int b) {
+        if constexpr (!features.pairs) {
+            return false;
+        } else {
+            if (!pair.moves_b()) return false;
+            using Solver = typename Rows::Solver;
+            const bool is_a = b == pair.a;
+            const Unit share = is_a ? pair.share_a : pair.share_b;
+            const CollisionShape<N>& shape = shapes_.shape(b);
+            Velocity &now = velocities_.now[b], &other = velocities_.now[is_a ? pair.b : pair.a];
+            const int rows = Rows::rows(pair);
+            typename Solver::Row row[Pair::max_points][Point::directions];
+            const auto for_each_block = [&](auto&& f) {
+                for (int i = 0; i < pair.count; ++i)
+                    if (pair.point[i].active) f(typename Solver::Block{row[i], rows, pair.friction, now, nullptr});
+            };
+            for (int k = 0; k < rows; ++k) {
+                Vec3<Unit> direction = k == 0 ? pair.normal : pair.tangent[k - 1];
+                if (!is_a) direction = -direction;
+                const Vec3<Unit> in_body = shapes_.axes(b).to_body(direction);
+                for (int i = 0; i < pair.count; ++i) {
+                    const Point& point = pair.point[i];
+                    row[i][k].set(direction, Rows::levers(shape, arm_of(point, is_a), in_body));
+                    // Between the rows of two bodies and of one: their lengths, and what the body takes of the motion.
+                    const auto of_pair = [&](Speed s) { return Row::product(s, point.row[k].inverse); };
+                    row[i][k].target = Row::product(W::over(W::over(point.row[k].target, point.row[k].inverse), share),
+                                                    row[i][k].inverse);
+                    row[i][k].impulse = W::over(Row::product(of_pair(point.row[k].impulse), share), row[i][k].inverse);
+                }
+            }
+            for_each_block([](const auto& block) { Solver::push(block); });
+            Solver::sweep(for_each_block, velocities_.scale.enough_at_rest(), contact::max_sweeps);
+            unsigned carrying = must_move;
+            Velocity unused = now;
+            for (int i = 0; i < pair.count; ++i) {
+                if (!pair.point[i].active) continue;
+                carrying |= 1u << i;
+                for (int k = 0; k < Point::directions; ++k) {
+                    auto& to = pair.point[i].row[k];
+                    to.before = Speed{};
+                    if (k >= rows) continue;
+                    to.before = over_share(Row::product(row[i][k].impulse, row[i][k].inverse), pair, is_a);
+                    const Speed impulse = W::over(to.before, to.inverse);
+                    to.push(impulse, is_a ? unused : other, is_a ? &other : &unused);
+                }
+            }
+            pair.carrying = static_cast<std::uint8_t>(carrying);
+            moves_ = true;
+            for (int i = 0; i < 3; ++i)
+                if (!W::fits(other.linear[i]) || !W::fits(other.angular[i])) return false;
+            return true;
+        }
     }
     // Stops a body through its last pair, and hands on to the other one what this takes. `before` of the points' rows
     // gets what they push, as impulses of the body.
     bool carry(Pair& pair, int b) {
         const bool is_a = b == pair.a;
         const CollisionShape<N>& shape = shapes_.shape(b);
-        Velocity& now = velocities_.now[b];
+        const Velocity& now = velocities_.now[b];
         Vec3<Unit> frame[3] = {pair.normal, pair.tangent[0], pair.tangent[1]};
         if (!features.friction || !pair.has_friction) {
             Vec3<Unit> tangent[2];
@@ -173,7 +254,7 @@ private:
         }
         if constexpr (features.pairs)
             if (pair.moves_b() && !hand_on(pair, is_a, frame, wrench, linear)) return false;
-        now.linear = now.angular = Vec3<Speed>::Constant(Speed{});
+        stop(b);
         return true;
     }
 
@@ -264,7 +345,8 @@ private:
     PairList& pairs_;
     Velocities& velocities_;
     const Island& island_;
-    int carrying_ = 0;  // pairs
+    int carrying_ = 0;    // pairs
+    bool moves_ = false;  // a body of the solution
 };
 
 }  // namespace tumble

@@ -70,22 +70,17 @@ public:
         }
         return same;
     }
-    // Writes the kicks that stop the bodies, which then have no velocity at all, by the end of the step.
-    void stop(Kicks& kicks, const Kicks& loads, const Bodies& bodies, const BodyGroup& group) {
+    // Writes what the rows have changed as kicks. A change beyond the range is reported. `loads`: where bodies that end
+    // without any velocity shall have exactly none at the end of a whole step.
+    void write(Kicks& kicks, Bodies& bodies, const NarrowPhase& shapes, const BodyGroup& group,
+               const Kicks* loads = nullptr) const {
         for (int k = 0; k < group.count; ++k) {
             const int b = group.id[k];
-            const auto& s = bodies.state[b];
-            now[b].linear = now[b].angular = Vec3<Speed>::Constant(Speed{});
-            for (int i = 0; i < 3; ++i) {
-                kicks[b].linear[i] = -(N::sum(s.d_w[i]) + loads[b].linear[i]);
-                kicks[b].angular[i] = -(N::sum(s.t_b[i]) + loads[b].angular[i]);
+            const Vec3<Speed> zero = Vec3<Speed>::Constant(Speed{});
+            if (loads != nullptr && now[b].linear == zero && now[b].angular == zero) {
+                stop(kicks[b], (*loads)[b], bodies.state[b]);
+                continue;
             }
-        }
-    }
-    // Writes what the rows have changed as kicks. A change beyond the range is reported.
-    void write(Kicks& kicks, Bodies& bodies, const NarrowPhase& shapes, const BodyGroup& group) const {
-        for (int k = 0; k < group.count; ++k) {
-            const int b = group.id[k];
             const CollisionShape<N>& shape = shapes.shape(b);
             Kick<N>& kick = kicks[b];
             bool within = true;
@@ -121,6 +116,13 @@ public:
     }
 
 private:
+    // The kick that ends the motion of a body under a load.
+    static void stop(Kick<N>& kick, const Kick<N>& load, const typename Bodies::State& state) {
+        for (int i = 0; i < 3; ++i) {
+            kick.linear[i] = -(N::sum(state.d_w[i]) + load.linear[i]);
+            kick.angular[i] = -(N::sum(state.t_b[i]) + load.angular[i]);
+        }
+    }
     // Calls f(start, with loads, the sum now, the loads' change, its fraction bits, its weight) for each component.
     template <class F>
     void for_each_component(const Bodies& bodies, const NarrowPhase& shapes, const BodyGroup& group, const Kicks& loads,
