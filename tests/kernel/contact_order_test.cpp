@@ -28,7 +28,7 @@ TEST_P(ContactOrder, a_ball_that_spins_about_the_vertical_slides_straight) {
 // Its centre goes round a circle at 2/7 of the table's rate (Gersten, Soodak and Tiersten 1992).
 TEST_P(ContactOrder, a_ball_that_rolls_on_a_turntable_goes_round_at_two_sevenths_of_its_rate) {
     for (const Number rate : {2.0L, -1.5L}) {
-        for (const Number radius : {0.1L, 0.25L}) {
+        for (const Number radius : {0.25L, 0.4L}) {
             const Number speed = 0.5L, circling = rate * 2 / 7, time = 2;
             SceneSetup setup = floor(0, 0.9L);
             setup.planes.clear();

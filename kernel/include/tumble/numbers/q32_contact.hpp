@@ -206,8 +206,8 @@ requires(N::fixed_point) struct ContactNumbers<N> {
         // it is rounding.
         [[nodiscard]] static constexpr Speed enough_at_rest() { return {256}; }
         [[nodiscard]] static constexpr Speed enough_in_impact() { return {2}; }
-        // What a solution leaves at a point of an impact: for each of four points of a pair the change at which sweeps stop,
-        // and six roundings.
+        // What a solution leaves at a point of an impact: for each of four points of a pair the change at which sweeps
+        // stop, and six roundings.
         [[nodiscard]] static constexpr Speed noise() { return {32}; }
 
         constexpr SpeedScale() = default;
