@@ -136,7 +136,9 @@ Table bounds_table() {
         {"contact::max_points", "contact points of a pair", contact::max_points},
         {"contact::max_sweeps", "sweeps over the resting points", contact::max_sweeps},
         {"contact::max_impact_sweeps", "sweeps over the points of an impact", contact::max_impact_sweeps},
-        {"contact::max_rounds", "rounds of impacts that pass from pair to pair at one moment", contact::max_rounds}};
+        {"contact::max_rounds",
+         "rounds of impacts that pass from pair to pair at one moment, besides one for each pair",
+         contact::max_rounds}};
     Table table{{"bound", "it limits", "to"}, {}};
     for (const Bound& bound : bounds)
         table.lines.push_back({in_code(bound.name), bound.what, std::to_string(bound.most)});

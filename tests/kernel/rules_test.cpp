@@ -23,12 +23,12 @@ SceneSetup plane(Vector n, Number restitution, std::vector<BodySpec> bodies) {
     setup.planes = {{.normal = real(n)}};
     return setup;
 }
-// A ball above the bottom of a wedge of two planes, which stand at an angle to the vertical.
-SceneSetup wedge(Number half_angle, Number mirror, Vector velocity) {
-    SceneSetup setup =
-        space(1, 0, {placed(sphere(1, 0.25), {0, 0.25L / std::sin(half_angle) + 0.001953125L, 0}, velocity)});
-    setup.planes = {{.normal = {real(mirror * std::cos(half_angle)), real(std::sin(half_angle)), 0}},
-                    {.normal = {real(-mirror * std::cos(half_angle)), real(std::sin(half_angle)), 0}}};
+// A heavy ball strikes a light one of 1 kg, which touches a plane.
+SceneSetup squeeze(Number ratio, Vector normal, Number speed) {
+    SceneSetup setup = space(1, 0,
+                             {placed(sphere(real(ratio), 0.25), normal * (0.75L + 0.001953125L), normal * -speed),
+                              placed(sphere(1, 0.25), normal * 0.25L)});
+    setup.planes = {{.normal = real(normal)}};
     return setup;
 }
 // The gap is in no step deeper than the tolerance.
@@ -106,14 +106,20 @@ TEST_P(Rules, an_elastic_ball_keeps_its_energy_wherever_in_the_second_half_of_a_
 
 // --- bounds of a step --------------------------------------------------------------------------------------------
 
-// Between two planes that meet at an angle a, each reflection turns the velocity by 2 a until it leads out. That takes
-// about pi / a reflections; a round takes two of them.
-TEST_P(Rules, a_wedge_that_needs_too_many_impact_rounds_is_reported_and_a_wide_one_releases_the_ball) {
-    for (const Number mirror : {1.0L, -1.0L}) {
-        for (const bool narrow : {false, true}) {
-            const auto world = run(wedge(narrow ? 0.03L : 0.3L, mirror, {0, -2, 0}), 1);
-            EXPECT_EQ(world->status().has(Issue::step_bound_hit), narrow);
-            if (!narrow) { EXPECT_LE(std::abs(norm(world->motion(0).v) - 2), 16 * rounding()); }
+// The light ball goes to and fro until it has turned the heavy one round, which takes pi sqrt(ratio) impacts.
+TEST_P(Rules, a_ball_that_is_squeezed_for_too_many_rounds_is_reported_and_another_turns_the_heavy_one_round) {
+    for (const Vector n : normals) {
+        for (const Number ratio : {3.0L, 1e4L}) {
+            const auto world = run(squeeze(ratio, n, 2), 1);
+            EXPECT_EQ(world->status().has(Issue::step_bound_hit), ratio > 100);
+            const Number energy = (ratio * norm(world->motion(0).v) * norm(world->motion(0).v) +
+                                   norm(world->motion(1).v) * norm(world->motion(1).v)) /
+                                  2;
+            EXPECT_LE(energy, 2 * ratio * (1 + 1e-4L));
+            if (ratio < 100) {
+                EXPECT_GE(energy, 2 * ratio * (1 - 1e-4L));
+                EXPECT_GT(dot(world->motion(0).v, n), 0);
+            }
         }
     }
 }
@@ -217,11 +223,12 @@ TEST_P(Rules, piles_that_come_to_rest_report_nothing) {
 // In a narrow wedge a ball bounces more often than a moment has rounds. The speed that is left is an error for a fast
 // ball. It is none for a ball that approaches the planes more slowly than the speed of rest.
 TEST_P(Rules, a_fast_bounce_that_is_cut_off_is_reported_under_gravity_and_a_slow_one_is_not) {
-    for (const Number speed : {20.0L, 2.0L}) {
-        SceneSetup setup = wedge(0.03L, 1, {0, -speed, 0});
+    for (const Number speed : {4.0L, 0.5L / 64}) {
+        SceneSetup setup = squeeze(1e4L, {0, 1, 0}, speed);
+        setup.bodies[0].position = {0, 0.75, 0};
         setup.world.gravity = gravity;
         const auto world = run(setup, 1);
-        EXPECT_EQ(world->status().has(Issue::step_bound_hit), speed > 10) << speed;
+        EXPECT_EQ(world->status().has(Issue::step_bound_hit), speed > 1) << speed;
     }
 }
 
@@ -455,12 +462,17 @@ TEST_P(Rules, a_spring_wakes_the_body_at_its_other_end) {
 }
 
 // A body hovers ahead of a sleeping one and has been clear of contact for half a second. An impulse from behind the
-// sleeping body arrives sooner. Three equal elastic balls in a row: the last takes all momentum.
+// sleeping body arrives sooner. Three elastic balls of one mass in a row: the last takes all momentum. Forces hold the
+// first two on a smooth floor, and the last, which is smaller, does not touch it.
 TEST_P(Rules, a_body_woken_with_its_neighbour_hits_a_body_that_was_clear_of_contact) {
     for (const Vector n : normals) {
         for (const bool reversed : {false, true}) {
             SceneSetup setup =
-                space(1, 0, {sphere(1, 0.25), placed(sphere(1, 0.25), n * 0.5L), placed(sphere(1, 0.25), n * 1.75L)});
+                space(1, 0, {sphere(1, 0.25), placed(sphere(1, 0.25), n * 0.5L), placed(sphere(1, 0.2), n * 1.7L)});
+            const Vector up = std::abs(n.x) < 0.9L ? cross(n, {1, 0, 0}) : cross(n, {0, 1, 0});
+            setup.planes = {{.normal = real(up), .offset = 0.25}};
+            for (int b = 0; b < 2; ++b)
+                setup.forces.push_back({.body = b, .from = 0, .until = 100, .force = real(up * -8)});
             setup.world.contact.sleep.on = true;
             if (reversed) std::swap(setup.bodies[0], setup.bodies[1]);
             const int pushed = reversed ? 1 : 0;
@@ -569,9 +581,11 @@ TEST_P(Rules, a_deep_penetration_is_corrected_as_slowly_as_promised) {
                 const Number excess = before - tolerance::contact_band / 4;
                 const Number most = std::min(excess > 0 ? excess / 8 : Number(0), tolerance::contact_band / 8);
                 ASSERT_LE(before - now - 1.25L * most, tolerance::still) << "from " << depth << " m, step " << step;
-                // The first step moves with the mean of the speeds before and after it.
-                ASSERT_LE((step == 0 ? 0.49L : 0.75L) * most - (before - now), tolerance::still)
-                    << "from " << depth << " m, step " << step;
+                // An excess below 1/256 of the tolerance stays.
+                if (excess > tolerance::contact_band / 250) {
+                    ASSERT_LE(0.75L * most - (before - now), tolerance::still)
+                        << "from " << depth << " m, step " << step;
+                }
                 before = now;
             }
         }

@@ -335,8 +335,8 @@ public:
     }
     // Writes a snapshot, which restore() takes on any machine; returns its size, or 0 where there is no room for it.
     // The arrays of set_impulses(), set_forces() and set_script(), the recording, and the values of the scene's own
-    // loads are not in it. Set forces before restore(): after it they drop the kick that the last step has left, and
-    // the next step differs in its last bits where springs or drag act.
+    // loads are not in it. Call set_forces(), set_gravity() and change_load() before restore(): after it they drop the
+    // kick that the last step has left, and the next step differs in its last bits where springs or drag act.
     [[nodiscard]] int save(std::uint8_t* to, int room, SnapshotPart part = SnapshotPart::world) const
         requires(features.snapshots) {
         const int size = snapshot_size(part);

@@ -30,17 +30,28 @@ public:
                 const Island& island)
         : shapes_{shapes}, pairs_{pairs}, velocities_{velocities}, bodies_{bodies}, island_{island} {}
 
-    // Sets the velocities of the island's bodies, with `part` of the loads' change; `whole`: all of it.
-    void set_velocities(const Kicks& loads, Work part, bool whole) {
-        velocities_.set_scale(bodies_, shapes_, island_.group, loads);
+    // Sets the velocities of the island's bodies, with `part` of the loads' change; `whole`: all of it. True where they
+    // are what they were, apart from their scale.
+    // `lifts`: the scale has room for the correction of penetrations.
+    bool set_velocities(const Kicks& loads, Work part, bool whole, bool lifts = false) {
+        auto least = C::nothing();
+        if (lifts) [[unlikely]]
+            pairs_.for_each(island_, [&](const Pair& pair) {
+                const auto size =
+                    C::size(ContactBounds<N>::lift(pair.gap, shapes_.tolerance()), shapes_.scale(), pair.weight);
+                if (size > least) least = size;
+            });
+        velocities_.set_scale(bodies_, shapes_, island_.group, loads, least,
+                              [&](int b) { return pairs_.pairs_of(b) > 1; });
         make_room_for_surfaces();
-        velocities_.set(bodies_, shapes_, island_.group, loads, part, whole);
+        return velocities_.set(bodies_, shapes_, island_.group, loads, part, whole);
     }
     // Makes the rows of a pair's points anew where these or the bodies have moved.
     void make_rows(Pair& pair) {
         bool hold = true;
         for (int i = 0; i < pair.count; ++i) hold = hold && pair.point[i].rows_hold;
         if (!hold) {
+            pair.still = 0;
             const Directions directions{pair, shapes_.axes(pair.a), pair.moves_b() ? &shapes_.axes(pair.b) : nullptr};
             for (int i = 0; i < pair.count; ++i) {
                 Point& point = pair.point[i];
@@ -85,13 +96,20 @@ public:
         return narrow<Speed>(mul(of_pair, point.row[0].inverse));
     }
 
-    // Solves all points that take part by sweeps.
-    void sweep(Speed enough, int bound) {
-        Solver::sweep(
+    // arm x direction over the radii of gyration, in principal axes.
+    [[nodiscard]] static Vec3<typename C::Lever> levers(const CollisionShape<N>& shape, const Vec3<Length>& arm,
+                                                        const Vec3<Unit>& direction) {
+        const Vec3<Length> c = cross<Length>(arm, direction);
+        return {shape.per_gyration[0](c.x()), shape.per_gyration[1](c.y()), shape.per_gyration[2](c.z())};
+    }
+
+    // Solves all points that take part by sweeps. Returns the largest change of an impulse in the last one.
+    Speed sweep(Speed enough, int bound, bool with_momentum = true) {
+        return Solver::sweep(
             [&](auto&& f) {
                 pairs_.for_each_active(island_, [&](Pair& pair, Point& point) { f(block(pair, point)); });
             },
-            enough, bound);
+            enough, bound, with_momentum);
     }
     // Applies the impulses of all points that take part.
     void push_all() {
@@ -139,11 +157,6 @@ private:
         }
         point.row[k].set(directions.linear[k], lever);
     }
-    [[nodiscard]] static Vec3<typename C::Lever> levers(const CollisionShape<N>& shape, const Vec3<Length>& arm,
-                                                        const Vec3<Unit>& direction) {
-        const Vec3<Length> c = cross<Length>(arm, direction);
-        return {shape.per_gyration[0](c.x()), shape.per_gyration[1](c.y()), shape.per_gyration[2](c.z())};
-    }
 
     // The surface of a fixed body that turns may be much faster than the bodies.
     void make_room_for_surfaces() {
@@ -165,22 +178,44 @@ private:
                 }
             });
     }
-    // The velocity of a turning fixed body's surface along direction k of a point, as a speed of the pair.
+    // The velocity of a turning fixed body's surface along direction k of a point, as a speed of the pair: where the
+    // point is at the end of the step, because the solution is for then. The row is that of the start. It leaves out by
+    // how much the point's own velocity turns in the step, w x (w x arm), so that is taken off.
     [[nodiscard]] Work surface_speed([[maybe_unused]] const Pair& pair, [[maybe_unused]] const Point& point,
                                      [[maybe_unused]] int k) const {
         if constexpr (features.turntables && features.pairs && features.friction) {
             if (!pair.on_turntable) return Work(0);
-            const int b = pair.b;
-            WorkVec3<N> turn, arm, direction;
-            const Vec3<Unit> direction_b = shapes_.axes(b).to_body(pair.tangent[k - 1]);
-            for (int i = 0; i < 3; ++i) {
-                turn[i] = bodies_.turn(b, i);
-                arm[i] = shapes_.scale().metres(point.arm_b[i]);
-                direction[i] = N::work(direction_b[i]);
+            WorkVec3<N> turn = WorkVec3<N>::Constant(Work(0)), along_arm = turn;
+            // The arm of a sphere does not turn with it.
+            if (!shapes_.shape(pair.a).is(ShapeKind::sphere)) {
+                turn = turn_of(pair.a);
+                along_arm = cross<Work>(turn, arm_of(pair.a, point.arm));
             }
-            return dot(cross<Work>(turn, arm), direction) * pair.weight;
+            WorkVec3<N> place = arm_of(pair.b, point.arm_b), direction;
+            for (int i = 0; i < 3; ++i) {
+                place[i] += N::metres(N::sum(bodies_.state[pair.a].d_w[i]), bodies_.scale) + along_arm[i];
+                direction[i] = N::work(pair.tangent[k - 1][i]);
+            }
+            const WorkVec3<N> surface = cross<Work>(turn_of(pair.b), place), own = cross<Work>(turn, along_arm);
+            return (dot(surface, direction) - dot(own, direction)) * pair.weight;
         }
         return Work(0);
+    }
+    // Rad a step, and m from the centre of mass, world.
+    [[nodiscard]] WorkVec3<N> turn_of(int b) const {
+        return to_world(b, {bodies_.turn(b, 0), bodies_.turn(b, 1), bodies_.turn(b, 2)});
+    }
+    [[nodiscard]] WorkVec3<N> arm_of(int b, const Vec3<Length>& arm) const {
+        const auto& scale = shapes_.scale();
+        return to_world(b, {scale.metres(arm[0]), scale.metres(arm[1]), scale.metres(arm[2])});
+    }
+    [[nodiscard]] WorkVec3<N> to_world(int b, const WorkVec3<N>& v) const {
+        WorkVec3<N> world;
+        for (int i = 0; i < 3; ++i) {
+            const Vec3<Unit>& row = shapes_.axes(b).row[i];
+            world[i] = dot(WorkVec3<N>{N::work(row[0]), N::work(row[1]), N::work(row[2])}, v);
+        }
+        return world;
     }
 
     const NarrowPhase& shapes_;

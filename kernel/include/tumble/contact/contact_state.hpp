@@ -4,6 +4,7 @@
 #include <tumble/contact/broad_phase.hpp>
 #include <tumble/contact/kicks.hpp>
 #include <tumble/contact/marks.hpp>
+#include <tumble/contact/resting.hpp>
 #include <tumble/contact/sleepers.hpp>
 #include <tumble/contact/velocities.hpp>
 
@@ -25,6 +26,7 @@ struct ContactState {
     Work threshold;  // of restitution, m a step
     // While an island is solved.
     SolverVelocities<N, spin, features> velocities{};
+    Solution solution{};
     Kicks<N, features.bodies> loads{};   // by gravity and loads over the whole step
     Kicks<N, features.bodies> forces{};  // by the contacts over the rest of the step
 };

@@ -63,7 +63,10 @@ public:
     // together with the bodies that they may touch.
     template <class Advance>
     void step(Advance& advance, const StepInfo<N>& info) {
-        auto& [shapes, pairs, times, sleepers, marks, threshold, velocities, loads, forces] = state_;
+        auto& pairs = state_.pairs;
+        auto& times = state_.times;
+        auto& sleepers = state_.sleepers;
+        auto& marks = state_.marks;
         if constexpr (features.turntables) {
             for (int b = 0; b < advance.bodies.count; ++b)
                 if (advance.bodies.constants[b].fixed) advance.step_fixed(b, info);
@@ -196,7 +199,7 @@ private:
             else IslandStep<N, spin, features>{state_, schedule, advance.bodies, island, mover}.take();
             advance.check_range(group);
             if constexpr (features.sleep) {
-                if (state_.sleepers.may_sleep(advance.bodies, group, rests(island)))
+                if (state_.sleepers.may_sleep(advance.bodies, group, presses(island)) && rests(advance.bodies, island))
                     for (int k = 0; k < group.count; ++k) to_sleep.add(group.id[k]);
             }
         }
@@ -208,14 +211,18 @@ private:
             }
         }
     }
-    // True where the island touches something, and touches no fixed body that turns.
-    [[nodiscard]] bool rests(const Island<features.bodies>& island) const {
+    // True where the island touches something, touches no fixed body that turns, and corrects no penetration.
+    [[nodiscard]] bool presses(const Island<features.bodies>& island) const {
         bool any = false, on_turntable = false;
         state_.pairs.for_each(island, [&](const auto& pair) {
             any = any || pair.count > 0;
             on_turntable = on_turntable || (pair.count > 0 && pair.on_turntable);
         });
-        return any && !on_turntable;
+        return any && !on_turntable && !state_.solution.lifts;
+    }
+    [[nodiscard]] bool rests(Bodies& bodies, const Island<features.bodies>& island) requires(features.sleep) {
+        return Resting<N, spin, features>{state_.shapes, state_.pairs, state_.velocities, bodies, island}.rests(
+            state_.solution);
     }
 
     ContactState<N, spin, features> state_;

@@ -9,6 +9,7 @@ template <class N, Spin spin, Features features>
 class Impact {
 public:
     using Rows = ContactRows<N, spin, features>;
+    using C = typename Rows::C;
     using Bounds = ContactBounds<N>;
     using Length = typename Rows::Length;
     using Speed = typename Rows::Speed;
@@ -29,47 +30,44 @@ public:
         : shapes_{shapes}, pairs_{pairs}, velocities_{velocities}, bodies_{bodies}, island_{island},
           rows_{shapes, pairs, velocities, bodies, island}, threshold_{threshold} {}
 
-    // Solves the impact of the island, of which the points have been found. With restitution, one pair after another
-    // bounces by itself, as an impact passes through a row of balls. Then all pairs together stop the points that still
-    // approach. With `stop` nothing bounces. `loads`: over a whole step.
+    // Solves the impact of the island, of which the points have been found. In each round all points that approach
+    // bounce together, from the velocities at its start: Newton's law, v' = -e v. A round may let others approach, as
+    // an impact passes through a row of balls. Then all points together stop what still approaches. With `stop` nothing
+    // bounces. `loads`: over a whole step.
     void resolve(Kicks& loads, bool stop) {
-        rows_.set_velocities(loads, Work(1), true);
-        int active = 0;
+        (void)rows_.set_velocities(loads, Work(1), true);
+        int pairs = 0;
         const Length hit = Bounds::largest_impact_gap(shapes_.tolerance());
         pairs_.for_each(island_, [&](Pair& pair) {
+            pair.still = 0;
             // The impact leaves out pairs with a larger gap.
             pair.touched = pair.count > 0 && !(pair.gap > hit);
-            for (int i = 0; i < pair.count; ++i) pair.point[i].active = pair.touched;
+            for (int i = 0; i < pair.count; ++i) pair.point[i].active = false;
             if (!pair.touched) return;
             pair.scale = velocities_.scale;
             rows_.make_rows(pair);
             for (int i = 0; i < pair.count; ++i) {
                 Point& point = pair.point[i];
-                point.loads = magnitude_of(rows_.velocity(velocities_.now, pair, point) -
-                                           rows_.velocity(velocities_.start, pair, point));
-                ++active;
+                point.set_aside[0] = magnitude_of(rows_.velocity(velocities_.now, pair, point) -
+                                                  rows_.velocity(velocities_.start, pair, point));
             }
+            ++pairs;
         });
-        if (active == 0) return;
+        if (pairs == 0) return;
         copy(velocities_.now, velocities_.start);
         bool bounced = !stop;
-        for (int round = 0; bounced && round < contact::max_rounds; ++round) {
-            bounced = false;
-            pairs_.for_each(island_, [&](Pair& pair) {
-                if (pair.touched && collide(pair)) bounced = true;
-            });
-        }
+        for (int round = 0; bounced && round < contact::max_rounds + pairs; ++round) bounced = bounce();
+        pairs_.for_each(island_, [&](Pair& pair) {
+            for (int i = 0; pair.touched && i < pair.count; ++i) {
+                Point& point = pair.point[i];
+                point.active = true;
+                point.row[0].target = target_of_gap(pair, point);
+                Rows::clear_impulses(point);
+            }
+        });
         if (bounced || stop) [[unlikely]]
             report_cut_off();
-        pairs_.for_each_active(island_, [&](const Pair& pair, Point& point) {
-            point.row[0].target = target_of_gap(pair, point);
-            Rows::clear_impulses(point);
-        });
-        copy(velocities_.loaded, velocities_.now);
-        rows_.sweep(velocities_.scale.enough_in_impact(), contact::max_impact_sweeps);
-        // Each impulse is applied once, not in one part per sweep: this rounds less.
-        copy(velocities_.now, velocities_.loaded);
-        rows_.push_all();
+        solve(false);
         velocities_.add_to(bodies_, loads, shapes_, island_.group);
         pairs_.count_points(island_);
         // The impulses of an impact are no warm start for the forces of the next step.
@@ -87,9 +85,9 @@ private:
     // True of an approach that bounces: it is faster than the scene's threshold, and the bounce lasts long enough under
     // the loads.
     [[nodiscard]] bool bounces(const Pair& pair, const Point& point, Speed approach) const {
-        if (!(approach > velocities_.scale.enough_at_rest())) return false;
+        if (!(approach > velocities_.scale.noise())) return false;
         const Speed bounce = narrow<Speed>(mul(approach, pair.restitution));
-        if (!Bounds::bounce_lasts(bounce, point.loads)) return false;
+        if (!Bounds::bounce_lasts(bounce, point.set_aside[0])) return false;
         if (!(threshold_ > Work(0))) return true;
         return !(approach < Rows::along(point, rows_.pair_speed(pair, threshold_)));
     }
@@ -100,7 +98,7 @@ private:
     [[nodiscard]] bool bounces_far(const Pair& pair, const Point& point) const {
         const Speed approach = -rows_.velocity(velocities_.now, pair, point);
         const Speed bounce = narrow<Speed>(mul(approach, pair.restitution));
-        return bounces(pair, point, approach) && bounce > point.loads &&
+        return bounces(pair, point, approach) && bounce > point.set_aside[0] &&
                bounce > Rows::along(point, rows_.pair_speed(pair, shapes_.slow()));
     }
     [[gnu::noinline]] void report_cut_off() {
@@ -108,33 +106,77 @@ private:
             if (bounces_far(pair, point)) bodies_.report(Issue::step_bound_hit, pair.a);
         });
     }
-    // Solves the impact of one pair by itself. False where no point of it bounces.
-    bool collide(Pair& pair) {
-        auto& now = velocities_.now;
-        bool any = false;
-        for (int i = 0; i < pair.count; ++i) {
-            const Point& point = pair.point[i];
-            any = any || bounces(pair, point, -rows_.velocity(now, pair, point));
+    // Solves for the impulses of the active points from the present velocities. Plain sweeps of one pair converge best.
+    void solve(bool one_pair) {
+        copy(velocities_.loaded, velocities_.now);
+        (void)rows_.sweep(velocities_.scale.enough_in_impact(), contact::max_impact_sweeps, !one_pair);
+        // Each impulse is applied once, not in one part per sweep: this rounds less.
+        copy(velocities_.now, velocities_.loaded);
+        rows_.push_all();
+    }
+    // One round. False where no point bounces.
+    bool bounce() {
+        int active = 0, pairs = 0;
+        bool rough = false;
+        pairs_.for_each(island_, [&](Pair& pair) {
+            if (!pair.touched) return;
+            bool any = false;
+            for (int i = 0; i < pair.count; ++i) {
+                Point& point = pair.point[i];
+                const Speed approach = -rows_.velocity(velocities_.now, pair, point);
+                any = any || bounces(pair, point, approach);
+                point.row[0].target = approach;
+            }
+            if (any) ++pairs;
+            for (int i = 0; i < pair.count; ++i) {
+                Point& point = pair.point[i];
+                const Speed approach = point.row[0].target;
+                // Points that rest beside one that bounces take part: rounding must not turn a body that lands flat. A
+                // point that moves away does not, for an impulse there would add energy.
+                point.active = any && !bounces(pair, point, -approach);
+                if (!point.active) continue;
+                Rows::clear_impulses(point);
+                point.row[0].target =
+                    approach > Speed{} ? narrow<Speed>(mul(approach, pair.restitution)) : target_of_gap(pair, point);
+                rough = rough || pair.has_friction;
+                ++active;
+            }
+        });
+        if (active == 0) return false;
+        solve(pairs == 1);
+        // One smooth point makes no energy.
+        return (!rough && active == 1) || scale_back();
+    }
+    // The change p of the velocities u by a round makes no energy: |u + s p|^2 <= |u|^2, with s as large as that
+    // allows, at most 1. Newton's law with friction may make energy (Kane 1984), and sweeps that end early may. False
+    // where nothing is left of the change.
+    bool scale_back() {
+        using Square = decltype(dot(velocities_.now[0].linear, velocities_.now[0].linear));
+        Square work{}, square{};
+        for_each_component([&](Speed u, Speed& end) {
+            const Speed p = end - u;
+            work = mul_add(work, u, p);
+            square = mul_add(square, p, p);
+        });
+        work = -(work + work);
+        if (!(square > work)) return true;
+        const bool any = work > Square{};
+        const auto share = any ? C::ratio_of_squares(work, square) : typename C::Unit{};
+        for_each_component([&](Speed u, Speed& end) { end = u + narrow<Speed>(mul(end - u, share)); });
+        return any;
+    }
+    // Calls f(velocity at the start of the round, velocity).
+    template <class F>
+    void for_each_component(F&& f) {
+        for (int k = 0; k < island_.group.count; ++k) {
+            const int b = island_.group.id[k];
+            const Velocity& u = velocities_.loaded[b];
+            Velocity& end = velocities_.now[b];
+            for (int i = 0; i < 3; ++i) {
+                f(u.linear[i], end.linear[i]);
+                f(u.angular[i], end.angular[i]);
+            }
         }
-        if (!any) return false;
-        // Where one point bounces, all do: rounding must not turn a body that lands flat.
-        for (int i = 0; i < pair.count; ++i) {
-            Point& point = pair.point[i];
-            const Speed approach = -rows_.velocity(now, pair, point);
-            Rows::clear_impulses(point);
-            point.row[0].target =
-                approach > Speed{} ? narrow<Speed>(mul(approach, pair.restitution)) : target_of_gap(pair, point);
-        }
-        const Velocity a = now[pair.a], b = pair.moves_b() ? now[pair.b] : a;
-        for (int sweep = 0; sweep < contact::max_impact_sweeps; ++sweep) {
-            Speed most{};
-            for (int i = 0; i < pair.count; ++i) Rows::Solver::visit(rows_.block(pair, pair.point[i]), most);
-            if (!(most > velocities_.scale.enough_in_impact())) break;
-        }
-        now[pair.a] = a;
-        if (pair.moves_b()) now[pair.b] = b;
-        for (int i = 0; i < pair.count; ++i) Rows::Solver::push(rows_.block(pair, pair.point[i]));
-        return true;
     }
 
     const NarrowPhase& shapes_;

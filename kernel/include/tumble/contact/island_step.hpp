@@ -83,7 +83,11 @@ private:
     // `struck`: the impact has been resolved.
     Touch solve_resting(Work span, bool whole, bool struck) {
         return Resting<N, spin, features>{contacts_.shapes, contacts_.pairs, contacts_.velocities, bodies_, island_}
-            .solve(contacts_.loads, span, whole, struck, contacts_.forces);
+            .solve(contacts_.loads, span, whole, struck, contacts_.forces, contacts_.solution);
+    }
+    void lift(bool off) {
+        Resting<N, spin, features>{contacts_.shapes, contacts_.pairs, contacts_.velocities, bodies_, island_}.lift(off);
+        take_over_spins();
     }
     // After an impact the bodies' bounds on the time to contact hold no longer, and other bodies may be near.
     void find_near_pairs() {
@@ -139,20 +143,24 @@ private:
         // Contact forces act as gravity does in the method: before the drift, after it, or half before and half after.
         const bool before = attempt.held && mover_.coasting != Coasting::start;
         if (before) push(part, all, false);
+        const bool lifts = attempt.held && contacts_.solution.lifts;
+        if (lifts) lift(false);
         move({.group = group, .new_spins = restart || before, .portion = {attempt.whole && all, length}});
+        if (lifts) lift(true);
         if (attempt.held && mover_.coasting != Coasting::end) {
             push(part, all, true, &attempt.start);
             take_over_spins();
         }
     }
-    // `start`: where the kicks still have the scale that the spins had at the start of the flight. They get that of
-    // now.
+    // `start`: of the flight that has ended. The kicks, which still have the scale of its spins, get that of now. They
+    // act in its axes, so the change of spin is turned into the axes of now: a torque has its direction in the world.
     void push(Work part, bool all, bool second, const Saved* start = nullptr) {
         for (int k = 0; k < island_.group.count; ++k) {
             const int b = island_.group.id[k];
             if constexpr (Bodies::has_parts)
                 if (start != nullptr) contacts_.forces.rescale(b, bodies_.parts.halvings[b] - start->halvings[k]);
-            const Kick<N>& kick = contacts_.forces[b];
+            Kick<N> kick = contacts_.forces[b];
+            if (start != nullptr) turn(kick, b, start->state[k].q_wb.value());
             const auto share = [&](auto sum) {
                 if (!all) sum = N::part(sum, N::fraction(part));
                 if (mover_.coasting != Coasting::mean) return sum;
@@ -164,6 +172,24 @@ private:
             }
             if (!second) (void)bodies_.fit_parts(b);
         }
+    }
+
+    // Turns a change of spin from the axes at q into those of now. Angular momentum turns, not angular velocity.
+    void turn(Kick<N>& kick, int b, const Quat<typename N::Unit>& q) const {
+        const auto& now = bodies_.state[b].q_wb.value();
+        if (q.w == now.w && q.v == now.v) return;
+        using Vector = VectorBlock<N>;
+        using Units = std::remove_cvref_t<decltype(bodies_.constants[b].units)>;
+        const CollisionShape<N>& shape = contacts_.shapes.shape(b);
+        const auto scaled = [](const Vector& v, const Work(&by)[3]) {
+            return v.times(Vector3<Work>{by[0] * by[0], by[1] * by[1], by[2] * by[2]});
+        };
+        Vector change = Vector::of_turns(kick.angular, bodies_.spin_scale(b));
+        if (change.is_zero()) return;
+        if constexpr (!Units::has_one_factor) change = scaled(change, shape.weight);
+        change = change.rotated(q).rotated_back(now);
+        if constexpr (!Units::has_one_factor) change = scaled(change, shape.per_weight);
+        for (int i = 0; i < 3; ++i) kick.angular[i] = change.turn(i, Work(1), bodies_.spin_scale(b));
     }
 
     // Conservative advancement (Mirtich 1996) of pairs that may have passed through each other. The flight is redone up
@@ -250,6 +276,7 @@ private:
         check_range();
         move({.group = island_.group, .loads = &contacts_.loads});
         search_.find();
+        contacts_.solution = {};
         Impact<N, spin, features>{contacts_.shapes, contacts_.pairs, contacts_.velocities,
                                   bodies_,          island_,         contacts_.threshold}
             .resolve(contacts_.loads, stop);

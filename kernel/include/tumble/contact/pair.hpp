@@ -23,9 +23,11 @@ struct ContactPoint {
     Vec3<Length> arm;  // from the centre of mass of body a, its principal axes
     [[no_unique_address]] If<features.pairs, Vec3<Length>, 0> arm_b;
     Length gap;
-    bool active;                             // part of the present solution
-    bool rows_hold = false;                  // for where the bodies are
-    Speed loads;                             // change of the velocity along the normal by the loads in a step
+    bool active;             // part of the present solution
+    bool rows_hold = false;  // for where the bodies are
+    // In an impact, the change of the velocity along the normal by the loads in a step; while penetrations are
+    // corrected, the impulses without that.
+    Speed set_aside[directions];
     Row<N, features.pairs> row[directions];  // the normal, of which the target is the least velocity; the tangents
 };
 
@@ -41,6 +43,8 @@ struct Pair {
     std::int16_t a = 0, b = 0;  // a moves; b < 0: plane -1 - b
     std::int16_t next = -1;     // of the same island
     std::uint8_t count = 0;     // points within the tolerance
+    std::uint8_t carrying = 0;  // the points that statics have used, one bit each
+    std::int16_t still = 0;     // pairs that statics have solved with this one, while nothing has changed since
     bool moved = true;          // a body has turned or the normal has changed: the rows are invalid
     bool touched = false;       // it had contact forces or an impact at the start of the flight
     bool left_out = false;      // it came near in this step, between two islands
@@ -83,6 +87,7 @@ struct Pair {
         a = static_cast<std::int16_t>(first);
         b = static_cast<std::int16_t>(second);
         count = 0;
+        still = 0;
         moved = true;
         touched = left_out = passed = selected = has_friction = on_turntable = false;
         share_b = {};

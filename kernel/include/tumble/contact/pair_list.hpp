@@ -27,6 +27,8 @@ public:
     [[nodiscard]] Pair& operator[](int i) { return pair_[i]; }
     // The pair of a body with a plane or another body has a place in the list.
     [[nodiscard]] TUMBLE_INLINE bool is_near(int b) const { return pairs_of_[b] != 0; }
+    // Near pairs of the body.
+    [[nodiscard]] int pairs_of(int b) const { return pairs_of_[b]; }
     // Contact points of the body in the last step.
     [[nodiscard]] int points_of(int b) const { return touching_[b]; }
 
@@ -84,7 +86,10 @@ public:
         for (int i = count_ - 1; i >= 0; --i) {
             Pair& pair = pair_[i];
             const bool has_a = islands.root(pair.a) == root, has_b = pair.moves_b() && islands.root(pair.b) == root;
-            if (pair.moves_b() && has_a != has_b) pair.left_out = true;
+            if (pair.moves_b() && has_a != has_b) {
+                pair.left_out = true;
+                pair.still = 0;
+            }
             if (!has_a || (pair.moves_b() && !has_b)) continue;
             pair.next = static_cast<std::int16_t>(first);
             first = i;

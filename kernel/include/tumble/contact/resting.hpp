@@ -1,12 +1,16 @@
 // The forces of a step between touching bodies.
 #pragma once
 
-#include <tumble/contact/contact_rows.hpp>
+#include <tumble/contact/statics.hpp>
 
 namespace tumble {
 
 // What the solution for the forces of a step has found.
 enum class Touch : std::uint8_t { nothing, rests, strikes };
+struct Solution {
+    bool lifts = false;    // SolverVelocities::loaded holds a motion that corrects penetrations
+    bool settled = false;  // nothing has changed since, and it corrects no penetration
+};
 
 template <class N, Spin spin, Features features>
 class Resting {
@@ -33,14 +37,19 @@ public:
     // Solves for the contact forces over a part of the step, so that no touching point approaches at its end. Writes
     // them into `forces`, as changes of motion in that part. A point strikes if it is below the surface and approaches
     // faster than NarrowPhase::slow(). The impact must then be resolved first: unless `struck`, no forces are computed.
-    Touch solve(const Kicks& loads, Work part, bool whole, bool struck, Kicks& forces) {
-        bool any = false;
-        pairs_.for_each(island_, [&](const Pair& pair) { any = any || pair.count > 0; });
+    Touch solve(const Kicks& loads, Work part, bool whole, bool struck, Kicks& forces, Solution& solution) {
+        bool any = false, lifts = false;
+        solution = {};
+        pairs_.for_each(island_, [&](const Pair& pair) {
+            any = any || pair.count > 0;
+            lifts = lifts || (pair.count > 0 && Bounds::is_lifted(pair.gap, shapes_.tolerance()));
+        });
         if (!any) return Touch::nothing;
-        rows_.set_velocities(loads, part, whole);
+        const bool same = rows_.set_velocities(loads, part, whole, lifts);
         int active = 0;
         bool strikes = false;
         pairs_.for_each(island_, [&](Pair& pair) {
+            if (!same || !(pair.scale == velocities_.scale)) pair.still = 0;
             if (pair.count == 0) return;
             const bool hit = pair.touched && (struck || !whole);
             pair.touched = false;
@@ -58,7 +67,7 @@ public:
                     continue;
                 }
                 strikes = strikes || (!above && fast);
-                point.row[0].target = above ? -closing : correction(pair, point);
+                point.row[0].target = above ? -closing : Speed{};
                 for (auto& row : point.row) row.impulse = velocities_.scale.from(row.impulse, pair.scale);
                 pair.touched = true;
                 ++active;
@@ -67,22 +76,121 @@ public:
         });
         if (active == 0) return Touch::nothing;
         if (strikes && !struck) return Touch::strikes;
-        rows_.push_all();
-        rows_.sweep(velocities_.scale.enough_at_rest(), contact::max_sweeps);
-        velocities_.write(forces, bodies_, shapes_, island_.group);
+        if (whole && Statics<N, spin, features>{shapes_, pairs_, velocities_, island_}.solve()) {
+            velocities_.write(forces, bodies_, shapes_, island_.group, &loads);
+        } else {
+            rows_.push_all();
+            (void)rows_.sweep(velocities_.scale.enough_at_rest(), contact::max_sweeps);
+            velocities_.write(forces, bodies_, shapes_, island_.group);
+        }
         pairs_.count_points(island_);
+        solution.settled = true;
+        if (lifts) [[unlikely]] {
+            if constexpr (features.sleep) solution.settled = is_balanced();
+            solution.lifts = find_lifts();
+            solution.settled = solution.settled && !solution.lifts;
+        }
         return Touch::rests;
     }
 
+    // Adds the motion that corrects penetrations to that of the bodies, or takes it off. It ends with the flight, so it
+    // leaves no momentum.
+    void lift(bool off) {
+        for (int k = 0; k < island_.group.count; ++k) {
+            const int b = island_.group.id[k];
+            const CollisionShape<N>& shape = shapes_.shape(b);
+            const auto signed_work = [&](Speed s) { return velocities_.scale.work(off ? -s : s); };
+            for (int i = 0; i < 3; ++i)
+                N::add_any(bodies_.state[b].d_w[i], signed_work(velocities_.loaded[b].linear[i]) * shape.per_root_mass,
+                           bodies_.scale);
+            bodies_.change_spin(b, [&](auto& t_b, typename N::Scale unit) {
+                for (int i = 0; i < 3; ++i)
+                    N::add_any(t_b[i], signed_work(velocities_.loaded[b].angular[i]) * shape.per_weight[i], unit);
+            });
+        }
+    }
+
+    // True of an island at rest, after solve(): something fixed that does not turn holds each body, directly or through
+    // others, and no body accelerates.
+    [[nodiscard]] bool rests(const Solution& solution) const {
+        if (!solution.settled) return false;
+        bool held[features.bodies]{};
+        for (bool more = true; more;) {
+            more = false;
+            pairs_.for_each(island_, [&](const Pair& pair) {
+                // A fixed body needs no hold.
+                const bool by_b = pair.moves_b() ? held[pair.b] : !pair.on_turntable;
+                if (held[pair.a] == by_b || !is_pushed(pair)) return;
+                if (by_b) held[pair.a] = more = true;
+                else if (pair.moves_b()) held[pair.b] = more = true;
+            });
+        }
+        bool all = true;
+        for (int k = 0; k < island_.group.count; ++k) all = all && held[island_.group.id[k]];
+        return all && is_balanced();
+    }
+
 private:
-    // Position correction of a penetration.
-    [[nodiscard]] Speed correction(const Pair& pair, const Point& point) const {
-        const Length excess = -point.gap - Bounds::resting_depth(shapes_.tolerance());
-        if (!(excess > Length{})) return Speed{};
-        Length lift = Bounds::correction(excess);
-        const Length most = Bounds::most_correction(shapes_.tolerance());
-        if (lift > most) lift = most;
-        return rows_.speed(pair, point, lift);
+    // Solves anew with the correction of penetrations, and writes what it adds to the motion into `loaded`. Points keep
+    // the impulses that press without it, for those of a squeezed body would grow from step to step. False where
+    // there is no solution, as for a body squeezed between fixed ones: then its points push against each other by more
+    // than their corrections in every sweep. The last two sweeps have no momentum, so that only the points themselves
+    // decide.
+    [[gnu::noinline]] bool find_lifts() {
+        const auto& group = island_.group;
+        Speed largest{};
+        pairs_.for_each_active(island_, [&](Pair& pair, Point& point) {
+            for (int k = 0; k < Point::directions; ++k) point.set_aside[k] = point.row[k].impulse;
+            if (point.gap > Length{}) return;
+            Speed& target = point.row[0].target;
+            target = rows_.speed(pair, point, Bounds::lift(point.gap, shapes_.tolerance()));
+            if (target > largest) largest = target;
+        });
+        // The points may be less deep than the pair.
+        if (!(largest > Speed{})) return false;
+        for (int k = 0; k < group.count; ++k) velocities_.loaded[group.id[k]] = velocities_.now[group.id[k]];
+        (void)rows_.sweep(velocities_.scale.enough_at_rest(), contact::max_sweeps);
+        const Speed left = rows_.sweep(velocities_.scale.enough_at_rest(), 2);
+        pairs_.for_each_active(island_, [&](Pair&, Point& point) {
+            for (int k = 0; k < Point::directions; ++k) point.row[k].impulse = point.set_aside[k];
+        });
+        const bool solved = !(left > largest);
+        for (int k = 0; k < group.count; ++k) {
+            const int b = group.id[k];
+            auto& lifted = velocities_.loaded[b];
+            const auto& now = velocities_.now[b];
+            // Without a solution nothing moves: rests() finds no change.
+            if (!solved) lifted = velocities_.now[b] = velocities_.start[b];
+            lifted.linear = now.linear - lifted.linear;
+            lifted.angular = now.angular - lifted.angular;
+        }
+        return solved;
+    }
+    [[nodiscard]] static bool is_pushed(const Pair& pair) {
+        for (int i = 0; i < pair.count; ++i)
+            if (pair.point[i].row[0].impulse > Speed{}) return true;
+        return false;
+    }
+    // True where no body accelerates: contacts cancel its loads, to rounding.
+    [[nodiscard]] bool is_balanced() const {
+        bool all = true;
+        for (int k = 0; k < island_.group.count; ++k) {
+            const int b = island_.group.id[k];
+            const auto &start = velocities_.start[b], &loaded = velocities_.loaded[b], &now = velocities_.now[b];
+            Speed change{}, by_contacts{};
+            const auto raise = [](Speed& most, Speed by) {
+                const Speed size = magnitude_of(by);
+                if (size > most) most = size;
+            };
+            for (int i = 0; i < 3; ++i) {
+                raise(change, now.linear[i] - start.linear[i]);
+                raise(change, now.angular[i] - start.angular[i]);
+                raise(by_contacts, now.linear[i] - loaded.linear[i]);
+                raise(by_contacts, now.angular[i] - loaded.angular[i]);
+            }
+            all = all && (!(change > Bounds::balance(by_contacts)) || !(change > velocities_.scale.enough_in_impact()));
+        }
+        return all;
     }
 
     const NarrowPhase& shapes_;

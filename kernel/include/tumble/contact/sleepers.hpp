@@ -1,5 +1,5 @@
-// Awake bodies, and the rule of sleep. An island falls asleep as a whole where it rests on something and has been slow
-// for long enough. A step does not visit sleeping bodies; they keep their place.
+// Awake bodies, and the rule of sleep. An island falls asleep as a whole where it rests on something fixed and has been
+// slow for long enough. A step does not visit sleeping bodies; they keep their place.
 #pragma once
 
 #include <tumble/body/bodies.hpp>
@@ -59,14 +59,14 @@ public:
         quiet_[b] = 0;
         add(b);
     }
-    // Counts the step. True when all bodies of the island have been slow for long enough.
-    [[nodiscard]] bool may_sleep(const Bodies& bodies, const BodyGroup& group, bool rests) requires(features.sleep) {
+    // Counts the step of an island that presses on something. True when all its bodies have been slow for long enough.
+    [[nodiscard]] bool may_sleep(const Bodies& bodies, const BodyGroup& group, bool presses) requires(features.sleep) {
         if (!rules_.on) return false;
-        bool all = rests;
+        bool all = presses;
         const bool counts = (bodies.steps_taken & ((std::uint32_t{1} << rules_.unit) - 1)) == 0;
         for (int k = 0; k < group.count; ++k) {
             const int b = group.id[k];
-            if (!rests || !is_slow(bodies, b)) quiet_[b] = 0;
+            if (!presses || !is_slow(bodies, b)) quiet_[b] = 0;
             else if (counts && quiet_[b] < rules_.steps) ++quiet_[b];
             all = all && quiet_[b] >= rules_.steps;
         }

@@ -40,18 +40,19 @@ struct Solver {
     // gradient of a function that is least at the solution. The next sweep starts with a step along it, as conjugate
     // gradients do (Silcowitz, Niebe and Erleben 2010). Plain sweeps carry a load through a stack by one box per sweep.
     // The momentum is the ratio of the squares of the largest changes, at most 1. It restarts from 0 where these grow.
+    // Returns the largest change of the last sweep.
     template <class ForEachBlock>
-    static void sweep(ForEachBlock&& for_each_block, Speed enough, int bound) {
+    static Speed sweep(ForEachBlock&& for_each_block, Speed enough, int bound, bool with_momentum = true) {
         Speed last{};
         Unit momentum{};
         for (int sweep = 0; sweep < bound; ++sweep) {
-            if (sweep > 0) for_each_block([&](const Block& block) { go_on(block, momentum); });
+            if (sweep > 0 && with_momentum) for_each_block([&](const Block& block) { go_on(block, momentum); });
             Speed most{};
             for_each_block([&](const Block& block) {
                 for (int k = 0; k < block.rows; ++k) block.row[k].before = block.row[k].impulse;
                 visit(block, most);
             });
-            if (!(most > enough)) break;
+            if (!(most > enough)) return most;
             if (sweep == 0 || Bounds::diverges(most, last)) {
                 momentum = {};
             } else {
@@ -60,6 +61,7 @@ struct Solver {
             }
             last = most;
         }
+        return last;
     }
 
 private:

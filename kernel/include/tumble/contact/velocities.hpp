@@ -23,9 +23,11 @@ public:
     Velocity now[features.bodies]{};     // with the impulses of the rows
     typename C::SpeedScale scale{};
 
-    // Chooses the scale for these bodies and the changes of their motion by loads.
-    void set_scale(const Bodies& bodies, const NarrowPhase& shapes, const BodyGroup& group, const Kicks& loads) {
-        auto largest = C::nothing();
+    // Chooses the scale for these bodies, the changes of their motion by loads, and other speeds up to the size
+    // `largest`. is_between(b): the body has several pairs.
+    template <class IsBetween>
+    void set_scale(const Bodies& bodies, const NarrowPhase& shapes, const BodyGroup& group, const Kicks& loads,
+                   decltype(C::nothing()) largest, IsBetween&& is_between) {
         for_each_component(bodies, shapes, group, loads,
                            [&](Speed&, Speed&, auto motion, auto load, int bits, Work weight) {
                                const auto note = [&](auto size) {
@@ -34,18 +36,23 @@ public:
                                note(C::size(motion, bits, weight));
                                note(C::size(load, bits, weight));
                            });
-        // The root of the mass ratio, as a power of two. Several bodies need one bit more.
-        int heaviest = C::log2(shapes.shape(group.id[0]).root_mass), lightest = heaviest;
+        // The root of the mass ratio, as a power of two: a light body between a heavy one and another takes impulses
+        // that are larger than its velocities. Several bodies need one bit more.
+        int heaviest = C::log2(shapes.shape(group.id[0]).root_mass);
         for (int k = 1; k < group.count; ++k) {
             const int log2 = C::log2(shapes.shape(group.id[k]).root_mass);
             if (log2 > heaviest) heaviest = log2;
-            if (log2 < lightest) lightest = log2;
+        }
+        int lightest = heaviest;
+        for (int k = 0; k < group.count; ++k) {
+            const int log2 = C::log2(shapes.shape(group.id[k]).root_mass);
+            if (log2 < lightest && is_between(group.id[k])) lightest = log2;
         }
         scale = C::SpeedScale::of(largest, group.count, heaviest - lightest + (group.count > 1 ? 2 : 0));
     }
     // Sets the velocities in the scale: `start` as the bodies move, `loaded` and `now` with `part` of the change by
-    // loads; `whole`: all of it.
-    void set(const Bodies& bodies, const NarrowPhase& shapes, const BodyGroup& group, const Kicks& loads, Work part,
+    // loads; `whole`: all of it. True where `loaded` is what it was.
+    bool set(const Bodies& bodies, const NarrowPhase& shapes, const BodyGroup& group, const Kicks& loads, Work part,
              bool whole) {
         const typename N::Unit fraction = whole ? C::one() : C::unit(part);
         for_each_component(bodies, shapes, group, loads,
@@ -55,12 +62,25 @@ public:
                                if (!whole) end = narrow<Speed>(mul(end, fraction));
                                end += before;
                            });
-        for (int k = 0; k < group.count; ++k) loaded[group.id[k]] = now[group.id[k]];
-    }
-    // Writes what the rows have changed as kicks. A change beyond the range is reported.
-    void write(Kicks& kicks, Bodies& bodies, const NarrowPhase& shapes, const BodyGroup& group) const {
+        bool same = true;
         for (int k = 0; k < group.count; ++k) {
             const int b = group.id[k];
+            same = same && loaded[b].linear == now[b].linear && loaded[b].angular == now[b].angular;
+            loaded[b] = now[b];
+        }
+        return same;
+    }
+    // Writes what the rows have changed as kicks. A change beyond the range is reported. `loads`: where bodies that end
+    // without any velocity shall have exactly none at the end of a whole step.
+    void write(Kicks& kicks, Bodies& bodies, const NarrowPhase& shapes, const BodyGroup& group,
+               const Kicks* loads = nullptr) const {
+        for (int k = 0; k < group.count; ++k) {
+            const int b = group.id[k];
+            const Vec3<Speed> zero = Vec3<Speed>::Constant(Speed{});
+            if (loads != nullptr && now[b].linear == zero && now[b].angular == zero) {
+                stop(kicks[b], (*loads)[b], bodies.state[b]);
+                continue;
+            }
             const CollisionShape<N>& shape = shapes.shape(b);
             Kick<N>& kick = kicks[b];
             bool within = true;
@@ -96,6 +116,13 @@ public:
     }
 
 private:
+    // The kick that ends the motion of a body under a load.
+    static void stop(Kick<N>& kick, const Kick<N>& load, const typename Bodies::State& state) {
+        for (int i = 0; i < 3; ++i) {
+            kick.linear[i] = -(N::sum(state.d_w[i]) + load.linear[i]);
+            kick.angular[i] = -(N::sum(state.t_b[i]) + load.angular[i]);
+        }
+    }
     // Calls f(start, with loads, the sum now, the loads' change, its fraction bits, its weight) for each component.
     template <class F>
     void for_each_component(const Bodies& bodies, const NarrowPhase& shapes, const BodyGroup& group, const Kicks& loads,

@@ -207,7 +207,7 @@ private:
 
 struct SnapshotHeader {
     static constexpr int words = 8, bytes = 4 * words;
-    static constexpr std::uint32_t mark = 0x6c626d74u, version = 1;  // "tmbl"
+    static constexpr std::uint32_t mark = 0x6c626d74u, version = 2;  // "tmbl"
 
     SnapshotPart part = SnapshotPart::world;
     std::uint32_t numbers = 0;  // digest

@@ -243,11 +243,14 @@ requires(!N::fixed_point) struct ContactNumbers<N> {
         [[nodiscard]] static T from(T s, SpeedScale) { return s; }
         [[nodiscard]] T enough_at_rest() const { return enough_at_rest_; }
         [[nodiscard]] T enough_in_impact() const { return enough_in_impact_; }
+        [[nodiscard]] T noise() const { return enough_at_rest_; }
+        friend constexpr bool operator==(SpeedScale, SpeedScale) = default;
 
     private:
         T enough_at_rest_ = 0, enough_in_impact_ = 0;
     };
     [[nodiscard]] static T size(T sum, int, T weight) { return magnitude_of(sum) * weight; }
+    [[nodiscard]] static T size(T l, const LengthScale&, T weight) { return magnitude_of(l) * weight; }
     [[nodiscard]] static constexpr T nothing() { return T(0); }
     [[nodiscard]] static constexpr int log2(T) { return 0; }
     [[nodiscard]] static constexpr int drift_bits(typename N::Scale) { return 0; }
@@ -280,6 +283,7 @@ requires(!N::fixed_point) struct ContactNumbers<N> {
     [[nodiscard]] static T share(T limit, T squares) { return limit / sqrt(squares); }
     [[nodiscard]] static T over_square(T s, T u) { return s / (u * u); }
     [[nodiscard]] static T ratio(T a, T b) { return a / b; }
+    [[nodiscard]] static T ratio_of_squares(T a, T b) { return a / b; }
     [[nodiscard]] static constexpr T nearly_parallel() { return T(1) - T(0x1p-21); }
     [[nodiscard]] static T over_sine(T l, T c) { return l / sqrt(T(1) - c * c); }
     [[nodiscard]] static T hair(T l) { return l * T(0x1p-16); }

@@ -206,8 +206,12 @@ requires(N::fixed_point) struct ContactNumbers<N> {
         // it is rounding.
         [[nodiscard]] static constexpr Speed enough_at_rest() { return {256}; }
         [[nodiscard]] static constexpr Speed enough_in_impact() { return {2}; }
+        // What a solution leaves at a point of an impact: for each of four points of a pair the change at which sweeps
+        // stop, and six roundings.
+        [[nodiscard]] static constexpr Speed noise() { return {32}; }
 
         constexpr SpeedScale() = default;
+        friend constexpr bool operator==(SpeedScale, SpeedScale) = default;
 
     private:
         constexpr explicit SpeedScale(int bits) : bits_{bits > 120 ? 120 : bits} {}
@@ -224,6 +228,10 @@ requires(N::fixed_point) struct ContactNumbers<N> {
         if (sum == 0) return nothing();
         return 64 - std::countl_zero(static_cast<std::uint64_t>(sum < 0 ? -sum : sum)) - fraction_bits + 31 +
                weight.exponent();
+    }
+    // The same for a length times a weight.
+    [[nodiscard]] static int size(Length l, const LengthScale& scale, Work weight) {
+        return size(std::int64_t{l.raw}, scale.bits(), weight);
     }
     [[nodiscard]] static constexpr int nothing() { return -1000; }
     [[nodiscard]] static int log2(Work w) { return w.exponent(); }
@@ -302,6 +310,11 @@ requires(N::fixed_point) struct ContactNumbers<N> {
     template <class T>
     [[nodiscard]] static Unit ratio(T a, T b) {
         return {static_cast<std::int32_t>((static_cast<std::int64_t>(a.raw) << 30) / b.raw)};
+    }
+    // The same of sums of squares, rounded down.
+    [[nodiscard]] static Unit ratio_of_squares(Wide<60> a, Wide<60> b) {
+        const int up = std::countl_zero(static_cast<std::uint64_t>(b.raw)) - 1, down = up < 30 ? 30 - up : 0;
+        return {static_cast<std::int32_t>((a.raw << (30 - down)) / ((b.raw >> down) + 1))};
     }
     // Axes with a larger cosine (an angle below 2^-10 rad) count as parallel.
     [[nodiscard]] static constexpr Unit nearly_parallel() { return {(1 << 30) - (1 << 9)}; }

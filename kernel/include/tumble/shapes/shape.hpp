@@ -78,8 +78,9 @@ struct CollisionShape {
     Vec3<Unit> axis = Vec3<Unit>::Constant(Unit{});  // of a cylinder, capsule or hoop, among the principal axes
     Axes<N> edges{};
     typename C::PerLength per_gyration[3]{};  // one over the radii of gyration
-    Work root_mass{};                         // sqrt(m)
-    Work weight[3]{}, per_weight[3]{};        // from half turns to sqrt(I_i) w_i h, and back
+    Vec3<Length> gyration = Vec3<Length>::Constant(Length{});
+    Work root_mass{};                   // sqrt(m)
+    Work weight[3]{}, per_weight[3]{};  // from half turns to sqrt(I_i) w_i h, and back
     Work per_root_mass{};
     Work restitution{}, friction{};
 
@@ -88,6 +89,7 @@ struct CollisionShape {
         for (int i = 0; i < 3; ++i) {
             half[i] = to.coarser(half[i], from);
             per_gyration[i].rescale(from, to);
+            gyration[i] = to.coarser(gyration[i], from);
         }
         radius = to.coarser(radius, from);
     }
@@ -194,6 +196,7 @@ set_collision_shape(CollisionShape<N>& shape, const BodySpec& spec, const Princi
     for (int i = 0; i < 3; ++i) {
         const Real root_moment = sqrt(inertia.moments[i]);
         shape.per_gyration[i] = C::PerLength::of(root_moment / root_mass, scale);
+        shape.gyration[i] = scale.length(root_moment / root_mass);
         shape.weight[i] = N::template constant<Work>(root_moment) * units.rate(i, Work(1));
         shape.per_weight[i] = Work(1) / shape.weight[i];
     }

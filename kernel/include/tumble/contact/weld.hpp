@@ -1,0 +1,321 @@
+// What a manifold transmits, as the six components of a wrench, and how its points share it.
+//
+// The frame of a manifold is its normal and its two tangents, with the mean of its points as the origin. Its points lie
+// in a plane across the normal. So the pushes along the normal carry the normal force and the moments about the
+// tangents, and friction carries the rest.
+#pragma once
+
+#include <tumble/contact/bounds.hpp>
+
+namespace tumble {
+
+// A Moment is a Speed times a Length. An Extent is a length that others are a part of.
+template <class N>
+struct WeldNumbers;
+
+template <class N>
+requires(N::fixed_point) struct WeldNumbers<N> {
+    using C = ContactNumbers<N>;
+    using Unit = typename C::Unit;
+    using Length = typename C::Length;
+    using Lever = typename C::Lever;
+    using Speed = typename C::Speed;
+    using Moment = Wide<Length::fraction_bits + Speed::fraction_bits>;
+    using Square = Wide<2 * Unit::fraction_bits>;
+
+    // The power of two above a length.
+    class Extent {
+    public:
+        [[nodiscard]] static Extent above(Length l) {
+            Extent e;
+            e.bits_ = static_cast<int>(std::bit_width(static_cast<std::uint32_t>(l.raw)));
+            if (e.bits_ > Unit::fraction_bits) e.bits_ = Unit::fraction_bits;
+            return e;
+        }
+        // A length that is shorter.
+        [[nodiscard]] Lever part(Length l) const {
+            const int up = Lever::fraction_bits - bits_;
+            return {up >= 0 ? l.raw << up : l.raw >> -up};
+        }
+        // A moment over the extent.
+        [[nodiscard]] Speed speed(Moment m) const { return held((m.raw + ((std::int64_t{1} << bits_) >> 1)) >> bits_); }
+        [[nodiscard]] Length length() const { return {std::int32_t{1} << bits_}; }
+
+    private:
+        int bits_ = 0;
+    };
+    // One over a number.
+    class Inverse {
+    public:
+        // s > 0
+        explicit Inverse(Square s) {
+            const int up = std::countl_zero(static_cast<std::uint64_t>(s.raw)) - 1;
+            const auto top = static_cast<std::uint32_t>((s.raw << up) >> 32);  // in [2^30, 2^31)
+            mantissa_ = static_cast<std::int32_t>(((std::uint64_t{1} << 61) - 1) / top);
+            up_ = up;
+        }
+        // A quarter of a over the number.
+        [[nodiscard]] Lever quarter(Square a) const {
+            if (a.raw == 0) return {0};
+            const int up = std::countl_zero(static_cast<std::uint64_t>(a.raw < 0 ? -a.raw : a.raw)) - 1;
+            const int down = 63 - Lever::fraction_bits + up - up_;  // 61 of the mantissa, 2 of a quarter
+            if (down < 1) return {a.raw < 0 ? -0x7fffffff : 0x7fffffff};
+            if (down > 62) return {0};
+            return {detail::scaled_product(static_cast<std::int32_t>((a.raw << up) >> 32), mantissa_, down)};
+        }
+
+    private:
+        std::int32_t mantissa_;  // 2^61 over the leading 31 bits
+        int up_;                 // bits before them
+    };
+    [[nodiscard]] static bool fits(Lever l) { return magnitude_of(l) < Lever{std::int32_t{1} << 30}; }
+    [[nodiscard]] static bool fits(Speed s) { return magnitude_of(s) < Speed{std::int32_t{1} << 29}; }
+    [[nodiscard]] static Square square(Lever a, Lever b) { return {detail::multiply(a.raw, b.raw) * (1 << 12)}; }
+    // A quarter of a sum of squares.
+    [[nodiscard]] static Unit quarter(Square s) { return {static_cast<std::int32_t>(s.raw >> 32)}; }
+    // A part of a square that is only rounding.
+    [[nodiscard]] static Square hair(Square s) { return {s.raw >> 14}; }
+    [[nodiscard]] static Length mean(Length sum, int count) { return {sum.raw / count}; }
+    [[nodiscard]] static Speed mean(Speed sum, int count) { return {sum.raw / count}; }
+    [[nodiscard]] static Speed speed(Moment m) {
+        return held((m.raw + (1 << (Length::fraction_bits - 1))) >> Length::fraction_bits);
+    }
+    // a / b for b > 0.
+    [[nodiscard]] static Lever ratio(Speed a, Speed b) {
+        return Lever{held((static_cast<std::int64_t>(a.raw) * (1 << Lever::fraction_bits)) / b.raw).raw};
+    }
+    // s / u for u > 0.
+    [[nodiscard]] static Speed over(Speed s, Unit u) {
+        const auto root = detail::inverse_root(static_cast<std::uint64_t>(mul(u, u).raw));
+        const int down = -(root.exponent + Unit::fraction_bits);
+        return {detail::scaled_product(s.raw, root.raw, down < 0 ? 0 : down)};
+    }
+
+private:
+    // Held at the largest Speed.
+    [[nodiscard]] static Speed held(std::int64_t raw) {
+        constexpr std::int64_t most = std::int64_t{1} << 30;
+        return {static_cast<std::int32_t>(raw > most ? most : raw < -most ? -most : raw)};
+    }
+};
+
+template <class N>
+requires(!N::fixed_point) struct WeldNumbers<N> {
+    using T = typename N::Work;
+    using Moment = T;
+    using Square = T;
+
+    class Extent {
+    public:
+        [[nodiscard]] static Extent above(T l) { return Extent{l}; }
+        [[nodiscard]] T part(T l) const { return l * inverse_; }
+        [[nodiscard]] T speed(T m) const { return m * inverse_; }
+        [[nodiscard]] T length() const { return length_; }
+        Extent() = default;
+
+    private:
+        explicit Extent(T l) : length_{l}, inverse_{T(1) / l} {}
+        T length_ = 1, inverse_ = 1;
+    };
+    class Inverse {
+    public:
+        explicit Inverse(T s) : inverse_{T(1) / s} {}
+        [[nodiscard]] T quarter(T a) const { return a * inverse_ * T(0.25); }
+
+    private:
+        T inverse_;
+    };
+    [[nodiscard]] static bool fits(T) { return true; }
+    [[nodiscard]] static T square(T a, T b) { return a * b; }
+    [[nodiscard]] static T quarter(T s) { return s * T(0.25); }
+    [[nodiscard]] static T hair(T s) { return s * T(0x1p-14); }
+    [[nodiscard]] static T mean(T sum, int count) { return sum / T(count); }
+    [[nodiscard]] static T speed(T m) { return m; }
+    [[nodiscard]] static T ratio(T a, T b) { return a / b; }
+    [[nodiscard]] static T over(T s, T u) { return s / u; }
+};
+
+template <class N>
+class Weld {
+public:
+    using C = ContactNumbers<N>;
+    using W = WeldNumbers<N>;
+    using Unit = typename C::Unit;
+    using Length = typename C::Length;
+    using Lever = typename C::Lever;
+    using Speed = typename C::Speed;
+    using Moment = typename W::Moment;
+    static constexpr int most = contact::max_points;
+
+    // A force along the normal and the tangents, and its moment about the origin.
+    struct Wrench {
+        Vec3<Speed> force;
+        Moment moment[3];
+    };
+    // What each point gives along the normal and the tangents.
+    using Shares = Speed[most][3];
+
+    // Sets the places of the points along the tangents. False of three or four points that are nearly in a line.
+    [[nodiscard]] bool set(const Length (&x)[most], const Length (&z)[most], int count, Length radius) {
+        count_ = count;
+        Length farthest{};
+        for (int i = 0; i < count; ++i) {
+            if (magnitude_of(x[i]) > farthest) farthest = magnitude_of(x[i]);
+            if (magnitude_of(z[i]) > farthest) farthest = magnitude_of(z[i]);
+        }
+        // The lever of a single point, or of points at one place.
+        if (!(farthest > Length{})) {
+            if (count > 1) return false;
+            farthest = radius;
+        }
+        extent_ = Extent::above(farthest);
+        typename W::Square xx{}, xz{}, zz{};
+        for (int i = 0; i < count; ++i) {
+            x_[i] = extent_.part(x[i]);
+            z_[i] = extent_.part(z[i]);
+            xx += W::square(x_[i], x_[i]);
+            xz += W::square(x_[i], z_[i]);
+            zz += W::square(z_[i], z_[i]);
+        }
+        // The pushes of least squares are linear in the place: their matrix is that of the sums of squares. Two points
+        // carry no moment about their line, and a single one carries none.
+        Unit a = W::quarter(xx), b = W::quarter(xz), c = W::quarter(zz);
+        auto determinant = mul_sub(mul(a, c), b, b);
+        if (count == 1) {
+            x_per_moment_[0] = z_per_moment_[0] = Lever{};
+            return true;
+        }
+        if (count == 2) {
+            determinant = mul(W::quarter(xx + zz), C::one());
+            a = c = C::one();
+            b = Unit{};
+        } else if (!(determinant > W::hair(mul(a, c)))) {
+            return false;
+        }
+        const typename W::Inverse inverse{determinant};
+        for (int i = 0; i < count; ++i) {
+            const Unit px = unit(x_[i]), pz = unit(z_[i]);
+            x_per_moment_[i] = inverse.quarter(mul_sub(mul(c, px), b, pz));
+            z_per_moment_[i] = inverse.quarter(mul_sub(mul(a, pz), b, px));
+            if (!W::fits(x_per_moment_[i]) || !W::fits(z_per_moment_[i])) return false;
+        }
+        return true;
+    }
+
+    // Shares a wrench so that every point pushes and lies inside its cone of friction. False where it is not found.
+    // `slack`: rounding of a speed.
+    [[nodiscard]] bool share(const Wrench& wrench, bool rough, typename C::Friction friction, Speed slack,
+                             Shares& shares) const {
+        const Speed normal = wrench.force[0], first = wrench.force[1], second = wrench.force[2];
+        const Speed x = -extent_.speed(wrench.moment[2]), z = extent_.speed(wrench.moment[1]);
+        const Speed turn = extent_.speed(wrench.moment[0]);
+        const auto vanishes = [&](Speed s) { return !(magnitude_of(s) > slack); };
+        const bool straight = vanishes(first) && vanishes(second) && vanishes(turn);
+        for (int i = 0; i < count_; ++i) shares[i][1] = shares[i][2] = Speed{};
+        if (!rough && !straight) return false;
+        if (!push(normal, x, z, slack, shares)) return false;
+        if (count_ < 3) {
+            Speed x_left = x, z_left = z;
+            for (int i = 0; i < count_; ++i) {
+                x_left -= W::speed(mul(x_[i], shares[i][0]));
+                z_left -= W::speed(mul(z_[i], shares[i][0]));
+            }
+            if (!vanishes(x_left) || !vanishes(z_left)) return false;
+        }
+        for (int i = 0; i < count_; ++i) {
+            if (shares[i][0] < -slack) return false;
+            if (shares[i][0] < Speed{}) shares[i][0] = Speed{};
+        }
+        return straight || grip(normal, first, second, x, z, turn, friction, slack, shares);
+    }
+
+private:
+    using Extent = typename W::Extent;
+
+    [[nodiscard]] static Unit unit(Lever l) {
+        if constexpr (N::fixed_point) return {l.raw * (1 << (Unit::fraction_bits - Lever::fraction_bits))};
+        else return l;
+    }
+    // The pushes: of least squares, or the nearest to them that pull nowhere.
+    [[nodiscard]] bool push(Speed normal, Speed x, Speed z, Speed slack, Shares& shares) const {
+        const Speed even = W::mean(normal, count_);
+        bool pulls = false;
+        for (int i = 0; i < count_; ++i) {
+            const Speed by_moments = W::speed(mul_add(mul(x_per_moment_[i], x), z_per_moment_[i], z));
+            shares[i][0] = even + by_moments;
+            pulls = pulls || shares[i][0] < -slack;
+        }
+        if (!pulls) return true;
+        if (count_ < 4) return false;
+        // Four points push and pull without effect in proportion to the areas of the triangles of the other three.
+        const Lever none[4] = {triangle(1, 2, 3), -triangle(0, 2, 3), triangle(0, 1, 3), -triangle(0, 1, 2)};
+        for (int i = 0; i < 4; ++i) {
+            if (!(shares[i][0] < -slack) || none[i] == Lever{}) continue;
+            Speed other[4];
+            bool all = true;
+            for (int j = 0; j < 4; ++j) {
+                other[j] = shares[j][0] - less(shares[i][0], none[j], none[i]);
+                all = all && !(other[j] < -slack);
+            }
+            if (!all) continue;
+            for (int j = 0; j < 4; ++j) shares[j][0] = other[j];
+            return true;
+        }
+        return false;
+    }
+    // A quarter of twice the area of a triangle of points.
+    [[nodiscard]] Lever triangle(int i, int j, int k) const {
+        return C::half(
+            C::half(narrow<Lever>(mul_sub(mul(x_[j] - x_[i], z_[k] - z_[i]), x_[k] - x_[i], z_[j] - z_[i]))));
+    }
+    // s a / b
+    [[nodiscard]] static Speed less(Speed s, Lever a, Lever b) {
+        if constexpr (N::fixed_point) {
+            const std::int64_t quotient = detail::multiply(s.raw, a.raw) / b.raw;
+            constexpr std::int64_t held = std::int64_t{1} << 29;
+            return {static_cast<std::int32_t>(quotient > held ? held : quotient < -held ? -held : quotient)};
+        } else {
+            return s * a / b;
+        }
+    }
+    // Friction of all points in proportion to their pushes: along the force, and about the centre of pressure. Each
+    // point must stay in its cone. This suffices, but some loads that points can carry are not found.
+    [[nodiscard]] bool grip(Speed normal, Speed first, Speed second, Speed x, Speed z, Speed turn,
+                            typename C::Friction friction, Speed slack, Shares& shares) const {
+        const Speed limit = C::times_friction(friction, normal);
+        if (!(normal > slack) || mul_add(mul(first, first), second, second) > mul(limit, limit)) return false;
+        const Lever along[2] = {W::ratio(first, normal), W::ratio(second, normal)};
+        const Speed about = turn - W::speed(mul_sub(mul(along[1], x), along[0], z));
+        if (!(magnitude_of(about) > slack)) {
+            for (int i = 0; i < count_; ++i)
+                for (int k = 0; k < 2; ++k) shares[i][1 + k] = W::speed(mul(along[k], shares[i][0]));
+            return true;
+        }
+        if (count_ == 1) return false;
+        const Lever middle[2] = {W::ratio(x, normal), W::ratio(z, normal)};
+        Speed moment{};
+        Lever at[most][2];
+        for (int i = 0; i < count_; ++i) {
+            at[i][0] = x_[i] - middle[0];
+            at[i][1] = z_[i] - middle[1];
+            for (const Lever l : at[i]) moment += W::speed(mul(l, W::speed(mul(l, shares[i][0]))));
+        }
+        if (!(moment > slack)) return false;
+        const Lever spin = W::ratio(about, moment);
+        if (!W::fits(spin)) return false;
+        for (int i = 0; i < count_; ++i) {
+            const Lever f[2] = {along[0] - narrow<Lever>(mul(spin, at[i][1])),
+                                along[1] + narrow<Lever>(mul(spin, at[i][0]))};
+            if (shares[i][0] > Speed{} && mul_add(mul(f[0], f[0]), f[1], f[1]) > mul(friction, friction)) return false;
+            for (int k = 0; k < 2; ++k) shares[i][1 + k] = W::speed(mul(f[k], shares[i][0]));
+        }
+        return true;
+    }
+
+    Extent extent_;
+    int count_ = 0;
+    Lever x_[most], z_[most];                        // along the tangents from the origin, in extents
+    Lever x_per_moment_[most], z_per_moment_[most];  // the push of a point for the moment that pushes make along x or z
+};
+
+}  // namespace tumble

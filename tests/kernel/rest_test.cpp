@@ -1,0 +1,238 @@
+// What rests and what does not: slow bodies that slide, tip or drift stay awake, what rests falls asleep, overlapping
+// bodies come apart without momentum, and tall stacks stand at long steps.
+#include "contact_cases.hpp"
+
+namespace tumble::test {
+namespace {
+
+class Rest : public CaseTest {
+protected:
+    // m/s and rad/s that rounding leaves to bodies of a metre.
+    static Number rounding() { return system().bits == 64 ? 1e-9L : 1e-5L; }
+};
+INSTANTIATE_TEST_SUITE_P(every, Rest, testing::ValuesIn(contact_cases()), NameOf{});
+
+constexpr Number degree = pi / 180;
+
+bool sleeps(const AnyWorld& world) {
+    for (int b = 0; b < world.body_count(); ++b)
+        if (!world.asleep(b)) return false;
+    return true;
+}
+// A sleepy scene without gravity and planes.
+SceneSetup sleepy_space(std::vector<BodySpec> bodies) {
+    SceneSetup setup = space(0, 0, std::move(bodies));
+    setup.world.contact.sleep.on = true;
+    return setup;
+}
+// Boxes on each other, the lowest `depth` (m) below the floor and each other one below the top of the next. `turn` is
+// about the vertical, rad.
+SceneSetup tower(int count, Number mass, Vector edges, Number turn = 0, Number depth = 0) {
+    SceneSetup setup = sleepy_floor();
+    for (int i = 0; i < count; ++i) {
+        BodySpec body = placed(box(real(mass), real(edges)), {0, (edges.y - depth) * (i + 0.5L) - depth / 2, 0});
+        setup.bodies.push_back(oriented(body, {real(std::cos(turn / 2)), {0, real(std::sin(turn / 2)), 0}}));
+    }
+    return setup;
+}
+Number farthest_from_start(const AnyWorld& world, const SceneSetup& setup) {
+    Number largest = 0;
+    for (int b = 0; b < world.body_count(); ++b)
+        largest =
+            std::max(largest, norm(world.motion(b).x - vector(setup.bodies[static_cast<std::size_t>(b)].position)));
+    return largest;
+}
+
+// --- sleep -------------------------------------------------------------------------------------------------------
+
+// It moves by g sin(tilt) t^2 / 2. For the sleep time of 0.5 s it is slower than the sleep speed.
+TEST_P(Rest, a_box_slides_down_slightly_tilted_ice_and_does_not_sleep) {
+    for (const Number tilt : {0.3L, 0.1L}) {
+        for (const Number heading : {0.0L, 2.0L, -1.0L}) {
+            for (const auto& [mass, rate] : {std::pair{1.0L, 256}, {300.0L, 64}}) {
+                SceneSetup setup = sleepy_floor(0, {placed(box(real(mass), {0.5, 0.25, 0.5}), {0, 0.125L, 0})});
+                setup.step = Seconds{1, rate};
+                const Number along = g * std::sin(tilt * degree);
+                const Vector down{std::cos(heading), 0, std::sin(heading)};
+                setup.world.gravity = real(down * along - Vector{0, g * std::cos(tilt * degree), 0});
+                const auto world = run(setup, 4 * rate);
+                EXPECT_FALSE(world->asleep(0)) << tilt << " degrees";
+                EXPECT_LE(norm(world->motion(0).v - down * (along * 4)), 1e-3L * along * 4) << tilt << " degrees";
+            }
+        }
+    }
+}
+
+TEST_P(Rest, a_box_that_overhangs_tips_over_and_one_that_does_not_falls_asleep) {
+    for (const Number overhang : {0.27L, 0.255L, 0.24L}) {
+        for (const Number side : {1.0L, -1.0L}) {
+            SceneSetup setup = sleepy_floor(0.5L);
+            setup.planes.clear();
+            setup.world.gravity = {0, -0.02, 0};
+            setup.bodies = {fixed(placed(box(1, {2, 0.5, 2}), {side * -1, -0.25L, 0})),
+                            placed(box(3, {0.5, 0.2, 0.5}), {side * (overhang - 0.25L), 0.1L, 0})};
+            const auto world = run(setup, 10 * second);
+            const bool tips = overhang > 0.25L;
+            EXPECT_EQ(world->asleep(1), !tips) << overhang;
+            if (tips) { EXPECT_GT(std::abs(world->motion(1).w.z), 0.02L) << overhang; }
+        }
+    }
+}
+
+TEST_P(Rest, bodies_that_touch_and_drift_through_empty_space_never_sleep) {
+    for (const Vector along : {Vector{1, 0, 0}, {0, -1, 0}, {0.6L, 0, 0.8L}}) {
+        for (const Number mass : {1.0L, 5.0L}) {
+            const auto world = run(sleepy_space({placed(sphere(1, 0.1), along * -1, along * 0.025L * (1 + mass)),
+                                                 placed(sphere(real(mass), 0.1), along * -0.8L)}),
+                                   8 * second);
+            for (int b = 0; b < 2; ++b) {
+                EXPECT_FALSE(world->asleep(b));
+                EXPECT_LE(norm(world->motion(b).v - along * 0.025L), 1e-6L) << mass;
+            }
+        }
+    }
+}
+
+// A force holds the box on the floor. The two balls drift past it without touching it, in the same island.
+TEST_P(Rest, bodies_that_drift_past_a_body_at_rest_do_not_stop) {
+    SceneSetup setup = sleepy_space({placed(box(2, {1, 0.5, 1}), {0, 0.25L, 0}),
+                                     placed(sphere(1, 0.1), {0.1L, 0.6012L, 0}, {0.02L, 0, 0}),
+                                     placed(sphere(1, 0.1), {-0.1L, 0.6012L, 0}, {0.02L, 0, 0})});
+    setup.planes = {{}};
+    setup.forces = {{.body = 0, .from = 0, .until = 100, .force = {0, -20, 0}}};
+    const auto world = run(setup, 4 * second);
+    for (int b = 1; b < 3; ++b) {
+        EXPECT_FALSE(world->asleep(b));
+        EXPECT_LE(norm(world->motion(b).v - Vector{0.02L, 0, 0}), 1e-6L);
+    }
+}
+
+TEST_P(Rest, what_rests_falls_asleep_within_a_second_whatever_the_masses) {
+    for (const Number mass : {0.001L, 1.0L, 1000.0L}) {
+        for (const Number ratio : {0.0001L, 0.01L, 1.0L, 10.0L, 100.0L}) {
+            SceneSetup setup = sleepy_floor();
+            setup.bodies = {placed(box(real(mass), {0.5, 0.5, 0.5}), {0, 0.25L, 0}),
+                            placed(box(real(mass * ratio), {0.25, 0.25, 0.25}), {0.0625L, 0.625L, 0.03125L}),
+                            placed(sphere(real(mass), 0.25), {2, 0.25L, 0})};
+            const auto world = run(setup, second);
+            EXPECT_TRUE(sleeps(*world)) << mass << " kg, ratio " << ratio;
+            EXPECT_LE(farthest_from_start(*world, setup), 0.001L) << mass << " kg, ratio " << ratio;
+        }
+    }
+}
+
+// --- overlaps ----------------------------------------------------------------------------------------------------
+
+TEST_P(Rest, overlapping_balls_without_gravity_come_apart_without_momentum) {
+    for (const Vector along : {Vector{1, 0, 0}, {0, -0.6L, 0.8L}}) {
+        for (const Number ratio : {1.0L, 100.0L, 0.125L}) {
+            for (const Vector drift : {Vector{}, {0.25L, 0.125L, 0}}) {
+                const auto world = run(space(0, 0,
+                                             {placed(sphere(1, 0.25), {}, drift),
+                                              placed(sphere(real(ratio), 0.25), along * 0.45L, drift)}),
+                                       4 * second);
+                const Motion a = world->motion(0), b = world->motion(1);
+                EXPECT_GE(norm(a.x - b.x), 0.499L) << ratio;
+                EXPECT_LE(norm(a.x - b.x), 0.5L) << ratio;
+                EXPECT_LE(norm(a.v - drift) + norm(b.v - drift), 1e-6L) << ratio;
+                // The centre of mass goes on as it did.
+                const Vector centre = (a.x + b.x * ratio) * (1 / (1 + ratio)),
+                             start = along * (0.45L * ratio / (1 + ratio));
+                EXPECT_LE(norm(centre - start - drift * 4), 1e-5L) << ratio;
+            }
+        }
+    }
+}
+
+TEST_P(Rest, overlapping_boxes_without_gravity_come_apart_without_momentum) {
+    for (const Number friction : {0.0L, 0.5L}) {
+        for (const Vector place : {Vector{0.45L, 0.1L, 0.05L}, {-0.05L, 0.1L, -0.46L}}) {
+            const auto world =
+                run(space(0, friction, {placed(box(1, {0.5, 0.5, 0.5}), {}), placed(box(3, {0.5, 0.5, 0.5}), place)}),
+                    4 * second);
+            const Vector apart = world->motion(0).x - world->motion(1).x;
+            EXPECT_GE(std::max(std::abs(apart.x), std::abs(apart.z)), 0.497L);
+            for (int b = 0; b < 2; ++b)
+                EXPECT_LE(norm(world->motion(b).v) + norm(world->motion(b).w), rounding()) << friction;
+        }
+    }
+}
+
+TEST_P(Rest, a_box_in_the_floor_rises_without_speed) {
+    for (const bool falls : {false, true}) {
+        for (const Number depth : {0.05L, 0.002L}) {
+            SceneSetup setup = floor(0, 0.5L, {placed(box(2, {0.5, 0.5, 0.5}), {0, 0.25L - depth, 0})});
+            if (!falls) setup.world.gravity = {};
+            const auto world = build(setup, GetParam());
+            for (int step = 0; step < 3 * second; ++step) {
+                world->step();
+                ASSERT_LE(norm(world->motion(0).v), rounding()) << depth << " m, step " << step;
+            }
+            EXPECT_LE(std::abs(world->motion(0).x.y - 0.25L), 0.0003L) << depth;
+        }
+    }
+}
+
+TEST_P(Rest, a_stack_of_overlapping_boxes_comes_apart_and_stands) {
+    for (const Number depth : {0.01L, 0.003L}) {
+        const SceneSetup setup = tower(5, 2, {0.3L, 0.2L, 0.3L}, 0.5L, depth);
+        const auto world = run(setup, 4 * second);
+        for (int b = 0; b < 5; ++b) {
+            const Vector x = world->motion(b).x;
+            EXPECT_LE(std::abs(x.y - 0.2L * (b + 0.5L)), 0.0003L * (b + 1)) << b;
+            EXPECT_LE(std::hypot(x.x, x.z), 0.002L) << b;
+        }
+        EXPECT_TRUE(sleeps(*world)) << depth;
+        EXPECT_TRUE(world->status().ok());
+    }
+}
+
+// Once apart, they would sink into the floor again if the heavy box pressed the light one down.
+TEST_P(Rest, a_heavy_box_that_overlaps_a_light_one_is_lifted_too) {
+    for (const Number ratio : {10.0L, 50.0L}) {
+        const SceneSetup setup = floor(0, 0.5L,
+                                       {placed(box(1, {0.5, 0.5, 0.5}), {0, 0.24L, 0}),
+                                        placed(box(real(ratio), {0.5, 0.5, 0.5}), {0.02L, 0.73L, 0})});
+        const auto world = run(setup, 4 * second);
+        EXPECT_LE(std::abs(world->motion(0).x.y - 0.25L), 0.002L) << ratio;
+        EXPECT_LE(std::abs(world->motion(1).x.y - 0.75L), 0.002L) << ratio;
+    }
+}
+
+TEST_P(Rest, a_box_squeezed_between_walls_stays_where_it_is) {
+    for (const Number mass : {1.0L, 40.0L}) {
+        SceneSetup setup = floor(0, 0.5L, {placed(box(real(mass), {0.5, 0.5, 0.5}), {0, 0.25L, 0})});
+        setup.planes.push_back({.normal = {1, 0, 0}, .offset = 0.24});
+        setup.planes.push_back({.normal = {-1, 0, 0}, .offset = 0.24});
+        const auto world = run(setup, 2 * second);
+        EXPECT_LE(farthest_from_start(*world, setup), 0.001L);
+        EXPECT_LE(norm(world->motion(0).v) + norm(world->motion(0).w), rounding());
+    }
+}
+
+// --- tall stacks -------------------------------------------------------------------------------------------------
+
+// In a step at 1/60 s gravity falls by 2.7 mm, which is more than the tolerance.
+TEST_P(Rest, a_tall_stack_stands_at_a_long_step) {
+    struct Stack {
+        int count, rate;
+        Number mass, turn;
+        Vector edges;
+    };
+    const Stack stacks[] = {{10, 60, 1, 0, {0.3L, 0.2L, 0.3L}},
+                            {10, 50, 7.3L, 0.7L, {0.3L, 0.2L, 0.3L}},
+                            {12, 75, 0.02L, -1.1L, {0.75L, 0.5L, 0.75L}},
+                            {8, 50, 0.02L, -1.1L, {0.12L, 0.08L, 0.12L}}};
+    for (const Stack& stack : stacks) {
+        SceneSetup setup = tower(stack.count, stack.mass, stack.edges, stack.turn);
+        setup.step = Seconds{1, stack.rate};
+        const auto world = run(setup, 5 * stack.rate);
+        EXPECT_LE(farthest_from_start(*world, setup), 0.005L) << stack.count << " boxes at 1/" << stack.rate << " s";
+        for (int b = 0; b < stack.count; ++b)
+            EXPECT_LE(norm(world->motion(b).v), 0.005L) << stack.count << " boxes at 1/" << stack.rate << " s";
+        EXPECT_TRUE(world->status().ok()) << stack.count << " boxes at 1/" << stack.rate << " s";
+    }
+}
+
+}  // namespace
+}  // namespace tumble::test

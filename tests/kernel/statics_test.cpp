@@ -1,0 +1,185 @@
+// Islands at rest, which statics solve: whatever the masses, the step and the order of the bodies are, nothing moves.
+// Where friction or a support does not suffice, bodies move by the laws of motion.
+#include "contact_cases.hpp"
+
+#include <utility>
+
+namespace tumble::test {
+namespace {
+
+class Statics : public CaseTest {
+protected:
+    // m: what rounding of places and the solver may move a resting body
+    static constexpr Number rounding = 1e-6L;
+
+    // Whether no body of the scene has moved or turned.
+    static void expect_at_rest(const SceneSetup& setup, int steps, const std::string& about) {
+        const auto world = run(setup, steps);
+        for (int b = 0; b < world->body_count(); ++b) {
+            const BodySpec& body = setup.bodies[static_cast<std::size_t>(b)];
+            const Motion m = world->motion(b);
+            EXPECT_LE(norm(m.x - vector(body.position)), rounding) << about << ", body " << b;
+            EXPECT_LE(angle_between(m.q, rotation(body.orientation).normalized()), rounding) << about << ", body " << b;
+            EXPECT_LE(norm(m.v) + norm(m.w), rounding) << about << ", body " << b;
+        }
+        EXPECT_TRUE(world->status().ok()) << about;
+    }
+    static BodySpec at(const BodySpec& body, Number x, Number y, Number z = 0) { return placed(body, {x, y, z}); }
+    // About the vertical, by 2 atan(t).
+    static BodySpec turned(const BodySpec& body, Number t) { return oriented(body, {1, {0, real(t), 0}}); }
+    static SceneSetup reversed(SceneSetup setup) {
+        std::reverse(setup.bodies.begin(), setup.bodies.end());
+        return setup;
+    }
+};
+INSTANTIATE_TEST_SUITE_P(every, Statics, testing::ValuesIn(contact_cases()), NameOf{});
+
+TEST_P(Statics, a_light_box_carries_a_body_of_any_mass) {
+    for (const Number friction : {0.5L, 0.0L}) {
+        for (const Number mass : {0.0625L, 30.0L, 300.0L, 3000.0L}) {
+            for (const bool ball : {false, true}) {
+                const Real m = real(mass);
+                SceneSetup setup = floor(0, friction, {at(box(1, {1, 1, 1}), 0, 0.5L)});
+                setup.bodies.push_back(ball ? at(sphere(m, 0.125), 0.25L, 1.125L, -0.125L)
+                                            : at(box(m, {0.5, 0.25, 0.375}), -0.125L, 1.125L, 0.25L));
+                const std::string about = std::to_string(static_cast<double>(mass)) + (ball ? " kg ball" : " kg box");
+                expect_at_rest(setup, 64, about);
+                expect_at_rest(reversed(setup), 64, about + ", reversed");
+            }
+        }
+    }
+}
+
+TEST_P(Statics, a_tower_of_ten_boxes_stands_at_sixty_steps_a_second) {
+    for (const Number growth : {1.0L, 1.5L, 0.75L}) {
+        SceneSetup setup = floor(0, 0.5L);
+        setup.step = {1, 60};
+        Number mass = 1;
+        for (int i = 0; i < 10; ++i) {
+            setup.bodies.push_back(at(box(real(mass), {0.25, 0.25, 0.5}), 0, 0.125L + 0.25L * i));
+            mass *= growth;
+        }
+        const std::string about = "masses grow by " + std::to_string(static_cast<double>(growth));
+        expect_at_rest(setup, 120, about);
+        expect_at_rest(reversed(setup), 120, about + ", reversed");
+    }
+}
+
+TEST_P(Statics, boxes_that_stand_turned_and_shifted_rest_and_so_does_the_mirror_image) {
+    for (const Number side : {1.0L, -1.0L}) {
+        for (const bool fixed_ground : {false, true}) {
+            SceneSetup setup = floor(0, 0.5L);
+            if (fixed_ground) {
+                setup.planes.clear();
+                setup.bodies.push_back(fixed(at(box(1, {8, 1, 8}), 0, -0.5L)));
+            }
+            setup.bodies.push_back(turned(at(box(2, {1, 0.5, 0.75}), 0, 0.25L), side * 0.25L));
+            setup.bodies.push_back(turned(at(box(20, {0.5, 0.5, 1}), side * 0.125L, 0.75L, 0.0625L), side * 0.125L));
+            setup.bodies.push_back(at(box(0.5, {0.75, 0.25, 0.5}), side * 0.25L, 1.125L, 0.125L));
+            setup.bodies.push_back(at(sphere(50, 0.25), side * 0.25L, 1.5L, 0.125L));
+            expect_at_rest(setup, 128, side > 0 ? "to the right" : "to the left");
+        }
+    }
+}
+
+// Far from the middle of four points the evenest share would pull at some of them.
+TEST_P(Statics, a_load_over_a_corner_is_carried_by_the_points_near_it) {
+    for (const Number x : {-0.46875L, 0.0L, 0.46875L})
+        for (const Number z : {-0.46875L, 0.46875L})
+            expect_at_rest(floor(0, 0.5L, {at(box(1, {1, 0.5, 1}), 0, 0.25L), at(sphere(100, 0.25), x, 0.75L, z)}), 64,
+                           "over " + std::to_string(static_cast<double>(x)) + ", " +
+                               std::to_string(static_cast<double>(z)));
+}
+
+// The slope falls towards -x for side 1. Its tangent is 3/4.
+TEST_P(Statics, a_box_on_an_incline_rests_below_the_friction_angle_and_slides_above_it) {
+    for (const Number side : {1.0L, -1.0L}) {
+        for (const Number mass : {0.25L, 40.0L}) {
+            for (const Number friction : {0.5L, 0.74L, 0.76L, 1.0L}) {
+                SceneSetup setup = floor(0, friction);
+                setup.planes[0].normal = {real(-3 * side), 4, 0};
+                const Vector off{-0.6L * side, 0.8L, 0}, down{-0.8L * side, -0.6L, 0};
+                setup.bodies.push_back(
+                    oriented(placed(box(real(mass), {1, 0.25, 0.75}), off * 0.125L), {3, {0, 0, real(side)}}));
+                const std::string about = "friction " + std::to_string(static_cast<double>(friction));
+                if (friction > 0.75L) {
+                    expect_at_rest(setup, 128, about);
+                    continue;
+                }
+                const auto world = run(setup, 128);  // half a second
+                const Number way = 0.5L * g * (0.6L - 0.8L * friction) * 0.25L;
+                const Vector moved = world->motion(0).x - vector(setup.bodies[0].position);
+                EXPECT_NEAR(static_cast<double>(dot(moved, down)), static_cast<double>(way), 1e-5) << about;
+                EXPECT_LE(norm(moved - down * dot(moved, down)), 1e-5L) << about;
+            }
+        }
+    }
+}
+
+TEST_P(Statics, a_box_whose_centre_overhangs_its_support_falls) {
+    for (const Number side : {1.0L, -1.0L}) {
+        for (const Number overhang : {0.484375L, 0.515625L}) {
+            const SceneSetup setup =
+                floor(0, 0.5L, {at(box(8, {1, 1, 1}), 0, 0.5L), at(box(1, {1, 0.5, 0.5}), side * overhang, 1.25L)});
+            if (overhang < 0.5L) {
+                expect_at_rest(setup, 128, "within the support");
+                continue;
+            }
+            const auto world = run(setup, 256);
+            EXPECT_LT(world->motion(1).x.y, 1.2L);
+            EXPECT_GT(side * world->motion(1).x.x, overhang);
+        }
+    }
+}
+
+// A ball has no face to stand on: it rolls down the flattest slope.
+TEST_P(Statics, a_ball_on_a_slope_of_a_thousandth_rolls) {
+    SceneSetup setup = floor(0, 0.5L, {at(sphere(2, 0.25), 0, 0.25L)});
+    setup.world.gravity.x = real(g / 1024);
+    const auto world = run(setup, 256);
+    EXPECT_NEAR(static_cast<double>(world->motion(0).x.x), static_cast<double>(g / 1024 * 5 / 14), 1e-6);
+}
+
+// Upon a board of 1 kg on the floor.
+TEST_P(Statics, a_heavy_body_slides_to_rest_or_rolls_on_a_light_one_that_stays) {
+    for (const Number side : {1.0L, -1.0L}) {
+        for (const bool first : {false, true}) {
+            for (const bool ball : {false, true}) {
+                SceneSetup setup = floor(0, 0.5L, {at(box(1, {4, 0.25, 4}), 0, 0.125L)});
+                BodySpec heavy = ball ? at(sphere(1000, 0.25), 0, 0.5L) : at(box(1000, {0.5, 0.25, 0.75}), 0, 0.375L);
+                heavy.velocity.x = real(side);
+                if (ball) heavy.angular_velocity.z = real(-4 * side);  // it rolls
+                setup.bodies.push_back(heavy);
+                if (first) setup = reversed(setup);
+                const int mover = first ? 0 : 1, board = 1 - mover;
+                const auto world = run(setup, second / 2);
+                const Number way = ball ? 0.5L : 1 / (2 * 0.5L * g);
+                EXPECT_NEAR(static_cast<double>(side * world->motion(mover).x.x), static_cast<double>(way), 1e-5);
+                EXPECT_LE(norm(world->motion(board).x - Vector{0, 0.125L, 0}), rounding);
+                EXPECT_LE(norm(world->motion(board).v) + norm(world->motion(board).w), rounding);
+                EXPECT_TRUE(world->status().ok());
+            }
+        }
+    }
+}
+
+TEST_P(Statics, a_body_lies_on_two_points) {
+    const SceneSetup setup = floor(0, 0.5L, {at(capsule(3, 0.125, 0.5), 0, 0.125L)});
+    expect_at_rest(setup, 64, "capsule");
+}
+
+TEST_P(Statics, what_rests_moves_when_it_is_struck_and_rests_again) {
+    SceneSetup setup = floor(0, 0.5L);
+    for (int i = 0; i < 4; ++i) setup.bodies.push_back(at(box(2, {1, 0.5, 1}), 0, 0.25L + 0.5L * i));
+    const auto world = run(setup, 16);
+    world->apply_impulse(3, {1, 0, 0});
+    world->run(second);
+    // The top box slides to rest from 0.5 m/s, the others stay.
+    EXPECT_NEAR(static_cast<double>(world->motion(3).x.x), static_cast<double>(0.25L / (2 * 0.5L * g)), 2e-4);
+    for (int b = 0; b < 3; ++b)
+        EXPECT_LE(norm(world->motion(b).x - vector(setup.bodies[static_cast<std::size_t>(b)].position)), 1e-4L);
+    EXPECT_LE(norm(world->motion(3).v) + norm(world->motion(3).w), rounding);
+}
+
+}  // namespace
+}  // namespace tumble::test
