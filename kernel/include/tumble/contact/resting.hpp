@@ -132,7 +132,7 @@ public:
 
 private:
     // Solves anew with the correction of penetrations, and writes what it adds to the motion into `loaded`. Points keep
-    // the impulses that press without it, for those of a squeezed body would grow from step to step. False where
+    // the impulses that hold them without it, for those of a squeezed body would grow from step to step. False where
     // there is no solution, as for a body squeezed between fixed ones: then its points push against each other by more
     // than their corrections in every sweep. The last two sweeps have no momentum, so that only the points themselves
     // decide.
