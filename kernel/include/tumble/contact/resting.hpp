@@ -136,7 +136,7 @@ private:
     // there is no solution, as for a body squeezed between fixed ones: then its points push against each other by more
     // than their corrections in every sweep. The last two sweeps have no momentum, so that only the points themselves
     // decide.
-    [[gnu::noinline]] bool find_lifts() {
+    [[gnu::noinline, gnu::cold]] bool find_lifts() {
         const auto& group = island_.group;
         Speed largest{};
         pairs_.for_each_active(island_, [&](Pair& pair, Point& point) {

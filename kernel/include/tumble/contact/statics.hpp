@@ -106,9 +106,9 @@ private:
     }
 
     // From the leaves of the tree to the ground. Of a body with one pair left, `last` is that pair.
-    [[gnu::noinline]] bool balance(bool slow) {
+    [[gnu::noinline, gnu::cold]] bool balance(bool slow) {
         std::int16_t left[bodies], last[bodies];
-        bool is_leaf[bodies];
+        bool is_leaf[bodies]{};
         const auto& group = island_.group;
         for (int k = 0; k < group.count; ++k) left[group.id[k]] = last[group.id[k]] = 0;
         for_each_carrying([&](int i, const Pair& pair) {
@@ -178,7 +178,7 @@ private:
                 for (int i = 0; i < pair.count; ++i)
                     if (pair.point[i].active) f(typename Solver::Block{row[i], rows, pair.friction, now, nullptr});
             };
-            for (int k = 0; k < rows; ++k) {
+            for (int k = 0; k < rows && k < Point::directions; ++k) {
                 Vec3<Unit> direction = k == 0 ? pair.normal : pair.tangent[k - 1];
                 if (!is_a) direction = -direction;
                 const Vec3<Unit> in_body = shapes_.axes(b).to_body(direction);
