@@ -178,8 +178,9 @@ private:
                 for (int i = 0; i < pair.count; ++i)
                     if (pair.point[i].active) f(typename Solver::Block{row[i], rows, pair.friction, now, nullptr});
             };
-            for (int k = 0; k < rows && k < Point::directions; ++k) {
-                Vec3<Unit> direction = k == 0 ? pair.normal : pair.tangent[k - 1];
+            const Vec3<Unit> frame[3] = {pair.normal, pair.tangent[0], pair.tangent[1]};
+            for (int k = 0; k < rows; ++k) {
+                Vec3<Unit> direction = frame[k];
                 if (!is_a) direction = -direction;
                 const Vec3<Unit> in_body = shapes_.axes(b).to_body(direction);
                 for (int i = 0; i < pair.count; ++i) {
