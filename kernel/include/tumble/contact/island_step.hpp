@@ -8,6 +8,7 @@
 #include <tumble/contact/impact_search.hpp>
 #include <tumble/contact/resting.hpp>
 #include <tumble/contact/schedule.hpp>
+#include <tumble/numbers/vector_block.hpp>
 
 namespace tumble {
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <tumble/body/bodies.hpp>
+#include <tumble/scene.hpp>
 
 namespace tumble {
 
