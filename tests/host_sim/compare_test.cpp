@@ -17,7 +17,7 @@ TEST(CompareDeep, host_and_core_agree_in_every_recorded_state_of_floats) {
 }
 
 // The host has every feature compiled in, the core those of the recording.
-TEST(Compare, a_recording_of_a_live_run_gives_the_same_bits_on_a_core) {
+TEST(CompareDeep, a_recording_of_a_live_run_gives_the_same_bits_on_a_core) {
     const std::string record = temporary("recorded.toml");
     std::string states;
     Process process({TUMBLE_COMMAND, "run", shipped("cube"), "--live", "--duration", "0.5", "--record", record},
@@ -35,7 +35,7 @@ TEST(Compare, a_recording_of_a_live_run_gives_the_same_bits_on_a_core) {
 }
 
 // One body under air, wheels and the gravity gradient, beside one without them.
-TEST(Compare, loads_that_a_scene_gives_to_bodies_have_the_same_bits_on_a_core) {
+TEST(CompareDeep, loads_that_a_scene_gives_to_bodies_have_the_same_bits_on_a_core) {
     const std::string free = "[[body]]\nname = \"free\"\nshape = { sphere = 0.1 }\nmass = 1.0\n"
                              "velocity = [1.0, 2.0, 0.0]\n",
                       scene =
@@ -105,7 +105,7 @@ std::string ball_in_the_smallest_range(const std::string& name, const std::strin
 }
 const std::string falling = world_of("-9.81", "1/256", "8.0");
 
-TEST(Compare, leaving_the_range_is_a_failure_on_both_sides) {
+TEST(CompareDeep, leaving_the_range_is_a_failure_on_both_sides) {
     const std::string scene = ball_in_the_smallest_range("falling.toml", falling);
     expect_outcome(tumble({"compare", scene, "--core", "cortex-m3", "--every", "64"}), 1, "agrees with the host",
                    "range_left");
