@@ -336,10 +336,11 @@ struct Q32 {
     [[nodiscard]] TUMBLE_INLINE static constexpr Angle half_angle(Angle a) { return {a.raw >> 1}; }
     TUMBLE_INLINE static constexpr void add(Integrated<Drift>& d, Wide<62> increment) { d.add(increment); }
 
-    // The angle of a turn, without its scale, dithered.
+    // The angle of a turn, without its scale, dithered. A turn at the end of the format, which range_left reports, may
+    // wrap.
     [[nodiscard]] TUMBLE_INLINE static constexpr Angle angle(Turn t, Scale s, Dither d) {
-        const auto fraction = static_cast<std::int32_t>((d.angle >> 1) >> (31 - s.turn_shift));
-        return {(t.raw + fraction) >> s.turn_shift};
+        const std::uint32_t fraction = (d.angle >> 1) >> (31 - s.turn_shift);
+        return {static_cast<std::int32_t>(static_cast<std::uint32_t>(t.raw) + fraction) >> s.turn_shift};
     }
     // The upper word of an exact sum of products, dithered.
     [[nodiscard]] TUMBLE_INLINE static constexpr Angle round_angle(AngleSum a, Dither d) {
