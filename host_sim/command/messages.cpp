@@ -93,9 +93,10 @@ Account account_of(const Trouble& trouble, const SceneDescription& scene, const 
         return {"the implicit solver did not converge, or the impacts of a step met their bound. The result is less "
                 "accurate",
                 "a smaller step"};
-    return {"a step met more impacts than its bound, so a body was stopped that would have bounced. The result is less "
-            "accurate",
-            "a smaller step, or a contact.restitution_threshold above the speed of the small bounces, in m/s"};
+    return {"a step met more impacts than its bound, so a body was stopped that would have bounced, or a heavy body "
+            "presses lighter ones into each other. The result is less accurate",
+            "a smaller step, a contact.restitution_threshold above the speed of the small bounces, in m/s, or masses "
+            "that differ less"};
 }
 
 }  // namespace

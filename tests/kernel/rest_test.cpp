@@ -234,5 +234,47 @@ TEST_P(Rest, a_tall_stack_stands_at_a_long_step) {
     }
 }
 
+// A plank on two light boxes is no tree of pairs, so sweeps find the forces. They carry ten times the mass of a box,
+// and 10^4 times its mass presses it into the floor.
+TEST_P(Rest, a_body_too_heavy_for_those_below_it_is_told) {
+    for (const Number ratio : {1.0L, 10.0L, 10000.0L}) {
+        for (const auto& [mass, rate, heading] :
+             {std::tuple{1.0L, 60, 0.0L}, {0.02L, 256, 0.9L}, {30.0L, 128, -2.0L}}) {
+            const Vector along{std::cos(heading), 0, std::sin(heading)};
+            const Quaternion<Real> turned{real(std::cos(heading / 2)), {0, real(-std::sin(heading / 2)), 0}};
+            SceneSetup setup = floor(0, 0.5L);
+            setup.step = Seconds{1, rate};
+            for (const Number side : {-0.4L, 0.4L})
+                setup.bodies.push_back(
+                    oriented(placed(box(real(mass), {0.5, 0.5, 0.5}), along * side + Vector{0, 0.25L, 0}), turned));
+            setup.bodies.push_back(oriented(placed(box(real(mass * ratio), {1.5, 0.2, 0.5}), {0, 0.6L, 0}), turned));
+            const auto world = run(setup, rate / 2);
+            EXPECT_EQ(world->status().has(Issue::step_bound_hit), ratio > 100) << ratio << " at 1/" << rate << " s";
+            if (ratio < 100) { EXPECT_LE(farthest_from_start(*world, setup), 0.001L) << ratio; }
+        }
+    }
+}
+
+TEST_P(Rest, piles_of_equal_boxes_are_no_alarm) {
+    for (const int rate : {60, 256}) {
+        for (const Number friction : {0.3L, 0.6L}) {
+            SceneSetup pyramid = floor(0, friction);
+            pyramid.step = Seconds{1, rate};
+            for (int row = 0; row < 4; ++row)
+                for (int i = 0; i < 4 - row; ++i)
+                    pyramid.bodies.push_back(
+                        placed(box(2, {0.3, 0.2, 0.3}), {0.32L * (i + row * 0.5L), 0.2L * (row + 0.5L), 0}));
+            EXPECT_TRUE(run(pyramid, rate / 2)->status().ok()) << "pyramid at 1/" << rate << " s";
+            // Askew, it lands in pieces.
+            SceneSetup stack = floor(0, friction);
+            stack.step = Seconds{1, rate};
+            for (int i = 0; i < 6; ++i)
+                stack.bodies.push_back(placed(box(1, {0.3, 0.2, 0.3}),
+                                              {0.02L * (i * 7 % 3 - 1), 0.11L + 0.21L * i, 0.02L * (i * 5 % 3 - 1)}));
+            EXPECT_TRUE(run(stack, rate / 2)->status().ok()) << "stack at 1/" << rate << " s";
+        }
+    }
+}
+
 }  // namespace
 }  // namespace tumble::test

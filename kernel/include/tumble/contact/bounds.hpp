@@ -85,6 +85,8 @@ struct ContactBounds {
     // A point that approaches more slowly rests, in multiples of gravity's change of speed in a step: the contact holds
     // it by the step's end, and the last step has added one such change.
     static constexpr int slow_in_falls = 2;
+    // Gravity's change of speed in a step, from the speed above.
+    [[nodiscard]] static Speed fall(Speed slow) { return C::half(slow); }
     // After an impact, points approach at exactly the closing speed. This margin keeps rounding from deciding which of
     // them are held.
     [[nodiscard]] static Speed late(Speed closing) { return C::eighth(C::eighth(closing)); }

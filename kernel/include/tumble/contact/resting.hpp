@@ -80,7 +80,8 @@ public:
             velocities_.write(forces, bodies_, shapes_, island_.group, &loads);
         } else {
             rows_.push_all();
-            (void)rows_.sweep(velocities_.scale.enough_at_rest(), contact::max_sweeps);
+            const Speed enough = velocities_.scale.enough_at_rest();
+            if (rows_.sweep(enough, contact::max_sweeps) > enough) report_far_from_solved(enough);
             velocities_.write(forces, bodies_, shapes_, island_.group);
         }
         pairs_.count_points(island_);
@@ -131,6 +132,27 @@ public:
     }
 
 private:
+    // Reports a point that the forces leave approaching faster than gravity changes a speed in a step, where it so
+    // comes deeper than the tolerance by the end of the step. Without any force it would be slower. Call where the
+    // sweeps met their bound. `enough`: what sweeps leave anyway.
+    [[gnu::noinline, gnu::cold]] void report_far_from_solved(Speed enough) {
+        const Pair* found = nullptr;
+        pairs_.for_each(island_, [&](const Pair& pair) {
+            if (pair.count == 0) return;
+            const Speed fall = Bounds::fall(rows_.pair_speed(pair, shapes_.slow()));
+            for (int i = 0; i < pair.count; ++i) {
+                const Point& point = pair.point[i];
+                if (!point.active) continue;
+                const Speed left = point.row[0].target - rows_.velocity(velocities_.now, pair, point);
+                // A point above the surface would reach it without what is left.
+                const Length depth = point.gap > Length{} ? Length{} : point.gap;
+                if (left > enough && left > Rows::along(point, fall) &&
+                    left > rows_.speed(pair, point, depth + shapes_.tolerance()))
+                    found = &pair;
+            }
+        });
+        if (found != nullptr) bodies_.report(Issue::step_bound_hit, found->a);
+    }
     // Solves anew with the correction of penetrations, and writes what it adds to the motion into `loaded`. Points keep
     // the impulses that hold them without it, for those of a squeezed body would grow from step to step. False where
     // there is no solution, as for a body squeezed between fixed ones: then its points push against each other by more
