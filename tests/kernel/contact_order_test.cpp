@@ -1,5 +1,5 @@
-// Contacts of bodies that turn: torques have their direction in the world, and what a turntable carries follows its
-// surface to second order in the step.
+// Contacts of bodies that turn: torques have their direction in the world, what a turntable carries follows its
+// surface, and what rolls, tips or stands on a corner keeps its energy, all to second order in the step.
 #include "contact_cases.hpp"
 
 namespace tumble::test {
@@ -66,6 +66,82 @@ TEST_P(ContactOrder, a_box_that_a_turntable_carries_comes_back_after_a_turn) {
                 const Vector x = world->motion(1).x;
                 EXPECT_LE(std::abs(std::hypot(x.x, x.z) - place), 2e-4L) << rate << ", 1/" << steps << " s";
             }
+        }
+    }
+}
+
+// J, kinetic and of gravity.
+Number energy_of(const AnyWorld& world, const BodySpec& body) {
+    const Motion m = world.motion(0);
+    return number(body.mass) * (dot(m.v, m.v) / 2 + number(Real(9.81)) * m.x.y) + spin_energy(m, moments_of(body));
+}
+RealQuat about(Vector axis, Number angle) {
+    const Vector v = axis * (std::sin(angle / 2) / norm(axis));
+    return {real(std::cos(angle / 2)), real(v)};
+}
+
+// A hoop that leans by b and rolls on a floor. Its centre goes round a circle of radius R at the rate W with
+// g tan(b) = W^2 (2 R + a sin(b) / 2), a the radius of the hoop: Euler's equations about the centre.
+TEST_P(ContactOrder, a_hoop_that_leans_stays_in_its_circle_and_keeps_its_energy) {
+    for (const Number lean : {0.26L, 0.4L}) {
+        for (const Number side : {1.0L, -1.0L}) {
+            for (const auto& [radius, circle, mass] :
+                 {std::array{0.5L, 12.0L, 1.2L}, std::array{0.3L, 4.0L, 0.2L}, std::array{0.4L, 8.0L, 30.0L}}) {
+                const Number g = number(Real(9.81)),
+                             rate = side * std::sqrt(g * std::tan(lean) / (2 * circle + radius * std::sin(lean) / 2));
+                SceneSetup setup = floor(0, 2);
+                const Vector axis{0, std::sin(lean), std::cos(lean)};
+                BodySpec hoop = oriented(tumble::hoop(real(mass), real(radius)), about({1, 0, 0}, -lean));
+                hoop = placed(hoop, {0, radius * std::cos(lean), circle}, {rate * circle, 0, 0});
+                const Vector spin = Vector{0, rate, 0} - axis * (rate * (circle / radius + std::sin(lean)));
+                hoop.angular_velocity = real(rotation(hoop.orientation).normalized().rotate_back(spin));
+                setup.bodies = {hoop};
+                const Number before = energy_of(*build(setup, GetParam()), hoop);
+                const auto world = run(setup, 4 * second);
+                const Vector x = world->motion(0).x;
+                EXPECT_LE(std::abs(std::hypot(x.x, x.z) - circle), 5e-4L * circle) << lean << ", " << radius;
+                EXPECT_LE(std::abs(energy_of(*world, hoop) - before), 5e-5L * before) << lean << ", " << radius;
+            }
+        }
+    }
+}
+
+// The angle of its axis from the vertical is `lean`.
+TEST_P(ContactOrder, a_coin_that_spins_on_its_rim_gains_no_energy) {
+    for (const Number lean : {1.2L, 1.35L}) {
+        for (const Number spin : {8.0L, -9.0L}) {
+            for (const Number size : {1.0L, 2.5L}) {
+                SceneSetup setup = floor(0.1L, 0.4L);
+                setup.step = Seconds{1, 512};
+                BodySpec coin = oriented(cylinder(real(0.3L * size), real(0.1L * size), real(0.01L * size)),
+                                         about({1, 0, 0}, pi / 2 - lean));
+                coin = placed(coin, {0, 0.12L * size, 0}, {}, Vector{0, spin / std::sqrt(size), 0});
+                setup.bodies = {coin};
+                const auto world = run(setup, 512);
+                const Number before = energy_of(*world, coin);
+                for (int k = 0; k < 8; ++k) {
+                    world->run(128);
+                    EXPECT_LE(energy_of(*world, coin), before * (1 + 3e-4L)) << lean << ", " << spin << ", " << size;
+                }
+            }
+        }
+    }
+}
+
+// Over the edge on which it stands it turns as a pendulum does: I w^2 / 2 is what it falls by.
+TEST_P(ContactOrder, a_box_that_tips_over_an_edge_keeps_its_energy) {
+    for (const Number side : {1.0L, -1.0L}) {
+        for (const auto& [width, height, beyond] :
+             {std::array{0.3L, 0.3L, 0.05L}, std::array{0.2L, 0.5L, 0.1L}, std::array{0.4L, 0.3L, 0.03L}}) {
+            SceneSetup setup = floor(0, 2);
+            setup.step = Seconds{1, 128};
+            const Number tilt = std::atan2(width, height) + beyond, reach = std::hypot(width, height) / 2;
+            BodySpec body = oriented(box(real(2), real(Vector{width, height, 0.3L})), about({0, 0, 1}, -side * tilt));
+            setup.bodies = {placed(body, {0, reach * std::cos(beyond), 0})};
+            const Number before = energy_of(*build(setup, GetParam()), body);
+            const auto world = run(setup, 40);
+            EXPECT_GE(norm(world->motion(0).w), 0.3L);
+            EXPECT_LE(std::abs(energy_of(*world, body) - before), 1e-4L * before) << width << ", " << height;
         }
     }
 }

@@ -104,6 +104,53 @@ TEST_P(Impacts, a_rough_rod_that_lands_on_an_end_gains_no_energy) {
     }
 }
 
+// A box that lands on an edge has two points, between which friction couples the impulses. Its mirror images across x =
+// 0 and z = 0, and the scene turned by a right angle about the vertical, have the mirrored and turned motion.
+TEST_P(Impacts, a_rough_impact_on_an_edge_is_that_of_its_mirror_image) {
+    Random random{1};
+    for (int i = 0; i < 12; ++i) {
+        const Number tilt = random.uniform(0.1, 0.7), friction = random.uniform(0.3, 1),
+                     half = random.uniform(0.05, 0.3);
+        const Vector size{0.4L, 0.1L, 2 * half};
+        const Number low = size.x / 2 * std::sin(tilt) + size.y / 2 * std::cos(tilt);
+        const Vector v{random.uniform(-2, 2), -1, random.uniform(-2, 2)},
+            spin{random.uniform(-0.3, 0.3), random.uniform(-3, 3), random.uniform(-3, 3)};
+        const auto after = [&](const auto& place, const auto& turn, RealQuat orientation, RealQuat about_y) {
+            SceneSetup setup = space(0.25L, friction);
+            setup.planes = {{}};
+            BodySpec body = oriented(placed(box(2, real(size)), {0, low, 0}, place(v)), about_y * orientation);
+            body.angular_velocity = real(rotation(body.orientation).normalized().rotate_back(turn(spin)));
+            setup.bodies = {body};
+            return run(setup, 2)->motion(0).v;
+        };
+        const RealQuat none{1, {0, 0, 0}}, quarter{Real(0.70710678118654752), {0, Real(0.70710678118654752), 0}};
+        const RealQuat up{real(std::cos(tilt / 2)), {0, 0, real(std::sin(tilt / 2))}}, down{up.w, {0, 0, -up.v.z}};
+        const auto same = [](Vector a) { return a; };
+        const auto turned = [](Vector a) { return Vector{a.z, a.y, -a.x}; };
+        const auto across_x = [](Vector a) { return Vector{-a.x, a.y, a.z}; };
+        const auto across_z = [](Vector a) { return Vector{a.x, a.y, -a.z}; };
+        const Vector first = after(same, same, up, none);
+        const Number bound = system().bits == 64 ? 1e-6L : 1e-3L;
+        EXPECT_LE(norm(turned(first) - after(turned, turned, up, quarter)), bound) << i;
+        EXPECT_LE(norm(across_x(first) - after(
+                                             across_x,
+                                             [](Vector a) {
+                                                 return Vector{a.x, -a.y, -a.z};
+                                             },
+                                             down, none)),
+                  bound)
+            << i;
+        EXPECT_LE(norm(across_z(first) - after(
+                                             across_z,
+                                             [](Vector a) {
+                                                 return Vector{-a.x, -a.y, a.z};
+                                             },
+                                             up, none)),
+                  bound)
+            << i;
+    }
+}
+
 // A rod that lies flat and spins strikes with one end at a time. Each time Newton's law holds at that end alone.
 TEST_P(Impacts, an_end_that_rises_takes_no_part_in_the_impact_of_the_other) {
     for (const Number restitution : {1.0L, 0.9L, 0.5L}) {

@@ -18,7 +18,7 @@ inline constexpr int max_resteps = 12;
 // Sweeps over the points of an island, for the forces of a step. They carry the load of a stack from box to box.
 inline constexpr int max_sweeps = 32;
 // Sweeps over the points of an impact, which has no warm start.
-inline constexpr int max_impact_sweeps = 40;
+inline constexpr int max_impact_sweeps = 80;
 // Rounds of impacts that pass from pair to pair at one moment, besides one for each pair.
 inline constexpr int max_rounds = 32;
 // Most steps between two examinations of a pair that is far apart.

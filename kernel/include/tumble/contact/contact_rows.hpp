@@ -33,7 +33,9 @@ public:
     // Sets the velocities of the island's bodies, with `part` of the loads' change; `whole`: all of it. True where they
     // are what they were, apart from their scale.
     // `lifts`: the scale has room for the correction of penetrations.
-    bool set_velocities(const Kicks& loads, Work part, bool whole, bool lifts = false) {
+    // `in_halves`: half of each kick acts before the flight, half after it.
+    bool set_velocities(const Kicks& loads, Work part, bool whole, bool lifts = false, bool in_halves = false) {
+        velocities_.set_turns(bodies_, shapes_, island_.group, part, in_halves);
         auto least = C::nothing();
         if (lifts) [[unlikely]]
             pairs_.for_each(island_, [&](const Pair& pair) {
@@ -46,25 +48,35 @@ public:
         make_room_for_surfaces();
         return velocities_.set(bodies_, shapes_, island_.group, loads, part, whole);
     }
-    // Makes the rows of a pair's points anew where these or the bodies have moved.
+    // Makes the rows of a pair's points anew where these or the bodies have moved. Sets the targets of the rows to the
+    // velocity that the point has at the end without them: that of a turning surface, and what the turn of the bodies
+    // changes after the middle of the flight.
     void make_rows(Pair& pair) {
-        bool hold = true;
-        for (int i = 0; i < pair.count; ++i) hold = hold && pair.point[i].rows_hold;
+        const bool turns = velocities_.turns(pair.a) || (pair.moves_b() && velocities_.turns(pair.b));
+        bool hold = !turns;
+        for (int i = 0; i < pair.count; ++i) {
+            if (!turns) pair.point[i].row[0].target = Speed{};
+            hold = hold && pair.point[i].rows_hold;
+        }
         if (!hold) {
             pair.still = 0;
             const Directions directions{pair, shapes_.axes(pair.a), pair.moves_b() ? &shapes_.axes(pair.b) : nullptr};
+            if constexpr (Velocities::shapes_turn)
+                if (turns) make_turning_rows(pair, directions);
             for (int i = 0; i < pair.count; ++i) {
                 Point& point = pair.point[i];
-                if (point.rows_hold) continue;
-                for (int k = 0; k < rows(pair); ++k) set_row(point, directions, k, pair);
-                point.rows_hold = true;
+                if (!turns && !point.rows_hold)
+                    for (int k = 0; k < rows(pair); ++k) set_row(point, directions, k, pair);
+                point.rows_hold = !turns;
             }
         }
         if constexpr (features.turntables && features.friction) {
+            if (!pair.on_turntable) return;
             for (int i = 0; i < pair.count; ++i)
                 for (int k = 1; k < rows(pair); ++k) {
                     auto& row = pair.point[i].row[k];
-                    row.target =
+                    if (!turns) row.target = Speed{};
+                    row.target +=
                         narrow<Speed>(mul(velocities_.scale.speed(surface_speed(pair, pair.point[i], k)), row.inverse));
                 }
         }
@@ -146,16 +158,101 @@ private:
             }
         }
     };
+    // Makes a row of bodies that do not turn.
     void set_row(Point& point, const Directions& directions, int k, const Pair& pair) const {
+        auto& row = point.row[k];
+        row.target = Speed{};
         const auto lever = levers(shapes_.shape(pair.a), point.arm, directions.angular[k]);
         if constexpr (features.pairs) {
             if (directions.moves_b) {
-                point.row[k].set(directions.linear[k], lever, directions.linear_b[k],
-                                 levers(shapes_.shape(pair.b), point.arm_b, directions.angular_b[k]));
+                row.set(directions.linear[k], lever, directions.linear_b[k],
+                        levers(shapes_.shape(pair.b), point.arm_b, directions.angular_b[k]));
                 return;
             }
         }
-        point.row[k].set(directions.linear[k], lever);
+        row.set(directions.linear[k], lever);
+    }
+    // Directions in the axes of a body, in the middle and at the end of a flight.
+    struct Turned {
+        Vec3<Unit> middle[Point::directions], end[Point::directions];
+
+        Turned(const Vec3<Unit> (&start)[Point::directions], const MiddleTurn<N>& turn, int count) {
+            for (int k = 0; k < count; ++k) {
+                middle[k] = turn.later(start[k]);
+                end[k] = turn.later(middle[k]);
+            }
+        }
+    };
+    struct Arms {
+        Vec3<Length> middle, end;
+    };
+    // Makes the rows of bodies that turn. A point on a surface that stands still is a place on the body, but round
+    // shapes roll over it. Between two bodies that move, the arms stand still in the world.
+    [[gnu::noinline]] void make_turning_rows(Pair& pair, const Directions& directions) const
+        requires(Velocities::shapes_turn) {
+        const int count = rows(pair);
+        const Turned a{directions.angular, velocities_.turn[pair.a], count};
+        if constexpr (features.pairs) {
+            if (directions.moves_b) {
+                const Turned b{directions.angular_b, velocities_.turn[pair.b], count};
+                for (int i = 0; i < pair.count; ++i) {
+                    Point& point = pair.point[i];
+                    const Arms arms = world_arms(pair.a, point.arm), arms_b = world_arms(pair.b, point.arm_b);
+                    for (int k = 0; k < count; ++k) {
+                        const Levers of_a = levers_of(pair.a, arms, a, k), of_b = levers_of(pair.b, arms_b, b, k);
+                        point.row[k].set(directions.linear[k], of_a.middle, directions.linear_b[k], of_b.middle);
+                        set_target(point.row[k], change(pair.b, of_b) - change(pair.a, of_a));
+                    }
+                }
+                return;
+            }
+        }
+        const auto make = [&](auto&& arms_of) {
+            for (int i = 0; i < pair.count; ++i) {
+                Point& point = pair.point[i];
+                const Arms arms = arms_of(point.arm);
+                for (int k = 0; k < count; ++k) {
+                    const Levers of_a = levers_of(pair.a, arms, a, k);
+                    point.row[k].set(directions.linear[k], of_a.middle);
+                    set_target(point.row[k], -change(pair.a, of_a));
+                }
+            }
+        };
+        if constexpr (features.round_shapes) {
+            const CollisionShape<N>& shape = shapes_.shape(pair.a);
+            const auto& turn = velocities_.turn[pair.a];
+            if (!shape.is(ShapeKind::box)) {
+                const RollingPoints<N> start{shape, directions.angular[0]}, middle{shape, a.middle[0]},
+                    end{shape, a.end[0]};
+                if (end.rolls_from(turn.later(turn.later(start.down())))) {
+                    make([&](const Vec3<Length>& arm) {
+                        return Arms{middle.place_of(arm, start), end.place_of(arm, start)};
+                    });
+                    return;
+                }
+            }
+        }
+        make([](const Vec3<Length>& arm) { return Arms{arm, arm}; });
+    }
+    [[nodiscard]] Arms world_arms(int b, const Vec3<Length>& arm) const requires(Velocities::shapes_turn) {
+        const Vec3<Length> middle = velocities_.turn[b].later(arm);
+        return {middle, velocities_.turn[b].later(middle)};
+    }
+    // The levers of a row about a body in the middle of the flight, and by how much they change from there to its end.
+    struct Levers {
+        Vec3<typename C::Lever> middle, change;
+    };
+    [[nodiscard]] Levers levers_of(int b, const Arms& arms, const Turned& turned, int k) const {
+        const auto middle = levers(shapes_.shape(b), arms.middle, turned.middle[k]);
+        return {middle, levers(shapes_.shape(b), arms.end, turned.end[k]) - middle};
+    }
+    // A row acts in the middle of the flight. Its target at the end is zero along the row of then: (J + dJ) u = 0, so
+    // J u = -dJ u, where the bodies' velocities without the row stand for u. `change`: dJ u of one body.
+    [[nodiscard]] Speed change(int b, const Levers& levers) const {
+        return C::speed(dot(levers.change, velocities_.loaded[b].angular));
+    }
+    static void set_target(Row<N, features.pairs>& row, Speed wanted) {
+        row.target = narrow<Speed>(mul(wanted, row.inverse));
     }
 
     // The surface of a fixed body that turns may be much faster than the bodies.
@@ -179,8 +276,8 @@ private:
             });
     }
     // The velocity of a turning fixed body's surface along direction k of a point, as a speed of the pair: where the
-    // point is at the end of the step, because the solution is for then. The row is that of the start. It leaves out by
-    // how much the point's own velocity turns in the step, w x (w x arm), so that is taken off.
+    // point is at the end of the step, because the solution is for then. A row of the start leaves out by how much the
+    // point's own velocity turns in the step, w x (w x arm), so that is taken off.
     [[nodiscard]] Work surface_speed([[maybe_unused]] const Pair& pair, [[maybe_unused]] const Point& point,
                                      [[maybe_unused]] int k) const {
         if constexpr (features.turntables && features.pairs && features.friction) {
@@ -197,7 +294,8 @@ private:
                 direction[i] = N::work(pair.tangent[k - 1][i]);
             }
             const WorkVec3<N> surface = cross<Work>(turn_of(pair.b), place), own = cross<Work>(turn, along_arm);
-            return (dot(surface, direction) - dot(own, direction)) * pair.weight;
+            const Work speed = dot(surface, direction);
+            return (velocities_.turns(pair.a) ? speed : speed - dot(own, direction)) * pair.weight;
         }
         return Work(0);
     }

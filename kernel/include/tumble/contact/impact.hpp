@@ -106,10 +106,11 @@ private:
             if (bounces_far(pair, point)) bodies_.report(Issue::step_bound_hit, pair.a);
         });
     }
-    // Solves for the impulses of the active points from the present velocities. Plain sweeps of one pair converge best.
-    void solve(bool one_pair) {
+    // Solves for the impulses of the active points from the present velocities. Of one pair without friction, plain
+    // sweeps converge best.
+    void solve(bool one_smooth_pair) {
         copy(velocities_.loaded, velocities_.now);
-        (void)rows_.sweep(velocities_.scale.enough_in_impact(), contact::max_impact_sweeps, !one_pair);
+        (void)rows_.sweep(velocities_.scale.enough_in_impact(), contact::max_impact_sweeps, !one_smooth_pair);
         // Each impulse is applied once, not in one part per sweep: this rounds less.
         copy(velocities_.now, velocities_.loaded);
         rows_.push_all();
@@ -143,7 +144,7 @@ private:
             }
         });
         if (active == 0) return false;
-        solve(pairs == 1);
+        solve(pairs == 1 && !rough);
         // One smooth point makes no energy.
         return (!rough && active == 1) || scale_back();
     }

@@ -84,7 +84,8 @@ private:
     // `struck`: the impact has been resolved.
     Touch solve_resting(Work span, bool whole, bool struck) {
         return Resting<N, spin, features>{contacts_.shapes, contacts_.pairs, contacts_.velocities, bodies_, island_}
-            .solve(contacts_.loads, span, whole, struck, contacts_.forces, contacts_.solution);
+            .solve(contacts_.loads, span, whole, struck, mover_.coasting == Coasting::mean, contacts_.forces,
+                   contacts_.solution);
     }
     void lift(bool off) {
         Resting<N, spin, features>{contacts_.shapes, contacts_.pairs, contacts_.velocities, bodies_, island_}.lift(off);
@@ -155,13 +156,15 @@ private:
     }
     // `start`: of the flight that has ended. The kicks, which still have the scale of its spins, get that of now. They
     // act in its axes, so the change of spin is turned into the axes of now: a torque has its direction in the world.
+    // The rows of a body that turns are of the middle of the flight, so its change of spin is the same in the axes of
+    // both.
     void push(Work part, bool all, bool second, const Saved* start = nullptr) {
         for (int k = 0; k < island_.group.count; ++k) {
             const int b = island_.group.id[k];
             if constexpr (Bodies::has_parts)
                 if (start != nullptr) contacts_.forces.rescale(b, bodies_.parts.halvings[b] - start->halvings[k]);
             Kick<N> kick = contacts_.forces[b];
-            if (start != nullptr) turn(kick, b, start->state[k].q_wb.value());
+            if (start != nullptr && !contacts_.velocities.turns(b)) turn(kick, b, start->state[k].q_wb.value());
             const auto share = [&](auto sum) {
                 if (!all) sum = N::part(sum, N::fraction(part));
                 if (mover_.coasting != Coasting::mean) return sum;

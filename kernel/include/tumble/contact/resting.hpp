@@ -37,7 +37,9 @@ public:
     // Solves for the contact forces over a part of the step, so that no touching point approaches at its end. Writes
     // them into `forces`, as changes of motion in that part. A point strikes if it is below the surface and approaches
     // faster than NarrowPhase::slow(). The impact must then be resolved first: unless `struck`, no forces are computed.
-    Touch solve(const Kicks& loads, Work part, bool whole, bool struck, Kicks& forces, Solution& solution) {
+    // `in_halves`: half of each force acts before the flight, half after it.
+    Touch solve(const Kicks& loads, Work part, bool whole, bool struck, bool in_halves, Kicks& forces,
+                Solution& solution) {
         bool any = false, lifts = false;
         solution = {};
         pairs_.for_each(island_, [&](const Pair& pair) {
@@ -45,7 +47,7 @@ public:
             lifts = lifts || (pair.count > 0 && Bounds::is_lifted(pair.gap, shapes_.tolerance()));
         });
         if (!any) return Touch::nothing;
-        const bool same = rows_.set_velocities(loads, part, whole, lifts);
+        const bool same = rows_.set_velocities(loads, part, whole, lifts, in_halves);
         int active = 0;
         bool strikes = false;
         pairs_.for_each(island_, [&](Pair& pair) {
@@ -57,7 +59,7 @@ public:
             rows_.make_rows(pair);
             for (int i = 0; i < pair.count; ++i) {
                 Point& point = pair.point[i];
-                const Speed approach = -rows_.velocity(velocities_.start, pair, point),
+                const Speed approach = -rows_.velocity(velocities_.start, pair, point) - point.row[0].target,
                             closing = rows_.speed(pair, point, point.gap);
                 const bool fast = approach > Rows::along(point, slow), above = point.gap > Length{};
                 const Speed late = hit ? Bounds::late(closing) : Speed{};
@@ -67,7 +69,7 @@ public:
                     continue;
                 }
                 strikes = strikes || (!above && fast);
-                point.row[0].target = above ? -closing : Speed{};
+                if (above) point.row[0].target -= closing;
                 for (auto& row : point.row) row.impulse = velocities_.scale.from(row.impulse, pair.scale);
                 pair.touched = true;
                 ++active;
@@ -165,8 +167,9 @@ private:
             for (int k = 0; k < Point::directions; ++k) point.set_aside[k] = point.row[k].impulse;
             if (point.gap > Length{}) return;
             Speed& target = point.row[0].target;
-            target = rows_.speed(pair, point, Bounds::lift(point.gap, shapes_.tolerance()));
-            if (target > largest) largest = target;
+            const Speed lift = rows_.speed(pair, point, Bounds::lift(point.gap, shapes_.tolerance()));
+            target += lift;
+            if (lift > largest) largest = lift;
         });
         // The points may be less deep than the pair.
         if (!(largest > Speed{})) return false;

@@ -160,6 +160,13 @@ private:
         });
         return hold;
     }
+    // What stands still in the world, in the axes that the body has where its rows act.
+    template <class T>
+    [[nodiscard]] Vec3<T> in_middle([[maybe_unused]] int b, const Vec3<T>& v) const {
+        if constexpr (Velocities::shapes_turn)
+            if (velocities_.turns(b)) return velocities_.turn[b].later(v);
+        return v;
+    }
     // Solves the pair of a body that moves on one that rests, by sweeps over its points alone, and hands on what they
     // push. `before` of the points' rows gets this as impulses of the body.
     bool slide([[maybe_unused]] Pair& pair, [[maybe_unused]] int b) {
@@ -182,10 +189,10 @@ private:
             for (int k = 0; k < rows; ++k) {
                 Vec3<Unit> direction = frame[k];
                 if (!is_a) direction = -direction;
-                const Vec3<Unit> in_body = shapes_.axes(b).to_body(direction);
+                const Vec3<Unit> in_body = in_middle(b, shapes_.axes(b).to_body(direction));
                 for (int i = 0; i < pair.count; ++i) {
                     const Point& point = pair.point[i];
-                    row[i][k].set(direction, Rows::levers(shape, arm_of(point, is_a), in_body));
+                    row[i][k].set(direction, Rows::levers(shape, in_middle(b, arm_of(point, is_a)), in_body));
                     // Between the rows of two bodies and of one: their lengths, and what the body takes of the motion.
                     const auto of_pair = [&](Speed s) { return Row::product(s, point.row[k].inverse); };
                     row[i][k].target = Row::product(W::over(W::over(point.row[k].target, point.row[k].inverse), share),

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <tumble/contact/kicks.hpp>
+#include <tumble/contact/middle_turn.hpp>
 #include <tumble/contact/narrow_phase.hpp>
 
 namespace tumble {
@@ -10,6 +11,7 @@ template <class N, Spin spin, Features features>
 class SolverVelocities {
 public:
     using C = ContactNumbers<N>;
+    using Unit = typename C::Unit;
     using Speed = typename C::Speed;
     using Work = typename N::Work;
     using Velocity = WeightedVelocity<N>;
@@ -22,7 +24,30 @@ public:
     Velocity loaded[features.bodies]{};  // before the impulses of the rows
     Velocity now[features.bodies]{};     // with the impulses of the rows
     typename C::SpeedScale scale{};
+    // None where kicks act at one end of the flight. Nothing about a sphere depends on its axes.
+    static constexpr bool shapes_turn = features.boxes || features.round_shapes;
+    [[no_unique_address]] If<shapes_turn, MiddleTurn<N>[features.bodies], 0> turn {};
+    [[nodiscard]] bool turns([[maybe_unused]] int b) const {
+        if constexpr (shapes_turn) return static_cast<bool>(turn[b]);
+        else return false;
+    }
 
+    // Sets how far the bodies turn in `part` of a step. `in_halves`: half of each kick acts before the flight, half
+    // after.
+    void set_turns([[maybe_unused]] const Bodies& bodies, [[maybe_unused]] const NarrowPhase& shapes,
+                   [[maybe_unused]] const BodyGroup& group, [[maybe_unused]] Work part,
+                   [[maybe_unused]] bool in_halves) {
+        if constexpr (shapes_turn) {
+            for (int k = 0; k < group.count; ++k) {
+                const int b = group.id[k];
+                turn[b] = {};
+                if (!in_halves || shapes.shape(b).is(ShapeKind::sphere) || !bodies.is_turning(b)) continue;
+                WorkVec3<N> whole;
+                for (int i = 0; i < 3; ++i) whole[i] = bodies.turn(b, i) * part;
+                turn[b] = MiddleTurn<N>{whole};
+            }
+        }
+    }
     // Chooses the scale for these bodies, the changes of their motion by loads, and other speeds up to the size
     // `largest`. is_between(b): the body has several pairs.
     template <class IsBetween>
@@ -51,7 +76,7 @@ public:
         scale = C::SpeedScale::of(largest, group.count, heaviest - lightest + (group.count > 1 ? 2 : 0));
     }
     // Sets the velocities in the scale: `start` as the bodies move, `loaded` and `now` with `part` of the change by
-    // loads; `whole`: all of it. True where `loaded` is what it was.
+    // loads; `whole`: all of it. The turns must be set. True where `loaded` is what it was.
     bool set(const Bodies& bodies, const NarrowPhase& shapes, const BodyGroup& group, const Kicks& loads, Work part,
              bool whole) {
         const typename N::Unit fraction = whole ? C::one() : C::unit(part);
@@ -65,6 +90,8 @@ public:
         bool same = true;
         for (int k = 0; k < group.count; ++k) {
             const int b = group.id[k];
+            if constexpr (shapes_turn)
+                if (turn[b]) precess(now[b].angular, shapes.shape(b), turn[b]);
             same = same && loaded[b].linear == now[b].linear && loaded[b].angular == now[b].angular;
             loaded[b] = now[b];
         }
@@ -116,6 +143,30 @@ public:
     }
 
 private:
+    // Euler's equations by the midpoint method: sqrt(I_i) dw_i = (I_j - I_k) / sqrt(I_i) w_j w_k. Of the two factors,
+    // that of the larger moment I_m is u_m / sqrt(I_m), and the other is the turn.
+    static void precess(Vec3<Speed>& u, const CollisionShape<N>& shape, const MiddleTurn<N>& turn) {
+        const auto quarter_of_change = [&](const Vec3<Speed>& speed, const Vec3<Unit>& quarter) {
+            Vec3<Speed> change;
+            for (int i = 0; i < 3; ++i) {
+                const int j = (i + 1) % 3, k = (i + 2) % 3;
+                const bool last = shape.gyration[j] < shape.gyration[k];
+                const Speed product = narrow<Speed>(mul(speed[last ? k : j], quarter[last ? j : k]));
+                change[i] = narrow<Speed>(mul(product, shape.gyroscopic[i]));
+            }
+            return change;
+        };
+        const Vec3<Unit>& quarter = turn.quarter();
+        Vec3<Unit> middle;
+        for (int i = 0; i < 3; ++i) {
+            const Unit product = C::product(quarter[(i + 1) % 3], quarter[(i + 2) % 3]);
+            const Unit half = C::product(product, shape.euler[i]);
+            middle[i] = quarter[i] + half + half;
+        }
+        Vec3<Speed> change = quarter_of_change(u, quarter);
+        change = quarter_of_change(u + change + change, middle);
+        for (int i = 0; i < 3; ++i) u[i] += change[i] + change[i] + change[i] + change[i];
+    }
     // The kick that ends the motion of a body under a load.
     static void stop(Kick<N>& kick, const Kick<N>& load, const typename Bodies::State& state) {
         for (int i = 0; i < 3; ++i) {

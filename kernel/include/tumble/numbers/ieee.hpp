@@ -284,6 +284,8 @@ requires(!N::fixed_point) struct ContactNumbers<N> {
     [[nodiscard]] static T over_square(T s, T u) { return s / (u * u); }
     [[nodiscard]] static T ratio(T a, T b) { return a / b; }
     [[nodiscard]] static T ratio_of_squares(T a, T b) { return a / b; }
+    // rad: the square of a smaller turn is rounding.
+    [[nodiscard]] static constexpr T least_turn() { return sizeof(T) == 4 ? T(0x1p-12) : T(0x1p-26); }
     [[nodiscard]] static constexpr T nearly_parallel() { return T(1) - T(0x1p-21); }
     [[nodiscard]] static T over_sine(T l, T c) { return l / sqrt(T(1) - c * c); }
     [[nodiscard]] static T hair(T l) { return l * T(0x1p-16); }

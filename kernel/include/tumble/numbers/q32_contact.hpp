@@ -276,11 +276,20 @@ requires(N::fixed_point) struct ContactNumbers<N> {
         const auto root = detail::inverse_root(static_cast<std::uint64_t>(squares.raw) + (std::uint64_t{1} << 48));
         return {detail::scaled_product(root.raw, 1 << 30, -(root.exponent + 24))};
     }
+    [[nodiscard]] static Unit inverse_root_of_one_and(Wide<60> square) {
+        return inverse_root_of_one_and(Wide<48>{square.raw >> 12});
+    }
     [[nodiscard]] TUMBLE_INLINE static Unit unit(Lever q, Unit factor) {
         return narrow<Unit>(Wide<60>{detail::multiply(q.raw, factor.raw) * 64});
     }
     [[nodiscard]] TUMBLE_INLINE static Unit product(Unit a, Unit b) { return narrow<Unit>(mul(a, b)); }
     [[nodiscard]] TUMBLE_INLINE static Speed speed(Wide<60> sum) { return narrow<Speed>(sum); }
+    // A sum of levers times speeds, held at the largest norm of a SpeedScale: levers of a body with its mass near its
+    // axis are long.
+    [[nodiscard]] static Speed speed(Wide<54> sum) {
+        constexpr std::int64_t most = std::int64_t{1} << (29 + Lever::fraction_bits);
+        return narrow<Speed>(Wide<54>{sum.raw > most ? most : sum.raw < -most ? -most : sum.raw});
+    }
     template <class T>
     [[nodiscard]] TUMBLE_INLINE static T half(T a) {
         return {a.raw >> 1};
@@ -315,6 +324,11 @@ requires(N::fixed_point) struct ContactNumbers<N> {
     [[nodiscard]] static Unit ratio_of_squares(Wide<60> a, Wide<60> b) {
         const int up = std::countl_zero(static_cast<std::uint64_t>(b.raw)) - 1, down = up < 30 ? 30 - up : 0;
         return {static_cast<std::int32_t>((a.raw << (30 - down)) / ((b.raw >> down) + 1))};
+    }
+    // rad: the square of a smaller turn is rounding beside a length, which has 27 bits.
+    [[nodiscard]] static Work least_turn() {
+        static constexpr Work turn = Work::of(1, -14);
+        return turn;
     }
     // Axes with a larger cosine (an angle below 2^-10 rad) count as parallel.
     [[nodiscard]] static constexpr Unit nearly_parallel() { return {(1 << 30) - (1 << 9)}; }

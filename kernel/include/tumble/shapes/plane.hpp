@@ -120,4 +120,47 @@ private:
     bool flat_ = false;
 };
 
+// The points of a round shape on a surface that stands still, while the body turns. The shape rolls, so each stays the
+// lowest of its end.
+template <class N>
+class RollingPoints {
+public:
+    using C = ContactNumbers<N>;
+    using Length = typename C::Length;
+    using Unit = typename C::Unit;
+
+    // `normal` of the surface, in the body's principal axes.
+    RollingPoints(const CollisionShape<N>& shape, const Vec3<Unit>& normal) : shape_{shape}, down_{-normal} {
+        if (!shape.is_round()) return;
+        const Unit upright = narrow<Unit>(dot(normal, shape.axis));
+        for (int i = 0; i < 3; ++i) {
+            down_[i] += narrow<Unit>(mul(upright, shape.axis[i]));
+            flat_ = flat_ && !(magnitude_of(down_[i]) > C::flat());
+        }
+        if (flat_) return;
+        down_ = C::direction(down_);
+        across_ = cross<Unit>(shape.axis, down_);
+    }
+    // Down the slope of an end face; of a capsule, against the normal.
+    [[nodiscard]] const Vec3<Unit>& down() const { return down_; }
+    // `before`: an earlier down(), which has stood still in the world, in the axes of now. False where the lowest point
+    // has run round a twelfth of the rim since (29 degrees), as on a coin that falls flat: nothing resolves its way.
+    [[nodiscard]] bool rolls_from(const Vec3<Unit>& before) const {
+        if (!shape_.is_round()) return true;
+        return !flat_ && narrow<Unit>(dot(down_, before)) > C::one() - C::eighth(C::one());
+    }
+    // Of a point that PlaneView::find() has found at `start`, from where the shape rolls.
+    [[nodiscard]] Vec3<Length> place_of(const Vec3<Length>& arm, const RollingPoints& start) const {
+        if (!shape_.is_round()) return arm + along(Vec3<Unit>(down_ - start.down_), shape_.half.x());
+        return along(shape_.axis, narrow<Length>(dot(shape_.axis, arm))) +
+               along(down_, narrow<Length>(dot(start.down_, arm))) +
+               along(across_, narrow<Length>(dot(start.across_, arm)));
+    }
+
+private:
+    const CollisionShape<N>& shape_;
+    Vec3<Unit> down_, across_ = Vec3<Unit>::Constant(Unit{});
+    bool flat_ = true;
+};
+
 }  // namespace tumble

@@ -79,6 +79,9 @@ struct CollisionShape {
     Axes<N> edges{};
     typename C::PerLength per_gyration[3]{};  // one over the radii of gyration
     Vec3<Length> gyration = Vec3<Length>::Constant(Length{});
+    // Of Euler's equations, for axes i, j, k in a cycle: (I_j - I_k) / sqrt(I_i I_m), I_m the larger one of I_j and
+    // I_k, and (I_j - I_k) / I_i. By the triangle inequality of moments both are at most 1.
+    Vec3<Unit> gyroscopic = Vec3<Unit>::Constant(Unit{}), euler = gyroscopic;
     Work root_mass{};                   // sqrt(m)
     Work weight[3]{}, per_weight[3]{};  // from half turns to sqrt(I_i) w_i h, and back
     Work per_root_mass{};
@@ -199,6 +202,9 @@ set_collision_shape(CollisionShape<N>& shape, const BodySpec& spec, const Princi
         shape.gyration[i] = scale.length(root_moment / root_mass);
         shape.weight[i] = N::template constant<Work>(root_moment) * units.rate(i, Work(1));
         shape.per_weight[i] = Work(1) / shape.weight[i];
+        const Real next = inertia.moments[(i + 1) % 3], last = inertia.moments[(i + 2) % 3];
+        shape.gyroscopic[i] = unit((next - last) / sqrt(inertia.moments[i] * (next < last ? last : next)));
+        shape.euler[i] = unit((next - last) / inertia.moments[i]);
     }
 }
 
