@@ -303,6 +303,28 @@ Table ordinary_table(const Rows& rows, const std::string& scene, int first, int 
     return cross(rows, {scene}, lines, columns);
 }
 
+// The errors of scenes with contacts by the step, and the median of the observed orders of those in double.
+Table contact_laws_table(const Rows& rows) {
+    const Cell error = [](const Row& row) { return row.contains("failure") ? "fails" : text_of(row, "error"); };
+    std::vector<Line> lines;
+    for (const std::string& scene : distinct(rows, "scene"))
+        lines.push_back({{scene, text_of(row_of(rows, {{"scene", scene}}), "law")}, {{"scene", scene}}});
+    std::vector<Column> columns;
+    for (const int n : {128, 256, 512, 1024})
+        columns.push_back({text("1/%d s", n), error, {{"numbers", "f64"}, {"step_s", text("%.1e", 1.0 / n)}}});
+    columns.push_back({"order", [&](const Row& row) {
+                           std::vector<double> orders;
+                           for (const Row& other : rows)
+                               if (is_where(other, {{"scene", row.at("scene")}, {"numbers", "f64"}}) &&
+                                   other.contains("observed_order") && other.at("error") > 1e-9)
+                                   orders.push_back(other.at("observed_order"));
+                           const auto order = orders.size() < 3 ? std::nullopt : median_order(orders);
+                           return order ? text("%.1f", *order) : "-";
+                       }});
+    columns.push_back({"q32, 1/256 s", error, {{"numbers", "q32 carry"}, {"step_s", text("%.1e", 1.0 / 256)}}});
+    return cross(rows, {"scene", "error, in double"}, lines, columns);
+}
+
 // All engines with all their ways to step; of this kernel the methods that a reader would choose between.
 Table engines_table(Rows rows) {
     const std::set<std::string> own{"semi_implicit_euler", "rk4", "verlet", "suzuki4", "pdmv6", "exact"};
@@ -361,6 +383,7 @@ const Makers makers{
     {"table front", [](R r) { return front_table(r["work_precision"], "error below, rad"); }},
     {"table front_loads", [](R r) { return front_table(r["work_precision_loads"], "error below, m or rad"); }},
     {"table contacts", [](R r) { return list(r["contacts"], {}, columns(contact_columns)); }},
+    {"table contact_laws", [](R r) { return contact_laws_table(r["contact_laws"]); }},
     {"table skipped", [](R r) { return skipped_table(r["contacts"]); }},
     {"table ladder_cortex_m0", [](R r) { return ladder_table(r["ladder"], "cortex-m0 q32 carry"); }},
     {"table ladder_cortex_m3", [](R r) { return ladder_table(r["ladder"], "cortex-m3 q32 carry"); }},
