@@ -12,35 +12,32 @@ using namespace tumble::bench;
 using tumble::host::SceneDescription, tumble::host::Simulation;
 using Number = long double;
 
-void run_to(Simulation& run, Number time) {
-    while (run.time() < time && run.troubles().empty()) run.step();
-}
 Number distance_to(const Simulation& run, int body, Number x, Number z) {
     const auto now = run.body(body).position;
     return std::hypot(now[0] - x, now[2] - z);
 }
 
-// From the point where the centre of the hoop is now, which is ahead of (0, 0, R) by the angle W t.
+// From where the centre of the hoop is at the end: ahead of (0, 0, R) by the angle W t.
 Number off_the_circle(Simulation& run) {
     const auto start = run.body(0);
     const Number radius = start.position[2], rate = start.velocity[0] / radius;
-    run_to(run, 4);
+    finish(run);
     const Number angle = rate * run.time();
     return distance_to(run, 0, radius * std::sin(angle), radius * std::cos(angle));
 }
-// The same of a ball on a turntable that turns by 2 rad/s, at 1 m from its centre.
+// The same of the ball, whose circle begins at its start.
 Number off_the_circle_on_a_table(Simulation& run) {
     const auto start = run.body(1);
     const Number rate = 2.0L * run.body(0).angular_velocity[1] / 7, speed = start.velocity[2];
-    run_to(run, 4);
+    finish(run);
     const Number angle = rate * run.time();
     return distance_to(run, 1, start.position[0] + speed / rate * (1 - std::cos(angle)),
                        speed / rate * std::sin(angle));
 }
 Number change_of_energy(Simulation& run) {
-    run_to(run, 1);
+    while (run.time() < 1 && run.troubles().empty()) run.step();
     const Number before = run.energy().total();
-    run_to(run, 4);
+    finish(run);
     return std::abs(run.energy().total() / before - 1);
 }
 Number gain_of_energy(Simulation& run) {
@@ -98,20 +95,19 @@ int main(int argc, char** argv) try {
     std::vector<Row> rows;
     for (const Law& law : laws) {
         for (const char* numbers : {"f64", "q32"}) {
-            Number before = 0;
+            double before = 0;
             for (const int steps : {128, 256, 512, 1024}) {
                 SceneDescription scene = tumble::host::read_scene(law.path);
                 scene.step = {1, steps, 0};
                 const auto run = make_simulation(scene, "verlet", numbers);
-                const Number error = law.measure(*run);
+                const auto error = static_cast<double>(law.measure(*run));
                 Row row = row_of(law.scene, "host", numbers, run->carry(), "verlet", 1.0 / steps);
                 if (!run->troubles().empty()) {
                     row["failure"] = run->troubles().front().issue;
                 } else {
                     row["law"] = law.error;
-                    row["error"] = static_cast<double>(error);
-                    if (before > 0 && error > 0)
-                        row["observed_order"] = std::round(static_cast<double>(std::log2(before / error)) * 100) / 100;
+                    row["error"] = error;
+                    if (before > 0 && error > 0) row["observed_order"] = observed_order(before, error);
                 }
                 before = error;
                 rows.push_back(row);

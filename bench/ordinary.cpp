@@ -130,8 +130,7 @@ void add_rows(std::vector<Row>& rows, const char* method, const std::vector<std:
         } else {
             row["state_error"] = point.error;
             if (System::size == 2) row["energy_ratio"] = point.energy;
-            if (!before.failed && point.error > 0)
-                row["observed_order"] = std::round(std::log2(before.error / point.error) * 100) / 100;
+            if (!before.failed && point.error > 0) row["observed_order"] = observed_order(before.error, point.error);
         }
         rows.push_back(row);
         before = point;

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
@@ -123,6 +124,10 @@ struct SecondCost {
     }
 }
 
+// From the errors before and after the step is halved, with two decimals.
+[[nodiscard]] inline double observed_order(double before, double after) {
+    return std::round(std::log2(before / after) * 100) / 100;
+}
 // The median of the observed orders above 0.5. Smaller ones come from too large a step or from rounding.
 [[nodiscard]] inline std::optional<double> median_order(std::vector<double> orders) {
     std::erase_if(orders, [](double order) { return !(order > 0.5); });

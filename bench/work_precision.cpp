@@ -273,7 +273,7 @@ Row row_of(const std::string& scene, const Truth& truth, const Curve& curve, std
     }
     row[truth.key()] = p.error;
     if (point > 0 && curve.points[point - 1].failure.empty() && p.error > 0)
-        row["observed_order"] = std::round(std::log2(curve.points[point - 1].error / p.error) * 100) / 100;
+        row["observed_order"] = tumble::bench::observed_order(curve.points[point - 1].error, p.error);
     return row;
 }
 
