@@ -156,8 +156,8 @@ private:
     }
     // `start`: of the flight that has ended. The kicks, which still have the scale of its spins, get that of now. They
     // act in its axes, so the change of spin is turned into the axes of now: a torque has its direction in the world.
-    // The rows of a body that turns are of the middle of the flight, so its change of spin is the same in the axes of
-    // both.
+    // A body that turns is an exception. Its rows are made for the middle of the flight: both halves of its kick have
+    // the same components in its axes.
     void push(Work part, bool all, bool second, const Saved* start = nullptr) {
         for (int k = 0; k < island_.group.count; ++k) {
             const int b = island_.group.id[k];
