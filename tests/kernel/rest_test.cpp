@@ -234,8 +234,8 @@ TEST_P(Rest, a_tall_stack_stands_at_a_long_step) {
     }
 }
 
-// A plank on two light boxes is no tree of pairs, so sweeps find the forces. They carry ten times the mass of a box,
-// and 10^4 times its mass presses it into the floor.
+// On five light boxes a plank has more supports than statics take, so sweeps find the forces. They carry ten times the
+// mass of a box, and 10^4 times its mass presses it into the floor.
 TEST_P(Rest, a_body_too_heavy_for_those_below_it_is_told) {
     for (const Number ratio : {1.0L, 10.0L, 10000.0L}) {
         for (const auto& [mass, rate, heading] :
@@ -244,9 +244,9 @@ TEST_P(Rest, a_body_too_heavy_for_those_below_it_is_told) {
             const Quaternion<Real> turned{real(std::cos(heading / 2)), {0, real(-std::sin(heading / 2)), 0}};
             SceneSetup setup = floor(0, 0.5L);
             setup.step = Seconds{1, rate};
-            for (const Number side : {-0.4L, 0.4L})
+            for (const Number side : {-0.6L, -0.3L, 0.0L, 0.3L, 0.6L})
                 setup.bodies.push_back(
-                    oriented(placed(box(real(mass), {0.5, 0.5, 0.5}), along * side + Vector{0, 0.25L, 0}), turned));
+                    oriented(placed(box(real(mass), {0.2, 0.5, 0.5}), along * side + Vector{0, 0.25L, 0}), turned));
             setup.bodies.push_back(oriented(placed(box(real(mass * ratio), {1.5, 0.2, 0.5}), {0, 0.6L, 0}), turned));
             const auto world = run(setup, rate / 2);
             EXPECT_EQ(world->status().has(Issue::step_bound_hit), ratio > 100) << ratio << " at 1/" << rate << " s";

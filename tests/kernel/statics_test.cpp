@@ -163,6 +163,132 @@ TEST_P(Statics, a_heavy_body_slides_to_rest_or_rolls_on_a_light_one_that_stays) 
     }
 }
 
+// Rows of boxes, each of which stands on two others, or on the floor. `beside`: the gap between neighbours.
+std::vector<BodySpec> pyramid(int rows, Number beside, Number above) {
+    std::vector<BodySpec> bodies;
+    for (int row = 0; row < rows; ++row)
+        for (int i = 0; i < rows - row; ++i)
+            bodies.push_back(placed(box(real(1 + 0.25L * i), {0.5, 0.25, 0.25}),
+                                    {(0.5L + beside) * (i + 0.5L * row), 0.125L + (0.25L + above) * row, 0}));
+    return bodies;
+}
+
+TEST_P(Statics, a_pyramid_stands_with_its_boxes_apart_or_side_by_side) {
+    for (const Number friction : {0.5L, 0.0L}) {
+        for (const Number beside : {0.0L, 1e-4L, 0.0625L, 0.125L}) {
+            SceneSetup setup = floor(0, friction, pyramid(4, beside, 0));
+            const std::string about = std::to_string(static_cast<double>(beside)) + " m beside each other";
+            expect_at_rest(setup, 64, about);
+            expect_at_rest(reversed(setup), 64, about + ", reversed");
+            std::swap(setup.bodies[1], setup.bodies[7]);
+            std::swap(setup.bodies[2], setup.bodies[9]);
+            expect_at_rest(setup, 64, about + ", in another order");
+        }
+    }
+}
+
+TEST_P(Statics, a_box_on_four_legs_carries_a_body_of_any_mass) {
+    for (const Number mass : {0.01L, 1.0L, 1000.0L}) {
+        SceneSetup setup = floor(0, 0.5L, {at(box(3, {1.25, 0.125, 1.25}), 0, 0.5625L)});
+        for (const Number x : {-0.5L, 0.5L})
+            for (const Number z : {-0.5L, 0.5L})
+                setup.bodies.push_back(at(box(real(1 + 0.5L * x), {0.25, 0.5, 0.25}), x, 0.25L, z));
+        setup.bodies.push_back(at(box(real(mass), {0.25, 0.25, 0.25}), 0.0625L, 0.75L, -0.125L));
+        const std::string about = std::to_string(static_cast<double>(mass)) + " kg";
+        expect_at_rest(setup, 64, about);
+        expect_at_rest(reversed(setup), 64, about + ", reversed");
+    }
+}
+
+TEST_P(Statics, a_bridge_carries_a_body_of_any_mass) {
+    for (const Number mass : {0.01L, 1.0L, 1000.0L}) {
+        for (const Number at_x : {0.0L, 0.25L, -0.3125L}) {
+            SceneSetup setup = floor(0, 0.5L, {at(box(1, {0.25, 0.5, 0.5}), -0.5L, 0.25L)});
+            setup.bodies.push_back(at(box(2, {0.25, 0.5, 0.5}), 0.5L, 0.25L));
+            setup.bodies.push_back(at(box(3, {1.25, 0.125, 0.5}), 0, 0.5625L));
+            setup.bodies.push_back(at(box(real(mass), {0.25, 0.25, 0.25}), at_x, 0.75L, 0.03125L));
+            const std::string about = std::to_string(static_cast<double>(mass)) + " kg";
+            expect_at_rest(setup, 64, about);
+            expect_at_rest(reversed(setup), 64, about + ", reversed");
+        }
+    }
+}
+
+TEST_P(Statics, what_stands_keeps_its_bits_until_it_is_pushed) {
+    for (const bool tower : {false, true}) {
+        SceneSetup setup = floor(0, 0.5L, pyramid(3, 0.0625L, 1e-4L));
+        setup.world.gravity = {0.5, real(-g), 0.25};
+        if (tower) {
+            setup.bodies.clear();
+            for (int i = 0; i < 6; ++i)
+                setup.bodies.push_back(turned(at(box(2, {0.5, 0.25, 0.5}), 0, 0.125L + 0.2501L * i), 0.0625L * i));
+        }
+        const auto world = run(setup, second / 4);
+        const auto hash = world->hash();
+        for (int step = 0; step < second / 4; ++step) {
+            world->step();
+            ASSERT_EQ(world->hash(), hash) << (tower ? "tower" : "pyramid") << ", step " << step;
+        }
+        // The top body slides to rest, and the others stay. Then all keep their bits again.
+        const int top = world->body_count() - 1;
+        const Motion before = world->motion(top);
+        world->apply_impulse(top, {0.5L, 0, 0});
+        world->run(second / 2);
+        EXPECT_GT(world->motion(top).x.x, before.x.x + 1e-3L);
+        const auto after = world->hash();
+        world->run(second / 4);
+        EXPECT_EQ(world->hash(), after) << (tower ? "tower" : "pyramid");
+    }
+}
+
+TEST_P(Statics, what_stands_moves_as_soon_as_its_loads_do_not_hold) {
+    SceneSetup setup = floor(0, 0.5L, {at(box(2, {1, 0.5, 1}), 0, 0.25L), at(box(2, {1, 0.5, 1}), 0, 0.75L)});
+    // Friction holds half of the weight.
+    setup.forces.push_back({.body = 1, .from = 0.25, .until = 0.5, .force = {real(0.96L * g), 0, 0}});
+    setup.forces.push_back({.body = 1, .from = 0.5, .until = 10.0, .force = {real(1.04L * g), 0, 0}});
+    const auto world = run(setup, second / 2);
+    EXPECT_LE(norm(world->motion(1).x - vector(setup.bodies[1].position)), rounding);
+    world->run(second / 2);
+    const Number expected = 0.5L * (0.02L * g) * 0.25L;
+    EXPECT_NEAR(static_cast<double>(world->motion(1).x.x), static_cast<double>(expected),
+                static_cast<double>(0.01L * expected));
+    EXPECT_LE(norm(world->motion(0).x - vector(setup.bodies[0].position)), rounding);
+}
+
+// The solver's resolution is that of the heaviest body of an island.
+TEST_P(Statics, what_falls_or_is_pushed_beside_a_heavy_body_at_rest_moves) {
+    for (const Number ratio : {1.0L, 1e3L, 1e4L}) {
+        SceneSetup setup = floor(0, 0.5L, {at(box(real(ratio), {0.5, 0.5, 0.5}), 0, 0.25L)});
+        setup.bodies.push_back(at(sphere(1, 0.0625), 0.3125L, 0.0625L + 0.00390625L));
+        setup.bodies.push_back(at(box(1, {0.125, 0.125, 0.125}), -0.3134765625L, 0.0625L));
+        setup.forces.push_back({.body = 2, .from = 0.0, .until = 1.0, .force = {0, 0, real(0.75L * g)}});
+        const auto world = run(setup, second / 4);
+        EXPECT_LE(world->motion(1).x.y, 0.0625L + 1e-4L) << "mass ratio " << ratio;
+        const Number expected = 0.5L * (0.25L * g) * 0.0625L;
+        EXPECT_LE(std::abs(world->motion(2).x.z - expected), 0.02L * expected) << "mass ratio " << ratio;
+    }
+}
+
+// Smooth supports hold a body only where their pushes together do.
+TEST_P(Statics, a_smooth_body_slides_off_supports_of_which_one_is_tilted) {
+    for (const bool tilted_first : {false, true}) {
+        SceneSetup setup = floor(0, 0);
+        const Number tilt = 0.0009L;  // about the middle of its upper face
+        for (const bool tilted : {tilted_first, !tilted_first}) {
+            BodySpec support = fixed(at(box(1, {0.3, 0.5, 0.5}), -0.5L, 0.25L));
+            if (tilted) {
+                support =
+                    fixed(at(box(1, {0.3, 0.5, 0.5}), 0.5L + 0.25L * std::sin(tilt), 0.5L - 0.25L * std::cos(tilt)));
+                support = oriented(support, {1, {0, 0, real(std::tan(tilt / 2))}});
+            }
+            setup.bodies.push_back(support);
+        }
+        setup.bodies.push_back(at(box(1, {1.2, 0.1, 0.5}), 0, 0.55L));
+        const auto world = run(setup, second);
+        EXPECT_LT(world->motion(2).x.x, -5e-4L) << (tilted_first ? "the tilted one first" : "the tilted one last");
+    }
+}
+
 TEST_P(Statics, a_body_lies_on_two_points) {
     const SceneSetup setup = floor(0, 0.5L, {at(capsule(3, 0.125, 0.5), 0, 0.125L)});
     expect_at_rest(setup, 64, "capsule");

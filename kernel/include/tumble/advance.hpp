@@ -206,6 +206,7 @@ private:
     // Writes the change of motion by gravity and by the loads, at their present strength, over the whole step.
     template <class Marks, class Kicks>
     void foresee(const BodyGroup& group, const Marks& marks, Kicks& kick_of) {
+        forget_kicks(group);
         const DriftSum fall[3]{whole_fall(0), whole_fall(1), whole_fall(2)};
         BodyGroup loaded;
         for (int k = 0; k < group.count; ++k) {

@@ -330,6 +330,10 @@ public:
         for (; halvings > scale.most_halvings; --halvings) N::twice_or_beyond(state[b].t_b);
         parts.halvings[b] = static_cast<std::int8_t>(halvings);
     }
+    constexpr void stop(int b) requires(rotation) {
+        state[b].d_w = {};
+        stop_spin(b);
+    }
     constexpr void stop_spin(int b) requires(rotation) {
         state[b].t_b = {};
         if constexpr (has_parts) parts.halvings[b] = 0;
@@ -370,6 +374,11 @@ public:
         for (int i = 0; i < 3; ++i)
             if (!(state[b].t_b[i].value() == typename N::Turn{})) return true;
         return false;
+    }
+    // True of a body without any velocity.
+    [[nodiscard]] bool stands_still(int b) const requires(rotation) {
+        const State& s = state[b];
+        return s.d_w == decltype(s.d_w){} && s.t_b == decltype(s.t_b){};
     }
     constexpr void report(Issue issue, int b) { status.set(issue, b, steps_taken); }
 

@@ -15,6 +15,8 @@ inline constexpr int max_impacts = 8;
 inline constexpr int max_crossings = 4;
 // Flights redone to find one impact, or for one such pair.
 inline constexpr int max_resteps = 12;
+// Pairs on which a body may stand by statics. The sums over their points, 16 at the most, fit the formats.
+inline constexpr int max_supports = 4;
 // Sweeps over the points of an island, for the forces of a step. They carry the load of a stack from box to box.
 inline constexpr int max_sweeps = 32;
 // Sweeps over the points of an impact, which has no warm start.
@@ -53,9 +55,10 @@ struct ContactBounds {
     }
     [[nodiscard]] static Length lift(Length gap, Length tolerance) {
         if (!is_lifted(gap, tolerance)) return Length{};
-        const Length lift = C::eighth(-gap - resting_depth(tolerance)), most = C::eighth(tolerance);
+        const Length lift = C::eighth(-gap - resting_depth(tolerance)), most = most_lift(tolerance);
         return lift > most ? most : lift;
     }
+    [[nodiscard]] static Length most_lift(Length tolerance) { return C::eighth(tolerance); }
     // A face axis of two boxes is preferred to an edge axis up to this difference, so that rounding does not decide.
     [[nodiscard]] static Length axis_margin(Length tolerance) { return C::half(C::half(tolerance)); }
     // Conservative advancement ends at this gap.
@@ -95,6 +98,11 @@ struct ContactBounds {
     [[nodiscard]] static Speed still(Speed loads) { return C::eighth(loads); }
     // What a dozen roundings may make of a speed, from the rounding of one.
     [[nodiscard]] static Speed slack(Speed rounding) { return rounding + rounding + rounding + rounding; }
+    // What several supports may leave of the motion that they stop: 2^-18, about what sweeps in q32 leave.
+    [[nodiscard]] static Speed left_by_supports(Speed motion) {
+        for (int i = 0; i < 6; ++i) motion = C::eighth(motion);
+        return motion;
+    }
     // A bounce lasts 2 v / a. It is the last where that is below an eighth of a step; `loads` is a step's a.
     [[nodiscard]] static bool bounce_lasts(Speed bounce, Speed loads) { return bounce + bounce > C::eighth(loads); }
     // A change of motion is no acceleration below this part of what contacts change. Bounded sweeps leave up to 2^-10.4

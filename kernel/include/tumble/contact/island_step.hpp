@@ -35,13 +35,23 @@ public:
     // finite time, so max_impacts bounds the search: the rest of the step is then flown without a search, and the
     // points that still approach are stopped. Where the rest ends far below a surface, the step ends at that surface.
     [[gnu::noinline]] void take() {
+        move({.group = island_.group, .loads = &contacts_.loads});
+        if (resting().still_stands(contacts_.loads, contacts_.forces)) {
+            contacts_.solution = {.settled = true};
+            return;
+        }
         for (int k = 0; k < island_.group.count; ++k) contacts_.pairs.forget_points_of(island_.group.id[k]);
         Work span(1);
         for (int impact = 0;; ++impact) {
             const bool whole = impact == 0;
-            move({.group = island_.group, .loads = &contacts_.loads});
+            if (!whole) move({.group = island_.group, .loads = &contacts_.loads});
             search_.start_flight();
             Touch touch = solve_resting(span, whole, false);
+            if (contacts_.solution.stands) {
+                resting().stop_all();
+                take_over_spins();
+                return;
+            }
             if (touch == Touch::strikes) {
                 resolve(false);
                 find_near_pairs();
@@ -81,14 +91,16 @@ public:
 private:
     void move(const Flight& flight) { mover_.move(mover_.method, flight); }
     void take_over_spins() { move({.group = island_.group, .new_spins = true}); }
+    [[nodiscard]] Resting<N, spin, features> resting() {
+        return {contacts_.shapes, contacts_.pairs, contacts_.velocities, bodies_, island_};
+    }
     // `struck`: the impact has been resolved.
     Touch solve_resting(Work span, bool whole, bool struck) {
-        return Resting<N, spin, features>{contacts_.shapes, contacts_.pairs, contacts_.velocities, bodies_, island_}
-            .solve(contacts_.loads, span, whole, struck, mover_.coasting == Coasting::mean, contacts_.forces,
-                   contacts_.solution);
+        return resting().solve(contacts_.loads, span, whole, struck, mover_.coasting == Coasting::mean,
+                               contacts_.forces, contacts_.solution);
     }
     void lift(bool off) {
-        Resting<N, spin, features>{contacts_.shapes, contacts_.pairs, contacts_.velocities, bodies_, island_}.lift(off);
+        resting().lift(off);
         take_over_spins();
     }
     // After an impact the bodies' bounds on the time to contact hold no longer, and other bodies may be near.

@@ -44,7 +44,7 @@ struct Pair {
     std::int16_t next = -1;     // of the same island
     std::uint8_t count = 0;     // points within the tolerance
     std::uint8_t carrying = 0;  // the points that statics have used, one bit each
-    std::int16_t still = 0;     // pairs that statics have solved with this one, while nothing has changed since
+    std::int16_t still = 0;     // bodies of the island that has stood still with this pair, and nothing has changed
     bool moved = true;          // a body has turned or the normal has changed: the rows are invalid
     bool touched = false;       // it had contact forces or an impact at the start of the flight
     bool left_out = false;      // it came near in this step, between two islands

@@ -56,6 +56,8 @@ public:
             if (b >= 0) --pairs_of_[b];
             --count_;
             for (int k = i + 1; k < room && k <= count_; ++k) pair_[k - 1] = pair_[k];
+            // Without it, others may not stand.
+            for (Pair& pair : pair_) pair.still = 0;
             return;
         }
     }

@@ -10,6 +10,7 @@ enum class Touch : std::uint8_t { nothing, rests, strikes };
 struct Solution {
     bool lifts = false;    // SolverVelocities::loaded holds a motion that corrects penetrations
     bool settled = false;  // nothing has changed since, and it corrects no penetration
+    bool stands = false;   // nothing moves, and nothing will in this step
 };
 
 template <class N, Spin spin, Features features>
@@ -40,13 +41,11 @@ public:
     // `in_halves`: half of each force acts before the flight, half after it.
     Touch solve(const Kicks& loads, Work part, bool whole, bool struck, bool in_halves, Kicks& forces,
                 Solution& solution) {
-        bool any = false, lifts = false;
+        bool any = false;
         solution = {};
-        pairs_.for_each(island_, [&](const Pair& pair) {
-            any = any || pair.count > 0;
-            lifts = lifts || (pair.count > 0 && Bounds::is_lifted(pair.gap, shapes_.tolerance()));
-        });
+        pairs_.for_each(island_, [&](const Pair& pair) { any = any || pair.count > 0; });
         if (!any) return Touch::nothing;
+        const bool lifts = is_lifted();
         const bool same = rows_.set_velocities(loads, part, whole, lifts, in_halves);
         int active = 0;
         bool strikes = false;
@@ -80,6 +79,7 @@ public:
         if (strikes && !struck) return Touch::strikes;
         if (whole && Statics<N, spin, features>{shapes_, pairs_, velocities_, island_}.solve()) {
             velocities_.write(forces, bodies_, shapes_, island_.group, &loads);
+            solution.stands = !lifts && holds_all() && is_at_rest();
         } else {
             rows_.push_all();
             const Speed enough = velocities_.scale.enough_at_rest();
@@ -94,6 +94,24 @@ public:
             solution.settled = solution.settled && !solution.lifts;
         }
         return Touch::rests;
+    }
+
+    // True where the last solution is that of this step too: nothing has changed since the island stood still, and the
+    // loads are those that the forces have cancelled.
+    [[nodiscard]] bool still_stands(const Kicks& loads, const Kicks& forces) const {
+        if (!holds_all() || is_lifted()) return false;
+        for (int k = 0; k < island_.group.count; ++k) {
+            const int b = island_.group.id[k];
+            if (!bodies_.stands_still(b)) return false;
+            for (int i = 0; i < 3; ++i)
+                if (!(forces[b].linear[i] == -loads[b].linear[i]) || !(forces[b].angular[i] == -loads[b].angular[i]))
+                    return false;
+        }
+        return true;
+    }
+    // Takes off what sweeps and rounding have left of the motion.
+    void stop_all() {
+        for (int k = 0; k < island_.group.count; ++k) bodies_.stop(island_.group.id[k]);
     }
 
     // Adds the motion that corrects penetrations to that of the bodies, or takes it off. It ends with the flight, so it
@@ -135,10 +153,12 @@ public:
 
 private:
     // Reports a point that the forces leave approaching faster than gravity changes a speed in a step, where it so
-    // comes deeper than the tolerance by the end of the step. Without any force it would be slower. Call where the
-    // sweeps met their bound. `enough`: what sweeps leave anyway.
+    // comes deeper than the tolerance by the end of the step: without any force it would be slower. Also one that is
+    // deeper, and sinks faster than penetrations are corrected. Call where the sweeps met their bound. `enough`: what
+    // sweeps leave anyway.
     [[gnu::noinline, gnu::cold]] void report_far_from_solved(Speed enough) {
         const Pair* found = nullptr;
+        const Length most_lift = Bounds::most_lift(shapes_.tolerance());
         pairs_.for_each(island_, [&](const Pair& pair) {
             if (pair.count == 0) return;
             const Speed fall = Bounds::fall(rows_.pair_speed(pair, shapes_.slow()));
@@ -147,13 +167,38 @@ private:
                 if (!point.active) continue;
                 const Speed left = point.row[0].target - rows_.velocity(velocities_.now, pair, point);
                 // A point above the surface would reach it without what is left.
-                const Length depth = point.gap > Length{} ? Length{} : point.gap;
-                if (left > enough && left > Rows::along(point, fall) &&
-                    left > rows_.speed(pair, point, depth + shapes_.tolerance()))
-                    found = &pair;
+                const Length depth = point.gap > Length{} ? Length{} : point.gap, room = depth + shapes_.tolerance();
+                const bool falls = left > Rows::along(point, fall) && left > rows_.speed(pair, point, room),
+                           sinks = room < Length{} && left > rows_.speed(pair, point, most_lift);
+                if (left > enough && (falls || sinks)) found = &pair;
             }
         });
         if (found != nullptr) bodies_.report(Issue::step_bound_hit, found->a);
+    }
+    // Whether statics hold every body of the island, and nothing has changed since.
+    [[nodiscard]] bool holds_all() const {
+        bool all = true;
+        pairs_.for_each(island_, [&](const Pair& pair) { all = all && pair.still == island_.group.count; });
+        return all;
+    }
+    // Whether a penetration is to be corrected.
+    [[nodiscard]] bool is_lifted() const {
+        bool lifts = false;
+        pairs_.for_each(island_, [&](const Pair& pair) {
+            lifts = lifts || (pair.count > 0 && Bounds::is_lifted(pair.gap, shapes_.tolerance()));
+        });
+        return lifts;
+    }
+    // Whether no body moves at the start by more than sweeps leave. Statics stop it in this step anyway.
+    [[nodiscard]] bool is_at_rest() const {
+        const Speed slack = velocities_.scale.enough_at_rest();
+        bool all = true;
+        for (int k = 0; k < island_.group.count; ++k) {
+            const auto& v = velocities_.start[island_.group.id[k]];
+            for (int i = 0; i < 3; ++i)
+                all = all && !(magnitude_of(v.linear[i]) > slack) && !(magnitude_of(v.angular[i]) > slack);
+        }
+        return all;
     }
     // Solves anew with the correction of penetrations, and writes what it adds to the motion into `loaded`. Points keep
     // the impulses that hold them without it, for those of a squeezed body would grow from step to step. False where

@@ -76,9 +76,7 @@ public:
     // Stops the body.
     void put_to_sleep(Bodies& bodies, int b) requires(features.sleep) {
         asleep_[b] = true;
-        auto& state = bodies.state[b];
-        for (int i = 0; i < 3; ++i) state.d_w[i] = {};
-        bodies.stop_spin(b);
+        bodies.stop(b);
         remove_from_list(b);
     }
 

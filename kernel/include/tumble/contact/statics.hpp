@@ -1,7 +1,8 @@
 // Islands at rest, solved by statics. Where everything rests, the velocity at the end of the step is known: it is zero.
 // What each pair carries then follows from the balance of one body after another, from the bodies that carry nothing to
-// the ground, whatever the masses are. If the points of every pair can carry it, this is the solution. No sweep is
-// needed. A body on which nothing stands may move on one that rests: its pair is solved by itself.
+// the ground, whatever the masses are. If the points of every pair can carry it, this is a solution, and no sweep is
+// needed. (A body that stands on several others may share its load otherwise. Where Coulomb's law also allows motion,
+// rest is taken.) A body on which nothing stands may move on one that rests: its pair is solved by itself.
 #pragma once
 
 #include <tumble/contact/contact_rows.hpp>
@@ -27,7 +28,9 @@ public:
     using Velocities = typename Rows::Velocities;
     using Velocity = typename Rows::Velocity;
     using Row = tumble::Row<N, features.pairs>;
-    using Weld = tumble::Weld<N>;
+    static constexpr int most_supports = features.pairs ? contact::max_supports : 1;
+    static constexpr int most_points = most_supports * contact::max_points;
+    using Weld = tumble::Weld<N, most_points>;
 
     Statics(const NarrowPhase& shapes, PairList& pairs, Velocities& velocities, const Island& island)
         : shapes_{shapes}, pairs_{pairs}, velocities_{velocities}, island_{island} {}
@@ -35,16 +38,18 @@ public:
     // True where the forces are found: the velocities and the impulses of the points are then set. Otherwise nothing
     // changes. The targets of the points must be set.
     //
-    // Each body must stand on one pair, and no pair must be left over: the pairs are a tree whose root is the ground.
-    // All bodies must come to rest, but for bodies on which nothing stands: these may move on one that rests.
+    // Each body must stand on one pair, or on several that push alike, as in a pyramid or under a bridge. All bodies
+    // must come to rest, but for bodies on which nothing stands: these may move on one that rests.
     bool solve() {
         const bool slow = is_slow([](int) { return true; });
-        const bool may = (slow || island_.group.count > 1) && find_carrying(), known = may && slow && is_known();
+        const int carrying = slow || island_.group.count > 1 ? find_carrying() : 0;
+        const bool may = carrying >= island_.group.count, known = may && slow && is_known();
         if (known)
-            for (int k = 0; k < island_.group.count; ++k) stop(island_.group.id[k]);
+            for (int k = 0; k < island_.group.count; ++k) velocities_.stop(island_.group.id[k]);
+        if (may && !known && carrying > island_.group.count) leave_out_sides();
         const bool found = known || (may && balance(slow));
         pairs_.for_each(island_, [&](Pair& pair) {
-            pair.still = found && !moves_ ? static_cast<std::int16_t>(carrying_) : std::int16_t{0};
+            pair.still = static_cast<std::int16_t>(found && !moves_ && !pair.on_turntable ? island_.group.count : 0);
         });
         return found;
     }
@@ -53,7 +58,6 @@ private:
     static constexpr int bodies = features.bodies;
     static constexpr unsigned must_move = 0x80;  // among the bits of Pair::carrying
 
-    void stop(int b) { velocities_.now[b].linear = velocities_.now[b].angular = Vec3<Speed>::Constant(Speed{}); }
     // Whether none of the bodies for which counts(b) moves faster at the start than a part of what loads change.
     template <class F>
     [[nodiscard]] bool is_slow(F&& counts) const {
@@ -76,10 +80,10 @@ private:
         return !(fastest > Bounds::still(most));
     }
     // Finds the points that may carry: those at the surface. Points above it are open. A pair with a point that must
-    // move is marked. False where there are not as many pairs with such points as bodies.
-    bool find_carrying() {
+    // move is marked. Returns the number of pairs with such points; 0 where one is on a turntable.
+    int find_carrying() {
         const Length touch = Bounds::resting_gap(shapes_.tolerance());
-        carrying_ = 0;
+        int count = 0;
         bool may = true;
         pairs_.for_each(island_, [&](Pair& pair) {
             unsigned carrying = 0;
@@ -93,50 +97,76 @@ private:
             pair.carrying = static_cast<std::uint8_t>(carrying);
             if (carrying == 0) return;
             may = may && !pair.on_turntable;
-            ++carrying_;
+            ++count;
         });
-        return may && carrying_ == island_.group.count;
+        return may ? count : 0;
+    }
+    // Where there are more pairs than bodies: pairs across the load of their bodies carry nothing, such as those of
+    // boxes side by side.
+    void leave_out_sides() {
+        pairs_.for_each(island_, [&](Pair& pair) {
+            if (!presses_on(pair, pair.a) && !(pair.moves_b() && presses_on(pair, pair.b))) pair.carrying = 0;
+        });
+    }
+    // Whether the body presses on the pair, by more than an eighth of its velocity.
+    [[nodiscard]] bool presses_on(const Pair& pair, int b) const {
+        const Vec3<Speed>& v = velocities_.now[b].linear;
+        const Speed along = narrow<Speed>(dot(pair.normal, v)), away = b == pair.a ? along : -along;
+        return -away > C::eighth(magnitude_of(v[0]) + magnitude_of(v[1]) + magnitude_of(v[2]));
     }
     // Whether the last solution was this one.
     [[nodiscard]] bool is_known() const {
         bool known = true;
-        pairs_.for_each(island_,
-                        [&](const Pair& pair) { known = known && (pair.carrying == 0 || pair.still == carrying_); });
+        pairs_.for_each(island_, [&](const Pair& pair) { known = known && pair.still == island_.group.count; });
         return known;
     }
 
-    // From the leaves of the tree to the ground. Of a body with one pair left, `last` is that pair.
+    // The pairs of bodies that have not been solved. Of a body with one pair left, `last` is that pair.
+    struct Left {
+        std::int16_t count[bodies], last[bodies];
+
+        void note(int b, int i, int change) {
+            count[b] = static_cast<std::int16_t>(count[b] + change);
+            last[b] = static_cast<std::int16_t>(last[b] ^ i);
+        }
+    };
+    // From the bodies that carry nothing to the ground.
     [[gnu::noinline, gnu::cold]] bool balance(bool slow) {
-        std::int16_t left[bodies], last[bodies];
+        Left left;
         bool is_leaf[bodies]{};
         const auto& group = island_.group;
-        for (int k = 0; k < group.count; ++k) left[group.id[k]] = last[group.id[k]] = 0;
+        for (int k = 0; k < group.count; ++k) left.count[group.id[k]] = left.last[group.id[k]] = 0;
         for_each_carrying([&](int i, const Pair& pair) {
-            const auto join = [&](int b) {
-                ++left[b];
-                last[b] = static_cast<std::int16_t>(last[b] ^ i);
-            };
-            join(pair.a);
-            if (pair.moves_b()) join(pair.b);
+            left.note(pair.a, i, 1);
+            if (pair.moves_b()) left.note(pair.b, i, 1);
         });
-        for (int k = 0; k < group.count; ++k) is_leaf[group.id[k]] = left[group.id[k]] == 1;
+        for (int k = 0; k < group.count; ++k) is_leaf[group.id[k]] = left.count[group.id[k]] == 1;
         if (!slow && !is_slow([&](int b) { return !is_leaf[b]; })) return false;
         int solved = 0;
         bool found = true;
-        for (int k = 0; found && k < group.count; ++k) {
-            int b = group.id[k];
-            while (found && b >= 0 && left[b] == 1) {
-                const int i = last[b];
-                Pair& pair = pairs_[i];
-                found = ((pair.carrying & must_move) == 0 && carry(pair, b)) || (is_leaf[b] && slide(pair, b));
-                left[b] = 0;
-                ++solved;
-                const int other = b == pair.a ? pair.b : pair.a;
-                b = -1;
-                if (!pair.moves_b()) continue;
-                b = other;
-                --left[b];
-                last[b] = static_cast<std::int16_t>(last[b] ^ i);
+        for (int before = -1; found && before < solved && solved < group.count;) {
+            before = solved;
+            for (int k = 0; found && k < group.count; ++k) {
+                int b = group.id[k];
+                while (found && b >= 0 && left.count[b] == 1) {
+                    const int i = left.last[b];
+                    Pair& pair = pairs_[i];
+                    found =
+                        ((pair.carrying & must_move) == 0 && carry({{&pair}, 1}, b)) || (is_leaf[b] && slide(pair, b));
+                    left.count[b] = 0;
+                    ++solved;
+                    const int other = b == pair.a ? pair.b : pair.a;
+                    b = -1;
+                    if (!pair.moves_b()) continue;
+                    b = other;
+                    left.note(b, i, -1);
+                }
+                if constexpr (features.pairs) {
+                    if (!found || b < 0 || left.count[b] < 2 || !stands_on_all(left, b)) continue;
+                    Supports supports;
+                    found = take_supports(left, b, supports) && carry(supports, b);
+                    ++solved;
+                }
             }
         }
         found = found && solved == group.count && (!moves_ || open_points_hold());
@@ -223,74 +253,155 @@ private:
             return true;
         }
     }
-    // Stops a body through its last pair, and hands on to the other one what this takes. `before` of the points' rows
-    // gets what they push, as impulses of the body.
-    bool carry(Pair& pair, int b) {
-        const bool is_a = b == pair.a;
-        const CollisionShape<N>& shape = shapes_.shape(b);
-        const Velocity& now = velocities_.now[b];
-        Vec3<Unit> frame[3] = {pair.normal, pair.tangent[0], pair.tangent[1]};
-        if (!features.friction || !pair.has_friction) {
+    [[nodiscard]] static bool is_left(const Left& left, const Pair& pair) {
+        return pair.carrying != 0 && left.count[pair.a] > 0 && (!pair.moves_b() || left.count[pair.b] > 0);
+    }
+    // Whether all pairs that are left of a body push against its load. What stands on it has then been solved.
+    [[nodiscard]] bool stands_on_all(const Left& left, int b) const {
+        bool all = true;
+        pairs_.for_each(island_, [&](const Pair& pair) {
+            if ((pair.a != b && pair.b != b) || !is_left(left, pair)) return;
+            all = all && (pair.carrying & must_move) == 0 && presses_on(pair, b);
+        });
+        return all;
+    }
+    // The pairs on which a body stands.
+    struct Supports {
+        Pair* pair[most_supports];
+        int count = 0;
+    };
+    // The pairs that are left of a body, whose other bodies then have one less. False where there are too many.
+    bool take_supports(Left& left, int b, Supports& supports) {
+        for (int i = island_.first_pair; i >= 0; i = pairs_[i].next) {
+            Pair& pair = pairs_[i];
+            if ((pair.a != b && pair.b != b) || !is_left(left, pair)) continue;
+            if (supports.count == most_supports) return false;
+            supports.pair[supports.count++] = &pair;
+            if (pair.moves_b()) left.note(pair.a == b ? pair.b : pair.a, i, -1);
+        }
+        left.count[b] = 0;
+        return true;
+    }
+    // Stops a body through its supports, which push along one direction at points of one plane, and hands on what each
+    // of them pushes. `before` of the points' rows gets this as impulses of the body.
+    bool carry(const Supports& supports, int b) {
+        const Pair& first = *supports.pair[0];
+        // Towards the body.
+        Vec3<Unit> frame[3] = {first.normal, first.tangent[0], first.tangent[1]};
+        if (first.a != b) {
+            frame[0] = -frame[0];
+            frame[1] = -frame[1];
+        }
+        bool rough = features.friction;
+        auto friction = first.friction;
+        for (int s = 0; s < supports.count; ++s) {
+            const Pair& pair = *supports.pair[s];
+            rough = rough && pair.has_friction;
+            if (pair.friction < friction) friction = pair.friction;
+        }
+        if (!rough) {
             Vec3<Unit> tangent[2];
-            set_tangents<N>(pair.normal, tangent);
+            set_tangents<N>(frame[0], tangent);
             frame[1] = tangent[0];
             frame[2] = tangent[1];
         }
-        const Side side{shapes_.axes(b), frame, pair, is_a};
-        // What stops the body. A pair pulls at body b what it pushes at body a.
-        typename Weld::Wrench wrench;
-        const Vec3<Speed> linear = is_a ? Vec3<Speed>(-now.linear) : now.linear;
-        const Vec3<Speed> angular = is_a ? Vec3<Speed>(-now.angular) : now.angular;
-        for (int k = 0; k < 3; ++k) {
-            wrench.force[k] = narrow<Speed>(dot(frame[k], linear));
-            const Vec3<Unit>& axis = side.frame[k];
-            const auto part = [&](int i) { return narrow<Length>(mul(axis[i], shape.gyration[i])); };
-            wrench.moment[k] = mul_add(mul_add(mul(part(0), angular[0]), part(1), angular[1]), part(2), angular[2]);
-        }
-        for (int k = 0; k < 3; ++k) wrench.moment[k] -= side.moment_of(wrench.force, k);
+        const CollisionShape<N>& shape = shapes_.shape(b);
+        Side side{shapes_.axes(b), frame};
+        for (int s = 0; s < supports.count; ++s) side.add(*supports.pair[s], supports.pair[s]->a == b);
+        side.set_middle();
         Weld weld;
         typename Weld::Shares shares;
         if (!weld.set(side.x, side.z, side.count, shape.radius) ||
-            !weld.share(wrench, features.friction && pair.has_friction, pair.friction,
+            !weld.share(side.wrench_to_stop(frame, velocities_.now[b], shape), rough, friction,
                         Bounds::slack(velocities_.scale.enough_in_impact()), shares))
             return false;
-        for (int i = 0, j = 0; i < pair.count; ++i) {
-            if (!is_carrying(pair, i)) continue;
-            for (int k = 0; k < Point::directions; ++k)
-                pair.point[i].row[k].before = over_share(shares[j][k], pair, is_a);
-            ++j;
+        const Speed carried = largest(velocities_.now[b]);
+        bool fits = true;
+        for (int s = 0, j = 0; s < supports.count; ++s) {
+            Pair& pair = *supports.pair[s];
+            for (int i = 0; i < pair.count; ++i)
+                if (is_carrying(pair, i)) fits = push(pair, pair.point[i], b, frame, shares[j++]) && fits;
         }
-        if constexpr (features.pairs)
-            if (pair.moves_b() && !hand_on(pair, is_a, frame, wrench, linear)) return false;
-        stop(b);
-        return true;
+        // Supports that push along other directions, or at other heights, leave some.
+        const Speed allowed = Bounds::left_by_supports(carried), enough = velocities_.scale.enough_at_rest();
+        if (supports.count > 1) fits = fits && !(largest(velocities_.now[b]) > (allowed > enough ? allowed : enough));
+        velocities_.stop(b);
+        return fits;
+    }
+    [[nodiscard]] static Speed largest(const Velocity& v) {
+        Speed most{};
+        for (int i = 0; i < 3; ++i)
+            for (const Speed s : {magnitude_of(v.linear[i]), magnitude_of(v.angular[i])})
+                if (s > most) most = s;
+        return most;
+    }
+    // Pushes a body at a point, and the other one back. False where that is too fast for the scale.
+    bool push(Pair& pair, Point& point, int b, [[maybe_unused]] const Vec3<Unit> (&frame)[3], const Speed (&share)[3]) {
+        const bool is_a = pair.a == b;
+        bool fits = true;
+        for (int k = 0; k < Rows::rows(pair); ++k) {
+            auto& row = point.row[k];
+            if constexpr (!features.pairs) {
+                row.before = share[k];
+            } else {
+                const Vec3<Unit>& direction = k == 0 ? pair.normal : pair.tangent[k - 1];
+                const auto part = [&](int j) { return narrow<Unit>(dot(direction, frame[j])); };
+                const Speed along =
+                    narrow<Speed>(mul_add(mul_add(mul(part(0), share[0]), part(1), share[1]), part(2), share[2]));
+                row.before = over_share(is_a ? along : -along, pair, is_a);
+                Velocity* const partner = pair.moves_b() ? &velocities_.now[pair.b] : nullptr;
+                row.push(W::over(row.before, row.inverse), velocities_.now[pair.a], partner);
+                if (partner == nullptr) continue;
+                const Velocity& other = is_a ? *partner : velocities_.now[pair.a];
+                for (int j = 0; j < 3; ++j) fits = fits && W::fits(other.linear[j]) && W::fits(other.angular[j]);
+            }
+        }
+        for (int k = Rows::rows(pair); k < Point::directions; ++k) point.row[k].before = Speed{};
+        return fits;
     }
 
     // The frame of a pair in the axes of one of its bodies, and the places of the points that carry.
     struct Side {
         Vec3<Unit> frame[3];
-        Length middle[3];                     // of the points, from the centre of mass
-        Length x[Weld::most], z[Weld::most];  // along the tangents from there
+        Length middle[3] = {};                  // of the points, from the centre of mass
+        Length x[most_points], z[most_points];  // along the tangents from there
         int count = 0;
 
-        Side(const Axes<N>& axes, const Vec3<Unit> (&world)[3], const Pair& pair, bool is_a) {
-            Length sum[3] = {};
+        Side(const Axes<N>& axes, const Vec3<Unit> (&world)[3]) {
             for (int k = 0; k < 3; ++k) frame[k] = axes.to_body(world[k]);
+        }
+        void add(const Pair& pair, bool is_a) {
             for (int i = 0; i < pair.count; ++i) {
                 if (!is_carrying(pair, i)) continue;
                 const Vec3<Length>& arm = arm_of(pair.point[i], is_a);
-                const Length along[3] = {narrow<Length>(dot(frame[0], arm)), narrow<Length>(dot(frame[1], arm)),
-                                         narrow<Length>(dot(frame[2], arm))};
-                for (int k = 0; k < 3; ++k) sum[k] += along[k];
-                x[count] = along[1];
-                z[count] = along[2];
+                const auto along = [&](int k) { return narrow<Length>(dot(frame[k], arm)); };
+                x[count] = along(1);
+                z[count] = along(2);
+                middle[0] += along(0);
+                middle[1] += x[count];
+                middle[2] += z[count];
                 ++count;
             }
-            for (int k = 0; k < 3; ++k) middle[k] = W::mean(sum[k], count);
+        }
+        void set_middle() {
+            for (Length& sum : middle) sum = W::mean(sum, count);
             for (int i = 0; i < count; ++i) {
                 x[i] -= middle[1];
                 z[i] -= middle[2];
             }
+        }
+        // What stops the body, at the middle.
+        [[nodiscard]] typename Weld::Wrench wrench_to_stop(const Vec3<Unit> (&world)[3], const Velocity& now,
+                                                           const CollisionShape<N>& shape) const {
+            typename Weld::Wrench wrench;
+            for (int k = 0; k < 3; ++k) {
+                wrench.force[k] = -narrow<Speed>(dot(world[k], now.linear));
+                const auto part = [&](int i) { return narrow<Length>(mul(frame[k][i], shape.gyration[i])); };
+                wrench.moment[k] =
+                    -mul_add(mul_add(mul(part(0), now.angular[0]), part(1), now.angular[1]), part(2), now.angular[2]);
+            }
+            for (int k = 0; k < 3; ++k) wrench.moment[k] -= moment_of(wrench.force, k);
+            return wrench;
         }
         // About the centre of mass, of a force at the middle: component k.
         [[nodiscard]] auto moment_of(const Vec3<Speed>& force, int k) const {
@@ -298,31 +409,6 @@ private:
             return mul_sub(mul(middle[i], force[j]), middle[j], force[i]);
         }
     };
-    // Gives the other body of a pair what it carries. False where it is too fast for the scale.
-    bool hand_on(const Pair& pair, bool from_a, const Vec3<Unit> (&world)[3], const typename Weld::Wrench& wrench,
-                 const Vec3<Speed>& linear) requires(features.pairs) {
-        const int b = from_a ? pair.b : pair.a;
-        const CollisionShape<N>& shape = shapes_.shape(b);
-        const Side side{shapes_.axes(b), world, pair, !from_a};
-        const auto extent = W::Extent::above(shape.radius);
-        Speed moment[3];
-        for (int k = 0; k < 3; ++k) moment[k] = extent.speed(wrench.moment[k] + side.moment_of(wrench.force, k));
-        Velocity& now = velocities_.now[b];
-        const auto add = [&](Speed& to, Speed change) {
-            const Speed scaled =
-                over_share(narrow<Speed>(mul(change, from_a ? pair.share_b : pair.share_a)), pair, from_a);
-            to = from_a ? to - scaled : to + scaled;
-            return W::fits(to);
-        };
-        bool fits = true;
-        for (int i = 0; i < 3; ++i) {
-            fits = add(now.linear[i], linear[i]) && fits;
-            const Speed turn = narrow<Speed>(mul_add(
-                mul_add(mul(side.frame[0][i], moment[0]), side.frame[1][i], moment[1]), side.frame[2][i], moment[2]));
-            fits = add(now.angular[i], W::speed(mul(shape.per_gyration[i](extent.length()), turn))) && fits;
-        }
-        return fits;
-    }
     // An impulse of a body as one of the pair.
     [[nodiscard]] static Speed over_share(Speed impulse, const Pair& pair, bool of_a) {
         return pair.moves_b() ? W::over(impulse, of_a ? pair.share_a : pair.share_b) : impulse;
@@ -353,7 +439,6 @@ private:
     PairList& pairs_;
     Velocities& velocities_;
     const Island& island_;
-    int carrying_ = 0;    // pairs
     bool moves_ = false;  // a body of the solution
 };
 

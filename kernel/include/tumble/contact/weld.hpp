@@ -135,7 +135,7 @@ requires(!N::fixed_point) struct WeldNumbers<N> {
     [[nodiscard]] static T over(T s, T u) { return s / u; }
 };
 
-template <class N>
+template <class N, int most>
 class Weld {
 public:
     using C = ContactNumbers<N>;
@@ -145,7 +145,6 @@ public:
     using Lever = typename C::Lever;
     using Speed = typename C::Speed;
     using Moment = typename W::Moment;
-    static constexpr int most = contact::max_points;
 
     // A force along the normal and the tangents, and its moment about the origin.
     struct Wrench {
@@ -168,7 +167,8 @@ public:
             if (count > 1) return false;
             farthest = radius;
         }
-        extent_ = Extent::above(farthest);
+        // The sum of the squares of up to 16 parts needs a bit more than that of four.
+        extent_ = Extent::above(count > 4 ? farthest + farthest : farthest);
         typename W::Square xx{}, xz{}, zz{};
         for (int i = 0; i < count; ++i) {
             x_[i] = extent_.part(x[i]);
@@ -246,7 +246,7 @@ private:
             pulls = pulls || shares[i][0] < -slack;
         }
         if (!pulls) return true;
-        if (count_ < 4) return false;
+        if (count_ != 4) return false;
         // Four points push and pull without effect in proportion to the areas of the triangles of the other three.
         const Lever none[4] = {triangle(1, 2, 3), -triangle(0, 2, 3), triangle(0, 1, 3), -triangle(0, 1, 2)};
         for (int i = 0; i < 4; ++i) {
