@@ -315,7 +315,7 @@ private:
             !weld.share(side.wrench_to_stop(frame, velocities_.now[b], shape), rough, friction,
                         Bounds::slack(velocities_.scale.enough_in_impact()), shares))
             return false;
-        const Speed carried = largest(velocities_.now[b]);
+        const Speed motion = largest(velocities_.now[b]);
         bool fits = true;
         for (int s = 0, j = 0; s < supports.count; ++s) {
             Pair& pair = *supports.pair[s];
@@ -323,7 +323,7 @@ private:
                 if (is_carrying(pair, i)) fits = push(pair, pair.point[i], b, frame, shares[j++]) && fits;
         }
         // Supports that push along other directions, or at other heights, leave some.
-        const Speed allowed = Bounds::left_by_supports(carried), enough = velocities_.scale.enough_at_rest();
+        const Speed allowed = Bounds::left_by_supports(motion), enough = velocities_.scale.enough_at_rest();
         if (supports.count > 1) fits = fits && !(largest(velocities_.now[b]) > (allowed > enough ? allowed : enough));
         velocities_.stop(b);
         return fits;
