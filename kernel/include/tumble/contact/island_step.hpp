@@ -44,7 +44,6 @@ public:
         Work span(1);
         for (int impact = 0;; ++impact) {
             const bool whole = impact == 0;
-            if (!whole) move({.group = island_.group, .loads = &contacts_.loads});
             search_.start_flight();
             Touch touch = solve_resting(span, whole, false);
             if (contacts_.solution.stands) {
@@ -85,6 +84,7 @@ public:
             find_near_pairs();
             span -= flown;
             if (last || !(span > Bounds::min_portion())) break;
+            move({.group = island_.group, .loads = &contacts_.loads});
         }
     }
 

@@ -106,6 +106,12 @@ public:
     void for_each(const Island& island, F&& f) const {
         for (int i = island.first_pair; i >= 0; i = pair_[i].next) f(pair_[i]);
     }
+    // Whether statics hold every body of the island, and nothing has changed since.
+    [[nodiscard]] bool hold_all(const Island& island) const {
+        bool all = true;
+        for_each(island, [&](const Pair& pair) { all = all && pair.still == island.group.count; });
+        return all;
+    }
     // Calls f(pair, point) for the points that take part in the present solution.
     template <class F>
     void for_each_active(const Island& island, F&& f) {

@@ -79,7 +79,7 @@ public:
         if (strikes && !struck) return Touch::strikes;
         if (whole && Statics<N, spin, features>{shapes_, pairs_, velocities_, island_}.solve()) {
             velocities_.write(forces, bodies_, shapes_, island_.group, &loads);
-            solution.stands = !lifts && holds_all() && is_at_rest();
+            solution.stands = !lifts && pairs_.hold_all(island_) && is_at_rest();
         } else {
             rows_.push_all();
             const Speed enough = velocities_.scale.enough_at_rest();
@@ -99,7 +99,7 @@ public:
     // True where the last solution is that of this step too: nothing has changed since the island stood still, and the
     // loads are those that the forces have cancelled.
     [[nodiscard]] bool still_stands(const Kicks& loads, const Kicks& forces) const {
-        if (!holds_all() || is_lifted()) return false;
+        if (!pairs_.hold_all(island_) || is_lifted()) return false;
         for (int k = 0; k < island_.group.count; ++k) {
             const int b = island_.group.id[k];
             if (!bodies_.stands_still(b)) return false;
@@ -175,12 +175,6 @@ private:
         });
         if (found != nullptr) bodies_.report(Issue::step_bound_hit, found->a);
     }
-    // Whether statics hold every body of the island, and nothing has changed since.
-    [[nodiscard]] bool holds_all() const {
-        bool all = true;
-        pairs_.for_each(island_, [&](const Pair& pair) { all = all && pair.still == island_.group.count; });
-        return all;
-    }
     // Whether a penetration is to be corrected.
     [[nodiscard]] bool is_lifted() const {
         bool lifts = false;
@@ -193,11 +187,8 @@ private:
     [[nodiscard]] bool is_at_rest() const {
         const Speed slack = velocities_.scale.enough_at_rest();
         bool all = true;
-        for (int k = 0; k < island_.group.count; ++k) {
-            const auto& v = velocities_.start[island_.group.id[k]];
-            for (int i = 0; i < 3; ++i)
-                all = all && !(magnitude_of(v.linear[i]) > slack) && !(magnitude_of(v.angular[i]) > slack);
-        }
+        for (int k = 0; k < island_.group.count; ++k)
+            all = all && !(velocities_.start[island_.group.id[k]].largest() > slack);
         return all;
     }
     // Solves anew with the correction of penetrations, and writes what it adds to the motion into `loaded`. Points keep
@@ -247,17 +238,10 @@ private:
         for (int k = 0; k < island_.group.count; ++k) {
             const int b = island_.group.id[k];
             const auto &start = velocities_.start[b], &loaded = velocities_.loaded[b], &now = velocities_.now[b];
-            Speed change{}, by_contacts{};
-            const auto raise = [](Speed& most, Speed by) {
-                const Speed size = magnitude_of(by);
-                if (size > most) most = size;
+            const auto largest_change = [&](const auto& from) {
+                return WeightedVelocity<N>{now.linear - from.linear, now.angular - from.angular}.largest();
             };
-            for (int i = 0; i < 3; ++i) {
-                raise(change, now.linear[i] - start.linear[i]);
-                raise(change, now.angular[i] - start.angular[i]);
-                raise(by_contacts, now.linear[i] - loaded.linear[i]);
-                raise(by_contacts, now.angular[i] - loaded.angular[i]);
-            }
+            const Speed change = largest_change(start), by_contacts = largest_change(loaded);
             all = all && (!(change > Bounds::balance(by_contacts)) || !(change > velocities_.scale.enough_in_impact()));
         }
         return all;

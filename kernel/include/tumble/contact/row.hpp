@@ -16,6 +16,15 @@ template <class N>
 struct WeightedVelocity {
     using Speed = typename ContactNumbers<N>::Speed;
     Vec3<Speed> linear, angular;  // sqrt(m) v h, world; sqrt(I_i) w_i h, principal axes
+
+    // The size of the largest component.
+    [[nodiscard]] Speed largest() const {
+        Speed most{};
+        for (int i = 0; i < 3; ++i)
+            for (const Speed size : {magnitude_of(linear[i]), magnitude_of(angular[i])})
+                if (size > most) most = size;
+        return most;
+    }
 };
 
 template <class N, bool pairs>

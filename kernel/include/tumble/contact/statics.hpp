@@ -43,7 +43,7 @@ public:
     bool solve() {
         const bool slow = is_slow([](int) { return true; });
         const int carrying = slow || island_.group.count > 1 ? find_carrying() : 0;
-        const bool may = carrying >= island_.group.count, known = may && slow && is_known();
+        const bool may = carrying >= island_.group.count, known = may && slow && pairs_.hold_all(island_);
         if (known)
             for (int k = 0; k < island_.group.count; ++k) velocities_.stop(island_.group.id[k]);
         if (may && !known && carrying > island_.group.count) leave_out_sides();
@@ -62,20 +62,15 @@ private:
     template <class F>
     [[nodiscard]] bool is_slow(F&& counts) const {
         Speed fastest{}, most{};
-        const auto note = [](Speed s, Speed& largest) {
-            const Speed size = magnitude_of(s);
+        const auto note = [](const Velocity& v, Speed& largest) {
+            const Speed size = v.largest();
             if (size > largest) largest = size;
         };
         for (int k = 0; k < island_.group.count; ++k) {
             const int b = island_.group.id[k];
             const Velocity &start = velocities_.start[b], &loaded = velocities_.loaded[b];
-            const bool counted = counts(b);
-            for (int i = 0; i < 3; ++i) {
-                if (counted) note(start.linear[i], fastest);
-                if (counted) note(start.angular[i], fastest);
-                note(loaded.linear[i] - start.linear[i], most);
-                note(loaded.angular[i] - start.angular[i], most);
-            }
+            if (counts(b)) note(start, fastest);
+            note({loaded.linear - start.linear, loaded.angular - start.angular}, most);
         }
         return !(fastest > Bounds::still(most));
     }
@@ -113,12 +108,6 @@ private:
         const Vec3<Speed>& v = velocities_.now[b].linear;
         const Speed along = narrow<Speed>(dot(pair.normal, v)), away = b == pair.a ? along : -along;
         return -away > C::eighth(magnitude_of(v[0]) + magnitude_of(v[1]) + magnitude_of(v[2]));
-    }
-    // Whether the last solution was this one.
-    [[nodiscard]] bool is_known() const {
-        bool known = true;
-        pairs_.for_each(island_, [&](const Pair& pair) { known = known && pair.still == island_.group.count; });
-        return known;
     }
 
     // The pairs of bodies that have not been solved. Of a body with one pair left, `last` is that pair.
@@ -162,9 +151,9 @@ private:
                     left.note(b, i, -1);
                 }
                 if constexpr (features.pairs) {
-                    if (!found || b < 0 || left.count[b] < 2 || !stands_on_all(left, b)) continue;
                     Supports supports;
-                    found = take_supports(left, b, supports) && carry(supports, b);
+                    if (!found || b < 0 || left.count[b] < 2 || !take_supports(left, b, supports)) continue;
+                    found = carry(supports, b);
                     ++solved;
                 }
             }
@@ -248,36 +237,31 @@ private:
             }
             pair.carrying = static_cast<std::uint8_t>(carrying);
             moves_ = true;
-            for (int i = 0; i < 3; ++i)
-                if (!W::fits(other.linear[i]) || !W::fits(other.angular[i])) return false;
-            return true;
+            return W::fits(other.largest());
         }
-    }
-    [[nodiscard]] static bool is_left(const Left& left, const Pair& pair) {
-        return pair.carrying != 0 && left.count[pair.a] > 0 && (!pair.moves_b() || left.count[pair.b] > 0);
-    }
-    // Whether all pairs that are left of a body push against its load. What stands on it has then been solved.
-    [[nodiscard]] bool stands_on_all(const Left& left, int b) const {
-        bool all = true;
-        pairs_.for_each(island_, [&](const Pair& pair) {
-            if ((pair.a != b && pair.b != b) || !is_left(left, pair)) return;
-            all = all && (pair.carrying & must_move) == 0 && presses_on(pair, b);
-        });
-        return all;
     }
     // The pairs on which a body stands.
     struct Supports {
         Pair* pair[most_supports];
         int count = 0;
     };
-    // The pairs that are left of a body, whose other bodies then have one less. False where there are too many.
+    // Finds the pairs that are left of a body and takes them off. False where one does not push against its load, as
+    // where something stands on the body that has not been solved, or where they are too many: then none is taken.
     bool take_supports(Left& left, int b, Supports& supports) {
+        std::int16_t taken[most_supports];
         for (int i = island_.first_pair; i >= 0; i = pairs_[i].next) {
             Pair& pair = pairs_[i];
-            if ((pair.a != b && pair.b != b) || !is_left(left, pair)) continue;
-            if (supports.count == most_supports) return false;
+            const bool is_left =
+                pair.carrying != 0 && left.count[pair.a] > 0 && (!pair.moves_b() || left.count[pair.b] > 0);
+            if ((pair.a != b && pair.b != b) || !is_left) continue;
+            if (supports.count == most_supports || (pair.carrying & must_move) != 0 || !presses_on(pair, b))
+                return false;
+            taken[supports.count] = static_cast<std::int16_t>(i);
             supports.pair[supports.count++] = &pair;
-            if (pair.moves_b()) left.note(pair.a == b ? pair.b : pair.a, i, -1);
+        }
+        for (int s = 0; s < supports.count; ++s) {
+            const Pair& pair = *supports.pair[s];
+            if (pair.moves_b()) left.note(pair.a == b ? pair.b : pair.a, taken[s], -1);
         }
         left.count[b] = 0;
         return true;
@@ -315,28 +299,32 @@ private:
             !weld.share(side.wrench_to_stop(frame, velocities_.now[b], shape), rough, friction,
                         Bounds::slack(velocities_.scale.enough_in_impact()), shares))
             return false;
-        const Speed motion = largest(velocities_.now[b]);
+        const Speed motion = velocities_.now[b].largest();
         bool fits = true;
         for (int s = 0, j = 0; s < supports.count; ++s) {
             Pair& pair = *supports.pair[s];
+            const Parts parts{pair, frame};
             for (int i = 0; i < pair.count; ++i)
-                if (is_carrying(pair, i)) fits = push(pair, pair.point[i], b, frame, shares[j++]) && fits;
+                if (is_carrying(pair, i)) fits = push(pair, pair.point[i], b, parts, shares[j++]) && fits;
         }
         // Supports that push along other directions, or at other heights, leave some.
         const Speed allowed = Bounds::left_by_supports(motion), enough = velocities_.scale.enough_at_rest();
-        if (supports.count > 1) fits = fits && !(largest(velocities_.now[b]) > (allowed > enough ? allowed : enough));
+        if (supports.count > 1) fits = fits && !(velocities_.now[b].largest() > (allowed > enough ? allowed : enough));
         velocities_.stop(b);
         return fits;
     }
-    [[nodiscard]] static Speed largest(const Velocity& v) {
-        Speed most{};
-        for (int i = 0; i < 3; ++i)
-            for (const Speed s : {magnitude_of(v.linear[i]), magnitude_of(v.angular[i])})
-                if (s > most) most = s;
-        return most;
-    }
+    // The directions of a pair's rows in the frame in which its points share a wrench.
+    struct Parts {
+        Unit of[Point::directions][3];
+
+        Parts(const Pair& pair, const Vec3<Unit> (&frame)[3]) {
+            for (int k = 0; features.pairs && k < Rows::rows(pair); ++k)
+                for (int j = 0; j < 3; ++j)
+                    of[k][j] = narrow<Unit>(dot(k == 0 ? pair.normal : pair.tangent[k - 1], frame[j]));
+        }
+    };
     // Pushes a body at a point, and the other one back. False where that is too fast for the scale.
-    bool push(Pair& pair, Point& point, int b, [[maybe_unused]] const Vec3<Unit> (&frame)[3], const Speed (&share)[3]) {
+    bool push(Pair& pair, Point& point, int b, [[maybe_unused]] const Parts& parts, const Speed (&share)[3]) {
         const bool is_a = pair.a == b;
         bool fits = true;
         for (int k = 0; k < Rows::rows(pair); ++k) {
@@ -344,16 +332,15 @@ private:
             if constexpr (!features.pairs) {
                 row.before = share[k];
             } else {
-                const Vec3<Unit>& direction = k == 0 ? pair.normal : pair.tangent[k - 1];
-                const auto part = [&](int j) { return narrow<Unit>(dot(direction, frame[j])); };
+                const auto& part = parts.of[k];
                 const Speed along =
-                    narrow<Speed>(mul_add(mul_add(mul(part(0), share[0]), part(1), share[1]), part(2), share[2]));
+                    narrow<Speed>(mul_add(mul_add(mul(part[0], share[0]), part[1], share[1]), part[2], share[2]));
                 row.before = over_share(is_a ? along : -along, pair, is_a);
                 Velocity* const partner = pair.moves_b() ? &velocities_.now[pair.b] : nullptr;
                 row.push(W::over(row.before, row.inverse), velocities_.now[pair.a], partner);
                 if (partner == nullptr) continue;
                 const Velocity& other = is_a ? *partner : velocities_.now[pair.a];
-                for (int j = 0; j < 3; ++j) fits = fits && W::fits(other.linear[j]) && W::fits(other.angular[j]);
+                fits = fits && W::fits(other.largest());
             }
         }
         for (int k = Rows::rows(pair); k < Point::directions; ++k) point.row[k].before = Speed{};
