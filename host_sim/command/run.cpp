@@ -20,8 +20,8 @@ namespace tumble::host {
 namespace {
 
 struct RunOptions : Choice {
-    std::string trajectory, plot;       // files; empty: none
-    std::optional<std::int64_t> every;  // steps between rows of the trajectory
+    std::string trajectory, contacts, plot;  // files; empty: none
+    std::optional<std::int64_t> every;       // steps between rows of the trajectory and of the contacts
     bool json = false, imu = false, live = false;
     std::string record;  // file; empty: none
     CheckOptions check;
@@ -88,6 +88,50 @@ private:
     std::int64_t every_;
     bool imu_;
     std::vector<std::string> names_;
+};
+
+// What touched, began, ended or hit in each step.
+class ContactRows {
+public:
+    ContactRows(const std::string& path, std::int64_t every, const SceneDescription& scene)
+        : file_(path, "--contacts"), every_(every) {
+        for (const BodyDescription& body : scene.bodies) bodies_.push_back(csv_field(body.name));
+        for (const PlaneDescription& plane : scene.planes) planes_.push_back(csv_field(plane.name));
+        file_.stream()
+            << "time_s,body,other,touches,began,ended,hit_speed,nx,ny,nz,depth,px,py,pz,normal_impulse,jx,jy,"
+               "jz\n";
+    }
+    // Events of every step, and of every K-th step what touches.
+    void record(const Simulation& simulation, bool last) {
+        const bool all = simulation.steps_taken() % every_ == 0 || last;
+        std::ostream& rows = file_.stream();
+        const auto name = [](const std::vector<std::string>& names, int i) {
+            return names[static_cast<std::size_t>(i)];
+        };
+        for (const ContactSnapshot& c : simulation.contacts()) {
+            if (!all && !c.began && !c.ended && !(c.hit_speed > 0)) continue;
+            rows << seventeen_digits(simulation.time()) << "," << name(bodies_, c.body) << ","
+                 << (c.other < 0 ? name(planes_, c.plane) : name(bodies_, c.other)) << "," << c.touches << ","
+                 << c.began << "," << c.ended;
+            const auto add = [&](double x) { rows << "," << seventeen_digits(x); };
+            const auto add_all = [&](const std::array<double, 3>& v) { std::for_each(v.begin(), v.end(), add); };
+            add(c.hit_speed);
+            add_all(c.normal);
+            add(c.depth);
+            add_all(c.point);
+            add(c.normal_impulse);
+            add_all(c.friction_impulse);
+            rows << "\n";
+        }
+    }
+    // False when rows have been lost.
+    [[nodiscard]] bool good() const { return file_.good(); }
+    void close() { file_.commit(); }
+
+private:
+    OutputFile file_;
+    std::int64_t every_;
+    std::vector<std::string> bodies_, planes_;
 };
 
 int fastest_body(const Simulation& simulation) {
@@ -201,23 +245,32 @@ void print_table(std::ostream& out, const SceneDescription& scene, const Simulat
 
 int run(const RunOptions& options) {
     if (options.live) {
-        if (options.json || !options.trajectory.empty() || !options.plot.empty() || !options.check.check.empty())
+        if (options.json || !options.trajectory.empty() || !options.contacts.empty() || !options.plot.empty() ||
+            !options.check.check.empty())
             throw std::invalid_argument(
-                "--live: got --json, --trajectory, --plot or --check beside it, expected none of them");
+                "--live: got --json, --trajectory, --contacts, --plot or --check beside it, expected none of them");
         return run_live(options, options.record);
     }
     if (!options.record.empty()) throw std::invalid_argument("--record: got no --live beside it, expected --live");
-    const std::vector<FileArgument> outputs = {{"--trajectory", options.trajectory}, {"--plot", options.plot}};
+    const std::vector<FileArgument> outputs = {
+        {"--trajectory", options.trajectory}, {"--contacts", options.contacts}, {"--plot", options.plot}};
     check_outputs({{"the scene", options.scene}}, outputs);
     std::ostream& table = takes_standard_output(outputs, options.json) ? std::cerr : std::cout;
-    if (options.every && options.trajectory.empty())
-        std::cerr << "warning: --every has no effect without --trajectory\n";
+    if (options.every && options.trajectory.empty() && options.contacts.empty())
+        std::cerr << "warning: --every has no effect without --trajectory or --contacts\n";
     if (options.imu && options.trajectory.empty()) std::cerr << "warning: --imu has no effect without --trajectory\n";
     const SceneDescription scene = options.read();
     const auto simulation = options.start(scene);
     std::optional<Trajectory> trajectory;
     if (!options.trajectory.empty())
         trajectory.emplace(options.trajectory, options.every.value_or(1), options.imu, scene);
+    std::optional<ContactRows> contacts;
+    if (!options.contacts.empty()) {
+        if (scene.contact.response == ContactResponse::spring)
+            throw std::invalid_argument("--contacts: got a scene with contacts by springs, expected "
+                                        "contact.response = \"impulse\"");
+        contacts.emplace(options.contacts, options.every.value_or(1), scene);
+    }
     std::optional<Plot> plot;
     std::optional<OutputFile> plot_file;
     if (!options.plot.empty()) {
@@ -235,6 +288,7 @@ int run(const RunOptions& options) {
             const bool last = simulation->steps_taken() >= simulation->steps() ||
                               simulation->has_trouble("range_left") || recorder.range_trouble();
             if (trajectory) trajectory->record(*simulation, last);
+            if (contacts) contacts->record(*simulation, last);
             if (plot) plot->sample(*simulation, now, last);
             if (last) break;
             simulation->step();
@@ -242,10 +296,12 @@ int run(const RunOptions& options) {
             energy.see(now);
             recorder.see(*simulation);
             if (trajectory && !trajectory->good()) trajectory->close();  // throws
+            if (contacts && !contacts->good()) contacts->close();
             if (simulation->steps_taken() % 256 == 0) progress.show(simulation->steps_taken());
         }
     }
     if (trajectory) trajectory->close();
+    if (contacts) contacts->close();
     if (plot) {
         plot_file->stream() << plot->drawn();
         plot_file->commit();
@@ -268,7 +324,11 @@ void add_run(CommandLine& line) {
     options->add_to(command);
     command.add(options->trajectory, "--trajectory out.csv", "write every state as CSV; - is standard output",
                 output_file());
-    command.add(options->every, "--every K", "steps between rows of the trajectory (default: 1)", at_least(1, "steps"));
+    command.add(options->contacts, "--contacts out.csv",
+                "write what touched, began, ended or hit in each step, with its impulses, as CSV; - is standard output",
+                output_file());
+    command.add(options->every, "--every K",
+                "steps between rows of the trajectory, and of contacts that last (default: 1)", at_least(1, "steps"));
     command.add(
         options->imu, "--imu",
         "add columns of an inertial sensor to the trajectory: specific force and angular velocity, in the body's "

@@ -34,6 +34,20 @@ struct ImuSnapshot {
     std::array<double, 3> angular_velocity{};  // rad/s, user's body axes
 };
 
+// What two bodies, or a body and a plane, did to each other in the last step: World::contacts(), on the first body.
+struct ContactSnapshot {
+    int body = 0;    // not a fixed one
+    int other = -1;  // a body; -1: the partner is a plane
+    int plane = -1;
+    bool touches = false, began = false, ended = false;
+    double hit_speed = 0;                      // m/s; 0: no impact
+    std::array<double, 3> normal{};            // from the partner to the body, world
+    double depth = 0;                          // m
+    std::array<double, 3> point{};             // m, world: centre of pressure
+    double normal_impulse = 0;                 // N s
+    std::array<double, 3> friction_impulse{};  // N s, on the body, world
+};
+
 // J. The potential is that of gravity, springs, mutual gravitation, the gravity gradient and, as far as
 // world_simulation.hpp tells, of contacts by springs; fixed bodies have none of gravity's, and no kinetic energy.
 struct Energy {
@@ -73,6 +87,8 @@ public:
     [[nodiscard]] virtual int body_count() const = 0;
     [[nodiscard]] virtual BodySnapshot body(int index) const = 0;
     [[nodiscard]] virtual ImuSnapshot imu(int index) const = 0;
+    // Each contact once; contacts by springs are not among them.
+    [[nodiscard]] virtual std::vector<ContactSnapshot> contacts() const = 0;
     [[nodiscard]] virtual Energy energy() const = 0;
 
     // The troubles that set status bits, in order of first occurrence; empty: none.

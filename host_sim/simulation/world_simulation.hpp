@@ -154,8 +154,23 @@ public:
 
     [[nodiscard]] ImuSnapshot imu(int b) const override {
         const Imu<double> imu = Owned::replay.world().template imu<double>(BodyId{b});
-        const auto array_of = [](const Vector3<double>& v) { return std::array{v.x, v.y, v.z}; };
         return {array_of(imu.specific_force), array_of(imu.angular_velocity)};
+    }
+    [[nodiscard]] std::vector<ContactSnapshot> contacts() const override {
+        const auto plain = [](auto number) { return static_cast<double>(number); };
+        const auto& bodies = Owned::replay.world().bodies();
+        std::vector<ContactSnapshot> all;
+        for (int b = 0; b < bodies.count; ++b) {
+            if (bodies.constants[b].fixed) continue;
+            for (const auto& c : Owned::replay.world().contacts(BodyId{b})) {
+                const int other = c.body.index();
+                if (other >= 0 && other < b && !bodies.constants[other].fixed) continue;  // it is there
+                all.push_back({b, other, c.plane.index(), c.touches, c.began, c.ended, plain(c.hit_speed),
+                               array_of(c.normal), plain(c.depth), array_of(c.point), plain(c.normal_impulse),
+                               array_of(c.friction_impulse)});
+            }
+        }
+        return all;
     }
     [[nodiscard]] long double largest_safe_step() const override {
         return number(Owned::replay.world().largest_safe_step());
@@ -171,6 +186,10 @@ public:
     [[nodiscard]] bool carry() const override { return N::carry; }
 
 private:
+    template <class T>
+    [[nodiscard]] static std::array<double, 3> array_of(const Vector3<T>& v) {
+        return {static_cast<double>(v.x), static_cast<double>(v.y), static_cast<double>(v.z)};
+    }
     [[nodiscard]] auto& world() { return Owned::replay.world(); }
     [[nodiscard]] int contact_count(int b) const override { return Owned::replay.world().contact_count(BodyId{b}); }
     [[nodiscard]] bool is_asleep(int b) const override { return Owned::replay.world().asleep(BodyId{b}); }

@@ -699,5 +699,34 @@ TEST_P(Bullets, do_not_pass_through_a_free_box) {
     }
 }
 
+// The edges of two spinning boxes pass within the margin by which faces are preferred to edges. There no point stops
+// them, so they must go on: their centre of mass does.
+TEST_P(Pairs, boxes_whose_edges_graze_each_other_go_on) {
+    Random random{28};
+    int hits = 0;
+    for (int i = 0; i < 150; ++i) {
+        const auto near = [&](Vector v, double by) { return v + direction(random) * random.uniform(0, by); };
+        SceneSetup setup = space(0.9L, 0.3L);
+        setup.step = Seconds{1, 128};
+        setup.bodies = {
+            oriented(placed(box(1.244, {0.3082, 0.2281, 0.3338}), {}, {0, 0.0226L, -0.5867L},
+                            near({8.3637L, -11.0507L, -13.196L}, 0.01)),
+                     {1, {0.5641, 0.8209, -0.4305}}),
+            oriented(placed(box(1.1249, {0.4111, 0.3799, 0.4458}), near({0.5966L, 0.4641L, 0.0165L}, 0.002),
+                            {-5.2117L, 0.8651L, -0.2433L}, near({-12.9559L, -14.4705L, -6.9583L}, 0.01)),
+                     {1, {0.9253, -0.8437, -0.6439}})};
+        const auto centre = [&](auto&& of) { return (of(0) * 1.244L + of(1) * 1.1249L) * (1 / (1.244L + 1.1249L)); };
+        const auto body = [&](int b) { return setup.bodies[static_cast<std::size_t>(b)]; };
+        const Vector start = centre([&](int b) { return vector(body(b).position); }),
+                     velocity = centre([&](int b) { return vector(body(b).velocity); });
+        const auto world = run(setup, 32);
+        EXPECT_LE(norm(centre([&](int b) { return world->motion(b).x; }) - start - velocity * 0.25L), 1e-5L) << i;
+        EXPECT_TRUE(world->status().ok()) << i;
+        hits += norm(world->motion(0).v - vector(body(0).velocity)) > 0.01L ? 1 : 0;
+    }
+    EXPECT_GT(hits, 20);
+    EXPECT_LT(hits, 130);
+}
+
 }  // namespace
 }  // namespace tumble::test

@@ -50,6 +50,41 @@ TEST_P(Statics, a_light_box_carries_a_body_of_any_mass) {
     }
 }
 
+// A plank with one edge on a floor and the other on a ramp, tilted by a tenth of a radian.
+SceneSetup plank_on_ramp(Number slope, Number friction, bool mirrored) {
+    const Number side = mirrored ? -1 : 1, tilt = 0.1L, length = 1, height = 0.125L;
+    SceneSetup setup = floor(0, friction);
+    setup.planes.push_back({.normal = real(Vector{-side * std::sin(slope), std::cos(slope), 0})});
+    const Number right = length * std::sin(tilt) / std::tan(slope), left = right - length * std::cos(tilt);
+    const Vector centre{(left + right) / 2 - std::sin(tilt) * height / 2,
+                        length * std::sin(tilt) / 2 + std::cos(tilt) * height / 2, 0};
+    setup.bodies = {oriented(placed(box(2, {real(length), real(height), 1}), {side * centre.x, centre.y, 0}),
+                             {1, {0, 0, real(side * std::tan(tilt / 2))}})};
+    return setup;
+}
+
+// The sum of both pushes is upright, and each lies in its cone: the plank stands if the ramp's slope is within twice
+// the angle of friction.
+TEST_P(Statics, a_plank_stands_on_a_floor_and_a_ramp_up_to_twice_the_angle_of_friction) {
+    for (const bool mirrored : {false, true}) {
+        for (const Number slope : {0.2L, 0.5L, 0.8L, 1.0L}) {
+            for (const Number friction : {0.125L, 0.3L, 0.6L}) {
+                const SceneSetup setup = plank_on_ramp(slope, friction, mirrored);
+                const Number limit = 2 * std::atan(friction);
+                const auto world = build(setup, GetParam());
+                for (int step = 0; step < second; ++step) {
+                    world->step();
+                    for (const ReadContact& c : world->contacts(0))
+                        EXPECT_LE(norm(c.friction_impulse), 1.001L * friction * c.normal_impulse + 1e-6L);
+                }
+                const Number way = norm(world->motion(0).x - vector(setup.bodies[0].position));
+                EXPECT_TRUE(slope > 0.97L * limit || way < 1e-5L) << slope << ", friction " << friction;
+                EXPECT_TRUE(slope < 1.03L * limit || way > 1e-3L) << slope << ", friction " << friction;
+            }
+        }
+    }
+}
+
 TEST_P(Statics, a_tower_of_ten_boxes_stands_at_sixty_steps_a_second) {
     for (const Number growth : {1.0L, 1.5L, 0.75L}) {
         SceneSetup setup = floor(0, 0.5L);

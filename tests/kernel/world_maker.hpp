@@ -67,6 +67,25 @@ public:
     std::uint64_t hash() const override { return world_.hash(); }
     int body_count() const override { return world_.body_count(); }
     int contact_count(int body) const override { return world_.contact_count(BodyId{body}); }
+    std::vector<ReadContact> contacts([[maybe_unused]] int body) const override {
+        std::vector<ReadContact> all;
+        if constexpr (f.contacts() && f.contact_readout) {
+            const auto number_of = [](auto x) { return static_cast<Number>(static_cast<double>(x)); };
+            for (const auto& c : world_.contacts(BodyId{body})) {
+                ReadContact read{c.body.index(), c.plane.index(), c.touches, c.began, c.ended, c.hit};
+                read.hit_speed = number_of(c.hit_speed);
+                read.depth = number_of(c.depth);
+                read.normal_impulse = number_of(c.normal_impulse);
+                read.normal = plain(c.normal);
+                read.point = plain(c.point);
+                read.impulse = plain(c.impulse);
+                read.friction_impulse = plain(c.friction_impulse);
+                for (int i = 0; i < c.point_count; ++i) read.points.push_back(plain(c.points[i]));
+                all.push_back(read);
+            }
+        }
+        return all;
+    }
     bool asleep([[maybe_unused]] int body) const override {
         if constexpr (f.sleep) return world_.asleep(BodyId{body});
         else return false;

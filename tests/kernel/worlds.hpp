@@ -92,6 +92,15 @@ struct SceneSetup {
     Features needs{};  // of its minimal world: one of the sets above
 };
 
+// A tumble::Contact of a body.
+struct ReadContact {
+    int body = -1, plane = -1;
+    bool touches = false, began = false, ended = false, hit = false;
+    Number hit_speed = 0, depth = 0, normal_impulse = 0;
+    Vector normal{}, point{}, impulse{}, friction_impulse{};
+    std::vector<Vector> points{};
+};
+
 class AnyWorld {
 public:
     virtual ~AnyWorld() = default;
@@ -114,6 +123,7 @@ public:
     [[nodiscard]] virtual std::uint64_t hash() const = 0;
     [[nodiscard]] virtual int body_count() const = 0;
     [[nodiscard]] virtual int contact_count(int body) const = 0;
+    [[nodiscard]] virtual std::vector<ReadContact> contacts(int body) const = 0;
     [[nodiscard]] virtual bool asleep(int body) const = 0;
     [[nodiscard]] virtual Number largest_safe_step() const = 0;  // s; without contact springs any step is
 

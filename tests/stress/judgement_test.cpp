@@ -101,6 +101,7 @@ public:
     void step() override { run_->step(); }
     void apply(const EventDescription& event) override { run_->apply(event); }
     ImuSnapshot imu(int index) const override { return run_->imu(index); }
+    std::vector<ContactSnapshot> contacts() const override { return run_->contacts(); }
     std::int64_t steps_taken() const override { return run_->steps_taken(); }
     std::uint64_t hash() const override { return run_->hash(); }
     int body_count() const override { return run_->body_count(); }

@@ -39,6 +39,7 @@ struct Features {
     bool friction = false;          // for contacts by impulses
     bool sleep = false;             // resting bodies fall asleep; for contacts by impulses
     bool turntables = false;        // fixed bodies may rotate
+    bool contact_readout = false;   // the world keeps what contacts do in a step, for World::contacts()
     bool contact_impulses = true;   // ContactResponse::impulse
     bool contact_springs = false;   // ContactResponse::spring
 
@@ -73,6 +74,7 @@ struct Features {
         f("friction", &Features::friction);
         f("sleep", &Features::sleep);
         f("turntables", &Features::turntables);
+        f("contact_readout", &Features::contact_readout);
         f("contact_impulses", &Features::contact_impulses);
         f("contact_springs", &Features::contact_springs);
     }

@@ -406,6 +406,11 @@ public:
         if constexpr (has_contacts) return contacts_.points_of(place_of(id));
         else return 0;
     }
+    // What the body touches at the end of the last step, or touched in it or before it: a range of Contact, for a loop.
+    // It reads the world, so it must not be kept beyond the next step or call that changes something.
+    [[nodiscard]] ContactRange<World> contacts(BodyId id) const requires(has_contacts&& features.contact_readout) {
+        return {*this, place_of(id)};
+    }
 
 private:
     constexpr World(const WorldSpec& spec, Seconds step) : advance_{step, spec}, contacts_{step.value, spec.contact} {
@@ -421,6 +426,17 @@ private:
     static constexpr bool has_events = features.impulses || features.forces || features.script || features.recording;
     static constexpr bool has_imu = features.imu && features.bodies > 0;
     using Before = detail::MotionBefore<State>;
+    friend class ContactRange<World>;
+
+    // For ContactRange.
+    [[nodiscard]] int logged_count() const { return contacts_.logged_count(); }
+    [[nodiscard]] bool is_logged(int i, int b) const { return contacts_.is_logged(i, b); }
+    [[nodiscard]] Contact<Work> logged(int i, int b) const {
+        return contacts_.logged(i, b, advance_.bodies, steps_per_second(), [&](int place) {
+            if constexpr (features.removal) return places_.id_of(place);
+            else return BodyId{place};
+        });
+    }
 
     // Sets up a body at a place, which is free.
     TUMBLE_COLD constexpr void add_at(int b, const BodySpec& spec) requires(features.bodies > 0) {

@@ -20,6 +20,7 @@ public:
     [[nodiscard]] bool contains(BodyId id) const {
         return is_taken(id.index()) && generation_[id.index()] == id.generation();
     }
+    [[nodiscard]] BodyId id_of(int place) const { return {place, generation_[place]}; }
     // `capacity` where none is free.
     [[nodiscard]] constexpr int first_free() const {
         int place = 0;

@@ -66,14 +66,14 @@ public:
             for (int i = 0; i < pair.count; ++i) {
                 Point& point = pair.point[i];
                 if (!turns && !point.rows_hold)
-                    for (int k = 0; k < rows(pair); ++k) set_row(point, directions, k, pair);
+                    for (int k = 0; k < pair.rows(); ++k) set_row(point, directions, k, pair);
                 point.rows_hold = !turns;
             }
         }
         if constexpr (features.turntables && features.friction) {
             if (!pair.on_turntable) return;
             for (int i = 0; i < pair.count; ++i)
-                for (int k = 1; k < rows(pair); ++k) {
+                for (int k = 1; k < pair.rows(); ++k) {
                     auto& row = pair.point[i].row[k];
                     if (!turns) row.target = Speed{};
                     row.target +=
@@ -81,14 +81,10 @@ public:
                 }
         }
     }
-    [[nodiscard]] static int rows([[maybe_unused]] const Pair& pair) {
-        if constexpr (features.friction) return pair.has_friction ? 3 : 1;
-        else return 1;
-    }
 
     // The rows of a point, with the velocities that their impulses change.
     [[nodiscard]] typename Solver::Block block(Pair& pair, Point& point) {
-        return {point.row, rows(pair), pair.friction, velocities_.now[pair.a],
+        return {point.row, pair.rows(), pair.friction, velocities_.now[pair.a],
                 pair.moves_b() ? &velocities_.now[pair.b] : nullptr};
     }
     // Along the normal of a point.
@@ -141,7 +137,7 @@ private:
 
         Directions(const Pair& pair, const Axes<N>& axes, [[maybe_unused]] const Axes<N>* axes_b) {
             using Row = tumble::Row<N, features.pairs>;
-            for (int k = 0; k < rows(pair); ++k) {
+            for (int k = 0; k < pair.rows(); ++k) {
                 const Vec3<Unit>& direction = k == 0 ? pair.normal : pair.tangent[k - 1];
                 if constexpr (features.pairs) {
                     if (axes_b != nullptr) {
@@ -190,7 +186,7 @@ private:
     // shapes roll over it. Between two bodies that move, the arms stand still in the world.
     [[gnu::noinline]] void make_turning_rows(Pair& pair, const Directions& directions) const
         requires(Velocities::shapes_turn) {
-        const int count = rows(pair);
+        const int count = pair.rows();
         const Turned a{directions.angular, velocities_.turn[pair.a], count};
         if constexpr (features.pairs) {
             if (directions.moves_b) {
@@ -270,7 +266,7 @@ private:
                 log2 += pair.weight.exponent() + 2 * 31 + 2;
                 for (int i = 0; i < pair.count; ++i) {
                     if (velocities_.scale.holds(log2 + shapes_.scale().log2(pair.point[i].arm_b))) continue;
-                    for (int k = 1; k < rows(pair); ++k)
+                    for (int k = 1; k < pair.rows(); ++k)
                         velocities_.scale.make_room(surface_speed(pair, pair.point[i], k));
                 }
             });
@@ -286,9 +282,9 @@ private:
             // The arm of a sphere does not turn with it.
             if (!shapes_.shape(pair.a).is(ShapeKind::sphere)) {
                 turn = turn_of(pair.a);
-                along_arm = cross<Work>(turn, arm_of(pair.a, point.arm));
+                along_arm = cross<Work>(turn, shapes_.world_arm(pair.a, point.arm));
             }
-            WorkVec3<N> place = arm_of(pair.b, point.arm_b), direction;
+            WorkVec3<N> place = shapes_.world_arm(pair.b, point.arm_b), direction;
             for (int i = 0; i < 3; ++i) {
                 place[i] += N::metres(N::sum(bodies_.state[pair.a].d_w[i]), bodies_.scale) + along_arm[i];
                 direction[i] = N::work(pair.tangent[k - 1][i]);
@@ -299,21 +295,9 @@ private:
         }
         return Work(0);
     }
-    // Rad a step, and m from the centre of mass, world.
+    // Rad a step, world.
     [[nodiscard]] WorkVec3<N> turn_of(int b) const {
-        return to_world(b, {bodies_.turn(b, 0), bodies_.turn(b, 1), bodies_.turn(b, 2)});
-    }
-    [[nodiscard]] WorkVec3<N> arm_of(int b, const Vec3<Length>& arm) const {
-        const auto& scale = shapes_.scale();
-        return to_world(b, {scale.metres(arm[0]), scale.metres(arm[1]), scale.metres(arm[2])});
-    }
-    [[nodiscard]] WorkVec3<N> to_world(int b, const WorkVec3<N>& v) const {
-        WorkVec3<N> world;
-        for (int i = 0; i < 3; ++i) {
-            const Vec3<Unit>& row = shapes_.axes(b).row[i];
-            world[i] = dot(WorkVec3<N>{N::work(row[0]), N::work(row[1]), N::work(row[2])}, v);
-        }
-        return world;
+        return shapes_.to_world(b, {bodies_.turn(b, 0), bodies_.turn(b, 1), bodies_.turn(b, 2)});
     }
 
     const NarrowPhase& shapes_;

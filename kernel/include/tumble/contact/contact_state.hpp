@@ -2,6 +2,7 @@
 #pragma once
 
 #include <tumble/contact/broad_phase.hpp>
+#include <tumble/contact/contact_log.hpp>
 #include <tumble/contact/kicks.hpp>
 #include <tumble/contact/marks.hpp>
 #include <tumble/contact/resting.hpp>
@@ -23,6 +24,7 @@ struct ContactState {
     ClearTimes<features> times{};
     Sleepers<N, spin, features> sleepers;
     Marks<features.bodies> marks{};
+    [[no_unique_address]] If<features.contact_readout, ContactLog<N, spin, features>, 0> log{};
     Work threshold;  // of restitution, m a step
     // While an island is solved.
     SolverVelocities<N, spin, features> velocities{};

@@ -29,6 +29,7 @@ public:
     void remove(int b, const BodySpec& nobody, const PrincipalInertia& inertia, const SpinUnits<N, spin>& units) {
         set_shape(b, nobody, inertia, units);
         state_.sleepers.remove(b);
+        if constexpr (features.contact_readout) state_.log.remove(b);
     }
 
     [[nodiscard]] int plane_count() const { return state_.shapes.plane_count(); }
@@ -39,6 +40,17 @@ public:
     [[nodiscard]] bool is_asleep(int b) const { return state_.sleepers.is_asleep(b); }
     // m: the band in which bodies touch, and the depth at which a step is redone.
     [[nodiscard]] Work tolerance() const { return state_.shapes.scale().metres(state_.shapes.tolerance()); }
+
+    // What the log holds of the last step, and which of it is of body b.
+    [[nodiscard]] int logged_count() const requires(features.contact_readout) { return state_.log.count(); }
+    [[nodiscard]] bool is_logged(int i, int b) const requires(features.contact_readout) {
+        return state_.log[i].a == b || state_.log[i].b == b;
+    }
+    template <class IdOf>
+    [[nodiscard]] Contact<Work> logged(int i, int b, const Bodies& bodies, Work rate, IdOf&& id_of) const
+        requires(features.contact_readout) {
+        return state_.log.contact(i, b, state_.pairs, state_.shapes, bodies, rate, id_of);
+    }
 
     // Call where the body's motion changes other than by a step: ends the bounds on the time to contact of the body and
     // of all that it may push, and wakes it.
@@ -51,7 +63,10 @@ public:
         wake(advance, b);
     }
     // Removes the pairs of a body that is elsewhere now. They are found anew.
-    void forget_pairs_of(int b) { state_.pairs.forget_pairs_of(b); }
+    void forget_pairs_of(int b) {
+        state_.pairs.forget_pairs_of(b);
+        if constexpr (features.contact_readout) state_.log.clear_impulses_of(b);
+    }
     // Wakes the body and all sleeping bodies that touch it, directly or through others.
     template <class Advance>
     void wake([[maybe_unused]] const Advance& advance, [[maybe_unused]] int b) {
@@ -67,6 +82,7 @@ public:
         auto& times = state_.times;
         auto& sleepers = state_.sleepers;
         auto& marks = state_.marks;
+        if constexpr (features.contact_readout) state_.log.start_step();
         if constexpr (features.turntables) {
             for (int b = 0; b < advance.bodies.count; ++b)
                 if (advance.bodies.constants[b].fixed) advance.step_fixed(b, info);
@@ -88,6 +104,7 @@ public:
         }
         if (islands) [[unlikely]]
             step_islands(advance, info);
+        if constexpr (features.contact_readout) state_.log.end_step(state_.pairs, state_.shapes, advance.bodies);
     }
 
     // Writes or reads what a snapshot holds.
@@ -98,6 +115,7 @@ public:
         to(state.times);
         PairList<N, features>::archive(state.pairs, to, [&](auto& pair) { state.shapes.set_up(pair, bodies); });
         to(state.sleepers);
+        if constexpr (features.contact_readout) ContactLog<N, spin, features>::archive(state.log, to);
     }
     // Call after archive() has read: asks of all bodies what acts on them.
     template <class Advance>

@@ -1,6 +1,7 @@
 // The impacts of an island at one moment.
 #pragma once
 
+#include <tumble/contact/contact_log.hpp>
 #include <tumble/contact/contact_rows.hpp>
 
 namespace tumble {
@@ -10,6 +11,7 @@ class Impact {
 public:
     using Rows = ContactRows<N, spin, features>;
     using C = typename Rows::C;
+    using Unit = typename Rows::Unit;
     using Bounds = ContactBounds<N>;
     using Length = typename Rows::Length;
     using Speed = typename Rows::Speed;
@@ -23,12 +25,13 @@ public:
     using Velocities = typename Rows::Velocities;
     using Velocity = typename Rows::Velocity;
     using Kicks = typename Rows::Kicks;
+    using Log = If<features.contact_readout, ContactLog<N, spin, features>, 0>;
 
     // threshold: m a step; slower approaches do not bounce.
     Impact(const NarrowPhase& shapes, PairList& pairs, Velocities& velocities, Bodies& bodies, const Island& island,
-           Work threshold)
+           Work threshold, Log& log)
         : shapes_{shapes}, pairs_{pairs}, velocities_{velocities}, bodies_{bodies}, island_{island},
-          rows_{shapes, pairs, velocities, bodies, island}, threshold_{threshold} {}
+          rows_{shapes, pairs, velocities, bodies, island}, threshold_{threshold}, log_{log} {}
 
     // Solves the impact of the island, of which the points have been found. In each round all points that approach
     // bounce together, from the velocities at its start: Newton's law, v' = -e v. A round may let others approach, as
@@ -68,6 +71,7 @@ public:
         if (bounced || stop) [[unlikely]]
             report_cut_off();
         solve(false);
+        log_impulses(C::one());
         velocities_.add_to(bodies_, loads, shapes_, island_.group);
         pairs_.count_points(island_);
         // The impulses of an impact are no warm start for the forces of the next step.
@@ -146,12 +150,14 @@ private:
         if (active == 0) return false;
         solve(pairs == 1 && !rough);
         // One smooth point makes no energy.
-        return (!rough && active == 1) || scale_back();
+        const Unit share = !rough && active == 1 ? C::one() : scale_back();
+        log_impulses(share);
+        return !(share == Unit{});
     }
     // The change p of the velocities u by a round makes no energy: |u + s p|^2 <= |u|^2, with s as large as that
-    // allows, at most 1. Newton's law with friction may make energy (Kane 1984), and sweeps that end early may. False
-    // where nothing is left of the change.
-    bool scale_back() {
+    // allows, at most 1. Newton's law with friction may make energy (Kane 1984), and sweeps that end early may.
+    // Returns s.
+    Unit scale_back() {
         using Square = decltype(dot(velocities_.now[0].linear, velocities_.now[0].linear));
         Square work{}, square{};
         for_each_component([&](Speed u, Speed& end) {
@@ -160,11 +166,28 @@ private:
             square = mul_add(square, p, p);
         });
         work = -(work + work);
-        if (!(square > work)) return true;
-        const bool any = work > Square{};
-        const auto share = any ? C::ratio_of_squares(work, square) : typename C::Unit{};
+        if (!(square > work)) return C::one();
+        const Unit share = work > Square{} ? C::ratio_of_squares(work, square) : Unit{};
         for_each_component([&](Speed u, Speed& end) { end = u + narrow<Speed>(mul(end - u, share)); });
-        return any;
+        return share;
+    }
+    // Adds `share` of the impulses that solve() has found to the log, with the speeds of approach before them.
+    void log_impulses([[maybe_unused]] Unit share) {
+        if constexpr (features.contact_readout)
+            pairs_.for_each(island_, [&](const Pair& pair) {
+                if (!pair.touched) return;
+                Work fastest(0);
+                for (int i = 0; i < pair.count; ++i) {
+                    const Point& point = pair.point[i];
+                    const Speed approach = -rows_.velocity(velocities_.loaded, pair, point);
+                    if (!point.active || !(point.row[0].impulse > Speed{}) || !(approach > velocities_.scale.noise()))
+                        continue;
+                    const Work speed = velocities_.scale.work(approach) / (pair.weight * N::work(point.row[0].inverse));
+                    if (speed > fastest) fastest = speed;
+                }
+                auto* const entry = log_.add(pair, shapes_, bodies_, N::work(share));
+                if (entry != nullptr && entry->hit_speed < fastest) entry->hit_speed = fastest;
+            });
     }
     // Calls f(velocity at the start of the round, velocity).
     template <class F>
@@ -187,6 +210,7 @@ private:
     const Island& island_;
     Rows rows_;
     Work threshold_;
+    Log& log_;
 };
 
 }  // namespace tumble

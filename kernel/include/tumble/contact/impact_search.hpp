@@ -104,9 +104,22 @@ public:
         const Work gap = shapes_.scale().metres(pair.gap);
         return gap / (gap - shapes_.scale().metres(left));
     }
-    // The bodies are as close as conservative advancement brings them.
-    [[nodiscard]] bool is_close(const Crossing& crossing) const {
-        return !(crossing.pair->gap > Bounds::crossing_gap(shapes_.tolerance()));
+    // The bodies are as close as conservative advancement brings them. The gap along a face of a box may be negative
+    // where an edge is in front of it.
+    [[nodiscard]] bool is_close(const Crossing& crossing) {
+        Pair& pair = *crossing.pair;
+        const Length close = Bounds::crossing_gap(shapes_.tolerance());
+        if (pair.gap > close) return false;
+        shapes_.measure(bodies_, pair, Length{});
+        if (pair.gap > close) return false;
+        shapes_.measure(bodies_, pair);
+        return true;
+    }
+    // The bodies touch in a point, so that an impact can stop them. Boxes may have none though they are close along
+    // every axis, as corners that pass each other.
+    [[nodiscard]] bool has_points(const Crossing& crossing) {
+        shapes_.find(bodies_, *crossing.pair);
+        return crossing.pair->count > 0;
     }
 
 private:

@@ -40,6 +40,7 @@ public:
             contacts_.solution = {.settled = true};
             return;
         }
+        if constexpr (features.contact_readout) contacts_.log.start_island(contacts_.pairs, island_);
         for (int k = 0; k < island_.group.count; ++k) contacts_.pairs.forget_points_of(island_.group.id[k]);
         Work span(1);
         for (int impact = 0;; ++impact) {
@@ -49,6 +50,7 @@ public:
             if (contacts_.solution.stands) {
                 resting().stop_all();
                 take_over_spins();
+                log_forces(Work(1));
                 return;
             }
             if (touch == Touch::strikes) {
@@ -66,6 +68,7 @@ public:
             const bool crossed = length < span;
             const bool deep = search_.is_too_deep();
             if (!crossed && !deep) {
+                if (attempt.held) log_forces(Work(1));
                 search_.find();
                 break;
             }
@@ -73,12 +76,13 @@ public:
             Work flown = length;
             if (last) {
                 const bool far_below = deep && search_.is_far_too_deep();
-                if (far_below) (void)find_impact(attempt, length);
+                if (far_below) flown = find_impact(attempt, length);
                 // The step ends at a surface: the rest of its time is lost.
                 if (crossed || far_below) bodies_.report(Issue::step_bound_hit, island_.root);
             } else if (deep) {
                 flown = find_impact(attempt, length);
             }
+            if (attempt.held) log_forces(flown == span ? Work(1) : flown / span);
             resolve(last);
             // Always, however short the rest of the step is: an impact ends the bounds on the time to contact.
             find_near_pairs();
@@ -98,6 +102,11 @@ private:
     Touch solve_resting(Work span, bool whole, bool struck) {
         return resting().solve(contacts_.loads, span, whole, struck, mover_.coasting == Coasting::mean,
                                contacts_.forces, contacts_.solution);
+    }
+    // `share`: of the time for which the forces are solved.
+    void log_forces([[maybe_unused]] Work share) {
+        if constexpr (features.contact_readout)
+            contacts_.log.add_forces(contacts_.pairs, island_, contacts_.shapes, bodies_, share);
     }
     void lift(bool off) {
         resting().lift(off);
@@ -228,7 +237,9 @@ private:
                 if (from < Bounds::min_portion()) from = Bounds::min_portion();
                 fly(attempt, from, true);
                 search_.measure();
-                if (search_.is_close(crossing)) break;
+                if (!search_.is_close(crossing)) continue;
+                passes = !search_.has_points(crossing);
+                break;
             }
             if (passes) {
                 crossing.pair->passed = true;
@@ -293,8 +304,8 @@ private:
         move({.group = island_.group, .loads = &contacts_.loads});
         search_.find();
         contacts_.solution = {};
-        Impact<N, spin, features>{contacts_.shapes, contacts_.pairs, contacts_.velocities,
-                                  bodies_,          island_,         contacts_.threshold}
+        Impact<N, spin, features>{contacts_.shapes, contacts_.pairs,     contacts_.velocities, bodies_,
+                                  island_,          contacts_.threshold, contacts_.log}
             .resolve(contacts_.loads, stop);
         check_range();
         take_over_spins();

@@ -68,6 +68,21 @@ public:
     // Of body b when it was placed last.
     [[nodiscard]] const Axes<N>& axes(int b) const { return axes_[b]; }
     [[nodiscard]] const typename C::LengthScale& scale() const { return shape_.scale(); }
+    // From principal axes of body b to the world.
+    [[nodiscard]] WorkVec3<N> to_world(int b, const WorkVec3<N>& v) const {
+        WorkVec3<N> world;
+        for (int i = 0; i < 3; ++i) world[i] = dot(work_unit<N>(axes_[b].row[i]), v);
+        return world;
+    }
+    // m, world, from the centre of mass.
+    [[nodiscard]] WorkVec3<N> world_arm(int b, const Vec3<Length>& arm) const {
+        return to_world(b, {scale().metres(arm[0]), scale().metres(arm[1]), scale().metres(arm[2])});
+    }
+    // m, world, of a point halfway between the two surfaces.
+    [[nodiscard]] WorkVec3<N> place_of(const Bodies& bodies, const Pair& pair, const Point& point) const {
+        const Work up = N::half_of(scale().metres(point.gap));
+        return bodies.position(pair.a) + world_arm(pair.a, point.arm) - scaled_by(work_unit<N>(pair.normal), up);
+    }
     // Sets the constants of a new pair.
     void set_up(Pair& pair, [[maybe_unused]] const Bodies& bodies) {
         const CollisionShape<N>& a = shape_[pair.a];
@@ -128,18 +143,20 @@ public:
     [[nodiscard]] PairView<N> view_of(const Bodies& bodies, const Pair& pair) const {
         return {shape_[pair.a], shape_[pair.b], axes_[pair.a], axes_[pair.b], reach_between(bodies, pair.a, pair.b)};
     }
-    // `measured`: neither body has moved since.
+    // `measured`: neither body has moved since. `margin`: of faces over edges.
     template <class F>
-    void with_pair(const Bodies& bodies, const Pair& pair, [[maybe_unused]] bool measured, F&& f) const {
+    void with_pair(const Bodies& bodies, const Pair& pair, [[maybe_unused]] bool measured,
+                   [[maybe_unused]] Length margin, F&& f) const {
         const auto make = [&]<class Contact>(const PairView<N>& view) {
             if constexpr (requires(Contact contact) { contact.axis; })
-                return measured ? Contact{view, pair.axis, pair.normal, pair.gap}
-                                : Contact{view, Bounds::axis_margin(tolerance_)};
+                return measured ? Contact{view, pair.axis, pair.normal, pair.gap} : Contact{view, margin};
             else return Contact{view};
         };
         with_contact<features>(view_of(bodies, pair), make, f);
     }
-    void measure(const Bodies& bodies, Pair& pair) {
+    void measure(const Bodies& bodies, Pair& pair) { measure(bodies, pair, Bounds::axis_margin(tolerance_)); }
+    // Without a margin the gap of boxes that are apart is not negative.
+    void measure(const Bodies& bodies, Pair& pair, Length margin) {
         pair.moved = pair.moved || turned_[pair.a];
         if (pair.with_plane()) {
             pair.gap = view_of_plane(bodies, pair).gap();
@@ -148,7 +165,7 @@ public:
         if constexpr (features.pairs) {
             // On a fixed body b the rows depend through the normal only.
             pair.moved = pair.moved || (pair.moves_b() && turned_[pair.b]);
-            with_pair(bodies, pair, false, [&](const auto& contact, const auto&, bool reversed) {
+            with_pair(bodies, pair, false, margin, [&](const auto& contact, const auto&, bool reversed) {
                 pair.gap = contact.gap;
                 if constexpr (requires { contact.axis; }) pair.axis = contact.axis;
                 const Vec3<typename N::Unit> normal =
@@ -169,7 +186,7 @@ public:
         if (pair.with_plane()) {
             view_of_plane(bodies, pair).find(found, tolerance_);
         } else if constexpr (features.pairs) {
-            with_pair(bodies, pair, true, [&](const auto& contact, const auto& view, bool reversed) {
+            with_pair(bodies, pair, true, Length{}, [&](const auto& contact, const auto& view, bool reversed) {
                 contact.find(view, found, tolerance_);
                 if (reversed) {
                     for (int i = 0; i < found.count; ++i) {

@@ -92,6 +92,11 @@ struct Pair {
         touched = left_out = passed = selected = has_friction = on_turntable = false;
         share_b = {};
     }
+    // Of a point: the normal, and two tangents where there is friction.
+    [[nodiscard]] int rows() const {
+        if constexpr (features.friction) return has_friction ? 3 : 1;
+        else return 1;
+    }
     // Body b moves too: it is neither a plane nor a fixed body.
     [[nodiscard]] bool moves_b() const { return features.pairs && b >= 0 && !(share_b == Unit{}); }
     [[nodiscard]] bool with_plane() const { return b < 0; }

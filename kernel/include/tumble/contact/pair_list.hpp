@@ -25,6 +25,7 @@ public:
     [[nodiscard]] int count() const { return count_; }
     [[nodiscard]] bool is_full() const { return count_ == room; }
     [[nodiscard]] Pair& operator[](int i) { return pair_[i]; }
+    [[nodiscard]] const Pair& operator[](int i) const { return pair_[i]; }
     // The pair of a body with a plane or another body has a place in the list.
     [[nodiscard]] TUMBLE_INLINE bool is_near(int b) const { return pairs_of_[b] != 0; }
     // Near pairs of the body.

@@ -198,7 +198,7 @@ private:
             const Unit share = is_a ? pair.share_a : pair.share_b;
             const CollisionShape<N>& shape = shapes_.shape(b);
             Velocity &now = velocities_.now[b], &other = velocities_.now[is_a ? pair.b : pair.a];
-            const int rows = Rows::rows(pair);
+            const int rows = pair.rows();
             typename Solver::Row row[Pair::max_points][Point::directions];
             const auto for_each_block = [&](auto&& f) {
                 for (int i = 0; i < pair.count; ++i)
@@ -305,7 +305,10 @@ private:
             Pair& pair = *supports.pair[s];
             const Parts parts{pair, frame};
             for (int i = 0; i < pair.count; ++i)
-                if (is_carrying(pair, i)) fits = push(pair, pair.point[i], b, parts, shares[j++]) && fits;
+                if (is_carrying(pair, i)) {
+                    fits = push(pair, pair.point[i], b, parts, shares[j++]) && fits;
+                    fits = fits && (supports.count == 1 || is_in_cone(pair, pair.point[i]));
+                }
         }
         // Supports that push along other directions, or at other heights, leave some.
         const Speed allowed = Bounds::left_by_supports(motion), enough = velocities_.scale.enough_at_rest();
@@ -313,12 +316,21 @@ private:
         velocities_.stop(b);
         return fits;
     }
+    // Whether a point pushes and its friction is in its cone: the supports of a body may be tilted against each other.
+    [[nodiscard]] bool is_in_cone(const Pair& pair, const Point& point) const {
+        const Speed slack = Bounds::slack(velocities_.scale.enough_in_impact()), normal = point.row[0].before;
+        if (normal < -slack) return false;
+        if (pair.rows() == 1) return true;
+        const Speed limit = C::times_friction(pair.friction, normal) + slack, x = point.row[1].before,
+                    y = point.row[2].before;
+        return !(mul_add(mul(x, x), y, y) > mul(limit, limit));
+    }
     // The directions of a pair's rows in the frame in which its points share a wrench.
     struct Parts {
         Unit of[Point::directions][3];
 
         Parts(const Pair& pair, const Vec3<Unit> (&frame)[3]) {
-            for (int k = 0; features.pairs && k < Rows::rows(pair); ++k)
+            for (int k = 0; features.pairs && k < pair.rows(); ++k)
                 for (int j = 0; j < 3; ++j)
                     of[k][j] = narrow<Unit>(dot(k == 0 ? pair.normal : pair.tangent[k - 1], frame[j]));
         }
@@ -327,7 +339,7 @@ private:
     bool push(Pair& pair, Point& point, int b, [[maybe_unused]] const Parts& parts, const Speed (&share)[3]) {
         const bool is_a = pair.a == b;
         bool fits = true;
-        for (int k = 0; k < Rows::rows(pair); ++k) {
+        for (int k = 0; k < pair.rows(); ++k) {
             auto& row = point.row[k];
             if constexpr (!features.pairs) {
                 row.before = share[k];
@@ -343,7 +355,7 @@ private:
                 fits = fits && W::fits(other.largest());
             }
         }
-        for (int k = Rows::rows(pair); k < Point::directions; ++k) point.row[k].before = Speed{};
+        for (int k = pair.rows(); k < Point::directions; ++k) point.row[k].before = Speed{};
         return fits;
     }
 
