@@ -70,6 +70,8 @@ std::string body_text(const BodyDescription& description, const BodySpec& body) 
     members.when(!body.angular_velocity.is_zero(), "angular_velocity", vector(body.angular_velocity), "rad/s");
     members.when(!body.restitution.is_negative(), "restitution", number(body.restitution));
     members.when(!body.friction.is_negative(), "friction", number(body.friction));
+    members.when(!body.rolling_resistance.is_negative(), "rolling_resistance", number(body.rolling_resistance), "m");
+    members.when(!body.spinning_resistance.is_negative(), "spinning_resistance", number(body.spinning_resistance), "m");
     members.when(body.fixed, "fixed", "true");
     return members.text();
 }
@@ -80,6 +82,9 @@ std::string plane_text(const PlaneDescription&, const PlaneSpec& plane) {
     members.when(!plane.offset.is_zero(), "offset", number(plane.offset), "m");
     members.when(!plane.restitution.is_negative(), "restitution", number(plane.restitution));
     members.when(!plane.friction.is_negative(), "friction", number(plane.friction));
+    members.when(!plane.rolling_resistance.is_negative(), "rolling_resistance", number(plane.rolling_resistance), "m");
+    members.when(!plane.spinning_resistance.is_negative(), "spinning_resistance", number(plane.spinning_resistance),
+                 "m");
     return members.text();
 }
 
@@ -208,6 +213,17 @@ std::string_view name_of(ContactResponse response) {
     }
 }
 
+const char* name_of(Mixing mixing) {
+    switch (mixing) {
+    case Mixing::larger: return "larger";
+    case Mixing::smaller: return "smaller";
+    case Mixing::mean: return "mean";
+    case Mixing::geometric_mean: return "geometric_mean";
+    case Mixing::product: break;
+    }
+    return "product";
+}
+
 std::string world_text(const WorldSpec& world) {
     Members contact("            "), members("        ");
     members.when(!world.gravity.is_zero(), "gravity", vector(world.gravity), "m/s^2");
@@ -221,6 +237,12 @@ std::string world_text(const WorldSpec& world) {
         contact.when(!c.restitution_threshold.is_zero(), "restitution_threshold", number(c.restitution_threshold),
                      "m/s");
         contact.when(!c.friction.is_zero(), "friction", number(c.friction));
+        contact.when(!c.rolling_resistance.is_zero(), "rolling_resistance", number(c.rolling_resistance), "m");
+        contact.when(!c.spinning_resistance.is_zero(), "spinning_resistance", number(c.spinning_resistance), "m");
+        contact.when(c.restitution_mixing != Mixing::larger, "restitution_mixing",
+                     "tumble::Mixing::" + std::string(name_of(c.restitution_mixing)));
+        contact.when(c.friction_mixing != Mixing::geometric_mean, "friction_mixing",
+                     "tumble::Mixing::" + std::string(name_of(c.friction_mixing)));
         contact.always("tolerance", number(c.tolerance), "m");
         contact.when(c.sleep.on, "sleep",
                      "{.on = true, .speed = " + number(c.sleep.speed) + ", .angular_speed = " +

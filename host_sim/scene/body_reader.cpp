@@ -169,6 +169,8 @@ BodyDescription read_body(Table table, const SceneDescription& scene, RangeDescr
     table.optional("angular_velocity", body.angular_velocity, radians_per_second);
     table.optional("restitution", body.restitution, restitution);
     table.optional("friction", body.friction, friction);
+    table.optional("rolling_resistance", body.rolling_resistance, moment_per_force);
+    table.optional("spinning_resistance", body.spinning_resistance, moment_per_force);
     table.optional("linear_drag", body.linear_drag, Quantity{Quantity::not_negative, "kg/s"});
     table.optional("quadratic_drag", body.quadratic_drag, Quantity{Quantity::not_negative, "kg/m"});
     table.optional("wheel_momentum", body.wheel_momentum, Quantity{Quantity::any, "N m s", "x, y, z"});

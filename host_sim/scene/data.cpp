@@ -36,6 +36,8 @@ BodySpec body_of(const BodyDescription& body) {
     spec.angular_velocity = real_vector(body.angular_velocity);
     spec.restitution = or_default(body.restitution);
     spec.friction = or_default(body.friction);
+    spec.rolling_resistance = or_default(body.rolling_resistance);
+    spec.spinning_resistance = or_default(body.spinning_resistance);
     spec.fixed = body.fixed;
     return spec;
 }
@@ -141,17 +143,28 @@ SceneData build_scene(const SceneDescription& scene) {
     data.world.linear_drag = scene.linear_drag;
     data.world.angular_drag = scene.angular_drag;
     const ContactDescription& contact = scene.contact;
-    data.world.contact = {contact.response, contact.restitution, contact.restitution_threshold,
-                          contact.friction, contact.tolerance,   contact.stiffness,
-                          contact.damping,  contact.barrier,     sleep_of(contact)};
+    data.world.contact = {.response = contact.response,
+                          .restitution = contact.restitution,
+                          .restitution_threshold = contact.restitution_threshold,
+                          .friction = contact.friction,
+                          .rolling_resistance = contact.rolling_resistance,
+                          .spinning_resistance = contact.spinning_resistance,
+                          .restitution_mixing = contact.restitution_mixing,
+                          .friction_mixing = contact.friction_mixing,
+                          .tolerance = contact.tolerance,
+                          .stiffness = contact.stiffness,
+                          .damping = contact.damping,
+                          .barrier = contact.barrier,
+                          .sleep = sleep_of(contact)};
     for (const BodyDescription& body : scene.bodies) data.bodies.push_back(body_of(body));
     add_loads_of_bodies(scene, data);
     if (const auto& gradient = scene.gravity_gradient)
         data.orbit = {gradient->orbit_rate, real_vector(gradient->to_centre)};
     for (const PlaneDescription& plane : scene.planes) {
         if (contact.response != ContactResponse::none)
-            data.planes.push_back(
-                {real_vector(plane.normal), plane.offset, or_default(plane.restitution), or_default(plane.friction)});
+            data.planes.push_back({real_vector(plane.normal), plane.offset, or_default(plane.restitution),
+                                   or_default(plane.friction), or_default(plane.rolling_resistance),
+                                   or_default(plane.spinning_resistance)});
     }
     for (const SpringDescription& s : scene.springs) {
         data.springs.push_back(
@@ -172,6 +185,9 @@ SceneData build_scene(const SceneDescription& scene) {
 Features needs(const SceneData& scene) {
     const auto any = [](const auto& list, auto&& is_one) { return std::any_of(list.begin(), list.end(), is_one); };
     const auto is_rough = [](const auto& side) { return side.friction > Real{}; };
+    const auto resists = [](const auto& side) {
+        return side.rolling_resistance > Real{} || side.spinning_resistance > Real{};
+    };
     const auto is_box = [](const BodySpec& body) { return body.shape.kind == ShapeKind::box; };
     const auto is_moving_round = [](const BodySpec& body) {
         const ShapeKind kind = body.shape.kind;
@@ -194,6 +210,8 @@ Features needs(const SceneData& scene) {
     const std::size_t planes = rotation ? scene.planes.size() : 0;
     const bool touches = planes > 0 || pairs, by_impulses = touches && response == ContactResponse::impulse,
                by_springs = touches && response == ContactResponse::spring;
+    const bool rolls_hard =
+        by_impulses && (resists(world.contact) || any(scene.bodies, resists) || any(scene.planes, resists));
     return {
         .bodies = static_cast<int>(scene.bodies.size()),
         .planes = static_cast<int>(planes),
@@ -213,8 +231,10 @@ Features needs(const SceneData& scene) {
         .pairs = pairs,
         .boxes = (by_impulses || by_springs) && any(scene.bodies, is_box),
         .round_shapes = planes > 0 && any(scene.bodies, is_moving_round),
-        .friction = by_impulses &&
-                    (world.contact.friction > Real{} || any(scene.bodies, is_rough) || any(scene.planes, is_rough)),
+        .friction = rolls_hard || (by_impulses && (is_rough(world.contact) || any(scene.bodies, is_rough) ||
+                                                   any(scene.planes, is_rough))),
+        .rolling_resistance = rolls_hard,
+        .mixing = by_impulses && !world.contact.mixes_as_usual(),
         .sleep = world.contact.sleep.on && response == ContactResponse::impulse,
         .turntables = any(scene.bodies, is_turntable) || any(scene.events, turns_fixed),
         .contact_impulses = !by_springs,

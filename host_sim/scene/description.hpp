@@ -43,7 +43,7 @@ struct BodyDescription {
     Triple position{}, velocity{};
     Quadruple orientation{1.0, 0.0, 0.0, 0.0};  // as written; not yet normalised
     Triple angular_velocity{};                  // body frame, user's axes
-    std::optional<double> restitution, friction;
+    std::optional<double> restitution, friction, rolling_resistance, spinning_resistance;
     double linear_drag = 0.0, quadratic_drag = 0.0;  // kg/s and kg/m, against the air
     Triple wheel_momentum{};                         // N m s, body frame, user's axes
     bool fixed = false;
@@ -56,7 +56,7 @@ struct PlaneDescription {
     std::string name;
     Triple normal{0.0, 1.0, 0.0};  // as written; not yet normalised
     double offset = 0.0;           // of the plane n.x + offset = 0 with n normalised
-    std::optional<double> restitution, friction;
+    std::optional<double> restitution, friction, rolling_resistance, spinning_resistance;
 };
 
 struct SpringDescription {
@@ -107,7 +107,9 @@ struct SleepDescription {
 
 struct ContactDescription {
     ContactResponse response = ContactResponse::impulse;
-    double restitution = 0.5, restitution_threshold = 0.0, friction = 0.0, tolerance = 0.001;
+    double restitution = 0.5, restitution_threshold = 0.0, friction = 0.0, rolling_resistance = 0.0,
+           spinning_resistance = 0.0, tolerance = 0.001;
+    Mixing restitution_mixing = Mixing::larger, friction_mixing = Mixing::geometric_mean;
     double stiffness = 10000.0, damping = 0.0, barrier = 0.0;
     std::optional<SleepDescription> sleep;
 };

@@ -23,7 +23,8 @@ void for_each_number(SceneDescription& scene, const Visit& visit) {
         all(scene.gravity_gradient->to_centre, Measure::angle);
     }
     for (double* x : {&scene.gravitation, &scene.softening, &scene.linear_drag, &scene.angular_drag,
-                      &contact.restitution, &contact.friction, &contact.stiffness, &contact.damping})
+                      &contact.restitution, &contact.friction, &contact.rolling_resistance,
+                      &contact.spinning_resistance, &contact.stiffness, &contact.damping})
         visit(*x, Measure::factor);
     for (auto& plane : scene.planes) {
         all(plane.normal, Measure::angle);

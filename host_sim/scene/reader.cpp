@@ -37,6 +37,12 @@ constexpr double planes_within = 4;  // times the range of positions: the larges
 const Words<ContactResponse> responses{
     {"impulse", ContactResponse::impulse}, {"spring", ContactResponse::spring}, {"none", ContactResponse::none}};
 
+const Words<Mixing> mixings{{"larger", Mixing::larger},
+                            {"smaller", Mixing::smaller},
+                            {"mean", Mixing::mean},
+                            {"geometric mean", Mixing::geometric_mean},
+                            {"product", Mixing::product}};
+
 PlaneDescription read_plane(Table table, RangeDescription& range) {
     PlaneDescription plane;
     table.required("name", plane.name);
@@ -44,6 +50,8 @@ PlaneDescription read_plane(Table table, RangeDescription& range) {
     table.optional("offset", plane.offset, Quantity{Quantity::any, "m"});
     table.optional("restitution", plane.restitution, restitution);
     table.optional("friction", plane.friction, friction);
+    table.optional("rolling_resistance", plane.rolling_resistance, moment_per_force);
+    table.optional("spinning_resistance", plane.spinning_resistance, moment_per_force);
     table.finish();
     check_not_zero(table.at("normal"), plane.normal.data(), 3, "a vector [x, y, z] that is not zero");
     if (table.has("offset"))
@@ -113,6 +121,10 @@ void read_contact(Table table, ContactDescription& contact) {
     table.optional("restitution", contact.restitution, restitution);
     table.optional("restitution_threshold", contact.restitution_threshold, Quantity{Quantity::not_negative, "m/s"});
     table.optional("friction", contact.friction, friction);
+    table.optional("rolling_resistance", contact.rolling_resistance, moment_per_force);
+    table.optional("spinning_resistance", contact.spinning_resistance, moment_per_force);
+    table.optional("restitution_mixing", contact.restitution_mixing, mixings);
+    table.optional("friction_mixing", contact.friction_mixing, mixings);
     table.optional("tolerance", contact.tolerance, Quantity{Quantity::positive, "m"});
     table.optional("stiffness", contact.stiffness, stiffness);
     table.optional("damping", contact.damping, damping);

@@ -9,6 +9,7 @@ namespace tumble::host {
 inline constexpr Quantity metres{Quantity::any, "m", "x, y, z"};
 inline constexpr Quantity restitution{Quantity::zero_to_one, ""};
 inline constexpr Quantity friction{Quantity::not_negative, ""};
+inline constexpr Quantity moment_per_force{Quantity::not_negative, "m"};
 inline constexpr Quantity stiffness{Quantity::not_negative, "N/m"};
 inline constexpr Quantity damping{Quantity::not_negative, "N s/m"};
 inline constexpr Quantity seconds{Quantity::not_negative, "s"};

@@ -38,6 +38,17 @@ const char* response_text(ContactResponse response) {
     return response == ContactResponse::none ? "none" : response == ContactResponse::spring ? "spring" : "impulse";
 }
 
+const char* mixing_text(Mixing mixing) {
+    switch (mixing) {
+    case Mixing::larger: return "larger";
+    case Mixing::smaller: return "smaller";
+    case Mixing::mean: return "mean";
+    case Mixing::geometric_mean: return "geometric mean";
+    case Mixing::product: break;
+    }
+    return "product";
+}
+
 std::string contact_text(const ContactDescription& c) {
     std::string sleep;
     if (c.sleep)
@@ -45,8 +56,12 @@ std::string contact_text(const ContactDescription& c) {
                 ", time = " + text_of(c.sleep->time) + " }";
     return "\n[contact]\n" + line("response", json_text(response_text(c.response))) +
            line("restitution", c.restitution) + line("restitution_threshold", c.restitution_threshold) +
-           line("friction", c.friction) + line("tolerance", c.tolerance) + line("stiffness", c.stiffness) +
-           line("damping", c.damping) + line("barrier", c.barrier) + line("sleep", sleep);
+           line("friction", c.friction) + line("rolling_resistance", c.rolling_resistance) +
+           line("spinning_resistance", c.spinning_resistance) +
+           line("restitution_mixing", json_text(mixing_text(c.restitution_mixing))) +
+           line("friction_mixing", json_text(mixing_text(c.friction_mixing))) + line("tolerance", c.tolerance) +
+           line("stiffness", c.stiffness) + line("damping", c.damping) + line("barrier", c.barrier) +
+           line("sleep", sleep);
 }
 
 }  // namespace
@@ -68,14 +83,16 @@ std::string scene_text(const SceneDescription& scene) {
             line("angular_velocity", scene.range.angular_velocity) + contact_text(scene.contact);
     for (const PlaneDescription& p : scene.planes)
         text += "\n[[plane]]\n" + line("name", json_text(p.name)) + line("normal", p.normal) +
-                line("offset", p.offset) + line("restitution", p.restitution) + line("friction", p.friction);
+                line("offset", p.offset) + line("restitution", p.restitution) + line("friction", p.friction) +
+                line("rolling_resistance", p.rolling_resistance) + line("spinning_resistance", p.spinning_resistance);
     for (const BodyDescription& b : scene.bodies)
         text += "\n[[body]]\n" + line("name", json_text(b.name)) + line("shape", shape_text(b.shape)) +
                 line("mass", b.mass) + line("density", b.density) +
                 line("inertia", b.inertia ? text_of(*b.inertia) : "") + line("position", b.position) +
                 line("velocity", b.velocity) + line("orientation", b.orientation) +
                 line("angular_velocity", b.angular_velocity) + line("restitution", b.restitution) +
-                line("friction", b.friction) + line("linear_drag", b.linear_drag) +
+                line("friction", b.friction) + line("rolling_resistance", b.rolling_resistance) +
+                line("spinning_resistance", b.spinning_resistance) + line("linear_drag", b.linear_drag) +
                 line("quadratic_drag", b.quadratic_drag) +
                 line("wheel_momentum", b.is_point_mass() ? std::string() : text_of(b.wheel_momentum)) +
                 line("fixed", b.fixed ? std::string("true") : "");

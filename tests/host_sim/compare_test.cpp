@@ -74,6 +74,8 @@ TEST(CompareDeep, every_contact_gives_the_same_bits) {
     const std::vector<std::pair<const char*, std::string>> scenes = {
         {"pairs", head + floor + balls},
         {"turntable", head + "[contact]\nfriction = 0.5\n" + table + crate},
+        {"rolling", head + "[contact]\nfriction = 0.5\nrolling_resistance = 0.003\nrestitution_mixing = \"mean\"\n" +
+                        floor + balls + crate},
         {"sleep", head + "[contact]\nrestitution = 0.0\nfriction = 0.5\nsleep = { time = 0.25 }\n" + floor + crate},
         {"round", head + "[contact]\nfriction = 0.5\n" + floor +
                       body_of("can", "cylinder = [0.25, 0.5]", "[0.0, 1.0, 0.0]") +

@@ -101,6 +101,10 @@ TEST(Compile, features_are_those_that_the_contacts_need) {
     EXPECT_EQ(features(ball), Features{});
     EXPECT_EQ(features(ball + rough), Features{"friction = true"});
     EXPECT_EQ(features(rough + ball), Features{"friction = true"});  // the plane's
+    for (const std::string resists : {"rolling_resistance = 0.001\n", "spinning_resistance = 0.001\n"}) {
+        EXPECT_EQ(features(ball + resists), (Features{"friction = true", "rolling_resistance = true"}));
+        EXPECT_EQ(features(resists + ball), (Features{"friction = true", "rolling_resistance = true"}));
+    }
     EXPECT_EQ(features(ball + other), Features{"pairs = true"});
     EXPECT_EQ(features(ball + other + fixed), Features{"pairs = true"});
     EXPECT_EQ(features(ball + fixed + other + fixed), Features{});
@@ -139,6 +143,8 @@ TEST(Compile, features_are_those_of_the_contact_response) {
               (Features{"pairs = true", "boxes = true", "round_shapes = true", "turntables = true",
                         "contact_impulses = false", "contact_springs = true"}));
     EXPECT_EQ(features("[contact]\nresponse = \"none\"\n" + sleep), Features{"turntables = true"});
+    EXPECT_EQ(features("[contact]\nrestitution_mixing = \"mean\"\n").count("mixing = true"), 1u);
+    EXPECT_EQ(features("[contact]\nrestitution_mixing = \"larger\"\n").count("mixing = true"), 0u);
 }
 
 TEST(Compile, contact_has_the_members_of_its_response) {
@@ -164,6 +170,9 @@ TEST(Compile, contact_has_the_members_of_its_response) {
     EXPECT_EQ(members(constants + "sleep = { speed = 0.25 }\n"),
               (Members{impulse, ".restitution = 0.5,", ".tolerance = 0.001,",
                        ".sleep = {.on = true, .speed = 0.25, .angular_speed = 0.05, .time = 0.5},"}));
+    EXPECT_EQ(members("rolling_resistance = 0.5\nspinning_resistance = 0.25\nfriction_mixing = \"product\"\n"),
+              (Members{impulse, ".restitution = 0.5,", ".rolling_resistance = 0.5,", ".spinning_resistance = 0.25,",
+                       ".friction_mixing = tumble::Mixing::product,", ".tolerance = 0.001,"}));
     EXPECT_EQ(members("response = \"spring\"\n"), (Members{spring, ".tolerance = 0.001,", ".stiffness = 10000.0,"}));
     EXPECT_EQ(members("response = \"spring\"\nfriction = 0.5\nsleep = { speed = 0.25 }\n" + constants),
               (Members{spring, ".tolerance = 0.001,", ".stiffness = 500.0,", ".damping = 3.0,", ".barrier = 0.5,"}));

@@ -115,7 +115,8 @@ TEST(SceneReader, unknown_key_names_file_line_and_key) {
               "text.toml:8: body[0].masss: unknown key (did you mean \"mass\"?), expected \"angular_velocity\", "
               "\"density\", \"fixed\", "
               "\"friction\", \"inertia\", \"linear_drag\", \"mass\", \"name\", \"orientation\", \"position\", "
-              "\"quadratic_drag\", \"restitution\", \"shape\", \"velocity\" or \"wheel_momentum\"");
+              "\"quadratic_drag\", \"restitution\", \"rolling_resistance\", \"shape\", \"spinning_resistance\", "
+              "\"velocity\" or \"wheel_momentum\"");
 }
 
 TEST(SceneReader, wrong_value_names_what_it_got_and_the_unit_expected) {
@@ -289,7 +290,15 @@ Numbers numbers_of(const SceneDescription& s) {
     return {s.gravitation, s.linear_drag, s.angular_drag, s.range.position, s.range.velocity, s.range.angular_velocity};
 }
 Numbers numbers_of(const ContactDescription& c) {
-    return {c.restitution, c.restitution_threshold, c.friction, c.tolerance, c.stiffness, c.damping, c.barrier};
+    return {c.restitution,
+            c.restitution_threshold,
+            c.friction,
+            c.rolling_resistance,
+            c.spinning_resistance,
+            c.tolerance,
+            c.stiffness,
+            c.damping,
+            c.barrier};
 }
 
 TEST(SceneReader, keys_left_out_have_the_documented_defaults) {
@@ -299,7 +308,7 @@ TEST(SceneReader, keys_left_out_have_the_documented_defaults) {
     EXPECT_EQ(scene.gravity, (Triple{0.0, 0.0, 0.0}));
     EXPECT_EQ(numbers_of(scene), (Numbers{0, 0, 0, 1024, 128, 64}));
     EXPECT_EQ(scene.contact.response, ContactResponse::impulse);
-    EXPECT_EQ(numbers_of(scene.contact), (Numbers{0.5, 0, 0, 0.001, 10000, 0, 0}));
+    EXPECT_EQ(numbers_of(scene.contact), (Numbers{0.5, 0, 0, 0, 0, 0.001, 10000, 0, 0}));
     EXPECT_FALSE(scene.contact.sleep);
     EXPECT_TRUE(scene.planes.empty());
 
@@ -334,6 +343,10 @@ response = "spring"
 restitution = 1
 restitution_threshold = 0.1
 friction = 0.2
+rolling_resistance = 0.002
+spinning_resistance = 0.003
+restitution_mixing = "product"
+friction_mixing = "mean"
 tolerance = 0.01
 stiffness = 500
 damping = 3
@@ -345,6 +358,8 @@ normal = [0, 2, 0]
 offset = -1
 restitution = 0
 friction = 0.7
+rolling_resistance = 0.004
+spinning_resistance = 0.005
 [[body]]
 name = "a"
 shape = { points = [[0, 0, 0, 1], [1, 0, 0, 2], [0, 1, 0, 3]] }
@@ -354,6 +369,8 @@ orientation = [0, 0, 3, 4]
 angular_velocity = [4, 5, 6]
 restitution = 0.9
 friction = 0.1
+rolling_resistance = 0.006
+spinning_resistance = 0.007
 fixed = true
 [[body]]
 name = "b"
@@ -396,7 +413,9 @@ TEST(SceneReader, every_key_of_world_and_bodies_arrives_as_written) {
     EXPECT_EQ(scene.duration, 3.0);
     EXPECT_EQ(numbers_of(scene), (Numbers{0.5, 0.25, 0.125, 1024, 32, 64}));
     EXPECT_EQ(scene.contact.response, ContactResponse::spring);
-    EXPECT_EQ(numbers_of(scene.contact), (Numbers{1, 0.1, 0.2, 0.01, 500, 3, 0.5}));
+    EXPECT_EQ(numbers_of(scene.contact), (Numbers{1, 0.1, 0.2, 0.002, 0.003, 0.01, 500, 3, 0.5}));
+    EXPECT_EQ(scene.contact.restitution_mixing, Mixing::product);
+    EXPECT_EQ(scene.contact.friction_mixing, Mixing::mean);
     const auto& sleep = scene.contact.sleep;
     ASSERT_TRUE(sleep);
     EXPECT_EQ((Numbers{sleep->speed, sleep->angular_speed, sleep->time}), (Numbers{0.03, 0.5, 0.5}));
@@ -404,7 +423,9 @@ TEST(SceneReader, every_key_of_world_and_bodies_arrives_as_written) {
     const PlaneDescription& plane = scene.planes.at(0);
     EXPECT_EQ(plane.name, "floor");
     EXPECT_EQ(plane.normal, (Triple{0.0, 2.0, 0.0}));
-    EXPECT_EQ((Numbers{plane.offset, plane.restitution.value(), plane.friction.value()}), (Numbers{-1, 0, 0.7}));
+    EXPECT_EQ((Numbers{plane.offset, plane.restitution.value(), plane.friction.value(),
+                       plane.rolling_resistance.value(), plane.spinning_resistance.value()}),
+              (Numbers{-1, 0, 0.7, 0.004, 0.005}));
 
     const BodyDescription& a = scene.bodies.at(0);
     EXPECT_EQ(a.shape.kind, ShapeKind::points);
@@ -414,7 +435,9 @@ TEST(SceneReader, every_key_of_world_and_bodies_arrives_as_written) {
     EXPECT_FALSE(a.mass);
     EXPECT_EQ((Triples{a.position, a.velocity, a.angular_velocity}), (Triples{{1, 2, 3}, {-32, 32, 0}, {4, 5, 6}}));
     EXPECT_EQ(a.orientation, (Quadruple{0.0, 0.0, 3.0, 4.0}));
-    EXPECT_EQ((Numbers{a.restitution.value(), a.friction.value()}), (Numbers{0.9, 0.1}));
+    EXPECT_EQ((Numbers{a.restitution.value(), a.friction.value(), a.rolling_resistance.value(),
+                       a.spinning_resistance.value()}),
+              (Numbers{0.9, 0.1, 0.006, 0.007}));
     EXPECT_TRUE(a.fixed);
     EXPECT_EQ(scene.bodies.at(1).shape.size, (Triple{0.5, 2.0, 0.0}));
     const BodyDescription& b = scene.bodies.at(1);

@@ -13,35 +13,37 @@ struct Verlet;
 // The list of features: the room of a scene, and what can happen in it. A feature that is off is not in the image. Code
 // that combines or prints features uses for_each().
 struct Features {
-    int bodies = 1;                 // room for bodies, fixed ones included; 0: the world only counts its steps
-    int planes = 0;                 // room for planes
-    int springs = 0;                // room for springs
-    int near_pairs = 0;             // room for pairs that are near each other at one time; 0: the usual room
-    bool rotation = true;           // bodies rotate; if false, all of them are point masses
-    bool point_masses = false;      // some bodies may be point masses, which do not rotate
-    bool drag = false;              // world-wide linear and angular drag
-    bool gravitation = false;       // attraction between all bodies
-    bool softening = false;         // of that attraction at short distances: World::set_softening()
-    bool air = false;               // drag of each body in wind: Air
-    bool gravity_gradient = false;  // torque on a long body in orbit: GravityGradient
-    bool wheels = false;            // stored angular momentum of each body: Wheels
-    bool forces = false;            // forces and torques at set times
-    bool impulses = false;          // impulses at set times
-    bool control = false;           // the program sets forces and torques while it runs
-    bool script = false;            // events of every kind at set times, for World::set_script()
-    bool recording = false;         // the world writes its events to a recording, for World::record()
-    bool removal = false;           // bodies can be removed, and their places are used again
-    bool snapshots = false;         // the world can be saved as bytes and restored, for World::save()
-    bool imu = false;               // the world keeps the motion before each step, for World::imu()
-    bool pairs = false;             // bodies collide with bodies
-    bool boxes = false;             // boxes collide (spheres always do if there are planes or pairs)
-    bool round_shapes = false;      // cylinders, capsules and hoops collide with planes
-    bool friction = false;          // for contacts by impulses
-    bool sleep = false;             // resting bodies fall asleep; for contacts by impulses
-    bool turntables = false;        // fixed bodies may rotate
-    bool contact_readout = false;   // the world keeps what contacts do in a step, for World::contacts()
-    bool contact_impulses = true;   // ContactResponse::impulse
-    bool contact_springs = false;   // ContactResponse::spring
+    int bodies = 1;                   // room for bodies, fixed ones included; 0: the world only counts its steps
+    int planes = 0;                   // room for planes
+    int springs = 0;                  // room for springs
+    int near_pairs = 0;               // room for pairs that are near each other at one time; 0: the usual room
+    bool rotation = true;             // bodies rotate; if false, all of them are point masses
+    bool point_masses = false;        // some bodies may be point masses, which do not rotate
+    bool drag = false;                // world-wide linear and angular drag
+    bool gravitation = false;         // attraction between all bodies
+    bool softening = false;           // of that attraction at short distances: World::set_softening()
+    bool air = false;                 // drag of each body in wind: Air
+    bool gravity_gradient = false;    // torque on a long body in orbit: GravityGradient
+    bool wheels = false;              // stored angular momentum of each body: Wheels
+    bool forces = false;              // forces and torques at set times
+    bool impulses = false;            // impulses at set times
+    bool control = false;             // the program sets forces and torques while it runs
+    bool script = false;              // events of every kind at set times, for World::set_script()
+    bool recording = false;           // the world writes its events to a recording, for World::record()
+    bool removal = false;             // bodies can be removed, and their places are used again
+    bool snapshots = false;           // the world can be saved as bytes and restored, for World::save()
+    bool imu = false;                 // the world keeps the motion before each step, for World::imu()
+    bool pairs = false;               // bodies collide with bodies
+    bool boxes = false;               // boxes collide (spheres always do if there are planes or pairs)
+    bool round_shapes = false;        // cylinders, capsules and hoops collide with planes
+    bool friction = false;            // for contacts by impulses
+    bool rolling_resistance = false;  // rolling and spinning meet a resistance; needs friction
+    bool mixing = false;              // how the values of two sides mix can be chosen: ContactSpec
+    bool sleep = false;               // resting bodies fall asleep; for contacts by impulses
+    bool turntables = false;          // fixed bodies may rotate
+    bool contact_readout = false;     // the world keeps what contacts do in a step, for World::contacts()
+    bool contact_impulses = true;     // ContactResponse::impulse
+    bool contact_springs = false;     // ContactResponse::spring
 
     friend constexpr bool operator==(const Features&, const Features&) = default;
 
@@ -72,6 +74,8 @@ struct Features {
         f("boxes", &Features::boxes);
         f("round_shapes", &Features::round_shapes);
         f("friction", &Features::friction);
+        f("rolling_resistance", &Features::rolling_resistance);
+        f("mixing", &Features::mixing);
         f("sleep", &Features::sleep);
         f("turntables", &Features::turntables);
         f("contact_readout", &Features::contact_readout);

@@ -31,6 +31,8 @@ public:
                   "without rotation all bodies are point masses: name .point_masses = true beside .rotation = false");
     static_assert(runs_in<Integrator, N>,
                   "the scene's Integrator runs in floating point only: not_in_fixed_point says why");
+    static_assert(S::features.friction || !S::features.rolling_resistance,
+                  "rolling resistance acts beside friction: name .friction = true too");
     static_assert(Method<Integrator, N>, "the scene's Integrator lacks what integrators/method.hpp asks of a method");
     static constexpr Features features = S::features;  // room, and what can happen
     static_assert(features.bodies >= 0 && features.bodies <= BodyId::most, "room for 32767 bodies at the most");

@@ -22,16 +22,18 @@ struct Seconds {
 
 // A body as it is added to a world.
 struct BodySpec {
-    Shape shape{};                // collides; none: collides with nothing
-    Real mass = 1;                // kg
-    InertiaTensor inertia{};      // kg m^2, about the centre of mass, user's axes; zero and no shape: a point mass
-    RealVec3 position{};          // m, world
-    RealVec3 velocity{};          // m/s, world
-    RealQuat orientation{};       // user's body axes to world; normalised when added
-    RealVec3 angular_velocity{};  // rad/s, user's body axes
-    Real restitution = -1;        // of impacts, 0 to 1; negative: the world's value
-    Real friction = -1;           // Coulomb's coefficient; negative: the world's value
-    bool fixed = false;           // its position never changes; it may rotate
+    Shape shape{};                  // collides; none: collides with nothing
+    Real mass = 1;                  // kg
+    InertiaTensor inertia{};        // kg m^2, about the centre of mass, user's axes; zero and no shape: a point mass
+    RealVec3 position{};            // m, world
+    RealVec3 velocity{};            // m/s, world
+    RealQuat orientation{};         // user's body axes to world; normalised when added
+    RealVec3 angular_velocity{};    // rad/s, user's body axes
+    Real restitution = -1;          // of impacts, 0 to 1; negative: the world's value
+    Real friction = -1;             // Coulomb's coefficient; negative: the world's value
+    Real rolling_resistance = -1;   // m; the moment against rolling over the normal force; negative: the world's value
+    Real spinning_resistance = -1;  // m; the same about the normal
+    bool fixed = false;             // its position never changes; it may rotate
 };
 
 // True of a point mass: a body without shape and inertia. It collides with nothing, and has neither orientation nor
@@ -44,10 +46,12 @@ struct BodySpec {
 
 // A fixed plane. By default the ground y = 0.
 struct PlaneSpec {
-    RealVec3 normal{0, 1, 0};  // normalised when added; the free side is where normal . x + offset > 0
-    Real offset = 0;           // m
-    Real restitution = -1;     // of impacts, 0 to 1; negative: the world's value
-    Real friction = -1;        // Coulomb's coefficient; negative: the world's value
+    RealVec3 normal{0, 1, 0};       // normalised when added; the free side is where normal . x + offset > 0
+    Real offset = 0;                // m
+    Real restitution = -1;          // of impacts, 0 to 1; negative: the world's value
+    Real friction = -1;             // Coulomb's coefficient; negative: the world's value
+    Real rolling_resistance = -1;   // m; the moment against rolling over the normal force; negative: the world's value
+    Real spinning_resistance = -1;  // m; the same about the normal
 };
 
 // F = -k (length - rest_length) - c (rate of length), between a point of `body` and a point of the world or of another
@@ -86,6 +90,10 @@ struct ForceSpec {
 // The response of contacts: nothing, impulses (with restitution and friction), or springs.
 enum class ContactResponse : std::uint8_t { none, impulse, spring };
 
+// How the values of the two sides of a contact make one. A side without a value has the world's. With `larger` it has
+// none where the other has one.
+enum class Mixing : std::uint8_t { larger, smaller, mean, geometric_mean, product };
+
 // An island falls asleep when all its bodies have been slower than these speeds for the given time.
 struct SleepSpec {
     bool on = false;            // needs Features::sleep
@@ -100,20 +108,37 @@ struct ContactSpec {
     Real restitution = 0.5;          // of impacts, 0 to 1; for bodies and planes without a value of their own
     Real restitution_threshold = 0;  // m/s; slower impacts do not bounce
     Real friction = 0;               // Coulomb's coefficient; for bodies and planes without a value of their own
-    Real tolerance = 0.001;          // m; the gap within which bodies touch, and the depth at which a step is redone
-    Real stiffness = 10000;          // N/m for each contact point; for ContactResponse::spring
-    Real damping = 0;                // N s/m for each contact point; for ContactResponse::spring
-    Real barrier = 0;                // N m^2; the force is barrier / gap^2; for ContactResponse::spring
-    SleepSpec sleep{};               // when resting bodies fall asleep
+    Real rolling_resistance = 0;     // m; the moment against rolling over the normal force; likewise
+    Real spinning_resistance = 0;    // m; the same about the normal; likewise
+    Mixing restitution_mixing = Mixing::larger;       // another needs Features::mixing
+    Mixing friction_mixing = Mixing::geometric_mean;  // another needs Features::mixing
+    Real tolerance = 0.001;  // m; the gap within which bodies touch, and the depth at which a step is redone
+    Real stiffness = 10000;  // N/m for each contact point; for ContactResponse::spring
+    Real damping = 0;        // N s/m for each contact point; for ContactResponse::spring
+    Real barrier = 0;        // N m^2; the force is barrier / gap^2; for ContactResponse::spring
+    SleepSpec sleep{};       // when resting bodies fall asleep
+
+    // True without a choice of mixing.
+    [[nodiscard]] constexpr bool mixes_as_usual() const {
+        return restitution_mixing == Mixing::larger && friction_mixing == Mixing::geometric_mean;
+    }
 };
 
 // True of a restitution that a body or plane may have. Negative values stand for the world's.
 [[nodiscard]] constexpr bool is_restitution(Real e) { return e <= Real{1}; }
 // True of values that contacts can have: none is negative, the restitution is at most 1, the tolerance is above 0.
 [[nodiscard]] constexpr bool is_valid(const ContactSpec& spec) {
-    const Real least[] = {
-        spec.restitution, spec.restitution_threshold, spec.friction,  spec.stiffness, spec.damping, spec.barrier,
-        spec.sleep.speed, spec.sleep.angular_speed,   spec.sleep.time};
+    const Real least[] = {spec.restitution,
+                          spec.restitution_threshold,
+                          spec.friction,
+                          spec.rolling_resistance,
+                          spec.spinning_resistance,
+                          spec.stiffness,
+                          spec.damping,
+                          spec.barrier,
+                          spec.sleep.speed,
+                          spec.sleep.angular_speed,
+                          spec.sleep.time};
     for (const Real& value : least)
         if (value.is_negative()) return false;
     return is_restitution(spec.restitution) && spec.tolerance > Real{};

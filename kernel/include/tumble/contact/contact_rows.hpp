@@ -24,7 +24,7 @@ public:
     using Velocities = SolverVelocities<N, spin, features>;
     using Velocity = WeightedVelocity<N>;
     using Kicks = typename Velocities::Kicks;
-    using Solver = tumble::Solver<N, features.pairs, features.friction>;
+    using Solver = tumble::Solver<N, features.pairs, features.friction, features.rolling_resistance>;
 
     ContactRows(const NarrowPhase& shapes, PairList& pairs, Velocities& velocities, Bodies& bodies,
                 const Island& island)
@@ -68,6 +68,8 @@ public:
                 if (!turns && !point.rows_hold)
                     for (int k = 0; k < pair.rows(); ++k) set_row(point, directions, k, pair);
                 point.rows_hold = !turns;
+                if constexpr (features.rolling_resistance)
+                    if (pair.resists_spin()) set_spin_rows(point, directions, pair);
             }
         }
         if constexpr (features.turntables && features.friction) {
@@ -84,8 +86,11 @@ public:
 
     // The rows of a point, with the velocities that their impulses change.
     [[nodiscard]] typename Solver::Block block(Pair& pair, Point& point) {
-        return {point.row, pair.rows(), pair.friction, velocities_.now[pair.a],
-                pair.moves_b() ? &velocities_.now[pair.b] : nullptr};
+        typename Solver::Block block{point.row, pair.rows(), pair.friction, velocities_.now[pair.a],
+                                     pair.moves_b() ? &velocities_.now[pair.b] : nullptr};
+        if constexpr (features.rolling_resistance)
+            if (pair.resists_spin()) block.resistance = {point.spin, pair.rolling, pair.spinning};
+        return block;
     }
     // Along the normal of a point.
     [[nodiscard]] Speed velocity(const Velocity (&of)[features.bodies], const Pair& pair, const Point& point) const {
@@ -124,7 +129,7 @@ public:
         pairs_.for_each_active(island_, [&](Pair& pair, Point& point) { Solver::push(block(pair, point)); });
     }
     static void clear_impulses(Point& point) {
-        for (auto& row : point.row) row.impulse = Speed{};
+        point.for_each_row([](auto& row, Speed&) { row.impulse = Speed{}; });
     }
 
 private:
@@ -167,6 +172,30 @@ private:
             }
         }
         row.set(directions.linear[k], lever);
+    }
+    // Makes the rows of the relative spin, in the axes of the start.
+    void set_spin_rows(Point& point, const Directions& directions, const Pair& pair) const
+        requires(features.rolling_resistance) {
+        const Length arm = shapes_.spin_arm(pair);
+        const auto levers = [&](int b, const Vec3<Unit>& about) {
+            const CollisionShape<N>& shape = shapes_.shape(b);
+            const Vec3<Length> c = tumble::along(about, arm);
+            return Vec3<typename C::Lever>{shape.per_gyration[0](c.x()), shape.per_gyration[1](c.y()),
+                                           shape.per_gyration[2](c.z())};
+        };
+        for (int k = 0; k < 3; ++k) {
+            auto& row = point.spin[k];
+            const int about = k < 2 ? k + 1 : 0;
+            row.target = Speed{};
+            if constexpr (features.pairs) {
+                if (directions.moves_b) {
+                    row.set_spin(levers(pair.a, directions.angular[about]),
+                                 levers(pair.b, directions.angular_b[about]));
+                    continue;
+                }
+            }
+            row.set_spin(levers(pair.a, directions.angular[about]));
+        }
     }
     // Directions in the axes of a body, in the middle and at the end of a flight.
     struct Turned {

@@ -171,23 +171,25 @@ private:
         for_each_component([&](Speed u, Speed& end) { end = u + narrow<Speed>(mul(end - u, share)); });
         return share;
     }
-    // Adds `share` of the impulses that solve() has found to the log, with the speeds of approach before them.
+    // Adds `share` of the impulses that solve() has found to the log, with the speeds of approach before them. A slower
+    // one than the search for the impact resolves is none.
     void log_impulses([[maybe_unused]] Unit share) {
-        if constexpr (features.contact_readout)
+        if constexpr (features.contact_readout) {
+            const Work least = Bounds::search_gap(shapes_.scale().metres(shapes_.tolerance()));
             pairs_.for_each(island_, [&](const Pair& pair) {
                 if (!pair.touched) return;
-                Work fastest(0);
+                Work fastest = least;
                 for (int i = 0; i < pair.count; ++i) {
                     const Point& point = pair.point[i];
+                    if (!point.active || !(point.row[0].impulse > Speed{})) continue;
                     const Speed approach = -rows_.velocity(velocities_.loaded, pair, point);
-                    if (!point.active || !(point.row[0].impulse > Speed{}) || !(approach > velocities_.scale.noise()))
-                        continue;
                     const Work speed = velocities_.scale.work(approach) / (pair.weight * N::work(point.row[0].inverse));
                     if (speed > fastest) fastest = speed;
                 }
                 auto* const entry = log_.add(pair, shapes_, bodies_, N::work(share));
-                if (entry != nullptr && entry->hit_speed < fastest) entry->hit_speed = fastest;
+                if (entry != nullptr && fastest > least && fastest > entry->hit_speed) entry->hit_speed = fastest;
             });
+        }
     }
     // Calls f(velocity at the start of the round, velocity).
     template <class F>

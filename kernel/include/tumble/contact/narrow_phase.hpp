@@ -24,6 +24,8 @@ public:
         : restitution_{N::template constant<Work>(spec.restitution)},
           friction_{N::template constant<Work>(spec.friction)}, response_{spec.response}, tolerance_metres_{
                                                                                               spec.tolerance} {
+        if constexpr (features.mixing) mixing_ = {spec.restitution_mixing, spec.friction_mixing};
+        if constexpr (features.rolling_resistance) resistance_.world = Resistance{spec};
         if constexpr (N::fixed_point) (void)make_room(Real{N::Range::velocity} * step);
         (void)make_room(spec.tolerance);
     }
@@ -37,6 +39,7 @@ public:
     // Adds a plane; false when there is no room.
     [[gnu::noinline]] bool add(const PlaneSpec& spec) {
         if (plane_count_ >= features.planes) return false;
+        if constexpr (features.rolling_resistance) resistance_.plane[plane_count_] = Resistance{spec};
         plane_[plane_count_++] = Plane<N>{spec};
         return true;
     }
@@ -60,6 +63,7 @@ public:
     // Sets the collision shape of body b. True where the scale of lengths has changed: lengths from before are invalid
     // then.
     bool set_shape(int b, const BodySpec& spec, const PrincipalInertia& inertia, const SpinUnits<N, spin>& units) {
+        if constexpr (features.rolling_resistance) resistance_.body[b] = Resistance{spec};
         const bool rescaled = make_room(reach_of(spec.shape));
         set_collision_shape<N, spin, features.mixed()>(shape_[b], spec, inertia, scale(), units);
         return rescaled;
@@ -116,6 +120,18 @@ public:
         pair.restitution = C::unit(restitution);
         pair.friction = C::friction(friction);
         if constexpr (features.friction) pair.has_friction = friction > Work(0);
+        if constexpr (features.rolling_resistance) {
+            set_resistance(pair);
+            pair.has_friction = pair.has_friction || pair.resists_spin();
+        }
+    }
+    // The length by which the spin of a pair counts as a speed: the radius of a body, which no radius of gyration of it
+    // exceeds. Of two that move, twice that of the lighter one, which takes at least half of the squares of a row.
+    [[nodiscard]] Length spin_arm(const Pair& pair) const {
+        const Length a = shape_[pair.a].radius;
+        if (!pair.moves_b()) return a;
+        const Length lighter = pair.share_a < pair.share_b ? shape_[pair.b].radius : a;
+        return lighter + lighter;
     }
     // --- where they are ----------------------------------------------------------------------------------------------
 
@@ -203,6 +219,36 @@ public:
     }
 
 private:
+    // m: the moments against rolling and spinning over the normal force. Negative: the world's values.
+    struct Resistance {
+        Work rolling{}, spinning{};
+
+        Resistance() = default;
+        explicit Resistance(const auto& spec)
+            : rolling{N::template constant<Work>(spec.rolling_resistance)}, spinning{N::template constant<Work>(
+                                                                                spec.spinning_resistance)} {}
+    };
+    struct Resistances {
+        Resistance world, body[features.bodies], plane[features.planes > 0 ? features.planes : 1];
+    };
+    void set_resistance(Pair& pair) const requires(features.rolling_resistance) {
+        const Resistance &a = resistance_.body[pair.a],
+                         &b = pair.with_plane() ? resistance_.plane[pair.plane()] : resistance_.body[pair.b];
+        const Length arm = spin_arm(pair);
+        const Work over_arm = Work(1) / scale().metres(arm);
+        const auto combined = [&](Work of_a, Work of_b, Work otherwise) {
+            const Work x = of_a < Work(0) ? otherwise : of_a, y = of_b < Work(0) ? otherwise : of_b;
+            return C::friction((x < y ? y : x) * over_arm);
+        };
+        pair.rolling = combined(a.rolling, b.rolling, resistance_.world.rolling);
+        pair.spinning = combined(a.spinning, b.spinning, resistance_.world.spinning);
+        const auto has_levers = [&](int b, typename C::Unit share) {
+            return Bounds::has_levers(shape_[b].gyration, narrow<Length>(mul(share, arm)));
+        };
+        if (!has_levers(pair.a, pair.share_a) || (pair.moves_b() && !has_levers(pair.b, pair.share_b)))
+            pair.rolling = pair.spinning = {};
+    }
+
     // Makes room for a length, m. True where the scale of lengths has changed. Raises the tolerance to the least that
     // the scale resolves.
     bool make_room(Real largest) {
@@ -212,15 +258,30 @@ private:
         set_fall();
         return rescaled;
     }
-    [[nodiscard]] static Work combined_restitution(Work a, Work b, Work otherwise) {
+    [[nodiscard]] Work combined_restitution(Work a, Work b, Work otherwise) const {
         const Work none(0);
+        if constexpr (features.mixing)
+            if (mixing_.restitution != Mixing::larger) return mixed(mixing_.restitution, a, b, otherwise);
         if (a < none && b < none) return otherwise;
         return a < b ? b : a;  // the larger one
     }
     // The geometric mean. A side without a coefficient has the world's.
-    [[nodiscard]] static Work combined_friction(Work a, Work b, Work otherwise) {
+    [[nodiscard]] Work combined_friction(Work a, Work b, Work otherwise) const {
+        if constexpr (features.mixing)
+            if (mixing_.friction != Mixing::geometric_mean) return mixed(mixing_.friction, a, b, otherwise);
         const Work x = a < Work(0) ? otherwise : a, y = b < Work(0) ? otherwise : b;
         return x == y ? x : sqrt(x * y);
+    }
+    [[nodiscard]] static Work mixed(Mixing mixing, Work a, Work b, Work otherwise) requires(features.mixing) {
+        const Work x = a < Work(0) ? otherwise : a, y = b < Work(0) ? otherwise : b;
+        switch (mixing) {
+        case Mixing::larger: return x < y ? y : x;
+        case Mixing::smaller: return x < y ? x : y;
+        case Mixing::mean: return N::half_of(x + y);
+        case Mixing::geometric_mean: return sqrt(x * y);
+        case Mixing::product: break;
+        }
+        return x * y;
     }
     // Takes the points over. A point inherits the impulses of the one that was at its place.
     void take(Pair& pair, const Manifold<N>& found) const {
@@ -232,12 +293,15 @@ private:
         const int count = found.count < Pair::max_points ? found.count : Pair::max_points;
         const bool only = count == 1 && pair.count == 1;
         Speed impulse[Pair::max_points][Point::directions];
+        [[maybe_unused]] Speed of_spin[Pair::max_points][3];
         for (int i = 0; i < count; ++i) {
             int before = -1;
             for (int j = 0; j < pair.count && before < 0; ++j)
                 if (only || is_same(pair.point[j].arm, found.point[i].arm)) before = j;
             for (int k = 0; k < Point::directions; ++k)
                 impulse[i][k] = before < 0 ? Speed{} : pair.point[before].row[k].impulse;
+            if constexpr (features.rolling_resistance)
+                for (int k = 0; k < 3; ++k) of_spin[i][k] = before < 0 ? Speed{} : pair.point[before].spin[k].impulse;
         }
         for (int i = 0; i < count; ++i) {
             Point& point = pair.point[i];
@@ -249,6 +313,8 @@ private:
             }
             point.gap = found.point[i].gap;
             for (int k = 0; k < Point::directions; ++k) point.row[k].impulse = impulse[i][k];
+            if constexpr (features.rolling_resistance)
+                for (int k = 0; k < 3; ++k) point.spin[k].impulse = of_spin[i][k];
         }
         pair.count = static_cast<std::uint8_t>(count);
         pair.moved = false;
@@ -269,6 +335,11 @@ private:
     Axes<N> axes_[features.bodies]{};
 
     Work restitution_, friction_;  // where neither side names its own
+    struct Mixings {
+        Mixing restitution, friction;
+    };
+    [[no_unique_address]] If<features.mixing, Mixings, 4> mixing_{};
+    [[no_unique_address]] If<features.rolling_resistance, Resistances, 3> resistance_{};
     ContactResponse response_;
     Real tolerance_metres_;
     RealVec3 fall_metres_{};

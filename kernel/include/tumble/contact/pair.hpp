@@ -29,6 +29,17 @@ struct ContactPoint {
     // corrected, the impulses without that.
     Speed set_aside[directions];
     Row<N, features.pairs> row[directions];  // the normal, of which the target is the least velocity; the tangents
+    // Of the relative spin: about the tangents and the normal. And their impulses while penetrations are corrected.
+    [[no_unique_address]] If<features.rolling_resistance, Row<N, features.pairs>[3], 1> spin;
+    [[no_unique_address]] If<features.rolling_resistance, Speed[3], 2> spin_set_aside;
+
+    // Calls f(row, room for an impulse that is set aside) for all rows.
+    template <class F>
+    void for_each_row(F&& f) {
+        for (int k = 0; k < directions; ++k) f(row[k], set_aside[k]);
+        if constexpr (features.rolling_resistance)
+            for (int k = 0; k < 3; ++k) f(spin[k], spin_set_aside[k]);
+    }
 };
 
 template <class N, Features features>
@@ -62,6 +73,9 @@ struct Pair {
     typename N::Work weight{};  // root of the reduced mass
     Unit restitution{};
     typename C::Friction friction{};
+    // Moments against rolling and spinning, over the spin arm and the normal force. Zero: it rolls freely.
+    [[no_unique_address]] If<features.rolling_resistance, typename C::Friction, 2> rolling{};
+    [[no_unique_address]] If<features.rolling_resistance, typename C::Friction, 3> spinning{};
     typename C::SpeedScale scale{};  // of the points' impulses
     Point point[max_points];
 
@@ -77,6 +91,8 @@ struct Pair {
             auto& point = self.point[i];
             visit(point.arm, point.gap);
             for (auto& row : point.row) visit(row.impulse);
+            if constexpr (features.rolling_resistance)
+                for (auto& row : point.spin) visit(row.impulse);
             if constexpr (features.pairs) visit(point.arm_b);
             if constexpr (Visit::reads) point.rows_hold = false;
         }
@@ -96,6 +112,12 @@ struct Pair {
     [[nodiscard]] int rows() const {
         if constexpr (features.friction) return has_friction ? 3 : 1;
         else return 1;
+    }
+    // Rolling and spinning meet a resistance.
+    [[nodiscard]] bool resists_spin() const {
+        if constexpr (features.rolling_resistance)
+            return rolling > typename C::Friction{} || spinning > typename C::Friction{};
+        else return false;
     }
     // Body b moves too: it is neither a plane nor a fixed body.
     [[nodiscard]] bool moves_b() const { return features.pairs && b >= 0 && !(share_b == Unit{}); }

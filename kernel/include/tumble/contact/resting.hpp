@@ -69,7 +69,8 @@ public:
                 }
                 strikes = strikes || (!above && fast);
                 if (above) point.row[0].target -= closing;
-                for (auto& row : point.row) row.impulse = velocities_.scale.from(row.impulse, pair.scale);
+                point.for_each_row(
+                    [&](auto& row, Speed&) { row.impulse = velocities_.scale.from(row.impulse, pair.scale); });
                 pair.touched = true;
                 ++active;
             }
@@ -200,7 +201,7 @@ private:
         const auto& group = island_.group;
         Speed largest{};
         pairs_.for_each_active(island_, [&](Pair& pair, Point& point) {
-            for (int k = 0; k < Point::directions; ++k) point.set_aside[k] = point.row[k].impulse;
+            point.for_each_row([](auto& row, Speed& aside) { aside = row.impulse; });
             if (point.gap > Length{}) return;
             Speed& target = point.row[0].target;
             const Speed lift = rows_.speed(pair, point, Bounds::lift(point.gap, shapes_.tolerance()));
@@ -213,7 +214,7 @@ private:
         (void)rows_.sweep(velocities_.scale.enough_at_rest(), contact::max_sweeps);
         const Speed left = rows_.sweep(velocities_.scale.enough_at_rest(), 2);
         pairs_.for_each_active(island_, [&](Pair&, Point& point) {
-            for (int k = 0; k < Point::directions; ++k) point.row[k].impulse = point.set_aside[k];
+            point.for_each_row([](auto& row, Speed& aside) { row.impulse = aside; });
         });
         const bool solved = !(left > largest);
         for (int k = 0; k < group.count; ++k) {

@@ -51,7 +51,21 @@ struct Row {
              const Vec3<Lever>& lever_b) requires pairs {
         set_scaled(direction, lever, C::inverse_root_of_one_and(dot(lever, lever) + dot(lever_b, lever_b)));
         linear_b = -times(direction_b, inverse);
-        angular_b = {-C::unit(lever_b.x(), inverse), -C::unit(lever_b.y(), inverse), -C::unit(lever_b.z(), inverse)};
+        angular_b = -times_lever(lever_b);
+    }
+
+    // Sets the row of a spin, or of the difference of two. A lever is an axis times a length that is not below any
+    // radius of gyration, over these, in principal axes.
+    void set_spin(const Vec3<Lever>& lever) {
+        inverse = C::inverse_root_of(dot(lever, lever));
+        linear = Vec3<Unit>::Constant(Unit{});
+        angular = times_lever(lever);
+    }
+    void set_spin(const Vec3<Lever>& lever, const Vec3<Lever>& lever_b) requires pairs {
+        inverse = C::inverse_root_of(dot(lever, lever) + dot(lever_b, lever_b));
+        linear = linear_b = Vec3<Unit>::Constant(Unit{});
+        angular = times_lever(lever);
+        angular_b = -times_lever(lever_b);
     }
 
     // The velocity along the row; b is null where only a moves.
@@ -104,7 +118,10 @@ private:
     void set_scaled(const Vec3<Unit>& direction, const Vec3<Lever>& lever, Unit scale) {
         inverse = scale;
         linear = times(direction, inverse);
-        angular = {C::unit(lever.x(), inverse), C::unit(lever.y(), inverse), C::unit(lever.z(), inverse)};
+        angular = times_lever(lever);
+    }
+    [[nodiscard]] Vec3<Unit> times_lever(const Vec3<Lever>& lever) const {
+        return {C::unit(lever.x(), inverse), C::unit(lever.y(), inverse), C::unit(lever.z(), inverse)};
     }
     [[nodiscard]] TUMBLE_INLINE static auto add_dot(auto sum, const Vec3<Unit>& row, const Vec3<Speed>& v) {
         return mul_add(mul_add(mul_add(sum, row.x(), v.x()), row.y(), v.y()), row.z(), v.z());

@@ -192,7 +192,7 @@ private:
         if constexpr (!features.pairs) {
             return false;
         } else {
-            if (!pair.moves_b()) return false;
+            if (!pair.moves_b() || pair.resists_spin()) return false;
             using Solver = typename Rows::Solver;
             const bool is_a = b == pair.a;
             const Unit share = is_a ? pair.share_a : pair.share_b;
@@ -419,6 +419,8 @@ private:
                     const bool pushes = is_carrying(pair, i) && !(row.before == Speed{});
                     row.impulse = pushes ? W::over(row.before, row.inverse) : Speed{};
                 }
+                if constexpr (features.rolling_resistance)
+                    for (auto& row : pair.point[i].spin) row.impulse = Speed{};
             }
         });
     }

@@ -272,6 +272,7 @@ requires(!N::fixed_point) struct ContactNumbers<N> {
     [[nodiscard]] static constexpr T longest() { return std::numeric_limits<T>::max(); }
     [[nodiscard]] static Vec3<T> direction(const Vec3<T>& v) { return scaled_by(v, T(1) / sqrt(dot(v, v))); }
     [[nodiscard]] static T inverse_root_of_one_and(T squares) { return T(1) / sqrt(T(1) + squares); }
+    [[nodiscard]] static T inverse_root_of(T squares) { return T(1) / sqrt(squares); }
     [[nodiscard]] static T unit(T q, T factor) { return q * factor; }
     [[nodiscard]] static T unit(T w) { return w; }
     [[nodiscard]] static T product(T a, T b) { return a * b; }

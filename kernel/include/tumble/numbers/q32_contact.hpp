@@ -279,6 +279,11 @@ requires(N::fixed_point) struct ContactNumbers<N> {
     [[nodiscard]] static Unit inverse_root_of_one_and(Wide<60> square) {
         return inverse_root_of_one_and(Wide<48>{square.raw >> 12});
     }
+    // 1 / sqrt(q . q) of levers that are at least 1 together.
+    [[nodiscard]] static Unit inverse_root_of(Wide<48> squares) {
+        const std::int64_t beyond = squares.raw - (std::int64_t{1} << 48);
+        return inverse_root_of_one_and(Wide<48>{beyond > 0 ? beyond : 0});
+    }
     [[nodiscard]] TUMBLE_INLINE static Unit unit(Lever q, Unit factor) {
         return narrow<Unit>(Wide<60>{detail::multiply(q.raw, factor.raw) * 64});
     }
