@@ -260,17 +260,15 @@ int run(const RunOptions& options) {
         std::cerr << "warning: --every has no effect without --trajectory or --contacts\n";
     if (options.imu && options.trajectory.empty()) std::cerr << "warning: --imu has no effect without --trajectory\n";
     const SceneDescription scene = options.read();
+    if (!options.contacts.empty() && scene.contact.response != ContactResponse::impulse)
+        throw std::invalid_argument("--contacts: got a scene without contacts by impulses, expected "
+                                    "contact.response = \"impulse\"");
     const auto simulation = options.start(scene);
     std::optional<Trajectory> trajectory;
     if (!options.trajectory.empty())
         trajectory.emplace(options.trajectory, options.every.value_or(1), options.imu, scene);
     std::optional<ContactRows> contacts;
-    if (!options.contacts.empty()) {
-        if (scene.contact.response == ContactResponse::spring)
-            throw std::invalid_argument("--contacts: got a scene with contacts by springs, expected "
-                                        "contact.response = \"impulse\"");
-        contacts.emplace(options.contacts, options.every.value_or(1), scene);
-    }
+    if (!options.contacts.empty()) contacts.emplace(options.contacts, options.every.value_or(1), scene);
     std::optional<Plot> plot;
     std::optional<OutputFile> plot_file;
     if (!options.plot.empty()) {

@@ -84,6 +84,30 @@ TEST(Run, every_without_a_trajectory_gives_a_warning) {
     EXPECT_FALSE(has(run({}).text, warning));
 }
 
+TEST(Run, contacts_have_a_row_for_each_event_and_for_every_kth_step_of_what_touches) {
+    const std::string fall = world_of("-9.81", "1/256", "1.0"), inelastic = "[contact]\nrestitution = 0.0\n",
+                      scene = written("fall.toml", fall + inelastic + floor_plane +
+                                                       body_of("ball", "sphere = 0.5", "[0.0, 1.0, 0.0]")),
+                      csv = temporary("contacts.csv");
+    ASSERT_EQ(tumble({"run", scene, "--contacts", csv, "--every", "100", "--check", "off"}).status, 0);
+    const auto lines = lines_of(contents(csv));
+    // It lands in step 82.
+    ASSERT_EQ(lines.size(), 5u);
+    EXPECT_EQ(lines[0],
+              "time_s,body,other,touches,began,ended,hit_speed,nx,ny,nz,depth,px,py,pz,normal_impulse,jx,jy,jz");
+    EXPECT_TRUE(lines[1].starts_with("0.3203125,ball,floor,1,1,0,3.13")) << lines[1];
+    EXPECT_TRUE(lines[2].starts_with("0.390625,ball,floor,1,0,0,0,0,1,0,")) << lines[2];
+    EXPECT_TRUE(lines[3].starts_with("0.78125,ball,floor,1,0,0,0,0,1,0,")) << lines[3];
+    EXPECT_TRUE(lines[4].starts_with("1,ball,floor,1,0,0,0,0,1,0,")) << lines[4];
+    for (const std::string& line : lines) EXPECT_EQ(std::count(line.begin(), line.end(), ','), 17) << line;
+    for (const char* response : {"none", "spring"}) {
+        const std::string other = written("other.toml", fall + "[contact]\nresponse = \"" + response + "\"\n" +
+                                                            body_of("ball", "sphere = 0.5"));
+        expect_outcome(tumble({"run", other, "--contacts", csv}), 2,
+                       "--contacts: got a scene without contacts by impulses, expected contact.response = \"impulse\"");
+    }
+}
+
 TEST(Run, step_and_duration_replace_those_of_the_scene) {
     const Json json = json_of({"run", shipped("brick"), "--step", "1/128", "--duration", "0.51"});
     EXPECT_EQ(json["steps"], 66);  // the last step ends at or just after the duration

@@ -65,6 +65,8 @@ public:
         const Vector back = turn_.rotate_back(v);
         return {mirrored_ ? -back.x : back.x, back.y, back.z};
     }
+    // That of a body which is its own mirror image.
+    [[nodiscard]] Rotation turn() const { return turn_; }
     [[nodiscard]] PlaneSpec plane(Vector normal, Number offset = 0) const {
         return {.normal = real(to_world(normal)), .offset = real(offset)};
     }

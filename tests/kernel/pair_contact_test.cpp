@@ -708,13 +708,12 @@ TEST_P(Pairs, boxes_whose_edges_graze_each_other_go_on) {
         const auto near = [&](Vector v, double by) { return v + direction(random) * random.uniform(0, by); };
         SceneSetup setup = space(0.9L, 0.3L);
         setup.step = Seconds{1, 128};
-        setup.bodies = {
-            oriented(placed(box(1.244, {0.3082, 0.2281, 0.3338}), {}, {0, 0.0226L, -0.5867L},
-                            near({8.3637L, -11.0507L, -13.196L}, 0.01)),
-                     {1, {0.5641, 0.8209, -0.4305}}),
-            oriented(placed(box(1.1249, {0.4111, 0.3799, 0.4458}), near({0.5966L, 0.4641L, 0.0165L}, 0.002),
-                            {-5.2117L, 0.8651L, -0.2433L}, near({-12.9559L, -14.4705L, -6.9583L}, 0.01)),
-                     {1, {0.9253, -0.8437, -0.6439}})};
+        setup.bodies = {oriented(placed(box(1.244, {0.3082, 0.2281, 0.3338}), {}, {0, 0.0226L, -0.5867L},
+                                        near({8.3637L, -11.0507L, -13.196L}, 0.01)),
+                                 {1, {0.5641, 0.8209, -0.4305}}),
+                        oriented(placed(box(1.1249, {0.4111, 0.3799, 0.4458}), near({0.5966L, 0.4641L, 0.0165L}, 0.002),
+                                        {-5.2117L, 0.8651L, -0.2433L}, near({-12.9559L, -14.4705L, -6.9583L}, 0.01)),
+                                 {1, {0.9253, -0.8437, -0.6439}})};
         const auto centre = [&](auto&& of) { return (of(0) * 1.244L + of(1) * 1.1249L) * (1 / (1.244L + 1.1249L)); };
         const auto body = [&](int b) { return setup.bodies[static_cast<std::size_t>(b)]; };
         const Vector start = centre([&](int b) { return vector(body(b).position); }),

@@ -50,6 +50,80 @@ TEST_P(Statics, a_light_box_carries_a_body_of_any_mass) {
     }
 }
 
+// Boxes that slide as one over a floor or an incline.
+enum class Pile { box, tower, pyramid, bridge };
+SceneSetup sliding(Pile pile, Number friction, Number slope, Vector velocity, const Axes3& axes, bool reversed) {
+    SceneSetup setup = space(0, friction);
+    setup.world.gravity = real(axes.to_world(Vector{g * std::sin(slope), -g * std::cos(slope), 0}));
+    setup.planes = {axes.plane({0, 1, 0})};
+    const auto add = [&](Number mass, Vector edges, Vector place) {
+        setup.bodies.push_back(oriented(
+            placed(box(real(mass), real(edges)), axes.to_world(place), axes.to_world(velocity)), real(axes.turn())));
+    };
+    const Vector brick{0.5L, 0.125L, 0.375L};
+    if (pile == Pile::box) add(2, brick, {0, 0.0625L, 0});
+    for (int i = 0; pile == Pile::tower && i < 6; ++i)
+        add(1 + i % 3, brick, {0.0078125L * i, 0.0625L + 0.125L * i, 0.015625L * (i % 2)});
+    for (int row = 0; pile == Pile::pyramid && row < 3; ++row)
+        for (int i = 0; i < 3 - row; ++i) add(1 + i, brick, {0.5625L * i + 0.28125L * row, 0.0625L + 0.125L * row, 0});
+    if (pile == Pile::bridge) {
+        for (int i = 0; i < 3; ++i) add(1, {0.25L, 0.25L, 0.25L}, {0.75L * i, 0.125L, 0});
+        add(30, {2, 0.125L, 0.5L}, {0.75L, 0.3125L, 0});
+    }
+    if (reversed) std::reverse(setup.bodies.begin(), setup.bodies.end());
+    return setup;
+}
+constexpr Pile piles[] = {Pile::box, Pile::tower, Pile::pyramid, Pile::bridge};
+
+// Their friction is that of one body: v' = g (sin - mu cos) along the incline, mu g against the motion.
+TEST_P(Statics, bodies_that_slide_as_one_slide_by_coulombs_law) {
+    for (const Pile pile : piles) {
+        for (const Number friction : {0.0L, 0.25L}) {
+            for (const Number slope : {0.0L, 0.125L, 0.375L}) {
+                for (const Number speed : {0.0L, 2.0L}) {
+                    const SceneSetup setup = sliding(pile, friction, slope, {speed, 0, 0}, {}, false);
+                    const auto world = build(setup, GetParam());
+                    const bool slides = speed > 0 || std::tan(slope) > friction;
+                    const Number faster = slides ? g * (std::sin(slope) - friction * std::cos(slope)) : 0;
+                    for (int step = 1; step <= second / 2; ++step) {
+                        world->step();
+                        for (int b = 0; b < world->body_count(); ++b)
+                            for (const ReadContact& c : world->contacts(b))
+                                EXPECT_LE(norm(c.friction_impulse), 1.001L * friction * c.normal_impulse + 1e-5L);
+                    }
+                    for (int b = 0; b < world->body_count(); ++b) {
+                        const Vector start = vector(setup.bodies[static_cast<std::size_t>(b)].position),
+                                     way = {speed / 2 + faster / 8, 0, 0};
+                        EXPECT_LE(norm(world->motion(b).x - start - way), system().bits == 64 ? 1e-10L : 1e-5L)
+                            << "body " << b << ", slope " << slope << ", friction " << friction;
+                        EXPECT_LE(norm(world->motion(b).w), system().bits == 64 ? 1e-10L : 1e-5L);
+                    }
+                    EXPECT_TRUE(world->status().ok());
+                }
+            }
+        }
+    }
+}
+
+TEST_P(Statics, what_slides_as_one_slides_alike_mirrored_turned_and_reordered) {
+    Random random{29};
+    for (const Pile pile : piles) {
+        for (const Number slope : {0.0L, 0.375L}) {
+            const Vector velocity{1, 0, 0.5L};
+            const auto one = run(sliding(pile, 0.25L, slope, velocity, {}, false), second);
+            for (int i = 0; i < 4; ++i) {
+                const Axes3 axes{random};
+                const bool reversed = i % 2 == 1;
+                const auto other = run(sliding(pile, 0.25L, slope, velocity, axes, reversed), second);
+                for (int b = 0; b < one->body_count(); ++b) {
+                    const Vector x = one->motion(b).x, y = other->motion(reversed ? one->body_count() - 1 - b : b).x;
+                    EXPECT_LE(norm(axes.from_world(y) - x), system().bits == 64 ? 1e-9L : 1e-4L) << "body " << b;
+                }
+            }
+        }
+    }
+}
+
 // A plank with one edge on a floor and the other on a ramp, tilted by a tenth of a radian.
 SceneSetup plank_on_ramp(Number slope, Number friction, bool mirrored) {
     const Number side = mirrored ? -1 : 1, tilt = 0.1L, length = 1, height = 0.125L;

@@ -133,7 +133,9 @@ std::string broken_law(const SceneDescription& scene, const Record& run, const R
     std::vector<double> sunk(scene.bodies.size()), sinks(scene.bodies.size());
     double spin = 0;
     for (std::size_t i = 0; i < run.moments.size(); ++i) {
-        const double steps = static_cast<double>(moments_of(scene)[i]), band = depth * run.contact_tolerance;
+        const auto now = moments_of(scene)[i];
+        if (!run.troubles.empty() && run.troubles.front().step < now) return {};
+        const double steps = static_cast<double>(now), band = depth * run.contact_tolerance;
         reference::Vector drift;
         double momentum = 0, mass = 0;
         for (std::size_t b = 0; b < scene.bodies.size(); ++b) {

@@ -371,6 +371,7 @@ public:
             replaced(b);
             disturb(b);
         }
+        if constexpr (has_contacts) contacts_.forget_log();
         return SnapshotFault::none;
     }
 
@@ -403,20 +404,20 @@ public:
         if constexpr (has_contacts) return contacts_.tolerance();
         else return Work(0);
     }
-    // Number of contact points of the body in the last step.
+    // Number of points that held the body in the last step; 0 of a fixed body.
     [[nodiscard]] int contact_count(BodyId id) const {
         if constexpr (has_contacts) return contacts_.points_of(place_of(id));
         else return 0;
     }
     // What the body touches at the end of the last step, or touched in it or before it: a range of Contact, for a loop.
-    // It reads the world, so it must not be kept beyond the next step or call that changes something.
+    // It reads the world, so it is valid until the next step or call that changes something.
     [[nodiscard]] ContactRange<World> contacts(BodyId id) const requires(has_contacts&& features.contact_readout) {
         return {*this, place_of(id)};
     }
 
 private:
     constexpr World(const WorldSpec& spec, Seconds step) : advance_{step, spec}, contacts_{step.value, spec.contact} {
-        if constexpr (features.touches()) TUMBLE_ASSERT(is_valid(spec.contact));
+        if constexpr (features.touches()) TUMBLE_ASSERT(is_valid(spec.contact) && has_features_for(spec.contact));
         set_gravity(spec.gravity);
         if constexpr (features.snapshots) digest_.add(step.value);
         note(spec);
@@ -440,6 +441,12 @@ private:
         });
     }
 
+    // False where values would be ignored.
+    [[nodiscard]] static constexpr bool has_features_for(const ContactSpec& spec) {
+        return (features.mixing || spec.mixes_as_usual()) &&
+               (features.rolling_resistance ||
+                (spec.rolling_resistance.is_zero() && spec.spinning_resistance.is_zero()));
+    }
     // Sets up a body at a place, which is free.
     TUMBLE_COLD constexpr void add_at(int b, const BodySpec& spec) requires(features.bodies > 0) {
         const PrincipalInertia inertia = features.rotation ? principal_inertia(spec.inertia) : PrincipalInertia{};

@@ -66,11 +66,11 @@ struct ContactBounds {
     // A contact point inherits the impulses of a point within this distance, from the radius of its body.
     [[nodiscard]] static Length same_point(Length radius) { return C::sixteenth(radius); }
 
-    // The arm over each radius of gyration of a body, below 64, fits the formats of rows. That of a rod that is thinner
-    // does not.
-    [[nodiscard]] static bool has_levers(const Vec3<Length>& gyration, Length arm) {
+    // The radius of a body over each radius of gyration, below 64, fits the formats of rows. That of a rod that is
+    // thinner does not.
+    [[nodiscard]] static bool has_levers(const Vec3<Length>& gyration, Length radius) {
         bool all = true;
-        for (int i = 0; i < 3; ++i) all = all && gyration[i] > C::eighth(C::eighth(arm));
+        for (int i = 0; i < 3; ++i) all = all && gyration[i] > C::eighth(C::eighth(radius));
         return all;
     }
 

@@ -17,12 +17,12 @@ struct Contact {
     bool touches = false;    // at the end of the last step
     bool began = false;      // it touches, and did not at the end of the step before
     bool ended = false;      // it does not touch, and did at the end of the step before
-    bool hit = false;        // an impact has kept the two apart
-    Work hit_speed{};        // m/s, of the fastest approach that an impact ended
+    bool hit = false;        // an impact ended an approach, of more than 2^-16 of the tolerance in a step
+    Work hit_speed{};        // m/s, of the fastest such approach
     Vector3<Work> normal{};  // unit vector from the partner to the body, world
-    Work depth{};            // m, of the deepest point; negative: the gap
-    // m, world: the centre of pressure, at which the normal impulse acts. Without such an impulse the mean of `points`,
-    // and zero without points.
+    Work depth{};  // m, of the deepest point; negative: the gap. As it was when they were last near each other
+    // m, world: the centre of pressure, at which the normal impulse acted, as the bodies were when it was solved for.
+    // Without such an impulse the mean of `points`, and zero without points.
     Vector3<Work> point{};
     Vector3<Work> impulse{};                      // N s, on the body, world: the part along the normal and friction
     Work normal_impulse{};                        // N s, along the normal, not negative

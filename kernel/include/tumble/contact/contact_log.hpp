@@ -63,14 +63,22 @@ public:
         }
         count_ = kept;
     }
+    // Forgets the impulses of pairs that are no longer in the list. Call when pairs have left it, before the islands.
+    void start_islands(PairList& pairs) {
+        int k = 0;
+        for (int i = 0; i < count_; ++i) {
+            while (k < pairs.count() && pairs[k].key() < entry_[i].key()) ++k;
+            if (k == pairs.count() || pairs[k].key() != entry_[i].key()) entry_[i].clear_impulses();
+        }
+    }
     // The pairs of the island are solved anew.
     void start_island(const PairList& pairs, const Island& island) {
         pairs.for_each(island, [&](const Pair& pair) {
             if (Entry* entry = find(pair.key())) entry->clear_impulses();
         });
     }
-    // Adds `share` of the impulses of the points that take part in the present solution, in the present places of the
-    // bodies. Returns the entry; null where there is no impulse.
+    // Adds `share` of the impulses of the points that take part in the present solution. The bodies must be where it
+    // was found. Returns the entry; null where there is no impulse.
     Entry* add(const Pair& pair, const NarrowPhase& shapes, Bodies& bodies, Work share) {
         // A unit of impulse along a row changes sqrt(m) v of body a by the row.
         const Work root_mass = shapes.shape(pair.a).root_mass;
@@ -126,6 +134,7 @@ public:
         for (int i = 0; i < count_; ++i)
             if (entry_[i].a == b || entry_[i].b == b) entry_[i].clear_impulses();
     }
+    void clear() { count_ = 0; }
     // Removes what body b has touched.
     void remove(int b) {
         int kept = 0;
@@ -205,7 +214,8 @@ private:
         return &entry_[at];
     }
 
-    static constexpr int room = PairList::room;
+    // Twice that of pairs: those that touched before, and those that have come since.
+    static constexpr int room = 2 * PairList::room;
     Entry entry_[room > 0 ? room : 1]{};
     int count_ = 0;
 };

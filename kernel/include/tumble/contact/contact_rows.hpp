@@ -72,6 +72,8 @@ public:
                     if (pair.resists_spin()) set_spin_rows(point, directions, pair);
             }
         }
+        if constexpr (features.rolling_resistance)
+            if (pair.resists_spin()) set_spin_targets(pair);
         if constexpr (features.turntables && features.friction) {
             if (!pair.on_turntable) return;
             for (int i = 0; i < pair.count; ++i)
@@ -113,6 +115,13 @@ public:
     [[nodiscard]] static Vec3<typename C::Lever> levers(const CollisionShape<N>& shape, const Vec3<Length>& arm,
                                                         const Vec3<Unit>& direction) {
         const Vec3<Length> c = cross<Length>(arm, direction);
+        return {shape.per_gyration[0](c.x()), shape.per_gyration[1](c.y()), shape.per_gyration[2](c.z())};
+    }
+
+    // An axis times an arm over the radii of gyration, in principal axes.
+    [[nodiscard]] static Vec3<typename C::Lever> spin_levers(const CollisionShape<N>& shape, const Vec3<Unit>& about,
+                                                             Length arm) {
+        const Vec3<Length> c = tumble::along(about, arm);
         return {shape.per_gyration[0](c.x()), shape.per_gyration[1](c.y()), shape.per_gyration[2](c.z())};
     }
 
@@ -176,27 +185,44 @@ private:
     // Makes the rows of the relative spin, in the axes of the start.
     void set_spin_rows(Point& point, const Directions& directions, const Pair& pair) const
         requires(features.rolling_resistance) {
-        const Length arm = shapes_.spin_arm(pair);
-        const auto levers = [&](int b, const Vec3<Unit>& about) {
-            const CollisionShape<N>& shape = shapes_.shape(b);
-            const Vec3<Length> c = tumble::along(about, arm);
-            return Vec3<typename C::Lever>{shape.per_gyration[0](c.x()), shape.per_gyration[1](c.y()),
-                                           shape.per_gyration[2](c.z())};
-        };
         for (int k = 0; k < 3; ++k) {
             auto& row = point.spin[k];
-            const int about = k < 2 ? k + 1 : 0;
-            row.target = Speed{};
+            const int about = spin_direction(k);
+            const auto lever = spin_levers(shapes_.shape(pair.a), directions.angular[about], pair.spin_arm);
             if constexpr (features.pairs) {
                 if (directions.moves_b) {
-                    row.set_spin(levers(pair.a, directions.angular[about]),
-                                 levers(pair.b, directions.angular_b[about]));
+                    row.set_spin(lever, spin_levers(shapes_.shape(pair.b), directions.angular_b[about], pair.spin_arm));
                     continue;
                 }
             }
-            row.set_spin(levers(pair.a, directions.angular[about]));
+            row.set_spin(lever);
         }
     }
+    // Sets the targets of the rows of the spin: a fixed body may turn.
+    void set_spin_targets(Pair& pair) const requires(features.rolling_resistance) {
+        for (int k = 0; k < 3; ++k) {
+            [[maybe_unused]] const Work turn = turntable_spin(pair, k);
+            for (int i = 0; i < pair.count; ++i) {
+                auto& row = pair.point[i].spin[k];
+                row.target = Speed{};
+                if constexpr (features.turntables)
+                    if (pair.on_turntable) row.target = narrow<Speed>(mul(velocities_.scale.speed(turn), row.inverse));
+            }
+        }
+    }
+    // The spin of a turning fixed body along row k, as a speed of the pair.
+    [[nodiscard]] Work turntable_spin([[maybe_unused]] const Pair& pair, [[maybe_unused]] int k) const
+        requires(features.rolling_resistance) {
+        if constexpr (features.turntables && features.pairs) {
+            if (!pair.on_turntable) return Work(0);
+            const int about = spin_direction(k);
+            const WorkVec3<N> direction = work_unit<N>(about == 0 ? pair.normal : pair.tangent[about - 1]);
+            return dot(turn_of(pair.b), direction) * shapes_.scale().metres(pair.spin_arm) * pair.weight;
+        }
+        return Work(0);
+    }
+    // The direction of the pair about which row k of the spin is: the tangents, then the normal.
+    [[nodiscard]] static int spin_direction(int k) { return k < 2 ? k + 1 : 0; }
     // Directions in the axes of a body, in the middle and at the end of a flight.
     struct Turned {
         Vec3<Unit> middle[Point::directions], end[Point::directions];
@@ -285,6 +311,9 @@ private:
         if constexpr (N::fixed_point && features.turntables && features.pairs && features.friction)
             pairs_.for_each(island_, [&](const Pair& pair) {
                 if (!pair.on_turntable) return;
+                if constexpr (features.rolling_resistance)
+                    for (int k = 0; k < 3 && pair.resists_spin(); ++k)
+                        velocities_.scale.make_room(turntable_spin(pair, k));
                 // Along a unit direction, turn x arm is below four times the product of the largest components. Most
                 // surfaces are so slow that this bound suffices.
                 int log2 = -1000;  // of no turn

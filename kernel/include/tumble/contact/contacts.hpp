@@ -91,6 +91,7 @@ public:
         // Waking appends to the list.
         for (int k = 0; k < sleepers.awake_count(); ++k)
             if (!times.is_clear(sleepers.awake(k), advance.bodies.steps_taken)) update(advance, sleepers.awake(k));
+        if constexpr (features.contact_readout) state_.log.start_islands(state_.pairs);
         bool islands = false;
         for (int k = 0; k < sleepers.awake_count(); ++k) {
             const int b = sleepers.awake(k);
@@ -116,6 +117,10 @@ public:
         PairList<N, features>::archive(state.pairs, to, [&](auto& pair) { state.shapes.set_up(pair, bodies); });
         to(state.sleepers);
         if constexpr (features.contact_readout) ContactLog<N, spin, features>::archive(state.log, to);
+    }
+    // Call where all bodies are elsewhere.
+    void forget_log() {
+        if constexpr (features.contact_readout) state_.log.clear();
     }
     // Call after archive() has read: asks of all bodies what acts on them.
     template <class Advance>

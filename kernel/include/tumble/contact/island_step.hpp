@@ -48,9 +48,9 @@ public:
             search_.start_flight();
             Touch touch = solve_resting(span, whole, false);
             if (contacts_.solution.stands) {
+                log_forces(Work(1));
                 resting().stop_all();
                 take_over_spins();
-                log_forces(Work(1));
                 return;
             }
             if (touch == Touch::strikes) {
@@ -62,13 +62,13 @@ public:
             Saved start;
             save(start);
             const Attempt attempt{start, span, whole, touch == Touch::rests};
+            if (attempt.held) log_forces(Work(1));
             fly(attempt, span, false);
             search_.measure();
             const Work length = stop_before_crossing(attempt);
             const bool crossed = length < span;
             const bool deep = search_.is_too_deep();
             if (!crossed && !deep) {
-                if (attempt.held) log_forces(Work(1));
                 search_.find();
                 break;
             }
@@ -82,7 +82,7 @@ public:
             } else if (deep) {
                 flown = find_impact(attempt, length);
             }
-            if (attempt.held) log_forces(flown == span ? Work(1) : flown / span);
+            if (attempt.held && flown < span) log_forces(flown / span - Work(1));  // takes off what is not flown
             resolve(last);
             // Always, however short the rest of the step is: an impact ends the bounds on the time to contact.
             find_near_pairs();

@@ -125,14 +125,6 @@ public:
             pair.has_friction = pair.has_friction || pair.resists_spin();
         }
     }
-    // The length by which the spin of a pair counts as a speed: the radius of a body, which no radius of gyration of it
-    // exceeds. Of two that move, twice that of the lighter one, which takes at least half of the squares of a row.
-    [[nodiscard]] Length spin_arm(const Pair& pair) const {
-        const Length a = shape_[pair.a].radius;
-        if (!pair.moves_b()) return a;
-        const Length lighter = pair.share_a < pair.share_b ? shape_[pair.b].radius : a;
-        return lighter + lighter;
-    }
     // --- where they are ----------------------------------------------------------------------------------------------
 
     void place(const Bodies& bodies, int b) {
@@ -231,22 +223,29 @@ private:
     struct Resistances {
         Resistance world, body[features.bodies], plane[features.planes > 0 ? features.planes : 1];
     };
+    // No radius of gyration of a shape exceeds its radius. So an arm that is not below the radius of a body over its
+    // share makes a row of at least unit length before it is scaled, and the smaller of the two keeps both bodies'
+    // levers within their radii over their radii of gyration.
     void set_resistance(Pair& pair) const requires(features.rolling_resistance) {
+        const CollisionShape<N>& shape = shape_[pair.a];
         const Resistance &a = resistance_.body[pair.a],
                          &b = pair.with_plane() ? resistance_.plane[pair.plane()] : resistance_.body[pair.b];
-        const Length arm = spin_arm(pair);
-        const Work over_arm = Work(1) / scale().metres(arm);
+        Work arm = scale().metres(shape.radius);
+        bool fits = Bounds::has_levers(shape.gyration, shape.radius);
+        if (pair.moves_b()) {
+            const CollisionShape<N>& other = shape_[pair.b];
+            const Work of_a = arm / N::work(pair.share_a), of_b = scale().metres(other.radius) / N::work(pair.share_b);
+            arm = of_a < of_b ? of_a : of_b;
+            fits = fits && Bounds::has_levers(other.gyration, other.radius);
+        }
+        pair.spin_arm = scale().length(arm);
+        const Work over_arm = fits ? Work(1) / arm : Work(0);
         const auto combined = [&](Work of_a, Work of_b, Work otherwise) {
             const Work x = of_a < Work(0) ? otherwise : of_a, y = of_b < Work(0) ? otherwise : of_b;
             return C::friction((x < y ? y : x) * over_arm);
         };
         pair.rolling = combined(a.rolling, b.rolling, resistance_.world.rolling);
         pair.spinning = combined(a.spinning, b.spinning, resistance_.world.spinning);
-        const auto has_levers = [&](int b, typename C::Unit share) {
-            return Bounds::has_levers(shape_[b].gyration, narrow<Length>(mul(share, arm)));
-        };
-        if (!has_levers(pair.a, pair.share_a) || (pair.moves_b() && !has_levers(pair.b, pair.share_b)))
-            pair.rolling = pair.spinning = {};
     }
 
     // Makes room for a length, m. True where the scale of lengths has changed. Raises the tolerance to the least that

@@ -76,7 +76,8 @@ struct Pair {
     // Moments against rolling and spinning, over the spin arm and the normal force. Zero: it rolls freely.
     [[no_unique_address]] If<features.rolling_resistance, typename C::Friction, 2> rolling{};
     [[no_unique_address]] If<features.rolling_resistance, typename C::Friction, 3> spinning{};
-    typename C::SpeedScale scale{};  // of the points' impulses
+    [[no_unique_address]] If<features.rolling_resistance, Length, 4> spin_arm{};  // by which a spin counts as a speed
+    typename C::SpeedScale scale{};                                               // of the points' impulses
     Point point[max_points];
 
     // Calls visit with the members that a snapshot holds. The others follow from the bodies, or a step computes them

@@ -154,12 +154,10 @@ public:
 
 private:
     // Reports a point that the forces leave approaching faster than gravity changes a speed in a step, where it so
-    // comes deeper than the tolerance by the end of the step: without any force it would be slower. Also one that is
-    // deeper, and sinks faster than penetrations are corrected. Call where the sweeps met their bound. `enough`: what
-    // sweeps leave anyway.
+    // comes deeper than the tolerance by the end of the step: without any force it would be slower. Call where the
+    // sweeps met their bound. `enough`: what sweeps leave anyway.
     [[gnu::noinline, gnu::cold]] void report_far_from_solved(Speed enough) {
         const Pair* found = nullptr;
-        const Length most_lift = Bounds::most_lift(shapes_.tolerance());
         pairs_.for_each(island_, [&](const Pair& pair) {
             if (pair.count == 0) return;
             const Speed fall = Bounds::fall(rows_.pair_speed(pair, shapes_.slow()));
@@ -168,13 +166,22 @@ private:
                 if (!point.active) continue;
                 const Speed left = point.row[0].target - rows_.velocity(velocities_.now, pair, point);
                 // A point above the surface would reach it without what is left.
-                const Length depth = point.gap > Length{} ? Length{} : point.gap, room = depth + shapes_.tolerance();
-                const bool falls = left > Rows::along(point, fall) && left > rows_.speed(pair, point, room),
-                           sinks = room < Length{} && left > rows_.speed(pair, point, most_lift);
-                if (left > enough && (falls || sinks)) found = &pair;
+                const Length depth = point.gap > Length{} ? Length{} : point.gap;
+                if (left > enough && left > Rows::along(point, fall) &&
+                    left > rows_.speed(pair, point, depth + shapes_.tolerance()))
+                    found = &pair;
             }
         });
         if (found != nullptr) bodies_.report(Issue::step_bound_hit, found->a);
+    }
+    // Reports a point that is deeper than the tolerance and sinks, though its penetration is corrected. `moves`: with
+    // the correction.
+    void report_sinking(const typename Rows::Velocity (&moves)[features.bodies]) {
+        const Speed enough = velocities_.scale.enough_at_rest();
+        pairs_.for_each_active(island_, [&](const Pair& pair, const Point& point) {
+            if (point.gap + shapes_.tolerance() < Length{} && rows_.velocity(moves, pair, point) < -enough)
+                bodies_.report(Issue::step_bound_hit, pair.a);
+        });
     }
     // Whether a penetration is to be corrected.
     [[nodiscard]] bool is_lifted() const {
@@ -217,6 +224,7 @@ private:
             point.for_each_row([](auto& row, Speed& aside) { row.impulse = aside; });
         });
         const bool solved = !(left > largest);
+        report_sinking(solved ? velocities_.now : velocities_.loaded);
         for (int k = 0; k < group.count; ++k) {
             const int b = group.id[k];
             auto& lifted = velocities_.loaded[b];

@@ -2,7 +2,8 @@
 // What each pair carries then follows from the balance of one body after another, from the bodies that carry nothing to
 // the ground, whatever the masses are. If the points of every pair can carry it, this is a solution, and no sweep is
 // needed. (A body that stands on several others may share its load otherwise. Where Coulomb's law also allows motion,
-// rest is taken.) A body on which nothing stands may move on one that rests: its pair is solved by itself.
+// rest is taken.) A body on which nothing stands may move on one that rests: its pair is solved by itself. Bodies that
+// slide as one are at rest for one that moves along.
 #pragma once
 
 #include <tumble/contact/contact_rows.hpp>
@@ -18,6 +19,7 @@ public:
     using W = WeldNumbers<N>;
     using Bounds = ContactBounds<N>;
     using Unit = typename Rows::Unit;
+    using Work = typename Rows::Work;
     using Length = typename Rows::Length;
     using Speed = typename Rows::Speed;
     using NarrowPhase = typename Rows::NarrowPhase;
@@ -41,13 +43,22 @@ public:
     // Each body must stand on one pair, or on several that push alike, as in a pyramid or under a bridge. All bodies
     // must come to rest, but for bodies on which nothing stands: these may move on one that rests.
     bool solve() {
-        const bool slow = is_slow([](int) { return true; });
-        const int carrying = slow || island_.group.count > 1 ? find_carrying() : 0;
-        const bool may = carrying >= island_.group.count, known = may && slow && pairs_.hold_all(island_);
-        if (known)
+        const bool slow = is_slow([](int) { return true; }), slides = !slow && moves_as_one(),
+                   several = island_.group.count > 1;
+        const bool may = (slow || slides || several) && find_carrying(),
+                   known = may && slow && pairs_.hold_all(island_);
+        bool found = known;
+        if (known) {
             for (int k = 0; k < island_.group.count; ++k) velocities_.stop(island_.group.id[k]);
-        if (may && !known && carrying > island_.group.count) leave_out_sides();
-        const bool found = known || (may && balance(slow));
+        } else if (may && (slow || several)) {
+            leave_out_sides(false);
+            found = finish(balance(slow) && (!moves_ || open_points_hold()));
+        }
+        if (!found && may && (slides || (slow && moves_as_one()))) {
+            (void)find_carrying();
+            leave_out_sides(true);
+            found = slide_as_one();
+        }
         pairs_.for_each(island_, [&](Pair& pair) {
             pair.still = static_cast<std::int16_t>(found && !moves_ && !pair.on_turntable ? island_.group.count : 0);
         });
@@ -74,12 +85,93 @@ private:
         }
         return !(fastest > Bounds::still(most));
     }
+    // Whether no body turns, or moves against the others, by more than a part of what loads change. Then `common_` is
+    // their velocity at the start.
+    [[nodiscard]] bool moves_as_one() {
+        Speed fastest{}, most{};
+        const auto note = [](const Velocity& v, Speed& largest) {
+            const Speed size = v.largest();
+            if (size > largest) largest = size;
+        };
+        for (int k = 0; k < island_.group.count; ++k) {
+            const int b = island_.group.id[k];
+            const Velocity &start = velocities_.start[b], &loaded = velocities_.loaded[b];
+            note({Vec3<Speed>::Constant(Speed{}), start.angular}, fastest);
+            note({loaded.linear - start.linear, loaded.angular - start.angular}, most);
+        }
+        if (fastest > Bounds::still(most)) return false;
+        (void)set_common(velocities_.start);
+        for (int k = 0; k < island_.group.count; ++k) {
+            const int b = island_.group.id[k];
+            note({velocities_.start[b].linear - common_[b], Vec3<Speed>::Constant(Speed{})}, fastest);
+        }
+        return !(fastest > Bounds::still(most));
+    }
+    // Sets `common_` to the mean velocity, weighted by mass. Returns it, m a step.
+    WorkVec3<N> set_common(const Velocity (&of)[bodies]) {
+        WorkVec3<N> momentum = zero_vector<N>();
+        Work mass(0);
+        for (int k = 0; k < island_.group.count; ++k) {
+            const int b = island_.group.id[k];
+            const Work root_mass = shapes_.shape(b).root_mass;
+            for (int i = 0; i < 3; ++i) momentum[i] += velocities_.scale.work(of[b].linear[i]) * root_mass;
+            mass += root_mass * root_mass;
+        }
+        const WorkVec3<N> mean = scaled_by(momentum, Work(1) / mass);
+        set_common(mean);
+        return mean;
+    }
+    void set_common(const WorkVec3<N>& velocity) {
+        for (int k = 0; k < island_.group.count; ++k) {
+            const int b = island_.group.id[k];
+            for (int i = 0; i < 3; ++i)
+                common_[b][i] = velocities_.scale.speed(velocity[i] * shapes_.shape(b).root_mass);
+        }
+    }
+    // Solves bodies that slide as one over surfaces across one direction. Where all surfaces have one friction, the law
+    // of Coulomb gives the common velocity at the end, from the sum of momenta. Seen from there, all bodies are at
+    // rest.
+    [[gnu::noinline, gnu::cold]] bool slide_as_one() {
+        const Vec3<Speed> zero = Vec3<Speed>::Constant(Speed{});
+        const Pair* ground = nullptr;
+        bool alike = true;
+        for_each_carrying([&](int, const Pair& pair) {
+            if (pair.moves_b()) return;
+            if (ground == nullptr) ground = &pair;
+            alike = alike && pair.normal == ground->normal && pair.friction == ground->friction &&
+                    pair.has_friction == ground->has_friction;
+        });
+        if (ground == nullptr || !alike) return false;
+        const WorkVec3<N> loaded = set_common(velocities_.loaded), normal = work_unit<N>(ground->normal);
+        const Work along = dot(loaded, normal);
+        if (along > Work(0)) return false;
+        WorkVec3<N> end = loaded - scaled_by(normal, along);
+        if constexpr (features.friction) {
+            const Work speed = sqrt(dot(end, end)),
+                       stopped = ground->has_friction ? -along * C::work(ground->friction) : Work(0);
+            end = speed > stopped ? scaled_by(end, (speed - stopped) / speed) : zero_vector<N>();
+        }
+        set_common(end);
+        const auto& group = island_.group;
+        slides_ = true;
+        for (int k = 0; k < group.count; ++k) velocities_.now[group.id[k]] = {common_[group.id[k]], zero};
+        bool found = open_points_hold();
+        for (int k = 0; k < group.count; ++k) {
+            const int b = group.id[k];
+            velocities_.now[b] = {velocities_.loaded[b].linear - common_[b], velocities_.loaded[b].angular};
+        }
+        found = found && balance(true);
+        for (int k = 0; k < group.count; ++k) velocities_.now[group.id[k]].linear += common_[group.id[k]];
+        found = finish(found && (!moves_ || open_points_hold()));
+        moves_ = found;
+        return found;
+    }
     // Finds the points that may carry: those at the surface. Points above it are open. A pair with a point that must
-    // move is marked. Returns the number of pairs with such points; 0 where one is on a turntable.
-    int find_carrying() {
+    // move is marked. False where there are fewer pairs with such points than bodies, or one is on a turntable.
+    bool find_carrying() {
         const Length touch = Bounds::resting_gap(shapes_.tolerance());
-        int count = 0;
         bool may = true;
+        carrying_ = 0;
         pairs_.for_each(island_, [&](Pair& pair) {
             unsigned carrying = 0;
             for (int i = 0; i < pair.count; ++i) {
@@ -92,20 +184,24 @@ private:
             pair.carrying = static_cast<std::uint8_t>(carrying);
             if (carrying == 0) return;
             may = may && !pair.on_turntable;
-            ++count;
+            ++carrying_;
         });
-        return may ? count : 0;
+        return may && carrying_ >= island_.group.count;
     }
     // Where there are more pairs than bodies: pairs across the load of their bodies carry nothing, such as those of
-    // boxes side by side.
-    void leave_out_sides() {
+    // boxes side by side. `slides`: the bodies have the velocity `common_` together.
+    void leave_out_sides(bool slides) {
+        if (carrying_ == island_.group.count) return;
+        const auto presses = [&](const Pair& pair, int b) {
+            const Vec3<Speed>& v = velocities_.now[b].linear;
+            return presses_on(pair, b, slides ? Vec3<Speed>(v - common_[b]) : v);
+        };
         pairs_.for_each(island_, [&](Pair& pair) {
-            if (!presses_on(pair, pair.a) && !(pair.moves_b() && presses_on(pair, pair.b))) pair.carrying = 0;
+            if (!presses(pair, pair.a) && !(pair.moves_b() && presses(pair, pair.b))) pair.carrying = 0;
         });
     }
-    // Whether the body presses on the pair, by more than an eighth of its velocity.
-    [[nodiscard]] bool presses_on(const Pair& pair, int b) const {
-        const Vec3<Speed>& v = velocities_.now[b].linear;
+    // Whether the body, with this velocity, presses on the pair, by more than an eighth of it.
+    [[nodiscard]] static bool presses_on(const Pair& pair, int b, const Vec3<Speed>& v) {
         const Speed along = narrow<Speed>(dot(pair.normal, v)), away = b == pair.a ? along : -along;
         return -away > C::eighth(magnitude_of(v[0]) + magnitude_of(v[1]) + magnitude_of(v[2]));
     }
@@ -158,12 +254,16 @@ private:
                 }
             }
         }
-        found = found && solved == group.count && (!moves_ || open_points_hold());
+        return found && solved == group.count;
+    }
+    // Takes the impulses over, or sets the velocities back.
+    [[nodiscard]] bool finish(bool found) {
         if (found) {
             set_impulses();
         } else {
             moves_ = false;
-            for (int k = 0; k < group.count; ++k) velocities_.now[group.id[k]] = velocities_.loaded[group.id[k]];
+            for (int k = 0; k < island_.group.count; ++k)
+                velocities_.now[island_.group.id[k]] = velocities_.loaded[island_.group.id[k]];
         }
         return found;
     }
@@ -179,6 +279,8 @@ private:
         });
         return hold;
     }
+    // Where bodies slide, their forces lie on their cones. By so much they may be beyond: by what sweeps leave.
+    [[nodiscard]] Speed beyond() const { return slides_ ? velocities_.scale.enough_at_rest() : Speed{}; }
     // What stands still in the world, in the axes that the body has where its rows act.
     template <class T>
     [[nodiscard]] Vec3<T> in_middle([[maybe_unused]] int b, const Vec3<T>& v) const {
@@ -192,7 +294,7 @@ private:
         if constexpr (!features.pairs) {
             return false;
         } else {
-            if (!pair.moves_b() || pair.resists_spin()) return false;
+            if (!pair.moves_b()) return false;
             using Solver = typename Rows::Solver;
             const bool is_a = b == pair.a;
             const Unit share = is_a ? pair.share_a : pair.share_b;
@@ -200,15 +302,23 @@ private:
             Velocity &now = velocities_.now[b], &other = velocities_.now[is_a ? pair.b : pair.a];
             const int rows = pair.rows();
             typename Solver::Row row[Pair::max_points][Point::directions];
+            [[maybe_unused]] If<features.rolling_resistance, SpinOfOne, 0> own_spin{pair, shapes_, b};
             const auto for_each_block = [&](auto&& f) {
                 for (int i = 0; i < pair.count; ++i)
-                    if (pair.point[i].active) f(typename Solver::Block{row[i], rows, pair.friction, now, nullptr});
+                    if (pair.point[i].active) {
+                        typename Solver::Block block{row[i], rows, pair.friction, now, nullptr};
+                        if constexpr (features.rolling_resistance)
+                            if (pair.resists_spin()) block.resistance = own_spin.resistance(i);
+                        f(block);
+                    }
             };
             const Vec3<Unit> frame[3] = {pair.normal, pair.tangent[0], pair.tangent[1]};
             for (int k = 0; k < rows; ++k) {
                 Vec3<Unit> direction = frame[k];
                 if (!is_a) direction = -direction;
-                const Vec3<Unit> in_body = in_middle(b, shapes_.axes(b).to_body(direction));
+                const Vec3<Unit> at_start = shapes_.axes(b).to_body(direction), in_body = in_middle(b, at_start);
+                if constexpr (features.rolling_resistance)
+                    if (pair.resists_spin()) own_spin.set(pair, k, at_start);
                 for (int i = 0; i < pair.count; ++i) {
                     const Point& point = pair.point[i];
                     row[i][k].set(direction, Rows::levers(shape, in_middle(b, arm_of(point, is_a)), in_body));
@@ -234,12 +344,48 @@ private:
                     const Speed impulse = W::over(to.before, to.inverse);
                     to.push(impulse, is_a ? unused : other, is_a ? &other : &unused);
                 }
+                if constexpr (features.rolling_resistance)
+                    for (int k = 0; k < 3; ++k) {
+                        auto& to = pair.point[i].spin[k];
+                        to.before = pair.resists_spin() ? over_share(own_spin.of_pair(i, k), pair, is_a) : Speed{};
+                        if (!(to.before == Speed{}))
+                            to.push(W::over(to.before, to.inverse), is_a ? unused : other, is_a ? &other : &unused);
+                    }
             }
             pair.carrying = static_cast<std::uint8_t>(carrying);
             moves_ = true;
             return W::fits(other.largest());
         }
     }
+    // Rows of the spin of one body of a pair, with its radius as the arm.
+    struct SpinOfOne {
+        typename Rows::Solver::Row row[Pair::max_points][3];
+        const CollisionShape<N>& shape;
+        typename C::Friction rolling{}, spinning{}, to_pair{};  // the last: the body's arm over the pair's
+
+        SpinOfOne(const Pair& pair, const NarrowPhase& shapes, int b) : shape{shapes.shape(b)} {
+            if (!pair.resists_spin()) return;
+            if constexpr (features.rolling_resistance) {
+                const Work ratio = shapes.scale().metres(shape.radius) / shapes.scale().metres(pair.spin_arm);
+                rolling = C::friction(C::work(pair.rolling) / ratio);
+                spinning = C::friction(C::work(pair.spinning) / ratio);
+                to_pair = C::friction(ratio);
+            }
+        }
+        [[nodiscard]] typename Rows::Solver::Resistance resistance(int i) { return {row[i], rolling, spinning}; }
+        // Makes the rows about direction k of the pair, in the axes of the body, with the impulses of the pair.
+        void set(const Pair& pair, int k, const Vec3<Unit>& about) {
+            const int to = k == 0 ? 2 : k - 1;
+            for (int i = 0; i < pair.count; ++i) {
+                row[i][to].set_spin(Rows::spin_levers(shape, about, shape.radius));
+                row[i][to].target = row[i][to].impulse = Speed{};
+            }
+        }
+        // An impulse as one of the pair, before it is divided by the share.
+        [[nodiscard]] Speed of_pair(int i, int k) const {
+            return C::times_friction(to_pair, Row::product(row[i][k].impulse, row[i][k].inverse));
+        }
+    };
     // The pairs on which a body stands.
     struct Supports {
         Pair* pair[most_supports];
@@ -254,7 +400,8 @@ private:
             const bool is_left =
                 pair.carrying != 0 && left.count[pair.a] > 0 && (!pair.moves_b() || left.count[pair.b] > 0);
             if ((pair.a != b && pair.b != b) || !is_left) continue;
-            if (supports.count == most_supports || (pair.carrying & must_move) != 0 || !presses_on(pair, b))
+            if (supports.count == most_supports || (pair.carrying & must_move) != 0 ||
+                !presses_on(pair, b, velocities_.now[b].linear))
                 return false;
             taken[supports.count] = static_cast<std::int16_t>(i);
             supports.pair[supports.count++] = &pair;
@@ -297,7 +444,7 @@ private:
         typename Weld::Shares shares;
         if (!weld.set(side.x, side.z, side.count, shape.radius) ||
             !weld.share(side.wrench_to_stop(frame, velocities_.now[b], shape), rough, friction,
-                        Bounds::slack(velocities_.scale.enough_in_impact()), shares))
+                        Bounds::slack(velocities_.scale.enough_in_impact()), beyond(), shares))
             return false;
         const Speed motion = velocities_.now[b].largest();
         bool fits = true;
@@ -318,7 +465,8 @@ private:
     }
     // Whether a point pushes and its friction is in its cone: the supports of a body may be tilted against each other.
     [[nodiscard]] bool is_in_cone(const Pair& pair, const Point& point) const {
-        const Speed slack = Bounds::slack(velocities_.scale.enough_in_impact()), normal = point.row[0].before;
+        const Speed slack = Bounds::slack(velocities_.scale.enough_in_impact()) + beyond(),
+                    normal = point.row[0].before;
         if (normal < -slack) return false;
         if (pair.rows() == 1) return true;
         const Speed limit = C::times_friction(pair.friction, normal) + slack, x = point.row[1].before,
@@ -356,6 +504,8 @@ private:
             }
         }
         for (int k = pair.rows(); k < Point::directions; ++k) point.row[k].before = Speed{};
+        if constexpr (features.rolling_resistance)
+            for (auto& row : point.spin) row.before = Speed{};
         return fits;
     }
 
@@ -415,12 +565,10 @@ private:
     void set_impulses() {
         pairs_.for_each(island_, [&](Pair& pair) {
             for (int i = 0; i < pair.count; ++i) {
-                for (auto& row : pair.point[i].row) {
+                pair.point[i].for_each_row([&](Row& row, Speed&) {
                     const bool pushes = is_carrying(pair, i) && !(row.before == Speed{});
                     row.impulse = pushes ? W::over(row.before, row.inverse) : Speed{};
-                }
-                if constexpr (features.rolling_resistance)
-                    for (auto& row : pair.point[i].spin) row.impulse = Speed{};
+                });
             }
         });
     }
@@ -440,7 +588,10 @@ private:
     PairList& pairs_;
     Velocities& velocities_;
     const Island& island_;
-    bool moves_ = false;  // a body of the solution
+    int carrying_ = 0;            // pairs
+    bool moves_ = false;          // a body of the solution
+    Vec3<Speed> common_[bodies];  // of bodies that slide as one, weighted
+    bool slides_ = false;         // `now` is relative to `common_` of the end
 };
 
 }  // namespace tumble

@@ -202,9 +202,9 @@ public:
         return true;
     }
 
-    // Shares a wrench so that every point pushes and lies inside its cone of friction. False where it is not found.
-    // `slack`: rounding of a speed.
-    [[nodiscard]] bool share(const Wrench& wrench, bool rough, typename C::Friction friction, Speed slack,
+    // Shares a wrench so that every point pushes and lies inside its cone of friction, but for `beyond`. False where it
+    // is not found. `slack`: rounding of a speed.
+    [[nodiscard]] bool share(const Wrench& wrench, bool rough, typename C::Friction friction, Speed slack, Speed beyond,
                              Shares& shares) const {
         const Speed normal = wrench.force[0], first = wrench.force[1], second = wrench.force[2];
         const Speed x = -extent_.speed(wrench.moment[2]), z = extent_.speed(wrench.moment[1]);
@@ -226,7 +226,7 @@ public:
             if (shares[i][0] < -slack) return false;
             if (shares[i][0] < Speed{}) shares[i][0] = Speed{};
         }
-        return straight || grip(normal, first, second, x, z, turn, friction, slack, shares);
+        return straight || grip(normal, first, second, x, z, turn, friction, slack, beyond, shares);
     }
 
 private:
@@ -281,8 +281,8 @@ private:
     // Friction of all points in proportion to their pushes: along the force, and about the centre of pressure. Each
     // point must stay in its cone. This suffices, but some loads that points can carry are not found.
     [[nodiscard]] bool grip(Speed normal, Speed first, Speed second, Speed x, Speed z, Speed turn,
-                            typename C::Friction friction, Speed slack, Shares& shares) const {
-        const Speed limit = C::times_friction(friction, normal);
+                            typename C::Friction friction, Speed slack, Speed beyond, Shares& shares) const {
+        const Speed limit = C::times_friction(friction, normal) + beyond;
         if (!(normal > slack) || mul_add(mul(first, first), second, second) > mul(limit, limit)) return false;
         const Lever along[2] = {W::ratio(first, normal), W::ratio(second, normal)};
         const Speed about = turn - W::speed(mul_sub(mul(along[1], x), along[0], z));

@@ -274,9 +274,9 @@ private:
     Hash hash_{};
 };
 
-// Where there is any: the others have the digests of before it was there.
-constexpr void add_resistance(Digest& digest, const auto& spec) {
-    if (!(spec.rolling_resistance > Real{}) && !(spec.spinning_resistance > Real{})) return;
+// Where a value differs from `otherwise`, that of a scene without any.
+constexpr void add_resistance(Digest& digest, const auto& spec, Real otherwise) {
+    if (spec.rolling_resistance == otherwise && spec.spinning_resistance == otherwise) return;
     digest.add(spec.rolling_resistance);
     digest.add(spec.spinning_resistance);
 }
@@ -286,7 +286,7 @@ constexpr void add_to(Digest& digest, const WorldSpec& world) {
          {world.gravitation, world.linear_drag, world.angular_drag, c.restitution, c.restitution_threshold, c.friction,
           c.tolerance, c.stiffness, c.damping, c.barrier, c.sleep.speed, c.sleep.angular_speed, c.sleep.time})
         digest.add(value);
-    add_resistance(digest, c);
+    add_resistance(digest, c, Real{0});
     if (!c.mixes_as_usual()) {
         digest.add(static_cast<int>(c.restitution_mixing));
         digest.add(static_cast<int>(c.friction_mixing));
@@ -301,13 +301,13 @@ constexpr void add_to(Digest& digest, const BodySpec& body) {
     digest.add(body.shape.size);
     for (const Real& value : {body.mass, i.xx, i.yy, i.zz, i.xy, i.xz, i.yz, body.restitution, body.friction})
         digest.add(value);
-    add_resistance(digest, body);
+    add_resistance(digest, body, Real{-1});
     digest.add(static_cast<int>(body.fixed));
 }
 inline void add_to(Digest& digest, const PlaneSpec& plane) {
     digest.add(plane.normal);
     for (const Real& value : {plane.offset, plane.restitution, plane.friction}) digest.add(value);
-    add_resistance(digest, plane);
+    add_resistance(digest, plane, Real{-1});
 }
 inline void add_to(Digest& digest, const SpringSpec& spring) {
     digest.add(static_cast<int>(spring.body));

@@ -280,6 +280,7 @@ requires(!N::fixed_point) struct ContactNumbers<N> {
     [[nodiscard]] static T half(T a) { return a * T(0.5); }
     [[nodiscard]] static T eighth(T a) { return a * T(0.125); }
     [[nodiscard]] static T times_friction(T mu, T s) { return mu * s; }
+    [[nodiscard]] static T work(T mu) { return mu; }
     [[nodiscard]] static T friction(T mu) { return mu; }
     [[nodiscard]] static T share(T limit, T squares) { return limit / sqrt(squares); }
     [[nodiscard]] static T over_square(T s, T u) { return s / (u * u); }

@@ -307,6 +307,7 @@ requires(N::fixed_point) struct ContactNumbers<N> {
     [[nodiscard]] static Speed times_friction(Friction mu, Speed s) {
         return {detail::scaled_product(mu.raw, s.raw, 24)};
     }
+    [[nodiscard]] static Work work(Friction mu) { return Work::of(mu); }
     [[nodiscard]] static Friction friction(Work mu) { return mu.template to_fixed<Friction>(); }
     [[nodiscard]] static Unit unit(Work w) { return w.template to_fixed<Unit>(); }
     // limit / sqrt(squares), less than one.
