@@ -11,6 +11,7 @@
 
 #include "command/command.hpp"
 #include "scene/data.hpp"
+#include "scene/words.hpp"
 #include "simulation/simulation.hpp"
 #include "tools/output.hpp"
 #include "tools/text.hpp"
@@ -205,23 +206,12 @@ std::string step_in_cpp(const StepSize& step) {
     return "{tumble::Real::scaled(" + above + ", 0) / tumble::Real::scaled(" + below + ", 0)}";
 }
 
-std::string_view name_of(ContactResponse response) {
-    switch (response) {
-    case ContactResponse::impulse: return "impulse";
-    case ContactResponse::spring: return "spring";
-    default: return "none";
-    }
-}
-
-const char* name_of(Mixing mixing) {
-    switch (mixing) {
-    case Mixing::larger: return "larger";
-    case Mixing::smaller: return "smaller";
-    case Mixing::mean: return "mean";
-    case Mixing::geometric_mean: return "geometric_mean";
-    case Mixing::product: break;
-    }
-    return "product";
+// The name of a choice in C++.
+template <class T>
+std::string cpp_name(const std::string& type, const Words<T>& words, T value) {
+    std::string name = word_of(words, value);
+    std::replace(name.begin(), name.end(), ' ', '_');
+    return "tumble::" + type + "::" + name;
 }
 
 std::string world_text(const WorldSpec& world) {
@@ -231,7 +221,7 @@ std::string world_text(const WorldSpec& world) {
     members.when(!world.linear_drag.is_zero(), "linear_drag", number(world.linear_drag), "kg/s");
     members.when(!world.angular_drag.is_zero(), "angular_drag", number(world.angular_drag), "N m s");
     const ContactSpec& c = world.contact;
-    contact.always("response", "tumble::ContactResponse::" + std::string(name_of(c.response)));
+    contact.always("response", cpp_name("ContactResponse", responses, c.response));
     if (c.response == ContactResponse::impulse) {
         contact.always("restitution", number(c.restitution));
         contact.when(!c.restitution_threshold.is_zero(), "restitution_threshold", number(c.restitution_threshold),
@@ -240,9 +230,9 @@ std::string world_text(const WorldSpec& world) {
         contact.when(!c.rolling_resistance.is_zero(), "rolling_resistance", number(c.rolling_resistance), "m");
         contact.when(!c.spinning_resistance.is_zero(), "spinning_resistance", number(c.spinning_resistance), "m");
         contact.when(c.restitution_mixing != Mixing::larger, "restitution_mixing",
-                     "tumble::Mixing::" + std::string(name_of(c.restitution_mixing)));
+                     cpp_name("Mixing", mixings, c.restitution_mixing));
         contact.when(c.friction_mixing != Mixing::geometric_mean, "friction_mixing",
-                     "tumble::Mixing::" + std::string(name_of(c.friction_mixing)));
+                     cpp_name("Mixing", mixings, c.friction_mixing));
         contact.always("tolerance", number(c.tolerance), "m");
         contact.when(c.sleep.on, "sleep",
                      "{.on = true, .speed = " + number(c.sleep.speed) + ", .angular_speed = " +

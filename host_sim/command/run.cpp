@@ -49,24 +49,47 @@ private:
     long double largest_change_ = 0, largest_kinetic_;
 };
 
-class Trajectory {
+// A file of comma-separated values, to which a run adds rows.
+class Table {
+public:
+    Table(const std::string& path, const char* option, const std::string& columns) : file_(path, option) {
+        file_.stream() << columns << "\n";
+    }
+    // The names of bodies or planes as fields.
+    template <class Named>
+    [[nodiscard]] static std::vector<std::string> fields(const std::vector<Named>& list) {
+        std::vector<std::string> names;
+        for (const Named& each : list) names.push_back(csv_field(each.name));
+        return names;
+    }
+    // The stream, for the first fields of a row.
+    [[nodiscard]] std::ostream& row() { return file_.stream(); }
+    void add(long double x) { file_.stream() << "," << seventeen_digits(x); }
+    template <class T, std::size_t count>
+    void add(const std::array<T, count>& numbers) {
+        for (const T x : numbers) add(x);
+    }
+    void end_row() { file_.stream() << "\n"; }
+    // False when rows have been lost.
+    [[nodiscard]] bool good() const { return file_.good(); }
+    void close() { file_.commit(); }
+
+private:
+    OutputFile file_;
+};
+
+class Trajectory : public Table {
 public:
     Trajectory(const std::string& path, std::int64_t every, bool imu, const SceneDescription& scene)
-        : file_(path, "--trajectory"), every_(every), imu_(imu) {
-        for (const BodyDescription& body : scene.bodies) names_.push_back(csv_field(body.name));
-        file_.stream() << "time_s,body,x,y,z,vx,vy,vz,qw,qx,qy,qz,wx,wy,wz" << (imu ? ",fx,fy,fz,gx,gy,gz" : "")
-                       << "\n";
-    }
+        : Table(path, "--trajectory",
+                std::string("time_s,body,x,y,z,vx,vy,vz,qw,qx,qy,qz,wx,wy,wz") + (imu ? ",fx,fy,fz,gx,gy,gz" : "")),
+          every_(every), imu_(imu), names_(fields(scene.bodies)) {}
     void record(const Simulation& simulation, bool last) {
         if (simulation.steps_taken() % every_ != 0 && !last) return;
-        std::ostream& rows = file_.stream();
         const std::string time = seventeen_digits(simulation.time());
         for (int b = 0; b < simulation.body_count(); ++b) {
             const BodySnapshot body = simulation.body(b);
-            rows << time << "," << names_[static_cast<std::size_t>(b)];
-            const auto add = [&](const auto& numbers) {
-                for (const auto x : numbers) rows << "," << seventeen_digits(x);
-            };
+            row() << time << "," << names_[static_cast<std::size_t>(b)];
             add(body.position);
             add(body.velocity);
             add(body.orientation);
@@ -76,60 +99,44 @@ public:
                 add(imu.specific_force);
                 add(imu.angular_velocity);
             }
-            rows << "\n";
+            end_row();
         }
     }
-    // False when rows have been lost.
-    [[nodiscard]] bool good() const { return file_.good(); }
-    void close() { file_.commit(); }
 
 private:
-    OutputFile file_;
     std::int64_t every_;
     bool imu_;
     std::vector<std::string> names_;
 };
 
 // What touched, began, ended or hit in each step.
-class ContactRows {
+class ContactRows : public Table {
 public:
     ContactRows(const std::string& path, std::int64_t every, const SceneDescription& scene)
-        : file_(path, "--contacts"), every_(every) {
-        for (const BodyDescription& body : scene.bodies) bodies_.push_back(csv_field(body.name));
-        for (const PlaneDescription& plane : scene.planes) planes_.push_back(csv_field(plane.name));
-        file_.stream()
-            << "time_s,body,other,touches,began,ended,hit_speed,nx,ny,nz,depth,px,py,pz,normal_impulse,jx,jy,"
-               "jz\n";
-    }
+        : Table(path, "--contacts",
+                "time_s,body,other,touches,began,ended,hit_speed,nx,ny,nz,depth,px,py,pz,normal_impulse,jx,jy,jz"),
+          every_(every), bodies_(fields(scene.bodies)), planes_(fields(scene.planes)) {}
     // Events of every step, and of every K-th step what touches.
     void record(const Simulation& simulation, bool last) {
         const bool all = simulation.steps_taken() % every_ == 0 || last;
-        std::ostream& rows = file_.stream();
-        const auto name = [](const std::vector<std::string>& names, int i) {
-            return names[static_cast<std::size_t>(i)];
-        };
+        const std::string time = seventeen_digits(simulation.time());
         for (const ContactSnapshot& c : simulation.contacts()) {
             if (!all && !c.began && !c.ended && !(c.hit_speed > 0)) continue;
-            rows << seventeen_digits(simulation.time()) << "," << name(bodies_, c.body) << ","
-                 << (c.other < 0 ? name(planes_, c.plane) : name(bodies_, c.other)) << "," << c.touches << ","
-                 << c.began << "," << c.ended;
-            const auto add = [&](double x) { rows << "," << seventeen_digits(x); };
-            const auto add_all = [&](const std::array<double, 3>& v) { std::for_each(v.begin(), v.end(), add); };
+            row() << time << "," << bodies_[static_cast<std::size_t>(c.body)] << ","
+                  << (c.other < 0 ? planes_[static_cast<std::size_t>(c.plane)]
+                                  : bodies_[static_cast<std::size_t>(c.other)])
+                  << "," << c.touches << "," << c.began << "," << c.ended;
             add(c.hit_speed);
-            add_all(c.normal);
+            add(c.normal);
             add(c.depth);
-            add_all(c.point);
+            add(c.point);
             add(c.normal_impulse);
-            add_all(c.friction_impulse);
-            rows << "\n";
+            add(c.friction_impulse);
+            end_row();
         }
     }
-    // False when rows have been lost.
-    [[nodiscard]] bool good() const { return file_.good(); }
-    void close() { file_.commit(); }
 
 private:
-    OutputFile file_;
     std::int64_t every_;
     std::vector<std::string> bodies_, planes_;
 };

@@ -34,15 +34,6 @@ constexpr std::size_t largest_file = std::size_t{1} << 25;
 
 constexpr double planes_within = 4;  // times the range of positions: the largest offset of a plane in fixed point
 
-const Words<ContactResponse> responses{
-    {"impulse", ContactResponse::impulse}, {"spring", ContactResponse::spring}, {"none", ContactResponse::none}};
-
-const Words<Mixing> mixings{{"larger", Mixing::larger},
-                            {"smaller", Mixing::smaller},
-                            {"mean", Mixing::mean},
-                            {"geometric mean", Mixing::geometric_mean},
-                            {"product", Mixing::product}};
-
 PlaneDescription read_plane(Table table, RangeDescription& range) {
     PlaneDescription plane;
     table.required("name", plane.name);

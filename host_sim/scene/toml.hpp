@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "scene/error.hpp"
+#include "scene/words.hpp"
 #include "tools/text.hpp"
 
 // toml++ 3.3 asserts (or, with NDEBUG, lets the compiler assume) that a key follows '[', although its parser reports
@@ -84,10 +85,6 @@ private:
     Place place_;
     const toml::node* node_;
 };
-
-// One choice of a fixed set of words.
-template <class T>
-using Words = std::vector<std::pair<std::string, T>>;
 
 template <class T>
 [[nodiscard]] std::vector<std::string> keys_of(const Words<T>& words) {

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "scene/reader.hpp"
+#include "scene/words.hpp"
 #include "tools/text.hpp"
 
 namespace tumble::host {
@@ -34,32 +35,17 @@ std::string shape_text(const ShapeDescription& shape) {
     }
 }
 
-const char* response_text(ContactResponse response) {
-    return response == ContactResponse::none ? "none" : response == ContactResponse::spring ? "spring" : "impulse";
-}
-
-const char* mixing_text(Mixing mixing) {
-    switch (mixing) {
-    case Mixing::larger: return "larger";
-    case Mixing::smaller: return "smaller";
-    case Mixing::mean: return "mean";
-    case Mixing::geometric_mean: return "geometric mean";
-    case Mixing::product: break;
-    }
-    return "product";
-}
-
 std::string contact_text(const ContactDescription& c) {
     std::string sleep;
     if (c.sleep)
         sleep = "{ speed = " + text_of(c.sleep->speed) + ", angular_speed = " + text_of(c.sleep->angular_speed) +
                 ", time = " + text_of(c.sleep->time) + " }";
-    return "\n[contact]\n" + line("response", json_text(response_text(c.response))) +
+    return "\n[contact]\n" + line("response", json_text(word_of(responses, c.response))) +
            line("restitution", c.restitution) + line("restitution_threshold", c.restitution_threshold) +
            line("friction", c.friction) + line("rolling_resistance", c.rolling_resistance) +
            line("spinning_resistance", c.spinning_resistance) +
-           line("restitution_mixing", json_text(mixing_text(c.restitution_mixing))) +
-           line("friction_mixing", json_text(mixing_text(c.friction_mixing))) + line("tolerance", c.tolerance) +
+           line("restitution_mixing", json_text(word_of(mixings, c.restitution_mixing))) +
+           line("friction_mixing", json_text(word_of(mixings, c.friction_mixing))) + line("tolerance", c.tolerance) +
            line("stiffness", c.stiffness) + line("damping", c.damping) + line("barrier", c.barrier) +
            line("sleep", sleep);
 }

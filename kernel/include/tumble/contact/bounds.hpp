@@ -55,10 +55,9 @@ struct ContactBounds {
     }
     [[nodiscard]] static Length lift(Length gap, Length tolerance) {
         if (!is_lifted(gap, tolerance)) return Length{};
-        const Length lift = C::eighth(-gap - resting_depth(tolerance)), most = most_lift(tolerance);
+        const Length lift = C::eighth(-gap - resting_depth(tolerance)), most = C::eighth(tolerance);
         return lift > most ? most : lift;
     }
-    [[nodiscard]] static Length most_lift(Length tolerance) { return C::eighth(tolerance); }
     // A face axis of two boxes is preferred to an edge axis up to this difference, so that rounding does not decide.
     [[nodiscard]] static Length axis_margin(Length tolerance) { return C::half(C::half(tolerance)); }
     // Conservative advancement ends at this gap.

@@ -24,6 +24,7 @@ struct LoggedContact {
     [[no_unique_address]] If<features.friction, WorkVec3<N>, 0> friction_impulse{};  // kg m a step, world
 
     [[nodiscard]] std::uint32_t key() const { return Pair<N, features>::key_of(a, b); }
+    [[nodiscard]] bool has(int body) const { return a == body || b == body; }
     // Calls visit with the members that a snapshot holds.
     template <class Self, class Visit>
     static void each(Self& self, Visit& visit) {
@@ -54,14 +55,11 @@ public:
 
     // Keeps what touches. Impulses of pairs that stand or sleep stay as they are.
     void start_step() {
-        int kept = 0;
-        for (int i = 0; i < count_; ++i) {
-            if (!entry_[i].touches) continue;
-            entry_[kept] = entry_[i];
-            entry_[kept].touched = true;
-            entry_[kept++].hit_speed = Work(0);
-        }
-        count_ = kept;
+        keep([](Entry& entry) {
+            entry.touched = true;
+            entry.hit_speed = Work(0);
+            return entry.touches;
+        });
     }
     // Forgets the impulses of pairs that are no longer in the list. Call when pairs have left it, before the islands.
     void start_islands(PairList& pairs) {
@@ -132,15 +130,12 @@ public:
     // Call where body b is elsewhere now.
     void clear_impulses_of(int b) {
         for (int i = 0; i < count_; ++i)
-            if (entry_[i].a == b || entry_[i].b == b) entry_[i].clear_impulses();
+            if (entry_[i].has(b)) entry_[i].clear_impulses();
     }
     void clear() { count_ = 0; }
     // Removes what body b has touched.
     void remove(int b) {
-        int kept = 0;
-        for (int i = 0; i < count_; ++i)
-            if (entry_[i].a != b && entry_[i].b != b) entry_[kept++] = entry_[i];
-        count_ = kept;
+        keep([&](const Entry& entry) { return !entry.has(b); });
     }
 
     // Entry i as body b has it. `rate`: steps per second. id_of(place of a body): its id.
@@ -186,6 +181,14 @@ public:
     }
 
 private:
+    // Keeps the entries for which is_kept(entry).
+    template <class F>
+    void keep(F&& is_kept) {
+        int kept = 0;
+        for (int i = 0; i < count_; ++i)
+            if (is_kept(entry_[i])) entry_[kept++] = entry_[i];
+        count_ = kept;
+    }
     // The place of the first entry whose key is not smaller. Entries are sorted by it, as pairs are.
     [[nodiscard]] int place_of(std::uint32_t key) const {
         int low = 0, high = count_;

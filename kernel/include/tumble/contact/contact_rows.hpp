@@ -114,15 +114,12 @@ public:
     // arm x direction over the radii of gyration, in principal axes.
     [[nodiscard]] static Vec3<typename C::Lever> levers(const CollisionShape<N>& shape, const Vec3<Length>& arm,
                                                         const Vec3<Unit>& direction) {
-        const Vec3<Length> c = cross<Length>(arm, direction);
-        return {shape.per_gyration[0](c.x()), shape.per_gyration[1](c.y()), shape.per_gyration[2](c.z())};
+        return over_gyration(shape, cross<Length>(arm, direction));
     }
-
     // An axis times an arm over the radii of gyration, in principal axes.
     [[nodiscard]] static Vec3<typename C::Lever> spin_levers(const CollisionShape<N>& shape, const Vec3<Unit>& about,
                                                              Length arm) {
-        const Vec3<Length> c = tumble::along(about, arm);
-        return {shape.per_gyration[0](c.x()), shape.per_gyration[1](c.y()), shape.per_gyration[2](c.z())};
+        return over_gyration(shape, tumble::along(about, arm));
     }
 
     // Solves all points that take part by sweeps. Returns the largest change of an impulse in the last one.
@@ -142,6 +139,9 @@ public:
     }
 
 private:
+    [[nodiscard]] static Vec3<typename C::Lever> over_gyration(const CollisionShape<N>& shape, const Vec3<Length>& v) {
+        return {shape.per_gyration[0](v.x()), shape.per_gyration[1](v.y()), shape.per_gyration[2](v.z())};
+    }
     // The directions of a pair's rows, in the principal axes of its bodies, times the bodies' shares of the motion.
     struct Directions {
         Vec3<Unit> linear[Point::directions], angular[Point::directions];

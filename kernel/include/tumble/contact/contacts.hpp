@@ -43,9 +43,7 @@ public:
 
     // What the log holds of the last step, and which of it is of body b.
     [[nodiscard]] int logged_count() const requires(features.contact_readout) { return state_.log.count(); }
-    [[nodiscard]] bool is_logged(int i, int b) const requires(features.contact_readout) {
-        return state_.log[i].a == b || state_.log[i].b == b;
-    }
+    [[nodiscard]] bool is_logged(int i, int b) const requires(features.contact_readout) { return state_.log[i].has(b); }
     template <class IdOf>
     [[nodiscard]] Contact<Work> logged(int i, int b, const Bodies& bodies, Work rate, IdOf&& id_of) const
         requires(features.contact_readout) {

@@ -241,8 +241,7 @@ private:
         pair.spin_arm = scale().length(arm);
         const Work over_arm = fits ? Work(1) / arm : Work(0);
         const auto combined = [&](Work of_a, Work of_b, Work otherwise) {
-            const Work x = of_a < Work(0) ? otherwise : of_a, y = of_b < Work(0) ? otherwise : of_b;
-            return C::friction((x < y ? y : x) * over_arm);
+            return C::friction(mixed(Mixing::larger, of_a, of_b, otherwise) * over_arm);
         };
         pair.rolling = combined(a.rolling, b.rolling, resistance_.world.rolling);
         pair.spinning = combined(a.spinning, b.spinning, resistance_.world.spinning);
@@ -271,7 +270,7 @@ private:
         const Work x = a < Work(0) ? otherwise : a, y = b < Work(0) ? otherwise : b;
         return x == y ? x : sqrt(x * y);
     }
-    [[nodiscard]] static Work mixed(Mixing mixing, Work a, Work b, Work otherwise) requires(features.mixing) {
+    [[nodiscard]] static Work mixed(Mixing mixing, Work a, Work b, Work otherwise) {
         const Work x = a < Work(0) ? otherwise : a, y = b < Work(0) ? otherwise : b;
         switch (mixing) {
         case Mixing::larger: return x < y ? y : x;

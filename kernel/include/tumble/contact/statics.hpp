@@ -43,18 +43,16 @@ public:
     // Each body must stand on one pair, or on several that push alike, as in a pyramid or under a bridge. All bodies
     // must come to rest, but for bodies on which nothing stands: these may move on one that rests.
     bool solve() {
-        const bool slow = is_slow([](int) { return true; }), slides = !slow && moves_as_one(),
-                   several = island_.group.count > 1;
-        const bool may = (slow || slides || several) && find_carrying(),
+        const bool slow = is_slow([](int) { return true; }), may = find_carrying(),
                    known = may && slow && pairs_.hold_all(island_);
         bool found = known;
         if (known) {
             for (int k = 0; k < island_.group.count; ++k) velocities_.stop(island_.group.id[k]);
-        } else if (may && (slow || several)) {
+        } else if (may && (slow || island_.group.count > 1)) {
             leave_out_sides(false);
             found = finish(balance(slow) && (!moves_ || open_points_hold()));
         }
-        if (!found && may && (slides || (slow && moves_as_one()))) {
+        if (!found && may && moves_as_one()) {
             (void)find_carrying();
             leave_out_sides(true);
             found = slide_as_one();
@@ -69,44 +67,34 @@ private:
     static constexpr int bodies = features.bodies;
     static constexpr unsigned must_move = 0x80;  // among the bits of Pair::carrying
 
-    // Whether none of the bodies for which counts(b) moves faster at the start than a part of what loads change.
+    // Whether motion(b) of each body, a velocity at the start, is at most a part of what loads change.
+    template <class F>
+    [[nodiscard]] bool is_still(F&& motion) const {
+        Speed fastest{}, most{};
+        const auto note = [](const Velocity& v, Speed& largest) {
+            const Speed size = v.largest();
+            if (size > largest) largest = size;
+        };
+        for (int k = 0; k < island_.group.count; ++k) {
+            const int b = island_.group.id[k];
+            const Velocity &start = velocities_.start[b], &loaded = velocities_.loaded[b];
+            note(motion(b), fastest);
+            note({loaded.linear - start.linear, loaded.angular - start.angular}, most);
+        }
+        return !(fastest > Bounds::still(most));
+    }
+    // The same of the bodies for which counts(b).
     template <class F>
     [[nodiscard]] bool is_slow(F&& counts) const {
-        Speed fastest{}, most{};
-        const auto note = [](const Velocity& v, Speed& largest) {
-            const Speed size = v.largest();
-            if (size > largest) largest = size;
-        };
-        for (int k = 0; k < island_.group.count; ++k) {
-            const int b = island_.group.id[k];
-            const Velocity &start = velocities_.start[b], &loaded = velocities_.loaded[b];
-            if (counts(b)) note(start, fastest);
-            note({loaded.linear - start.linear, loaded.angular - start.angular}, most);
-        }
-        return !(fastest > Bounds::still(most));
+        return is_still([&](int b) { return counts(b) ? velocities_.start[b] : Velocity{zero(), zero()}; });
     }
-    // Whether no body turns, or moves against the others, by more than a part of what loads change. Then `common_` is
-    // their velocity at the start.
+    // Whether the bodies hardly turn, or move against each other. Then `common_` is their velocity at the start.
     [[nodiscard]] bool moves_as_one() {
-        Speed fastest{}, most{};
-        const auto note = [](const Velocity& v, Speed& largest) {
-            const Speed size = v.largest();
-            if (size > largest) largest = size;
-        };
-        for (int k = 0; k < island_.group.count; ++k) {
-            const int b = island_.group.id[k];
-            const Velocity &start = velocities_.start[b], &loaded = velocities_.loaded[b];
-            note({Vec3<Speed>::Constant(Speed{}), start.angular}, fastest);
-            note({loaded.linear - start.linear, loaded.angular - start.angular}, most);
-        }
-        if (fastest > Bounds::still(most)) return false;
+        if (!is_still([&](int b) { return Velocity{zero(), velocities_.start[b].angular}; })) return false;
         (void)set_common(velocities_.start);
-        for (int k = 0; k < island_.group.count; ++k) {
-            const int b = island_.group.id[k];
-            note({velocities_.start[b].linear - common_[b], Vec3<Speed>::Constant(Speed{})}, fastest);
-        }
-        return !(fastest > Bounds::still(most));
+        return is_still([&](int b) { return Velocity{velocities_.start[b].linear - common_[b], zero()}; });
     }
+    [[nodiscard]] static Vec3<Speed> zero() { return Vec3<Speed>::Constant(Speed{}); }
     // Sets `common_` to the mean velocity, weighted by mass. Returns it, m a step.
     WorkVec3<N> set_common(const Velocity (&of)[bodies]) {
         WorkVec3<N> momentum = zero_vector<N>();
@@ -132,7 +120,6 @@ private:
     // of Coulomb gives the common velocity at the end, from the sum of momenta. Seen from there, all bodies are at
     // rest.
     [[gnu::noinline, gnu::cold]] bool slide_as_one() {
-        const Vec3<Speed> zero = Vec3<Speed>::Constant(Speed{});
         const Pair* ground = nullptr;
         bool alike = true;
         for_each_carrying([&](int, const Pair& pair) {
@@ -154,7 +141,7 @@ private:
         set_common(end);
         const auto& group = island_.group;
         slides_ = true;
-        for (int k = 0; k < group.count; ++k) velocities_.now[group.id[k]] = {common_[group.id[k]], zero};
+        for (int k = 0; k < group.count; ++k) velocities_.now[group.id[k]] = {common_[group.id[k]], zero()};
         bool found = open_points_hold();
         for (int k = 0; k < group.count; ++k) {
             const int b = group.id[k];
@@ -373,7 +360,7 @@ private:
             }
         }
         [[nodiscard]] typename Rows::Solver::Resistance resistance(int i) { return {row[i], rolling, spinning}; }
-        // Makes the rows about direction k of the pair, in the axes of the body, with the impulses of the pair.
+        // Makes the rows about direction k of the pair, in the axes of the body, without an impulse.
         void set(const Pair& pair, int k, const Vec3<Unit>& about) {
             const int to = k == 0 ? 2 : k - 1;
             for (int i = 0; i < pair.count; ++i) {

@@ -1,0 +1,33 @@
+// The words of scene files for what has a fixed set of choices.
+#pragma once
+
+#include <tumble/body/setup.hpp>
+
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace tumble::host {
+
+// One choice of a fixed set of words.
+template <class T>
+using Words = std::vector<std::pair<std::string, T>>;
+
+// The word for a value that has one.
+template <class T>
+[[nodiscard]] const std::string& word_of(const Words<T>& words, const T& value) {
+    std::size_t i = 0;
+    while (words[i].second != value) ++i;
+    return words[i].first;
+}
+
+// With underscores, the words are the names of the kernel.
+inline const Words<ContactResponse> responses{
+    {"impulse", ContactResponse::impulse}, {"spring", ContactResponse::spring}, {"none", ContactResponse::none}};
+inline const Words<Mixing> mixings{{"larger", Mixing::larger},
+                                   {"smaller", Mixing::smaller},
+                                   {"mean", Mixing::mean},
+                                   {"geometric mean", Mixing::geometric_mean},
+                                   {"product", Mixing::product}};
+
+}  // namespace tumble::host
