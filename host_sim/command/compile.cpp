@@ -74,6 +74,7 @@ std::string body_text(const BodyDescription& description, const BodySpec& body) 
     members.when(!body.rolling_resistance.is_negative(), "rolling_resistance", number(body.rolling_resistance), "m");
     members.when(!body.spinning_resistance.is_negative(), "spinning_resistance", number(body.spinning_resistance), "m");
     members.when(body.fixed, "fixed", "true");
+    members.when(body.kinematic, "kinematic", "true");
     return members.text();
 }
 

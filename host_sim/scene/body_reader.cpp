@@ -175,6 +175,8 @@ BodyDescription read_body(Table table, const SceneDescription& scene, RangeDescr
     table.optional("quadratic_drag", body.quadratic_drag, Quantity{Quantity::not_negative, "kg/m"});
     table.optional("wheel_momentum", body.wheel_momentum, Quantity{Quantity::any, "N m s", "x, y, z"});
     table.optional("fixed", body.fixed);
+    table.optional("kinematic", body.kinematic);
+    body.fixed = body.fixed || body.kinematic;
     table.finish();
 
     check_mass(table, body, scene.gravitation > 0);

@@ -38,7 +38,8 @@ BodySpec body_of(const BodyDescription& body) {
     spec.friction = or_default(body.friction);
     spec.rolling_resistance = or_default(body.rolling_resistance);
     spec.spinning_resistance = or_default(body.spinning_resistance);
-    spec.fixed = body.fixed;
+    spec.fixed = body.fixed && !body.kinematic;
+    spec.kinematic = body.kinematic;
     return spec;
 }
 
@@ -68,7 +69,7 @@ SleepSpec sleep_of(const ContactDescription& contact) {
 bool any_pair_meets(const std::vector<BodySpec>& bodies) {
     for (const BodySpec& a : bodies) {
         if (std::any_of(bodies.begin(), bodies.end(), [&](const BodySpec& b) {
-                return &a != &b && meets(a.shape.kind, b.shape.kind) && !(a.fixed && b.fixed);
+                return &a != &b && meets(a.shape.kind, b.shape.kind) && !(a.is_fixed() && b.is_fixed());
             }))
             return true;
     }
@@ -191,7 +192,8 @@ Features needs(const SceneData& scene) {
     const auto is_box = [](const BodySpec& body) { return body.shape.kind == ShapeKind::box; };
     const auto is_moving_round = [](const BodySpec& body) {
         const ShapeKind kind = body.shape.kind;
-        return !body.fixed && (kind == ShapeKind::cylinder || kind == ShapeKind::capsule || kind == ShapeKind::hoop);
+        return !body.is_fixed() &&
+               (kind == ShapeKind::cylinder || kind == ShapeKind::capsule || kind == ShapeKind::hoop);
     };
     const auto is_turntable = [](const BodySpec& body) { return body.fixed && !body.angular_velocity.is_zero(); };
     const auto lasts = [](const EventSpec& event) {
@@ -237,6 +239,7 @@ Features needs(const SceneData& scene) {
         .mixing = by_impulses && !world.contact.mixes_as_usual(),
         .sleep = world.contact.sleep.on && response == ContactResponse::impulse,
         .turntables = any(scene.bodies, is_turntable) || any(scene.events, turns_fixed),
+        .kinematic = any(scene.bodies, [](const BodySpec& body) { return body.kinematic; }),
         .contact_impulses = !by_springs,
         .contact_springs = by_springs,
     };

@@ -46,7 +46,8 @@ struct BodyDescription {
     std::optional<double> restitution, friction, rolling_resistance, spinning_resistance;
     double linear_drag = 0.0, quadratic_drag = 0.0;  // kg/s and kg/m, against the air
     Triple wheel_momentum{};                         // N m s, body frame, user's axes
-    bool fixed = false;
+    bool fixed = false;                              // nothing pushes it; true of a kinematic body too
+    bool kinematic = false;                          // moves as its velocity says
 
     // True of a body without rotation.
     [[nodiscard]] bool is_point_mass() const { return shape.kind == ShapeKind::none && !inertia; }

@@ -26,7 +26,7 @@ SceneEnergy::SceneEnergy(const SceneData& data) : data_(data) {
 Energy SceneEnergy::of(const std::vector<Motion>& now, const std::vector<Vector>& spins) const {
     Energy energy;
     for (std::size_t b = 0; b < now.size(); ++b) {
-        if (data_.bodies[b].fixed) continue;
+        if (data_.bodies[b].is_fixed()) continue;
         const Body& body = bodies_[b];
         energy.kinetic += body.mass * dot(now[b].v, now[b].v) / 2;
         energy.kinetic += dot(times(body.moments, spins[b]), spins[b]) / 2;
@@ -45,7 +45,7 @@ Energy SceneEnergy::of(const std::vector<Motion>& now, const std::vector<Vector>
     }
     for (std::size_t a = 0; attracts_ && a < now.size(); ++a) {
         for (std::size_t b = a + 1; b < now.size(); ++b) {
-            if (data_.bodies[a].fixed && data_.bodies[b].fixed) continue;
+            if (data_.bodies[a].is_fixed() && data_.bodies[b].is_fixed()) continue;
             const Number distance = std::hypot(norm(now[b].x - now[a].x), number(data_.softening));
             energy.potential -= number(data_.world.gravitation) * bodies_[a].mass * bodies_[b].mass / distance;
         }
@@ -77,7 +77,7 @@ Number SceneEnergy::of_contacts(const std::vector<Motion>& now) const {
         const BodySpec& spec = data_.bodies[b];
         const Vector size = vector(spec.shape.size);
         for (const Plane& plane : planes_) {
-            if (spec.fixed) continue;
+            if (spec.is_fixed()) continue;
             const Number height = dot(plane.normal, now[b].x) + plane.offset;
             if (spec.shape.kind == ShapeKind::sphere) add_point(height - size.x);
             if (spec.shape.kind != ShapeKind::box) continue;
@@ -94,7 +94,7 @@ Number SceneEnergy::of_contacts(const std::vector<Motion>& now) const {
         for (std::size_t a = 0; a < b; ++a) {
             const BodySpec& other = data_.bodies[a];
             if (spec.shape.kind != ShapeKind::sphere || other.shape.kind != ShapeKind::sphere ||
-                (spec.fixed && other.fixed))
+                (spec.is_fixed() && other.is_fixed()))
                 continue;
             add_point(norm(now[b].x - now[a].x) - size.x - number(other.shape.size.x));
         }

@@ -264,14 +264,15 @@ std::vector<std::string> limitations(const SceneDescription& scene) {
     }
     for (std::size_t i = 0; i < scene.events.size(); ++i) {
         const EventDescription& event = scene.events[i];
-        const bool moves_fixed = event.kind == EventKind::pose || event.kind == EventKind::angular_velocity;
+        const bool moves_fixed = event.kind == EventKind::pose || event.kind == EventKind::angular_velocity ||
+                                 (event.kind == EventKind::velocity && scene.body(event.body).kinematic);
         const std::string name = "event[" + std::to_string(i) + "] ";
         if (scene.body(event.body).fixed && !moves_fixed) list.push_back(name + acts_on_fixed(scene.body(event.body)));
         else if (nearest_step(event.time, scene.step) >= number_of_steps)
             list.push_back(name + "comes when the last step has been taken, so it has no effect");
     }
     for (const BodyDescription& body : scene.bodies)
-        if (body.fixed && body.velocity != Triple{})
+        if (body.fixed && !body.kinematic && body.velocity != Triple{})
             list.push_back("body \"" + body.name + "\" is fixed, so its velocity has no effect");
     if (scene.contact.response == ContactResponse::none) return list;
     if (scene.contact.response == ContactResponse::impulse) add_overlaps(scene, list);

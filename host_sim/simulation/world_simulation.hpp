@@ -161,10 +161,10 @@ public:
         const auto& bodies = Owned::replay.world().bodies();
         std::vector<ContactSnapshot> all;
         for (int b = 0; b < bodies.count; ++b) {
-            if (bodies.constants[b].fixed) continue;
+            if (bodies.constants[b].fixed()) continue;
             for (const auto& c : Owned::replay.world().contacts(BodyId{b})) {
                 const int other = c.body.index();
-                if (other >= 0 && other < b && !bodies.constants[other].fixed) continue;  // it is there
+                if (other >= 0 && other < b && !bodies.constants[other].fixed()) continue;  // it is there
                 all.push_back({b, other, c.plane.index(), c.touches, c.began, c.ended, plain(c.hit_speed),
                                array_of(c.normal), plain(c.depth), array_of(c.point), plain(c.normal_impulse),
                                array_of(c.friction_impulse)});

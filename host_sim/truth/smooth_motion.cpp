@@ -115,7 +115,8 @@ SmoothMotion::Body SmoothMotion::body_of(const BodyDescription& description) {
     body.inertia = tensor_of(description, body.mass);
     if (!description.is_point_mass()) body.inverse = body.inertia.inverse();
     body.fixed = description.fixed;
-    body.turns = body.fixed && norm(vector_of(description.angular_velocity)) > 0;
+    body.moves_by_itself = body.fixed && (norm(vector_of(description.angular_velocity)) > 0 ||
+                                          (description.kinematic && norm(vector_of(description.velocity)) > 0));
     body.kind = description.shape.kind;
     body.size = vector_of(description.shape.size);
     return body;
@@ -126,7 +127,7 @@ SmoothMotion::SmoothMotion(const SceneDescription& scene, ShapesMeet shapes_meet
     for (const BodyDescription& description : scene.bodies) {
         bodies_.push_back(body_of(description));
         Motion start{vector_of(description.position), {}, rotation_of(description.orientation).normalized(), {}};
-        if (!description.fixed) start.v = vector_of(description.velocity);
+        if (!description.fixed || description.kinematic) start.v = vector_of(description.velocity);
         start.w = vector_of(description.angular_velocity);
         now_.push_back(start);
     }

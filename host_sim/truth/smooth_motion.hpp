@@ -1,7 +1,7 @@
 // The true motion of a scene between contacts. Every load and event of the scene format is integrated in long double,
 // with an error far below that of any kernel method. It shares no code with the kernel except the names of shapes; its
 // caller says which shapes touch each other. It leaves out contacts: clearance() tells whether the motion is still that
-// of the scene. A fixed body may turn at a constant angular velocity.
+// of the scene. A fixed body may turn at a constant angular velocity, and a kinematic one moves.
 #pragma once
 
 #include <array>
@@ -52,13 +52,13 @@ private:
         [[nodiscard]] Tensor inverse() const;
     };
     struct Body {
-        reference::Number mass = 0;         // kg
-        Tensor inertia, inverse;            // kg m^2, user's axes; both zero of a point mass
-        bool fixed = false, turns = false;  // turns: a fixed body with a spin
+        reference::Number mass = 0;                   // kg
+        Tensor inertia, inverse;                      // kg m^2, user's axes; both zero of a point mass
+        bool fixed = false, moves_by_itself = false;  // a fixed body with a spin or, if kinematic, a velocity
         ShapeKind kind = ShapeKind::none;
         reference::Vector size;  // m, as in ShapeDescription
 
-        [[nodiscard]] bool moves() const { return !fixed || turns; }
+        [[nodiscard]] bool moves() const { return !fixed || moves_by_itself; }
         [[nodiscard]] bool touches_planes() const {
             return !fixed && kind != ShapeKind::none && kind != ShapeKind::points;
         }

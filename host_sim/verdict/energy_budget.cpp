@@ -20,9 +20,9 @@ EnergyBudget::EnergyBudget(const SceneDescription& scene, const Simulation& simu
     const bool by_springs = touches && scene.contact.response == ContactResponse::spring;
     is_known_ = !by_springs || stored_energy_is_known(scene);
 
-    const bool is_driven_by_fixed = touches && std::any_of(scene.bodies.begin(), scene.bodies.end(), [](const auto& b) {
-                                        return b.fixed && b.angular_velocity != Triple{};
-                                    });
+    const bool is_driven_by_fixed = std::any_of(scene.bodies.begin(), scene.bodies.end(), [&](const auto& b) {
+        return b.kinematic || (touches && b.fixed && b.angular_velocity != Triple{});
+    });
     const auto overlaps = at_start.overlaps();
     const bool begins_pushed = touches && !is_known_ && (scene.contact.barrier > 0 || !overlaps.empty());
     const bool begins_inside =
@@ -32,7 +32,7 @@ EnergyBudget::EnergyBudget(const SceneDescription& scene, const Simulation& simu
 
     tolerance_energy_ = 0;
     const long double gravity = std::hypot(scene.gravity[0], scene.gravity[1], scene.gravity[2]);
-    for (const BodySpec& body : build_scene(scene).bodies) mass_.push_back(body.fixed ? 0 : number(body.mass));
+    for (const BodySpec& body : build_scene(scene).bodies) mass_.push_back(body.is_fixed() ? 0 : number(body.mass));
     if (touches && !by_springs)
         for (const long double mass : mass_) tolerance_energy_ += mass * gravity * simulation.contact_tolerance();
     rounding_ = rounding(simulation);

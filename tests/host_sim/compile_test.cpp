@@ -113,6 +113,9 @@ TEST(Compile, features_are_those_that_the_contacts_need) {
     EXPECT_EQ(features(ball + cloud), Features{});
     EXPECT_EQ(features(ball + turning), Features{});
     EXPECT_EQ(features(ball + turning + fixed), Features{"turntables = true"});
+    EXPECT_EQ(features(ball + turning + "kinematic = true\n"), Features{"kinematic = true"});
+    EXPECT_EQ(features(ball + "kinematic = true\n" + other), (Features{"pairs = true", "kinematic = true"}));
+    EXPECT_EQ(features(ball + fixed + other + "kinematic = true\n"), Features{"kinematic = true"});
     for (const auto* shape : {"cylinder = [1.0, 1.0]", "capsule = [1.0, 1.0]", "hoop = 1.0"}) {
         EXPECT_EQ(features(body_of("a", shape)), Features{"round_shapes = true"}) << shape;
         EXPECT_EQ(features(body_of("a", shape) + ball), Features{"round_shapes = true"}) << shape;

@@ -111,12 +111,13 @@ std::int64_t steps_of(const std::string& step, double duration) {
 }
 
 TEST(SceneReader, unknown_key_names_file_line_and_key) {
-    EXPECT_EQ(error_of(world + brick + "masss = 3.0\n"),
-              "text.toml:8: body[0].masss: unknown key (did you mean \"mass\"?), expected \"angular_velocity\", "
-              "\"density\", \"fixed\", "
-              "\"friction\", \"inertia\", \"linear_drag\", \"mass\", \"name\", \"orientation\", \"position\", "
-              "\"quadratic_drag\", \"restitution\", \"rolling_resistance\", \"shape\", \"spinning_resistance\", "
-              "\"velocity\" or \"wheel_momentum\"");
+    EXPECT_EQ(
+        error_of(world + brick + "masss = 3.0\n"),
+        "text.toml:8: body[0].masss: unknown key (did you mean \"mass\"?), expected \"angular_velocity\", "
+        "\"density\", \"fixed\", "
+        "\"friction\", \"inertia\", \"kinematic\", \"linear_drag\", \"mass\", \"name\", \"orientation\", \"position\", "
+        "\"quadratic_drag\", \"restitution\", \"rolling_resistance\", \"shape\", \"spinning_resistance\", "
+        "\"velocity\" or \"wheel_momentum\"");
 }
 
 TEST(SceneReader, wrong_value_names_what_it_got_and_the_unit_expected) {
@@ -159,6 +160,7 @@ TEST(SceneReader, a_scene_without_a_range_notes_the_first_number_beyond_the_defa
 TEST(SceneReader, a_fixed_body_needs_no_mass) {
     const std::string table = "[[body]]\nname = \"table\"\nshape = { box = [1, 1, 1] }\n";
     EXPECT_TRUE(read(world + table + "fixed = true\n").bodies.at(0).mass);
+    EXPECT_TRUE(read(world + table + "kinematic = true\n").bodies.at(0).mass);
     for (const char* rest : {"", "fixed = false\n"})
         EXPECT_NE(error_of(world + table + rest).find("body[0].mass: missing"), std::string::npos) << rest;
 }

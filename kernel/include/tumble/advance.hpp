@@ -113,19 +113,73 @@ public:
 
     // A step of a body that feels gravity alone.
     TUMBLE_INLINE void free_body(int b, const StepInfo<N>& info) {
-        if (bodies.constants[b].fixed) return step_fixed(b, info);
+        if (bodies.constants[b].fixed()) return step_fixed(b, info);
         lose_kick(b);
         unloaded<true>(b, info, gravity_);
         check_range(b);
     }
-    // A step of a fixed body, which may turn where there are turntables.
-    TUMBLE_INLINE void step_fixed([[maybe_unused]] int b, [[maybe_unused]] const StepInfo<N>& info) {
+    // A step of a fixed body that nothing feels.
+    TUMBLE_INLINE void step_fixed(int b, const StepInfo<N>& info) {
+        step_turntable(b, info);
+        if constexpr (features.kinematic)
+            if (bodies.constants[b].kinematic()) step_kinematic(b, info);
+    }
+    // A step of a fixed body, which may turn where there are turntables. Kinematic bodies stay.
+    TUMBLE_INLINE void step_turntable([[maybe_unused]] int b, [[maybe_unused]] const StepInfo<N>& info) {
         if constexpr (features.turntables && rotation)
-            if (bodies.is_turning(b)) {
+            if (bodies.is_turning(b) && !bodies.constants[b].kinematic()) {
                 rotate<true>(b, info);
                 check_range(b);
                 disturb();
             }
+    }
+
+    // The kinematic bodies that move in a step, and how they move at its start.
+    struct MovingKinematics {
+        BodyGroup group;
+        StateCopies<State, features.bodies> start;
+        [[no_unique_address]]
+        typename detail::RoomFor<std::int8_t, Bodies::has_parts ? features.bodies : 0>::Array halvings;
+    };
+    using Kinematics = If<features.kinematic, MovingKinematics, 0>;
+    // Begins a step: notes the kinematic bodies that move. Loads feel them where they are halfway.
+    void begin([[maybe_unused]] Kinematics& kinematic, [[maybe_unused]] const StepInfo<N>& info) {
+        if constexpr (features.kinematic) {
+            note_moving(kinematic);
+            place(kinematic, info, N::half_of(Work(1)));
+        }
+    }
+    void note_moving(Kinematics& kinematic) const requires(features.kinematic) {
+        for (int b = 0; b < bodies.count; ++b) {
+            if (!bodies.moves_by_itself(b)) continue;
+            kinematic.start.keep(kinematic.group.count, bodies.state[b]);
+            if constexpr (Bodies::has_parts) kinematic.halvings[kinematic.group.count] = bodies.parts.halvings[b];
+            kinematic.group.add(b);
+        }
+    }
+    // Places them where they are at this part of the step. Their velocities are those in a part of length `unit`.
+    void place(const Kinematics& kinematic, const StepInfo<N>& info, Work time,
+               Work unit = Work(1)) requires(features.kinematic) {
+        for (int k = 0; k < kinematic.group.count; ++k) {
+            const int b = kinematic.group.id[k];
+            bodies.state[b] = kinematic.start[k];
+            if constexpr (Bodies::has_parts) bodies.parts.halvings[b] = kinematic.halvings[k];
+            if (time > Work(0)) {
+                shorten(b, time);
+                coast_by_itself(b, info);
+                bodies.state[b].d_w = kinematic.start[k].d_w;
+                if constexpr (rotation) bodies.state[b].t_b = kinematic.start[k].t_b;
+                if constexpr (Bodies::has_parts) bodies.parts.halvings[b] = kinematic.halvings[k];
+            }
+            shorten(b, unit);
+        }
+    }
+    // Ends the step.
+    void end([[maybe_unused]] const Kinematics& kinematic, [[maybe_unused]] const StepInfo<N>& info) {
+        if constexpr (features.kinematic) {
+            place(kinematic, info, Work(0));
+            for (int k = 0; k < kinematic.group.count; ++k) step_kinematic(kinematic.group.id[k], info);
+        }
     }
     // A step of a body that loads do not couple to another.
     void alone(int b, const StepInfo<N>& info) requires has_loads {
@@ -159,6 +213,16 @@ public:
         if (flight.new_spins) spins_changed(flight.group);
         if (flight.loads != nullptr) foresee(flight.group, marks, *flight.loads);
         if (flight.portion.length > Work(0)) portion(flight.group, info, flight.portion);
+    }
+    // The same where kinematic bodies move along. Loads feel them where they are in the middle of the flight.
+    template <class Flight, class Marks>
+    void move(const Flight& flight, const StepInfo<N>& info, const Marks& marks,
+              const Kinematics& kinematic) requires(features.kinematic) {
+        const Work length = flight.portion.length;
+        const bool along = length > Work(0);
+        if (has_loads && along) place(kinematic, info, flight.from + N::half_of(length), length);
+        move(flight, info, marks);
+        if (along) place(kinematic, info, flight.from + length);
     }
     // What acts on a body in this step besides gravity.
     [[nodiscard]] TUMBLE_INLINE Mark mark(int b) const { return {is_coupled(b), is_loaded(b), is_driven(b)}; }
@@ -422,6 +486,31 @@ private:
         axis(s.x_w.x, s.d_w.x, fall[0]);
         axis(s.x_w.y, s.d_w.y, fall[1]);
         axis(s.x_w.z, s.d_w.z, fall[2]);
+    }
+    // A step of a kinematic body.
+    void step_kinematic(int b, const StepInfo<N>& info) requires(features.kinematic) {
+        spin_changed(b);  // in a world where it was placed within the step, and so in all others
+        coast_by_itself<true>(b, info);
+        check_range(b);
+        disturb();
+    }
+    template <bool ends_step = false>
+    void coast_by_itself(int b, const StepInfo<N>& info) requires(features.kinematic) {
+        rotate<ends_step>(b, info);
+        State& s = bodies.state[b];
+        for (int i = 0; i < 3; ++i) N::coast(s.x_w[i], s.d_w[i], DriftSum{}, bodies.scale);
+    }
+    // The motion of a body in a part of the step as that in a whole one.
+    void shorten(int b, Work length) requires(features.kinematic) {
+        if (length == Work(1)) return;
+        State& s = bodies.state[b];
+        const auto part = N::fraction(length);
+        for (int i = 0; i < 3; ++i) {
+            N::add(s.d_w[i], N::part(N::sum(s.d_w[i]), part) - N::sum(s.d_w[i]));
+            if constexpr (rotation)
+                if (bodies.rotates(b)) s.t_b[i].add(N::part(N::sum(s.t_b[i]), part) - N::sum(s.t_b[i]));
+        }
+        spin_changed(b);
     }
     // Free rotation, in as many parts as the spin has halvings.
     template <bool ends_step = false>

@@ -41,6 +41,7 @@ struct Features {
     bool mixing = false;              // how the values of two sides mix can be chosen: ContactSpec
     bool sleep = false;               // resting bodies fall asleep; for contacts by impulses
     bool turntables = false;          // fixed bodies may rotate
+    bool kinematic = false;           // fixed bodies may move, and push what they meet: BodySpec::kinematic
     bool contact_readout = false;     // the world keeps what contacts do in a step, for World::contacts()
     bool contact_impulses = true;     // ContactResponse::impulse
     bool contact_springs = false;     // ContactResponse::spring
@@ -78,6 +79,7 @@ struct Features {
         f("mixing", &Features::mixing);
         f("sleep", &Features::sleep);
         f("turntables", &Features::turntables);
+        f("kinematic", &Features::kinematic);
         f("contact_readout", &Features::contact_readout);
         f("contact_impulses", &Features::contact_impulses);
         f("contact_springs", &Features::contact_springs);
@@ -101,6 +103,8 @@ struct Features {
 
     // True if some bodies rotate and others, point masses, do not.
     [[nodiscard]] constexpr bool mixed() const { return rotation && point_masses; }
+    // True if the surface of a fixed body may move.
+    [[nodiscard]] constexpr bool moving_surfaces() const { return turntables || kinematic; }
     // True if a body can collide with something. Point masses collide with nothing.
     [[nodiscard]] constexpr bool touches() const { return bodies > 0 && rotation && (planes > 0 || pairs); }
     // True if the code of contacts by impulses is compiled in.

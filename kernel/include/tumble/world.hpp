@@ -82,6 +82,7 @@ public:
             return {};
         }
         if constexpr (features.touches()) TUMBLE_ASSERT(is_restitution(spec.restitution));
+        if constexpr (!features.kinematic) TUMBLE_ASSERT(!spec.kinematic);
         detail::run_once([&] { add_at(b, spec); });
         if constexpr (features.removal) return places_.take(b);
         else return BodyId{b};
@@ -167,8 +168,8 @@ public:
     void record(Recording<N>* recording) requires(features.recording) { recording_ = recording; }
 
     // Applies an event before the next step. Every call below is one event. It wakes the body. A fixed body takes a
-    // pose and an angular velocity, and ignores the rest. Misuse: of a point mass, anything but a linear event at its
-    // centre in the world's frame.
+    // pose and an angular velocity, a kinematic one velocities too; they ignore the rest. Misuse: of a point mass,
+    // anything but a linear event at its centre in the world's frame.
     void apply(const Event<N>& event) { apply_event(event); }
     // Applies an impulse (N s, in `frame`) at once, at a point of the body (m, user's body axes). The position does not
     // change.
@@ -524,7 +525,7 @@ private:
         if constexpr (kind == Kind::force || kind == Kind::torque || kind == Kind::step_force ||
                       kind == Kind::step_torque) {
             TUMBLE_ASSERT(Advance::has_wrenches);
-            if (bodies.constants[b].fixed) return;
+            if (bodies.constants[b].fixed()) return;
             if constexpr (Advance::has_wrenches) {
                 constexpr bool angular = kind == Kind::torque || kind == Kind::step_torque;
                 if constexpr (kind == Kind::force || kind == Kind::torque)
@@ -537,7 +538,7 @@ private:
             if constexpr (features.removal) take_away(b);
             return;
         } else if constexpr (kind == Kind::impulse || kind == Kind::angular_impulse) {
-            if (bodies.constants[b].fixed) return;
+            if (bodies.constants[b].fixed()) return;
             constexpr bool angular = kind == Kind::angular_impulse;
             const bool opposite = value.block().is_negative();
             detail::Push<N> push;
@@ -547,12 +548,12 @@ private:
         } else if constexpr (kind == Kind::velocity) {
             detail::set_velocity(bodies, b, frame, value.block(), seconds());
         } else if constexpr (kind == Kind::angular_velocity) {
-            if (bodies.constants[b].fixed && !features.turntables) return;
+            if (bodies.constants[b].fixed() && !bodies.constants[b].kinematic() && !features.turntables) return;
             detail::set_angular_velocity(bodies, b, frame, value.block(), steps_per_second());
         } else {
             detail::set_pose(bodies, b, value.block(), orientation);
         }
-        if (kind == Kind::pose || bodies.constants[b].fixed) replaced(b);
+        if (kind == Kind::pose || (bodies.constants[b].fixed() && !bodies.constants[b].kinematic())) replaced(b);
         has_changed(b);
     }
     // The motion or the pose of a body is another.
@@ -564,7 +565,7 @@ private:
     }
     void apply(const Impulse<N>& event) {
         const int b = advance_.bodies.index_of(event.body);
-        if (!advance_.bodies.constants[b].fixed) detail::apply_impulse(advance_.bodies, event);
+        if (!advance_.bodies.constants[b].fixed()) detail::apply_impulse(advance_.bodies, event);
         has_changed(b);
     }
     // Notes what is constant, for snapshots.
@@ -641,12 +642,15 @@ private:
     // One step of a world with loads. Bodies that loads couple advance together, the others one by one.
     void step_groups(const StepInfo<N>& info) {
         BodyGroup coupled;
+        typename Advance::Kinematics kinematic;
+        advance_.begin(kinematic, info);
         for (int b = 0; b < advance_.bodies.count; ++b) {
-            if (advance_.bodies.constants[b].fixed) advance_.step_fixed(b, info);
+            if (advance_.bodies.constants[b].fixed()) advance_.step_turntable(b, info);
             else if (advance_.is_coupled(b)) coupled.add(b);
             else advance_.alone(b, info);
         }
         if (coupled.count > 0) advance_.group(coupled, info);
+        advance_.end(kinematic, info);
     }
 
     [[no_unique_address]] Advance advance_;

@@ -129,15 +129,21 @@ private:
     return spin == Spin::angular_velocity ? step * Real::scaled(1, -1) : step;
 }
 
+// What pushes a body: everything, or nothing. A kinematic body moves as its velocity says.
+enum class Held : std::uint8_t { loose, fixed, kinematic };
+
 // The constants of a body.
 template <class N, Spin spin, bool points>
 struct BodyConstants {
     typename N::Unit axes[4]{};                        // w, x, y, z: principal axes to the user's body axes
     [[no_unique_address]] SpinUnits<N, spin> units{};  // units of the spin
     AxisOrder order{};                                 // `axes`, where they are an order of axes
-    bool fixed = true;                                 // a place without a body counts as fixed
+    Held held = Held::fixed;                           // a place without a body counts as fixed
     [[no_unique_address]] Stored<typename N::Work, 1> mass_units{};  // h / m
 
+    // Nothing pushes it.
+    [[nodiscard]] TUMBLE_INLINE constexpr bool fixed() const { return held != Held::loose; }
+    [[nodiscard]] TUMBLE_INLINE constexpr bool kinematic() const { return held == Held::kinematic; }
     // Change of drift, m, by 1 N s.
     [[nodiscard]] TUMBLE_INLINE constexpr typename N::Work drift_per_impulse() const { return mass_units[0]; }
     // The same, to compute with.
@@ -149,8 +155,11 @@ struct BodyConstants {
 template <class N>
 struct BodyConstants<N, Spin::none, false> {
     [[no_unique_address]] Stored<typename N::Work, 1> mass_units{};  // h / m
-    bool fixed = true;                                               // a place without a body counts as fixed
+    Held held = Held::fixed;                                         // a place without a body counts as fixed
 
+    // Nothing pushes it.
+    [[nodiscard]] TUMBLE_INLINE constexpr bool fixed() const { return held != Held::loose; }
+    [[nodiscard]] TUMBLE_INLINE constexpr bool kinematic() const { return held == Held::kinematic; }
     // Change of drift, m, by 1 N s.
     [[nodiscard]] TUMBLE_INLINE constexpr typename N::Work drift_per_impulse() const { return mass_units[0]; }
 };
@@ -221,9 +230,10 @@ public:
         State& s = state[b];
         for (int i = 0; i < 3; ++i) {
             assign(s.x_w[i], spec.position[i]);
-            assign(s.d_w[i], spec.fixed ? Real{} : scale.drift_units(spec.velocity[i] * step_length));
+            assign(s.d_w[i],
+                   spec.fixed && !spec.kinematic ? Real{} : scale.drift_units(spec.velocity[i] * step_length));
         }
-        body.fixed = spec.fixed;
+        body.held = spec.kinematic ? Held::kinematic : spec.fixed ? Held::fixed : Held::loose;
         if constexpr (!rotation) TUMBLE_ASSERT(is_point_mass(spec));
         if constexpr (points) body.is_point = is_point_mass(spec);
         if (!rotates(b)) TUMBLE_ASSERT(spec.orientation.v.is_zero() && spec.angular_velocity.is_zero());
@@ -374,6 +384,14 @@ public:
         for (int i = 0; i < 3; ++i)
             if (!(state[b].t_b[i].value() == typename N::Turn{})) return true;
         return false;
+    }
+    // True of a body whose centre of mass moves.
+    [[nodiscard]] bool is_drifting(int b) const { return !(state[b].d_w == decltype(State::d_w){}); }
+    // True of a kinematic body with a velocity.
+    [[nodiscard]] bool moves_by_itself(int b) const {
+        if (!constants[b].kinematic()) return false;
+        if constexpr (rotation) return is_drifting(b) || is_turning(b);
+        else return is_drifting(b);
     }
     // True of a body without any velocity.
     [[nodiscard]] bool stands_still(int b) const requires(rotation) {

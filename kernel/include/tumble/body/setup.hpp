@@ -34,6 +34,10 @@ struct BodySpec {
     Real rolling_resistance = -1;   // m; the moment against rolling over the normal force; negative: the world's value
     Real spinning_resistance = -1;  // m; the same about the normal
     bool fixed = false;             // its position never changes; it may rotate
+    bool kinematic = false;         // moves as its velocity says and pushes what it meets, but nothing pushes it
+
+    // True of a body that nothing pushes.
+    [[nodiscard]] constexpr bool is_fixed() const { return fixed || kinematic; }
 };
 
 // True of a point mass: a body without shape and inertia. It collides with nothing, and has neither orientation nor

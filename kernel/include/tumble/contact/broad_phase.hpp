@@ -74,6 +74,7 @@ public:
         : shapes_{shapes}, pairs_{pairs}, times_{times}, bodies_{bodies} {}
 
     // Examines the pairs of body b whose time to contact may be over. Adds sleeping bodies that b may touch to `wakes`.
+    // Of a kinematic body only pairs with sleeping bodies: those that are awake look for it themselves.
     template <class Marks>
     [[gnu::noinline]] void update(int b, const Marks& marks, const Sleepers& sleepers, BodyGroup& wakes) {
         const std::uint32_t now = bodies_.steps_taken;
@@ -99,7 +100,8 @@ public:
             }
             if (steps < until) until = steps;
         };
-        for (int p = 0; p < shapes_.plane_count(); ++p) {
+        const bool is_kinematic = features.kinematic && bodies_.constants[b].kinematic();
+        for (int p = 0; p < shapes_.plane_count() && !is_kinematic; ++p) {
             meet(
                 Times::plane_slot(b, p), [&] { return steps_to_plane(b, p, loaded); },
                 [&] {
@@ -113,15 +115,18 @@ public:
             for (int other = 0; other < bodies_.count && touches_bodies(kind); ++other) {
                 const ShapeKind kind_of_other = shapes_.shape(other).kind;
                 if (other == b || !touches_bodies(kind_of_other) || !touching_meet(kind, kind_of_other)) continue;
-                const bool other_moves = !bodies_.constants[other].fixed;
-                const int first = other_moves && other < b ? other : b, second = first == b ? other : b;
-                const bool still = !other_moves || sleepers.is_asleep(other);
+                const bool other_moves = !bodies_.constants[other].fixed(), asleep = sleepers.is_asleep(other);
+                if (is_kinematic && !asleep) continue;
+                const int first = is_kinematic || (other_moves && other < b) ? other : b,
+                          second = first == b ? other : b;
+                bool still = !other_moves || asleep;
+                if constexpr (features.kinematic) still = still && !bodies_.constants[other].kinematic();
                 meet(
                     Times::body_slot(b, other),
                     [&] { return steps_to_body(b, other, loaded || (!still && marks[other].driven), still); },
                     [&] {
                         Pair* pair = pair_of(first, second);
-                        if (pair == nullptr || !still || !other_moves) return contact::most_clear_steps_near;
+                        if (pair == nullptr || !asleep) return contact::most_clear_steps_near;
                         shapes_.place(bodies_, b);
                         shapes_.measure(bodies_, *pair);
                         if (!(pair->gap > reach_in_step(b))) wakes.add_once(other);
@@ -137,12 +142,18 @@ public:
     }
 
     // Connects the bodies of every pair that is awake. A pair sleeps where its moving bodies do. Measures the pairs
-    // that have changed since the end of the last step: those left out of it, and those with a fixed body that turns.
+    // that have changed since the end of the last step: those left out of it, and those with a turntable.
     void connect(Islands<features.bodies>& islands, const Sleepers& sleepers) {
         for (int i = 0; i < pairs_.count(); ++i) {
             Pair& pair = pairs_[i];
             const auto is_awake = [&] { return !sleepers.is_asleep(pair.a) && !sleepers.is_asleep(pair.b); };
-            if ((pair.left_out || pair.on_turntable) && is_awake()) {
+            bool turned = pair.surface_moves;
+            if constexpr (features.kinematic) {
+                shapes_.note_motion(pair, bodies_);
+                if (pair.surface_moves) pair.still = 0;
+                turned = turned && !bodies_.constants[pair.b].kinematic();
+            }
+            if ((pair.left_out || turned) && is_awake()) {
                 pair.moved = pair.moved || pair.left_out;
                 pair.left_out = false;
                 examine(pair);

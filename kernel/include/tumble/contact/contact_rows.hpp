@@ -48,6 +48,8 @@ public:
         make_room_for_surfaces();
         return velocities_.set(bodies_, shapes_, island_.group, loads, part, whole);
     }
+    // The part of a step after which kinematic bodies are where the rows act: none in an impact.
+    void look_ahead(Work part) requires(features.kinematic) { ahead_ = part; }
     // Makes the rows of a pair's points anew where these or the bodies have moved. Sets the targets of the rows to the
     // velocity that the point has at the end without them: that of a turning surface, and what the turn of the bodies
     // changes after the middle of the flight.
@@ -74,15 +76,21 @@ public:
         }
         if constexpr (features.rolling_resistance)
             if (pair.resists_spin()) set_spin_targets(pair);
-        if constexpr (features.turntables && features.friction) {
-            if (!pair.on_turntable) return;
-            for (int i = 0; i < pair.count; ++i)
+        if constexpr (features.moving_surfaces()) {
+            if (!pair.surface_moves) return;
+            for (int i = 0; i < pair.count; ++i) {
+                if constexpr (features.kinematic) {
+                    Speed& surface = pair.point[i].surface = {};
+                    if (bodies_.constants[pair.b].kinematic())
+                        surface = along(pair.point[i], velocities_.scale.speed(surface_speed(pair, pair.point[i], 0)));
+                }
                 for (int k = 1; k < pair.rows(); ++k) {
                     auto& row = pair.point[i].row[k];
                     if (!turns) row.target = Speed{};
                     row.target +=
                         narrow<Speed>(mul(velocities_.scale.speed(surface_speed(pair, pair.point[i], k)), row.inverse));
                 }
+            }
         }
     }
 
@@ -94,9 +102,15 @@ public:
             if (pair.resists_spin()) block.resistance = {point.spin, pair.rolling, pair.spinning};
         return block;
     }
-    // Along the normal of a point.
+    // Along the normal of a point, against the other side.
     [[nodiscard]] Speed velocity(const Velocity (&of)[features.bodies], const Pair& pair, const Point& point) const {
-        return point.row[0].velocity(of[pair.a], pair.moves_b() ? &of[pair.b] : nullptr);
+        return point.row[0].velocity(of[pair.a], pair.moves_b() ? &of[pair.b] : nullptr) - surface_of(pair, point);
+    }
+    // Of the other side, along the normal.
+    [[nodiscard]] static Speed surface_of([[maybe_unused]] const Pair& pair, [[maybe_unused]] const Point& point) {
+        if constexpr (features.kinematic)
+            if (pair.surface_moves) return point.surface;
+        return Speed{};
     }
     // A length per step along the pair's normal, as a speed along the point's row.
     [[nodiscard]] Speed speed(const Pair& pair, const Point& point, Length per_step) const {
@@ -205,16 +219,16 @@ private:
             for (int i = 0; i < pair.count; ++i) {
                 auto& row = pair.point[i].spin[k];
                 row.target = Speed{};
-                if constexpr (features.turntables)
-                    if (pair.on_turntable) row.target = narrow<Speed>(mul(velocities_.scale.speed(turn), row.inverse));
+                if constexpr (features.moving_surfaces())
+                    if (pair.surface_moves) row.target = narrow<Speed>(mul(velocities_.scale.speed(turn), row.inverse));
             }
         }
     }
     // The spin of a turning fixed body along row k, as a speed of the pair.
     [[nodiscard]] Work turntable_spin([[maybe_unused]] const Pair& pair, [[maybe_unused]] int k) const
         requires(features.rolling_resistance) {
-        if constexpr (features.turntables && features.pairs) {
-            if (!pair.on_turntable) return Work(0);
+        if constexpr (features.moving_surfaces() && features.pairs) {
+            if (!pair.surface_moves) return Work(0);
             const int about = spin_direction(k);
             const WorkVec3<N> direction = work_unit<N>(about == 0 ? pair.normal : pair.tangent[about - 1]);
             return dot(turn_of(pair.b), direction) * shapes_.scale().metres(pair.spin_arm) * pair.weight;
@@ -308,9 +322,9 @@ private:
 
     // The surface of a fixed body that turns may be much faster than the bodies.
     void make_room_for_surfaces() {
-        if constexpr (N::fixed_point && features.turntables && features.pairs && features.friction)
+        if constexpr (N::fixed_point && features.moving_surfaces() && features.pairs)
             pairs_.for_each(island_, [&](const Pair& pair) {
-                if (!pair.on_turntable) return;
+                if (!pair.surface_moves) return;
                 if constexpr (features.rolling_resistance)
                     for (int k = 0; k < 3 && pair.resists_spin(); ++k)
                         velocities_.scale.make_room(turntable_spin(pair, k));
@@ -322,36 +336,50 @@ private:
                     if (!turn.is_zero() && turn.exponent() > log2) log2 = turn.exponent();
                 }
                 log2 += pair.weight.exponent() + 2 * 31 + 2;
+                const bool drifts = features.kinematic && bodies_.constants[pair.b].kinematic();
                 for (int i = 0; i < pair.count; ++i) {
-                    if (velocities_.scale.holds(log2 + shapes_.scale().log2(pair.point[i].arm_b))) continue;
-                    for (int k = 1; k < pair.rows(); ++k)
+                    if (!drifts && velocities_.scale.holds(log2 + shapes_.scale().log2(pair.point[i].arm_b))) continue;
+                    for (int k = drifts ? 0 : 1; k < pair.rows(); ++k)
                         velocities_.scale.make_room(surface_speed(pair, pair.point[i], k));
                 }
             });
     }
-    // The velocity of a turning fixed body's surface along direction k of a point, as a speed of the pair: where the
-    // point is at the end of the step, because the solution is for then. A row of the start leaves out by how much the
-    // point's own velocity turns in the step, w x (w x arm), so that is taken off.
+    // The velocity of a fixed body's surface along direction k of a point, as a speed of the pair: where the point is
+    // when the solution is for. That is the end of the step or, of a kinematic body, after `ahead_` of it. A row of the
+    // start leaves out by how much the point's own velocity turns until then, w x (w x arm), so that is taken off the
+    // tangents.
     [[nodiscard]] Work surface_speed([[maybe_unused]] const Pair& pair, [[maybe_unused]] const Point& point,
                                      [[maybe_unused]] int k) const {
-        if constexpr (features.turntables && features.pairs && features.friction) {
-            if (!pair.on_turntable) return Work(0);
+        if constexpr (features.moving_surfaces() && features.pairs) {
+            if (!pair.surface_moves) return Work(0);
             WorkVec3<N> turn = WorkVec3<N>::Constant(Work(0)), along_arm = turn;
             // The arm of a sphere does not turn with it.
             if (!shapes_.shape(pair.a).is(ShapeKind::sphere)) {
                 turn = turn_of(pair.a);
                 along_arm = cross<Work>(turn, shapes_.world_arm(pair.a, point.arm));
             }
-            WorkVec3<N> place = shapes_.world_arm(pair.b, point.arm_b), direction;
-            for (int i = 0; i < 3; ++i) {
-                place[i] += N::metres(N::sum(bodies_.state[pair.a].d_w[i]), bodies_.scale) + along_arm[i];
-                direction[i] = N::work(pair.tangent[k - 1][i]);
-            }
-            const WorkVec3<N> surface = cross<Work>(turn_of(pair.b), place), own = cross<Work>(turn, along_arm);
+            WorkVec3<N> place = shapes_.world_arm(pair.b, point.arm_b), own = cross<Work>(turn, along_arm),
+                        way = drift_of(pair.a) + along_arm;
+            if constexpr (features.kinematic)
+                if (bodies_.constants[pair.b].kinematic()) {
+                    way = scaled_by(WorkVec3<N>(way - drift_of(pair.b)), ahead_);
+                    own = scaled_by(own, ahead_);
+                }
+            place += way;
+            WorkVec3<N> surface = cross<Work>(turn_of(pair.b), place);
+            if constexpr (features.kinematic)
+                if (bodies_.constants[pair.b].kinematic()) surface += drift_of(pair.b);
+            const WorkVec3<N> direction = work_unit<N>(k == 0 ? pair.normal : pair.tangent[k - 1]);
             const Work speed = dot(surface, direction);
-            return (velocities_.turns(pair.a) ? speed : speed - dot(own, direction)) * pair.weight;
+            return (k == 0 || velocities_.turns(pair.a) ? speed : speed - dot(own, direction)) * pair.weight;
         }
         return Work(0);
+    }
+    // m a step.
+    [[nodiscard]] WorkVec3<N> drift_of(int b) const {
+        const auto& d = bodies_.state[b].d_w;
+        return {N::metres(N::sum(d[0]), bodies_.scale), N::metres(N::sum(d[1]), bodies_.scale),
+                N::metres(N::sum(d[2]), bodies_.scale)};
     }
     // Rad a step, world.
     [[nodiscard]] WorkVec3<N> turn_of(int b) const {
@@ -363,6 +391,7 @@ private:
     Velocities& velocities_;
     Bodies& bodies_;
     const Island& island_;
+    [[no_unique_address]] If<features.kinematic, Work, 0> ahead_{};
 };
 
 }  // namespace tumble

@@ -23,7 +23,7 @@ public:
     // Adds a body at its place.
     void add(int b, const BodySpec& spec, const PrincipalInertia& inertia, const SpinUnits<N, spin>& units) {
         set_shape(b, spec, inertia, units);
-        if (!spec.fixed) state_.sleepers.add(b);
+        if (!spec.is_fixed()) state_.sleepers.add(b);
     }
     // Leaves the place without a body: `nobody` has no shape.
     void remove(int b, const BodySpec& nobody, const PrincipalInertia& inertia, const SpinUnits<N, spin>& units) {
@@ -56,6 +56,11 @@ public:
     void disturb(const Advance& advance, int b) {
         const std::uint32_t now = advance.bodies.steps_taken;
         end_times(b, now);
+        if constexpr (features.kinematic && features.sleep)
+            if (advance.bodies.constants[b].kinematic())
+                state_.pairs.for_each_touching([&](int a, int other) {
+                    if (other == b) wake(advance, a);
+                });
         for (int other = 0; state_.pairs.is_near(b) && other < features.bodies; ++other)
             if (state_.pairs.is_near(other)) end_times(other, now);
         wake(advance, b);
@@ -83,13 +88,22 @@ public:
         if constexpr (features.contact_readout) state_.log.start_step();
         if constexpr (features.turntables) {
             for (int b = 0; b < advance.bodies.count; ++b)
-                if (advance.bodies.constants[b].fixed) advance.step_fixed(b, info);
+                if (advance.bodies.constants[b].fixed()) advance.step_turntable(b, info);
+        }
+        typename Advance::Kinematics kinematic;
+        if constexpr (features.kinematic) {
+            advance.note_moving(kinematic);
+            for (int k = 0; features.sleep && k < kinematic.group.count; ++k) {
+                const int b = kinematic.group.id[k];
+                if (!times.is_clear(b, advance.bodies.steps_taken)) update(advance, b);
+            }
         }
         for (int k = 0; k < sleepers.awake_count(); ++k) marks[sleepers.awake(k)] = advance.mark(sleepers.awake(k));
         // Waking appends to the list.
         for (int k = 0; k < sleepers.awake_count(); ++k)
             if (!times.is_clear(sleepers.awake(k), advance.bodies.steps_taken)) update(advance, sleepers.awake(k));
         if constexpr (features.contact_readout) state_.log.start_islands(state_.pairs);
+        if constexpr (features.kinematic && Advance::has_loads) advance.place(kinematic, info, N::half_of(Work(1)));
         bool islands = false;
         for (int k = 0; k < sleepers.awake_count(); ++k) {
             const int b = sleepers.awake(k);
@@ -102,7 +116,8 @@ public:
             }
         }
         if (islands) [[unlikely]]
-            step_islands(advance, info);
+            step_islands(advance, info, kinematic);
+        advance.end(kinematic, info);
         if constexpr (features.contact_readout) state_.log.end_step(state_.pairs, state_.shapes, advance.bodies);
     }
 
@@ -194,20 +209,24 @@ private:
         Broad{state_.shapes, state_.pairs, state_.times, bodies}.connect(schedule.islands, state_.sleepers);
     }
     template <class Advance>
-    [[gnu::noinline]] void step_islands(Advance& advance, const StepInfo<N>& info) {
+    [[gnu::noinline]] void step_islands(Advance& advance, const StepInfo<N>& info,
+                                        const typename Advance::Kinematics& kinematic) {
         Schedule schedule;
         connect(schedule, advance.bodies);
         struct Asked {
             Advance& advance;
             const StepInfo<N>& info;
             const Marks<features.bodies>& marks;
-        } asked{advance, info, state_.marks};
-        const Mover<N, features.bodies> mover{&asked,
-                                              [](void* to, const Flight<N, features.bodies>& flight) {
-                                                  Asked& method = *static_cast<Asked*>(to);
-                                                  method.advance.move(flight, method.info, method.marks);
-                                              },
-                                              Advance::Integrator::coasting};
+            const typename Advance::Kinematics& kinematic;
+        } asked{advance, info, state_.marks, kinematic};
+        const Mover<N, features> mover{&asked,
+                                       [](void* to, const Flight<N, features>& flight) {
+                                           Asked& method = *static_cast<Asked*>(to);
+                                           if constexpr (features.kinematic)
+                                               method.advance.move(flight, method.info, method.marks, method.kinematic);
+                                           else method.advance.move(flight, method.info, method.marks);
+                                       },
+                                       Advance::Integrator::coasting};
         // Sleep changes the list of awake bodies, so it waits until all islands have flown.
         BodyGroup to_sleep;
         for (int root = 0; root < advance.bodies.count; ++root) {
@@ -216,6 +235,8 @@ private:
             for (int b = root; b < advance.bodies.count; ++b)
                 if (schedule.joins[b] && schedule.islands.root(b) == root) group.add(b);
             Island<features.bodies> island{group, root, state_.pairs.link(schedule.islands, root)};
+            if constexpr (features.kinematic)
+                place(advance, info, kinematic, island.first_pair < 0 ? N::half_of(Work(1)) : Work(0));
             if (island.first_pair < 0) advance.portion(group, info, {});
             else IslandStep<N, spin, features>{state_, schedule, advance.bodies, island, mover}.take();
             advance.check_range(group);
@@ -232,14 +253,21 @@ private:
             }
         }
     }
-    // True where the island touches something, touches no fixed body that turns, and corrects no penetration.
+    // Places the kinematic bodies: at the start of an island's flights, or halfway, for loads alone.
+    template <class Advance>
+    void place(Advance& advance, const StepInfo<N>& info, const typename Advance::Kinematics& kinematic,
+               Work time) requires(features.kinematic) {
+        advance.place(kinematic, info, time);
+        for (int k = 0; k < kinematic.group.count; ++k) state_.shapes.place(advance.bodies, kinematic.group.id[k]);
+    }
+    // True where the island touches something, touches no surface that moves, and corrects no penetration.
     [[nodiscard]] bool presses(const Island<features.bodies>& island) const {
-        bool any = false, on_turntable = false;
+        bool any = false, surface_moves = false;
         state_.pairs.for_each(island, [&](const auto& pair) {
             any = any || pair.count > 0;
-            on_turntable = on_turntable || (pair.count > 0 && pair.on_turntable);
+            surface_moves = surface_moves || (pair.count > 0 && pair.surface_moves);
         });
-        return any && !on_turntable && !state_.solution.lifts;
+        return any && !surface_moves && !state_.solution.lifts;
     }
     [[nodiscard]] bool rests(Bodies& bodies, const Island<features.bodies>& island) requires(features.sleep) {
         return Resting<N, spin, features>{state_.shapes, state_.pairs, state_.velocities, bodies, island}.rests(

@@ -84,7 +84,8 @@ private:
     }
     // The least velocity of a point that does not bounce: one above the surface reaches it at the end of the step.
     [[nodiscard]] Speed target_of_gap(const Pair& pair, const Point& point) const {
-        return point.gap > Length{} ? -rows_.speed(pair, point, point.gap) : Speed{};
+        const Speed surface = Rows::surface_of(pair, point);
+        return point.gap > Length{} ? surface - rows_.speed(pair, point, point.gap) : surface;
     }
     // True of an approach that bounces: it is faster than the scene's threshold, and the bounce lasts long enough under
     // the loads.
@@ -142,7 +143,8 @@ private:
                 if (!point.active) continue;
                 Rows::clear_impulses(point);
                 point.row[0].target =
-                    approach > Speed{} ? narrow<Speed>(mul(approach, pair.restitution)) : target_of_gap(pair, point);
+                    approach > Speed{} ? narrow<Speed>(mul(approach, pair.restitution)) + Rows::surface_of(pair, point)
+                                       : target_of_gap(pair, point);
                 rough = rough || pair.has_friction;
                 ++active;
             }
@@ -165,11 +167,26 @@ private:
             work = mul_add(work, u, p);
             square = mul_add(square, p, p);
         });
+        if constexpr (features.kinematic) add_surfaces(work);
         work = -(work + work);
         if (!(square > work)) return C::one();
         const Unit share = work > Square{} ? C::ratio_of_squares(work, square) : Unit{};
         for_each_component([&](Speed u, Speed& end) { end = u + narrow<Speed>(mul(end - u, share)); });
         return share;
+    }
+    // Takes off what the impulses of kinematic bodies do by their velocities, so that what is left is as seen from
+    // them.
+    template <class Square>
+    void add_surfaces(Square& work) requires(features.kinematic) {
+        pairs_.for_each_active(island_, [&](const Pair& pair, const Point& point) {
+            if (!pair.surface_moves || !bodies_.constants[pair.b].kinematic()) return;
+            const auto take_off = [&](Speed impulse, Speed surface) { work = mul_add(work, -impulse, surface); };
+            take_off(point.row[0].impulse, Rows::surface_of(pair, point));
+            for (int k = 1; k < pair.rows(); ++k) take_off(point.row[k].impulse, point.row[k].target);
+            if constexpr (features.rolling_resistance)
+                for (int k = 0; k < 3 && pair.resists_spin(); ++k)
+                    take_off(point.spin[k].impulse, point.spin[k].target);
+        });
     }
     // Adds `share` of the impulses that solve() has found to the log, with the speeds of approach before them. A slower
     // one than the search for the impact resolves is none.

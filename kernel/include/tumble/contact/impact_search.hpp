@@ -36,7 +36,11 @@ public:
     // Measures the bodies and pairs of the island where they are now.
     void measure() {
         for (int k = 0; k < island_.group.count; ++k) shapes_.place(bodies_, island_.group.id[k]);
-        pairs_.for_each(island_, [&](Pair& pair) { shapes_.measure(bodies_, pair); });
+        pairs_.for_each(island_, [&](Pair& pair) {
+            if constexpr (features.kinematic)
+                if (pair.surface_moves) shapes_.place(bodies_, pair.b);
+            shapes_.measure(bodies_, pair);
+        });
     }
     // Finds the contact points of the pairs, which have been measured.
     void find() {

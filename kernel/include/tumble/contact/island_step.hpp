@@ -21,8 +21,8 @@ public:
     using Island = tumble::Island<features.bodies>;
     using Work = typename N::Work;
     using Bounds = ContactBounds<N>;
-    using Mover = tumble::Mover<N, features.bodies>;
-    using Flight = tumble::Flight<N, features.bodies>;
+    using Mover = tumble::Mover<N, features>;
+    using Flight = tumble::Flight<N, features>;
     using Schedule = tumble::Schedule<features.bodies>;
     using BodyState = typename Bodies::State;
 
@@ -168,7 +168,9 @@ private:
         if (before) push(part, all, false);
         const bool lifts = attempt.held && contacts_.solution.lifts;
         if (lifts) lift(false);
-        move({.group = group, .new_spins = restart || before, .portion = {attempt.whole && all, length}});
+        Flight flight{.group = group, .new_spins = restart || before, .portion = {attempt.whole && all, length}};
+        if constexpr (features.kinematic) flight.from = Work(1) - attempt.span;
+        move(flight);
         if (lifts) lift(true);
         if (attempt.held && mover_.coasting != Coasting::end) {
             push(part, all, true, &attempt.start);

@@ -107,14 +107,13 @@ public:
             restitution = combined_restitution(a.restitution, b.restitution, restitution_);
             friction = combined_friction(a.friction, b.friction, friction_);
             if constexpr (features.pairs) {
-                if (!bodies.constants[pair.b].fixed) {
+                if (!bodies.constants[pair.b].fixed()) {
                     const Work ratio = a.root_mass * b.per_root_mass, share = Work(1) / sqrt(Work(1) + ratio * ratio);
                     pair.share_a = C::unit(share);
                     pair.share_b = C::unit(ratio * share);
                     pair.weight = a.root_mass * share;
                 }
-                if constexpr (features.turntables)
-                    pair.on_turntable = bodies.constants[pair.b].fixed && bodies.is_turning(pair.b);
+                if constexpr (features.moving_surfaces()) note_motion(pair, bodies);
             }
         }
         pair.restitution = C::unit(restitution);
@@ -124,6 +123,11 @@ public:
             set_resistance(pair);
             pair.has_friction = pair.has_friction || pair.resists_spin();
         }
+    }
+    // Sets whether the surface moves on which body a may rest.
+    void note_motion(Pair& pair, const Bodies& bodies) const requires(features.moving_surfaces()) {
+        if (pair.with_plane() || !bodies.constants[pair.b].fixed()) return;
+        pair.surface_moves = bodies.moves_by_itself(pair.b) || (features.turntables && bodies.is_turning(pair.b));
     }
     // --- where they are ----------------------------------------------------------------------------------------------
 

@@ -28,6 +28,7 @@ struct ContactPoint {
     // In an impact, the change of the velocity along the normal by the loads in a step; while penetrations are
     // corrected, the impulses without that.
     Speed set_aside[directions];
+    [[no_unique_address]] If<features.kinematic, Speed, 3> surface{};  // of the other side, along the normal
     Row<N, features.pairs> row[directions];  // the normal, of which the target is the least velocity; the tangents
     // Of the relative spin: about the tangents and the normal. And their impulses while penetrations are corrected.
     [[no_unique_address]] If<features.rolling_resistance, Row<N, features.pairs>[3], 1> spin;
@@ -62,7 +63,7 @@ struct Pair {
     bool passed = false;        // its bodies went past each other in this flight
     bool selected = false;      // the search for an impact considers it
     bool has_friction = false;
-    bool on_turntable = false;                         // body b is fixed and turns
+    bool surface_moves = false;                        // body b is fixed and turns, or it is kinematic and moves
     Length gap{};                                      // least distance; of boxes apart a lower bound
     Length start_gap{};                                // where the flight began
     Vec3<Unit> normal = Vec3<Unit>::Constant(Unit{});  // world, from b to a
@@ -84,7 +85,7 @@ struct Pair {
     // anew.
     template <class Self, class Visit>
     static void each(Self& self, Visit& visit) {
-        visit(self.count, self.moved, self.touched, self.left_out, self.passed, self.selected, self.on_turntable,
+        visit(self.count, self.moved, self.touched, self.left_out, self.passed, self.selected, self.surface_moves,
               self.gap, self.start_gap, self.normal, self.tangent, self.scale);
         if constexpr (features.pairs) visit(self.start_normal);
         if constexpr (features.pairs && features.boxes) visit(self.axis);
@@ -106,7 +107,7 @@ struct Pair {
         count = 0;
         still = 0;
         moved = true;
-        touched = left_out = passed = selected = has_friction = on_turntable = false;
+        touched = left_out = passed = selected = has_friction = surface_moves = false;
         share_b = {};
     }
     // Of a point: the normal, and two tangents where there is friction.

@@ -46,6 +46,7 @@ public:
         pairs_.for_each(island_, [&](const Pair& pair) { any = any || pair.count > 0; });
         if (!any) return Touch::nothing;
         const bool lifts = is_lifted();
+        if constexpr (features.kinematic) rows_.look_ahead(part);
         const bool same = rows_.set_velocities(loads, part, whole, lifts, in_halves);
         int active = 0;
         bool strikes = false;
@@ -69,6 +70,7 @@ public:
                 }
                 strikes = strikes || (!above && fast);
                 if (above) point.row[0].target -= closing;
+                point.row[0].target += Rows::surface_of(pair, point);
                 point.for_each_row(
                     [&](auto& row, Speed&) { row.impulse = velocities_.scale.from(row.impulse, pair.scale); });
                 pair.touched = true;
@@ -78,7 +80,7 @@ public:
         });
         if (active == 0) return Touch::nothing;
         if (strikes && !struck) return Touch::strikes;
-        if (whole && Statics<N, spin, features>{shapes_, pairs_, velocities_, island_}.solve()) {
+        if (whole && Statics<N, spin, features>{shapes_, pairs_, velocities_, bodies_, island_}.solve()) {
             velocities_.write(forces, bodies_, shapes_, island_.group, &loads);
             solution.stands = !lifts && pairs_.hold_all(island_) && is_at_rest();
         } else {
@@ -141,7 +143,7 @@ public:
             more = false;
             pairs_.for_each(island_, [&](const Pair& pair) {
                 // A fixed body needs no hold.
-                const bool by_b = pair.moves_b() ? held[pair.b] : !pair.on_turntable;
+                const bool by_b = pair.moves_b() ? held[pair.b] : !pair.surface_moves;
                 if (held[pair.a] == by_b || !is_pushed(pair)) return;
                 if (by_b) held[pair.a] = more = true;
                 else if (pair.moves_b()) held[pair.b] = more = true;
@@ -164,7 +166,8 @@ private:
             for (int i = 0; i < pair.count; ++i) {
                 const Point& point = pair.point[i];
                 if (!point.active) continue;
-                const Speed left = point.row[0].target - rows_.velocity(velocities_.now, pair, point);
+                const Speed left =
+                    point.row[0].target - Rows::surface_of(pair, point) - rows_.velocity(velocities_.now, pair, point);
                 // A point above the surface would reach it without what is left.
                 const Length depth = point.gap > Length{} ? Length{} : point.gap;
                 if (left > enough && left > Rows::along(point, fall) &&

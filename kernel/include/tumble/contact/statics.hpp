@@ -34,23 +34,25 @@ public:
     static constexpr int most_points = most_supports * contact::max_points;
     using Weld = tumble::Weld<N, most_points>;
 
-    Statics(const NarrowPhase& shapes, PairList& pairs, Velocities& velocities, const Island& island)
-        : shapes_{shapes}, pairs_{pairs}, velocities_{velocities}, island_{island} {}
+    Statics(const NarrowPhase& shapes, PairList& pairs, Velocities& velocities, const typename NarrowPhase::Bodies& all,
+            const Island& island)
+        : shapes_{shapes}, pairs_{pairs}, velocities_{velocities}, bodies_{all}, island_{island} {}
 
     // True where the forces are found: the velocities and the impulses of the points are then set. Otherwise nothing
     // changes. The targets of the points must be set.
     //
     // Each body must stand on one pair, or on several that push alike, as in a pyramid or under a bridge. All bodies
-    // must come to rest, but for bodies on which nothing stands: these may move on one that rests.
+    // must come to rest, but for bodies on which nothing stands: these may move on one that rests. Or all bodies move
+    // together, as on a lift.
     bool solve() {
-        const bool slow = is_slow([](int) { return true; }), may = find_carrying(),
-                   known = may && slow && pairs_.hold_all(island_);
+        const bool may = find_carrying(), still = !surface_moves_ && is_slow([](int) { return true; }),
+                   known = may && still && pairs_.hold_all(island_);
         bool found = known;
         if (known) {
             for (int k = 0; k < island_.group.count; ++k) velocities_.stop(island_.group.id[k]);
-        } else if (may && (slow || island_.group.count > 1)) {
+        } else if (may && !surface_moves_ && (still || island_.group.count > 1)) {
             leave_out_sides(false);
-            found = finish(balance(slow) && (!moves_ || open_points_hold()));
+            found = finish(balance(still) && (!moves_ || open_points_hold()));
         }
         if (!found && may && moves_as_one()) {
             (void)find_carrying();
@@ -58,7 +60,7 @@ public:
             found = slide_as_one();
         }
         pairs_.for_each(island_, [&](Pair& pair) {
-            pair.still = static_cast<std::int16_t>(found && !moves_ && !pair.on_turntable ? island_.group.count : 0);
+            pair.still = static_cast<std::int16_t>(found && !moves_ && !pair.surface_moves ? island_.group.count : 0);
         });
         return found;
     }
@@ -126,10 +128,12 @@ private:
             if (pair.moves_b()) return;
             if (ground == nullptr) ground = &pair;
             alike = alike && pair.normal == ground->normal && pair.friction == ground->friction &&
-                    pair.has_friction == ground->has_friction;
+                    pair.has_friction == ground->has_friction && velocity_of(pair) == velocity_of(*ground);
         });
         if (ground == nullptr || !alike) return false;
-        const WorkVec3<N> loaded = set_common(velocities_.loaded), normal = work_unit<N>(ground->normal);
+        const WorkVec3<N> surface = velocity_of(*ground), normal = work_unit<N>(ground->normal);
+        WorkVec3<N> loaded = set_common(velocities_.loaded);
+        loaded -= surface;
         const Work along = dot(loaded, normal);
         if (along > Work(0)) return false;
         WorkVec3<N> end = loaded - scaled_by(normal, along);
@@ -138,6 +142,7 @@ private:
                        stopped = ground->has_friction ? -along * C::work(ground->friction) : Work(0);
             end = speed > stopped ? scaled_by(end, (speed - stopped) / speed) : zero_vector<N>();
         }
+        end += surface;
         set_common(end);
         const auto& group = island_.group;
         slides_ = true;
@@ -153,8 +158,17 @@ private:
         moves_ = found;
         return found;
     }
+    // Of the surface of a fixed body or a plane, m a step, where it does not turn.
+    [[nodiscard]] WorkVec3<N> velocity_of([[maybe_unused]] const Pair& pair) const {
+        WorkVec3<N> velocity = zero_vector<N>();
+        if constexpr (features.kinematic && features.pairs)
+            for (int i = 0; pair.surface_moves && i < 3; ++i)
+                velocity[i] = N::metres(N::sum(bodies_.state[pair.b].d_w[i]), bodies_.scale);
+        return velocity;
+    }
     // Finds the points that may carry: those at the surface. Points above it are open. A pair with a point that must
-    // move is marked. False where there are fewer pairs with such points than bodies, or one is on a turntable.
+    // move is marked. False where there are fewer pairs with such points than bodies, or one is on a surface that
+    // turns.
     bool find_carrying() {
         const Length touch = Bounds::resting_gap(shapes_.tolerance());
         bool may = true;
@@ -165,12 +179,15 @@ private:
                 const Point& point = pair.point[i];
                 if (!point.active) continue;
                 if (!(point.gap > touch)) carrying |= 1u << i;
-                if (point.row[0].target > Speed{}) carrying |= must_move;
+                if (point.row[0].target > Rows::surface_of(pair, point)) carrying |= must_move;
             }
             if (carrying != pair.carrying) pair.still = 0;
             pair.carrying = static_cast<std::uint8_t>(carrying);
             if (carrying == 0) return;
-            may = may && !pair.on_turntable;
+            if constexpr (features.moving_surfaces()) {
+                surface_moves_ = surface_moves_ || pair.surface_moves;
+                may = may && !(pair.surface_moves && bodies_.is_turning(pair.b));
+            }
             ++carrying_;
         });
         return may && carrying_ >= island_.group.count;
@@ -574,9 +591,11 @@ private:
     const NarrowPhase& shapes_;
     PairList& pairs_;
     Velocities& velocities_;
+    const typename NarrowPhase::Bodies& bodies_;
     const Island& island_;
     int carrying_ = 0;            // pairs
     bool moves_ = false;          // a body of the solution
+    bool surface_moves_ = false;  // of something on which they stand
     Vec3<Speed> common_[bodies];  // of bodies that slide as one, weighted
     bool slides_ = false;         // `now` is relative to `common_` of the end
 };

@@ -210,7 +210,7 @@ template <class N, class Bodies>
 // `seconds`: of a step.
 template <class N, class Bodies>
 void set_velocity(Bodies& bodies, int b, Frame frame, const VectorBlock<N>& value, typename N::Work seconds) {
-    if (bodies.constants[b].fixed) return;
+    if (bodies.constants[b].fixed() && !bodies.constants[b].kinematic()) return;
     const VectorBlock<N> v = in_world<N>(bodies, b, frame, value);
     for (int i = 0; i < 3; ++i) {
         bodies.state[b].d_w[i] = {};

@@ -302,7 +302,7 @@ constexpr void add_to(Digest& digest, const BodySpec& body) {
     for (const Real& value : {body.mass, i.xx, i.yy, i.zz, i.xy, i.xz, i.yz, body.restitution, body.friction})
         digest.add(value);
     add_resistance(digest, body, Real{-1});
-    digest.add(static_cast<int>(body.fixed));
+    digest.add(static_cast<int>(body.fixed) + 2 * static_cast<int>(body.kinematic));
 }
 inline void add_to(Digest& digest, const PlaneSpec& plane) {
     digest.add(plane.normal);

@@ -31,7 +31,7 @@ public:
 
     // As each load has it: loads/loaded_group.hpp. The next body at the place of a removed one has no drag.
     void set_body(int b, const BodySpec& spec, const auto&, const auto&) {
-        if (spec.fixed) linear_[b] = quadratic_[b] = Work(0);
+        if (spec.is_fixed()) linear_[b] = quadratic_[b] = Work(0);
     }
     // Likewise.
     [[nodiscard]] bool acts_on(const auto&, int b) const { return linear_[b] > Work(0) || quadratic_[b] > Work(0); }

@@ -45,8 +45,8 @@ public:
         set_collision_shape<N, spin, features.mixed()>(shape_[b], spec, inertia, shape_.scale(),
                                                        bodies.constants[b].units);
         radius_[b] = N::template constant<Work>(reach);
-        per_mass_[b] = spec.fixed ? Work(0) : N::template constant<Work>(Real{1} / spec.mass);
-        compliance_[b] = spec.fixed || shape_[b].is(ShapeKind::none) ? Real{} : compliance(spec, inertia);
+        per_mass_[b] = spec.is_fixed() ? Work(0) : N::template constant<Work>(Real{1} / spec.mass);
+        compliance_[b] = spec.is_fixed() || shape_[b].is(ShapeKind::none) ? Real{} : compliance(spec, inertia);
         if (plane_count_ > 0) require(compliance_[b], b, bodies);
         if constexpr (features.pairs) {
             int touching = 0;

@@ -32,7 +32,7 @@ public:
     [[nodiscard]] bool acts_on(const auto& all, int) const { return per_mass_ > Work{} && all.count > 1; }
     [[nodiscard]] bool couples(const auto& all, int b) const {
         for (int other = 0; other < all.count; ++other)
-            if (other != b && !all.constants[other].fixed && !L::is_zero(pull_[other])) return true;
+            if (other != b && !all.constants[other].fixed() && !L::is_zero(pull_[other])) return true;
         return false;
     }
     template <class F>
@@ -88,7 +88,7 @@ private:
             const Factor back = L::product(u3, pull_[a]);
             L::add(group.kick[other].linear, r, L::negative(back), group.bodies.scale);
             pull = L::sum(pull, back);
-        } else if (!group.bodies.constants[b].fixed) {
+        } else if (!group.bodies.constants[b].fixed()) {
             pull = L::sum(pull, L::product(u3, pull_[a]));
         }
         return !L::template exceeds_power_of_two<-2 * log2_least_steps>(pull);

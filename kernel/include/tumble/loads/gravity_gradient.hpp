@@ -28,8 +28,9 @@ public:
     void set_body(int b, const BodySpec& spec, const PrincipalInertia& inertia, const auto&) {
         for (int i = 0; i < 3; ++i)
             excess_[b][i] =
-                spec.fixed ? Work{}
-                           : N::template constant<Work>(inertia.moments[(i + 2) % 3] - inertia.moments[(i + 1) % 3]);
+                spec.is_fixed()
+                    ? Work{}
+                    : N::template constant<Work>(inertia.moments[(i + 2) % 3] - inertia.moments[(i + 1) % 3]);
     }
     // Likewise.
     [[nodiscard]] bool acts_on(const auto& all, int b) const { return turns(all, b); }

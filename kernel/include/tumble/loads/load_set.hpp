@@ -186,7 +186,7 @@ public:
     // Reports a step that is too long for the drag of a body that has been added.
     void check_drag(int b, const BodySpec& spec, const PrincipalInertia& inertia, Bodies& bodies,
                     const StepBounds& bounds) const requires(features.drag) {
-        if (!spec.fixed && drag_.is_too_strong(spec, inertia, bodies.rotates(b), bounds.of_damper[1]))
+        if (!spec.is_fixed() && drag_.is_too_strong(spec, inertia, bodies.rotates(b), bounds.of_damper[1]))
             bodies.report(Issue::step_too_long, b);
     }
     // Calls changed(body) for every force that acts in step `now`.

@@ -134,7 +134,7 @@ public:
         const Work inertia = -product(rate_of(newest, all, moved), pull);  // u.(m u) / h
         for (int i = 0; i < StepBounds::sums; ++i)
             if (inertia < bounds.of_spring[i] * stiffness + bounds.of_damper[i] * damping)
-                return all.constants[newest.body].fixed ? newest.to_body : newest.body;
+                return all.constants[newest.body].fixed() ? newest.to_body : newest.body;
         return -1;
     }
     [[nodiscard]] int count() const { return count_; }
@@ -292,7 +292,7 @@ private:
     TUMBLE_COLD [[nodiscard]] static Motion response(const auto& all, int b, const Vector& point_b,
                                                      const Vector& force_w) {
         Motion motion;
-        if (b < 0 || all.constants[b].fixed) return motion;
+        if (b < 0 || all.constants[b].fixed()) return motion;
         motion.body = b;
         motion.v_w = force_w.times(all.step_per_mass(b));
         if constexpr (std::remove_cvref_t<decltype(all)>::rotation)

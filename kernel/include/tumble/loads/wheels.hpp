@@ -27,7 +27,7 @@ public:
 
     // As each load has it: loads/loaded_group.hpp. The next body at the place of a removed one has no wheels.
     void set_body(int b, const BodySpec& spec, const auto&, const auto&) {
-        if (spec.fixed) momentum_[b] = {};
+        if (spec.is_fixed()) momentum_[b] = {};
     }
     // Likewise.
     [[nodiscard]] bool acts_on(const auto& all, int b) const { return turns(all, b); }
