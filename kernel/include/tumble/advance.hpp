@@ -137,9 +137,7 @@ public:
     // The kinematic bodies that move in a step, and how they move at its start.
     struct MovingKinematics {
         BodyGroup group;
-        StateCopies<State, features.bodies> start;
-        [[no_unique_address]]
-        typename detail::RoomFor<std::int8_t, Bodies::has_parts ? features.bodies : 0>::Array halvings;
+        SavedMotions<Bodies> start;
     };
     using Kinematics = If<features.kinematic, MovingKinematics, 0>;
     // Begins a step: notes the kinematic bodies that move. Loads feel them where they are halfway.
@@ -152,8 +150,7 @@ public:
     void note_moving(Kinematics& kinematic) const requires(features.kinematic) {
         for (int b = 0; b < bodies.count; ++b) {
             if (!bodies.moves_by_itself(b)) continue;
-            kinematic.start.keep(kinematic.group.count, bodies.state[b]);
-            if constexpr (Bodies::has_parts) kinematic.halvings[kinematic.group.count] = bodies.parts.halvings[b];
+            kinematic.start.save(kinematic.group.count, bodies, b);
             kinematic.group.add(b);
         }
     }
@@ -162,14 +159,14 @@ public:
                Work unit = Work(1)) requires(features.kinematic) {
         for (int k = 0; k < kinematic.group.count; ++k) {
             const int b = kinematic.group.id[k];
-            bodies.state[b] = kinematic.start[k];
-            if constexpr (Bodies::has_parts) bodies.parts.halvings[b] = kinematic.halvings[k];
+            kinematic.start.restore(k, bodies, b);
             if (time > Work(0)) {
                 shorten(b, time);
                 coast_by_itself(b, info);
-                bodies.state[b].d_w = kinematic.start[k].d_w;
-                if constexpr (rotation) bodies.state[b].t_b = kinematic.start[k].t_b;
-                if constexpr (Bodies::has_parts) bodies.parts.halvings[b] = kinematic.halvings[k];
+                const State there = bodies.state[b];
+                kinematic.start.restore(k, bodies, b);
+                bodies.state[b].x_w = there.x_w;
+                if constexpr (rotation) bodies.state[b].q_wb = there.q_wb;
             }
             shorten(b, unit);
         }

@@ -418,9 +418,11 @@ public:
     [[nodiscard]] WorkVec3<N> velocity(int b) const {
         const Work rate = steps_per_second();
         WorkVec3<N> v;
-        for (int i = 0; i < 3; ++i) v[i] = N::metres(N::sum(state[b].d_w[i]), scale) * rate;
+        for (int i = 0; i < 3; ++i) v[i] = drift(b, i) * rate;
         return v;
     }
+    // The way in a step along axis i of the world, m.
+    [[nodiscard]] TUMBLE_INLINE Work drift(int b, int i) const { return N::metres(N::sum(state[b].d_w[i]), scale); }
     // The angle turned in a step about principal axis i, rad.
     [[nodiscard]] Work turn(int b, int i) const requires(rotation) {
         return N::half_turn(N::sum(state[b].t_b[i]), spin_scale(b)) * constants[b].units.rate(i, Work(1));
@@ -495,6 +497,26 @@ private:
         body.axes[0] = N::template constant<typename N::Unit>(q.w);
         for (int i = 0; i < 3; ++i) body.axes[i + 1] = N::template constant<typename N::Unit>(q.v[i]);
     }
+};
+
+// How bodies are and move, to come back to it. Places without a copy are not initialised.
+template <class Bodies>
+class SavedMotions {
+public:
+    void save(int k, const Bodies& bodies, int b) {
+        state_.keep(k, bodies.state[b]);
+        if constexpr (Bodies::has_parts) halvings_[k] = bodies.parts.halvings[b];
+    }
+    void restore(int k, Bodies& bodies, int b) const {
+        bodies.state[b] = state_[k];
+        if constexpr (Bodies::has_parts) bodies.parts.halvings[b] = halvings_[k];
+    }
+    [[nodiscard]] const typename Bodies::State& operator[](int k) const { return state_[k]; }
+    [[nodiscard]] int halvings(int k) const requires(Bodies::has_parts) { return halvings_[k]; }
+
+private:
+    StateCopies<typename Bodies::State, Bodies::room> state_;
+    [[no_unique_address]] typename detail::RoomFor<std::int8_t, Bodies::has_parts ? Bodies::room : 0>::Array halvings_;
 };
 
 }  // namespace tumble

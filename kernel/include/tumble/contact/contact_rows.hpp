@@ -377,9 +377,7 @@ private:
     }
     // m a step.
     [[nodiscard]] WorkVec3<N> drift_of(int b) const {
-        const auto& d = bodies_.state[b].d_w;
-        return {N::metres(N::sum(d[0]), bodies_.scale), N::metres(N::sum(d[1]), bodies_.scale),
-                N::metres(N::sum(d[2]), bodies_.scale)};
+        return {bodies_.drift(b, 0), bodies_.drift(b, 1), bodies_.drift(b, 2)};
     }
     // Rad a step, world.
     [[nodiscard]] WorkVec3<N> turn_of(int b) const {

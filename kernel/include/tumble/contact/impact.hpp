@@ -167,7 +167,7 @@ private:
             work = mul_add(work, u, p);
             square = mul_add(square, p, p);
         });
-        if constexpr (features.kinematic) add_surfaces(work);
+        if constexpr (features.kinematic) take_off_surfaces(work);
         work = -(work + work);
         if (!(square > work)) return C::one();
         const Unit share = work > Square{} ? C::ratio_of_squares(work, square) : Unit{};
@@ -177,7 +177,7 @@ private:
     // Takes off what the impulses of kinematic bodies do by their velocities, so that what is left is as seen from
     // them.
     template <class Square>
-    void add_surfaces(Square& work) requires(features.kinematic) {
+    void take_off_surfaces(Square& work) requires(features.kinematic) {
         pairs_.for_each_active(island_, [&](const Pair& pair, const Point& point) {
             if (!pair.surface_moves || !bodies_.constants[pair.b].kinematic()) return;
             const auto take_off = [&](Speed impulse, Speed surface) { work = mul_add(work, -impulse, surface); };

@@ -123,24 +123,12 @@ private:
         island_.first_pair = contacts_.pairs.link(schedule_.islands, island_.root);
     }
 
-    struct Saved {
-        StateCopies<BodyState, features.bodies> state;
-        [[no_unique_address]]
-        typename detail::RoomFor<std::int8_t, Bodies::has_parts ? features.bodies : 0>::Array halvings;
-    };
+    using Saved = SavedMotions<Bodies>;
     void save(Saved& saved) const {
-        const BodyGroup& group = island_.group;
-        for (int k = 0; k < group.count; ++k) {
-            saved.state.keep(k, bodies_.state[group.id[k]]);
-            if constexpr (Bodies::has_parts) saved.halvings[k] = bodies_.parts.halvings[group.id[k]];
-        }
+        for (int k = 0; k < island_.group.count; ++k) saved.save(k, bodies_, island_.group.id[k]);
     }
     void restore(const Saved& saved) {
-        const BodyGroup& group = island_.group;
-        for (int k = 0; k < group.count; ++k) {
-            bodies_.state[group.id[k]] = saved.state[k];
-            if constexpr (Bodies::has_parts) bodies_.parts.halvings[group.id[k]] = saved.halvings[k];
-        }
+        for (int k = 0; k < island_.group.count; ++k) saved.restore(k, bodies_, island_.group.id[k]);
     }
 
     // A flight of the island from `start`, under the contact forces, which are for `span` of the step.
@@ -157,7 +145,7 @@ private:
                 if (attempt.held && mover_.coasting != Coasting::end)
                     for (int k = 0; k < group.count; ++k)
                         contacts_.forces.rescale(group.id[k],
-                                                 attempt.start.halvings[k] - bodies_.parts.halvings[group.id[k]]);
+                                                 attempt.start.halvings(k) - bodies_.parts.halvings[group.id[k]]);
             }
             restore(attempt.start);
         }
@@ -185,9 +173,9 @@ private:
         for (int k = 0; k < island_.group.count; ++k) {
             const int b = island_.group.id[k];
             if constexpr (Bodies::has_parts)
-                if (start != nullptr) contacts_.forces.rescale(b, bodies_.parts.halvings[b] - start->halvings[k]);
+                if (start != nullptr) contacts_.forces.rescale(b, bodies_.parts.halvings[b] - start->halvings(k));
             Kick<N> kick = contacts_.forces[b];
-            if (start != nullptr && !contacts_.velocities.turns(b)) turn(kick, b, start->state[k].q_wb.value());
+            if (start != nullptr && !contacts_.velocities.turns(b)) turn(kick, b, (*start)[k].q_wb.value());
             const auto share = [&](auto sum) {
                 if (!all) sum = N::part(sum, N::fraction(part));
                 if (mover_.coasting != Coasting::mean) return sum;

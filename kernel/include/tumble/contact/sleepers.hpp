@@ -88,10 +88,9 @@ private:
         awake_count_ = kept;
     }
     [[nodiscard]] bool is_slow(const Bodies& bodies, int b) const requires(features.sleep) {
-        const auto& state = bodies.state[b];
         Work speed2(0), spin2(0);
         for (int i = 0; i < 3; ++i) {
-            const Work v = N::metres(N::sum(state.d_w[i]), bodies.scale);
+            const Work v = bodies.drift(b, i);
             speed2 = mul_add(speed2, v, v);
         }
         if (speed2 > rules_.speed2) return false;

@@ -69,7 +69,7 @@ private:
     static constexpr int bodies = features.bodies;
     static constexpr unsigned must_move = 0x80;  // among the bits of Pair::carrying
 
-    // Whether motion(b) of each body, a velocity at the start, is at most a part of what loads change.
+    // True if every body is slow: motion(b), a velocity at the start, is at most a part of what loads change in a step.
     template <class F>
     [[nodiscard]] bool is_still(F&& motion) const {
         Speed fastest{}, most{};
@@ -162,8 +162,7 @@ private:
     [[nodiscard]] WorkVec3<N> velocity_of([[maybe_unused]] const Pair& pair) const {
         WorkVec3<N> velocity = zero_vector<N>();
         if constexpr (features.kinematic && features.pairs)
-            for (int i = 0; pair.surface_moves && i < 3; ++i)
-                velocity[i] = N::metres(N::sum(bodies_.state[pair.b].d_w[i]), bodies_.scale);
+            for (int i = 0; pair.surface_moves && i < 3; ++i) velocity[i] = bodies_.drift(pair.b, i);
         return velocity;
     }
     // Finds the points that may carry: those at the surface. Points above it are open. A pair with a point that must

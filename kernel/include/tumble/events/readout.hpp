@@ -210,7 +210,7 @@ template <class Bodies>
     using Work = typename N::Work;
     Work twice(0);
     for (int i = 0; i < 3; ++i) {
-        const Work v = N::metres(N::sum(bodies.state[b].d_w[i]), bodies.scale) * steps_per_second;
+        const Work v = bodies.drift(b, i) * steps_per_second;
         twice += v * v;
     }
     twice = twice / (bodies.step_per_mass(b) * steps_per_second);
