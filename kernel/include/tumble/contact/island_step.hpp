@@ -24,7 +24,6 @@ public:
     using Mover = tumble::Mover<N, features>;
     using Flight = tumble::Flight<N, features>;
     using Schedule = tumble::Schedule<features.bodies>;
-    using BodyState = typename Bodies::State;
 
     IslandStep(State& contacts, Schedule& schedule, Bodies& bodies, Island& island, const Mover& mover)
         : contacts_{contacts}, schedule_{schedule}, bodies_{bodies}, island_{island}, mover_{mover},
