@@ -127,18 +127,19 @@ Table bounds_table() {
         const char *name, *what;
         int most;
     };
-    const Bound bounds[]{
-        {"contact::max_impacts", "impacts of an island's step that are resolved at their own time",
-         contact::max_impacts},
-        {"contact::max_resteps", "flights redone to find one impact", contact::max_resteps},
-        {"contact::max_crossings", "pairs examined because they may have passed through each other",
-         contact::max_crossings},
-        {"contact::max_points", "contact points of a pair", contact::max_points},
-        {"contact::max_sweeps", "sweeps over the resting points", contact::max_sweeps},
-        {"contact::max_impact_sweeps", "sweeps over the points of an impact", contact::max_impact_sweeps},
-        {"contact::max_rounds",
-         "rounds of impacts that pass from pair to pair at one moment, besides one for each pair",
-         contact::max_rounds}};
+    const Bound bounds[]{{"contact::max_impacts", "impacts of an island's step that are resolved at their own time",
+                          contact::max_impacts},
+                         {"contact::max_resteps", "flights redone to find one impact", contact::max_resteps},
+                         {"contact::max_crossings", "pairs examined because they may have passed through each other",
+                          contact::max_crossings},
+                         {"contact::max_points", "contact points of a pair", contact::max_points},
+                         {"contact::max_sweeps", "sweeps over the resting points", contact::max_sweeps},
+                         {"contact::max_impact_sweeps",
+                          "sweeps over the points of an impact, and for what corrects overlaps",
+                          contact::max_impact_sweeps},
+                         {"contact::max_rounds",
+                          "rounds of impacts that pass from pair to pair at one moment, besides one for each pair",
+                          contact::max_rounds}};
     Table table{{"bound", "it limits", "to"}, {}};
     for (const Bound& bound : bounds)
         table.lines.push_back({in_code(bound.name), bound.what, std::to_string(bound.most)});

@@ -189,6 +189,24 @@ TEST_P(Impacts, no_impact_makes_energy) {
     }
 }
 
+// It slides in the impact, so friction is mu times the normal impulse. Seen from the turntable it loses energy; seen
+// from the ground it gains.
+TEST_P(Impacts, a_ball_that_a_turntable_drags_along_still_bounces) {
+    for (const Number rate : {6.0L, -8.0L}) {
+        for (const Number restitution : {0.5L, 1.0L}) {
+            for (const Number friction : {0.5L, 1.0L}) {
+                SceneSetup setup = space(restitution, friction);
+                BodySpec table = placed(box(1, {4, 0.5, 4}), {0, -0.25L, 0}, {}, {0, rate, 0});
+                table.fixed = true;
+                setup.bodies = {placed(sphere(2, 0.125), {1.5L, 0.1875L, 0}, {0, -1, 0}), table};
+                const auto world = run(setup, second / 4);
+                const Number along = friction * (1 + restitution) * (rate > 0 ? -1 : 1);
+                EXPECT_LE(norm(world->motion(0).v - Vector{0, restitution, along}), 1e-3L) << rate;
+            }
+        }
+    }
+}
+
 // With its mass over a million a heavy ball goes on, and a light one leaves twice as fast.
 TEST_P(Impacts, a_light_ball_keeps_its_restitution) {
     for (const Number ratio : {1e3L, 1e5L, 1e6L}) {

@@ -242,5 +242,30 @@ TEST_P(Kinematic, a_spring_follows_its_end_on_a_kinematic_body_to_second_order) 
     }
 }
 
+// It has nowhere to go: it is pressed into both, which is told, and moves no faster than they make it.
+TEST_P(Kinematic, a_body_between_two_that_close_on_it_is_not_thrown) {
+    for (const Number speed : {0.25L, 1.0L}) {
+        for (const BodySpec& body : {box(1, {0.5, 0.5, 0.5}), box(30, {0.5, 0.5, 0.4}), sphere(2, 0.25)}) {
+            for (const int rate : {256, 60}) {
+                const Vector along = rate == 60 ? Vector{0, 0, 1} : Vector{1, 0, 0};
+                SceneSetup setup = floor(0, rate == 60 ? 3 : 0.5L);
+                setup.step = Seconds{1, rate};
+                setup.bodies = {kinematic(box(1, {1, 2, 1}), along * -0.8L + Vector{0, 1, 0}, along * speed),
+                                kinematic(box(1, {1, 2, 1}), along * 0.8L + Vector{0, 1, 0}, along * -speed),
+                                placed(body, along * 0.01L + Vector{0, 0.25L, 0})};
+                const auto world = build(setup, GetParam());
+                const int steps = static_cast<int>(0.35L * rate / speed);
+                Number fastest = 0;
+                for (int i = 0; i < steps; ++i) {
+                    world->step();
+                    fastest = std::max(fastest, norm(world->motion(2).v));
+                }
+                EXPECT_TRUE(world->status().has(Issue::step_bound_hit)) << speed << ", 1/" << rate;
+                EXPECT_LE(fastest, 3 * speed) << speed << ", 1/" << rate;
+            }
+        }
+    }
+}
+
 }  // namespace
 }  // namespace tumble::test

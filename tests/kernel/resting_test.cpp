@@ -344,6 +344,7 @@ TEST_P(Resting, a_box_on_an_incline_slides_with_the_closed_form_above_the_fricti
         EXPECT_LE(std::abs(-dot(m.v, uphill) / (2 * acceleration) - 1), tolerance::sliding) << combined;
         EXPECT_LE(std::abs(dot(moved, off_incline)) + std::abs(moved.z), tolerance::place) << combined;
         EXPECT_LE(angle_between(m.q, start_of(setup.bodies[0]).q), tolerance::rest_tilt) << combined;
+        EXPECT_EQ(norm(m.w), 0) << combined;  // nothing is left that would turn it, not even by rounding
     }
 }
 

@@ -96,8 +96,10 @@ public:
 
     // The rows of a point, with the velocities that their impulses change.
     [[nodiscard]] typename Solver::Block block(Pair& pair, Point& point) {
-        typename Solver::Block block{point.row, pair.rows(), pair.friction, velocities_.now[pair.a],
-                                     pair.moves_b() ? &velocities_.now[pair.b] : nullptr};
+        typename Solver::Block block = normal_block(pair, point);
+        block.rows = pair.rows();
+        block.coefficient = pair.friction;
+        if constexpr (features.friction) block.couplings = &point.couplings;
         if constexpr (features.rolling_resistance)
             if (pair.resists_spin()) block.resistance = {point.spin, pair.rolling, pair.spinning};
         return block;
@@ -138,21 +140,40 @@ public:
 
     // Solves all points that take part by sweeps. Returns the largest change of an impulse in the last one.
     Speed sweep(Speed enough, int bound, bool with_momentum = true) {
-        return Solver::sweep(
-            [&](auto&& f) {
-                pairs_.for_each_active(island_, [&](Pair& pair, Point& point) { f(block(pair, point)); });
-            },
-            enough, bound, with_momentum);
+        if constexpr (features.friction)
+            pairs_.for_each_active(island_, [](const Pair& pair, Point& point) {
+                if (pair.rows() > 1) point.couplings.set(point.row, pair.moves_b());
+            });
+        return sweep_blocks([&](Pair& pair, Point& point) { return block(pair, point); }, enough, bound, with_momentum);
+    }
+    // The same, as if the points were smooth.
+    Speed sweep_normals(Speed enough, int bound, bool with_momentum) {
+        return sweep_blocks([&](Pair& pair, Point& point) { return normal_block(pair, point); }, enough, bound,
+                            with_momentum);
     }
     // Applies the impulses of all points that take part.
     void push_all() {
         pairs_.for_each_active(island_, [&](Pair& pair, Point& point) { Solver::push(block(pair, point)); });
     }
     static void clear_impulses(Point& point) {
-        point.for_each_row([](auto& row, Speed&) { row.impulse = Speed{}; });
+        point.for_each_row([](auto& row) { row.impulse = Speed{}; });
     }
 
 private:
+    [[nodiscard]] typename Solver::Block normal_block(Pair& pair, Point& point) {
+        return {.row = point.row,
+                .rows = 1,
+                .a = velocities_.now[pair.a],
+                .b = pair.moves_b() ? &velocities_.now[pair.b] : nullptr};
+    }
+    template <class BlockOf>
+    Speed sweep_blocks(BlockOf&& block_of, Speed enough, int bound, bool with_momentum) {
+        return Solver::sweep(
+            [&](auto&& f) {
+                pairs_.for_each_active(island_, [&](Pair& pair, Point& point) { f(block_of(pair, point)); });
+            },
+            enough, bound, with_momentum);
+    }
     [[nodiscard]] static Vec3<typename C::Lever> over_gyration(const CollisionShape<N>& shape, const Vec3<Length>& v) {
         return {shape.per_gyration[0](v.x()), shape.per_gyration[1](v.y()), shape.per_gyration[2](v.z())};
     }

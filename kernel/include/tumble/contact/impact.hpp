@@ -51,8 +51,8 @@ public:
             rows_.make_rows(pair);
             for (int i = 0; i < pair.count; ++i) {
                 Point& point = pair.point[i];
-                point.set_aside[0] = magnitude_of(rows_.velocity(velocities_.now, pair, point) -
-                                                  rows_.velocity(velocities_.start, pair, point));
+                point.set_aside = magnitude_of(rows_.velocity(velocities_.now, pair, point) -
+                                               rows_.velocity(velocities_.start, pair, point));
             }
             ++pairs;
         });
@@ -92,7 +92,7 @@ private:
     [[nodiscard]] bool bounces(const Pair& pair, const Point& point, Speed approach) const {
         if (!(approach > velocities_.scale.noise())) return false;
         const Speed bounce = narrow<Speed>(mul(approach, pair.restitution));
-        if (!Bounds::bounce_lasts(bounce, point.set_aside[0])) return false;
+        if (!Bounds::bounce_lasts(bounce, point.set_aside)) return false;
         if (!(threshold_ > Work(0))) return true;
         return !(approach < Rows::along(point, rows_.pair_speed(pair, threshold_)));
     }
@@ -103,7 +103,7 @@ private:
     [[nodiscard]] bool bounces_far(const Pair& pair, const Point& point) const {
         const Speed approach = -rows_.velocity(velocities_.now, pair, point);
         const Speed bounce = narrow<Speed>(mul(approach, pair.restitution));
-        return bounces(pair, point, approach) && bounce > point.set_aside[0] &&
+        return bounces(pair, point, approach) && bounce > point.set_aside &&
                bounce > Rows::along(point, rows_.pair_speed(pair, shapes_.slow()));
     }
     [[gnu::noinline]] void report_cut_off() {
@@ -115,7 +115,8 @@ private:
     // sweeps converge best.
     void solve(bool one_smooth_pair) {
         copy(velocities_.loaded, velocities_.now);
-        (void)rows_.sweep(velocities_.scale.enough_in_impact(), contact::max_impact_sweeps, !one_smooth_pair);
+        (void)rows_.sweep(velocities_.scale.enough_in_impact(), Bounds::sweeps(contact::max_impact_sweeps),
+                          !one_smooth_pair);
         // Each impulse is applied once, not in one part per sweep: this rounds less.
         copy(velocities_.now, velocities_.loaded);
         rows_.push_all();
@@ -142,9 +143,9 @@ private:
                 point.active = any && !bounces(pair, point, -approach);
                 if (!point.active) continue;
                 Rows::clear_impulses(point);
-                point.row[0].target =
-                    approach > Speed{} ? narrow<Speed>(mul(approach, pair.restitution)) + Rows::surface_of(pair, point)
-                                       : target_of_gap(pair, point);
+                // Newton's law for all of them: so the targets of a face are those of a motion of the body. Others, of
+                // more points than it has freedoms, would have the sweeps shift impulses among the points without end.
+                point.row[0].target = narrow<Speed>(mul(approach, pair.restitution)) + Rows::surface_of(pair, point);
                 rough = rough || pair.has_friction;
                 ++active;
             }
@@ -167,19 +168,19 @@ private:
             work = mul_add(work, u, p);
             square = mul_add(square, p, p);
         });
-        if constexpr (features.kinematic) take_off_surfaces(work);
+        if constexpr (features.moving_surfaces()) take_off_surfaces(work);
         work = -(work + work);
         if (!(square > work)) return C::one();
         const Unit share = work > Square{} ? C::ratio_of_squares(work, square) : Unit{};
         for_each_component([&](Speed u, Speed& end) { end = u + narrow<Speed>(mul(end - u, share)); });
         return share;
     }
-    // Takes off what the impulses of kinematic bodies do by their velocities, so that what is left is as seen from
+    // Takes off what the impulses of surfaces that move do by their velocities, so that what is left is as seen from
     // them.
     template <class Square>
-    void take_off_surfaces(Square& work) requires(features.kinematic) {
+    void take_off_surfaces(Square& work) requires(features.moving_surfaces()) {
         pairs_.for_each_active(island_, [&](const Pair& pair, const Point& point) {
-            if (!pair.surface_moves || !bodies_.constants[pair.b].kinematic()) return;
+            if (!pair.surface_moves) return;
             const auto take_off = [&](Speed impulse, Speed surface) { work = mul_add(work, -impulse, surface); };
             take_off(point.row[0].impulse, Rows::surface_of(pair, point));
             for (int k = 1; k < pair.rows(); ++k) take_off(point.row[k].impulse, point.row[k].target);

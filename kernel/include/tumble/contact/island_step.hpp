@@ -36,7 +36,7 @@ public:
     [[gnu::noinline]] void take() {
         move({.group = island_.group, .loads = &contacts_.loads});
         if (resting().still_stands(contacts_.loads, contacts_.forces)) {
-            contacts_.solution = {.settled = true};
+            contacts_.solution = {.settled = true, .stands = true};
             return;
         }
         if constexpr (features.contact_readout) contacts_.log.start_island(contacts_.pairs, island_);

@@ -26,20 +26,19 @@ struct ContactPoint {
     bool active;             // part of the present solution
     bool rows_hold = false;  // for where the bodies are
     // In an impact, the change of the velocity along the normal by the loads in a step; while penetrations are
-    // corrected, the impulses without that.
-    Speed set_aside[directions];
+    // corrected, the impulse along the normal without that.
+    Speed set_aside;
     [[no_unique_address]] If<features.kinematic, Speed, 3> surface{};  // of the other side, along the normal
     Row<N, features.pairs> row[directions];  // the normal, of which the target is the least velocity; the tangents
-    // Of the relative spin: about the tangents and the normal. And their impulses while penetrations are corrected.
+    [[no_unique_address]] If<features.friction, Couplings<N>, 4> couplings;  // for the sweeps
+    // Of the relative spin: about the tangents and the normal.
     [[no_unique_address]] If<features.rolling_resistance, Row<N, features.pairs>[3], 1> spin;
-    [[no_unique_address]] If<features.rolling_resistance, Speed[3], 2> spin_set_aside;
 
-    // Calls f(row, room for an impulse that is set aside) for all rows.
     template <class F>
     void for_each_row(F&& f) {
-        for (int k = 0; k < directions; ++k) f(row[k], set_aside[k]);
+        for (auto& r : row) f(r);
         if constexpr (features.rolling_resistance)
-            for (int k = 0; k < 3; ++k) f(spin[k], spin_set_aside[k]);
+            for (auto& r : spin) f(r);
     }
 };
 

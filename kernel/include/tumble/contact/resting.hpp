@@ -71,8 +71,7 @@ public:
                 strikes = strikes || (!above && fast);
                 if (above) point.row[0].target -= closing;
                 point.row[0].target += Rows::surface_of(pair, point);
-                point.for_each_row(
-                    [&](auto& row, Speed&) { row.impulse = velocities_.scale.from(row.impulse, pair.scale); });
+                point.for_each_row([&](auto& row) { row.impulse = velocities_.scale.from(row.impulse, pair.scale); });
                 pair.touched = true;
                 ++active;
             }
@@ -86,7 +85,7 @@ public:
         } else {
             rows_.push_all();
             const Speed enough = velocities_.scale.enough_at_rest();
-            if (rows_.sweep(enough, contact::max_sweeps) > enough) report_far_from_solved(enough);
+            if (rows_.sweep(enough, Bounds::sweeps(contact::max_sweeps)) > enough) report_far_from_solved(enough);
             velocities_.write(forces, bodies_, shapes_, island_.group);
         }
         pairs_.count_points(island_);
@@ -151,7 +150,8 @@ public:
         }
         bool all = true;
         for (int k = 0; k < island_.group.count; ++k) all = all && held[island_.group.id[k]];
-        return all && is_balanced();
+        // What stands is known to be balanced, and its velocities may be older than the last solution.
+        return all && (solution.stands || is_balanced());
     }
 
 private:
@@ -202,16 +202,14 @@ private:
             all = all && !(velocities_.start[island_.group.id[k]].largest() > slack);
         return all;
     }
-    // Solves anew with the correction of penetrations, and writes what it adds to the motion into `loaded`. Points keep
-    // the impulses that hold them without it, for those of a squeezed body would grow from step to step. False where
-    // there is no solution, as for a body squeezed between fixed ones: then its points push against each other by more
-    // than their corrections in every sweep. The last two sweeps have no momentum, so that only the points themselves
-    // decide.
+    // Finds the motion that corrects penetrations, and writes it into `loaded`: the least at which no point sinks.
+    // Friction takes no part in it, and it has no warm start. False where it is not found, as for a body squeezed
+    // between fixed ones: then its points push against each other by more than their corrections in every sweep. The
+    // last two sweeps have no momentum, so that only the points themselves decide.
     [[gnu::noinline, gnu::cold]] bool find_lifts() {
         const auto& group = island_.group;
         Speed largest{};
         pairs_.for_each_active(island_, [&](Pair& pair, Point& point) {
-            point.for_each_row([](auto& row, Speed& aside) { aside = row.impulse; });
             if (point.gap > Length{}) return;
             Speed& target = point.row[0].target;
             const Speed lift = rows_.speed(pair, point, Bounds::lift(point.gap, shapes_.tolerance()));
@@ -221,11 +219,14 @@ private:
         // The points may be less deep than the pair.
         if (!(largest > Speed{})) return false;
         for (int k = 0; k < group.count; ++k) velocities_.loaded[group.id[k]] = velocities_.now[group.id[k]];
-        (void)rows_.sweep(velocities_.scale.enough_at_rest(), contact::max_sweeps);
-        const Speed left = rows_.sweep(velocities_.scale.enough_at_rest(), 2);
-        pairs_.for_each_active(island_, [&](Pair&, Point& point) {
-            point.for_each_row([](auto& row, Speed& aside) { row.impulse = aside; });
+        pairs_.for_each_active(island_, [](Pair&, Point& point) {
+            point.set_aside = point.row[0].impulse;
+            point.row[0].impulse = Speed{};
         });
+        const Speed enough = velocities_.scale.enough_at_rest();
+        (void)rows_.sweep_normals(enough, Bounds::sweeps(contact::max_impact_sweeps), true);
+        const Speed left = rows_.sweep_normals(enough, 2, false);
+        pairs_.for_each_active(island_, [](Pair&, Point& point) { point.row[0].impulse = point.set_aside; });
         const bool solved = !(left > largest);
         report_sinking(solved ? velocities_.now : velocities_.loaded);
         for (int k = 0; k < group.count; ++k) {

@@ -27,6 +27,29 @@ struct WeightedVelocity {
     }
 };
 
+// Of the rows of one point.
+template <class N>
+struct Couplings {
+    using C = ContactNumbers<N>;
+    using Unit = typename C::Unit;
+    Unit normal[2], tangents;  // what an impulse of 1 along one row adds along another: normal, tangent; both tangents
+    Unit slip;                 // the square of the smaller `inverse` of the tangents over the larger
+
+    // Of a normal and two tangents.
+    template <class Row>
+    void set(const Row* row, bool moves_b) {
+        for (int k = 0; k < 2; ++k) normal[k] = row[0].coupling(row[k + 1], moves_b);
+        set_tangents(row + 1, moves_b);
+    }
+    template <class Row>
+    void set_tangents(const Row* row, bool moves_b) {
+        tangents = row[0].coupling(row[1], moves_b);
+        const bool rises = row[0].inverse < row[1].inverse;
+        const Unit least = row[rises ? 0 : 1].inverse, most = row[rises ? 1 : 0].inverse;
+        slip = least == most ? C::one() : C::over_square(C::product(least, least), most);
+    }
+};
+
 template <class N, bool pairs>
 struct Row {
     using C = ContactNumbers<N>;
@@ -75,40 +98,52 @@ struct Row {
             if (b != nullptr) sum = add_dot(add_dot(sum, linear_b, b->linear), angular_b, b->angular);
         return C::speed(sum);
     }
-    TUMBLE_INLINE void push(Speed by, Velocity& a, [[maybe_unused]] Velocity* b) const {
-        add(a.linear, linear, by);
-        add(a.angular, angular, by);
+    // Applies impulses of `count` rows. Each velocity is rounded once.
+    template <int count>
+    TUMBLE_INLINE static void push(const Row* row, const Speed (&by)[count], Velocity& a,
+                                   [[maybe_unused]] Velocity* b) {
+        const auto add = [&](Vec3<Speed>& v, Vec3<Unit> Row::*part) {
+            for (int i = 0; i < 3; ++i) {
+                auto sum = mul((row[0].*part)[i], by[0]);
+                for (int k = 1; k < count; ++k) sum = mul_add(sum, (row[k].*part)[i], by[k]);
+                v[i] += narrow<Speed>(sum);
+            }
+        };
+        add(a.linear, &Row::linear);
+        add(a.angular, &Row::angular);
         if constexpr (pairs) {
             if (b != nullptr) {
-                add(b->linear, linear_b, by);
-                add(b->angular, angular_b, by);
+                add(b->linear, &Row::linear_b);
+                add(b->angular, &Row::angular_b);
             }
         }
     }
-    // Changes the impulse to this value.
-    TUMBLE_INLINE void change_to(Speed wanted, Velocity& a, Velocity* b) {
-        const Speed change = wanted - impulse;
-        if (change == Speed{}) return;
-        impulse = wanted;
-        push(change, a, b);
+    void push(Speed by, Velocity& a, Velocity* b) const {
+        const Speed impulses[1] = {by};
+        push(this, impulses, a, b);
+    }
+    // Changes the impulses of `count` rows.
+    template <int count>
+    TUMBLE_INLINE static void change(Row* row, const Speed (&by)[count], Velocity& a, Velocity* b) {
+        bool any = false;
+        for (int k = 0; k < count; ++k) {
+            any = any || !(by[k] == Speed{});
+            row[k].impulse += by[k];
+        }
+        if (any) push(row, by, a, b);
     }
     // Velocity along the row above its target.
     [[nodiscard]] TUMBLE_INLINE Speed excess(const Velocity& a, const Velocity* b) const {
         return velocity(a, b) - target;
     }
-    // One visit: the impulse that makes the target velocity, at least `lower`. Raises `most` to the size of its change.
-    TUMBLE_INLINE void visit(Speed lower, Velocity& a, Velocity* b, Speed& most) {
-        Speed wanted = impulse + (target - velocity(a, b));
-        if (wanted < lower) wanted = lower;
-        note(wanted - impulse, most);
-        change_to(wanted, a, b);
+    // What an impulse of 1 along another row of the same bodies adds to the velocity along this one.
+    [[nodiscard]] Unit coupling(const Row& other, [[maybe_unused]] bool moves_b) const {
+        auto sum = add_dot(dot(linear, other.linear), angular, other.angular);
+        if constexpr (pairs)
+            if (moves_b) sum = add_dot(add_dot(sum, linear_b, other.linear_b), angular_b, other.angular_b);
+        return narrow<Unit>(sum);
     }
 
-    // Raises `most` to the size of a change.
-    TUMBLE_INLINE static void note(Speed change, Speed& most) {
-        const Speed size = magnitude_of(change);
-        if (size > most) most = size;
-    }
     [[nodiscard]] static Vec3<Unit> times(const Vec3<Unit>& v, Unit s) {
         return {C::product(v.x(), s), C::product(v.y(), s), C::product(v.z(), s)};
     }
@@ -123,13 +158,9 @@ private:
     [[nodiscard]] Vec3<Unit> times_lever(const Vec3<Lever>& lever) const {
         return {C::unit(lever.x(), inverse), C::unit(lever.y(), inverse), C::unit(lever.z(), inverse)};
     }
-    [[nodiscard]] TUMBLE_INLINE static auto add_dot(auto sum, const Vec3<Unit>& row, const Vec3<Speed>& v) {
+    template <class Value>
+    [[nodiscard]] TUMBLE_INLINE static auto add_dot(auto sum, const Vec3<Unit>& row, const Vec3<Value>& v) {
         return mul_add(mul_add(mul_add(sum, row.x(), v.x()), row.y(), v.y()), row.z(), v.z());
-    }
-    TUMBLE_INLINE static void add(Vec3<Speed>& v, const Vec3<Unit>& row, Speed impulse) {
-        v.x() += narrow<Speed>(mul(row.x(), impulse));
-        v.y() += narrow<Speed>(mul(row.y(), impulse));
-        v.z() += narrow<Speed>(mul(row.z(), impulse));
     }
 };
 

@@ -15,6 +15,7 @@ struct Solver {
     using Row = tumble::Row<N, pairs>;
     using Velocity = WeightedVelocity<N>;
     using Friction = tumble::Friction<N, pairs>;
+    using Couplings = tumble::Couplings<N>;
     static constexpr int most_rows = friction ? 3 : 1;
 
     // Rows of the relative spin, about two tangents and about the normal, with the resistance to it.
@@ -26,34 +27,69 @@ struct Solver {
     struct Block {
         Row (&row)[most_rows];
         int rows;
-        typename C::Friction coefficient;
+        const Couplings* couplings = nullptr;  // of three rows
+        typename C::Friction coefficient{};
         Velocity& a;
-        Velocity* b;  // null where only a moves
+        Velocity* b = nullptr;  // null where only a moves
         [[no_unique_address]] If<resists_spin, Resistance, 0> resistance{};
 
+        // Calls f(first row, its number of rows as a constant) for the rows that have a place together.
         template <class F>
-        void for_each_row(F&& f) const {
-            for (int k = 0; k < rows; ++k) f(row[k]);
+        void for_each_group(F&& f) const {
+            if constexpr (friction) {
+                if (rows > 1) f(row, std::integral_constant<int, most_rows>{});
+                else f(row, std::integral_constant<int, 1>{});
+            } else {
+                f(row, std::integral_constant<int, 1>{});
+            }
             if constexpr (resists_spin)
-                for (int k = 0; resistance.row != nullptr && k < 3; ++k) f(resistance.row[k]);
+                if (resistance.row != nullptr) f(resistance.row, std::integral_constant<int, 3>{});
         }
     };
     // Raises `most` to the largest change of an impulse.
     static void visit(const Block& block, Speed& most) {
-        block.row[0].visit(Speed{}, block.a, block.b, most);
-        if constexpr (friction)
-            if (block.rows > 1) Friction::visit(block.row[0], block.row + 1, block.coefficient, block.a, block.b, most);
+        Row* const row = block.row;
+        const Speed push = push_of(row[0], block, most), wanted = row[0].impulse + push;
+        [[maybe_unused]] const auto limit = [&](typename C::Friction coefficient) {
+            return Friction::limit_of(row[0], wanted, coefficient);
+        };
+        if constexpr (friction) {
+            if (block.rows > 1) {
+                const Couplings& couplings = *block.couplings;
+                Speed excess[2], by[3] = {push, {}, {}};
+                for (int k = 0; k < 2; ++k)
+                    excess[k] = row[k + 1].excess(block.a, block.b) + Row::product(push, couplings.normal[k]);
+                Friction::solve(row + 1, excess, couplings, limit(block.coefficient), by + 1);
+                for (int k = 1; k < 3; ++k)
+                    if (!C::fits(row[k].impulse + by[k])) [[unlikely]]
+                        by[k] = Speed{};
+                change(block, row, by, most);
+            } else {
+                change(block, row, {push}, most);
+            }
+        } else {
+            change(block, row, {push}, most);
+        }
         if constexpr (resists_spin) {
             const Resistance& resists = block.resistance;
             if (resists.row == nullptr) return;
-            Friction::visit(block.row[0], resists.row, resists.rolling, block.a, block.b, most);
-            Friction::visit_one(block.row[0], resists.row[2], resists.spinning, block.a, block.b, most);
+            Row* const spin = resists.row;
+            const Speed excess[2] = {spin[0].excess(block.a, block.b), spin[1].excess(block.a, block.b)};
+            Couplings couplings;
+            couplings.set_tangents(spin, block.b != nullptr);
+            Speed by[2];
+            Friction::solve(spin, excess, couplings, limit(resists.rolling), by);
+            change(block, spin, by, most);
+            const Speed about = spin[2].excess(block.a, block.b);
+            change(block, spin + 2, {Friction::solve_one(spin[2], about, limit(resists.spinning))}, most);
         }
     }
     // Applies the impulses of a block to velocities that do not hold them yet.
     static void push(const Block& block) {
-        block.for_each_row([&](const Row& row) {
-            if (!(row.impulse == Speed{})) row.push(row.impulse, block.a, block.b);
+        block.for_each_group([&](const Row* row, auto count) {
+            Speed by[count];
+            for (int k = 0; k < count; ++k) by[k] = row[k].impulse;
+            Row::push(row, by, block.a, block.b);
         });
     }
 
@@ -70,7 +106,9 @@ struct Solver {
             if (sweep > 0 && with_momentum) for_each_block([&](const Block& block) { go_on(block, momentum); });
             Speed most{};
             for_each_block([&](const Block& block) {
-                block.for_each_row([](Row& row) { row.before = row.impulse; });
+                block.for_each_group([](Row* row, auto count) {
+                    for (int k = 0; k < count; ++k) row[k].before = row[k].impulse;
+                });
                 visit(block, most);
             });
             if (!(most > enough)) return most;
@@ -86,15 +124,38 @@ struct Solver {
     }
 
 private:
+    // The change of a normal's impulse in one visit. An impulse that does not fit belongs to no solution, as of a body
+    // that is squeezed between two that come on: it stays as it is.
+    TUMBLE_INLINE static Speed push_of(const Row& row, const Block& block, Speed& most) {
+        const Speed excess = row.excess(block.a, block.b);
+        const Speed wanted = row.impulse - excess;
+        if (wanted < Speed{}) return -row.impulse;
+        // An impact turns a speed round, which takes twice its impulse.
+        if (C::fits(C::half(wanted))) [[likely]]
+            return -excess;
+        note(excess, most);
+        return Speed{};
+    }
     static void go_on(const Block& block, Unit momentum) {
-        block.for_each_row([&](Row& row) {
-            const Speed changed = row.impulse - row.before;
-            const Speed further = momentum == Unit{} ? Speed{} : narrow<Speed>(mul(row.conjugate, momentum));
-            row.conjugate = changed + further;
-            if (further == Speed{}) return;
-            row.impulse += further;
-            row.push(further, block.a, block.b);
+        block.for_each_group([&](Row* row, auto count) {
+            Speed further[count];
+            for (int k = 0; k < count; ++k) {
+                const Speed changed = row[k].impulse - row[k].before;
+                further[k] = momentum == Unit{} ? Speed{} : narrow<Speed>(mul(row[k].conjugate, momentum));
+                if (!C::fits(row[k].impulse + further[k])) further[k] = Speed{};
+                row[k].conjugate = changed + further[k];
+            }
+            if (!(momentum == Unit{})) Row::change(row, further, block.a, block.b);
         });
+    }
+    template <int count>
+    TUMBLE_INLINE static void change(const Block& block, Row* row, const Speed (&by)[count], Speed& most) {
+        for (int k = 0; k < count; ++k) note(by[k], most);
+        Row::change(row, by, block.a, block.b);
+    }
+    TUMBLE_INLINE static void note(Speed change, Speed& most) {
+        const Speed size = magnitude_of(change);
+        if (size > most) most = size;
     }
 };
 

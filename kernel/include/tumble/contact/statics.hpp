@@ -43,7 +43,7 @@ public:
     //
     // Each body must stand on one pair, or on several that push alike, as in a pyramid or under a bridge. All bodies
     // must come to rest, but for bodies on which nothing stands: these may move on one that rests. Or all bodies move
-    // together, as on a lift.
+    // together, as on a lift. Those on single points are left to sweeps, which solve them at once.
     bool solve() {
         const bool may = find_carrying(), still = !surface_moves_ && is_slow([](int) { return true; }),
                    known = may && still && pairs_.hold_all(island_);
@@ -54,7 +54,7 @@ public:
             leave_out_sides(false);
             found = finish(balance(still) && (!moves_ || open_points_hold()));
         }
-        if (!found && may && moves_as_one()) {
+        if (!found && may && has_faces_ && moves_as_one()) {
             (void)find_carrying();
             leave_out_sides(true);
             found = slide_as_one();
@@ -91,9 +91,11 @@ private:
     [[nodiscard]] bool is_slow(F&& counts) const {
         return is_still([&](int b) { return counts(b) ? velocities_.start[b] : Velocity{zero(), zero()}; });
     }
-    // Whether the bodies hardly turn, or move against each other. Then `common_` is their velocity at the start.
+    // Whether the bodies hardly turn, or move against each other. Then `common_` is their velocity at the start, unless
+    // one body stands on one pair.
     [[nodiscard]] bool moves_as_one() {
         if (!is_still([&](int b) { return Velocity{zero(), velocities_.start[b].angular}; })) return false;
+        if (island_.group.count == 1 && carrying_ == 1) return true;
         (void)set_common(velocities_.start);
         return is_still([&](int b) { return Velocity{velocities_.start[b].linear - common_[b], zero()}; });
     }
@@ -181,6 +183,8 @@ private:
                 if (!(point.gap > touch)) carrying |= 1u << i;
                 if (point.row[0].target > Rows::surface_of(pair, point)) carrying |= must_move;
             }
+            const unsigned points = carrying & ~must_move;
+            has_faces_ = has_faces_ || (points & (points - 1)) != 0;
             if (carrying != pair.carrying) pair.still = 0;
             pair.carrying = static_cast<std::uint8_t>(carrying);
             if (carrying == 0) return;
@@ -306,11 +310,14 @@ private:
             Velocity &now = velocities_.now[b], &other = velocities_.now[is_a ? pair.b : pair.a];
             const int rows = pair.rows();
             typename Solver::Row row[Pair::max_points][Point::directions];
+            [[maybe_unused]] If<features.friction, Couplings<N>[Pair::max_points], 0> couplings;
             [[maybe_unused]] If<features.rolling_resistance, SpinOfOne, 0> own_spin{pair, shapes_, b};
             const auto for_each_block = [&](auto&& f) {
                 for (int i = 0; i < pair.count; ++i)
                     if (pair.point[i].active) {
-                        typename Solver::Block block{row[i], rows, pair.friction, now, nullptr};
+                        typename Solver::Block block{
+                            .row = row[i], .rows = rows, .coefficient = pair.friction, .a = now};
+                        if constexpr (features.friction) block.couplings = couplings + i;
                         if constexpr (features.rolling_resistance)
                             if (pair.resists_spin()) block.resistance = own_spin.resistance(i);
                         f(block);
@@ -333,8 +340,10 @@ private:
                     row[i][k].impulse = W::over(Row::product(of_pair(point.row[k].impulse), share), row[i][k].inverse);
                 }
             }
+            if constexpr (features.friction)
+                for (int i = 0; rows > 1 && i < pair.count; ++i) couplings[i].set(row[i], false);
             for_each_block([](const auto& block) { Solver::push(block); });
-            Solver::sweep(for_each_block, velocities_.scale.enough_at_rest(), contact::max_sweeps);
+            Solver::sweep(for_each_block, velocities_.scale.enough_at_rest(), Bounds::sweeps(contact::max_sweeps));
             unsigned carrying = must_move;
             Velocity unused = now;
             for (int i = 0; i < pair.count; ++i) {
@@ -358,7 +367,7 @@ private:
             }
             pair.carrying = static_cast<std::uint8_t>(carrying);
             moves_ = true;
-            return W::fits(other.largest());
+            return C::fits(other.largest());
         }
     }
     // Rows of the spin of one body of a pair, with its radius as the arm.
@@ -472,10 +481,13 @@ private:
         const Speed slack = Bounds::slack(velocities_.scale.enough_in_impact()) + beyond(),
                     normal = point.row[0].before;
         if (normal < -slack) return false;
-        if (pair.rows() == 1) return true;
-        const Speed limit = C::times_friction(pair.friction, normal) + slack, x = point.row[1].before,
-                    y = point.row[2].before;
-        return !(mul_add(mul(x, x), y, y) > mul(limit, limit));
+        if constexpr (features.friction) {
+            if (pair.rows() == 1) return true;
+            const Speed limit = C::times_friction(pair.friction, normal) + slack, x = point.row[1].before,
+                        y = point.row[2].before;
+            return !(mul_add(mul(x, x), y, y) > mul(limit, limit));
+        }
+        return true;
     }
     // The directions of a pair's rows in the frame in which its points share a wrench.
     struct Parts {
@@ -504,7 +516,7 @@ private:
                 row.push(W::over(row.before, row.inverse), velocities_.now[pair.a], partner);
                 if (partner == nullptr) continue;
                 const Velocity& other = is_a ? *partner : velocities_.now[pair.a];
-                fits = fits && W::fits(other.largest());
+                fits = fits && C::fits(other.largest());
             }
         }
         for (int k = pair.rows(); k < Point::directions; ++k) point.row[k].before = Speed{};
@@ -569,7 +581,7 @@ private:
     void set_impulses() {
         pairs_.for_each(island_, [&](Pair& pair) {
             for (int i = 0; i < pair.count; ++i) {
-                pair.point[i].for_each_row([&](Row& row, Speed&) {
+                pair.point[i].for_each_row([&](Row& row) {
                     const bool pushes = is_carrying(pair, i) && !(row.before == Speed{});
                     row.impulse = pushes ? W::over(row.before, row.inverse) : Speed{};
                 });
@@ -594,6 +606,7 @@ private:
     const typename NarrowPhase::Bodies& bodies_;
     const Island& island_;
     int carrying_ = 0;            // pairs
+    bool has_faces_ = false;      // a pair carries at several points
     bool moves_ = false;          // a body of the solution
     bool surface_moves_ = false;  // of something on which they stand
     Vec3<Speed> common_[bodies];  // of bodies that slide as one, weighted

@@ -100,16 +100,11 @@ public:
         return same;
     }
     // Writes what the rows have changed as kicks. A change beyond the range is reported. `loads`: where bodies that end
-    // without any velocity shall have exactly none at the end of a whole step.
+    // without velocity or without spin shall have exactly none at the end of a whole step.
     void write(Kicks& kicks, Bodies& bodies, const NarrowPhase& shapes, const BodyGroup& group,
                const Kicks* loads = nullptr) const {
         for (int k = 0; k < group.count; ++k) {
             const int b = group.id[k];
-            const Vec3<Speed> zero = Vec3<Speed>::Constant(Speed{});
-            if (loads != nullptr && now[b].linear == zero && now[b].angular == zero) {
-                stop(kicks[b], (*loads)[b], bodies.state[b]);
-                continue;
-            }
             const CollisionShape<N>& shape = shapes.shape(b);
             Kick<N>& kick = kicks[b];
             bool within = true;
@@ -122,6 +117,7 @@ public:
             }
             if (!within) [[unlikely]]
                 bodies.report(Issue::range_left, b);
+            if (loads != nullptr) stop(kick, (*loads)[b], bodies.state[b], now[b]);
         }
     }
     // Adds the change since `start` to the motion of the bodies. `loads` keep the scale of the spins.
@@ -169,11 +165,13 @@ private:
         change = quarter_of_change(u + change + change, middle);
         for (int i = 0; i < 3; ++i) u[i] += change[i] + change[i] + change[i] + change[i];
     }
-    // The kick that ends the motion of a body under a load.
-    static void stop(Kick<N>& kick, const Kick<N>& load, const typename Bodies::State& state) {
+    // Where the rows end a motion or a spin, the kick ends it exactly.
+    static void stop(Kick<N>& kick, const Kick<N>& load, const typename Bodies::State& state, const Velocity& end) {
+        const Vec3<Speed> zero = Vec3<Speed>::Constant(Speed{});
+        const bool moves = !(end.linear == zero), spins = !(end.angular == zero);
         for (int i = 0; i < 3; ++i) {
-            kick.linear[i] = -(N::sum(state.d_w[i]) + load.linear[i]);
-            kick.angular[i] = -(N::sum(state.t_b[i]) + load.angular[i]);
+            if (!moves) kick.linear[i] = -(N::sum(state.d_w[i]) + load.linear[i]);
+            if (!spins) kick.angular[i] = -(N::sum(state.t_b[i]) + load.angular[i]);
         }
     }
     // Calls f(start, with loads, the sum now, the loads' change, its fraction bits, its weight) for each component.

@@ -69,7 +69,6 @@ requires(N::fixed_point) struct WeldNumbers<N> {
         int up_;                 // bits before them
     };
     [[nodiscard]] static bool fits(Lever l) { return magnitude_of(l) < Lever{std::int32_t{1} << 30}; }
-    [[nodiscard]] static bool fits(Speed s) { return magnitude_of(s) < Speed{std::int32_t{1} << 29}; }
     [[nodiscard]] static Square square(Lever a, Lever b) { return {detail::multiply(a.raw, b.raw) * (1 << 12)}; }
     // A quarter of a sum of squares.
     [[nodiscard]] static Unit quarter(Square s) { return {static_cast<std::int32_t>(s.raw >> 32)}; }

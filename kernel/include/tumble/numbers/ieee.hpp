@@ -283,6 +283,7 @@ requires(!N::fixed_point) struct ContactNumbers<N> {
     [[nodiscard]] static T work(T mu) { return mu; }
     [[nodiscard]] static T friction(T mu) { return mu; }
     [[nodiscard]] static T share(T limit, T squares) { return limit / sqrt(squares); }
+    [[nodiscard]] static bool fits(T) { return true; }
     [[nodiscard]] static T over_square(T s, T u) { return s / (u * u); }
     [[nodiscard]] static T ratio(T a, T b) { return a / b; }
     [[nodiscard]] static T ratio_of_squares(T a, T b) { return a / b; }

@@ -161,11 +161,11 @@ requires(N::fixed_point) struct ContactNumbers<N> {
             return SpeedScale{29 - log2 - norm - spread};
         }
         [[nodiscard]] Speed speed(Work w) const { return {static_cast<std::int32_t>(w.to_sum(bits_, 0x3fffffff))}; }
-        // True of speeds below 2^log2.
-        [[nodiscard]] bool holds(int log2) const { return log2 + bits_ <= 30; }
-        // Makes the scale coarser if it would hold a speed at the end of the format.
+        // Whether impulses that turn a speed below 2^log2 round fit.
+        [[nodiscard]] bool holds(int log2) const { return log2 + bits_ <= 27; }
+        // Makes the scale coarser where they would not, for a speed of a surface.
         void make_room(Work w) {
-            const int over = w.exponent() + bits_ + 1;
+            const int over = w.exponent() + bits_ + 4;
             if (w.mantissa() != 0 && over > 0) bits_ -= over;
         }
         // A sum of the state with `fraction_bits` fraction bits, times a weight.
@@ -198,7 +198,7 @@ requires(N::fixed_point) struct ContactNumbers<N> {
             const int up = bits_ - other.bits_;
             if (up <= 0) return {up < -31 ? 0 : s.raw >> -up};
             // A guess from another step that is too large for this scale is dropped.
-            if (up > 30 || ((s.raw ^ (s.raw >> 31)) >> (30 - up)) != 0) return {0};
+            if (up > 29 || ((s.raw ^ (s.raw >> 31)) >> (29 - up)) != 0) return {0};
             return {s.raw << up};
         }
         // Changes of speed below which sweeps stop. At rest it is 2^-21 of the norm (more if the norm leaves room for
@@ -315,8 +315,14 @@ requires(N::fixed_point) struct ContactNumbers<N> {
         const auto root = detail::inverse_root(static_cast<std::uint64_t>(squares.raw));
         return {detail::scaled_product(limit.raw, root.raw, -(root.exponent + 30))};
     }
+    // Whether an impulse stays below what SpeedScale::of() leaves room for. A normal's may be twice as large in an
+    // impact.
+    [[nodiscard]] TUMBLE_INLINE static bool fits(Speed impulse) {
+        return magnitude_of(impulse) < Speed{std::int32_t{1} << 29};
+    }
     // s / u^2 for 0 < u <= 1. s is a product with a factor below u^2, so the result fits.
-    [[nodiscard]] static Speed over_square(Speed s, Unit u) {
+    template <class T>
+    [[nodiscard]] static T over_square(T s, Unit u) {
         const auto root = detail::inverse_root(static_cast<std::uint64_t>(mul(u, u).raw));
         const int shift = -(root.exponent + 30);
         return {detail::scaled_product(detail::scaled_product(s.raw, root.raw, shift), root.raw, shift)};
