@@ -10,6 +10,7 @@ namespace {
 
 using namespace tumble::bench::stress;
 using tumble::host::BodySnapshot;
+using tumble::host::ContactSnapshot;
 using tumble::host::EventDescription;
 using tumble::host::ImuSnapshot;
 using tumble::host::SceneDescription;
