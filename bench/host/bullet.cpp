@@ -34,9 +34,10 @@ public:
             btCollisionShape& shape = *shapes_.emplace_back(shape_of(spec, problem.touches()));
             const auto moments = principal_moments(spec);
             auto body = std::make_unique<btRigidBody>(btRigidBody::btRigidBodyConstructionInfo{
-                scalar(spec.mass), nullptr, &shape,
-                btVector3(static_cast<btScalar>(moments[0]), static_cast<btScalar>(moments[1]),
-                          static_cast<btScalar>(moments[2]))});
+                spec.is_fixed() ? 0 : scalar(spec.mass), nullptr, &shape,
+                spec.is_fixed() ? btVector3(0, 0, 0)
+                                : btVector3(static_cast<btScalar>(moments[0]), static_cast<btScalar>(moments[1]),
+                                            static_cast<btScalar>(moments[2]))});
             const RealQuat q = normalized(spec.orientation);
             const btVector3 axis = vector(q.v);
             const btTransform place{btQuaternion(axis.x(), axis.y(), axis.z(), scalar(q.w)), vector(spec.position)};
@@ -50,7 +51,11 @@ public:
             else body->setActivationState(DISABLE_DEACTIVATION);
             // Bullet's default is an implicit solution, which treats determinants below 1e-7 as singular. The moments
             // of small bodies have such determinants.
-            body->setFlags(BT_ENABLE_GYROSCOPIC_FORCE_EXPLICIT);
+            if (moments[0] * moments[1] * moments[2] < 1e-6) body->setFlags(BT_ENABLE_GYROSCOPIC_FORCE_EXPLICIT);
+            if (spec.is_fixed()) {
+                body->setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
+                turning_.push_back({body.get(), place, body->getAngularVelocity()});
+            }
             touch(*body);
             constexpr int bodies = 1, planes = 2;
             world_.addRigidBody(body.get(), bodies, problem.features.pairs ? bodies | planes : planes);
@@ -73,13 +78,33 @@ public:
             for (auto& body : *list) world_.removeRigidBody(body.get());
     }
 
-    void step(btScalar seconds) { world_.stepSimulation(seconds, 0); }
+    void step(btScalar seconds) {
+        // Bullet derives the velocity of a kinematic body from its places.
+        time_ += seconds;
+        for (const Turning& t : turning_)
+            if (!t.rate.isZero())
+                t.body->setWorldTransform(
+                    btTransform(btQuaternion(t.rate.normalized(), t.rate.length() * time_) * t.start.getRotation(),
+                                t.start.getOrigin()));
+        world_.stepSimulation(seconds, 0);
+    }
     [[nodiscard]] const btRigidBody& body(int index) const { return *bodies_[static_cast<std::size_t>(index)]; }
 
 private:
+    // A fixed body that turns.
+    struct Turning {
+        btRigidBody* body;
+        btTransform start;
+        btVector3 rate;  // rad/s, world
+    };
+
     static std::unique_ptr<btCollisionShape> shape_of(const BodySpec& body, bool touches) {
         if (!touches) return std::make_unique<btEmptyShape>();
         if (body.shape.kind == ShapeKind::sphere) return std::make_unique<btSphereShape>(scalar(body.shape.size.x));
+        // A hoop is a disc without thickness.
+        if (body.shape.kind == ShapeKind::hoop)
+            return std::make_unique<btCylinderShapeZ>(
+                btVector3(scalar(body.shape.size.x), scalar(body.shape.size.x), 0));
         return std::make_unique<btBoxShape>(vector(body.shape.size) * btScalar(0.5));
     }
 
@@ -90,6 +115,8 @@ private:
     btDiscreteDynamicsWorld world_{&dispatcher_, &broadphase_, &solver_, &configuration_};
     std::vector<std::unique_ptr<btCollisionShape>> shapes_;
     std::vector<std::unique_ptr<btRigidBody>> bodies_, planes_;
+    std::vector<Turning> turning_;
+    btScalar time_ = 0;  // s
 };
 
 class BulletRunner final : public Runner {

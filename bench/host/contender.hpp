@@ -8,6 +8,7 @@
 
 #include <functional>
 #include <memory>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -51,9 +52,11 @@ public:
     // Back to the start of the scene.
     virtual void restart() = 0;
     virtual void run(int steps) = 0;
-    // The pose of a body, by its index in the scene. Orientation: body to world.
+    // The motion of a body that is not fixed, by its index in the scene. Orientation: body to world.
     [[nodiscard]] virtual reference::Motion motion(int body) const = 0;
     [[nodiscard]] virtual bool asleep(int body) const = 0;
+    // What the engine has reported of its steps; empty: nothing.
+    [[nodiscard]] virtual std::string trouble() const { return ""; }
 };
 
 struct Contender {
@@ -80,6 +83,15 @@ template <class T>
 }
 // The principal moments of a body whose axes are its principal ones, as in all problems; throws std::runtime_error
 // otherwise. For engines whose bodies all rotate, a point mass has the moments of a ball of 0.1 m.
-[[nodiscard]] std::array<double, 3> principal_moments(const BodySpec& body);
+[[nodiscard]] inline std::array<double, 3> principal_moments(const BodySpec& body) {
+    if (is_point_mass(body)) {
+        const double moment = 0.004 * body.mass.to_double();
+        return {moment, moment, moment};
+    }
+    const InertiaTensor& i = body.inertia;
+    if (!i.xy.is_zero() || !i.xz.is_zero() || !i.yz.is_zero())
+        throw std::runtime_error{"a body's axes are not its principal ones"};
+    return {i.xx.to_double(), i.yy.to_double(), i.zz.to_double()};
+}
 
 }  // namespace tumble::bench

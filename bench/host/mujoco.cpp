@@ -52,6 +52,14 @@ std::string tendons_xml(const std::vector<SpringSpec>& springs) {
     return springs.empty() ? "" : "<tendon>" + xml.str() + "</tendon>";
 }
 
+// The joint of a body. There are no kinematic bodies; a fixed one that turns is a flywheel.
+std::string joint_xml(const Problem& problem, const BodySpec& body) {
+    if (!body.is_fixed())
+        return "<joint type='free' damping='" + text(problem.scene.world.linear_drag.to_double()) + "'/>";
+    constexpr double inertia = 1e6;  // kg m^2
+    return "<joint type='hinge' axis='" + text(body.angular_velocity) + "' armature='" + text(inertia) + "'/>";
+}
+
 std::string xml_of(const Problem& problem, const MujocoMethod& method) {
     const SceneData& scene = problem.scene;
     const std::size_t bodies = scene.bodies.size();
@@ -75,18 +83,21 @@ std::string xml_of(const Problem& problem, const MujocoMethod& method) {
         const BodySpec& body = scene.bodies[b];
         const RealQuat q = normalized(body.orientation);
         const auto moments = principal_moments(body);
-        xml << "<body pos='" << text(body.position) << "' quat='" << text(q.w.to_double()) << " " << text(q.v)
-            << "'><joint type='free' damping='" << text(scene.world.linear_drag.to_double())
-            << "'/><inertial pos='0 0 0' mass='" << text(body.mass.to_double()) << "' diaginertia='" << text(moments[0])
-            << " " << text(moments[1]) << " " << text(moments[2]) << "'/>";
+        xml << "<body pos='" << text(body.position) << "' quat='" << text(q.w.to_double()) << " " << text(q.v) << "'>"
+            << joint_xml(problem, body) << "<inertial pos='0 0 0' mass='" << text(body.mass.to_double())
+            << "' diaginertia='" << text(moments[0]) << " " << text(moments[1]) << " " << text(moments[2]) << "'/>";
         for (std::size_t s = 0; s < scene.springs.size(); ++s)
             if (scene.springs[s].body == static_cast<int>(b))
                 xml << "<site name='from" << s << "' pos='" << text(scene.springs[s].point) << "'/>";
         if (problem.touches()) {
-            const bool round = body.shape.kind == ShapeKind::sphere;
+            // A hoop is a thin cylinder.
+            const ShapeKind kind = body.shape.kind;
             const auto size = array_of<double>(body.shape.size);
-            xml << "<geom type='" << (round ? "sphere" : "box") << "' size='"
-                << (round ? text(size[0]) : text(size[0] / 2) + " " + text(size[1] / 2) + " " + text(size[2] / 2))
+            xml << "<geom type='"
+                << (kind == ShapeKind::sphere ? "sphere' size='" + text(size[0])
+                    : kind == ShapeKind::hoop
+                        ? "cylinder' size='" + text(size[0]) + " 1e-6"
+                        : "box' size='" + text(size[0] / 2) + " " + text(size[1] / 2) + " " + text(size[2] / 2))
                 << "' contype='2' conaffinity='" << (problem.features.pairs ? 3 : 1) << "' " << contact << "/>";
         }
         xml << "</body>";
@@ -110,9 +121,14 @@ public:
         mj_resetData(model_.get(), data_.get());
         for (std::size_t b = 0; b < bodies_.size(); ++b) {
             const auto v = array_of<double>(bodies_[b].velocity), w = array_of<double>(bodies_[b].angular_velocity);
+            mjtNum* velocity = data_->qvel + model_->jnt_dofadr[b];
+            if (bodies_[b].is_fixed()) {
+                *velocity = std::hypot(w[0], w[1], w[2]);
+                continue;
+            }
             for (std::size_t i = 0; i < 3; ++i) {
-                data_->qvel[6 * b + i] = v[i];
-                data_->qvel[6 * b + 3 + i] = w[i];  // body frame
+                velocity[i] = v[i];
+                velocity[3 + i] = w[i];  // body frame
             }
         }
     }
@@ -124,7 +140,7 @@ public:
             if (data_->warning[warning].number > 0)
                 throw std::runtime_error{std::string{"MuJoCo: "} +
                                          mju_warningText(warning, data_->warning[warning].lastinfo)};
-        const mjtNum *x = data_->qpos + 7 * body, *v = data_->qvel + 6 * body;
+        const mjtNum *x = data_->qpos + model_->jnt_qposadr[body], *v = data_->qvel + model_->jnt_dofadr[body];
         return {reference::vector_of(x), reference::vector_of(v), reference::rotation_of(x + 3),
                 reference::vector_of(v + 3)};
     }

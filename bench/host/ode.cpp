@@ -6,6 +6,7 @@
 #include <ode/ode.h>
 
 #include <cmath>
+#include <cstdio>
 #include <stdexcept>
 
 namespace {
@@ -21,12 +22,18 @@ public:
     Library() {
         dInitODE2(0);
         dAllocateODEDataForThread(dAllocateMaskAll);
-        // ODE prints a message for every step whose contacts it has not solved. The answers are checked instead.
-        dSetMessageHandler([](int, const char*, va_list) {});
+        // ODE prints a message for every step whose contacts it has not solved.
+        dSetMessageHandler([](int, const char* format, va_list values) {
+            char text[200];
+            (void)std::vsnprintf(text, sizeof text, format, values);
+            message = text;
+        });
     }
     Library(const Library&) = delete;
     Library& operator=(const Library&) = delete;
     ~Library() { dCloseODE(); }
+
+    static inline std::string message;  // the last one
 };
 
 class World {
@@ -53,6 +60,7 @@ public:
             dMass mass;
             dMassSetParameters(&mass, scalar(spec.mass), 0, 0, 0, moments[0], moments[1], moments[2], 0, 0, 0);
             dBodySetMass(body, &mass);
+            if (spec.is_fixed()) dBodySetKinematic(body);
             const auto x = array_of<dReal>(spec.position), v = array_of<dReal>(spec.velocity);
             const RealQuat q = normalized(spec.orientation);
             const auto u = array_of<dReal>(q.v);
@@ -72,7 +80,10 @@ public:
             }
             if (!problem.touches()) continue;
             const auto size = array_of<dReal>(spec.shape.size);
+            // A hoop is a thin cylinder.
+            constexpr dReal thin = 1e-6;  // m
             const dGeomID shape = spec.shape.kind == ShapeKind::sphere ? dCreateSphere(space_, size[0])
+                                  : spec.shape.kind == ShapeKind::hoop ? dCreateCylinder(space_, size[0], thin)
                                                                        : dCreateBox(space_, size[0], size[1], size[2]);
             dGeomSetBody(shape, body);
         }
@@ -93,12 +104,9 @@ public:
     }
 
     void step(dReal seconds) {
-        if (!planes_.empty()) {
-            if (touch_each_other_) dSpaceCollide(space_, this, meet);
-            else
-                for (const dGeomID plane : planes_)
-                    dSpaceCollide2(plane, reinterpret_cast<dGeomID>(space_), this, meet);
-        }
+        if (touch_each_other_) dSpaceCollide(space_, this, meet);
+        else
+            for (const dGeomID plane : planes_) dSpaceCollide2(plane, reinterpret_cast<dGeomID>(space_), this, meet);
         if ((quick_ ? dWorldQuickStep(world_, seconds) : dWorldStep(world_, seconds)) == 0)
             throw std::runtime_error{"ODE cannot allocate memory for a step"};
         dJointGroupEmpty(contacts_);
@@ -139,6 +147,8 @@ public:
     void restart() override {
         world_.reset();
         world_ = std::make_unique<World>(problem_, quick_);
+        Library::message.clear();
+        dRandSetSeed(0);  // of the order in which the quick step visits contacts
     }
     void run(int steps) override {
         for (int i = 0; i < steps; ++i) world_->step(step_);
@@ -150,6 +160,7 @@ public:
                 q.rotate_back(reference::vector_of(dBodyGetAngularVel(body)))};
     }
     [[nodiscard]] bool asleep(int body) const override { return dBodyIsEnabled(world_->body(body)) == 0; }
+    [[nodiscard]] std::string trouble() const override { return Library::message; }
 
 private:
     const Problem& problem_;

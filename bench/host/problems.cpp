@@ -133,17 +133,6 @@ private:
 
 }  // namespace
 
-std::array<double, 3> principal_moments(const BodySpec& body) {
-    if (is_point_mass(body)) {
-        const double moment = 0.004 * body.mass.to_double();
-        return {moment, moment, moment};
-    }
-    const InertiaTensor& i = body.inertia;
-    if (!i.xy.is_zero() || !i.xz.is_zero() || !i.yz.is_zero())
-        throw std::runtime_error{"a body's axes are not its principal ones"};
-    return {i.xx.to_double(), i.yy.to_double(), i.zz.to_double()};
-}
-
 std::vector<Problem> problems(int most) {
     // The bounds admit a first-order method, and for contacts an engine with soft contacts.
     std::vector<Problem> all{

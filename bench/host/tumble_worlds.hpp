@@ -26,6 +26,12 @@ public:
         return host::motion_of(replay_.world().bodies(), axes_[static_cast<std::size_t>(body)], body);
     }
     [[nodiscard]] bool asleep(int body) const override { return replay_.world().asleep(BodyId{body}); }
+    [[nodiscard]] std::string trouble() const override {
+        std::string names;
+        for (const Issue issue : all_issues)
+            if (replay_.world().status().has(issue)) names += (names.empty() ? "" : " ") + std::string{name_of(issue)};
+        return names;
+    }
 
 private:
     using Replayed = Replay<SceneOf<N, Method, features>, SceneData>;
