@@ -336,6 +336,43 @@ Table engines_table(Rows rows) {
                         "insn per step, x86-64:insn_per_step"));
 }
 
+// Contacts whose motion is known: for each scene the errors of each contender, then the cost of a step.
+Table engine_contacts_table(const Rows& rows) {
+    // A contender is named with its method where its engine has several.
+    const auto name_of = [&](const Row& row) {
+        const Where engine{{"engine", row.at("engine")}, {"numbers", numbers_of(row)}};
+        const bool has_one = distinct(rows, "integrator", engine).size() == 1;
+        return engine_name(row) + (has_one ? "" : ", " + text_of(row, "integrator")) + ", " + numbers_of(row);
+    };
+    const Cell error = [](const Row& row) {
+        if (row.contains("failure")) return std::string{"fails"};
+        return text_of(row, "error") + (row.contains("trouble") ? " *" : "");
+    };
+    Table table{{"scene", "error, or cost"}, {}};
+    std::vector<Where> contenders;
+    for (const Row& row : rows) {
+        if (std::find(table.head.begin(), table.head.end(), name_of(row)) != table.head.end()) continue;
+        table.head.push_back(name_of(row));
+        contenders.push_back(
+            {{"engine", row.at("engine")}, {"integrator", row.at("integrator")}, {"numbers", numbers_of(row)}});
+    }
+    const auto add = [&](const std::string& scene, const std::string& law, const std::string& what, const Cell& cell) {
+        Strings line{scene, what};
+        for (Where where : contenders) {
+            where.insert(where.end(), {{"scene", scene}, {"law", law}});
+            const Row* row = find(rows, where);
+            line.push_back(row == nullptr ? "-" : cell(*row));
+        }
+        table.lines.push_back(line);
+    };
+    for (const std::string& scene : distinct(rows, "scene")) {
+        const Strings laws = distinct(rows, "law", {{"scene", scene}});
+        for (const std::string& law : laws) add(scene, law, law, error);
+        add(scene, laws.front(), "insn per step, x86-64", value("insn_per_step"));
+    }
+    return table;
+}
+
 // The cores that firmware is built for: rows of port/boards.txt.
 Table boards_table() {
     Table table{{"core", "port", "machine and CPU", "counts", "model of its cycles", "tested by", "compiler's options"},
@@ -399,6 +436,7 @@ const Makers makers{
     {"table host_many", [](R r) { return host_many_table(r["host"]); }},
     {"table host_growth", [](R r) { return host_growth_table(r["host"]); }},
     {"table engines", [](R r) { return engines_table(r["engines"]); }},
+    {"table engine_contacts", [](R r) { return engine_contacts_table(r["engine_contacts"]); }},
     {"table control", [](R r) { return control_table(r["control"]); }},
     {"table stories", [](R r) { return stories_table(r["control"]); }},
     {"table formats", [](R) { return formats_table(); }},

@@ -1,0 +1,255 @@
+#include "contacts.hpp"
+
+#include "firmware/callgrind.hpp"
+#include "rows.hpp"
+#include "scene/reader.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iostream>
+
+// Callgrind counts this function, which it finds by name: a step with its call.
+extern "C" [[gnu::noinline]] void counted_step(tumble::bench::Runner& runner) { runner.run(1); }
+
+namespace tumble::bench {
+
+namespace {
+
+using reference::Motion, reference::Number, reference::Vector;
+
+constexpr int steps_per_second = 256;
+
+// The motion of all bodies: at the start, and after each step.
+struct Run {
+    const Problem& problem;
+    std::vector<std::vector<Motion>> at;
+
+    [[nodiscard]] const Motion& start(std::size_t body) const { return at.front()[body]; }
+    [[nodiscard]] const Motion& end(std::size_t body) const { return at.back()[body]; }
+    [[nodiscard]] Number seconds() const { return static_cast<Number>(at.size() - 1) / steps_per_second; }
+    [[nodiscard]] std::size_t bodies() const { return at.front().size(); }
+};
+
+Number distance(const Vector& a, const Vector& b) { return norm(a - b); }
+
+// Scenes at rest; the last body is the top.
+Number sink_of_the_top(const Run& run) {
+    const std::size_t top = run.bodies() - 1;
+    return std::abs(run.end(top).x.y - run.start(top).x.y);
+}
+Number largest_shift_sideways(const Run& run) {
+    Number most = 0;
+    for (std::size_t body = 0; body < run.bodies(); ++body) {
+        const Vector shift = run.end(body).x - run.start(body).x;
+        most = std::max(most, std::hypot(shift.x, shift.z));
+    }
+    return most;
+}
+
+// Each box begins this far above the one below it, and the last falls from all of them.
+constexpr double drop = 0.002;  // m
+void set_down(SceneData& scene) {
+    double height = 0;
+    for (BodySpec& box : scene.bodies) box.position.y = box.position.y + Real{height += drop};
+}
+Number off_its_height(const Run& run) {
+    const std::size_t top = run.bodies() - 1;
+    return std::abs(run.end(top).x.y - (static_cast<Number>(run.bodies()) - 0.5L));
+}
+
+// The cradle begins with the strike, at 1 m/s. The last ball is half a metre from its wall.
+void strike_at_the_start(SceneData& scene) {
+    BodySpec& struck = scene.bodies.front();
+    struck.velocity.x = scene.impulses.front().impulse.x / struck.mass;
+    scene.impulses.clear();
+}
+Number speed_of_the_last(const Run& run) {
+    return std::abs(run.at[steps_per_second / 4].back().v.x - run.start(0).v.x);
+}
+Number inner_balls_moved(const Run& run) {
+    Number most = 0;
+    for (const auto& now : run.at)
+        for (std::size_t body = 1; body + 1 < now.size(); ++body)
+            most = std::max(most, distance(now[body].x, run.start(body).x));
+    return most;
+}
+
+// Without friction and with restitution 1 a break keeps its energy.
+void break_without_losses(SceneData& scene) {
+    scene.world.contact.restitution = 1;
+    scene.world.contact.friction = 0;
+}
+// From the mirror image across z = 0: the cue ball, and the balls of a triangle.
+Number off_the_mirror_image(const Run& run) {
+    Number most = 0;
+    for (const auto& [ball, image] : {std::pair{0, 0}, {1, 1}, {2, 3}, {4, 4}, {5, 6}}) {
+        Vector at = run.end(static_cast<std::size_t>(image)).x;
+        at.z = -at.z;
+        most = std::max(most, distance(run.end(static_cast<std::size_t>(ball)).x, at));
+    }
+    return most;
+}
+// Of balls of one mass.
+Number gain_of_energy(const Run& run) {
+    const BodySpec& spec = run.problem.scene.bodies.front();
+    const Number moment = principal_moments(spec)[0] / spec.mass.to_double();
+    const auto energy = [&](const std::vector<Motion>& now) {
+        Number sum = 0;
+        for (const Motion& ball : now) sum += dot(ball.v, ball.v) + moment * dot(ball.w, ball.w);
+        return sum;
+    };
+    return energy(run.at.back()) / energy(run.at.front()) - 1;
+}
+
+// The circle begins at the start of the ball, with a velocity along z.
+Number off_the_circle_on_a_table(const Run& run) {
+    const Motion& start = run.start(1);
+    const Number rate = 2 * static_cast<Number>(run.problem.scene.bodies[0].angular_velocity.y.to_double()) / 7,
+                 speed = start.v.z, angle = rate * run.seconds();
+    const Vector there{start.x.x + speed / rate * (1 - std::cos(angle)), start.x.y, speed / rate * std::sin(angle)};
+    return distance(run.end(1).x, there);
+}
+// The circle is about the vertical through the origin, from (0, y, R).
+Number off_the_circle(const Run& run) {
+    const Motion& start = run.start(0);
+    const Number radius = start.x.z, angle = start.v.x / radius * run.seconds();
+    return distance(run.end(0).x, {radius * std::sin(angle), start.x.y, radius * std::cos(angle)});
+}
+
+void slide(SceneData& scene) { scene.world.contact.friction = 0.7425; }  // 1 % below the sticking angle
+Number moved(const Run& run) { return distance(run.end(0).x, run.start(0).x); }
+Number off_the_slide(const Run& run) {
+    const SceneData& scene = run.problem.scene;
+    const auto normal = array_of<double>(normalized(scene.planes.front().normal));
+    const Number cosine = normal[1], tangent = -normal[0] / cosine,
+                 g = -static_cast<Number>(scene.world.gravity.y.to_double()),
+                 mu = scene.world.contact.friction.to_double(), t = run.seconds(),
+                 length = g * (tangent - mu) * cosine * t * t / 2;
+    const Vector downhill{-cosine, -tangent * cosine, 0};
+    return distance(run.end(0).x, run.start(0).x + length * downhill);
+}
+
+struct Law {
+    const char* error;
+    Number (*measure)(const Run& run);
+};
+struct Scene {
+    const char *name, *path;
+    int seconds;
+    std::vector<Law> laws;
+    void (*change)(SceneData& scene) = nullptr;
+};
+const std::vector<Scene> scenes{
+    {"stack of ten boxes",
+     "host_sim/scenes/contacts/stack.toml",
+     10,
+     {{"sink of the top after 10 s, m", sink_of_the_top},
+      {"largest shift sideways after 10 s, m", largest_shift_sideways}}},
+    {"stack, set down",
+     "host_sim/scenes/contacts/stack.toml",
+     10,
+     {{"height of the top after 10 s, m", off_its_height},
+      {"largest shift sideways after 10 s, m", largest_shift_sideways}},
+     set_down},
+    {"pyramid of ten boxes",
+     "host_sim/scenes/contacts/pyramid.toml",
+     10,
+     {{"sink of the top after 10 s, m", sink_of_the_top},
+      {"largest shift sideways after 10 s, m", largest_shift_sideways}}},
+    {"cradle",
+     "host_sim/scenes/contacts/cradle.toml",
+     6,
+     {{"speed of the last ball 1/4 s after the strike, m/s", speed_of_the_last},
+      {"largest distance of an inner ball from its place within 6 s, m", inner_balls_moved}},
+     strike_at_the_start},
+    {"break",
+     "bench/laws/break.toml",
+     1,
+     {{"distance from the mirror image after 1 s, m", off_the_mirror_image},
+      {"gain of energy, of itself", gain_of_energy}},
+     break_without_losses},
+    {"turntable", "bench/laws/turntable.toml", 4, {{"place after 4 s, m", off_the_circle_on_a_table}}},
+    {"leaning wheel", "bench/laws/hoop.toml", 4, {{"place after 4 s, m", off_the_circle}}},
+    {"incline, sticks", "bench/engines/incline.toml", 4, {{"place after 4 s, m", moved}}},
+    {"incline, slides", "bench/engines/incline.toml", 4, {{"place after 4 s, m", off_the_slide}}, slide},
+};
+
+Problem problem_of(const Scene& scene) {
+    host::SceneDescription description = host::read_scene(scene.path);
+    description.step = {1, steps_per_second, 0};
+    Problem problem;
+    problem.name = scene.name;
+    problem.scene = host::build_scene(description);
+    if (scene.change != nullptr) scene.change(problem.scene);
+    problem.features = host::needs(problem.scene);
+    return problem;
+}
+
+Run run_of(const Problem& problem, Runner& runner, int seconds) {
+    Run run{problem, {}};
+    // Of fixed bodies nothing is noted.
+    const auto note = [&] {
+        auto& now = run.at.emplace_back();
+        for (std::size_t body = 0; body < problem.scene.bodies.size(); ++body)
+            now.push_back(problem.scene.bodies[body].fixed ? Motion{} : runner.motion(static_cast<int>(body)));
+    };
+    note();
+    for (int step = 0; step < seconds * steps_per_second; ++step) {
+        runner.run(1);
+        note();
+    }
+    return run;
+}
+
+// Rows of a contender on a scene, one a law; none if its engine cannot make the scene.
+std::vector<Row> rows_of(const Scene& scene, const Contender& contender, const std::string& count) {
+    const Problem problem = problem_of(scene);
+    const auto runner = contender.make(problem);
+    std::vector<Row> rows;
+    if (!runner) return rows;
+    Row row = row_of_engine(scene.name, contender, 1.0 / steps_per_second, scene.seconds * steps_per_second);
+    try {
+        const Run run = run_of(problem, *runner, scene.seconds);
+        const auto counted = host::instructions_in("counted_step", count).count;
+        row["insn_per_step"] = (counted + steps_per_second / 2) / steps_per_second;
+        for (const Law& law : scene.laws) {
+            Row& of_law = rows.emplace_back(row);
+            const auto error = static_cast<double>(law.measure(run));
+            of_law["law"] = law.error;
+            if (std::isfinite(error)) of_law["error"] = error;
+            else of_law["failure"] = "not a number";
+            if (const std::string trouble = runner->trouble(); !trouble.empty()) of_law["trouble"] = trouble;
+        }
+    } catch (const std::runtime_error& error) {
+        for (const Law& law : scene.laws) {
+            Row& of_law = rows.emplace_back(row);
+            of_law["law"] = law.error;
+            of_law["failure"] = error.what();
+        }
+    }
+    return rows;
+}
+
+}  // namespace
+
+int contact_contest(int argc, char** argv, const std::vector<Contender>& contenders) try {
+    host::tell_lost_output();
+    if (argc == 4 && std::string{argv[1]} == "--count") {
+        const Problem problem = problem_of(scenes.at(std::stoul(argv[2])));
+        const auto runner = contenders.at(std::stoul(argv[3])).make(problem);
+        for (int i = 0; i < steps_per_second; ++i) counted_step(*runner);
+        return 0;
+    }
+    for (std::size_t c = 0; c < contenders.size(); ++c) {
+        for (std::size_t s = 0; s < scenes.size(); ++s) {
+            const std::string count = argv[0] + (" --count " + std::to_string(s) + " " + std::to_string(c));
+            for (Row& row : rows_of(scenes[s], contenders[c], count)) {
+                row["tumble_bits"] = TUMBLE_BITS;
+                std::cout << row.dump() << std::endl;
+            }
+        }
+    }
+    return 0;
+} catch (...) { return report_failure(argv[0]); }
+
+}  // namespace tumble::bench
