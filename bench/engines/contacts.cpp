@@ -46,7 +46,7 @@ Number largest_shift_sideways(const Run& run) {
     return most;
 }
 
-// Each box begins this far above the one below it, and the last falls from all of them.
+// Each box begins this far above the one below it. The top falls ten times as far.
 constexpr double drop = 0.002;  // m
 void set_down(SceneData& scene) {
     double height = 0;
