@@ -124,9 +124,7 @@ private:
 }  // namespace
 
 void tumble::bench::add_box2d(std::vector<Contender>& contenders) {
-    const std::string version = std::to_string(b2_version.major) + "." + std::to_string(b2_version.minor) + "." +
-                                std::to_string(b2_version.revision);
-    contenders.push_back({"Box2D", version, "8 velocity, 3 position iterations", "f32", false,
+    contenders.push_back({"Box2D", TUMBLE_BOX2D_VERSION, "8 velocity, 3 position iterations", "f32", false,
                           [](const Problem& problem) -> std::unique_ptr<Runner> {
                               if (!is_planar(problem.scene)) return nullptr;
                               return std::make_unique<Box2dRunner>(problem);
