@@ -1,4 +1,5 @@
 // Scenes with contacts whose motion is known: how far the kernel is off, by the step. usage: tumble_contact_laws ROWS
+#include "known_places.hpp"
 #include "rows.hpp"
 #include "scene/reader.hpp"
 #include "simulation/simulation.hpp"
@@ -12,27 +13,23 @@ using namespace tumble::bench;
 using tumble::host::SceneDescription, tumble::host::Simulation;
 using Number = long double;
 
-Number distance_to(const Simulation& run, int body, Number x, Number z) {
+Number distance_to(const Simulation& run, int body, const KnownPlace& place) {
     const auto now = run.body(body).position;
-    return std::hypot(now[0] - x, now[2] - z);
+    return std::hypot(now[0] - place.x, now[2] - place.z);
 }
 
-// From where the centre of the hoop is at the end: ahead of (0, 0, R) by the angle W t.
+// The centre of the hoop at the end.
 Number off_the_circle(Simulation& run) {
     const auto start = run.body(0);
-    const Number radius = start.position[2], rate = start.velocity[0] / radius;
     finish(run);
-    const Number angle = rate * run.time();
-    return distance_to(run, 0, radius * std::sin(angle), radius * std::cos(angle));
+    return distance_to(run, 0, on_the_circle(start.position[2], start.velocity[0], run.time()));
 }
-// The same of the ball, whose circle begins at its start.
+// The same of the ball.
 Number off_the_circle_on_a_table(Simulation& run) {
     const auto start = run.body(1);
-    const Number rate = 2.0L * run.body(0).angular_velocity[1] / 7, speed = start.velocity[2];
+    const Number table_rate = run.body(0).angular_velocity[1];
     finish(run);
-    const Number angle = rate * run.time();
-    return distance_to(run, 1, start.position[0] + speed / rate * (1 - std::cos(angle)),
-                       speed / rate * std::sin(angle));
+    return distance_to(run, 1, on_the_circle_on_a_table(start.position[0], start.velocity[2], table_rate, run.time()));
 }
 Number change_of_energy(Simulation& run) {
     while (run.time() < 1 && run.troubles().empty()) run.step();
@@ -49,21 +46,21 @@ Number gain_of_energy(Simulation& run) {
     }
     return most;
 }
-// From the mirror image across z = 0: the cue ball, and the balls of a triangle.
+// From the mirror image: the cue ball, and the balls of a triangle.
 Number off_the_mirror_image(Simulation& run) {
     finish(run);
     Number most = 0;
-    for (const auto& [ball, image] : {std::pair{0, 0}, {1, 1}, {2, 3}, {4, 4}, {5, 6}}) {
+    for (const auto& [ball, image] : mirrored) {
         const auto at = run.body(image).position;
-        most = std::max(most, distance_to(run, ball, at[0], -at[2]));
+        most = std::max(most, distance_to(run, ball, {at[0], -at[2]}));
     }
     return most;
 }
 // After three periods and half of one the left ball is at its wall, the others where they began.
 Number off_the_cradle(Simulation& run) {
     finish(run);
-    Number most = distance_to(run, 0, -1, 0);
-    for (int ball = 1; ball < 5; ++ball) most = std::max(most, distance_to(run, ball, (ball - 2) / 4.0L, 0));
+    Number most = distance_to(run, 0, {-1, 0});
+    for (int ball = 1; ball < 5; ++ball) most = std::max(most, distance_to(run, ball, {(ball - 2) / 4.0L, 0}));
     return most;
 }
 Number off_the_middle(Simulation& run) {

@@ -1,6 +1,7 @@
 #include "contacts.hpp"
 
 #include "firmware/callgrind.hpp"
+#include "known_places.hpp"
 #include "rows.hpp"
 #include "scene/reader.hpp"
 
@@ -79,10 +80,10 @@ void break_without_losses(SceneData& scene) {
     scene.world.contact.restitution = 1;
     scene.world.contact.friction = 0;
 }
-// From the mirror image across z = 0: the cue ball, and the balls of a triangle.
+// From the mirror image: the cue ball, and the balls of a triangle.
 Number off_the_mirror_image(const Run& run) {
     Number most = 0;
-    for (const auto& [ball, image] : {std::pair{0, 0}, {1, 1}, {2, 3}, {4, 4}, {5, 6}}) {
+    for (const auto& [ball, image] : mirrored) {
         Vector at = run.end(static_cast<std::size_t>(image)).x;
         at.z = -at.z;
         most = std::max(most, distance(run.end(static_cast<std::size_t>(ball)).x, at));
@@ -101,19 +102,18 @@ Number gain_of_energy(const Run& run) {
     return energy(run.at.back()) / energy(run.at.front()) - 1;
 }
 
-// The circle begins at the start of the ball, with a velocity along z.
+// At the height of its start.
+Number off(const Run& run, std::size_t body, const KnownPlace& place) {
+    return distance(run.end(body).x, {place.x, run.start(body).x.y, place.z});
+}
 Number off_the_circle_on_a_table(const Run& run) {
     const Motion& start = run.start(1);
-    const Number rate = 2 * static_cast<Number>(run.problem.scene.bodies[0].angular_velocity.y.to_double()) / 7,
-                 speed = start.v.z, angle = rate * run.seconds();
-    const Vector there{start.x.x + speed / rate * (1 - std::cos(angle)), start.x.y, speed / rate * std::sin(angle)};
-    return distance(run.end(1).x, there);
+    const Number table_rate = run.problem.scene.bodies[0].angular_velocity.y.to_double();
+    return off(run, 1, on_the_circle_on_a_table(start.x.x, start.v.z, table_rate, run.seconds()));
 }
-// The circle is about the vertical through the origin, from (0, y, R).
 Number off_the_circle(const Run& run) {
     const Motion& start = run.start(0);
-    const Number radius = start.x.z, angle = start.v.x / radius * run.seconds();
-    return distance(run.end(0).x, {radius * std::sin(angle), start.x.y, radius * std::cos(angle)});
+    return off(run, 0, on_the_circle(start.x.z, start.v.x, run.seconds()));
 }
 
 void slide(SceneData& scene) { scene.world.contact.friction = 0.7425; }  // 1 % below the sticking angle
