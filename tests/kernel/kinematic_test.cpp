@@ -242,7 +242,7 @@ TEST_P(Kinematic, a_spring_follows_its_end_on_a_kinematic_body_to_second_order) 
     }
 }
 
-// It has nowhere to go: it is pressed into both, which is told, and moves no faster than they make it.
+// It has nowhere to go, so it is pressed into both bodies. The status says so, and it moves hardly faster than they do.
 TEST_P(Kinematic, a_body_between_two_that_close_on_it_is_not_thrown) {
     for (const Number speed : {0.25L, 1.0L}) {
         for (const BodySpec& body : {box(1, {0.5, 0.5, 0.5}), box(30, {0.5, 0.5, 0.4}), sphere(2, 0.25)}) {

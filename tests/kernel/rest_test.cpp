@@ -262,7 +262,7 @@ TEST_P(Rest, a_tall_stack_stands_at_a_long_step) {
 }
 
 // On five light boxes a plank has more supports than statics take, so sweeps find the forces. They carry ten times the
-// mass of a box. 10^4 times its mass presses it into the floor, which is told; in double they carry that too.
+// mass of a box. A mass of 10^4 boxes presses them into the floor, and the status says so. In double they carry it.
 TEST_P(Rest, a_body_too_heavy_for_those_below_it_is_told) {
     for (const Number ratio : {1.0L, 10.0L, 1e4L}) {
         for (const auto& [mass, rate, heading] :

@@ -12,7 +12,6 @@ struct Friction {
     using Unit = typename C::Unit;
     using Speed = typename C::Speed;
     using Row = tumble::Row<N, pairs>;
-    using Velocity = WeightedVelocity<N>;
 
     // The changes of two tangents' impulses in one visit. `excess`: their velocities above their targets. The impulses
     // stop the point. Where that takes more than `limit`, friction times the normal impulse, the point slips: both

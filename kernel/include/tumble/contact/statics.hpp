@@ -69,8 +69,8 @@ private:
     static constexpr int bodies = features.bodies;
     static constexpr unsigned must_move = 0x80;  // among the bits of Pair::carrying
 
-    // True if no body is fast at the start of the step. motion(b) is its velocity, or a part of it. The limit is a part
-    // of what loads change in the step.
+    // Whether all bodies are slow at the start of the step. motion(b) is what counts of a body's velocity, and
+    // Bounds::still() has the limit.
     template <class F>
     [[nodiscard]] bool is_still(F&& motion) const {
         Speed fastest{}, most{};
