@@ -40,7 +40,7 @@ struct StepParts<0> {};
 template <int capacity>
 struct BodyGroup {
     int count = 0;
-    std::int16_t id[capacity]{};
+    std::int16_t id[capacity];  // of `count` bodies
 
     [[nodiscard]] static BodyGroup of(int body) {
         BodyGroup alone;

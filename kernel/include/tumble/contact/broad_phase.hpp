@@ -224,7 +224,7 @@ private:
     Pair* pair_of(int a, int b) {
         const std::uint32_t key = Pair::key_of(a, b);
         const int at = pairs_.place_of(key);
-        if (at < pairs_.count() && pairs_[at].key() == key) return &pairs_[at];
+        if (pairs_.has(at, key)) return &pairs_[at];
         if (pairs_.is_full()) {
             bodies_.report(Issue::contacts_full, a);
             return nullptr;

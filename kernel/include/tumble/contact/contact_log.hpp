@@ -160,7 +160,7 @@ public:
         if constexpr (features.friction)
             contact.friction_impulse = plain(scaled_by(entry.friction_impulse, is_a ? rate : -rate));
         const int at = pairs.place_of(entry.key());
-        if (entry.touches && at < pairs.count() && pairs[at].key() == entry.key()) {
+        if (entry.touches && pairs.has(at, entry.key())) {
             const Pair& pair = pairs[at];
             contact.point_count = pair.count;
             for (int k = 0; k < pair.count; ++k) {

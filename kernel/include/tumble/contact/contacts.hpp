@@ -207,6 +207,9 @@ private:
             coupled = b;
         }
         Broad{state_.shapes, state_.pairs, state_.times, bodies}.connect(schedule.islands, state_.sleepers);
+        schedule.chain(bodies.count);
+        state_.pairs.unlink();
+        state_.pairs.link(schedule);
     }
     template <class Advance>
     [[gnu::noinline]] void step_islands(Advance& advance, const StepInfo<N>& info,
@@ -230,11 +233,9 @@ private:
         // Sleep changes the list of awake bodies, so it waits until all islands have flown.
         BodyGroup to_sleep;
         for (int root = 0; root < advance.bodies.count; ++root) {
-            if (!schedule.joins[root] || schedule.islands.root(root) != root) continue;
-            BodyGroup group;
-            for (int b = root; b < advance.bodies.count; ++b)
-                if (schedule.joins[b] && schedule.islands.root(b) == root) group.add(b);
-            Island<features.bodies> island{group, root, state_.pairs.link(schedule.islands, root)};
+            if (!schedule.leads(root)) continue;
+            const BodyGroup group = schedule.group(root);
+            Island<features.bodies> island{group, root, schedule.first_pair[root]};
             if constexpr (features.kinematic)
                 place(advance, info, kinematic, island.first_pair < 0 ? N::half_of(Work(1)) : Work(0));
             if (island.first_pair < 0) advance.portion(group, info, {});
@@ -247,10 +248,8 @@ private:
         }
         wake(advance, schedule.wakes);
         if constexpr (features.sleep) {
-            for (int k = 0; k < to_sleep.count; ++k) {
-                state_.sleepers.put_to_sleep(advance.bodies, to_sleep.id[k]);
-                advance.spin_changed(to_sleep.id[k]);
-            }
+            state_.sleepers.put_to_sleep(advance.bodies, to_sleep);
+            advance.spins_changed(to_sleep);
         }
     }
     // Places the kinematic bodies: at the start of an island's flights, or halfway, for loads alone.

@@ -119,7 +119,8 @@ private:
             contacts_.times.end(b, contacts_.shapes.plane_count(), bodies_.steps_taken);
             broad_phase.update(b, contacts_.marks, contacts_.sleepers, schedule_.wakes);
         }
-        island_.first_pair = contacts_.pairs.link(schedule_.islands, island_.root);
+        contacts_.pairs.link(schedule_);
+        island_.first_pair = schedule_.first_pair[island_.root];
     }
 
     using Saved = SavedMotions<Bodies>;

@@ -25,7 +25,7 @@ public:
     }
 
 private:
-    std::int16_t parent_[capacity]{};
+    std::int16_t parent_[capacity];
 };
 
 }  // namespace tumble

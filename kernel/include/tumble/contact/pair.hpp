@@ -52,7 +52,7 @@ struct Pair {
     static constexpr int max_points = features.boxes || features.round_shapes ? contact::max_points : 1;
 
     std::int16_t a = 0, b = 0;  // a moves; b < 0: plane -1 - b
-    std::int16_t next = -1;     // of the same island
+    std::int16_t next = -1;     // slot of the next pair of its island
     std::uint8_t count = 0;     // points within the tolerance
     std::uint8_t carrying = 0;  // the points that statics have used, one bit each
     std::int16_t still = 0;     // bodies of the island that has stood still with this pair, and nothing has changed

@@ -1,8 +1,8 @@
 // The near pairs of a world, kept from step to step, and how many contact points each body has.
 #pragma once
 
-#include <tumble/contact/islands.hpp>
 #include <tumble/contact/pair.hpp>
+#include <tumble/contact/schedule.hpp>
 
 namespace tumble {
 
@@ -14,7 +14,8 @@ struct Island {
     int first_pair;  // in the list; -1: none is near
 };
 
-// Pairs are sorted by their keys, so that the solution does not depend on which came near first.
+// Pairs are sorted by their keys, so that the solution does not depend on which came near first. A pair keeps its slot in
+// memory while it is near.
 template <class N, Features features>
 class PairList {
 public:
@@ -24,8 +25,11 @@ public:
 
     [[nodiscard]] int count() const { return count_; }
     [[nodiscard]] bool is_full() const { return count_ == room; }
-    [[nodiscard]] Pair& operator[](int i) { return pair_[i]; }
-    [[nodiscard]] const Pair& operator[](int i) const { return pair_[i]; }
+    // In the order of their keys.
+    [[nodiscard]] Pair& operator[](int i) { return pair_[order_[i]]; }
+    [[nodiscard]] const Pair& operator[](int i) const { return pair_[order_[i]]; }
+    // By their slots, as of Pair::next.
+    [[nodiscard]] Pair& in_slot(int slot) { return pair_[slot]; }
     // The pair of a body with a plane or another body has a place in the list.
     [[nodiscard]] TUMBLE_INLINE bool is_near(int b) const { return pairs_of_[b] != 0; }
     // Near pairs of the body.
@@ -35,41 +39,41 @@ public:
 
     // The place of the first pair whose key is not smaller.
     [[nodiscard]] int place_of(std::uint32_t key) const {
-        int at = 0;
-        while (at < count_ && pair_[at].key() < key) ++at;
-        return at;
+        int low = 0, high = count_;
+        while (low < high) {
+            const int middle = (low + high) / 2;
+            if ((*this)[middle].key() < key) low = middle + 1;
+            else high = middle;
+        }
+        return low;
+    }
+    [[nodiscard]] bool has(int place, std::uint32_t key) const {
+        return place < count_ && (*this)[place].key() == key;
     }
     // Makes room for a pair at its place. There must be room.
     Pair& insert(int at, int a, int b) {
-        for (int i = room - 1; i > at; --i)
-            if (0 < i && i <= count_) pair_[i] = pair_[i - 1];
-        ++count_;
-        pair_[at].begin(a, b);
+        const auto slot = count_ < slots_ ? order_[count_] : static_cast<std::int16_t>(slots_++);
+        for (int i = count_++; i > at; --i) order_[i] = order_[i - 1];
+        order_[at] = slot;
+        pair_[slot].begin(a, b);
         ++pairs_of_[a];
         if (b >= 0) ++pairs_of_[b];
-        return pair_[at];
+        is_linked_ = false;
+        return pair_[slot];
     }
     // Removes a pair, if it is there.
-    [[gnu::noinline]] void forget(int a, int b) {
-        for (int i = 0; i < count_; ++i) {
-            if (pair_[i].a != a || pair_[i].b != b) continue;
-            --pairs_of_[a];
-            if (b >= 0) --pairs_of_[b];
-            --count_;
-            for (int k = i + 1; k < room && k <= count_; ++k) pair_[k - 1] = pair_[k];
-            // Without it, others may not stand.
-            for (Pair& pair : pair_) pair.still = 0;
-            return;
-        }
+    void forget(int a, int b) {
+        if (is_near(a)) forget_near(a, b);
     }
     void forget_all() {
         count_ = 0;
         for (auto& count : pairs_of_) count = 0;
+        is_linked_ = false;
     }
     // Removes the pairs of body b. The next look finds them anew.
     [[gnu::noinline]] void forget_pairs_of(int b) {
-        for (int i = count_ - 1; i >= 0; --i)
-            if (pair_[i].a == b || pair_[i].b == b) forget(pair_[i].a, pair_[i].b);
+        for (int i = count_ - 1; i >= 0 && is_near(b); --i)
+            if ((*this)[i].a == b || (*this)[i].b == b) forget_at(i);
     }
 
     void forget_points_of(int b) { touching_[b] = 0; }
@@ -82,23 +86,31 @@ public:
         });
     }
 
-    // Links the pairs of the island with this root, and returns the first. A pair of two islands, which has come near
-    // only in this step, is left out until the next.
-    [[nodiscard]] int link(Islands<features.bodies>& islands, int root) {
-        int first = -1;
+    // Chains the pairs of each island that steps, where pairs have come or gone since. A pair of two islands, which has
+    // come near only in this step, is left out until the next.
+    void link(Schedule<features.bodies>& schedule) {
+        if (is_linked_) return;
+        for (int b = 0; b < features.bodies; ++b) schedule.first_pair[b] = -1;
         for (int i = count_ - 1; i >= 0; --i) {
-            Pair& pair = pair_[i];
-            const bool has_a = islands.root(pair.a) == root, has_b = pair.moves_b() && islands.root(pair.b) == root;
-            if (pair.moves_b() && has_a != has_b) {
+            Pair& pair = (*this)[i];
+            // Without what has gone, it may not stand.
+            if (loses_[pair.a] || (pair.b >= 0 && loses_[pair.b])) pair.still = 0;
+            const bool joins = schedule.joins[pair.a];
+            const int root = schedule.islands.root(pair.a);
+            if (pair.moves_b() && schedule.islands.root(pair.b) != root) {
+                if (!joins && !schedule.joins[pair.b]) continue;
                 pair.left_out = true;
                 pair.still = 0;
+            } else if (joins) {
+                pair.next = schedule.first_pair[root];
+                schedule.first_pair[root] = order_[i];
             }
-            if (!has_a || (pair.moves_b() && !has_b)) continue;
-            pair.next = static_cast<std::int16_t>(first);
-            first = i;
         }
-        return first;
+        for (bool& loses : loses_) loses = false;
+        is_linked_ = true;
     }
+    // Call when islands have changed.
+    void unlink() { is_linked_ = false; }
     template <class F>
     void for_each(const Island& island, F&& f) {
         for (int i = island.first_pair; i >= 0; i = pair_[i].next) f(pair_[i]);
@@ -125,15 +137,18 @@ public:
     template <class F>
     void for_each_touching(F&& f) const {
         for (int i = 0; i < count_; ++i)
-            if (pair_[i].b >= 0 && pair_[i].count > 0) f(pair_[i].a, pair_[i].b);
+            if (const Pair& pair = (*this)[i]; pair.b >= 0 && pair.count > 0) f(pair.a, pair.b);
     }
 
     // Writes or reads what a snapshot holds. set_up(pair) sets the constants of a pair that is read.
     template <class Self, class Archive, class SetUp>
     static void archive(Self& self, Archive& to, SetUp&& set_up) {
         to(self.touching_, self.pairs_of_, self.count_);
+        if constexpr (Archive::reads)
+            for (; self.slots_ < self.count_; ++self.slots_)
+                self.order_[self.slots_] = static_cast<std::int16_t>(self.slots_);
         for (int i = 0; i < self.count_; ++i) {
-            auto& pair = self.pair_[i];
+            auto& pair = self[i];
             std::int16_t a = pair.a, b = pair.b;
             to(a, b);
             if constexpr (Archive::reads) {
@@ -148,8 +163,32 @@ private:
     // A body has a pair with each plane and each other body at most.
     static constexpr int most_pairs_of_a_body = features.planes + (features.pairs ? features.bodies - 1 : 0);
 
+    [[gnu::noinline]] void forget_near(int a, int b) {
+        const std::uint32_t key = Pair::key_of(a, b);
+        const int at = place_of(key);
+        if (has(at, key)) forget_at(at);
+    }
+    void forget_at(int at) {
+        const std::int16_t slot = order_[at];
+        const int a = pair_[slot].a, b = pair_[slot].b;
+        --pairs_of_[a];
+        if (b >= 0) --pairs_of_[b];
+        --count_;
+        if constexpr (room > 1) {
+            for (int i = at; i < count_; ++i) order_[i] = order_[i + 1];
+            order_[count_] = slot;
+        }
+        loses_[a] = true;
+        if (b >= 0) loses_[b] = true;
+        is_linked_ = false;
+    }
+
     Pair pair_[room > 0 ? room : 1]{};
+    std::int16_t order_[room > 0 ? room : 1]{};  // slots by key, then those that are free again
     int count_ = 0;
+    int slots_ = 0;           // that have been used
+    bool is_linked_ = false;  // link()
+    bool loses_[features.bodies]{};  // a pair of the body has gone since
     CountTo<most_pairs_of_a_body * Pair::max_points> touching_[features.bodies]{};
     CountTo<most_pairs_of_a_body> pairs_of_[features.bodies]{};
 };

@@ -41,7 +41,7 @@ public:
     }
     // Call when a body that is awake is removed.
     void remove(int b) {
-        remove_from_list(b);
+        keep([&](int other) { return other != b; });
         if constexpr (features.sleep) quiet_[b] = 0;
     }
     // Awake bodies, in the order in which they were added or woke.
@@ -73,18 +73,23 @@ public:
         }
         return all;
     }
-    // Stops the body.
-    void put_to_sleep(Bodies& bodies, int b) requires(features.sleep) {
-        asleep_[b] = true;
-        bodies.stop(b);
-        remove_from_list(b);
+    // Stops the bodies.
+    void put_to_sleep(Bodies& bodies, const BodyGroup& group) requires(features.sleep) {
+        if (group.count == 0) return;
+        for (int k = 0; k < group.count; ++k) {
+            asleep_[group.id[k]] = true;
+            bodies.stop(group.id[k]);
+        }
+        keep([&](int b) { return !asleep_[b]; });
     }
 
 private:
-    void remove_from_list(int b) {
+    // Keeps the awake bodies for which is_kept(b).
+    template <class F>
+    void keep(F&& is_kept) {
         int kept = 0;
         for (int k = 0; k < awake_count_; ++k)
-            if (awake_[k] != b) awake_[kept++] = awake_[k];
+            if (is_kept(awake_[k])) awake_[kept++] = awake_[k];
         awake_count_ = kept;
     }
     [[nodiscard]] bool is_slow(const Bodies& bodies, int b) const requires(features.sleep) {

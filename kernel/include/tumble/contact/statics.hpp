@@ -226,7 +226,7 @@ private:
     // From the bodies that carry nothing to the ground.
     [[gnu::noinline, gnu::cold]] bool balance(bool slow) {
         Left left;
-        bool is_leaf[bodies]{};
+        bool is_leaf[bodies];
         const auto& group = island_.group;
         for (int k = 0; k < group.count; ++k) left.count[group.id[k]] = left.last[group.id[k]] = 0;
         for_each_carrying([&](int i, const Pair& pair) {
@@ -243,7 +243,7 @@ private:
                 int b = group.id[k];
                 while (found && b >= 0 && left.count[b] == 1) {
                     const int i = left.last[b];
-                    Pair& pair = pairs_[i];
+                    Pair& pair = pairs_.in_slot(i);
                     found =
                         ((pair.carrying & must_move) == 0 && carry({{&pair}, 1}, b)) || (is_leaf[b] && slide(pair, b));
                     left.count[b] = 0;
@@ -408,8 +408,8 @@ private:
     // where something stands on the body that has not been solved, or where they are too many: then none is taken.
     bool take_supports(Left& left, int b, Supports& supports) {
         std::int16_t taken[most_supports];
-        for (int i = island_.first_pair; i >= 0; i = pairs_[i].next) {
-            Pair& pair = pairs_[i];
+        for (int i = island_.first_pair; i >= 0; i = pairs_.in_slot(i).next) {
+            Pair& pair = pairs_.in_slot(i);
             const bool is_left =
                 pair.carrying != 0 && left.count[pair.a] > 0 && (!pair.moves_b() || left.count[pair.b] > 0);
             if ((pair.a != b && pair.b != b) || !is_left) continue;
@@ -596,8 +596,8 @@ private:
     }
     template <class F>
     void for_each_carrying(F&& f) {
-        for (int i = island_.first_pair; i >= 0; i = pairs_[i].next)
-            if (pairs_[i].carrying != 0) f(i, pairs_[i]);
+        for (int i = island_.first_pair; i >= 0; i = pairs_.in_slot(i).next)
+            if (pairs_.in_slot(i).carrying != 0) f(i, pairs_.in_slot(i));
     }
 
     const NarrowPhase& shapes_;
