@@ -123,14 +123,13 @@ public:
             if constexpr (requires { drag.linear; }) damping += drag.linear * product(motion.v_w, motion.v_w);
             if constexpr (requires { drag.angular; }) damping += drag.angular * product(motion.w_b, motion.w_b);
         }
-        for (int s = 0; s < count_; ++s) {
-            const Spring<N>& spring = spring_[s];
+        for_each_at(moved, [&](const Spring<N>& spring) {
             const Vector reach = reach_of(spring, all), rate = rate_of(spring, all, moved);
             const Work squares = product(reach, reach), along = product(reach, rate);
             const Work square = squares > Work{} ? along * along / squares : squares;
             stiffness += spring.stiffness * (spring.rest_length > Work{} ? square : product(rate, rate));
             damping += spring.damping * square;
-        }
+        });
         const Work inertia = -product(rate_of(newest, all, moved), pull);  // u.(m u) / h
         for (int i = 0; i < StepBounds::sums; ++i)
             if (inertia < bounds.of_spring[i] * stiffness + bounds.of_damper[i] * damping)
@@ -301,6 +300,19 @@ private:
                     cross(point_b, L::rotated_back(all.state[b].q_wb.value(), force_w))
                         .times({all.step_per_moment(b, 0), all.step_per_moment(b, 1), all.step_per_moment(b, 2)});
         return motion;
+    }
+    // Calls f(spring), once each, for those that are tied to a body that moves.
+    template <class F>
+    TUMBLE_COLD void for_each_at(const Motion (&moved)[2], F&& f) const {
+        const int first = moved[0].body;
+        for (const int body : {first, moved[1].body == first ? -1 : moved[1].body})
+            for (int end = body < 0 ? none : first_[body]; end != none; end = next_[end]) {
+                const Spring<N>& spring = spring_[end / 2];
+                const int other = end % 2 == 0 ? spring.to_body : spring.body;
+                const bool is_at_first_too = body != first && other == first && first >= 0,
+                           is_second_end = other == body && end % 2 != 0;
+                if (!is_at_first_too && !is_second_end) f(spring);
+            }
     }
     // From a spring's point of `body` to its other end as the bodies stand, m, world. Below: the rate of it in motions.
     TUMBLE_COLD [[nodiscard]] static Vector reach_of(const Spring<N>& spring, const auto& all) {
