@@ -177,12 +177,17 @@ private:
         });
         if (found != nullptr) bodies_.report(Issue::step_bound_hit, found->a);
     }
+    [[nodiscard]] Speed lift_of(const Pair& pair, const Point& point) const {
+        return rows_.speed(pair, point, Bounds::lift(point.gap, shapes_.tolerance()));
+    }
     // Reports a point that is deeper than the tolerance and sinks, though its penetration is corrected. `moves`: with
-    // the correction.
+    // the correction. Along a row of a body that turns, a point that stays has a velocity: the target without the
+    // correction.
     void report_sinking(const typename Rows::Velocity (&moves)[features.bodies]) {
         const Speed enough = velocities_.scale.enough_at_rest();
         pairs_.for_each_active(island_, [&](const Pair& pair, const Point& point) {
-            if (point.gap + shapes_.tolerance() < Length{} && rows_.velocity(moves, pair, point) < -enough)
+            const Speed stays = point.row[0].target - Rows::surface_of(pair, point) - lift_of(pair, point);
+            if (point.gap + shapes_.tolerance() < Length{} && rows_.velocity(moves, pair, point) < stays - enough)
                 bodies_.report(Issue::step_bound_hit, pair.a);
         });
     }
@@ -212,7 +217,7 @@ private:
         pairs_.for_each_active(island_, [&](Pair& pair, Point& point) {
             if (point.gap > Length{}) return;
             Speed& target = point.row[0].target;
-            const Speed lift = rows_.speed(pair, point, Bounds::lift(point.gap, shapes_.tolerance()));
+            const Speed lift = lift_of(pair, point);
             target += lift;
             if (lift > largest) largest = lift;
         });
