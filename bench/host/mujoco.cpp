@@ -166,7 +166,8 @@ void tumble::bench::add_mujoco(std::vector<Contender>& contenders) {
                    newton = method.solver == std::string{"Newton"};
         contenders.push_back({"MuJoCo", mj_versionString(), method.name, sizeof(mjtNum) == 8 ? "f64" : "f32", false,
                               [=](const Problem& problem) -> std::unique_ptr<Runner> {
-                                  if (problem.features.gravitation || problem.sleeps() || problem.touches() != solves ||
+                                  if (problem.features.gravitation || problem.features.springs > 1 ||
+                                      problem.sleeps() || problem.touches() != solves ||
                                       (newton && problem.scene.bodies.size() > most_for_newton))
                                       return nullptr;
                                   return std::make_unique<MujocoRunner>(problem, method);

@@ -99,7 +99,7 @@ void add(std::vector<Contender>& contenders) {
         std::to_string(BOOST_VERSION / 100000) + "." + std::to_string(BOOST_VERSION / 100 % 1000);
     contenders.push_back({"Boost.Odeint", version, "RK4", sizeof(Number) == 4 ? "f32" : "f64", false,
                           [](const Problem& problem) -> std::unique_ptr<Runner> {
-                              if (problem.touches()) return nullptr;
+                              if (problem.touches() || problem.features.springs > 1) return nullptr;
                               if (problem.features.loads())
                                   return std::make_unique<OdeintRunner<LoadedPoint<Number>>>(problem);
                               return std::make_unique<OdeintRunner<BodyEquations<Number>>>(problem);
