@@ -1,10 +1,11 @@
-// Worlds with more bodies than fit into a byte.
+// Worlds with more bodies than fit into a byte, and worlds in which a grid finds the bodies that may touch.
 #include <tumble/tumble.hpp>
 
 #include "tolerances.hpp"
 
 #include <cmath>
 #include <memory>
+#include <vector>
 
 namespace tumble::test {
 namespace {
@@ -36,6 +37,180 @@ TEST(ManyBodies, a_tray_carries_as_many_balls_as_are_put_on_it) {
                       tolerance::place)
                 << "body " << b << " of " << balls;
     }
+}
+
+// With room for 64 bodies each pair has a time to contact of its own, with room for 65 a grid finds the pairs.
+template <class N, int room>
+struct Room : Scene {
+    using Numbers = N;
+    static constexpr Features features{.bodies = room,
+                                       .planes = 5,
+                                       .near_pairs = 512,
+                                       .removal = true,
+                                       .snapshots = true,
+                                       .pairs = true,
+                                       .boxes = true,
+                                       .friction = true,
+                                       .sleep = true,
+                                       .kinematic = true};
+};
+using Hashes = std::vector<std::uint64_t>;
+
+template <class N, int room>
+class Play {
+public:
+    using World = tumble::World<Room<N, room>>;
+
+    explicit Play(const WorldSpec& spec) : world_{std::make_unique<World>(Seconds{1, 256}, spec)} {}
+    ~Play() { EXPECT_FALSE(world_->status().has(Issue::contacts_full)); }
+
+    // The bodies fall between walls.
+    Hashes heap(int bodies, int steps) {
+        walls(1);
+        for (int i = 0; i < bodies; ++i)
+            (void)add(any_body(Real{0.25}), RealVec3{0, Real{0.5 + 0.25 * i}, 0} + random_vector(Real{0.5}));
+        run(steps);
+        return hashes_;
+    }
+    // Small bodies fly at a large ball in the middle, and at each other.
+    Hashes sizes(int bodies, int steps) {
+        (void)add(sphere(100, 4), {});
+        for (int i = 0; i < bodies; ++i) {
+            const RealVec3 from = random_vector(1), unit = from * (Real{1} / sqrt(dot(from, from)));
+            (void)add(any_body(Real{i % 4 == 0 ? 0.5 : 0.0625}), unit * Real{4.5 + 0.1 * i}, unit * Real{-3 - i % 7});
+        }
+        run(steps);
+        return hashes_;
+    }
+    // A ball is thrown up over the place where a box comes to rest and falls asleep.
+    Hashes sleeper() {
+        walls(32);
+        (void)add(sphere(100, 4), {0, 5, 0}, {0, 3, 0});
+        (void)add(box(1, {1, Real{0.5}, 1}), {8, Real{0.25}, 0}, {-8, 0, 0});
+        run(400);
+        return hashes_;
+    }
+    // What a program does while the world runs.
+    Hashes control() {
+        walls(8);
+        BodySpec paddle = box(1, {1, 2, 8}), table = box(1, {2, 1, 2});
+        paddle.kinematic = true;
+        table.fixed = true;
+        const BodyId pushes = add(paddle, {-6, 1, 0}, {2, 0, 0}), held = add(table, {4, Real{0.5}, 0});
+        BodyId bodies[12];
+        for (int i = 0; i < 12; ++i)
+            bodies[i] = add(any_body(Real{0.5}), {Real{i - 5}, Real{0.75 + i % 3}, Real{0.5 * (i % 5)}});
+        run(200);
+        world_->apply_impulse(bodies[3], {1, 4, 2});
+        world_->set_pose(held, {0, Real{0.5}, 1});  // into what lies there
+        run(100);
+        world_->set_velocity(pushes, {-1, 0, 0});
+        world_->remove(bodies[5]);
+        (void)add(sphere(1, Real{0.25}), {0, 4, 0}, {0, -5, 0});
+        run(100);
+        save_and_restore();
+        run(100);
+        world_->set_velocity(pushes, {});
+        run(200);
+        world_->apply_impulse(bodies[0], {-2, 1, 0});
+        run(200);
+        return hashes_;
+    }
+
+private:
+    // From -1 to 1.
+    [[nodiscard]] Real random() {
+        state_ = state_ * 6364136223846793005u + 1442695040888963407u;
+        return Real{static_cast<double>(state_ >> 40) / (1 << 23) - 1};
+    }
+    [[nodiscard]] RealVec3 random_vector(Real size) {
+        const Real x = size * random(), y = size * random(), z = size * random();
+        return {x, y, z};
+    }
+    // A ball or a box of about this size, m.
+    [[nodiscard]] BodySpec any_body(Real size) {
+        const RealVec3 edges = RealVec3{size, size, size} + random_vector(size / Real{2});
+        return random() < Real{} ? sphere(1, edges.x / Real{2}) : box(1, edges);
+    }
+    BodyId add(BodySpec body, const RealVec3& position, const RealVec3& velocity = {}) {
+        body.position = position;
+        body.velocity = velocity;
+        const BodyId id = world_->add(body);
+        EXPECT_TRUE(id);
+        return id;
+    }
+    // A floor and four walls at this distance.
+    void walls(Real distance) {
+        EXPECT_TRUE(world_->add(PlaneSpec{}));
+        for (const RealVec3& normal : {RealVec3{1, 0, 0}, {-1, 0, 0}, {0, 0, 1}, {0, 0, -1}}) {
+            PlaneSpec wall;
+            wall.normal = normal;
+            wall.offset = distance;
+            EXPECT_TRUE(world_->add(wall));
+        }
+    }
+    void run(int steps) {
+        for (int step = 0; step < steps; ++step) {
+            (void)world_->step();
+            hashes_.push_back(world_->hash());
+        }
+    }
+    void save_and_restore() {
+        std::vector<std::uint8_t> bytes(static_cast<std::size_t>(world_->snapshot_size()));
+        const int size = world_->save(bytes.data(), static_cast<int>(bytes.size()));
+        run(8);  // goes elsewhere
+        hashes_.resize(hashes_.size() - 8);
+        EXPECT_EQ(world_->restore(bytes.data(), size), SnapshotFault::none);
+    }
+
+    std::unique_ptr<World> world_;
+    std::uint64_t state_ = 1;
+    Hashes hashes_;
+};
+
+template <class N>
+class Grids : public testing::Test {
+protected:
+    template <int room = 65, class Story>
+    static void expect_same(const WorldSpec& spec, Story&& story) {
+        Play<N, 64> with_times{spec};
+        Play<N, room> with_grid{spec};
+        const Hashes expected = story(with_times), found = story(with_grid);
+        ASSERT_EQ(found.size(), expected.size());
+        for (std::size_t i = 0; i < found.size(); ++i) ASSERT_EQ(found[i], expected[i]) << "in step " << i;
+    }
+    static WorldSpec with_gravity() {
+        WorldSpec spec;
+        spec.gravity = {0, -9.8125, 0};  // m/s^2
+        spec.contact.restitution = Real{0.25};
+        spec.contact.friction = Real{0.5};
+        return spec;
+    }
+};
+using Systems = testing::Types<Q32<>, F64>;
+TYPED_TEST_SUITE(Grids, Systems);
+
+TYPED_TEST(Grids, find_the_pairs_of_a_heap) {
+    this->expect_same(this->with_gravity(), [](auto& play) { return play.heap(24, 256); });
+}
+TYPED_TEST(Grids, find_the_pairs_of_small_bodies_that_fly_at_a_large_one) {
+    WorldSpec spec;
+    spec.gravity = {};
+    spec.contact.restitution = 1;
+    const auto story = [](auto& play) { return play.sizes(30, 300); };
+    this->expect_same(spec, story);
+    // Few bodies look at all others, and not into cells.
+    this->template expect_same<1000>(spec, story);
+}
+TYPED_TEST(Grids, find_what_has_fallen_asleep_below) {
+    WorldSpec spec = this->with_gravity();
+    spec.contact.sleep = {.on = true, .time = Real{0.125}};
+    this->expect_same(spec, [](auto& play) { return play.sleeper(); });
+}
+TYPED_TEST(Grids, find_what_a_program_puts_moves_and_removes) {
+    WorldSpec spec = this->with_gravity();
+    spec.contact.sleep.on = true;
+    this->expect_same(spec, [](auto& play) { return play.control(); });
 }
 
 }  // namespace

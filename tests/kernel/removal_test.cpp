@@ -75,6 +75,31 @@ TYPED_TEST(Removal, the_others_move_as_if_the_body_had_never_been_there) {
     EXPECT_EQ(with.status().bits, without.status().bits);
 }
 
+// A spring ties the box on the table to one on the floor, which goes on standing.
+TYPED_TEST(Removal, a_box_falls_when_its_table_goes_though_what_it_is_tied_to_stands) {
+    const BodySpec box = tumble::box(1, {1, 1, 1});
+    BodySpec table = box;
+    table.fixed = true;
+    for (const bool moves : {false, true}) {
+        auto world = this->world();
+        const BodyId low = world.add(this->at(box, {0, 0.5, 0})), support = world.add(this->at(table, {4, 0.5, 0})),
+                     high = world.add(this->at(box, {4, 1.5, 0}));
+        SpringSpec tie;
+        tie.stiffness = 0.25F;
+        tie.rest_length = Real{4};
+        tie.body = low;
+        tie.to_body = high;
+        (void)world.add(tie);
+        this->run(world, 16);
+        EXPECT_EQ(world.contact_count(high), 4);
+        if (moves) world.set_pose(support, {4, 0.5, 8});
+        else world.remove(support);
+        this->run(world, 32);
+        EXPECT_LT(static_cast<double>(world.position(high).y), 1.45);
+        EXPECT_NEAR(static_cast<double>(world.position(low).y), 0.5, 1e-3);
+    }
+}
+
 TYPED_TEST(Removal, the_place_is_used_again_under_another_id) {
     auto world = this->world();
     const BodySpec ball = sphere(1, 0.25);

@@ -2,59 +2,13 @@
 // contact, and examines the pair again only when that time is over.
 #pragma once
 
+#include <tumble/contact/clear_times.hpp>
 #include <tumble/contact/marks.hpp>
 #include <tumble/contact/narrow_phase.hpp>
 #include <tumble/contact/pair_list.hpp>
 #include <tumble/contact/sleepers.hpp>
 
 namespace tumble {
-
-// Until which step bodies and pairs surely touch nothing.
-template <Features features>
-class ClearTimes {
-public:
-    // Body b can touch nothing before step `now`.
-    [[nodiscard]] TUMBLE_INLINE bool is_clear(int b, std::uint32_t now) const {
-        return static_cast<std::int32_t>(clear_until_[b] - now) > 0;
-    }
-    void set(int b, std::uint32_t until) { clear_until_[b] = until; }
-    // Steps from now until a pair is examined again; at most 0 where it is due.
-    [[nodiscard]] int steps_left(int slot, std::uint32_t now) const {
-        const auto left = static_cast<std::uint16_t>(due_[slot] - static_cast<std::uint16_t>(now));
-        return static_cast<std::int16_t>(left);
-    }
-    void set_due(int slot, std::uint32_t step) { due_[slot] = static_cast<std::uint16_t>(step); }
-    // Call where the body's motion changes other than by its flight: ends the bounds of the body and of its pairs.
-    void end(int b, int planes, std::uint32_t now) {
-        clear_until_[b] = now;
-        for (int p = 0; p < planes; ++p) set_due(plane_slot(b, p), now);
-        if constexpr (features.pairs) {
-            for (int other = 0; other < features.bodies; ++other) {
-                if (other == b) continue;
-                set_due(body_slot(b, other), now);
-                clear_until_[other] = now;
-            }
-        }
-    }
-    [[nodiscard]] static constexpr int plane_slot(int b, int p) { return b * features.planes + p; }
-    [[nodiscard]] static constexpr int body_slot(int a, int b) {
-        const int high = a < b ? b : a, low = a < b ? a : b;
-        return features.bodies * features.planes + high * (high - 1) / 2 + low;
-    }
-
-    // Writes or reads what a snapshot holds.
-    template <class Self, class Visit>
-    static void each(Self& self, Visit& visit) {
-        visit(self.clear_until_, self.due_);
-    }
-
-private:
-    static constexpr int slots =
-        features.bodies * features.planes + (features.pairs ? features.bodies * (features.bodies - 1) / 2 : 0);
-
-    std::uint32_t clear_until_[features.bodies]{};  // its pairs are examined again in this step
-    std::uint16_t due_[slots > 0 ? slots : 1]{};    // the lower half of the step in which a pair is examined again
-};
 
 template <class N, Spin spin, Features features>
 class BroadPhase {
@@ -68,7 +22,7 @@ public:
     using Work = typename N::Work;
     using PairList = tumble::PairList<N, features>;
     using Sleepers = tumble::Sleepers<N, spin, features>;
-    using Times = ClearTimes<features>;
+    using Times = ClearTimes<N, features>;
 
     BroadPhase(NarrowPhase& shapes, PairList& pairs, Times& times, Bodies& bodies)
         : shapes_{shapes}, pairs_{pairs}, times_{times}, bodies_{bodies} {}
@@ -84,61 +38,114 @@ public:
         }
         const bool was_near = pairs_.is_near(b);
         // A body near something may be pushed by others, which have loads of their own.
-        bool loaded = marks[b].driven;
-        for (int other = 0; was_near && other < bodies_.count; ++other)
-            loaded = loaded || (pairs_.is_near(other) && marks[other].driven);
+        const bool loaded = marks[b].driven || (was_near && pushes_something(marks));
         if (!was_near) pairs_.forget_points_of(b);
         int until = contact::most_clear_steps;
-        // Examines a pair if it is due: near() adds it to the list, apart() removes it.
-        const auto meet = [&](int slot, auto&& clear_steps, auto&& near, auto&& apart) {
+        // Examines a pair: near() adds it to the list, apart() removes it.
+        const auto examine_now = [](auto&& clear_steps, auto&& near, auto&& apart) {
+            int steps = clear_steps();
+            if (steps == 0) steps = near();
+            else apart();
+            return steps;
+        };
+        // The same where it is due.
+        const auto meet = [&](int slot, auto&&... parts) {
             int steps = times_.steps_left(slot, now);
             if (steps <= 0 || steps > contact::most_clear_steps) {
-                steps = clear_steps();
-                if (steps == 0) steps = near();
-                else apart();
+                steps = examine_now(parts...);
                 times_.set_due(slot, now + static_cast<std::uint32_t>(steps));
             }
             if (steps < until) until = steps;
+        };
+        const auto forget = [&](int a, int other) {
+            pairs_.forget(a, other);
+            if constexpr (features.grid())
+                for (const int body : {a, other})
+                    if (body >= 0 && marks[body].driven && !pairs_.is_near(body))
+                        times_.many.pushes_something = Times::Many::not_asked;
         };
         const bool is_kinematic = features.kinematic && bodies_.constants[b].kinematic();
         for (int p = 0; p < shapes_.plane_count() && !is_kinematic; ++p) {
             meet(
                 Times::plane_slot(b, p), [&] { return steps_to_plane(b, p, loaded); },
                 [&] {
-                    (void)pair_of(b, -1 - p);
+                    (void)pair_of(b, -1 - p, marks);
                     return contact::most_clear_steps_near;
                 },
-                [&] { pairs_.forget(b, -1 - p); });
+                [&] { forget(b, -1 - p); });
         }
         if constexpr (features.pairs) {
             const ShapeKind kind = shapes_.shape(b).kind;
-            for (int other = 0; other < bodies_.count && touches_bodies(kind); ++other) {
+            [[maybe_unused]] int unseen = 0;  // pairs of the body
+            const auto look_at = [&](int other) {
                 const ShapeKind kind_of_other = shapes_.shape(other).kind;
-                if (other == b || !touches_bodies(kind_of_other) || !touching_meet(kind, kind_of_other)) continue;
+                if (other == b || !touches_bodies(kind_of_other) || !touching_meet(kind, kind_of_other)) return;
                 const bool other_moves = !bodies_.constants[other].fixed(), asleep = sleepers.is_asleep(other);
-                if (is_kinematic && !asleep) continue;
                 const int first = is_kinematic || (other_moves && other < b) ? other : b,
                           second = first == b ? other : b;
-                bool still = !other_moves || asleep;
-                if constexpr (features.kinematic) still = still && !bodies_.constants[other].kinematic();
-                meet(
-                    Times::body_slot(b, other),
-                    [&] { return steps_to_body(b, other, loaded || (!still && marks[other].driven), still); },
-                    [&] {
-                        Pair* pair = pair_of(first, second);
-                        if (pair == nullptr || !asleep) return contact::most_clear_steps_near;
-                        shapes_.place(bodies_, b);
-                        shapes_.measure(bodies_, *pair);
-                        if (!(pair->gap > reach_in_step(b))) wakes.add_once(other);
-                        return 1;
-                    },
-                    [&] { pairs_.forget(first, second); });
+                [[maybe_unused]] Pair* pair = nullptr;
+                if constexpr (features.grid()) {
+                    pair = near_pair(first, second);
+                    if (pair != nullptr) --unseen;
+                    if (is_kinematic && !asleep && other_moves) times_.set(other, now);
+                }
+                if (is_kinematic && !asleep) return;
+                const bool still = is_still(other, asleep);
+                const auto clear_steps = [&] {
+                    return steps_to_body(b, other, loaded || (!still && marks[other].driven), still);
+                };
+                const auto near = [&] {
+                    pair = pair_of(first, second, marks);
+                    if (pair == nullptr || !asleep) return contact::most_clear_steps_near;
+                    shapes_.place(bodies_, b);
+                    shapes_.measure(bodies_, *pair);
+                    if (!(pair->gap > reach_in_step(b))) wakes.add_once(other);
+                    return 1;
+                };
+                const auto apart = [&] {
+                    forget(first, second);
+                    pair = nullptr;
+                };
+                if constexpr (features.grid()) {
+                    int steps = pair == nullptr ? 0 : steps_left(*pair);
+                    if (steps == 0) {
+                        steps = examine_now(clear_steps, near, apart);
+                        if (pair != nullptr) set_due(*pair, steps);
+                    }
+                    if (steps < until) until = steps;
+                } else {
+                    meet(Times::body_slot(b, other), clear_steps, near, apart);
+                }
+            };
+            if constexpr (features.grid()) {
+                if (touches_bodies(kind)) {
+                    if (const int steps = put(b, loaded, is_kinematic); steps < until) until = steps;
+                    unseen = pairs_.pairs_with_bodies_of(b);
+                    times_.many.grid.for_each_near(b, shapes_.scale(), look_at);
+                    // The balls of bodies that have parted need not meet.
+                    if (unseen > 0) pairs_.for_each_near(b, look_at);
+                }
+            } else {
+                for (int other = 0; other < bodies_.count && touches_bodies(kind); ++other) look_at(other);
             }
         }
         // Examined again in the next step: a body that has just come near something, and one that has just left
         // everything.
         if (was_near != pairs_.is_near(b)) until = 1;
         times_.set(b, now + static_cast<std::uint32_t>(until));
+    }
+
+    // With a grid. Begins a step: puts bodies that are not examined into the grid, and ends the bounds of those that
+    // may be pushed.
+    void begin(const Sleepers& sleepers) requires(features.grid()) {
+        auto& many = times_.many;
+        many.pushes_something = Times::Many::not_asked;
+        if (many.all)
+            for (int b = 0; b < bodies_.count; ++b)
+                if (bodies_.constants[b].fixed() && touches_bodies(shapes_.shape(b).kind)) (void)put(b, false, true);
+        for (int k = 0; (many.all || many.near) && k < sleepers.awake_count(); ++k)
+            if (many.all || pairs_.is_near(sleepers.awake(k))) end_times(sleepers.awake(k));
+        many.all = many.near = false;
     }
 
     // Connects the bodies of every pair that is awake. A pair sleeps where its moving bodies do. Measures the pairs
@@ -163,6 +170,71 @@ public:
     }
 
 private:
+    // Whether a load acts on a body that is near something.
+    template <class Marks>
+    [[nodiscard]] bool pushes_something(const Marks& marks) {
+        const auto look = [&] {
+            bool any = false;
+            for (int b = 0; b < bodies_.count; ++b) any = any || (pairs_.is_near(b) && marks[b].driven);
+            return any;
+        };
+        if constexpr (features.grid()) {
+            auto& answer = times_.many.pushes_something;
+            if (answer == Times::Many::not_asked) answer = look();
+            return answer != 0;
+        } else {
+            return look();
+        }
+    }
+    // Of a body that does not move in the step, as far as is known.
+    [[nodiscard]] bool is_still(int b, bool asleep) const {
+        if constexpr (features.kinematic)
+            if (bodies_.constants[b].kinematic()) return false;
+        return asleep || bodies_.constants[b].fixed();
+    }
+    // Null where the pair is not in the list.
+    [[nodiscard]] Pair* near_pair(int a, int b) {
+        if (!pairs_.is_near(a) || !pairs_.is_near(b)) return nullptr;
+        const std::uint32_t key = Pair::key_of(a, b);
+        const int at = pairs_.place_of(key);
+        return pairs_.has(at, key) ? &pairs_[at] : nullptr;
+    }
+    // Steps from now until a near pair is examined again; 0 where it is due.
+    [[nodiscard]] int steps_left(const Pair& pair) const requires(features.grid()) {
+        const int steps = Times::steps_left(pair.due, bodies_.steps_taken);
+        return pair.ends != ends_of(pair) || steps <= 0 || steps > contact::most_clear_steps ? 0 : steps;
+    }
+    void set_due(Pair& pair, int steps) requires(features.grid()) {
+        pair.due = static_cast<std::uint16_t>(bodies_.steps_taken + static_cast<std::uint32_t>(steps));
+        pair.ends = ends_of(pair);
+    }
+    [[nodiscard]] std::uint16_t ends_of(const Pair& pair) const requires(features.grid()) {
+        return static_cast<std::uint16_t>(times_.many.ends[pair.a] + times_.many.ends[pair.b]);
+    }
+    // Puts the body into the grid. Returns the steps in which it surely stays in its ball. A ball has room for a step,
+    // and for a move by the body's radius.
+    [[nodiscard]] int put(int b, bool loaded, bool is_fixed) requires(features.grid()) {
+        const auto& x = bodies_.state[b].x_w;
+        const typename Grid<N, features.bodies>::Place place{N::sum(x.x), N::sum(x.y), N::sum(x.z)};
+        const bool near = pairs_.is_near(b);
+        const Length radius = shapes_.shape(b).radius, touch = radius + shapes_.tolerance(),
+                     closing = closing_of(drift(b), loaded), fall = is_fixed ? Length{} : fall_of(near);
+        const auto travel = C::travel(closing, fall, 1);
+        const Length ball = times_.many.grid.put(b, place, shapes_.scale(), [&](Length enough) {
+            const Length room = enough - touch;
+            return !(room < radius) && !C::exceeds(travel, room);
+        });
+        return clear_steps(closing, fall, foresight(loaded, near),
+                           [&](auto way) { return ball < C::longest() && C::exceeds(way, ball - touch); });
+    }
+    [[nodiscard]] static Length closing_of(const Vec3<Length>& drift, bool loaded) {
+        const Length closing = C::rounded_up(sum_of_magnitudes(drift));
+        return loaded ? closing + closing : closing;
+    }
+    // Two free bodies fall alike, but something may hold one of them up.
+    [[nodiscard]] Length fall_of(bool near) const {
+        return C::rounded_up(near ? shapes_.fall_bound() + shapes_.fall_bound() : shapes_.fall_bound());
+    }
     [[nodiscard]] Vec3<Length> drift(int b) const {
         const auto& s = bodies_.state[b];
         return {shapes_.scale().drift(N::sum(s.d_w.x), bodies_.scale),
@@ -203,14 +275,11 @@ private:
         const Vec3<Length> reach = shapes_.reach_between(bodies_, a, b);
         Vec3<Length> d = drift(a);
         if (!still) d -= drift(b);
-        Length closing = C::rounded_up(sum_of_magnitudes(d));
-        if (loaded) closing = closing + closing;
+        const Length closing = closing_of(d, loaded);
         const Length touch = shapes_.shape(a).radius + shapes_.shape(b).radius + shapes_.tolerance();
         const auto distance2 = dot(reach, reach);
-        // Two free bodies fall alike, but something may hold one of them up.
         const bool near = pairs_.is_near(a) || pairs_.is_near(b);
-        const Length fall = C::rounded_up(near ? shapes_.fall_bound() + shapes_.fall_bound() : shapes_.fall_bound());
-        return clear_steps(closing, fall, foresight(loaded, near),
+        return clear_steps(closing, fall_of(near), foresight(loaded, near),
                            [&](auto travel) { return C::reaches(travel, touch, distance2); });
     }
     // Bound on the way of a point of the body in one step.
@@ -221,7 +290,8 @@ private:
                shapes_.scale().length(turn * shapes_.scale().metres(shapes_.shape(b).radius));
     }
     // Returns the pair, and adds it where it is new. Null, and reported, when there is no room.
-    Pair* pair_of(int a, int b) {
+    template <class Marks>
+    Pair* pair_of(int a, int b, [[maybe_unused]] const Marks& marks) {
         const std::uint32_t key = Pair::key_of(a, b);
         const int at = pairs_.place_of(key);
         if (pairs_.has(at, key)) return &pairs_[at];
@@ -231,8 +301,16 @@ private:
         }
         const bool is_first_of_a = !pairs_.is_near(a), is_first_of_b = b >= 0 && !pairs_.is_near(b);
         Pair& pair = pairs_.insert(at, a, b);
-        if (is_first_of_a) end_times(a);
-        if (is_first_of_b) end_times(b);
+        const auto begin_near = [&](int body) {
+            end_times(body);
+            if constexpr (features.grid()) {
+                if (marks[body].driven) times_.many.pushes_something = 1;
+                times_.many.grid.for_each_near(body, shapes_.scale(),
+                                               [&](int other) { times_.set(other, bodies_.steps_taken); });
+            }
+        };
+        if (is_first_of_a) begin_near(a);
+        if (is_first_of_b) begin_near(b);
         shapes_.set_up(pair, bodies_);
         examine(pair);
         return &pair;

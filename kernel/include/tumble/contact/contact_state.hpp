@@ -21,7 +21,7 @@ struct ContactState {
 
     NarrowPhase<N, spin, features> shapes;
     PairList<N, features> pairs{};
-    ClearTimes<features> times{};
+    ClearTimes<N, features> times{};
     Sleepers<N, spin, features> sleepers;
     Marks<features.bodies> marks{};
     [[no_unique_address]] If<features.contact_readout, ContactLog<N, spin, features>, 0> log{};

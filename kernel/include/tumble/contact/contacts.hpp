@@ -24,11 +24,13 @@ public:
     void add(int b, const BodySpec& spec, const PrincipalInertia& inertia, const SpinUnits<N, spin>& units) {
         set_shape(b, spec, inertia, units);
         if (!spec.is_fixed()) state_.sleepers.add(b);
+        if constexpr (features.grid()) state_.times.many.all = true;
     }
     // Leaves the place without a body: `nobody` has no shape.
     void remove(int b, const BodySpec& nobody, const PrincipalInertia& inertia, const SpinUnits<N, spin>& units) {
         set_shape(b, nobody, inertia, units);
         state_.sleepers.remove(b);
+        if constexpr (features.grid()) state_.times.many.grid.remove(b);
         if constexpr (features.contact_readout) state_.log.remove(b);
     }
 
@@ -61,13 +63,19 @@ public:
                 state_.pairs.for_each_touching([&](int a, int other) {
                     if (other == b) wake(advance, a);
                 });
-        for (int other = 0; state_.pairs.is_near(b) && other < features.bodies; ++other)
-            if (state_.pairs.is_near(other)) end_times(other, now);
+        if constexpr (features.grid()) {
+            if (advance.bodies.constants[b].fixed() && !advance.bodies.moves_by_itself(b)) state_.times.many.all = true;
+            if (state_.pairs.is_near(b)) state_.times.many.near = true;
+        } else {
+            for (int other = 0; state_.pairs.is_near(b) && other < features.bodies; ++other)
+                if (state_.pairs.is_near(other)) end_times(other, now);
+        }
         wake(advance, b);
     }
     // Removes the pairs of a body that is elsewhere now. They are found anew.
     void forget_pairs_of(int b) {
         state_.pairs.forget_pairs_of(b);
+        if constexpr (features.grid()) state_.times.many.all = true;
         if constexpr (features.contact_readout) state_.log.clear_impulses_of(b);
     }
     // Wakes the body and all sleeping bodies that touch it, directly or through others.
@@ -90,10 +98,11 @@ public:
             for (int b = 0; b < advance.bodies.count; ++b)
                 if (advance.bodies.constants[b].fixed()) advance.step_turntable(b, info);
         }
+        if constexpr (features.grid()) broad_phase(advance.bodies).begin(sleepers);
         typename Advance::Kinematics kinematic;
         if constexpr (features.kinematic) {
             advance.note_moving(kinematic);
-            for (int k = 0; features.sleep && k < kinematic.group.count; ++k) {
+            for (int k = 0; (features.sleep || features.grid()) && k < kinematic.group.count; ++k) {
                 const int b = kinematic.group.id[k];
                 if (!times.is_clear(b, advance.bodies.steps_taken)) update(advance, b);
             }
@@ -126,7 +135,7 @@ public:
     static void archive(Self& self, const Bodies& bodies, Archive& to) {
         auto& state = self.state_;
         NarrowPhase<N, spin, features>::archive(state.shapes, to);
-        to(state.times);
+        ClearTimes<N, features>::archive(state.times, to);
         PairList<N, features>::archive(state.pairs, to, [&](auto& pair) { state.shapes.set_up(pair, bodies); });
         to(state.sleepers);
         if constexpr (features.contact_readout) ContactLog<N, spin, features>::archive(state.log, to);
@@ -143,7 +152,10 @@ public:
 
 private:
     using Schedule = tumble::Schedule<features.bodies>;
-    using Broad = BroadPhase<N, spin, features>;
+
+    [[nodiscard]] BroadPhase<N, spin, features> broad_phase(Bodies& bodies) {
+        return {state_.shapes, state_.pairs, state_.times, bodies};
+    }
 
     void set_shape(int b, const BodySpec& spec, const PrincipalInertia& inertia, const SpinUnits<N, spin>& units) {
         if (state_.shapes.set_shape(b, spec, inertia, units)) state_.pairs.forget_all();
@@ -153,8 +165,7 @@ private:
     template <class Advance>
     [[gnu::noinline]] void update(Advance& advance, int b) {
         BodyGroup wakes;
-        Broad{state_.shapes, state_.pairs, state_.times, advance.bodies}.update(b, state_.marks, state_.sleepers,
-                                                                                wakes);
+        broad_phase(advance.bodies).update(b, state_.marks, state_.sleepers, wakes);
         wake(advance, wakes);
     }
     template <class Advance>
@@ -206,7 +217,7 @@ private:
             if (coupled >= 0) schedule.islands.connect(coupled, b);
             coupled = b;
         }
-        Broad{state_.shapes, state_.pairs, state_.times, bodies}.connect(schedule.islands, state_.sleepers);
+        broad_phase(bodies).connect(schedule.islands, state_.sleepers);
         schedule.chain(bodies.count);
         state_.pairs.unlink();
         state_.pairs.link(schedule);
@@ -231,10 +242,10 @@ private:
                                        },
                                        Advance::Integrator::coasting};
         // Sleep changes the list of awake bodies, so it waits until all islands have flown.
-        BodyGroup to_sleep;
+        BodyGroup to_sleep, group;
         for (int root = 0; root < advance.bodies.count; ++root) {
             if (!schedule.leads(root)) continue;
-            const BodyGroup group = schedule.group(root);
+            schedule.take(root, group);
             Island<features.bodies> island{group, root, schedule.first_pair[root]};
             if constexpr (features.kinematic)
                 place(advance, info, kinematic, island.first_pair < 0 ? N::half_of(Work(1)) : Work(0));
@@ -250,6 +261,15 @@ private:
         if constexpr (features.sleep) {
             state_.sleepers.put_to_sleep(advance.bodies, to_sleep);
             advance.spins_changed(to_sleep);
+            // What sleeps is not examined any more: others look for it.
+            const std::uint32_t now = advance.bodies.steps_taken;
+            if constexpr (features.grid())
+                for (int k = 0; k < to_sleep.count; ++k)
+                    state_.times.many.grid.for_each_near(to_sleep.id[k], state_.shapes.scale(),
+                                                         [&](int other) { state_.times.set(other, now); });
+            if constexpr (features.kinematic)
+                for (int k = 0; to_sleep.count > 0 && k < kinematic.group.count; ++k)
+                    state_.times.set(kinematic.group.id[k], now);
         }
     }
     // Places the kinematic bodies: at the start of an island's flights, or halfway, for loads alone.

@@ -62,7 +62,11 @@ struct Pair {
     bool passed = false;        // its bodies went past each other in this flight
     bool selected = false;      // the search for an impact considers it
     bool has_friction = false;
-    bool surface_moves = false;                        // body b is fixed and turns, or it is kinematic and moves
+    bool surface_moves = false;  // body b is fixed and turns, or it is kinematic and moves
+    // With a grid: the lower half of the step in which it is examined again, and how often the bounds of its bodies had
+    // been ended when it was examined last.
+    [[no_unique_address]] If<features.grid(), std::uint16_t, 5> due{};
+    [[no_unique_address]] If<features.grid(), std::uint16_t, 6> ends{};
     Length gap{};                                      // least distance; of boxes apart a lower bound
     Length start_gap{};                                // where the flight began
     Vec3<Unit> normal = Vec3<Unit>::Constant(Unit{});  // world, from b to a
@@ -88,6 +92,7 @@ struct Pair {
               self.gap, self.start_gap, self.normal, self.tangent, self.scale);
         if constexpr (features.pairs) visit(self.start_normal);
         if constexpr (features.pairs && features.boxes) visit(self.axis);
+        if constexpr (features.grid()) visit(self.due, self.ends);
         for (int i = 0; i < self.count; ++i) {
             auto& point = self.point[i];
             visit(point.arm, point.gap);
@@ -108,6 +113,7 @@ struct Pair {
         moved = true;
         touched = left_out = passed = selected = has_friction = surface_moves = false;
         share_b = {};
+        if constexpr (features.grid()) due = ends = 0;
     }
     // Of a point: the normal, and two tangents where there is friction.
     [[nodiscard]] int rows() const {

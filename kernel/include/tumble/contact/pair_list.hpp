@@ -14,8 +14,8 @@ struct Island {
     int first_pair;  // in the list; -1: none is near
 };
 
-// Pairs are sorted by their keys, so that the solution does not depend on which came near first. A pair keeps its slot in
-// memory while it is near.
+// Pairs are sorted by their keys, so that the solution does not depend on which came near first. A pair keeps its slot
+// in memory while it is near.
 template <class N, Features features>
 class PairList {
 public:
@@ -34,6 +34,8 @@ public:
     [[nodiscard]] TUMBLE_INLINE bool is_near(int b) const { return pairs_of_[b] != 0; }
     // Near pairs of the body.
     [[nodiscard]] int pairs_of(int b) const { return pairs_of_[b]; }
+    // Those with other bodies.
+    [[nodiscard]] int pairs_with_bodies_of(int b) const requires(features.grid()) { return with_bodies_of_[b]; }
     // Contact points of the body in the last step.
     [[nodiscard]] int points_of(int b) const { return touching_[b]; }
 
@@ -47,9 +49,8 @@ public:
         }
         return low;
     }
-    [[nodiscard]] bool has(int place, std::uint32_t key) const {
-        return place < count_ && (*this)[place].key() == key;
-    }
+    // True if the pair with the key has this place.
+    [[nodiscard]] bool has(int place, std::uint32_t key) const { return place < count_ && (*this)[place].key() == key; }
     // Makes room for a pair at its place. There must be room.
     Pair& insert(int at, int a, int b) {
         const auto slot = count_ < slots_ ? order_[count_] : static_cast<std::int16_t>(slots_++);
@@ -58,6 +59,8 @@ public:
         pair_[slot].begin(a, b);
         ++pairs_of_[a];
         if (b >= 0) ++pairs_of_[b];
+        if constexpr (features.grid())
+            if (b >= 0) ++with_bodies_of_[a], ++with_bodies_of_[b];
         is_linked_ = false;
         return pair_[slot];
     }
@@ -68,6 +71,8 @@ public:
     void forget_all() {
         count_ = 0;
         for (auto& count : pairs_of_) count = 0;
+        if constexpr (features.grid())
+            for (auto& count : with_bodies_of_) count = 0;
         is_linked_ = false;
     }
     // Removes the pairs of body b. The next look finds them anew.
@@ -91,13 +96,16 @@ public:
     void link(Schedule<features.bodies>& schedule) {
         if (is_linked_) return;
         for (int b = 0; b < features.bodies; ++b) schedule.first_pair[b] = -1;
+        // Without a pair that has gone, nothing of its island may stand.
+        for (int b = 0; b < features.bodies; ++b)
+            if (loses_[b] && schedule.joins[b]) loses_[schedule.islands.root(b)] = true;
         for (int i = count_ - 1; i >= 0; --i) {
             Pair& pair = (*this)[i];
-            // Without what has gone, it may not stand.
-            if (loses_[pair.a] || (pair.b >= 0 && loses_[pair.b])) pair.still = 0;
             const bool joins = schedule.joins[pair.a];
-            const int root = schedule.islands.root(pair.a);
-            if (pair.moves_b() && schedule.islands.root(pair.b) != root) {
+            const int root = schedule.islands.root(pair.a),
+                      root_b = pair.moves_b() ? schedule.islands.root(pair.b) : root;
+            if (loses_[root] || loses_[root_b] || loses_[pair.a] || (pair.b >= 0 && loses_[pair.b])) pair.still = 0;
+            if (root_b != root) {
                 if (!joins && !schedule.joins[pair.b]) continue;
                 pair.left_out = true;
                 pair.still = 0;
@@ -109,7 +117,7 @@ public:
         for (bool& loses : loses_) loses = false;
         is_linked_ = true;
     }
-    // Call when islands have changed.
+    // Call before link() where islands have changed.
     void unlink() { is_linked_ = false; }
     template <class F>
     void for_each(const Island& island, F&& f) {
@@ -133,6 +141,14 @@ public:
                 if (pair.point[i].active) f(pair, pair.point[i]);
         });
     }
+    // Calls f(other) for every body with which body b has a pair. f may remove it.
+    template <class F>
+    void for_each_near(int b, F&& f) const {
+        for (int i = count_ - 1; i >= 0; --i) {
+            const int first = (*this)[i].a, second = (*this)[i].b;
+            if (second >= 0 && (first == b || second == b)) f(first == b ? second : first);
+        }
+    }
     // Calls f(a, b) for every two bodies that were within the tolerance.
     template <class F>
     void for_each_touching(F&& f) const {
@@ -144,6 +160,7 @@ public:
     template <class Self, class Archive, class SetUp>
     static void archive(Self& self, Archive& to, SetUp&& set_up) {
         to(self.touching_, self.pairs_of_, self.count_);
+        if constexpr (features.grid()) to(self.with_bodies_of_);
         if constexpr (Archive::reads)
             for (; self.slots_ < self.count_; ++self.slots_)
                 self.order_[self.slots_] = static_cast<std::int16_t>(self.slots_);
@@ -173,6 +190,8 @@ private:
         const int a = pair_[slot].a, b = pair_[slot].b;
         --pairs_of_[a];
         if (b >= 0) --pairs_of_[b];
+        if constexpr (features.grid())
+            if (b >= 0) --with_bodies_of_[a], --with_bodies_of_[b];
         --count_;
         if constexpr (room > 1) {
             for (int i = at; i < count_; ++i) order_[i] = order_[i + 1];
@@ -186,11 +205,12 @@ private:
     Pair pair_[room > 0 ? room : 1]{};
     std::int16_t order_[room > 0 ? room : 1]{};  // slots by key, then those that are free again
     int count_ = 0;
-    int slots_ = 0;           // that have been used
-    bool is_linked_ = false;  // link()
-    bool loses_[features.bodies]{};  // a pair of the body has gone since
+    int slots_ = 0;                  // that have been used
+    bool is_linked_ = false;         // link()
+    bool loses_[features.bodies]{};  // a pair of the body has gone since link()
     CountTo<most_pairs_of_a_body * Pair::max_points> touching_[features.bodies]{};
     CountTo<most_pairs_of_a_body> pairs_of_[features.bodies]{};
+    [[no_unique_address]] If<features.grid(), CountTo<most_pairs_of_a_body>[features.bodies], 0> with_bodies_of_ {};
 };
 
 }  // namespace tumble

@@ -9,7 +9,7 @@ namespace tumble {
 template <int bodies>
 struct Schedule {
     Islands<bodies> islands;
-    BodyGroup<bodies> wakes{};
+    BodyGroup<bodies> wakes;
     bool joins[bodies]{};             // not of bodies that have flown freely
     std::int16_t next[bodies];        // the next body of its island; -1: it is the last
     std::int16_t first_pair[bodies];  // of an island, by its first body: PairList::link()
@@ -26,11 +26,10 @@ struct Schedule {
     }
     // True of the first body of an island.
     [[nodiscard]] bool leads(int b) { return joins[b] && islands.root(b) == b; }
-    // Its bodies.
-    [[nodiscard]] BodyGroup<bodies> group(int root) const {
-        BodyGroup<bodies> group;
+    // Sets `group` to its bodies.
+    void take(int root, BodyGroup<bodies>& group) const {
+        group.count = 0;
         for (int b = root; b >= 0; b = next[b]) group.add(b);
-        return group;
     }
 };
 

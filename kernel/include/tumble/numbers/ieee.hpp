@@ -267,6 +267,17 @@ requires(!N::fixed_point) struct ContactNumbers<N> {
         return (travel + touch) * (travel + touch) >= distance2;
     }
     [[nodiscard]] static T rounded_up(T l) { return l * T(1.001) + T(1e-6); }
+    [[nodiscard]] static T power_of_two(const LengthScale&, int log2) { return power_of_two(log2); }
+    // A coordinate that is not finite is in the first cell.
+    [[nodiscard]] static std::int32_t cell(T x, int log2) {
+        constexpr T most = T(1 << 30);
+        const T cells = x * power_of_two(-log2);
+        if (!(cells > -most)) return -(1 << 30);
+        if (!(cells < most)) return 1 << 30;
+        const auto cell = static_cast<std::int32_t>(cells);
+        return cells < T(cell) ? cell - 1 : cell;
+    }
+    [[nodiscard]] static bool meet(T radius, T other, T distance2) { return reaches(radius, other, distance2); }
 
     [[nodiscard]] static constexpr T one() { return T(1); }
     [[nodiscard]] static constexpr T longest() { return std::numeric_limits<T>::max(); }
@@ -295,6 +306,13 @@ requires(!N::fixed_point) struct ContactNumbers<N> {
     [[nodiscard]] static T sixteenth(T l) { return l * T(0.0625); }
     [[nodiscard]] static T unit_norm(const Vec3<T>& v) { return sqrt(dot(v, v)); }
     [[nodiscard]] static constexpr T flat() { return T(0x1p-16); }
+
+private:
+    // For -126 < log2 < 128.
+    [[nodiscard]] static constexpr T power_of_two(int log2) {
+        if constexpr (sizeof(T) == 4) return std::bit_cast<T>(static_cast<std::uint32_t>(127 + log2) << 23);
+        else return std::bit_cast<T>(static_cast<std::uint64_t>(1023 + log2) << 52);
+    }
 };
 
 }  // namespace tumble

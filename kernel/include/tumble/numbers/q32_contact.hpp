@@ -257,6 +257,20 @@ requires(N::fixed_point) struct ContactNumbers<N> {
         return sum >= std::int64_t{1} << 30 || sum * sum >= distance2.raw;
     }
     [[nodiscard]] static Length rounded_up(Length l) { return {l.raw + 4}; }
+    // Of a grid: 2^log2 m, at most longest(); the cell of width 2^log2 m in which a coordinate lies; whether balls
+    // meet.
+    [[nodiscard]] static Length power_of_two(const LengthScale& scale, int log2) {
+        const int bits = detail::clamp(log2 + scale.bits(), 0, 30);
+        return {std::int32_t{1} << bits};
+    }
+    [[nodiscard]] static std::int32_t cell(typename N::PositionSum x, int log2) {
+        constexpr std::int64_t most = std::int64_t{1} << 30;
+        const std::int64_t cell = x.raw >> detail::clamp(N::PositionSum::fraction_bits + log2, 0, 63);
+        return static_cast<std::int32_t>(cell > most ? most : cell < -most ? -most : cell);
+    }
+    [[nodiscard]] static bool meet(Length radius, Length other, Wide<48> distance2) {
+        return reaches(radius.raw, other, distance2);
+    }
 
     [[nodiscard]] static constexpr Unit one() { return {1 << 30}; }
     [[nodiscard]] static constexpr Length longest() { return {1 << 30}; }

@@ -1,0 +1,73 @@
+// Until when bodies and pairs surely touch nothing.
+#pragma once
+
+#include <tumble/contact/grid.hpp>
+
+namespace tumble {
+
+// Steps are counted modulo 2^32. With a grid, pairs of bodies have no times of their own, unless they are near.
+template <class N, Features features>
+class ClearTimes {
+public:
+    // Body b can touch nothing before step `now`.
+    [[nodiscard]] TUMBLE_INLINE bool is_clear(int b, std::uint32_t now) const {
+        return static_cast<std::int32_t>(clear_until_[b] - now) > 0;
+    }
+    void set(int b, std::uint32_t until) { clear_until_[b] = until; }
+    // Steps from now until a pair is examined again; at most 0 where it is due.
+    [[nodiscard]] int steps_left(int slot, std::uint32_t now) const { return steps_left(due_[slot], now); }
+    // The same, from the lower half of the step.
+    [[nodiscard]] static int steps_left(std::uint16_t due, std::uint32_t now) {
+        return static_cast<std::int16_t>(static_cast<std::uint16_t>(due - static_cast<std::uint16_t>(now)));
+    }
+    void set_due(int slot, std::uint32_t step) { due_[slot] = static_cast<std::uint16_t>(step); }
+    // Call where the body's motion changes other than by its flight: ends the bounds of the body and of its pairs.
+    void end(int b, int planes, std::uint32_t now) {
+        clear_until_[b] = now;
+        for (int p = 0; p < planes; ++p) set_due(plane_slot(b, p), now);
+        if constexpr (features.grid()) {
+            ++many.ends[b];
+        } else if constexpr (features.pairs) {
+            for (int other = 0; other < features.bodies; ++other) {
+                if (other == b) continue;
+                set_due(body_slot(b, other), now);
+                clear_until_[other] = now;
+            }
+        }
+    }
+    [[nodiscard]] static constexpr int plane_slot(int b, int p) { return b * features.planes + p; }
+    [[nodiscard]] static constexpr int body_slot(int a, int b) {
+        const int high = a < b ? b : a, low = a < b ? a : b;
+        return features.bodies * features.planes + high * (high - 1) / 2 + low;
+    }
+
+    // Writes or reads what a snapshot holds.
+    template <class Self, class Archive>
+    static void archive(Self& self, Archive& to) {
+        to(self.clear_until_, self.due_);
+        if constexpr (features.grid()) {
+            to(self.many.ends, self.many.all, self.many.near);
+            Grid<N, features.bodies>::archive(self.many.grid, to);
+        }
+    }
+
+    // With a grid.
+    struct Many {
+        Grid<N, features.bodies> grid{};
+        std::uint16_t ends[features.bodies]{};  // how often the bounds of the body have been ended, modulo 2^16
+        bool all = true;    // a body that is not examined has moved: all others are examined in the next step
+        bool near = false;  // all bodies that are near something are examined in the next step
+        static constexpr std::int8_t not_asked = -1;
+        std::int8_t pushes_something = not_asked;  // a load, in this step: BroadPhase
+    };
+    [[no_unique_address]] If<features.grid(), Many, 0> many{};
+
+private:
+    static constexpr int slots = features.bodies * features.planes +
+                                 (features.pairs && !features.grid() ? features.bodies * (features.bodies - 1) / 2 : 0);
+
+    std::uint32_t clear_until_[features.bodies]{};  // its pairs are examined again in this step
+    std::uint16_t due_[slots > 0 ? slots : 1]{};    // the lower half of the step in which a pair is examined again
+};
+
+}  // namespace tumble
