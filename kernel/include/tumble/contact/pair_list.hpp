@@ -97,14 +97,15 @@ public:
         if (is_linked_) return;
         for (int b = 0; b < features.bodies; ++b) schedule.first_pair[b] = -1;
         // Without a pair that has gone, nothing of its island may stand.
-        for (int b = 0; b < features.bodies; ++b)
+        for (int b = 0; loses_any_ && b < features.bodies; ++b)
             if (loses_[b] && schedule.joins[b]) loses_[schedule.islands.root(b)] = true;
         for (int i = count_ - 1; i >= 0; --i) {
             Pair& pair = (*this)[i];
             const bool joins = schedule.joins[pair.a];
             const int root = schedule.islands.root(pair.a),
                       root_b = pair.moves_b() ? schedule.islands.root(pair.b) : root;
-            if (loses_[root] || loses_[root_b] || loses_[pair.a] || (pair.b >= 0 && loses_[pair.b])) pair.still = 0;
+            if (loses_any_ && (loses_[root] || loses_[root_b] || loses_[pair.a] || (pair.b >= 0 && loses_[pair.b])))
+                pair.still = 0;
             if (root_b != root) {
                 if (!joins && !schedule.joins[pair.b]) continue;
                 pair.left_out = true;
@@ -114,7 +115,8 @@ public:
                 schedule.first_pair[root] = order_[i];
             }
         }
-        for (bool& loses : loses_) loses = false;
+        for (int b = 0; loses_any_ && b < features.bodies; ++b) loses_[b] = false;
+        loses_any_ = false;
         is_linked_ = true;
     }
     // Call before link() where islands have changed.
@@ -197,7 +199,7 @@ private:
             for (int i = at; i < count_; ++i) order_[i] = order_[i + 1];
             order_[count_] = slot;
         }
-        loses_[a] = true;
+        loses_[a] = loses_any_ = true;
         if (b >= 0) loses_[b] = true;
         is_linked_ = false;
     }
@@ -205,8 +207,9 @@ private:
     Pair pair_[room > 0 ? room : 1]{};
     std::int16_t order_[room > 0 ? room : 1]{};  // slots by key, then those that are free again
     int count_ = 0;
-    int slots_ = 0;                  // that have been used
-    bool is_linked_ = false;         // link()
+    int slots_ = 0;           // that have been used
+    bool is_linked_ = false;  // link()
+    bool loses_any_ = false;
     bool loses_[features.bodies]{};  // a pair of the body has gone since link()
     CountTo<most_pairs_of_a_body * Pair::max_points> touching_[features.bodies]{};
     CountTo<most_pairs_of_a_body> pairs_of_[features.bodies]{};

@@ -14,8 +14,9 @@ struct Schedule {
     std::int16_t next[bodies];        // the next body of its island; -1: it is the last
     std::int16_t first_pair[bodies];  // of an island, by its first body: PairList::link()
 
-    // Chains the bodies of each island, in their order.
+    // Chains the bodies of each island, in their order. Call when all are connected.
     void chain(int count) {
+        islands.finish(count);
         for (int b = 0; b < count; ++b) next[b] = -1;
         for (int b = count - 1; b >= 0; --b) {
             const int root = joins[b] ? islands.root(b) : b;
@@ -25,7 +26,7 @@ struct Schedule {
         }
     }
     // True of the first body of an island.
-    [[nodiscard]] bool leads(int b) { return joins[b] && islands.root(b) == b; }
+    [[nodiscard]] bool leads(int b) const { return joins[b] && islands.root(b) == b; }
     // Sets `group` to its bodies.
     void take(int root, BodyGroup<bodies>& group) const {
         group.count = 0;
