@@ -239,6 +239,8 @@ std::string world_text(const WorldSpec& world) {
                      "{.on = true, .speed = " + number(c.sleep.speed) + ", .angular_speed = " +
                          number(c.sleep.angular_speed) + ", .time = " + number(c.sleep.time) + "}",
                      "m/s, rad/s, s");
+        contact.when(c.most_impacts > 0, "most_impacts", std::to_string(c.most_impacts));
+        contact.when(c.most_searches > 0, "most_searches", std::to_string(c.most_searches));
     } else if (c.response == ContactResponse::spring) {
         contact.always("tolerance", number(c.tolerance), "m");
         contact.always("stiffness", number(c.stiffness), "N/m");

@@ -88,6 +88,11 @@ Account account_of(const Trouble& trouble, const SceneDescription& scene, const 
     if (trouble.issue == "step_too_long") return step_too_long(scene, simulation);
     if (trouble.issue == "contacts_full")
         return {"more pairs are near each other than the world has room for, so some bodies pass through others", ""};
+    if (trouble.issue == "left_over")
+        return {
+            "a step used up the impacts or searches that [contact] allows. The rest was resolved in the next step, and "
+            "bodies overlapped until then",
+            "larger contact.most_impacts and contact.most_searches, or a smaller step"};
     if (trouble.issue != "step_bound_hit") return {"there is no room for another body", ""};
     if (simulation.integrator().starts_with("implicit"))
         return {"the implicit solver did not converge, or the impacts of a step met their bound. The result is less "

@@ -144,6 +144,7 @@ SceneData build_scene(const SceneDescription& scene) {
     data.world.linear_drag = scene.linear_drag;
     data.world.angular_drag = scene.angular_drag;
     const ContactDescription& contact = scene.contact;
+    const bool by_impulses = contact.response == ContactResponse::impulse;
     data.world.contact = {.response = contact.response,
                           .restitution = contact.restitution,
                           .restitution_threshold = contact.restitution_threshold,
@@ -156,7 +157,9 @@ SceneData build_scene(const SceneDescription& scene) {
                           .stiffness = contact.stiffness,
                           .damping = contact.damping,
                           .barrier = contact.barrier,
-                          .sleep = sleep_of(contact)};
+                          .sleep = sleep_of(contact),
+                          .most_impacts = by_impulses ? contact.most_impacts : 0,
+                          .most_searches = by_impulses ? contact.most_searches : 0};
     for (const BodyDescription& body : scene.bodies) data.bodies.push_back(body_of(body));
     add_loads_of_bodies(scene, data);
     if (const auto& gradient = scene.gravity_gradient)
@@ -240,6 +243,7 @@ Features needs(const SceneData& scene) {
         .sleep = world.contact.sleep.on && response == ContactResponse::impulse,
         .turntables = any(scene.bodies, is_turntable) || any(scene.events, turns_fixed),
         .kinematic = any(scene.bodies, [](const BodySpec& body) { return body.kinematic; }),
+        .impact_bounds = by_impulses && (world.contact.most_impacts > 0 || world.contact.most_searches > 0),
         .contact_impulses = !by_springs,
         .contact_springs = by_springs,
     };

@@ -107,6 +107,16 @@ void read_range(Table table, RangeDescription& range) {
     table.finish();
 }
 
+void read_bound(Table& table, const char* key, int& bound) {
+    constexpr int most = 1000;
+    const auto value = table.find(key);
+    if (!value) return;
+    const auto* whole = value->node().as_integer();
+    if (whole == nullptr || whole->get() < 0 || whole->get() > most)
+        value->refuse("a whole number from 0 to " + std::to_string(most));
+    bound = static_cast<int>(whole->get());
+}
+
 void read_contact(Table table, ContactDescription& contact) {
     table.optional("response", contact.response, responses);
     table.optional("restitution", contact.restitution, restitution);
@@ -120,6 +130,8 @@ void read_contact(Table table, ContactDescription& contact) {
     table.optional("stiffness", contact.stiffness, stiffness);
     table.optional("damping", contact.damping, damping);
     table.optional("barrier", contact.barrier, Quantity{Quantity::not_negative, "N m^2"});
+    read_bound(table, "most_impacts", contact.most_impacts);
+    read_bound(table, "most_searches", contact.most_searches);
     if (const auto value = table.find("sleep")) {
         const auto* off = value->node().as_boolean();
         if (!value->node().is_table() && (off == nullptr || off->get()))

@@ -43,6 +43,7 @@ struct Features {
     bool turntables = false;          // fixed bodies may rotate
     bool kinematic = false;           // fixed bodies may move, and push what they meet: BodySpec::kinematic
     bool contact_readout = false;     // the world keeps what contacts do in a step, for World::contacts()
+    bool impact_bounds = false;       // impacts and searches of a step can be bounded: ContactSpec
     bool contact_impulses = true;     // ContactResponse::impulse
     bool contact_springs = false;     // ContactResponse::spring
 
@@ -81,6 +82,7 @@ struct Features {
         f("turntables", &Features::turntables);
         f("kinematic", &Features::kinematic);
         f("contact_readout", &Features::contact_readout);
+        f("impact_bounds", &Features::impact_bounds);
         f("contact_impulses", &Features::contact_impulses);
         f("contact_springs", &Features::contact_springs);
     }

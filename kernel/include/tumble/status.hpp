@@ -26,10 +26,13 @@ enum class Issue : std::uint8_t {
     // or for two bodies that attract each other. Take a smaller step; for contacts by springs at most
     // World::largest_safe_step().
     step_too_long = 16,
+    // A step had more impacts or searches than ContactSpec allows. What was left over is resolved at the start of the
+    // next step; bodies overlap until then. Allow more.
+    left_over = 32,
 };
 // All issues, in the order of their bits.
 inline constexpr Issue all_issues[] = {Issue::range_left, Issue::step_bound_hit, Issue::contacts_full,
-                                       Issue::world_full, Issue::step_too_long};
+                                       Issue::world_full, Issue::step_too_long,  Issue::left_over};
 
 // The name as the command and its rows print it: range_left.
 [[nodiscard]] constexpr const char* name_of(Issue issue) {
@@ -38,6 +41,7 @@ inline constexpr Issue all_issues[] = {Issue::range_left, Issue::step_bound_hit,
     case Issue::step_bound_hit: return "step_bound_hit";
     case Issue::contacts_full: return "contacts_full";
     case Issue::step_too_long: return "step_too_long";
+    case Issue::left_over: return "left_over";
     default: return "world_full";
     }
 }

@@ -445,6 +445,7 @@ private:
     // False where values would be ignored.
     [[nodiscard]] static constexpr bool has_features_for(const ContactSpec& spec) {
         return (features.mixing || spec.mixes_as_usual()) &&
+               (features.impact_bounds || (spec.most_impacts == 0 && spec.most_searches == 0)) &&
                (features.rolling_resistance ||
                 (spec.rolling_resistance.is_zero() && spec.spinning_resistance.is_zero()));
     }

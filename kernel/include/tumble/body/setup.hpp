@@ -121,6 +121,10 @@ struct ContactSpec {
     Real damping = 0;        // N s/m for each contact point; for ContactResponse::spring
     Real barrier = 0;        // N m^2; the force is barrier / gap^2; for ContactResponse::spring
     SleepSpec sleep{};       // when resting bodies fall asleep
+    // Bounds of an island's step; what is left over is resolved at the start of the next. 0: the usual ones. Need
+    // Features::impact_bounds.
+    int most_impacts = 0;   // that are resolved at their own time
+    int most_searches = 0;  // flights that are redone to find them
 
     // True without a choice of mixing.
     [[nodiscard]] constexpr bool mixes_as_usual() const {
@@ -145,7 +149,8 @@ struct ContactSpec {
                           spec.sleep.time};
     for (const Real& value : least)
         if (value.is_negative()) return false;
-    return is_restitution(spec.restitution) && spec.tolerance > Real{};
+    return is_restitution(spec.restitution) && spec.tolerance > Real{} && spec.most_impacts >= 0 &&
+           spec.most_searches >= 0;
 }
 
 // Values that act on all bodies of a world.

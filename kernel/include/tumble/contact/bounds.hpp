@@ -29,6 +29,14 @@ inline constexpr int most_clear_steps = 128;
 inline constexpr int most_clear_steps_near = 8;
 }  // namespace contact
 
+// What an island may do in a step where its scene sets bounds. 0: the usual ones.
+struct ImpactBounds {
+    int impacts = 0;
+    int searches = 0;  // flights that are redone
+
+    [[nodiscard]] bool are_set() const { return impacts > 0 || searches > 0; }
+};
+
 // Thresholds, from the quantity that each is a part of. C: ContactNumbers<N>.
 template <class N>
 struct ContactBounds {

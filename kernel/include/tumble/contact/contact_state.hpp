@@ -17,7 +17,9 @@ struct ContactState {
 
     ContactState(Real step, const ContactSpec& spec)
         : shapes{step, spec}, sleepers{step, spec.sleep}, threshold{N::template constant<Work>(
-                                                              spec.restitution_threshold * step)} {}
+                                                              spec.restitution_threshold * step)} {
+        if constexpr (features.impact_bounds) most = {spec.most_impacts, spec.most_searches};
+    }
 
     NarrowPhase<N, spin, features> shapes;
     PairList<N, features> pairs{};
@@ -26,6 +28,7 @@ struct ContactState {
     Marks<features.bodies> marks{};
     [[no_unique_address]] If<features.contact_readout, ContactLog<N, spin, features>, 0> log{};
     Work threshold;  // of restitution, m a step
+    [[no_unique_address]] If<features.impact_bounds, ImpactBounds, 1> most{};
     // While an island is solved.
     SolverVelocities<N, spin, features> velocities{};
     Solution solution{};

@@ -97,6 +97,17 @@ public:
         }
         return found;
     }
+    // True where bodies overlap beyond the middle: they are parted along another direction than that in which they were
+    // apart.
+    [[nodiscard]] bool is_on_the_other_side() const {
+        bool any = false;
+        if constexpr (features.pairs)
+            pairs_.for_each(island_, [&](const Pair& pair) {
+                any = any || (!pair.with_plane() && pair.gap < Length{} &&
+                              narrow<typename Pair::Unit>(dot(pair.normal, pair.start_normal)) < typename Pair::Unit{});
+            });
+        return any;
+    }
     // The part of the rest of the flight in which the pair surely stays apart: until the separation along its present
     // direction runs out. Negative: the whole rest.
     [[nodiscard]] Work part_apart(const Crossing& crossing) const {

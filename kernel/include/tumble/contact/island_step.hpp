@@ -27,12 +27,20 @@ public:
 
     IslandStep(State& contacts, Schedule& schedule, Bodies& bodies, Island& island, const Mover& mover)
         : contacts_{contacts}, schedule_{schedule}, bodies_{bodies}, island_{island}, mover_{mover},
-          search_{contacts.shapes, contacts.pairs, bodies, island} {}
+          search_{contacts.shapes, contacts.pairs, bodies, island} {
+        if constexpr (features.impact_bounds) {
+            const ImpactBounds& most = contacts.most;
+            constexpr int usual = contact::max_impacts * contact::max_resteps;
+            left_ = {most.impacts > 0 ? most.impacts : contact::max_impacts, most.searches > 0 ? most.searches : usual};
+        }
+    }
 
     // One step of an island, with its impacts. Where a pair comes too deep in a flight, or passes through, the flight
     // is redone up to the impact. Then the rest of the step follows. A ball that comes to rest bounces without end in
     // finite time, so max_impacts bounds the search: the rest of the step is then flown without a search, and the
     // points that still approach are stopped. Where the rest ends far below a surface, the step ends at that surface.
+    // Where the scene has bounds of its own, nothing is stopped: what is left below a surface strikes it at the start
+    // of the next step.
     [[gnu::noinline]] void take() {
         move({.group = island_.group, .loads = &contacts_.loads});
         if (resting().still_stands(contacts_.loads, contacts_.forces)) {
@@ -64,6 +72,7 @@ public:
             if (attempt.held) log_forces(Work(1));
             fly(attempt, span, false);
             search_.measure();
+            const bool spent = is_spent();
             const Work length = stop_before_crossing(attempt);
             const bool crossed = length < span;
             const bool deep = search_.is_too_deep();
@@ -71,10 +80,15 @@ public:
                 search_.find();
                 break;
             }
-            const bool last = impact == contact::max_impacts;
+            if (spent && !crossed && !search_.is_on_the_other_side()) {
+                search_.find();
+                bodies_.report(Issue::left_over, island_.root);
+                break;
+            }
+            const bool last = spent || (!has_bounds() && impact == contact::max_impacts);
             Work flown = length;
             if (last) {
-                const bool far_below = deep && search_.is_far_too_deep();
+                const bool far_below = deep && (spent || search_.is_far_too_deep());
                 if (far_below) flown = find_impact(attempt, length);
                 // The step ends at a surface: the rest of its time is lost.
                 if (crossed || far_below) bodies_.report(Issue::step_bound_hit, island_.root);
@@ -82,7 +96,8 @@ public:
                 flown = find_impact(attempt, length);
             }
             if (attempt.held && flown < span) log_forces(flown / span - Work(1));  // takes off what is not flown
-            resolve(last);
+            resolve(last && !spent);
+            if constexpr (features.impact_bounds) --left_.impacts;
             // Always, however short the rest of the step is: an impact ends the bounds on the time to contact.
             find_near_pairs();
             span -= flown;
@@ -92,6 +107,22 @@ public:
     }
 
 private:
+    [[nodiscard]] bool has_bounds() const {
+        if constexpr (features.impact_bounds) return contacts_.most.are_set();
+        else return false;
+    }
+    // True where the bounds of the scene are used up.
+    [[nodiscard]] bool is_spent() const {
+        if constexpr (features.impact_bounds) return has_bounds() && (left_.impacts <= 0 || left_.searches <= 0);
+        else return false;
+    }
+    // Whether a search that has redone so many flights may redo another. Each may redo one, however many are left.
+    [[nodiscard]] bool may_search(int redone) {
+        if constexpr (features.impact_bounds)
+            if (has_bounds() && left_.searches-- <= 0) return redone == 0;
+        return redone < contact::max_resteps;
+    }
+
     void move(const Flight& flight) { mover_.move(mover_.method, flight); }
     void take_over_spins() { move({.group = island_.group, .new_spins = true}); }
     [[nodiscard]] Resting<N, spin, features> resting() {
@@ -219,7 +250,7 @@ private:
             Work from(0);
             bool passes = false;
             crossing.at_start();
-            for (int i = 0; i < contact::max_resteps; ++i) {
+            for (int i = 0; may_search(i); ++i) {
                 const Work part = search_.part_apart(crossing);
                 passes = part < Work(0);
                 if (passes) break;
@@ -256,7 +287,7 @@ private:
         const Work shortest = Bounds::min_portion();
         Work at = high;
         int side = 0;
-        for (int i = 0; i < contact::max_resteps; ++i) {
+        for (int i = 0; may_search(i) || (i < contact::max_resteps && search_.is_on_the_other_side()); ++i) {
             // Where rounding has left no difference, halfway.
             const Work apart = gap_low - gap_high;
             at = low + (apart > Work(0) ? (high - low) * (gap_low / apart) : N::half_of(high - low));
@@ -279,8 +310,9 @@ private:
             }
         }
         // Not found. Where a pair is far too deep, the flight ends at the last time when none was, or after the
-        // shortest flight. The next search starts from there.
-        if (search_.least_gap(false) < -Bounds::failed_search_depth(search_.tolerance())) {
+        // shortest flight. The next search starts from there. A search whose flights are used up ends where it is
+        // instead, so that each step comes farther.
+        if (!is_spent() && search_.least_gap(false) < -Bounds::failed_search_depth(search_.tolerance())) {
             at = low > shortest ? low : shortest;
             fly(attempt, at, true);
             search_.measure();
@@ -310,6 +342,7 @@ private:
     Island& island_;
     const Mover& mover_;
     ImpactSearch<N, spin, features> search_;
+    [[no_unique_address]] If<features.impact_bounds, ImpactBounds, 0> left_{};  // of those of the scene
 };
 
 }  // namespace tumble
