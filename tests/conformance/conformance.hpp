@@ -16,6 +16,9 @@
 #endif
 #include "port.hpp"
 
+#include <cstddef>
+#include <new>
+
 #include "../write_number.hpp"
 
 #define TUMBLE_NAME_OF(variant) TUMBLE_TEXT(variant)
@@ -25,10 +28,8 @@ namespace {
 
 #ifdef TUMBLE_CONTACT_SCENES
 inline constexpr bool contact_scenes = true;
-#define TUMBLE_STORAGE static
 #else
 inline constexpr bool contact_scenes = false;
-#define TUMBLE_STORAGE
 #endif
 
 // What one scene or another needs, of those with a body that rotates.
@@ -46,13 +47,39 @@ inline constexpr tumble::Features all_features = [] {
 #endif
 inline constexpr std::uint32_t most_steps = TUMBLE_MOST_STEPS;
 
+// One of point masses alone has a world without rotation: its bits are those of the simulator, which has all.
+template <class Scene>
+inline constexpr tumble::Features features_of =
+    Scene::Config::features.rotation ? all_features : Scene::Config::features;
+template <class Method, class Scene>
+using ReplayOf = tumble::Replay<
+    tumble::SceneOf<tumble::NumbersOf<TUMBLE_NAME_OF(TUMBLE_VARIANT), typename Scene::Config::Numbers::Range>, Method,
+                    features_of<Scene>>,
+    Scene>;
+
+#ifdef TUMBLE_CONTACT_SCENES
+// The memory of one scene after the other.
+template <class Method>
+inline constexpr std::size_t largest_replay = [] {
+    std::size_t most = 0;
+    for_each_scene([&]<class Scene>() {
+        if (sizeof(ReplayOf<Method, Scene>) > most) most = sizeof(ReplayOf<Method, Scene>);
+    });
+    return most;
+}();
+template <class Method>
+alignas(std::max_align_t) inline unsigned char memory[largest_replay<Method>];
+#endif
+
 // Not inlined: the stack holds the worlds of one scene at a time.
 template <class Method, class Scene>
 [[gnu::noinline]] void replay_scene(const char* variant) {
-    using Numbers = tumble::NumbersOf<TUMBLE_NAME_OF(TUMBLE_VARIANT), typename Scene::Config::Numbers::Range>;
-    // One of point masses alone has a world without rotation: its bits are those of the simulator, which has all.
-    constexpr tumble::Features needed = Scene::Config::features, features = needed.rotation ? all_features : needed;
-    TUMBLE_STORAGE tumble::Replay<tumble::SceneOf<Numbers, Method, features>, Scene> replay;
+    using Replay = ReplayOf<Method, Scene>;
+#ifdef TUMBLE_CONTACT_SCENES
+    Replay& replay = *new (memory<Method>) Replay;
+#else
+    Replay replay;
+#endif
     constexpr std::uint32_t most =
         contact_scenes ? 4096u / static_cast<std::uint32_t>(Scene::Config::features.bodies) : most_steps;
     constexpr std::uint32_t steps = most < Scene::steps ? most : Scene::steps;
