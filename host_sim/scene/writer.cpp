@@ -11,6 +11,7 @@ namespace tumble::host {
 namespace {
 
 std::string text_of(double value) { return cpp_number(value); }
+std::string text_of(int value) { return std::to_string(value); }
 std::string text_of(const std::optional<double>& value) { return value ? cpp_number(*value) : ""; }
 template <std::size_t n>
 std::string text_of(const std::array<double, n>& values, std::size_t count = n) {
