@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <vector>
 
 namespace tumble::test {
 namespace {
@@ -24,14 +23,8 @@ template <class N, bool on = true>
 struct Bounded : Scene {
     using Numbers = N;
     using Loads = LoadList<Counter>;
-    static constexpr Features features{.bodies = 8,
-                                       .planes = 6,
-                                       .removal = true,
-                                       .snapshots = true,
-                                       .pairs = true,
-                                       .boxes = true,
-                                       .friction = true,
-                                       .impact_bounds = on};
+    static constexpr Features features{
+        .bodies = 8, .planes = 6, .pairs = true, .boxes = true, .friction = true, .impact_bounds = on};
 };
 
 template <class N>
@@ -77,8 +70,6 @@ protected:
     static double energy(const World& world, BodyId body) {
         return static_cast<double>(world.kinetic_energy(body)) + static_cast<double>(world.potential_energy(body));
     }
-    // m, of a place: a search ends within 2^-16 of the tolerance, at other times where it begins elsewhere.
-    static constexpr double close = 1e-5;
 };
 using Systems = testing::Types<Q32<>, F64>;
 TYPED_TEST_SUITE(ImpactBoundsTest, Systems);

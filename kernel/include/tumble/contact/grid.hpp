@@ -90,7 +90,7 @@ public:
     }
 
 private:
-    // Levels. The radius is 2^(level - 34) m.
+    // Levels. The radius is 2^(level - middle) m, and cells are twice as wide.
     static constexpr int nowhere = 0, lowest = 1, middle = 34, everywhere = 62;
     static constexpr int buckets = static_cast<int>(std::bit_ceil(static_cast<unsigned>(bodies)));
 
@@ -112,11 +112,11 @@ private:
     // Bodies everywhere have no cells.
     [[nodiscard]] static std::uint64_t bit_of(int level) { return level == everywhere ? 0 : std::uint64_t{1} << level; }
     [[nodiscard]] static Length radius_of(int level, const LengthScale& scale) {
-        return level == everywhere ? C::longest() : C::power_of_two(scale, level - 34);
+        return level == everywhere ? C::longest() : C::power_of_two(scale, level - middle);
     }
     [[nodiscard]] static Cell cell_of(const Place& place, int level) {
         Cell cell;
-        for (int i = 0; i < 3; ++i) cell[i] = C::cell(place[i], level - 33);
+        for (int i = 0; i < 3; ++i) cell[i] = C::cell(place[i], level - middle + 1);
         return cell;
     }
     [[nodiscard]] static int bucket_of(const Cell& cell, int level) {
