@@ -9,6 +9,7 @@
 
 #include "command/check.hpp"
 #include "command/command.hpp"
+#include "command/gltf.hpp"
 #include "command/live.hpp"
 #include "command/plot.hpp"
 #include "tools/output.hpp"
@@ -20,8 +21,8 @@ namespace tumble::host {
 namespace {
 
 struct RunOptions : Choice {
-    std::string trajectory, contacts, plot;  // files; empty: none
-    std::optional<std::int64_t> every;       // steps between rows of the trajectory and of the contacts
+    std::string trajectory, contacts, plot, gltf;  // files; empty: none
+    std::optional<std::int64_t> every;  // steps between rows of the trajectory and of the contacts, and key frames
     bool json = false, imu = false, live = false;
     std::string record;  // file; empty: none
     CheckOptions check;
@@ -253,18 +254,21 @@ void print_table(std::ostream& out, const SceneDescription& scene, const Simulat
 int run(const RunOptions& options) {
     if (options.live) {
         if (options.json || !options.trajectory.empty() || !options.contacts.empty() || !options.plot.empty() ||
-            !options.check.check.empty())
+            !options.gltf.empty() || !options.check.check.empty())
             throw std::invalid_argument(
-                "--live: got --json, --trajectory, --contacts, --plot or --check beside it, expected none of them");
+                "--live: got --json, --trajectory, --contacts, --plot, --gltf or --check beside it, expected none of "
+                "them");
         return run_live(options, options.record);
     }
     if (!options.record.empty()) throw std::invalid_argument("--record: got no --live beside it, expected --live");
-    const std::vector<FileArgument> outputs = {
-        {"--trajectory", options.trajectory}, {"--contacts", options.contacts}, {"--plot", options.plot}};
+    const std::vector<FileArgument> outputs = {{"--trajectory", options.trajectory},
+                                               {"--contacts", options.contacts},
+                                               {"--plot", options.plot},
+                                               {"--gltf", options.gltf}};
     check_outputs({{"the scene", options.scene}}, outputs);
     std::ostream& table = takes_standard_output(outputs, options.json) ? std::cerr : std::cout;
-    if (options.every && options.trajectory.empty() && options.contacts.empty())
-        std::cerr << "warning: --every has no effect without --trajectory or --contacts\n";
+    if (options.every && options.trajectory.empty() && options.contacts.empty() && options.gltf.empty())
+        std::cerr << "warning: --every has no effect without --trajectory, --contacts or --gltf\n";
     if (options.imu && options.trajectory.empty()) std::cerr << "warning: --imu has no effect without --trajectory\n";
     const SceneDescription scene = options.read();
     if (!options.contacts.empty() && scene.contact.response != ContactResponse::impulse)
@@ -283,6 +287,13 @@ int run(const RunOptions& options) {
         plot.emplace(*simulation, scene);
     }
 
+    std::optional<Gltf> gltf;
+    std::optional<OutputFile> gltf_file;
+    if (!options.gltf.empty()) {
+        gltf_file.emplace(options.gltf, "--gltf");
+        gltf.emplace(scene, options.every.value_or(1));
+    }
+
     Energy now = simulation->energy();
     EnergyWatch energy(now);
     Recorder recorder(scene, *simulation, moments_of(scene));
@@ -295,6 +306,7 @@ int run(const RunOptions& options) {
             if (trajectory) trajectory->record(*simulation, last);
             if (contacts) contacts->record(*simulation, last);
             if (plot) plot->sample(*simulation, now, last);
+            if (gltf) gltf->sample(*simulation, last);
             if (last) break;
             simulation->step();
             now = simulation->energy();
@@ -310,6 +322,10 @@ int run(const RunOptions& options) {
     if (plot) {
         plot_file->stream() << plot->drawn();
         plot_file->commit();
+    }
+    if (gltf) {
+        gltf_file->stream() << gltf->text();
+        gltf_file->commit();
     }
     if (!options.json) print_table(table, scene, *simulation, energy);
     table.flush();  // the run is done, whatever becomes of its check
@@ -333,7 +349,9 @@ void add_run(CommandLine& line) {
                 "write what touched, began, ended or hit in each step, with its impulses, as CSV; - is standard output",
                 output_file());
     command.add(options->every, "--every K",
-                "steps between rows of the trajectory, and of contacts that last (default: 1)", at_least(1, "steps"));
+                "steps between rows of the trajectory, and of contacts that last, and between key frames of --gltf "
+                "(default: 1)",
+                at_least(1, "steps"));
     command.add(
         options->imu, "--imu",
         "add columns of an inertial sensor to the trajectory: specific force and angular velocity, in the body's "
@@ -347,6 +365,9 @@ void add_run(CommandLine& line) {
     command.add(options->plot, "--plot out.svg",
                 "plot positions, angular velocities and energies as SVG, with marks at impulses and "
                 "contacts (needs gnuplot); - is standard output",
+                output_file());
+    command.add(options->gltf, "--gltf out.gltf",
+                "write the run as an animated scene of glTF 2.0, for Blender and other viewers; - is standard output",
                 output_file());
 }
 

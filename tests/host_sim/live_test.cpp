@@ -183,7 +183,7 @@ TEST(Live, a_wrong_line_ends_the_run_with_its_number_and_what_was_expected) {
 TEST(Live, what_does_not_go_with_it_is_refused) {
     const std::string scene = written("hover.toml", drone);
     expect_outcome(live(scene, "", {"--json"}), 2,
-                   "--live: got --json, --trajectory, --contacts, --plot or --check beside it");
+                   "--live: got --json, --trajectory, --contacts, --plot, --gltf or --check beside it");
     expect_outcome(live("-", drone), 2, "scene: got standard input, from which --live reads events");
     expect_outcome(tumble({"run", scene, "--record", temporary("out.toml")}), 2, "--record: got no --live beside it");
     expect_outcome(live(scene, "", {"--record", scene}), 2, "--record");
