@@ -6,6 +6,7 @@
 #include "command/command.hpp"
 #include "firmware/firmware.hpp"
 #include "reference.hpp"
+#include "scene/scene_file.hpp"
 #include "tools/files.hpp"
 #include "tools/text.hpp"
 

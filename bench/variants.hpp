@@ -2,7 +2,7 @@
 #pragma once
 
 #include "firmware/firmware.hpp"
-#include "scene/reader.hpp"
+#include "scene/scene_file.hpp"
 #include "simulation/simulation.hpp"
 #include "tools/parallel.hpp"
 #include "tools/progress.hpp"

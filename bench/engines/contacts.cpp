@@ -3,7 +3,7 @@
 #include "firmware/callgrind.hpp"
 #include "known_places.hpp"
 #include "rows.hpp"
-#include "scene/reader.hpp"
+#include "scene/scene_file.hpp"
 
 #include <algorithm>
 #include <cmath>

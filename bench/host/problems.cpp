@@ -1,7 +1,7 @@
 #include "problems.hpp"
 
 #include "closed_form.hpp"
-#include "scene/reader.hpp"
+#include "scene/scene_file.hpp"
 #include "truth/smooth_motion.hpp"
 
 #include <algorithm>

@@ -22,7 +22,9 @@ namespace {
 
 SceneFile::SceneFile(const std::filesystem::path& path)
     : name_(path.string()), document_(std::make_unique<Document>()) {
-    document_->root = toml::parse_file(name_);
+    toml::parse_result parsed = toml::parse_file(name_);
+    if (!parsed) throw std::invalid_argument{name_ + ": " + std::string{parsed.error().description()}};
+    document_->root = std::move(parsed).table();
 }
 SceneFile::SceneFile(const SceneFile& other)
     : name_(other.name_), document_(std::make_unique<Document>(*other.document_)) {}

@@ -6,7 +6,7 @@
 #include "command/messages.hpp"
 #include "firmware/firmware.hpp"
 #include "scene/data.hpp"
-#include "scene/reader.hpp"
+#include "scene/scene_file.hpp"
 #include "tools/text.hpp"
 
 namespace tumble::host {

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <string_view>
 
+#include "tools/raise.hpp"
+
 namespace tumble::host {
 namespace {
 
@@ -51,8 +53,8 @@ Seconds step_of(const StepSize& step) {
 void check(const SceneDescription& scene) {
     const auto fits = [&](const char* key, std::size_t count, int room) {
         if (count > static_cast<std::size_t>(room))
-            throw UnsupportedScene(scene.path + ": " + key + ": got " + std::to_string(count) + ", expected at most " +
-                                   std::to_string(room));
+            raise(UnsupportedScene(scene.path + ": " + key + ": got " + std::to_string(count) + ", expected at most " +
+                                   std::to_string(room)));
     };
     fits("body", scene.bodies.size(), max_bodies);
     fits("plane", scene.planes.size(), max_planes);

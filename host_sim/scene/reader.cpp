@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cmath>
-#include <fstream>
 #include <numeric>
 #include <system_error>
 
@@ -28,9 +27,6 @@ namespace {
 
 // The largest preset, `field`: a [range] is at most as large.
 const RangeDescription field{FieldRange::position, FieldRange::velocity, FieldRange::spin};
-
-// Bytes; enough for some hundred thousand events.
-constexpr std::size_t largest_file = std::size_t{1} << 25;
 
 constexpr double planes_within = 4;  // times the range of positions: the largest offset of a plane in fixed point
 
@@ -164,10 +160,17 @@ void check_count(const std::vector<Table>& tables, int room) {
                                   "at most " + std::to_string(room));
 }
 
+// The name of a file without its directory and its last extension.
+std::string stem_of(const std::string& file) {
+    const std::string name = file.substr(file.find_last_of('/') + 1);
+    const std::size_t dot = name.find_last_of('.');
+    return dot == std::string::npos || dot == 0 ? name : name.substr(0, dot);
+}
+
 SceneDescription read_root(Table root, const std::string& file, BodyCount count) {
     SceneDescription scene;
     scene.path = file;
-    scene.name = std::filesystem::path(file).stem().string();
+    scene.name = stem_of(file);
 
     // every key of the top level is asked for before any table is read, so that a misspelt table name is the first
     // error
@@ -233,26 +236,6 @@ void check_range(Table& table, const std::string& key, const Triple& numbers, co
                     : is_velocity ? "m/s"
                                   : "m",
                     "the range." + what, range);
-}
-
-SceneDescription read_scene(const std::filesystem::path& path, BodyCount bodies) {
-    const auto refuse = [&path](const std::string& why) -> SceneError {
-        return {path.string(), 0, "", "cannot be read: " + why + ", expected a scene file (TOML)"};
-    };
-    std::error_code error;
-    const auto status = std::filesystem::status(path, error);
-    if (!std::filesystem::exists(status))
-        throw refuse(status.type() == std::filesystem::file_type::not_found ? "no such file" : error.message());
-    if (std::filesystem::is_directory(status)) throw refuse("it is a directory");
-    std::ifstream stream(path, std::ios::binary);
-    if (!stream) throw refuse("it cannot be opened");
-    std::string text;
-    for (std::array<char, 1 << 16> part{}; stream.read(part.data(), part.size()), stream.gcount() > 0;) {
-        text.append(part.data(), static_cast<std::size_t>(stream.gcount()));
-        if (text.size() > largest_file) throw refuse("it is larger than " + std::to_string(largest_file) + " bytes");
-    }
-    if (stream.bad()) throw refuse("reading it failed");
-    return read_scene_text(text, path.string(), bodies);
 }
 
 SceneDescription read_scene_text(std::string_view toml, std::string_view name, BodyCount bodies) {

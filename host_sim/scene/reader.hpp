@@ -1,9 +1,8 @@
-// Reads a scene file (TOML) into a SceneDescription and checks every rule of the format.
+// Reads the text of a scene (TOML) into a SceneDescription and checks every rule of the format.
 // The first error is thrown as a SceneError that names file, line, key and the expected value.
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <string>
 #include <string_view>
 
@@ -18,11 +17,7 @@ inline constexpr std::int64_t max_steps = std::int64_t{1} << 31;
 // A scene without [[body]] is nearly always a mistake. It is meant where the cost of an empty world is measured.
 enum class BodyCount { at_least_one, any };
 
-// Reads and checks a scene file.
-[[nodiscard]] SceneDescription read_scene(const std::filesystem::path& path,
-                                          BodyCount bodies = BodyCount::at_least_one);
-
-// The same for TOML in memory. `name` takes the place of the file in messages and in SceneDescription::path.
+// Reads and checks TOML in memory. `name` takes the place of the file in messages and in SceneDescription::path.
 [[nodiscard]] SceneDescription read_scene_text(std::string_view toml, std::string_view name,
                                                BodyCount bodies = BodyCount::at_least_one);
 

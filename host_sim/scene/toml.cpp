@@ -112,21 +112,20 @@ toml::table parsed(std::string_view text, const std::string& file) {
     // TOML allows none, but toml++ 3.3 takes some of them (such as a bare micro sign) for unreachable code instead of
     // reporting them.
     if (const int line = line_of_bare(text, [](char c) { return static_cast<unsigned char>(c) >= 0x80; }); line > 0)
-        throw SceneError(file, line, "TOML syntax",
-                         "a character outside ASCII, expected such only in quotes and comments");
+        raise(SceneError(file, line, "TOML syntax",
+                         "a character outside ASCII, expected such only in quotes and comments"));
     // It makes a table of each part of a key and destroys those in each other recursively.
     if (const int line =
             line_of_bare(text, [nesting = Nesting()](char c) mutable { return nesting.exceeds(most_nested, c); });
         line > 0)
-        throw SceneError(file, line, "TOML syntax",
+        raise(SceneError(file, line, "TOML syntax",
                          "tables, arrays and parts of keys lie more than " + std::to_string(most_nested) +
-                             " deep in each other, expected at most " + std::to_string(most_nested));
-    try {
-        return toml::parse(text, file);
-    } catch (const toml::parse_error& error) {
-        throw SceneError(file, line_of(error.source()), "TOML syntax",
-                         std::string(error.description()) + ", expected valid TOML 1.0");
-    }
+                             " deep in each other, expected at most " + std::to_string(most_nested)));
+    toml::parse_result result = toml::parse(text, file);
+    if (!result)
+        raise(SceneError(file, line_of(result.error().source()), "TOML syntax",
+                         std::string(result.error().description()) + ", expected valid TOML 1.0"));
+    return std::move(result).table();
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // A TOML document whose values know their place in the file. A `Table` returns the values of its keys and remembers
-// these keys, so that finish() can report all others as unknown. A `Value` is one node. Both throw their messages as a
+// these keys, so that finish() can report all others as unknown. A `Value` is one node. Both raise their messages as a
 // SceneError.
 #pragma once
 
@@ -15,6 +15,7 @@
 
 #include "scene/error.hpp"
 #include "scene/words.hpp"
+#include "tools/raise.hpp"
 #include "tools/text.hpp"
 
 // toml++ 3.3 asserts (or, with NDEBUG, lets the compiler assume) that a key follows '[', although its parser reports
@@ -22,6 +23,7 @@
 #pragma push_macro("NDEBUG")
 #undef NDEBUG
 #define TOML_ASSERT(condition) static_assert(true)
+#define TOML_EXCEPTIONS 0
 #include <toml++/toml.h>
 #pragma pop_macro("NDEBUG")
 
@@ -54,7 +56,7 @@ struct Place {
 
     [[nodiscard]] SceneError error(const std::string& problem, const std::string& wanted) const;
     [[noreturn]] void fail(const std::string& problem, const std::string& wanted) const {
-        throw error(problem, wanted);
+        raise(error(problem, wanted));
     }
 };
 
@@ -69,7 +71,7 @@ public:
     }
     // An error about the value in the file.
     [[nodiscard]] SceneError refusal(const std::string& wanted) const;
-    [[noreturn]] void refuse(const std::string& wanted) const { throw refusal(wanted); }
+    [[noreturn]] void refuse(const std::string& wanted) const { raise(refusal(wanted)); }
 
     // Element i of an array.
     [[nodiscard]] Value operator[](std::size_t i) const;

@@ -1,15 +1,14 @@
 #include "simulation/simulation.hpp"
 
 #include <tumble/integrators/list.hpp>
-#include <tumble/shapes/pairs.hpp>
 
 #include <algorithm>
 #include <cmath>
 
 #include "simulation/modules.hpp"
 #include "simulation/number_systems.hpp"
+#include "tools/raise.hpp"
 #include "tools/text.hpp"
-#include "truth/smooth_motion.hpp"
 
 namespace tumble::host {
 namespace {
@@ -41,8 +40,8 @@ std::vector<std::string> names_of(const std::vector<Info>& infos) {
 template <class Info>
 [[noreturn]] void refuse_name(const char* what, std::string_view name, const std::vector<Info>& infos) {
     const std::vector<std::string> names = names_of(infos);
-    throw std::invalid_argument("unknown " + std::string(what) + " " + in_quotes(name) + suggestion(name, names) +
-                                ", expected one of " + joined(names));
+    raise(std::invalid_argument("unknown " + std::string(what) + " " + in_quotes(name) + suggestion(name, names) +
+                                ", expected one of " + joined(names)));
 }
 
 bool holds(std::string_view range, const SceneDescription& scene) {
@@ -69,73 +68,6 @@ bool is_fixed_point(std::string_view numbers) {
     const auto& all = number_systems();
     return std::any_of(all.begin(), all.end(),
                        [&](const NumberSystemInfo& info) { return info.name == numbers && info.fixed_point; });
-}
-
-std::string acts_on_fixed(const BodyDescription& body) {
-    return "acts on body \"" + body.name + "\", which is fixed, so it has no effect";
-}
-
-// The name of a shape that touches no bodies, for a warning; empty for all others. A body without a shape is named as a
-// point mass, because a warning is given for no other.
-std::string_view passing_shape(ShapeKind shape) {
-    if (touches_bodies(shape)) return "";
-    switch (shape) {
-    case ShapeKind::cylinder: return "a cylinder";
-    case ShapeKind::hoop: return "a hoop";
-    case ShapeKind::capsule: return "a capsule";
-    case ShapeKind::points: return "a cloud of points";
-    case ShapeKind::none: return "a point mass";
-    default: return "";
-    }
-}
-
-// The planes and bodies through which a body of such a shape may pass; empty: none. A body with moments and no shape is
-// meant to touch nothing, so there is no warning.
-std::string passed_by(const BodyDescription& body, const SceneDescription& scene) {
-    const bool passes_planes = body.shape.kind == ShapeKind::points || body.is_point_mass();
-    const bool planes = passes_planes && !body.fixed && !scene.planes.empty();
-    const bool others =
-        body.shape.kind != ShapeKind::none &&
-        std::any_of(scene.bodies.begin(), scene.bodies.end(), [&](const BodyDescription& other) {
-            return &other != &body && other.shape.kind != ShapeKind::none && !(body.fixed && other.fixed);
-        });
-    return std::string(planes ? "planes" : "") + (planes && others ? " and " : "") + (others ? "other bodies" : "");
-}
-
-// A force's impulse that differs by more than this part of its size gets a warning.
-constexpr double impulse_tolerance = 0.1;
-
-// The warning about a force whose impulse differs by more, because it acts in whole steps, between those nearest to its
-// times. Empty for any other force.
-std::string other_impulse(const ForceDescription& force, const SceneDescription& scene) {
-    const double step = scene.step.seconds();
-    const std::int64_t from = nearest_step(force.from, scene.step),
-                       until = std::min(nearest_step(force.until, scene.step), scene.steps());
-    if (from >= scene.steps()) return "begins when the last step has been taken, so it has no effect";
-    const double wanted = std::min(force.until, static_cast<double>(scene.steps()) * step) - force.from,
-                 given = static_cast<double>(until - from) * step;
-    if (std::abs(given - wanted) <= impulse_tolerance * wanted) return {};
-    const auto impulse = [&](double seconds) {
-        const auto length = [](const Triple& v) { return std::hypot(v[0], v[1], v[2]); };
-        const double linear = length(force.force), angular = length(force.torque);
-        return (linear > 0 ? few_digits(linear * seconds) + " N s" : "") + (linear > 0 && angular > 0 ? " and " : "") +
-               (angular > 0 ? few_digits(angular * seconds) + " N m s" : "");
-    };
-    if (impulse(wanted).empty()) return {};
-    return "acts in " + std::to_string(until - from) + (until - from == 1 ? " step" : " steps") + " of " +
-           few_digits(step) + " s, so its impulse is " + impulse(given) + " instead of " + impulse(wanted) +
-           "; take a shorter step" + (until == from ? " or an impulse" : "");
-}
-
-// The bodies that overlap others or planes at the start, deeper than contacts allow.
-void add_overlaps(const SceneDescription& scene, std::vector<std::string>& list) {
-    for (const auto& overlap : SmoothMotion(scene, shapes_meet).overlaps()) {
-        if (overlap.depth <= scene.contact.tolerance) continue;
-        list.push_back("body \"" + scene.bodies[overlap.body].name + "\" begins " + few_digits(overlap.depth) +
-                       " m inside " + (overlap.with_plane ? "plane" : "body") + " \"" +
-                       (overlap.with_plane ? scene.planes[overlap.other].name : scene.bodies[overlap.other].name) +
-                       "\", which pushes it out slowly");
-    }
 }
 
 }  // namespace
@@ -220,16 +152,16 @@ bool has_range_for(const SceneDescription& scene, std::string_view numbers) {
 }
 
 void require_range(const SceneDescription& scene, std::string_view numbers) {
-    if (!has_range_for(scene, numbers)) throw SceneError(*scene.range.beyond_default);
+    if (!has_range_for(scene, numbers)) raise(SceneError(*scene.range.beyond_default));
 }
 
 void require_runs_in(const IntegratorInfo& integrator, std::string_view numbers) {
     if (runs_in(integrator, numbers)) return;
     std::vector<NumberSystemInfo> systems = number_systems();
     std::erase_if(systems, [&](const auto& info) { return !runs_in(integrator, info.name); });
-    throw std::invalid_argument("integrator \"" + integrator.name + "\" does not run in " + std::string(numbers) +
+    raise(std::invalid_argument("integrator \"" + integrator.name + "\" does not run in " + std::string(numbers) +
                                 ", because " + integrator.not_in_fixed_point + "; expected --numbers to be one of " +
-                                joined(names_of(systems)));
+                                joined(names_of(systems))));
 }
 
 RangeDescription held_by(std::string_view range) {
@@ -244,52 +176,6 @@ RangeDescription held_by(std::string_view range) {
 const NumberSystemInfo& find_number_system(const SceneDescription& scene, std::string_view numbers,
                                            std::optional<bool> carry) {
     return number_systems()[index_of(scene, numbers, carry)];
-}
-
-std::vector<std::string> limitations(const SceneDescription& scene) {
-    std::vector<std::string> list;
-    const auto number_of_steps = scene.steps();
-    for (std::size_t i = 0; i < scene.impulses.size(); ++i) {
-        const double step = scene.impulses[i].time / scene.step.seconds();
-        const BodyDescription& body = scene.bodies[static_cast<std::size_t>(scene.impulses[i].body)];
-        const std::string impulse = "impulse[" + std::to_string(i) + "] ";
-        if (body.fixed) list.push_back(impulse + acts_on_fixed(body));
-        else if (step >= static_cast<double>(number_of_steps) - 0.5)
-            list.push_back(impulse + "comes when the last step has been taken, so it has no effect");
-    }
-    for (std::size_t i = 0; i < scene.forces.size(); ++i) {
-        const BodyDescription& body = scene.bodies[static_cast<std::size_t>(scene.forces[i].body)];
-        const std::string other = body.fixed ? acts_on_fixed(body) : other_impulse(scene.forces[i], scene);
-        if (!other.empty()) list.push_back("force[" + std::to_string(i) + "] " + other);
-    }
-    for (std::size_t i = 0; i < scene.events.size(); ++i) {
-        const EventDescription& event = scene.events[i];
-        const bool moves_fixed = event.kind == EventKind::pose || event.kind == EventKind::angular_velocity ||
-                                 (event.kind == EventKind::velocity && scene.body(event.body).kinematic);
-        const std::string name = "event[" + std::to_string(i) + "] ";
-        if (scene.body(event.body).fixed && !moves_fixed) list.push_back(name + acts_on_fixed(scene.body(event.body)));
-        else if (nearest_step(event.time, scene.step) >= number_of_steps)
-            list.push_back(name + "comes when the last step has been taken, so it has no effect");
-    }
-    for (const BodyDescription& body : scene.bodies)
-        if (body.fixed && !body.kinematic && body.velocity != Triple{})
-            list.push_back("body \"" + body.name + "\" is fixed, so its velocity has no effect");
-    if (scene.contact.response == ContactResponse::none) return list;
-    if (scene.contact.response == ContactResponse::impulse) add_overlaps(scene, list);
-    if (scene.contact.response == ContactResponse::spring) {
-        const auto rough = [](const auto& side) { return side.friction.value_or(0.0) > 0; };
-        if (scene.contact.friction > 0 || std::any_of(scene.bodies.begin(), scene.bodies.end(), rough) ||
-            std::any_of(scene.planes.begin(), scene.planes.end(), rough))
-            list.emplace_back("friction is not simulated with contact.response = \"spring\"");
-        if (scene.contact.sleep) list.emplace_back("contact.sleep has no effect with contact.response = \"spring\"");
-    }
-    for (const BodyDescription& body : scene.bodies) {
-        const std::string shape(passing_shape(body.shape.kind)), passed = passed_by(body, scene);
-        if (!shape.empty() && !passed.empty())
-            list.push_back("body \"" + body.name + "\": contacts of " + shape + " with " + passed +
-                           " are not simulated, it passes through");
-    }
-    return list;
 }
 
 }  // namespace tumble::host

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "firmware/firmware.hpp"
-#include "scene/reader.hpp"
+#include "scene/scene_file.hpp"
 #include "simulation/simulation.hpp"
 #include "tools/output.hpp"
 #include "tools/text.hpp"

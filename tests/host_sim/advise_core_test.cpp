@@ -1,6 +1,6 @@
 // `tumble advise` on a core in QEMU, on a search of two methods.
 #include "command_runner.hpp"
-#include "scene/reader.hpp"
+#include "scene/scene_file.hpp"
 #include "verdict/accuracy.hpp"
 
 namespace tumble::host {

@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "command_runner.hpp"
-#include "scene/reader.hpp"
+#include "scene/scene_file.hpp"
 #include "tools/text.hpp"
 #include "verdict/accuracy.hpp"
 

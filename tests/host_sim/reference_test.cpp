@@ -5,7 +5,7 @@
 
 #include "command_runner.hpp"
 #include "scene/data.hpp"
-#include "scene/reader.hpp"
+#include "scene/scene_file.hpp"
 #include "simulation/simulation.hpp"
 #include "truth/smooth_motion.hpp"
 #include "verdict/accuracy.hpp"

@@ -10,7 +10,7 @@
 
 #include "command_runner.hpp"
 #include "scene/data.hpp"
-#include "scene/reader.hpp"
+#include "scene/scene_file.hpp"
 
 namespace tumble::host {
 namespace {

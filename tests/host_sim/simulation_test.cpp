@@ -11,7 +11,7 @@
 
 #include "command_runner.hpp"
 #include "scene/data.hpp"
-#include "scene/reader.hpp"
+#include "scene/scene_file.hpp"
 #include "simulation/simulation.hpp"
 
 namespace tumble::host {

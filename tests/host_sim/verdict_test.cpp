@@ -7,7 +7,7 @@
 #include "command/messages.hpp"
 #include "command_runner.hpp"
 #include "scene/data.hpp"
-#include "scene/reader.hpp"
+#include "scene/scene_file.hpp"
 #include "simulation/simulation.hpp"
 #include "tools/text.hpp"
 #include "truth/smooth_motion.hpp"

@@ -21,7 +21,7 @@
 
 #include "judge.hpp"
 #include "scene/error.hpp"
-#include "scene/reader.hpp"
+#include "scene/scene_file.hpp"
 #include "simulation/simulation.hpp"
 #include "tools/text.hpp"
 
