@@ -1,5 +1,7 @@
 #include "command/command.hpp"
 
+#include <tumble/version.hpp>
+
 #include <algorithm>
 #include <iostream>
 
@@ -13,10 +15,11 @@ namespace tumble::host {
 
 void Choice::add_to(Subcommand& command) {
     command.require(scene, "scene SCENE.toml", "scene file (TOML), or - for standard input", input_file());
-    command.add(integrator, "--integrator NAME", "see `tumble list`");
-    command.add(numbers, "--numbers q32|f32|f64", "number system");
+    command.add(integrator, "--integrator NAME", "see `tumble list` (default: the scene's [expect], else verlet)");
+    command.add(numbers, "--numbers q32|f32|f64", "number system (default: the scene's [expect], else q32)");
     command.add(carry, "--carry on|off",
-                "carry the rounding residual of the state (default: on for q32 and f32, off for f64)",
+                "carry the rounding residual of the state (default: the scene's [expect], else on for q32 and f32, off "
+                "for f64)",
                 one_of("on", "off"));
     command.add(step, "--step S", "step length in s, as 1/256 or 0.005, instead of the scene's",
                 {"a positive number of seconds or a fraction such as 1/256",
@@ -24,30 +27,75 @@ void Choice::add_to(Subcommand& command) {
     command.add(duration, "--duration T", "length of the run in s, instead of the scene's", host::duration());
 }
 
+Method Choice::method(const SceneDescription& description) const {
+    const auto& expected = description.expected;
+    Method method{integrator, numbers};
+    if (integrator.empty()) method.integrator = expected ? expected->integrator : "verlet";
+    if (numbers.empty()) method.numbers = expected ? expected->numbers : "q32";
+    const bool is_expected = expected && expected->carry && method.numbers == expected->numbers;
+    method.carry = !carry.empty() ? carry == "on" : is_expected ? *expected->carry : default_carry(method.numbers);
+    return method;
+}
+
 SceneDescription Choice::read() const {
-    const IntegratorInfo& method = find_integrator(integrator);
+    if (!integrator.empty()) (void)find_integrator(integrator);
     SceneDescription description = read_scene(scene, no_bodies ? BodyCount::any : BodyCount::at_least_one);
     if (!step.empty()) description.step = parse_step(step).value();
     if (duration) description.duration = *duration;
     if (description.steps() > max_steps)
         throw std::invalid_argument("--step, --duration: got more than 2^31 steps, expected at most " +
                                     std::to_string(max_steps));
-    (void)find_number_system(description, numbers, wants_carry());
-    require_runs_in(method, numbers);
-    require_range(description, numbers);
+    const Method chosen = method(description);
+    (void)find_number_system(description, chosen.numbers, chosen.carry);
+    require_runs_in(find_integrator(chosen.integrator), chosen.numbers);
+    require_range(description, chosen.numbers);
+    if (const auto& expected = description.expected; expected && !is_expected(description))
+        warn("[expect] is of " + expected->integrator + " in " + expected->numbers +
+             (expected->carry && *expected->carry != default_carry(expected->numbers)
+                  ? *expected->carry ? " with carry" : " without carry"
+                  : "") +
+             " at the scene's own step and duration. This run is another, and is not held against it");
     for (const std::string& limitation : limitations(description)) warn(limitation);
+    // A recorded session may have ended before its scene.
+    if (is_expected(description) && description.expected->steps < description.steps())
+        description.duration = static_cast<double>(description.expected->steps) * description.step.seconds();
     return description;
+}
+
+bool Choice::is_expected(const SceneDescription& description) const {
+    const auto& expected = description.expected;
+    if (!expected || !step.empty() || duration) return false;
+    const Method chosen = method(description);
+    return chosen.integrator == expected->integrator && chosen.numbers == expected->numbers &&
+           chosen.carry == expected->carry.value_or(default_carry(expected->numbers));
+}
+
+bool Choice::is_as_expected(const SceneDescription& description, const Simulation& simulation) const {
+    if (!is_expected(description)) return true;
+    const Expectation& expected = *description.expected;
+    if (simulation.steps_taken() == expected.steps && simulation.hash() == expected.hash) return true;
+    const auto ending = [](std::uint64_t hash, std::int64_t steps) {
+        return "hash " + hex(hash) + " after " + std::to_string(steps) + " steps";
+    };
+    std::cerr << scene << ": expect: got " << ending(simulation.hash(), simulation.steps_taken()) << ", expected "
+              << ending(expected.hash, expected.steps);
+    if (expected.bits != TUMBLE_BITS)
+        std::cerr << ". The file is of bits " << expected.bits << ", and this command has bits " << TUMBLE_BITS
+                  << ", whose results differ";
+    std::cerr << "\n";
+    return false;
 }
 
 void Choice::warn(const std::string& of) const { std::cerr << "warning: " << scene << ": " << of << "\n"; }
 
 std::unique_ptr<Simulation> Choice::start(const SceneDescription& description) const {
-    auto simulation = make_simulation(description, integrator, numbers, wants_carry());
+    const Method chosen = method(description);
+    auto simulation = make_simulation(description, chosen.integrator, chosen.numbers, chosen.carry);
     const ContactDescription& contact = description.contact;
     const auto used = static_cast<double>(simulation->contact_tolerance());
     // A tolerance that the numbers can represent is rounded by less than a sixteenth.
     if (contact.response == ContactResponse::impulse && used > contact.tolerance * 17 / 16)
-        warn("contact.tolerance = " + few_digits(contact.tolerance) + " m is too small for " + numbers +
+        warn("contact.tolerance = " + few_digits(contact.tolerance) + " m is too small for " + chosen.numbers +
              " beside this scene's largest body or way in a step: " + few_digits(used) + " m is used");
     if (const std::string unheld = unheld_spin(description, *simulation); !unheld.empty()) warn(unheld);
     return simulation;
@@ -90,7 +138,8 @@ std::string cores_with_cycles() {
 int command(int argc, const char* const* argv) {
     try {
         CommandLine line;
-        for (const auto add : {add_run, add_compile, add_compare, add_advise, add_profile, add_list}) add(line);
+        for (const auto add : {add_run, add_compile, add_compare, add_advise, add_profile, add_view, add_list})
+            add(line);
         return line.run(argc, argv);
     } catch (const SceneError& error) {
         std::cerr << error.what() << "\n";

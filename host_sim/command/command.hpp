@@ -8,30 +8,34 @@
 #include "scene/description.hpp"
 #include "simulation/simulation.hpp"
 #include "tools/output.hpp"
+#include "verdict/accuracy.hpp"
 
 namespace tumble::host {
 
 // A scene, and how to replay it.
 struct Choice {
-    std::string scene;  // the file
-    std::string integrator = "verlet";
-    std::string numbers = "q32";
-    std::string carry;               // "on", "off" or empty: the number system's default
-    std::string step;                // empty: the file's
-    std::optional<double> duration;  // s; empty: the file's
-    bool no_bodies = false;          // is a scene without bodies allowed?
+    std::string scene;                // the file
+    std::string integrator, numbers;  // empty: those of the scene's [expect], else verlet and q32
+    std::string carry;                // "on", "off" or empty: that of [expect], else the number system's default
+    std::string step;                 // empty: the file's
+    std::optional<double> duration;   // s; empty: the file's
+    bool no_bodies = false;           // is a scene without bodies allowed?
 
     // The options of every replay.
     void add_to(Subcommand& command);
-    [[nodiscard]] std::optional<bool> wants_carry() const {
-        return carry.empty() ? std::nullopt : std::optional{carry == "on"};
-    }
-    // Reads the scene, applies the choice to it, and warns of everything in it that is not simulated.
+    [[nodiscard]] Method method(const SceneDescription& scene) const;
+    // Reads the scene, applies the choice to it, and warns of everything in it that is not simulated, and of an
+    // [expect] of another choice.
     [[nodiscard]] SceneDescription read() const;
     // Warns where the numbers cannot represent the contact tolerance or the largest spin that the scene declares.
     [[nodiscard]] std::unique_ptr<Simulation> start(const SceneDescription& scene) const;
+    // Did the run end as the scene's [expect] says? Where it did not, writes both hashes to standard error. True where
+    // the scene has none, or one of another choice.
+    [[nodiscard]] bool is_as_expected(const SceneDescription& scene, const Simulation& simulation) const;
 
 private:
+    // Is there an [expect], and of this choice?
+    [[nodiscard]] bool is_expected(const SceneDescription& scene) const;
     void warn(const std::string& of) const;
 };
 
@@ -41,6 +45,7 @@ void add_compile(CommandLine& line);
 void add_compare(CommandLine& line);
 void add_advise(CommandLine& line);
 void add_profile(CommandLine& line);
+void add_view(CommandLine& line);
 void add_list(CommandLine& line);
 
 // The header that `compile` writes.

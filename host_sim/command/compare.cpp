@@ -175,7 +175,8 @@ int compare(const CompareOptions& options) {
     const Verdict verdict =
         options.check.verdict(scene, method_of(reference.simulation()), std::move(reference).record());
     std::cout << verdict_line(options.check, verdict, scene, reference.simulation());
-    return report(verdict, scene, reference.simulation());
+    const int status = report(verdict, scene, reference.simulation());
+    return options.is_as_expected(scene, reference.simulation()) ? status : failed;
 }
 
 }  // namespace

@@ -324,8 +324,9 @@ std::string struct_name(const std::string& path) {
 
 std::string compiled_scene(const SceneDescription& scene, const Choice& choice, const std::string& name) {
     const SceneData data = build_scene(scene);
-    const NumberSystemInfo& numbers = find_number_system(scene, choice.numbers, choice.wants_carry());
-    const IntegratorInfo& integrator = find_integrator(choice.integrator);
+    const Method method = choice.method(scene);
+    const NumberSystemInfo& numbers = find_number_system(scene, method.numbers, method.carry);
+    const IntegratorInfo& integrator = find_integrator(method.integrator);
     std::ostringstream text;
     text << "// The scene " << cpp_text(scene.name) << ", written by `tumble compile` from "
          << cpp_text(std::filesystem::path(scene.path).filename().string()) << " for " << integrator.name << " and "

@@ -74,11 +74,11 @@ Branches branches_of(const fs::path& file, const fs::path& elf) {
     return branches;
 }
 
-void print_table(std::FILE* out, const ProfileOptions& options, const SceneDescription& scene, const Json& row,
-                 const std::vector<Function>& functions, const Branches& branches) {
+void print_table(std::FILE* out, const ProfileOptions& options, const Method& method, const SceneDescription& scene,
+                 const Json& row, const std::vector<Function>& functions, const Branches& branches) {
     const auto number = [&](const char* key) { return row.at(key).get<double>(); };
     std::fprintf(out, "%s: %s in %s on %s, %lld steps; cycles at zero wait states by %s\n", scene.name.c_str(),
-                 options.integrator.c_str(), numbers_text(row.at("numbers"), row.at("carry")).c_str(),
+                 method.integrator.c_str(), numbers_text(row.at("numbers"), row.at("carry")).c_str(),
                  options.core.c_str(), row.at("steps").get<long long>(), row.at("timing").get<std::string>().c_str());
     std::fprintf(out, "\n%-11s %12s %12s %12s %12s\n", "", "estimate", "least", "most", "insn");
     std::fprintf(out, "%-11s %12.0f %12.0f %12.0f %12.0f\n", "mean step", number("cycles_per_step_est"),
@@ -139,7 +139,8 @@ int profile(const ProfileOptions& options) {
         throw std::invalid_argument("--core: got \"" + options.core +
                                     "\", whose cycles no manual gives, expected one of " + cores_with_cycles());
     const SceneDescription scene = options.read();
-    const NumberSystemInfo& system = find_number_system(scene, options.numbers, options.wants_carry());
+    const Method method = options.method(scene);
+    const NumberSystemInfo& system = find_number_system(scene, method.numbers, method.carry);
     const NumberVariant& variant = variant_of(system.name, system.carry);
     const std::vector<FileArgument> outputs = {{"--flame", options.flame}};
     check_outputs({{"the scene", options.scene}}, outputs);
@@ -152,9 +153,9 @@ int profile(const ProfileOptions& options) {
     const fs::path header = build / "scene.hpp";
     write_if_changed(header, compiled_scene(scene, Choice{}));  // the firmware has its own method
     // Debug lines name the inlined functions; they do not change the code of a step.
-    StepFirmware firmware(build, options.core, struct_name(scene.path), header, {options.integrator},
+    StepFirmware firmware(build, options.core, struct_name(scene.path), header, {method.integrator},
                           {.has_lines = true});
-    const std::string name = StepFirmware::name_of(variant, options.integrator);
+    const std::string name = StepFirmware::name_of(variant, method.integrator);
     firmware.build({name});
     const fs::path places = build / "places", branches_file = build / "branches", elf = build / (name + ".elf");
     const StepOutcome outcome =
@@ -167,7 +168,7 @@ int profile(const ProfileOptions& options) {
     const std::vector<Function> functions = functions_of(places, elf);
     const Branches branches = branches_of(branches_file, elf);
     if (flame) {
-        const std::string title = scene.name + ", " + options.integrator + " in " +
+        const std::string title = scene.name + ", " + method.integrator + " in " +
                                   numbers_text(variant.numbers, variant.carry) + " on " + options.core + ": " +
                                   few_digits(outcome.row.at("cycles_per_step_est").get<double>()) +
                                   " cycles a step, estimate, zero wait states";
@@ -175,7 +176,7 @@ int profile(const ProfileOptions& options) {
         flame->commit();
     }
     if (options.json) print_json(outcome.row, functions, branches);
-    else print_table(report, options, scene, outcome.row, functions, branches);
+    else print_table(report, options, method, scene, outcome.row, functions, branches);
     return done;
 }
 

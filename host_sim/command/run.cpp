@@ -334,7 +334,8 @@ int run(const RunOptions& options) {
     const Verdict verdict = options.check.verdict(scene, method_of(*simulation), record);
     if (options.json) print_json(scene, *simulation, energy, verdict);
     else table << verdict_line(options.check, verdict, scene, *simulation);
-    return report(verdict, scene, *simulation);
+    const int status = report(verdict, scene, *simulation);
+    return options.is_as_expected(scene, *simulation) ? status : failed;
 }
 
 }  // namespace

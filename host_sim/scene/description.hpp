@@ -121,6 +121,15 @@ struct GravityGradientDescription {
     Triple to_centre{};       // world; as written, not yet normalised
 };
 
+// How a recorded run ended.
+struct Expectation {
+    std::string integrator, numbers;  // numbers: q32, f32 or f64
+    std::optional<bool> carry{};      // none: the number system's default
+    std::int64_t steps = 0;
+    int bits = 0;  // TUMBLE_BITS
+    std::uint64_t hash = 0;
+};
+
 struct SceneDescription {
     std::string name;
     std::string path;  // the file it came from, as given
@@ -139,6 +148,7 @@ struct SceneDescription {
     std::vector<ImpulseDescription> impulses;  // file order
     std::vector<ForceDescription> forces;
     std::vector<EventDescription> events;  // file order
+    std::optional<Expectation> expected{};
 
     [[nodiscard]] const BodyDescription& body(int index) const { return bodies[static_cast<std::size_t>(index)]; }
 

@@ -105,12 +105,7 @@ void read_range(Table table, RangeDescription& range) {
 
 void read_bound(Table& table, const char* key, int& bound) {
     constexpr int most = 1000;
-    const auto value = table.find(key);
-    if (!value) return;
-    const auto* whole = value->node().as_integer();
-    if (whole == nullptr || whole->get() < 0 || whole->get() > most)
-        value->refuse("a whole number from 0 to " + std::to_string(most));
-    bound = static_cast<int>(whole->get());
+    if (const auto value = table.find(key)) bound = static_cast<int>(value->whole(0, most));
 }
 
 void read_contact(Table table, ContactDescription& contact) {
@@ -187,6 +182,7 @@ SceneDescription read_root(Table root, const std::string& file, BodyCount count)
     const auto impulses = root.tables("impulse");
     const auto forces = root.tables("force");
     const auto events = root.tables("event");
+    const auto expect = root.table("expect");
     if (root.has("joint"))
         root.at("joint").fail("there are no joints", "[[spring]] in its place: a stiff one is the nearest to a joint");
     root.finish();
@@ -206,6 +202,7 @@ SceneDescription read_root(Table root, const std::string& file, BodyCount count)
     for (const Table& table : impulses) scene.impulses.push_back(read_impulse(table, scene));
     for (const Table& table : forces) scene.forces.push_back(read_force(table, scene));
     for (const Table& table : events) scene.events.push_back(read_event(table, scene, scene.range));
+    if (expect) scene.expected = read_expectation(*expect);
     return scene;
 }
 

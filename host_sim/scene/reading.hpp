@@ -23,6 +23,8 @@ inline constexpr Quantity seconds{Quantity::not_negative, "s"};
 [[nodiscard]] EventDescription read_event(Table table, const SceneDescription& scene, RangeDescription& range,
                                           bool live = false);
 
+[[nodiscard]] Expectation read_expectation(Table table);
+
 // The body that a key names. Throws where there is none.
 [[nodiscard]] int resolve(Table& table, const std::string& key, const std::string& name, const SceneDescription& scene);
 // Throws where a time is after the end of the run.

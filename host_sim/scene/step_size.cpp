@@ -22,8 +22,33 @@ std::optional<StepSize> parse_step(std::string_view text) {
         if (!read || step.numerator <= 0 || step.denominator <= 0) return std::nullopt;
         return step;
     }
-    const auto [last, code] = std::from_chars(text.data(), end, step.decimal);
-    if (code != std::errc{} || last != end || !Quantity{Quantity::positive}.holds(step.decimal)) return std::nullopt;
+    const auto number = leading_number(text);
+    if (!number || number->length != text.size() || !Quantity{Quantity::positive}.holds(number->value)) return {};
+    step.decimal = number->value;
+    return step;
+}
+
+long double long_seconds(const StepSize& step) {
+    return step.denominator == 0
+               ? static_cast<long double>(step.decimal)
+               : static_cast<long double>(step.numerator) / static_cast<long double>(step.denominator);
+}
+std::int64_t nearest_step(double time, const StepSize& step) {
+    return std::llround(static_cast<long double>(time) / long_seconds(step));
+}
+
+StepSize scaled(StepSize step, int doublings) {
+    for (; doublings > 0 && step.denominator != 0; --doublings) {
+        if (step.denominator % 2 == 0) step.denominator /= 2;
+        else if (step.numerator < std::numeric_limits<std::int64_t>::max() / 2) step.numerator *= 2;
+        else break;
+    }
+    for (; doublings < 0 && step.denominator != 0; ++doublings) {
+        if (step.numerator % 2 == 0) step.numerator /= 2;
+        else if (step.denominator < std::numeric_limits<std::int64_t>::max() / 2) step.denominator *= 2;
+        else break;
+    }
+    if (doublings != 0) step = {1, 0, std::ldexp(step.seconds(), doublings)};
     return step;
 }
 

@@ -18,6 +18,13 @@ struct StepSize {
     }
 };
 
+// With all digits, s.
+[[nodiscard]] long double long_seconds(const StepSize& step);
+// The step, from 0, that begins nearest to a time, s.
+[[nodiscard]] std::int64_t nearest_step(double time, const StepSize& step);
+// The step times 2^doublings; exact.
+[[nodiscard]] StepSize scaled(StepSize step, int doublings);
+
 // Reads "1/256" or "0.005". Empty when it is neither, or not positive.
 [[nodiscard]] std::optional<StepSize> parse_step(std::string_view text);
 // Writes 1/256, or a few digits.

@@ -188,6 +188,13 @@ double Value::number(const Quantity& quantity) const {
     refuse(quantity.expected() + (has_sense ? ", " + quantity.sizes() : ""));
 }
 
+std::int64_t Value::whole(std::int64_t least, std::int64_t most) const {
+    const auto* whole = node_->as_integer();
+    if (whole == nullptr || whole->get() < least || whole->get() > most)
+        refuse("a whole number from " + std::to_string(least) + " to " + std::to_string(most));
+    return whole->get();
+}
+
 std::vector<double> Value::numbers(const Quantity& quantity, std::initializer_list<std::size_t> counts) const {
     const toml::array* array = node_->as_array();
     if (array == nullptr || std::find(counts.begin(), counts.end(), array->size()) == counts.end()) {

@@ -76,6 +76,7 @@ public:
     // Element i of an array.
     [[nodiscard]] Value operator[](std::size_t i) const;
 
+    [[nodiscard]] std::int64_t whole(std::int64_t least, std::int64_t most) const;
     [[nodiscard]] double number(const Quantity& quantity) const;
     // An array of as many numbers as one of `counts`.
     [[nodiscard]] std::vector<double> numbers(const Quantity& quantity,

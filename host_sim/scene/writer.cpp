@@ -25,6 +25,8 @@ std::string line(const char* key, const std::string& value) {
 }
 std::string line(const char* key, const auto& value) { return line(key, text_of(value)); }
 
+std::string frame_text(Frame of) { return line("frame", of == Frame::body ? json_text("body") : ""); }
+
 std::string shape_text(const ShapeDescription& shape) {
     switch (shape.kind) {
     case ShapeKind::box: return "{ box = " + text_of(shape.size) + " }";
@@ -55,7 +57,6 @@ std::string contact_text(const ContactDescription& c) {
 
 std::string scene_text(const SceneDescription& scene) {
     const auto name_of = [&](int body) { return json_text(scene.body(body).name); };
-    const auto frame = [](Frame of) { return line("frame", of == Frame::body ? json_text("body") : ""); };
     const std::string step =
         scene.step.denominator == 0 ? text_of(scene.step.decimal) : json_text(step_text(scene.step));
     std::string text = line("name", json_text(scene.name));
@@ -88,20 +89,32 @@ std::string scene_text(const SceneDescription& scene) {
         text += "\n[[spring]]\n" + line("body", name_of(s.body)) + line("point", s.point) +
                 (s.to_body < 0 ? line("to", s.to) : line("to_body", name_of(s.to_body)) + line("to_point", s.to)) +
                 line("stiffness", s.stiffness) + line("damping", s.damping) + line("rest_length", s.rest_length);
-    for (const ImpulseDescription& i : scene.impulses)
-        text += "\n[[impulse]]\n" + line("time", i.time) + line("body", name_of(i.body)) + line("impulse", i.impulse) +
-                frame(i.frame) + line("point", i.point) + line("angular_impulse", i.angular_impulse);
+    for (const ImpulseDescription& impulse : scene.impulses) text += impulse_text(impulse, scene);
     for (const ForceDescription& f : scene.forces)
         text += "\n[[force]]\n" + line("body", name_of(f.body)) + line("from", f.from) + line("until", f.until) +
-                line("force", f.force) + frame(f.frame) + line("point", f.point) + line("torque", f.torque);
+                line("force", f.force) + frame_text(f.frame) + line("point", f.point) + line("torque", f.torque);
     for (const EventDescription& event : scene.events) text += event_text(event, scene);
+    if (scene.expected) text += expectation_text(*scene.expected);
     return text;
+}
+
+std::string impulse_text(const ImpulseDescription& impulse, const SceneDescription& scene) {
+    return "\n[[impulse]]\n" + line("time", impulse.time) + line("body", json_text(scene.body(impulse.body).name)) +
+           line("impulse", impulse.impulse) + frame_text(impulse.frame) + line("point", impulse.point) +
+           (impulse.angular_impulse == Triple{} ? "" : line("angular_impulse", impulse.angular_impulse));
+}
+
+std::string expectation_text(const Expectation& expected) {
+    return "\n[expect]\n" + line("integrator", json_text(expected.integrator)) +
+           line("numbers", json_text(expected.numbers)) +
+           line("carry", expected.carry ? std::string(*expected.carry ? "true" : "false") : "") +
+           line("steps", std::to_string(expected.steps)) + line("tumble_bits", expected.bits) +
+           line("hash", json_text(hex(expected.hash)));
 }
 
 std::string event_text(const EventDescription& event, const SceneDescription& scene) {
     return "\n[[event]]\n" + line("time", event.time) + line("kind", json_text(name_of(event.kind))) +
-           line("body", json_text(scene.body(event.body).name)) + line("value", event.value) +
-           line("frame", event.frame == Frame::body ? json_text("body") : "") +
+           line("body", json_text(scene.body(event.body).name)) + line("value", event.value) + frame_text(event.frame) +
            (event.point == Triple{} ? "" : line("point", event.point)) +
            (event.kind == EventKind::pose ? line("orientation", event.orientation) : "");
 }

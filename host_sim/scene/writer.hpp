@@ -11,5 +11,8 @@ namespace tumble::host {
 [[nodiscard]] std::string scene_text(const SceneDescription& scene);
 // A table [[event]] of the scene, which may follow the text of its file.
 [[nodiscard]] std::string event_text(const EventDescription& event, const SceneDescription& scene);
+// A table [[impulse]], and the table [expect]; the same.
+[[nodiscard]] std::string impulse_text(const ImpulseDescription& impulse, const SceneDescription& scene);
+[[nodiscard]] std::string expectation_text(const Expectation& expected);
 
 }  // namespace tumble::host

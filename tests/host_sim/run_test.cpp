@@ -311,5 +311,54 @@ TEST(Run, an_energy_beyond_double_is_null_and_a_failure) {
     EXPECT_TRUE(has(tumble({"run", path, "--numbers", "f64"}).text, "at 4.75 s (step 19): range_left"));
 }
 
+// A scene and how it ends in a method, with one key of [expect] changed.
+std::string expecting(const Json& run, const std::string& key = {}, const std::string& value = {}) {
+    std::string text = contents(shipped("cube")) + "\n[expect]\n";
+    const auto line = [&](const std::string& name, const std::string& own) {
+        text += name + " = " + (name == key ? value : own) + "\n";
+    };
+    line("integrator", run["integrator"].dump());
+    line("numbers", run["numbers"].dump());
+    line("steps", run["steps"].dump());
+    line("tumble_bits", std::to_string(TUMBLE_BITS));
+    line("hash", run["state_hash"].dump());
+    return written("expecting.toml", text);
+}
+
+TEST(Run, ends_as_the_scene_expects_or_says_both_hashes) {
+    const Json f32 = json_of({"run", shipped("cube"), "--integrator", "rk4", "--numbers", "f32"});
+    const std::string hash = f32["state_hash"];
+    // The method is that of [expect].
+    expect_outcome(tumble({"run", expecting(f32)}), 0, "rk4, f32", hash);
+    expect_outcome(tumble({"run", expecting(f32, "hash", "\"0123456789abcdef\"")}), 1,
+                   "expect: got hash " + hash + " after 800 steps, expected hash 0123456789abcdef after 800 steps\n");
+    expect_outcome(tumble({"run", expecting(f32, "steps", "799")}), 1,
+                   " after 799 steps, expected hash " + hash + " after 799 steps");
+    expect_outcome(tumble({"run", expecting(f32, "steps", "801")}), 1,
+                   "got hash " + hash + " after 800 steps, expected hash " + hash + " after 801 steps");
+    const std::string of_other_bits = expecting(f32, "tumble_bits", std::to_string(TUMBLE_BITS - 1));
+    expect_outcome(tumble({"run", of_other_bits}), 0, hash);  // which gives the same bits here
+    expect_outcome(tumble({"run", of_other_bits, "--duration", "4"}), 0, "warning: ");
+}
+
+TEST(Run, that_is_another_is_not_held_against_what_the_scene_expects) {
+    const Json q32 = json_of({"run", shipped("cube")});
+    const std::string scene = expecting(q32, "hash", "\"0123456789abcdef\"");
+    for (const std::vector<std::string>& other : {std::vector<std::string>{"--integrator", "rk4"},
+                                                  {"--numbers", "f64"},
+                                                  {"--carry", "off"},
+                                                  {"--step", "1/512"},
+                                                  {"--duration", "1"}}) {
+        std::vector<std::string> arguments = {"run", scene, "--check", "off"};
+        arguments.insert(arguments.end(), other.begin(), other.end());
+        expect_outcome(tumble(arguments), 0,
+                       "warning: " + scene +
+                           ": [expect] is of verlet in q32 at the scene's own step and duration. This "
+                           "run is another, and is not held against it");
+    }
+    expect_outcome(tumble({"run", scene, "--check", "off", "--integrator", "verlet"}), 1,
+                   "expected hash 0123456789abcdef");
+}
+
 }  // namespace
 }  // namespace tumble::host

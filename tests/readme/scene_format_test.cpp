@@ -37,6 +37,12 @@ const std::map<std::string, Keys> least{
     {"spring", {{"body", "\"brick\""}, {"to", "[0.0, 1.0, 0.0]"}, {"stiffness", "1.0"}}},
     {"impulse", {{"time", "0.5"}, {"body", "\"brick\""}, {"impulse", "[1.0, 0.0, 0.0]"}}},
     {"force", {{"body", "\"brick\""}, {"until", "1.0"}, {"force", "[1.0, 0.0, 0.0]"}}},
+    {"expect",
+     {{"integrator", "\"verlet\""},
+      {"numbers", "\"q32\""},
+      {"steps", "256"},
+      {"tumble_bits", "8"},
+      {"hash", "\"0123456789abcdef\""}}},
     {"event", {{"time", "0.5"}, {"kind", "\"impulse\""}, {"body", "\"brick\""}, {"value", "[1.0, 0.0, 0.0]"}}},
 };
 
