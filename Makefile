@@ -17,7 +17,7 @@ ARGS  ?=
 PROGRAM ?= q32-Verlet
 PAGES := $(wildcard *.md */*.md host_sim/*/*.md)
 
-.PHONY: header api arduino run test bench pictures firmware replay advise flame board sizes check format tables golden build setup clean help explore mutants tolerances sanitize deep-setup say-run host-tests
+.PHONY: header api arduino page page-pictures run test bench pictures firmware replay advise flame board sizes check format tables golden build setup clean help explore mutants tolerances sanitize deep-setup say-run host-tests
 .DEFAULT_GOAL := help
 
 ## help: this list
@@ -113,6 +113,17 @@ api:
 	@port/setup api
 	@mkdir -p build/api
 	doxygen kernel/Doxyfile
+
+## page: the page on which scenes are seen and hit, build/page/tumble.html: one file that any browser opens
+page: setup
+	@port/setup page
+	@TUMBLE_CORE=wasm32 cmake --preset firmware > /dev/null
+	@cmake --build build/wasm32 --target page
+	@echo "$(CURDIR)/build/page/tumble.html"
+
+## page-pictures: draw the pictures of the front page anew, from the page
+page-pictures: page deep-setup
+	node tests/page/pictures.mjs build/page/tumble.html build/host/tumble host_sim/page/pictures
 
 ## arduino: the kernel as an Arduino library, build/arduino/tumble
 arduino: setup

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "scene/data.hpp"
 #include "simulation/simulation.hpp"
 #include "tools/text.hpp"
 #include "truth/smooth_motion.hpp"

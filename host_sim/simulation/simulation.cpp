@@ -74,7 +74,8 @@ bool is_fixed_point(std::string_view numbers) {
 
 bool default_carry(std::string_view numbers) {
     const auto& systems = number_systems();
-    const auto first = std::ranges::find(systems, numbers, &NumberSystemInfo::name);
+    const auto first = std::find_if(systems.begin(), systems.end(),
+                                    [&](const NumberSystemInfo& info) { return info.name == numbers; });
     if (first == systems.end()) refuse_name("number system", numbers, systems);
     return first->carry;
 }

@@ -73,6 +73,12 @@ struct Trouble {
     std::optional<HeldNumber> number{};  // of range_left: the number that left; none: one is not finite
 };
 
+// A state of one simulation to go back to.
+class Snapshot {
+public:
+    virtual ~Snapshot() = default;
+};
+
 class Simulation {
 public:
     virtual ~Simulation() = default;
@@ -81,6 +87,9 @@ public:
     virtual void step() = 0;
     // Applies an event before the next step; its time has no meaning.
     virtual void apply(const EventDescription& event) = 0;
+    // restore() takes a snapshot of the same simulation; bits go on as they did after it.
+    [[nodiscard]] virtual std::unique_ptr<Snapshot> snapshot() const = 0;
+    virtual void restore(const Snapshot& snapshot) = 0;
 
     [[nodiscard]] virtual std::int64_t steps_taken() const = 0;
     [[nodiscard]] virtual std::uint64_t hash() const = 0;

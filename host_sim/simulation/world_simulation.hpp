@@ -27,6 +27,8 @@ class BodiesSimulation : public Simulation {
 protected:
     using Bodies = tumble::Bodies<N, spin_is, max_bodies, host_features.mixed()>;
 
+    std::vector<Trouble> troubles_;
+
     // Both must outlive this.
     BodiesSimulation(const SceneData& data, const Bodies& bodies)
         : Simulation(data.steps, number(data.step.value)), data_(data), now_(bodies), energy_(data) {
@@ -117,7 +119,6 @@ private:
     const Bodies& now_;
     SceneEnergy energy_;
     std::vector<PrincipalAxes> axes_;
-    std::vector<Trouble> troubles_;
 };
 
 // Base class that is constructed before BodiesSimulation.
@@ -151,6 +152,15 @@ public:
     }
 
     void apply(const EventDescription& event) override { world().apply(world().prepare(event_of(event))); }
+
+    [[nodiscard]] std::unique_ptr<Snapshot> snapshot() const override {
+        return std::make_unique<Kept>(Owned::replay.world(), Told::troubles_);
+    }
+    void restore(const Snapshot& snapshot) override {
+        const Kept& kept = static_cast<const Kept&>(snapshot);
+        world() = kept.world;
+        Told::troubles_ = kept.troubles;
+    }
 
     [[nodiscard]] ImuSnapshot imu(int b) const override {
         const Imu<double> imu = Owned::replay.world().template imu<double>(BodyId{b});
@@ -186,6 +196,13 @@ public:
     [[nodiscard]] bool carry() const override { return N::carry; }
 
 private:
+    using World = tumble::World<SceneOf<N, Method, host_features>>;
+    struct Kept : Snapshot {
+        Kept(const World& now, const std::vector<Trouble>& until_now) : world(now), troubles(until_now) {}
+        World world;
+        std::vector<Trouble> troubles;
+    };
+
     template <class T>
     [[nodiscard]] static std::array<double, 3> array_of(const Vector3<T>& v) {
         return {static_cast<double>(v.x), static_cast<double>(v.y), static_cast<double>(v.z)};

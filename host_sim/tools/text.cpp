@@ -5,6 +5,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <numeric>
 #include <utility>
 #include <vector>
@@ -49,6 +50,22 @@ std::string cpp_number(double value) {
     const auto end = std::to_chars(text.data(), text.data() + text.size(), value).ptr;
     std::string number(text.data(), end);
     if (number.find_first_of(".en") == std::string::npos) number += ".0";
+    return number;
+}
+
+std::optional<LeadingNumber> leading_number(std::string_view text) {
+    LeadingNumber number;
+#if defined(__cpp_lib_to_chars)
+    const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), number.value);
+    if (code != std::errc{}) return {};
+    number.length = static_cast<std::size_t>(end - text.data());
+#else  // a library that reads no floating point; strtod() takes blanks, signs and hexadecimal digits besides
+    const std::string decimal(text.substr(0, text.find_first_not_of("0123456789.eE+-")));
+    char* end = nullptr;
+    if (!decimal.starts_with('+')) number.value = std::strtod(decimal.c_str(), &end);
+    if (end == nullptr || end == decimal.c_str() || !std::isfinite(number.value)) return {};
+    number.length = static_cast<std::size_t>(end - decimal.c_str());
+#endif
     return number;
 }
 
@@ -103,14 +120,13 @@ std::string csv_field(std::string_view text) {
 }
 
 std::optional<double> parse_frequency(std::string_view text) {
-    double number = 0;
-    const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), number);
-    if (code != std::errc{}) return {};
-    std::string_view unit = text.substr(static_cast<std::size_t>(end - text.data()));
+    const auto number = leading_number(text);
+    if (!number) return {};
+    std::string_view unit = text.substr(number->length);
     while (unit.starts_with(' ')) unit.remove_prefix(1);
     double hertz = 0;
     for (const auto& [name, size] : {std::pair{"", 1.0}, {"Hz", 1.0}, {"kHz", 1e3}, {"MHz", 1e6}, {"GHz", 1e9}})
-        if (unit == name) hertz = number * size;
+        if (unit == name) hertz = number->value * size;
     if (!(std::isfinite(hertz) && hertz > 0)) return {};
     return hertz;
 }

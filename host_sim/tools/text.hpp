@@ -25,6 +25,13 @@ namespace tumble::host {
 // The shortest decimal that reads back as the same double, with a point or an exponent.
 [[nodiscard]] std::string cpp_number(double value);
 
+// The decimal number that the text begins with, and the characters that it takes; empty where there is none.
+struct LeadingNumber {
+    double value = 0;
+    std::size_t length = 0;
+};
+[[nodiscard]] std::optional<LeadingNumber> leading_number(std::string_view text);
+
 // A number system with or without carry: "q32 carry", "f32 plain", "f64".
 [[nodiscard]] inline std::string numbers_text(const std::string& numbers, bool carry) {
     return numbers + (carry ? " carry" : numbers == "f64" ? "" : " plain");

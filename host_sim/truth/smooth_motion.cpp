@@ -72,11 +72,6 @@ Number half_extent_of(ShapeKind kind, const Vector& size, const Vector& n) {
 
 }  // namespace
 
-Number long_seconds(const StepSize& step) {
-    return step.denominator == 0 ? Number(step.decimal) : Number(step.numerator) / Number(step.denominator);
-}
-std::int64_t nearest_step(double time, const StepSize& step) { return std::llround(Number(time) / long_seconds(step)); }
-
 Vector SmoothMotion::Tensor::operator*(const Vector& v) const { return {dot(x, v), dot(y, v), dot(z, v)}; }
 
 // The adjugate divided by the determinant; the tensor is symmetric.

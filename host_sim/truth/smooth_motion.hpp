@@ -110,8 +110,4 @@ private:
 [[nodiscard]] reference::Number half_extent(const BodyDescription& body, const reference::Rotation& q,
                                             const reference::Vector& along);
 
-// The scene's step with all digits, s, and the step nearest to a time.
-[[nodiscard]] reference::Number long_seconds(const StepSize& step);
-[[nodiscard]] std::int64_t nearest_step(double time, const StepSize& step);
-
 }  // namespace tumble::host

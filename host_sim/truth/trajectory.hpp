@@ -8,12 +8,16 @@
 // Odeint copies its steppers' scratch arrays before their first use.
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wuninitialized"
-#include <boost/numeric/odeint.hpp>
+#include <boost/numeric/odeint/integrate/integrate_adaptive.hpp>
+#include <boost/numeric/odeint/stepper/generation.hpp>
+#include <boost/numeric/odeint/stepper/runge_kutta_fehlberg78.hpp>
 #pragma GCC diagnostic pop
 
 #include <array>
 #include <stdexcept>
 #include <vector>
+
+#include "tools/raise.hpp"
 
 namespace tumble::reference {
 
@@ -32,7 +36,7 @@ void integrate(const Equations& equations, State& state, Number from, Number to)
     const auto watch = [&](const State& now, Number) {
         bool finite = true;
         for (const Number x : now) finite = finite && std::isfinite(x);
-        if (!finite || ++steps > most_steps) throw std::runtime_error{"the motion is singular or too stiff"};
+        if (!finite || ++steps > most_steps) host::raise(std::runtime_error("the motion is singular or too stiff"));
     };
     odeint::integrate_adaptive(odeint::make_controlled<Stepper>(tolerance, tolerance), equations, state, from, to,
                                Number(1) / 256, watch);

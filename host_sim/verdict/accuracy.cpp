@@ -76,21 +76,6 @@ Samples fine_samples(const SampledScene& scene, const char* integrator, int step
 
 }  // namespace
 
-StepSize scaled(StepSize step, int doublings) {
-    for (; doublings > 0 && step.denominator != 0; --doublings) {
-        if (step.denominator % 2 == 0) step.denominator /= 2;
-        else if (step.numerator < std::numeric_limits<std::int64_t>::max() / 2) step.numerator *= 2;
-        else break;
-    }
-    for (; doublings < 0 && step.denominator != 0; ++doublings) {
-        if (step.numerator % 2 == 0) step.numerator /= 2;
-        else if (step.denominator < std::numeric_limits<std::int64_t>::max() / 2) step.denominator *= 2;
-        else break;
-    }
-    if (doublings != 0) step = {1, 0, std::ldexp(step.seconds(), doublings)};
-    return step;
-}
-
 SceneDescription with_events_at_steps(SceneDescription scene) {
     const auto snap = [&](double& time) { time = time_of(nearest_step(time, scene.step), scene.step); };
     for (ImpulseDescription& impulse : scene.impulses) snap(impulse.time);

@@ -36,8 +36,6 @@ void require_no_events(const SceneDescription& scene);
 [[nodiscard]] reference::Motion motion_of(const BodySnapshot& body);
 [[nodiscard]] bool is_finite(const reference::Motion& motion);
 
-// The step times 2^doublings; exact.
-[[nodiscard]] StepSize scaled(StepSize step, int doublings);
 // The scene with its events at the starts of whole steps, so that a finer run replays them at the same times.
 [[nodiscard]] SceneDescription with_events_at_steps(SceneDescription scene);
 

@@ -1,0 +1,79 @@
+// Errors, energy, angular momentum and contacts of all runs over time, with marks at hits.
+class Plots {
+    static rows = 500;  // at most, of one drawing
+
+    constructor(root) {
+        const plot = (title, options) => {
+            const box = root.appendChild(document.createElement('div'));
+            box.className = 'plot';
+            return new Dygraph(box, [[0, null]], {
+                title, labels: ['t', ' '], titleHeight: 18, axisLabelFontSize: 10, strokeWidth: 1.3, legend: 'never',
+                axisLineColor: '#5d6b7a', gridLineColor: '#2a333d', xRangePad: 2, animatedZooms: false, interactionModel: {},
+                axes: { y: { axisLabelWidth: 52, axisLabelFormatter: Plots.label }, x: { axisLabelWidth: 34 } },
+                underlayCallback: (canvas, area, graph) => this.#underlay(canvas, area, graph), ...options });
+        };
+        const logarithmic = { logscale: true, valueRange: Plots.decades([]) };
+        this.plots = [
+            { graph: plot('position error, m', logarithmic), of: (lane, i) => this.#largest(lane, i, 'm') },
+            { graph: plot('orientation error, rad', logarithmic), of: (lane, i) => this.#largest(lane, i, 'rad') },
+            { graph: plot('energy, J', {}), of: (lane, i) => this.#tail(lane, i, t => t[0] + t[1]) },
+            { graph: plot('angular momentum, kg m²/s', {}),
+              of: (lane, i) => this.#tail(lane, i, t => Math.hypot(t[2], t[3], t[4])) },
+            { graph: plot('contact points', {}), of: (lane, i) => this.#contacts(lane, i) },
+        ];
+    }
+
+    draw(game, colours) {
+        this.game = game;
+        const count = game.played.samples.length, every = Math.max(1, Math.ceil(count / Plots.rows));
+        const hasReference = game.references.length > 1;
+        this.plots.forEach(({ graph, of }, index) => {
+            const hidden = (index < 2 && !hasReference) || (index === 4 && !game.scene.touches);
+            graph.maindiv_.hidden = hidden;
+            if (hidden) return;
+            const rows = [];
+            for (let i = 0; i < count; i += every)
+                rows.push([i * game.stride * game.scene.step_s, ...game.lanes.map(lane => of(lane, i))]);
+            const options = { file: rows, labels: ['t', ...game.lanes.map((_, i) => `${i}`)], colors: colours };
+            if (index < 2) options.valueRange = Plots.decades(rows);
+            graph.updateOptions(options);
+        });
+    }
+
+    // The powers of ten about all positive values.
+    static decades(rows) {
+        const values = rows.flatMap(row => row.slice(1)).filter(x => x > 0 && Number.isFinite(x));
+        if (values.length === 0) return [1e-9, 1];
+        const least = values.reduce((a, b) => Math.min(a, b)), most = 1.01 * values.reduce((a, b) => Math.max(a, b));
+        return [10 ** Math.floor(Math.log10(least)), 10 ** Math.ceil(Math.log10(most))];
+    }
+    // Few characters, since the axis is narrow.
+    static label(value) {
+        if (value === 0) return '0';
+        const size = Math.abs(value);
+        return size >= 0.01 && size < 1e4 ? String(+value.toPrecision(4)) : value.toExponential(0).replace('e+', 'e');
+    }
+    #largest(lane, i, key) {
+        const errors = this.game.error(lane, i);
+        const largest = errors ? Math.max(...errors.map(e => e[key])) : NaN;
+        return largest > 0 ? largest : null;  // a logarithm
+    }
+    #tail(lane, i, of) {
+        const sample = lane.samples[i], value = sample ? of(sample.subarray(sample.length - 5)) : NaN;
+        return Number.isFinite(value) ? value : null;
+    }
+    #contacts(lane, i) {
+        const sample = lane.samples[i];
+        return sample ? this.game.scene.bodies.reduce((sum, _, b) => sum + sample[Engine.numbersOfBody * b + 14], 0) : null;
+    }
+    #underlay(canvas, area, graph) {
+        if (!this.game) return;
+        const line = (time, colour) => {
+            const x = graph.toDomXCoord(time);
+            canvas.fillStyle = colour;
+            canvas.fillRect(x, area.y, 1, area.h);
+        };
+        for (const hit of this.game.hits ?? []) line(hit.step * this.game.scene.step_s, '#a03838');
+        line(this.game.time, '#8892a0');
+    }
+}

@@ -1,0 +1,175 @@
+#include "page/session.hpp"
+
+#include <algorithm>
+
+#include <tumble/version.hpp>
+
+#include "scene/data.hpp"
+#include "scene/reader.hpp"
+#include "scene/toml.hpp"
+#include "scene/writer.hpp"
+#include "tools/text.hpp"
+
+namespace tumble::host {
+namespace {
+
+// What follows it in a saved session was made by the player.
+constexpr std::string_view marker = "\n# The session: hits of the player, and how it ended.\n";
+constexpr std::size_t most_kept = 32;  // snapshots of a run; one of 64 bodies takes about 1 MB
+
+std::string_view part_before(std::string_view text, std::string_view mark) { return text.substr(0, text.find(mark)); }
+
+// The text without the lines of the table [expect].
+std::string without_expectation(std::string_view text) {
+    std::string kept;
+    bool is_in_table = false;
+    while (!text.empty()) {
+        const std::string_view line = text.substr(0, text.find('\n') == text.npos ? text.npos : text.find('\n') + 1);
+        const std::size_t first = line.find_first_not_of(" \t");
+        if (first != line.npos && line[first] == '[') is_in_table = line.substr(first).starts_with("[expect]");
+        if (!is_in_table) kept += line;
+        text.remove_prefix(line.size());
+    }
+    return kept;
+}
+
+// The text with another value of world.duration.
+std::string with_duration(const std::string& text, double seconds) {
+    const toml::parse_result table = toml::parse(text);
+    const toml::source_region at = table["world"]["duration"].node()->source();
+    std::size_t line = 0;
+    for (std::uint32_t i = 1; i < at.begin.line; ++i) line = text.find('\n', line) + 1;
+    return text.substr(0, line + at.begin.column - 1) + cpp_number(seconds) + text.substr(line + at.end.column - 1);
+}
+
+}  // namespace
+
+Run::Run(std::unique_ptr<Simulation> simulation, int halvings)
+    : simulation_(std::move(simulation)), halvings_{halvings} {
+    keep();
+}
+
+std::int64_t Run::own_step(std::int64_t step) const { return halvings_ >= 0 ? step << halvings_ : step >> -halvings_; }
+std::int64_t Run::acting_step(std::int64_t step) const {
+    return halvings_ >= 0 ? step << halvings_ : -(-step >> -halvings_);
+}
+
+void Run::keep() {
+    const std::int64_t now = simulation_->steps_taken();
+    if (now % spacing_ != 0 || (!kept_.empty() && kept_.back().step >= now)) return;
+    kept_.push_back({now, simulation_->snapshot()});
+    if (kept_.size() <= most_kept) return;
+    spacing_ *= 2;
+    std::erase_if(kept_, [&](const Kept& kept) { return kept.step % spacing_ != 0; });
+}
+
+bool Run::go_to(std::int64_t step, const std::vector<Hit>& hits, int most) {
+    const std::int64_t target = own_step(step);
+    if (target < simulation_->steps_taken()) {
+        const auto after = std::find_if(kept_.begin(), kept_.end(), [&](const Kept& k) { return k.step > target; });
+        simulation_->restore(*std::prev(after)->snapshot);
+    }
+    auto hit = std::find_if(hits.begin(), hits.end(),
+                            [&](const Hit& h) { return acting_step(h.step) >= simulation_->steps_taken(); });
+    for (; simulation_->steps_taken() < target && most > 0; --most) {
+        for (; hit != hits.end() && acting_step(hit->step) == simulation_->steps_taken(); ++hit) {
+            const ImpulseDescription& i = hit->impulse;
+            simulation_->apply({0, EventKind::impulse, i.body, i.frame, i.impulse, i.point});
+            if (i.angular_impulse != Triple{})
+                simulation_->apply({0, EventKind::angular_impulse, i.body, i.frame, i.angular_impulse});
+        }
+        simulation_->step();
+        keep();
+    }
+    return simulation_->steps_taken() == target;
+}
+
+void Run::forget_after(std::int64_t step) {
+    const std::int64_t last = acting_step(step);
+    while (kept_.back().step > last) kept_.pop_back();
+    if (simulation_->steps_taken() > last) simulation_->restore(*kept_.back().snapshot);
+}
+
+Session::Session(std::string text, std::string_view name) : text_(std::move(text)) {
+    const SceneDescription whole = read_scene_text(text_, name);
+    text_ = part_before(text_, marker);
+    scene_ = read_scene_text(text_, name);
+    scene_.expected = whole.expected;
+    for (std::size_t i = scene_.impulses.size(); i < whole.impulses.size(); ++i)
+        hits_.push_back({nearest_step(whole.impulses[i].time, scene_.step), whole.impulses[i]});
+    if (scene_.expected) saved_steps_ = scene_.expected->steps;
+    text_ = without_expectation(text_);
+    (void)build_scene(scene_);
+}
+
+RunWay Session::saved_way() const {
+    if (!scene_.expected) return {"verlet", "q32"};
+    const Expectation& e = *scene_.expected;
+    return {e.integrator, e.numbers, e.carry.value_or(default_carry(e.numbers))};
+}
+
+std::string Session::obstacle(const RunWay& way) const {
+    const IntegratorInfo& integrator = find_integrator(way.integrator);
+    if (!runs_in(integrator, way.numbers))
+        return way.integrator + " does not run in " + way.numbers + ", because " + integrator.not_in_fixed_point;
+    if (!has_range_for(scene_, way.numbers)) return scene_.range.beyond_default->what();
+    if (!is_compiled(scene_, way.integrator, way.numbers, way.carry))
+        return "this page has no " + numbers_text(way.numbers, way.carry) + " of the range of this scene";
+    return {};
+}
+
+std::size_t Session::add(const RunWay& way) {
+    SceneDescription scene = scene_;
+    scene.step = scaled(scene.step, -way.halvings);
+    runs_.emplace_back(make_simulation(scene, way.integrator, way.numbers, way.carry), way.halvings);
+    return runs_.size() - 1;
+}
+
+bool Session::go_to(std::size_t index, std::int64_t step, int most) {
+    const bool is_there = runs_.at(index).go_to(step, hits_, most);
+    furthest_ = std::max(furthest_, run(0).steps_taken());
+    return is_there;
+}
+
+bool Session::acts(std::int64_t step) const {
+    const auto is_now = [&](const auto& event) { return nearest_step(event.time, scene_.step) == step; };
+    return std::any_of(scene_.impulses.begin(), scene_.impulses.end(), is_now) ||
+           std::any_of(scene_.events.begin(), scene_.events.end(), is_now);
+}
+
+std::int64_t Session::hit(const ImpulseDescription& impulse) {
+    std::int64_t step = run(0).steps_taken();
+    for (Run& run : runs_) run.forget_after(step);
+    while (acts(step)) ++step;
+    // Hits of this very step are of another future where the player has come back to it.
+    const bool has_come_back = run(0).steps_taken() < furthest_;
+    std::erase_if(hits_, [&](const Hit& hit) { return has_come_back ? hit.step >= step : hit.step > step; });
+    furthest_ = run(0).steps_taken();
+    Hit hit{step, impulse};
+    hit.impulse.time = static_cast<double>(step) * scene_.step.seconds();
+    hits_.insert(
+        std::upper_bound(hits_.begin(), hits_.end(), hit, [](const Hit& a, const Hit& b) { return a.step < b.step; }),
+        hit);
+    return step;
+}
+
+std::string Session::text() const {
+    const Simulation& played = run(0);
+    const std::int64_t steps = played.steps_taken();
+    const double end = static_cast<double>(steps) * scene_.step.seconds();
+    const auto is_later = [&](const auto& event) { return event.time >= end; };
+    const bool is_cut = std::any_of(scene_.impulses.begin(), scene_.impulses.end(), is_later) ||
+                        std::any_of(scene_.events.begin(), scene_.events.end(), is_later) ||
+                        std::any_of(scene_.forces.begin(), scene_.forces.end(),
+                                    [&](const ForceDescription& force) { return force.until > end; });
+    std::string text = with_duration(text_, is_cut ? std::max(end, scene_.duration) : end);
+    if (!text.ends_with('\n')) text += '\n';
+    text += marker;
+    for (const Hit& hit : hits_)
+        if (hit.step < steps) text += impulse_text(hit.impulse, scene_);
+    const std::string numbers(played.numbers());
+    return text + expectation_text(
+                      {std::string(played.integrator()), numbers, played.carry(), steps, TUMBLE_BITS, played.hash()});
+}
+
+}  // namespace tumble::host

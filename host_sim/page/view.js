@@ -1,0 +1,217 @@
+// The scene in three dimensions: the played run in solid colours, ghosts see-through, and what acts.
+class View {
+    static background = 0x12161c;
+    static played = 0xf0a040;
+    static ghosts = [0x4da3ff, 0x5fd38d, 0xd16bd1];
+    static asleep = 0x79828c;
+    static hitShown = 0.35;  // s of the scene for which the arrow of a hit stays
+
+    constructor(canvas) {
+        this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true });
+        this.renderer.setPixelRatio(Math.min(2, devicePixelRatio));
+        this.camera = new THREE.PerspectiveCamera(45, 1, 0.01, 1000);
+        this.orbit = new THREE.OrbitControls(this.camera, canvas);
+        this.orbit.enableKeys = false;
+        this.follows = true;
+    }
+
+    // A game anew; `keepsCamera` where the scene is the same.
+    show(game, keepsCamera) {
+        this.game = game;
+        this.world = new THREE.Scene();
+        this.world.background = new THREE.Color(View.background);
+        const sun = new THREE.DirectionalLight(0xffffff, 0.75);
+        sun.position.set(4, 8, 5);
+        this.world.add(sun, new THREE.AmbientLight(0xffffff, 0.5));
+        this.world.add(this.marks = new THREE.Group());
+
+        const { bodies, planes, springs } = game.scene, state = game.state(game.played);
+        this.lanes = game.lanes.map((lane, i) => {
+            const group = new THREE.Group();
+            bodies.forEach(body => group.add(i === 0 ? bodyObject(body, body.fixed ? 0x8892a0 : View.played, 1)
+                                                     : bodyObject(body, View.ghosts[i - 1], body.fixed ? 0 : 0.35)));
+            this.world.add(group);
+            return group;
+        });
+        const { centre, radius } = this.#extent(state);
+        this.planes = planes.map(plane => planeObject(plane, centre, Math.max(20, 6 * radius)));
+        this.planes.forEach(plane => this.world.add(plane));
+        this.springs = springs.map(() => {
+            const line = new THREE.Line(segment([0, 0, 0], [1, 0, 0]), new THREE.LineBasicMaterial({ color: 0xe8e070 }));
+            this.world.add(line);
+            return line;
+        });
+        // The path of the centre of mass of all bodies that move.
+        this.path = new THREE.Line(new THREE.BufferGeometry(), new THREE.LineBasicMaterial({ color: 0xc8b080 }));
+        this.path.frustumCulled = false;
+        this.world.add(this.path);
+
+        this.centre = this.#centreOfMass(state);
+        if (keepsCamera) return;
+        this.#aim(centre, radius);
+    }
+    // Looks at the whole scene as it is now.
+    aim() {
+        const { centre, radius } = this.#extent(this.game.state(this.game.played));
+        this.#aim(centre, radius);
+    }
+
+    draw() {
+        const { game } = this, state = game.state(game.played);
+        this.#place(this.lanes[0], state, true);
+        game.lanes.slice(1).forEach((lane, i) => this.#place(this.lanes[i + 1], game.state(lane), false));
+        this.#placeSprings(state);
+        this.#drawPath();
+        this.#mark(state);
+        const centre = this.#centreOfMass(state);
+        if (this.follows && centre.every(Number.isFinite)) {
+            const moved = new THREE.Vector3(...subtract(centre, this.centre));
+            this.camera.position.add(moved);
+            this.orbit.target.add(moved);
+            this.centre = centre;
+        }
+        this.#fit();
+        this.orbit.update();
+        // A wall between the viewer and the scene is not drawn.
+        for (const plane of this.planes) plane.visible = plane.userData.isFree(this.camera.position);
+        this.renderer.render(this.world, this.camera);
+    }
+
+    // The body under a point of the window, with the point and the outward normal in the body's axes; or nothing.
+    pick(x, y) {
+        const box = this.renderer.domElement.getBoundingClientRect(), ray = new THREE.Raycaster();
+        ray.setFromCamera({ x: 2 * (x - box.left) / box.width - 1, y: 1 - 2 * (y - box.top) / box.height }, this.camera);
+        const hit = ray.intersectObject(this.lanes[0], true).find(h => h.face);
+        if (!hit) return undefined;
+        const body = this.lanes[0].children.indexOf(hit.object.parent), group = this.lanes[0].children[body];
+        return { body, point: group.worldToLocal(hit.point.clone()).toArray(), normal: hit.face.normal.toArray() };
+    }
+    // The direction of the world that is nearest to a direction on the screen, [right, up, towards the viewer].
+    direction([right, up, near]) {
+        if (up !== 0) return [0, up, 0];
+        const flat = new THREE.Vector3(right, 0, near).applyAxisAngle(new THREE.Vector3(0, 1, 0), this.#azimuth());
+        return Math.abs(flat.x) > Math.abs(flat.z) ? [Math.sign(flat.x), 0, 0] : [0, 0, Math.sign(flat.z)];
+    }
+    // An arrow at a point of a body, in its axes, while a pull goes on.
+    preview(pull) { this.pull = pull; }
+
+    #azimuth() {
+        const way = subtract(this.camera.position.toArray(), this.orbit.target.toArray());
+        return Math.atan2(way[0], way[2]);
+    }
+    #moving() { return this.game.scene.bodies.map((body, i) => ({ body, i })).filter(({ body }) => !body.fixed); }
+    #centreOfMass(state) {
+        const moving = this.#moving(), mass = moving.reduce((sum, { body }) => sum + body.mass, 0);
+        const part = ({ body, i }) => scale(new BodyState(state, i).position, body.mass / mass);
+        return moving.map(part).reduce(add, [0, 0, 0]);
+    }
+    #extent(state) {
+        const { bodies, springs } = this.game.scene, low = Array(3).fill(Infinity), high = Array(3).fill(-Infinity);
+        const include = (at, r) => at.forEach((x, axis) => {
+            low[axis] = Math.min(low[axis], x - r);
+            high[axis] = Math.max(high[axis], x + r);
+        });
+        // What is fixed and large is ground, of which the middle will do.
+        const large = 4 * Math.max(...this.#moving().map(({ body }) => reach(body)), 0.1);
+        bodies.forEach((body, i) => {
+            include(new BodyState(state, i).position, body.fixed && reach(body) > large ? 0 : reach(body));
+        });
+        for (const spring of springs) if (spring.to_body < 0) include(spring.to, 0);
+        return { centre: scale(add(low, high), 0.5), radius: Math.max(norm(subtract(high, low)) / 2, 0.05) };
+    }
+    #aim(centre, radius) {
+        this.#fit();
+        const narrow = Math.min(1, this.camera.aspect);
+        const away = 1.1 * radius / Math.sin(this.camera.fov * Math.PI / 360) / narrow;
+        const direction = new THREE.Vector3(0.45, 0.4, 1).normalize();
+        this.orbit.target.set(...centre);
+        this.camera.position.set(...centre).addScaledVector(direction, away);
+        this.camera.near = away / 200;
+        this.camera.far = 200 * away;
+        this.camera.updateProjectionMatrix();
+        this.arrowLength = 0.8 * Math.max(0.15, Math.min(radius, 2));
+    }
+    #fit() {
+        const canvas = this.renderer.domElement, { clientWidth: width, clientHeight: height } = canvas.parentElement;
+        if (this.size === `${width} ${height}` || width === 0) return;
+        this.size = `${width} ${height}`;
+        this.renderer.setSize(width, height);
+        this.camera.aspect = width / height;
+        this.camera.updateProjectionMatrix();
+    }
+
+    #place(group, state, isPlayed) {
+        group.children.forEach((object, i) => {
+            const body = new BodyState(state, i), [w, x, y, z] = body.orientation;
+            object.visible = object.userData.surface.opacity > 0 && body.position.every(Number.isFinite);
+            if (!object.visible) return;
+            object.position.set(...body.position);
+            object.quaternion.set(x, y, z, w);
+            if (isPlayed) object.userData.surface.color.set(body.asleep ? View.asleep : object.userData.colour);
+        });
+    }
+    #worldPoint(state, index, point) {
+        const body = new BodyState(state, index);
+        return add([...body.position], turned(body.orientation, point));
+    }
+    #placeSprings(state) {
+        this.game.scene.springs.forEach((spring, i) => {
+            const to = spring.to_body < 0 ? spring.to : this.#worldPoint(state, spring.to_body, spring.to);
+            this.springs[i].geometry.setFromPoints([new THREE.Vector3(...this.#worldPoint(state, spring.body, spring.point)),
+                                                    new THREE.Vector3(...to)]);
+            this.springs[i].frustumCulled = false;
+        });
+    }
+    #drawPath() {
+        const samples = this.game.played.samples, last = Math.floor(this.game.now / this.game.stride);
+        const every = Math.max(1, Math.ceil(last / 1500)), points = [];
+        for (let i = 0; i <= last; i += every)
+            if (samples[i]) points.push(new THREE.Vector3(...this.#centreOfMass(samples[i])));
+        this.path.visible = points.length > 1;
+        if (!this.path.visible) return;
+        this.path.geometry.dispose();
+        this.path.geometry = new THREE.BufferGeometry().setFromPoints(points);
+    }
+
+    #arrow(from, vector, length, colour) {
+        const direction = new THREE.Vector3(...vector).normalize(), origin = new THREE.Vector3(...from);
+        const arrow = new THREE.ArrowHelper(direction, origin, length, colour, Math.min(0.3 * length, 0.12),
+            Math.min(0.18 * length, 0.07));
+        for (const { material } of arrow.children) material.depthTest = false;  // contacts are inside
+        arrow.renderOrder = 1;
+        this.marks.add(arrow);
+    }
+    // Arrows of hits, forces and torques that act now, and of the impulses of contacts.
+    #mark(state) {
+        this.marks.children.forEach(mark => mark.children.forEach(part => part.material.dispose()));
+        this.marks.remove(...this.marks.children);
+        const { game } = this, { scene } = game, long = this.arrowLength;
+        const inWorld = (item, vector) => item.in_body ? turned(new BodyState(state, item.body).orientation, vector) : vector;
+        for (const hit of game.hits ?? []) {
+            const age = game.time - hit.step * scene.step_s;
+            if (!(age >= 0 && age < View.hitShown) || norm(hit.impulse) === 0) continue;
+            const vector = inWorld(hit, hit.impulse), at = this.#worldPoint(state, hit.body, hit.point);
+            const length = long * Math.min(1, Math.max(0.4, norm(vector) / scene.bodies[hit.body].mass / 3));
+            this.#arrow(subtract(at, scale(vector, length / norm(vector))), vector, length, 0xff5050);
+        }
+        for (const force of scene.forces) {
+            if (game.time < force.from || game.time >= force.until) continue;
+            const at = this.#worldPoint(state, force.body, force.point);
+            if (norm(force.force) > 0) this.#arrow(at, inWorld(force, force.force), long, 0x40e0d0);
+            if (norm(force.torque) > 0) this.#arrow(at, inWorld(force, force.torque), long, 0xc080ff);
+        }
+        if (scene.touches) {
+            const contacts = game.engine.contacts(game.played.index).filter(c => c.touches);
+            const impulse = c => add(scale(c.normal, c.normalImpulse), c.frictionImpulse);
+            const most = Math.max(...contacts.map(c => norm(impulse(c))), 1e-12);
+            for (const c of contacts.slice(0, 60))
+                if (norm(impulse(c)) > 0.01 * most)
+                    this.#arrow(c.point, impulse(c), 0.7 * long * norm(impulse(c)) / most, 0x60ff60);
+        }
+        if (this.pull) {
+            const body = new BodyState(state, this.pull.body), at = this.#worldPoint(state, this.pull.body, this.pull.point);
+            const vector = turned(body.orientation, this.pull.direction), length = long * (0.4 + this.pull.strength / 6);
+            this.#arrow(subtract(at, scale(vector, length)), vector, length, 0xffffff);
+        }
+    }
+}

@@ -1,0 +1,59 @@
+// A malformed scene is answered as in the terminal, and what was open stays. A scene that leaves its range says which body
+// and when, and the page goes on.
+import assert from 'node:assert/strict';
+import { readFileSync, statSync, writeFileSync } from 'node:fs';
+import { join } from 'node:path';
+import { pathToFileURL } from 'node:url';
+import { Browser, wait } from './browser.mjs';
+import { directory, page, tumble, url } from './command.mjs';
+
+assert.ok(statSync(page).size < 4e6, `the page has ${statSync(page).size} bytes`);
+assert.ok(!/<(script|link|img|iframe)[^>]*(src|href)=/.test(readFileSync(page, 'latin1')), 'the page loads something');
+
+const browser = await Browser.open(url);
+const message = () => browser.value(`document.getElementById('message').textContent`);
+const scene = (world, body) => `[world]\nstep = 0.01\nduration = 10.0\n${world}\n[[body]]\nname = "stone"\n${body}\n`;
+const stone = 'shape = { sphere = 0.1 }\nmass = 1.0';
+for (const [toml, told] of [
+    [scene('gravty = [0, -9.81, 0]', stone), /bad\.toml:4: world\.gravty: unknown key \(did you mean "gravity"\?\), expected/],
+    [scene('', 'shape = { sphere = -0.1 }\nmass = 1.0'),
+     /bad\.toml:7: body\[0\]\.shape\.sphere: got -0\.1, expected a positive finite number/],
+    [scene('', 'mass = '), /bad\.toml:7: TOML syntax: /],
+    ['', /bad\.toml:1: world: missing, expected the table \[world\]/],
+]) {
+    assert.equal(await browser.run(toml => tumble.open(toml, 'bad.toml'), toml), false);
+    assert.match(await message(), told);
+    // The same words as the command's.
+    const file = join(directory, 'bad.toml');
+    writeFileSync(file, toml);
+    assert.equal(await message(), tumble('run', file).err.trim().replace(file, 'bad.toml'));
+    const now = await browser.value('tumble.game.now');
+    for (let i = 0; await browser.value('tumble.game.now') === now; ++i) {
+        assert.ok(i < 200, 'the scene that was open goes on');
+        await wait(20);
+        await browser.value('tumble.pause(false)');
+    }
+}
+
+const falls = scene('gravity = [0, -90.0, 0]', `${stone}\nvelocity = [0.0, -100.0, 0.0]`);
+assert.equal(await browser.run(toml => tumble.open(toml, 'falls.toml'), falls), true);
+for (let i = 0; !await browser.value('tumble.paused'); ++i) {
+    assert.ok(i < 500, 'a body that leaves the range pauses the game');
+    await wait(20);
+}
+assert.match(await message(), /range_left: stone at 0\.3[0-9]* s: velocity exceeds 128 m\/s/);
+// `tumble view` writes a page that begins with another scene; what is wrong with the scene is told in the terminal.
+const file = join(directory, 'a "stone".toml'), shown = join(directory, 'shown.html');
+writeFileSync(file, scene('', stone).replace('stone', 'pebble'));
+assert.equal(tumble('view', file, '--output', shown).status, 0);
+assert.equal(tumble('view', join(directory, 'bad.toml'), '--output', shown).status, 2);
+const other = await Browser.open(pathToFileURL(shown).href);
+assert.deepEqual(await other.value('[tumble.name, tumble.engine.scene.bodies[0].name]'), ['a "stone".toml', 'pebble']);
+await other.close();
+
+// A body of another session is still pushed.
+await browser.value('tumble.openShipped("ball.toml")');
+await wait(300);
+assert.ok(await browser.value('tumble.game.now') > 0);
+assert.deepEqual(browser.errors, []);
+await browser.close();
