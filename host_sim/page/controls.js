@@ -21,6 +21,13 @@ class Controls {
         });
     }
 
+    // A pull that goes on is of another scene.
+    forget() {
+        this.pull = undefined;
+        this.app.view.orbit.enabled = true;
+        this.app.preview(undefined);
+    }
+
     #key(event) {
         if (event.ctrlKey || event.metaKey || event.altKey || ['SELECT', 'TEXTAREA'].includes(event.target.tagName)) return;
         const { app } = this, strength = event.shiftKey ? Controls.stronger : 1;

@@ -196,9 +196,6 @@ TUMBLE_EXPORT(remove_runs) void remove_runs() { session->remove_all(); }
 TUMBLE_EXPORT(go_to) int go_to(std::size_t run, double step, int most) {
     return session->go_to(run, static_cast<std::int64_t>(step), most) ? 1 : 0;
 }
-TUMBLE_EXPORT(steps_taken) double steps_taken(std::size_t run) {
-    return static_cast<double>(session->run(run).steps_taken());
-}
 // Session::hit(), in the body's axes or the world's.
 TUMBLE_EXPORT(hit)
 double hit(int body, int in_body, double x, double y, double z, double at_x, double at_y, double at_z) {
@@ -233,13 +230,13 @@ TUMBLE_EXPORT(state) const double* state(std::size_t run) {
     add(angular_momentum(simulation));
     return numbers.data();
 }
-// The count of contacts, and of each: touches, began, hit speed, normal, point, normal impulse, friction impulse: 13.
+// The count of contacts that touch, and of each: normal, point, normal impulse, friction impulse: 10 numbers.
 TUMBLE_EXPORT(contacts) const double* contacts(std::size_t run) {
     numbers.assign(1, 0);
     const auto add = [](const Triple& list) { numbers.insert(numbers.end(), list.begin(), list.end()); };
     for (const ContactSnapshot& c : session->run(run).contacts()) {
+        if (!c.touches) continue;
         ++numbers[0];
-        numbers.insert(numbers.end(), {c.touches ? 1.0 : 0.0, c.began ? 1.0 : 0.0, c.hit_speed});
         add(c.normal);
         add(c.point);
         numbers.push_back(c.normal_impulse);

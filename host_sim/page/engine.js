@@ -1,7 +1,5 @@
-// The kernel in WebAssembly, as engine.cpp exports it. An Engine holds one scene and its runs. After an error it is of
-// no more use; an error that the kernel tells is a KernelError.
-class KernelError extends Error {}
-
+// The kernel in WebAssembly, as engine.cpp exports it. An Engine holds one scene and its runs. After an error it is
+// dead: of no more use.
 class Engine {
     static async compiled(base64) {
         const bytes = Uint8Array.from(atob(base64), c => c.charCodeAt(0));
@@ -12,7 +10,7 @@ class Engine {
     // A scene from its text; `name` stands for the file in messages.
     static async open(module, toml, name) {
         const engine = new Engine();
-        const raise = (text, size) => { throw new KernelError(engine.#decoded(text, size)); };
+        const raise = (text, size) => { throw new Error(engine.#decoded(text, size)); };
         // The C library asks for an environment and for files, of which there are none.
         const none = new Proxy({}, { get: (_, call) => () => call.startsWith('environ') ? 0 : 8 });
         const instance = await WebAssembly.instantiate(module, { page: { raise }, wasi_snapshot_preview1: none });
@@ -29,10 +27,9 @@ class Engine {
     removeRuns() { this.#call('remove_runs'); }
 
     // Takes at most `most` steps towards the start of a step of the scene. True where the run is there.
-    goTo(run, step, most) { return this.#kernel.go_to(run, step, most) === 1; }
-    stepsTaken(run) { return this.#kernel.steps_taken(run); }
+    goTo(run, step, most) { return this.#call('go_to', run, step, most) === 1; }
     // The step in which it acts. impulse, N s, and point, m, in the body's axes, or impulse in the world's.
-    hit(body, inBody, impulse, point) { return this.#kernel.hit(body, inBody ? 1 : 0, ...impulse, ...point); }
+    hit(body, inBody, impulse, point) { return this.#call('hit', body, inBody ? 1 : 0, ...impulse, ...point); }
     hits() { return JSON.parse(this.#text('hits')); }
     saved() { return this.#text('saved'); }
     hash(run) { return this.#text('hash', run); }
@@ -40,25 +37,35 @@ class Engine {
 
     // position, velocity, orientation, spin, asleep, contacts of each body; then energies and angular momentum.
     state(run) {
-        const address = this.#kernel.state(run), count = Engine.numbersOfBody * this.scene.bodies.length + 5;
+        const address = this.#call('state', run), count = Engine.numbersOfBody * this.scene.bodies.length + 5;
         return new Float64Array(this.#kernel.memory.buffer, address, count).slice();
     }
     static numbersOfBody = 15;
 
     contacts(run) {
-        const address = this.#kernel.contacts(run), [count] = new Float64Array(this.#kernel.memory.buffer, address, 1);
-        const all = new Float64Array(this.#kernel.memory.buffer, address + 8, 13 * count).slice();
+        const address = this.#call('contacts', run), [count] = new Float64Array(this.#kernel.memory.buffer, address, 1);
+        const all = new Float64Array(this.#kernel.memory.buffer, address + 8, 10 * count).slice();
         return Array.from({ length: count }, (_, i) => {
-            const c = all.subarray(13 * i, 13 * i + 13);
-            return { touches: c[0] === 1, began: c[1] === 1, hitSpeed: c[2], normal: c.subarray(3, 6),
-                     point: c.subarray(6, 9), normalImpulse: c[9], frictionImpulse: c.subarray(10, 13) };
+            const c = all.subarray(10 * i, 10 * i + 10);
+            return { normal: c.subarray(0, 3), point: c.subarray(3, 6), normalImpulse: c[6],
+                     frictionImpulse: c.subarray(7, 10) };
         });
     }
 
+    isDead = false;
     #kernel;
     #decoded(address, size) { return new TextDecoder().decode(new Uint8Array(this.#kernel.memory.buffer, address, size)); }
     // Texts become an address and a size.
     #call(name, ...values) {
+        if (this.isDead) throw new Error('the engine has ended with an error');
+        try {
+            return this.#called(name, ...values);
+        } catch (error) {
+            this.isDead = true;
+            throw error;
+        }
+    }
+    #called(name, ...values) {
         const texts = [], plain = [];
         for (const value of values) {
             if (typeof value !== 'string') { plain.push(value); continue; }

@@ -7,13 +7,10 @@ class Lane {
         this.way = way;
         this.index = index;
         this.samples = [];
+        this.trouble = undefined;  // what the status told: that it left the range, or else the first
     }
     static factor(halvings) {
         return halvings === 0 ? '' : halvings > 0 ? ` / ${2 ** halvings}` : ` × ${2 ** -halvings}`;
-    }
-    get name() {
-        const { integrator, numbers, carry, halvings } = this.way;
-        return `${integrator} ${numbers}${numbers === 'f32' && !carry ? ' plain' : ''}, step${Lane.factor(halvings)}`;
     }
 }
 
@@ -65,6 +62,12 @@ class Game {
             this.furthest = Math.max(this.furthest, this.now);
             this.#record();
         }
+        for (const lane of this.lanes) {
+            if (lane.trouble?.issue === 'range_left') continue;
+            const troubles = this.engine.troubles(lane.index);
+            const trouble = troubles.find(t => t.issue === 'range_left') ?? (lane.trouble ? undefined : troubles[0]);
+            if (trouble) lane.trouble = { ...trouble, time: trouble.step * this.scene.step_s * 2 ** -lane.way.halvings };
+        }
         this.#follow(end);
     }
     // The same without an end; for tests.
@@ -79,6 +82,7 @@ class Game {
         const kept = Math.floor(this.now / this.stride);
         for (const lane of [...this.lanes, ...this.references]) lane.samples.length = Math.min(lane.samples.length, kept + 1);
         this.target = this.furthest = this.now;
+        for (const lane of this.lanes) if (lane.trouble?.time >= this.time) lane.trouble = undefined;
         this.referenceStep = Math.min(this.referenceStep, kept * this.stride);
         this.#forgetErrors(kept + 1);
         return step;
@@ -86,14 +90,8 @@ class Game {
 
     state(lane) { return this.engine.state(lane.index); }
 
-    // What is known of a lane: { kind: right, wrong, no_reference or told, time, m, rad, body }.
-    verdict(lane) {
-        const trouble = this.engine.troubles(lane.index)[0];
-        const known = this.known.get(lane);
-        const time = trouble?.step * this.scene.step_s * 2 ** -lane.way.halvings;
-        if (trouble) return { ...known, kind: 'told', time, trouble };
-        return known ?? { kind: 'none' };
-    }
+    // What is known of the accuracy of a lane: { kind: right, wrong, no_reference or none, time, m, rad, body }.
+    verdict(lane) { return this.known.get(lane) ?? { kind: 'none' }; }
     // Errors of a lane at a sample: { m, rad }, or nothing where there is no reference.
     error(lane, sample) { return this.errors.get(lane)?.[sample]; }
 
@@ -107,7 +105,19 @@ class Game {
         if (this.now % this.stride !== 0) return;
         const sample = this.now / this.stride;
         for (const lane of this.lanes) lane.samples[sample] ??= this.state(lane);
+        if (this.played.samples.length > Game.mostSamples) this.#thin();
     }
+    // Leaves every other sample out.
+    #thin() {
+        const thinned = list => list.filter((_, i) => i % 2 === 0);
+        this.stride *= 2;
+        for (const lane of [...this.lanes, ...this.references]) lane.samples = thinned(lane.samples);
+        for (const [lane, errors] of this.errors) this.errors.set(lane, thinned(errors));
+        this.doubts = thinned(this.doubts);
+        this.moved = thinned(this.moved);
+        this.referenceStep = Math.max(0, this.doubts.length - 1) * this.stride;
+    }
+    static mostSamples = 4096;
 
     // The references go from sample to sample, as far as the runs have been.
     #follow(end) {
@@ -130,7 +140,7 @@ class Game {
     #forgetErrors(from) {
         if (from === 0) this.errors = new Map(this.lanes.map(lane => [lane, []]));
         this.doubts = (this.doubts ?? []).slice(0, from);
-        this.ways = (this.ways ?? []).slice(0, from);
+        this.moved = (this.moved ?? []).slice(0, from);
         for (const errors of this.errors.values()) errors.length = Math.min(errors.length, from);
         this.known = new Map();
         if (this.references.length < 2) return;
@@ -145,7 +155,7 @@ class Game {
             return { m: norm(subtract(one.position, two.position)), rad: angleBetween(one.orientation, two.orientation) };
         });
         this.doubts[sample] = distances(fine, other);
-        this.ways[sample] = distances(fine, start).map((d, body) => Math.max(d.m, this.ways[sample - 1]?.[body] ?? 0));
+        this.moved[sample] = distances(fine, start).map((d, body) => Math.max(d.m, this.moved[sample - 1]?.[body] ?? 0));
         for (const lane of this.lanes) {
             // A longer step ends at some samples only.
             const period = 2 ** Math.max(0, -lane.way.halvings);
@@ -157,11 +167,11 @@ class Game {
         const time = sample * this.stride * this.scene.step_s;
         for (const lane of this.lanes) {
             const known = this.known.get(lane), errors = this.errors.get(lane)[sample];
-            if (!errors || known.kind !== 'right') continue;
+            if (!errors || known.kind !== 'right' || lane.trouble?.time < time) continue;
             known.time = time;
             this.scene.bodies.forEach((body, b) => {
                 if (known.kind !== 'right') return;
-                const most = Math.max(Game.share * this.ways[sample][b], this.scene.tolerance), doubt = this.doubts[sample][b];
+                const most = Math.max(Game.share * this.moved[sample][b], this.scene.tolerance), doubt = this.doubts[sample][b];
                 if (!(doubt.m <= Game.doubtful * most && doubt.rad <= Game.doubtful * Game.angle))
                     Object.assign(known, { kind: 'no_reference', body: body.name, doubt });
                 else if (!(errors[b].m <= most && errors[b].rad <= Game.angle))

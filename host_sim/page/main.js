@@ -1,7 +1,7 @@
 // The page: opens scenes, lets time pass, and turns what the user does into hits and runs.
 class App {
     static frameBudget = 11;  // ms of each frame for steps, of 16.7
-    static drawnPlots = 250;  // ms between drawings of the plots
+    static plotInterval = 250;  // ms between drawings of the plots
 
     async start() {
         this.speed = 1;
@@ -14,7 +14,9 @@ class App {
         this.plots = new Plots(document.getElementById('plots'));
         this.panel = new Panel(this, new Costs(JSON.parse(document.getElementById('costs_data').textContent)));
         this.panel.listScenes([...this.shipped.keys()]);
-        new Controls(this, document.getElementById('view'));
+        this.controls = new Controls(this, document.getElementById('view'));
+        addEventListener('error', event => this.panel.tell(event.message, true));
+        addEventListener('unhandledrejection', event => this.panel.tell(event.reason.message, true));
         const first = document.querySelector('script.scene[data-first]')?.dataset.name ?? 'cube.toml';
         await this.openShipped(first);
         requestAnimationFrame(time => this.#frame(time));
@@ -28,6 +30,7 @@ class App {
     }
     // Opens a scene or a saved session. Where it has an error, what was open stays.
     async open(toml, name) {
+        const opening = this.opening = {};
         let engine;
         try {
             engine = await Engine.open(this.module, toml, name);
@@ -35,27 +38,30 @@ class App {
             this.panel.tell(error.message, true);
             return false;
         }
+        if (opening !== this.opening) return false;  // another was opened meanwhile
+        const { scene } = engine, saved = scene.saved_way;
+        // Every scene runs in f64.
+        const played = engine.obstacle(saved) === '' ? saved : { ...saved, numbers: 'f64', carry: false };
         this.engine = engine;
         this.name = name;
-        const { scene } = engine, saved = scene.saved_way;
-        const played = [saved, { ...saved, numbers: 'f64', carry: false }].find(way => engine.obstacle(way) === '');
-        if (!played) {
-            this.panel.tell(engine.obstacle(saved), true);
-            return false;
-        }
+        this.toml = toml;
         const euler = { ...played, integrator: 'explicit_euler' };
         this.ways = played.integrator === 'explicit_euler' ? [played] : [played, euler];
         this.body = Math.max(0, scene.bodies.findIndex(body => !body.fixed));
         this.panel.showScene(name);
-        const told = played === saved ? [] : [engine.obstacle(saved), 'It runs in f64 here.'];
-        this.panel.tell([...scene.warnings, ...told].join('\n'));
+        const notes = played === saved ? [] : [engine.obstacle(saved), 'It runs in f64 here.'];
+        this.panel.tell([...scene.warnings, ...notes].join('\n'));
         this.#begin(scene.saved_steps, false);
         this.pause(scene.saved_steps > 0);
         return true;
     }
 
     // The same scene and hits with other runs, at the same time.
-    restart() { this.#begin(this.game.target, true); }
+    restart() {
+        const { furthest } = this.game;
+        this.#begin(this.game.target, true);
+        this.game.furthest = furthest;
+    }
     changeWay(index, change) {
         const way = { ...this.ways[index], ...change }, obstacle = this.engine.obstacle(way);
         if (obstacle === '') this.ways[index] = way;
@@ -73,7 +79,7 @@ class App {
 
     pause(paused) {
         this.paused = paused;
-        this.due = 0;
+        this.dueSteps = 0;
     }
     step(count) { this.seek(this.game.target + count); }
     seek(step) {
@@ -125,8 +131,13 @@ class App {
 
     text() { return this.engine.saved(); }
     get fileName() { return `${this.name.replace(/^.*\//, '').replace(/(_session)?\.toml$/, '')}_session.toml`; }
-    save() {
-        if (!this.game.isThere) return;
+    save() { this.#whenThere(() => this.#save()); }
+    #save() {
+        const { trouble } = this.game.played;
+        if (trouble?.issue === 'range_left' && trouble.time < this.game.time) {
+            this.panel.tell(`${Panel.trouble(trouble)}. Go back to before it to save the session.`, true);
+            return;
+        }
         const link = document.createElement('a');
         link.href = URL.createObjectURL(new Blob([this.text()], { type: 'application/toml' }));
         link.download = this.fileName;
@@ -135,7 +146,8 @@ class App {
         this.panel.tell(`saved ${this.fileName}; it replays to ${this.engine.hash(0)}`);
     }
     get commands() {
-        return `build/host/tumble run ${this.fileName}\nbuild/host/tumble compare ${this.fileName} --core cortex-m0\n`;
+        const file = /^[\w.\/-]+$/.test(this.fileName) ? this.fileName : `'${this.fileName.replace(/'/g, `'\\''`)}'`;
+        return `build/host/tumble run ${file}\nbuild/host/tumble compare ${file} --core cortex-m0\n`;
     }
     async copyCommands() {
         await navigator.clipboard?.writeText(this.commands).catch(() => {});
@@ -147,18 +159,30 @@ class App {
         return Number((this.engine.scene.bodies[this.body].mass * this.push * strength).toPrecision(4));
     }
     #hit(inBody, impulse, point) {
-        if (!this.game.isThere || this.engine.scene.bodies[this.body].fixed) return;
-        this.game.hit(this.body, inBody, impulse, point);
-        this.game.hits = this.engine.hits();
-        this.plotted = 0;
+        const { body } = this;
+        if (this.engine.scene.bodies[body].fixed) return;
+        this.#whenThere(() => {
+            this.game.hit(body, inBody, impulse, point);
+            this.game.hits = this.engine.hits();
+            this.plotted = 0;
+        });
+    }
+    // Does something as soon as the runs are where they were sent.
+    #whenThere(action) {
+        if (this.stopped) return;
+        if (this.game.isThere) action();
+        else this.waiting.push(action);
     }
     #begin(step, keepsCamera) {
+        if (this.engine.isDead) return;
+        this.controls.forget();
+        this.waiting = [];
         this.game = new Game(this.engine, this.ways, document.getElementById('reference').checked);
         this.game.hits = this.engine.hits();
         this.game.target = step;
         this.view.show(this.game, keepsCamera);
         this.panel.listRuns(this.game);
-        this.plotted = this.due = 0;
+        this.plotted = this.dueSteps = 0;
         this.stopped = false;
     }
 
@@ -171,28 +195,31 @@ class App {
             this.#pass(passed);
             this.view.draw();
             this.panel.show(this.game);
-            if (time - this.plotted > App.drawnPlots || this.plotted === 0) {
+            if (time - this.plotted > App.plotInterval || this.plotted === 0) {
                 this.plots.draw(this.game, this.game.lanes.map((_, i) => Panel.colour(i)));
                 this.plotted = time;
             }
         } catch (error) {
             this.stopped = true;  // the engine is of no more use
-            this.panel.tell(error.message, true);
+            this.panel.tell(`${error.message}\nOpen a scene to go on.`, true);
         }
     }
     // Lets time pass. Where the steps take longer than they last, the game is slower than the clock.
     #pass(seconds) {
         const { game } = this;
+        if (game.isThere) for (const action of this.waiting.splice(0)) action();
         if (!this.paused && game.isThere) {
-            this.due += seconds * this.speed / game.scene.step_s;
-            game.target = game.now + Math.floor(this.due);
-            this.due -= Math.floor(this.due);
+            this.dueSteps += seconds * this.speed / game.scene.step_s;
+            game.target = game.now + Math.floor(this.dueSteps);
+            this.dueSteps -= Math.floor(this.dueSteps);
         }
+        const from = game.time, before = game.played.trouble?.issue;
         game.advance(App.frameBudget);
-        const trouble = this.engine.troubles(game.played.index).find(t => t.issue === 'range_left');
-        if (trouble && !this.paused && game.now <= trouble.step + 60) {
+        const { trouble } = game.played;
+        if (trouble?.issue === 'range_left' && before !== 'range_left' && trouble.time >= from) {
             this.pause(true);
-            this.panel.tell(Panel.verdict(game, game.played), true);
+            game.target = game.now;
+            this.panel.tell(Panel.trouble(trouble), true);
         }
     }
 }

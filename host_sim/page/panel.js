@@ -19,7 +19,13 @@ class Panel {
         at('follow').addEventListener('change', event => { app.view.follows = event.target.checked; });
         at('aim').addEventListener('click', () => app.view.aim());
         at('reference').addEventListener('change', () => app.restart());
-        at('more').addEventListener('click', () => document.body.classList.toggle('narrow_open'));
+        at('anew').addEventListener('click', () => app.open(app.toml, app.name));
+        at('more').addEventListener('click', () => {
+            document.body.classList.toggle('narrow_open');
+            app.plots.resize();
+        });
+        // A key is a push, not another choice.
+        document.addEventListener('change', event => event.target.blur());
         this.showPush();
     }
 
@@ -76,8 +82,8 @@ class Panel {
 
     // What changes while the game goes on.
     show(game) {
-        const hash = game.engine.hash(game.played.index);
-        this.at('clock').textContent = `${game.time.toFixed(3)} s   step ${game.now}   ${hash}${game.isThere ? '' : '   …'}`;
+        const hash = game.isThere ? game.engine.hash(game.played.index) : `… ${game.target}`;
+        this.at('clock').textContent = `${game.time.toFixed(3)} s   step ${game.now}   ${hash}`;
         const slider = this.at('time');
         slider.max = Math.max(game.furthest, 1);
         if (document.activeElement !== slider || game.isThere) slider.value = game.now;
@@ -89,20 +95,24 @@ class Panel {
     }
 
     static colour(i) { return `#${[View.played, ...View.ghosts][i].toString(16).padStart(6, '0')}`; }
-    // The words are those of `tumble run`.
+    // The words are those of `tumble run`: what the status told, and how accurate the run is.
     static verdict(game, lane) {
-        const v = game.verdict(lane), number = x => x === 0 ? '0' : x.toPrecision(2), seconds = x => `${(+x.toPrecision(4))} s`;
-        const within = `${number(v.m)} m and ${number(v.rad)} rad`;
+        const accuracy = Panel.#accuracy(game, lane);
+        return lane.trouble ? `${Panel.trouble(lane.trouble)}; before, ${accuracy}` : accuracy;
+    }
+    static trouble({ issue, body, time, what }) {
+        return `${issue}: ${body} at ${Panel.#seconds(time)}${what ? `: ${what}` : ''}`;
+    }
+    static #seconds(time) { return `${+time.toPrecision(4)} s`; }
+    static #accuracy(game, lane) {
+        const v = game.verdict(lane), number = x => x === 0 ? '0' : x.toPrecision(2);
+        const within = error => `${number(error.m)} m and ${number(error.rad)} rad`, time = Panel.#seconds(v.time ?? 0);
         switch (v.kind) {
-        case 'told': {
-            const { issue, body, what } = v.trouble;
-            return `${issue}: ${body} at ${seconds(v.time)}${what ? `: ${what}` : ''}`;
-        }
-        case 'right': return `right: error at most ${within}${v.time < game.time - 0.2 ? ` until ${seconds(v.time)}` : ''}`;
-        case 'wrong': return `wrong from ${seconds(v.time)} on: ${v.body} is off by ${within}`;
+        case 'right': return `right: error at most ${within(v)}${v.time < game.time - 0.2 ? ` until ${time}` : ''}`;
+        case 'wrong': return `wrong from ${time} on: ${v.body} is off by ${within(v)}`;
         case 'no_reference':
-            return `no reference from ${seconds(v.time)} on: two fine runs differ by ${number(v.doubt.m)} m and ` +
-                   `${number(v.doubt.rad)} rad; right before, within ${within}`;
+            return `no reference from ${time} on: two fine runs differ by ${within(v.doubt)}; ` +
+                   `right before, within ${within(v)}`;
         default: return 'no reference';
         }
     }

@@ -23,6 +23,8 @@ class Plots {
         ];
     }
 
+    resize() { for (const { graph } of this.plots) graph.resize(); }
+
     draw(game, colours) {
         this.game = game;
         const count = game.played.samples.length, every = Math.max(1, Math.ceil(count / Plots.rows));
@@ -32,7 +34,7 @@ class Plots {
             graph.maindiv_.hidden = hidden;
             if (hidden) return;
             const rows = [];
-            for (let i = 0; i < count; i += every)
+            for (let i = 0; i < count; i = i < count - 1 ? Math.min(i + every, count - 1) : count)
                 rows.push([i * game.stride * game.scene.step_s, ...game.lanes.map(lane => of(lane, i))]);
             const options = { file: rows, labels: ['t', ...game.lanes.map((_, i) => `${i}`)], colors: colours };
             if (index < 2) options.valueRange = Plots.decades(rows);

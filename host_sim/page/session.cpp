@@ -1,6 +1,7 @@
 #include "page/session.hpp"
 
 #include <algorithm>
+#include <array>
 
 #include <tumble/version.hpp>
 
@@ -17,28 +18,56 @@ namespace {
 constexpr std::string_view marker = "\n# The session: hits of the player, and how it ended.\n";
 constexpr std::size_t most_kept = 32;  // snapshots of a run; one of 64 bodies takes about 1 MB
 
-std::string_view part_before(std::string_view text, std::string_view mark) { return text.substr(0, text.find(mark)); }
+// The scene before the marker. None where there is no marker, or where a person has added more than hits after it.
+std::optional<SceneDescription> part_before_marker(const std::string& text, const SceneDescription& whole) {
+    const std::size_t end = text.rfind(marker);
+    if (end == std::string::npos || !toml::parse(std::string_view(text).substr(0, end))) return {};
+    SceneDescription part = read_scene_text(text.substr(0, end), whole.path);
+    const auto sizes = [](const SceneDescription& scene) {
+        return std::array{scene.bodies.size(), scene.planes.size(), scene.springs.size(), scene.forces.size(),
+                          scene.events.size()};
+    };
+    if (sizes(part) != sizes(whole)) return {};
+    return part;
+}
 
-// The text without the lines of the table [expect].
-std::string without_expectation(std::string_view text) {
-    std::string kept;
-    bool is_in_table = false;
-    while (!text.empty()) {
-        const std::string_view line = text.substr(0, text.find('\n') == text.npos ? text.npos : text.find('\n') + 1);
-        const std::size_t first = line.find_first_not_of(" \t");
-        if (first != line.npos && line[first] == '[') is_in_table = line.substr(first).starts_with("[expect]");
-        if (!is_in_table) kept += line;
-        text.remove_prefix(line.size());
-    }
-    return kept;
+// The place of a line, from 1, in a text.
+std::size_t begin_of(const std::string& text, std::uint32_t line) {
+    std::size_t place = 0;
+    for (std::uint32_t i = 1; i < line; ++i) place = text.find('\n', place) + 1;
+    return place;
+}
+
+// The text without the table [expect]: up to where the next table begins.
+std::string without_expectation(const std::string& text) {
+    const toml::parse_result root = toml::parse(text);
+    const toml::table* const expected = root["expect"].as_table();
+    if (expected == nullptr) return text;
+    const std::uint32_t first = expected->source().begin.line;
+    std::uint32_t next = 0;
+    const auto see = [&](const toml::node& node) {
+        if (const std::uint32_t line = node.source().begin.line; line > first && (next == 0 || line < next))
+            next = line;
+    };
+    if (expected->is_inline()) next = expected->source().end.line + 1;
+    else
+        for (const auto& [key, node] : root.table()) {
+            see(node);
+            if (const toml::array* list = node.as_array())
+                for (const toml::node& element : *list) see(element);
+        }
+    const std::size_t begin = begin_of(text, first);
+    const std::size_t end = next == 0 ? text.size() : std::min(begin_of(text, next), text.size());
+    return text.substr(0, begin) + text.substr(end);
 }
 
 // The text with another value of world.duration.
 std::string with_duration(const std::string& text, double seconds) {
-    const toml::parse_result table = toml::parse(text);
-    const toml::source_region at = table["world"]["duration"].node()->source();
-    std::size_t line = 0;
-    for (std::uint32_t i = 1; i < at.begin.line; ++i) line = text.find('\n', line) + 1;
+    const toml::parse_result root = toml::parse(text);
+    const toml::node* const value = root ? root["world"]["duration"].node() : nullptr;
+    if (value == nullptr) return text;
+    const toml::source_region at = value->source();
+    const std::size_t line = begin_of(text, at.begin.line);
     return text.substr(0, line + at.begin.column - 1) + cpp_number(seconds) + text.substr(line + at.end.column - 1);
 }
 
@@ -91,12 +120,13 @@ void Run::forget_after(std::int64_t step) {
 }
 
 Session::Session(std::string text, std::string_view name) : text_(std::move(text)) {
-    const SceneDescription whole = read_scene_text(text_, name);
-    text_ = part_before(text_, marker);
     scene_ = read_scene_text(text_, name);
-    scene_.expected = whole.expected;
-    for (std::size_t i = scene_.impulses.size(); i < whole.impulses.size(); ++i)
-        hits_.push_back({nearest_step(whole.impulses[i].time, scene_.step), whole.impulses[i]});
+    if (const std::optional<SceneDescription> own = part_before_marker(text_, scene_)) {
+        for (std::size_t i = own->impulses.size(); i < scene_.impulses.size(); ++i)
+            hits_.push_back({nearest_step(scene_.impulses[i].time, scene_.step), scene_.impulses[i]});
+        scene_.impulses = own->impulses;
+        text_.resize(text_.rfind(marker));
+    }
     if (scene_.expected) saved_steps_ = scene_.expected->steps;
     text_ = without_expectation(text_);
     (void)build_scene(scene_);
@@ -121,6 +151,15 @@ std::string Session::obstacle(const RunWay& way) const {
 std::size_t Session::add(const RunWay& way) {
     SceneDescription scene = scene_;
     scene.step = scaled(scene.step, -way.halvings);
+    // What acts does so at a step of the scene, in a run of another step too.
+    const auto snap = [&](double& time) {
+        time = static_cast<double>(nearest_step(time, scene_.step)) * scene_.step.seconds();
+    };
+    for (ImpulseDescription& impulse : scene.impulses) snap(impulse.time);
+    for (ForceDescription& force : scene.forces) {
+        snap(force.from);
+        snap(force.until);
+    }
     runs_.emplace_back(make_simulation(scene, way.integrator, way.numbers, way.carry), way.halvings);
     return runs_.size() - 1;
 }
@@ -162,14 +201,30 @@ std::string Session::text() const {
                         std::any_of(scene_.events.begin(), scene_.events.end(), is_later) ||
                         std::any_of(scene_.forces.begin(), scene_.forces.end(),
                                     [&](const ForceDescription& force) { return force.until > end; });
-    std::string text = with_duration(text_, is_cut ? std::max(end, scene_.duration) : end);
-    if (!text.ends_with('\n')) text += '\n';
-    text += marker;
+    const double duration = is_cut ? std::max(end, scene_.duration) : end;
+    const Expectation ending{std::string(played.integrator()),
+                             std::string(played.numbers()),
+                             played.carry(),
+                             steps,
+                             TUMBLE_BITS,
+                             played.hash()};
+    std::string session(marker);
     for (const Hit& hit : hits_)
-        if (hit.step < steps) text += impulse_text(hit.impulse, scene_);
-    const std::string numbers(played.numbers());
-    return text + expectation_text(
-                      {std::string(played.integrator()), numbers, played.carry(), steps, TUMBLE_BITS, played.hash()});
+        if (hit.step < steps) session += impulse_text(hit.impulse, scene_);
+    session += expectation_text(ending);
+
+    std::string text = with_duration(text_, duration);
+    if (!text.ends_with('\n')) text += '\n';
+    text += session;
+    // Text that cannot be edited so, such as impulses in an inline array, is written anew.
+    if (const toml::parse_result written = toml::parse(text);
+        written && written["world"]["duration"].value<double>() == duration &&
+        written["expect"]["hash"].value<std::string>() == hex(ending.hash))
+        return text;
+    SceneDescription anew = scene_;
+    anew.duration = duration;
+    anew.expected.reset();
+    return scene_text(anew) + session;
 }
 
 }  // namespace tumble::host

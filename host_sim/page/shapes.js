@@ -68,12 +68,12 @@ function reach(body) {
 
 // A body as a group: `opacity` below 1 for ghosts.
 function bodyObject(body, colour, opacity) {
-    const group = new THREE.Group(), { surfaces, lines } = geometriesOf(body), see_through = opacity < 1;
+    const group = new THREE.Group(), { surfaces, lines } = geometriesOf(body), isGhost = opacity < 1;
     const surface = new THREE.MeshLambertMaterial(
-        { color: colour, transparent: see_through, opacity, depthWrite: !see_through });
+        { color: colour, transparent: isGhost, opacity, depthWrite: !isGhost });
     // Lines on a surface are dark, others have the body's colour.
-    const is_on_surface = ['box', 'sphere', 'cylinder', 'capsule'].includes(body.shape) && !see_through;
-    const line = new THREE.LineBasicMaterial({ color: is_on_surface ? 0x101418 : colour });
+    const isOnSurface = ['box', 'sphere', 'cylinder', 'capsule'].includes(body.shape) && !isGhost;
+    const line = new THREE.LineBasicMaterial({ color: isOnSurface ? 0x101418 : colour });
     for (const geometry of surfaces) group.add(new THREE.Mesh(geometry, surface));
     for (const geometry of lines)
         group.add(geometry.type === 'EdgesGeometry' ? new THREE.LineSegments(geometry, line) : new THREE.Line(geometry, line));

@@ -46,6 +46,7 @@ class View {
         this.path.frustumCulled = false;
         this.world.add(this.path);
 
+        this.shownPath = '';
         this.centre = this.#centreOfMass(state);
         if (keepsCamera) return;
         this.#aim(centre, radius);
@@ -101,9 +102,10 @@ class View {
     }
     #moving() { return this.game.scene.bodies.map((body, i) => ({ body, i })).filter(({ body }) => !body.fixed); }
     #centreOfMass(state) {
-        const moving = this.#moving(), mass = moving.reduce((sum, { body }) => sum + body.mass, 0);
-        const part = ({ body, i }) => scale(new BodyState(state, i).position, body.mass / mass);
-        return moving.map(part).reduce(add, [0, 0, 0]);
+        const moving = this.#moving(), mass = moving.reduce((sum, { body }) => sum + body.mass, 0), centre = [0, 0, 0];
+        for (const { body, i } of moving)
+            for (let axis = 0; axis < 3; ++axis) centre[axis] += state[Engine.numbersOfBody * i + axis] * body.mass / mass;
+        return centre;
     }
     #extent(state) {
         const { bodies, springs } = this.game.scene, low = Array(3).fill(Infinity), high = Array(3).fill(-Infinity);
@@ -163,8 +165,11 @@ class View {
         });
     }
     #drawPath() {
-        const samples = this.game.played.samples, last = Math.floor(this.game.now / this.game.stride);
-        const every = Math.max(1, Math.ceil(last / 1500)), points = [];
+        const { samples } = this.game.played, { stride } = this.game, last = Math.floor(this.game.now / stride);
+        const shown = `${last} ${stride} ${this.game.hits.length}`;
+        if (shown === this.shownPath) return;
+        this.shownPath = shown;
+        const every = Math.max(1, Math.ceil(last / 1000)), points = [];
         for (let i = 0; i <= last; i += every)
             if (samples[i]) points.push(new THREE.Vector3(...this.#centreOfMass(samples[i])));
         this.path.visible = points.length > 1;
@@ -201,7 +206,7 @@ class View {
             if (norm(force.torque) > 0) this.#arrow(at, inWorld(force, force.torque), long, 0xc080ff);
         }
         if (scene.touches) {
-            const contacts = game.engine.contacts(game.played.index).filter(c => c.touches);
+            const contacts = game.engine.contacts(game.played.index);
             const impulse = c => add(scale(c.normal, c.normalImpulse), c.frictionImpulse);
             const most = Math.max(...contacts.map(c => norm(impulse(c))), 1e-12);
             for (const c of contacts.slice(0, 60))

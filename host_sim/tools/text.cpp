@@ -95,8 +95,9 @@ std::string json_number(long double value) {
 }
 
 std::string json_text(std::string_view text) {
-    return quoted(text,
-                  [](unsigned char code) { return code < 0x20 ? "\\u00" + hex(code).substr(14) : std::string(); });
+    return quoted(text, [](unsigned char code) {
+        return code < 0x20 || code == 0x7f ? "\\u00" + hex(code).substr(14) : std::string();
+    });
 }
 
 std::string cpp_text(std::string_view text) {

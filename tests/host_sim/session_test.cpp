@@ -135,5 +135,81 @@ TEST(Session, runs_of_other_steps_take_hits_at_the_same_times) {
     }
 }
 
+// Their impulses and forces act when those of the played run do, though their own steps would round the times
+// otherwise.
+TEST(Session, runs_of_other_steps_round_the_times_of_the_scene_to_its_steps) {
+    const std::string text =
+        "[world]\nstep = 0.1\nduration = 2.0\n[[body]]\nname = \"b\"\nshape = \"none\"\nmass = 1.0\n"
+        "[[impulse]]\ntime = 0.54\nbody = \"b\"\nimpulse = [1.0, 0.0, 0.0]\n[[force]]\nbody = "
+        "\"b\"\nfrom = 0.76\nuntil = 1.04\nforce = [0.0, 1.0, 0.0]\n";
+    Session session(text, "between.toml");
+    session.add({"rk4", "f64", false});
+    session.add({"rk4", "f64", false, 4});
+    for (const std::size_t run : {0u, 1u}) session.go_to(run, 20, all);
+    for (std::size_t i = 0; i < 3; ++i)
+        EXPECT_NEAR(static_cast<double>(session.run(0).body(0).position[i]),
+                    static_cast<double>(session.run(1).body(0).position[i]), 1e-12);
+}
+
+// What a person adds to a saved session is of the scene.
+TEST(Session, that_was_added_to_by_hand_loses_nothing) {
+    Session session = session_of("cube");
+    session.add(session.saved_way());
+    session.go_to(0, 100, all);
+    const std::string added = "\n[[force]]\nbody = \"cube\"\nuntil = 0.3\nforce = [1.0, 0.0, 0.0]\n";
+    Session again(session.text() + added, "added.toml");
+    EXPECT_EQ(again.scene().forces.size(), 1u);
+    again.add(again.saved_way());
+    again.go_to(0, 100, all);
+    EXPECT_TRUE(has(again.text(), added));
+    EXPECT_EQ(replayed(again.text()), again.run(0).hash());
+}
+
+// Whatever a person writes, the saved text is a scene that replays.
+TEST(Session, is_saved_from_any_way_of_writing_toml) {
+    const std::string body = "[[body]]\nname = \"b\"\nshape = \"none\"\nmass = 1.0\n",
+                      ending = "integrator = \"rk4\"\nnumbers = \"f64\"\nsteps = 3\ntumble_bits = 1\nhash = "
+                               "\"0123456789abcdef\"\n",
+                      world = "[world]\nstep = 0.01\nduration = 2.0 # s\n";
+    std::string crlf;
+    for (const char c : world + body) crlf += c == '\n' ? "\r\n" : std::string(1, c);
+    for (const std::string& text : {
+             world + body,
+             crlf,
+             "world = { step = 0.01, duration = 2.0, gravity = [0.0, -1.0, 0.0] }\n" + body,
+             "world.step = 0.01\nworld.duration = 2\n" + body,
+             "[expect]\n" + ending + world + body,
+             "  [ expect ] # recorded\n" + ending + "# of the world\n" + world + body,
+             world + "[expect]\n" + ending + body,
+             world + body + "\n[expect]\n" + ending,
+             "expect = { integrator = \"rk4\", numbers = \"f64\", steps = 3, tumble_bits = 1, hash = "
+             "\"0123456789abcdef\" }\n" +
+                 world + body,
+             "name = \"\"\"\n[expect]\n\"\"\"\n" + world + body,
+             "name = \"m\\u00fcller, [expect] \xc3\xbc\"\n" + world + body,
+             world + body.substr(0, body.size() - 1),
+             "impulse = [ { time = 0.1, body = \"b\", impulse = [0.0, 1.0, 0.0] } ]\n" + world + body,
+             "impulse = []\n" + world + body,
+             "\xef\xbb\xbfworld = { step = 0.01, duration = 2.0 }\n" + body,
+             "expect.integrator = \"rk4\"\nexpect.numbers = \"f64\"\nexpect.steps = 3\nexpect.tumble_bits = 1\n"
+             "expect.hash = \"0123456789abcdef\"\n" +
+                 world + body,
+             world + "[[body]]\nname = \"a\\u007fb\"\nshape = \"none\"\nmass = 1.0\n",
+             "name = \"\"\"a\n\n# The session: hits of the player, and how it ended.\nb\"\"\"\n" + world + body,
+         }) {
+        Session session(text, "any.toml");
+        session.add({"verlet", "f64", false});
+        session.hit(kick(0, Frame::world, {0.1, 0.2, 0.3}, {}));
+        session.go_to(0, 30, all);
+        const std::string saved = session.text();
+        EXPECT_EQ(replayed(saved), session.run(0).hash()) << saved;
+        EXPECT_EQ(read_scene_text(saved, "saved.toml").steps(), 30) << saved;
+        Session again(saved, "again.toml");
+        again.add(again.saved_way());
+        again.go_to(0, 30, all);
+        EXPECT_EQ(again.text(), saved);
+    }
+}
+
 }  // namespace
 }  // namespace tumble::host
