@@ -35,6 +35,7 @@ class Game {
         // About 60 samples a second of the scene.
         this.stride = Math.max(1, Math.round(1 / 60 / this.scene.step_s));
         this.target = this.now = this.furthest = 0;
+        this.hits = engine.hits();
         engine.removeRuns();
         const lane = way => new Lane(way, engine.addRun(way));
         this.lanes = ways.map(lane);
@@ -79,6 +80,7 @@ class Game {
     // Hits the played body and forgets the future. The step in which it acts.
     hit(body, inBody, impulse, point) {
         const step = this.engine.hit(body, inBody, impulse, point);
+        this.hits = this.engine.hits();
         const kept = Math.floor(this.now / this.stride);
         for (const lane of [...this.lanes, ...this.references]) lane.samples.length = Math.min(lane.samples.length, kept + 1);
         this.target = this.furthest = this.now;

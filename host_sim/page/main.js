@@ -163,7 +163,6 @@ class App {
         if (this.engine.scene.bodies[body].fixed) return;
         this.#whenThere(() => {
             this.game.hit(body, inBody, impulse, point);
-            this.game.hits = this.engine.hits();
             this.plotted = 0;
         });
     }
@@ -178,7 +177,6 @@ class App {
         this.controls.forget();
         this.waiting = [];
         this.game = new Game(this.engine, this.ways, document.getElementById('reference').checked);
-        this.game.hits = this.engine.hits();
         this.game.target = step;
         this.view.show(this.game, keepsCamera);
         this.panel.listRuns(this.game);

@@ -1,4 +1,4 @@
-// Errors, energy, angular momentum and contacts of all runs over time, with marks at hits.
+// Errors, energy, angular momentum and contacts of all runs over time, with marks at hits and contacts.
 class Plots {
     static rows = 500;  // at most, of one drawing
 
@@ -75,7 +75,11 @@ class Plots {
             canvas.fillStyle = colour;
             canvas.fillRect(x, area.y, 1, area.h);
         };
-        for (const hit of this.game.hits ?? []) line(hit.step * this.game.scene.step_s, '#a03838');
+        // Where bodies begin to touch, and where the player hits.
+        const { played, stride, scene } = this.game;
+        for (let i = 1; i < played.samples.length; ++i)
+            if (this.#contacts(played, i) > this.#contacts(played, i - 1)) line(i * stride * scene.step_s, '#2f5f3a');
+        for (const hit of this.game.hits) line(hit.step * scene.step_s, '#a03838');
         line(this.game.time, '#8892a0');
     }
 }

@@ -2,7 +2,7 @@
 class View {
     static background = 0x12161c;
     static played = 0xf0a040;
-    static ghosts = [0x4da3ff, 0x5fd38d, 0xd16bd1];
+    static ghosts = [0x4da3ff, 0x5fd38d, 0xd16bd1, 0xf0e060];
     static asleep = 0x79828c;
     static hitShown = 0.35;  // s of the scene for which the arrow of a hit stays
 
@@ -192,7 +192,7 @@ class View {
         this.marks.remove(...this.marks.children);
         const { game } = this, { scene } = game, long = this.arrowLength;
         const inWorld = (item, vector) => item.in_body ? turned(new BodyState(state, item.body).orientation, vector) : vector;
-        for (const hit of game.hits ?? []) {
+        for (const hit of game.hits) {
             const age = game.time - hit.step * scene.step_s;
             if (!(age >= 0 && age < View.hitShown) || norm(hit.impulse) === 0) continue;
             const vector = inWorld(hit, hit.impulse), at = this.#worldPoint(state, hit.body, hit.point);
