@@ -6,6 +6,7 @@
 #   TUMBLE_FIXED_POINT_SYSTEMS         those in integers
 #   TUMBLE_NUMBER_VARIANTS             those with which firmware is built
 #   TUMBLE_RANGES                      the ranges of fixed point, the smallest first
+#   TUMBLE_RANGED_SYSTEMS              the number systems, those in integers once for each range: q32_near, ..., f64
 # A list is read entry by entry; line breaks do not matter. Text that is not an entry stops the build. A test compares
 # the result with the compiled headers (tests/kernel/lists_test.cpp).
 set(kernel_headers ${CMAKE_CURRENT_LIST_DIR}/include/tumble)
@@ -62,7 +63,7 @@ tumble_read_list(${systems_header} Ranges NamedList "NamedRange<\"[a-z0-9_]+\",[
 list(TRANSFORM TUMBLE_RANGES REPLACE "^[^\"]*\"([a-z0-9_]+)\".*" "\\1")
 tumble_read_list(${systems_header} NumberSystems NamedList
     "(FixedPoint|FloatingPoint)<\"[a-z0-9_]+\",[A-Za-z0-9]+,(true|false)(,Runs::on_the_host)?>" entries)
-foreach(list IN ITEMS TUMBLE_NUMBER_SYSTEMS TUMBLE_FIXED_POINT_SYSTEMS TUMBLE_NUMBER_VARIANTS)
+foreach(list IN ITEMS TUMBLE_NUMBER_SYSTEMS TUMBLE_FIXED_POINT_SYSTEMS TUMBLE_NUMBER_VARIANTS TUMBLE_RANGED_SYSTEMS)
     set(${list} "")
 endforeach()
 foreach(entry IN LISTS entries)
@@ -70,6 +71,10 @@ foreach(entry IN LISTS entries)
     list(APPEND TUMBLE_NUMBER_SYSTEMS ${system})
     if(entry MATCHES "^FixedPoint")
         list(APPEND TUMBLE_FIXED_POINT_SYSTEMS ${system})
+        list(TRANSFORM TUMBLE_RANGES PREPEND ${system}_ OUTPUT_VARIABLE of_ranges)
+        list(APPEND TUMBLE_RANGED_SYSTEMS ${of_ranges})
+    else()
+        list(APPEND TUMBLE_RANGED_SYSTEMS ${system})
     endif()
     if(NOT entry MATCHES "Runs::on_the_host")
         list(APPEND TUMBLE_NUMBER_VARIANTS ${system})

@@ -19,9 +19,7 @@ class BodyState {
     constructor(state, body) {
         const at = Engine.numbersOfBody * body, part = (from, count) => state.subarray(at + from, at + from + count);
         this.position = part(0, 3);
-        this.velocity = part(3, 3);
         this.orientation = part(6, 4);
-        this.spin = part(10, 3);
         this.asleep = state[at + 13] === 1;
         this.contacts = state[at + 14];
     }
@@ -43,7 +41,7 @@ class Game {
         // step, another step is another scene.
         const finer = integrator => ({ integrator, numbers: 'f64', carry: false, halvings: 4 });
         const fine = hasReference && !this.scene.has_events ? [finer('rk4'), finer('suzuki4')] : [];
-        this.references = fine.filter(way => engine.obstacle(way) === '').map(lane);
+        this.references = fine.map(lane);  // every scene runs in f64
         this.referenceStep = 0;
         this.#forgetErrors(0);
         this.#record();
@@ -72,14 +70,11 @@ class Game {
         this.#follow(end);
     }
     // The same without an end; for tests.
-    finish() {
-        this.advance(Infinity);
-        this.#follow(Infinity);
-    }
+    finish() { this.advance(Infinity); }
 
-    // Hits the played body and forgets the future. The step in which it acts.
+    // Hits a body of the played run and forgets the future.
     hit(body, inBody, impulse, point) {
-        const step = this.engine.hit(body, inBody, impulse, point);
+        this.engine.hit(body, inBody, impulse, point);
         this.hits = this.engine.hits();
         const kept = Math.floor(this.now / this.stride);
         for (const lane of [...this.lanes, ...this.references]) lane.samples.length = Math.min(lane.samples.length, kept + 1);
@@ -87,7 +82,6 @@ class Game {
         for (const lane of this.lanes) if (lane.trouble?.time >= this.time) lane.trouble = undefined;
         this.referenceStep = Math.min(this.referenceStep, kept * this.stride);
         this.#forgetErrors(kept + 1);
-        return step;
     }
 
     state(lane) { return this.engine.state(lane.index); }

@@ -27,6 +27,8 @@ class Plots {
 
     draw(game, colours) {
         this.game = game;
+        const touching = game.played.samples.map((_, i) => this.#contacts(game.played, i));
+        this.begun = [...touching.keys()].filter(i => touching[i] > touching[i - 1]);  // samples in which more touches
         const count = game.played.samples.length, every = Math.max(1, Math.ceil(count / Plots.rows));
         const hasReference = game.references.length > 1;
         this.plots.forEach(({ graph, of }, index) => {
@@ -66,7 +68,7 @@ class Plots {
     }
     #contacts(lane, i) {
         const sample = lane.samples[i];
-        return sample ? this.game.scene.bodies.reduce((sum, _, b) => sum + sample[Engine.numbersOfBody * b + 14], 0) : null;
+        return sample ? this.game.scene.bodies.reduce((sum, _, b) => sum + new BodyState(sample, b).contacts, 0) : null;
     }
     #underlay(canvas, area, graph) {
         if (!this.game) return;
@@ -76,9 +78,8 @@ class Plots {
             canvas.fillRect(x, area.y, 1, area.h);
         };
         // Where bodies begin to touch, and where the player hits.
-        const { played, stride, scene } = this.game;
-        for (let i = 1; i < played.samples.length; ++i)
-            if (this.#contacts(played, i) > this.#contacts(played, i - 1)) line(i * stride * scene.step_s, '#2f5f3a');
+        const { stride, scene } = this.game;
+        for (const i of this.begun) line(i * stride * scene.step_s, '#2f5f3a');
         for (const hit of this.game.hits) line(hit.step * scene.step_s, '#a03838');
         line(this.game.time, '#8892a0');
     }
