@@ -101,6 +101,8 @@ public:
 
     void step() override { run_->step(); }
     void apply(const EventDescription& event) override { run_->apply(event); }
+    std::unique_ptr<tumble::host::Snapshot> snapshot() const override { return run_->snapshot(); }
+    void restore(const tumble::host::Snapshot& snapshot) override { run_->restore(snapshot); }
     ImuSnapshot imu(int index) const override { return run_->imu(index); }
     std::vector<ContactSnapshot> contacts() const override { return run_->contacts(); }
     std::int64_t steps_taken() const override { return run_->steps_taken(); }
