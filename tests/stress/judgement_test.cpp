@@ -1,4 +1,5 @@
 // What maps of stability say of runs that are known to be wrong, and of methods whose limits are known.
+#include "../host_sim/liar.hpp"
 #include "stress/map.hpp"
 
 #include <gtest/gtest.h>
@@ -9,12 +10,8 @@
 namespace {
 
 using namespace tumble::bench::stress;
-using tumble::host::BodySnapshot;
-using tumble::host::ContactSnapshot;
-using tumble::host::EventDescription;
-using tumble::host::ImuSnapshot;
+using tumble::host::Liar;
 using tumble::host::SceneDescription;
-using tumble::host::Simulation;
 
 // Letters of outcomes.
 char letter(const Verdict& verdict) { return static_cast<char>(verdict.outcome); }
@@ -92,49 +89,6 @@ INSTANTIATE_TEST_SUITE_P(
         WrongWorld{"is_not_elastic", "mass_ratio_impact", 256, 1, [](auto& s) { s.contact.restitution = 0.5; }},
         WrongWorld{"flies_through", "mass_ratio_impact", 256, 1,
                    [](auto& s) { s.contact.response = tumble::ContactResponse::none; }}));
-
-// A simulation that tells what is not so.
-class Liar final : public Simulation {
-public:
-    Liar(std::unique_ptr<Simulation> run, double energy, double digits)
-        : Simulation(run->steps(), run->step_length()), run_{std::move(run)}, energy_{energy}, digits_{digits} {}
-
-    void step() override { run_->step(); }
-    void apply(const EventDescription& event) override { run_->apply(event); }
-    std::unique_ptr<tumble::host::Snapshot> snapshot() const override { return run_->snapshot(); }
-    void restore(const tumble::host::Snapshot& snapshot) override { run_->restore(snapshot); }
-    ImuSnapshot imu(int index) const override { return run_->imu(index); }
-    std::vector<ContactSnapshot> contacts() const override { return run_->contacts(); }
-    std::int64_t steps_taken() const override { return run_->steps_taken(); }
-    std::uint64_t hash() const override { return run_->hash(); }
-    int body_count() const override { return run_->body_count(); }
-    BodySnapshot body(int index) const override {
-        BodySnapshot body = run_->body(index);
-        for (auto* numbers : {body.position.data(), body.orientation.data()})
-            for (int i = 0; i < 3; ++i) numbers[i] = std::floor(numbers[i] * digits_) / digits_;
-        return body;
-    }
-    tumble::host::Energy energy() const override {
-        tumble::host::Energy energy = run_->energy();
-        if (steps_taken() > 0) energy.kinetic *= energy_;
-        return energy;
-    }
-    const std::vector<tumble::host::Trouble>& troubles() const override { return run_->troubles(); }
-    long double largest_safe_step() const override { return run_->largest_safe_step(); }
-    long double contact_tolerance() const override { return run_->contact_tolerance(); }
-    int near_pair_count() const override { return run_->near_pair_count(); }
-    double held_spin(int body) const override { return run_->held_spin(body); }
-    void append_words(std::vector<std::uint32_t>& words) const override { run_->append_words(words); }
-    Place place_of_word(std::size_t index) const override { return run_->place_of_word(index); }
-    std::string_view integrator() const override { return run_->integrator(); }
-    std::string_view numbers() const override { return run_->numbers(); }
-    std::string_view range() const override { return run_->range(); }
-    bool carry() const override { return run_->carry(); }
-
-private:
-    std::unique_ptr<Simulation> run_;
-    double energy_, digits_;
-};
 
 struct Cell {
     const char* map;
