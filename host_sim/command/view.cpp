@@ -36,6 +36,8 @@ std::string page_with(std::string page, const std::string& name, const std::stri
 }
 
 int view(const ViewOptions& options) {
+    if (options.scene == "/dev/stdin")
+        throw std::invalid_argument("scene: got standard input, which can be read only once, expected a file");
     (void)read_scene(options.scene);  // refuses a scene with an error before a browser opens
     const fs::path build = fs::path(TUMBLE_SOURCE_DIR) / "build/page", page = build / "tumble.html";
     if (!fs::exists(page)) throw std::runtime_error("there is no build/page/tumble.html, which `make page` builds");

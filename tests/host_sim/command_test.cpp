@@ -64,6 +64,7 @@ INSTANTIATE_TEST_SUITE_P(
                 "--toleranc: unknown option of advise (did you mean \"--tolerance\"?), expected one of "},
         BadCall{{"run", brick_file, "--trajectory", "-", "--json"},
                 "--trajectory, --json: got standard output for each of them, expected it for one"},
+        BadCall{{"view", "-"}, "scene: got standard input, which can be read only once, expected a file\n"},
         BadCall{{"compare", brick_file, "--core", "cortex-m3", "--every", "16", "--flip", "17"},
                 "--flip: got 17, expected a step that is recorded"},
         BadCall{{"compare", brick_file, "--core", "cortex-m3", "--flip", "-1"}, "--flip: got \"-1\", expected"},
