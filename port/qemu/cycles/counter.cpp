@@ -46,11 +46,8 @@ void Counter::run(Block& block) {
 }
 
 void Counter::settle_branch(Block& from, const Block& to) {
-    if (from.exit == Exit::falls) return;
-    if (from.exit == Exit::conditional) {
-        if (to.start == from.end) return;
-        ++from.taken;
-    }
+    if (from.falls_to(to)) return;
+    if (from.is_conditional()) ++from.taken;
     const Cycles refill = timing_.taken(from.last, to.start, to.first_size);
     pay(from, refill);
     if (keeps_places_) node_->places[&from].branches += static_cast<std::uint64_t>(refill.est);
@@ -86,7 +83,7 @@ void Counter::follow_call(const Block& block) {
         return;
     }
     const Block& from = *previous_;
-    if (from.exit == Exit::falls || from.exit == Exit::conditional) return;
+    if (from.falls_to(block)) return;
     if (from.exit == Exit::call) {
         // GCC for Armv6-M uses BL for far jumps within a function. A call goes to the start of a symbol.
         const bool stays =
@@ -97,7 +94,7 @@ void Counter::follow_call(const Block& block) {
         ++node_->calls;
         return;
     }
-    for (std::size_t i = frames_.size(); i-- > 0;) {
+    for (std::size_t i = from.exit == Exit::returns ? frames_.size() : 0; i-- > 0;) {
         if (frames_[i].return_address != block.start) continue;
         node_ = frames_[i].node;
         frames_.resize(i);

@@ -23,8 +23,8 @@ struct Totals {
     }
 };
 
-// How control leaves a block.
-enum class Exit : std::uint8_t { falls, conditional, jump, call, returns };
+// How control leaves a block. All but `falls` may depend on a condition.
+enum class Exit : std::uint8_t { falls, jump, call, returns };
 
 // Instructions that run one after the other: a translation block of QEMU, or a part of one between markers.
 struct Block {
@@ -46,6 +46,12 @@ struct Block {
 
     std::uint64_t runs = 0, taken = 0;  // within counted calls
     Totals totals;
+
+    [[nodiscard]] bool is_conditional() const { return exit != Exit::falls && last.conditional; }
+    // Does control go on to `next` without a branch that is taken?
+    [[nodiscard]] bool falls_to(const Block& next) const {
+        return exit == Exit::falls || (is_conditional() && next.start == end);
+    }
 };
 
 // A node of the tree of calls: a function called from another, with the costs of its own code, without its callees.

@@ -203,8 +203,7 @@ void Plugin::add_block(qemu_plugin_tb* tb, const std::vector<Instruction>& all, 
 
     if (b.last.writes_pc && to == all.size()) {
         const Class c = b.last.cls;
-        b.exit = b.last.conditional                                    ? Exit::conditional
-                 : c == Class::bl || c == Class::blx                   ? Exit::call
+        b.exit = c == Class::bl || c == Class::blx                     ? Exit::call
                  : c == Class::b || c == Class::tbb || c == Class::cbz ? Exit::jump
                                                                        : Exit::returns;
     }

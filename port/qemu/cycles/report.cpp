@@ -19,7 +19,7 @@ struct Branch {
 [[nodiscard]] std::map<std::uint32_t, Branch> branches_of(const Counter& counter) {
     std::map<std::uint32_t, Branch> branches;
     for (const Block& b : counter.blocks()) {
-        if (b.runs == 0 || b.exit != Exit::conditional) continue;
+        if (b.runs == 0 || !b.is_conditional()) continue;
         Branch& branch = branches[b.last.address];
         branch.taken += b.taken;
         branch.not_taken += b.runs - b.taken;
