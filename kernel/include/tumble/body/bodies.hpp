@@ -143,7 +143,7 @@ struct BodyConstants {
 
     // Nothing pushes it.
     [[nodiscard]] TUMBLE_INLINE constexpr bool fixed() const { return held != Held::loose; }
-    [[nodiscard]] TUMBLE_INLINE constexpr bool kinematic() const { return held == Held::kinematic; }
+    [[nodiscard]] TUMBLE_INLINE constexpr bool kinematic() const { return held == Held::kinematic; }  // but it moves
     // Change of drift, m, by 1 N s.
     [[nodiscard]] TUMBLE_INLINE constexpr typename N::Work drift_per_impulse() const { return mass_units[0]; }
     // The same, to compute with.
@@ -159,7 +159,7 @@ struct BodyConstants<N, Spin::none, false> {
 
     // Nothing pushes it.
     [[nodiscard]] TUMBLE_INLINE constexpr bool fixed() const { return held != Held::loose; }
-    [[nodiscard]] TUMBLE_INLINE constexpr bool kinematic() const { return held == Held::kinematic; }
+    [[nodiscard]] TUMBLE_INLINE constexpr bool kinematic() const { return held == Held::kinematic; }  // but it moves
     // Change of drift, m, by 1 N s.
     [[nodiscard]] TUMBLE_INLINE constexpr typename N::Work drift_per_impulse() const { return mass_units[0]; }
 };
@@ -503,16 +503,16 @@ private:
 template <class Bodies>
 class SavedMotions {
 public:
-    void save(int k, const Bodies& bodies, int b) {
+    void save(int k, const Bodies& bodies, int b) {  // the motion of body b, as copy k
         state_.keep(k, bodies.state[b]);
         if constexpr (Bodies::has_parts) halvings_[k] = bodies.parts.halvings[b];
     }
-    void restore(int k, Bodies& bodies, int b) const {
+    void restore(int k, Bodies& bodies, int b) const {  // the motion of body b, from copy k
         bodies.state[b] = state_[k];
         if constexpr (Bodies::has_parts) bodies.parts.halvings[b] = halvings_[k];
     }
     [[nodiscard]] const typename Bodies::State& operator[](int k) const { return state_[k]; }
-    [[nodiscard]] int halvings(int k) const requires(Bodies::has_parts) { return halvings_[k]; }
+    [[nodiscard]] int halvings(int k) const requires(Bodies::has_parts) { return halvings_[k]; }  // of copy k
 
 private:
     StateCopies<typename Bodies::State, Bodies::room> state_;
