@@ -1,5 +1,5 @@
-// The cost of a step of the peers' firmware on a core: a row for each program, with cycles if the core has a timing
-// table.
+// The cost of a step of the peers' and engines' firmware on a core: a row for each program, with cycles if the core has
+// a timing table, and with its sizes.
 #include "rows.hpp"
 #include "variants.hpp"
 
@@ -9,6 +9,18 @@ namespace {
 
 // step_run() returns nothing, so no move follows its call.
 constexpr int insn_of_call = 3;
+
+// Firmware of engines prints whole numbers only.
+void complete(tumble::bench::Row& row) {
+    if (!row.contains("steps_per_second")) return;
+    row["step_s"] = 1 / row.at("steps_per_second").get<double>();
+    row.erase("steps_per_second");
+    row["law"] = "largest distance of a body from its place, m";
+    if (row.contains("shift_nm")) row["error"] = row.at("shift_nm").get<double>() / 1e9;
+    row.erase("shift_nm");
+    if (row.at("status_bits") != 0) throw std::runtime_error{"a bit of the status is set: " + row.dump()};
+    row["tumble_bits"] = TUMBLE_BITS;
+}
 
 }  // namespace
 
@@ -26,7 +38,10 @@ int main(int argc, char** argv) try {
     });
     for (std::size_t i = 0; i < programs.size(); ++i) {
         if (!outcomes[i].error.empty()) throw std::runtime_error{programs[i] + ": " + outcomes[i].error};
-        std::cout << outcomes[i].row.dump() << '\n';
+        tumble::bench::Row& row = outcomes[i].row;
+        tumble::host::add_sizes(row, programs[i]);
+        complete(row);
+        std::cout << row.dump() << '\n';
     }
     return 0;
 } catch (...) { return tumble::bench::report_failure("tumble_peers"); }

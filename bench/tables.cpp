@@ -373,6 +373,37 @@ Table engine_contacts_table(const Rows& rows) {
     return table;
 }
 
+// Bodies that stay where they are, in engines on cores: a line for each scene, engine and step.
+Table core_engines_table(const Rows& rows) {
+    std::vector<Line> lines;
+    for (const Row& row : rows) {
+        const std::string step = text("1/%.0f s", 1 / row.at("step_s").get<double>());
+        const Strings first{row.at("scene"), engine_name(row) + ", " + text_of(row, "integrator"), numbers_of(row),
+                            step};
+        if (std::any_of(lines.begin(), lines.end(), [&](const Line& line) { return line.first == first; })) continue;
+        Where where;
+        for (const char* key : {"scene", "engine", "integrator", "numbers", "step_s"})
+            where.emplace_back(key, text_of(row, key));
+        lines.push_back({first, where});
+    }
+    // In the order of the scenes.
+    std::stable_sort(lines.begin(), lines.end(), [scenes = distinct(rows, "scene")](const Line& a, const Line& b) {
+        const auto place = [&](const Line& line) { return std::find(scenes.begin(), scenes.end(), line.first[0]); };
+        return place(a) < place(b);
+    });
+    std::vector<Column> columns = steps_on({"cortex-m4f", "cortex-m3"}, bare_mean, bare_worst);
+    const Cell ram = [](const Row& row) {
+        int bytes = 0;
+        for (const char* key : {"ram_bytes", "heap_bytes", "step_stack_bytes"}) bytes += row.at(key).get<int>();
+        return std::to_string(bytes);
+    };
+    const Where on_m4f{{"core", "cortex-m4f"}};
+    const Cell error = [](const Row& row) { return row.contains("failure") ? "fails" : text_of(row, "error"); };
+    columns.insert(columns.end(),
+                   {{"error, m", error, on_m4f}, {"flash, B", value("text_bytes"), on_m4f}, {"RAM, B", ram, on_m4f}});
+    return cross(rows, {"scene", "engine", "numbers", "step"}, lines, columns);
+}
+
 // The cores that firmware is built for: rows of port/boards.txt.
 Table boards_table() {
     Table table{{"core", "port", "machine and CPU", "counts", "model of its cycles", "tested by", "compiler's options"},
@@ -437,6 +468,7 @@ const Makers makers{
     {"table host_growth", [](R r) { return host_growth_table(r["host"]); }},
     {"table engines", [](R r) { return engines_table(r["engines"]); }},
     {"table engine_contacts", [](R r) { return engine_contacts_table(r["engine_contacts"]); }},
+    {"table core_engines", [](R r) { return core_engines_table(r["core_engines"]); }},
     {"table control", [](R r) { return control_table(r["control"]); }},
     {"table stories", [](R r) { return stories_table(r["control"]); }},
     {"table formats", [](R) { return formats_table(); }},

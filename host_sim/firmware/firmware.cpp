@@ -51,29 +51,6 @@ void configure(const char* program, const fs::path& build, const std::string& co
     run_quietly(command);
 }
 
-void add_sizes(nlohmann::ordered_json& row, const fs::path& elf) {
-    const std::string core = row.at("core");
-    const std::string size = core == StepFirmware::host ? "size" : core_named(core).tool("size");
-    const std::string sums = run_quietly({size, elf.string()});
-    unsigned long code = 0, data = 0, zeros = 0;
-    if (std::sscanf(sums.c_str(), "%*[^\n]\n%lu %lu %lu", &code, &data, &zeros) != 3)
-        throw std::runtime_error(size + ": " + sums);
-    row["text_bytes"] = code + data;
-    std::istringstream lines(run_quietly({size, "-A", "-d", elf.string()}));
-    for (std::string line; std::getline(lines, line);) {
-        std::istringstream words(line);
-        std::string section;
-        std::uint64_t bytes = 0;
-        if (!(words >> section >> bytes)) continue;
-        if (section == ".text") row["code_bytes"] = bytes;
-        if (section == ".rodata") row["rodata_bytes"] = bytes;
-    }
-    row["ram_bytes"] = data + zeros;
-    if (core == StepFirmware::host || core_named(core).port != "cortex_m") return;
-    row["step_stack_bound_bytes"] = std::stoul(
-        run_quietly({(source_directory / "port/cortex_m/stack_bound").string(), elf.string(), "step_world"}));
-}
-
 // The row of a program for the host, with valgrind's count of instructions instead of times.
 nlohmann::ordered_json counted(const fs::path& program) {
     const Counted counted = instructions_in("*step_world*", "'" + program.string() + "'");
@@ -267,6 +244,26 @@ StepOutcome run_step_program(const Core& core, const fs::path& elf, int timeout,
     return outcome;
 }
 
+void add_sizes(nlohmann::ordered_json& row, const fs::path& elf) {
+    const std::string core = row.at("core");
+    const std::string size = core == StepFirmware::host ? "size" : core_named(core).tool("size");
+    const std::string sums = run_quietly({size, elf.string()});
+    unsigned long code = 0, data = 0, zeros = 0;
+    if (std::sscanf(sums.c_str(), "%*[^\n]\n%lu %lu %lu", &code, &data, &zeros) != 3)
+        throw std::runtime_error(size + ": " + sums);
+    row["text_bytes"] = code + data;
+    std::istringstream lines(run_quietly({size, "-A", "-d", elf.string()}));
+    for (std::string line; std::getline(lines, line);) {
+        std::istringstream words(line);
+        std::string section;
+        std::uint64_t bytes = 0;
+        if (!(words >> section >> bytes)) continue;
+        if (section == ".text") row["code_bytes"] = bytes;
+        if (section == ".rodata") row["rodata_bytes"] = bytes;
+    }
+    row["ram_bytes"] = data + zeros;
+}
+
 const std::vector<NumberVariant>& number_variants() {
     static const std::vector<NumberVariant> list = [] {
         std::vector<NumberVariant> variants;
@@ -334,6 +331,9 @@ StepOutcome StepFirmware::run(const std::string& name, int timeout, const std::v
         if (core_ == host) outcome.row = counted(elf);
         else outcome = run_step_program(core_named(core_), elf, timeout, {}, reports);
         if (outcome.error.empty()) add_sizes(outcome.row, elf);
+        if (outcome.error.empty() && core_ != host && core_named(core_).port == "cortex_m")
+            outcome.row["step_stack_bound_bytes"] = std::stoul(
+                run_quietly({(source_directory / "port/cortex_m/stack_bound").string(), elf.string(), "step_world"}));
     }
     return outcome;
 }

@@ -78,6 +78,9 @@ struct MeasuredStep {
 [[nodiscard]] StepOutcome run_step_program(const Core& core, const std::filesystem::path& elf, int timeout = 900,
                                            const MeasuredStep& step = {}, const std::vector<std::string>& reports = {});
 
+// Adds the sizes of a program to its row: text_bytes (everything in flash), code_bytes, rodata_bytes, ram_bytes.
+void add_sizes(nlohmann::ordered_json& row, const std::filesystem::path& elf);
+
 // Runs the simulation to its end. Throws where its final state differs from that of the row.
 void check_state(const nlohmann::ordered_json& row, Simulation& simulation, const std::string& program);
 
@@ -110,8 +113,8 @@ public:
     // program that has a scene of its own takes 4 s. run() reports programs that could not be built.
     void build(const std::vector<std::string>& names);
 
-    // Calls run_step_program() for a program of the last build() and adds its sizes: text_bytes (everything in flash),
-    // code_bytes, rodata_bytes, ram_bytes, and on a Cortex-M step_stack_bound_bytes. The caller checks state_hash.
+    // Calls run_step_program() for a program of the last build() and adds its sizes, and on a Cortex-M
+    // step_stack_bound_bytes. The caller checks state_hash.
     [[nodiscard]] StepOutcome run(const std::string& name, int timeout = 900,
                                   const std::vector<std::string>& reports = {}) const;
 

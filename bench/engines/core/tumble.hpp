@@ -1,0 +1,29 @@
+// This kernel, in the number system of TUMBLE_VARIANT.
+#pragma once
+
+#include "scene.hpp"
+
+namespace tumble::bench {
+
+class Engine {
+    struct Config : Recorded::Config {
+        using Numbers = NumbersOf<TUMBLE_VARIANT, typename Recorded::Config::Numbers::Range>;
+        using Integrator = integrators::Verlet;
+    };
+
+public:
+    static constexpr const char *name = "tumble", *numbers = Config::Numbers::name;
+    static constexpr bool carry = Config::Numbers::carry;
+
+    void step() { (void)replay_.step(); }
+    [[nodiscard]] std::uint32_t status_bits() const { return replay_.world().status().bits; }
+    [[nodiscard]] Vec position(std::size_t i) const {
+        const auto at = replay_.world().template pose<float>(BodyId{static_cast<int>(i)}).position;
+        return {at[0], at[1], at[2]};
+    }
+
+private:
+    Replay<Config, Recorded> replay_;
+};
+
+}  // namespace tumble::bench
