@@ -81,6 +81,16 @@ function bodyObject(body, colour, opacity) {
     return group;
 }
 
+// An arrow that is seen through bodies, since contacts are inside.
+function arrowObject() {
+    const arrow = new THREE.ArrowHelper();
+    for (const part of arrow.children) {
+        part.material.depthTest = false;
+        part.renderOrder = 1;
+    }
+    return arrow;
+}
+
 // A square of a plane about the foot of a point.
 function planeObject(plane, about, size) {
     const length = norm(plane.normal), normal = scale(plane.normal, 1 / length);

@@ -7,7 +7,9 @@ class View {
     static hitShown = 0.35;  // s of the scene for which the arrow of a hit stays
 
     constructor(canvas) {
-        this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true });
+        // Smooth edges double the time of a frame where the processor draws; #smooth in the address asks for them.
+        const antialias = location.hash === '#smooth' || !drawsInSoftware();
+        this.renderer = new THREE.WebGLRenderer({ canvas, antialias });
         this.renderer.setPixelRatio(Math.min(2, devicePixelRatio));
         this.camera = new THREE.PerspectiveCamera(45, 1, 0.01, 1000);
         this.orbit = new THREE.OrbitControls(this.camera, canvas);
@@ -178,18 +180,18 @@ class View {
         this.path.geometry = new THREE.BufferGeometry().setFromPoints(points);
     }
 
+    // Arrows are kept: a program of the GPU whose last material is gone is compiled anew.
     #arrow(from, vector, length, colour) {
-        const direction = new THREE.Vector3(...vector).normalize(), origin = new THREE.Vector3(...from);
-        const arrow = new THREE.ArrowHelper(direction, origin, length, colour, Math.min(0.3 * length, 0.12),
-            Math.min(0.18 * length, 0.07));
-        for (const { material } of arrow.children) material.depthTest = false;  // contacts are inside
-        arrow.renderOrder = 1;
-        this.marks.add(arrow);
+        if (this.arrows === this.marks.children.length) this.marks.add(arrowObject());
+        const arrow = this.marks.children[this.arrows++];
+        arrow.position.set(...from);
+        arrow.setDirection(new THREE.Vector3(...vector).normalize());
+        arrow.setLength(length, Math.min(0.3 * length, 0.12), Math.min(0.18 * length, 0.07));
+        arrow.setColor(colour);
     }
     // Arrows of hits, forces and torques that act now, and of the impulses of contacts.
     #mark(state) {
-        this.marks.children.forEach(mark => mark.children.forEach(part => part.material.dispose()));
-        this.marks.remove(...this.marks.children);
+        this.arrows = 0;
         const { game } = this, { scene } = game, long = this.arrowLength;
         const inWorld = (item, vector) => item.in_body ? turned(new BodyState(state, item.body).orientation, vector) : vector;
         for (const hit of game.hits) {
@@ -218,5 +220,14 @@ class View {
             const vector = turned(body.orientation, this.pull.direction), length = long * (0.4 + this.pull.strength / 6);
             this.#arrow(subtract(at, scale(vector, length)), vector, length, 0xffffff);
         }
+        this.marks.children.forEach((arrow, i) => { arrow.visible = i < this.arrows; });
     }
+}
+
+// Does the processor draw, without a GPU? Not known in a browser that hides its GPU.
+function drawsInSoftware() {
+    const gl = document.createElement('canvas').getContext('webgl'), info = gl?.getExtension('WEBGL_debug_renderer_info');
+    const isSoftware = info && /swiftshader|llvmpipe|software/i.test(gl.getParameter(info.UNMASKED_RENDERER_WEBGL));
+    gl?.getExtension('WEBGL_lose_context')?.loseContext();
+    return Boolean(isSoftware);
 }

@@ -9,7 +9,7 @@ const pictures = [['cube', 400, true], ['contacts/drop', 150, false], ['contacts
                   ['contacts/cradle', 330, false], ['contacts/kinematic', 260, false], ['pendulum', 420, true]];
 const largest = 40000;  // bytes
 
-const browser = await Browser.open(url, { width: 480, height: 320 });
+const browser = await Browser.open(`${url}#smooth`, { width: 480, height: 320 });
 await browser.value(`document.body.classList.add('picture')`);
 for (const [name, step, hasGhost] of pictures) {
     await browser.run(async (name, step, hasGhost) => {
