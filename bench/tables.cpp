@@ -306,22 +306,23 @@ Table ordinary_table(const Rows& rows, const std::string& scene, int first, int 
     return cross(rows, {scene}, lines, columns);
 }
 
+std::string error_of(const Row& row) { return row.contains("failure") ? "fails" : text_of(row, "error"); }
+
 // The errors of scenes with contacts by the step, and the median of the observed orders of those in double.
 Table contact_laws_table(const Rows& rows) {
-    const Cell error = [](const Row& row) { return row.contains("failure") ? "fails" : text_of(row, "error"); };
     std::vector<Line> lines;
     for (const std::string& scene : distinct(rows, "scene"))
         lines.push_back({{scene, text_of(row_of(rows, {{"scene", scene}}), "law")}, {{"scene", scene}}});
     std::vector<Column> columns;
     for (const int n : {128, 256, 512, 1024})
-        columns.push_back({text("1/%d s", n), error, {{"numbers", "f64"}, {"step_s", text("%.1e", 1.0 / n)}}});
+        columns.push_back({text("1/%d s", n), error_of, {{"numbers", "f64"}, {"step_s", text("%.1e", 1.0 / n)}}});
     // Errors that are only rounding have no order.
     Rows resolved = rows;
     std::erase_if(resolved, [](const Row& row) { return row.contains("failure") || !(row.at("error") > 1e-9); });
     columns.push_back({"order", [&](const Row& row) {
                            return order_of(resolved, {{"scene", row.at("scene")}, {"numbers", "f64"}});
                        }});
-    columns.push_back({"q32, 1/256 s", error, {{"numbers", "q32 carry"}, {"step_s", text("%.1e", 1.0 / 256)}}});
+    columns.push_back({"q32, 1/256 s", error_of, {{"numbers", "q32 carry"}, {"step_s", text("%.1e", 1.0 / 256)}}});
     return cross(rows, {"scene", "error, in double"}, lines, columns);
 }
 
@@ -376,21 +377,19 @@ Table engine_contacts_table(const Rows& rows) {
 // Bodies that stay where they are, in engines on cores: a line for each scene, engine and step.
 Table core_engines_table(const Rows& rows) {
     std::vector<Line> lines;
-    for (const Row& row : rows) {
-        const std::string step = text("1/%.0f s", 1 / row.at("step_s").get<double>());
-        const Strings first{row.at("scene"), engine_name(row) + ", " + text_of(row, "integrator"), numbers_of(row),
-                            step};
-        if (std::any_of(lines.begin(), lines.end(), [&](const Line& line) { return line.first == first; })) continue;
-        Where where;
-        for (const char* key : {"scene", "engine", "integrator", "numbers", "step_s"})
-            where.emplace_back(key, text_of(row, key));
-        lines.push_back({first, where});
+    for (const std::string& scene : distinct(rows, "scene")) {
+        for (const Row& row : rows) {
+            const std::string step = text("1/%.0f s", 1 / row.at("step_s").get<double>());
+            const Strings first{scene, engine_name(row) + ", " + text_of(row, "integrator"), numbers_of(row), step};
+            const bool is_there =
+                std::any_of(lines.begin(), lines.end(), [&](const Line& line) { return line.first == first; });
+            if (row.at("scene") != scene || is_there) continue;
+            Where where;
+            for (const char* key : {"scene", "engine", "integrator", "numbers", "step_s"})
+                where.emplace_back(key, text_of(row, key));
+            lines.push_back({first, where});
+        }
     }
-    // In the order of the scenes.
-    std::stable_sort(lines.begin(), lines.end(), [scenes = distinct(rows, "scene")](const Line& a, const Line& b) {
-        const auto place = [&](const Line& line) { return std::find(scenes.begin(), scenes.end(), line.first[0]); };
-        return place(a) < place(b);
-    });
     std::vector<Column> columns = steps_on({"cortex-m4f", "cortex-m3"}, bare_mean, bare_worst);
     const Cell ram = [](const Row& row) {
         int bytes = 0;
@@ -398,9 +397,9 @@ Table core_engines_table(const Rows& rows) {
         return std::to_string(bytes);
     };
     const Where on_m4f{{"core", "cortex-m4f"}};
-    const Cell error = [](const Row& row) { return row.contains("failure") ? "fails" : text_of(row, "error"); };
-    columns.insert(columns.end(),
-                   {{"error, m", error, on_m4f}, {"flash, B", value("text_bytes"), on_m4f}, {"RAM, B", ram, on_m4f}});
+    columns.insert(
+        columns.end(),
+        {{"error, m", error_of, on_m4f}, {"flash, B", value("text_bytes"), on_m4f}, {"RAM, B", ram, on_m4f}});
     return cross(rows, {"scene", "engine", "numbers", "step"}, lines, columns);
 }
 
