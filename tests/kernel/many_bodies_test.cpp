@@ -40,15 +40,16 @@ TEST(ManyBodies, a_tray_carries_as_many_balls_as_are_put_on_it) {
 }
 
 // With room for 64 bodies each pair has a time to contact of its own, with room for 65 a grid finds the pairs.
-template <class N, int room>
+template <class N, int room, bool pairs = true>
 struct Room : Scene {
     using Numbers = N;
     static constexpr Features features{.bodies = room,
                                        .planes = 5,
-                                       .near_pairs = 512,
+                                       .near_pairs = pairs ? 512 : 0,
+                                       .control = !pairs,
                                        .removal = true,
                                        .snapshots = true,
-                                       .pairs = true,
+                                       .pairs = pairs,
                                        .boxes = true,
                                        .friction = true,
                                        .sleep = true,
@@ -56,10 +57,10 @@ struct Room : Scene {
 };
 using Hashes = std::vector<std::uint64_t>;
 
-template <class N, int room>
+template <class N, int room, bool pairs = true>
 class Play {
 public:
-    using World = tumble::World<Room<N, room>>;
+    using World = tumble::World<Room<N, room, pairs>>;
 
     explicit Play(const WorldSpec& spec) : world_{std::make_unique<World>(Seconds{1, 256}, spec)} {}
     ~Play() { EXPECT_FALSE(world_->status().has(Issue::contacts_full)); }
@@ -113,6 +114,28 @@ public:
         world_->set_velocity(pushes, {});
         run(200);
         world_->apply_impulse(bodies[0], {-2, 1, 0});
+        run(200);
+        return hashes_;
+    }
+
+    // Loads come to bodies on a floor, and go.
+    Hashes loads() {
+        walls(8);
+        BodyId bodies[12];
+        for (int i = 0; i < 12; ++i)
+            bodies[i] = add(any_body(Real{0.5}), {Real{i - 5}, Real{0.5 + i % 3}, Real{i % 5}});
+        run(150);
+        world_->set_force(bodies[3], {2, 20, 1}, Frame::world);
+        run(30);
+        world_->apply_impulse(bodies[7], {1, 3, -2});
+        world_->set_torque(bodies[4], {0, 0, 1}, Frame::body);
+        run(40);
+        save_and_restore();
+        world_->set_force(bodies[3], {}, Frame::world);
+        run(200);
+        world_->apply_force(bodies[1], {50, 0, 0}, Frame::world);
+        save_and_restore();
+        world_->remove(bodies[7]);
         run(200);
         return hashes_;
     }
@@ -171,10 +194,10 @@ private:
 template <class N>
 class Grids : public testing::Test {
 protected:
-    template <int room = 65, class Story>
+    template <int room = 65, bool pairs = true, class Story>
     static void expect_same(const WorldSpec& spec, Story&& story) {
-        Play<N, 64> with_times{spec};
-        Play<N, room> with_grid{spec};
+        Play<N, 64, pairs> with_times{spec};
+        Play<N, room, pairs> with_grid{spec};
         const Hashes expected = story(with_times), found = story(with_grid);
         ASSERT_EQ(found.size(), expected.size());
         for (std::size_t i = 0; i < found.size(); ++i) ASSERT_EQ(found[i], expected[i]) << "in step " << i;
@@ -211,6 +234,11 @@ TYPED_TEST(Grids, find_what_a_program_puts_moves_and_removes) {
     WorldSpec spec = this->with_gravity();
     spec.contact.sleep.on = true;
     this->expect_same(spec, [](auto& play) { return play.control(); });
+}
+
+// Without pairs of bodies there is no grid, but many bodies ask once a step whether a load acts on one that is near.
+TYPED_TEST(Grids, are_not_needed_where_loads_push_bodies_on_a_floor) {
+    this->template expect_same<65, false>(this->with_gravity(), [](auto& play) { return play.loads(); });
 }
 
 }  // namespace

@@ -59,10 +59,10 @@ public:
         };
         const auto forget = [&](int a, int other) {
             pairs_.forget(a, other);
-            if constexpr (features.grid())
+            if constexpr (features.many_touch())
                 for (const int body : {a, other})
                     if (body >= 0 && marks[body].driven && !pairs_.is_near(body))
-                        times_.many.pushes_something = Times::Many::not_asked;
+                        times_.near.driven = Times::Near::not_asked;
         };
         const bool is_kinematic = features.kinematic && bodies_.constants[b].kinematic();
         for (int p = 0; p < shapes_.plane_count() && !is_kinematic; ++p) {
@@ -103,6 +103,7 @@ public:
                     return 1;
                 };
                 const auto apart = [&] {
+                    if (features.grid() && pair == nullptr) return;
                     forget(first, second);
                     pair = nullptr;
                 };
@@ -135,17 +136,20 @@ public:
         times_.set(b, now + static_cast<std::uint32_t>(until));
     }
 
-    // With a grid. Begins a step: puts bodies that are not examined into the grid, and ends the bounds of those that
-    // may be pushed.
-    void begin(const Sleepers& sleepers) requires(features.grid()) {
-        auto& many = times_.many;
-        many.pushes_something = Times::Many::not_asked;
-        if (many.all)
-            for (int b = 0; b < bodies_.count; ++b)
+    // Where bodies are many. Begins a step: puts bodies that are not examined into the grid, and ends the bounds of
+    // those that may be pushed.
+    void begin(const Sleepers& sleepers) requires(features.many_touch()) {
+        times_.near.driven = Times::Near::not_asked;
+        bool all = false;
+        if constexpr (features.grid()) {
+            all = times_.many.all;
+            times_.many.all = false;
+            for (int b = 0; all && b < bodies_.count; ++b)
                 if (bodies_.constants[b].fixed() && touches_bodies(shapes_.shape(b).kind)) (void)put(b, false, true);
-        for (int k = 0; (many.all || many.near) && k < sleepers.awake_count(); ++k)
-            if (many.all || pairs_.is_near(sleepers.awake(k))) end_times(sleepers.awake(k));
-        many.all = many.near = false;
+        }
+        for (int k = 0; (all || times_.near.examine) && k < sleepers.awake_count(); ++k)
+            if (all || pairs_.is_near(sleepers.awake(k))) end_times(sleepers.awake(k));
+        times_.near.examine = false;
     }
 
     // Connects the bodies of every pair that is awake. A pair sleeps where its moving bodies do. Measures the pairs
@@ -178,9 +182,9 @@ private:
             for (int b = 0; b < bodies_.count; ++b) any = any || (pairs_.is_near(b) && marks[b].driven);
             return any;
         };
-        if constexpr (features.grid()) {
-            auto& answer = times_.many.pushes_something;
-            if (answer == Times::Many::not_asked) answer = look();
+        if constexpr (features.many_touch()) {
+            auto& answer = times_.near.driven;
+            if (answer == Times::Near::not_asked) answer = look();
             return answer != 0;
         } else {
             return look();
@@ -192,9 +196,9 @@ private:
             if (bodies_.constants[b].kinematic()) return false;
         return asleep || bodies_.constants[b].fixed();
     }
-    // Null where the pair is not in the list.
-    [[nodiscard]] Pair* near_pair(int a, int b) {
-        if (!pairs_.is_near(a) || !pairs_.is_near(b)) return nullptr;
+    // The pair of two bodies; null where it is not in the list.
+    [[nodiscard]] Pair* near_pair(int a, int b) requires(features.grid()) {
+        if (pairs_.pairs_with_bodies_of(a) == 0 || pairs_.pairs_with_bodies_of(b) == 0) return nullptr;
         const std::uint32_t key = Pair::key_of(a, b);
         const int at = pairs_.place_of(key);
         return pairs_.has(at, key) ? &pairs_[at] : nullptr;
@@ -303,8 +307,9 @@ private:
         Pair& pair = pairs_.insert(at, a, b);
         const auto begin_near = [&](int body) {
             end_times(body);
+            if constexpr (features.many_touch())
+                if (marks[body].driven) times_.near.driven = 1;
             if constexpr (features.grid()) {
-                if (marks[body].driven) times_.many.pushes_something = 1;
                 times_.many.grid.for_each_near(body, shapes_.scale(),
                                                [&](int other) { times_.set(other, bodies_.steps_taken); });
             }

@@ -46,21 +46,26 @@ public:
     static void archive(Self& self, Archive& to) {
         to(self.clear_until_, self.due_);
         if constexpr (features.grid()) {
-            to(self.many.ends, self.many.all, self.many.near);
+            to(self.many.ends, self.many.all);
             Grid<N, features.bodies>::archive(self.many.grid, to);
         }
+        if constexpr (features.many_touch()) to(self.near.examine);
     }
 
     // With a grid.
     struct Many {
         Grid<N, features.bodies> grid{};
         std::uint16_t ends[features.bodies]{};  // how often the bounds of the body have been ended, modulo 2^16
-        bool all = true;    // a body that is not examined has moved: all others are examined in the next step
-        bool near = false;  // all bodies that are near something are examined in the next step
-        static constexpr std::int8_t not_asked = -1;
-        std::int8_t pushes_something = not_asked;  // a load, in this step: BroadPhase
+        bool all = true;  // a body that is not examined has moved: all others are examined in the next step
     };
     [[no_unique_address]] If<features.grid(), Many, 0> many{};
+    // What holds of all bodies that are near something, where bodies are many.
+    struct Near {
+        bool examine = false;  // in the next step
+        static constexpr std::int8_t not_asked = -1;
+        std::int8_t driven = not_asked;  // a load acts on one of them in this step: BroadPhase
+    };
+    [[no_unique_address]] If<features.many_touch(), Near, 1> near{};
 
 private:
     static constexpr int slots = features.bodies * features.planes +

@@ -65,7 +65,9 @@ public:
                 });
         if constexpr (features.grid()) {
             if (advance.bodies.constants[b].fixed() && !advance.bodies.moves_by_itself(b)) state_.times.many.all = true;
-            if (state_.pairs.is_near(b)) state_.times.many.near = true;
+        }
+        if constexpr (features.many_touch()) {
+            if (state_.pairs.is_near(b)) state_.times.near.examine = true;
         } else {
             for (int other = 0; state_.pairs.is_near(b) && other < features.bodies; ++other)
                 if (state_.pairs.is_near(other)) end_times(other, now);
@@ -98,7 +100,7 @@ public:
             for (int b = 0; b < advance.bodies.count; ++b)
                 if (advance.bodies.constants[b].fixed()) advance.step_turntable(b, info);
         }
-        if constexpr (features.grid()) broad_phase(advance.bodies).begin(sleepers);
+        if constexpr (features.many_touch()) broad_phase(advance.bodies).begin(sleepers);
         typename Advance::Kinematics kinematic;
         if constexpr (features.kinematic) {
             advance.note_moving(kinematic);
