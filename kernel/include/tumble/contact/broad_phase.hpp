@@ -246,14 +246,15 @@ private:
                 shapes_.scale().drift(N::sum(s.d_w.z), bodies_.scale)};
     }
     // The largest power of two of steps, up to `longest`, in which `reaches(travel)` stays false, with
-    // travel >= speed k + fall k^2; 0 when one step is too long.
+    // travel >= speed k + fall k^2; 0 when one step is too long. It is convex in k: what it does not reach in one step
+    // and in `longest`, it does not reach between.
     template <class Reaches>
     [[nodiscard]] static int clear_steps(Length speed, Length fall, int longest, Reaches&& reaches) {
-        int steps = 0;
-        for (int k = 1; k <= longest; k *= 2) {
-            if (reaches(C::travel(speed, fall, k))) break;
-            steps = k;
-        }
+        const auto is_clear = [&](int k) { return !reaches(C::travel(speed, fall, k)); };
+        if (!is_clear(1)) return 0;
+        if (is_clear(longest)) return longest;
+        int steps = 1;
+        while (is_clear(2 * steps)) steps *= 2;
         return steps;
     }
     // The most steps between two examinations of a pair. The bounds assume that loads at most double a speed within a

@@ -32,6 +32,9 @@ struct ContactState {
     // While an island is solved.
     SolverVelocities<N, spin, features> velocities{};
     Solution solution{};
+    // In the last step all islands stood as in the step before, under gravity alone, and nothing has happened since. So
+    // they stand in the next step too. Not with sleep: then they fall asleep.
+    bool all_stand = false;
     Kicks<N, features.bodies> loads{};   // by gravity and loads over the whole step
     Kicks<N, features.bodies> forces{};  // by the contacts over the rest of the step
 };

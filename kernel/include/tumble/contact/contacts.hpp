@@ -57,6 +57,7 @@ public:
     template <class Advance>
     void disturb(const Advance& advance, int b) {
         const std::uint32_t now = advance.bodies.steps_taken;
+        state_.all_stand = false;
         end_times(b, now);
         if constexpr (features.kinematic && features.sleep)
             if (advance.bodies.constants[b].kinematic())
@@ -115,7 +116,7 @@ public:
             if (!times.is_clear(sleepers.awake(k), advance.bodies.steps_taken)) update(advance, sleepers.awake(k));
         if constexpr (features.contact_readout) state_.log.start_islands(state_.pairs);
         if constexpr (features.kinematic && Advance::has_loads) advance.place(kinematic, info, N::half_of(Work(1)));
-        bool islands = false;
+        bool islands = false, stand = state_.all_stand && pairs.is_linked();
         for (int k = 0; k < sleepers.awake_count(); ++k) {
             const int b = sleepers.awake(k);
             if (pairs.is_near(b) || marks[b].coupled) {
@@ -126,7 +127,7 @@ public:
                 advance.free_body(b, info);
             }
         }
-        if (islands) [[unlikely]]
+        if (islands && !stand) [[unlikely]]
             step_islands(advance, info, kinematic);
         advance.end(kinematic, info);
         if constexpr (features.contact_readout) state_.log.end_step(state_.pairs, state_.shapes, advance.bodies);
@@ -136,6 +137,7 @@ public:
     template <class Self, class Archive>
     static void archive(Self& self, const Bodies& bodies, Archive& to) {
         auto& state = self.state_;
+        if constexpr (Archive::reads) state.all_stand = false;
         NarrowPhase<N, spin, features>::archive(state.shapes, to);
         ClearTimes<N, features>::archive(state.times, to);
         PairList<N, features>::archive(state.pairs, to, [&](auto& pair) { state.shapes.set_up(pair, bodies); });
@@ -243,6 +245,8 @@ private:
                                            else method.advance.move(flight, method.info, method.marks);
                                        },
                                        Advance::Integrator::coasting};
+        bool stand = !state_.sleepers.is_on();
+        const auto reports = advance.bodies.status.count;
         // Sleep changes the list of awake bodies, so it waits until all islands have flown.
         BodyGroup to_sleep, group;
         for (int root = 0; root < advance.bodies.count; ++root) {
@@ -251,15 +255,23 @@ private:
             Island<features.bodies> island{group, root, schedule.first_pair[root]};
             if constexpr (features.kinematic)
                 place(advance, info, kinematic, island.first_pair < 0 ? N::half_of(Work(1)) : Work(0));
-            if (island.first_pair < 0) advance.portion(group, info, {});
-            else IslandStep<N, spin, features>{state_, schedule, advance.bodies, island, mover}.take();
+            if (island.first_pair < 0) {
+                advance.portion(group, info, {});
+                stand = false;
+            } else if (!IslandStep<N, spin, features>{state_, schedule, advance.bodies, island, mover}.take()) {
+                stand = false;
+            }
             advance.check_range(group);
+            for (int k = 0; k < group.count; ++k) stand = stand && state_.marks[group.id[k]].none();
+            if constexpr (features.turntables)
+                state_.pairs.for_each(island, [&](const auto& pair) { stand = stand && !pair.surface_moves; });
             if constexpr (features.sleep) {
                 if (state_.sleepers.may_sleep(advance.bodies, group, presses(island)) && rests(advance.bodies, island))
                     for (int k = 0; k < group.count; ++k) to_sleep.add(group.id[k]);
             }
         }
         wake(advance, schedule.wakes);
+        state_.all_stand = stand && advance.bodies.status.count == reports;
         if constexpr (features.sleep) {
             state_.sleepers.put_to_sleep(advance.bodies, to_sleep);
             advance.spins_changed(to_sleep);

@@ -41,11 +41,12 @@ public:
     // points that still approach are stopped. Where the rest ends far below a surface, the step ends at that surface.
     // Where the scene has bounds of its own, nothing is stopped: what is left below a surface strikes it at the start
     // of the next step.
-    [[gnu::noinline]] void take() {
+    // True of an island that stood still before and stands as it did.
+    [[gnu::noinline]] bool take() {
         move({.group = island_.group, .loads = &contacts_.loads});
         if (resting().still_stands(contacts_.loads, contacts_.forces)) {
             contacts_.solution = {.settled = true, .stands = true};
-            return;
+            return true;
         }
         if constexpr (features.contact_readout) contacts_.log.start_island(contacts_.pairs, island_);
         for (int k = 0; k < island_.group.count; ++k) contacts_.pairs.forget_points_of(island_.group.id[k]);
@@ -58,7 +59,7 @@ public:
                 log_forces(Work(1));
                 resting().stop_all();
                 take_over_spins();
-                return;
+                return false;
             }
             if (touch == Touch::strikes) {
                 resolve(false);
@@ -104,6 +105,7 @@ public:
             if (last || !(span > Bounds::min_portion())) break;
             move({.group = island_.group, .loads = &contacts_.loads});
         }
+        return false;
     }
 
 private:

@@ -119,6 +119,8 @@ public:
         loses_any_ = false;
         is_linked_ = true;
     }
+    // False where a pair has come or gone since link().
+    [[nodiscard]] bool is_linked() const { return is_linked_; }
     // Call before link() where islands have changed.
     void unlink() { is_linked_ = false; }
     template <class F>

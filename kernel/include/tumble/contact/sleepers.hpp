@@ -50,6 +50,11 @@ public:
         if constexpr (features.bodies == 1) return 0;
         else return awake_[k];
     }
+    // Resting bodies fall asleep.
+    [[nodiscard]] bool is_on() const {
+        if constexpr (features.sleep) return rules_.on;
+        else return false;
+    }
     [[nodiscard]] bool is_asleep([[maybe_unused]] int b) const {
         if constexpr (features.sleep) return asleep_[b];
         else return false;

@@ -306,6 +306,7 @@ private:
             using Solver = typename Rows::Solver;
             const bool is_a = b == pair.a;
             const Unit share = is_a ? pair.share_a : pair.share_b;
+            const typename W::Over over_share{share};
             const CollisionShape<N>& shape = shapes_.shape(b);
             Velocity &now = velocities_.now[b], &other = velocities_.now[is_a ? pair.b : pair.a];
             const int rows = pair.rows();
@@ -334,10 +335,11 @@ private:
                     const Point& point = pair.point[i];
                     row[i][k].set(direction, Rows::levers(shape, in_middle(b, arm_of(point, is_a)), in_body));
                     // Between the rows of two bodies and of one: their lengths, and what the body takes of the motion.
-                    const auto of_pair = [&](Speed s) { return Row::product(s, point.row[k].inverse); };
-                    row[i][k].target = Row::product(W::over(W::over(point.row[k].target, point.row[k].inverse), share),
-                                                    row[i][k].inverse);
-                    row[i][k].impulse = W::over(Row::product(of_pair(point.row[k].impulse), share), row[i][k].inverse);
+                    const Row& whole = point.row[k];
+                    row[i][k].target =
+                        Row::product(over_share(W::over(whole.target, whole.inverse)), row[i][k].inverse);
+                    row[i][k].impulse =
+                        W::over(Row::product(Row::product(whole.impulse, whole.inverse), share), row[i][k].inverse);
                 }
             }
             if constexpr (features.friction)
@@ -351,18 +353,15 @@ private:
                 carrying |= 1u << i;
                 for (int k = 0; k < Point::directions; ++k) {
                     auto& to = pair.point[i].row[k];
-                    to.before = Speed{};
-                    if (k >= rows) continue;
-                    to.before = over_share(Row::product(row[i][k].impulse, row[i][k].inverse), pair, is_a);
-                    const Speed impulse = W::over(to.before, to.inverse);
-                    to.push(impulse, is_a ? unused : other, is_a ? &other : &unused);
+                    propose(to, k < rows ? over_share(Row::product(row[i][k].impulse, row[i][k].inverse)) : Speed{});
+                    if (k < rows) to.push(to.conjugate, is_a ? unused : other, is_a ? &other : &unused);
                 }
                 if constexpr (features.rolling_resistance)
                     for (int k = 0; k < 3; ++k) {
                         auto& to = pair.point[i].spin[k];
-                        to.before = pair.resists_spin() ? over_share(own_spin.of_pair(i, k), pair, is_a) : Speed{};
+                        propose(to, pair.resists_spin() ? over_share(own_spin.of_pair(i, k)) : Speed{});
                         if (!(to.before == Speed{}))
-                            to.push(W::over(to.before, to.inverse), is_a ? unused : other, is_a ? &other : &unused);
+                            to.push(to.conjugate, is_a ? unused : other, is_a ? &other : &unused);
                     }
             }
             pair.carrying = static_cast<std::uint8_t>(carrying);
@@ -463,7 +462,7 @@ private:
         bool fits = true;
         for (int s = 0, j = 0; s < supports.count; ++s) {
             Pair& pair = *supports.pair[s];
-            const Parts parts{pair, frame};
+            const Parts parts{pair, frame, pair.a == b};
             for (int i = 0; i < pair.count; ++i)
                 if (is_carrying(pair, i)) {
                     fits = push(pair, pair.point[i], b, parts, shares[j++]) && fits;
@@ -492,13 +491,25 @@ private:
     // The directions of a pair's rows in the frame in which its points share a wrench.
     struct Parts {
         Unit of[Point::directions][3];
+        bool shared;            // the other body moves too
+        typename W::Over over;  // the body's share
 
-        Parts(const Pair& pair, const Vec3<Unit> (&frame)[3]) {
+        Parts(const Pair& pair, const Vec3<Unit> (&frame)[3], bool is_a)
+            : shared{pair.moves_b()}, over{is_a     ? pair.share_a
+                                           : shared ? pair.share_b
+                                                    : C::one()} {
             for (int k = 0; features.pairs && k < pair.rows(); ++k)
                 for (int j = 0; j < 3; ++j)
                     of[k][j] = narrow<Unit>(dot(k == 0 ? pair.normal : pair.tangent[k - 1], frame[j]));
         }
+        // An impulse of the body as one of the pair.
+        [[nodiscard]] Speed over_share(Speed impulse) const { return shared ? over(impulse) : impulse; }
     };
+    // Sets the impulse that a row may get, times its `inverse`.
+    static void propose(Row& row, Speed impulse) {
+        row.before = impulse;
+        row.conjugate = impulse == Speed{} ? Speed{} : W::over(impulse, row.inverse);
+    }
     // Pushes a body at a point, and the other one back. False where that is too fast for the scale.
     bool push(Pair& pair, Point& point, int b, [[maybe_unused]] const Parts& parts, const Speed (&share)[3]) {
         const bool is_a = pair.a == b;
@@ -506,22 +517,22 @@ private:
         for (int k = 0; k < pair.rows(); ++k) {
             auto& row = point.row[k];
             if constexpr (!features.pairs) {
-                row.before = share[k];
+                propose(row, share[k]);
             } else {
                 const auto& part = parts.of[k];
                 const Speed along =
                     narrow<Speed>(mul_add(mul_add(mul(part[0], share[0]), part[1], share[1]), part[2], share[2]));
-                row.before = over_share(is_a ? along : -along, pair, is_a);
+                propose(row, parts.over_share(is_a ? along : -along));
                 Velocity* const partner = pair.moves_b() ? &velocities_.now[pair.b] : nullptr;
-                row.push(W::over(row.before, row.inverse), velocities_.now[pair.a], partner);
+                row.push(row.conjugate, velocities_.now[pair.a], partner);
                 if (partner == nullptr) continue;
                 const Velocity& other = is_a ? *partner : velocities_.now[pair.a];
                 fits = fits && C::fits(other.largest());
             }
         }
-        for (int k = pair.rows(); k < Point::directions; ++k) point.row[k].before = Speed{};
+        for (int k = pair.rows(); k < Point::directions; ++k) propose(point.row[k], Speed{});
         if constexpr (features.rolling_resistance)
-            for (auto& row : point.spin) row.before = Speed{};
+            for (auto& row : point.spin) propose(row, Speed{});
         return fits;
     }
 
@@ -574,17 +585,11 @@ private:
             return mul_sub(mul(middle[i], force[j]), middle[j], force[i]);
         }
     };
-    // An impulse of a body as one of the pair.
-    [[nodiscard]] static Speed over_share(Speed impulse, const Pair& pair, bool of_a) {
-        return pair.moves_b() ? W::over(impulse, of_a ? pair.share_a : pair.share_b) : impulse;
-    }
     void set_impulses() {
         pairs_.for_each(island_, [&](Pair& pair) {
             for (int i = 0; i < pair.count; ++i) {
-                pair.point[i].for_each_row([&](Row& row) {
-                    const bool pushes = is_carrying(pair, i) && !(row.before == Speed{});
-                    row.impulse = pushes ? W::over(row.before, row.inverse) : Speed{};
-                });
+                pair.point[i].for_each_row(
+                    [&](Row& row) { row.impulse = is_carrying(pair, i) ? row.conjugate : Speed{}; });
             }
         });
     }

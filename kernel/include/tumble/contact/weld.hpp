@@ -83,12 +83,20 @@ requires(N::fixed_point) struct WeldNumbers<N> {
     [[nodiscard]] static Lever ratio(Speed a, Speed b) {
         return Lever{held((static_cast<std::int64_t>(a.raw) * (1 << Lever::fraction_bits)) / b.raw).raw};
     }
+    // Divides speeds by u > 0.
+    class Over {
+    public:
+        explicit Over(Unit u) : root_{detail::inverse_root(static_cast<std::uint64_t>(mul(u, u).raw))} {}
+        [[nodiscard]] Speed operator()(Speed s) const {
+            const int down = -(root_.exponent + Unit::fraction_bits);
+            return {detail::scaled_product(s.raw, root_.raw, down < 0 ? 0 : down)};
+        }
+
+    private:
+        detail::ScaledRoot root_;
+    };
     // s / u for u > 0.
-    [[nodiscard]] static Speed over(Speed s, Unit u) {
-        const auto root = detail::inverse_root(static_cast<std::uint64_t>(mul(u, u).raw));
-        const int down = -(root.exponent + Unit::fraction_bits);
-        return {detail::scaled_product(s.raw, root.raw, down < 0 ? 0 : down)};
-    }
+    [[nodiscard]] static Speed over(Speed s, Unit u) { return Over{u}(s); }
 
 private:
     // Held at the largest Speed.
@@ -131,6 +139,14 @@ requires(!N::fixed_point) struct WeldNumbers<N> {
     [[nodiscard]] static T mean(T sum, int count) { return sum / T(count); }
     [[nodiscard]] static T speed(T m) { return m; }
     [[nodiscard]] static T ratio(T a, T b) { return a / b; }
+    class Over {
+    public:
+        explicit Over(T u) : divisor_{u} {}
+        [[nodiscard]] T operator()(T s) const { return s / divisor_; }
+
+    private:
+        T divisor_;
+    };
     [[nodiscard]] static T over(T s, T u) { return s / u; }
 };
 
