@@ -1,12 +1,6 @@
-// What stands is not looked at until something happens. Reference: a world in
-// which gravity is set to its old value before each step, so that every step
-// looks at everything.
-#include <tumble/tumble.hpp>
-
-#include <gtest/gtest.h>
-
-#include <memory>
-#include <vector>
+// What stands is not looked at until something happens. Reference: a world in which gravity is set to its old value
+// before each step, so that every step looks at everything.
+#include "player.hpp"
 
 namespace tumble::test {
 namespace {
@@ -27,21 +21,21 @@ struct Yard : Scene {
 };
 const Real gravity{-9.8125};  // m/s^2
 
-// Two stacks of three boxes, a table that is fixed, a paddle, and a ball that
-// flies high above.
+// Two stacks of three boxes, a box on a fixed table, and a paddle.
 template <class N, int room>
-class Play {
+class Town : public Player<Yard<N, room>> {
 public:
-    using World = tumble::World<Yard<N, room>>;
+    using Player = test::Player<Yard<N, room>>;
+    using Player::add, Player::world;
 
-    explicit Play(bool looks) : looks_{looks}, world_{std::make_unique<World>(Seconds{1, 256}, spec())} {
-        EXPECT_TRUE(world_->add(PlaneSpec{}));
+    explicit Town(bool looks) : Player{spec()}, looks_{looks} {
+        EXPECT_TRUE(world().add(PlaneSpec{}));
         for (int i = 0; i < 6; ++i) boxes[i] = add(box(1, {1, 1, 1}), {Real{i < 3 ? 0 : 4}, Real{0.5 + i % 3}, 0});
         BodySpec fixed = box(1, {2, 1, 2}), moving = box(1, {1, 1, 1});
         fixed.fixed = true;
         moving.kinematic = true;
         table = add(fixed, {-6, Real{0.5}, 0});
-        on_table = add(box(1, {1, 1, 1}), {-6, Real{1.5}, 0});
+        (void)add(box(1, {1, 1, 1}), {-6, Real{1.5}, 0});
         paddle = add(moving, {8, Real{0.5}, 0});
     }
 
@@ -52,34 +46,17 @@ public:
         spec.contact.friction = Real{0.5};
         return spec;
     }
-    BodyId add(BodySpec body, const RealVec3& position, const RealVec3& velocity = {}) {
-        body.position = position;
-        body.velocity = velocity;
-        const BodyId id = world_->add(body);
-        EXPECT_TRUE(id);
-        return id;
-    }
     void run(int steps) {
         for (int step = 0; step < steps; ++step) {
-            if (looks_) world_->set_gravity({0, gravity, 0});
-            (void)world_->step();
-            hashes.push_back(world_->hash());
+            if (looks_) world().set_gravity({0, gravity, 0});
+            Player::run(1);
         }
     }
-    void save_and_restore() {
-        std::vector<std::uint8_t> bytes(static_cast<std::size_t>(world_->snapshot_size()));
-        const int size = world_->save(bytes.data(), static_cast<int>(bytes.size()));
-        for (int step = 0; step < 200; ++step) (void)world_->step();  // all comes to rest
-        EXPECT_EQ(world_->restore(bytes.data(), size), SnapshotFault::none);
-    }
-    [[nodiscard]] World& world() { return *world_; }
 
-    BodyId boxes[6], table, on_table, paddle;
-    std::vector<std::uint64_t> hashes;
+    BodyId boxes[6], table, paddle;
 
 private:
     bool looks_;
-    std::unique_ptr<World> world_;
 };
 
 template <class N>
@@ -89,14 +66,14 @@ protected:
     template <int room = 10, class Event>
     static void expect_same(const std::vector<int>& waits, Event&& event, int after = 200) {
         for (const int wait : waits) {
-            Play<N, room> left_alone{false}, looked_at{true};
+            Town<N, room> left_alone{false}, looked_at{true};
             for (auto* play : {&left_alone, &looked_at}) {
                 play->run(wait);
                 event(*play);
                 play->run(after);
             }
-            ASSERT_EQ(left_alone.hashes, looked_at.hashes) << "after " << wait << " steps";
-            EXPECT_NE(left_alone.hashes[static_cast<std::size_t>(wait) - 1], left_alone.hashes.back())
+            ASSERT_EQ(left_alone.hashes(), looked_at.hashes()) << "after " << wait << " steps";
+            EXPECT_NE(left_alone.hashes()[static_cast<std::size_t>(wait) - 1], left_alone.hashes().back())
                 << "nothing happened";
         }
     }
@@ -124,8 +101,7 @@ TYPED_TEST(Standing, bodies_feel_impulses_and_forces) {
     this->expect_same(this->waits, strike);
     this->template expect_same<70>(this->waits, strike);
     this->expect_same(this->waits, [](auto& play) {
-        play.world().set_force(play.boxes[2], {3, 0, 0},
-                               Frame::world);  // friction holds it
+        play.world().set_force(play.boxes[2], {3, 0, 0}, Frame::world);  // friction holds it
         play.run(30);
         play.world().set_force(play.boxes[2], {8, 0, 0}, Frame::world);
     });
@@ -138,9 +114,8 @@ TYPED_TEST(Standing, bodies_fall_when_what_holds_them_goes) {
     this->expect_same(this->waits, [](auto& play) { play.world().set_pose(play.table, {-6, Real{0.25}, 3}); });
 }
 TYPED_TEST(Standing, bodies_are_moved_by_what_begins_to_move) {
-    // It reaches the second stack after 96 steps, and the first after 160. Of a
-    // pile that is shoved, the last bits depend on when its pairs are examined:
-    // sweeps solve it, and end within a tolerance.
+    // It reaches the second stack after 96 steps, and the first after 160. Of a pile that is shoved, the last bits
+    // depend on when its pairs are examined: sweeps solve it, and end within a tolerance.
     const auto push = [](auto& play) { play.world().set_velocity(play.paddle, {-8, 0, 0}); };
     this->expect_same(this->waits, push, 140);
     this->template expect_same<70>(this->waits, push, 140);
@@ -163,7 +138,7 @@ TYPED_TEST(Standing, bodies_move_on_after_a_snapshot) {
     this->expect_same(this->waits, [](auto& play) {
         play.world().apply_impulse(play.boxes[2], {1, 0, 0});
         play.run(3);
-        play.save_and_restore();
+        play.save_and_restore(200);  // all comes to rest
         play.run(3);
         play.world().apply_impulse(play.boxes[4], {0, 0, 3});
     });
