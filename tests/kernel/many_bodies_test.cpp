@@ -136,12 +136,58 @@ public:
         return this->hashes();
     }
 
-private:
-    // From -1 to 1.
-    [[nodiscard]] Real random() {
-        state_ = state_ * 6364136223846793005u + 1442695040888963407u;
-        return Real{static_cast<double>(state_ >> 40) / (1 << 23) - 1};
+    // What a program may do with a heap, in an order of chance.
+    Hashes commands(std::uint64_t seed) {
+        state_ = seed;
+        walls(4);
+        BodySpec paddle = box(1, {1, 2, 4});
+        paddle.kinematic = true;
+        const BodyId pushes = add(paddle, {-3, 1, 0}, {1, 0, 0});
+        BodyId bodies[16];
+        for (BodyId& body : bodies) body = add(any_body(Real{0.5}), RealVec3{0, 3, 0} + random_vector(Real{2.5}));
+        run(20);
+        for (int command = 0; command < 40; ++command) {
+            const BodyId body = bodies[random_below(16)];
+            const RealVec3 unit = random_vector(1);
+            switch (random_below(8)) {
+            case 0: world().set_force(body, unit * Real{20}, Frame::world); break;
+            case 1: world().set_force(body, {}, Frame::body); break;
+            case 2: world().apply_force(body, unit * Real{160}, Frame::body); break;
+            case 3: world().set_torque(body, unit, Frame::body); break;
+            case 4: world().apply_impulse(body, unit * Real{5}); break;
+            case 5: world().set_pose(body, RealVec3{0, 2, 0} + unit * Real{1.5}); break;
+            case 6: world().set_velocity(pushes, unit); break;
+            case 7: save_and_restore(random_below(20)); break;
+            }
+            run(random_below(40));
+        }
+        return this->hashes();
     }
+
+    // Of three balls in a row a force pushes the first against the second, and both at the third. Returns the least
+    // distance between the last two, m. `order`: in which they are added.
+    double least_distance(const int (&order)[3], Real gap, Real force) {
+        const Real place[3] = {0, 1, Real{2} + gap};
+        BodyId balls[3];
+        for (const int ball : order) balls[ball] = add(sphere(1, Real{0.5}), {place[ball], 0, 0});
+        run(20);
+        world().set_force(balls[0], {force, 0, 0}, Frame::world);
+        const auto x = [&](int ball) { return static_cast<double>(world().position(balls[ball]).x); };
+        double least = 2;
+        for (int step = 0; step < 24; ++step) {
+            run(1);
+            least = std::min(least, x(2) - x(1));
+        }
+        return least;
+    }
+
+private:
+    [[nodiscard]] int random_below(int end) {
+        state_ = state_ * 6364136223846793005u + 1442695040888963407u;
+        return static_cast<int>((state_ >> 40) * static_cast<std::uint64_t>(end) >> 24);
+    }
+    // From -1 to 1.
+    [[nodiscard]] Real random() { return Real{static_cast<double>(random_below(1 << 24)) / (1 << 23) - 1}; }
     [[nodiscard]] RealVec3 random_vector(Real size) {
         const Real x = size * random(), y = size * random(), z = size * random();
         return {x, y, z};
@@ -208,6 +254,33 @@ TYPED_TEST(Grids, find_what_a_program_puts_moves_and_removes) {
     WorldSpec spec = this->with_gravity();
     spec.contact.sleep.on = true;
     this->expect_same(spec, [](auto& play) { return play.control(); });
+}
+
+// Whether a body looks at others, and they at it, depends on nothing but where they are and what acts on them.
+TYPED_TEST(Grids, and_times_list_the_same_pairs_whatever_a_program_does) {
+    for (const std::uint64_t seed : {1, 3, 7}) {
+        SCOPED_TRACE(seed);
+        this->expect_same(this->with_gravity(), [&](auto& play) { return play.commands(seed); });
+    }
+}
+
+// A ball is not seen later because it was added first.
+TYPED_TEST(Grids, and_times_find_what_is_pushed_in_time_in_each_order) {
+    WorldSpec spec;
+    spec.gravity = {};
+    spec.contact.restitution = 0;
+    constexpr int orders[][3] = {{0, 1, 2}, {2, 1, 0}, {2, 0, 1}, {1, 2, 0}};
+    for (const auto& order : orders)
+        for (const double gap : {0.0625, 0.25, 0.375})
+            for (const double force : {500., 2000.}) {
+                const auto expect_found = [&](auto&& play) {
+                    EXPECT_GE(play.least_distance(order, Real{gap}, Real{force}),
+                              1 - static_cast<double>(play.world().contact_tolerance()))
+                        << "first " << order[0] << ", " << gap << " m, " << force << " N";
+                };
+                expect_found(Play<TypeParam, 64>{spec});
+                expect_found(Play<TypeParam, 65>{spec});
+            }
 }
 
 // Bodies that reach no other move as in a world without pairs of bodies.

@@ -113,10 +113,8 @@ struct Features {
     [[nodiscard]] constexpr bool contacts() const { return touches() && contact_impulses; }
     // True if the code of contacts by springs is compiled in.
     [[nodiscard]] constexpr bool springs_touch() const { return touches() && contact_springs; }
-    // True of a world with many bodies: what a body asks of all others is kept, or found by the grid.
-    [[nodiscard]] constexpr bool many_touch() const { return contacts() && bodies > 64; }
     // True if a grid finds the bodies that may touch each other. Below, the tables of all pairs take less memory.
-    [[nodiscard]] constexpr bool grid() const { return many_touch() && pairs; }
+    [[nodiscard]] constexpr bool grid() const { return contacts() && pairs && bodies > 64; }
     // True if anything other than gravity may push bodies.
     [[nodiscard]] constexpr bool loads() const {
         return bodies > 0 &&

@@ -630,7 +630,7 @@ private:
     void replaced([[maybe_unused]] int b) {
         if constexpr (has_contacts) {
             for (int other = 0; other < advance_.bodies.count; ++other) contacts_.wake(advance_, other);
-            contacts_.forget_pairs_of(b);
+            contacts_.forget_pairs_of(advance_.bodies, b);
         }
     }
     // Call after an impulse, a force that switches or new gravity: drops the kicks that were kept, and the bounds on

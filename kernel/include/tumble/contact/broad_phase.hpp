@@ -37,9 +37,9 @@ public:
             return;
         }
         const bool was_near = pairs_.is_near(b);
-        // A body near something may be pushed by others, which have loads of their own.
-        const bool loaded = marks[b].driven || (was_near && pushes_something(marks));
         if (!was_near) pairs_.forget_points_of(b);
+        const auto loaded = [&] { return feels_loads(b, marks); };  // changes where the body comes near something
+        const Vec3<Length> own = drift(b);
         int until = contact::most_clear_steps;
         // Examines a pair: near() adds it to the list, apart() removes it.
         const auto examine_now = [](auto&& clear_steps, auto&& near, auto&& apart) {
@@ -57,22 +57,15 @@ public:
             }
             if (steps < until) until = steps;
         };
-        const auto forget = [&](int a, int other) {
-            pairs_.forget(a, other);
-            if constexpr (features.many_touch())
-                for (const int body : {a, other})
-                    if (body >= 0 && marks[body].driven && !pairs_.is_near(body))
-                        times_.near.driven = Times::Near::not_asked;
-        };
         const bool is_kinematic = features.kinematic && bodies_.constants[b].kinematic();
         for (int p = 0; p < shapes_.plane_count() && !is_kinematic; ++p) {
             meet(
-                Times::plane_slot(b, p), [&] { return steps_to_plane(b, p, loaded); },
+                Times::plane_slot(b, p), [&] { return steps_to_plane(b, p, own, loaded()); },
                 [&] {
                     (void)pair_of(b, -1 - p, marks);
                     return contact::most_clear_steps_near;
                 },
-                [&] { forget(b, -1 - p); });
+                [&] { pairs_.forget(b, -1 - p); });
         }
         if constexpr (features.pairs) {
             const ShapeKind kind = shapes_.shape(b).kind;
@@ -92,7 +85,7 @@ public:
                 if (is_kinematic && !asleep) return;
                 const bool still = is_still(other, asleep);
                 const auto clear_steps = [&] {
-                    return steps_to_body(b, other, loaded || (!still && marks[other].driven), still);
+                    return steps_to_body(b, other, own, loaded() || (!still && feels_loads(other, marks)), still);
                 };
                 const auto near = [&] {
                     pair = pair_of(first, second, marks);
@@ -104,7 +97,7 @@ public:
                 };
                 const auto apart = [&] {
                     if (features.grid() && pair == nullptr) return;
-                    forget(first, second);
+                    pairs_.forget(first, second);
                     pair = nullptr;
                 };
                 if constexpr (features.grid()) {
@@ -120,7 +113,7 @@ public:
             };
             if constexpr (features.grid()) {
                 if (touches_bodies(kind)) {
-                    if (const int steps = put(b, loaded, is_kinematic); steps < until) until = steps;
+                    if (const int steps = put(b, own, loaded(), is_kinematic); steps < until) until = steps;
                     unseen = pairs_.pairs_with_bodies_of(b);
                     times_.many.grid.for_each_near(b, shapes_.scale(), look_at);
                     // The balls of bodies that have parted need not meet.
@@ -136,20 +129,15 @@ public:
         times_.set(b, now + static_cast<std::uint32_t>(until));
     }
 
-    // Where bodies are many. Begins a step: puts bodies that are not examined into the grid, and ends the bounds of
-    // those that may be pushed.
-    void begin(const Sleepers& sleepers) requires(features.many_touch()) {
-        times_.near.driven = Times::Near::not_asked;
-        bool all = false;
-        if constexpr (features.grid()) {
-            all = times_.many.all;
-            times_.many.all = false;
-            for (int b = 0; all && b < bodies_.count; ++b)
-                if (bodies_.constants[b].fixed() && touches_bodies(shapes_.shape(b).kind)) (void)put(b, false, true);
-        }
-        for (int k = 0; (all || times_.near.examine) && k < sleepers.awake_count(); ++k)
-            if (all || pairs_.is_near(sleepers.awake(k))) end_times(sleepers.awake(k));
-        times_.near.examine = false;
+    // Begins a step. With a grid puts fixed bodies that have come into it, and ends the bounds of bodies that others
+    // may push.
+    void begin([[maybe_unused]] const Sleepers& sleepers) requires(features.pairs) {
+        times_.push.ask();
+        if constexpr (features.grid()) begin_grid(sleepers);
+    }
+    // With a grid. The bodies that may meet body b before the next step are examined then.
+    void examine_around(int b) requires(features.grid()) {
+        times_.many.grid.for_each_near(b, shapes_.scale(), [&](int other) { times_.set(other, bodies_.steps_taken); });
     }
 
     // Connects the bodies of every pair that is awake. A pair sleeps where its moving bodies do. Measures the pairs
@@ -174,21 +162,33 @@ public:
     }
 
 private:
-    // Whether a load acts on a body that is near something.
-    template <class Marks>
-    [[nodiscard]] bool pushes_something(const Marks& marks) {
-        const auto look = [&] {
-            bool any = false;
-            for (int b = 0; b < bodies_.count; ++b) any = any || (pairs_.is_near(b) && marks[b].driven);
-            return any;
-        };
-        if constexpr (features.many_touch()) {
-            auto& answer = times_.near.driven;
-            if (answer == Times::Near::not_asked) answer = look();
-            return answer != 0;
-        } else {
-            return look();
+    void begin_grid(const Sleepers& sleepers) requires(features.grid()) {
+        auto& many = times_.many;
+        for (int b = 0; many.fixed && b < bodies_.count; ++b) {
+            if (!bodies_.constants[b].fixed() || !touches_bodies(shapes_.shape(b).kind)) continue;
+            (void)put(b, drift(b), false, true);
+            examine_around(b);
         }
+        for (int k = 0; many.near && k < sleepers.awake_count(); ++k)
+            if (pairs_.is_near(sleepers.awake(k))) end_times(sleepers.awake(k));
+        many.fixed = many.near = false;
+    }
+    // Whether a load may act on body b in this step: one that is near something may be pushed by others, which have
+    // loads of their own.
+    template <class Marks>
+    [[nodiscard]] bool feels_loads(int b, const Marks& marks) {
+        return marks[b].driven || (pushes_something(marks) && pairs_.is_near(b));
+    }
+    // Whether a load acts on a body that is near something, and may so push others.
+    template <class Marks>
+    [[nodiscard]] bool pushes_something([[maybe_unused]] const Marks& marks) {
+        bool any = false;
+        if constexpr (features.pairs)
+            any = times_.push.answer([&] {
+                for (int b = 0; b < bodies_.count; ++b) any = any || (pairs_.is_near(b) && marks[b].driven);
+                return any;
+            });
+        return any;
     }
     // Of a body that does not move in the step, as far as is known.
     [[nodiscard]] bool is_still(int b, bool asleep) const {
@@ -217,12 +217,12 @@ private:
     }
     // Puts the body into the grid. Returns the steps in which it surely stays in its ball. A ball has room for a step,
     // and for a move by the body's radius.
-    [[nodiscard]] int put(int b, bool loaded, bool is_fixed) requires(features.grid()) {
+    [[nodiscard]] int put(int b, const Vec3<Length>& drift, bool loaded, bool is_fixed) requires(features.grid()) {
         const auto& x = bodies_.state[b].x_w;
         const typename Grid<N, features.bodies>::Place place{N::sum(x.x), N::sum(x.y), N::sum(x.z)};
         const bool near = pairs_.is_near(b);
         const Length radius = shapes_.shape(b).radius, touch = radius + shapes_.tolerance(),
-                     closing = closing_of(drift(b), loaded), fall = is_fixed ? Length{} : fall_of(near);
+                     closing = closing_of(drift, loaded), fall = is_fixed ? Length{} : fall_of(near);
         const auto travel = C::travel(closing, fall, 1);
         const Length ball = times_.many.grid.put(b, place, shapes_.scale(), [&](Length enough) {
             const Length room = enough - touch;
@@ -262,9 +262,8 @@ private:
     [[nodiscard]] static int foresight(bool loaded, bool near) {
         return loaded ? 1 : near ? contact::most_clear_steps_near : contact::most_clear_steps;
     }
-    [[nodiscard]] int steps_to_plane(int b, int p, bool loaded) const {
+    [[nodiscard]] int steps_to_plane(int b, int p, const Vec3<Length>& d, bool loaded) const {
         const Plane<N>& plane = shapes_.plane(p);
-        const Vec3<Length> d = drift(b);
         Length closing = C::rounded_up(-narrow<Length>(dot(plane.normal, d)));
         if (loaded) closing = C::rounded_up(sum_of_magnitudes(d));
         if (loaded) closing = closing + closing;
@@ -276,9 +275,8 @@ private:
         return clear_steps(closing, fall, foresight(loaded, near),
                            [&](auto travel) { return C::exceeds(travel, gap); });
     }
-    [[nodiscard]] int steps_to_body(int a, int b, bool loaded, bool still) const {
+    [[nodiscard]] int steps_to_body(int a, int b, Vec3<Length> d, bool loaded, bool still) const {
         const Vec3<Length> reach = shapes_.reach_between(bodies_, a, b);
-        Vec3<Length> d = drift(a);
         if (!still) d -= drift(b);
         const Length closing = closing_of(d, loaded);
         const Length touch = shapes_.shape(a).radius + shapes_.shape(b).radius + shapes_.tolerance();
@@ -308,11 +306,12 @@ private:
         Pair& pair = pairs_.insert(at, a, b);
         const auto begin_near = [&](int body) {
             end_times(body);
-            if constexpr (features.many_touch())
-                if (marks[body].driven) times_.near.driven = 1;
-            if constexpr (features.grid()) {
-                times_.many.grid.for_each_near(body, shapes_.scale(),
-                                               [&](int other) { times_.set(other, bodies_.steps_taken); });
+            if constexpr (features.grid()) examine_around(body);
+            if constexpr (features.pairs) {
+                if (!marks[body].driven) return;
+                times_.push.begin();
+                for (int other = 0; other < bodies_.count; ++other)
+                    if (pairs_.is_near(other)) end_times(other);
             }
         };
         if (is_first_of_a) begin_near(a);

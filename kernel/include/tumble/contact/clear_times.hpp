@@ -46,26 +46,34 @@ public:
     static void archive(Self& self, Archive& to) {
         to(self.clear_until_, self.due_);
         if constexpr (features.grid()) {
-            to(self.many.ends, self.many.all);
+            to(self.many.ends, self.many.fixed, self.many.near);
             Grid<N, features.bodies>::archive(self.many.grid, to);
         }
-        if constexpr (features.many_touch()) to(self.near.examine);
     }
 
     // With a grid.
     struct Many {
         Grid<N, features.bodies> grid{};
         std::uint16_t ends[features.bodies]{};  // how often the bounds of the body have been ended, modulo 2^16
-        bool all = true;  // a body that is not examined has moved: all others are examined in the next step
+        bool fixed = true;  // fixed bodies have come: those around them are examined in the next step
+        bool near = false;  // all bodies that are near something are examined in the next step
     };
     [[no_unique_address]] If<features.grid(), Many, 0> many{};
-    // What holds of all bodies that are near something, where bodies are many.
-    struct Near {
-        bool examine = false;  // in the next step
+    // Whether a load acts in this step on a body that is or was near something. Asked when it is needed.
+    class Push {
+    public:
+        void ask() { answer_ = not_asked; }
+        void begin() { answer_ = true; }
+        template <class Look>
+        [[nodiscard]] bool answer(Look&& look) {
+            if (answer_ == not_asked) answer_ = look();
+            return answer_ != 0;
+        }
+
+    private:
         static constexpr std::int8_t not_asked = -1;
-        std::int8_t driven = not_asked;  // a load acts on one of them in this step: BroadPhase
+        std::int8_t answer_ = not_asked;
     };
-    [[no_unique_address]] If<features.many_touch(), Near, 1> near{};
 
 private:
     static constexpr int slots = features.bodies * features.planes +
@@ -73,6 +81,9 @@ private:
 
     std::uint32_t clear_until_[features.bodies]{};  // its pairs are examined again in this step
     std::uint16_t due_[slots > 0 ? slots : 1]{};    // the lower half of the step in which a pair is examined again
+
+public:
+    [[no_unique_address]] If<features.pairs, Push, 1> push{};  // last, where it takes least room
 };
 
 }  // namespace tumble

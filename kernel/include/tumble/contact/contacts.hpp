@@ -24,7 +24,7 @@ public:
     void add(int b, const BodySpec& spec, const PrincipalInertia& inertia, const SpinUnits<N, spin>& units) {
         set_shape(b, spec, inertia, units);
         if (!spec.is_fixed()) state_.sleepers.add(b);
-        if constexpr (features.grid()) state_.times.many.all = true;
+        if constexpr (features.grid()) state_.times.many.fixed = true;
     }
     // Leaves the place without a body: `nobody` has no shape.
     void remove(int b, const BodySpec& nobody, const PrincipalInertia& inertia, const SpinUnits<N, spin>& units) {
@@ -65,20 +65,20 @@ public:
                     if (other == b) wake(advance, a);
                 });
         if constexpr (features.grid()) {
-            if (advance.bodies.constants[b].fixed() && !advance.bodies.moves_by_itself(b)) state_.times.many.all = true;
-        }
-        if constexpr (features.many_touch()) {
-            if (state_.pairs.is_near(b)) state_.times.near.examine = true;
-        } else {
+            if (advance.bodies.constants[b].fixed() && !advance.bodies.moves_by_itself(b))
+                state_.times.many.fixed = true;
+            if (state_.pairs.is_near(b)) state_.times.many.near = true;
+        } else if constexpr (features.pairs) {
             for (int other = 0; state_.pairs.is_near(b) && other < features.bodies; ++other)
                 if (state_.pairs.is_near(other)) end_times(other, now);
         }
         wake(advance, b);
     }
     // Removes the pairs of a body that is elsewhere now. They are found anew.
-    void forget_pairs_of(int b) {
+    void forget_pairs_of(const Bodies& bodies, int b) {
+        if constexpr (features.grid())
+            state_.pairs.for_each_near(b, [&](int other) { state_.times.set(other, bodies.steps_taken); });
         state_.pairs.forget_pairs_of(b);
-        if constexpr (features.grid()) state_.times.many.all = true;
         if constexpr (features.contact_readout) state_.log.clear_impulses_of(b);
     }
     // Wakes the body and all sleeping bodies that touch it, directly or through others.
@@ -101,7 +101,8 @@ public:
             for (int b = 0; b < advance.bodies.count; ++b)
                 if (advance.bodies.constants[b].fixed()) advance.step_turntable(b, info);
         }
-        if constexpr (features.many_touch()) broad_phase(advance.bodies).begin(sleepers);
+        if constexpr (features.pairs) broad_phase(advance.bodies).begin(sleepers);
+        for (int k = 0; k < sleepers.awake_count(); ++k) marks[sleepers.awake(k)] = advance.mark(sleepers.awake(k));
         typename Advance::Kinematics kinematic;
         if constexpr (features.kinematic) {
             advance.note_moving(kinematic);
@@ -110,7 +111,6 @@ public:
                 if (!times.is_clear(b, advance.bodies.steps_taken)) update(advance, b);
             }
         }
-        for (int k = 0; k < sleepers.awake_count(); ++k) marks[sleepers.awake(k)] = advance.mark(sleepers.awake(k));
         // Waking appends to the list.
         for (int k = 0; k < sleepers.awake_count(); ++k)
             if (!times.is_clear(sleepers.awake(k), advance.bodies.steps_taken)) update(advance, sleepers.awake(k));
@@ -278,9 +278,7 @@ private:
             // What sleeps is not examined any more: others look for it.
             const std::uint32_t now = advance.bodies.steps_taken;
             if constexpr (features.grid())
-                for (int k = 0; k < to_sleep.count; ++k)
-                    state_.times.many.grid.for_each_near(to_sleep.id[k], state_.shapes.scale(),
-                                                         [&](int other) { state_.times.set(other, now); });
+                for (int k = 0; k < to_sleep.count; ++k) broad_phase(advance.bodies).examine_around(to_sleep.id[k]);
             if constexpr (features.kinematic)
                 for (int k = 0; to_sleep.count > 0 && k < kinematic.group.count; ++k)
                     state_.times.set(kinematic.group.id[k], now);

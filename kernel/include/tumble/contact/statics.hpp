@@ -495,9 +495,7 @@ private:
         typename W::Over over;  // the body's share
 
         Parts(const Pair& pair, const Vec3<Unit> (&frame)[3], bool is_a)
-            : shared{pair.moves_b()}, over{is_a     ? pair.share_a
-                                           : shared ? pair.share_b
-                                                    : C::one()} {
+            : shared{pair.moves_b()}, over{is_a ? pair.share_a : pair.share_b} {
             for (int k = 0; features.pairs && k < pair.rows(); ++k)
                 for (int j = 0; j < 3; ++j)
                     of[k][j] = narrow<Unit>(dot(k == 0 ? pair.normal : pair.tangent[k - 1], frame[j]));
