@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <filesystem>
 #include <iostream>
 #include <limits>
@@ -251,35 +252,32 @@ std::string world_text(const WorldSpec& world) {
            contact.text() + "        },\n    };\n";
 }
 
-// The most pairs that are near each other at the end of a step. The count ends after so many steps, in which a pile
-// comes to rest.
-int most_near_pairs(const SceneDescription& scene) {
+// Features::near_pairs of a firmware that replays the scene; 0 where it is the usual one. The host replays its first
+// steps, in which a pile comes to rest: with the same bits, or in double precision where such worlds would have to be
+// compiled first. The room is larger than the most pairs of that run by the root of their number: by so much a number
+// of pairs varies that meet by chance, as with other numbers or another method.
+int near_pairs_for(const SceneDescription& scene, const Features& features, const NumberSystemInfo& numbers,
+                   const IntegratorInfo& integrator) {
     constexpr std::int64_t most_steps = 16384;
-    const auto simulation = make_simulation(scene, "verlet", "f64");
-    int most = 0;
+    const int bodies = features.bodies,
+              all = bodies * features.planes + (features.pairs ? bodies * (bodies - 1) / 2 : 0);
+    if (!features.contacts() || all == 1) return 0;
+    const auto simulation = is_compiled(scene, integrator.name, numbers.name, numbers.carry)
+                                ? make_simulation(scene, integrator.name, numbers.name, numbers.carry)
+                                : make_simulation(scene, "verlet", "f64");
     for (std::int64_t step = 0; step < std::min(scene.steps(), most_steps); ++step) {
         simulation->step();
-        most = std::max(most, simulation->near_pair_count());
         if (simulation->has_trouble("range_left")) break;
     }
-    return most;
-}
-
-// Features::near_pairs of a firmware that replays the scene; 0 where the default is enough. The number is an eighth
-// larger than the most pairs at the end of a step of a run in double precision, since other numbers and methods, and
-// the middle of a step, may have a few more.
-int near_pairs_for(const SceneDescription& scene, const Features& features) {
-    const int usual = features.room_for_pairs();
-    const int bodies = features.bodies, all = bodies * features.planes + bodies * (bodies - 1) / 2;
-    if (!features.pairs || !features.contacts() || usual >= all) return 0;
-    const int most = most_near_pairs(scene), room = std::min(all, most + (most + 7) / 8);
-    return room > usual ? room : 0;
+    const double most = simulation->most_near_pairs();
+    const int room = std::clamp(static_cast<int>(std::ceil(most + std::sqrt(most))), 1, all);
+    return room == features.room_for_pairs() ? 0 : room;
 }
 
 std::string config_text(const SceneDescription& scene, const SceneData& data, const NumberSystemInfo& numbers,
                         const IntegratorInfo& integrator) {
     Features needed = needs(data);
-    needed.near_pairs = near_pairs_for(scene, needed);
+    needed.near_pairs = near_pairs_for(scene, needed, numbers, integrator);
     std::string text =
         "    // What the scene needs, and nothing else. Derive from it to choose other numbers or another integrator.\n"
         "    struct Config : tumble::Scene {\n        using Numbers = " +

@@ -110,8 +110,8 @@ public:
     // scene's.
     [[nodiscard]] virtual long double contact_tolerance() const = 0;
 
-    // Pairs of a body and a plane, or of two bodies, that are near each other.
-    [[nodiscard]] virtual int near_pair_count() const = 0;
+    // The most pairs, of a body and a plane or of two bodies, that have been near each other at one time.
+    [[nodiscard]] virtual int most_near_pairs() const = 0;
 
     // The largest spin about any axis of a body that the number system holds at this step, rad/s: the least over its
     // axes. Infinite in floating point, and for a body that does not rotate.

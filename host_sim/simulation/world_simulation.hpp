@@ -188,7 +188,7 @@ public:
     [[nodiscard]] long double contact_tolerance() const override {
         return static_cast<double>(Owned::replay.world().contact_tolerance());
     }
-    [[nodiscard]] int near_pair_count() const override { return Owned::replay.world().near_pair_count(); }
+    [[nodiscard]] int most_near_pairs() const override { return Owned::replay.world().most_near_pairs(); }
 
     [[nodiscard]] std::string_view integrator() const override { return Method::name; }
     [[nodiscard]] std::string_view numbers() const override { return N::name; }

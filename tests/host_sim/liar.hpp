@@ -38,7 +38,7 @@ public:
     const std::vector<Trouble>& troubles() const override { return run_->troubles(); }
     long double largest_safe_step() const override { return run_->largest_safe_step(); }
     long double contact_tolerance() const override { return run_->contact_tolerance(); }
-    int near_pair_count() const override { return run_->near_pair_count(); }
+    int most_near_pairs() const override { return run_->most_near_pairs(); }
     double held_spin(int body) const override { return run_->held_spin(body); }
     void append_words(std::vector<std::uint32_t>& words) const override { run_->append_words(words); }
     Place place_of_word(std::size_t index) const override { return run_->place_of_word(index); }

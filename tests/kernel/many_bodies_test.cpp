@@ -211,6 +211,21 @@ private:
     std::uint64_t state_ = 1;
 };
 
+// Two balls meet and part, two others later.
+TEST(ManyBodies, the_most_near_pairs_of_a_history_are_known) {
+    WorldSpec spec;
+    spec.contact.restitution = 1;
+    Play<F64, 64> play{spec};
+    for (const int at : {4, 8}) {
+        (void)play.add(sphere(1, Real{0.5}), {-at, 2 * at, 0}, {10, 0, 0});
+        (void)play.add(sphere(1, Real{0.5}), {at, 2 * at, 0}, {-10, 0, 0});
+    }
+    EXPECT_EQ(play.world().most_near_pairs(), 0);
+    play.run(256);
+    EXPECT_EQ(play.world().near_pair_count(), 0);
+    EXPECT_EQ(play.world().most_near_pairs(), 1);
+}
+
 template <class N>
 class Grids : public testing::Test {
 protected:

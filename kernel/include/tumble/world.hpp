@@ -399,6 +399,12 @@ public:
         if constexpr (has_contacts) return contacts_.pair_count();
         else return 0;
     }
+    // The most near pairs that there have been at one time, also within a step. A world with the same history needs
+    // this room, and one with less is `contacts_full`.
+    [[nodiscard]] int most_near_pairs() const {
+        if constexpr (has_contacts) return contacts_.most_pairs();
+        else return 0;
+    }
     // The distance within which bodies touch, m: the scene's tolerance, or the least that the number system resolves
     // beside the largest body. Zero without contacts by impulses.
     [[nodiscard]] Work contact_tolerance() const {

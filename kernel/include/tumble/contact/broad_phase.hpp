@@ -41,18 +41,18 @@ public:
         const auto loaded = [&] { return feels_loads(b, marks); };  // changes where the body comes near something
         const Vec3<Length> own = drift(b);
         int until = contact::most_clear_steps;
-        // Examines a pair: near() adds it to the list, apart() removes it.
-        const auto examine_now = [](auto&& clear_steps, auto&& near, auto&& apart) {
+        // Examines a pair: near(whether it is in the list) adds it, apart() removes it.
+        const auto examine_now = [](bool listed, auto&& clear_steps, auto&& near, auto&& apart) {
             int steps = clear_steps();
-            if (steps == 0) steps = near();
-            else apart();
+            if (steps == 0) steps = near(listed);
+            else if (listed) apart();
             return steps;
         };
         // The same where it is due.
         const auto meet = [&](int slot, auto&&... parts) {
             int steps = times_.steps_left(slot, now);
             if (steps <= 0 || steps > contact::most_clear_steps) {
-                steps = examine_now(parts...);
+                steps = examine_now(times_.is_listed(slot), parts...);
                 times_.set_due(slot, now + static_cast<std::uint32_t>(steps));
             }
             if (steps < until) until = steps;
@@ -61,11 +61,11 @@ public:
         for (int p = 0; p < shapes_.plane_count() && !is_kinematic; ++p) {
             meet(
                 Times::plane_slot(b, p), [&] { return steps_to_plane(b, p, own, loaded()); },
-                [&] {
-                    (void)pair_of(b, -1 - p, marks);
+                [&](bool listed) {
+                    if (!listed) (void)pair_of(b, -1 - p, marks);
                     return contact::most_clear_steps_near;
                 },
-                [&] { pairs_.forget(b, -1 - p); });
+                [&] { forget(b, -1 - p); });
         }
         if constexpr (features.pairs) {
             const ShapeKind kind = shapes_.shape(b).kind;
@@ -87,23 +87,22 @@ public:
                 const auto clear_steps = [&] {
                     return steps_to_body(b, other, own, loaded() || (!still && feels_loads(other, marks)), still);
                 };
-                const auto near = [&] {
-                    pair = pair_of(first, second, marks);
-                    if (pair == nullptr || !asleep) return contact::most_clear_steps_near;
+                const auto near = [&](bool listed) {
+                    if (!listed || asleep) pair = pair_of(first, second, marks);
+                    if (!asleep || pair == nullptr) return contact::most_clear_steps_near;
                     shapes_.place(bodies_, b);
                     shapes_.measure(bodies_, *pair);
                     if (!(pair->gap > reach_in_step(b))) wakes.add_once(other);
                     return 1;
                 };
                 const auto apart = [&] {
-                    if (features.grid() && pair == nullptr) return;
-                    pairs_.forget(first, second);
+                    forget(first, second);
                     pair = nullptr;
                 };
                 if constexpr (features.grid()) {
                     int steps = pair == nullptr ? 0 : steps_left(*pair);
                     if (steps == 0) {
-                        steps = examine_now(clear_steps, near, apart);
+                        steps = examine_now(pair != nullptr, clear_steps, near, apart);
                         if (pair != nullptr) set_due(*pair, steps);
                     }
                     if (steps < until) until = steps;
@@ -292,6 +291,10 @@ private:
         return C::rounded_up(sum_of_magnitudes(drift(b))) + shapes_.fall_bound() + shapes_.tolerance() +
                shapes_.scale().length(turn * shapes_.scale().metres(shapes_.shape(b).radius));
     }
+    void forget(int a, int b) {
+        pairs_.forget(a, b);
+        times_.unlist(a, b);
+    }
     // Returns the pair, and adds it where it is new. Null, and reported, when there is no room.
     template <class Marks>
     Pair* pair_of(int a, int b, [[maybe_unused]] const Marks& marks) {
@@ -304,6 +307,7 @@ private:
         }
         const bool is_first_of_a = !pairs_.is_near(a), is_first_of_b = b >= 0 && !pairs_.is_near(b);
         Pair& pair = pairs_.insert(at, a, b);
+        times_.list(a, b);
         const auto begin_near = [&](int body) {
             end_times(body);
             if constexpr (features.grid()) examine_around(body);

@@ -16,11 +16,30 @@ public:
     void set(int b, std::uint32_t until) { clear_until_[b] = until; }
     // Steps from now until a pair is examined again; at most 0 where it is due.
     [[nodiscard]] int steps_left(int slot, std::uint32_t now) const { return steps_left(due_[slot], now); }
-    // The same, from the lower half of the step.
+    // The same, from the lower 15 bits of the step.
     [[nodiscard]] static int steps_left(std::uint16_t due, std::uint32_t now) {
-        return static_cast<std::int16_t>(static_cast<std::uint16_t>(due - static_cast<std::uint16_t>(now)));
+        return static_cast<std::int16_t>(static_cast<std::uint16_t>((due - now) << 1)) >> 1;
     }
-    void set_due(int slot, std::uint32_t step) { due_[slot] = static_cast<std::uint16_t>(step); }
+    void set_due(int slot, std::uint32_t step) {
+        due_[slot] = static_cast<std::uint16_t>((due_[slot] & listed) | (step & (listed - 1u)));
+    }
+    // Whether the pair of a slot is in the list of near pairs.
+    [[nodiscard]] bool is_listed(int slot) const { return (due_[slot] & listed) != 0; }
+    // Call where a pair comes into the list, and where it goes.
+    void list(int a, int b) {
+        if (const int slot = slot_of(a, b); slot >= 0) due_[slot] |= listed;
+    }
+    void unlist(int a, int b) {
+        if (const int slot = slot_of(a, b); slot >= 0) due_[slot] &= listed - 1u;
+    }
+    void unlist_all() {
+        for (auto& due : due_) due &= listed - 1u;
+    }
+    void unlist_pairs_of(int b) {
+        for (int p = 0; p < features.planes; ++p) unlist(b, -1 - p);
+        for (int other = 0; features.pairs && other < features.bodies; ++other)
+            if (other != b) unlist(b, other);
+    }
     // Call where the body's motion changes other than by its flight: ends the bounds of the body and of its pairs.
     void end(int b, int planes, std::uint32_t now) {
         clear_until_[b] = now;
@@ -39,6 +58,11 @@ public:
     [[nodiscard]] static constexpr int body_slot(int a, int b) {
         const int high = a < b ? b : a, low = a < b ? a : b;
         return features.bodies * features.planes + high * (high - 1) / 2 + low;
+    }
+    // Of a body and a plane, -1 - b, or another body; -1 where the pair has none.
+    [[nodiscard]] static constexpr int slot_of(int a, int b) {
+        if (b < 0) return plane_slot(a, -1 - b);
+        return features.grid() ? -1 : body_slot(a, b);
     }
 
     // Writes or reads what a snapshot holds.
@@ -79,8 +103,11 @@ private:
     static constexpr int slots = features.bodies * features.planes +
                                  (features.pairs && !features.grid() ? features.bodies * (features.bodies - 1) / 2 : 0);
 
+    static constexpr std::uint16_t listed = 0x8000;
+
     std::uint32_t clear_until_[features.bodies]{};  // its pairs are examined again in this step
-    std::uint16_t due_[slots > 0 ? slots : 1]{};    // the lower half of the step in which a pair is examined again
+    // Of each pair the lower 15 bits of the step in which it is examined again, and `listed`.
+    std::uint16_t due_[slots > 0 ? slots : 1]{};
 
 public:
     [[no_unique_address]] If<features.pairs, Push, 1> push{};  // last, where it takes least room

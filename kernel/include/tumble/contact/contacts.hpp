@@ -37,6 +37,8 @@ public:
     [[nodiscard]] int plane_count() const { return state_.shapes.plane_count(); }
     // Near pairs.
     [[nodiscard]] int pair_count() const { return state_.pairs.count(); }
+    // The most of them that there have been at one time.
+    [[nodiscard]] int most_pairs() const { return state_.pairs.most(); }
     // Contact points of the body in the last step.
     [[nodiscard]] int points_of(int b) const { return state_.pairs.points_of(b); }
     [[nodiscard]] bool is_asleep(int b) const { return state_.sleepers.is_asleep(b); }
@@ -79,6 +81,7 @@ public:
         if constexpr (features.grid())
             state_.pairs.for_each_near(b, [&](int other) { state_.times.set(other, bodies.steps_taken); });
         state_.pairs.forget_pairs_of(b);
+        state_.times.unlist_pairs_of(b);
         if constexpr (features.contact_readout) state_.log.clear_impulses_of(b);
     }
     // Wakes the body and all sleeping bodies that touch it, directly or through others.
@@ -111,9 +114,15 @@ public:
                 if (!times.is_clear(b, advance.bodies.steps_taken)) update(advance, b);
             }
         }
+        // What stands moves to nothing: what moves looks for it, but for kinematic bodies.
+        bool looks = !state_.all_stand;
+        if constexpr (features.kinematic) looks = looks || kinematic.group.count > 0;
         // Waking appends to the list.
-        for (int k = 0; k < sleepers.awake_count(); ++k)
-            if (!times.is_clear(sleepers.awake(k), advance.bodies.steps_taken)) update(advance, sleepers.awake(k));
+        for (int k = 0; k < sleepers.awake_count(); ++k) {
+            const int b = sleepers.awake(k);
+            if (!times.is_clear(b, advance.bodies.steps_taken) && (looks || !pairs.is_near(b) || !pairs.is_linked()))
+                update(advance, b);
+        }
         if constexpr (features.contact_readout) state_.log.start_islands(state_.pairs);
         if constexpr (features.kinematic && Advance::has_loads) advance.place(kinematic, info, N::half_of(Work(1)));
         bool islands = false, stand = state_.all_stand && pairs.is_linked();
@@ -141,6 +150,10 @@ public:
         NarrowPhase<N, spin, features>::archive(state.shapes, to);
         ClearTimes<N, features>::archive(state.times, to);
         PairList<N, features>::archive(state.pairs, to, [&](auto& pair) { state.shapes.set_up(pair, bodies); });
+        if constexpr (Archive::reads) {
+            state.times.unlist_all();
+            for (int i = 0; i < state.pairs.count(); ++i) state.times.list(state.pairs[i].a, state.pairs[i].b);
+        }
         to(state.sleepers);
         if constexpr (features.contact_readout) ContactLog<N, spin, features>::archive(state.log, to);
     }
@@ -162,7 +175,10 @@ private:
     }
 
     void set_shape(int b, const BodySpec& spec, const PrincipalInertia& inertia, const SpinUnits<N, spin>& units) {
-        if (state_.shapes.set_shape(b, spec, inertia, units)) state_.pairs.forget_all();
+        if (state_.shapes.set_shape(b, spec, inertia, units)) {
+            state_.pairs.forget_all();
+            state_.times.unlist_all();
+        }
         state_.pairs.forget_points_of(b);
     }
     void end_times(int b, std::uint32_t now) { state_.times.end(b, state_.shapes.plane_count(), now); }

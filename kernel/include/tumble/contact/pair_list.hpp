@@ -39,6 +39,9 @@ public:
     // Contact points of the body in the last step.
     [[nodiscard]] int points_of(int b) const { return touching_[b]; }
 
+    // The most pairs that there have been at one time.
+    [[nodiscard]] int most() const { return slots_; }
+
     // The place of the first pair whose key is not smaller.
     [[nodiscard]] int place_of(std::uint32_t key) const {
         int low = 0, high = count_;
@@ -209,7 +212,7 @@ private:
     Pair pair_[room > 0 ? room : 1]{};
     std::int16_t order_[room > 0 ? room : 1]{};  // slots by key, then those that are free again
     int count_ = 0;
-    int slots_ = 0;           // that have been used
+    int slots_ = 0;           // that have been used: the most pairs at one time
     bool is_linked_ = false;  // link()
     bool loses_any_ = false;
     bool loses_[features.bodies]{};  // a pair of the body has gone since link()
