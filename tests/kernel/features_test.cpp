@@ -50,6 +50,13 @@ TEST(Features, a_union_has_room_for_both) {
     EXPECT_TRUE(b.united_with(a) == both);
 }
 
+TEST(Features, united_scenes_have_room_for_the_pairs_of_each) {
+    constexpr Features usual{.bodies = 9, .planes = 1, .pairs = true}, few{.bodies = 3, .near_pairs = 2, .pairs = true};
+    for (const Features& both : {usual.united_with(few), few.united_with(usual)})
+        EXPECT_EQ(both.room_for_pairs(), usual.room_for_pairs());
+    EXPECT_EQ(few.united_with(few).near_pairs, 2);
+}
+
 TEST(Features, a_scene_with_every_feature_keeps_its_room) {
     constexpr Features all = Features{.bodies = 7, .near_pairs = 9, .contact_impulses = false}.with_everything();
     Features::for_each([&]<class T>(const char* name, T Features::*member) {

@@ -42,6 +42,7 @@ struct Room : Scene {
     using Numbers = N;
     static constexpr Features features{.bodies = room,
                                        .planes = 5,
+                                       .springs = 1,
                                        .near_pairs = pairs ? 512 : 0,
                                        .control = true,
                                        .removal = true,
@@ -147,9 +148,9 @@ public:
         for (BodyId& body : bodies) body = add(any_body(Real{0.5}), RealVec3{0, 3, 0} + random_vector(Real{2.5}));
         run(20);
         for (int command = 0; command < 40; ++command) {
-            const BodyId body = bodies[random_below(16)];
+            BodyId& body = bodies[random_below(16)];
             const RealVec3 unit = random_vector(1);
-            switch (random_below(8)) {
+            switch (random_below(9)) {
             case 0: world().set_force(body, unit * Real{20}, Frame::world); break;
             case 1: world().set_force(body, {}, Frame::body); break;
             case 2: world().apply_force(body, unit * Real{160}, Frame::body); break;
@@ -158,6 +159,10 @@ public:
             case 5: world().set_pose(body, RealVec3{0, 2, 0} + unit * Real{1.5}); break;
             case 6: world().set_velocity(pushes, unit); break;
             case 7: save_and_restore(random_below(20)); break;
+            case 8:
+                world().remove(body);
+                body = add(any_body(Real{0.5}), RealVec3{0, 3, 0} + unit * Real{2});
+                break;
             }
             run(random_below(40));
         }
@@ -181,7 +186,49 @@ public:
         return least;
     }
 
+    // A ball is put beside another and pushed at it in the same step. Returns how far the other comes, which has a gap
+    // of 0.2 m to a wall.
+    double way_to_the_wall(bool is_first) {
+        EXPECT_TRUE(world().add(PlaneSpec{}));
+        PlaneSpec wall;
+        wall.normal = {-1, 0, 0};
+        wall.offset = Real{0.7};
+        EXPECT_TRUE(world().add(wall));
+        BodyId balls[2];
+        for (const int ball : {is_first ? 0 : 1, is_first ? 1 : 0})
+            balls[ball] = add(sphere(1, Real{0.5}), {ball == 0 ? 0 : -5, Real{0.5}, 0});
+        run(21);
+        world().set_pose(balls[1], {-1, Real{0.5}, 0});
+        world().apply_impulse(balls[0], {});
+        world().set_force(balls[1], {2000, 0, 0}, Frame::world);
+        return most_x(balls[0], 40);
+    }
+    // A spring that is added in mid-run pulls a ball at a wall, 1 m away. Returns how far the ball comes.
+    double way_on_a_spring() {
+        EXPECT_TRUE(world().add(PlaneSpec{}));
+        PlaneSpec wall;
+        wall.normal = {-1, 0, 0};
+        wall.offset = Real{1.5};
+        EXPECT_TRUE(world().add(wall));
+        const BodyId ball = add(sphere(1, Real{0.5}), {0, Real{0.5}, 0});
+        run(130);
+        SpringSpec spring;
+        spring.body = 0;
+        spring.to = {4, Real{0.5}, 0};
+        spring.stiffness = 200;
+        EXPECT_TRUE(world().add(spring));
+        return most_x(ball, 170);
+    }
+
 private:
+    double most_x(BodyId body, int steps) {
+        double most = -1;
+        for (int step = 0; step < steps; ++step) {
+            run(1);
+            most = std::max(most, static_cast<double>(world().position(body).x));
+        }
+        return most;
+    }
     [[nodiscard]] int random_below(int end) {
         state_ = state_ * 6364136223846793005u + 1442695040888963407u;
         return static_cast<int>((state_ >> 40) * static_cast<std::uint64_t>(end) >> 24);
@@ -296,6 +343,31 @@ TYPED_TEST(Grids, and_times_find_what_is_pushed_in_time_in_each_order) {
                 expect_found(Play<TypeParam, 64>{spec});
                 expect_found(Play<TypeParam, 65>{spec});
             }
+}
+
+TYPED_TEST(Grids, and_times_notice_what_comes_while_a_body_looks) {
+    WorldSpec spec;
+    spec.gravity = {};
+    spec.contact.restitution = 0;
+    for (const bool is_first : {true, false}) {
+        const auto expect_stopped = [&](auto&& play) {
+            EXPECT_NEAR(play.way_to_the_wall(is_first), 0.2, static_cast<double>(play.world().contact_tolerance()));
+        };
+        expect_stopped(Play<TypeParam, 64>{spec});
+        expect_stopped(Play<TypeParam, 65>{spec});
+    }
+}
+TYPED_TEST(Grids, and_times_notice_a_spring_that_is_added) {
+    for (const bool sleeps : {true, false}) {
+        WorldSpec spec = this->with_gravity();
+        spec.contact.restitution = 0;
+        spec.contact.sleep = {.on = sleeps, .time = Real{0.125}};
+        const auto expect_stopped = [&](auto&& play) {
+            EXPECT_NEAR(play.way_on_a_spring(), 1, static_cast<double>(play.world().contact_tolerance()));
+        };
+        expect_stopped(Play<TypeParam, 64>{spec});
+        expect_stopped(Play<TypeParam, 65>{spec});
+    }
 }
 
 // Bodies that reach no other move as in a world without pairs of bodies.

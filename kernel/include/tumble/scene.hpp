@@ -92,6 +92,9 @@ struct Features {
         for_each([&](const char*, auto member) {
             if (both.*member < other.*member) both.*member = other.*member;
         });
+        // A number may be less than the usual room of the other.
+        const int room = room_for_pairs(), other_room = other.room_for_pairs();
+        if (near_pairs != other.near_pairs) both.near_pairs = room < other_room ? other_room : room;
         return both;
     }
     // All features, in this room.

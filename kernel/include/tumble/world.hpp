@@ -117,6 +117,10 @@ public:
         detail::run_once([&] { added = advance_.add(spec); });
         if (!added) return {};
         note(spec);
+        if (has_contacts && advance_.bodies.steps_taken > 0) {
+            disturb(spec.body);
+            if (spec.to_body >= 0) disturb(spec.to_body);
+        }
         return SpringId{advance_.loads.spring_count() - 1};
     }
 

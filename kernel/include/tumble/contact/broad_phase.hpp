@@ -41,6 +41,7 @@ public:
         const auto loaded = [&] { return feels_loads(b, marks); };  // changes where the body comes near something
         const Vec3<Length> own = drift(b);
         int until = contact::most_clear_steps;
+        times_.set(b, now + contact::most_clear_steps);
         // Examines a pair: near(whether it is in the list) adds it, apart() removes it.
         const auto examine_now = [](bool listed, auto&& clear_steps, auto&& near, auto&& apart) {
             int steps = clear_steps();
@@ -122,14 +123,14 @@ public:
                 for (int other = 0; other < bodies_.count && touches_bodies(kind); ++other) look_at(other);
             }
         }
-        // Examined again in the next step: a body that has just come near something, and one that has just left
+        // Examined again in the next step: a body whose bounds were ended meanwhile, and one that has just left
         // everything.
-        if (was_near != pairs_.is_near(b)) until = 1;
+        if (!times_.is_clear(b, now) || (was_near && !pairs_.is_near(b))) until = 1;
         times_.set(b, now + static_cast<std::uint32_t>(until));
     }
 
-    // Begins a step. With a grid puts fixed bodies that have come into it, and ends the bounds of bodies that others
-    // may push.
+    // Begins a step. With a grid puts bodies that have come into it, and ends the bounds of bodies that others may
+    // push.
     void begin([[maybe_unused]] const Sleepers& sleepers) requires(features.pairs) {
         times_.push.ask();
         if constexpr (features.grid()) begin_grid(sleepers);
@@ -163,14 +164,15 @@ public:
 private:
     void begin_grid(const Sleepers& sleepers) requires(features.grid()) {
         auto& many = times_.many;
-        for (int b = 0; many.fixed && b < bodies_.count; ++b) {
-            if (!bodies_.constants[b].fixed() || !touches_bodies(shapes_.shape(b).kind)) continue;
-            (void)put(b, drift(b), false, true);
+        for (int b = 0; many.come && b < bodies_.count; ++b) {
+            if (many.grid.has(b) || !touches_bodies(shapes_.shape(b).kind)) continue;
+            const bool fixed = bodies_.constants[b].fixed();
+            (void)put(b, drift(b), !fixed, fixed);
             examine_around(b);
         }
         for (int k = 0; many.near && k < sleepers.awake_count(); ++k)
             if (pairs_.is_near(sleepers.awake(k))) end_times(sleepers.awake(k));
-        many.fixed = many.near = false;
+        many.come = many.near = false;
     }
     // Whether a load may act on body b in this step: one that is near something may be pushed by others, which have
     // loads of their own.

@@ -70,7 +70,7 @@ public:
     static void archive(Self& self, Archive& to) {
         to(self.clear_until_, self.due_);
         if constexpr (features.grid()) {
-            to(self.many.ends, self.many.fixed, self.many.near);
+            to(self.many.ends, self.many.come, self.many.near);
             Grid<N, features.bodies>::archive(self.many.grid, to);
         }
     }
@@ -79,7 +79,7 @@ public:
     struct Many {
         Grid<N, features.bodies> grid{};
         std::uint16_t ends[features.bodies]{};  // how often the bounds of the body have been ended, modulo 2^16
-        bool fixed = true;  // fixed bodies have come: those around them are examined in the next step
+        bool come = true;   // bodies that are not in the grid: those around them are examined in the next step
         bool near = false;  // all bodies that are near something are examined in the next step
     };
     [[no_unique_address]] If<features.grid(), Many, 0> many{};

@@ -23,8 +23,9 @@ public:
     // Adds a body at its place.
     void add(int b, const BodySpec& spec, const PrincipalInertia& inertia, const SpinUnits<N, spin>& units) {
         set_shape(b, spec, inertia, units);
+        state_.marks[b] = {};
         if (!spec.is_fixed()) state_.sleepers.add(b);
-        if constexpr (features.grid()) state_.times.many.fixed = true;
+        if constexpr (features.grid()) state_.times.many.come = true;
     }
     // Leaves the place without a body: `nobody` has no shape.
     void remove(int b, const BodySpec& nobody, const PrincipalInertia& inertia, const SpinUnits<N, spin>& units) {
@@ -67,8 +68,6 @@ public:
                     if (other == b) wake(advance, a);
                 });
         if constexpr (features.grid()) {
-            if (advance.bodies.constants[b].fixed() && !advance.bodies.moves_by_itself(b))
-                state_.times.many.fixed = true;
             if (state_.pairs.is_near(b)) state_.times.many.near = true;
         } else if constexpr (features.pairs) {
             for (int other = 0; state_.pairs.is_near(b) && other < features.bodies; ++other)
@@ -78,8 +77,11 @@ public:
     }
     // Removes the pairs of a body that is elsewhere now. They are found anew.
     void forget_pairs_of(const Bodies& bodies, int b) {
-        if constexpr (features.grid())
+        if constexpr (features.grid()) {
             state_.pairs.for_each_near(b, [&](int other) { state_.times.set(other, bodies.steps_taken); });
+            state_.times.many.grid.remove(b);
+            state_.times.many.come = true;
+        }
         state_.pairs.forget_pairs_of(b);
         state_.times.unlist_pairs_of(b);
         if constexpr (features.contact_readout) state_.log.clear_impulses_of(b);

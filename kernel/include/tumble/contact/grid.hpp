@@ -35,6 +35,7 @@ public:
         enter(b);
         return radius_of(level, scale);
     }
+    [[nodiscard]] bool has(int b) const { return level_[b] != nowhere; }
     void remove(int b) {
         if (level_[b] == nowhere) return;
         if (--count_[level_[b]] == 0) in_use_ &= ~bit_of(level_[b]);
