@@ -189,11 +189,8 @@ public:
     // A ball is put beside another and pushed at it in the same step. Returns how far the other comes, which has a gap
     // of 0.2 m to a wall.
     double way_to_the_wall(bool is_first) {
-        EXPECT_TRUE(world().add(PlaneSpec{}));
-        PlaneSpec wall;
-        wall.normal = {-1, 0, 0};
-        wall.offset = Real{0.7};
-        EXPECT_TRUE(world().add(wall));
+        plane({0, 1, 0}, 0);
+        plane({-1, 0, 0}, Real{0.7});
         BodyId balls[2];
         for (const int ball : {is_first ? 0 : 1, is_first ? 1 : 0})
             balls[ball] = add(sphere(1, Real{0.5}), {ball == 0 ? 0 : -5, Real{0.5}, 0});
@@ -205,11 +202,7 @@ public:
     }
     // A spring that is added in mid-run pulls a ball at a wall, 1 m away. Returns how far the ball comes.
     double way_on_a_spring() {
-        EXPECT_TRUE(world().add(PlaneSpec{}));
-        PlaneSpec wall;
-        wall.normal = {-1, 0, 0};
-        wall.offset = Real{1.5};
-        EXPECT_TRUE(world().add(wall));
+        walls(Real{1.5});
         const BodyId ball = add(sphere(1, Real{0.5}), {0, Real{0.5}, 0});
         run(130);
         SpringSpec spring;
@@ -244,15 +237,16 @@ private:
         const RealVec3 edges = RealVec3{size, size, size} + random_vector(size / Real{2});
         return random() < Real{} ? sphere(1, edges.x / Real{2}) : box(1, edges);
     }
+    void plane(const RealVec3& normal, Real offset) {
+        PlaneSpec spec;
+        spec.normal = normal;
+        spec.offset = offset;
+        EXPECT_TRUE(world().add(spec));
+    }
     // A floor and four walls at this distance.
     void walls(Real distance) {
-        EXPECT_TRUE(world().add(PlaneSpec{}));
-        for (const RealVec3& normal : {RealVec3{1, 0, 0}, {-1, 0, 0}, {0, 0, 1}, {0, 0, -1}}) {
-            PlaneSpec wall;
-            wall.normal = normal;
-            wall.offset = distance;
-            EXPECT_TRUE(world().add(wall));
-        }
+        plane({0, 1, 0}, 0);
+        for (const RealVec3& normal : {RealVec3{1, 0, 0}, {-1, 0, 0}, {0, 0, 1}, {0, 0, -1}}) plane(normal, distance);
     }
 
     std::uint64_t state_ = 1;
@@ -283,6 +277,12 @@ protected:
         const Hashes expected = story(with_times), found = story(other);
         ASSERT_EQ(found.size(), expected.size());
         for (std::size_t i = 0; i < found.size(); ++i) ASSERT_EQ(found[i], expected[i]) << "in step " << i;
+    }
+    // Calls f(play) for a world with times and one with a grid.
+    template <class F>
+    static void for_both(const WorldSpec& spec, F&& f) {
+        f(Play<N, 64>{spec});
+        f(Play<N, 65>{spec});
     }
     static WorldSpec with_gravity() {
         WorldSpec spec;
@@ -335,13 +335,11 @@ TYPED_TEST(Grids, and_times_find_what_is_pushed_in_time_in_each_order) {
     for (const auto& order : orders)
         for (const double gap : {0.0625, 0.25, 0.375})
             for (const double force : {500., 2000.}) {
-                const auto expect_found = [&](auto&& play) {
+                this->for_both(spec, [&](auto&& play) {
                     EXPECT_GE(play.least_distance(order, Real{gap}, Real{force}),
                               1 - static_cast<double>(play.world().contact_tolerance()))
                         << "first " << order[0] << ", " << gap << " m, " << force << " N";
-                };
-                expect_found(Play<TypeParam, 64>{spec});
-                expect_found(Play<TypeParam, 65>{spec});
+                });
             }
 }
 
@@ -350,11 +348,9 @@ TYPED_TEST(Grids, and_times_notice_what_comes_while_a_body_looks) {
     spec.gravity = {};
     spec.contact.restitution = 0;
     for (const bool is_first : {true, false}) {
-        const auto expect_stopped = [&](auto&& play) {
+        this->for_both(spec, [&](auto&& play) {
             EXPECT_NEAR(play.way_to_the_wall(is_first), 0.2, static_cast<double>(play.world().contact_tolerance()));
-        };
-        expect_stopped(Play<TypeParam, 64>{spec});
-        expect_stopped(Play<TypeParam, 65>{spec});
+        });
     }
 }
 TYPED_TEST(Grids, and_times_notice_a_spring_that_is_added) {
@@ -362,11 +358,9 @@ TYPED_TEST(Grids, and_times_notice_a_spring_that_is_added) {
         WorldSpec spec = this->with_gravity();
         spec.contact.restitution = 0;
         spec.contact.sleep = {.on = sleeps, .time = Real{0.125}};
-        const auto expect_stopped = [&](auto&& play) {
+        this->for_both(spec, [&](auto&& play) {
             EXPECT_NEAR(play.way_on_a_spring(), 1, static_cast<double>(play.world().contact_tolerance()));
-        };
-        expect_stopped(Play<TypeParam, 64>{spec});
-        expect_stopped(Play<TypeParam, 65>{spec});
+        });
     }
 }
 
