@@ -82,6 +82,12 @@ public:
         problem_.features.pairs = true;
         return *this;
     }
+    // With drag: a load that acts on each body in each step.
+    Maker& in_air() {
+        problem_.scene.world.linear_drag = Real{0.5};  // N s/m
+        problem_.features.drag = true;
+        return *this;
+    }
     Maker& sleeping() {
         problem_.scene.world.contact.sleep.on = true;
         problem_.scene.world.contact.sleep.time = Real{0.25};  // s
@@ -182,6 +188,15 @@ std::vector<Problem> problems(int most) {
                           .named("boxes at rest, looking for each other")
                           .bodies(bodies)
                           .touching()
+                          .steps(steps)
+                          .within(0.01)
+                          .fails_above(1000, no_memory)
+                          .rests(before));
+        all.push_back(Maker{box}
+                          .named("boxes at rest in air, looking for each other")
+                          .bodies(bodies)
+                          .touching()
+                          .in_air()
                           .steps(steps)
                           .within(0.01)
                           .fails_above(1000, no_memory)

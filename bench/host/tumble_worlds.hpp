@@ -63,6 +63,7 @@ void for_each_world_of(F&& f) {
     }
     f.template operator()<Features{.bodies = bodies, .planes = 1, .boxes = true, .sleep = true}>();
     f.template operator()<Features{.bodies = bodies, .planes = 1, .pairs = true, .boxes = true}>();
+    f.template operator()<Features{.bodies = bodies, .planes = 1, .drag = true, .pairs = true, .boxes = true}>();
 }
 
 // The runner in the world with the features of the problem.

@@ -287,9 +287,9 @@ private:
             StageState<N> stages[features.bodies];
             Kick<N> kicks[features.bodies];
             for (int k = 0; k < loaded.count; ++k) stages[k] = stage_of(bodies.state[loaded.id[k]]);
-            const BodyPlaces<features.bodies> places{loaded};
+            const std::int16_t* const places = places_.of(loaded);
             if (!foresee_in_parts(loaded, places, stages, kicks))
-                loads.template evaluation<false>(bodies, loaded, Work(1), fall, true, places.of_body)(stages, kicks);
+                loads.template evaluation<false>(bodies, loaded, Work(1), fall, true, places)(stages, kicks);
             for (int k = 0; k < loaded.count; ++k) {
                 kick_of[loaded.id[k]] = kicks[k];
                 if constexpr (has_wrenches) add_wrenches(loaded.id[k], kick_of[loaded.id[k]]);
@@ -301,9 +301,8 @@ private:
     // Where a spin has halvings, the loads act over the shortest part. The kicks are then those over the whole step
     // again. False where none has.
     template <class Stage, class Kick>
-    bool foresee_in_parts([[maybe_unused]] const BodyGroup& loaded,
-                          [[maybe_unused]] const BodyPlaces<features.bodies>& places, [[maybe_unused]] Stage* stages,
-                          [[maybe_unused]] Kick* kicks) requires has_loads {
+    bool foresee_in_parts([[maybe_unused]] const BodyGroup& loaded, [[maybe_unused]] const std::int16_t* places,
+                          [[maybe_unused]] Stage* stages, [[maybe_unused]] Kick* kicks) requires has_loads {
         if constexpr (Bodies::has_parts) {
             const int most = halvings_under_loads(loaded, false);
             if (most == 0) [[likely]]
@@ -317,7 +316,7 @@ private:
                 }
             }
             loads.template evaluation<false>(bodies, loaded, N::times_power_of_two(Work(1), -most), part_of_fall, true,
-                                             places.of_body)(stages, kicks);
+                                             places)(stages, kicks);
             const auto of_step = [&](Work change) { return N::times_power_of_two(change, 2 * most); };
             for (int k = 0; k < loaded.count; ++k) {
                 for (int i = 0; i < 3; ++i) {
@@ -682,9 +681,8 @@ private:
             }
             staged<1>(group, evaluate, info);
         } else if constexpr (features.bodies > 1) {
-            const BodyPlaces<features.bodies> places{group};
             staged<features.bodies>(
-                group, loads.template evaluation<false>(bodies, group, length, falls, turned, places.of_body), info);
+                group, loads.template evaluation<false>(bodies, group, length, falls, turned, places_.of(group)), info);
         }
         if constexpr (has_wrenches) half_kick_by_wrenches(group, part...);
     }
@@ -732,6 +730,7 @@ private:
         std::uint32_t disturbances = 1;  // counted; 0 is skipped
     };
     [[no_unique_address]] If<keeps_kicks, KeptKicks, 11> kept_{};
+    [[no_unique_address]] If<has_loads, BodyPlaces<features.bodies>, 12> places_{};
     DriftSum gravity_[3]{};  // change of drift a step, or half of it: see fall_in_halves
 
 public:

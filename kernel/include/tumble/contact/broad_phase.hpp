@@ -216,8 +216,8 @@ private:
     [[nodiscard]] std::uint16_t ends_of(const Pair& pair) const requires(features.grid()) {
         return static_cast<std::uint16_t>(times_.many.ends[pair.a] + times_.many.ends[pair.b]);
     }
-    // Puts the body into the grid. Returns the steps in which it surely stays in its ball. A ball has room for a step,
-    // and for a move by the body's radius.
+    // Puts the body into the grid. Returns the steps in which it surely stays in its ball. A ball has room for a step;
+    // that of a body which is not put anew in the next step also for a move by its radius.
     [[nodiscard]] int put(int b, const Vec3<Length>& drift, bool loaded, bool is_fixed) requires(features.grid()) {
         const auto& x = bodies_.state[b].x_w;
         const typename Grid<N, features.bodies>::Place place{N::sum(x.x), N::sum(x.y), N::sum(x.z)};
@@ -227,7 +227,7 @@ private:
         const auto travel = C::travel(closing, fall, 1);
         const Length ball = times_.many.grid.put(b, place, shapes_.scale(), [&](Length enough) {
             const Length room = enough - touch;
-            return !(room < radius) && !C::exceeds(travel, room);
+            return (loaded || !(room < radius)) && !C::exceeds(travel, room);
         });
         return clear_steps(closing, fall, foresight(loaded, near),
                            [&](auto way) { return ball < C::longest() && C::exceeds(way, ball - touch); });

@@ -93,7 +93,8 @@ public:
 private:
     // Levels. The radius is 2^(level - middle) m, and cells are twice as wide.
     static constexpr int nowhere = 0, lowest = 1, middle = 34, everywhere = 62;
-    static constexpr int buckets = static_cast<int>(std::bit_ceil(static_cast<unsigned>(bodies)));
+    // Most of the cells that are asked are empty, and so should their buckets be.
+    static constexpr int buckets = 4 * static_cast<int>(std::bit_ceil(static_cast<unsigned>(bodies)));
 
     struct Cell {
         std::int32_t i[3];

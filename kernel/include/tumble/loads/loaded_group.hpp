@@ -39,7 +39,7 @@ struct LoadedGroup : std::conditional_t<is_alone, GroupCount<1>, GroupCount<2>> 
     const Stage* stage;         // of each body of the group
     Kick* kick;                 // of each body of the group: in the formats of L::add
     const std::int16_t* id;     // the bodies of the group
-    const std::int16_t* place;  // the place in the group of each body of the world, or -1; null of a body alone
+    const std::int16_t* place;  // BodyPlaces of the group; null of a body alone
     Factor per_length;          // portions in a step: 1 where the portion is a whole step
     bool whole;                 // the portion is a whole step
     bool turned;                // else no body of the group rotates in the stages
@@ -50,7 +50,7 @@ struct LoadedGroup : std::conditional_t<is_alone, GroupCount<1>, GroupCount<2>> 
     [[nodiscard]] TUMBLE_INLINE int place_of(int b) const {
         if constexpr (Bodies::room == 1) return 0;
         else if constexpr (alone) return b == id[0] ? 0 : -1;
-        else return place[b];
+        else return place[b] < this->count && id[place[b]] == b ? place[b] : -1;
     }
     [[nodiscard]] TUMBLE_INLINE bool rotates(int k) const {
         if constexpr (!rotation) return false;

@@ -34,8 +34,9 @@ using Vec3 = Eigen::Matrix<T, 3, 1>;
 // Hamilton's w + xi + yj + zk. A plain value: whoever integrates it normalises it.
 template <class T>
 struct Quat {
-    T w{};
-    Vec3<T> v = Vec3<T>::Constant(T{});
+    // Not initialised by default, so that arrays of stages cost nothing.
+    T w;
+    Vec3<T> v;
 
     [[nodiscard]] Quat conjugate() const { return {w, -v}; }
 };
