@@ -259,8 +259,7 @@ std::string world_text(const WorldSpec& world) {
 int near_pairs_for(const SceneDescription& scene, const Features& features, const NumberSystemInfo& numbers,
                    const IntegratorInfo& integrator) {
     constexpr std::int64_t most_steps = 16384;
-    const int bodies = features.bodies,
-              all = bodies * features.planes + (features.pairs ? bodies * (bodies - 1) / 2 : 0);
+    const int all = features.all_pairs();
     if (!features.contacts() || all == 1) return 0;
     const auto simulation = is_compiled(scene, integrator.name, numbers.name, numbers.carry)
                                 ? make_simulation(scene, integrator.name, numbers.name, numbers.carry)

@@ -123,11 +123,13 @@ struct Features {
         return bodies > 0 &&
                (drag || gravitation || air || gravity_gradient || wheels || forces || springs > 0 || springs_touch());
     }
+    // Every pair of a body with a plane, and with another body where these may touch.
+    [[nodiscard]] constexpr int all_pairs() const { return bodies * planes + (pairs ? bodies * (bodies - 1) / 2 : 0); }
     // Room for every pair of a few bodies; for many bodies, room for the pairs of a heap of spheres. Boxes that are
     // packed side by side have more pairs.
     [[nodiscard]] constexpr int room_for_pairs() const {
         if (near_pairs > 0) return near_pairs;
-        const int all = bodies * planes + (pairs ? bodies * (bodies - 1) / 2 : 0), usual = 3 * bodies + planes;
+        const int all = all_pairs(), usual = 3 * bodies + planes;
         return pairs && all > usual ? usual : all;
     }
 };

@@ -100,8 +100,7 @@ public:
     };
 
 private:
-    static constexpr int slots = features.bodies * features.planes +
-                                 (features.pairs && !features.grid() ? features.bodies * (features.bodies - 1) / 2 : 0);
+    static constexpr int slots = features.grid() ? features.bodies * features.planes : features.all_pairs();
 
     static constexpr std::uint16_t listed = 0x8000;
 
