@@ -200,6 +200,15 @@ public:
         world().set_force(balls[1], {2000, 0, 0}, Frame::world);
         return most_x(balls[0], 40);
     }
+    // A ball flies for some steps, a way in each, and is then this far from one that a load begins to push at it, m.
+    Hashes shot(Real radius, int steps, Real way, Real gap) {
+        const BodyId target = add(sphere(1, radius), {});
+        (void)add(sphere(1, Real{0.3}), {radius + Real{0.3} + gap + way * Real{steps}, 0, 0}, {way * Real{-256}, 0, 0});
+        run(steps);
+        world().set_force(target, {4000, 0, 0}, Frame::world);
+        run(4);
+        return this->hashes();
+    }
     // A spring that is added in mid-run pulls a ball at a wall, 1 m away. Returns how far the ball comes.
     double way_on_a_spring() {
         walls(Real{1.5});
@@ -341,6 +350,22 @@ TYPED_TEST(Grids, and_times_find_what_is_pushed_in_time_in_each_order) {
                         << "first " << order[0] << ", " << gap << " m, " << force << " N";
                 });
             }
+}
+
+// The ball of the one that flies, of 0.5 m or of 1 m, is as large after its way as before.
+TYPED_TEST(Grids, find_what_flies_at_a_body_that_a_load_begins_to_push) {
+    WorldSpec spec;
+    spec.gravity = {};
+    for (const double radius : {0.248, 0.375, 0.498})
+        for (const int steps : {1, 3, 7})
+            for (const double room : {0.1975, 0.6975})
+                for (const double gap : {1., 1.03, 1.06}) {
+                    const double way = room / (steps + 1);
+                    SCOPED_TRACE(testing::Message()
+                                 << radius << " m, " << way << " m a step, gap " << gap * way << " m");
+                    this->expect_same(
+                        spec, [&](auto& play) { return play.shot(Real{radius}, steps, Real{way}, Real{gap * way}); });
+                }
 }
 
 TYPED_TEST(Grids, and_times_notice_what_comes_while_a_body_looks) {

@@ -216,14 +216,15 @@ private:
     [[nodiscard]] std::uint16_t ends_of(const Pair& pair) const requires(features.grid()) {
         return static_cast<std::uint16_t>(times_.many.ends[pair.a] + times_.many.ends[pair.b]);
     }
-    // Puts the body into the grid. Returns the steps in which it surely stays in its ball. A ball has room for a step;
-    // that of a body which is not put anew in the next step also for a move by its radius.
+    // Puts the body into the grid. Returns the steps in which it surely stays in its ball. In each of them the ball has
+    // room for twice the drift, as a pair is tested with that where loads act on the other body. The ball of a body
+    // without loads has room for a move by its radius, too.
     [[nodiscard]] int put(int b, const Vec3<Length>& drift, bool loaded, bool is_fixed) requires(features.grid()) {
         const auto& x = bodies_.state[b].x_w;
         const typename Grid<N, features.bodies>::Place place{N::sum(x.x), N::sum(x.y), N::sum(x.z)};
         const bool near = pairs_.is_near(b);
         const Length radius = shapes_.shape(b).radius, touch = radius + shapes_.tolerance(),
-                     closing = closing_of(drift, loaded), fall = is_fixed ? Length{} : fall_of(near);
+                     closing = closing_of(drift, true), fall = is_fixed ? Length{} : fall_of(near) + fall_of(near);
         const auto travel = C::travel(closing, fall, 1);
         const Length ball = times_.many.grid.put(b, place, shapes_.scale(), [&](Length enough) {
             const Length room = enough - touch;

@@ -271,7 +271,7 @@ public:
         Work length;                            // of this portion, in steps
         DriftSum fall[3];                       // gravity's change of drift in it
         bool turned;                            // the loads change or ask for the rotation of the group
-        const std::int16_t* place;              // BodyPlaces of the group; null of a body alone
+        const std::int16_t* place;              // BodyPlaces::of the group; null of a body alone
         bool is_whole;                          // the portion is a whole step
         typename L::Factor per_length;          // portions in a step
         KeptKick<N, rotation>* kept = nullptr;  // of a body alone; null where none may be kept

@@ -39,7 +39,7 @@ struct LoadedGroup : std::conditional_t<is_alone, GroupCount<1>, GroupCount<2>> 
     const Stage* stage;         // of each body of the group
     Kick* kick;                 // of each body of the group: in the formats of L::add
     const std::int16_t* id;     // the bodies of the group
-    const std::int16_t* place;  // BodyPlaces of the group; null of a body alone
+    const std::int16_t* place;  // BodyPlaces::of the group, for place_of(); null of a body alone
     Factor per_length;          // portions in a step: 1 where the portion is a whole step
     bool whole;                 // the portion is a whole step
     bool turned;                // else no body of the group rotates in the stages

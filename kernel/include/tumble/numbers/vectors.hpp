@@ -34,7 +34,7 @@ using Vec3 = Eigen::Matrix<T, 3, 1>;
 // Hamilton's w + xi + yj + zk. A plain value: whoever integrates it normalises it.
 template <class T>
 struct Quat {
-    // Not initialised by default, so that arrays of stages cost nothing.
+    // Not initialised by default, so that arrays of stages cost nothing. Quat{} does not initialise v either.
     T w;
     Vec3<T> v;
 
