@@ -329,7 +329,7 @@ TYPED_TEST(Grids, find_what_a_program_puts_moves_and_removes) {
 
 // Whether a body looks at others, and they at it, depends on nothing but where they are and what acts on them.
 TYPED_TEST(Grids, and_times_list_the_same_pairs_whatever_a_program_does) {
-    for (const std::uint64_t seed : {1, 3, 7}) {
+    for (const std::uint64_t seed : {1u, 3u, 7u}) {
         SCOPED_TRACE(seed);
         this->expect_same(this->with_gravity(), [&](auto& play) { return play.commands(seed); });
     }
