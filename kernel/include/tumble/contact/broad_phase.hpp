@@ -224,7 +224,7 @@ private:
         const typename Grid<N, features.bodies>::Place place{N::sum(x.x), N::sum(x.y), N::sum(x.z)};
         const bool near = pairs_.is_near(b);
         const Length radius = shapes_.shape(b).radius, touch = radius + shapes_.tolerance(),
-                     closing = closing_of(drift, true), fall = is_fixed ? Length{} : fall_of(near) + fall_of(near);
+                     closing = twice(size_of(drift)), fall = is_fixed ? Length{} : twice(fall_of(near));
         const auto travel = C::travel(closing, fall, 1);
         const Length ball = times_.many.grid.put(b, place, shapes_.scale(), [&](Length enough) {
             const Length room = enough - touch;
@@ -233,13 +233,12 @@ private:
         return clear_steps(closing, fall, foresight(loaded, near),
                            [&](auto way) { return ball < C::longest() && C::exceeds(way, ball - touch); });
     }
-    [[nodiscard]] static Length closing_of(const Vec3<Length>& drift, bool loaded) {
-        const Length closing = C::rounded_up(sum_of_magnitudes(drift));
-        return loaded ? closing + closing : closing;
-    }
+    [[nodiscard]] static Length twice(Length l) { return l + l; }
+    // A bound on the way in a step.
+    [[nodiscard]] static Length size_of(const Vec3<Length>& drift) { return C::rounded_up(sum_of_magnitudes(drift)); }
     // Two free bodies fall alike, but something may hold one of them up.
     [[nodiscard]] Length fall_of(bool near) const {
-        return C::rounded_up(near ? shapes_.fall_bound() + shapes_.fall_bound() : shapes_.fall_bound());
+        return C::rounded_up(near ? twice(shapes_.fall_bound()) : shapes_.fall_bound());
     }
     [[nodiscard]] Vec3<Length> drift(int b) const {
         const auto& s = bodies_.state[b];
@@ -267,12 +266,11 @@ private:
     [[nodiscard]] int steps_to_plane(int b, int p, const Vec3<Length>& d, bool loaded) const {
         const Plane<N>& plane = shapes_.plane(p);
         Length closing = C::rounded_up(-narrow<Length>(dot(plane.normal, d)));
-        if (loaded) closing = C::rounded_up(sum_of_magnitudes(d));
-        if (loaded) closing = closing + closing;
+        if (loaded) closing = twice(size_of(d));
         Length fall = C::rounded_up(-narrow<Length>(dot(plane.normal, shapes_.fall())));
         if (fall < Length{}) fall = Length{};
         const bool near = pairs_.is_near(b);
-        if (near) fall = C::rounded_up(shapes_.fall_bound() + shapes_.fall_bound());
+        if (near) fall = C::rounded_up(twice(shapes_.fall_bound()));
         const Length gap = shapes_.height(bodies_, b, plane) - shapes_.shape(b).radius - shapes_.tolerance();
         return clear_steps(closing, fall, foresight(loaded, near),
                            [&](auto travel) { return C::exceeds(travel, gap); });
@@ -280,7 +278,7 @@ private:
     [[nodiscard]] int steps_to_body(int a, int b, Vec3<Length> d, bool loaded, bool still) const {
         const Vec3<Length> reach = shapes_.reach_between(bodies_, a, b);
         if (!still) d -= drift(b);
-        const Length closing = closing_of(d, loaded);
+        const Length closing = loaded ? twice(size_of(d)) : size_of(d);
         const Length touch = shapes_.shape(a).radius + shapes_.shape(b).radius + shapes_.tolerance();
         const auto distance2 = dot(reach, reach);
         const bool near = pairs_.is_near(a) || pairs_.is_near(b);
@@ -291,7 +289,7 @@ private:
     [[nodiscard]] Length reach_in_step(int b) const {
         Work turn(0);
         for (int i = 0; i < 3; ++i) turn += magnitude_of(bodies_.turn(b, i));
-        return C::rounded_up(sum_of_magnitudes(drift(b))) + shapes_.fall_bound() + shapes_.tolerance() +
+        return size_of(drift(b)) + shapes_.fall_bound() + shapes_.tolerance() +
                shapes_.scale().length(turn * shapes_.scale().metres(shapes_.shape(b).radius));
     }
     void forget(int a, int b) {

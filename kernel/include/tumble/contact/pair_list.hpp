@@ -54,6 +54,10 @@ public:
     }
     // True if the pair with the key has this place.
     [[nodiscard]] bool has(int place, std::uint32_t key) const { return place < count_ && (*this)[place].key() == key; }
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC diagnostic push  // GCC takes the number of a plane for that of a body
+#pragma GCC diagnostic ignored "-Wstringop-overflow"
+#endif
     // Makes room for a pair at its place. There must be room.
     Pair& insert(int at, int a, int b) {
         const auto slot = count_ < slots_ ? order_[count_] : static_cast<std::int16_t>(slots_++);
@@ -67,6 +71,9 @@ public:
         is_linked_ = false;
         return pair_[slot];
     }
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC diagnostic pop
+#endif
     // Removes a pair, if it is there.
     void forget(int a, int b) {
         if (is_near(a)) forget_near(a, b);
