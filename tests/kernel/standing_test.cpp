@@ -21,14 +21,14 @@ struct Yard : Scene {
 };
 const Real gravity{-9.8125};  // m/s^2
 
-// Two stacks of three boxes, a box on a fixed table, and a paddle.
+// Two stacks of three boxes, a box on a fixed table, and a paddle. `busy`: and far from them a ball that rolls on.
 template <class N, int room>
 class Town : public Player<Yard<N, room>> {
 public:
     using Player = test::Player<Yard<N, room>>;
     using Player::add, Player::world;
 
-    explicit Town(bool looks) : Player{spec()}, looks_{looks} {
+    Town(bool looks, bool busy) : Player{spec()}, looks_{looks} {
         EXPECT_TRUE(world().add(PlaneSpec{}));
         for (int i = 0; i < 6; ++i) boxes[i] = add(box(1, {1, 1, 1}), {Real{i < 3 ? 0 : 4}, Real{0.5 + i % 3}, 0});
         BodySpec fixed = box(1, {2, 1, 2}), moving = box(1, {1, 1, 1});
@@ -37,6 +37,7 @@ public:
         table = add(fixed, {-6, Real{0.5}, 0});
         (void)add(box(1, {1, 1, 1}), {-6, Real{1.5}, 0});
         paddle = add(moving, {8, Real{0.5}, 0});
+        if (busy) (void)add(sphere(1, Real{0.25}), {0, Real{0.25}, 20}, {Real{0.125}, 0, 0});
     }
 
     static WorldSpec spec() {
@@ -63,19 +64,21 @@ template <class N>
 class Standing : public testing::Test {
 protected:
     // What happens after the bodies have stood for so many steps.
-    template <int room = 10, class Event>
+    template <int room = 11, class Event>
     static void expect_same(const std::vector<int>& waits, Event&& event, int after = 200) {
-        for (const int wait : waits) {
-            Town<N, room> left_alone{false}, looked_at{true};
-            for (auto* play : {&left_alone, &looked_at}) {
-                play->run(wait);
-                event(*play);
-                play->run(after);
+        for (const int wait : waits)
+            for (const bool busy : {false, true}) {
+                Town<N, room> left_alone{false, busy}, looked_at{true, busy};
+                for (auto* play : {&left_alone, &looked_at}) {
+                    play->run(wait);
+                    event(*play);
+                    play->run(after);
+                }
+                ASSERT_EQ(left_alone.hashes(), looked_at.hashes())
+                    << "after " << wait << " steps" << (busy ? ", beside a ball that rolls" : "");
+                EXPECT_NE(left_alone.hashes()[static_cast<std::size_t>(wait) - 1], left_alone.hashes().back())
+                    << "nothing happened";
             }
-            ASSERT_EQ(left_alone.hashes(), looked_at.hashes()) << "after " << wait << " steps";
-            EXPECT_NE(left_alone.hashes()[static_cast<std::size_t>(wait) - 1], left_alone.hashes().back())
-                << "nothing happened";
-        }
     }
     static inline const std::vector<int> waits{1, 3, 9};
 };

@@ -7,6 +7,7 @@
 #include <tumble/contact/marks.hpp>
 #include <tumble/contact/resting.hpp>
 #include <tumble/contact/sleepers.hpp>
+#include <tumble/contact/standing.hpp>
 #include <tumble/contact/velocities.hpp>
 
 namespace tumble {
@@ -32,9 +33,7 @@ struct ContactState {
     // While an island is solved.
     SolverVelocities<N, spin, features> velocities{};
     Solution solution{};
-    // In the last step all islands stood as in the step before, under gravity alone, and nothing has happened since. So
-    // they stand in the next step too. Not with sleep: then they fall asleep.
-    bool all_stand = false;
+    Standing<features> standing{};
     Kicks<N, features.bodies> loads{};   // by gravity and loads over the whole step
     Kicks<N, features.bodies> forces{};  // by the contacts over the rest of the step
 };

@@ -60,7 +60,7 @@ public:
     template <class Advance>
     void disturb(const Advance& advance, int b) {
         const std::uint32_t now = advance.bodies.steps_taken;
-        state_.all_stand = false;
+        state_.standing.end();
         end_times(b, now);
         if constexpr (features.kinematic && features.sleep)
             if (advance.bodies.constants[b].kinematic())
@@ -117,17 +117,17 @@ public:
             }
         }
         // What stands moves to nothing: what moves looks for it, but for kinematic bodies.
-        bool looks = !state_.all_stand;
-        if constexpr (features.kinematic) looks = looks || kinematic.group.count > 0;
+        bool moves = false;
+        if constexpr (features.kinematic) moves = kinematic.group.count > 0;
         // Waking appends to the list.
         for (int k = 0; k < sleepers.awake_count(); ++k) {
             const int b = sleepers.awake(k);
-            if (!times.is_clear(b, advance.bodies.steps_taken) && (looks || !pairs.is_near(b) || !pairs.is_linked()))
-                update(advance, b);
+            if (times.is_clear(b, advance.bodies.steps_taken)) continue;
+            if (moves || !pairs.is_near(b) || !pairs.is_linked() || !state_.standing.stood(b)) update(advance, b);
         }
         if constexpr (features.contact_readout) state_.log.start_islands(state_.pairs);
         if constexpr (features.kinematic && Advance::has_loads) advance.place(kinematic, info, N::half_of(Work(1)));
-        bool islands = false, stand = state_.all_stand && pairs.is_linked();
+        bool islands = false, stand = state_.standing.all() && pairs.is_linked();
         for (int k = 0; k < sleepers.awake_count(); ++k) {
             const int b = sleepers.awake(k);
             if (pairs.is_near(b) || marks[b].coupled) {
@@ -148,7 +148,7 @@ public:
     template <class Self, class Archive>
     static void archive(Self& self, const Bodies& bodies, Archive& to) {
         auto& state = self.state_;
-        if constexpr (Archive::reads) state.all_stand = false;
+        if constexpr (Archive::reads) state.standing.end();
         NarrowPhase<N, spin, features>::archive(state.shapes, to);
         ClearTimes<N, features>::archive(state.times, to);
         PairList<N, features>::archive(state.pairs, to, [&](auto& pair) { state.shapes.set_up(pair, bodies); });
@@ -263,33 +263,37 @@ private:
                                            else method.advance.move(flight, method.info, method.marks);
                                        },
                                        Advance::Integrator::coasting};
-        bool stand = !state_.sleepers.is_on();
-        const auto reports = advance.bodies.status.count;
+        bool all = !state_.sleepers.is_on();  // stand
         // Sleep changes the list of awake bodies, so it waits until all islands have flown.
         BodyGroup to_sleep, group;
         for (int root = 0; root < advance.bodies.count; ++root) {
             if (!schedule.leads(root)) continue;
             schedule.take(root, group);
             Island<features.bodies> island{group, root, schedule.first_pair[root]};
-            if constexpr (features.kinematic)
-                place(advance, info, kinematic, island.first_pair < 0 ? N::half_of(Work(1)) : Work(0));
-            if (island.first_pair < 0) {
-                advance.portion(group, info, {});
-                stand = false;
-            } else if (!IslandStep<N, spin, features>{state_, schedule, advance.bodies, island, mover}.take()) {
-                stand = false;
+            if (island.first_pair >= 0 && state_.standing.stood(group) && state_.pairs.hold_all(island)) {
+                state_.solution = {.settled = true, .stands = true};
+            } else {
+                const auto reports = advance.bodies.status.count;
+                bool stands = false;
+                if constexpr (features.kinematic)
+                    place(advance, info, kinematic, island.first_pair < 0 ? N::half_of(Work(1)) : Work(0));
+                if (island.first_pair < 0) advance.portion(group, info, {});
+                else stands = IslandStep<N, spin, features>{state_, schedule, advance.bodies, island, mover}.take();
+                advance.check_range(group);
+                for (int k = 0; k < group.count; ++k) stands = stands && state_.marks[group.id[k]].none();
+                if constexpr (features.turntables)
+                    state_.pairs.for_each(island, [&](const auto& pair) { stands = stands && !pair.surface_moves; });
+                stands = stands && advance.bodies.status.count == reports;
+                state_.standing.set(group, stands);
+                all = all && stands;
             }
-            advance.check_range(group);
-            for (int k = 0; k < group.count; ++k) stand = stand && state_.marks[group.id[k]].none();
-            if constexpr (features.turntables)
-                state_.pairs.for_each(island, [&](const auto& pair) { stand = stand && !pair.surface_moves; });
             if constexpr (features.sleep) {
                 if (state_.sleepers.may_sleep(advance.bodies, group, presses(island)) && rests(advance.bodies, island))
                     for (int k = 0; k < group.count; ++k) to_sleep.add(group.id[k]);
             }
         }
         wake(advance, schedule.wakes);
-        state_.all_stand = stand && advance.bodies.status.count == reports;
+        state_.standing.end_step(all, !state_.pairs.has_left_out());
         if constexpr (features.sleep) {
             state_.sleepers.put_to_sleep(advance.bodies, to_sleep);
             advance.spins_changed(to_sleep);

@@ -105,6 +105,7 @@ public:
     // come near only in this step, is left out until the next.
     void link(Schedule<features.bodies>& schedule) {
         if (is_linked_) return;
+        has_left_out_ = false;
         for (int b = 0; b < features.bodies; ++b) schedule.first_pair[b] = -1;
         // Without a pair that has gone, nothing of its island may stand.
         for (int b = 0; loses_any_ && b < features.bodies; ++b)
@@ -118,7 +119,7 @@ public:
                 pair.still = 0;
             if (root_b != root) {
                 if (!joins && !schedule.joins[pair.b]) continue;
-                pair.left_out = true;
+                pair.left_out = has_left_out_ = true;
                 pair.still = 0;
             } else if (joins) {
                 pair.next = schedule.first_pair[root];
@@ -131,6 +132,8 @@ public:
     }
     // False where a pair has come or gone since link().
     [[nodiscard]] bool is_linked() const { return is_linked_; }
+    // True where link() has left a pair out.
+    [[nodiscard]] bool has_left_out() const { return has_left_out_; }
     // Call before link() where islands have changed.
     void unlink() { is_linked_ = false; }
     template <class F>
@@ -221,6 +224,7 @@ private:
     int count_ = 0;
     int slots_ = 0;           // that have been used: the most pairs at one time
     bool is_linked_ = false;  // link()
+    bool has_left_out_ = false;
     bool loses_any_ = false;
     bool loses_[features.bodies]{};  // a pair of the body has gone since link()
     CountTo<most_pairs_of_a_body * Pair::max_points> touching_[features.bodies]{};
