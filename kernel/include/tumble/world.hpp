@@ -96,10 +96,11 @@ public:
         bool added = true;
         int count = 1;  // where nothing can touch it
         if constexpr (has_contacts) {
-            added = contacts_.add(spec);
+            detail::run_once([&] { added = contacts_.add(spec); });
             for (int b = 0; b < advance_.bodies.count; ++b) disturb(b);
         }
-        if constexpr (features.springs_touch()) added = advance_.loads.add(spec, advance_.bodies) && added;
+        if constexpr (features.springs_touch())
+            detail::run_once([&] { added = advance_.loads.add(spec, advance_.bodies) && added; });
         advance_.disturb();
         if constexpr (has_contacts) count = contacts_.plane_count();
         else if constexpr (features.springs_touch()) count = advance_.loads.plane_count();
@@ -629,7 +630,7 @@ private:
         replaced(b);
         if constexpr (has_contacts) {
             BodySpec nobody;
-            contacts_.remove(b, nobody, {{1, 1, 1}, {}}, advance_.bodies.constants[b].units);
+            detail::run_once([&] { contacts_.remove(b, nobody, {{1, 1, 1}, {}}, advance_.bodies.constants[b].units); });
         }
         advance_.remove(b);
         places_.leave(b);

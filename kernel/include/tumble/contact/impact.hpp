@@ -37,7 +37,7 @@ public:
     // bounce together, from the velocities at its start: Newton's law, v' = -e v. A round may let others approach, as
     // an impact passes through a row of balls. Then all points together stop what still approaches. With `stop` nothing
     // bounces. `loads`: over a whole step.
-    void resolve(Kicks& loads, bool stop) {
+    [[gnu::noinline, gnu::cold]] void resolve(Kicks& loads, bool stop) {
         (void)rows_.set_velocities(loads, Work(1), true);
         int pairs = 0;
         const Length hit = Bounds::largest_impact_gap(shapes_.tolerance());
@@ -106,7 +106,7 @@ private:
         return bounces(pair, point, approach) && bounce > point.set_aside &&
                bounce > Rows::along(point, rows_.pair_speed(pair, shapes_.slow()));
     }
-    [[gnu::noinline]] void report_cut_off() {
+    [[gnu::noinline, gnu::cold]] void report_cut_off() {
         pairs_.for_each_active(island_, [&](const Pair& pair, const Point& point) {
             if (bounces_far(pair, point)) bodies_.report(Issue::step_bound_hit, pair.a);
         });

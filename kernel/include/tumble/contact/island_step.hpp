@@ -244,7 +244,7 @@ private:
     // to the moment when the separation along its first direction runs out. From there it is redone again, until the
     // bodies touch or have gone past each other. Returns the part of the step flown, which is less than the span where
     // a pair is stopped at its surface.
-    Work stop_before_crossing(const Attempt& attempt) {
+    [[gnu::noinline, gnu::cold]] Work stop_before_crossing(const Attempt& attempt) {
         Work end = attempt.span;
         for (int pair = 0; pair < contact::max_crossings; ++pair) {
             auto crossing = search_.find_crossing();
@@ -280,7 +280,7 @@ private:
     // of the secant method: the bracket [0, longest] has gaps of opposite sign and never loses the root. A pair that
     // starts at the level or below it has no such bracket: half the tolerance stands for its gap, so that the search
     // begins near the start.
-    Work find_impact(const Attempt& attempt, Work longest) {
+    [[gnu::noinline, gnu::cold]] Work find_impact(const Attempt& attempt, Work longest) {
         search_.select();
         Work low(0), high = longest;
         Work gap_low = search_.least_gap(true), gap_high = search_.least_gap(false);

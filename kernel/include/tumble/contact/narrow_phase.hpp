@@ -37,7 +37,7 @@ public:
     }
 
     // Adds a plane; false when there is no room.
-    [[gnu::noinline]] bool add(const PlaneSpec& spec) {
+    TUMBLE_COLD bool add(const PlaneSpec& spec) {
         if (plane_count_ >= features.planes) return false;
         if constexpr (features.rolling_resistance) resistance_.plane[plane_count_] = Resistance{spec};
         plane_[plane_count_++] = Plane<N>{spec};

@@ -31,8 +31,8 @@ public:
     using Velocity = typename Rows::Velocity;
     using Row = tumble::Row<N, features.pairs>;
     static constexpr int most_supports = features.pairs ? contact::max_supports : 1;
-    static constexpr int most_points = most_supports * contact::max_points;
-    using Weld = tumble::Weld<N, most_points>;
+    static constexpr int most_points = most_supports * Pair::max_points;
+    using Weld = tumble::Weld<N, most_points, features.friction>;
 
     Statics(const NarrowPhase& shapes, PairList& pairs, Velocities& velocities, const typename NarrowPhase::Bodies& all,
             const Island& island)
@@ -52,12 +52,14 @@ public:
             for (int k = 0; k < island_.group.count; ++k) velocities_.stop(island_.group.id[k]);
         } else if (may && !surface_moves_ && (still || island_.group.count > 1)) {
             leave_out_sides(false);
-            found = finish(balance(still) && (!moves_ || open_points_hold()));
+            found = finish(balance(still) && (!features.pairs || !moves_ || open_points_hold()));
         }
-        if (!found && may && has_faces_ && moves_as_one()) {
-            (void)find_carrying();
-            leave_out_sides(true);
-            found = slide_as_one();
+        if constexpr (Pair::max_points > 1) {
+            if (!found && may && has_faces_ && moves_as_one()) {
+                (void)find_carrying();
+                leave_out_sides(true);
+                found = slide_as_one();
+            }
         }
         pairs_.for_each(island_, [&](Pair& pair) {
             pair.still = static_cast<std::int16_t>(found && !moves_ && !pair.surface_moves ? island_.group.count : 0);
@@ -199,7 +201,7 @@ private:
     // Where there are more pairs than bodies: pairs across the load of their bodies carry nothing, such as those of
     // boxes side by side. `slides`: the bodies have the velocity `common_` together.
     void leave_out_sides(bool slides) {
-        if (carrying_ == island_.group.count) return;
+        if (features.all_pairs() == 1 || carrying_ == island_.group.count) return;
         const auto presses = [&](const Pair& pair, int b) {
             const Vec3<Speed>& v = velocities_.now[b].linear;
             return presses_on(pair, b, slides ? Vec3<Speed>(v - common_[b]) : v);

@@ -150,7 +150,8 @@ requires(!N::fixed_point) struct WeldNumbers<N> {
     [[nodiscard]] static T over(T s, T u) { return s / u; }
 };
 
-template <class N, int most>
+// Of at most so many points; `grips`: some have friction.
+template <class N, int most, bool grips>
 class Weld {
 public:
     using C = ContactNumbers<N>;
@@ -172,6 +173,10 @@ public:
     // Sets the places of the points along the tangents. False of three or four points that are nearly in a line.
     [[nodiscard]] bool set(const Length (&x)[most], const Length (&z)[most], int count, Length radius) {
         count_ = count;
+        if constexpr (is_single) {
+            extent_ = Extent::above(radius);
+            return true;
+        }
         Length farthest{};
         for (int i = 0; i < count; ++i) {
             if (magnitude_of(x[i]) > farthest) farthest = magnitude_of(x[i]);
@@ -231,7 +236,7 @@ public:
         if (!push(normal, x, z, slack, shares)) return false;
         if (count_ < 3) {
             Speed x_left = x, z_left = z;
-            for (int i = 0; i < count_; ++i) {
+            for (int i = 0; !is_single && i < count_; ++i) {
                 x_left -= W::speed(mul(x_[i], shares[i][0]));
                 z_left -= W::speed(mul(z_[i], shares[i][0]));
             }
@@ -241,11 +246,14 @@ public:
             if (shares[i][0] < -slack) return false;
             if (shares[i][0] < Speed{}) shares[i][0] = Speed{};
         }
-        return straight || grip(normal, first, second, x, z, turn, friction, slack, beyond, shares);
+        if constexpr (!grips) return straight;
+        else return straight || grip(normal, first, second, x, z, turn, friction, slack, beyond, shares);
     }
 
 private:
     using Extent = typename W::Extent;
+    // A point at the origin, which carries no moment about the tangents.
+    static constexpr bool is_single = most == 1;
 
     [[nodiscard]] static Unit unit(Lever l) {
         if constexpr (N::fixed_point) return {l.raw * (1 << (Unit::fraction_bits - Lever::fraction_bits))};
@@ -253,6 +261,10 @@ private:
     }
     // The pushes: of least squares, or the nearest to them that pull nowhere.
     [[nodiscard]] bool push(Speed normal, Speed x, Speed z, Speed slack, Shares& shares) const {
+        if constexpr (is_single) {
+            shares[0][0] = normal;
+            return true;
+        }
         const Speed even = W::mean(normal, count_);
         bool pulls = false;
         for (int i = 0; i < count_; ++i) {
@@ -306,7 +318,7 @@ private:
                 for (int k = 0; k < 2; ++k) shares[i][1 + k] = W::speed(mul(along[k], shares[i][0]));
             return true;
         }
-        if (count_ == 1) return false;
+        if (is_single || count_ == 1) return false;
         const Lever middle[2] = {W::ratio(x, normal), W::ratio(z, normal)};
         Speed moment{};
         Lever at[most][2];

@@ -14,7 +14,7 @@ struct HalfSpace {
     typename N::AlongSum offset{};                                                         // m
 
     HalfSpace() = default;
-    explicit HalfSpace(const PlaneSpec& spec) {
+    TUMBLE_COLD explicit HalfSpace(const PlaneSpec& spec) {
         const RealVec3 n = normalized(spec.normal);
         for (int i = 0; i < 3; ++i) normal[i] = N::template constant<typename N::Unit>(n[i]);
         if constexpr (N::fixed_point) {
@@ -148,9 +148,9 @@ private:
 
 // With `points` the body may be a point mass, which collides with nothing but may be tied to colliding bodies.
 template <class N, Spin spin, bool points = false>
-[[gnu::noinline]] void
-set_collision_shape(CollisionShape<N>& shape, const BodySpec& spec, const PrincipalInertia& inertia,
-                    const typename ContactNumbers<N>::LengthScale& scale, const SpinUnits<N, spin>& units) {
+TUMBLE_COLD void set_collision_shape(CollisionShape<N>& shape, const BodySpec& spec, const PrincipalInertia& inertia,
+                                     const typename ContactNumbers<N>::LengthScale& scale,
+                                     const SpinUnits<N, spin>& units) {
     using C = ContactNumbers<N>;
     using Work = typename N::Work;
     using Unit = typename C::Unit;
