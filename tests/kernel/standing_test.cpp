@@ -155,5 +155,109 @@ TYPED_TEST(Standing, bodies_meet_a_new_plane) {
     });
 }
 
+// With a grid the one of two bodies that looked last keeps the bound on their time to contact: here a box, which slides
+// below a large ball that falls, and stands.
+TYPED_TEST(Standing, bodies_are_hit_by_a_large_ball_that_looked_before_them) {
+    const auto run = []<class Yard>(Yard, bool looks, bool busy, int side, int restored = -1) {
+        WorldSpec spec;
+        spec.gravity = {0, -1, 0};
+        spec.contact.restitution = spec.contact.friction = Real{0};
+        Player<Yard> play{spec};
+        EXPECT_TRUE(play.world().add(PlaneSpec{}));
+        const BodyId ball = play.add(sphere(1, Real{7.875}), {0, Real{11.75}, 0}, {0, -7, 0});
+        const BodyId sliding = play.add(box(1, {1, 1, 1}), {Real{-15} * side, Real{0.5}, 0}, {Real{50} * side, 0, 0});
+        if (busy) (void)play.add(sphere(1, Real{0.25}), {0, Real{0.25}, 100}, {1, 0, 0});
+        for (int step = 0; step < 200; ++step) {
+            if (step == 77) play.world().set_velocity(sliding, {});
+            if (looks && step > 77) play.world().set_gravity({0, -1, 0});
+            if (step == restored) play.save_and_restore(20);
+            play.run(1);
+            if (step == 105) { EXPECT_EQ(play.world().contact_count(ball), 1); }
+        }
+        return play.hashes();
+    };
+    for (const int side : {-1, 1})
+        for (const bool busy : {false, true}) {
+            const auto looked_at = run(Yard<TypeParam, 10>{}, true, busy, side);
+            EXPECT_EQ(run(Yard<TypeParam, 10>{}, false, busy, side), looked_at);
+            for (const int restored : {-1, 79})
+                EXPECT_EQ(run(Yard<TypeParam, 70>{}, false, busy, side, restored), looked_at) << restored;
+        }
+}
+
+// What is nearer than 4 m to body 0 is pulled up.
+struct Magnet {
+    [[nodiscard]] bool acts_on(const auto& bodies, int b) const {
+        if (b == 0) return false;
+        double distance2 = 0;
+        for (int i = 0; i < 3; ++i) {
+            const double d = static_cast<double>(bodies.position(b)[i] - bodies.position(0)[i]);
+            distance2 += d * d;
+        }
+        return distance2 < 16;
+    }
+    template <class Group>
+    void apply_to(const Group& group) const {
+        using Work = typename Group::Work;
+        for (int k = 0; k < group.count; ++k)
+            if (acts_on(group.bodies, group.id[k])) group.push(k, Vector3<Work>{Work(0), Work(30), Work(0)});
+    }
+};
+template <class N>
+struct Magnetic : Yard<N, 4> {
+    using Loads = LoadList<Magnet>;
+};
+TYPED_TEST(Standing, bodies_feel_a_load_that_begins_to_act_by_itself) {
+    const auto run = []<class Yard>(Yard, bool looks, int height, int first) {
+        Player<Yard> play{{.gravity = {0, gravity, 0}}};
+        EXPECT_TRUE(play.world().add(PlaneSpec{}));
+        (void)play.add(sphere(1, Real{0.25}), {-8, Real{0.25} + height, 1}, {4, Real{4} * height, 0});
+        BodyId boxes[2];
+        for (int i = 0; i < 2; ++i) boxes[i] = play.add(box(1, {1, 1, 1}), {0, Real{i == first ? 0.5 : 1.5}, -1});
+        double top = 0;
+        for (int step = 0; step < 600; ++step) {
+            if (looks) play.world().set_gravity({0, gravity, 0});
+            play.run(1);
+            top = std::max(top, static_cast<double>(play.world().position(boxes[first]).y));
+        }
+        EXPECT_GT(top, 2);
+        return play.hashes();
+    };
+    for (const int height : {0, 2})
+        for (const int first : {0, 1})
+            EXPECT_EQ(run(Magnetic<TypeParam>{}, false, height, first),
+                      run(Magnetic<TypeParam>{}, true, height, first));
+}
+
+template <class N>
+struct Crowded : Yard<N, 3> {
+    static constexpr Features features = [] {
+        Features all = Yard<N, 3>::features;
+        all.near_pairs = 3;
+        return all;
+    }();
+};
+TYPED_TEST(Standing, a_pair_without_room_is_found_when_there_is_room) {
+    for (const int side : {-1, 1}) {
+        Player<Crowded<TypeParam>> play{{.gravity = {0, gravity, 0}}};
+        PlaneSpec wall;
+        wall.normal = {Real{side}, 0, 0};
+        EXPECT_TRUE(play.world().add(PlaneSpec{}));
+        EXPECT_TRUE(play.world().add(wall));
+        (void)play.add(sphere(1, Real{0.25}), {Real{30} * side, Real{0.25}, 0}, {Real{0.25} * side, 0, 0});
+        const BodyId inside = play.add(box(1, {1, 1, 1}), {Real{3} * side, Real{0.5}, 0}),
+                     leaving = play.add(sphere(1, Real{0.25}), {Real{30} * side, Real{0.25}, 9});
+        play.run(20);
+        play.world().set_pose(inside, {Real{0.25} * side, Real{0.5}, 0});
+        play.run(20);
+        EXPECT_TRUE(play.world().status().has(Issue::contacts_full));
+        EXPECT_EQ(play.world().contact_count(inside), 4);
+        play.world().set_velocity(leaving, {0, 2, 0});
+        play.run(60);
+        EXPECT_EQ(play.world().near_pair_count(), 3);
+        EXPECT_GT(play.world().contact_count(inside), 4);
+    }
+}
+
 }  // namespace
 }  // namespace tumble::test

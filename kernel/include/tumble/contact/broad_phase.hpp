@@ -304,6 +304,7 @@ private:
         if (pairs_.has(at, key)) return &pairs_[at];
         if (pairs_.is_full()) {
             bodies_.report(Issue::contacts_full, a);
+            pairs_.refuse();
             return nullptr;
         }
         const bool is_first_of_a = !pairs_.is_near(a), is_first_of_b = b >= 0 && !pairs_.is_near(b);

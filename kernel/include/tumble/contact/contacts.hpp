@@ -107,7 +107,12 @@ public:
                 if (advance.bodies.constants[b].fixed()) advance.step_turntable(b, info);
         }
         if constexpr (features.pairs) broad_phase(advance.bodies).begin(sleepers);
-        for (int k = 0; k < sleepers.awake_count(); ++k) marks[sleepers.awake(k)] = advance.mark(sleepers.awake(k));
+        for (int k = 0; k < sleepers.awake_count(); ++k) {
+            const int b = sleepers.awake(k);
+            marks[b] = advance.mark(b);
+            // A load may begin to act by itself.
+            if (!marks[b].none() && pairs.is_near(b) && state_.standing.stood(b)) state_.standing.end();
+        }
         typename Advance::Kinematics kinematic;
         if constexpr (features.kinematic) {
             advance.note_moving(kinematic);
@@ -117,13 +122,14 @@ public:
             }
         }
         // What stands moves to nothing: what moves looks for it, but for kinematic bodies.
-        bool moves = false;
-        if constexpr (features.kinematic) moves = kinematic.group.count > 0;
+        bool kinematic_moves = false;
+        if constexpr (features.kinematic) kinematic_moves = kinematic.group.count > 0;
         // Waking appends to the list.
         for (int k = 0; k < sleepers.awake_count(); ++k) {
             const int b = sleepers.awake(k);
             if (times.is_clear(b, advance.bodies.steps_taken)) continue;
-            if (moves || !pairs.is_near(b) || !pairs.is_linked() || !state_.standing.stood(b)) update(advance, b);
+            if (kinematic_moves || !pairs.is_near(b) || !pairs.is_linked() || !state_.standing.stood(b))
+                update(advance, b);
         }
         if constexpr (features.contact_readout) state_.log.start_islands(state_.pairs);
         if constexpr (features.kinematic && Advance::has_loads) advance.place(kinematic, info, N::half_of(Work(1)));
@@ -148,7 +154,7 @@ public:
     template <class Self, class Archive>
     static void archive(Self& self, const Bodies& bodies, Archive& to) {
         auto& state = self.state_;
-        if constexpr (Archive::reads) state.standing.end();
+        if constexpr (Archive::reads) state.standing = {};
         NarrowPhase<N, spin, features>::archive(state.shapes, to);
         ClearTimes<N, features>::archive(state.times, to);
         PairList<N, features>::archive(state.pairs, to, [&](auto& pair) { state.shapes.set_up(pair, bodies); });
@@ -187,6 +193,7 @@ private:
     template <class Advance>
     [[gnu::noinline]] void update(Advance& advance, int b) {
         BodyGroup wakes;
+        if constexpr (features.grid()) state_.standing.look(b);
         broad_phase(advance.bodies).update(b, state_.marks, state_.sleepers, wakes);
         wake(advance, wakes);
     }
@@ -263,7 +270,7 @@ private:
                                            else method.advance.move(flight, method.info, method.marks);
                                        },
                                        Advance::Integrator::coasting};
-        bool all = !state_.sleepers.is_on();  // stand
+        bool all_stand = !state_.sleepers.is_on();
         // Sleep changes the list of awake bodies, so it waits until all islands have flown.
         BodyGroup to_sleep, group;
         for (int root = 0; root < advance.bodies.count; ++root) {
@@ -284,8 +291,13 @@ private:
                 if constexpr (features.turntables)
                     state_.pairs.for_each(island, [&](const auto& pair) { stands = stands && !pair.surface_moves; });
                 stands = stands && advance.bodies.status.count == reports;
+                // It looks for nothing any more, and the others may have left that to it.
+                if constexpr (features.grid())
+                    for (int k = 0; stands && k < group.count; ++k)
+                        if (state_.standing.has_looked(group.id[k]))
+                            broad_phase(advance.bodies).examine_around(group.id[k]);
                 state_.standing.set(group, stands);
-                all = all && stands;
+                all_stand = all_stand && stands;
             }
             if constexpr (features.sleep) {
                 if (state_.sleepers.may_sleep(advance.bodies, group, presses(island)) && rests(advance.bodies, island))
@@ -293,7 +305,7 @@ private:
             }
         }
         wake(advance, schedule.wakes);
-        state_.standing.end_step(all, !state_.pairs.has_left_out());
+        state_.standing.end_step(all_stand, state_.pairs.are_complete());
         if constexpr (features.sleep) {
             state_.sleepers.put_to_sleep(advance.bodies, to_sleep);
             advance.spins_changed(to_sleep);

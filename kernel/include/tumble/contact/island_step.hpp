@@ -74,7 +74,7 @@ public:
             fly(attempt, span, false);
             search_.measure();
             const bool spent = is_spent();
-            const Work length = stop_before_crossing(attempt);
+            const Work length = features.pairs ? stop_before_crossing(attempt) : span;
             const bool crossed = length < span;
             const bool deep = search_.is_too_deep();
             if (!crossed && !deep) {
@@ -244,7 +244,7 @@ private:
     // to the moment when the separation along its first direction runs out. From there it is redone again, until the
     // bodies touch or have gone past each other. Returns the part of the step flown, which is less than the span where
     // a pair is stopped at its surface.
-    [[gnu::noinline, gnu::cold]] Work stop_before_crossing(const Attempt& attempt) {
+    [[gnu::noinline]] Work stop_before_crossing(const Attempt& attempt) {
         Work end = attempt.span;
         for (int pair = 0; pair < contact::max_crossings; ++pair) {
             auto crossing = search_.find_crossing();

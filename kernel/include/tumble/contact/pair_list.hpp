@@ -132,8 +132,15 @@ public:
     }
     // False where a pair has come or gone since link().
     [[nodiscard]] bool is_linked() const { return is_linked_; }
-    // True where link() has left a pair out.
-    [[nodiscard]] bool has_left_out() const { return has_left_out_; }
+    // Call where there is no room for a pair that is near.
+    void refuse() { refusals_ = contact::most_clear_steps_near; }
+    // Asked once in a step. False where link() has left a pair out, and where a pair was refused that is not yet
+    // examined again.
+    [[nodiscard]] bool are_complete() {
+        const bool refuses = refusals_ > 0;
+        if (refuses) --refusals_;
+        return !refuses && !has_left_out_;
+    }
     // Call before link() where islands have changed.
     void unlink() { is_linked_ = false; }
     template <class F>
@@ -225,6 +232,7 @@ private:
     int slots_ = 0;           // that have been used: the most pairs at one time
     bool is_linked_ = false;  // link()
     bool has_left_out_ = false;
+    std::uint8_t refusals_ = 0;  // steps until a pair that was refused is examined again
     bool loses_any_ = false;
     bool loses_[features.bodies]{};  // a pair of the body has gone since link()
     CountTo<most_pairs_of_a_body * Pair::max_points> touching_[features.bodies]{};

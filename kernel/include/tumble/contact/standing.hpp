@@ -1,5 +1,6 @@
-// Which islands are known to stand: in the last step one stood as in the step before, under gravity alone, and nothing
-// has happened since. It stands in the next step too, and nothing of it is computed.
+// Which islands stand: in the last step one stood as in the step before, under gravity alone. While nothing happens to
+// a world, and the pairs of the island hold it (PairList::hold_all), it stands in the next step too: neither loads nor
+// forces of it are computed, and its bodies look for nothing.
 #pragma once
 
 #include <tumble/body/bodies.hpp>
@@ -12,43 +13,42 @@ class Standing {
 public:
     using BodyGroup = tumble::BodyGroup<features.bodies>;
 
-    // Call where something changes other than by a step.
+    // Call where something happens that is not the work of a step.
     void end() { all_ = is_known_ = false; }
-    // True where all islands stand, and none of their bodies is to fall asleep.
+    // True where all islands stood. With sleep never: their bodies fall asleep.
     [[nodiscard]] bool all() const { return all_; }
-    // True where the body stood in its island of the last step.
+    // True where the body stood when it was last near something. Ask whether it is near something now.
     [[nodiscard]] bool stood([[maybe_unused]] int b) const {
         if constexpr (each) return all_ || (is_known_ && of_[b]);
         else return all_;
     }
-    // True where the bodies stood, each in its island of the last step. What has come near them since is not asked.
-    [[nodiscard]] bool stood([[maybe_unused]] const BodyGroup& group) const {
-        if constexpr (each) {
-            bool all = is_known_;
-            for (int k = 0; k < group.count; ++k) all = all && of_[group.id[k]];
-            return all;
-        } else {
-            return false;
-        }
+    // The same of all bodies of an island. Ask whether its pairs hold it. The island of a single body is all there is.
+    [[nodiscard]] bool stood(const BodyGroup& group) const {
+        bool all = true;
+        for (int k = 0; k < group.count; ++k) all = all && stood(group.id[k]);
+        return all;
     }
+    // Call where the body looks for others, in worlds with a grid.
+    void look(int b) requires(features.grid()) { of_[b] = false; }
+    // True where it has looked since it stood, or has not stood.
+    [[nodiscard]] bool has_looked(int b) const requires(features.grid()) { return !of_[b]; }
 
     // Call for each island that has stepped.
     void set([[maybe_unused]] const BodyGroup& group, [[maybe_unused]] bool stands) {
         if constexpr (each)
             for (int k = 0; k < group.count; ++k) of_[group.id[k]] = stands;
     }
-    // Call when all islands have stepped. `apart`: no pair has come near that connects two of them.
-    void end_step(bool all, bool apart) {
-        all_ = all;
-        is_known_ = apart;
+    // Call when all islands have stepped. `is_known`: every pair of bodies that are near is in an island.
+    void end_step(bool all, bool is_known) {
+        all_ = all && is_known;
+        is_known_ = is_known;
     }
 
 private:
-    // Of a single body `all_` says it.
     static constexpr bool each = features.bodies > 1;
 
     bool all_ = false;
-    bool is_known_ = false;  // of_
+    bool is_known_ = false;  // of_ is what it says
     [[no_unique_address]] If<each, bool[features.bodies], 0> of_{};
 };
 
