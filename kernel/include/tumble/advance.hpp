@@ -180,7 +180,7 @@ public:
     }
     // A step of a body that loads do not couple to another.
     void alone(int b, const StepInfo<N>& info) requires has_loads {
-        const BodyGroup group = BodyGroup::of(b);
+        const BodyGroup group{b};
         if (moved_in_parts(group, info, Work(1))) forget_kicks(group);
         else one(b, info, gravity_, Work(1), true);
         check_range(b);
@@ -600,7 +600,7 @@ private:
                     lose_kick(b);
                     return unloaded<false, true>(b, info, fall);
                 }
-            return loaded(BodyGroup::of(b), info, fall, length, false, keeps, part...);
+            return loaded(BodyGroup{b}, info, fall, length, false, keeps, part...);
         }
         lose_kick(b);
         unloaded(b, info, fall, part...);

@@ -42,11 +42,8 @@ struct BodyGroup {
     int count = 0;
     std::int16_t id[capacity];  // of `count` bodies
 
-    [[nodiscard]] static BodyGroup of(int body) {
-        BodyGroup alone;
-        alone.add(body);
-        return alone;
-    }
+    BodyGroup() = default;
+    explicit BodyGroup(int body) { add(body); }
     void add(int body) { id[count++] = static_cast<std::int16_t>(body); }
     // Adds a body that is not in the group yet.
     void add_once(int body) {
