@@ -1,0 +1,7 @@
+#include "kinds.hpp"
+
+namespace tumble::test {
+
+const std::vector<Kind> kinds{};
+
+}  // namespace tumble::test

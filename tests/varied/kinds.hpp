@@ -1,0 +1,6 @@
+// The kinds of varied scenes: each is one source file, one declaration here and one line in kinds.cpp.
+#pragma once
+
+#include "varied.hpp"
+
+namespace tumble::test {}  // namespace tumble::test
