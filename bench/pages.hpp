@@ -1,11 +1,13 @@
 // Pages whose marks `<!-- table NAME -->` and `<!-- value NAME -->` are filled from result rows.
 #pragma once
 
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <functional>
 #include <map>
 #include <set>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 
@@ -37,6 +39,27 @@ using Makers = std::map<std::string, std::function<std::string(const Results&)>>
     return {std::istreambuf_iterator<char>{in}, {}};
 }
 
+// A number of a row, of which a page names file, key and values: "value free.world_bytes: core cortex-m3; numbers q32
+// carry; integrator verlet". Empty where the name is of another form.
+[[nodiscard]] inline std::string number_of_row(const std::string& name, const Results& results) {
+    const std::string word = "value ";
+    const std::size_t dot = name.find('.'), colon = name.find(": ");
+    if (!name.starts_with(word) || dot == std::string::npos || colon == std::string::npos || dot > colon) return {};
+    const std::string file = name.substr(word.size(), dot - word.size()), key = name.substr(dot + 1, colon - dot - 1);
+    Where where;
+    std::istringstream parts{name.substr(colon + 2)};
+    for (std::string part; std::getline(parts >> std::ws, part, ';');) {
+        const std::size_t blank = part.find(' ');
+        if (blank == std::string::npos)
+            throw std::runtime_error{name + ": expected a key and its value in '" + part + "'"};
+        where.emplace_back(part.substr(0, blank), part.substr(blank + 1));
+    }
+    const Row* row = find(results[file], where);
+    if (row == nullptr || !row->contains(key)) throw std::runtime_error{"there is no row with this number: " + name};
+    const double number = row->at(key);
+    return text(number < 100 && number != std::floor(number) ? "%.3g" : "%.0f", number);
+}
+
 // The page with the texts of the makers between its marks; adds their names to `used`.
 [[nodiscard]] inline std::string filled_in(const std::string& page, const std::string& text, const Makers& makers,
                                            const Results& results, std::set<std::string>& used) {
@@ -51,9 +74,10 @@ using Makers = std::map<std::string, std::function<std::string(const Results&)>>
         const std::size_t name_at = mark + std::string{"<!-- "}.size();
         const std::string name = text.substr(name_at, close - name_at);
         const auto maker = makers.find(name);
-        if (maker == makers.end()) throw std::runtime_error{page + ": there is no " + name};
+        const std::string number = maker == makers.end() ? number_of_row(name, results) : std::string{};
+        if (maker == makers.end() && number.empty()) throw std::runtime_error{page + ": there is no " + name};
         used.insert(name);
-        out += text.substr(at, close + 4 - at) + maker->second(results);
+        out += text.substr(at, close + 4 - at) + (number.empty() ? maker->second(results) : number);
         at = stop;
     }
     return out + text.substr(at);
