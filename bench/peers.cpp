@@ -3,6 +3,8 @@
 #include "rows.hpp"
 #include "variants.hpp"
 
+#include <tumble/status.hpp>
+
 #include <iostream>
 
 namespace {
@@ -15,10 +17,24 @@ void complete(tumble::bench::Row& row) {
     if (!row.contains("steps_per_second")) return;
     row["step_s"] = 1 / row.at("steps_per_second").get<double>();
     row.erase("steps_per_second");
-    row["law"] = "largest distance of a body from its place, m";
-    if (row.contains("shift_nm")) row["error"] = row.at("shift_nm").get<double>() / 1e9;
-    row.erase("shift_nm");
-    if (row.at("status_bits") != 0) throw std::runtime_error{"a bit of the status is set: " + row.dump()};
+    const auto take = [&](const char* from, const char* to, const char* law) {
+        if (!row.contains(from)) return;
+        row[to] = row.at(from).get<double>() / 1e9;
+        row.erase(from);
+        if (*law != '\0') row["law"] = law;
+    };
+    take("shift_nm", "error", "largest distance of a body from its place, m");
+    take("shift_sideways_nm", "error", "largest distance of a body from its place sideways, m");
+    take("overlap_nm", "overlap_m", "");
+    // A bound that was hit leaves a state that is less accurate, which the error and the overlap tell.
+    std::string trouble;
+    for (const tumble::Issue issue : tumble::all_issues) {
+        if ((row.at("status_bits").get<int>() & static_cast<int>(issue)) == 0) continue;
+        if (issue != tumble::Issue::step_bound_hit)
+            throw std::runtime_error{"a bit of the status is set: " + row.dump()};
+        trouble = name_of(issue);
+    }
+    if (!trouble.empty()) row["trouble"] = trouble;
     row["tumble_bits"] = TUMBLE_BITS;
 }
 

@@ -337,6 +337,12 @@ Table engines_table(Rows rows) {
                         "insn per step, x86-64:insn_per_step"));
 }
 
+// With a star where the kernel reported something.
+std::string error_or_trouble(const Row& row) {
+    const std::string error = row.contains("failure") || row.contains("error") ? error_of(row) : "-";
+    return error + (row.contains("trouble") ? " *" : "");
+}
+
 // Contacts whose motion is known: for each scene the errors of each contender, then the cost of a step.
 Table engine_contacts_table(const Rows& rows) {
     // A contender is named with its method where its engine has several.
@@ -345,11 +351,7 @@ Table engine_contacts_table(const Rows& rows) {
         const bool has_one = distinct(rows, "integrator", engine).size() == 1;
         return engine_name(row) + (has_one ? "" : ", " + text_of(row, "integrator")) + ", " + numbers_of(row);
     };
-    const Cell error = [](const Row& row) {
-        if (row.contains("failure")) return std::string{"fails"};
-        return text_of(row, "error") + (row.contains("trouble") ? " *" : "");
-    };
-    Table table{{"scene", "error, or cost"}, {}};
+    Table table{{"scene", "step", "error, or cost"}, {}};
     std::vector<Where> contenders;
     for (const Row& row : rows) {
         if (std::find(table.head.begin(), table.head.end(), name_of(row)) != table.head.end()) continue;
@@ -357,10 +359,12 @@ Table engine_contacts_table(const Rows& rows) {
         contenders.push_back(
             {{"engine", row.at("engine")}, {"integrator", row.at("integrator")}, {"numbers", numbers_of(row)}});
     }
-    const auto add = [&](const std::string& scene, const std::string& law, const std::string& what, const Cell& cell) {
-        Strings line{scene, what};
+    const auto add = [&](const std::string& scene, const std::string& step, const std::string& law,
+                         const std::string& what, const Cell& cell) {
+        const double seconds = find(rows, {{"scene", scene}, {"step_s", step}})->at("step_s");
+        Strings line{scene, text("1/%.0f s", 1 / seconds), what};
         for (Where where : contenders) {
-            where.insert(where.end(), {{"scene", scene}, {"law", law}});
+            where.insert(where.end(), {{"scene", scene}, {"step_s", step}, {"law", law}});
             const Row* row = find(rows, where);
             line.push_back(row == nullptr ? "-" : cell(*row));
         }
@@ -368,13 +372,15 @@ Table engine_contacts_table(const Rows& rows) {
     };
     for (const std::string& scene : distinct(rows, "scene")) {
         const Strings laws = distinct(rows, "law", {{"scene", scene}});
-        for (const std::string& law : laws) add(scene, law, law, error);
-        add(scene, laws.front(), "insn per step, x86-64", value("insn_per_step"));
+        for (const std::string& step : distinct(rows, "step_s", {{"scene", scene}})) {
+            for (const std::string& law : laws) add(scene, step, law, law, error_or_trouble);
+            add(scene, step, laws.front(), "insn per step, x86-64", value("insn_per_step"));
+        }
     }
     return table;
 }
 
-// Bodies that stay where they are, in engines on cores: a line for each scene, engine and step.
+// Engines on cores: a line for each scene, engine and step.
 Table core_engines_table(const Rows& rows) {
     std::vector<Line> lines;
     for (const std::string& scene : distinct(rows, "scene")) {
@@ -397,9 +403,10 @@ Table core_engines_table(const Rows& rows) {
         return std::to_string(bytes);
     };
     const Where on_m4f{{"core", "cortex-m4f"}};
-    columns.insert(
-        columns.end(),
-        {{"error, m", error_of, on_m4f}, {"flash, B", value("text_bytes"), on_m4f}, {"RAM, B", ram, on_m4f}});
+    columns.insert(columns.end(), {{"error, m", error_or_trouble, on_m4f},
+                                   {"overlap, m", value("overlap_m"), on_m4f},
+                                   {"flash, B", value("text_bytes"), on_m4f},
+                                   {"RAM, B", ram, on_m4f}});
     return cross(rows, {"scene", "engine", "numbers", "step"}, lines, columns);
 }
 

@@ -18,16 +18,18 @@ namespace {
 
 using reference::Motion, reference::Number, reference::Vector;
 
-constexpr int steps_per_second = 256;
+// The steps of accurate simulation and of games, 1/s.
+constexpr int rates[] = {256, 60};
 
 // The motion of all bodies: at the start, and after each step.
 struct Run {
     const Problem& problem;
+    int rate;
     std::vector<std::vector<Motion>> at;
 
     [[nodiscard]] const Motion& start(std::size_t body) const { return at.front()[body]; }
     [[nodiscard]] const Motion& end(std::size_t body) const { return at.back()[body]; }
-    [[nodiscard]] Number seconds() const { return static_cast<Number>(at.size() - 1) / steps_per_second; }
+    [[nodiscard]] Number seconds() const { return static_cast<Number>(at.size() - 1) / rate; }
     [[nodiscard]] std::size_t bodies() const { return at.front().size(); }
 };
 
@@ -65,7 +67,7 @@ void strike_at_the_start(SceneData& scene) {
     scene.impulses.clear();
 }
 Number speed_of_the_last(const Run& run) {
-    return std::abs(run.at[steps_per_second / 4].back().v.x - run.start(0).v.x);
+    return std::abs(run.at[static_cast<std::size_t>(run.rate) / 4].back().v.x - run.start(0).v.x);
 }
 Number inner_balls_moved(const Run& run) {
     Number most = 0;
@@ -174,9 +176,9 @@ const std::vector<Scene> scenes{
     {"incline, slides", "bench/engines/incline.toml", 4, {{"place after 4 s, m", off_the_slide}}, slide},
 };
 
-Problem problem_of(const Scene& scene) {
+Problem problem_of(const Scene& scene, int rate) {
     host::SceneDescription description = host::read_scene(scene.path);
-    description.step = {1, steps_per_second, 0};
+    description.step = {1, rate, 0};
     Problem problem;
     problem.name = scene.name;
     problem.scene = host::build_scene(description);
@@ -185,8 +187,8 @@ Problem problem_of(const Scene& scene) {
     return problem;
 }
 
-Run run_of(const Problem& problem, Runner& runner, int seconds) {
-    Run run{problem, {}};
+Run run_of(const Problem& problem, int rate, Runner& runner, int seconds) {
+    Run run{problem, rate, {}};
     // Of fixed bodies nothing is noted.
     const auto note = [&] {
         auto& now = run.at.emplace_back();
@@ -194,7 +196,7 @@ Run run_of(const Problem& problem, Runner& runner, int seconds) {
             now.push_back(problem.scene.bodies[body].fixed ? Motion{} : runner.motion(static_cast<int>(body)));
     };
     note();
-    for (int step = 0; step < seconds * steps_per_second; ++step) {
+    for (int step = 0; step < seconds * rate; ++step) {
         runner.run(1);
         note();
     }
@@ -202,16 +204,16 @@ Run run_of(const Problem& problem, Runner& runner, int seconds) {
 }
 
 // Rows of a contender on a scene, one a law; none if its engine cannot make the scene.
-std::vector<Row> rows_of(const Scene& scene, const Contender& contender, const std::string& count) {
-    const Problem problem = problem_of(scene);
+std::vector<Row> rows_of(const Scene& scene, int rate, const Contender& contender, const std::string& count) {
+    const Problem problem = problem_of(scene, rate);
     const auto runner = contender.make(problem);
     std::vector<Row> rows;
     if (!runner) return rows;
-    Row row = row_of_engine(scene.name, contender, 1.0 / steps_per_second, scene.seconds * steps_per_second);
+    Row row = row_of_engine(scene.name, contender, 1.0 / rate, scene.seconds * rate);
     try {
-        const Run run = run_of(problem, *runner, scene.seconds);
+        const Run run = run_of(problem, rate, *runner, scene.seconds);
         const auto counted = host::instructions_in("counted_step", count).count;
-        row["insn_per_step"] = (counted + steps_per_second / 2) / steps_per_second;
+        row["insn_per_step"] = (counted + rate / 2) / rate;
         for (const Law& law : scene.laws) {
             Row& of_law = rows.emplace_back(row);
             const auto error = static_cast<double>(law.measure(run));
@@ -234,18 +236,22 @@ std::vector<Row> rows_of(const Scene& scene, const Contender& contender, const s
 
 int contact_contest(int argc, char** argv, const std::vector<Contender>& contenders) try {
     host::tell_lost_output();
-    if (argc == 4 && std::string{argv[1]} == "--count") {
-        const Problem problem = problem_of(scenes.at(std::stoul(argv[2])));
+    if (argc == 5 && std::string{argv[1]} == "--count") {
+        const int rate = std::stoi(argv[4]);
+        const Problem problem = problem_of(scenes.at(std::stoul(argv[2])), rate);
         const auto runner = contenders.at(std::stoul(argv[3])).make(problem);
-        for (int i = 0; i < steps_per_second; ++i) counted_step(*runner);
+        for (int i = 0; i < rate; ++i) counted_step(*runner);
         return 0;
     }
     for (std::size_t c = 0; c < contenders.size(); ++c) {
         for (std::size_t s = 0; s < scenes.size(); ++s) {
-            const std::string count = argv[0] + (" --count " + std::to_string(s) + " " + std::to_string(c));
-            for (Row& row : rows_of(scenes[s], contenders[c], count)) {
-                row["tumble_bits"] = TUMBLE_BITS;
-                std::cout << row.dump() << std::endl;
+            for (const int rate : rates) {
+                const std::string count =
+                    argv[0] + (" --count " + std::to_string(s) + " " + std::to_string(c) + " " + std::to_string(rate));
+                for (Row& row : rows_of(scenes[s], rate, contenders[c], count)) {
+                    row["tumble_bits"] = TUMBLE_BITS;
+                    std::cout << row.dump() << std::endl;
+                }
             }
         }
     }

@@ -5,6 +5,7 @@
 #include <array>
 #include <bit>
 #include <cstdint>
+#include <cstring>
 #include <new>
 
 extern "C" unsigned char __bss_end[];
@@ -62,18 +63,38 @@ void free(void* data) {
     block->next = list;
     list = block;
 }
-// Box2D asks for 32 bytes of alignment, for vector registers that these cores do not have.
-void* aligned_alloc(std::size_t, std::size_t bytes) { return malloc(bytes); }
+void* calloc(std::size_t count, std::size_t size) {
+    void* data = malloc(count * size);
+    std::memset(data, 0, count * size);
+    return data;
+}
+void* realloc(void* data, std::size_t bytes) {
+    void* wider = malloc(bytes);
+    if (data == nullptr) return wider;
+    const std::size_t old = reinterpret_cast<Block*>(static_cast<unsigned char*>(data) - header)->bytes;
+    std::memcpy(wider, data, old < bytes ? old : bytes);
+    free(data);
+    return wider;
+}
+// newlib's own functions take theirs here.
+void* _malloc_r(void*, std::size_t bytes) { return malloc(bytes); }
+void _free_r(void*, void* data) { free(data); }
+void* _calloc_r(void*, std::size_t count, std::size_t size) { return calloc(count, size); }
+void* _realloc_r(void*, void* data, std::size_t bytes) { return realloc(data, bytes); }
 
 }  // extern "C"
 
 void* operator new(std::size_t bytes) { return malloc(bytes); }
+void* operator new[](std::size_t bytes) { return malloc(bytes); }
 void operator delete(void* data) noexcept { free(data); }
 void operator delete(void* data, std::size_t) noexcept { free(data); }
+void operator delete[](void* data) noexcept { free(data); }
+void operator delete[](void* data, std::size_t) noexcept { free(data); }
 
 // The standard library's containers report failures here, where exceptions are off.
 namespace std {
 [[noreturn]] void __throw_length_error(const char*) { __builtin_trap(); }
+[[noreturn]] void __throw_logic_error(const char*) { __builtin_trap(); }
 [[noreturn]] void __throw_bad_alloc() { __builtin_trap(); }
 [[noreturn]] void __throw_bad_array_new_length() { __builtin_trap(); }
 }  // namespace std

@@ -1,14 +1,16 @@
-// A scene of bodies that stay where they are, in an engine on a core: prints a row with what a step costs, and the
-// largest distance of a body from its place. TUMBLE_ENGINE is the header of the engine. It has a class Engine:
+// A scene in an engine on a core: prints a row with what a step costs, with the error, and with the deepest overlap at
+// the end. TUMBLE_ERROR names the error, if the scene has one. TUMBLE_ENGINE is the header of the engine. It has a
+// class Engine:
 //   name, numbers, carry   of the row; carry: whether the state carries residuals
 //   step()                 a step of Recorded::step
-//   position(i)            of a body, m
+//   position(i), turn(i)   of a body: m, and a unit quaternion
 //   push(i, impulse)       an impulse in N s at a body's centre. This kernel has none: its world has the scene's
 //   status_bits()          that of this kernel
 #include TUMBLE_ENGINE
 
 #include "heap.hpp"
 #include "json_row.hpp"
+#include "overlap.hpp"
 #include "port.hpp"
 #include "scene.hpp"
 
@@ -37,12 +39,16 @@ std::uint32_t status_bits(const auto& ended) {
     else return 0;
 }
 
-// The largest distance of a body from its place, m; NaN where a place is none.
+enum class Error { none, sideways, distance };
+constexpr Error error = Error::TUMBLE_ERROR;
+
+// The largest distance of a body from its place, sideways or in all, m; NaN where a place is none.
 float largest_shift() {
     float most = 0;
     for (std::size_t i = first_still; i < end_of_still; ++i) {
         const Vec now = engine.position(i), start = scene_bodies[i].position;
-        const float x = now.x - start.x, y = now.y - start.y, z = now.z - start.z;
+        const float x = now.x - start.x, y = error == Error::distance ? now.y - start.y : 0 * now.y,
+                    z = now.z - start.z;
         const float shift = std::sqrt(x * x + y * y + z * z);
         if (!(shift <= most)) most = shift;
         if (std::isnan(shift)) break;
@@ -82,8 +88,15 @@ int main() {
     row.add("heap_bytes", static_cast<std::uint64_t>(heap_peak()));
     row.add("status_bits", status_bits(engine));
     // The row's writer has whole numbers only.
-    if (std::isnan(shift)) row.add("failure", "not a number");
-    else row.add("shift_nm", static_cast<std::uint64_t>(shift * 1e9f + 0.5f));
+    const auto add_metres = [&](const char* key, float metres) {
+        row.add(key, static_cast<std::uint64_t>(metres * 1e9f + 0.5f));
+    };
+    if (std::isnan(shift)) {
+        row.add("failure", "not a number");
+    } else {
+        if (error != Error::none) add_metres(error == Error::sideways ? "shift_sideways_nm" : "shift_nm", shift);
+        add_metres("overlap_nm", deepest_overlap(engine));
+    }
     row.write();
     return 0;
 }

@@ -17,15 +17,20 @@ using Recorded = scenes::TUMBLE_SCENE;
 struct Vec {
     float x = 0, y = 0, z = 0;
 };
+// A unit quaternion, from the axes of a body to the world.
+struct Turn {
+    float w = 1, x = 0, y = 0, z = 0;
+};
 [[nodiscard]] constexpr Vec vec(const RealVec3& v) { return {v.x.to_float(), v.y.to_float(), v.z.to_float()}; }
 
-// A ball, or a box along the axes of the world.
+// A ball, or a box.
 struct SceneBody {
     bool is_ball;
     float radius;  // m, of a ball
     Vec half;      // m, half of a box's edges
     Vec position;  // m
     float mass;    // kg
+    Turn turn;
 };
 inline constexpr auto scene_bodies = [] {
     std::array<SceneBody, Recorded::bodies.size()> all{};
@@ -36,7 +41,9 @@ inline constexpr auto scene_bodies = [] {
                   size.x,
                   {size.x / 2, size.y / 2, size.z / 2},
                   vec(body.position),
-                  body.mass.to_float()};
+                  body.mass.to_float(),
+                  {body.orientation.w.to_float(), body.orientation.v.x.to_float(), body.orientation.v.y.to_float(),
+                   body.orientation.v.z.to_float()}};
     }
     return all;
 }();

@@ -21,6 +21,10 @@ public:
         const auto at = replay_.world().template pose<float>(BodyId{static_cast<int>(i)}).position;
         return {at[0], at[1], at[2]};
     }
+    [[nodiscard]] Turn turn(std::size_t i) const {
+        const auto q = replay_.world().template pose<float>(BodyId{static_cast<int>(i)}).orientation;
+        return {q.w, q.v[0], q.v[1], q.v[2]};
+    }
 
 private:
     Replay<Config, Recorded> replay_;
