@@ -74,7 +74,21 @@ Table cube_table(const Rows& rows) {
     return cross(rows, {"cube, q32 carry"}, lines, columns);
 }
 
-// The default method on every core: the front page's first answer.
+// Whole firmware of what users build, small on an M0+ and fast on an M4F: the front page's first answer.
+Table fits_table(const Rows& rows) {
+    std::vector<Line> lines;
+    for (const std::string& program : distinct(rows, "program")) lines.push_back({{program}, {{"program", program}}});
+    std::vector<Column> columns;
+    for (const auto& [name, core] : {std::pair{"M0+", "cortex-m0plus"}, std::pair{"M4F", "cortex-m4f"}})
+        for (const auto& [head, key] :
+             {std::pair{"flash, B", "text_bytes"}, std::pair{"RAM, B", "ram_bytes"},
+              std::pair{"stack, B", "step_stack_bytes"}, std::pair{"cycles, mean", "cycles_per_step_est"},
+              std::pair{"worst", "cycles_worst_step_est"}})
+            columns.push_back({std::string{name} + ": " + head, value(key), {{"core", core}}});
+    return cross(rows, {"firmware"}, lines, columns);
+}
+
+// The default method on every core.
 Table cores_table(const Rows& rows) {
     const Where q32{{"integrator", "verlet"}, {"numbers", "q32 carry"}},
         plain{{"integrator", "verlet"}, {"numbers", "f32 plain"}};
@@ -447,6 +461,7 @@ std::string top_error(R r, const char* numbers) {
 }
 const Makers makers{
     {"table boards", [](R) { return boards_table(); }},
+    {"table fits", [](R r) { return fits_table(r["fits"]); }},
     {"table cores", [](R r) { return cores_table(r["free"]); }},
     {"table free", [](R r) { return free_table(r["free"], true); }},
     {"table free_insn", [](R r) { return free_table(r["free"], false); }},

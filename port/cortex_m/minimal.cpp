@@ -1,6 +1,17 @@
 // From reset to main with the least code: no console, no counter, no report of a fault. A fault stops the core. An
 // emulator or a debugger gets the status of main by semihosting; on silicon alone, main must not return.
+#include "port.hpp"
 #include "semihosting.hpp"
+
+namespace tumble::port {
+
+// The runtime stops the core where it would print why.
+void write(std::string_view) {}
+[[noreturn]] void exit(int) {
+    for (;;) {}
+}
+
+}  // namespace tumble::port
 
 extern "C" {
 extern std::uint32_t __stack_top[], __data_start[], __data_end[], __bss_start[], __bss_end[];
