@@ -394,6 +394,51 @@ Table engine_contacts_table(const Rows& rows) {
     return table;
 }
 
+// Engines in one process of node: a column for each. Lines are scenes, or scenes with their laws.
+std::string web_engine(const Row& row) {
+    const std::string method = row.at("integrator");
+    const bool own = row.at("engine") == "tumble";
+    return engine_name(row) + (method.empty() || own ? "" : ", " + method) + (own ? ", " + numbers_of(row) : "");
+}
+Table web_table(const Rows& rows, double step, bool with_laws, const std::function<bool(const Row&)>& belongs,
+                const Cell& cell) {
+    Table table{{with_laws ? "scene: error" : "scene"}, {}};
+    std::map<std::string, std::size_t> columns, lines;
+    for (const Row& row : rows) {
+        if (row.at("step_s").get<double>() != step || !belongs(row)) continue;
+        const auto [column, is_new] = columns.try_emplace(web_engine(row), table.head.size());
+        if (is_new) table.head.push_back(column->first);
+        const std::string name = row.at("scene").get<std::string>() + (with_laws ? ": " + text_of(row, "law") : "");
+        const auto [line, is_new_line] = lines.try_emplace(name, table.lines.size());
+        if (is_new_line) table.lines.push_back({name});
+        Strings& cells = table.lines[line->second];
+        cells.resize(std::max(cells.size(), column->second + 1), "-");
+        cells[column->second] = cell(row);
+    }
+    for (Strings& cells : table.lines) cells.resize(table.head.size(), "-");
+    return table;
+}
+bool is_heap(const Row& row) { return row.at("scene").get<std::string>().starts_with("heap"); }
+bool is_no_heap(const Row& row) { return !is_heap(row); }
+std::string web_time(const Row& row) {
+    if (row.contains("failure") && !row.contains("us_per_step")) return "fails";
+    const auto digits = [](double us) { return text(us < 1 ? "%.2f" : us < 10 ? "%.1f" : "%.0f", us); };
+    return digits(row.at("us_per_step")) + " / " + digits(row.at("us_worst_eight"));
+}
+std::string web_bytes(const Row& row) {
+    return row.at("wasm_bytes") == 0 ? "-" : text("%.0f", row.at("wasm_bytes").get<double>() / 1000);
+}
+Table web_size_table(const Rows& rows) {
+    Table table{{"engine", "numbers", "WebAssembly, KB", "same bits in each run"}, {}};
+    std::map<std::string, std::size_t> lines;
+    for (const Row& row : rows) {
+        const auto [line, is_new] = lines.try_emplace(web_engine(row), table.lines.size());
+        if (is_new) table.lines.push_back({web_engine(row), row.at("numbers"), web_bytes(row), "yes"});
+        if (row.contains("repeats") && !row.at("repeats").get<bool>()) table.lines[line->second].back() = "no";
+    }
+    return table;
+}
+
 // Engines on cores: a line for each scene, engine and step.
 Table core_engines_table(const Rows& rows) {
     std::vector<Line> lines;
@@ -490,6 +535,14 @@ const Makers makers{
     {"table engines", [](R r) { return engines_table(r["engines"]); }},
     {"table engine_contacts", [](R r) { return engine_contacts_table(r["engine_contacts"]); }},
     {"table core_engines", [](R r) { return core_engines_table(r["core_engines"]); }},
+    {"table web_errors",
+     [](R r) { return web_table(r["web_engines"], 1.0 / 256, true, is_no_heap, error_or_trouble); }},
+    {"table web_errors_60",
+     [](R r) { return web_table(r["web_engines"], 1.0 / 60, true, is_no_heap, error_or_trouble); }},
+    {"table web_times", [](R r) { return web_table(r["web_engines"], 1.0 / 60, false, is_no_heap, web_time); }},
+    {"table web_heaps", [](R r) { return web_table(r["web_engines"], 1.0 / 60, false, is_heap, web_time); }},
+    {"table web_overlaps", [](R r) { return web_table(r["web_engines"], 1.0 / 60, false, is_heap, error_or_trouble); }},
+    {"table web_size", [](R r) { return web_size_table(r["web_engines"]); }},
     {"table control", [](R r) { return control_table(r["control"]); }},
     {"table stories", [](R r) { return stories_table(r["control"]); }},
     {"table formats", [](R) { return formats_table(); }},
