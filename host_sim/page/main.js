@@ -15,6 +15,7 @@ class App {
         this.panel = new Panel(this, new Costs(JSON.parse(document.getElementById('costs_data').textContent)));
         this.panel.listScenes([...this.shipped.keys()]);
         this.controls = new Controls(this, document.getElementById('view'));
+        addEventListener('resize', () => this.plots.resize());
         addEventListener('error', event => this.panel.tell(event.message, true));
         addEventListener('unhandledrejection', event => this.panel.tell(event.reason.message, true));
         const first = document.querySelector('script.scene[data-first]')?.dataset.name ?? 'cube.toml';
@@ -48,7 +49,7 @@ class App {
         const euler = { ...played, integrator: 'explicit_euler' };
         this.ways = played.integrator === 'explicit_euler' ? [played] : [played, euler];
         this.body = Math.max(0, scene.bodies.findIndex(body => !body.fixed));
-        this.panel.showScene(name);
+        this.panel.showScene(name, toml);
         const notes = played === saved ? [] : [engine.obstacle(saved), 'It runs in f64 here.'];
         this.panel.tell([...scene.warnings, ...notes].join('\n'));
         this.#begin(scene.saved_steps, false);

@@ -32,7 +32,14 @@ class Panel {
     listScenes(names) {
         for (const name of names) this.at('scene').add(new Option(name.replace('.toml', ''), name));
     }
-    showScene(name) { this.at('scene').value = name; }
+    // The scene's name, and what the comment at the start of its file says of it.
+    showScene(name, toml) {
+        this.at('scene').value = name;
+        const comment = toml.match(/^(#.*\n)+/)?.[0] ?? '';
+        const [about, ...known] = comment.replace(/^# ?/gm, '').split(/\n\s*\n/);
+        this.at('about').textContent = about.replace(/\n/g, ' ').trim();
+        this.at('known').textContent = known.join(' ').replace(/\n/g, ' ').trim();
+    }
     showPush() { this.at('push_value').textContent = `${this.app.push} m/s`; }
     // A message is shown until the next.
     tell(text, isError = false) {

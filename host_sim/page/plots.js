@@ -3,9 +3,11 @@ class Plots {
     static rows = 500;  // at most, of one drawing
 
     constructor(root) {
+        this.boxes = [];
         const plot = (title, options) => {
             const box = root.appendChild(document.createElement('div'));
             box.className = 'plot';
+            this.boxes.push(box);
             return new Dygraph(box, [[0, null]], {
                 title, labels: ['t', ' '], titleHeight: 18, axisLabelFontSize: 10, strokeWidth: 1.3, legend: 'never',
                 axisLineColor: '#5d6b7a', gridLineColor: '#2a333d', xRangePad: 2, animatedZooms: false, interactionModel: {},
@@ -23,7 +25,13 @@ class Plots {
         ];
     }
 
-    resize() { for (const { graph } of this.plots) graph.resize(); }
+    // To the room of the panel, which has none while it is hidden.
+    resize() {
+        this.plots.forEach(({ graph }, i) => {
+            const { clientWidth: width, clientHeight: height } = this.boxes[i];
+            if (width > 0 && height > 0) graph.resize(width, height);
+        });
+    }
 
     draw(game, colours) {
         this.game = game;
@@ -33,8 +41,10 @@ class Plots {
         const hasReference = game.references.length > 1;
         this.plots.forEach(({ graph, of }, index) => {
             const hidden = (index < 2 && !hasReference) || (index === 4 && !game.scene.touches);
+            const wasHidden = graph.maindiv_.hidden;
             graph.maindiv_.hidden = hidden;
             if (hidden) return;
+            if (wasHidden) this.resize();
             const rows = [];
             for (let i = 0; i < count; i = i < count - 1 ? Math.min(i + every, count - 1) : count)
                 rows.push([i * game.stride * game.scene.step_s, ...game.lanes.map(lane => of(lane, i))]);

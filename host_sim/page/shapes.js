@@ -66,11 +66,12 @@ function reach(body) {
     }
 }
 
-// A body as a group: `opacity` below 1 for ghosts.
+// A body as a group: `opacity` below 1 for ghosts. A ghost is drawn behind a surface that is at its place.
 function bodyObject(body, colour, opacity) {
     const group = new THREE.Group(), { surfaces, lines } = geometriesOf(body), isGhost = opacity < 1;
     const surface = new THREE.MeshLambertMaterial(
-        { color: colour, transparent: isGhost, opacity, depthWrite: !isGhost });
+        { color: colour, transparent: isGhost, opacity, depthWrite: !isGhost,
+          polygonOffset: isGhost, polygonOffsetFactor: 2, polygonOffsetUnits: 4 });
     // Lines on a surface are dark, others have the body's colour.
     const isOnSurface = ['box', 'sphere', 'cylinder', 'capsule'].includes(body.shape) && !isGhost;
     const line = new THREE.LineBasicMaterial({ color: isOnSurface ? 0x101418 : colour });

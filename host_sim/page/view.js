@@ -35,7 +35,7 @@ class View {
             this.world.add(group);
             return group;
         });
-        const { centre, radius } = this.#extent(state);
+        const { centre, radius } = this.#extent([state]);
         this.planes = planes.map(plane => planeObject(plane, centre, Math.max(20, 6 * radius)));
         this.planes.forEach(plane => this.world.add(plane));
         this.springs = springs.map(() => {
@@ -48,21 +48,30 @@ class View {
         this.path.frustumCulled = false;
         this.world.add(this.path);
 
+        // Without a floor nothing else would show that a body moves.
+        if (planes.length === 0 && bodies.every(body => !body.fixed || reach(body) < radius)) {
+            const grid = new THREE.GridHelper(40 * radius, 40, 0x35404c, 0x20272f);
+            grid.position.set(centre[0], centre[1] - 1.5 * radius, centre[2]);
+            this.world.add(grid);
+        }
+
         this.shownPath = '';
         this.centre = this.#centreOfMass(state);
         if (keepsCamera) return;
         this.#aim(centre, radius);
     }
-    // Looks at the whole scene as it is now.
+    // Looks at the whole scene, from where it has been to where it is now.
     aim() {
-        const { centre, radius } = this.#extent(this.game.state(this.game.played));
+        const { samples } = this.game.played, every = Math.max(1, Math.ceil(samples.length / 200));
+        const been = samples.filter((sample, i) => sample && i % every === 0 && i * this.game.stride <= this.game.now);
+        const { centre, radius } = this.#extent([...been, this.game.state(this.game.played)]);
         this.#aim(centre, radius);
     }
 
     draw() {
         const { game } = this, state = game.state(game.played);
-        this.#place(this.lanes[0], state, true);
-        game.lanes.slice(1).forEach((lane, i) => this.#place(this.lanes[i + 1], game.state(lane), false));
+        this.#place(this.lanes[0], state);
+        game.lanes.slice(1).forEach((lane, i) => this.#place(this.lanes[i + 1], game.state(lane), state));
         this.#placeSprings(state);
         this.#drawPath();
         this.#mark(state);
@@ -109,7 +118,8 @@ class View {
             for (let axis = 0; axis < 3; ++axis) centre[axis] += state[Engine.numbersOfBody * i + axis] * body.mass / mass;
         return centre;
     }
-    #extent(state) {
+    // Of all bodies in these states.
+    #extent(states) {
         const { bodies, springs } = this.game.scene, low = Array(3).fill(Infinity), high = Array(3).fill(-Infinity);
         const include = (at, r) => at.forEach((x, axis) => {
             low[axis] = Math.min(low[axis], x - r);
@@ -117,9 +127,11 @@ class View {
         });
         // What is fixed and large is ground, of which the middle will do.
         const large = 4 * Math.max(...this.#moving().map(({ body }) => reach(body)), 0.1);
-        bodies.forEach((body, i) => {
-            include(new BodyState(state, i).position, body.fixed && reach(body) > large ? 0 : reach(body));
-        });
+        for (const state of states)
+            bodies.forEach((body, i) => {
+                const { position } = new BodyState(state, i);
+                if (position.every(Number.isFinite)) include(position, body.fixed && reach(body) > large ? 0 : reach(body));
+            });
         for (const spring of springs) if (spring.to_body < 0) include(spring.to, 0);
         return { centre: scale(add(low, high), 0.5), radius: Math.max(norm(subtract(high, low)) / 2, 0.05) };
     }
@@ -127,13 +139,19 @@ class View {
         this.#fit();
         const narrow = Math.min(1, this.camera.aspect);
         const away = 1.1 * radius / Math.sin(this.camera.fov * Math.PI / 360) / narrow;
-        const direction = new THREE.Vector3(0.45, 0.4, 1).normalize();
         this.orbit.target.set(...centre);
-        this.camera.position.set(...centre).addScaledVector(direction, away);
+        this.camera.position.set(...centre).addScaledVector(this.#direction(), away);
         this.camera.near = away / 200;
         this.camera.far = 200 * away;
         this.camera.updateProjectionMatrix();
         this.arrowLength = 0.8 * Math.max(0.15, Math.min(radius, 2));
+    }
+    // From above, and from the side on which planes are seen best.
+    #direction() {
+        const unit = ({ normal }) => new THREE.Vector3(...normal).normalize();
+        const seen = way => this.game.scene.planes.reduce((sum, plane) => sum + Math.min(0.5, way.dot(unit(plane))), 0);
+        const ways = [[0.45, 1], [-0.45, 1], [0.45, -1], [-0.45, -1]].map(([x, z]) => new THREE.Vector3(x, 0.4, z).normalize());
+        return ways.reduce((best, way) => seen(way) > seen(best) + 1e-6 ? way : best);
     }
     #fit() {
         const canvas = this.renderer.domElement, { clientWidth: width, clientHeight: height } = canvas.parentElement;
@@ -144,15 +162,22 @@ class View {
         this.camera.updateProjectionMatrix();
     }
 
-    #place(group, state, isPlayed) {
+    // `played`: of a ghost, the state of the played run.
+    #place(group, state, played) {
         group.children.forEach((object, i) => {
             const body = new BodyState(state, i), [w, x, y, z] = body.orientation;
-            object.visible = object.userData.surface.opacity > 0 && body.position.every(Number.isFinite);
+            object.visible = object.userData.surface.opacity > 0 && body.position.every(Number.isFinite) &&
+                             (!played || this.#differs(body, new BodyState(played, i), reach(this.game.scene.bodies[i])));
             if (!object.visible) return;
             object.position.set(...body.position);
             object.quaternion.set(x, y, z, w);
-            if (isPlayed) object.userData.surface.color.set(body.asleep ? View.asleep : object.userData.colour);
+            if (!played) object.userData.surface.color.set(body.asleep ? View.asleep : object.userData.colour);
         });
+    }
+    // Is a ghost seen beside the played body, by more than a few thousandths of its size?
+    #differs(ghost, played, size) {
+        return norm(subtract([...ghost.position], [...played.position])) +
+               size * angleBetween(ghost.orientation, played.orientation) > 0.004 * size;
     }
     #worldPoint(state, index, point) {
         const body = new BodyState(state, index);
