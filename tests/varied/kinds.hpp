@@ -3,4 +3,8 @@
 
 #include "varied.hpp"
 
-namespace tumble::test {}  // namespace tumble::test
+namespace tumble::test {
+
+std::string judge_resistance(Draw& draw, Case& drawn);
+
+}  // namespace tumble::test

@@ -151,11 +151,22 @@ TUMBLE_INLINE void set_product(IntegratedQuat<N>& q_wb, const Quaternion<typenam
         set(q_wb.y, component.template operator()<1>());
         set(q_wb.z, component.template operator()<2>());
     } else {
-        const auto norm2 = q.w * q.w + dot(q.v, q.v);
-        TUMBLE_ASSERT(norm2 > Unit(0));
-        const Unit length = sqrt(norm2);
-        const Quaternion<Unit> to{q.w / length, {q.v.x / length, q.v.y / length, q.v.z / length}},
-            product = to * Quaternion<Unit>{p.w, {p.v.x(), p.v.y(), p.v.z()}};
+        const auto over = [](const Quaternion<Unit>& a, Unit length) {
+            return Quaternion<Unit>{a.w / length, {a.v.x / length, a.v.y / length, a.v.z / length}};
+        };
+        Quaternion<Unit> from = q;
+        Unit norm2 = q.w * q.w + dot(q.v, q.v);
+        // The squares may leave the range although the components do not.
+        if (!N::is_divisor(norm2) || norm2 > std::numeric_limits<Unit>::max()) {
+            Unit largest = N::magnitude(q.w);
+            for (const Unit component : {q.v.x, q.v.y, q.v.z})
+                if (N::magnitude(component) > largest) largest = N::magnitude(component);
+            TUMBLE_ASSERT(largest > Unit(0));
+            from = over(q, largest);
+            norm2 = from.w * from.w + dot(from.v, from.v);
+        }
+        const Quaternion<Unit> to = over(from, sqrt(norm2)),
+                               product = to * Quaternion<Unit>{p.w, {p.v.x(), p.v.y(), p.v.z()}};
         set(q_wb.w, product.w);
         set(q_wb.x, product.v.x);
         set(q_wb.y, product.v.y);

@@ -169,7 +169,7 @@ public:
             }
             if (pair.count > 0) contact.point = contact.point * (Work(1) / Work(pair.count));
         }
-        if (entry.normal_impulse > Work(0))
+        if (N::is_divisor(entry.normal_impulse))
             contact.point = plain(scaled_by(entry.moment, Work(1) / entry.normal_impulse));
         return contact;
     }

@@ -38,7 +38,9 @@ struct Friction {
     [[nodiscard]] static Speed solve_one(const Row& row, Speed excess, Speed limit) {
         Speed wanted = row.impulse - excess;
         const Speed size = Row::product(wanted, row.inverse);
-        if (magnitude_of(size) > limit) wanted = Row::product(wanted, C::share(limit, mul(size, size)));
+        // The squares are compared, because the share divides by the root of one: it may underflow to zero.
+        const auto squares = mul(size, size);
+        if (squares > mul(limit, limit)) wanted = Row::product(wanted, C::share(limit, squares));
         return wanted - row.impulse;
     }
     // The most that the impulses may be, for the impulse of a normal.

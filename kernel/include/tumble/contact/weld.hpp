@@ -69,6 +69,7 @@ requires(N::fixed_point) struct WeldNumbers<N> {
         int up_;                 // bits before them
     };
     [[nodiscard]] static bool fits(Lever l) { return magnitude_of(l) < Lever{std::int32_t{1} << 30}; }
+    [[nodiscard]] static bool is_apart(Length distance, Length) { return distance > Length{}; }
     [[nodiscard]] static Square square(Lever a, Lever b) { return {detail::multiply(a.raw, b.raw) * (1 << 12)}; }
     // A quarter of a sum of squares.
     [[nodiscard]] static Unit quarter(Square s) { return {static_cast<std::int32_t>(s.raw >> 32)}; }
@@ -132,7 +133,10 @@ requires(!N::fixed_point) struct WeldNumbers<N> {
     private:
         T inverse_;
     };
-    [[nodiscard]] static bool fits(T) { return true; }
+    // Of a share for a moment: a larger one comes of places that are only rounding. False of NaN.
+    [[nodiscard]] static bool fits(T l) { return magnitude_of(l) < (sizeof(T) == 4 ? T(0x1p24) : T(0x1p53)); }
+    // Whether a distance from the origin is more than rounding of the body's radius.
+    [[nodiscard]] static bool is_apart(T distance, T radius) { return distance > radius * T(0x1p-60); }
     [[nodiscard]] static T square(T a, T b) { return a * b; }
     [[nodiscard]] static T quarter(T s) { return s * T(0.25); }
     [[nodiscard]] static T hair(T s) { return s * T(0x1p-14); }
@@ -183,7 +187,7 @@ public:
             if (magnitude_of(z[i]) > farthest) farthest = magnitude_of(z[i]);
         }
         // The lever of a single point, or of points at one place.
-        if (!(farthest > Length{})) {
+        if (!W::is_apart(farthest, radius)) {
             if (count > 1) return false;
             farthest = radius;
         }

@@ -147,10 +147,10 @@ private:
         if (!touching_meet(shape_a.kind, shape_b.kind)) return;
         WorkVec3<N> apart;
         for (int i = 0; i < 3; ++i) apart[i] = N::apart(a.stage->x_w[i], b.stage->x_w[i]);
-        const Work distance = sqrt(dot(apart, apart)), touch = radius_[index_a] + radius_[index_b];
+        const Work square = dot(apart, apart), distance = sqrt(square), touch = radius_[index_a] + radius_[index_b];
         if (!(distance < touch) && !has_barrier_) return;
         if (shape_a.is(ShapeKind::sphere) && shape_b.is(ShapeKind::sphere)) {
-            if (!(distance > Work(0))) return;  // no direction: no force
+            if (!N::is_divisor(square)) return;  // no direction: no force
             const WorkVec3<N> normal = scaled_by(apart, Work(1) / distance);
             push(a, &b, index_a, index_b, distance - touch, normal,
                  scaled_by(rotate_back(a.q_wb, normal), -radius_[index_a]),
@@ -206,13 +206,16 @@ private:
                 strength -= damping_ * dot(rate, normal);
                 if (strength < Work(0)) return;
             }
-        } else if (has_barrier_ && gap > Work(0)) {
+        } else if (has_barrier_ && N::has_inverse_cube(gap * gap)) {
             strength = barrier_ / (gap * gap);
             const Work per_mass = b == nullptr ? per_mass_[index_a] : per_mass_[index_a] + per_mass_[index_b];
             const Work stiffness = (strength + strength) / gap * per_mass;
             if (stiffest_ < stiffness) stiffest_ = stiffness;
             if (stiffness * step2_ > Work(1)) bodies.report(Issue::step_too_long, index_a);
         } else {
+            // At the surface a barrier has no force that is finite.
+            const bool is_reached = has_barrier_;
+            if (is_reached) bodies.report(Issue::step_too_long, index_a);
             return;
         }
         const WorkVec3<N> force = scaled_by(normal, strength);

@@ -75,7 +75,7 @@ private:
                    L::place(group.stage[k].x_w[i]);
         };
         const auto r = L::between({component(0), component(1), component(2)});
-        if (L::is_zero(r)) {
+        if (!L::has_inverse_cube(r)) {
             if constexpr (may_soften) return softening_.length > Work{};
             return false;
         }

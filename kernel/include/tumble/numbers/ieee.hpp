@@ -143,6 +143,13 @@ struct Float {
         }
         return !(excess + (sum - sum) <= most_excess);
     }
+    // True of a positive number that has all its digits, and a finite inverse. A smaller one has neither.
+    [[nodiscard]] TUMBLE_INLINE static constexpr bool is_divisor(T a) { return a >= std::numeric_limits<T>::min(); }
+    // True of the square of a length whose cube has an inverse far inside the range of the type: it is above 2^-40 m in
+    // float, 2^-320 m in double.
+    [[nodiscard]] TUMBLE_INLINE static constexpr bool has_inverse_cube(T square) {
+        return square > (sizeof(T) == 4 ? T(0x1p-80) : T(0x1p-640));
+    }
     // magnitude() in one instruction, for a number whose sign does not matter if it is zero.
     [[nodiscard]] TUMBLE_INLINE static constexpr T absolute(T a) {
         if constexpr (sizeof(T) == 4) return __builtin_fabsf(a);
@@ -281,6 +288,8 @@ requires(!N::fixed_point) struct ContactNumbers<N> {
 
     [[nodiscard]] static constexpr T one() { return T(1); }
     [[nodiscard]] static constexpr T longest() { return std::numeric_limits<T>::max(); }
+    // False where the square of the length has lost digits, or is zero.
+    [[nodiscard]] static bool has_direction(const Vec3<T>& v) { return N::is_divisor(dot(v, v)); }
     [[nodiscard]] static Vec3<T> direction(const Vec3<T>& v) { return scaled_by(v, T(1) / sqrt(dot(v, v))); }
     [[nodiscard]] static T inverse_root_of_one_and(T squares) { return T(1) / sqrt(T(1) + squares); }
     [[nodiscard]] static T inverse_root_of(T squares) { return T(1) / sqrt(squares); }

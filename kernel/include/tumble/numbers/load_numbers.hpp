@@ -102,6 +102,8 @@ requires(N::fixed_point) struct LoadNumbers<N> {
     }
 
     [[nodiscard]] TUMBLE_INLINE static constexpr bool is_zero(const Vector& v) { return v.is_zero(); }
+    // Whether 1 / |v|^3 is in the range of a factor.
+    [[nodiscard]] TUMBLE_INLINE static constexpr bool has_inverse_cube(const Vector& v) { return !v.is_zero(); }
     // 1 / |v|, within 2^-31 of it, for a vector that is not zero. A quadratic seed (2.4 %) and a step of Newton's
     // iteration in 16 bits, a step in 32 bits (1.3e-6), and a step whose residual has 59 bits.
     [[nodiscard, gnu::noinline]] static constexpr Factor inverse_length(const Vector& v) {
@@ -369,7 +371,10 @@ requires(!N::fixed_point) struct LoadNumbers<N> {
     [[nodiscard]] TUMBLE_INLINE static T span_of_velocity(const Vector& v, int i, typename N::Scale) { return v.v[i]; }
     [[nodiscard]] static Vector half_turns(const Vec3<T>& t, typename N::Scale) { return {t}; }
     // True where the square of the length underflows, too.
-    [[nodiscard]] TUMBLE_INLINE static bool is_zero(const Vector& v) { return !(tumble::dot(v.v, v.v) > T(0)); }
+    [[nodiscard]] TUMBLE_INLINE static bool is_zero(const Vector& v) { return !N::is_divisor(tumble::dot(v.v, v.v)); }
+    [[nodiscard]] TUMBLE_INLINE static bool has_inverse_cube(const Vector& v) {
+        return N::has_inverse_cube(tumble::dot(v.v, v.v));
+    }
     [[nodiscard]] TUMBLE_INLINE static T inverse_length(const Vector& v) { return T(1) / sqrt(tumble::dot(v.v, v.v)); }
     [[nodiscard]] TUMBLE_INLINE static T dot(const Vector& a, const Vector& b) { return tumble::dot(a.v, b.v); }
     [[nodiscard]] static Vector rotated(const Quat<T>& q, const Vector& v) { return v.rotated(q); }

@@ -274,6 +274,10 @@ requires(N::fixed_point) struct ContactNumbers<N> {
 
     [[nodiscard]] static constexpr Unit one() { return {1 << 30}; }
     [[nodiscard]] static constexpr Length longest() { return {1 << 30}; }
+    [[nodiscard]] TUMBLE_INLINE static bool has_direction(const Vec3<Length>& v) {
+        const auto square = dot(v, v);
+        return square > decltype(square){};
+    }
     // v / |v|, and below |v|. v must not be zero.
     [[nodiscard]] static Vec3<Unit> direction(const Vec3<Length>& v) {
         const auto root = detail::inverse_root(static_cast<std::uint64_t>(dot(v, v).raw));

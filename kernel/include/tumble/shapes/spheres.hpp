@@ -18,8 +18,7 @@ struct SphereSphere {
     Length gap;
 
     explicit SphereSphere(const PairView<N>& view) {
-        const auto distance2 = dot(view.reach, view.reach);
-        if (distance2 > decltype(distance2){}) normal = C::direction(view.reach);
+        if (C::has_direction(view.reach)) normal = C::direction(view.reach);
         else normal = {Unit{}, C::one(), Unit{}};  // any direction
         gap = narrow<Length>(dot(normal, view.reach)) - view.a.half.x() - view.b.half.x();
     }
