@@ -364,14 +364,19 @@ public:
         if (fault != SnapshotFault::none) return fault;
         const auto header = detail::SnapshotHeader::read(from);
         if (header.scene != scene_digest(header.part) ||
-            (header.part == SnapshotPart::bodies &&
-             header.size != static_cast<std::uint32_t>(snapshot_size(header.part))))
+            (header.part == SnapshotPart::world && header.spin != Advance::spin))
             return SnapshotFault::other_scene;
-        detail::SnapshotReader reader{from + detail::SnapshotHeader::bytes};
-        archive(*this, reader, header.part);
+        const std::uint8_t* const state = from + detail::SnapshotHeader::bytes;
+        const int size = static_cast<int>(header.size) - detail::SnapshotHeader::bytes - 4;
+        detail::SnapshotWriter held{state, size};
+        archive(std::as_const(*this), held, header.part, header.spin);
+        if (held.fault() != SnapshotFault::none) return held.fault();
+        detail::SnapshotReader reader{state, size};
+        archive(*this, reader, header.part, header.spin);
         if constexpr (has_events) select();
         if (header.part == SnapshotPart::world) return SnapshotFault::none;
         for (int b = 0; b < advance_.bodies.count; ++b) {
+            if (header.spin != Advance::spin) advance_.check_range(b);
             advance_.spin_changed(b);
             if constexpr (has_imu) remember(b);
             replaced(b);
@@ -591,32 +596,37 @@ private:
         if (part == SnapshotPart::bodies) return digest.value();
         digest.add(Integrator::name);
         Features::for_each([&](const char*, auto member) { digest.add(static_cast<int>(features.*member)); });
-        if constexpr (tumble::detail::OwnLoads<S>::List::count > 0)
+        if constexpr (tumble::detail::OwnLoads<S>::List::count > 0) {
             digest.add(tumble::detail::OwnLoads<S>::List::count);
+            advance_.loads.add_own_to(digest);
+        }
         advance_.add_to(digest);
         return digest.value();
     }
     void write(detail::SnapshotWriter& to, SnapshotPart part, std::uint32_t size) const requires(features.snapshots) {
-        detail::SnapshotHeader{part, detail::digest_of_numbers<N>(), scene_digest(part), size}.write(to);
-        archive(*this, to, part);
+        detail::SnapshotHeader{part, Advance::spin, detail::digest_of_numbers<N>(), scene_digest(part), size}.write(to);
+        archive(*this, to, part, Advance::spin);
     }
     template <class Self, class Archive>
-    static void archive(Self& self, Archive& to, SnapshotPart part) requires(features.snapshots) {
+    static void archive(Self& self, Archive& to, SnapshotPart part, Spin spin) requires(features.snapshots) {
         auto& bodies = self.advance_.bodies;
         to(bodies.steps_taken);
-        for (int b = 0; b < bodies.count; ++b) to(bodies.state[b]);
-        if constexpr (Bodies::has_parts)
-            for (int b = 0; b < bodies.count; ++b) to(bodies.parts.halvings[b]);
+        for (int b = 0; b < bodies.count; ++b) {
+            if constexpr (features.removal)
+                if (!self.places_.is_taken(b)) continue;
+            Bodies::archive(bodies, b, to, spin);
+        }
         if (part == SnapshotPart::bodies) return;
         Advance::archive(self.advance_, to);
         auto& status = bodies.status;
         to(status.first_step, status.count, status.first_body, status.bits);
-        if constexpr (has_contacts) {
-            Contacts::archive(self.contacts_, bodies, to);
-            if constexpr (Archive::reads) self.contacts_.mark_all(self.advance_);
-        }
+        if constexpr (has_contacts) { Contacts::archive(self.contacts_, bodies, to); }
         if constexpr (has_imu)
-            for (int b = 0; b < bodies.count; ++b) to(self.before_[b]);
+            for (int b = 0; b < bodies.count; ++b) {
+                to(self.before_[b]);
+                if constexpr (Bodies::has_parts)
+                    (void)to.within(self.before_[b].halvings, 0, bodies.scale.most_halvings);
+            }
         if constexpr (has_events) to(self.wraps_);
     }
     // Call when the world has gone to another step.

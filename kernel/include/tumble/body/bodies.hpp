@@ -411,6 +411,24 @@ public:
         return h.value();
     }
 
+    // Writes or reads how body b stands and moves, with a spin of the kind `from`. Another kind than that of this world
+    // is read as the same angular velocity, to rounding. A point mass has the numbers that it has in a world without
+    // rotation, and a scale is there whether spins of this world may have another or not.
+    template <class Self, class Archive>
+    static void archive(Self& self, int b, Archive& to, [[maybe_unused]] Spin from) {
+        auto& s = self.state[b];
+        to(s.x_w, s.d_w);
+        if constexpr (rotation) {
+            if (!self.rotates(b)) return;
+            to(s.q_wb);
+            constexpr Spin other = spin == Spin::angular_velocity ? Spin::angular_momentum : Spin::angular_velocity;
+            if (from != spin) return archive_other_spin<other>(self, b, to);
+            to(s.t_b);
+            if constexpr (has_parts) (void)to.within(self.parts.halvings[b], 0, self.scale.most_halvings);
+            else if constexpr (N::fixed_point) archive_no_halvings(to);
+        }
+    }
+
     // The state in SI units. World documents these functions.
     [[nodiscard]] WorkVec3<N> position(int b) const {
         const State& s = state[b];
@@ -460,6 +478,35 @@ public:
     [[no_unique_address]] detail::StepParts<has_parts ? capacity : 0> parts{};
 
 private:
+    static void archive_no_halvings(auto& to) {
+        int none = 0;
+        (void)to.within(none, 0, 0);
+    }
+    template <Spin from, class Self, class Archive>
+    [[gnu::noinline, gnu::cold]] static void archive_other_spin(Self& self, int b, Archive& to) {
+        SpinVec3<N, from> t_b{};
+        to(t_b);
+        auto unit = N::Scale::of(self.step_length, turn_per_spin(from, self.step_length));
+        if constexpr (N::fixed_point) {
+            int halvings = 0;
+            halvings = to.within(halvings, 0, unit.most_halvings);
+            unit = unit.halved(halvings);
+        }
+        if constexpr (Archive::reads) {
+            const auto& units = self.constants[b].units;
+            Work turn[3];
+            for (int i = 0; i < 3; ++i) {
+                turn[i] = N::half_turn(N::sum(t_b[i]), unit);  // h/2 omega_i is h/2 L_i / I_y times I_y / I_i
+                if constexpr (spin == Spin::angular_velocity)
+                    turn[i] = turn[i] * (units.per_impulse(i) / units.per_impulse(1));
+                else turn[i] = turn[i] * (Work(2) / units.per_half_turn(i));
+            }
+            self.stop_spin(b);
+            self.change_spin(b, [&](auto& to_spin, typename N::Scale scale_of_spin) {
+                for (int i = 0; i < 3; ++i) N::add_any(to_spin[i], turn[i], scale_of_spin);
+            });
+        }
+    }
     TUMBLE_COLD constexpr void set_rotation(int b, const BodySpec& spec,
                                             const PrincipalInertia& inertia) requires(rotation) {
         Constants& body = constants[b];

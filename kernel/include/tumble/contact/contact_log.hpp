@@ -28,8 +28,8 @@ struct LoggedContact {
     // Calls visit with the members that a snapshot holds.
     template <class Self, class Visit>
     static void each(Self& self, Visit& visit) {
-        visit(self.a, self.b, self.touched, self.touches, self.hit_speed, self.gap, self.normal_impulse, self.impulse,
-              self.moment, self.normal);
+        visit(self.touched, self.touches, self.hit_speed, self.gap, self.normal_impulse, self.impulse, self.moment,
+              self.normal);
         if constexpr (features.friction) visit(self.friction_impulse);
     }
     void clear_impulses() {
@@ -175,9 +175,13 @@ public:
     }
     // Writes or reads what a snapshot holds.
     template <class Self, class Archive>
-    static void archive(Self& self, Archive& to) {
-        to(self.count_);
-        for (int i = 0; i < self.count_; ++i) to(self.entry_[i]);
+    static void archive(Self& self, Archive& to, int bodies, int planes) {
+        const int count = to.within(self.count_, 0, room);
+        for (int i = 0; i < count; ++i) {
+            to.within(self.entry_[i].a, 0, bodies - 1);
+            to.within(self.entry_[i].b, -planes, bodies - 1);
+            to(self.entry_[i]);
+        }
     }
 
 private:

@@ -26,7 +26,7 @@ public:
     using Kicks = typename Velocities::Kicks;
     using Solver = tumble::Solver<N, features.pairs, features.friction, features.rolling_resistance>;
 
-    ContactRows(const NarrowPhase& shapes, PairList& pairs, Velocities& velocities, Bodies& bodies,
+    ContactRows(const NarrowPhase& shapes, PairList& pairs, Velocities& velocities, const Bodies& bodies,
                 const Island& island)
         : shapes_{shapes}, pairs_{pairs}, velocities_{velocities}, bodies_{bodies}, island_{island} {}
 
@@ -408,7 +408,7 @@ private:
     const NarrowPhase& shapes_;
     PairList& pairs_;
     Velocities& velocities_;
-    Bodies& bodies_;
+    const Bodies& bodies_;
     const Island& island_;
     [[no_unique_address]] If<features.kinematic, Work, 0> ahead_{};
 };

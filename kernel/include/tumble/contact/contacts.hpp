@@ -154,25 +154,40 @@ public:
     template <class Self, class Archive>
     static void archive(Self& self, const Bodies& bodies, Archive& to) {
         auto& state = self.state_;
-        if constexpr (Archive::reads) state.standing = {};
+        bool stands[features.bodies]{};  // its island may, so the solution of the last step is compared with the next
+        tumble::detail::transfer_bits<4>(
+            to, features.bodies, [&](int b) { return state.marks[b].bits(); },
+            [&](int b, std::uint32_t bits) {
+                stands[b] = Mark::of(bits).coupled;
+                if constexpr (Archive::reads) state.marks[b] = Mark::of(bits);
+            });
+        Standing<features>::archive(state.standing, to);
+        Sleepers<N, spin, features>::archive(state.sleepers, bodies, to);
         NarrowPhase<N, spin, features>::archive(state.shapes, to);
         ClearTimes<N, features>::archive(state.times, to);
-        PairList<N, features>::archive(state.pairs, to, [&](auto& pair) { state.shapes.set_up(pair, bodies); });
         if constexpr (Archive::reads) {
             state.times.unlist_all();
-            for (int i = 0; i < state.pairs.count(); ++i) state.times.list(state.pairs[i].a, state.pairs[i].b);
+            state.velocities.forget_turns();
         }
-        to(state.sleepers);
-        if constexpr (features.contact_readout) ContactLog<N, spin, features>::archive(state.log, to);
+        PairList<N, features>::archive(
+            state.pairs, to, [&](int a, int b) { return state.shapes.may_touch(bodies, a, b); },
+            [&](auto& pair) { state.shapes.set_up(pair, bodies); },
+            [&](auto& pair, int a, int b, int still) {
+                stands[a] = stands[a] || still > 0;
+                if (b >= 0) stands[b] = stands[b] || still > 0;
+                if constexpr (Archive::reads) {
+                    state.times.list(a, b);
+                    self.make_rows(pair, bodies);
+                }
+            });
+        for (int b = 0; b < features.bodies; ++b)
+            if (stands[b] && !bodies.constants[b].fixed()) to(state.velocities.loaded[b], state.forces[b]);
+        if constexpr (features.contact_readout)
+            ContactLog<N, spin, features>::archive(state.log, to, bodies.count, state.shapes.plane_count());
     }
     // Call where all bodies are elsewhere.
     void forget_log() {
         if constexpr (features.contact_readout) state_.log.clear();
-    }
-    // Call after archive() has read: asks of all bodies what acts on them.
-    template <class Advance>
-    void mark_all(const Advance& advance) {
-        for (int b = 0; b < advance.bodies.count; ++b) state_.marks[b] = advance.mark(b);
     }
 
 private:
@@ -233,6 +248,16 @@ private:
         return found;
     }
 
+    // Makes the rows of a pair that has been read anew, where they held.
+    void make_rows(typename NarrowPhase<N, spin, features>::Pair& pair, const Bodies& bodies) {
+        if (!pair.rows_hold()) return;
+        for (int i = 0; i < pair.count; ++i) pair.point[i].rows_hold = false;
+        const auto still = pair.still;
+        const BodyGroup nobody{};
+        const Island<features.bodies> island{nobody, 0, -1};
+        ContactRows<N, spin, features>{state_.shapes, state_.pairs, state_.velocities, bodies, island}.make_rows(pair);
+        pair.still = still;
+    }
     // Connects the bodies that do not fly freely to islands. A body that wakes or comes near something in this step
     // joins in the next.
     void connect(Schedule& schedule, Bodies& bodies) {

@@ -80,7 +80,8 @@ public:
     // Writes or reads what a snapshot holds.
     template <class Self, class Archive>
     static void archive(Self& self, Archive& to) {
-        to(self.level_, self.place_);
+        for (auto& level : self.level_) to.within(level, nowhere, everywhere);
+        to(self.place_);
         if constexpr (Archive::reads) {
             for (auto& first : self.first_) first = 0;
             for (auto& count : self.count_) count = 0;

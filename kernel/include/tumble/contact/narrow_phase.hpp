@@ -87,6 +87,15 @@ public:
         const Work up = N::half_of(scale().metres(point.gap));
         return bodies.position(pair.a) + world_arm(pair.a, point.arm) - scaled_by(work_unit<N>(pair.normal), up);
     }
+    // Whether a pair of a body with a plane or another body may be in the list of near pairs.
+    [[nodiscard]] bool may_touch(const Bodies& bodies, int a, int b) const {
+        const auto is_there = [&](int i) { return i < bodies.count && !shape_[i].is(ShapeKind::none); };
+        if (!is_there(a) || bodies.constants[a].fixed()) return false;
+        if (b < 0) return -1 - b < plane_count_;
+        if (!features.pairs || !is_there(b) || b == a || (b < a && !bodies.constants[b].fixed())) return false;
+        return touches_bodies(shape_[a].kind) && touches_bodies(shape_[b].kind) &&
+               touching_meet(shape_[a].kind, shape_[b].kind);
+    }
     // Sets the constants of a new pair.
     void set_up(Pair& pair, [[maybe_unused]] const Bodies& bodies) {
         const CollisionShape<N>& a = shape_[pair.a];

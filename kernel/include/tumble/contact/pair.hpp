@@ -84,41 +84,63 @@ struct Pair {
     typename C::SpeedScale scale{};                                               // of the points' impulses
     Point point[max_points];
 
-    // Calls visit with the members that a snapshot holds. The others follow from the bodies, or a step computes them
-    // anew.
-    template <class Self, class Visit>
-    static void each(Self& self, Visit& visit) {
-        visit(self.count, self.moved, self.touched, self.left_out, self.passed, self.selected, self.surface_moves,
-              self.gap, self.start_gap, self.normal, self.tangent, self.scale);
-        if constexpr (features.pairs) visit(self.start_normal);
-        if constexpr (features.pairs && features.boxes) visit(self.axis);
-        if constexpr (features.grid()) visit(self.due, self.ends);
-        for (int i = 0; i < self.count; ++i) {
-            auto& point = self.point[i];
-            visit(point.arm, point.gap);
-            for (auto& row : point.row) visit(row.impulse);
-            if constexpr (features.rolling_resistance)
-                for (auto& row : point.spin) visit(row.impulse);
-            if constexpr (features.pairs) visit(point.arm_b);
-            if constexpr (Visit::reads) point.rows_hold = false;
+    // Writes or reads what a snapshot holds. The rest follows from the bodies and from the points, or a step computes
+    // it anew. Returns `still`.
+    template <class Self, class Archive>
+    static int archive(Self& self, Archive& to, [[maybe_unused]] bool with_plane) {
+        std::uint32_t bits = 0;
+        if constexpr (!Archive::reads) bits = self.bits();
+        bits = to.bits(bits);
+        const int points = static_cast<int>(bits & 7u), count = points < max_points ? points : max_points;
+        to.require(points == count);
+        if constexpr (Archive::reads) self.set(bits);
+        int still = self.still;
+        still = to.within(still, 0, features.bodies);
+        if constexpr (Archive::reads) self.still = static_cast<std::int16_t>(still);
+        to(self.gap);
+        if (count > 0) to(self.scale);
+        if constexpr (features.pairs) {
+            if (!with_plane) to(self.normal);
+            if (!with_plane && count > 0) to(self.tangent);
         }
+        if constexpr (features.pairs && features.boxes) BoxAxis::archive(self.axis, to);
+        if constexpr (features.grid()) to(self.due, self.ends);
+        for (int i = 0; i < count; ++i) {
+            auto& point = self.point[i];
+            to(point.arm, point.gap);
+            for (auto& row : point.row) to(row.impulse);
+            if constexpr (features.rolling_resistance)
+                for (auto& row : point.spin) to(row.impulse);
+            if constexpr (features.pairs) {
+                if (!with_plane) to(point.arm_b);
+                else if constexpr (Archive::reads) point.arm_b = Vec3<Length>::Constant(Length{});
+            }
+        }
+        return still;
     }
 
     // Another pair in this place.
     void begin(int first, int second) {
         a = static_cast<std::int16_t>(first);
         b = static_cast<std::int16_t>(second);
-        count = 0;
+        count = carrying = 0;
         still = 0;
         moved = true;
         touched = left_out = passed = selected = has_friction = surface_moves = false;
         share_b = {};
+        if constexpr (features.pairs && features.boxes) axis = {};
         if constexpr (features.grid()) due = ends = 0;
     }
     // Of a point: the normal, and two tangents where there is friction.
     [[nodiscard]] int rows() const {
         if constexpr (features.friction) return has_friction ? 3 : 1;
         else return 1;
+    }
+    // A step makes no row anew while the bodies stay where they are. It makes those of a surface that moves.
+    [[nodiscard]] bool rows_hold() const {
+        bool hold = count > 0 && !surface_moves;
+        for (int i = 0; i < count; ++i) hold = hold && point[i].rows_hold;
+        return hold;
     }
     // Rolling and spinning meet a resistance.
     [[nodiscard]] bool resists_spin() const {
@@ -135,6 +157,24 @@ struct Pair {
     [[nodiscard]] static std::uint32_t key_of(int a, int b) {
         return static_cast<std::uint32_t>(a) << 16 |
                (b < 0 ? static_cast<std::uint32_t>(-1 - b) : 0x8000u | static_cast<std::uint32_t>(b));
+    }
+
+private:
+    // The small members of a snapshot, and back: count, what is true of the pair, whether all rows hold, `carrying`.
+    [[nodiscard]] std::uint32_t bits() const {
+        std::uint32_t bits = count | static_cast<std::uint32_t>(carrying) << 8;
+        bits |= moved << 3 | touched << 4 | left_out << 5 | surface_moves << 6;
+        return bits | rows_hold() << 7;
+    }
+    void set(std::uint32_t bits) {
+        const auto has = [&](int bit) { return (bits >> bit & 1) != 0; };
+        count = static_cast<std::uint8_t>(bits & 7u);
+        carrying = static_cast<std::uint8_t>(bits >> 8);
+        moved = has(3);
+        touched = has(4);
+        left_out = has(5);
+        surface_moves = has(6);
+        for (int i = 0; i < count; ++i) point[i].rows_hold = has(7);
     }
 };
 

@@ -180,24 +180,31 @@ public:
             if (const Pair& pair = (*this)[i]; pair.b >= 0 && pair.count > 0) f(pair.a, pair.b);
     }
 
-    // Writes or reads what a snapshot holds. set_up(pair) sets the constants of a pair that is read.
-    template <class Self, class Archive, class SetUp>
-    static void archive(Self& self, Archive& to, SetUp&& set_up) {
-        to(self.touching_, self.pairs_of_, self.count_);
-        if constexpr (features.grid()) to(self.with_bodies_of_);
-        if constexpr (Archive::reads)
-            for (; self.slots_ < self.count_; ++self.slots_)
-                self.order_[self.slots_] = static_cast<std::int16_t>(self.slots_);
-        for (int i = 0; i < self.count_; ++i) {
-            auto& pair = self[i];
-            std::int16_t a = pair.a, b = pair.b;
-            to(a, b);
-            if constexpr (Archive::reads) {
-                pair.begin(a, b);
-                set_up(pair);
-            }
-            to(pair);
+    // Writes or reads what a snapshot holds. may_touch(a, b): such a pair may be in the list. set_up(pair) sets the
+    // constants of a pair that is read, finish(pair, still) is called after it.
+    template <class Self, class Archive, class MayTouch, class SetUp, class Finish>
+    static void archive(Self& self, Archive& to, MayTouch&& may_touch, SetUp&& set_up, Finish&& finish) {
+        to(self.touching_, self.loses_, self.loses_any_, self.refusals_);
+        const int count = to.within(self.count_, 0, room);
+        (void)to.within(self.slots_, count, room);
+        if constexpr (Archive::reads) {
+            const int slots = self.slots_;
+            self.forget_all();
+            self.slots_ = slots;
+            for (int i = 0; i < slots; ++i) self.order_[i] = static_cast<std::int16_t>(i);
         }
+        for (int i = 0, last = -1; i < count; ++i) {
+            auto& pair = self.pair_[self.order_[i]];
+            int a = pair.a, b = pair.b;
+            a = to.within(a, 0, features.bodies - 1);
+            b = to.within(b, -features.planes, features.bodies - 1);
+            const int key = static_cast<int>(Pair::key_of(a, b));
+            to.require(last < key && may_touch(a, b));
+            last = key;
+            if constexpr (Archive::reads) set_up(self.insert(i, a, b));
+            finish(pair, a, b, Pair::archive(pair, to, b < 0));
+        }
+        to(self.is_linked_);
     }
 
 private:

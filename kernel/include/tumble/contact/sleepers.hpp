@@ -33,11 +33,26 @@ public:
 
     // Adds an awake body.
     void add(int b) { awake_[awake_count_++] = static_cast<std::int16_t>(b); }
-    // Calls visit with the members that a snapshot holds.
-    template <class Self, class Visit>
-    static void each(Self& self, Visit& visit) {
-        visit(self.awake_count_, self.awake_);
-        if constexpr (features.sleep) visit(self.asleep_, self.quiet_);
+    // Writes or reads what a snapshot holds. Of the bodies that may move those sleep that are not in the list.
+    template <class Self, class Archive>
+    static void archive(Self& self, const Bodies& bodies, Archive& to) {
+        bool rests[features.bodies]{};
+        int moving = 0;
+        for (int b = 0; b < bodies.count; ++b) {
+            rests[b] = !bodies.constants[b].fixed();
+            moving += rests[b];
+        }
+        const int count = to.within(self.awake_count_, features.sleep ? 0 : moving, moving);
+        for (int k = 0; k < count; ++k) {
+            const int b = to.within(self.awake_[k], 0, features.bodies - 1);
+            to.require(rests[b]);
+            rests[b] = false;
+        }
+        if constexpr (features.sleep) {
+            to(self.quiet_);
+            if constexpr (Archive::reads)
+                for (int b = 0; b < features.bodies; ++b) self.asleep_[b] = rests[b];
+        }
     }
     // Call when a body that is awake is removed.
     void remove(int b) {

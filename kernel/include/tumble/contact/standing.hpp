@@ -44,6 +44,13 @@ public:
         is_known_ = is_known;
     }
 
+    // Writes or reads what a snapshot holds.
+    template <class Self, class Archive>
+    static void archive(Self& self, Archive& to) {
+        to(self.all_, self.is_known_);
+        if constexpr (each) to(self.of_);
+    }
+
 private:
     static constexpr bool each = features.bodies > 1;
 

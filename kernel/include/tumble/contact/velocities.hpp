@@ -32,6 +32,10 @@ public:
         else return false;
     }
 
+    void forget_turns() {
+        if constexpr (shapes_turn)
+            for (auto& t : turn) t = {};
+    }
     // For statics, which know that the body stands at the end.
     void stop(int b) { now[b].linear = now[b].angular = Vec3<Speed>::Constant(Speed{}); }
     // Sets how far the bodies turn in `part` of a step. `in_halves`: half of each kick acts before the flight, half

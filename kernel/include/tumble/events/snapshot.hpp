@@ -1,8 +1,8 @@
 // Snapshots as bytes: the state of a world for a wire or a flash. Numbers are written in words of 32 bits, the lowest
 // byte first, so every machine reads what another has written. World::save() and World::restore() use this.
 //
-// A snapshot is: "tmbl"; version and part, 16 bits each; TUMBLE_BITS; digest of the number system; digest of the scene,
-// 64 bits; the size in bytes; the state; CRC-32 of all bytes before it.
+// A snapshot is: "tmbl"; version, 16 bits, part and kind of spin, 8 bits each; TUMBLE_BITS; digest of the number
+// system; digest of the scene, 64 bits; the size in bytes; the state; CRC-32 of all bytes before it.
 #pragma once
 
 #include <tumble/body/words.hpp>
@@ -23,7 +23,7 @@ enum class SnapshotFault : std::uint8_t {
     truncated,      // there are fewer bytes than the snapshot has
     no_snapshot,    // they do not begin as a snapshot does
     other_version,  // of the format
-    corrupted,      // the check word is wrong
+    corrupted,      // the check word is wrong, or a number counts or names what the world has no room for
     other_bits,     // of a kernel with another TUMBLE_BITS
     other_numbers,  // of another number system
     other_scene,    // of a world with other bodies, planes, springs or step; of a whole world: or with other features
@@ -82,11 +82,42 @@ struct WordsOf<Shaped<Fixed<F>, true>> {
     using Word = std::uint32_t;
 };
 
+// Transfers `count` values of `width` bits, as many in a word as it holds. Calls take(i, value) for each.
+template <int width, class A>
+void transfer_bits(A& archive, int count, auto&& value_of, auto&& take) {
+    constexpr int in_word = 32 / width;
+    for (int first = 0; first < count; first += in_word) {
+        const int many = count - first < in_word ? count - first : in_word;
+        std::uint32_t bits = 0;
+        for (int k = 0; !A::reads && k < many; ++k)
+            bits |= static_cast<std::uint32_t>(value_of(first + k)) << (width * k);
+        bits = archive.bits(bits);
+        for (int k = 0; k < many; ++k) take(first + k, bits >> (width * k) & (0xffffffffu >> (32 - width)));
+    }
+}
+// Unsigned integers below 32 bits, and bool.
+template <class T>
+inline constexpr int bits_of_element = 0;
+template <class T>
+requires(std::is_unsigned_v<T> &&
+         sizeof(T) <
+             4) inline constexpr int bits_of_element<T> = std::is_same_v<T, bool> ? 1 : 8 * static_cast<int>(sizeof(T));
+
+// No exponent of a number comes near it, and the sum of many does not wrap.
+inline constexpr int most_exponent = 1 << 20;
+
 // Transfers a value to or from an archive, word by word.
 template <class A, class T>
 void transfer(A& archive, T& value) {
     using V = std::remove_const_t<T>;
-    if constexpr (std::is_array_v<V>) {
+    if constexpr (std::is_array_v<V> && bits_of_element < std::remove_extent_t < V >>> 0) {
+        using Element = std::remove_extent_t<V>;
+        transfer_bits<bits_of_element<Element>>(
+            archive, static_cast<int>(std::extent_v<V>), [&](int i) { return value[i]; },
+            [&]([[maybe_unused]] int i, [[maybe_unused]] std::uint32_t bits) {
+                if constexpr (A::reads) value[i] = static_cast<Element>(bits);
+            });
+    } else if constexpr (std::is_array_v<V>) {
         for (auto& element : value) transfer(archive, element);
     } else if constexpr (std::is_same_v<V, bool> || std::is_enum_v<V> || (std::is_integral_v<V> && sizeof(V) <= 4)) {
         archive.number(value);
@@ -100,7 +131,7 @@ void transfer(A& archive, T& value) {
         auto mantissa = value.mantissa();
         auto exponent = value.exponent();
         transfer(archive, mantissa);
-        transfer(archive, exponent);
+        archive.within(exponent, -most_exponent, most_exponent);
         if constexpr (A::reads) value = Scaled::of(mantissa, exponent);
     } else if constexpr (requires { typename WordsOf<V>::Word; }) {
         using Word = typename WordsOf<V>::Word;
@@ -118,7 +149,6 @@ void transfer(A& archive, T& value) {
         transfer(archive, value.d_w);
         if constexpr (requires { value.q_wb; }) transfer(archive, value.q_wb);
         if constexpr (requires { value.t_b; }) transfer(archive, value.t_b);
-        if constexpr (requires { value.halvings; }) transfer(archive, value.halvings);
     } else if constexpr (requires { value.linear; }) {
         transfer(archive, value.linear);
         if constexpr (requires { value.angular; }) transfer(archive, value.angular);
@@ -136,15 +166,22 @@ void transfer(A& archive, T& value) {
     }
 }
 
-// Counts the bytes, or writes them too.
+// Writes a state, counts its bytes, or holds bytes against it: those of the same scene have as many, and what they
+// count and name has room in this world. The three are one class, so that a program has the code of an archive once.
 class SnapshotWriter {
 public:
     static constexpr bool reads = false;
 
-    // Null: only counts.
+    // Null: only counts, and adds up the check word.
     explicit SnapshotWriter(std::uint8_t* to) : to_{to} {}
+    // Holds a state of `count` bytes against the world.
+    SnapshotWriter(const std::uint8_t* held, int count) : held_{held}, count_{count} {}
     void operator()(const auto&... values) { (transfer(*this, values), ...); }
     void word(std::uint32_t w) {
+        if (held_ != nullptr) {
+            size_ += 4;
+            return;
+        }
         for (int i = 0; i < 4; ++i) {
             const auto byte = static_cast<std::uint8_t>(w >> (8 * i));
             if (to_ != nullptr) to_[size_] = byte;
@@ -166,23 +203,46 @@ public:
         word(static_cast<std::uint32_t>(bits));
         word(static_cast<std::uint32_t>(bits >> 32));
     }
+    // A word of which every bit has a meaning. Returns that of the bytes.
+    std::uint32_t bits(std::uint32_t w) {
+        if (held_ != nullptr) w = size_ + 4 <= count_ ? word_at(held_ + size_) : 0;
+        word(w);
+        return w;
+    }
+    // A number that must be from `least` to `most`. Returns that of the bytes, or `least`.
+    int within(int value, int least, int most) {
+        const auto found = static_cast<std::int32_t>(bits(static_cast<std::uint32_t>(value)));
+        const bool has_room = least <= found && found <= most;
+        require(has_room);
+        return has_room ? found : least;
+    }
+    // Call for what must be true of the bytes.
+    void require(bool is_right) { is_right_ = is_right_ && is_right; }
+    // Of the bytes that were held against the state.
+    [[nodiscard]] SnapshotFault fault() const {
+        if (!is_right_) return SnapshotFault::corrupted;
+        return size_ == count_ ? SnapshotFault::none : SnapshotFault::other_scene;
+    }
     [[nodiscard]] int size() const { return size_; }
     [[nodiscard]] std::uint32_t check() const { return crc_.value(); }
 
 private:
-    std::uint8_t* to_;
-    int size_ = 0;
+    std::uint8_t* to_ = nullptr;
+    const std::uint8_t* held_ = nullptr;
+    int size_ = 0, count_ = 0;
+    bool is_right_ = true;
     Crc32 crc_{};
 };
 
-// Reads a state whose check word is right.
+// Reads a state that has been held against the world. Beyond its end it reads zeros.
 class SnapshotReader {
 public:
     static constexpr bool reads = true;
 
-    explicit SnapshotReader(const std::uint8_t* from) : from_{from} {}
+    SnapshotReader(const std::uint8_t* from, int count) : from_{from}, end_{from + count} {}
     void operator()(auto&... values) { (transfer(*this, values), ...); }
     [[nodiscard]] std::uint32_t word() {
+        if (from_ == end_) return 0;
         const std::uint32_t w = word_at(from_);
         from_ += 4;
         return w;
@@ -200,28 +260,38 @@ public:
         const std::uint64_t low = word();
         value = std::bit_cast<T>(low | std::uint64_t{word()} << 32);
     }
+    [[nodiscard]] std::uint32_t bits(std::uint32_t) { return word(); }
+    template <class T>
+    int within(T& value, int, int) {
+        const auto found = static_cast<std::int32_t>(word());
+        value = static_cast<T>(found);
+        return found;
+    }
+    void require(bool) {}
 
 private:
-    const std::uint8_t* from_;
+    const std::uint8_t *from_, *end_;
 };
 
 struct SnapshotHeader {
     static constexpr int words = 8, bytes = 4 * words;
-    static constexpr std::uint32_t mark = 0x6c626d74u, version = 2;  // "tmbl"
+    static constexpr std::uint32_t mark = 0x6c626d74u, version = 3;  // "tmbl"
 
     SnapshotPart part = SnapshotPart::world;
+    Spin spin = Spin::none;     // in the states of bodies
     std::uint32_t numbers = 0;  // digest
     std::uint64_t scene = 0;    // digest
     std::uint32_t size = 0;     // of the whole snapshot
 
     void write(SnapshotWriter& to) const {
-        to(mark, version | static_cast<std::uint32_t>(part) << 16, std::uint32_t{TUMBLE_BITS}, numbers, scene, size,
-           std::uint32_t{0});
+        to(mark, version | static_cast<std::uint32_t>(part) << 16 | static_cast<std::uint32_t>(spin) << 24,
+           std::uint32_t{TUMBLE_BITS}, numbers, scene, size, std::uint32_t{0});
     }
     // Of bytes that are long enough for it.
     [[nodiscard]] static SnapshotHeader read(const std::uint8_t* from) {
         SnapshotHeader header;
-        header.part = static_cast<SnapshotPart>(word_at(from + 4) >> 16);
+        header.part = static_cast<SnapshotPart>(from[6]);
+        header.spin = static_cast<Spin>(from[7]);
         header.numbers = word_at(from + 12);
         header.scene = word_at(from + 16) | std::uint64_t{word_at(from + 20)} << 32;
         header.size = word_at(from + 24);
@@ -241,14 +311,17 @@ struct SnapshotHeader {
         if (crc.value() != word_at(from + size - 4)) return SnapshotFault::corrupted;
         if (word_at(from + 8) != std::uint32_t{TUMBLE_BITS}) return SnapshotFault::other_bits;
         if (word_at(from + 12) != numbers) return SnapshotFault::other_numbers;
-        return word_at(from + 4) >> 16 > static_cast<std::uint32_t>(SnapshotPart::world) ? SnapshotFault::corrupted
-                                                                                         : SnapshotFault::none;
+        return from[6] > static_cast<std::uint8_t>(SnapshotPart::world) ||
+                       from[7] > static_cast<std::uint8_t>(Spin::none)
+                   ? SnapshotFault::corrupted
+                   : SnapshotFault::none;
     }
 };
 
 // A digest of the constants of a scene and of a number system.
 class Digest {
 public:
+    using Words = SnapshotWriter;  // counts the words of numbers
     constexpr void add(std::uint32_t word) { hash_.add(word); }
     constexpr void add(int value) { hash_.add(static_cast<std::uint32_t>(value)); }
     constexpr void add(const Real& value) {

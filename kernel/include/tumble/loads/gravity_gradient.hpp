@@ -51,12 +51,7 @@ public:
     }
 
     // Likewise.
-    static void each(auto& gradient, auto& archive) {
-        archive(gradient.strength_);
-        if constexpr (requires { gradient.to_centre_.mantissa; })
-            archive(gradient.to_centre_.mantissa, gradient.to_centre_.exponent);
-        else archive(gradient.to_centre_.v);
-    }
+    static void each(auto& gradient, auto& archive) { archive(gradient.strength_, gradient.to_centre_); }
 
 private:
     using Work = typename N::Work;

@@ -133,6 +133,17 @@ public:
             return false;
         });
     }
+    // Adds the bytes that snapshots hold of each listed load to a digest, and what the load does.
+    void add_own_to(auto& digest) const {
+        (void)OwnLoads::any(own_, [&](const auto& load) {
+            using Load = std::remove_cvref_t<decltype(load)>;
+            typename std::remove_cvref_t<decltype(digest)>::Words words{nullptr};
+            if constexpr (requires { Load::each(load, words); }) Load::each(load, words);
+            digest.add(words.size());
+            digest.add(detail::HasTurns<Load> + 2 * detail::HasCouples<Load> + 4 * detail::HasDependsOnVelocity<Load>);
+            return false;
+        });
+    }
     // Call when a body has been added.
     void set_body([[maybe_unused]] int b, [[maybe_unused]] const BodySpec& spec,
                   [[maybe_unused]] const PrincipalInertia& inertia, [[maybe_unused]] Bodies& bodies) {

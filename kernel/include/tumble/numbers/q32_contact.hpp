@@ -151,7 +151,7 @@ requires(N::fixed_point) struct ContactNumbers<N> {
         // Calls visit with the members that a snapshot holds.
         template <class Self, class Visit>
         static void each(Self& self, Visit& visit) {
-            visit(self.bits_);
+            visit.within(self.bits_, -0x10000, 0x10000);
         }
         // The scale for speeds whose largest component is below 2^log2, with this number of bodies and masses that
         // differ by a factor of up to 4^spread. The norm of the speeds, which no solution exceeds by much, and the

@@ -24,7 +24,9 @@ requires(N::fixed_point) struct VectorBlock<N> {
     // Calls visit with the members that a snapshot holds.
     template <class Self, class Visit>
     static void each(Self& self, Visit& visit) {
-        visit(self.mantissa, self.exponent);
+        constexpr int most = 5 << 28;  // see above
+        for (auto& component : self.mantissa) visit.within(component, -most, most);
+        visit.within(self.exponent, 2 * lowest, -2 * lowest);
     }
 
     // `by_float_unit`: the core's instructions take the place of shifts, for the same bits. 2^(156 - most) is exact and

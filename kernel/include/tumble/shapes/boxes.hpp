@@ -12,10 +12,11 @@ struct BoxAxis {
     std::int8_t index = 0;
     bool negative = false;
 
-    // Calls visit with the members that a snapshot holds.
-    template <class Self, class Visit>
-    static void each(Self& self, Visit& visit) {
-        visit(self.index, self.negative);
+    // Writes or reads it.
+    template <class Self, class Archive>
+    static void archive(Self& self, Archive& to) {
+        to.within(self.index, 0, 14);
+        to(self.negative);
     }
 };
 

@@ -127,7 +127,11 @@ struct MoserVeselovInertia {
     // Calls visit with the members that a snapshot holds.
     template <class Self, class Visit>
     static void each(Self& self, Visit& visit) {
-        visit(self.modified, self.inverse, self.z_shift);
+        visit(self.modified, self.inverse);
+        bool needs_care = self.z_shift >= with_care;
+        visit(needs_care);
+        if constexpr (Visit::reads)
+            self.z_shift = static_cast<std::int8_t>(self.z_shift % with_care + (needs_care ? with_care : 0));
     }
     // Computes the modified moments for the body's spin.
     constexpr void prepare(const BodyState<N, Spin::angular_momentum>& body, typename N::Scale scale) {
