@@ -269,6 +269,7 @@ TYPED_TEST(Snapshots, that_are_forged_are_refused_or_stay_within_the_room) {
     for (unsigned seed = 1; seed <= stories; ++seed) {
         const Story<World> story{seed};
         std::mt19937 random{seed * 77};
+        const auto word = [&] { return static_cast<std::uint32_t>(random()); };
         World world = story.begin();
         const int saved_at = static_cast<int>(random() % 300);
         for (int i = 0; i < saved_at; ++i) {
@@ -279,7 +280,7 @@ TYPED_TEST(Snapshots, that_are_forged_are_refused_or_stay_within_the_room) {
         for (unsigned forgery = 0; forgery < forgeries; ++forgery) {
             auto forged = bytes;
             const std::size_t place = 32 + 4 * (random() % (bytes.size() / 4 - 9));
-            const std::uint32_t words[] = {0xffffffffu, 0x7fffffffu, 0x80000000u, random(), random() % 70};
+            const std::uint32_t words[] = {0xffffffffu, 0x7fffffffu, 0x80000000u, word(), word() % 70};
             std::memcpy(&forged[place], &words[random() % 5], 4);
             tumble::detail::Crc32 crc;
             for (std::size_t i = 0; i + 4 < forged.size(); ++i) crc.add(forged[i]);

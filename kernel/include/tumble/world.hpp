@@ -624,8 +624,9 @@ private:
         if constexpr (has_imu)
             for (int b = 0; b < bodies.count; ++b) {
                 to(self.before_[b]);
-                if constexpr (Bodies::has_parts)
-                    (void)to.within(self.before_[b].halvings, 0, bodies.scale.most_halvings);
+                int most_halvings = 0;
+                if constexpr (Bodies::has_parts) most_halvings = bodies.scale.most_halvings;
+                if constexpr (features.rotation) (void)to.within(self.before_[b].halvings, 0, most_halvings);
             }
         if constexpr (has_events) to(self.wraps_);
     }

@@ -417,6 +417,8 @@ public:
     template <class Self, class Archive>
     static void archive(Self& self, int b, Archive& to, [[maybe_unused]] Spin from) {
         auto& s = self.state[b];
+        if constexpr (!Archive::reads && N::fixed_point)
+            if (to.holds()) to.require(is_in_range(self, b, to, from));
         to(s.x_w, s.d_w);
         if constexpr (rotation) {
             if (!self.rotates(b)) return;
@@ -478,6 +480,20 @@ public:
     [[no_unique_address]] detail::StepParts<has_parts ? capacity : 0> parts{};
 
 private:
+    // Whether the state that comes next is one that a step may leave.
+    [[nodiscard, gnu::noinline, gnu::cold]] static bool is_in_range(const auto& self, int b, const auto& to,
+                                                                    [[maybe_unused]] Spin from) {
+        State found{};
+        if constexpr (rotation) {
+            if (self.rotates(b)) {
+                if (from == spin) to.look_ahead(found.x_w, found.d_w, found.q_wb, found.t_b);
+                else to.look_ahead(found.x_w, found.d_w, found.q_wb);
+                return !N::out_of_range(found, 0) && N::is_unit(found.q_wb.value());
+            }
+        }
+        to.look_ahead(found.x_w, found.d_w);
+        return !N::out_of_range(found, 0);
+    }
     static void archive_no_halvings(auto& to) {
         int none = 0;
         (void)to.within(none, 0, 0);

@@ -155,8 +155,8 @@ public:
     static void archive(Self& self, const Bodies& bodies, Archive& to) {
         auto& state = self.state_;
         bool stands[features.bodies]{};  // its island may, so the solution of the last step is compared with the next
-        tumble::detail::transfer_bits<4>(
-            to, features.bodies, [&](int b) { return state.marks[b].bits(); },
+        to.template each_bits<4>(
+            features.bodies, [&](int b) { return state.marks[b].bits(); },
             [&](int b, std::uint32_t bits) {
                 stands[b] = Mark::of(bits).coupled;
                 if constexpr (Archive::reads) state.marks[b] = Mark::of(bits);

@@ -23,7 +23,7 @@ enum class SnapshotFault : std::uint8_t {
     truncated,      // there are fewer bytes than the snapshot has
     no_snapshot,    // they do not begin as a snapshot does
     other_version,  // of the format
-    corrupted,      // the check word is wrong, or a number counts or names what the world has no room for
+    corrupted,      // the check word is wrong, or a number is beyond its room or its range
     other_bits,     // of a kernel with another TUMBLE_BITS
     other_numbers,  // of another number system
     other_scene,    // of a world with other bodies, planes, springs or step; of a whole world: or with other features
@@ -166,6 +166,49 @@ void transfer(A& archive, T& value) {
     }
 }
 
+// Reads a state that has been held against the world. Beyond its end it reads zeros.
+class SnapshotReader {
+public:
+    static constexpr bool reads = true;
+
+    SnapshotReader(const std::uint8_t* from, int count) : from_{from}, end_{from + count} {}
+    void operator()(auto&... values) { (transfer(*this, values), ...); }
+    [[nodiscard]] std::uint32_t word() {
+        if (end_ - from_ < 4) return 0;
+        const std::uint32_t w = word_at(from_);
+        from_ += 4;
+        return w;
+    }
+    template <class T>
+    void number(T& value) {
+        value = static_cast<T>(word());
+    }
+    template <class T>
+    void one_word(T& value) {
+        value = std::bit_cast<T>(word());
+    }
+    template <class T>
+    void two_words(T& value) {
+        const std::uint64_t low = word();
+        value = std::bit_cast<T>(low | std::uint64_t{word()} << 32);
+    }
+    [[nodiscard]] std::uint32_t bits(std::uint32_t) { return word(); }
+    template <class T>
+    int within(T& value, int, int) {
+        const auto found = static_cast<std::int32_t>(word());
+        value = static_cast<T>(found);
+        return found;
+    }
+    void require(bool) {}
+    template <int width>
+    void each_bits(int count, auto&& value_of, auto&& take) {
+        transfer_bits<width>(*this, count, value_of, take);
+    }
+
+private:
+    const std::uint8_t *from_, *end_;
+};
+
 // Writes a state, counts its bytes, or holds bytes against it: those of the same scene have as many, and what they
 // count and name has room in this world. The three are one class, so that a program has the code of an archive once.
 class SnapshotWriter {
@@ -209,12 +252,24 @@ public:
         word(w);
         return w;
     }
+    // Numbers of `width` bits: transfer_bits().
+    template <int width>
+    void each_bits(int count, auto&& value_of, auto&& take) {
+        transfer_bits<width>(*this, count, value_of, take);
+    }
     // A number that must be from `least` to `most`. Returns that of the bytes, or `least`.
     int within(int value, int least, int most) {
         const auto found = static_cast<std::int32_t>(bits(static_cast<std::uint32_t>(value)));
         const bool has_room = least <= found && found <= most;
         require(has_room);
         return has_room ? found : least;
+    }
+    // True where bytes are held against the world. Then values can be read that come next.
+    [[nodiscard]] bool holds() const { return held_ != nullptr; }
+    void look_ahead(auto&... values) const {
+        const int at = size_ < count_ ? size_ : count_;
+        SnapshotReader reader{held_ + at, count_ - at};
+        reader(values...);
     }
     // Call for what must be true of the bytes.
     void require(bool is_right) { is_right_ = is_right_ && is_right; }
@@ -232,45 +287,6 @@ private:
     int size_ = 0, count_ = 0;
     bool is_right_ = true;
     Crc32 crc_{};
-};
-
-// Reads a state that has been held against the world. Beyond its end it reads zeros.
-class SnapshotReader {
-public:
-    static constexpr bool reads = true;
-
-    SnapshotReader(const std::uint8_t* from, int count) : from_{from}, end_{from + count} {}
-    void operator()(auto&... values) { (transfer(*this, values), ...); }
-    [[nodiscard]] std::uint32_t word() {
-        if (from_ == end_) return 0;
-        const std::uint32_t w = word_at(from_);
-        from_ += 4;
-        return w;
-    }
-    template <class T>
-    void number(T& value) {
-        value = static_cast<T>(word());
-    }
-    template <class T>
-    void one_word(T& value) {
-        value = std::bit_cast<T>(word());
-    }
-    template <class T>
-    void two_words(T& value) {
-        const std::uint64_t low = word();
-        value = std::bit_cast<T>(low | std::uint64_t{word()} << 32);
-    }
-    [[nodiscard]] std::uint32_t bits(std::uint32_t) { return word(); }
-    template <class T>
-    int within(T& value, int, int) {
-        const auto found = static_cast<std::int32_t>(word());
-        value = static_cast<T>(found);
-        return found;
-    }
-    void require(bool) {}
-
-private:
-    const std::uint8_t *from_, *end_;
 };
 
 struct SnapshotHeader {

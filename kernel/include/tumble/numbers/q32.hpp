@@ -250,6 +250,15 @@ struct Q32 {
         if constexpr (requires { b.t_b; }) bits |= three(b.t_b);
         return (bits >> 31) != 0;
     }
+    // True of a quaternion of unit length, to 2^-8.
+    [[nodiscard]] static constexpr bool is_unit(const auto& q) {
+        std::int64_t squares = 0;
+        for (const std::int32_t raw : {q.w.raw, q.v.x().raw, q.v.y().raw, q.v.z().raw}) {
+            const std::int64_t upper = raw >> 15;  // 2^15 is one
+            squares += upper * upper;
+        }
+        return (squares + (1 << 22)) >> 23 == std::int64_t{1} << 7;
+    }
     // The same for the spin alone. Below: a spin in half or twice the unit of time.
     template <class Body>
     [[nodiscard]] TUMBLE_INLINE static constexpr bool spins_out_of_range(const Body& b) {
