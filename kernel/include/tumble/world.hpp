@@ -473,6 +473,8 @@ private:
         if constexpr (has_imu) remember(b);
         if constexpr (has_contacts) {
             contacts_.add(b, spec, inertia, advance_.bodies.constants[b].units);
+            if constexpr (features.moving_surfaces())
+                if (advance_.bodies.moves_by_itself(b)) contacts_.note_surface(advance_.bodies, b, {}, 0);
             // Before the first step no body has a time to contact, and none sleeps.
             if (advance_.bodies.steps_taken > 0)
                 for (int other = 0; other < advance_.bodies.count; ++other) disturb(other);
@@ -537,6 +539,11 @@ private:
         using Kind = EventKind;
         auto& bodies = advance_.bodies;
         const int b = place_of(id);
+        constexpr bool moves_surfaces =
+            has_contacts && features.moving_surfaces() && (kind == Kind::velocity || kind == Kind::angular_velocity);
+        [[maybe_unused]] If<moves_surfaces, typename Advance::State, 0> before;
+        [[maybe_unused]] const int halvings = bodies.halvings_of(b);
+        if constexpr (moves_surfaces) before = bodies.state[b];
         if constexpr (features.recording)
             if (recording_ != nullptr) recording_->append({kind, frame, id, value, point, orientation}, now());
         if constexpr (kind == Kind::force || kind == Kind::torque || kind == Kind::step_force ||
@@ -572,6 +579,7 @@ private:
         }
         if (kind == Kind::pose || (bodies.constants[b].fixed() && !bodies.constants[b].kinematic())) replaced(b);
         has_changed(b);
+        if constexpr (moves_surfaces) contacts_.note_surface(bodies, b, before, halvings);
     }
     // The motion or the pose of a body is another.
     void has_changed(int b) {

@@ -123,8 +123,9 @@ public:
     [[nodiscard]] Speed pair_speed(const Pair& pair, Work per_step) const {
         return velocities_.scale.speed(per_step * pair.weight);
     }
-    [[nodiscard]] static Speed along(const Point& point, Speed of_pair) {
-        return narrow<Speed>(mul(of_pair, point.row[0].inverse));
+    [[nodiscard]] static Speed along(const Point& point, Speed of_pair) { return along(point.row[0], of_pair); }
+    [[nodiscard]] static Speed along(const Row<N, features.pairs>& row, Speed of_pair) {
+        return narrow<Speed>(mul(of_pair, row.inverse));
     }
 
     // arm x direction over the radii of gyration, in principal axes.
@@ -136,6 +137,39 @@ public:
     [[nodiscard]] static Vec3<typename C::Lever> spin_levers(const CollisionShape<N>& shape, const Vec3<Unit>& about,
                                                              Length arm) {
         return over_gyration(shape, tumble::along(about, arm));
+    }
+
+    // By how much the velocity of a fixed body's surface at a point has changed since the last step, as far as the
+    // other body does not have this change yet. m a step, world. `changes`: of the velocities of fixed bodies.
+    [[nodiscard]] WorkVec3<N> change_ahead(const Kicks& changes, const Pair& pair, const Point& point) const
+        requires(features.moving_surfaces() && features.pairs) {
+        const WorkVec3<N> arm = shapes_.world_arm(pair.b, point.arm_b), normal = work_unit<N>(pair.normal);
+        WorkVec3<N> change = cross<Work>(change_of_turn(changes, pair.b), arm),
+                    ahead = cross<Work>(turn_of(pair.b), arm) -
+                            cross<Work>(turn_of(pair.a), shapes_.world_arm(pair.a, point.arm));
+        change += change_of_drift(changes, pair.b);
+        ahead += WorkVec3<N>(drift_of(pair.b) - drift_of(pair.a));
+        const WorkVec3<N> along = scaled_by(normal, dot(change, normal)), across = change - along;
+        return scaled_by(along, share_ahead(ahead, along)) + scaled_by(across, share_ahead(ahead, across));
+    }
+    // m a step.
+    [[nodiscard]] WorkVec3<N> change_of_drift(const Kicks& changes, int b) const {
+        WorkVec3<N> change;
+        for (int i = 0; i < 3; ++i) change[i] = N::metres(changes[b].linear[i], bodies_.scale);
+        return change;
+    }
+    // Rad a step, world.
+    [[nodiscard]] WorkVec3<N> change_of_turn(const Kicks& changes, int b) const {
+        WorkVec3<N> change;
+        for (int i = 0; i < 3; ++i)
+            change[i] = N::half_turn(changes[b].angular[i], bodies_.spin_scale(b)) *
+                        bodies_.constants[b].units.rate(i, Work(1));
+        return shapes_.to_world(b, change);
+    }
+    // The share of a change that is still ahead.
+    [[nodiscard]] static Work share_ahead(const WorkVec3<N>& ahead, const WorkVec3<N>& change) {
+        const Work part = dot(ahead, change), all = dot(change, change);
+        return !(part > Work(0)) ? Work(0) : part < all ? part / all : Work(1);
     }
 
     // Solves all points that take part by sweeps. Returns the largest change of an impulse in the last one.

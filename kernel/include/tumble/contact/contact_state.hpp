@@ -33,8 +33,11 @@ struct ContactState {
     // While an island is solved.
     SolverVelocities<N, spin, features> velocities{};
     Solution solution{};
+    [[no_unique_address]] If<features.moving_surfaces(), ChangedSurfaces, 2> changed{};
     Standing<features> standing{};
-    Kicks<N, features.bodies> loads{};   // by gravity and loads over the whole step
+    // By gravity and loads over the whole step. Of a fixed body: by how much its velocities have changed since the last
+    // step, other than by rotation.
+    Kicks<N, features.bodies> loads{};
     Kicks<N, features.bodies> forces{};  // by the contacts over the rest of the step
 };
 

@@ -24,6 +24,7 @@ public:
     void add(int b, const BodySpec& spec, const PrincipalInertia& inertia, const SpinUnits<N, spin>& units) {
         set_shape(b, spec, inertia, units);
         state_.marks[b] = {};
+        if constexpr (features.moving_surfaces()) state_.loads[b] = {};
         if (!spec.is_fixed()) state_.sleepers.add(b);
         if constexpr (features.grid()) state_.times.many.come = true;
     }
@@ -74,6 +75,19 @@ public:
                 if (state_.pairs.is_near(other)) end_times(other, now);
         }
         wake(advance, b);
+    }
+    // Call after the velocities of a body have changed other than by a step. `before`: its state then, of which the
+    // spin had so many halvings.
+    void note_surface(const Bodies& bodies, int b, const typename Bodies::State& before,
+                      int halvings) requires(features.moving_surfaces()) {
+        if (!bodies.constants[b].fixed()) return;
+        Kick<N>& change = state_.loads[b];
+        for (int i = 0; i < 3; ++i) {
+            change.linear[i] += N::sum(bodies.state[b].d_w[i]) - N::sum(before.d_w[i]);
+            change.angular[i] +=
+                N::sum(bodies.state[b].t_b[i]) - N::halved(N::sum(before.t_b[i]), bodies.halvings_of(b) - halvings);
+        }
+        state_.changed.any = true;
     }
     // Removes the pairs of a body that is elsewhere now. They are found anew.
     void forget_pairs_of(const Bodies& bodies, int b) {
@@ -147,6 +161,9 @@ public:
         if (islands && !stand) [[unlikely]]
             step_islands(advance, info, kinematic);
         advance.end(kinematic, info);
+        if constexpr (features.moving_surfaces())
+            if (state_.changed.any) [[unlikely]]
+                forget_changes(advance.bodies);
         if constexpr (features.contact_readout) state_.log.end_step(state_.pairs, state_.shapes, advance.bodies);
     }
 
@@ -182,6 +199,11 @@ public:
             });
         for (int b = 0; b < features.bodies; ++b)
             if (stands[b] && !bodies.constants[b].fixed()) to(state.velocities.loaded[b], state.forces[b]);
+        if constexpr (features.moving_surfaces()) {
+            to(state.changed.any);
+            for (int b = 0; b < bodies.count; ++b)
+                if (bodies.constants[b].fixed()) to(state.loads[b]);
+        }
         if constexpr (features.contact_readout)
             ContactLog<N, spin, features>::archive(state.log, to, bodies.count, state.shapes.plane_count());
     }
@@ -193,6 +215,11 @@ public:
 private:
     using Schedule = tumble::Schedule<features.bodies>;
 
+    [[gnu::noinline, gnu::cold]] void forget_changes(const Bodies& bodies) requires(features.moving_surfaces()) {
+        for (int b = 0; b < bodies.count; ++b)
+            if (bodies.constants[b].fixed()) state_.loads[b] = {};
+        state_.changed.any = false;
+    }
     [[nodiscard]] BroadPhase<N, spin, features> broad_phase(Bodies& bodies) {
         return {state_.shapes, state_.pairs, state_.times, bodies};
     }

@@ -132,8 +132,8 @@ private:
     }
     // `struck`: the impact has been resolved.
     Touch solve_resting(Work span, bool whole, bool struck) {
-        return resting().solve(contacts_.loads, span, whole, struck, mover_.coasting == Coasting::mean,
-                               contacts_.forces, contacts_.solution);
+        return resting().solve(contacts_.loads, span, whole, struck, mover_.coasting, contacts_.forces,
+                               contacts_.solution, contacts_.changed);
     }
     // `share`: of the time for which the forces are solved.
     void log_forces([[maybe_unused]] Work share) {
@@ -187,12 +187,17 @@ private:
         // Contact forces act as gravity does in the method: before the drift, after it, or half before and half after.
         const bool before = attempt.held && mover_.coasting != Coasting::start;
         if (before) push(part, all, false);
-        const bool lifts = attempt.held && contacts_.solution.lifts;
+        bool carries = false;
+        if constexpr (features.moving_surfaces()) carries = attempt.held && contacts_.changed.carry;
+        const bool lifts = attempt.held && contacts_.solution.lifts && !carries;
         if (lifts) lift(false);
-        Flight flight{.group = group, .new_spins = restart || before, .portion = {attempt.whole && all, length}};
+        if (carries) carry(part, all, nullptr);
+        Flight flight{
+            .group = group, .new_spins = restart || before || carries, .portion = {attempt.whole && all, length}};
         if constexpr (features.kinematic) flight.from = Work(1) - attempt.span;
         move(flight);
         if (lifts) lift(true);
+        if (carries) carry(part, all, &attempt.start);
         if (attempt.held && mover_.coasting != Coasting::end) {
             push(part, all, true, &attempt.start);
             take_over_spins();
@@ -222,6 +227,31 @@ private:
         }
     }
 
+    // Adds the motion that surfaces cause by a change of their velocities before the flight, or takes it off after the
+    // flight from `start`: it leaves no momentum. In a part of the time the forces bring a body less near to the
+    // velocity of the surface, so that more is missing.
+    void carry([[maybe_unused]] Work part, [[maybe_unused]] bool all, [[maybe_unused]] const Saved* start) {
+        if constexpr (features.moving_surfaces()) {
+            for (int k = 0; k < island_.group.count; ++k) {
+                const int b = island_.group.id[k];
+                Kick<N> kick;
+                if (!contacts_.velocities.write(kick, contacts_.velocities.loaded[b], bodies_,
+                                                contacts_.shapes.shape(b), b))
+                    bodies_.report(Issue::range_left, b);
+                if (start != nullptr) turn(kick, b, (*start)[k].q_wb.value());
+                const auto share = [&](auto sum) {
+                    if (!all) sum = sum + sum - N::part(sum, N::fraction(part));
+                    return start != nullptr ? -sum : sum;
+                };
+                for (int i = 0; i < 3; ++i) {
+                    N::add(bodies_.state[b].d_w[i], share(kick.linear[i]));
+                    bodies_.state[b].t_b[i].add(share(kick.angular[i]));
+                }
+                if (start == nullptr) (void)bodies_.fit_parts(b);
+            }
+            if (start != nullptr) take_over_spins();
+        }
+    }
     // Turns a change of spin from the axes at q into those of now. Angular momentum turns, not angular velocity.
     void turn(Kick<N>& kick, int b, const Quat<typename N::Unit>& q) const {
         const auto& now = bodies_.state[b].q_wb.value();

@@ -13,6 +13,12 @@ struct Solution {
     bool stands = false;   // nothing moves, and nothing will in this step
 };
 
+// Fixed bodies of which the velocities have changed since the last step.
+struct ChangedSurfaces {
+    bool any = false;
+    bool carry = false;  // SolverVelocities::loaded holds a motion that they cause
+};
+
 template <class N, Spin spin, Features features>
 class Resting {
 public:
@@ -28,7 +34,9 @@ public:
     using PairList = typename Rows::PairList;
     using Island = typename Rows::Island;
     using Velocities = typename Rows::Velocities;
+    using Velocity = typename Rows::Velocity;
     using Kicks = typename Rows::Kicks;
+    using Changed = If<features.moving_surfaces(), ChangedSurfaces, 2>;
 
     Resting(const NarrowPhase& shapes, PairList& pairs, Velocities& velocities, typename NarrowPhase::Bodies& bodies,
             const Island& island)
@@ -38,16 +46,17 @@ public:
     // Solves for the contact forces over a part of the step, so that no touching point approaches at its end. Writes
     // them into `forces`, as changes of motion in that part. A point strikes if it is below the surface and approaches
     // faster than NarrowPhase::slow(). The impact must then be resolved first: unless `struck`, no forces are computed.
-    // `in_halves`: half of each force acts before the flight, half after it.
-    Touch solve(const Kicks& loads, Work part, bool whole, bool struck, bool in_halves, Kicks& forces,
-                Solution& solution) {
+    // `changed`: for what surfaces carry, with the changes of their velocities in `loads`.
+    Touch solve(const Kicks& loads, Work part, bool whole, bool struck, Coasting coasting, Kicks& forces,
+                Solution& solution, [[maybe_unused]] Changed& changed) {
+        if constexpr (features.moving_surfaces()) changed.carry = false;
         bool any = false;
         solution = {};
         pairs_.for_each(island_, [&](const Pair& pair) { any = any || pair.count > 0; });
         if (!any) return Touch::nothing;
         const bool lifts = is_lifted();
         if constexpr (features.kinematic) rows_.look_ahead(part);
-        const bool same = rows_.set_velocities(loads, part, whole, lifts, in_halves);
+        const bool same = rows_.set_velocities(loads, part, whole, lifts, coasting == Coasting::mean);
         int active = 0;
         bool strikes = false;
         pairs_.for_each(island_, [&](Pair& pair) {
@@ -90,11 +99,17 @@ public:
         }
         pairs_.count_points(island_);
         solution.settled = true;
+        if constexpr (features.moving_surfaces())
+            if (changed.any) [[unlikely]]
+                changed.carry = coasting != Coasting::end && find_carried(loads, coasting);
         if (lifts) [[unlikely]] {
             if constexpr (features.sleep) solution.settled = is_balanced();
             solution.lifts = find_lifts();
             solution.settled = solution.settled && !solution.lifts;
         }
+        if constexpr (features.moving_surfaces())
+            if (changed.carry) [[unlikely]]
+                add_carried(solution);
         return Touch::rests;
     }
 
@@ -244,6 +259,106 @@ private:
             lifted.angular = now.angular - lifted.angular;
         }
         return solved;
+    }
+    // A surface whose velocity has changed moves by its new velocity from the start of the step. A force that acts half
+    // before the flight and half after it brings a body to this velocity at the end only: on the way it moves by the
+    // mean. Finds the motion that is missing, and writes it into `start`. Its momentum is none: it begins before the
+    // flight and ends after it. It is the least motion which gives the points that the surface carries half of the
+    // change of the surface, as far as they do not have it yet, and leaves all others in touch as they are. False where
+    // there is none.
+    [[gnu::noinline, gnu::cold]] bool find_carried(const Kicks& changes,
+                                                   Coasting coasting) requires(features.moving_surfaces()) {
+        Speed largest{};
+        pairs_.for_each_active(island_, [&](Pair& pair, Point& point) {
+            WorkVec3<N> ahead = zero_vector<N>();
+            if constexpr (features.pairs)
+                if (is_on_changed(changes, pair)) ahead = rows_.change_ahead(changes, pair, point);
+            for (int k = 0; k < pair.rows(); ++k) {
+                const Work along = dot(ahead, work_unit<N>(k == 0 ? pair.normal : pair.tangent[k - 1]));
+                Speed& missing = point.row[k].before;
+                missing = Rows::along(point.row[k], rows_.pair_speed(pair, along));
+                if (coasting == Coasting::mean) missing = C::half(missing);
+                const Speed size = magnitude_of(missing);
+                if (size > largest) largest = size;
+            }
+        });
+        const Speed enough = velocities_.scale.enough_at_rest();
+        if (!(largest > enough)) return false;
+        const Speed eighth = C::eighth(largest), slack = eighth > enough ? eighth : enough;
+        guess_carried(changes, coasting, slack);
+        auto& moves = velocities_.start;
+        for (int sweep = 0; sweep < Bounds::sweeps(contact::max_impact_sweeps); ++sweep) {
+            Speed most{};
+            pairs_.for_each_active(island_, [&](Pair& pair, Point& point) {
+                Velocity* const b = pair.moves_b() ? &moves[pair.b] : nullptr;
+                const Velocity* const end_b = pair.moves_b() ? &velocities_.now[pair.b] : nullptr;
+                const auto holds = [&](int k) {
+                    return !(magnitude_of(point.row[k].excess(velocities_.now[pair.a], end_b)) > slack);
+                };
+                if (!(point.row[0].impulse > Speed{}) || !holds(0)) return;
+                const bool sticks = pair.rows() > 1 && holds(1) && holds(2);
+                for (int k = 0; k < (sticks ? pair.rows() : 1); ++k) {
+                    auto& row = point.row[k];
+                    const Speed by = row.before - row.velocity(moves[pair.a], b), size = magnitude_of(by);
+                    row.push(by, moves[pair.a], b);
+                    if (size > most) most = size;
+                }
+            });
+            if (!(most > enough)) break;
+        }
+        return true;
+    }
+    [[nodiscard]] bool is_on_changed(const Kicks& changes, const Pair& pair) const {
+        if (pair.with_plane() || pair.moves_b()) return false;
+        bool any = false;
+        for (int i = 0; i < 3; ++i)
+            any = any || !(changes[pair.b].linear[i] == typename N::DriftSum{}) ||
+                  !(changes[pair.b].angular[i] == typename N::TurnSum{});
+        return any;
+    }
+    // Where the whole island moves with a surface that does not turn, the motion is known. Sweeps find it slowly in a
+    // stack.
+    void guess_carried(const Kicks& changes, Coasting coasting, Speed slack) requires(features.moving_surfaces()) {
+        const auto& group = island_.group;
+        const Pair* on = nullptr;
+        pairs_.for_each_active(island_, [&](const Pair& pair, const Point&) {
+            if (on == nullptr && is_on_changed(changes, pair)) on = &pair;
+        });
+        const WorkVec3<N> change = rows_.change_of_drift(changes, on->b), turn = rows_.change_of_turn(changes, on->b);
+        bool as_one = !bodies_.is_turning(on->b) && dot(turn, turn) == Work(0);
+        const Work most = velocities_.scale.work(slack);
+        for (int k = 0; k < group.count; ++k) {
+            const int b = group.id[k];
+            const Work root_mass = shapes_.shape(b).root_mass;
+            const Velocity &start = velocities_.start[b], &now = velocities_.now[b];
+            for (int i = 0; i < 3; ++i) {
+                const Work end = bodies_.drift(on->b, i) * root_mass;
+                const auto is = [&](Speed speed, Work wanted) {
+                    return !(magnitude_of(velocities_.scale.work(speed) - wanted) > most);
+                };
+                as_one = as_one && is(now.linear[i], end) && is(start.linear[i], end - change[i] * root_mass) &&
+                         is(now.angular[i], Work(0)) && is(start.angular[i], Work(0));
+            }
+        }
+        for (int k = 0; k < group.count; ++k) {
+            const int b = group.id[k];
+            Velocity& moves = velocities_.start[b];
+            moves.angular = Vec3<Speed>::Constant(Speed{});
+            for (int i = 0; i < 3; ++i) {
+                moves.linear[i] = as_one ? velocities_.scale.speed(change[i] * shapes_.shape(b).root_mass) : Speed{};
+                if (coasting == Coasting::mean) moves.linear[i] = C::half(moves.linear[i]);
+            }
+        }
+    }
+    // Adds what find_carried() has found to the motion that corrects penetrations.
+    void add_carried(Solution& solution) {
+        for (int k = 0; k < island_.group.count; ++k) {
+            const int b = island_.group.id[k];
+            auto &moves = velocities_.loaded[b], &carried = velocities_.start[b];
+            if (!solution.lifts) moves = carried;
+            else moves = {moves.linear + carried.linear, moves.angular + carried.angular};
+        }
+        solution.settled = solution.stands = false;
     }
     [[nodiscard]] static bool is_pushed(const Pair& pair) {
         for (int i = 0; i < pair.count; ++i)

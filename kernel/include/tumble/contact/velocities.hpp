@@ -111,18 +111,25 @@ public:
             const int b = group.id[k];
             const CollisionShape<N>& shape = shapes.shape(b);
             Kick<N>& kick = kicks[b];
-            bool within = true;
-            for (int i = 0; i < 3; ++i) {
-                kick.linear[i] = C::template as<typename N::DriftSum>(scale.sum(
-                    now[b].linear[i] - loaded[b].linear[i], C::drift_bits(bodies.scale), shape.per_root_mass, within));
-                kick.angular[i] = C::template as<typename N::TurnSum>(
-                    scale.sum(now[b].angular[i] - loaded[b].angular[i], C::turn_bits(bodies.spin_scale(b)),
-                              shape.per_weight[i], within));
-            }
+            const bool within =
+                write(kick, {now[b].linear - loaded[b].linear, now[b].angular - loaded[b].angular}, bodies, shape, b);
             if (!within) [[unlikely]]
                 bodies.report(Issue::range_left, b);
             if (loads != nullptr) stop(kick, (*loads)[b], bodies.state[b], now[b]);
         }
+    }
+    // Writes a change of velocity of body b as a kick, in the scale that its spin has now. False where it is beyond the
+    // range.
+    TUMBLE_INLINE bool write(Kick<N>& kick, const Velocity& change, const Bodies& bodies,
+                             const CollisionShape<N>& shape, int b) const {
+        bool within = true;
+        for (int i = 0; i < 3; ++i) {
+            kick.linear[i] = C::template as<typename N::DriftSum>(
+                scale.sum(change.linear[i], C::drift_bits(bodies.scale), shape.per_root_mass, within));
+            kick.angular[i] = C::template as<typename N::TurnSum>(
+                scale.sum(change.angular[i], C::turn_bits(bodies.spin_scale(b)), shape.per_weight[i], within));
+        }
+        return within;
     }
     // Adds the change since `start` to the motion of the bodies. `loads` keep the scale of the spins.
     void add_to(Bodies& bodies, Kicks& loads, const NarrowPhase& shapes, const BodyGroup& group) const {
