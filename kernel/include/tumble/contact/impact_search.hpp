@@ -18,6 +18,7 @@ public:
     using Work = typename N::Work;
     using PairList = tumble::PairList<N, features>;
     using Island = tumble::Island<features.bodies>;
+    static constexpr bool has_edges = features.pairs && features.boxes;
 
     ImpactSearch(NarrowPhase& shapes, PairList& pairs, const Bodies& bodies, const Island& island)
         : shapes_{shapes}, pairs_{pairs}, bodies_{bodies}, island_{island} {}
@@ -47,13 +48,16 @@ public:
         pairs_.for_each(island_, [&](Pair& pair) { shapes_.find(bodies_, pair); });
     }
     // The least gap of the pairs that are selected, each above the level at which a flight ends: the surface, or
-    // halfway to the tolerance below for a pair that touched when the flight began. Metres.
+    // halfway to the tolerance below for a pair that touched when the flight began. Metres. With `ends_contact` the
+    // other way round: of pairs that open, the least way to where they are open, of which the sign counts alone.
     [[nodiscard]] Work least_gap(bool at_start) const {
         bool any = false;
         Length least{};
         pairs_.for_each(island_, [&](const Pair& pair) {
             if (!pair.selected) return;
-            const Length gap = (at_start ? pair.start_gap : pair.gap) - level(pair);
+            Length gap = (at_start ? pair.start_gap : pair.gap) - level(pair);
+            if constexpr (has_edges)
+                if (ends_contact_) gap = left_to_open(pair, at_start);
             if (!any || gap < least) least = gap;
             any = true;
         });
@@ -61,7 +65,48 @@ public:
     }
     // Selects the pairs below their level for the search. Pairs that rest beside them would mislead it.
     void select() {
+        if constexpr (has_edges) ends_contact_ = false;
         pairs_.for_each(island_, [&](Pair& pair) { pair.selected = pair.gap < level(pair); });
+    }
+    // True where forces have pushed bodies over an edge in the flight: at its end they are apart, though the forces
+    // were to keep them in touch, and no other pair holds them there. Selects these pairs for the search for the time
+    // at which they came apart. Beside a box, because other surfaces have no edge, and its surface may end. `loads`:
+    // over a whole step.
+    template <class Kicks>
+    [[nodiscard]] bool select_ended(const Kicks& loads) requires(has_edges) {
+        bool any = false;
+        pairs_.for_each(island_, [&](Pair& pair) {
+            pair.selected = !pair.with_plane() && pair.gap > open_gap(pair) && is_pushed(pair) &&
+                            (shapes_.shape(pair.a).is(ShapeKind::box) || shapes_.shape(pair.b).is(ShapeKind::box)) &&
+                            leaves(pair, loads) && !is_held_alike(pair);
+            any = any || pair.selected;
+        });
+        ends_contact_ = any;
+        return any;
+    }
+    // Keeps of the selected pairs those that are open now, or hardly not. Returns the time since the first of them
+    // began to open, in which its gap has grown with the square of the time: steps.
+    [[nodiscard]] Work time_since_open() requires(has_edges) {
+        Work longest(0);
+        pairs_.for_each(island_, [&](Pair& pair) {
+            pair.selected = pair.selected && left_to_open(pair, false) < Pair::C::half(opening());
+            if (!pair.selected || !is_round(pair)) return;
+            const Work speed = speed_of_leaving(pair);
+            if (!(speed > Work(0))) return;
+            const Work gap = shapes_.scale().metres(pair.start_gap > Length{} ? pair.gap - pair.start_gap : pair.gap),
+                       time = (gap + gap) / speed;
+            if (time > longest) longest = time;
+        });
+        return longest;
+    }
+    // In the flight that starts the selected pairs have no points, and they are known not to pass through each other.
+    void end_selected() requires(has_edges) {
+        pairs_.for_each(island_, [](Pair& pair) {
+            if (!pair.selected) return;
+            pair.count = 0;
+            pair.touched = false;
+            pair.passed = true;
+        });
     }
     // True when a pair is deeper than the end of a flight allows: by the tolerance where it touched at the start (from
     // its gap there if that was negative), else below the surface.
@@ -138,6 +183,66 @@ public:
     }
 
 private:
+    // A pair is open at a gap beyond rounding, and farther apart than at its start.
+    [[nodiscard]] Length opening() const { return Bounds::resting_gap(shapes_.tolerance()); }
+    [[nodiscard]] Length open_gap(const Pair& pair) const {
+        return pair.start_gap > Length{} ? pair.start_gap + opening() : opening();
+    }
+    [[nodiscard]] Length left_to_open(const Pair& pair, bool at_start) const {
+        const Length left = open_gap(pair) - (at_start ? pair.start_gap : pair.gap), most = opening();
+        return left < -most ? -most : left > most ? most : left;
+    }
+    [[nodiscard]] static bool is_pushed(const Pair& pair) {
+        bool any = false;
+        for (int i = 0; i < pair.count; ++i)
+            any = any || (pair.point[i].active && pair.point[i].row[0].impulse > typename Pair::C::Speed{});
+        return any;
+    }
+    [[nodiscard]] bool is_round(const Pair& pair) const {
+        return shapes_.shape(pair.a).is(ShapeKind::sphere) || shapes_.shape(pair.b).is(ShapeKind::sphere);
+    }
+    // True where the bodies go apart though no force pushes them any more. A gap that grows from rest with the square
+    // of the time, as that of a ball behind an edge, has 2 gap / speed^2 of the acceleration: more than what the loads
+    // bring back. Of two boxes a gap beyond the tolerance tells it.
+    template <class Kicks>
+    [[nodiscard]] bool leaves(const Pair& pair, const Kicks& loads) const {
+        if (!is_round(pair)) return pair.gap > shapes_.tolerance();
+        const Work speed = speed_of_leaving(pair);
+        if (!(speed > Work(0))) return false;
+        WorkVec3<N> back;
+        for (int i = 0; i < 3; ++i) {
+            back[i] = -N::metres(loads[pair.a].linear[i], bodies_.scale);
+            if (pair.moves_b()) back[i] += N::metres(loads[pair.b].linear[i], bodies_.scale);
+        }
+        const Work gap = shapes_.scale().metres(pair.gap), pull = dot(back, work_unit<N>(pair.normal));
+        return speed * speed > (gap + gap) * pull;
+    }
+    // m a step, along the normal, where one of the bodies is a sphere.
+    [[nodiscard]] Work speed_of_leaving(const Pair& pair) const {
+        WorkVec3<N> velocity;
+        for (int i = 0; i < 3; ++i) velocity[i] = bodies_.drift(pair.a, i) - bodies_.drift(pair.b, i);
+        const WorkVec3<N> reach = bodies_.position(pair.a) - bodies_.position(pair.b);
+        const bool is_a = shapes_.shape(pair.a).is(ShapeKind::sphere);
+        const int other = is_a ? pair.b : pair.a;
+        velocity -= cross<Work>(
+            shapes_.to_world(other, {bodies_.turn(other, 0), bodies_.turn(other, 1), bodies_.turn(other, 2)}), reach);
+        return dot(velocity, work_unit<N>(pair.normal));
+    }
+    // True where another pair that is in touch pushes a body of this one as this one did: the next block of a floor.
+    [[nodiscard]] bool is_held_alike(const Pair& pair) const {
+        bool any = false;
+        pairs_.for_each(island_, [&](const Pair& other) {
+            if (any || &other == &pair || other.gap > shapes_.tolerance()) return;
+            const auto is_of = [&](int b) { return b == other.a || (other.moves_b() && b == other.b); };
+            const auto along = [&](int b) {
+                const auto cosine = narrow<typename Pair::Unit>(dot(pair.start_normal, other.normal));
+                const bool same = (b == pair.a) == (b == other.a);
+                return Pair::C::half(Pair::C::one()) < (same ? cosine : -cosine);
+            };
+            any = (is_of(pair.a) && along(pair.a)) || (pair.moves_b() && is_of(pair.b) && along(pair.b));
+        });
+        return any;
+    }
     [[nodiscard]] bool is_too_deep(bool far) const {
         bool deep = false;
         pairs_.for_each(island_, [&](const Pair& pair) {
@@ -159,6 +264,7 @@ private:
     PairList& pairs_;
     const Bodies& bodies_;
     const Island& island_;
+    [[no_unique_address]] If<has_edges, bool, 0> ends_contact_{};  // the search is for the end of a contact
 };
 
 }  // namespace tumble

@@ -51,9 +51,14 @@ public:
         if constexpr (features.contact_readout) contacts_.log.start_island(contacts_.pairs, island_);
         for (int k = 0; k < island_.group.count; ++k) contacts_.pairs.forget_points_of(island_.group.id[k]);
         Work span(1);
+        [[maybe_unused]] bool ended = false;  // a contact, over an edge
         for (int impact = 0;; ++impact) {
             const bool whole = impact == 0;
             search_.start_flight();
+            if constexpr (ImpactSearch<N, spin, features>::has_edges)
+                if (ended) [[unlikely]]
+                    search_.end_selected();
+            ended = false;
             Touch touch = solve_resting(span, whole, false);
             if (contacts_.solution.stands) {
                 log_forces(Work(1));
@@ -78,6 +83,19 @@ public:
             const bool crossed = length < span;
             const bool deep = search_.is_too_deep();
             if (!crossed && !deep) {
+                if constexpr (ImpactSearch<N, spin, features>::has_edges) {
+                    if (attempt.held && impact < contact::max_impacts && !spent &&
+                        search_.select_ended(contacts_.loads)) [[unlikely]] {
+                        const Work flown = find_end(attempt, span);
+                        if (flown < span) log_forces(flown / span - Work(1));
+                        search_.find();
+                        span -= flown;
+                        if (!(span > Bounds::min_portion())) break;
+                        ended = true;
+                        move({.group = island_.group, .loads = &contacts_.loads});
+                        continue;
+                    }
+                }
                 search_.find();
                 break;
             }
@@ -312,6 +330,21 @@ private:
     // begins near the start.
     [[gnu::noinline, gnu::cold]] Work find_impact(const Attempt& attempt, Work longest) {
         search_.select();
+        return find_zero(attempt, longest);
+    }
+    // Redoes the flight up to the time at which the contact ended that pushed bodies over an edge. From there on its
+    // forces are off. Returns the portion of the step flown.
+    [[gnu::noinline, gnu::cold]] Work find_end(const Attempt& attempt, Work longest) {
+        Work at = find_zero(attempt, longest);
+        const Work since = search_.time_since_open();
+        if (since > Work(0)) {
+            at = at > since + Bounds::min_portion() ? at - since : Bounds::min_portion();
+            fly(attempt, at, true);
+            search_.measure();
+        }
+        return at;
+    }
+    [[gnu::noinline, gnu::cold]] Work find_zero(const Attempt& attempt, Work longest) {
         Work low(0), high = longest;
         Work gap_low = search_.least_gap(true), gap_high = search_.least_gap(false);
         if (!(gap_low > Work(0))) gap_low = N::half_of(search_.tolerance());
