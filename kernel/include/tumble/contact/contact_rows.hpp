@@ -24,6 +24,7 @@ public:
     using Velocities = SolverVelocities<N, spin, features>;
     using Velocity = WeightedVelocity<N>;
     using Kicks = typename Velocities::Kicks;
+    static constexpr bool has_edges = features.pairs && features.boxes;
     using Solver = tumble::Solver<N, features.pairs, features.friction, features.rolling_resistance>;
 
     ContactRows(const NarrowPhase& shapes, PairList& pairs, Velocities& velocities, const Bodies& bodies,
@@ -50,6 +51,8 @@ public:
     }
     // The part of a step after which kinematic bodies are where the rows act: none in an impact.
     void look_ahead(Work part) requires(features.kinematic) { ahead_ = part; }
+    // The part of a step in the middle of which the rows act; none of an impact, and where kicks act at one end.
+    void act_in_middle(Work part) requires(has_edges) { half_ = N::half_of(part); }
     // Makes the rows of a pair's points anew where these or the bodies have moved. Sets the targets of the rows to the
     // velocity that the point has at the end without them: that of a turning surface, and what the turn of the bodies
     // changes after the middle of the flight.
@@ -67,9 +70,14 @@ public:
                 if (turns) make_turning_rows(pair, directions);
             for (int i = 0; i < pair.count; ++i) {
                 Point& point = pair.point[i];
-                if (!turns && !point.rows_hold)
-                    for (int k = 0; k < pair.rows(); ++k) set_row(point, directions, k, pair);
-                point.rows_hold = !turns;
+                bool shifts = false;
+                if (!turns && !point.rows_hold) {
+                    Vec3<Length> arm = point.arm;
+                    if constexpr (has_edges)
+                        if (shifts = may_shift(pair); shifts) arm += shift(pair, point);
+                    for (int k = 0; k < pair.rows(); ++k) set_row(point, arm, directions, k, pair);
+                }
+                point.rows_hold = !turns && !shifts;
                 if constexpr (features.rolling_resistance)
                     if (pair.resists_spin()) set_spin_rows(point, directions, pair);
             }
@@ -237,11 +245,61 @@ private:
             }
         }
     };
+    // True of a box that moves over a body which nothing pushes. Points on it may shift.
+    [[nodiscard]] bool may_shift(const Pair& pair) const requires(has_edges) {
+        return half_ > Work(0) && !pair.with_plane() && !pair.moves_b() && bodies_.is_drifting(pair.a) &&
+               shapes_.shape(pair.a).is(ShapeKind::box);
+    }
+    // By how much the place of a point on the box shifts until the middle of the flight, in principal axes. A vertex of
+    // the box is always the same place on it. A point on the other body stays there, such as one on the edge of a table
+    // that the box leaves. Where two edges cross, the point runs along both.
+    [[nodiscard]] Vec3<Length> shift(const Pair& pair, const Point& point) const requires(has_edges) {
+        const Axes<N>& axes = shapes_.axes(pair.a);
+        const Edge own = edge_of(pair.a, point.arm);
+        Vec3<Length> shift = Vec3<Length>::Constant(Length{});
+        if (own.free == 0) return shift;
+        const WorkVec3<N> normal = work_unit<N>(pair.normal);
+        WorkVec3<N> way = -drift_of(pair.a);
+        way -= cross<Work>(turn_of(pair.a), shapes_.world_arm(pair.a, point.arm));
+        if constexpr (features.moving_surfaces())
+            if (pair.surface_moves) {
+                way += cross<Work>(turn_of(pair.b), shapes_.world_arm(pair.b, point.arm_b));
+                if (bodies_.constants[pair.b].kinematic()) way += drift_of(pair.b);
+            }
+        way = scaled_by(WorkVec3<N>(way - scaled_by(normal, dot(way, normal))), half_);
+        if (own.free == 1 && shapes_.shape(pair.b).is(ShapeKind::box)) {
+            const Edge other = edge_of(pair.b, point.arm_b);
+            const WorkVec3<N> along = work_unit<N>(own.axis), across = cross<Work>(normal, work_unit<N>(other.axis));
+            const Work slope = dot(along, across);
+            // Edges that are nearly parallel cross nowhere.
+            if (other.free != 1 || !(slope * slope > N::half_of(N::half_of(N::half_of(Work(1)))))) return shift;
+            way = scaled_by(along, dot(way, across) / slope);
+        }
+        for (int i = 0; i < 3; ++i) shift[i] = shapes_.scale().length(dot(way, work_unit<N>(axes.axis(i))));
+        return shift;
+    }
+    // In how many directions a place is not at the end of a box, and the last of them, world.
+    struct Edge {
+        int free = 0;
+        Vec3<Unit> axis{};
+    };
+    [[nodiscard]] Edge edge_of(int b, const Vec3<Length>& arm) const requires(has_edges) {
+        const CollisionShape<N>& shape = shapes_.shape(b);
+        const Axes<N> axes = shape.axes(shapes_.axes(b));
+        const Vec3<Length> place = shape.turned ? shape.edges.to_body(arm) : arm;
+        Edge edge;
+        for (int i = 0; i < 3; ++i) {
+            if (!(magnitude_of(place[i]) + shapes_.tolerance() < shape.half[i])) continue;
+            ++edge.free;
+            edge.axis = axes.axis(i);
+        }
+        return edge;
+    }
     // Makes a row of bodies that do not turn.
-    void set_row(Point& point, const Directions& directions, int k, const Pair& pair) const {
+    void set_row(Point& point, const Vec3<Length>& arm, const Directions& directions, int k, const Pair& pair) const {
         auto& row = point.row[k];
         row.target = Speed{};
-        const auto lever = levers(shapes_.shape(pair.a), point.arm, directions.angular[k]);
+        const auto lever = levers(shapes_.shape(pair.a), arm, directions.angular[k]);
         if constexpr (features.pairs) {
             if (directions.moves_b) {
                 row.set(directions.linear[k], lever, directions.linear_b[k],
@@ -330,7 +388,7 @@ private:
         const auto make = [&](auto&& arms_of) {
             for (int i = 0; i < pair.count; ++i) {
                 Point& point = pair.point[i];
-                const Arms arms = arms_of(point.arm);
+                const Arms arms = arms_of(point);
                 for (int k = 0; k < count; ++k) {
                     const Levers of_a = levers_of(pair.a, arms, a, k);
                     point.row[k].set(directions.linear[k], of_a.middle);
@@ -345,14 +403,23 @@ private:
                 const RollingPoints<N> start{shape, directions.angular[0]}, middle{shape, a.middle[0]},
                     end{shape, a.end[0]};
                 if (end.rolls_from(turn.later(turn.later(start.down())))) {
-                    make([&](const Vec3<Length>& arm) {
-                        return Arms{middle.place_of(arm, start), end.place_of(arm, start)};
+                    make([&](const Point& point) {
+                        return Arms{middle.place_of(point.arm, start), end.place_of(point.arm, start)};
                     });
                     return;
                 }
             }
         }
-        make([](const Vec3<Length>& arm) { return Arms{arm, arm}; });
+        make([&](const Point& point) {
+            Arms arms{point.arm, point.arm};
+            if constexpr (has_edges)
+                if (may_shift(pair)) {
+                    const Vec3<Length> by = shift(pair, point);
+                    arms.middle += by;
+                    arms.end = arms.middle + by;
+                }
+            return arms;
+        });
     }
     [[nodiscard]] Arms world_arms(int b, const Vec3<Length>& arm) const requires(Velocities::shapes_turn) {
         const Vec3<Length> middle = velocities_.turn[b].later(arm);
@@ -445,6 +512,7 @@ private:
     const Bodies& bodies_;
     const Island& island_;
     [[no_unique_address]] If<features.kinematic, Work, 0> ahead_{};
+    [[no_unique_address]] If<has_edges, Work, 1> half_{};
 };
 
 }  // namespace tumble

@@ -56,6 +56,8 @@ public:
         if (!any) return Touch::nothing;
         const bool lifts = is_lifted();
         if constexpr (features.kinematic) rows_.look_ahead(part);
+        if constexpr (Rows::has_edges)
+            if (coasting == Coasting::mean) rows_.act_in_middle(part);
         const bool same = rows_.set_velocities(loads, part, whole, lifts, coasting == Coasting::mean);
         int active = 0;
         bool strikes = false;
