@@ -73,6 +73,10 @@ struct ContactBounds {
     }
     // A face axis of two boxes is preferred to an edge axis up to this difference, so that rounding does not decide.
     [[nodiscard]] static Length axis_margin(Length tolerance) { return C::half(C::half(tolerance)); }
+    // Of a normal and an axis of a box, above which the normal is that of a face: float resolves cosines so.
+    [[nodiscard]] static typename C::Unit along_face() {
+        return C::unit(Work(1) - N::template constant<Work>(Real::scaled(1, -20)));
+    }
     // Conservative advancement ends at this gap.
     [[nodiscard]] static Length crossing_gap(Length tolerance) { return C::sixteenth(C::sixteenth(tolerance)); }
     // A contact point inherits the impulses of a point within this distance, from the radius of its body.

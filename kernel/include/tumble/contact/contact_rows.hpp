@@ -63,6 +63,9 @@ public:
             if (!turns) pair.point[i].row[0].target = Speed{};
             hold = hold && pair.point[i].rows_hold;
         }
+        if constexpr (has_edges)
+            if (may_round(pair)) [[unlikely]]
+                if (make_rounding_rows(pair)) hold = true;
         if (!hold) {
             pair.still = 0;
             const Directions directions{pair, shapes_.axes(pair.a), pair.moves_b() ? &shapes_.axes(pair.b) : nullptr};
@@ -253,7 +256,7 @@ private:
     // By how much the place of a point on the box shifts until the middle of the flight, in principal axes. A vertex of
     // the box is always the same place on it. A point on the other body stays there, such as one on the edge of a table
     // that the box leaves. Where two edges cross, the point runs along both.
-    [[nodiscard]] Vec3<Length> shift(const Pair& pair, const Point& point) const requires(has_edges) {
+    [[nodiscard, gnu::noinline]] Vec3<Length> shift(const Pair& pair, const Point& point) const requires(has_edges) {
         const Axes<N>& axes = shapes_.axes(pair.a);
         const Edge own = edge_of(pair.a, point.arm);
         Vec3<Length> shift = Vec3<Length>::Constant(Length{});
@@ -277,6 +280,57 @@ private:
         }
         for (int i = 0; i < 3; ++i) shift[i] = shapes_.scale().length(dot(way, work_unit<N>(axes.axis(i))));
         return shift;
+    }
+    // True of a ball that moves over a box which nothing pushes.
+    [[nodiscard]] bool may_round(const Pair& pair) const requires(has_edges) {
+        return half_ > Work(0) && !pair.with_plane() && !pair.moves_b() && pair.count == 1 &&
+               bodies_.is_drifting(pair.a) && shapes_.shape(pair.a).is(ShapeKind::sphere) &&
+               shapes_.shape(pair.b).is(ShapeKind::box);
+    }
+    // Makes the row of a ball at an edge or a vertex of a box, round which its normal turns. The row acts in the middle
+    // of the flight, and its target is that of the end. False where the normal does not turn, as on a face.
+    [[gnu::noinline]] bool make_rounding_rows(Pair& pair) requires(has_edges) {
+        Point& point = pair.point[0];
+        const Axes<N> axes_b = shapes_.shape(pair.b).axes(shapes_.axes(pair.b));
+        const Edge edge = edge_of(pair.b, point.arm_b);
+        if (edge.free > 1) return false;
+        for (int i = 0; i < 3; ++i) {
+            const Unit cosine = narrow<Unit>(dot(pair.normal, axes_b.axis(i)));
+            if (magnitude_of(cosine) > ContactBounds<N>::along_face()) return false;
+        }
+        const WorkVec3<N> normal = work_unit<N>(pair.normal);
+        WorkVec3<N> way = drift_of(pair.a);
+        if constexpr (features.moving_surfaces())
+            if (pair.surface_moves) {
+                way -= cross<Work>(turn_of(pair.b), shapes_.world_arm(pair.b, point.arm_b));
+                if (bodies_.constants[pair.b].kinematic()) way -= drift_of(pair.b);
+            }
+        way -= scaled_by(normal, dot(way, normal));
+        if (edge.free == 1) {
+            const WorkVec3<N> along = work_unit<N>(edge.axis);
+            way -= scaled_by(along, dot(way, along));
+        }
+        const Length radius = shapes_.shape(pair.a).half.x();
+        const WorkVec3<N> turn = scaled_by(way, half_ / shapes_.scale().metres(radius + point.gap));
+        const Work square = dot(turn, turn);
+        if (square > N::half_of(N::half_of(Work(1)))) return false;
+        const WorkVec3<N> middle = scaled_by(WorkVec3<N>(normal + turn), Work(1) / sqrt(Work(1) + square));
+        const Vec3<Unit> start = pair.normal;
+        for (int i = 0; i < 3; ++i) pair.normal[i] = C::unit(middle[i]);
+        if constexpr (features.friction)
+            if (pair.has_friction) set_tangents<N>(pair.normal, pair.tangent);
+        const Directions directions{pair, shapes_.axes(pair.a), nullptr};
+        const Vec3<Length> arm = tumble::along(Vec3<Unit>(-directions.angular[0]), radius);
+        for (int k = 0; k < pair.rows(); ++k) set_row(point, arm, directions, k, pair);
+        set_target(point.row[0], velocities_.scale.speed(-dot(turn, way) * pair.weight));
+        if constexpr (features.rolling_resistance)
+            if (pair.resists_spin()) set_spin_rows(point, directions, pair);
+        pair.normal = start;
+        if constexpr (features.friction)
+            if (pair.has_friction) set_tangents<N>(pair.normal, pair.tangent);
+        pair.still = 0;
+        point.rows_hold = false;
+        return true;
     }
     // In how many directions a place is not at the end of a box, and the last of them, world.
     struct Edge {

@@ -48,8 +48,8 @@ public:
         pairs_.for_each(island_, [&](Pair& pair) { shapes_.find(bodies_, pair); });
     }
     // The least gap of the pairs that are selected, each above the level at which a flight ends: the surface, or
-    // halfway to the tolerance below for a pair that touched when the flight began. Metres. With `ends_contact` the
-    // other way round: of pairs that open, the least way to where they are open, of which the sign counts alone.
+    // halfway to the tolerance below for a pair that touched when the flight began. Metres. In the search for
+    // the end of a contact: how far the first of the pairs is from being open, cut off at both ends.
     [[nodiscard]] Work least_gap(bool at_start) const {
         bool any = false;
         Length least{};
@@ -68,10 +68,9 @@ public:
         if constexpr (has_edges) ends_contact_ = false;
         pairs_.for_each(island_, [&](Pair& pair) { pair.selected = pair.gap < level(pair); });
     }
-    // True where forces have pushed bodies over an edge in the flight: at its end they are apart, though the forces
-    // were to keep them in touch, and no other pair holds them there. Selects these pairs for the search for the time
-    // at which they came apart. Beside a box, because other surfaces have no edge, and its surface may end. `loads`:
-    // over a whole step.
+    // True where a contact has ended at an edge within the flight: its force has acted, but the bodies are apart, and
+    // no other pair holds them there. Selects these pairs for the search for the time at which they came apart. One of
+    // the bodies is a box: other surfaces have no edges. `loads`: over a whole step.
     template <class Kicks>
     [[nodiscard]] bool select_ended(const Kicks& loads) requires(has_edges) {
         bool any = false;
@@ -84,8 +83,8 @@ public:
         ends_contact_ = any;
         return any;
     }
-    // Keeps of the selected pairs those that are open now, or hardly not. Returns the time since the first of them
-    // began to open, in which its gap has grown with the square of the time: steps.
+    // Keeps those of the selected pairs that are open now. Returns the time since the first of them began to open, as a
+    // part of a step. The gap of a ball at an edge grows with the square of this time.
     [[nodiscard]] Work time_since_open() requires(has_edges) {
         Work longest(0);
         pairs_.for_each(island_, [&](Pair& pair) {
@@ -99,7 +98,7 @@ public:
         });
         return longest;
     }
-    // In the flight that starts the selected pairs have no points, and they are known not to pass through each other.
+    // In the flight that starts, the selected pairs have no points, and they do not pass through each other.
     void end_selected() requires(has_edges) {
         pairs_.for_each(island_, [](Pair& pair) {
             if (!pair.selected) return;
@@ -183,7 +182,7 @@ public:
     }
 
 private:
-    // A pair is open at a gap beyond rounding, and farther apart than at its start.
+    // A pair is open at a gap above rounding and above that of its start.
     [[nodiscard]] Length opening() const { return Bounds::resting_gap(shapes_.tolerance()); }
     [[nodiscard]] Length open_gap(const Pair& pair) const {
         return pair.start_gap > Length{} ? pair.start_gap + opening() : opening();
@@ -201,9 +200,9 @@ private:
     [[nodiscard]] bool is_round(const Pair& pair) const {
         return shapes_.shape(pair.a).is(ShapeKind::sphere) || shapes_.shape(pair.b).is(ShapeKind::sphere);
     }
-    // True where the bodies go apart though no force pushes them any more. A gap that grows from rest with the square
-    // of the time, as that of a ball behind an edge, has 2 gap / speed^2 of the acceleration: more than what the loads
-    // bring back. Of two boxes a gap beyond the tolerance tells it.
+    // True where the bodies would move apart without the force. The gap of a ball at an edge grows with the square of
+    // the time: its acceleration is speed^2 / (2 gap). This must exceed the acceleration by the loads. Of two boxes,
+    // the gap must exceed the tolerance.
     template <class Kicks>
     [[nodiscard]] bool leaves(const Pair& pair, const Kicks& loads) const {
         if (!is_round(pair)) return pair.gap > shapes_.tolerance();
@@ -228,7 +227,7 @@ private:
             shapes_.to_world(other, {bodies_.turn(other, 0), bodies_.turn(other, 1), bodies_.turn(other, 2)}), reach);
         return dot(velocity, work_unit<N>(pair.normal));
     }
-    // True where another pair that is in touch pushes a body of this one as this one did: the next block of a floor.
+    // True where another pair in touch supports a body in the direction of this one: the next block of a floor.
     [[nodiscard]] bool is_held_alike(const Pair& pair) const {
         bool any = false;
         pairs_.for_each(island_, [&](const Pair& other) {

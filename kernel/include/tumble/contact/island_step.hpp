@@ -51,7 +51,7 @@ public:
         if constexpr (features.contact_readout) contacts_.log.start_island(contacts_.pairs, island_);
         for (int k = 0; k < island_.group.count; ++k) contacts_.pairs.forget_points_of(island_.group.id[k]);
         Work span(1);
-        [[maybe_unused]] bool ended = false;  // a contact, over an edge
+        [[maybe_unused]] bool ended = false;  // a contact has ended at an edge
         for (int impact = 0;; ++impact) {
             const bool whole = impact == 0;
             search_.start_flight();
@@ -245,9 +245,8 @@ private:
         }
     }
 
-    // Adds the motion that surfaces cause by a change of their velocities before the flight, or takes it off after the
-    // flight from `start`: it leaves no momentum. In a part of the time the forces bring a body less near to the
-    // velocity of the surface, so that more is missing.
+    // Adds the motion of Resting::find_taken_along() before the flight, or takes it off after the flight from `start`,
+    // so that it leaves no momentum. In a part of the time the forces do a part of their work, so that more is missing.
     void carry([[maybe_unused]] Work part, [[maybe_unused]] bool all, [[maybe_unused]] const Saved* start) {
         if constexpr (features.moving_surfaces()) {
             for (int k = 0; k < island_.group.count; ++k) {
@@ -332,8 +331,8 @@ private:
         search_.select();
         return find_zero(attempt, longest);
     }
-    // Redoes the flight up to the time at which the contact ended that pushed bodies over an edge. From there on its
-    // forces are off. Returns the portion of the step flown.
+    // Redoes the flight up to the time at which a contact ended at an edge. Its force is off from there on. Returns the
+    // portion of the step flown.
     [[gnu::noinline, gnu::cold]] Work find_end(const Attempt& attempt, Work longest) {
         Work at = find_zero(attempt, longest);
         const Work since = search_.time_since_open();

@@ -103,7 +103,7 @@ public:
         solution.settled = true;
         if constexpr (features.moving_surfaces())
             if (changed.any) [[unlikely]]
-                changed.carry = coasting != Coasting::end && find_carried(loads, coasting);
+                changed.carry = coasting != Coasting::end && find_taken_along(loads, coasting);
         if (lifts) [[unlikely]] {
             if constexpr (features.sleep) solution.settled = is_balanced();
             solution.lifts = find_lifts();
@@ -111,7 +111,7 @@ public:
         }
         if constexpr (features.moving_surfaces())
             if (changed.carry) [[unlikely]]
-                add_carried(solution);
+                add_taken_along(solution);
         return Touch::rests;
     }
 
@@ -262,14 +262,13 @@ private:
         }
         return solved;
     }
-    // A surface whose velocity has changed moves by its new velocity from the start of the step. A force that acts half
-    // before the flight and half after it brings a body to this velocity at the end only: on the way it moves by the
-    // mean. Finds the motion that is missing, and writes it into `start`. Its momentum is none: it begins before the
-    // flight and ends after it. It is the least motion which gives the points that the surface carries half of the
-    // change of the surface, as far as they do not have it yet, and leaves all others in touch as they are. False where
-    // there is none.
-    [[gnu::noinline, gnu::cold]] bool find_carried(const Kicks& changes,
-                                                   Coasting coasting) requires(features.moving_surfaces()) {
+    // A surface whose velocity has changed moves by its new velocity from the start of the step. A contact force acts
+    // half before the flight and half after it, so the body moves by the mean of its old velocity and the new one.
+    // Finds the motion that is missing, and writes it into `start`: the least one that gives half of the change to the
+    // points that the surface holds, and keeps the other points that hold. It is added before the flight and taken off
+    // after it. False where there is none.
+    [[gnu::noinline, gnu::cold]] bool find_taken_along(const Kicks& changes,
+                                                       Coasting coasting) requires(features.moving_surfaces()) {
         Speed largest{};
         pairs_.for_each_active(island_, [&](Pair& pair, Point& point) {
             WorkVec3<N> ahead = zero_vector<N>();
@@ -287,7 +286,7 @@ private:
         const Speed enough = velocities_.scale.enough_at_rest();
         if (!(largest > enough)) return false;
         const Speed eighth = C::eighth(largest), slack = eighth > enough ? eighth : enough;
-        guess_carried(changes, coasting, slack);
+        guess_taken_along(changes, coasting, slack);
         auto& moves = velocities_.start;
         for (int sweep = 0; sweep < Bounds::sweeps(contact::max_impact_sweeps); ++sweep) {
             Speed most{};
@@ -318,9 +317,9 @@ private:
                   !(changes[pair.b].angular[i] == typename N::TurnSum{});
         return any;
     }
-    // Where the whole island moves with a surface that does not turn, the motion is known. Sweeps find it slowly in a
-    // stack.
-    void guess_carried(const Kicks& changes, Coasting coasting, Speed slack) requires(features.moving_surfaces()) {
+    // The first guess: where the whole island moves with a surface that does not turn, the motion is known. In a stack,
+    // sweeps alone find it slowly.
+    void guess_taken_along(const Kicks& changes, Coasting coasting, Speed slack) requires(features.moving_surfaces()) {
         const auto& group = island_.group;
         const Pair* on = nullptr;
         pairs_.for_each_active(island_, [&](const Pair& pair, const Point&) {
@@ -352,13 +351,13 @@ private:
             }
         }
     }
-    // Adds what find_carried() has found to the motion that corrects penetrations.
-    void add_carried(Solution& solution) {
+    // Adds what find_taken_along() has found to the motion that corrects penetrations.
+    void add_taken_along(Solution& solution) {
         for (int k = 0; k < island_.group.count; ++k) {
             const int b = island_.group.id[k];
-            auto &moves = velocities_.loaded[b], &carried = velocities_.start[b];
-            if (!solution.lifts) moves = carried;
-            else moves = {moves.linear + carried.linear, moves.angular + carried.angular};
+            auto &moves = velocities_.loaded[b], &taken_along = velocities_.start[b];
+            if (!solution.lifts) moves = taken_along;
+            else moves = {moves.linear + taken_along.linear, moves.angular + taken_along.angular};
         }
         solution.settled = solution.stands = false;
     }
