@@ -45,6 +45,26 @@ std::string bytes_of_a_pair() {
                           pairs);
 }
 
+// A world whose contacts are read, and the same without.
+template <class N, bool has_friction, bool is_read, int room>
+struct Read : Scene {
+    using Numbers = N;
+    static constexpr Features features{
+        .bodies = 6, .near_pairs = room, .pairs = true, .friction = has_friction, .contact_readout = is_read};
+};
+template <class N, bool has_friction, bool is_read>
+constexpr std::size_t bytes_of_a_read_pair() {
+    constexpr std::size_t pairs = 8;
+    return (sizeof(World<Read<N, has_friction, is_read, 4 + pairs>>) -
+            sizeof(World<Read<N, has_friction, is_read, 4>>)) /
+           pairs;
+}
+template <class N, bool has_friction>
+std::string bytes_of_readout() {
+    return std::to_string(bytes_of_a_read_pair<N, has_friction, true>() -
+                          bytes_of_a_read_pair<N, has_friction, false>());
+}
+
 struct Boxes : Scene {
     static constexpr Features features{.bodies = 2, .planes = 1, .pairs = true, .boxes = true, .friction = true};
 };
@@ -152,6 +172,11 @@ Table near_pairs_table() {
              {"boxes and planes", bytes_of_a_pair<false, true, false>(), bytes_of_a_pair<false, true, true>()},
              {"spheres and each other", bytes_of_a_pair<true, false, false>(), bytes_of_a_pair<true, false, true>()},
              {"boxes and each other", bytes_of_a_pair<true, true, false>(), bytes_of_a_pair<true, true, true>()}}};
+}
+
+std::string readout_bytes(bool is_fixed_point, bool has_friction) {
+    if (is_fixed_point) return has_friction ? bytes_of_readout<Q32<>, true>() : bytes_of_readout<Q32<>, false>();
+    return has_friction ? bytes_of_readout<F32, true>() : bytes_of_readout<F32, false>();
 }
 
 Table control_table(const Rows& control) {

@@ -28,6 +28,8 @@ namespace tumble::bench {
 [[nodiscard]] Table stories_table(const Rows& control);
 
 // The largest angle that a body turns in a step, rad.
+// Of a near pair, with the feature contact_readout.
+[[nodiscard]] std::string readout_bytes(bool is_fixed_point, bool has_friction);
 [[nodiscard]] std::string largest_turn();
 
 }  // namespace tumble::bench

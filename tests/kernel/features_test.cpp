@@ -1,6 +1,7 @@
 // The list of features, the requirements on a scene type, and misuse that ends in TUMBLE_ASSERT.
 #include <tumble/tumble.hpp>
 
+#include "members.hpp"
 #include "references.hpp"
 
 #include <set>
@@ -8,17 +9,6 @@
 
 namespace tumble::test {
 namespace {
-
-// Converts to any member. Counts the members of an aggregate.
-struct Anything {
-    template <class T>
-    constexpr operator T() const;
-};
-template <class T, class... Members>
-constexpr std::size_t count_of_members() {
-    if constexpr (requires { T{Members{}..., Anything{}}; }) return count_of_members<T, Members..., Anything>();
-    else return sizeof...(Members);
-}
 
 TEST(Features, the_list_names_every_member_once) {
     std::set<std::string> names;
@@ -55,6 +45,16 @@ TEST(Features, united_scenes_have_room_for_the_pairs_of_each) {
     for (const Features& both : {usual.united_with(few), few.united_with(usual)})
         EXPECT_EQ(both.room_for_pairs(), usual.room_for_pairs());
     EXPECT_EQ(few.united_with(few).near_pairs, 2);
+}
+
+// Half of six spheres about each, and half a pair more for each plane at which it may be; at most every pair.
+TEST(Features, the_usual_room_is_that_of_a_heap_of_spheres_in_a_corner) {
+    EXPECT_EQ((Features{.bodies = 13, .planes = 5, .pairs = true}.room_for_pairs()), 58);
+    EXPECT_EQ((Features{.bodies = 64, .planes = 1, .pairs = true}.room_for_pairs()), 224);
+    EXPECT_EQ((Features{.bodies = 40, .pairs = true}.room_for_pairs()), 120);
+    EXPECT_EQ((Features{.bodies = 3, .planes = 2, .pairs = true}.room_for_pairs()), 9);
+    EXPECT_EQ((Features{.bodies = 13, .planes = 5}.room_for_pairs()), 65);
+    EXPECT_EQ((Features{.bodies = 13, .planes = 5, .near_pairs = 20, .pairs = true}.room_for_pairs()), 20);
 }
 
 TEST(Features, a_scene_with_every_feature_keeps_its_room) {

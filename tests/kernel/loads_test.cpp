@@ -472,6 +472,31 @@ TEST_P(Loads, a_damper_beyond_its_step_bound_is_reported_when_it_is_added_and_no
     }
 }
 
+// The ends coincide, as in a hinge, or the damper has no rest length: it acts along whatever way they part.
+TEST_P(Loads, a_damper_of_a_hinge_is_checked_at_its_full_length) {
+    const Method& method = GetParam().method;
+    if (!std::isfinite(method.drag_limit) || !std::isfinite(method.oscillation_limit)) GTEST_SKIP() << "no limit";
+    for (const Number share : {0.9L, 0.97L, 1.03L, 1.5L, 20.0L}) {
+        for (const Number arm : {0.0L, 0.125L}) {
+            for (const Number rest_length : {0.0L, 1.0L}) {
+                SceneSetup setup{.name = "hinge", .bodies = {top({0.02, 0.03, 0.04}, {}, 2)}};
+                const Number moved = 0.5L + arm * arm / 0.02L;  // by a force of 1 across the arm, where it moves most
+                setup.springs = {{.point = {0, real(arm), 0},
+                                  .to = {0, real(arm), 0},
+                                  .damping = real(share * method.drag_limit * 256 / moved),
+                                  .rest_length = real(rest_length)}};
+                EXPECT_EQ(build(setup, GetParam())->status().has(Issue::step_too_long), share > 1)
+                    << share << ", " << arm << ", " << rest_length;
+            }
+        }
+        for (const Vector along : {Vector{1, 0, 0}, {0.6L, 0, -0.8L}, {2 / 7.0L, -3 / 7.0L, 6 / 7.0L}}) {
+            SceneSetup setup{.name = "slant", .bodies = {top({0.02, 0.03, 0.04}, {}, 2)}};
+            setup.springs = {{.to = real(along), .damping = real(share * method.drag_limit * 256 * 2)}};
+            EXPECT_EQ(build(setup, GetParam())->status().has(Issue::step_too_long), share > 1) << share;
+        }
+    }
+}
+
 // Enough damping along a spring undoes what a method adds to every oscillation.
 TEST_P(Loads, a_damped_spring_whose_motion_dies_away_is_not_reported) {
     if (!std::isfinite(GetParam().method.oscillation_limit)) GTEST_SKIP() << "adds to nothing";

@@ -3,6 +3,8 @@
 #include "tolerances.hpp"
 #include "worlds.hpp"
 
+#include <tumble/numbers/functions.hpp>
+
 #include <cmath>
 #include <limits>
 
@@ -171,6 +173,43 @@ TEST(real, quaternions_rotate_like_the_reference) {
         EXPECT_LE(norm(vector(q.rotate(r)) - rotation(q).rotate(vector(r))), tolerance::real_vector);
         EXPECT_LE(norm(vector(q.conjugate().rotate(q.rotate(r))) - vector(r)), tolerance::real_vector);
     }
+}
+
+TEST(real, a_rotation_about_an_axis_turns_by_its_angle) {
+    Random random{10};
+    for (int i = 0; i < 1000; ++i) {
+        const Vector axis{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
+        const Number angle = number(Real{random.uniform(-20, 20)});
+        const RealQuat q = rotation_about(real(axis), real(angle));
+        const Vector v = vector(q.v), expected = axis * (std::sin(angle / 2) / norm(axis));
+        EXPECT_LE(std::abs(number(q.w) - std::cos(angle / 2)), tolerance::real_vector) << angle;
+        EXPECT_LE(norm(v - expected), tolerance::real_vector) << angle;
+    }
+    constexpr RealQuat quarter = rotation_about({0, 0, 2}, 90_deg), none = rotation_about({1, 0, 0}, 0);
+    EXPECT_LE(norm(vector(quarter.rotate({1, 0, 0})) - Vector{0, 1, 0}), tolerance::real_vector);
+    EXPECT_TRUE(none == RealQuat{});
+    EXPECT_LE(std::abs(number(180_deg) - pi), tolerance::real_vector);
+}
+
+template <class T>
+void expect_vectors_to_compute() {
+    using V = Vector3<T>;
+    V v{T(3), T(0), T(4)};
+    EXPECT_EQ(norm(v), T(5));
+    v += V{T(1), T(2), T(0)};
+    EXPECT_EQ(v, (V{T(4), T(2), T(4)}));
+    v -= {T(0), T(1), T(2)};
+    EXPECT_EQ(v, (V{T(4), T(1), T(2)}));
+    v *= T(2);
+    EXPECT_EQ(v, T(2) * (V{T(4), T(1), T(2)}));
+    v /= T(4);
+    EXPECT_EQ(v, (V{T(4), T(1), T(2)}) / T(2));
+}
+TEST(real, vectors_compute_in_every_number) {
+    expect_vectors_to_compute<float>();
+    expect_vectors_to_compute<double>();
+    expect_vectors_to_compute<Real>();
+    expect_vectors_to_compute<Scaled>();
 }
 
 }  // namespace

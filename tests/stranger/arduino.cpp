@@ -73,10 +73,27 @@
 #define B1000 8
 #define B1111 15
 #define B11111111 255
+// Pins of some boards, and a sketch's own.
+#define A0 10
+#define A1 11
+#define A2 12
+#define A3 13
+#define C0 14
+#define C1 15
+#define C2 16
+#define C3 17
+#define D0 18
+#define D1 19
+#define D2 20
+#define D3 21
+#define B2 30
+#define B3 31
+#define K 32
 
 #include <tumble/tumble.hpp>
 
 static_assert(min(3, 4) == 3 && max(3, 4) == 4 && abs(-3) == 3 && round(2.5) == 3 && B1 == 1 && B11111111 == 255);
+static_assert(A0 == 10 && A1 == 11 && B0 == 0 && B3 == 31 && C2 == 16 && D3 == 21 && K == 32);
 static_assert(sq(3) == 9 && constrain(5, 0, 4) == 4 && bit(3) == 8 && PI > 3 && lowByte(0x1234) == 0x34);
 
 namespace {

@@ -45,9 +45,10 @@ class Replay {
     };
 
 public:
-    // Sets up the scene. Without enough room in Config, Issue::world_full is set or the excess is dropped: check Config
-    // against the data first.
+    // Sets up the scene. Without room for all bodies in Config, Issue::world_full is set. Misuse: planes and springs
+    // without room, and data without the feature that obeys them.
     constexpr explicit Replay(const Data& data = Data{}) : world_{empty_world(data)} {
+        require_features(data);
         if constexpr (Config::features.bodies > 0)
             for (const BodySpec& body : data.bodies) (void)world_.add(body);
         if constexpr (Config::features.planes > 0)
@@ -72,6 +73,25 @@ public:
     [[nodiscard]] const World<Config>& world() const { return world_; }
 
 private:
+    static constexpr Features features = Config::features;
+
+    // Ends the program where data would be ignored, and names the feature. Point masses touch no plane.
+    static constexpr void require_features(const Data& data) {
+        const auto count = [](const auto& list) { return static_cast<int>(list.size()); };
+        constexpr bool moves = features.bodies > 0, rotates = moves && features.rotation;
+        TUMBLE_ASSERT(features.planes >= count(data.planes) || !rotates);
+        TUMBLE_ASSERT(features.springs >= count(data.springs));
+        TUMBLE_ASSERT(features.impulses || count(data.impulses) == 0);
+        TUMBLE_ASSERT(features.forces || count(data.forces) == 0);
+        if constexpr (requires { data.events; }) TUMBLE_ASSERT(features.script || count(data.events) == 0);
+        if constexpr (requires { data.softening; })
+            TUMBLE_ASSERT((features.gravitation && features.softening) || features.bodies < 2 ||
+                          data.softening.is_zero());
+        if constexpr (requires { data.drags; }) TUMBLE_ASSERT(features.air || count(data.drags) == 0);
+        if constexpr (requires { data.wheels; }) TUMBLE_ASSERT(features.wheels || count(data.wheels) == 0);
+        if constexpr (requires { data.orbit; })
+            TUMBLE_ASSERT(features.gravity_gradient || !rotates || data.orbit.rate.is_zero());
+    }
     // Softening, air, wheels and orbit, where both Config and the data have them.
     constexpr void set_up_loads([[maybe_unused]] const Data& data) {
         constexpr int bodies = Config::features.bodies;

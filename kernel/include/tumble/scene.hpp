@@ -125,11 +125,13 @@ struct Features {
     }
     // Every pair of a body with a plane, and with another body where these may touch.
     [[nodiscard]] constexpr int all_pairs() const { return bodies * planes + (pairs ? bodies * (bodies - 1) / 2 : 0); }
-    // Room for every pair of a few bodies; for many bodies, room for the pairs of a heap of spheres. Boxes that are
-    // packed side by side have more pairs.
+    // Room for every pair of a few bodies; for many bodies, room for the pairs of a heap of spheres. In a heap a sphere
+    // touches six others on average (as many contacts as motions: it is isostatic), and each pair is one of two
+    // spheres; at a wall or in a corner up to three planes take the place of spheres, and a plane's pair is the
+    // sphere's alone. Boxes that are packed side by side have more pairs.
     [[nodiscard]] constexpr int room_for_pairs() const {
         if (near_pairs > 0) return near_pairs;
-        const int all = all_pairs(), usual = 3 * bodies + planes;
+        const int all = all_pairs(), usual = bodies * (6 + (planes < 3 ? planes : 3)) / 2;
         return pairs && all > usual ? usual : all;
     }
 };
@@ -182,6 +184,29 @@ struct OwnLoads<S> {
 // True if anything other than gravity may push bodies of the scene.
 template <class S>
 inline constexpr bool has_loads = S::features.loads() || (S::features.bodies > 0 && OwnLoads<S>::List::count > 0);
+
+// True of a number without a unit.
+template <class T>
+concept IsPlainNumber = std::is_arithmetic_v<T> || std::is_same_v<T, Real>;
+// True of a number system, by what every one has.
+template <class N>
+concept IsNumberSystem = requires {
+    typename N::Work;
+    typename N::Scale;
+    N::fixed_point;
+};
+// The scene, or one in its place whose World compiles, so that the message about the numbers stands alone.
+template <class S>
+struct WithNumbers {
+    struct type : S {
+        using Numbers = Q32<>;
+    };
+};
+template <class S>
+requires IsNumberSystem<typename S::Numbers>
+struct WithNumbers<S> {
+    using type = S;
+};
 
 // Takes no room if a feature is absent. The tag allows two of them at one address.
 template <int tag>

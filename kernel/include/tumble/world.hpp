@@ -10,6 +10,7 @@
 #include <tumble/contact/contacts.hpp>
 #include <tumble/events/readout.hpp>
 #include <tumble/events/script.hpp>
+#include <tumble/required.hpp>
 
 namespace tumble {
 
@@ -18,12 +19,16 @@ namespace tumble {
 // worlds point to them.
 template <class S>
 class World {
+    static_assert(detail::IsNumberSystem<typename S::Numbers>,
+                  "the scene's Numbers are a number system: tumble::Q32<>, tumble::F32 or tumble::F64");
+    using Checked = typename detail::WithNumbers<S>::type;  // the scene
+
 public:
-    using Numbers = typename S::Numbers;               // the number system
-    using Integrator = typename S::Integrator;         // the method
-    using N = Numbers;                                 // the number system
-    using Work = typename N::Work;                     // of accessors: Scaled in fixed point, else float or double
-    using State = typename tumble::Advance<S>::State;  // of a body, as a step keeps it
+    using Numbers = typename Checked::Numbers;  // the number system
+    using Integrator = typename S::Integrator;  // the method
+    using N = Numbers;                          // the number system
+    using Work = typename N::Work;              // of accessors: Scaled in fixed point, else float or double
+    using State = typename tumble::Advance<Checked>::State;  // of a body, as a step keeps it
     static_assert(
         !requires { S::bodies; } && !requires { S::planes; } && !requires { S::springs; },
         "what a scene has room for stands in `static constexpr tumble::Features features{.bodies = ...}`");
@@ -49,6 +54,15 @@ public:
     // The same where the scene has a `step`. Where bodies fly freely, the program then holds what follows from the step
     // as constants.
     constexpr explicit World(const WorldSpec& spec = {}) requires has_step : World{spec, S::step} {}
+    // Do not compile, and say why: a number that is no duration, and a step beside that of the scene.
+    template <detail::IsPlainNumber Step>
+    constexpr explicit World(Step, const WorldSpec& = {}) : World{WorldSpec{}, Seconds{1, 256}} {
+        static_assert(!sizeof(Step), "the step is a duration: World{Seconds{1, 256}}, or World{Seconds{0.01}}");
+    }
+    template <std::same_as<Seconds> Step>
+    constexpr explicit World(Step step, const WorldSpec& = {}) requires(has_step) : World{WorldSpec{}, step} {
+        static_assert(!sizeof(Step), "the scene has a step: World{} or World{spec}, without another");
+    }
 
     // Gravity from the next step on, m/s^2, world frame. Wakes all bodies.
     constexpr void set_gravity(RealVec3 gravity) {
@@ -64,7 +78,9 @@ public:
 
     // Softens the attraction between bodies from the next step on: F = G m1 m2 r / (r^2 + e^2)^(3/2) with the length e,
     // m, not negative. Wakes all bodies.
-    void set_softening(Real length) requires(features.gravitation&& features.softening) {
+    void set_softening(Real length) {
+        static_assert(features.gravitation && features.softening,
+                      "set_softening() needs .gravitation = true and .softening = true among the scene's features");
         refuse_to_record();
         TUMBLE_ASSERT(!length.is_negative());
         for (int b = 0; b < advance_.bodies.count; ++b) disturb(b);
@@ -82,7 +98,6 @@ public:
             return {};
         }
         if constexpr (features.touches()) TUMBLE_ASSERT(is_restitution(spec.restitution));
-        if constexpr (!features.kinematic) TUMBLE_ASSERT(!spec.kinematic);
         detail::run_once([&] { add_at(b, spec); });
         if constexpr (features.removal) return places_.take(b);
         else return BodyId{b};
@@ -93,6 +108,7 @@ public:
     PlaneId add(const PlaneSpec& spec) requires(features.planes > 0) {
         refuse_to_record();
         TUMBLE_ASSERT(is_restitution(spec.restitution));
+        Required::by(spec);
         bool added = true;
         int count = 1;  // where nothing can touch it
         if constexpr (has_contacts) {
@@ -106,6 +122,13 @@ public:
         else if constexpr (features.springs_touch()) count = advance_.loads.plane_count();
         if (added) note(spec);
         return added ? PlaneId{count - 1} : PlaneId{};
+    }
+
+    // Does not compile, and says why, in a scene without room for planes.
+    template <std::same_as<PlaneSpec> Spec>
+    PlaneId add(const Spec&) requires(features.planes <= 0) {
+        static_assert(!sizeof(Spec), "a plane needs room: .planes = 1 or more among the scene's features");
+        return {};
     }
 
     // Adds a spring between bodies already added; false when there is no room. status() reports a step that is surely
@@ -123,6 +146,13 @@ public:
             if (spec.to_body >= 0) disturb(spec.to_body);
         }
         return SpringId{advance_.loads.spring_count() - 1};
+    }
+
+    // Does not compile, and says why, in a scene without room for springs.
+    template <std::same_as<SpringSpec> Spec>
+    SpringId add(const Spec&) requires(features.springs <= 0) {
+        static_assert(!sizeof(Spec), "a spring needs room: .springs = 1 or more among the scene's features");
+        return {};
     }
 
     // A load of the scene's own, as it is.
@@ -147,13 +177,15 @@ public:
     [[nodiscard]] Event<N> prepare(const EventSpec& spec) const { return tumble::prepare(advance_.bodies, spec); }
     // Sets the impulses for the steps to come, in place of those set before. The array is sorted by step and must
     // outlive their use. Impulses before the next step are skipped. The bodies must have been added.
-    void set_impulses(Span<Impulse<N>> impulses) requires(features.impulses) {
+    void set_impulses(Span<Impulse<N>> impulses) {
+        static_assert(features.impulses, "set_impulses() needs .impulses = true among the scene's features");
         refuse_to_record();
         require_bodies(impulses);
         impulses_.set(impulses, now());
     }
     // Sets the timed forces likewise. A sorted array is faster, but need not be. Wakes the bodies that they act on.
-    void set_forces(Span<TimedForce<N>> forces) requires(features.forces) {
+    void set_forces(Span<TimedForce<N>> forces) {
+        static_assert(features.forces, "set_forces() needs .forces = true among the scene's features");
         refuse_to_record();
         require_bodies(forces);
         advance_.disturb();
@@ -163,14 +195,19 @@ public:
     // Sets the script for the steps to come: events of every kind, sorted by step, in an array that outlives their use.
     // Each step first applies its events of the script, as apply() does, then its impulses of set_impulses(). Forces
     // need Features::control.
-    void set_script(Span<Event<N>> events) requires(features.script) {
+    void set_script(Span<Event<N>> events) {
+        static_assert(features.script, "set_script() needs .script = true among the scene's features");
         require_bodies(events);
+        for (const Event<N>& event : events) Required::by(event.kind);
         script_.set(events, now());
     }
     // Appends every event from now on, live or of the script, to `recording`; null: no longer. The recording is a
     // script that brings a copy of this world to the same state. What no event holds is misuse meanwhile: to add
     // something, and to set gravity, impulses and forces of a scene.
-    void record(Recording<N>* recording) requires(features.recording) { recording_ = recording; }
+    void record(Recording<N>* recording) {
+        static_assert(features.recording, "record() needs .recording = true among the scene's features");
+        recording_ = recording;
+    }
 
     // Applies an event before the next step. Every call below is one event. It wakes the body. A fixed body takes a
     // pose and an angular velocity, a kinematic one velocities too; they ignore the rest. Misuse: of a point mass,
@@ -188,21 +225,23 @@ public:
     }
     // Sets the force (N, in `frame`) that acts from the next step on at a point of the body (m, user's body axes), in
     // place of the force before. In the frame of the body it turns with the body.
-    void set_force(BodyId id, const InputVector<N>& force, Frame frame,
-                   const InputVector<N>& point = {}) requires(features.control) {
+    void set_force(BodyId id, const InputVector<N>& force, Frame frame, const InputVector<N>& point = {}) {
+        static_assert(features.control, "set_force() needs .control = true among the scene's features");
         act<EventKind::force>(id, frame, force, point);
     }
     // Sets the torque (N m, in `frame`) that acts from the next step on, in place of the torque before.
-    void set_torque(BodyId id, const InputVector<N>& torque, Frame frame) requires(features.control) {
+    void set_torque(BodyId id, const InputVector<N>& torque, Frame frame) {
+        static_assert(features.control, "set_torque() needs .control = true among the scene's features");
         act<EventKind::torque>(id, frame, torque);
     }
     // Adds a force for the next step alone.
-    void apply_force(BodyId id, const InputVector<N>& force, Frame frame,
-                     const InputVector<N>& point = {}) requires(features.control) {
+    void apply_force(BodyId id, const InputVector<N>& force, Frame frame, const InputVector<N>& point = {}) {
+        static_assert(features.control, "apply_force() needs .control = true among the scene's features");
         act<EventKind::step_force>(id, frame, force, point);
     }
     // Adds a torque for the next step alone.
-    void apply_torque(BodyId id, const InputVector<N>& torque, Frame frame) requires(features.control) {
+    void apply_torque(BodyId id, const InputVector<N>& torque, Frame frame) {
+        static_assert(features.control, "apply_torque() needs .control = true among the scene's features");
         act<EventKind::step_torque>(id, frame, torque);
     }
     // Sets the velocity, m/s, in `frame`.
@@ -225,7 +264,10 @@ public:
     // The next body that is added takes the first free place, with another id. The old id is misuse from now on, but an
     // event of a script that names it is skipped. The impulses and forces of a scene name places, not ids: they act on
     // a new body of the place, and on none where it is free.
-    void remove(BodyId id) requires(features.removal) { act<EventKind::remove>(id, Frame::world, {}); }
+    void remove(BodyId id) {
+        static_assert(features.removal, "remove() needs .removal = true among the scene's features");
+        act<EventKind::remove>(id, Frame::world, {});
+    }
     // True of a body that has been added and not been removed.
     [[nodiscard]] bool contains(BodyId id) const {
         if constexpr (features.removal) return places_.contains(id);
@@ -307,7 +349,8 @@ public:
     // them. From add(), from an impulse, a velocity or a pose that is set, and from new gravity, until the next step
     // the sensor measures what it measures in a body at rest.
     template <class T>
-    [[nodiscard]] Imu<T> imu(BodyId id, const InputVector<N>& point = {}) const requires(features.imu) {
+    [[nodiscard]] Imu<T> imu(BodyId id, const InputVector<N>& point = {}) const {
+        static_assert(features.imu, "imu() needs .imu = true among the scene's features");
         const int b = place_of(id);
         typename N::DriftSum fall[3];
         for (int i = 0; i < 3; ++i) fall[i] = advance_.whole_fall(i);
@@ -336,7 +379,8 @@ public:
     }
 
     // The size of a snapshot as bytes. That of a whole world depends on the pairs that are near each other now.
-    [[nodiscard]] int snapshot_size(SnapshotPart part = SnapshotPart::world) const requires(features.snapshots) {
+    [[nodiscard]] int snapshot_size(SnapshotPart part = SnapshotPart::world) const {
+        static_assert(features.snapshots, "snapshot_size() needs .snapshots = true among the scene's features");
         detail::SnapshotWriter count{nullptr};
         write(count, part, 0);
         return count.size() + 4;
@@ -345,8 +389,8 @@ public:
     // The arrays of set_impulses(), set_forces() and set_script(), the recording, and the values of the scene's own
     // loads are not in it. Call set_forces(), set_gravity() and change_load() before restore(): after it they drop the
     // kick that the last step has left, and the next step differs in its last bits where springs or drag act.
-    [[nodiscard]] int save(std::uint8_t* to, int room, SnapshotPart part = SnapshotPart::world) const
-        requires(features.snapshots) {
+    [[nodiscard]] int save(std::uint8_t* to, int room, SnapshotPart part = SnapshotPart::world) const {
+        static_assert(features.snapshots, "save() needs .snapshots = true among the scene's features");
         const int size = snapshot_size(part);
         if (size > room) return 0;
         detail::SnapshotWriter bytes{to};
@@ -359,7 +403,8 @@ public:
     // bodies, planes and springs, added in the same order and removed at the same places between; of a whole world also
     // the same features, method and gravity. It may be followed by other bytes. Where it says why not, the world is as
     // before. Of bodies alone it sets their states and the number of steps: all wake, and contacts are found anew.
-    [[nodiscard]] SnapshotFault restore(const std::uint8_t* from, int count) requires(features.snapshots) {
+    [[nodiscard]] SnapshotFault restore(const std::uint8_t* from, int count) {
+        static_assert(features.snapshots, "restore() needs .snapshots = true among the scene's features");
         const SnapshotFault fault = detail::SnapshotHeader::fault_of(from, count, detail::digest_of_numbers<N>());
         if (fault != SnapshotFault::none) return fault;
         const auto header = detail::SnapshotHeader::read(from);
@@ -390,7 +435,7 @@ public:
     [[nodiscard]] std::uint64_t hash() const { return advance_.bodies.hash(); }
 
     // The bodies, for readers that need more digits than working numbers have.
-    using Bodies = typename tumble::Advance<S>::Bodies;
+    using Bodies = typename tumble::Advance<Checked>::Bodies;
     // The bodies as they are stored.
     [[nodiscard]] const Bodies& bodies() const { return advance_.bodies; }
 
@@ -428,19 +473,23 @@ public:
     }
     // What the body touches at the end of the last step, or touched in it or before it: a range of Contact, for a loop.
     // It reads the world, so it is valid until the next step or call that changes something.
-    [[nodiscard]] ContactRange<World> contacts(BodyId id) const requires(has_contacts&& features.contact_readout) {
+    [[nodiscard]] ContactRange<World> contacts(BodyId id) const {
+        static_assert(features.contact_readout, "contacts() needs .contact_readout = true among the scene's features");
+        static_assert(has_contacts, "contacts() needs contacts by impulses: .planes or .pairs, and .contact_impulses");
         return {*this, place_of(id)};
     }
 
 private:
     constexpr World(const WorldSpec& spec, Seconds step) : advance_{step, spec}, contacts_{step.value, spec.contact} {
-        if constexpr (features.touches()) TUMBLE_ASSERT(is_valid(spec.contact) && has_features_for(spec.contact));
+        if constexpr (features.touches()) TUMBLE_ASSERT(is_valid(spec.contact));
+        Required::by(spec);
         set_gravity(spec.gravity);
         if constexpr (features.snapshots) digest_.add(step.value);
         note(spec);
     }
 
-    using Advance = tumble::Advance<S>;
+    using Required = tumble::detail::Required<features>;
+    using Advance = tumble::Advance<Checked>;
     using BodyGroup = typename Advance::BodyGroup;
     using Contacts = tumble::Contacts<N, Integrator::spin, features>;
     static constexpr bool has_events = features.impulses || features.forces || features.script || features.recording;
@@ -458,15 +507,9 @@ private:
         });
     }
 
-    // False where values would be ignored.
-    [[nodiscard]] static constexpr bool has_features_for(const ContactSpec& spec) {
-        return (features.mixing || spec.mixes_as_usual()) &&
-               (features.impact_bounds || (spec.most_impacts == 0 && spec.most_searches == 0)) &&
-               (features.rolling_resistance ||
-                (spec.rolling_resistance.is_zero() && spec.spinning_resistance.is_zero()));
-    }
     // Sets up a body at a place, which is free.
     TUMBLE_COLD constexpr void add_at(int b, const BodySpec& spec) requires(features.bodies > 0) {
+        Required::by(spec);
         const PrincipalInertia inertia = features.rotation ? principal_inertia(spec.inertia) : PrincipalInertia{};
         advance_.add(spec, inertia, b);
         note(spec);
@@ -548,7 +591,7 @@ private:
             if (recording_ != nullptr) recording_->append({kind, frame, id, value, point, orientation}, now());
         if constexpr (kind == Kind::force || kind == Kind::torque || kind == Kind::step_force ||
                       kind == Kind::step_torque) {
-            TUMBLE_ASSERT(Advance::has_wrenches);
+            Required::by(kind);
             if (bodies.constants[b].fixed()) return;
             if constexpr (Advance::has_wrenches) {
                 constexpr bool angular = kind == Kind::torque || kind == Kind::step_torque;
@@ -558,7 +601,7 @@ private:
             }
             return disturb(b);
         } else if constexpr (kind == Kind::remove) {
-            TUMBLE_ASSERT(features.removal);
+            Required::by(kind);
             if constexpr (features.removal) take_away(b);
             return;
         } else if constexpr (kind == Kind::impulse || kind == Kind::angular_impulse) {
@@ -572,7 +615,10 @@ private:
         } else if constexpr (kind == Kind::velocity) {
             detail::set_velocity(bodies, b, frame, value.block(), seconds());
         } else if constexpr (kind == Kind::angular_velocity) {
-            if (bodies.constants[b].fixed() && !bodies.constants[b].kinematic() && !features.turntables) return;
+            if (bodies.constants[b].fixed() && !bodies.constants[b].kinematic() && !features.turntables) {
+                TUMBLE_ASSERT(features.turntables || value.block().is_zero());
+                return;
+            }
             detail::set_angular_velocity(bodies, b, frame, value.block(), steps_per_second());
         } else {
             detail::set_pose(bodies, b, value.block(), orientation);

@@ -162,6 +162,26 @@ struct WorldSpec {
     ContactSpec contact{};  // contacts
 };
 
+// The orientation of a body that is turned about an axis of any length but zero, by an angle, rad, right-handed. Of two
+// turns a * b, b comes first.
+TUMBLE_COLD [[nodiscard]] constexpr RealQuat rotation_about(const RealVec3& axis, Real angle) {
+    TUMBLE_ASSERT(!axis.is_zero());
+    // The series of a part of half the angle, at most 1/8, whose next terms are below 2^-78; then doubled.
+    const Real half = Real::scaled(1, -1);
+    Real part = angle * half;
+    int doublings = 0;
+    for (; abs(part) > Real::scaled(1, -3); ++doublings) part = part * half;
+    const Real square = part * part;
+    Real cosine = 1, sine = 1;  // over the part
+    for (int n = 12; n > 0; n -= 2) {
+        cosine = Real{1} - square / Real{n * (n - 1)} * cosine;
+        sine = Real{1} - square / Real{n * (n + 1)} * sine;
+    }
+    RealQuat q{cosine, normalized(axis) * (part * sine)};
+    for (; doublings > 0; --doublings) q = q * q;
+    return normalized(q);
+}
+
 // A body of the given shape and mass, at rest at the origin.
 [[nodiscard]] constexpr BodySpec body_of(Shape shape, Real mass) {
     TUMBLE_ASSERT(mass > Real{});
@@ -207,6 +227,13 @@ consteval Real operator""_m(long double v) { return Real{static_cast<double>(v)}
 consteval Real operator""_kg(unsigned long long v) { return Real{static_cast<int>(v)}; }
 // Metres.
 consteval Real operator""_m(unsigned long long v) { return Real{static_cast<int>(v)}; }
+// Degrees, in radians.
+consteval Real operator""_deg(long double v) {
+    return Real{static_cast<double>(v)} * Real::scaled(0x3243f6a8885a308d, -60) / Real{180};
+}
+consteval Real operator""_deg(unsigned long long v) {
+    return Real{static_cast<int>(v)} * Real::scaled(0x3243f6a8885a308d, -60) / Real{180};
+}
 }  // namespace literals
 
 }  // namespace tumble

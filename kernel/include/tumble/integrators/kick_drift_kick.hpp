@@ -41,6 +41,7 @@ bool solve_end_kick(const Group& group, const typename Group::Stage (&state)[cap
                 before[b].linear[i] = kick[b].linear[i];
                 end[b].d_w[i] += half(kick[b].linear[i]);
                 if constexpr (Group::rotation) {
+                    before[b].angular[i] = {};  // for GCC, which does not see that it is read where it is written
                     if (!group.rotates(b)) continue;
                     before[b].angular[i] = kick[b].angular[i];
                     end[b].t_b[i] += N::narrow_turn(half(kick[b].angular[i]));

@@ -185,8 +185,7 @@ public:
     [[gnu::noinline, gnu::cold]] bool add(const SpringSpec& spec, Bodies& bodies,
                                           const SpringBounds<N>& bounds) requires(features.springs > 0) {
         if (!springs_.add(spec, bodies)) return false;
-        const bool is_straight = !spec.rest_length.is_zero();
-        for (int axis = is_straight ? 3 : 0; axis < (is_straight ? 4 : 3); ++axis) {
+        for (int axis = 0; axis < 4; ++axis) {
             const int b = springs_.body_beyond(bounds, bodies, drag_, axis);
             if (b < 0) continue;
             bodies.report(Issue::step_too_long, b);

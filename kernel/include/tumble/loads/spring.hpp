@@ -46,13 +46,14 @@ public:
     Springs(Real, const WorldSpec&) {
         for (std::uint16_t& first : first_) first = none;
     }
-    // Adds a spring; false when there is no room. Misuse: a point other than zero of a point mass, and a point outside
-    // the range.
+    // Adds a spring; false when there is no room. Misuse: a point other than zero of a point mass, a point outside the
+    // range, and a negative damping or rest length.
     [[gnu::noinline, gnu::cold]] bool add(const SpringSpec& spec, const auto& all) {
         TUMBLE_ASSERT(spec.to_body >= -1 && spec.to_body < all.count);
         TUMBLE_ASSERT(is_in_range(spec.point) && is_in_range(spec.to));
         TUMBLE_ASSERT(all.rotates(all.index_of(spec.body)) || spec.point.is_zero());
         TUMBLE_ASSERT(spec.to_body < 0 || all.rotates(spec.to_body) || spec.to.is_zero());
+        TUMBLE_ASSERT(!spec.damping.is_negative() && !spec.rest_length.is_negative());
         if (count_ >= capacity) return false;
         Spring<N>& spring = spring_[count_];
         spring.body = static_cast<std::int16_t>(all.index_of(spec.body));
@@ -93,7 +94,7 @@ public:
     }
 
     // Returns a body that the newest spring moves, if the step is surely too long for that spring as the bodies stand;
-    // else -1.
+    // else, and along an axis that tells nothing of this spring, -1.
     //
     // A pull at both ends of the spring brings about a motion u: h/m times the force and h/I times the torque at each
     // end. The pull is along a world axis (0 to 2) or along the spring (3). In this motion all springs, dampers and
@@ -110,30 +111,36 @@ public:
     // springs hold a body along three axes, and would be a false alarm there.
     //
     // A spring counts with its stiffness at its rest length, which is along itself alone; without a rest length it is
-    // as stiff in all directions.
+    // as stiff in all directions. A spring whose ends coincide has no direction yet: it and its damper count along the
+    // motion, which gives it one.
     TUMBLE_COLD [[nodiscard]] int body_beyond(const SpringBounds<N>& bounds, const auto& all, const auto& drag,
                                               int axis) const {
         const Spring<N>& newest = spring_[count_ - 1];
+        const bool is_apart = !ends_coincide(newest, reach_of(newest, all)), has_length = newest.rest_length > Work{};
+        if (axis < 3 ? is_apart && has_length : !is_apart || !(has_length || newest.damping > Work{})) return -1;
         const Vector pull =
             axis < 3 ? Vector::of(Work(axis == 0), Work(axis == 1), Work(axis == 2)) : reach_of(newest, all);
         const Motion moved[2]{response(all, newest.body, newest.point_b, pull),
                               response(all, newest.to_body, newest.to, pull.times(Work(-1)))};
-        Work stiffness{}, damping{};
+        Work stiffness{}, damping{}, of_coinciding{};
         for (const Motion& motion : moved) {
             if constexpr (requires { drag.linear; }) damping += drag.linear * product(motion.v_w, motion.v_w);
             if constexpr (requires { drag.angular; }) damping += drag.angular * product(motion.w_b, motion.w_b);
         }
         for_each_at(moved, [&](const Spring<N>& spring) {
             const Vector reach = reach_of(spring, all), rate = rate_of(spring, all, moved);
-            const Work squares = product(reach, reach), along = product(reach, rate);
-            const Work square = squares > Work{} ? along * along / squares : squares;
-            stiffness += spring.stiffness * (spring.rest_length > Work{} ? square : product(rate, rate));
-            damping += spring.damping * square;
+            const Work along = product(reach, rate), whole = product(rate, rate);
+            const bool coincide = ends_coincide(spring, reach);
+            const Work square = coincide ? whole : along * along / product(reach, reach);
+            stiffness += spring.stiffness * (spring.rest_length > Work{} ? square : whole);
+            (coincide ? of_coinciding : damping) += spring.damping * square;
         });
         const Work inertia = -product(rate_of(newest, all, moved), pull);  // u.(m u) / h
-        for (int i = 0; i < StepBounds::sums; ++i)
-            if (inertia < bounds.of_spring[i] * stiffness + bounds.of_damper[i] * damping)
-                return all.constants[newest.body].fixed() ? newest.to_body : newest.body;
+        // Across the motion, dampers whose ends coincide do nothing.
+        for (const Work& damped : {damping, damping + of_coinciding})
+            for (int i = 0; i < StepBounds::sums; ++i)
+                if (inertia < bounds.of_spring[i] * stiffness + bounds.of_damper[i] * damped)
+                    return all.constants[newest.body].fixed() ? newest.to_body : newest.body;
         return -1;
     }
     [[nodiscard]] int count() const { return count_; }
@@ -320,6 +327,11 @@ private:
         set_other_end(apart, all, spring.to_body, spring.to, spring);
         take_place(apart, all, spring.body, stage_of(all.state[spring.body]), spring.point_b);
         return L::between(apart);
+    }
+    // True where nothing but rounding keeps the ends apart: 2^-20 of their levers, which is eight units of a float.
+    TUMBLE_COLD [[nodiscard]] static bool ends_coincide(const Spring<N>& spring, const Vector& reach) {
+        const Work levers = product(spring.point_b, spring.point_b) + product(spring.to, spring.to);
+        return !(product(reach, reach) > levers * N::template constant<Work>(Real::scaled(1, -40)));
     }
     TUMBLE_COLD [[nodiscard]] static Vector rate_of(const Spring<N>& spring, const auto& all,
                                                     const Motion (&moved)[2]) {

@@ -89,6 +89,12 @@ template <class T, class Bits, int fraction_bits, int bias>
     return detail::ieee_sqrt<double, std::uint64_t, 52, 1023>(a);
 }
 
+// The length of a vector.
+template <class T>
+[[nodiscard]] constexpr T norm(const Vector3<T>& v) {
+    return sqrt(dot(v, v));
+}
+
 // The series of sine and cosine of the half angle x, in z = x^2. The leading terms are left out, so that nothing
 // cancels: cosine = 1 + cos_less_one, sine = x + x * sinc_less_one. Both come from the same z.
 template <class T>

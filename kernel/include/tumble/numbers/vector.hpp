@@ -31,6 +31,31 @@ struct Vector3 {
     friend constexpr Vector3 operator-(Vector3 a) { return {-a.x, -a.y, -a.z}; }
     friend constexpr Vector3 operator*(Vector3 a, T s) { return {a.x * s, a.y * s, a.z * s}; }
 };
+// More operators. They are templates, so that a program's own for its vectors come first.
+template <class T>
+[[nodiscard]] constexpr Vector3<T> operator*(std::type_identity_t<T> s, const Vector3<T>& a) {
+    return a * s;
+}
+template <class T>
+[[nodiscard]] constexpr Vector3<T> operator/(const Vector3<T>& a, std::type_identity_t<T> s) {
+    return {a.x / s, a.y / s, a.z / s};
+}
+template <class T>
+constexpr Vector3<T>& operator+=(Vector3<T>& a, const std::type_identity_t<Vector3<T>>& b) {
+    return a = a + b;
+}
+template <class T>
+constexpr Vector3<T>& operator-=(Vector3<T>& a, const std::type_identity_t<Vector3<T>>& b) {
+    return a = a - b;
+}
+template <class T>
+constexpr Vector3<T>& operator*=(Vector3<T>& a, std::type_identity_t<T> s) {
+    return a = a * s;
+}
+template <class T>
+constexpr Vector3<T>& operator/=(Vector3<T>& a, std::type_identity_t<T> s) {
+    return a = a / s;
+}
 // The scalar product.
 template <class T>
 [[nodiscard]] constexpr T dot(Vector3<T> a, Vector3<T> b) {
