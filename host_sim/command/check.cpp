@@ -8,8 +8,8 @@ namespace tumble::host {
 
 void CheckOptions::add_to(Subcommand& command) {
     command.add(check, "--check on|off",
-                "hold the run against two finer runs in double precision (default: on while that takes less than about "
-                "a second)",
+                "hold the run against two finer runs in double precision (default: on unless, by its steps and bodies, "
+                "that takes more than about a second)",
                 one_of("on", "off"));
     command.add(tolerance, "--tolerance E",
                 "an error is wrong above E rad, or above E times the distance that a body moves", positive("rad"));
@@ -17,7 +17,7 @@ void CheckOptions::add_to(Subcommand& command) {
 
 Verdict CheckOptions::verdict(const SceneDescription& scene, const Method& method, const Record& run) const {
     if (check == "off") return told_by(run, scene);
-    VerdictOptions options{.tolerance = tolerance, .compiles = check == "on"};
+    VerdictOptions options{.tolerance = tolerance};
     if (check.empty()) options.most_seconds = most_seconds;
     return verdict_of(scene, method, run, options);
 }

@@ -9,7 +9,7 @@
 namespace tumble::host {
 
 struct CheckOptions {
-    std::string check;       // "on", "off" or empty: on while it costs less than most_seconds
+    std::string check;       // "on", "off" or empty: on unless it is estimated to take more than most_seconds
     double tolerance = 0.1;  // rad, and in parts of the distance that a body moves
 
     static constexpr double most_seconds = 1;  // of processor time

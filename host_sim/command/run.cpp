@@ -170,11 +170,14 @@ std::string json_of(const Verdict& verdict, const SceneDescription& scene, const
                has_errors = verdict.kind != unchecked;
     const auto number = [](bool is_there, double value) { return is_there ? json_number(value) : std::string("null"); };
     const auto text = [](const std::string& value) { return value.empty() ? std::string("null") : json_text(value); };
+    std::string shared;
+    for (const SharedRule rule : verdict.rules) shared += (shared.empty() ? "[" : ", ") + json_text(name_of(rule));
+    shared = verdict.kind != right && verdict.kind != no_reference ? "null" : shared.empty() ? "[]" : shared + "]";
     return "{\"kind\": " + json_text(name_of(verdict.kind)) + ", \"time_s\": " + number(has_time, verdict.time_s) +
            ", \"body\": " + text(verdict.body < 0 ? "" : scene.body(verdict.body).name) +
            ", \"error_m\": " + number(has_errors, verdict.error.position_m) +
            ", \"error_rad\": " + number(has_errors, verdict.error.orientation_rad) +
-           ", \"cause\": " + text(name_of(verdict.cause)) +
+           ", \"shared_rules\": " + shared + ", \"cause\": " + text(name_of(verdict.cause)) +
            ", \"cure\": " + text(verdict.cure ? options_of(*verdict.cure, {method_of(simulation), scene.step}) : "") +
            "}";
 }

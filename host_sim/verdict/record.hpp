@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <optional>
-#include <stdexcept>
 #include <vector>
 
 #include "scene/description.hpp"
@@ -12,26 +11,15 @@
 #include "verdict/accuracy.hpp"
 #include "verdict/energy_budget.hpp"
 #include "verdict/range_watch.hpp"
+#include "verdict/shared_rules.hpp"
 
 namespace tumble::host {
 
-// Processor time of this thread that runs may take.
-class ProcessorTime {
-public:
-    explicit ProcessorTime(std::optional<double> most_seconds = {});
-    // To be called while a run goes on: `share` of it, 0 to 1, has taken the time since `begun`. Throws TooDear as soon
-    // as the whole run would exceed the limit.
-    void check(double begun, double share) const;
-    [[nodiscard]] double now() const;  // s
-
-    struct TooDear : std::runtime_error {
-        explicit TooDear(double cost) : std::runtime_error("too dear"), seconds(cost) {}
-        double seconds;  // of the run
-    };
-
-private:
-    std::optional<double> most_seconds_;
-    double start_;
+// What a step of a run has to do on average. It follows from the scene and from the run, not from a clock.
+struct Load {
+    double bodies = 0;   // that are not fixed
+    double springs = 0;  // and pairs that attract each other
+    double pairs = 0;    // that are near each other and move
 };
 
 struct Moment {
@@ -45,9 +33,15 @@ struct Record {
     std::vector<Trouble> troubles;      // of the kernel, and a declared [range] that floating point leaves
     std::optional<std::size_t> gained;  // the first moment at which energy has grown though no load did work
     double contact_tolerance = 0;       // m
-    double rounding = 0;                // m: what rounding may move a body by in this run
+    double spacing = 0;                 // m: of neighbouring positions in the numbers of this run
+    double rounding = 0;                // m: what rounding may move a body by in it
     int not_finite = -1;                // the body whose state ended the moments by not being finite; -1: none
+    Load load;                          // what a step has to do
+    std::vector<SharedRule> rules;      // that the run has used
 };
+
+// Adds a trouble, unless one of its name is there: the first occurrence counts.
+void add_once(std::vector<Trouble>& troubles, const Trouble& trouble);
 
 // The scene's own steps at whose ends runs are compared: at most sample_count, equally spaced up to rounding.
 [[nodiscard]] std::vector<std::int64_t> moments_of(const SceneDescription& scene);
@@ -72,6 +66,7 @@ private:
     void plan_look();
 
     SceneDescription scene_;
+    RuleWatch rules_;
     std::vector<std::int64_t> moments_;
     Record record_;
     RangeWatch range_;
@@ -79,13 +74,17 @@ private:
     std::vector<std::pair<std::int64_t, std::int64_t>> driven_;  // steps in which loads do work, each [first, end)
     Moment start_, now_;
     std::int64_t looked_ = 0, next_look_ = 0;  // steps
+    std::int64_t seen_ = 0, moving_ = 0;       // bodies that are not fixed, in all looks; and those that moved then
     bool is_over_ = false;
 };
 
 // Runs the scene with its own step halved `halvings` times. It ends early where the state leaves the range or is not
 // finite.
 [[nodiscard]] Record record_of(const SceneDescription& scene, const Method& method, int halvings,
-                               const std::vector<std::int64_t>& moments, const ProcessorTime& time,
-                               std::optional<double> most_gain = {});
+                               const std::vector<std::int64_t>& moments, std::optional<double> most_gain = {});
+
+// About the processor time of record_of(), s, by the number of its steps and what each has to do: the same on every
+// machine, however busy it is.
+[[nodiscard]] double estimated_seconds(const SceneDescription& scene, int halvings, const Load& load);
 
 }  // namespace tumble::host

@@ -25,9 +25,6 @@ constexpr int most_halvings_of_cure = 5;
 // of a picture of the scene.
 constexpr double share_of_scene = 0.01;
 
-// About the time that the worlds of the references take to compile, s.
-constexpr double compiler_seconds = 30;
-
 // Of the references, the coarser first.
 const std::array<Method, 2> fine_methods{{{"rk4", "f64", false}, {"suzuki4", "f64", false}}};
 
@@ -50,43 +47,55 @@ Errors distance(const reference::Motion& a, const reference::Motion& b) {
     return errors;
 }
 
+// Processor time that runs may take, by the estimate of each.
+class Budget {
+public:
+    explicit Budget(std::optional<double> seconds) : seconds_(seconds) {}
+    [[nodiscard]] bool takes(double seconds) {
+        if (!seconds_) return true;
+        if (seconds > *seconds_) return false;
+        *seconds_ -= seconds;
+        return true;
+    }
+
+private:
+    std::optional<double> seconds_;
+};
+
 class Judge {
 public:
-    Judge(const SceneDescription& scene, const VerdictOptions& options)
-        : scene_(with_events_at_steps(scene)), options_(options), moments_(moments_of(scene_)),
+    Judge(const SceneDescription& scene, const VerdictOptions& options, const Load& load)
+        : scene_(with_events_at_steps(scene)), options_(options), load_(load), moments_(moments_of(scene_)),
           touches_(scene.contact.response == ContactResponse::impulse && SmoothMotion(scene, shapes_meet).can_touch()) {
         require_no_events(scene);
     }
 
-    // Throws ProcessorTime::TooDear.
-    void run_references(const ProcessorTime& time) {
+    // False where the first pair exceeds the budget; then nothing has been run.
+    [[nodiscard]] bool run_references(Budget& budget) {
         for (int pair = 0; pair < std::min<int>(options_.most_references, std::size(halvings_of_references)); ++pair) {
             const int halvings = halvings_of_references[static_cast<std::size_t>(pair)];
             if (reference_) {
                 const bool has_failed = reference_->fine.moments.empty() || reference_->other.moments.empty();
                 if (reference_->lasts(moments_.size()) || (halvings == halvings_of_references.back() && !has_failed))
-                    return;
-                if (reference_->gains_energy) return;
+                    break;
+                if (reference_->gains_energy) break;
             }
-            try {
-                Reference next = references(halvings, time);
-                if (!reference_ || next.moments > reference_->moments) reference_ = std::move(next);
-            } catch (const ProcessorTime::TooDear&) {
-                if (!reference_) throw;
-                return;
-            }
+            if (!budget.takes(seconds_of(halvings) + seconds_of(halvings + 1))) break;
+            Reference next = references(halvings);
+            if (!reference_ || next.moments > reference_->moments) reference_ = std::move(next);
         }
+        return reference_.has_value();
     }
+    // Of a run with the scene's step halved so often.
+    [[nodiscard]] double seconds_of(int halvings) const { return estimated_seconds(scene_, halvings, load_); }
 
-    [[nodiscard]] Record run(const Way& way, const ProcessorTime& time) const {
-        SceneDescription scene = scene_;
-        if (way.restitution_threshold) scene.contact.restitution_threshold = *way.restitution_threshold;
-        return record_of(scene, way.method, halvings_of(way), moments_, time);
+    // How far from its place a body may begin without another motion: no numbers hold it nearer than their spacing, and
+    // a contact lets it rest at any depth up to a quarter of the tolerance.
+    [[nodiscard]] double doubt_of_places(const Record& run) const {
+        return touches_ ? std::max(run.spacing, scene_.contact.tolerance / 4) : run.spacing;
     }
-
-    // Would the references have to be compiled?
-    [[nodiscard]] bool is_compiled() const {
-        return std::all_of(fine_methods.begin(), fine_methods.end(), [&](const Method& m) { return is_compiled(m); });
+    [[nodiscard]] int halvings_of(const Way& way) const {
+        return static_cast<int>(std::lround(std::log2(scene_.step.seconds() / way.step.seconds())));
     }
 
     // Right, wrong or without a reference; what the status tells is left to the caller.
@@ -118,15 +127,20 @@ public:
     }
 
     // Right to the end, or as far as the references know and at least to the time of the verdict, without a word of the
-    // status.
-    [[nodiscard]] bool is_good(const Way& way, const Verdict& verdict, const ProcessorTime& time) const {
+    // status. `shift`: the most that a body begins beside its place along each axis, m; a fixed one stays.
+    [[nodiscard]] bool is_good(const Way& way, const Verdict& verdict, double shift = 0) const {
+        SceneDescription scene = scene_;
+        if (way.restitution_threshold) scene.contact.restitution_threshold = *way.restitution_threshold;
+        int axis = 0;
+        for (BodyDescription& body : scene.bodies)
+            for (double& x : body.position) x += body.fixed ? 0 : shift * part_of_shift(axis++);
         try {
-            const Record record = run(way, time);
+            const Record record = record_of(scene, way.method, halvings_of(way), moments_);
             if (!record.troubles.empty()) return false;
             const Verdict own = hold(record);
             return own.kind == Verdict::Kind::right ||
                    (own.kind == Verdict::Kind::no_reference && own.time_s > 0 && own.time_s >= verdict.time_s);
-        } catch (const ProcessorTime::TooDear&) { throw; } catch (const std::exception&) {
+        } catch (const std::exception&) {
             return false;  // it does not take the scene
         }
     }
@@ -136,8 +150,10 @@ public:
     }
 
 private:
-    [[nodiscard]] int halvings_of(const Way& way) const {
-        return static_cast<int>(std::lround(std::log2(scene_.step.seconds() / way.step.seconds())));
+    // From -1 to 1: multiples of the golden ratio, which have no pattern.
+    [[nodiscard]] static double part_of_shift(int axis) {
+        const double turns = 0.6180339887498949 * axis;
+        return 2 * (turns - std::floor(turns)) - 1;
     }
     [[nodiscard]] double time_of(std::size_t moment) const {
         return static_cast<double>(static_cast<long double>(moments_[moment]) * long_seconds(scene_.step));
@@ -215,12 +231,12 @@ private:
         return verdict;
     }
 
-    [[nodiscard]] Reference references(int halvings, const ProcessorTime& time) const {
+    [[nodiscard]] Reference references(int halvings) const {
         // Energy that grows by a share of the motion's changes speeds, and so distances, by half of that share.
         const double most_gain = 2 * share_of_doubt * options_.tolerance;
         Reference pair;
-        pair.fine = record_of(scene_, fine_methods[0], halvings, moments_, time, most_gain);
-        pair.other = record_of(scene_, fine_methods[1], halvings + 1, moments_, time, most_gain);
+        pair.fine = record_of(scene_, fine_methods[0], halvings, moments_, most_gain);
+        pair.other = record_of(scene_, fine_methods[1], halvings + 1, moments_, most_gain);
         std::size_t last = std::min(pair.fine.moments.size(), pair.other.moments.size());
         for (const Record* record : {&pair.fine, &pair.other}) {
             if (!record->gained || *record->gained >= last) continue;
@@ -243,6 +259,7 @@ private:
 
     SceneDescription scene_;
     VerdictOptions options_;
+    Load load_;
     std::vector<std::int64_t> moments_;
     bool touches_;
     std::optional<Reference> reference_;
@@ -290,38 +307,73 @@ std::vector<Way> thresholds(const Way& way, const SceneDescription& scene) {
     return ways;
 }
 
-// Exchanges numbers, then the method, then the step, and looks for a way that is right. It compiles nothing: what is
-// not compiled is left out, and then a finer step that helps does not prove that the step was the cause.
-void explain(Verdict& verdict, const Judge& judge, const Way& way, const ProcessorTime& time) {
-    bool has_left_out = false;
-    const auto is_good = [&](const Way& each) {
-        const bool is_there = judge.is_compiled(each.method);
-        has_left_out = has_left_out || !is_there;
-        return is_there && judge.is_good(each, verdict, time);
-    };
-    const auto first_good = [&](const std::vector<Way>& ways) -> std::optional<Way> {
-        const auto found = std::find_if(ways.begin(), ways.end(), is_good);
+// Looks for a way that is right, and that is so for another reason than luck. It compiles nothing.
+class Search {
+public:
+    // `doubt`: how far a body may begin from its place, m, without another motion.
+    Search(const Judge& judge, const Verdict& verdict, double doubt, const Budget& budget)
+        : judge_(judge), verdict_(verdict), doubt_(doubt), budget_(budget) {}
+
+    [[nodiscard]] std::optional<Way> first_good(const std::vector<Way>& ways) {
+        const auto found = std::find_if(ways.begin(), ways.end(), [&](const Way& way) { return is_confirmed(way); });
         return found == ways.end() ? std::nullopt : std::optional{*found};
-    };
-    using enum Verdict::Cause;
-    const bool is_told = !verdict.troubles.empty();
-    try {
-        if (is_told && verdict.troubles.front().issue == "step_bound_hit")
-            if ((verdict.cure = first_good(thresholds(way, judge.scene())))) return;
-        const Way in_f64{{way.method.integrator, "f64", carries_by_default("f64")}, way.step};
-        if (way.method.numbers != "f64" && is_good(in_f64)) {
-            verdict.cause = numbers;
-            // A finer step may fit the same numbers, which are cheaper on the core than others.
-            std::vector<Way> ways = is_told ? finer_steps(way) : std::vector<Way>{};
-            for (const Way& each : better_numbers(way)) ways.push_back(each);
-            verdict.cure = first_good(ways);
-        } else if ((verdict.cure = first_good(other_methods(way)))) {
-            verdict.cause = method;
-        } else {
-            verdict.cause = has_left_out ? none : step;
-            verdict.cure = first_good(finer_steps(way));
+    }
+    // It is right, at half its step too, and where the bodies begin a little beside their places: neither the step nor
+    // a rounding decides what comes out.
+    [[nodiscard]] bool is_confirmed(const Way& way) {
+        if (!judge_.is_compiled(way.method)) {
+            is_complete_ = false;
+            return false;
         }
-    } catch (const ProcessorTime::TooDear&) { verdict.cause = verdict.cure ? verdict.cause : none; }
+        if (!runs_well(way)) return false;
+        Way finer = way;
+        finer.step = scaled(way.step, -1);
+        const bool is_sure = runs_well(way, doubt_) && runs_well(way, -doubt_) && runs_well(finer);
+        is_complete_ = is_complete_ && is_sure;
+        return is_sure;
+    }
+    // No way was left out, and none was right by luck: what has not helped is not the cause.
+    [[nodiscard]] bool is_complete() const { return is_complete_; }
+
+private:
+    [[nodiscard]] bool runs_well(const Way& way, double shift = 0) {
+        if (!budget_.takes(judge_.seconds_of(judge_.halvings_of(way)))) {
+            is_complete_ = false;
+            return false;
+        }
+        return judge_.is_good(way, verdict_, shift);
+    }
+
+    const Judge& judge_;
+    const Verdict& verdict_;
+    double doubt_;
+    Budget budget_;
+    bool is_complete_ = true;
+};
+
+// Exchanges numbers, then the method, then the step. Where the search is not complete, a finer step that helps does not
+// prove that the step was the cause.
+void explain(Verdict& verdict, const Judge& judge, const Way& way, double doubt, const Budget& budget) {
+    using enum Verdict::Cause;
+    const Verdict held = verdict;
+    Search search(judge, held, doubt, budget);
+    const bool is_told = !verdict.troubles.empty();
+    verdict.is_searched = true;
+    if (is_told && verdict.troubles.front().issue == "step_bound_hit")
+        if ((verdict.cure = search.first_good(thresholds(way, judge.scene())))) return;
+    const Way in_f64{{way.method.integrator, "f64", carries_by_default("f64")}, way.step};
+    if (way.method.numbers != "f64" && search.is_confirmed(in_f64)) {
+        verdict.cause = numbers;
+        // A finer step may fit the same numbers, which are cheaper on the core than others.
+        std::vector<Way> ways = is_told ? finer_steps(way) : std::vector<Way>{};
+        for (const Way& each : better_numbers(way)) ways.push_back(each);
+        verdict.cure = search.first_good(ways);
+    } else if ((verdict.cure = search.first_good(other_methods(way)))) {
+        verdict.cause = method;
+    } else {
+        verdict.cure = search.first_good(finer_steps(way));
+        verdict.cause = search.is_complete() ? step : none;
+    }
 }
 
 }  // namespace
@@ -338,7 +390,7 @@ Verdict told_by(const Record& run, const SceneDescription& scene) {
 
 Verdict verdict_of(const SceneDescription& scene, const Method& method, const VerdictOptions& options) {
     const std::vector<std::int64_t> moments = moments_of(scene);
-    return verdict_of(scene, method, moments.empty() ? Record{} : record_of(scene, method, 0, moments, ProcessorTime{}),
+    return verdict_of(scene, method, moments.empty() ? Record{} : record_of(scene, method, 0, moments),
                       options);
 }
 
@@ -350,21 +402,19 @@ Verdict verdict_of(const SceneDescription& scene, const Method& method, const Re
         return verdict;
     }
     try {
-        Judge judge(scene, options);
-        if (!options.compiles && !judge.is_compiled()) {
-            verdict.cost_s = compiler_seconds;
-            verdict.compiles = true;
+        Judge judge(scene, options, run.load);
+        Budget budget(options.most_seconds);
+        if (!judge.run_references(budget)) {
+            verdict.cost_s = judge.seconds_of(halvings_of_references[0]) + judge.seconds_of(halvings_of_references[0] + 1);
             return verdict;
         }
-        judge.run_references(ProcessorTime(options.most_seconds));
         Verdict held = judge.hold(run);
         held.troubles = run.troubles;
+        held.rules = run.rules;
         if (run.troubles.empty() || held.kind == Verdict::Kind::wrong) verdict = std::move(held);
         else verdict.error = held.error;
         if (options.explains && is_cured_by_search(verdict))
-            explain(verdict, judge, {method, scene.step}, ProcessorTime(options.most_seconds));
-    } catch (const ProcessorTime::TooDear& dear) {
-        verdict.cost_s = dear.seconds;
+            explain(verdict, judge, {method, scene.step}, judge.doubt_of_places(run), Budget(options.most_seconds));
     } catch (const std::exception& error) {
         const std::string what = error.what();
         verdict.obstacle = what.substr(0, what.find('\n'));

@@ -28,7 +28,7 @@ struct Verdict {
         wrong,         // it does not, from `time_s` on
         told,          // the status says so, and nothing else is wrong: `troubles`
         no_reference,  // right until `time_s`; after it the references part, or gain energy that no load gave
-        unchecked,     // the check costs more than it may, or cannot be made
+        unchecked,     // by the scene's steps and bodies the check costs more than it may; or it cannot be made
     };
     enum class Cause { none, numbers, method, step };
 
@@ -44,19 +44,20 @@ struct Verdict {
     std::vector<Trouble> troubles;  // told, wrong: what the status says, the first first
     Cause cause = Cause::none;      // wrong, told: what has to change
     std::optional<Way> cure;        // wrong, told: a way of running the scene that is right
+    bool is_searched = false;       // wrong, told: a cure was looked for
     double cost_s = 0;              // unchecked: processor time of the check, about
-    bool compiles = false;          // unchecked: most of it compiles the references
     std::string obstacle;           // unchecked: why the check cannot be made
+    std::vector<SharedRule> rules;  // right, no_reference: of the run and its references, so they are not checked
 };
 
 struct VerdictOptions {
     // An error is wrong above this angle, rad, or above this share of the distance that the body has moved. No error in
     // position is wrong within the contact tolerance or within what rounding moves a body by in the run.
     double tolerance = 0.1;
-    std::optional<double> most_seconds{};  // of processor time, for the references; none: as long as they take
-    int most_references = 3;               // pairs, each 4 times finer than the one before
-    bool explains = true;                  // looks for cause and cure
-    bool compiles = true;                  // the references, if they are not; cures are sought among what is compiled
+    // Of processor time for the references, and again for a cure, as estimated_seconds() counts it; none: no limit.
+    std::optional<double> most_seconds{};
+    int most_references = 3;  // pairs, each 4 times finer than the one before
+    bool explains = true;     // looks for cause and cure, among the methods that are compiled
 };
 
 // Runs the scene with `method` and decides. Throws what make_simulation() throws for that run. A run without a step is

@@ -193,7 +193,7 @@ TEST(Verdict, a_body_that_symmetry_keeps_still_is_judged_by_its_distance_from_th
                     parsed(world_of("0", "1/256", "4.0") + "[contact]\nresponse = \"none\"\n" +
                            body_of("middle", "sphere = 0.05", "", "0.3") + outer("left", "-" + x, "[0.4, 0.1, 0]") +
                            outer("right", x, "[-0.4, -0.1, 0]"));
-                const Record run = record_of(scene, method, 0, moments_of(scene), ProcessorTime{});
+                const Record run = record_of(scene, method, 0, moments_of(scene));
                 double error = 0;  // in parts of a tenth of a hundredth of the way of the others
                 for (const Moment& moment : run.moments)
                     error = std::max(error, static_cast<double>(norm(moment.bodies[0].x)) / (moment.way_m[1] / 1000));
@@ -221,7 +221,7 @@ TEST(Verdict, last_confirmed_moment_is_told) {
 TEST(Verdict, state_that_is_not_finite_without_a_status_is_wrong) {
     for (const char* name : {"orbit", "brick"}) {
         const SceneDescription scene = read_scene(shipped(name));
-        Record run = record_of(scene, verlet_q32, 0, moments_of(scene), ProcessorTime{});
+        Record run = record_of(scene, verlet_q32, 0, moments_of(scene));
         run.moments.resize(run.moments.size() / 2);
         run.not_finite = 0;
         const Verdict verdict = verdict_of(scene, verlet_q32, run, {.explains = false});
@@ -249,7 +249,7 @@ TEST(Verdict, cure_of_impacts_beyond_their_bound_has_been_run) {
             scene.contact.restitution_threshold = *verdict.cure->restitution_threshold;
         scene.step = verdict.cure->step;
         const Method& method = verdict.cure->method;
-        EXPECT_TRUE(record_of(scene, method, 0, moments_of(scene), ProcessorTime{}).troubles.empty()) << heavy;
+        EXPECT_TRUE(record_of(scene, method, 0, moments_of(scene)).troubles.empty()) << heavy;
     }
     EXPECT_GT(cured, 0);
 }
@@ -299,14 +299,14 @@ body = [ { name = "die", shape = { box = [0.1, 0.1, 0.1] }, mass = 1.0 } ]
 TEST(Verdict, a_run_that_is_wrong_before_its_status_speaks_is_called_wrong) {
     const SceneDescription scene = read_scene(shipped("pendulum"));
     const Method euler{"explicit_euler", "f64", false};
-    const Record run = record_of(scene, euler, 0, moments_of(scene), ProcessorTime{});
+    const Record run = record_of(scene, euler, 0, moments_of(scene));
     ASSERT_FALSE(run.troubles.empty());
     const Verdict verdict = verdict_of(scene, euler, run);
     EXPECT_EQ(verdict.kind, Verdict::Kind::wrong);
     EXPECT_LT(verdict.time_s, told_by(run, scene).time_s);
     EXPECT_TRUE(has(sentence_of(verdict, scene, euler), "; the status reports " + run.troubles.front().issue));
     // Until its status speaks, a longer step of another method is right.
-    Record right = record_of(scene, {"rk4", "f64", false}, 0, moments_of(scene), ProcessorTime{});
+    Record right = record_of(scene, {"rk4", "f64", false}, 0, moments_of(scene));
     right.troubles = run.troubles;
     EXPECT_EQ(verdict_of(scene, euler, right).kind, Verdict::Kind::told);
 }
@@ -321,7 +321,7 @@ TEST(Verdict, search_for_a_cure_compiles_nothing) {
         return all;
     };
     const Method euler{"semi_implicit_euler", "f64", false};
-    const Record run = record_of(scene, euler, 0, moments_of(scene), ProcessorTime{});
+    const Record run = record_of(scene, euler, 0, moments_of(scene));
     (void)verdict_of(scene, euler, run, {.explains = false});
     const std::vector<bool> before = compiled();
     for (const Method& method :

@@ -60,7 +60,7 @@ Judged judged(const SceneDescription& scene, const Method& method, const Verdict
     for (const std::string& limitation : limitations(scene)) judged.facts += limitation + "\n";
     const auto simulation = make_simulation(scene, method.integrator, method.numbers, method.carry);
     judged.facts += unheld_spin(scene, *simulation);
-    judged.run = record_of(scene, method, 0, moments_of(scene), ProcessorTime{});
+    judged.run = record_of(scene, method, 0, moments_of(scene));
     judged.verdict = verdict_of(scene, method, judged.run, options);
     judged.status = report(judged.verdict, scene, *simulation);
     std::cerr.rdbuf(before);
@@ -209,7 +209,7 @@ void expect_cure(SceneDescription scene, const Known& known, const Verdict& verd
     };
     if (cure.restitution_threshold) scene.contact.restitution_threshold = *cure.restitution_threshold;
     const int halvings = static_cast<int>(std::lround(std::log2(scene.step.seconds() / cure.step.seconds())));
-    const Record run = record_of(scene, cure.method, halvings, moments, ProcessorTime{});
+    const Record run = record_of(scene, cure.method, halvings, moments);
     EXPECT_TRUE(run.troubles.empty());
     const double least_m = known.can_touch ? std::max(run.contact_tolerance, scene.contact.tolerance) : run.rounding;
     for (std::size_t m = 0; m < std::min(known.one.size(), run.moments.size()); ++m) {

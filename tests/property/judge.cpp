@@ -265,7 +265,7 @@ Judgement judge_scene(const Trial& trial) {
     const SceneDescription scene = read_scene_text(scene_text(trial.scene), trial.scene.name);
     const Method& method = trial.method;
     const auto run_of = [moments = moments_of(scene)](const SceneDescription& of, const Method& with) {
-        return record_of(of, with, 0, moments, ProcessorTime{}, most_gain);
+        return record_of(of, with, 0, moments, most_gain);
     };
     const Record run = run_of(scene, method);
     SceneDescription alike = scene;  // fixed point may widen the contact band
