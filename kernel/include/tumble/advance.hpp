@@ -250,6 +250,15 @@ public:
     }
     // The most halvings of a spin in a group in which loads act at stages on a body with such a spin, else 0. `whole`:
     // over a whole step.
+    // True of a group in which a load connects a body to a fixed or kinematic one that moves by itself: the load
+    // changes though nothing happens to the group.
+    [[nodiscard]] bool has_moving_end([[maybe_unused]] const BodyGroup& group) const {
+        bool any = false;
+        if constexpr (has_loads && features.moving_surfaces())
+            for (int k = 0; k < group.count; ++k)
+                loads.for_each_coupled(bodies, group.id[k], [&](int end) { any = any || changes_loads(end); });
+        return any;
+    }
     [[nodiscard]] int halvings_under_loads(const BodyGroup& group, bool whole) const
         requires(has_loads&& Bodies::has_parts) {
         int most = 0;
@@ -266,6 +275,15 @@ public:
 private:
     // Writes the change of motion by gravity and by the loads, at their present strength, over the whole step.
     template <class Marks, class Kicks>
+    // True of a fixed or kinematic body that moves by itself a point at which a load acts.
+    [[nodiscard]] bool changes_loads(int b) const requires(has_loads) {
+        const bool is_kinematic = bodies.constants[b].kinematic();
+        if (is_kinematic && bodies.is_drifting(b)) return true;
+        if constexpr (rotation)
+            return bodies.constants[b].fixed() && (is_kinematic || features.turntables) && bodies.is_turning(b) &&
+                   loads.is_turned(bodies, b);
+        return false;
+    }
     void foresee(const BodyGroup& group, const Marks& marks, Kicks& kick_of) {
         forget_kicks(group);
         const DriftSum fall[3]{whole_fall(0), whole_fall(1), whole_fall(2)};

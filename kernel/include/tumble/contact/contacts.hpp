@@ -64,10 +64,13 @@ public:
         state_.standing.end();
         end_times(b, now);
         if constexpr (features.kinematic && features.sleep)
-            if (advance.bodies.constants[b].kinematic())
+            if (advance.bodies.constants[b].kinematic()) {
                 state_.pairs.for_each_touching([&](int a, int other) {
                     if (other == b) wake(advance, a);
                 });
+                if constexpr (Advance::has_loads)
+                    advance.loads.for_each_coupled(advance.bodies, b, [&](int other) { wake(advance, other); });
+            }
         if constexpr (features.grid()) {
             if (state_.pairs.is_near(b)) state_.times.many.near = true;
         } else if constexpr (features.pairs) {
@@ -352,7 +355,8 @@ private:
                 all_stand = all_stand && stands;
             }
             if constexpr (features.sleep) {
-                if (state_.sleepers.may_sleep(advance.bodies, group, presses(island)) && rests(advance.bodies, island))
+                if (state_.sleepers.may_sleep(advance.bodies, group, presses(island)) &&
+                    rests(advance.bodies, island) && !advance.has_moving_end(group))
                     for (int k = 0; k < group.count; ++k) to_sleep.add(group.id[k]);
             }
         }
