@@ -562,6 +562,25 @@ TYPED_TEST(OnTable, a_sensor_does_not_feel_an_impulse_between_steps) {
     EXPECT_NEAR(static_cast<double>(this->world.template imu<float>(body).specific_force.y), 0, 1e-3);
 }
 
+TYPED_TEST(Control, gravity_that_is_set_is_the_gravity_of_a_scene) {
+    const RealVec3 gravity{1.5, -9.8125, 0.375};
+    Controlled<TypeParam> scene{Seconds{1, 256}, {.gravity = gravity}}, set{Seconds{1, 256}}, again{scene};
+    for (auto* world : {&scene, &set, &again}) (void)world->add(skew_body());
+    set.set_gravity({1.5F, -9.8125F, 0.375F});
+    for (int step = 0; step < 128; ++step) {
+        again.set_gravity({1.5, -9.8125, 0.375});
+        for (auto* world : {&scene, &set, &again}) world->step();
+    }
+    EXPECT_EQ(set.hash(), scene.hash());
+    EXPECT_EQ(again.hash(), scene.hash()) << "gravity as it is changes nothing";
+    set.set_gravity({0.0F, 2.0F, 0.0F});
+    const auto before = this->plain(set.velocity(BodyId{0}));
+    for (int step = 0; step < 128; ++step) set.step();
+    const auto change = this->plain(set.velocity(BodyId{0})) - before;
+    EXPECT_NEAR(static_cast<double>(change.x), 0, static_cast<double>(this->rounding_in(128)));
+    EXPECT_NEAR(static_cast<double>(change.y), 1, static_cast<double>(this->rounding_in(128)));
+}
+
 TYPED_TEST(OnTable, a_fixed_body_takes_a_spin_only_where_there_are_turntables) {
     World<SceneOf<TypeParam, integrators::Verlet, Features{.control = true}>> world{Seconds{1, 256}};
     BodySpec spec = box(1, {1, 1, 1});

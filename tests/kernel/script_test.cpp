@@ -60,6 +60,7 @@ protected:
             world.apply_torque(id, {0.1, 0, 0}, Frame::world);
             world.apply_torque(id, {0, 0.1, 0}, Frame::body);
             break;
+        case 26: world.set_gravity({0.25F, -9.0F - s / 512, -0.5F}); break;
         case 30: world.set_velocity(id, {0.25, 0.5, -0.125}, Frame::body); break;
         case 33: world.set_angular_velocity(id, {0.5F, 1.0F, s / 256}); break;
         case 37: world.set_pose(id, {s / 128, 0.6F, 0.1F}, Quaternion<double>{1, {0.1, 0.2, 0.3}}); break;
@@ -95,7 +96,7 @@ TYPED_TEST(Scripts, a_recording_replays_to_the_same_state) {
         Recorder<TypeParam, 256> recorder;
         live.record(&recorder);
         const auto expected = this->run_live(live, 320);
-        EXPECT_EQ(recorder.count(), 8 * 12) << "each command is one event";
+        EXPECT_EQ(recorder.count(), 8 * 13) << "each command is one event";
         EXPECT_EQ(recorder.lost(), 0u);
         replayed.set_script(recorder.script());
         EXPECT_EQ(this->run(replayed, 320), expected);
@@ -213,19 +214,38 @@ TYPED_TEST(Scripts, what_no_event_holds_is_misuse_while_a_world_records) {
     auto world = this->template set_up<scripts_on_a_floor>();
     Recorder<TypeParam, 4> recorder;
     world.record(&recorder);
-    EXPECT_DEATH(world.set_gravity({}), "");
     EXPECT_DEATH((void)world.add(sphere(1, 1)), "");
     EXPECT_DEATH((void)world.add(PlaneSpec{}), "");
     EXPECT_EQ(recorder.count(), 0);
     world.apply_impulse(BodyId{0}, {1, 0, 0});
     world.record(nullptr);
     world.apply_impulse(BodyId{0}, {1, 0, 0});
-    world.set_gravity({});
     EXPECT_EQ(recorder.count(), 1);
     const Event<TypeParam> unsorted[] = {{.body = BodyId{0}, .step = 2}, {.body = BodyId{0}, .step = 1}},
                            of_nobody[] = {{.body = BodyId{2}}};
     EXPECT_DEATH(world.set_script({unsorted, 2}), "");
     EXPECT_DEATH(world.set_script({of_nobody, 1}), "");
+}
+
+TYPED_TEST(Scripts, gravity_is_an_event_without_a_body) {
+    auto world = this->template set_up<only_scripts>();
+    Recorder<TypeParam, 4> recorder;
+    world.record(&recorder);
+    world.set_gravity({0, -2, 0});
+    ASSERT_EQ(recorder.count(), 1);
+    EXPECT_EQ(recorder[0].kind, EventKind::gravity);
+    EXPECT_FALSE(recorder[0].body);
+    EXPECT_FALSE(has_body(recorder[0].kind));
+    EXPECT_STREQ(name_of(recorder[0].kind), "gravity");
+    const Event<TypeParam> in_the_body = {.kind = EventKind::gravity, .frame = Frame::body};
+    EXPECT_DEATH(world.apply(in_the_body), "");
+    // Its body, whatever it is, is not looked at.
+    std::vector<Event<TypeParam>> events;
+    const std::vector<EventSpec> specs{{.kind = EventKind::gravity, .body = 77, .value = {0, 8, 0}}};
+    world.set_script(prepare_sorted(events, specs, world.bodies()));
+    world.step();
+    EXPECT_NEAR(static_cast<double>(world.velocity(BodyId{0}).y), 8.0 / 256, 1e-6);
+    EXPECT_EQ(recorder.count(), 2);
 }
 
 }  // namespace

@@ -130,6 +130,10 @@ TEST(SnapshotBytes, know_the_last_softening) {
     other.set_softening(Real{0.5});
     EXPECT_EQ(other.restore(bytes.data(), size), SnapshotFault::none);
 
+    const World<SceneOf<N, integrators::Verlet, soft>> falling{Seconds{1, 64}, {.gravity = {0, -1, 0}}};
+    const int other_gravity = falling.save(bytes.data(), static_cast<int>(bytes.size()));
+    EXPECT_EQ(other.restore(bytes.data(), other_gravity), SnapshotFault::other_scene) << "no event changes it";
+
     static constexpr Features hard{.bodies = 2, .gravitation = true, .snapshots = true};
     World<SceneOf<N, integrators::Verlet, hard>> without{Seconds{1, 64}};
     World<SceneOf<N, integrators::Verlet, soft>> never_set{Seconds{1, 64}};
@@ -510,8 +514,21 @@ TYPED_TEST(Snapshots, that_are_wrong_are_refused_and_change_nothing) {
         auto copy = world;
         EXPECT_EQ(this->restored(copy, longer), SnapshotFault::none) << "what follows it is not read";
     }
-    auto falling = this->full(1, -1.5);
-    EXPECT_EQ(this->restored(falling, own), SnapshotFault::other_scene) << "other gravity";
+}
+
+TYPED_TEST(Snapshots, of_a_whole_world_have_its_gravity_and_those_of_its_bodies_do_not) {
+    auto world = this->full(), other = this->full(1, -1.5), falling = this->full(1, -1.5);
+    this->run(world, 90);
+    world.set_gravity({0.5F, -9.5F, -0.25F});
+    const auto bodies = this->saved(world, SnapshotPart::bodies);
+    ASSERT_EQ(this->restored(other, this->saved(world)), SnapshotFault::none);
+    this->expect_same(world, other, 60);
+
+    ASSERT_EQ(this->restored(falling, bodies), SnapshotFault::none);
+    const BodyId high{4};
+    const auto before = static_cast<double>(falling.velocity(high).y);
+    falling.step();
+    EXPECT_NEAR((static_cast<double>(falling.velocity(high).y) - before) * 256, -1.5, 0.2) << "and little drag";
 }
 
 TYPED_TEST(Snapshots, need_their_room) {

@@ -1,6 +1,7 @@
-// What stands is not looked at until something happens. Reference: a world in which gravity is set to its old value
-// before each step, so that every step looks at everything.
+// What stands is not looked at until something happens. Reference: a world in which every step looks at everything.
 #include "player.hpp"
+
+#include <cmath>
 
 namespace tumble::test {
 namespace {
@@ -49,7 +50,7 @@ public:
     }
     void run(int steps) {
         for (int step = 0; step < steps; ++step) {
-            if (looks_) world().set_gravity({0, gravity, 0});
+            if (looks_) Player::look_at_everything();
             Player::run(1);
         }
     }
@@ -137,6 +138,34 @@ TYPED_TEST(Standing, bodies_stand_no_longer_than_they_are_pressed) {
         }
     });
 }
+TYPED_TEST(Standing, bodies_feel_gravity_that_turns) {
+    const auto tilt = [](auto& play, double slope, double side) {
+        const double down = -9.8125 / std::sqrt(1 + slope * slope + side * side);
+        play.world().set_gravity({-slope * down, down, -side * down});
+    };
+    // Friction holds them to a slope of 0.5.
+    const auto rock = [&](auto& play) {
+        for (int step = 0; step < 60; ++step) {
+            tilt(play, 0.3 * std::sin(step), 0.3 * std::cos(step));
+            play.run(1);
+        }
+    };
+    this->expect_same(this->waits, [&](auto& play) {
+        rock(play);
+        tilt(play, 0.75, 0);
+        play.run(20);
+        rock(play);
+    });
+    this->template expect_same<70>({3}, [&](auto& play) {
+        rock(play);
+        tilt(play, 0, 0.75);
+        play.run(20);
+    });
+    Town<TypeParam, 11> town{false, false};
+    town.run(9);
+    rock(town);
+    EXPECT_EQ(town.hashes().back(), town.hashes()[8]) << "nothing has moved";
+}
 TYPED_TEST(Standing, bodies_move_on_after_a_snapshot) {
     this->expect_same(this->waits, [](auto& play) {
         play.world().apply_impulse(play.boxes[2], {1, 0, 0});
@@ -169,7 +198,7 @@ TYPED_TEST(Standing, bodies_are_hit_by_a_large_ball_that_looked_before_them) {
         if (busy) (void)play.add(sphere(1, Real{0.25}), {0, Real{0.25}, 100}, {1, 0, 0});
         for (int step = 0; step < 200; ++step) {
             if (step == 77) play.world().set_velocity(sliding, {});
-            if (looks && step > 77) play.world().set_gravity({0, -1, 0});
+            if (looks && step > 77) play.look_at_everything();
             if (step == restored) play.save_and_restore(20);
             play.run(1);
             if (step == 105) { EXPECT_EQ(play.world().contact_count(ball), 1); }
@@ -216,7 +245,7 @@ TYPED_TEST(Standing, bodies_feel_a_load_that_begins_to_act_by_itself) {
         for (int i = 0; i < 2; ++i) boxes[i] = play.add(box(1, {1, 1, 1}), {0, Real{i == first ? 0.5 : 1.5}, -1});
         double top = 0;
         for (int step = 0; step < 600; ++step) {
-            if (looks) play.world().set_gravity({0, gravity, 0});
+            if (looks) play.look_at_everything();
             play.run(1);
             top = std::max(top, static_cast<double>(play.world().position(boxes[first]).y));
         }

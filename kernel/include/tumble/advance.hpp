@@ -45,6 +45,20 @@ public:
             gravity_[i] = N::fall(fall_in_halves ? fall * Real::scaled(1, -1) : fall);
         }
     }
+    // The same of a program's numbers. False where it is what it was.
+    bool set_gravity(const VectorBlock<N>& gravity) requires(has_wrenches) {
+        const Work seconds = wrenches.seconds;
+        bool within = true, same = true;
+        gravity.times(seconds).each_drift(fall_in_halves ? N::half_of(seconds) : seconds, bodies.scale, false,
+                                          [&](int i, DriftSum fall, auto) {
+                                              fall = N::limited(fall, within);
+                                              same = same && fall == gravity_[i];
+                                              gravity_[i] = fall;
+                                          });
+        if (!within) bodies.report(Issue::range_left, 0);
+        if (!same) disturb();
+        return !same;
+    }
     // Adds a body at a place, which is free: the end or one that a body has left.
     constexpr void add(const BodySpec& spec, const PrincipalInertia& inertia, int b) {
         bodies.add(spec, inertia, b);
@@ -73,16 +87,17 @@ public:
     static void archive(Self& self, Archive& to) {
         if constexpr (prepares_spin())
             for (int b = 0; b < self.bodies.count; ++b) to(self.inertia_[b]);
-        if constexpr (has_wrenches) to(self.wrenches);
+        if constexpr (has_wrenches) to(self.wrenches, self.gravity_);
         if constexpr (has_loads) Loads::archive(self.loads, to);
         if constexpr (Archive::reads) self.disturb();
         if constexpr (keeps_kicks && Loads::may_depend_on_velocity)
             for (int b = 0; b < self.bodies.count; ++b)
                 KeptKick<N, rotation>::archive(self.kept_.of_body[b], to, self.kept_.disturbances);
     }
-    // Adds gravity to the digest of a scene.
-    void add_to(detail::Digest& digest) const {
-        for (const DriftSum& fall : gravity_) digest.add_number(fall);
+    // Adds gravity to the digest of a scene, where no event changes it.
+    void add_to([[maybe_unused]] detail::Digest& digest) const {
+        if constexpr (!has_wrenches)
+            for (const DriftSum& fall : gravity_) digest.add_number(fall);
     }
     // Call after every change of what loads depend on, unless a step made it. It voids the kicks that were kept.
     TUMBLE_INLINE constexpr void disturb() {

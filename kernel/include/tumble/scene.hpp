@@ -27,7 +27,7 @@ struct Features {
     bool wheels = false;              // stored angular momentum of each body: Wheels
     bool forces = false;              // forces and torques at set times
     bool impulses = false;            // impulses at set times
-    bool control = false;             // the program sets forces and torques while it runs
+    bool control = false;             // the program sets forces, torques and gravity while it runs
     bool script = false;              // events of every kind at set times, for World::set_script()
     bool recording = false;           // the world writes its events to a recording, for World::record()
     bool removal = false;             // bodies can be removed, and their places are used again

@@ -64,16 +64,11 @@ public:
         static_assert(!sizeof(Step), "the scene has a step: World{} or World{spec}, without another");
     }
 
-    // Gravity from the next step on, m/s^2, world frame. Wakes all bodies.
-    constexpr void set_gravity(RealVec3 gravity) {
+    // Gravity from the next step on, m/s^2, world frame. Wakes all bodies. With Features::control it is an event: see
+    // below.
+    constexpr void set_gravity(RealVec3 gravity) requires(!features.control) {
         refuse_to_record();
-        if constexpr (has_contacts) {
-            contacts_.set_gravity(gravity * (advance_.bodies.step_length * advance_.bodies.step_length));
-            for (int b = 0; b < advance_.bodies.count; ++b) disturb(b);
-        }
-        if constexpr (has_imu)
-            for (int b = 0; b < advance_.bodies.count; ++b) remember(b);
-        advance_.set_gravity(gravity);
+        set_up_gravity(gravity);
     }
 
     // Softens the attraction between bodies from the next step on: F = G m1 m2 r / (r^2 + e^2)^(3/2) with the length e,
@@ -203,7 +198,7 @@ public:
     }
     // Appends every event from now on, live or of the script, to `recording`; null: no longer. The recording is a
     // script that brings a copy of this world to the same state. What no event holds is misuse meanwhile: to add
-    // something, and to set gravity, impulses and forces of a scene.
+    // something, to set impulses and forces of a scene, and to set gravity without Features::control.
     void record(Recording<N>* recording) {
         static_assert(features.recording, "record() needs .recording = true among the scene's features");
         recording_ = recording;
@@ -211,7 +206,7 @@ public:
 
     // Applies an event before the next step. Every call below is one event. It wakes the body. A fixed body takes a
     // pose and an angular velocity, a kinematic one velocities too; they ignore the rest. Misuse: of a point mass,
-    // anything but a linear event at its centre in the world's frame.
+    // anything but a linear event at its centre in the world's frame. Gravity has no body.
     void apply(const Event<N>& event) { apply_event(event); }
     // Applies an impulse (N s, in `frame`) at once, at a point of the body (m, user's body axes). The position does not
     // change.
@@ -244,6 +239,10 @@ public:
         static_assert(features.control, "apply_torque() needs .control = true among the scene's features");
         act<EventKind::step_torque>(id, frame, torque);
     }
+    // Sets the gravity that acts from the next step on, m/s^2, world frame. Wakes all bodies. Islands that stand are
+    // solved anew where they stand: one that friction still holds stays at rest. Gravity that is what it was changes
+    // nothing.
+    void set_gravity(const InputVector<N>& gravity) requires(features.control) { act_on_world(gravity); }
     // Sets the velocity, m/s, in `frame`.
     void set_velocity(BodyId id, const InputVector<N>& velocity, Frame frame = Frame::world) {
         act<EventKind::velocity>(id, frame, velocity);
@@ -278,7 +277,7 @@ public:
     Status step() {
         if constexpr (features.script)
             script_.for_each_due(now(), [&](const Event<N>& event) {
-                if (contains(event.body)) apply(event);
+                if (has_target(event)) apply(event);
             });
         if constexpr (features.impulses)
             impulses_.for_each_due(now(), [&](const Impulse<N>& impulse) { apply(impulse); });
@@ -357,6 +356,14 @@ public:
         return detail::imu_of<T>(advance_.bodies, b, before_[b], fall, point.block(), steps_per_second());
     }
 
+    // The gravity that acts in the next step, m/s^2, world frame, as the world keeps it.
+    [[nodiscard]] Vector3<Work> gravity() const {
+        const Work rate = steps_per_second();
+        const auto component = [&](int i) {
+            return N::metres(advance_.whole_fall(i), advance_.bodies.scale) * rate * rate;
+        };
+        return {component(0), component(1), component(2)};
+    }
     // kg, as the world keeps it.
     [[nodiscard]] Work mass(BodyId id) const {
         return Work(1) / (advance_.bodies.step_per_mass(place_of(id)) * steps_per_second());
@@ -387,8 +394,9 @@ public:
     }
     // Writes a snapshot, which restore() takes on any machine; returns its size, or 0 where there is no room for it.
     // The arrays of set_impulses(), set_forces() and set_script(), the recording, and the values of the scene's own
-    // loads are not in it. Call set_forces(), set_gravity() and change_load() before restore(): after it they drop the
-    // kick that the last step has left, and the next step differs in its last bits where springs or drag act.
+    // loads are not in it. Call set_forces() and change_load() before restore(): after it they drop the kick that the
+    // last step has left, and the next step differs in its last bits where springs or drag act. With Features::control
+    // a snapshot of a whole world has its gravity; one of bodies alone leaves the gravity of the world that takes it.
     [[nodiscard]] int save(std::uint8_t* to, int room, SnapshotPart part = SnapshotPart::world) const {
         static_assert(features.snapshots, "save() needs .snapshots = true among the scene's features");
         const int size = snapshot_size(part);
@@ -401,8 +409,9 @@ public:
     }
     // Takes over a snapshot of a world with the same scene: the same number system, step, world values, and the same
     // bodies, planes and springs, added in the same order and removed at the same places between; of a whole world also
-    // the same features, method and gravity. It may be followed by other bytes. Where it says why not, the world is as
-    // before. Of bodies alone it sets their states and the number of steps: all wake, and contacts are found anew.
+    // the same features and method, and without Features::control the same gravity. It may be followed by other bytes.
+    // Where it says why not, the world is as before. Of bodies alone it sets their states and the number of steps: all
+    // wake, and contacts are found anew.
     [[nodiscard]] SnapshotFault restore(const std::uint8_t* from, int count) {
         static_assert(features.snapshots, "restore() needs .snapshots = true among the scene's features");
         const SnapshotFault fault = detail::SnapshotHeader::fault_of(from, count, detail::digest_of_numbers<N>());
@@ -483,7 +492,7 @@ private:
     constexpr World(const WorldSpec& spec, Seconds step) : advance_{step, spec}, contacts_{step.value, spec.contact} {
         if constexpr (features.touches()) TUMBLE_ASSERT(is_valid(spec.contact));
         Required::by(spec);
-        set_gravity(spec.gravity);
+        set_up_gravity(spec.gravity);
         if constexpr (features.snapshots) digest_.add(step.value);
         note(spec);
     }
@@ -556,10 +565,19 @@ private:
         if constexpr (features.recording) TUMBLE_ASSERT(recording_ == nullptr);
     }
     // An event of a body that has not been added is misuse.
-    template <class Event>
-    void require_bodies(Span<Event> events) const {
-        for (const Event& event : events) (void)advance_.bodies.index_of(event.body);
+    template <class Timed>
+    void require_bodies(Span<Timed> events) const {
+        for (const Timed& event : events)
+            if (!is_of_world(event)) (void)advance_.bodies.index_of(event.body);
     }
+    // True of an event that has no body. Without Features::control there is none.
+    template <class Timed>
+    [[nodiscard]] static bool is_of_world([[maybe_unused]] const Timed& event) {
+        if constexpr (features.control && requires { event.kind; }) return event.kind == EventKind::gravity;
+        else return false;
+    }
+    // False of an event whose body has been removed.
+    [[nodiscard]] bool has_target(const Event<N>& event) const { return is_of_world(event) || contains(event.body); }
     void apply_event(const Event<N>& e) {
         switch (e.kind) {
         case EventKind::impulse: return act<EventKind::impulse>(e.body, e.frame, e.value, e.point);
@@ -572,7 +590,42 @@ private:
         case EventKind::angular_velocity: return act<EventKind::angular_velocity>(e.body, e.frame, e.value);
         case EventKind::pose: return act<EventKind::pose>(e.body, e.frame, e.value, {}, e.orientation);
         case EventKind::remove: return act<EventKind::remove>(e.body, e.frame, {});
+        case EventKind::gravity:
+            TUMBLE_ASSERT(features.control && e.frame == Frame::world);
+            if constexpr (features.control) act_on_world(e.value);
+            return;
         }
+    }
+    // The event without a body.
+    void act_on_world(const InputVector<N>& gravity) requires(features.control) {
+        if constexpr (features.recording)
+            if (recording_ != nullptr)
+                recording_->append({EventKind::gravity, Frame::world, {}, gravity, {}, {}}, now());
+        if constexpr (Advance::has_wrenches) {
+            if (!advance_.set_gravity(gravity.block())) return;
+            if constexpr (has_contacts) {
+                tell_gravity();
+                contacts_.gravity_changed(advance_);
+            }
+            remember_all();
+        }
+    }
+    constexpr void set_up_gravity(const RealVec3& gravity) {
+        advance_.set_gravity(gravity);
+        if constexpr (has_contacts) {
+            tell_gravity();
+            for (int b = 0; b < advance_.bodies.count; ++b) disturb(b);
+        }
+        remember_all();
+    }
+    // Contacts have gravity in their own numbers.
+    void tell_gravity() requires has_contacts {
+        contacts_.set_gravity({advance_.whole_fall(0), advance_.whole_fall(1), advance_.whole_fall(2)},
+                              advance_.bodies.scale);
+    }
+    constexpr void remember_all() {
+        if constexpr (has_imu)
+            for (int b = 0; b < advance_.bodies.count; ++b) remember(b);
     }
     // One event. The kind is known when the program is compiled, so that a call costs what its kind needs.
     template <EventKind kind>
@@ -672,6 +725,7 @@ private:
         }
         if (part == SnapshotPart::bodies) return;
         Advance::archive(self.advance_, to);
+        if constexpr (Archive::reads && has_contacts && Advance::has_wrenches) self.tell_gravity();
         auto& status = bodies.status;
         to(status.first_step, status.count, status.first_body, status.bits);
         if constexpr (has_contacts) { Contacts::archive(self.contacts_, bodies, to); }

@@ -54,6 +54,15 @@ public:
             }
         }
     }
+    // The same of all bodies.
+    void end_all(std::uint32_t now) {
+        for (auto& until : clear_until_) until = now;
+        for (auto& due : due_) due = static_cast<std::uint16_t>((due & listed) | (now & (listed - 1u)));
+        if constexpr (features.grid()) {
+            for (auto& ends : many.ends) ++ends;
+            many.near = true;
+        }
+    }
     [[nodiscard]] static constexpr int plane_slot(int b, int p) { return b * features.planes + p; }
     [[nodiscard]] static constexpr int body_slot(int a, int b) {
         const int high = a < b ? b : a, low = a < b ? a : b;

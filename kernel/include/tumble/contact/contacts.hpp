@@ -16,8 +16,23 @@ public:
 
     Contacts(Real step, const ContactSpec& spec) : state_{step, spec} {}
 
-    // Gravity's change of drift in a step, m.
-    void set_gravity(const RealVec3& change) { state_.shapes.set_gravity(change); }
+    // Gravity's change of drift in a step.
+    void set_gravity(const typename N::DriftSum (&change)[3], typename N::Scale unit) {
+        state_.shapes.set_gravity(change, unit);
+    }
+    // Call after new gravity: ends all bounds on the time to contact and wakes all bodies. What stood in the last step
+    // is solved anew in the next one before anything else: it looks for others only where it no longer stands.
+    template <class Advance>
+    void gravity_changed(const Advance& advance) requires(features.control) {
+        if constexpr (features.sleep)
+            for (int b = 0; b < advance.bodies.count; ++b)
+                if (is_asleep(b)) {
+                    state_.standing.end();
+                    wake(advance, b);
+                }
+        state_.standing.gravity_changed();
+        state_.times.end_all(advance.bodies.steps_taken);
+    }
     // Adds a plane; false when there is no room.
     bool add(const PlaneSpec& spec) { return state_.shapes.add(spec); }
     // Adds a body at its place.
@@ -332,7 +347,7 @@ private:
             if (!schedule.leads(root)) continue;
             schedule.take(root, group);
             Island<features.bodies> island{group, root, schedule.first_pair[root]};
-            if (island.first_pair >= 0 && state_.standing.stood(group) && state_.pairs.hold_all(island)) {
+            if (island.first_pair >= 0 && state_.standing.stands(group) && state_.pairs.hold_all(island)) {
                 state_.solution = {.settled = true, .stands = true};
             } else {
                 const auto reports = advance.bodies.status.count;

@@ -50,6 +50,8 @@ public:
         }
         if constexpr (features.contact_readout) contacts_.log.start_island(contacts_.pairs, island_);
         for (int k = 0; k < island_.group.count; ++k) contacts_.pairs.forget_points_of(island_.group.id[k]);
+        if constexpr (features.control)
+            if (contacts_.standing.has_other_gravity() && stands_anew()) return true;
         Work span(1);
         [[maybe_unused]] bool ended = false;  // a contact has ended at an edge
         for (int impact = 0;; ++impact) {
@@ -127,6 +129,25 @@ public:
     }
 
 private:
+    // Under other gravity: whether the island stood and still stands, on the points on which it stood. Where it does
+    // not, its bodies look for others, since they did not when the step began.
+    [[gnu::noinline]] bool stands_anew() requires(features.control) {
+        bool all = contacts_.pairs.hold_all(island_), any = false;
+        for (int k = 0; k < island_.group.count; ++k) {
+            const bool stood = contacts_.standing.stood(island_.group.id[k]);
+            all = all && stood;
+            any = any || stood;
+        }
+        if (all) {
+            (void)solve_resting(Work(1), true, false, true);
+            if (contacts_.solution.stands) {
+                log_forces(Work(1));
+                return true;
+            }
+        }
+        if (any) find_near_pairs();
+        return false;
+    }
     [[nodiscard]] bool has_bounds() const {
         if constexpr (features.impact_bounds) return contacts_.most.are_set();
         else return false;
@@ -148,10 +169,10 @@ private:
     [[nodiscard]] Resting<N, spin, features> resting() {
         return {contacts_.shapes, contacts_.pairs, contacts_.velocities, bodies_, island_};
     }
-    // `struck`: the impact has been resolved.
-    Touch solve_resting(Work span, bool whole, bool struck) {
+    // `struck`: the impact has been resolved. `stands`: nothing is computed unless the island stands.
+    Touch solve_resting(Work span, bool whole, bool struck, bool stands = false) {
         return resting().solve(contacts_.loads, span, whole, struck, mover_.coasting, contacts_.forces,
-                               contacts_.solution, contacts_.changed);
+                               contacts_.solution, contacts_.changed, stands);
     }
     // `share`: of the time for which the forces are solved.
     void log_forces([[maybe_unused]] Work share) {

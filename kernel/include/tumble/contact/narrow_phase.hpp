@@ -30,10 +30,12 @@ public:
         (void)make_room(spec.tolerance);
     }
 
-    // Gravity's change of drift in a step, m.
-    void set_gravity(const RealVec3& change) {
-        for (int i = 0; i < 3; ++i) fall_metres_[i] = change[i];
+    // Gravity's change of drift in a step.
+    void set_gravity(const typename N::DriftSum (&change)[3], typename N::Scale unit) {
+        for (int i = 0; i < 3; ++i) fall_drift_[i] = change[i];
+        drift_unit_ = unit;
         set_fall();
+        slow_ = speed_of_fall() * Work(Bounds::slow_in_falls);
     }
 
     // Adds a plane; false when there is no room.
@@ -332,9 +334,21 @@ private:
     }
 
     void set_fall() {
-        for (int i = 0; i < 3; ++i) fall_[i] = scale().drift(fall_metres_[i]);
-        slow_ = N::template constant<Work>(sqrt(dot(fall_metres_, fall_metres_)) * Real{Bounds::slow_in_falls});
+        for (int i = 0; i < 3; ++i) fall_[i] = scale().fall(fall_drift_[i], drift_unit_);
         fall_bound_ = sum_of_magnitudes(fall_);
+    }
+    // m a step. In units of the largest component: the square of a small float is zero.
+    [[nodiscard]] Work speed_of_fall() const {
+        WorkVec3<N> v;
+        Work largest(0);
+        for (int i = 0; i < 3; ++i) {
+            v[i] = N::metres(fall_drift_[i], drift_unit_);
+            const Work size = magnitude_of(v[i]);
+            if (size > largest) largest = size;
+        }
+        if (!(largest > Work(0))) return Work(0);
+        v = scaled_by(v, Work(1) / largest);
+        return sqrt(dot(v, v)) * largest;
     }
 
     Length tolerance_{}, fall_bound_{};
@@ -353,7 +367,8 @@ private:
     [[no_unique_address]] If<features.rolling_resistance, Resistances, 3> resistance_{};
     ContactResponse response_;
     Real tolerance_metres_;
-    RealVec3 fall_metres_{};
+    typename N::DriftSum fall_drift_[3]{};
+    typename N::Scale drift_unit_{};
     bool turned_[features.bodies]{};  // since it was placed before
 };
 

@@ -46,9 +46,10 @@ public:
     // Solves for the contact forces over a part of the step, so that no touching point approaches at its end. Writes
     // them into `forces`, as changes of motion in that part. A point strikes if it is below the surface and approaches
     // faster than NarrowPhase::slow(). The impact must then be resolved first: unless `struck`, no forces are computed.
-    // `changed`: for what surfaces carry, with the changes of their velocities in `loads`.
+    // `changed`: for what surfaces carry, with the changes of their velocities in `loads`. `stands`: nothing is computed
+    // unless the island stands.
     Touch solve(const Kicks& loads, Work part, bool whole, bool struck, Coasting coasting, Kicks& forces,
-                Solution& solution, [[maybe_unused]] Changed& changed) {
+                Solution& solution, [[maybe_unused]] Changed& changed, [[maybe_unused]] bool stands = false) {
         if constexpr (features.moving_surfaces()) changed.carry = false;
         bool any = false;
         solution = {};
@@ -90,9 +91,11 @@ public:
         });
         if (active == 0) return Touch::nothing;
         if (strikes && !struck) return Touch::strikes;
-        if (whole && Statics<N, spin, features>{shapes_, pairs_, velocities_, bodies_, island_}.solve()) {
+        if (whole && Statics<N, spin, features>{shapes_, pairs_, velocities_, bodies_, island_}.solve(stands)) {
             velocities_.write(forces, bodies_, shapes_, island_.group, &loads);
             solution.stands = !lifts && pairs_.hold_all(island_) && is_at_rest();
+        } else if (features.control && stands) {
+            return Touch::nothing;
         } else {
             rows_.push_all();
             const Speed enough = velocities_.scale.enough_at_rest();

@@ -122,6 +122,14 @@ struct Row {
         const Speed impulses[1] = {by};
         push(this, impulses, a, b);
     }
+    // The same of one body of the two, a or b.
+    void push_one(Speed by, bool is_a, Velocity& v) const requires pairs {
+        const Vec3<Unit>&along = is_a ? linear : linear_b, &about = is_a ? angular : angular_b;
+        for (int i = 0; i < 3; ++i) {
+            v.linear[i] += narrow<Speed>(mul(along[i], by));
+            v.angular[i] += narrow<Speed>(mul(about[i], by));
+        }
+    }
     // Changes the impulses of `count` rows.
     template <int count>
     TUMBLE_INLINE static void change(Row* row, const Speed (&by)[count], Velocity& a, Velocity* b) {

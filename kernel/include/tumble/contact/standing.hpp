@@ -14,15 +14,32 @@ public:
     using BodyGroup = tumble::BodyGroup<features.bodies>;
 
     // Call where something happens that is not the work of a step.
-    void end() { all_ = is_known_ = false; }
-    // True where all islands stood. With sleep never: their bodies fall asleep.
+    void end() {
+        all_ = is_known_ = false;
+        if constexpr (features.control) gravity_.stood = false;
+    }
+    // Call where gravity changes: what stood may stand under other forces.
+    void gravity_changed() requires(features.control) {
+        gravity_.is_other = true;
+        gravity_.stood = gravity_.stood || all_;
+        all_ = false;
+    }
+    // True from new gravity to the end of the next step of islands.
+    [[nodiscard]] TUMBLE_INLINE bool has_other_gravity() const {
+        if constexpr (features.control) return gravity_.is_other;
+        else return false;
+    }
+    // True where all islands stood, under the same gravity. With sleep never: their bodies fall asleep.
     [[nodiscard]] bool all() const { return all_; }
     // True where the body stood when it was last near something. Ask whether it is near something now.
-    [[nodiscard]] bool stood([[maybe_unused]] int b) const {
+    [[nodiscard]] TUMBLE_INLINE bool stood([[maybe_unused]] int b) const {
         if constexpr (each) return all_ || (is_known_ && of_[b]);
+        else if constexpr (features.control) return all_ || gravity_.stood;
         else return all_;
     }
-    // The same of all bodies of an island. Ask whether its pairs hold it. The island of a single body is all there is.
+    // True where an island stands as it did. Ask whether its pairs hold it.
+    [[nodiscard]] bool stands(const BodyGroup& group) const { return !has_other_gravity() && stood(group); }
+    // True where all bodies of an island stood. The island of a single body is all there is.
     [[nodiscard]] bool stood(const BodyGroup& group) const {
         bool all = true;
         for (int k = 0; k < group.count; ++k) all = all && stood(group.id[k]);
@@ -42,6 +59,7 @@ public:
     void end_step(bool all, bool is_known) {
         all_ = all && is_known;
         is_known_ = is_known;
+        if constexpr (features.control) gravity_ = {};
     }
 
     // Writes or reads what a snapshot holds.
@@ -53,9 +71,14 @@ public:
 
 private:
     static constexpr bool each = features.bodies > 1;
+    struct Gravity {
+        bool is_other = false;  // than in the last step
+        bool stood = false;     // then all islands stood under the one before
+    };
 
     bool all_ = false;
     bool is_known_ = false;  // of_ is what it says
+    [[no_unique_address]] If<features.control, Gravity, 1> gravity_{};
     [[no_unique_address]] If<each, bool[features.bodies], 0> of_{};
 };
 

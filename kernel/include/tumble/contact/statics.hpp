@@ -43,8 +43,10 @@ public:
     //
     // Each body must stand on one pair, or on several that push alike, as in a pyramid or under a bridge. All bodies
     // must come to rest, but for bodies on which nothing stands: these may move on one that rests. Or all bodies move
-    // together, as on a lift. Those on single points are left to sweeps, which solve them at once.
-    bool solve() {
+    // together, as on a lift. Those on single points are left to sweeps, which solve them at once. `stands`: only where
+    // all bodies stand.
+    bool solve([[maybe_unused]] bool stands = false) {
+        if constexpr (features.control) must_stand_ = stands;
         const bool may = find_carrying(), still = !surface_moves_ && is_slow([](int) { return true; }),
                    known = may && still && pairs_.hold_all(island_);
         bool found = known;
@@ -55,7 +57,7 @@ public:
             found = finish(balance(still) && (!features.pairs || !moves_ || open_points_hold()));
         }
         if constexpr (Pair::max_points > 1) {
-            if (!found && may && has_faces_ && moves_as_one()) {
+            if (!found && may && has_faces_ && !must_stand() && moves_as_one()) {
                 (void)find_carrying();
                 leave_out_sides(true);
                 found = slide_as_one();
@@ -100,6 +102,10 @@ private:
         if (island_.group.count == 1 && carrying_ == 1) return true;
         (void)set_common(velocities_.start);
         return is_still([&](int b) { return Velocity{velocities_.start[b].linear - common_[b], zero()}; });
+    }
+    [[nodiscard]] bool must_stand() const {
+        if constexpr (features.control) return must_stand_;
+        else return false;
     }
     [[nodiscard]] static Vec3<Speed> zero() { return Vec3<Speed>::Constant(Speed{}); }
     // Sets `common_` to the mean velocity, weighted by mass. Returns it, m a step.
@@ -246,8 +252,8 @@ private:
                 while (found && b >= 0 && left.count[b] == 1) {
                     const int i = left.last[b];
                     Pair& pair = pairs_.in_slot(i);
-                    found =
-                        ((pair.carrying & must_move) == 0 && carry({{&pair}, 1}, b)) || (is_leaf[b] && slide(pair, b));
+                    found = ((pair.carrying & must_move) == 0 && carry({{&pair}, 1}, b)) ||
+                            (is_leaf[b] && !must_stand() && slide(pair, b));
                     left.count[b] = 0;
                     ++solved;
                     const int other = b == pair.a ? pair.b : pair.a;
@@ -464,10 +470,10 @@ private:
         bool fits = true;
         for (int s = 0, j = 0; s < supports.count; ++s) {
             Pair& pair = *supports.pair[s];
-            const Parts parts{pair, frame, pair.a == b};
+            Parts parts{pair, frame, pair.a == b};
             for (int i = 0; i < pair.count; ++i)
                 if (is_carrying(pair, i)) {
-                    fits = push(pair, pair.point[i], b, parts, shares[j++]) && fits;
+                    fits = push(pair, pair.point[i], b, parts, shares[j++], supports.count > 1) && fits;
                     fits = fits && (supports.count == 1 || is_in_cone(pair, pair.point[i]));
                 }
         }
@@ -495,6 +501,7 @@ private:
         Unit of[Point::directions][3];
         bool shared;            // the other body moves too
         typename W::Over over;  // the body's share
+        typename W::OverRecent over_inverse[Point::directions]{};
 
         Parts(const Pair& pair, const Vec3<Unit> (&frame)[3], bool is_a)
             : shared{pair.moves_b()}, over{is_a ? pair.share_a : pair.share_b} {
@@ -507,26 +514,31 @@ private:
     };
     // Sets the impulse that a row may get, times its `inverse`.
     static void propose(Row& row, Speed impulse) {
-        row.before = impulse;
-        row.conjugate = impulse == Speed{} ? Speed{} : W::over(impulse, row.inverse);
+        typename W::OverRecent over;
+        propose(row, impulse, over);
     }
-    // Pushes a body at a point, and the other one back. False where that is too fast for the scale.
-    bool push(Pair& pair, Point& point, int b, [[maybe_unused]] const Parts& parts, const Speed (&share)[3]) {
+    static void propose(Row& row, Speed impulse, typename W::OverRecent& over) {
+        row.before = impulse;
+        row.conjugate = impulse == Speed{} ? Speed{} : over(impulse, row.inverse);
+    }
+    // Pushes a body at a point, where that `counts`, and the other one back. False where that is too fast for the
+    // scale.
+    bool push(Pair& pair, Point& point, int b, Parts& parts, const Speed (&share)[3], [[maybe_unused]] bool counts) {
         const bool is_a = pair.a == b;
         bool fits = true;
         for (int k = 0; k < pair.rows(); ++k) {
             auto& row = point.row[k];
             if constexpr (!features.pairs) {
-                propose(row, share[k]);
+                propose(row, share[k], parts.over_inverse[k]);
             } else {
                 const auto& part = parts.of[k];
                 const Speed along =
                     narrow<Speed>(mul_add(mul_add(mul(part[0], share[0]), part[1], share[1]), part[2], share[2]));
-                propose(row, parts.over_share(is_a ? along : -along));
-                Velocity* const partner = pair.moves_b() ? &velocities_.now[pair.b] : nullptr;
-                row.push(row.conjugate, velocities_.now[pair.a], partner);
-                if (partner == nullptr) continue;
-                const Velocity& other = is_a ? *partner : velocities_.now[pair.a];
+                propose(row, parts.over_share(is_a ? along : -along), parts.over_inverse[k]);
+                if (counts) row.push_one(row.conjugate, is_a, velocities_.now[b]);
+                if (!pair.moves_b()) continue;
+                Velocity& other = velocities_.now[is_a ? pair.b : pair.a];
+                row.push_one(row.conjugate, !is_a, other);
                 fits = fits && C::fits(other.largest());
             }
         }
@@ -616,6 +628,7 @@ private:
     bool surface_moves_ = false;  // of something on which they stand
     Vec3<Speed> common_[bodies];  // of bodies that slide as one, weighted
     bool slides_ = false;         // `now` is relative to `common_` of the end
+    bool must_stand_ = false;
 };
 
 }  // namespace tumble

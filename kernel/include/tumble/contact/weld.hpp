@@ -87,6 +87,7 @@ requires(N::fixed_point) struct WeldNumbers<N> {
     // Divides speeds by u > 0.
     class Over {
     public:
+        Over() = default;
         explicit Over(Unit u) : root_{detail::inverse_root(static_cast<std::uint64_t>(mul(u, u).raw))} {}
         [[nodiscard]] Speed operator()(Speed s) const {
             const int down = -(root_.exponent + Unit::fraction_bits);
@@ -94,10 +95,25 @@ requires(N::fixed_point) struct WeldNumbers<N> {
         }
 
     private:
-        detail::ScaledRoot root_;
+        detail::ScaledRoot root_{};
     };
     // s / u for u > 0.
     [[nodiscard]] static Speed over(Speed s, Unit u) { return Over{u}(s); }
+    // The same, for a u that is often that of the call before.
+    class OverRecent {
+    public:
+        [[nodiscard]] Speed operator()(Speed s, Unit u) {
+            if (!(u == of_)) {
+                of_ = u;
+                over_ = Over{u};
+            }
+            return over_(s);
+        }
+
+    private:
+        Unit of_{};
+        Over over_{};
+    };
 
 private:
     // Held at the largest Speed.
@@ -152,6 +168,10 @@ requires(!N::fixed_point) struct WeldNumbers<N> {
         T divisor_;
     };
     [[nodiscard]] static T over(T s, T u) { return s / u; }
+    class OverRecent {
+    public:
+        [[nodiscard]] T operator()(T s, T u) { return s / u; }
+    };
 };
 
 // Of at most so many points; `grips`: some have friction.

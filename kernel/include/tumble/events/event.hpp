@@ -1,4 +1,5 @@
-// Event: what a program does to a body between two steps. A live call of the world makes one event and applies it.
+// Event: what a program does to a body or to gravity between two steps. A live call of the world makes one event and
+// applies it.
 #pragma once
 
 #include <tumble/body/bodies.hpp>
@@ -42,6 +43,7 @@ enum class EventKind : std::uint8_t {
     angular_velocity,  // value: rad/s
     pose,              // value: m, world; `orientation`
     remove,            // the body leaves the world; needs Features::removal
+    gravity,           // value: m/s^2, world; of all bodies, so `body` is not used; needs Features::control
 };
 
 // The name of a kind, as scene files write it: angular_impulse.
@@ -56,18 +58,23 @@ enum class EventKind : std::uint8_t {
     case EventKind::velocity: return "velocity";
     case EventKind::angular_velocity: return "angular_velocity";
     case EventKind::pose: return "pose";
-    default: return "remove";
+    case EventKind::remove: return "remove";
+    default: return "gravity";
     }
 }
 
-// An event of a body, in the working numbers of its world. World::apply() applies it before the next step.
+// True of an event that has a body.
+[[nodiscard]] constexpr bool has_body(EventKind kind) { return kind != EventKind::gravity; }
+
+// An event of a body or of gravity, in the working numbers of its world. World::apply() applies it before the next
+// step.
 template <class N>
 struct Event {
     using Work = typename N::Work;  // number of the orientation
 
     EventKind kind = EventKind::impulse;  // what happens
     Frame frame = Frame::world;           // of `value`; body: the user's body axes
-    BodyId body{};                        // which body
+    BodyId body{};                        // which body; none of gravity
     InputVector<N> value{};               // see the kind
     InputVector<N> point{};               // m, user's body axes, from the centre of mass
     Quaternion<Work> orientation{};       // user's body axes to world; normalised when applied

@@ -11,7 +11,7 @@ namespace tumble {
 struct EventSpec {
     Real time = 0;                        // s, rounded to the nearest step; the event comes before that step
     EventKind kind = EventKind::impulse;  // what happens
-    BodyIndex body = 0;                   // its id, or its number in the order of add()
+    BodyIndex body = 0;                   // its id, or its number in the order of add(); not used by gravity
     Frame frame = Frame::world;           // of `value`
     RealVec3 value{};                     // see EventKind
     RealVec3 point{};                     // m, user's body axes, from the centre of mass
@@ -24,7 +24,7 @@ template <class N, Spin spin, int capacity, bool points, class Constant>
                                               const EventSpec& spec) {
     return {spec.kind,
             spec.frame,
-            BodyId{bodies.index_of(spec.body)},
+            has_body(spec.kind) ? BodyId{bodies.index_of(spec.body)} : BodyId{},
             spec.value,
             spec.point,
             spec.orientation.template as<typename N::Work>(),

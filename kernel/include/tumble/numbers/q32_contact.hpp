@@ -101,12 +101,17 @@ requires(N::fixed_point) struct ContactNumbers<N> {
         }
         // True of a length that was held at the end of the format.
         [[nodiscard]] static constexpr bool is_cut(Length l) { return l.raw >= far || l.raw <= -far; }
-        // The displacement of a drift in a step, and that of gravity, rounded down.
+        // The displacement of a drift in a step, rounded down.
         [[nodiscard]] Length drift(typename N::DriftSum d, typename N::Scale s) const {
             const int down = N::PositionSum::fraction_bits + s.drift_shift - bits_;
             return cut(d.raw >> (down > 63 ? 63 : down), fast);
         }
-        [[nodiscard]] constexpr Length drift(Real metres) const { return cut(metres.to_fixed(bits_, 31), fast); }
+        // The same to nearest, ties away from zero.
+        [[nodiscard]] Length fall(typename N::DriftSum d, typename N::Scale s) const {
+            const int down = N::PositionSum::fraction_bits + s.drift_shift - bits_;
+            const auto rounded = [&](std::int64_t raw) { return down > 62 ? 0 : ((raw >> (down - 1)) + 1) >> 1; };
+            return cut(d.raw < 0 ? -rounded(-d.raw) : rounded(d.raw), fast);
+        }
         // The same length in a coarser scale, which a larger body has set.
         [[nodiscard]] constexpr Length coarser(Length l, const LengthScale& finer) const {
             const int down = finer.bits_ - bits_;
