@@ -288,8 +288,6 @@ public:
     }
 
 private:
-    // Writes the change of motion by gravity and by the loads, at their present strength, over the whole step.
-    template <class Marks, class Kicks>
     // True of a fixed or kinematic body that moves by itself a point at which a load acts.
     [[nodiscard]] bool changes_loads(int b) const requires(has_loads) {
         const bool is_kinematic = bodies.constants[b].kinematic();
@@ -299,6 +297,8 @@ private:
                    loads.is_turned(bodies, b);
         return false;
     }
+    // Writes the change of motion by gravity and by the loads, at their present strength, over the whole step.
+    template <class Marks, class Kicks>
     void foresee(const BodyGroup& group, const Marks& marks, Kicks& kick_of) {
         forget_kicks(group);
         const DriftSum fall[3]{whole_fall(0), whole_fall(1), whole_fall(2)};

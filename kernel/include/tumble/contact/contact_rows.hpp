@@ -260,7 +260,7 @@ private:
         const Axes<N>& axes = shapes_.axes(pair.a);
         const Edge own = edge_of(pair.a, point.arm);
         Vec3<Length> shift = Vec3<Length>::Constant(Length{});
-        if (own.free == 0) return shift;
+        if (own.open == 0) return shift;
         const WorkVec3<N> normal = work_unit<N>(pair.normal);
         WorkVec3<N> way = -drift_of(pair.a);
         way -= cross<Work>(turn_of(pair.a), shapes_.world_arm(pair.a, point.arm));
@@ -270,12 +270,12 @@ private:
                 if (bodies_.constants[pair.b].kinematic()) way += drift_of(pair.b);
             }
         way = scaled_by(WorkVec3<N>(way - scaled_by(normal, dot(way, normal))), half_);
-        if (own.free == 1 && shapes_.shape(pair.b).is(ShapeKind::box)) {
+        if (own.open == 1 && shapes_.shape(pair.b).is(ShapeKind::box)) {
             const Edge other = edge_of(pair.b, point.arm_b);
             const WorkVec3<N> along = work_unit<N>(own.axis), across = cross<Work>(normal, work_unit<N>(other.axis));
             const Work slope = dot(along, across);
             // Edges that are nearly parallel cross nowhere.
-            if (other.free != 1 || !(slope * slope > N::half_of(N::half_of(N::half_of(Work(1)))))) return shift;
+            if (other.open != 1 || !(slope * slope > N::half_of(N::half_of(N::half_of(Work(1)))))) return shift;
             way = scaled_by(along, dot(way, across) / slope);
         }
         for (int i = 0; i < 3; ++i) shift[i] = shapes_.scale().length(dot(way, work_unit<N>(axes.axis(i))));
@@ -293,7 +293,7 @@ private:
         Point& point = pair.point[0];
         const Axes<N> axes_b = shapes_.shape(pair.b).axes(shapes_.axes(pair.b));
         const Edge edge = edge_of(pair.b, point.arm_b);
-        if (edge.free > 1) return false;
+        if (edge.open > 1) return false;
         for (int i = 0; i < 3; ++i) {
             const Unit cosine = narrow<Unit>(dot(pair.normal, axes_b.axis(i)));
             if (magnitude_of(cosine) > ContactBounds<N>::along_face()) return false;
@@ -306,7 +306,7 @@ private:
                 if (bodies_.constants[pair.b].kinematic()) way -= drift_of(pair.b);
             }
         way -= scaled_by(normal, dot(way, normal));
-        if (edge.free == 1) {
+        if (edge.open == 1) {
             const WorkVec3<N> along = work_unit<N>(edge.axis);
             way -= scaled_by(along, dot(way, along));
         }
@@ -334,7 +334,7 @@ private:
     }
     // In how many directions a place is not at the end of a box, and the last of them, world.
     struct Edge {
-        int free = 0;
+        int open = 0;
         Vec3<Unit> axis{};
     };
     [[nodiscard]] Edge edge_of(int b, const Vec3<Length>& arm) const requires(has_edges) {
@@ -344,7 +344,7 @@ private:
         Edge edge;
         for (int i = 0; i < 3; ++i) {
             if (!(magnitude_of(place[i]) + shapes_.tolerance() < shape.half[i])) continue;
-            ++edge.free;
+            ++edge.open;
             edge.axis = axes.axis(i);
         }
         return edge;
