@@ -360,12 +360,12 @@ TEST(RequiredDeathTest, worlds_refuse_what_they_would_ignore) {
     EXPECT_DEATH((World<Bare>{step, {.linear_drag = 1}}), "");
     EXPECT_DEATH((void)world.add(box(1, {1, 1, 1})), "");
     EXPECT_DEATH((void)world.add(PlaneSpec{.friction = 0.5}), "");
+    BodySpec turning = sphere(1, 1);
+    turning.fixed = true;
+    turning.angular_velocity = {0, 1, 0};
+    EXPECT_DEATH((void)world.add(turning), "");
     EXPECT_EQ(world.body_count(), 0);
-    BodySpec still = sphere(1, 1);
-    still.fixed = true;
-    const BodyId id = world.add(still);
-    EXPECT_DEATH(world.set_angular_velocity(id, {0, 1, 0}), "");
-    world.set_angular_velocity(id, {0, 0, 0});
+    const BodyId id = world.add(sphere(1, 1));
     EXPECT_DEATH((void)world.add(SpringSpec{.stiffness = 1, .damping = -1}), "");
     EXPECT_DEATH((void)world.add(SpringSpec{.stiffness = 1, .rest_length = -1}), "");
     Event<World<Bare>::Numbers> push{.kind = EventKind::force, .body = id};

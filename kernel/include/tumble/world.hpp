@@ -668,10 +668,7 @@ private:
         } else if constexpr (kind == Kind::velocity) {
             detail::set_velocity(bodies, b, frame, value.block(), seconds());
         } else if constexpr (kind == Kind::angular_velocity) {
-            if (bodies.constants[b].fixed() && !bodies.constants[b].kinematic() && !features.turntables) {
-                TUMBLE_ASSERT(features.turntables || value.block().is_zero());
-                return;
-            }
+            if (bodies.constants[b].fixed() && !bodies.constants[b].kinematic() && !features.turntables) return;
             detail::set_angular_velocity(bodies, b, frame, value.block(), steps_per_second());
         } else {
             detail::set_pose(bodies, b, value.block(), orientation);

@@ -162,8 +162,8 @@ struct WorldSpec {
     ContactSpec contact{};  // contacts
 };
 
-// The orientation of a body that is turned about an axis of any length but zero, by an angle, rad, right-handed. Of two
-// turns a * b, b comes first.
+// The orientation of a body that is turned about an axis of any length but zero, by an angle, rad, right-handed; of
+// unit length to rounding. Of two turns a * b, b comes first.
 TUMBLE_COLD [[nodiscard]] constexpr RealQuat rotation_about(const RealVec3& axis, Real angle) {
     TUMBLE_ASSERT(!axis.is_zero());
     // The series of a part of half the angle, at most 1/8, whose next terms are below 2^-78; then doubled.
@@ -179,7 +179,7 @@ TUMBLE_COLD [[nodiscard]] constexpr RealQuat rotation_about(const RealVec3& axis
     }
     RealQuat q{cosine, normalized(axis) * (part * sine)};
     for (; doublings > 0; --doublings) q = q * q;
-    return normalized(q);
+    return q;
 }
 
 // A body of the given shape and mass, at rest at the origin.
