@@ -263,8 +263,6 @@ public:
         if constexpr (has_loads) return loads.is_coupled(bodies, b);
         else return false;
     }
-    // The most halvings of a spin in a group in which loads act at stages on a body with such a spin, else 0. `whole`:
-    // over a whole step.
     // True of a group in which a load connects a body to a fixed or kinematic one that moves by itself: the load
     // changes though nothing happens to the group.
     [[nodiscard]] bool has_moving_end([[maybe_unused]] const BodyGroup& group) const {
@@ -274,6 +272,8 @@ public:
                 loads.for_each_coupled(bodies, group.id[k], [&](int end) { any = any || changes_loads(end); });
         return any;
     }
+    // The most halvings of a spin in a group in which loads act at stages on a body with such a spin, else 0. `whole`:
+    // over a whole step.
     [[nodiscard]] int halvings_under_loads(const BodyGroup& group, bool whole) const
         requires(has_loads&& Bodies::has_parts) {
         int most = 0;
