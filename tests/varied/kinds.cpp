@@ -9,6 +9,12 @@ const std::vector<Kind> kinds{
     {"a_box_keeps_its_place_on_a_platform_whose_spin_changes", moving_surfaces::turned},
     {"a_ball_that_leaves_an_edge_falls_freely", edges::leaving_ball},
     {"a_box_tips_over_an_edge_in_order_two", edges::tipping_box},
+    {"a_box_slides_over_flush_blocks_by_coulombs_law", box_slides_over_flush_blocks},
+    {"a_box_falls_freely_along_flush_blocks", box_falls_along_flush_blocks},
+    {"a_box_slides_over_a_row_of_free_boxes_at_its_speed", box_slides_over_a_row_of_free_boxes},
+    {"a_ball_rolls_over_flush_blocks_without_a_hop", ball_rolls_over_flush_blocks},
+    {"a_step_between_blocks_stops_a_box", step_stops_a_box},
+    {"flush_blocks_act_as_one_block", flush_blocks_act_as_one},
 };
 
 }  // namespace tumble::test

@@ -77,6 +77,11 @@ struct ContactBounds {
     [[nodiscard]] static typename C::Unit along_face() {
         return C::unit(Work(1) - N::template constant<Work>(Real::scaled(1, -20)));
     }
+    // A body at an edge of a box that is deeper is not above the face: as deep as a search that fails leaves it.
+    [[nodiscard]] static Length edge_depth(Length tolerance) {
+        const Length twice = tolerance + tolerance;
+        return twice + twice;
+    }
     // Conservative advancement ends at this gap.
     [[nodiscard]] static Length crossing_gap(Length tolerance) { return C::sixteenth(C::sixteenth(tolerance)); }
     // A contact point inherits the impulses of a point within this distance, from the radius of its body.

@@ -4,8 +4,7 @@
 
 #include <tumble/contact/clear_times.hpp>
 #include <tumble/contact/marks.hpp>
-#include <tumble/contact/narrow_phase.hpp>
-#include <tumble/contact/pair_list.hpp>
+#include <tumble/contact/seams.hpp>
 #include <tumble/contact/sleepers.hpp>
 
 namespace tumble {
@@ -23,6 +22,7 @@ public:
     using PairList = tumble::PairList<N, features>;
     using Sleepers = tumble::Sleepers<N, spin, features>;
     using Times = ClearTimes<N, features>;
+    using Seams = tumble::Seams<N, spin, features>;
 
     BroadPhase(NarrowPhase& shapes, PairList& pairs, Times& times, Bodies& bodies)
         : shapes_{shapes}, pairs_{pairs}, times_{times}, bodies_{bodies} {}
@@ -324,6 +324,7 @@ private:
         if (is_first_of_b) begin_near(b);
         shapes_.set_up(pair, bodies_);
         examine(pair);
+        if constexpr (Seams::exist) examine_seams(pair);
         return &pair;
     }
     void end_times(int b) { times_.end(b, shapes_.plane_count(), bodies_.steps_taken); }
@@ -331,9 +332,21 @@ private:
     void examine(Pair& pair) {
         shapes_.place(bodies_, pair.a);
         if (!pair.with_plane()) shapes_.place(bodies_, pair.b);
-        shapes_.measure(bodies_, pair);
+        seams().measure(pair);
         shapes_.find(bodies_, pair);
     }
+    // A new pair may bring a neighbour that covers a side.
+    void examine_seams(const Pair& fresh) requires Seams::exist {
+        for (int i = 0; i < pairs_.count(); ++i) {
+            Pair& pair = pairs_[i];
+            if (&pair == &fresh || pair.with_plane() || pair.gap > shapes_.tolerance() || pair.axis.covered) continue;
+            const auto has = [&](int body) { return pair.a == body || pair.b == body; };
+            if (!has(fresh.a) && !(fresh.b >= 0 && has(fresh.b))) continue;
+            seams().measure(pair);
+            if (pair.axis.covered) shapes_.find(bodies_, pair);
+        }
+    }
+    [[nodiscard]] Seams seams() const { return {shapes_, pairs_, bodies_}; }
 
     NarrowPhase& shapes_;
     PairList& pairs_;

@@ -2,8 +2,7 @@
 // through each other.
 #pragma once
 
-#include <tumble/contact/narrow_phase.hpp>
-#include <tumble/contact/pair_list.hpp>
+#include <tumble/contact/seams.hpp>
 
 namespace tumble {
 
@@ -19,6 +18,7 @@ public:
     using PairList = tumble::PairList<N, features>;
     using Island = tumble::Island<features.bodies>;
     static constexpr bool has_edges = features.pairs && features.boxes;
+    using Seams = tumble::Seams<N, spin, features>;
 
     ImpactSearch(NarrowPhase& shapes, PairList& pairs, const Bodies& bodies, const Island& island)
         : shapes_{shapes}, pairs_{pairs}, bodies_{bodies}, island_{island} {}
@@ -30,6 +30,7 @@ public:
         pairs_.for_each(island_, [](Pair& pair) {
             pair.passed = false;
             if (pair.count == 0) pair.touched = false;
+            if constexpr (Seams::exist) pair.start_covered = pair.axis.covered;
             pair.start_gap = pair.gap;
             if constexpr (features.pairs) pair.start_normal = pair.normal;
         });
@@ -37,11 +38,18 @@ public:
     // Measures the bodies and pairs of the island where they are now.
     void measure() {
         for (int k = 0; k < island_.group.count; ++k) shapes_.place(bodies_, island_.group.id[k]);
-        pairs_.for_each(island_, [&](Pair& pair) {
-            if constexpr (features.kinematic)
+        if constexpr (features.kinematic)
+            pairs_.for_each(island_, [&](const Pair& pair) {
                 if (pair.surface_moves) shapes_.place(bodies_, pair.b);
-            shapes_.measure(bodies_, pair);
-        });
+            });
+        pairs_.for_each(island_, [&](Pair& pair) { seams().measure(pair); });
+    }
+    // Call at the end of a flight. A pair that has come together over a seam is no new one: its bodies have touched.
+    void note_seams() {
+        if constexpr (Seams::exist)
+            pairs_.for_each(island_, [&](Pair& pair) {
+                if (!pair.touched && !pair.with_plane()) pair.touched = seams().is_crossed(pair);
+            });
     }
     // Finds the contact points of the pairs, which have been measured.
     void find() {
@@ -169,9 +177,9 @@ public:
         Pair& pair = *crossing.pair;
         const Length close = Bounds::crossing_gap(shapes_.tolerance());
         if (pair.gap > close) return false;
-        shapes_.measure(bodies_, pair, Length{});
+        seams().measure(pair, Length{});
         if (pair.gap > close) return false;
-        shapes_.measure(bodies_, pair);
+        seams().measure(pair);
         return true;
     }
     // The bodies touch in a point, so that an impact can stop them. Boxes may have none though they are close along
@@ -242,6 +250,7 @@ private:
         });
         return any;
     }
+    [[nodiscard]] Seams seams() const { return {shapes_, pairs_, bodies_}; }
     [[nodiscard]] bool is_too_deep(bool far) const {
         bool deep = false;
         pairs_.for_each(island_, [&](const Pair& pair) {

@@ -80,6 +80,7 @@ public:
             if (attempt.held) log_forces(Work(1));
             fly(attempt, span, false);
             search_.measure();
+            search_.note_seams();
             const bool spent = is_spent();
             const Work length = features.pairs ? stop_before_crossing(attempt) : span;
             const bool crossed = length < span;

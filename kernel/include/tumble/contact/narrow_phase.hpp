@@ -177,14 +177,18 @@ public:
         };
         with_contact<features>(view_of(bodies, pair), make, f);
     }
-    void measure(const Bodies& bodies, Pair& pair) { measure(bodies, pair, Bounds::axis_margin(tolerance_)); }
-    // Without a margin the gap of boxes that are apart is not negative.
-    void measure(const Bodies& bodies, Pair& pair, Length margin) {
+    void measure(const Bodies& bodies, Pair& pair) {
+        (void)measure(bodies, pair, Bounds::axis_margin(tolerance_), false);
+    }
+    // Without a margin the gap of boxes that are apart is not negative. `asks`: whether they touch at an edge of a box,
+    // where another side of it is as near. False otherwise.
+    bool measure(const Bodies& bodies, Pair& pair, Length margin, [[maybe_unused]] bool asks) {
         pair.moved = pair.moved || turned_[pair.a];
         if (pair.with_plane()) {
             pair.gap = view_of_plane(bodies, pair).gap();
-            return;
+            return false;
         }
+        bool at_edge = false;
         if constexpr (features.pairs) {
             // On a fixed body b the rows depend through the normal only.
             pair.moved = pair.moved || (pair.moves_b() && turned_[pair.b]);
@@ -195,8 +199,14 @@ public:
                     reversed ? Vec3<typename N::Unit>(-contact.normal) : contact.normal;
                 pair.moved = pair.moved || !(normal == pair.normal);
                 pair.normal = normal;
+                if constexpr (features.boxes) {
+                    pair.axis.covered = pair.axis.idle = false;
+                    if constexpr (requires { contact.is_at_edge(margin); })
+                        at_edge = asks && !(contact.gap > tolerance_) && contact.is_at_edge(Bounds::edge_depth(tolerance_));
+                }
             });
         }
+        return at_edge;
     }
     // Finds the contact points of a measured pair: those within the tolerance. Points of the step before keep their
     // impulses for the warm start.
@@ -210,6 +220,8 @@ public:
             view_of_plane(bodies, pair).find(found, tolerance_);
         } else if constexpr (features.pairs) {
             with_pair(bodies, pair, true, Length{}, [&](const auto& contact, const auto& view, bool reversed) {
+                if constexpr (features.boxes)
+                    if (pair.axis.idle) return;
                 contact.find(view, found, tolerance_);
                 if (reversed) {
                     for (int i = 0; i < found.count; ++i) {

@@ -63,6 +63,7 @@ struct Pair {
     bool selected = false;      // the search for an impact considers it
     bool has_friction = false;
     bool surface_moves = false;  // body b is fixed and turns, or it is kinematic and moves
+    bool start_covered = false;  // BoxAxis::covered where the flight began
     // With a grid: the lower half of the step in which it is examined again, and how often the bounds of its bodies had
     // been ended when it was examined last.
     [[no_unique_address]] If<features.grid(), std::uint16_t, 5> due{};

@@ -54,6 +54,11 @@ public:
     }
     // True if the pair with the key has this place.
     [[nodiscard]] bool has(int place, std::uint32_t key) const { return place < count_ && (*this)[place].key() == key; }
+    // True of two bodies that move and have a pair.
+    [[nodiscard]] bool are_near(int a, int b) const {
+        const std::uint32_t key = a < b ? Pair::key_of(a, b) : Pair::key_of(b, a);
+        return has(place_of(key), key);
+    }
 #if defined(__GNUC__) && !defined(__clang__)
 #pragma GCC diagnostic push  // GCC takes the number of a plane for that of a body
 #pragma GCC diagnostic ignored "-Wstringop-overflow"

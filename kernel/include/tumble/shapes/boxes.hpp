@@ -11,12 +11,14 @@ namespace tumble {
 struct BoxAxis {
     std::int8_t index = 0;
     bool negative = false;
+    // Set by Seams: neighbours cover the other sides that look at the other body; and this one too.
+    bool covered = false, idle = false;
 
     // Writes or reads it.
     template <class Self, class Archive>
     static void archive(Self& self, Archive& to) {
         to.within(self.index, 0, 14);
-        to(self.negative);
+        to(self.negative, self.covered, self.idle);
     }
 };
 
@@ -52,11 +54,15 @@ public:
             gap = separation;
             axis = {static_cast<std::int8_t>(index), negative};
         };
+        const auto take_face = [&](Length separation, int index, bool negative) {
+            apart_[index] = separation;
+            take(separation, index, negative);
+        };
         for (int i = 0; i < 3; ++i)
-            take(magnitude_of(t[i]) - h[i] - narrow<Length>(dot(size[i], k)), i, t[i] < Length{});
+            take_face(magnitude_of(t[i]) - h[i] - narrow<Length>(dot(size[i], k)), i, t[i] < Length{});
         for (int j = 0; j < 3; ++j) {
             const Length along = narrow<Length>(dot(column(r, j), t));
-            take(magnitude_of(along) - k[j] - narrow<Length>(dot(column(size, j), h)), 3 + j, along < Length{});
+            take_face(magnitude_of(along) - k[j] - narrow<Length>(dot(column(size, j), h)), 3 + j, along < Length{});
         }
         const Length faces = gap;
         for (int i = 0; i < 3; ++i) {
@@ -86,6 +92,15 @@ public:
     BoxBox(const PairView<N>& view, const BoxAxis& found, const Vec3<Unit>& along, Length apart)
         : normal{along}, gap{apart}, axis{found}, axes_{view.a.axes(view.axes_a), view.b.axes(view.axes_b)} {}
 
+    // Whether a face of another direction is as near, to `band`. Not of a result that is reused.
+    [[nodiscard]] bool is_at_edge(Length band) const {
+        for (int i = 0; i < 6; ++i) {
+            if (i == axis.index || apart_[i] < -band) continue;
+            const Unit cosine = narrow<Unit>(dot(normal, axes_[i < 3 ? 0 : 1].axis(i % 3)));
+            if (!(magnitude_of(cosine) > C::nearly_parallel())) return true;
+        }
+        return false;
+    }
     void find(const PairView<N>& view, Manifold<N>& found, Length band) const {
         if (axis.index >= 6) find_on_edges(view, found);
         else find_on_faces(view, found, band);
@@ -231,6 +246,7 @@ private:
     }
 
     Axes<N> axes_[2];
+    Length apart_[6]{};  // along the normals of the faces
 };
 
 }  // namespace tumble

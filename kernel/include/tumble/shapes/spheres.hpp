@@ -39,6 +39,7 @@ struct SphereBox {
     Vec3<Unit> normal;
     Length gap;
     Vec3<Length> nearest;  // point of the box, in its own axes
+    int sides = 0;         // of the box that look at the centre
 
     explicit SphereBox(const PairView<N>& view) {
         const Axes<N> axes = view.b.axes(view.axes_b);
@@ -49,6 +50,7 @@ struct SphereBox {
             const Length h = view.b.half[i];
             nearest[i] = centre[i] > h ? h : centre[i] < -h ? -h : centre[i];
             apart[i] = centre[i] - nearest[i];
+            if (!(apart[i] == Length{})) ++sides;
         }
         Vec3<Unit> n = Vec3<Unit>::Constant(Unit{});
         if (dot(apart, apart) > mul(C::hair(radius), C::hair(radius))) {
@@ -72,6 +74,8 @@ struct SphereBox {
         }
         normal = axes.to_world(n);
     }
+    // Whether the nearest point is on an edge or at a vertex of the box.
+    [[nodiscard]] bool is_at_edge(Length) const { return sides > 1; }
     void find(const PairView<N>& view, Manifold<N>& found, Length) const {
         found.add() = {along(view.axes_a.to_body(normal), -(view.a.half.x() + gap)), view.b.principal(nearest), gap};
     }
