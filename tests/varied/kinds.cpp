@@ -14,7 +14,7 @@ const std::vector<Kind> kinds{
     {"a_box_slides_over_a_row_of_free_boxes_at_its_speed", box_slides_over_a_row_of_free_boxes},
     {"a_ball_rolls_over_flush_blocks_without_a_hop", ball_rolls_over_flush_blocks},
     {"a_step_between_blocks_stops_a_box", step_stops_a_box},
-    {"flush_blocks_act_as_one_block", flush_blocks_act_as_one},
+    {"a_ball_bounces_on_flush_blocks_as_on_one_block", ball_bounces_on_flush_blocks_as_on_one},
 };
 
 }  // namespace tumble::test

@@ -12,7 +12,7 @@ std::string box_falls_along_flush_blocks(Draw& draw, Case& run);
 std::string box_slides_over_a_row_of_free_boxes(Draw& draw, Case& run);
 std::string ball_rolls_over_flush_blocks(Draw& draw, Case& run);
 std::string step_stops_a_box(Draw& draw, Case& run);
-std::string flush_blocks_act_as_one(Draw& draw, Case& run);
+std::string ball_bounces_on_flush_blocks_as_on_one(Draw& draw, Case& run);
 
 namespace moving_surfaces {  // carried.cpp
 std::string carried(Draw& draw, Case& run);

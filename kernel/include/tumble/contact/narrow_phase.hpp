@@ -202,7 +202,8 @@ public:
                 if constexpr (features.boxes) {
                     pair.axis.covered = pair.axis.idle = false;
                     if constexpr (requires { contact.is_at_edge(margin); })
-                        at_edge = asks && !(contact.gap > tolerance_) && contact.is_at_edge(Bounds::edge_depth(tolerance_));
+                        at_edge =
+                            asks && !(contact.gap > tolerance_) && contact.is_at_edge(Bounds::edge_depth(tolerance_));
                 }
             });
         }

@@ -1,6 +1,7 @@
-// Seams between flush boxes. A side that a neighbour covers pushes nothing: flush boxes are one surface. Where two sides
-// of a box meet in an edge, a body at the edge may be apart from it along either side, and rounding would choose. The
-// neighbours of the body decide instead: a box that covers one side and is flush with the other leaves only the other.
+// Seams between flush boxes. A side that a neighbour covers pushes nothing: flush boxes are one surface. Where two
+// sides of a box meet in an edge, a body at the edge may be apart from it along either side, and rounding would choose.
+// The neighbours of the body decide instead: a box that covers one side and is flush with the other leaves only the
+// other.
 #pragma once
 
 #include <tumble/contact/narrow_phase.hpp>
@@ -26,19 +27,18 @@ public:
 
     // Measures a pair where its bodies have been placed.
     void measure(Pair& pair) const { measure(pair, Bounds::axis_margin(shapes_.tolerance())); }
-    void measure(Pair& pair, Length margin) const {
+    [[gnu::noinline]] void measure(Pair& pair, Length margin) const {
         if constexpr (exist) {
-            const bool has_neighbours =
-                pair.b >= 0 && (pairs_.pairs_of(pair.a) > 1 || pairs_.pairs_of(pair.b) > 1);
+            const bool has_neighbours = pair.b >= 0 && (pairs_.pairs_of(pair.a) > 1 || pairs_.pairs_of(pair.b) > 1);
             if (shapes_.measure(bodies_, pair, margin, has_neighbours)) [[unlikely]]
                 choose_side(pair);
         } else {
             shapes_.measure(bodies_, pair, margin);
         }
     }
-    // Whether a body has slid onto the other from a flush neighbour, which it touched at the start of the flight. Then it
-    // has lain on their common surface in the whole flight.
-    [[nodiscard]] bool is_crossed(const Pair& pair) const requires exist {
+    // Whether a body has slid onto the other from a flush neighbour, which it touched at the start of the flight. Then
+    // it has lain on their common surface in the whole flight.
+    [[nodiscard, gnu::noinline, gnu::cold]] bool is_crossed(const Pair& pair) const requires exist {
         if (is_far(pair.gap)) return false;
         // A body that falls onto the surface was above it at the start. Of a ball the neighbour tells that.
         const bool from_aside = pair.axis.covered || pair.start_covered ||
@@ -93,8 +93,8 @@ private:
         return !(gap > shapes_.tolerance()) && !(gap < -Bounds::edge_depth(shapes_.tolerance()));
     }
 
-    // Calls f(pair) for the other pairs of the body, with boxes and planes that are where they belong at this time: those
-    // of the same island, and what is fixed.
+    // Calls f(pair) for the other pairs of the body, with boxes and planes that are where they belong at this time:
+    // those of the same island, and what is fixed.
     template <class F>
     void for_each_neighbour(const Pair& pair, int body, F&& f) const {
         const int other = pair.a == body ? pair.b : pair.a;
@@ -111,16 +111,16 @@ private:
         }
     }
     // The distance of the surfaces of the body and its neighbour along a direction towards the body.
-    [[nodiscard]] Length height_above(const Pair& pair, int body, const Vec3<Unit>& normal) const {
+    [[nodiscard, gnu::noinline, gnu::cold]] Length height_above(const Pair& pair, int body,
+                                                                const Vec3<Unit>& normal) const {
         if (pair.with_plane()) {
             if (!(narrow<Unit>(dot(pair.normal, normal)) > C::nearly_parallel())) return C::longest();
             return shapes_.view_of_plane(bodies_, pair).gap();
         }
-        return shapes_.view_of(bodies_, pair)
-            .separation(pair.a == body ? normal : Vec3<Unit>(-normal), features.boxes);
+        return shapes_.view_of(bodies_, pair).separation(pair.a == body ? normal : Vec3<Unit>(-normal), features.boxes);
     }
 
-    [[nodiscard]] Edge edge_of(int box, int body) const {
+    [[nodiscard, gnu::noinline, gnu::cold]] Edge edge_of(int box, int body) const {
         const CollisionShape<N>&shape = shapes_.shape(box), &other = shapes_.shape(body);
         Edge edge{box, body, shape.axes(shapes_.axes(box)), shape.half, {}, {}, {}};
         edge.centre = edge.axes.to_body(shapes_.reach_between(bodies_, body, box));
@@ -129,8 +129,8 @@ private:
         return edge;
     }
     // Along the axes of a frame.
-    [[nodiscard]] static Vec3<Length> extent_of(const CollisionShape<N>& shape, const Axes<N>& axes,
-                                                const Axes<N>& frame) {
+    [[nodiscard, gnu::noinline, gnu::cold]] static Vec3<Length> extent_of(const CollisionShape<N>& shape,
+                                                                          const Axes<N>& axes, const Axes<N>& frame) {
         if (!shape.is(ShapeKind::box)) return {shape.half.x(), shape.half.x(), shape.half.x()};
         Vec3<Length> extent;
         for (int i = 0; i < 3; ++i) {
@@ -179,7 +179,8 @@ private:
         pair.normal = normal;
         pair.moved = true;
     }
-    // Whether a direction in the axes of the box has a part along axis i: over the body it makes more than the tolerance.
+    // Whether a direction in the axes of the box has a part along axis i: over the body it makes more than the
+    // tolerance.
     [[nodiscard]] bool leans(const Edge& edge, const Vec3<Unit>& direction, int i) const {
         const Unit part = magnitude_of(direction[i]);
         if (is_ball(edge.body)) return part > C::flat();
@@ -187,7 +188,8 @@ private:
     }
     // Whether there are other faces than `side` of the box that look at the body, and neighbours that are flush with
     // `side` cover all of them. `direction`: along which the pair was found apart, in the axes of the box.
-    [[nodiscard]] bool covers_all_but(const Pair& pair, const Edge& edge, int side, const Vec3<Unit>& direction) const {
+    [[nodiscard, gnu::noinline, gnu::cold]] bool covers_all_but(const Pair& pair, const Edge& edge, int side,
+                                                                const Vec3<Unit>& direction) const {
         const auto any_flush = [&](auto&& holds) {
             bool any = false;
             for_each_neighbour(pair, edge.body, [&](const Pair& beside) {
@@ -214,7 +216,7 @@ private:
     }
     // The body lies as high above a box that is flush along the axis `side` as above the box at its edge, and it has a
     // face in that direction.
-    [[nodiscard]] Neighbour flush_box(const Pair& beside, const Edge& edge, int side) const {
+    [[nodiscard, gnu::noinline, gnu::cold]] Neighbour flush_box(const Pair& beside, const Edge& edge, int side) const {
         const int other = beside.a == edge.body ? beside.b : beside.a;
         const CollisionShape<N>& shape = shapes_.shape(other);
         Neighbour found{shape, shape.axes(shapes_.axes(other)),
@@ -232,7 +234,8 @@ private:
         return found;
     }
     // Whether a flush neighbour covers face `face` of the box, on its negative or positive side, where the body is.
-    [[nodiscard]] bool covers(const Neighbour& n, const Edge& edge, int face, bool negative, int side) const {
+    [[nodiscard, gnu::noinline, gnu::cold]] bool covers(const Neighbour& n, const Edge& edge, int face, bool negative,
+                                                        int side) const {
         if (!n.is_flush) return false;
         const Length band = shapes_.tolerance();
         // It begins at the face or behind it, and goes on beyond it.
@@ -251,7 +254,8 @@ private:
         return !(overlap(side) < -band) && !(overlap(across) + band < (length < twice ? length : twice));
     }
     // Whether a point, in the axes of the box at the edge, is in the neighbour.
-    [[nodiscard]] bool holds(const Neighbour& n, const Edge& edge, const Vec3<Length>& point) const {
+    [[nodiscard, gnu::noinline, gnu::cold]] bool holds(const Neighbour& n, const Edge& edge,
+                                                       const Vec3<Length>& point) const {
         const Vec3<Length> p = n.axes.to_body(edge.axes.to_world(Vec3<Length>(point - n.centre)));
         for (int i = 0; i < 3; ++i)
             if (magnitude_of(p[i]) > n.shape.half[i] + shapes_.tolerance()) return false;
