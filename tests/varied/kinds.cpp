@@ -3,6 +3,7 @@
 namespace tumble::test {
 
 const std::vector<Kind> kinds{
+    {"flat_falls_end_within_the_tolerance_and_gain_no_energy", judge_flat_falls},
     {"resistance_slows_a_body_by_its_law_and_leaves_finite_numbers", judge_resistance},
     {"what_rests_on_a_surface_that_accelerates_keeps_its_place", moving_surfaces::carried},
     {"what_a_wall_pushes_over_ice_stays_at_the_wall", moving_surfaces::pushed},

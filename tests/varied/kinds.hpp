@@ -5,6 +5,7 @@
 
 namespace tumble::test {
 
+std::string judge_flat_falls(Draw& draw, Case& drawn);
 std::string judge_resistance(Draw& draw, Case& drawn);
 // seams.cpp
 std::string box_slides_over_flush_blocks(Draw& draw, Case& run);

@@ -6,6 +6,7 @@
 #include "kinds.hpp"
 
 namespace tumble::test {
+namespace resistance {
 namespace {
 
 constexpr double g = 9.81;
@@ -144,8 +145,10 @@ std::string judge_tumbling(Draw& draw, Case& drawn) {
 }
 
 }  // namespace
+}  // namespace resistance
 
 std::string judge_resistance(Draw& draw, Case& drawn) {
+    using namespace resistance;
     // Squares underflow in float first.
     if (draw.one_in(2)) drawn.numbers = "f32";
     switch (draw.between(1, 4)) {

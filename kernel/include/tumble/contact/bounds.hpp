@@ -54,9 +54,9 @@ struct ContactBounds {
 
     // A point of a resting body that is not farther above the surface carries: float resolves positions up to 30 m so.
     [[nodiscard]] static Length resting_gap(Length tolerance) { return C::sixteenth(C::sixteenth(tolerance)); }
-    // How far below the gap at its start the flight of a pair that touched ends: between the depth of a resting point,
-    // which is less than resting_depth, and the tolerance, at which the flight is redone.
-    [[nodiscard]] static Length search_depth(Length tolerance) { return C::half(tolerance); }
+    // By how much a flight that begins deeper than the tolerance may sink. The flights of a step, max_impacts, so sink
+    // by no more than its position correction lifts.
+    [[nodiscard]] static Length sink(Length tolerance) { return C::eighth(C::eighth(tolerance)); }
     // An impact leaves out pairs with a larger gap. The search for the impact ends much closer to the surface.
     [[nodiscard]] static Length largest_impact_gap(Length tolerance) { return C::half(C::half(tolerance)); }
     // Penetration that is not corrected: the points of a resting body stay in touch.
@@ -68,9 +68,10 @@ struct ContactBounds {
     }
     [[nodiscard]] static Length lift(Length gap, Length tolerance) {
         if (!is_lifted(gap, tolerance)) return Length{};
-        const Length lift = C::eighth(-gap - resting_depth(tolerance)), most = C::eighth(tolerance);
+        const Length lift = C::eighth(-gap - resting_depth(tolerance)), most = most_lift(tolerance);
         return lift > most ? most : lift;
     }
+    [[nodiscard]] static Length most_lift(Length tolerance) { return C::eighth(tolerance); }
     // A face axis of two boxes is preferred to an edge axis up to this difference, so that rounding does not decide.
     [[nodiscard]] static Length axis_margin(Length tolerance) { return C::half(C::half(tolerance)); }
     // Of a normal and an axis of a box, above which the normal is that of a face: float resolves cosines so.
@@ -134,6 +135,11 @@ struct ContactBounds {
     }
     // A bounce lasts 2 v / a. It is the last where that is below an eighth of a step; `loads` is a step's a.
     [[nodiscard]] static bool bounce_lasts(Speed bounce, Speed loads) { return bounce + bounce > C::eighth(loads); }
+    // A bounce that is left out is told from this part of the fastest approach of its step on, as weighted speeds. A
+    // collapse in which each impact leaves less than half of the approach is slower after max_impacts.
+    [[nodiscard]] static Work left_by_collapse(Work fastest) {
+        return fastest * N::template constant<Work>(Real::scaled(1, -contact::max_impacts));
+    }
     // A change of motion is no acceleration below this part of what contacts change. Bounded sweeps leave up to 2^-10.4
     // of it in a stack of twelve boxes that stands (measured). On ice a box rests where the tilt is below 2^-10, which
     // is 0.06 degrees.

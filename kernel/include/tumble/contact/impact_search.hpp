@@ -13,6 +13,7 @@ public:
     using Bodies = typename NarrowPhase::Bodies;
     using Bounds = typename NarrowPhase::Bounds;
     using Length = typename NarrowPhase::Length;
+    using C = ContactNumbers<N>;
     using Pair = typename NarrowPhase::Pair;
     using Work = typename N::Work;
     using PairList = tumble::PairList<N, features>;
@@ -55,9 +56,8 @@ public:
     void find() {
         pairs_.for_each(island_, [&](Pair& pair) { shapes_.find(bodies_, pair); });
     }
-    // The least gap of the pairs that are selected, each above the level at which a flight ends: the surface, or
-    // halfway to the tolerance below for a pair that touched when the flight began. Metres. In the search for
-    // the end of a contact: how far the first of the pairs is from being open, cut off at both ends.
+    // The least gap of the pairs that are selected, each above its level(). Metres. In the search for the end of a
+    // contact: how far the first of the pairs is from being open, cut off at both ends.
     [[nodiscard]] Work least_gap(bool at_start) const {
         bool any = false;
         Length least{};
@@ -115,10 +115,10 @@ public:
             pair.passed = true;
         });
     }
-    // True when a pair is deeper than the end of a flight allows: by the tolerance where it touched at the start (from
-    // its gap there if that was negative), else below the surface.
+    // True when a pair is deeper than the end of a flight allows: the tolerance where it touched at the start, else the
+    // surface. Where flights sank further and further, no correction would bring the body back.
     [[nodiscard]] bool is_too_deep() const { return is_too_deep(false); }
-    // The same with the tolerance for all pairs.
+    // The same with the tolerance for all pairs, from the gap at the start if that was negative.
     [[nodiscard]] bool is_far_too_deep() const { return is_too_deep(true); }
 
     // A pair that is apart at both ends of the flight, but along the direction in which it was apart at the start it is
@@ -255,17 +255,25 @@ private:
         bool deep = false;
         pairs_.for_each(island_, [&](const Pair& pair) {
             Length limit{};
-            if (pair.start_gap < Length{}) limit = pair.start_gap - shapes_.tolerance();
-            else if (far || pair.touched) limit = -shapes_.tolerance();
+            const bool below = pair.start_gap < Length{};
+            if (far) limit = (below ? pair.start_gap : Length{}) - shapes_.tolerance();
+            else if (below || pair.touched) limit = lowest(pair);
             deep = deep || pair.gap < limit;
         });
         return deep;
     }
-    // Where the search for an impact ends.
+    // The least gap at the end of the flight of a pair that touched at its start: the tolerance below the surface. One
+    // that was deeper may sink a little further.
+    [[nodiscard]] Length lowest(const Pair& pair) const {
+        const Length tolerance = shapes_.tolerance(), below = pair.start_gap - Bounds::sink(tolerance);
+        return below < -tolerance ? below : -tolerance;
+    }
+    // Where the search for an impact ends: at the surface, or halfway from the start to the least gap.
     [[nodiscard]] Length level(const Pair& pair) const {
-        const Length half = Bounds::search_depth(shapes_.tolerance());
-        if (pair.start_gap < Length{}) return pair.start_gap - half;
-        return pair.touched ? -half : Length{};
+        const bool below = pair.start_gap < Length{};
+        if (!below && !pair.touched) return Length{};
+        const Length start = below ? pair.start_gap : Length{};
+        return start - C::half(start - lowest(pair));
     }
 
     NarrowPhase& shapes_;

@@ -209,8 +209,8 @@ public:
         }
         return at_edge;
     }
-    // Finds the contact points of a measured pair: those within the tolerance. Points of the step before keep their
-    // impulses for the warm start.
+    // Finds the contact points of a measured pair that touches: those within the tolerance, and points of a rim that
+    // may come as near in a step. Points of the step before keep their impulses for the warm start.
     void find(const Bodies& bodies, Pair& pair) {
         if (pair.gap > tolerance_) {
             pair.count = 0;
@@ -218,7 +218,7 @@ public:
         }
         Manifold<N> found;
         if (pair.with_plane()) {
-            view_of_plane(bodies, pair).find(found, tolerance_);
+            view_of_plane(bodies, pair).find(found, tolerance_ + fall_of_rim(bodies, pair.a));
         } else if constexpr (features.pairs) {
             with_pair(bodies, pair, true, Length{}, [&](const auto& contact, const auto& view, bool reversed) {
                 if constexpr (features.boxes)
@@ -251,6 +251,18 @@ private:
     struct Resistances {
         Resistance world, body[features.bodies], plane[features.planes > 0 ? features.planes : 1];
     };
+    // How far a point of a rim moves in a step at most across the plane of the rim. A coin that rattles changes the
+    // point on which it stands within a step: the force at one point does not keep the others up.
+    [[nodiscard]] Length fall_of_rim([[maybe_unused]] const Bodies& bodies, [[maybe_unused]] int b) const {
+        if constexpr (features.round_shapes) {
+            const CollisionShape<N>& shape = shape_[b];
+            if (!shape.is_round() || !bodies.is_turning(b)) return Length{};
+            const WorkVec3<N> turn{bodies.turn(b, 0), bodies.turn(b, 1), bodies.turn(b, 2)},
+                across = cross<Work>(work_unit<N>(shape.axis), turn);
+            return scale().length(scale().metres(shape.half.x()) * sqrt(dot(across, across)));
+        }
+        return Length{};
+    }
     // No radius of gyration of a shape exceeds its radius. So an arm that is not below the radius of a body over its
     // share makes a row of at least unit length before it is scaled, and the smaller of the two keeps both bodies'
     // levers within their radii over their radii of gyration.
