@@ -99,7 +99,7 @@ Account account_of(const Trouble& trouble, const SceneDescription& scene, const 
                 "accurate",
                 "a smaller step"};
     return {"a step met more impacts than its bound, so a body was stopped that would have bounced, or a heavy body "
-            "presses lighter ones into each other. The result is less accurate",
+            "presses lighter ones into each other, or a tall stack leans and walks off. The result is less accurate",
             "a smaller step, a contact.restitution_threshold above the speed of the small bounces, in m/s, or masses "
             "that differ less"};
 }

@@ -176,8 +176,8 @@ public:
 
 private:
     // Reports a point that the forces leave approaching faster than gravity changes a speed in a step, where it so
-    // comes deeper than the tolerance by the end of the step: without any force it would be slower. Call where the
-    // sweeps met their bound. `enough`: what sweeps leave anyway.
+    // comes deeper than the tolerance by the end of the step: without any force it would be slower. Reports a face that
+    // the forces leave turning. Call where the sweeps met their bound. `enough`: what sweeps leave anyway.
     [[gnu::noinline, gnu::cold]] void report_far_from_solved(Speed enough) {
         const Pair* found = nullptr;
         pairs_.for_each(island_, [&](const Pair& pair) {
@@ -186,16 +186,39 @@ private:
             for (int i = 0; i < pair.count; ++i) {
                 const Point& point = pair.point[i];
                 if (!point.active) continue;
-                const Speed left =
-                    point.row[0].target - Rows::surface_of(pair, point) - rows_.velocity(velocities_.now, pair, point);
+                const Speed left = left_of(pair, point);
                 // A point above the surface would reach it without what is left.
                 const Length depth = point.gap > Length{} ? Length{} : point.gap;
-                if (left > enough && left > Rows::along(point, fall) &&
-                    left > rows_.speed(pair, point, depth + shapes_.tolerance()))
+                if ((left > enough && left > Rows::along(point, fall) &&
+                     left > rows_.speed(pair, point, depth + shapes_.tolerance())) ||
+                    turns_about(pair, point))
                     found = &pair;
             }
         });
         if (found != nullptr) bodies_.report(Issue::step_bound_hit, found->a);
+    }
+    // How much slower than its target a point is. Negative: it leaves the surface.
+    [[nodiscard]] Speed left_of(const Pair& pair, const Point& point) const {
+        return point.row[0].target - Rows::surface_of(pair, point) - rows_.velocity(velocities_.now, pair, point);
+    }
+    // True where this point approaches another one of its face, which pushes and so should stay, by more than a step's
+    // position correction. Then the face tilts from step to step, and what stands on it walks off.
+    [[nodiscard]] bool turns_about([[maybe_unused]] const Pair& pair, [[maybe_unused]] const Point& point) const {
+        bool turns = false;
+        if constexpr (Velocities::shapes_turn) {
+            const auto times = [](Speed s, const Point& other) {
+                return tumble::Row<N, features.pairs>::product(s, other.row[0].inverse);
+            };
+            const Speed most = rows_.speed(pair, point, Bounds::most_lift(shapes_.tolerance()));
+            for (int i = 0; i < pair.count; ++i) {
+                const Point& other = pair.point[i];
+                if (!other.active || !(other.row[0].impulse > Speed{})) continue;
+                // Each is a velocity along its own row: over `inverse`, of the pair.
+                turns = turns ||
+                        times(left_of(pair, point), other) - times(left_of(pair, other), point) > times(most, other);
+            }
+        }
+        return turns;
     }
     [[nodiscard]] Speed lift_of(const Pair& pair, const Point& point) const {
         return rows_.speed(pair, point, Bounds::lift(point.gap, shapes_.tolerance()));
