@@ -220,6 +220,28 @@ TEST_P(Rules, piles_that_come_to_rest_report_nothing) {
     }
 }
 
+// Without gravity a light ball between two heavy ones that come on bounces without end in finite time, and then all
+// three go on together. What is cut off is a small part of their approach.
+TEST_P(Rules, the_end_of_an_inelastic_collapse_is_no_alarm) {
+    for (const Number restitution : {0.05L, 0.2L}) {
+        for (const Number mass : {0.25L, 0.5L}) {
+            for (const Vector along : {Vector{1, 0, 0}, {0, -0.6L, 0.8L}}) {
+                SceneSetup setup = space(restitution);
+                setup.bodies = {placed(sphere(2, 0.125), along * -0.5L, along * 1),
+                                placed(sphere(real(mass), 0.0625), along * -0.125L),
+                                placed(sphere(2, 0.125), along * 0.5L, along * -0.75L)};
+                const auto world = run(setup, second);
+                EXPECT_TRUE(world->status().ok())
+                    << static_cast<double>(restitution) << " " << static_cast<double>(mass);
+                const Sums after = sums_of(*world, setup.bodies);
+                EXPECT_LE(norm(after.linear - along * 0.5L), 1e-5L);
+                EXPECT_LE(after.energy, 1 + 0.5625L);
+                EXPECT_LE(norm(world->motion(0).v - world->motion(2).v), 0.1L);
+            }
+        }
+    }
+}
+
 // In a narrow wedge a ball bounces more often than a moment has rounds. The speed that is left is an error for a fast
 // ball. It is none for a ball that approaches the planes more slowly than the speed of rest.
 TEST_P(Rules, a_fast_bounce_that_is_cut_off_is_reported_under_gravity_and_a_slow_one_is_not) {

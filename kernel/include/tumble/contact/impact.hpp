@@ -27,11 +27,12 @@ public:
     using Kicks = typename Rows::Kicks;
     using Log = If<features.contact_readout, ContactLog<N, spin, features>, 0>;
 
-    // threshold: m a step; slower approaches do not bounce.
+    // threshold: m a step; slower approaches do not bounce. fastest: the fastest approach of the step, a weighted
+    // speed.
     Impact(const NarrowPhase& shapes, PairList& pairs, Velocities& velocities, Bodies& bodies, const Island& island,
-           Work threshold, Log& log)
+           Work threshold, Work& fastest, Log& log)
         : shapes_{shapes}, pairs_{pairs}, velocities_{velocities}, bodies_{bodies}, island_{island},
-          rows_{shapes, pairs, velocities, bodies, island}, threshold_{threshold}, log_{log} {}
+          rows_{shapes, pairs, velocities, bodies, island}, threshold_{threshold}, fastest_{fastest}, log_{log} {}
 
     // Solves the impact of the island, of which the points have been found. In each round all points that approach
     // bounce together, from the velocities at its start: Newton's law, v' = -e v. A round may let others approach, as
@@ -40,6 +41,7 @@ public:
     [[gnu::noinline, gnu::cold]] void resolve(Kicks& loads, bool stop) {
         (void)rows_.set_velocities(loads, Work(1), true);
         int pairs = 0;
+        Speed fastest{};
         const Length hit = Bounds::largest_impact_gap(shapes_.tolerance());
         pairs_.for_each(island_, [&](Pair& pair) {
             pair.still = 0;
@@ -51,12 +53,14 @@ public:
             rows_.make_rows(pair);
             for (int i = 0; i < pair.count; ++i) {
                 Point& point = pair.point[i];
-                point.set_aside = magnitude_of(rows_.velocity(velocities_.now, pair, point) -
-                                               rows_.velocity(velocities_.start, pair, point));
+                const Speed speed = rows_.velocity(velocities_.start, pair, point);
+                point.set_aside = magnitude_of(rows_.velocity(velocities_.now, pair, point) - speed);
+                if (-speed > fastest) fastest = -speed;
             }
             ++pairs;
         });
         if (pairs == 0) return;
+        if (const Work speed = velocities_.scale.work(fastest); speed > fastest_) fastest_ = speed;
         copy(velocities_.now, velocities_.start);
         bool bounced = !stop;
         for (int round = 0; bounced && round < contact::max_rounds + pairs; ++round) bounced = bounce();
@@ -96,15 +100,17 @@ private:
         if (!(threshold_ > Work(0))) return true;
         return !(approach < Rows::along(point, rows_.pair_speed(pair, threshold_)));
     }
-    // True if it is an error to leave out a bounce: it is faster than the change of speed by all loads in a step, and
-    // faster than a resting point, which is twice gravity's change. A slower bounce returns no faster than it left, and
-    // the forces of the next step then hold it: without the bounce the body comes to rest a few steps earlier. A pile
-    // that comes to rest has infinitely many such bounces in finite time, and a shorter step makes them no fewer.
+    // True if it is an error to leave out a bounce: it is faster than the change of speed by all loads in a step,
+    // faster than a resting point, which is twice gravity's change, and not a small part of the step's approaches, as
+    // at the end of an inelastic collapse. A slower bounce returns no faster than it left, and the forces of the next
+    // step then hold it: without the bounce the body comes to rest a few steps earlier. A pile that comes to rest has
+    // infinitely many such bounces in finite time, and a shorter step makes them no fewer.
     [[nodiscard]] bool bounces_far(const Pair& pair, const Point& point) const {
         const Speed approach = -rows_.velocity(velocities_.now, pair, point);
         const Speed bounce = narrow<Speed>(mul(approach, pair.restitution));
         return bounces(pair, point, approach) && bounce > point.set_aside &&
-               bounce > Rows::along(point, rows_.pair_speed(pair, shapes_.slow()));
+               bounce > Rows::along(point, rows_.pair_speed(pair, shapes_.slow())) &&
+               velocities_.scale.work(bounce) > Bounds::left_by_collapse(fastest_);
     }
     [[gnu::noinline, gnu::cold]] void report_cut_off() {
         pairs_.for_each_active(island_, [&](const Pair& pair, const Point& point) {
@@ -230,6 +236,7 @@ private:
     const Island& island_;
     Rows rows_;
     Work threshold_;
+    Work& fastest_;
     Log& log_;
 };
 

@@ -412,8 +412,8 @@ private:
         move({.group = island_.group, .loads = &contacts_.loads});
         search_.find();
         contacts_.solution = {};
-        Impact<N, spin, features>{contacts_.shapes, contacts_.pairs,     contacts_.velocities, bodies_,
-                                  island_,          contacts_.threshold, contacts_.log}
+        Impact<N, spin, features>{contacts_.shapes,    contacts_.pairs, contacts_.velocities, bodies_, island_,
+                                  contacts_.threshold, fastest_,        contacts_.log}
             .resolve(contacts_.loads, stop);
         check_range();
         take_over_spins();
@@ -428,6 +428,7 @@ private:
     Island& island_;
     const Mover& mover_;
     ImpactSearch<N, spin, features> search_;
+    Work fastest_{};                                                            // approach of the step
     [[no_unique_address]] If<features.impact_bounds, ImpactBounds, 0> left_{};  // of those of the scene
 };
 
