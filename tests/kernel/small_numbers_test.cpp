@@ -4,12 +4,8 @@
 #include <tumble/contact/weld.hpp>
 #include <tumble/shapes/spheres.hpp>
 
-#include "random.hpp"
-#include "tolerances.hpp"
+#include "contact_cases.hpp"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
 #include <limits>
 
 namespace tumble::test {
@@ -136,6 +132,50 @@ TYPED_TEST(SmallNumbersIn, points_at_any_places_share_a_finite_load_or_are_refus
             for (const T share : shares[k]) ASSERT_TRUE(std::isfinite(share));
     }
     EXPECT_GT(found, tests::many / 1000);
+}
+
+class SmallDistances : public CaseTest {
+protected:
+    static bool is_finite(const Motion& m) {
+        for (const Vector& v : {m.x, m.v, m.w})
+            if (!std::isfinite(v.x) || !std::isfinite(v.y) || !std::isfinite(v.z)) return false;
+        return true;
+    }
+    // Between the least length that is not zero and a metre.
+    static Number any_length(Random& random) {
+        const int least = system().bits == 64 ? -1074 : -149;
+        return std::ldexp(Number(1),
+                          random.between(least, -least) < 0 ? random.between(least, 0) : -random.between(10, 80));
+    }
+};
+INSTANTIATE_TEST_SUITE_P(every, SmallDistances, testing::ValuesIn(contact_cases()), NameOf{});
+
+// That such forces are beyond every range is told. The gravitation is such that the bodies reach each other in a step,
+// and weaker the nearer they are.
+TEST_P(SmallDistances, attraction_springs_and_barriers_make_no_infinity) {
+    Random random{16};
+    for (int i = 0; i < 60; ++i) {
+        SceneSetup setup;
+        setup.world.contact.response = ContactResponse::none;
+        const int kind = random.between(0, 2);
+        const Number apart = any_length(random);
+        const Vector way = random.between(0, 1) == 0 ? Vector{1, 0, 0} : direction(random);
+        setup.bodies = {placed(sphere(1, 0.25), {0, 0, 0}), placed(sphere(1, 0.25), way * apart)};
+        if (kind == 0) {
+            setup.world.gravitation = real(std::pow(std::max(apart, 1e-3L), 2.0L));
+        } else if (kind == 1) {
+            setup.springs = {{.body = 0, .to_body = 1, .stiffness = 10, .damping = 1, .rest_length = 0.25}};
+        } else {
+            setup.world.contact.response = ContactResponse::spring;
+            setup.world.contact.stiffness = 10;
+            setup.world.contact.barrier = 1e-9;
+            setup.planes = {{}};
+            setup.bodies = {placed(sphere(1, 0.25), {0, 0.25L + apart, 0})};
+        }
+        const auto world = build(setup, GetParam());
+        world->step();
+        for (int b = 0; b < world->body_count(); ++b) ASSERT_TRUE(is_finite(world->motion(b))) << kind << " " << apart;
+    }
 }
 
 }  // namespace
