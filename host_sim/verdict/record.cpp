@@ -37,11 +37,11 @@ Moment read(const Simulation& simulation) {
 
 // m: the distance of neighbouring numbers. In floating point these numbers are the largest position, arm or length that
 // a force is computed from.
-double spacing_of(const SceneDescription& scene, const Simulation& simulation, const Record& record) {
+double spacing_of(const SceneDescription& scene, const Simulation& simulation, const std::vector<Moment>& moments) {
     if (!simulation.range().empty()) return held_by(simulation.range()).position * 0x1p-30;
     double farthest = 0;
     const auto see = [&](const reference::Vector& v) { farthest = std::max(farthest, static_cast<double>(norm(v))); };
-    for (const Moment& moment : record.moments)
+    for (const Moment& moment : moments)
         for (const reference::Motion& body : moment.bodies) see(body.x);
     for (const BodyDescription& body : scene.bodies) see(reference::vector_of(body.shape.size));
     for (const SpringDescription& spring : scene.springs) {
@@ -69,8 +69,8 @@ std::vector<std::int64_t> moments_of(const SceneDescription& scene) {
 
 Recorder::Recorder(const SceneDescription& scene, const Simulation& simulation, std::vector<std::int64_t> moments,
                    std::optional<double> most_gain)
-    : scene_(scene), rules_(scene), moments_(std::move(moments)), range_(scene, simulation), driven_(driven_steps_of(scene)),
-      start_(read(simulation)), now_(start_) {
+    : scene_(scene), rules_(scene), moments_(std::move(moments)), range_(scene, simulation),
+      driven_(driven_steps_of(scene)), start_(read(simulation)), now_(start_) {
     now_.way_m.resize(start_.bodies.size());
     now_.turn_rad.resize(start_.bodies.size());
     if (most_gain) energy_.emplace(scene, simulation, *most_gain);
@@ -132,9 +132,9 @@ Record Recorder::record(const Simulation& simulation) && {
     record_.contact_tolerance = static_cast<double>(simulation.contact_tolerance());
     record_.troubles = simulation.troubles();
     if (range_.trouble()) add_once(record_.troubles, *range_.trouble());
-    record_.spacing = spacing_of(scene_, simulation, record_);
+    record_.spacing = spacing_of(scene_, simulation, {start_});
     // Half a spacing a step, in either direction.
-    record_.rounding = record_.spacing / 2 *
+    record_.rounding = spacing_of(scene_, simulation, record_.moments) / 2 *
                        std::sqrt(static_cast<double>(std::max<std::int64_t>(simulation.steps_taken(), 4)));
     record_.rules = rules_.rules();
     Load& load = record_.load;

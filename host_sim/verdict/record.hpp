@@ -33,7 +33,7 @@ struct Record {
     std::vector<Trouble> troubles;      // of the kernel, and a declared [range] that floating point leaves
     std::optional<std::size_t> gained;  // the first moment at which energy has grown though no load did work
     double contact_tolerance = 0;       // m
-    double spacing = 0;                 // m: of neighbouring positions in the numbers of this run
+    double spacing = 0;                 // m: of neighbouring positions at the start, in the numbers of this run
     double rounding = 0;                // m: what rounding may move a body by in it
     int not_finite = -1;                // the body whose state ended the moments by not being finite; -1: none
     Load load;                          // what a step has to do

@@ -17,8 +17,9 @@ std::string shared_text(const std::vector<SharedRule>& rules) {
     std::string list;
     for (std::size_t i = 0; i < rules.size(); ++i)
         list += std::string(i == 0 ? "" : i + 1 == rules.size() ? " and " : ", ") + name_of(rules[i]);
-    return list.empty() ? "" : ", as far as runs with the same rule" + std::string(rules.size() > 1 ? "s" : "") + " of " +
-                                   list + " can tell";
+    return list.empty() ? ""
+                        : ", as far as runs with the same rule" + std::string(rules.size() > 1 ? "s" : "") + " of " +
+                              list + " can tell";
 }
 
 }  // namespace
@@ -62,11 +63,12 @@ std::string sentence_of(const Verdict& verdict, const SceneDescription& scene, c
         return verdict.body < 0 ? std::string() : "body \"" + scene.body(verdict.body).name + "\" ";
     };
     const std::string time = few_digits(verdict.time_s) + " s",
-                      cure = verdict.cure ? "; right with " + options_of(*verdict.cure, {method, scene.step})
+                      cure = verdict.cure          ? "; right with " + options_of(*verdict.cure, {method, scene.step})
                              : verdict.is_searched ? "; no way was found that is known to be right"
                                                    : "";
     switch (verdict.kind) {
-    case Verdict::Kind::right: return "right" + shared_text(verdict.rules) + ": the error is at most " + errors_text(verdict.error);
+    case Verdict::Kind::right:
+        return "right" + shared_text(verdict.rules) + ": the error is at most " + errors_text(verdict.error);
     case Verdict::Kind::wrong:
         return "wrong from " + time + " on: " + body() +
                (std::isfinite(verdict.error.position_m) ? "is off by " + errors_text(verdict.error) : "is not finite") +
@@ -76,9 +78,9 @@ std::string sentence_of(const Verdict& verdict, const SceneDescription& scene, c
     case Verdict::Kind::told:
         return "reported by the status: " + verdict.troubles.front().issue + " of " + body() + "at " + time + cure;
     case Verdict::Kind::no_reference:
-        return (verdict.time_s > 0
-                    ? "right until " + time + shared_text(verdict.rules) + ", with an error of at most " + errors_text(verdict.error) + "; "
-                    : "") +
+        return (verdict.time_s > 0 ? "right until " + time + shared_text(verdict.rules) +
+                                         ", with an error of at most " + errors_text(verdict.error) + "; "
+                                   : "") +
                "no reference" + (verdict.time_s > 0 ? " from there on" : "") + ": two finer runs " +
                (verdict.gains_energy
                     ? "gain energy that no load gave"

@@ -76,9 +76,13 @@ void RuleWatch::see(const Simulation& simulation) {
     const auto is_of = [](const Touch& one) {
         return [&one](const Touch& other) { return one.body == other.body && one.box == other.box; };
     };
+    const auto goes_on = [&](const Touch& before) {  // on this box, or on one beside it
+        return std::any_of(touches.begin(), touches.end(), [&](const Touch& touch) {
+            return touch.body == before.body && dot(touch.normal, before.normal) > aligned;
+        });
+    };
     for (const Touch& touch : now_)
-        if (std::none_of(touches.begin(), touches.end(), is_of(touch)) && has_left_over_an_edge(touch, now))
-            rules_.insert(SharedRule::edges);
+        if (!goes_on(touch) && has_left_over_an_edge(touch, now)) rules_.insert(SharedRule::edges);
     for (const Touch& touch : touches) {
         if (std::any_of(ever_.begin(), ever_.end(), is_of(touch))) continue;
         for (const Touch& other : ever_)

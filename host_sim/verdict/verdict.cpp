@@ -92,7 +92,8 @@ public:
     // How far from its place a body may begin without another motion: no numbers hold it nearer than their spacing, and
     // a contact lets it rest at any depth up to a quarter of the tolerance.
     [[nodiscard]] double doubt_of_places(const Record& run) const {
-        return touches_ ? std::max(run.spacing, scene_.contact.tolerance / 4) : run.spacing;
+        const bool has_touched = touches_ && reference_->fine.load.pairs > 0;
+        return has_touched ? std::max(run.spacing, scene_.contact.tolerance / 4) : run.spacing;
     }
     [[nodiscard]] int halvings_of(const Way& way) const {
         return static_cast<int>(std::lround(std::log2(scene_.step.seconds() / way.step.seconds())));
@@ -135,7 +136,8 @@ public:
         for (BodyDescription& body : scene.bodies)
             for (double& x : body.position) x += body.fixed ? 0 : shift * part_of_shift(axis++);
         try {
-            const Record record = record_of(scene, way.method, halvings_of(way), moments_);
+            Record record = record_of(scene, way.method, halvings_of(way), moments_);
+            record.rounding += 2 * std::abs(shift);  // it is no error
             if (!record.troubles.empty()) return false;
             const Verdict own = hold(record);
             return own.kind == Verdict::Kind::right ||
@@ -390,8 +392,7 @@ Verdict told_by(const Record& run, const SceneDescription& scene) {
 
 Verdict verdict_of(const SceneDescription& scene, const Method& method, const VerdictOptions& options) {
     const std::vector<std::int64_t> moments = moments_of(scene);
-    return verdict_of(scene, method, moments.empty() ? Record{} : record_of(scene, method, 0, moments),
-                      options);
+    return verdict_of(scene, method, moments.empty() ? Record{} : record_of(scene, method, 0, moments), options);
 }
 
 Verdict verdict_of(const SceneDescription& scene, const Method& method, const Record& run,
@@ -405,7 +406,8 @@ Verdict verdict_of(const SceneDescription& scene, const Method& method, const Re
         Judge judge(scene, options, run.load);
         Budget budget(options.most_seconds);
         if (!judge.run_references(budget)) {
-            verdict.cost_s = judge.seconds_of(halvings_of_references[0]) + judge.seconds_of(halvings_of_references[0] + 1);
+            verdict.cost_s =
+                judge.seconds_of(halvings_of_references[0]) + judge.seconds_of(halvings_of_references[0] + 1);
             return verdict;
         }
         Verdict held = judge.hold(run);
