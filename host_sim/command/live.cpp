@@ -4,12 +4,17 @@
 #include <iostream>
 #include <optional>
 #include <stdexcept>
+#include <utility>
+#include <vector>
 
 #include "command/check.hpp"
+#include "command/run_watch.hpp"
+#include "scene/data.hpp"
+#include "scene/edit.hpp"
 #include "scene/json_event.hpp"
+#include "scene/toml.hpp"
 #include "scene/writer.hpp"
 #include "tools/files.hpp"
-#include "verdict/record.hpp"
 
 namespace tumble::host {
 namespace {
@@ -25,19 +30,54 @@ std::string body_text(const Simulation& simulation, const SceneDescription& scen
 }
 
 // Flushed: the controller waits for it.
-void write_state(const Simulation& simulation, const SceneDescription& scene) {
+void write_state(const Simulation& simulation, const SceneDescription& scene, const RunWatch& watch) {
     std::string status, bodies;
-    for (const Trouble& trouble : simulation.troubles())
-        status += (status.empty() ? "" : ", ") + json_text(trouble.issue);
+    for (const Trouble& trouble : watch.troubles()) status += (status.empty() ? "" : ", ") + json_text(trouble.issue);
     for (int b = 0; b < simulation.body_count(); ++b) bodies += (b > 0 ? ", " : "") + body_text(simulation, scene, b);
     std::cout << "{\"step\": " << simulation.steps_taken() << ", \"time_s\": " << json_number(simulation.time())
               << ", \"state_hash\": " << json_text(hex(simulation.hash())) << ", \"status\": [" << status
               << "], \"bodies\": [" << bodies << "]}" << std::endl;
 }
 
-// Takes steps until the scene ends or a body leaves its range.
-bool goes_on(const Simulation& simulation) {
-    return simulation.steps_taken() < simulation.steps() && !simulation.has_trouble("range_left");
+// The events of the scene itself, each applied before its step and, as in a recording, before those of the controller.
+class OwnEvents {
+public:
+    explicit OwnEvents(const SceneDescription& scene) {
+        const SceneData data = build_scene(scene);
+        for (std::size_t i = 0; i < scene.events.size(); ++i)  // rounded to steps as a world does
+            events_.emplace_back((data.events[i].time / data.step.value).to_fixed(0, 64), scene.events[i]);
+        std::stable_sort(events_.begin(), events_.end(),
+                         [](const auto& a, const auto& b) { return a.first < b.first; });
+    }
+    void apply_to(Simulation& simulation) {
+        for (; next_ < events_.size() && events_[next_].first <= simulation.steps_taken(); ++next_)
+            simulation.apply(events_[next_].second);
+    }
+
+private:
+    std::vector<std::pair<std::int64_t, EventDescription>> events_;
+    std::size_t next_ = 0;
+};
+
+// The scene as it was run, and the events of the controller. The text of the file stays as it is but for the step and
+// the duration that options have changed, and for how another run of it ended.
+std::string recording_of(const Choice& choice, const SceneDescription& scene,
+                         const std::vector<EventDescription>& events) {
+    std::string text = without_expectation(contents_of(choice.scene)), added;
+    if (!choice.step.empty())
+        text =
+            with_value(text, "world", "step",
+                       scene.step.denominator == 0 ? cpp_number(scene.step.decimal) : json_text(step_text(scene.step)));
+    if (choice.duration) text = with_value(text, "world", "duration", cpp_number(scene.duration));
+    if (!text.ends_with('\n')) text += '\n';
+    for (const EventDescription& event : events) added += event_text(event, scene);
+    // Events in an inline array take no more of them: then all is written anew.
+    const toml::parse_result whole = toml::parse(text + added);
+    const toml::array* const list = whole ? whole["event"].as_array() : nullptr;
+    if (whole && (list == nullptr ? 0 : list->size()) == scene.events.size() + events.size()) return text + added;
+    SceneDescription anew = scene;
+    anew.expected.reset();
+    return scene_text(anew) + added;
 }
 
 }  // namespace
@@ -47,33 +87,40 @@ int run_live(const Choice& choice, const std::string& record) {
         throw std::invalid_argument("scene: got standard input, from which --live reads events, expected a file");
     check_outputs({{"the scene", choice.scene}}, {{"--record", record}});
     const SceneDescription scene = choice.read();
-    const auto simulation = choice.start(scene);
+    SceneDescription without_events = scene;
+    without_events.events.clear();
+    const auto simulation = choice.start(without_events);
     std::optional<OutputFile> file;
-    if (!record.empty()) {
-        file.emplace(record, "--record");
-        file->stream() << contents_of(choice.scene);
-    }
-    write_state(*simulation, scene);
+    if (!record.empty()) file.emplace(record, "--record");
+    OwnEvents own(scene);
+    std::vector<EventDescription> events;
+    RunWatch watch(scene, *simulation);
+    write_state(*simulation, scene, watch);
+    own.apply_to(*simulation);
     std::string text;
-    for (int line = 1; goes_on(*simulation) && std::getline(std::cin, text); ++line) {
+    for (int line = 1; !watch.is_over() && std::getline(std::cin, text); ++line) {
         if (std::all_of(text.begin(), text.end(), [](char c) { return c == ' ' || c == '\t' || c == '\r'; })) continue;
         const LiveLine wanted = read_live_line(text, line, scene);
         if (const auto* event = std::get_if<EventDescription>(&wanted)) {
             simulation->apply(*event);
             if (!file) continue;
-            EventDescription timed = *event;
-            timed.time = static_cast<double>(simulation->steps_taken()) * scene.step.seconds();
-            file->stream() << event_text(timed, scene);
+            events.push_back(*event);
+            events.back().time = static_cast<double>(simulation->steps_taken()) * scene.step.seconds();
         } else {
-            for (std::int64_t i = 0; i < std::get<StepsWanted>(wanted).count && goes_on(*simulation); ++i) {
+            for (std::int64_t i = 0; i < std::get<StepsWanted>(wanted).count && !watch.is_over(); ++i) {
                 simulation->step();
-                write_state(*simulation, scene);
+                watch.see();
+                write_state(*simulation, scene, watch);
+                own.apply_to(*simulation);
             }
         }
     }
-    if (file) file->commit();
+    if (file) {
+        file->stream() << recording_of(choice, scene, events);
+        file->commit();
+    }
     Record told;
-    told.troubles = simulation->troubles();
+    told.troubles = watch.troubles();
     return report(told_by(told, scene), scene, *simulation);
 }
 

@@ -12,6 +12,7 @@
 #include "command/gltf.hpp"
 #include "command/live.hpp"
 #include "command/plot.hpp"
+#include "command/run_watch.hpp"
 #include "tools/output.hpp"
 #include "tools/progress.hpp"
 #include "tools/text.hpp"
@@ -26,28 +27,6 @@ struct RunOptions : Choice {
     bool json = false, imu = false, live = false;
     std::string record;  // file; empty: none
     CheckOptions check;
-};
-
-// Energies of a run. The drift is relative to the energy at the start; where that is 0, to the largest kinetic energy.
-class EnergyWatch {
-public:
-    explicit EnergyWatch(const Energy& start) : start_(start), end_(start), largest_kinetic_(start.kinetic) {}
-    void see(const Energy& now) {
-        end_ = now;
-        const long double change = std::abs(now.total() - start_.total());
-        largest_change_ = largest_change_ < change || std::isnan(change) ? change : largest_change_;
-        largest_kinetic_ = std::max(largest_kinetic_, now.kinetic);
-    }
-    [[nodiscard]] long double start() const { return start_.total(); }
-    [[nodiscard]] long double end() const { return end_.total(); }
-    [[nodiscard]] long double largest_relative_drift() const {
-        const long double scale = start() != 0 ? std::abs(start()) : largest_kinetic_;
-        return scale > 0 ? largest_change_ / scale : largest_change_;
-    }
-
-private:
-    Energy start_, end_;
-    long double largest_change_ = 0, largest_kinetic_;
 };
 
 // A file of comma-separated values, to which a run adds rows.
@@ -142,27 +121,6 @@ private:
     std::vector<std::string> bodies_, planes_;
 };
 
-int fastest_body(const Simulation& simulation) {
-    const auto speed = [&](int body) {
-        const auto& v = simulation.body(body).velocity;
-        return std::hypot(v[0], v[1], v[2]);
-    };
-    int fastest = 0;
-    for (int b = 1; b < simulation.body_count(); ++b)
-        if (speed(b) > speed(fastest)) fastest = b;
-    return fastest;
-}
-
-// What only the energy tells: speeds whose energy no double holds.
-void add_trouble(std::vector<Trouble>& troubles, const Simulation& simulation, const EnergyWatch& energy) {
-    const bool is_held = std::isfinite(static_cast<double>(energy.end())) &&
-                         std::isfinite(static_cast<double>(energy.largest_relative_drift()));
-    const bool is_told =
-        std::any_of(troubles.begin(), troubles.end(), [](const Trouble& t) { return t.issue == "range_left"; });
-    if (!is_held && !is_told)
-        troubles.push_back({"range_left", fastest_body(simulation), simulation.steps_taken() - 1});
-}
-
 // Keys that do not apply are null.
 std::string json_of(const Verdict& verdict, const SceneDescription& scene, const Simulation& simulation) {
     using enum Verdict::Kind;
@@ -176,8 +134,8 @@ std::string json_of(const Verdict& verdict, const SceneDescription& scene, const
     return "{\"kind\": " + json_text(name_of(verdict.kind)) + ", \"time_s\": " + number(has_time, verdict.time_s) +
            ", \"body\": " + text(verdict.body < 0 ? "" : scene.body(verdict.body).name) +
            ", \"error_m\": " + number(has_errors, verdict.error.position_m) +
-           ", \"error_rad\": " + number(has_errors, verdict.error.orientation_rad) +
-           ", \"shared_rules\": " + shared + ", \"cause\": " + text(name_of(verdict.cause)) +
+           ", \"error_rad\": " + number(has_errors, verdict.error.orientation_rad) + ", \"shared_rules\": " + shared +
+           ", \"cause\": " + text(name_of(verdict.cause)) +
            ", \"cure\": " + text(verdict.cure ? options_of(*verdict.cure, {method_of(simulation), scene.step}) : "") +
            "}";
 }
@@ -287,6 +245,7 @@ int run(const RunOptions& options) {
     std::optional<OutputFile> plot_file;
     if (!options.plot.empty()) {
         plot_file.emplace(options.plot, "--plot");
+        require_gnuplot();
         plot.emplace(*simulation, scene);
     }
 
@@ -297,24 +256,18 @@ int run(const RunOptions& options) {
         gltf.emplace(scene, options.every.value_or(1));
     }
 
-    Energy now = simulation->energy();
-    EnergyWatch energy(now);
-    Recorder recorder(scene, *simulation, moments_of(scene));
+    RunWatch watch(scene, *simulation, moments_of(scene));
     {
         Progress progress(simulation->steps());
         for (;;) {
-            // A trajectory that has left the range is wrong from there on.
-            const bool last = simulation->steps_taken() >= simulation->steps() ||
-                              simulation->has_trouble("range_left") || recorder.range_trouble();
+            const bool last = watch.is_over();
             if (trajectory) trajectory->record(*simulation, last);
             if (contacts) contacts->record(*simulation, last);
-            if (plot) plot->sample(*simulation, now, last);
+            if (plot) plot->sample(*simulation, watch.energy().end_parts(), last);
             if (gltf) gltf->sample(*simulation, last);
             if (last) break;
             simulation->step();
-            now = simulation->energy();
-            energy.see(now);
-            recorder.see(*simulation);
+            watch.see();
             if (trajectory && !trajectory->good()) trajectory->close();  // throws
             if (contacts && !contacts->good()) contacts->close();
             if (simulation->steps_taken() % 256 == 0) progress.show(simulation->steps_taken());
@@ -330,10 +283,10 @@ int run(const RunOptions& options) {
         gltf_file->stream() << gltf->text();
         gltf_file->commit();
     }
-    if (!options.json) print_table(table, scene, *simulation, energy);
+    if (!options.json) print_table(table, scene, *simulation, watch.energy());
     table.flush();  // the run is done, whatever becomes of its check
-    Record record = std::move(recorder).record(*simulation);
-    add_trouble(record.troubles, *simulation, energy);
+    const EnergyWatch energy = watch.energy();
+    const Record record = std::move(watch).record();
     const Verdict verdict = options.check.verdict(scene, method_of(*simulation), record);
     if (options.json) print_json(scene, *simulation, energy, verdict);
     else table << verdict_line(options.check, verdict, scene, *simulation);
@@ -369,7 +322,7 @@ void add_run(CommandLine& line) {
     command.add(options->plot, "--plot out.svg",
                 "plot positions, angular velocities and energies as SVG, with marks at impulses and "
                 "contacts (needs gnuplot); - is standard output",
-                output_file());
+                svg_file());
     command.add(options->gltf, "--gltf out.gltf",
                 "write the run as an animated scene of glTF 2.0, for Blender and other viewers; - is standard output",
                 output_file());

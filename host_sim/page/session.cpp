@@ -6,6 +6,7 @@
 #include <tumble/version.hpp>
 
 #include "scene/data.hpp"
+#include "scene/edit.hpp"
 #include "scene/reader.hpp"
 #include "scene/toml.hpp"
 #include "scene/writer.hpp"
@@ -29,46 +30,6 @@ std::optional<SceneDescription> part_before_marker(const std::string& text, cons
     };
     if (sizes(part) != sizes(whole)) return {};
     return part;
-}
-
-// The place of a line, from 1, in a text.
-std::size_t begin_of(const std::string& text, std::uint32_t line) {
-    std::size_t place = 0;
-    for (std::uint32_t i = 1; i < line; ++i) place = text.find('\n', place) + 1;
-    return place;
-}
-
-// The text without the table [expect]: up to where the next table begins.
-std::string without_expectation(const std::string& text) {
-    const toml::parse_result root = toml::parse(text);
-    const toml::table* const expected = root["expect"].as_table();
-    if (expected == nullptr) return text;
-    const std::uint32_t first = expected->source().begin.line;
-    std::uint32_t next = 0;
-    const auto see = [&](const toml::node& node) {
-        if (const std::uint32_t line = node.source().begin.line; line > first && (next == 0 || line < next))
-            next = line;
-    };
-    if (expected->is_inline()) next = expected->source().end.line + 1;
-    else
-        for (const auto& [key, node] : root.table()) {
-            see(node);
-            if (const toml::array* list = node.as_array())
-                for (const toml::node& element : *list) see(element);
-        }
-    const std::size_t begin = begin_of(text, first);
-    const std::size_t end = next == 0 ? text.size() : std::min(begin_of(text, next), text.size());
-    return text.substr(0, begin) + text.substr(end);
-}
-
-// The text with another value of world.duration.
-std::string with_duration(const std::string& text, double seconds) {
-    const toml::parse_result root = toml::parse(text);
-    const toml::node* const value = root ? root["world"]["duration"].node() : nullptr;
-    if (value == nullptr) return text;
-    const toml::source_region at = value->source();
-    const std::size_t line = begin_of(text, at.begin.line);
-    return text.substr(0, line + at.begin.column - 1) + cpp_number(seconds) + text.substr(line + at.end.column - 1);
 }
 
 }  // namespace
@@ -185,6 +146,10 @@ std::int64_t Session::hit(const ImpulseDescription& impulse) {
     std::erase_if(hits_, [&](const Hit& hit) { return has_come_back ? hit.step >= step : hit.step > step; });
     furthest_ = run(0).steps_taken();
     Hit hit{step, impulse};
+    if (scene_.body(impulse.body).is_point_mass()) {  // it has no axes and no arm: the reader takes neither
+        hit.impulse.frame = Frame::world;
+        hit.impulse.point = hit.impulse.angular_impulse = {};
+    }
     hit.impulse.time = static_cast<double>(step) * scene_.step.seconds();
     hits_.insert(
         std::upper_bound(hits_.begin(), hits_.end(), hit, [](const Hit& a, const Hit& b) { return a.step < b.step; }),
@@ -213,7 +178,7 @@ std::string Session::text() const {
         if (hit.step < steps) session += impulse_text(hit.impulse, scene_);
     session += expectation_text(ending);
 
-    std::string text = with_duration(text_, duration);
+    std::string text = with_value(text_, "world", "duration", cpp_number(duration));
     if (!text.ends_with('\n')) text += '\n';
     text += session;
     // Text that cannot be edited so, such as impulses in an inline array, is written anew.

@@ -34,6 +34,12 @@ std::string shape_text(const ShapeDescription& shape) {
     case ShapeKind::cylinder: return "{ cylinder = " + text_of(shape.size, 2) + " }";
     case ShapeKind::hoop: return "{ hoop = " + text_of(shape.size[0]) + " }";
     case ShapeKind::capsule: return "{ capsule = " + text_of(shape.size, 2) + " }";
+    case ShapeKind::points: {
+        std::string points;
+        for (const auto& [p, mass] : shape.points)
+            points += (points.empty() ? "" : ", ") + text_of(std::array{p[0], p[1], p[2], mass});
+        return "{ points = [" + points + "] }";
+    }
     default: return json_text("none");
     }
 }
@@ -67,8 +73,11 @@ std::string scene_text(const SceneDescription& scene) {
     if (const auto& gradient = scene.gravity_gradient)
         text += "\n[gravity_gradient]\n" + line("orbit_rate", gradient->orbit_rate) +
                 line("to_centre", gradient->to_centre);
-    text += "\n[range]\n" + line("position", scene.range.position) + line("velocity", scene.range.velocity) +
-            line("angular_velocity", scene.range.angular_velocity) + contact_text(scene.contact);
+    // A range that is written is declared: it binds floating point too.
+    if (scene.range.is_declared)
+        text += "\n[range]\n" + line("position", scene.range.position) + line("velocity", scene.range.velocity) +
+                line("angular_velocity", scene.range.angular_velocity);
+    text += contact_text(scene.contact);
     for (const PlaneDescription& p : scene.planes)
         text += "\n[[plane]]\n" + line("name", json_text(p.name)) + line("normal", p.normal) +
                 line("offset", p.offset) + line("restitution", p.restitution) + line("friction", p.friction) +
@@ -116,7 +125,9 @@ std::string event_text(const EventDescription& event, const SceneDescription& sc
     return "\n[[event]]\n" + line("time", event.time) + line("kind", json_text(name_of(event.kind))) +
            line("body", json_text(scene.body(event.body).name)) + line("value", event.value) + frame_text(event.frame) +
            (event.point == Triple{} ? "" : line("point", event.point)) +
-           (event.kind == EventKind::pose ? line("orientation", event.orientation) : "");
+           (event.kind == EventKind::pose && !scene.body(event.body).is_point_mass()
+                ? line("orientation", event.orientation)
+                : "");
 }
 
 }  // namespace tumble::host

@@ -224,6 +224,18 @@ TEST(Run, leaving_the_range_fails_with_body_time_and_status) {
     EXPECT_EQ(json["bodies"][0]["name"], "steel \"ball\"");
 }
 
+// The kernel and the watch of the declared range find the same spin.
+TEST(Run, each_status_is_told_once) {
+    for (const char* numbers : {"q32", "f32", "f64"})
+        for (const char* step : {"1/30", "1/25"}) {
+            const std::string scene = written(
+                "turned.toml", world_of("0", step, "2.0") + smallest_range + body_of("b", "box = [0.2, 0.3, 0.4]") +
+                                   "[[force]]\nbody = \"b\"\nuntil = 2.0\ntorque = [0.0, 0.0, 40.0]\n");
+            EXPECT_EQ(json_of({"run", scene, "--numbers", numbers}, 1)["status"], Json::array({"range_left"}))
+                << numbers << step;
+        }
+}
+
 TEST(Run, floating_point_that_is_not_finite_leaves_the_range) {
     const std::string scene = written(
         "spring.toml", world_of("0", "0.5", "500.0") + body_of("bob", "sphere = 0.1", "[1.0, 0.0, 0.0]", "0.001") +

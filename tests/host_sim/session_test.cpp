@@ -151,6 +151,17 @@ TEST(Session, runs_of_other_steps_round_the_times_of_the_scene_to_its_steps) {
                     static_cast<double>(session.run(1).body(0).position[i]), 1e-12);
 }
 
+// A place on the body and the body's axes mean nothing there.
+TEST(Session, a_hit_of_a_point_mass_anywhere_is_saved_so_that_it_replays) {
+    Session session = session_of("stone");
+    session.add(session.saved_way());
+    for (const Frame frame : {Frame::body, Frame::world}) {
+        session.hit({0, 0, frame, {0.1, 0.2, 0.3}, {0.02, 0, 0.01}, {0, 0, 0.1}});
+        session.go_to(0, session.run(0).steps_taken() + 9, all);
+    }
+    EXPECT_EQ(replayed(session.text()), session.run(0).hash());
+}
+
 // What a person adds to a saved session is of the scene.
 TEST(Session, that_was_added_to_by_hand_loses_nothing) {
     Session session = session_of("cube");

@@ -1,0 +1,50 @@
+#include "command/run_watch.hpp"
+
+#include <utility>
+
+namespace tumble::host {
+namespace {
+
+int fastest_body(const Simulation& simulation) {
+    const auto speed = [&](int body) {
+        const auto& v = simulation.body(body).velocity;
+        return std::hypot(v[0], v[1], v[2]);
+    };
+    int fastest = 0;
+    for (int b = 1; b < simulation.body_count(); ++b)
+        if (speed(b) > speed(fastest)) fastest = b;
+    return fastest;
+}
+
+}  // namespace
+
+RunWatch::RunWatch(const SceneDescription& scene, const Simulation& simulation, std::vector<std::int64_t> moments)
+    : simulation_(simulation), energy_(simulation.energy()), recorder_(scene, simulation, std::move(moments)) {}
+
+void RunWatch::see() {
+    energy_.see(simulation_.energy());
+    (void)recorder_.see(simulation_);
+}
+
+bool RunWatch::is_over() const {
+    return simulation_.steps_taken() >= simulation_.steps() || simulation_.has_trouble("range_left") ||
+           recorder_.range_trouble().has_value();
+}
+
+std::vector<Trouble> RunWatch::troubles() const {
+    std::vector<Trouble> troubles = simulation_.troubles();
+    if (recorder_.range_trouble()) add_once(troubles, *recorder_.range_trouble());
+    const bool is_held = std::isfinite(static_cast<double>(energy_.end())) &&
+                         std::isfinite(static_cast<double>(energy_.largest_relative_drift()));
+    if (!is_held && simulation_.steps_taken() > 0)
+        add_once(troubles, {"range_left", fastest_body(simulation_), simulation_.steps_taken() - 1});
+    return troubles;
+}
+
+Record RunWatch::record() && {
+    Record record = std::move(recorder_).record(simulation_);
+    record.troubles = troubles();
+    return record;
+}
+
+}  // namespace tumble::host

@@ -1,0 +1,56 @@
+// What ends a run and what its status tells: the same for `run` and for `run --live`.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "verdict/record.hpp"
+
+namespace tumble::host {
+
+// Energies of a run. The drift is relative to the energy at the start; where that is 0, to the largest kinetic energy.
+class EnergyWatch {
+public:
+    explicit EnergyWatch(const Energy& start) : start_(start), end_(start), largest_kinetic_(start.kinetic) {}
+    void see(const Energy& now) {
+        end_ = now;
+        const long double change = std::abs(now.total() - start_.total());
+        largest_change_ = largest_change_ < change || std::isnan(change) ? change : largest_change_;
+        largest_kinetic_ = std::max(largest_kinetic_, now.kinetic);
+    }
+    [[nodiscard]] const Energy& end_parts() const { return end_; }
+    [[nodiscard]] long double start() const { return start_.total(); }
+    [[nodiscard]] long double end() const { return end_.total(); }
+    [[nodiscard]] long double largest_relative_drift() const {
+        const long double scale = start() != 0 ? std::abs(start()) : largest_kinetic_;
+        return scale > 0 ? largest_change_ / scale : largest_change_;
+    }
+
+private:
+    Energy start_, end_;
+    long double largest_change_ = 0, largest_kinetic_;
+};
+
+class RunWatch {
+public:
+    // At the start of a run; both must outlive this. `moments`: those at which it is recorded for a verdict.
+    RunWatch(const SceneDescription& scene, const Simulation& simulation, std::vector<std::int64_t> moments = {});
+
+    // To be called after every step.
+    void see();
+    // At the end of the scene, and where a body has left its range: the motion is wrong from there on.
+    [[nodiscard]] bool is_over() const;
+    // Of the kernel, of a declared [range] that floating point leaves, and speeds whose energy no double holds. Each
+    // status once.
+    [[nodiscard]] std::vector<Trouble> troubles() const;
+    [[nodiscard]] const EnergyWatch& energy() const { return energy_; }
+    [[nodiscard]] Record record() &&;
+
+private:
+    const Simulation& simulation_;
+    EnergyWatch energy_;
+    Recorder recorder_;
+};
+
+}  // namespace tumble::host
