@@ -280,11 +280,13 @@ constexpr const char* footer =
     "method that\nis measured is built for the core; narrow the search to shorten that.\n"
     "Exit status: 0 something reaches E, 1 nothing does, 2 bad input.";
 
-// A frequency, which is then in Hz.
+// A frequency, which is then in Hz. A small number without a unit was meant in MHz.
 bool read_frequency(std::string& text) {
+    constexpr double least_without_unit = 1000;  // Hz
     const std::optional<double> hertz = parse_frequency(text);
-    if (hertz) text = seventeen_digits(*hertz);
-    return hertz.has_value();
+    if (!hertz || (*hertz < least_without_unit && !text.ends_with("Hz"))) return false;
+    text = seventeen_digits(*hertz);
+    return true;
 }
 
 }  // namespace
@@ -304,9 +306,10 @@ void add_advise(CommandLine& line) {
     command.add(options->cost, "--cost cycles|insn",
                 "what to rank by; default: cycles, or instructions on a core whose cycles are not published",
                 one_of("cycles", "insn"));
-    command.add(options->clock, "--clock F",
-                "clock of the core, as 16MHz: say what share of a step's time its mean cost and its worst step take",
-                {"a positive frequency, as 16MHz, \"32.768 kHz\" or 48e6 (Hz)", read_frequency});
+    command.add(
+        options->clock, "--clock F",
+        "clock of the core, as 16MHz: say what share of a step's time its mean cost and its worst step take",
+        {"a positive frequency, as 16MHz, \"32.768 kHz\" or 48e6 (Hz); below 1000 with its unit", read_frequency});
     command.add(options->all, "--all", "measure also what cannot be the cheapest");
     command.add(options->json, "--json", "print one JSON object");
 }

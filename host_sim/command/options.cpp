@@ -59,6 +59,14 @@ void refuse_unknown_option(const CLI::App& app) {
 
 Expected input_file() { return file_name("/dev/stdin"); }
 Expected output_file() { return file_name(standard_output); }
+Expected svg_file() {
+    const Expected file = output_file();
+    return {file.what + " that is written as SVG, as out.svg", [accepts = file.accepts](std::string& text) {
+                for (const char* other : {".png", ".pdf", ".jpg", ".jpeg", ".gif", ".eps", ".ps", ".webp", ".svgz"})
+                    if (text.ends_with(other)) return false;
+                return accepts(text);
+            }};
+}
 Expected one_of(const std::string& one, const std::string& other) {
     return {one + " or " + other, [=](const std::string& text) { return text == one || text == other; }};
 }
@@ -110,6 +118,10 @@ CommandLine::CommandLine()
     app_->set_version_flag("--version", "tumble " TUMBLE_VERSION ", bits " + std::to_string(TUMBLE_BITS),
                            "print the version of the command, and of the bits of its results");
     app_->require_subcommand(1);
+    // As every other message of the command.
+    app_->failure_message([](const CLI::App* app, const CLI::Error& error) {
+        return "tumble: " + CLI::FailureMessage::simple(app, error);
+    });
     app_->footer("Exit status: 0 done, 1 the run failed or a comparison differs, 2 bad input.");
 }
 CommandLine::~CommandLine() = default;

@@ -24,6 +24,8 @@ struct Expected {
 // The name of a file. It replaces "-" by the device of standard input or standard output.
 [[nodiscard]] Expected input_file();
 [[nodiscard]] Expected output_file();
+// The same of a picture, which is SVG: a name that ends as other pictures do is refused.
+[[nodiscard]] Expected svg_file();
 inline constexpr const char* standard_output = "/dev/stdout";
 [[nodiscard]] Expected one_of(const std::string& one, const std::string& other);
 [[nodiscard]] Expected duration();

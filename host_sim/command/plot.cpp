@@ -29,16 +29,6 @@ std::string in_gnuplot_quotes(const std::string& text) {
     return quoted + "'";
 }
 
-// The first characters of a text in UTF-8, at most `most` of them.
-std::string shortened(const std::string& text, std::size_t most) {
-    std::size_t characters = 0, end = 0;
-    for (std::size_t i = 0; i < text.size(); ++i) {
-        if ((static_cast<unsigned char>(text[i]) & 0xc0) == 0x80) continue;
-        if (characters++ == most - 1) end = i;
-    }
-    return characters > most ? text.substr(0, end) + "\u2026" : text;
-}
-
 struct Panel {
     std::size_t column, row;
 

@@ -191,7 +191,7 @@ void add_profile(CommandLine& line) {
         "core and runs in QEMU.");
     options->add_to(command);
     command.require(options->core, "--core NAME", "a core whose cycles are known");
-    command.add(options->flame, "--flame out.svg", "draw a flame graph as SVG; - is standard output", output_file());
+    command.add(options->flame, "--flame out.svg", "draw a flame graph as SVG; - is standard output", svg_file());
     command.add(options->functions, "--functions N", "functions that the table names", at_least(1, "functions"));
     command.add(options->json, "--json", "print one JSON object");
     command.add(options->timeout, "--timeout S", "seconds that the emulation may take", at_least(1, "seconds"));

@@ -129,7 +129,7 @@ std::optional<double> read_mass(Table& table) {
     const Quantity kilograms{Quantity::positive, "kg"};
     std::optional<double> mass;
     const auto value = table.find("mass");
-    if (value && value->node().value<double>() == 0.0)
+    if (value && value->any_number() == 0.0)
         value->refuse(kilograms.expected() + "; a body that never moves has fixed = true instead, and needs no mass");
     table.optional("mass", mass, kilograms);
     return mass;

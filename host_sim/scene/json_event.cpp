@@ -2,6 +2,9 @@
 
 #include <nlohmann/json.hpp>
 
+#include <cmath>
+#include <limits>
+
 #include "scene/reading.hpp"
 
 namespace tumble::host {
@@ -17,28 +20,66 @@ constexpr const char* a_line =
     Place{source, line, key}.fail(problem, wanted);
 }
 
-// The object as a table of a scene file: numbers, texts and lists of both are written alike.
+bool is_nested_too_deep(const std::string& text) {
+    int depth = 0;
+    bool is_quoted = false;
+    for (std::size_t i = 0; i < text.size(); ++i) {
+        const char c = text[i];
+        if (c == '"') is_quoted = !is_quoted;
+        else if (is_quoted && c == '\\') ++i;
+        else if (!is_quoted && (c == '[' || c == '{') && ++depth > most_nested) return true;
+        else if (!is_quoted && (c == ']' || c == '}')) --depth;
+    }
+    return false;
+}
+
+// A value as TOML: texts, lists, and numbers, of which those beyond 64 bits are written with a point.
+std::string toml_of(const Json& value) {
+    if (value.is_array()) {
+        std::string list;
+        for (const Json& each : value) list += (list.empty() ? "" : ", ") + toml_of(each);
+        return "[" + list + "]";
+    }
+    if (value.is_string()) return json_text(value.get_ref<const std::string&>());
+    constexpr auto most = static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max());
+    if (value.is_number_unsigned() && value.get<std::uint64_t>() > most) return cpp_number(value.get<double>());
+    if (value.is_object()) return "{}";
+    return value.is_null() ? "\"null\"" : value.dump();
+}
+
+// The object as a table of a scene file.
 std::string inline_table(const Json& object, int line) {
     std::string text;
     for (const auto& [key, value] : object.items()) {
         if (value.is_null() || value.is_object())
             fail(line, key, value.is_null() ? "got null" : "got an object", "a number, a text or a list of numbers");
-        text += (text.empty() ? "" : ", ") + json_text(key) + " = " + value.dump();
+        text += (text.empty() ? "" : ", ") + json_text(key) + " = " + toml_of(value);
     }
     return "{ " + text + " }";
 }
 
+std::string problem_of(const Json& value) {
+    if (value.is_string()) return "got " + in_quotes(value.get_ref<const std::string&>());
+    if (value.is_array()) return "got a list of " + std::to_string(value.size());
+    return value.is_object() ? "got an object" : "got " + value.dump();
+}
+
 StepsWanted read_steps(const Json& object, int line) {
+    constexpr double most = 1LL << 31;
     const Json& count = object.at("step");
     if (object.size() != 1) fail(line, "step", "given beside other keys", R"({"step": 1} on a line of its own)");
-    if (!count.is_number_integer() || count < 1 || count > (std::int64_t{1} << 31))
-        fail(line, "step", "got " + count.dump(), "a whole number of steps from 1 to 2^31");
-    return {count.get<std::int64_t>()};
+    const double steps = count.is_number() ? count.get<double>() : 0;  // some writers have a point in every number
+    if (!(steps >= 1 && steps <= most && steps == std::floor(steps)))
+        fail(line, "step", problem_of(count), "a whole number of steps from 1 to 2^31");
+    return {static_cast<std::int64_t>(steps)};
 }
 
 }  // namespace
 
 LiveLine read_live_line(const std::string& text, int line, const SceneDescription& scene) {
+    if (is_nested_too_deep(text))
+        fail(line, "event", "lists and objects lie more than " + std::to_string(most_nested) + " deep in each other",
+             a_line);
     const Json object = Json::parse(text, nullptr, false);
     if (object.is_discarded()) fail(line, "event", "is not JSON", a_line);
     if (!object.is_object()) fail(line, "event", "is not an object", a_line);

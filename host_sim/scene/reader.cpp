@@ -17,8 +17,7 @@ static std::string wanted(const StepSize&, const Quantity&) {
 static void convert(const Value& value, StepSize& out, const Quantity& quantity) {
     std::optional<StepSize> step;
     if (const auto* text = value.node().as_string()) step = parse_step(text->get());
-    else if (const double x = value.node().value<double>().value_or(0.0); value.node().is_number() && quantity.holds(x))
-        step = StepSize{0, 0, x};
+    else if (const auto x = value.any_number(); x && quantity.holds(*x)) step = StepSize{0, 0, *x};
     if (!step) value.refuse(wanted(out, quantity));
     out = *step;
 }
@@ -177,7 +176,6 @@ SceneDescription read_root(Table root, const std::string& file, BodyCount count)
     const auto gravity_gradient = root.table("gravity_gradient");
     const auto planes = root.tables("plane");
     const auto bodies = root.tables("body");
-    if (bodies.empty() && count == BodyCount::at_least_one) root.missing("body", "at least one [[body]]");
     const auto springs = root.tables("spring");
     const auto impulses = root.tables("impulse");
     const auto forces = root.tables("force");
@@ -196,6 +194,8 @@ SceneDescription read_root(Table root, const std::string& file, BodyCount count)
     check_count(bodies, max_bodies);
     check_count(springs, max_springs);
     for (Table table : planes) add_named(scene.planes, read_plane(table, scene.range), table, names);
+    // After the tables: where `body = [...]` stands below [world] or a plane, it is an unknown key of theirs.
+    if (bodies.empty() && count == BodyCount::at_least_one) root.fail("body", "missing", "at least one [[body]]");
     for (Table table : bodies) add_named(scene.bodies, read_body(table, scene, scene.range), table, names);
     check_felt(scene, *world, gravity_gradient);
     for (const Table& table : springs) scene.springs.push_back(read_spring(table, scene, scene.range));

@@ -6,8 +6,17 @@
 namespace tumble::host {
 namespace {
 
-// A scene needs 4.
-constexpr int most_nested = 64;
+constexpr std::size_t longest_key = 200;  // in messages
+
+// Keys that other formats have, and what they are called here.
+constexpr std::pair<std::string_view, const char*> other_names[] = {
+    {"rotation", "orientation"},   {"attitude", "orientation"},
+    {"quaternion", "orientation"}, {"spin", "angular_velocity"},
+    {"omega", "angular_velocity"}, {"mu", "friction"},
+    {"bounciness", "restitution"}, {"elasticity", "restitution"},
+    {"static", "fixed"},           {"dt", "step"},
+    {"timestep", "step"},          {"time_step", "step"},
+};
 
 int line_of(const toml::source_region& source) { return static_cast<int>(source.begin.line); }
 
@@ -124,15 +133,15 @@ toml::table parsed(std::string_view text, const std::string& file) {
     toml::parse_result result = toml::parse(text, file);
     if (!result)
         raise(SceneError(file, line_of(result.error().source()), "TOML syntax",
-                         std::string(result.error().description()) + ", expected valid TOML 1.0"));
+                         shortened(result.error().description(), longest_key) + ", expected valid TOML 1.0"));
     return std::move(result).table();
 }
 
 }  // namespace
 
 SceneError::SceneError(std::string file, int line, std::string key, const std::string& message)
-    : std::runtime_error(file + (line > 0 ? ":" + std::to_string(line) : "") + ": " + (key.empty() ? "" : key + ": ") +
-                         message),
+    : std::runtime_error(file + (line > 0 ? ":" + std::to_string(line) : "") + ": " +
+                         (key.empty() ? "" : shortened(key, longest_key) + ": ") + message),
       file_(std::move(file)), line_(line), key_(std::move(key)) {}
 
 bool Quantity::holds(double x) const {
@@ -180,8 +189,15 @@ Value Value::operator[](std::size_t i) const {
     return {{place_.file, line_of(element.source()), place_.key + "[" + std::to_string(i) + "]"}, element};
 }
 
+// toml++ gives no double for a whole number that a double rounds.
+std::optional<double> Value::any_number() const {
+    if (const auto* whole = node_->as_integer()) return static_cast<double>(whole->get());
+    if (const auto* real = node_->as_floating_point()) return real->get();
+    return {};
+}
+
 double Value::number(const Quantity& quantity) const {
-    const auto number = node_->is_number() ? node_->value<double>() : std::nullopt;
+    const auto number = any_number();
     if (number && quantity.holds(*number)) return *number;
     const bool has_sense = number && std::isfinite(*number) && (quantity.bound == Quantity::any || *number > 0) &&
                            quantity.bound != Quantity::zero_to_one;
@@ -189,10 +205,14 @@ double Value::number(const Quantity& quantity) const {
 }
 
 std::int64_t Value::whole(std::int64_t least, std::int64_t most) const {
-    const auto* whole = node_->as_integer();
-    if (whole == nullptr || whole->get() < least || whole->get() > most)
-        refuse("a whole number from " + std::to_string(least) + " to " + std::to_string(most));
-    return whole->get();
+    if (const auto* whole = node_->as_integer(); whole != nullptr && whole->get() >= least && whole->get() <= most)
+        return whole->get();
+    // Some writers have a point in every number.
+    if (const auto* real = node_->as_floating_point(); real != nullptr && real->get() == std::floor(real->get()) &&
+                                                       real->get() >= static_cast<double>(least) &&
+                                                       real->get() <= static_cast<double>(most))
+        return static_cast<std::int64_t>(real->get());
+    refuse("a whole number from " + std::to_string(least) + " to " + std::to_string(most));
 }
 
 std::vector<double> Value::numbers(const Quantity& quantity, std::initializer_list<std::size_t> counts) const {
@@ -240,10 +260,21 @@ void Table::finish() const {
         if (!known_.contains(std::string(key.str())) &&
             (unknown == nullptr || line_of(key.source()) < line_of(unknown->source())))
             unknown = &key;
-    if (unknown != nullptr)
+    if (unknown != nullptr) {
+        const auto* other = std::find_if(std::begin(other_names), std::end(other_names), [&](const auto& name) {
+            return name.first == unknown->str() && known_.contains(name.second);
+        });
         place_of(std::string(unknown->str()), line_of(unknown->source()))
-            .fail("unknown key" + suggestion(unknown->str(), known_), listed(known_));
-    if (missing_) place_of(missing_->first, place_.line).fail("missing", missing_->second);
+            .fail("unknown key" + (other != std::end(other_names) ? " (did you mean " + in_quotes(other->second) + "?)"
+                                                                  : suggestion(unknown->str(), known_)),
+                  listed(known_));
+    }
+    if (missing_) fail(missing_->first, "missing", missing_->second);
+}
+
+std::string Table::named() const {
+    const auto* name = table_->get_as<std::string>("name");
+    return name == nullptr || name->get().empty() ? "" : " in " + in_quotes(name->get());
 }
 
 std::optional<Table> Table::table(const std::string& key) {

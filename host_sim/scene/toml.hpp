@@ -29,6 +29,10 @@
 
 namespace tumble::host {
 
+// Tables, lists and parts of keys in each other, in scenes and in lines of a live run; a scene needs 4. What reads or
+// prints them calls itself once for each.
+inline constexpr int most_nested = 64;
+
 // The condition of a number, and its unit. `parts` names the elements of an array.
 struct Quantity {
     // The largest number, and the smallest positive one. Products of several of them stay in the range of a double.
@@ -78,6 +82,8 @@ public:
 
     [[nodiscard]] std::int64_t whole(std::int64_t least, std::int64_t most) const;
     [[nodiscard]] double number(const Quantity& quantity) const;
+    // The number, whether it is written with a point or not; none where the value is no number.
+    [[nodiscard]] std::optional<double> any_number() const;
     // An array of as many numbers as one of `counts`.
     [[nodiscard]] std::vector<double> numbers(const Quantity& quantity,
                                               std::initializer_list<std::size_t> counts) const;
@@ -164,13 +170,15 @@ public:
 
     // Reports a rule across keys at the line of the table.
     [[noreturn]] void fail(const std::string& key, const std::string& problem, const std::string& wanted) const {
-        place_of(key, place_.line).fail(problem, wanted);
+        place_of(key, place_.line).fail(problem == "missing" ? problem + named() : problem, wanted);
     }
 
     [[nodiscard]] std::optional<Table> table(const std::string& key);
     [[nodiscard]] std::vector<Table> tables(const std::string& key);
 
 private:
+    // " in "ball"" of a table with a name; else empty.
+    [[nodiscard]] std::string named() const;
     [[nodiscard]] Place place_of(const std::string& key, int line) const {
         return {place_.file, line, place_.key.empty() ? key : place_.key + "." + key};
     }

@@ -83,6 +83,9 @@ void add_overlaps(const SceneDescription& scene, std::vector<std::string>& list)
 std::vector<std::string> limitations(const SceneDescription& scene) {
     std::vector<std::string> list;
     const auto number_of_steps = scene.steps();
+    if (number_of_steps == 1 && scene.step.seconds() > scene.duration)
+        list.push_back("world.step is " + few_digits(scene.step.seconds()) + " s, longer than the whole run of " +
+                       few_digits(scene.duration) + " s; 256 steps a second are step = \"1/256\"");
     for (std::size_t i = 0; i < scene.impulses.size(); ++i) {
         const double step = scene.impulses[i].time / scene.step.seconds();
         const BodyDescription& body = scene.bodies[static_cast<std::size_t>(scene.impulses[i].body)];

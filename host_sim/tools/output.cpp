@@ -124,7 +124,11 @@ OutputFile::OutputFile(const fs::path& path, std::string_view argument)
       stream_(nullptr) {
     static std::atomic<unsigned> count{0};
     struct stat before {};
-    const bool exists = stat(path.c_str(), &before) == 0;
+    // The name may lead to a file that is not there, but the system must be able to look it up.
+    errno = 0;
+    const bool exists = stat(path.c_str(), &before) == 0 || (errno == ENOENT && stat(path_.c_str(), &before) == 0);
+    const int refusal = exists || errno == ENOENT ? 0 : errno;
+    const bool is_name = path_.has_filename() && path_.filename() != "." && path_.filename() != "..";
     const int standard = exists ? stream_of(before) : -1;
     int file = -1;
     if (standard >= 0) {
@@ -132,6 +136,8 @@ OutputFile::OutputFile(const fs::path& path, std::string_view argument)
         std::cout.flush();
         std::fflush(nullptr);
         file = dup(standard);
+    } else if (refusal != 0 || (!exists && !is_name)) {
+        errno = refusal != 0 ? refusal : ENOENT;
     } else if (!exists || access(path.c_str(), W_OK) == 0) {
         if (!exists || S_ISREG(before.st_mode)) {
             const std::string name = ".tumble." + std::to_string(getpid()) + "." + std::to_string(count++) + ".tmp";

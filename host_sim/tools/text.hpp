@@ -44,6 +44,10 @@ struct LeadingNumber {
 // A hash as 16 hex digits.
 [[nodiscard]] std::string hex(std::uint64_t value);
 
+// The first characters of a text in UTF-8, at most `most` of them.
+[[nodiscard]] std::string shortened(std::string_view text, std::size_t most);
+
+// For messages: one line of at most 80 characters, in quotes, however long the text is.
 [[nodiscard]] std::string in_quotes(std::string_view text);
 
 // "a", "b" or "c"
@@ -67,22 +71,28 @@ template <class Names>
     return list;
 }
 
-// Number of single-letter edits (insert, delete, replace) between two words.
+// Number of single-letter edits (insert, delete, replace, exchange of neighbours) between two words; case is ignored.
 [[nodiscard]] std::size_t edit_distance(std::string_view a, std::string_view b);
 
-// " (did you mean "mass"?)" with the nearest name; empty where more than half of the word differs from every name.
+// " (did you mean "mass"?)" with the nearest name, or with one that ends in the word; empty where more than half of the
+// word differs from every name.
 template <class Names>
 [[nodiscard]] std::string suggestion(std::string_view word, const Names& names) {
+    constexpr std::size_t longest_word = 64;
+    if (word.size() > longest_word) return {};
     std::size_t nearest = std::max<std::size_t>(1, word.size() / 2) + 1;
-    std::string text;
-    for (const auto& name : names) {
-        const std::size_t distance = edit_distance(word, name);
+    std::string_view best;
+    for (const std::string_view name : names) {
+        if (name.size() > 2 * longest_word) continue;
+        const bool ends_so = word.size() > 1 && name.size() > word.size() &&
+                             edit_distance(word, name.substr(name.size() - word.size())) == 0;
+        const std::size_t distance = ends_so ? 1 : edit_distance(word, name);
         if (distance < nearest) {
             nearest = distance;
-            text = " (did you mean " + in_quotes(name) + "?)";
+            best = name;
         }
     }
-    return text;
+    return best.empty() ? "" : " (did you mean " + in_quotes(best) + "?)";
 }
 
 // A number (null when it is not finite as a double) or a text in JSON.

@@ -175,9 +175,77 @@ TEST(Live, a_wrong_line_ends_the_run_with_its_number_and_what_was_expected) {
         {"{\"kind\": \"velocity\", \"body\": \"drone\", \"value\": [0, 33, 0]}",
          "standard input:3: event.value[1]: got 33, expected a number from -32 to 32 (m/s)"},
         {"{\"kind\": \"force\", \"body\": null}", "standard input:3: body: got null, expected"},
+        {"{\"step\": 1.5}", "standard input:3: step: got 1.5, expected a whole number of steps from 1 to 2^31"},
+        {"{\"step\": \"1\"}", "standard input:3: step: got \"1\", expected a whole number of steps from 1 to 2^31"},
+        {"{\"step\": [1, 2]}", "standard input:3: step: got a list of 2, expected a whole number of steps"},
+        {"{\"step\": 1e300}", "standard input:3: step: got 1e+300, expected a whole number of steps"},
     };
     for (const auto& [line, message] : cases)
         expect_outcome(live(scene, std::string("{\"step\": 1}\n\n") + line + "\n{\"step\": 1}\n"), 2, message);
+}
+
+// What is refused is printed no deeper and no longer than a person reads.
+TEST(Live, a_wrong_line_of_any_depth_and_length_is_refused_in_a_short_message) {
+    const std::string scene = written("hover.toml", drone);
+    const auto nested = [](char open, char close, std::size_t depth) {
+        return std::string(depth, open) + std::string(depth, close);
+    };
+    const std::string deep = nested('[', ']', 200000), name(1000000, 'n');
+    std::string objects;
+    for (int i = 0; i < 100000; ++i) objects += "{\"a\":";
+    for (const std::string& line :
+         {"{\"step\": " + deep + "}", R"({"kind": "force", "body": "drone", "value": )" + deep + "}",
+          R"({"kind": "force", "body": )" + deep + R"(, "value": [0, 0, 1]})", deep, objects,
+          objects + "1" + std::string(100000, '}'), "{\"step\": \"" + name + "\"}",
+          R"({"kind": ")" + name + R"(", "body": "drone", "value": [0, 0, 1]})",
+          R"({"kind": "force", "body": ")" + name + R"(", "value": [0, 0, 1]})", "{\"" + name + "\": 1}",
+          "{\"" + name + "\": null}"}) {
+        const Outcome outcome = live(scene, line + "\n");
+        EXPECT_EQ(outcome.status, 2) << line.substr(0, 60);
+        EXPECT_TRUE(has(outcome.text, "standard input:1: ")) << line.substr(0, 60);
+        EXPECT_LT(outcome.text.size(), 3000U) << line.substr(0, 60);
+    }
+}
+
+TEST(Live, whole_numbers_may_have_a_point_and_numbers_none) {
+    const std::string scene = written("hover.toml", drone);
+    EXPECT_EQ(lines_of(live(scene, "{\"step\": 2.0}\n").text).size(), 3U);
+    EXPECT_EQ(live(scene, R"({"kind": "force", "body": "drone", "value": [9007199254740993, 0, 0]})"
+                          "\n")
+                  .status,
+              0);
+    EXPECT_EQ(live(scene, R"({"kind": "force", "body": "drone", "value": [18446744073709551615, 0, 0]})"
+                          "\n")
+                  .status,
+              0);
+}
+
+// A rod, a box and a ball are pushed or turned until they leave a range that floating point alone would not end.
+TEST(Live, ends_where_a_run_of_its_recording_ends) {
+    struct Pushed {
+        const char *shape, *event;
+    };
+    for (const Pushed& pushed : {Pushed{"box = [1.0, 0.02, 0.02]", R"("torque", "value": [0.003, 0, 0])"},
+                                 Pushed{"box = [0.2, 0.3, 0.2]", R"("force", "value": [0, 900, 0])"},
+                                 Pushed{"sphere = 0.1", R"("step_force", "value": [0, 0, 20000])"}})
+        for (const char* numbers : {"q32", "f32", "f64"}) {
+            const std::string scene = written("scene.toml", world_of("0", "1/256", "4.0") + smallest_range +
+                                                                body_of("b", pushed.shape)),
+                              record = temporary("record.toml");
+            const Outcome outcome = live(scene,
+                                         R"({"kind": )" + std::string(pushed.event) +
+                                             R"(, "body": "b"})"
+                                             "\n{\"step\": 1024}\n",
+                                         {"--numbers", numbers, "--record", record});
+            const Json again = json_of({"run", record, "--numbers", numbers}, 1);
+            EXPECT_EQ(outcome.status, 1) << pushed.shape << numbers;
+            Json last;
+            for (const std::string& line : lines_of(outcome.text))
+                if (line.starts_with("{")) last = Json::parse(line);
+            EXPECT_EQ(last["status"], again["status"]) << pushed.shape << numbers;
+            EXPECT_EQ(last["step"], again["steps"]) << pushed.shape << numbers;
+            EXPECT_EQ(last["state_hash"], again["state_hash"]) << pushed.shape << numbers;
+        }
 }
 
 TEST(Live, what_does_not_go_with_it_is_refused) {

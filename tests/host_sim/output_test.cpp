@@ -43,6 +43,27 @@ TEST(Output, a_hyphen_is_standard_input_and_standard_output) {
     EXPECT_FALSE(std::filesystem::exists("-"));
 }
 
+TEST(Output, a_name_that_cannot_be_written_is_told_before_the_run) {
+    namespace fs = std::filesystem;
+    const std::string directory = fs::path(temporary("x")).parent_path().string(), file = written("file", ""),
+                      endless = temporary("endless");
+    fs::remove(endless);
+    fs::create_symlink(directory + "/" + std::string(300, 'e'), endless);
+    // The run would take minutes.
+    const std::string scene = written("scene.toml", world_of("0", "1/1024", "100000.0") + body_of("b", "sphere = 0.1"));
+    for (const std::string& name : {directory + "/" + std::string(256, 'n'), directory + "/" + std::string(5000, 'n'),
+                                    directory + "/none/out", directory + "/none/", file + "/out", directory, endless}) {
+        for (const char* option : {"--trajectory", "--contacts", "--plot", "--gltf"})
+            expect_outcome(tumble({"run", scene, option, name}), 2, std::string(option) + ": cannot write ",
+                           ", expected a file that can be written");
+        expect_outcome(tumble({"run", scene, "--live", "--record", name}), 2, "--record: cannot write ");
+        expect_outcome(tumble({"compile", scene, "-o", name}), 2, "--output: cannot write ");
+        expect_outcome(tumble({"profile", scene, "--core", "cortex-m3", "--flame", name}), 2, "--flame: cannot write ");
+    }
+    for (const auto& entry : fs::directory_iterator(directory))
+        EXPECT_FALSE(has(entry.path().filename().string(), ".tmp")) << entry.path();
+}
+
 TEST(Output, the_scene_and_the_other_outputs_are_not_overwritten) {
     namespace fs = std::filesystem;
     const std::string scene = written("scene.toml", contents(shipped("orbit"))), before = contents(scene);

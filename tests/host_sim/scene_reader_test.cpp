@@ -110,6 +110,28 @@ std::int64_t steps_of(const std::string& step, double duration) {
     return scene.steps();
 }
 
+TEST(SceneReader, whole_numbers_need_no_point_however_large) {
+    for (const char* whole : {"9007199254740992", "9007199254740993", "9223372036854775807"})
+        EXPECT_EQ(read(world + "[[body]]\nname = \"b\"\nshape = \"none\"\nmass = " + whole + "\n").body(0).mass,
+                  std::stod(whole));
+    EXPECT_TRUE(has(error_of(world + "[[body]]\nname = \"b\"\nshape = \"none\"\nmass = -9007199254740993\n"),
+                    "got -9007199254740993, expected a positive finite number (kg)"));
+}
+
+TEST(SceneReader, a_message_is_short_however_long_what_it_refuses_is) {
+    const std::string name(100000, 'n'), quoted = "\"" + name + "\"";
+    for (const std::string& scene :
+         {world + brick + name + " = 1\n", world + brick + "orientation = " + quoted + "\n",
+          world + brick + "[contact]\nresponse = " + quoted + "\n", world + brick + "[" + name + "]\n",
+          world + brick + "[[spring]]\nbody = " + quoted + "\nto = [0, 0, 0]\nstiffness = 1.0\n",
+          world + "[[body]]\nname = " + quoted + "\nshape = { box = [1, 1, 1] }\n", world + brick + "\"" + name,
+          world + brick + "mass = " + name + "\n"}) {
+        const std::string error = error_of(scene);
+        EXPECT_NE(error, "no error");
+        EXPECT_LT(error.size(), 2000U);
+    }
+}
+
 TEST(SceneReader, unknown_key_names_file_line_and_key) {
     EXPECT_EQ(
         error_of(world + brick + "masss = 3.0\n"),
