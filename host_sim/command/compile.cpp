@@ -6,7 +6,9 @@
 #include <cmath>
 #include <filesystem>
 #include <iostream>
+#include <iterator>
 #include <limits>
+#include <set>
 #include <sstream>
 #include <string_view>
 
@@ -158,6 +160,44 @@ std::string comment_of(const BodyDescription& body) { return "   // " + cpp_text
 std::string comment_of(const PlaneDescription& plane) { return "   // " + cpp_text(plane.name); }
 std::string comment_of(const auto&) { return ""; }
 
+// The names of bodies in C++, each once: other characters become '_', and what C++ or another body has taken gets the
+// body's number behind it.
+std::vector<std::string> cpp_names(const std::vector<BodyDescription>& bodies) {
+    std::istringstream words(
+        "Bodies alignas alignof and and_eq asm auto bitand bitor bool break case catch char char16_t "
+        "char32_t char8_t class co_await co_return co_yield compl concept const const_cast consteval "
+        "constexpr constinit continue decltype default delete do double dynamic_cast else enum "
+        "explicit export extern false float for friend goto if inline int long mutable namespace new "
+        "noexcept not not_eq nullptr operator or or_eq private protected public register "
+        "reinterpret_cast requires return short signed sizeof static static_assert static_cast "
+        "struct switch template this thread_local throw true try typedef typeid typename union "
+        "unsigned using virtual void volatile wchar_t while xor xor_eq");
+    std::set<std::string> taken{std::istream_iterator<std::string>(words), {}};
+    std::vector<std::string> names;
+    for (const BodyDescription& body : bodies) {
+        std::string name;
+        for (const char c : body.name) {
+            const auto code = static_cast<unsigned char>(c);
+            const bool in_name = code < 0x80 && std::isalnum(code) != 0;
+            if (in_name) name += c;
+            else if (!name.empty() && name.back() != '_') name += '_';
+        }
+        if (name.empty() || std::isdigit(static_cast<unsigned char>(name[0])) != 0) name = "body_" + name;
+        while (!taken.insert(name).second) name += (name.back() == '_' ? "" : "_") + std::to_string(names.size());
+        names.push_back(name);
+    }
+    return names;
+}
+// The ids that a world gives to the bodies, by their names.
+std::string ids_text(const std::vector<BodyDescription>& bodies) {
+    if (bodies.empty()) return "";
+    std::string text = "    // The ids of the bodies, as add() gives them in this order.\n    struct Bodies {\n";
+    const std::vector<std::string> names = cpp_names(bodies);
+    for (std::size_t i = 0; i < names.size(); ++i)
+        text += "        static constexpr tumble::BodyId " + names[i] + "{" + std::to_string(i) + "};\n";
+    return text + "    };\n";
+}
+
 // A std::array of specs; item(i) is what follows the opening brace of spec i.
 template <class Spec, class Item>
 std::string array_text(const char* type, const char* name, const std::vector<Spec>& specs, Item&& item) {
@@ -294,9 +334,9 @@ std::string config_text(const SceneDescription& scene, const SceneData& data, co
 
 // Is it a name in C++ that no member of the struct has?
 bool is_struct_name(const std::string& name) {
-    static const std::vector<std::string> members = {"Config", "name",    "step",     "steps",  "world",  "bodies",
-                                                     "planes", "springs", "impulses", "forces", "events", "softening",
-                                                     "wind",   "drags",   "wheels",   "orbit"};
+    static const std::vector<std::string> members = {"Config",    "Bodies", "name",    "step",     "steps",  "world",
+                                                     "bodies",    "planes", "springs", "impulses", "forces", "events",
+                                                     "softening", "wind",   "drags",   "wheels",   "orbit"};
     const auto is_in_name = [](unsigned char c) { return c < 0x80 && (std::isalnum(c) != 0 || c == '_'); };
     return !name.empty() && std::isdigit(static_cast<unsigned char>(name[0])) == 0 &&
            std::all_of(name.begin(), name.end(), is_in_name) &&
@@ -342,7 +382,7 @@ std::string compiled_scene(const SceneDescription& scene, const Choice& choice, 
          << ";\n    static constexpr tumble::Seconds step" << step_in_cpp(scene.step)
          << ";\n    static constexpr std::uint32_t steps = " << data.steps << "u;\n"
          << world_text(data.world) << list_text("BodySpec", "bodies", scene.bodies, data.bodies, body_text)
-         << list_text("PlaneSpec", "planes", scene.planes, data.planes, plane_text)
+         << ids_text(scene.bodies) << list_text("PlaneSpec", "planes", scene.planes, data.planes, plane_text)
          << list_text("SpringSpec", "springs", scene.springs, data.springs, spring_text) << loads_text(data)
          << list_text("ImpulseSpec", "impulses", scene.impulses, data.impulses, impulse_text)
          << list_text("ForceSpec", "forces", scene.forces, data.forces, force_text)

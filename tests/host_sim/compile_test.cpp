@@ -15,7 +15,7 @@ TEST(Compile, a_scene_named_after_a_member_of_its_struct_gets_another_name) {
 TEST(Compile, the_struct_has_the_name_that_is_asked_for) {
     const std::string scene = written("named.toml", scene_of("", body_of("a", "sphere = 1.0")));
     expect_outcome(tumble({"compile", scene, "--struct", "first_flight"}), 0, "struct first_flight {");
-    for (const auto* name : {"", "a b", "1st", "Config", "bodies"}) {
+    for (const auto* name : {"", "a b", "1st", "Config", "bodies", "Bodies"}) {
         expect_outcome(tumble({"compile", scene, "--struct", name}), 2,
                        "--struct: got \"" + std::string(name) + "\", expected a name in C++");
     }
@@ -56,6 +56,20 @@ TEST(Compile, a_scene_has_room_for_the_pairs_of_its_replay_and_their_root) {
     EXPECT_EQ(near_pairs(shipped("contacts/rolling")), 3 + 2);
     // These have the usual room: no contacts, and one pair.
     for (const char* scene : {"brick", "ball"}) EXPECT_EQ(near_pairs(shipped(scene)), 0);
+}
+
+// Names that C++ does not take, that it has itself, or that two bodies share once they are written in it.
+TEST(Compile, bodies_have_their_ids_by_their_names) {
+    std::string bodies;
+    for (const char* name : {"ball", "the ball", "the-ball", "2nd", "float", "\u00e9", "_Ball_", "Bodies"})
+        bodies += body_of(name, "sphere = 1.0");
+    const std::string scene = written("ids.toml", scene_of("", bodies));
+    std::string expected = "    struct Bodies {\n";
+    int index = 0;
+    for (const char* name : {"ball", "the_ball", "the_ball_2", "body_2nd", "float_4", "body_", "Ball_", "Bodies_7"})
+        expected +=
+            std::string("        static constexpr tumble::BodyId ") + name + "{" + std::to_string(index++) + "};\n";
+    expect_outcome(tumble({"compile", scene}), 0, expected);
 }
 
 TEST(Compile, a_scene_without_bodies_needs_an_option) {
