@@ -54,11 +54,12 @@ public:
     // The same where the scene has a `step`. Where bodies fly freely, the program then holds what follows from the step
     // as constants.
     constexpr explicit World(const WorldSpec& spec = {}) requires has_step : World{spec, S::step} {}
-    // Do not compile, and say why: a number that is no duration, and a step beside that of the scene.
+    // Does not compile, and says why: a number is no duration.
     template <detail::IsPlainNumber Step>
     constexpr explicit World(Step, const WorldSpec& = {}) : World{WorldSpec{}, Seconds{1, 256}} {
         static_assert(!sizeof(Step), "the step is a duration: World{Seconds{1, 256}}, or World{Seconds{0.01}}");
     }
+    // Does not compile, and says why: a step beside that of the scene.
     template <std::same_as<Seconds> Step>
     constexpr explicit World(Step step, const WorldSpec& = {}) requires(has_step) : World{WorldSpec{}, step} {
         static_assert(!sizeof(Step), "the scene has a step: World{} or World{spec}, without another");

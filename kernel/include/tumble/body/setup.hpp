@@ -231,6 +231,7 @@ consteval Real operator""_m(unsigned long long v) { return Real{static_cast<int>
 consteval Real operator""_deg(long double v) {
     return Real{static_cast<double>(v)} * Real::scaled(0x3243f6a8885a308d, -60) / Real{180};
 }
+// Degrees, in radians.
 consteval Real operator""_deg(unsigned long long v) {
     return Real{static_cast<int>(v)} * Real::scaled(0x3243f6a8885a308d, -60) / Real{180};
 }

@@ -59,7 +59,9 @@ public:
 
     // Of the body at this place.
     ContactRange(const World& world, int body) : world_{world}, body_{body} {}
+    // The first contact.
     [[nodiscard]] Iterator begin() const { return {world_, body_, 0}; }
+    // Behind the last one.
     [[nodiscard]] Iterator end() const { return {world_, body_, world_.logged_count()}; }
 
 private:

@@ -27,15 +27,16 @@ namespace tumble {
 // Stage: a StageState. Kick: a Kick or a WorkKick. `is_alone`: a body that loads do not couple to another.
 template <class N, class Bodies, class Stage, class Kick, bool is_alone>
 struct LoadedGroup : std::conditional_t<is_alone, GroupCount<1>, GroupCount<2>> {
-    using Work = typename N::Work;
-    using L = LoadNumbers<N>;
-    using Vector = typename L::Vector;
-    using Factor = typename L::Factor;
-    static constexpr bool alone = is_alone, rotation = requires(Stage stage) { stage.q_wb; };
+    using Work = typename N::Work;                                           // working numbers
+    using L = LoadNumbers<N>;                                                // arithmetic of blocks and factors
+    using Vector = typename L::Vector;                                       // a vector as a block
+    using Factor = typename L::Factor;                                       // a factor of a vector
+    static constexpr bool alone = is_alone;                                  // one body
+    static constexpr bool rotation = requires(Stage stage) { stage.q_wb; };  // bodies may have an orientation
     // Such an end of a step is only solved for a body alone.
     static constexpr bool can_end = alone && requires(Kick kick) { kick.linear[0] = typename N::DriftSum{}; };
 
-    Bodies& bodies;
+    Bodies& bodies;             // of the world
     const Stage* stage;         // of each body of the group
     Kick* kick;                 // of each body of the group: in the formats of L::add
     const std::int16_t* id;     // the bodies of the group
@@ -45,13 +46,16 @@ struct LoadedGroup : std::conditional_t<is_alone, GroupCount<1>, GroupCount<2>> 
     bool turned;                // else no body of the group rotates in the stages
     // Null, or gravity's change of drift in a step that ends with half a kick: see velocity().
     const typename N::DriftSum* ends_with_half_of;
-    Work seconds, steps_per_second;  // of a whole step, and of steps of that length
+    Work seconds;           // in a whole step
+    Work steps_per_second;  // of whole steps
 
+    // The place in the group of body b of the world; -1 outside of it.
     [[nodiscard]] TUMBLE_INLINE int place_of(int b) const {
         if constexpr (Bodies::room == 1) return 0;
         else if constexpr (alone) return b == id[0] ? 0 : -1;
         else return place[b] < this->count && id[place[b]] == b ? place[b] : -1;
     }
+    // True of a body that rotates in the stages.
     [[nodiscard]] TUMBLE_INLINE bool rotates(int k) const {
         if constexpr (!rotation) return false;
         else return turned && bodies.rotates(id[k]);
@@ -67,14 +71,17 @@ struct LoadedGroup : std::conditional_t<is_alone, GroupCount<1>, GroupCount<2>> 
             }
         return stage[k].d_w[i];
     }
+    // True at the end of a step, where a load that comes last solves for its own kick: see velocity().
     [[nodiscard]] TUMBLE_INLINE bool at_end() const { return can_end && ends_with_half_of != nullptr; }
     // A coefficient of the velocity: drifts and turns are those of the portion.
     [[nodiscard]] TUMBLE_INLINE Factor of_velocity(Factor coefficient) const {
         return whole ? coefficient : L::product(coefficient, per_length);
     }
+    // h / m.
     [[nodiscard]] TUMBLE_INLINE Factor step_per_mass(int k) const {
         return L::factor(bodies.constants[id[k]].drift_per_impulse());
     }
+    // Half a turn in a step, rad, by 1 N m s about a principal axis.
     [[nodiscard]] TUMBLE_INLINE Factor half_turn_per_impulse(int k, int axis) const requires(rotation) {
         return L::factor(bodies.constants[id[k]].units.per_impulse(axis));
     }
@@ -95,6 +102,7 @@ struct LoadedGroup : std::conditional_t<is_alone, GroupCount<1>, GroupCount<2>> 
     TUMBLE_INLINE void turn(int k, const Vector& v) const requires(rotation) {
         for (int i = 0; i < 3; ++i) L::add(kick[k].angular[i], v, i, half_turn_per_impulse(k, i), bodies.scale);
     }
+    // The same times f.
     TUMBLE_INLINE void turn(int k, const Vector& v, Factor f) const requires(rotation) {
         for (int i = 0; i < 3; ++i)
             L::add(kick[k].angular[i], v, i, L::product(f, half_turn_per_impulse(k, i)), bodies.scale);

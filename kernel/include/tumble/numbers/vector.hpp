@@ -31,27 +31,33 @@ struct Vector3 {
     friend constexpr Vector3 operator-(Vector3 a) { return {-a.x, -a.y, -a.z}; }
     friend constexpr Vector3 operator*(Vector3 a, T s) { return {a.x * s, a.y * s, a.z * s}; }
 };
-// More operators. They are templates, so that a program's own for its vectors come first.
+// The product with a number. This and the next are templates, so that a program's own operators for its vectors come
+// first.
 template <class T>
 [[nodiscard]] constexpr Vector3<T> operator*(std::type_identity_t<T> s, const Vector3<T>& a) {
     return a * s;
 }
+// The quotient by a number.
 template <class T>
 [[nodiscard]] constexpr Vector3<T> operator/(const Vector3<T>& a, std::type_identity_t<T> s) {
     return {a.x / s, a.y / s, a.z / s};
 }
+// Adds a vector.
 template <class T>
 constexpr Vector3<T>& operator+=(Vector3<T>& a, const std::type_identity_t<Vector3<T>>& b) {
     return a = a + b;
 }
+// Subtracts a vector.
 template <class T>
 constexpr Vector3<T>& operator-=(Vector3<T>& a, const std::type_identity_t<Vector3<T>>& b) {
     return a = a - b;
 }
+// Multiplies by a number.
 template <class T>
 constexpr Vector3<T>& operator*=(Vector3<T>& a, std::type_identity_t<T> s) {
     return a = a * s;
 }
+// Divides by a number.
 template <class T>
 constexpr Vector3<T>& operator/=(Vector3<T>& a, std::type_identity_t<T> s) {
     return a = a / s;
