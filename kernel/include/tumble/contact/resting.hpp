@@ -46,8 +46,8 @@ public:
     // Solves for the contact forces over a part of the step, so that no touching point approaches at its end. Writes
     // them into `forces`, as changes of motion in that part. A point strikes if it is below the surface and approaches
     // faster than NarrowPhase::slow(). The impact must then be resolved first: unless `struck`, no forces are computed.
-    // `changed`: for what surfaces carry, with the changes of their velocities in `loads`. `stands`: nothing is computed
-    // unless the island stands.
+    // `changed`: for what surfaces carry, with the changes of their velocities in `loads`. `stands`: nothing is
+    // computed unless the island stands.
     Touch solve(const Kicks& loads, Work part, bool whole, bool struck, Coasting coasting, Kicks& forces,
                 Solution& solution, [[maybe_unused]] Changed& changed, [[maybe_unused]] bool stands = false) {
         if constexpr (features.moving_surfaces()) changed.carry = false;
