@@ -9,8 +9,8 @@ std::string judge_flat_falls(Draw& draw, Case& drawn);
 std::string judge_resistance(Draw& draw, Case& drawn);
 // seams.cpp
 std::string box_slides_over_flush_blocks(Draw& draw, Case& run);
-std::string box_falls_along_flush_blocks(Draw& draw, Case& run);
-std::string box_slides_over_a_row_of_free_boxes(Draw& draw, Case& run);
+std::string body_falls_along_flush_blocks(Draw& draw, Case& run);
+std::string body_slides_over_a_row_of_free_boxes(Draw& draw, Case& run);
 std::string ball_rolls_over_flush_blocks(Draw& draw, Case& run);
 std::string step_stops_a_box(Draw& draw, Case& run);
 std::string ball_bounces_on_flush_blocks_as_on_one(Draw& draw, Case& run);
