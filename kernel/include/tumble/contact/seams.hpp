@@ -26,15 +26,14 @@ public:
         : shapes_{shapes}, pairs_{pairs}, bodies_{bodies} {}
 
     // Measures a pair where its bodies have been placed.
-    void measure(Pair& pair) const { measure(pair, Bounds::axis_margin(shapes_.tolerance())); }
-    [[gnu::noinline]] void measure(Pair& pair, Length margin) const {
-        if constexpr (exist) {
-            const bool has_neighbours = pair.b >= 0 && (pairs_.pairs_of(pair.a) > 1 || pairs_.pairs_of(pair.b) > 1);
-            if (shapes_.measure(bodies_, pair, margin, has_neighbours)) [[unlikely]]
-                choose_side(pair);
-        } else {
-            shapes_.measure(bodies_, pair, margin);
-        }
+    TUMBLE_INLINE void measure(Pair& pair) const { measure(pair, Bounds::axis_margin(shapes_.tolerance())); }
+    TUMBLE_INLINE void measure(Pair& pair, Length margin) const requires(!exist) {
+        (void)shapes_.measure(bodies_, pair, margin, false);
+    }
+    [[gnu::noinline]] void measure(Pair& pair, Length margin) const requires exist {
+        const bool has_neighbours = pair.b >= 0 && (pairs_.pairs_of(pair.a) > 1 || pairs_.pairs_of(pair.b) > 1);
+        if (shapes_.measure(bodies_, pair, margin, has_neighbours)) [[unlikely]]
+            choose_side(pair);
     }
     // Whether a body has slid onto the other from a flush neighbour, which it touched at the start of the flight. Then
     // it has lain on their common surface in the whole flight.
