@@ -71,13 +71,17 @@ public:
             const Directions directions{pair, shapes_.axes(pair.a), pair.moves_b() ? &shapes_.axes(pair.b) : nullptr};
             if constexpr (Velocities::shapes_turn)
                 if (turns) make_turning_rows(pair, directions);
+            bool moves = false;
+            if constexpr (has_edges) moves = may_shift(pair);
             for (int i = 0; i < pair.count; ++i) {
                 Point& point = pair.point[i];
                 bool shifts = false;
-                if (!turns && !point.rows_hold) {
+                if (!turns && (moves || !point.rows_hold)) {
                     Vec3<Length> arm = point.arm;
-                    if constexpr (has_edges)
-                        if (shifts = may_shift(pair); shifts) arm += shift(pair, point);
+                    if (moves) {
+                        if constexpr (has_edges) arm += shift(pair, point);
+                        shifts = !(arm == point.arm);
+                    }
                     for (int k = 0; k < pair.rows(); ++k) set_row(point, arm, directions, k, pair);
                 }
                 point.rows_hold = !turns && !shifts;

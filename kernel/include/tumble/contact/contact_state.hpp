@@ -33,7 +33,6 @@ struct ContactState {
     // While an island is solved.
     SolverVelocities<N, spin, features> velocities{};
     Solution solution{};
-    [[no_unique_address]] If<features.moving_surfaces(), ChangedSurfaces, 2> changed{};
     Standing<features> standing{};
     // By gravity and loads over the whole step. Of a fixed body: by how much its velocities have changed since the last
     // step, other than by rotation.

@@ -105,7 +105,7 @@ public:
             change.angular[i] +=
                 N::sum(bodies.state[b].t_b[i]) - N::halved(N::sum(before.t_b[i]), bodies.halvings_of(b) - halvings);
         }
-        state_.changed.any = true;
+        state_.velocities.surfaces.changed = true;
     }
     // Removes the pairs of a body that is elsewhere now. They are found anew.
     void forget_pairs_of(const Bodies& bodies, int b) {
@@ -180,7 +180,7 @@ public:
             step_islands(advance, info, kinematic);
         advance.end(kinematic, info);
         if constexpr (features.moving_surfaces())
-            if (state_.changed.any) [[unlikely]]
+            if (state_.velocities.surfaces.changed) [[unlikely]]
                 forget_changes(advance.bodies);
         if constexpr (features.contact_readout) state_.log.end_step(state_.pairs, state_.shapes, advance.bodies);
     }
@@ -218,7 +218,7 @@ public:
         for (int b = 0; b < features.bodies; ++b)
             if (stands[b] && !bodies.constants[b].fixed()) to(state.velocities.loaded[b], state.forces[b]);
         if constexpr (features.moving_surfaces()) {
-            to(state.changed.any);
+            to(state.velocities.surfaces.changed);
             for (int b = 0; b < bodies.count; ++b)
                 if (bodies.constants[b].fixed()) to(state.loads[b]);
         }
@@ -236,7 +236,7 @@ private:
     [[gnu::noinline, gnu::cold]] void forget_changes(const Bodies& bodies) requires(features.moving_surfaces()) {
         for (int b = 0; b < bodies.count; ++b)
             if (bodies.constants[b].fixed()) state_.loads[b] = {};
-        state_.changed.any = false;
+        state_.velocities.surfaces.changed = false;
     }
     [[nodiscard]] BroadPhase<N, spin, features> broad_phase(Bodies& bodies) {
         return {state_.shapes, state_.pairs, state_.times, bodies};

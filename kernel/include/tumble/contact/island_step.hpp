@@ -24,6 +24,7 @@ public:
     using Mover = tumble::Mover<N, features>;
     using Flight = tumble::Flight<N, features>;
     using Schedule = tumble::Schedule<features.bodies>;
+    static constexpr bool has_edges = ImpactSearch<N, spin, features>::has_edges;
 
     IslandStep(State& contacts, Schedule& schedule, Bodies& bodies, Island& island, const Mover& mover)
         : contacts_{contacts}, schedule_{schedule}, bodies_{bodies}, island_{island}, mover_{mover},
@@ -57,7 +58,7 @@ public:
         for (int impact = 0;; ++impact) {
             const bool whole = impact == 0;
             search_.start_flight();
-            if constexpr (ImpactSearch<N, spin, features>::has_edges)
+            if constexpr (has_edges)
                 if (ended) [[unlikely]]
                     search_.end_selected();
             ended = false;
@@ -86,7 +87,7 @@ public:
             const bool crossed = length < span;
             const bool deep = search_.is_too_deep();
             if (!crossed && !deep) {
-                if constexpr (ImpactSearch<N, spin, features>::has_edges) {
+                if constexpr (has_edges) {
                     if (attempt.held && impact < contact::max_impacts && !spent &&
                         search_.select_ended(contacts_.loads)) [[unlikely]] {
                         const Work flown = find_end(attempt, span);
@@ -173,7 +174,7 @@ private:
     // `struck`: the impact has been resolved. `stands`: nothing is computed unless the island stands.
     Touch solve_resting(Work span, bool whole, bool struck, bool stands = false) {
         return resting().solve(contacts_.loads, span, whole, struck, mover_.coasting, contacts_.forces,
-                               contacts_.solution, contacts_.changed, stands);
+                               contacts_.solution, stands);
     }
     // `share`: of the time for which the forces are solved.
     void log_forces([[maybe_unused]] Work share) {
@@ -228,7 +229,7 @@ private:
         const bool before = attempt.held && mover_.coasting != Coasting::start;
         if (before) push(part, all, false);
         bool carries = false;
-        if constexpr (features.moving_surfaces()) carries = attempt.held && contacts_.changed.carry;
+        if constexpr (features.moving_surfaces()) carries = attempt.held && contacts_.velocities.surfaces.carry;
         const bool lifts = attempt.held && contacts_.solution.lifts && !carries;
         if (lifts) lift(false);
         if (carries) carry(part, all, nullptr);
@@ -274,8 +275,10 @@ private:
             for (int k = 0; k < island_.group.count; ++k) {
                 const int b = island_.group.id[k];
                 Kick<N> kick;
-                if (!contacts_.velocities.write(kick, contacts_.velocities.loaded[b], bodies_,
-                                                contacts_.shapes.shape(b), b))
+                const auto& moves = contacts_.velocities.loaded[b];
+                if (!contacts_.velocities.write(
+                        kick, [&](int i) { return moves.linear[i]; }, [&](int i) { return moves.angular[i]; }, bodies_,
+                        contacts_.shapes.shape(b), b))
                     bodies_.report(Issue::range_left, b);
                 if (start != nullptr) turn(kick, b, (*start)[k].q_wb.value());
                 const auto share = [&](auto sum) {
@@ -349,23 +352,10 @@ private:
     // of the secant method: the bracket [0, longest] has gaps of opposite sign and never loses the root. A pair that
     // starts at the level or below it has no such bracket: half the tolerance stands for its gap, so that the search
     // begins near the start.
-    [[gnu::noinline, gnu::cold]] Work find_impact(const Attempt& attempt, Work longest) {
-        search_.select();
-        return find_zero(attempt, longest);
-    }
-    // Redoes the flight up to the time at which a contact ended at an edge. Its force is off from there on. Returns the
-    // portion of the step flown.
-    [[gnu::noinline, gnu::cold]] Work find_end(const Attempt& attempt, Work longest) {
-        Work at = find_zero(attempt, longest);
-        const Work since = search_.time_since_open();
-        if (since > Work(0)) {
-            at = at > since + Bounds::min_portion() ? at - since : Bounds::min_portion();
-            fly(attempt, at, true);
-            search_.measure();
-        }
-        return at;
-    }
-    [[gnu::noinline, gnu::cold]] Work find_zero(const Attempt& attempt, Work longest) {
+    // `ends`: the search is for the end of a contact, of pairs that are selected.
+    [[gnu::noinline, gnu::cold]] Work find_impact(const Attempt& attempt, Work longest,
+                                                  [[maybe_unused]] bool ends = false) {
+        if (!has_edges || !ends) search_.select();
         Work low(0), high = longest;
         Work gap_low = search_.least_gap(true), gap_high = search_.least_gap(false);
         if (!(gap_low > Work(0))) gap_low = N::half_of(search_.tolerance());
@@ -406,6 +396,18 @@ private:
         return at;
     }
 
+    // Redoes the flight up to the time at which a contact ended at an edge. Its force is off from there on. Returns the
+    // portion of the step flown.
+    [[gnu::noinline, gnu::cold]] Work find_end(const Attempt& attempt, Work longest) requires(has_edges) {
+        Work at = find_impact(attempt, longest, true);
+        const Work since = search_.time_since_open();
+        if (since > Work(0)) {
+            at = at > since + Bounds::min_portion() ? at - since : Bounds::min_portion();
+            fly(attempt, at, true);
+            search_.measure();
+        }
+        return at;
+    }
     // The range is checked at once: another impact of the same step may bring a body back into it.
     void resolve(bool stop) {
         check_range();

@@ -13,12 +13,6 @@ struct Solution {
     bool stands = false;   // nothing moves, and nothing will in this step
 };
 
-// Fixed bodies of which the velocities have changed since the last step.
-struct ChangedSurfaces {
-    bool any = false;
-    bool carry = false;  // SolverVelocities::loaded holds a motion that they cause
-};
-
 template <class N, Spin spin, Features features>
 class Resting {
 public:
@@ -36,7 +30,6 @@ public:
     using Velocities = typename Rows::Velocities;
     using Velocity = typename Rows::Velocity;
     using Kicks = typename Rows::Kicks;
-    using Changed = If<features.moving_surfaces(), ChangedSurfaces, 2>;
 
     Resting(const NarrowPhase& shapes, PairList& pairs, Velocities& velocities, typename NarrowPhase::Bodies& bodies,
             const Island& island)
@@ -46,11 +39,11 @@ public:
     // Solves for the contact forces over a part of the step, so that no touching point approaches at its end. Writes
     // them into `forces`, as changes of motion in that part. A point strikes if it is below the surface and approaches
     // faster than NarrowPhase::slow(). The impact must then be resolved first: unless `struck`, no forces are computed.
-    // `changed`: for what surfaces carry, with the changes of their velocities in `loads`. `stands`: nothing is
-    // computed unless the island stands.
+    // `loads` have the changes of the velocities of surfaces, too. `stands`: nothing is computed unless the island
+    // stands.
     Touch solve(const Kicks& loads, Work part, bool whole, bool struck, Coasting coasting, Kicks& forces,
-                Solution& solution, [[maybe_unused]] Changed& changed, [[maybe_unused]] bool stands = false) {
-        if constexpr (features.moving_surfaces()) changed.carry = false;
+                Solution& solution, [[maybe_unused]] bool stands = false) {
+        if constexpr (features.moving_surfaces()) velocities_.surfaces.carry = false;
         bool any = false;
         solution = {};
         pairs_.for_each(island_, [&](const Pair& pair) { any = any || pair.count > 0; });
@@ -105,15 +98,15 @@ public:
         pairs_.count_points(island_);
         solution.settled = true;
         if constexpr (features.moving_surfaces())
-            if (changed.any) [[unlikely]]
-                changed.carry = coasting != Coasting::end && find_taken_along(loads, coasting);
+            if (velocities_.surfaces.changed) [[unlikely]]
+                velocities_.surfaces.carry = coasting != Coasting::end && find_taken_along(loads, coasting);
         if (lifts) [[unlikely]] {
             if constexpr (features.sleep) solution.settled = is_balanced();
             solution.lifts = find_lifts();
             solution.settled = solution.settled && !solution.lifts;
         }
         if constexpr (features.moving_surfaces())
-            if (changed.carry) [[unlikely]]
+            if (velocities_.surfaces.carry) [[unlikely]]
                 add_taken_along(solution);
         return Touch::rests;
     }

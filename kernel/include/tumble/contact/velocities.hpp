@@ -24,6 +24,12 @@ public:
     Velocity loaded[features.bodies]{};  // before the impulses of the rows
     Velocity now[features.bodies]{};     // with the impulses of the rows
     typename C::SpeedScale scale{};
+    // Surfaces of fixed bodies.
+    struct Surfaces {
+        bool changed = false;  // some have another velocity since the last step
+        bool carry = false;    // `loaded` has a motion that this causes
+    };
+    [[no_unique_address]] If<features.moving_surfaces(), Surfaces, 1> surfaces{};
     // None where kicks act at one end of the flight. Nothing about a sphere depends on its axes.
     static constexpr bool shapes_turn = features.boxes || features.round_shapes;
     [[no_unique_address]] If<shapes_turn, MiddleTurn<N>[features.bodies], 0> turn {};
@@ -111,23 +117,25 @@ public:
             const int b = group.id[k];
             const CollisionShape<N>& shape = shapes.shape(b);
             Kick<N>& kick = kicks[b];
-            const bool within =
-                write(kick, {now[b].linear - loaded[b].linear, now[b].angular - loaded[b].angular}, bodies, shape, b);
+            const bool within = write(
+                kick, [&](int i) { return now[b].linear[i] - loaded[b].linear[i]; },
+                [&](int i) { return now[b].angular[i] - loaded[b].angular[i]; }, bodies, shape, b);
             if (!within) [[unlikely]]
                 bodies.report(Issue::range_left, b);
             if (loads != nullptr) stop(kick, (*loads)[b], bodies.state[b], now[b]);
         }
     }
-    // Writes a change of velocity of body b as a kick, in the scale that its spin has now. False where it is beyond the
-    // range.
-    TUMBLE_INLINE bool write(Kick<N>& kick, const Velocity& change, const Bodies& bodies,
+    // Writes a change of velocity of body b, linear(i) and angular(i), as a kick, in the scale that its spin has now.
+    // False where it is beyond the range.
+    template <class Linear, class Angular>
+    TUMBLE_INLINE bool write(Kick<N>& kick, Linear&& linear, Angular&& angular, const Bodies& bodies,
                              const CollisionShape<N>& shape, int b) const {
         bool within = true;
         for (int i = 0; i < 3; ++i) {
             kick.linear[i] = C::template as<typename N::DriftSum>(
-                scale.sum(change.linear[i], C::drift_bits(bodies.scale), shape.per_root_mass, within));
+                scale.sum(linear(i), C::drift_bits(bodies.scale), shape.per_root_mass, within));
             kick.angular[i] = C::template as<typename N::TurnSum>(
-                scale.sum(change.angular[i], C::turn_bits(bodies.spin_scale(b)), shape.per_weight[i], within));
+                scale.sum(angular(i), C::turn_bits(bodies.spin_scale(b)), shape.per_weight[i], within));
         }
         return within;
     }
