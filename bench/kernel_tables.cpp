@@ -229,9 +229,9 @@ Table stories_table(const Rows& control) {
 std::string largest_turn() {
     World<Scene> world{Seconds{1, 1}};
     BodySpec ball = sphere(1, 1);
-    ball.angular_velocity = {4, 0, 0};
+    ball.angular_velocity = {40, 0, 0};
     const auto id = world.add(ball);
-    if (!id || world.step().ok()) throw std::runtime_error{"4 rad in a step are within the numbers"};
+    if (!id || world.step().ok()) throw std::runtime_error{"40 rad in a step are within the numbers"};
     return text("%.3g", world.angular_velocity(*id).x.to_real().to_double());
 }
 

@@ -29,9 +29,10 @@ protected:
 
     std::vector<Trouble> troubles_;
 
-    // Both must outlive this.
-    BodiesSimulation(const SceneData& data, const Bodies& bodies)
-        : Simulation(data.steps, number(data.step.value)), data_(data), now_(bodies), energy_(data) {
+    // Both must outlive this. z_rooms: of HeldBody, of each body.
+    BodiesSimulation(const SceneData& data, const Bodies& bodies, std::vector<int> z_rooms)
+        : Simulation(data.steps, number(data.step.value)), data_(data), now_(bodies), energy_(data),
+          z_rooms_(std::move(z_rooms)) {
         for (const BodySpec& spec : data_.bodies) axes_.emplace_back(principal_inertia(spec.inertia));
         note(bodies.status);
     }
@@ -76,9 +77,8 @@ public:
     }
 
     [[nodiscard]] double held_spin(int b) const override {
-        const PrincipalAxes& axes = axes_of(b);
         double least = std::numeric_limits<double>::infinity();
-        for (int i = 0; i < 3; ++i) least = std::min(least, host::held_spin(now_, axes, b, i));
+        for (int i = 0; i < 3; ++i) least = std::min(least, host::held_spin(now_, held_body(b), i));
         return least;
     }
 
@@ -107,8 +107,9 @@ public:
 private:
     [[nodiscard]] std::optional<HeldNumber> left_by(Issue issue, Status status) const {
         if (issue != Issue::range_left || status.first_body >= now_.count) return {};
-        return number_at_limit(now_, axes_of(status.first_body), status.first_body);
+        return number_at_limit(now_, held_body(status.first_body));
     }
+    [[nodiscard]] HeldBody held_body(int b) const { return {b, axes_of(b), z_rooms_[static_cast<std::size_t>(b)]}; }
     [[nodiscard]] const PrincipalAxes& axes_of(int b) const { return axes_[static_cast<std::size_t>(b)]; }
     [[nodiscard]] virtual int contact_count(int b) const = 0;
     [[nodiscard]] virtual bool is_asleep(int b) const = 0;
@@ -118,6 +119,7 @@ private:
     const SceneData& data_;
     const Bodies& now_;
     SceneEnergy energy_;
+    std::vector<int> z_rooms_;
     std::vector<PrincipalAxes> axes_;
 };
 
@@ -140,7 +142,8 @@ class WorldSimulation final : OwnedReplay<SceneOf<NumbersAt<index>, Method, host
 
 public:
     explicit WorldSimulation(SceneData data)
-        : Owned(std::move(data)), Told(Owned::data, Owned::replay.world().bodies()) {
+        : Owned(std::move(data)),
+          Told(Owned::data, Owned::replay.world().bodies(), z_rooms_of(Owned::data, Owned::replay.world().bodies())) {
         world().clear_status();
     }
 
@@ -206,6 +209,15 @@ private:
     template <class T>
     [[nodiscard]] static std::array<double, 3> array_of(const Vector3<T>& v) {
         return {static_cast<double>(v.x), static_cast<double>(v.y), static_cast<double>(v.z)};
+    }
+    [[nodiscard]] static std::vector<int> z_rooms_of(const SceneData& data, const typename World::Bodies& bodies) {
+        using Inertia = typename Method::template Inertia<N>;
+        std::vector<int> rooms(data.bodies.size(), 0);
+        if constexpr (N::fixed_point && requires(const Inertia& inertia) { inertia.z_room(); })
+            for (std::size_t b = 0; b < rooms.size(); ++b)
+                if (bodies.rotates(static_cast<int>(b)))
+                    rooms[b] = Inertia::of(principal_inertia(data.bodies[b].inertia).moments, bodies.scale).z_room();
+        return rooms;
     }
     [[nodiscard]] auto& world() { return Owned::replay.world(); }
     [[nodiscard]] int contact_count(int b) const override { return Owned::replay.world().contact_count(BodyId{b}); }

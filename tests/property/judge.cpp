@@ -171,7 +171,7 @@ double most_parts(const Simulation& simulation) {
     const std::string_view range = simulation.range();
     const double spin = range == "near" ? NearRange::spin : range == "room" ? RoomRange::spin : FieldRange::spin;
     const double turn = std::ceil(std::log2(spin * static_cast<double>(simulation.step_length())));
-    return std::exp2(std::clamp(3 + turn, 0.0, 3.0));
+    return std::exp2(std::clamp(3 + turn, 0.0, 6.0));
 }
 
 // Spins, rad/s, from which fixed point rotates each body in parts of a step, whose error is not that of f64.

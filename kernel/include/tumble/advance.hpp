@@ -119,6 +119,7 @@ public:
     void check_range(const BodyGroup& group) {
         for (int k = 0; k < group.count; ++k) {
             check_range(group.id[k]);
+            check_spin_about_z(group.id[k]);
             settle(group.id[k]);
         }
     }
@@ -199,6 +200,7 @@ public:
         if (moved_in_parts(group, info, Work(1))) forget_kicks(group);
         else one(b, info, gravity_, Work(1), true);
         check_range(b);
+        check_spin_about_z(b);
         settle(b);
     }
     // A step of one body, or of bodies that loads couple.
@@ -436,6 +438,7 @@ private:
     TUMBLE_INLINE bool moved_in_parts([[maybe_unused]] const BodyGroup& group, [[maybe_unused]] const StepInfo<N>& info,
                                       [[maybe_unused]] Work length) {
         if constexpr (has_loads && Bodies::has_parts) {
+            for (int k = 0; k < group.count; ++k) shorten_parts_about_z(group.id[k]);
             if (const int halvings = halvings_under_loads(group, length == Work(1)); halvings > 0) [[unlikely]] {
                 portion_in_parts(group, info, length, halvings);
                 return true;
@@ -575,12 +578,35 @@ private:
             if (!run()) bodies.report(Issue::step_bound_hit, b);
         }
     }
-    // The part that a method could not follow is done again in two, if there may be more parts. Else the spin is out of
-    // its range, and the check of the range reports it.
+    // The part that a method could not follow is done again in two, if there may be more parts. Else the spin about z
+    // is out of its range.
     [[gnu::noinline, gnu::cold]] void turn_less(int b) {
         if constexpr (Bodies::has_parts)
             if (bodies.repeat_part(b)) return spin_changed(b);
-        if constexpr (N::fixed_point) N::leave_range(bodies.state[b].t_b.z);
+        if constexpr (has_z_room) hold_spin_about_z(b);
+    }
+    // About z, its axis of the smallest moment, a slender body turns many times as fast as about y with the same
+    // momentum. A spin about z that the rotation does not follow gets shorter parts, here or in the rotation. Where
+    // there are none, it is held and reported.
+    static constexpr bool has_z_room = rotation && N::fixed_point && requires(const Inertia& inertia) {
+        inertia.z_room();
+    };
+    TUMBLE_INLINE void shorten_parts_about_z([[maybe_unused]] int b) {
+        if constexpr (has_z_room && Bodies::has_parts)
+            while (!N::has_room(bodies.state[b].t_b.z, inertia_[b].z_room()) && bodies.halve_parts(b))
+                [[unlikely]] spin_changed(b);
+    }
+    TUMBLE_INLINE void check_spin_about_z([[maybe_unused]] int b) {
+        if constexpr (has_z_room)
+            if (!N::has_room(bodies.state[b].t_b.z, inertia_[b].z_room())) [[unlikely]]
+                hold_spin_about_z(b);
+    }
+    [[gnu::noinline, gnu::cold]] void hold_spin_about_z(int b) requires has_z_room {
+        if constexpr (Bodies::has_parts)
+            if (bodies.parts.halvings[b] < bodies.scale.most_halvings) return;
+        N::hold(bodies.state[b].t_b.z, inertia_[b].z_room());
+        bodies.report(Issue::range_left, b);
+        spin_changed(b);
     }
     // Counts a part. The spin may have left its range in it.
     [[gnu::noinline]] bool has_part_left(int b, bool ends_step) requires(Bodies::has_parts) {
@@ -644,7 +670,10 @@ private:
         if constexpr (has_wrenches) {
             if (wrenches.act_on(b)) {
                 driven<dragged>(b, info, fall, part...);
-                if constexpr (ends_step) settle(b);
+                if constexpr (ends_step) {
+                    check_spin_about_z(b);
+                    settle(b);
+                }
                 return;
             }
         }

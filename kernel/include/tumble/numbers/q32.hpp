@@ -97,8 +97,8 @@ struct Q32 {
         std::int8_t drift_shift = 2;
         std::int8_t turn_shift = 1;                 // Turn is the half turn times 2^turn_shift
         static constexpr int most_turn_shift = 14;  // squares of angles are shifted by up to 2 (14 + 1) < 32 bits
-        // A faster spin is held in half turns of a half, a quarter or an eighth of the step: as many halvings as the
-        // declared range needs.
+        // A faster spin is held in half turns of a half, a quarter, ... a 64th of the step: as many halvings as the
+        // declared range needs. StepParts counts the parts in eight bits.
         std::int8_t most_halvings = 0;
 
         // `turn_per_spin`: the largest half turn in a step that a spin of 1 rad/s can be, s (h/2; h for momentum).
@@ -107,7 +107,7 @@ struct Q32 {
             const int turn_bits = -2 - (Real{R::spin} * turn_per_spin).ceil_log2_bound();
             return {static_cast<std::int8_t>(detail::clamp(drift_bits - Position::fraction_bits, 2, 30)),
                     static_cast<std::int8_t>(detail::clamp(turn_bits, 1, most_turn_shift)),
-                    static_cast<std::int8_t>(detail::clamp(1 - turn_bits, 0, 3))};
+                    static_cast<std::int8_t>(detail::clamp(1 - turn_bits, 0, 6))};
         }
         // The scale of turns that are half turns in 2^-halvings of the step.
         [[nodiscard]] TUMBLE_INLINE constexpr Scale halved(int halvings) const {
@@ -292,6 +292,21 @@ struct Q32 {
             return static_cast<std::uint32_t>(high ^ (high >> 31));
         };
         return ((size(turns.x) | size(turns.y)) >> 28) == 0 && z_up <= 28 && (size(turns.z) >> (28 - z_up)) == 0;
+    }
+    // True if the turn times 2^up is in the range. Below: the end of that range, and a turn that is held there. More
+    // than most_room would leave a turn less than two bits: it stays as it is.
+    static constexpr int most_room = 28;
+    [[nodiscard]] TUMBLE_INLINE static constexpr bool has_room(const auto& turn, int up) {
+        const std::int32_t high = upper(turn.sum().raw);
+        return up > most_room || ((high ^ (high >> 31)) >> (30 - up)) == 0;
+    }
+    [[nodiscard]] static constexpr TurnSum largest_turn_with_room(int up) {
+        return {up > most_room ? 0 : ((1 << (30 - up)) - 1) * (std::int64_t{1} << 32)};
+    }
+    static constexpr void hold(auto& turn, int up) {
+        if (up > most_room) return;
+        const TurnSum limit = largest_turn_with_room(up);
+        turn = std::remove_reference_t<decltype(turn)>::from_sum(turn.sum().raw < 0 ? -limit : limit);
     }
     // Moves a number out of its range, so that out_of_range() reports it.
     static constexpr void leave_range(auto& number) {
