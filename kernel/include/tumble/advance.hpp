@@ -63,7 +63,7 @@ public:
     constexpr void add(const BodySpec& spec, const PrincipalInertia& inertia, int b) {
         bodies.add(spec, inertia, b);
         if constexpr (rotation)
-            if (bodies.rotates(b)) inertia_[b] = Inertia::of(inertia.moments, bodies.scale);
+            if (bodies.rotates(b)) set_inertia(b, inertia.moments);
         spin_changed(b);
         disturb();
         if constexpr (has_loads) loads.set_body(b, spec, inertia, bodies);
@@ -144,7 +144,7 @@ public:
     TUMBLE_INLINE void step_turntable([[maybe_unused]] int b, [[maybe_unused]] const StepInfo<N>& info) {
         if constexpr (features.turntables && rotation)
             if (bodies.is_turning(b) && !bodies.constants[b].kinematic()) {
-                rotate<true>(b, info);
+                turn_steadily<true>(b, info);
                 check_range(b);
                 disturb();
             }
@@ -468,6 +468,13 @@ private:
     }
 
     using Inertia = typename Integrator::template Inertia<N>;
+    // There may be bodies that turn by themselves, and tumble in free rotation.
+    static constexpr bool may_tumble = rotation && features.moving_surfaces() && features.bodies > 0;
+    constexpr void set_inertia(int b, const RealVec3& moments) requires rotation {
+        inertia_[b] = Inertia::of(moments, bodies.scale);
+        if constexpr (may_tumble)
+            if (bodies.constants[b].fixed()) sphere_ = Inertia::of({1, 1, 1}, bodies.scale);
+    }
     // True if the constants of a body's rotation depend on its spin.
     static constexpr bool prepares_spin() {
         return rotation && requires(Inertia & inertia, const Bodies& all) { inertia.prepare(all.state[0], all.scale); };
@@ -528,9 +535,69 @@ private:
     }
     template <bool ends_step = false>
     void coast_by_itself(int b, const StepInfo<N>& info) requires(features.kinematic) {
-        rotate<ends_step>(b, info);
+        turn_steadily<ends_step>(b, info);
         State& s = bodies.state[b];
         for (int i = 0; i < 3; ++i) N::coast(s.x_w[i], s.d_w[i], DriftSum{}, bodies.scale);
+    }
+    // Rotation of a fixed or kinematic body: steadily about the axis of its spin, whatever its moments.
+    template <bool ends_step = false>
+    void turn_steadily(int b, const StepInfo<N>& info) {
+        if constexpr (may_tumble)
+            if (tumbles(b)) return turn_as_a_sphere<ends_step>(b, info);
+        rotate<ends_step>(b, info);
+    }
+    // True of a spin that changes in free rotation: it has components of different moments. Those that rounding leaves
+    // beside a principal axis do not count.
+    [[nodiscard]] bool tumbles(int b) const requires may_tumble {
+        if (!bodies.rotates(b)) return false;
+        int components = 0;
+        for (int i = 0; i < 3; ++i) components += N::sum(bodies.state[b].t_b[i]) == TurnSum{} ? 0 : 1;
+        return components > 1 && has_different_moments(b);
+    }
+    [[nodiscard, gnu::noinline]] bool has_different_moments(int b) const requires may_tumble {
+        const auto& units = bodies.constants[b].units;
+        Work turn[3], most(0), first(0);
+        for (int i = 0; i < 3; ++i) {
+            turn[i] = magnitude_of(bodies.turn(b, i));
+            if (turn[i] > most) most = turn[i];
+        }
+        for (int i = 0; i < 3; ++i) {
+            if (!(turn[i] > most * N::rounding_unit())) continue;
+            const Work rate = units.per_half_turn(i);
+            // The units of an angular velocity do not depend on the moments. A body of equal moments turns as a sphere.
+            if (first > Work(0) && (units.has_one_rate || !(rate == first))) return true;
+            first = rate;
+        }
+        return false;
+    }
+    // A sphere turns steadily. Its spin is its angular velocity. The body has its own spin again afterwards.
+    template <bool ends_step>
+    [[gnu::noinline]] void turn_as_a_sphere(int b, const StepInfo<N>& info) requires may_tumble {
+        State& s = bodies.state[b];
+        shorten_parts_about_z(b);
+        check_spin_about_z(b);
+        [[maybe_unused]] const auto spin_before = s.t_b;
+        [[maybe_unused]] int halvings = bodies.halvings_of(b);
+        const Inertia own = inertia_[b];
+        inertia_[b] = sphere_;
+        if constexpr (spin == Spin::angular_momentum) {
+            for (int i = 0; i < 3; ++i) {
+                const Work half_turn = N::half_of(bodies.turn(b, i));
+                s.t_b[i] = {};
+                N::add_any(s.t_b[i], half_turn, bodies.spin_scale(b));
+            }
+            (void)bodies.check_range(b);
+            spin_changed(b);
+        }
+        rotate(b, info);
+        inertia_[b] = own;
+        if constexpr (spin == Spin::angular_momentum) {
+            s.t_b = spin_before;
+            if constexpr (Bodies::has_parts)
+                for (; halvings < bodies.parts.halvings[b]; ++halvings) N::halve(s.t_b);
+            spin_changed(b);
+        }
+        if constexpr (ends_step) settle(b);
     }
     // The motion of a body in a part of the step as that in a whole one.
     void shorten(int b, Work length) requires(features.kinematic) {
@@ -801,6 +868,7 @@ public:
 private:
     // Behind the bodies, where it may fill the end of their last word.
     [[no_unique_address]] If<rotation, typename detail::RoomFor<Inertia, features.bodies>::Array, 1> inertia_{};
+    [[no_unique_address]] If<may_tumble, Inertia, 13> sphere_{};  // of a fixed body that would tumble
 
 public:
     [[no_unique_address]] If<has_loads, Loads, 0> loads;
