@@ -16,6 +16,13 @@ const std::vector<Kind> kinds{
     {"a_ball_rolls_over_flush_blocks_without_a_hop", ball_rolls_over_flush_blocks},
     {"a_step_between_blocks_stops_a_box", step_stops_a_box},
     {"a_ball_bounces_on_flush_blocks_as_on_one_block", ball_bounces_on_flush_blocks_as_on_one},
+    {"a_sleeper_comes_along_when_the_other_end_of_its_spring_moves", sleeper_pulled_by_a_spring},
+    {"a_sleeper_slides_when_a_mass_comes_near", sleeper_attracted_by_a_mass},
+    {"a_body_with_a_constant_load_falls_asleep", sleeper_beside_a_constant_load},
+    {"a_body_that_nothing_pushes_turns_steadily", body_that_turns_by_itself},
+    {"a_box_goes_round_with_a_tilted_plate", box_on_a_tilted_plate_that_turns},
+    {"a_spin_that_leaves_its_range_is_held_at_the_number_that_is_told", spin_that_leaves_its_range},
+    {"a_rod_that_rolls_out_of_its_range_is_held_there", rod_that_rolls_out_of_its_range},
 };
 
 }  // namespace tumble::test

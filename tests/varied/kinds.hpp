@@ -25,5 +25,15 @@ namespace edges {
 std::string leaving_ball(Draw& draw, Case& run);
 std::string tipping_box(Draw& draw, Case& run);
 }  // namespace edges
+// sleepers_and_loads.cpp
+std::string sleeper_pulled_by_a_spring(Draw& draw, Case& scene);
+std::string sleeper_attracted_by_a_mass(Draw& draw, Case& scene);
+std::string sleeper_beside_a_constant_load(Draw& draw, Case& scene);
+// steady_spins.cpp
+std::string body_that_turns_by_itself(Draw& draw, Case& scene);
+std::string box_on_a_tilted_plate_that_turns(Draw& draw, Case& scene);
+// slender_rods.cpp
+std::string spin_that_leaves_its_range(Draw& draw, Case& scene);
+std::string rod_that_rolls_out_of_its_range(Draw& draw, Case& scene);
 
 }  // namespace tumble::test
