@@ -147,7 +147,7 @@ std::string event_text(const EventDescription& description, const EventSpec& eve
     Members members("            ");
     members.always("time", number(event.time), "s");
     members.always("kind", std::string("tumble::EventKind::") + name_of(event.kind));
-    members.always("body", std::to_string(event.body));
+    if (has_body(event.kind)) members.always("body", std::to_string(event.body));
     members.when(event.frame == Frame::body, "frame", "tumble::Frame::body");
     members.when(!event.value.is_zero(), "value", vector(event.value));
     members.when(!event.point.is_zero(), "point", vector(event.point), "m");

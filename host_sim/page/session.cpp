@@ -121,6 +121,7 @@ std::size_t Session::add(const RunWay& way) {
         snap(force.from);
         snap(force.until);
     }
+    for (EventDescription& event : scene.events) snap(event.time);
     runs_.emplace_back(make_simulation(scene, way.integrator, way.numbers, way.carry), way.halvings);
     return runs_.size() - 1;
 }

@@ -201,9 +201,10 @@ Features needs(const SceneData& scene) {
                (kind == ShapeKind::cylinder || kind == ShapeKind::capsule || kind == ShapeKind::hoop);
     };
     const auto is_turntable = [](const BodySpec& body) { return body.fixed && !body.angular_velocity.is_zero(); };
-    const auto lasts = [](const EventSpec& event) {
+    const auto is_control = [](const EventSpec& event) {
         return event.kind == EventKind::force || event.kind == EventKind::torque ||
-               event.kind == EventKind::step_force || event.kind == EventKind::step_torque;
+               event.kind == EventKind::step_force || event.kind == EventKind::step_torque ||
+               event.kind == EventKind::gravity;
     };
     const auto turns_fixed = [&](const EventSpec& event) {
         return event.kind == EventKind::angular_velocity && scene.bodies[static_cast<std::size_t>(event.body)].fixed;
@@ -233,7 +234,7 @@ Features needs(const SceneData& scene) {
         .wheels = !scene.wheels.empty(),
         .forces = !scene.forces.empty(),
         .impulses = !scene.impulses.empty(),
-        .control = any(scene.events, lasts),
+        .control = any(scene.events, is_control),
         .script = !scene.events.empty(),
         .pairs = pairs,
         .boxes = (by_impulses || by_springs) && any(scene.bodies, is_box),

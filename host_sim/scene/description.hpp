@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -89,7 +90,7 @@ struct ForceDescription {
 struct EventDescription {
     double time = 0.0;  // s; of a live event: none
     EventKind kind = EventKind::impulse;
-    int body = 0;
+    int body = -1;                              // none of gravity
     Frame frame = Frame::world;                 // of `value`
     Triple value{};                             // see EventKind
     Triple point{};                             // body frame, user's axes
@@ -156,6 +157,15 @@ struct SceneDescription {
     [[nodiscard]] bool has_rotation() const {
         return bodies.empty() ||
                !std::all_of(bodies.begin(), bodies.end(), [](const auto& b) { return b.is_point_mass(); });
+    }
+
+    // The largest gravity that acts in the run, m/s^2.
+    [[nodiscard]] double most_gravity() const {
+        const auto size = [](const Triple& v) { return std::hypot(v[0], v[1], v[2]); };
+        double most = size(gravity);
+        for (const EventDescription& event : events)
+            if (event.kind == EventKind::gravity) most = std::max(most, size(event.value));
+        return most;
     }
 
     // Number of steps: the last step ends at or just after `duration`.

@@ -37,9 +37,9 @@ void check_ranges(Table& table, const EventDescription& event, RangeDescription&
 const Words<EventKind>& event_kinds() {
     static const Words<EventKind> kinds = [] {
         Words<EventKind> all;
-        for (int i = 0; i <= static_cast<int>(EventKind::pose); ++i) {  // a scene keeps its bodies
+        for (int i = 0; i <= static_cast<int>(EventKind::gravity); ++i) {
             const auto kind = static_cast<EventKind>(i);
-            all.emplace_back(name_of(kind), kind);
+            if (kind != EventKind::remove) all.emplace_back(name_of(kind), kind);  // a scene keeps its bodies
         }
         return all;
     }();
@@ -54,26 +54,31 @@ EventDescription read_event(Table table, const SceneDescription& scene, RangeDes
     std::string body;
     if (!live) table.required("time", event.time, seconds);
     table.required("kind", event.kind, event_kinds());
-    table.required("body", body);
+    const bool acts_on_a_body = has_body(event.kind);
+    if (acts_on_a_body) table.required("body", body);
+    else table.optional("body", body);
     table.required("value", event.value, any_triple);
     table.optional("frame", event.frame, frames);
     table.optional("point", event.point, metres);
     const bool has_orientation = table.optional("orientation", event.orientation, any_quaternion);
     table.finish();
 
-    event.body = resolve(table, "body", body, scene);
+    if (acts_on_a_body) event.body = resolve(table, "body", body, scene);
+    else if (table.has("body")) table.at("body").fail("given for gravity", "no body: gravity acts on all of them");
     if (!live) check_time(table, "time", event.time, scene);
     const std::string kind = name_of(event.kind);
     if (has_orientation && event.kind != EventKind::pose)
         table.at("orientation").fail("given for " + in_quotes(kind), "it for a pose alone");
     if (table.has("frame") && event.kind == EventKind::pose)
         table.at("frame").fail("given for a pose", "no frame: a pose is in the world's");
+    if (table.has("frame") && !acts_on_a_body)
+        table.at("frame").fail("given for gravity", "no frame: gravity is in the world's");
     if (table.has("point") && !has_point(event.kind))
         table.at("point").fail("given for " + in_quotes(kind), "it for an impulse or a force alone");
     if (has_orientation)
         check_not_zero(table.at("orientation"), event.orientation.data(), event.orientation.size(),
                        "a quaternion [w, x, y, z] whose length is not 0");
-    refuse_rotation(table, event, scene.body(event.body));
+    if (acts_on_a_body) refuse_rotation(table, event, scene.body(event.body));
     check_ranges(table, event, range);
     return event;
 }

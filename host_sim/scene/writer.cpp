@@ -123,7 +123,8 @@ std::string expectation_text(const Expectation& expected) {
 
 std::string event_text(const EventDescription& event, const SceneDescription& scene) {
     return "\n[[event]]\n" + line("time", event.time) + line("kind", json_text(name_of(event.kind))) +
-           line("body", json_text(scene.body(event.body).name)) + line("value", event.value) + frame_text(event.frame) +
+           (has_body(event.kind) ? line("body", json_text(scene.body(event.body).name)) : "") +
+           line("value", event.value) + frame_text(event.frame) +
            (event.point == Triple{} ? "" : line("point", event.point)) +
            (event.kind == EventKind::pose && !scene.body(event.body).is_point_mass()
                 ? line("orientation", event.orientation)

@@ -23,14 +23,14 @@ SceneEnergy::SceneEnergy(const SceneData& data) : data_(data) {
         planes_.push_back({vector(normalized(plane.normal)), number(plane.offset)});
 }
 
-Energy SceneEnergy::of(const std::vector<Motion>& now, const std::vector<Vector>& spins) const {
+Energy SceneEnergy::of(const std::vector<Motion>& now, const std::vector<Vector>& spins, const Vector& gravity) const {
     Energy energy;
     for (std::size_t b = 0; b < now.size(); ++b) {
         if (data_.bodies[b].is_fixed()) continue;
         const Body& body = bodies_[b];
         energy.kinetic += body.mass * dot(now[b].v, now[b].v) / 2;
         energy.kinetic += dot(times(body.moments, spins[b]), spins[b]) / 2;
-        energy.potential -= body.mass * dot(vector(data_.world.gravity), now[b].x);
+        energy.potential -= body.mass * dot(gravity, now[b].x);
         energy.potential += of_gravity_gradient(b, now[b]);
     }
     const auto point = [&](int b, const RealVec3& p) {

@@ -14,9 +14,9 @@ class SceneEnergy {
 public:
     explicit SceneEnergy(const SceneData& data);
 
-    // In the user's axes; `spins` of all bodies about their principal axes, rad/s.
-    [[nodiscard]] Energy of(const std::vector<reference::Motion>& now,
-                            const std::vector<reference::Vector>& spins) const;
+    // In the user's axes; `spins` of all bodies about their principal axes, rad/s; gravity of now, m/s^2.
+    [[nodiscard]] Energy of(const std::vector<reference::Motion>& now, const std::vector<reference::Vector>& spins,
+                            const reference::Vector& gravity) const;
 
 private:
     struct Body {

@@ -101,10 +101,11 @@ std::vector<std::string> limitations(const SceneDescription& scene) {
     }
     for (std::size_t i = 0; i < scene.events.size(); ++i) {
         const EventDescription& event = scene.events[i];
+        const BodyDescription* const body = has_body(event.kind) ? &scene.body(event.body) : nullptr;
         const bool moves_fixed = event.kind == EventKind::pose || event.kind == EventKind::angular_velocity ||
-                                 (event.kind == EventKind::velocity && scene.body(event.body).kinematic);
+                                 (event.kind == EventKind::velocity && body->kinematic);
         const std::string name = "event[" + std::to_string(i) + "] ";
-        if (scene.body(event.body).fixed && !moves_fixed) list.push_back(name + acts_on_fixed(scene.body(event.body)));
+        if (body != nullptr && body->fixed && !moves_fixed) list.push_back(name + acts_on_fixed(*body));
         else if (nearest_step(event.time, scene.step) >= number_of_steps)
             list.push_back(name + "comes when the last step has been taken, so it has no effect");
     }

@@ -73,7 +73,7 @@ public:
             motions.push_back(motion_of(b));
             spins.push_back(spin_of(now_, axes_of(b), b));
         }
-        return energy_.of(motions, spins);
+        return energy_.of(motions, spins, gravity());
     }
 
     [[nodiscard]] double held_spin(int b) const override {
@@ -112,6 +112,7 @@ private:
     [[nodiscard]] HeldBody held_body(int b) const { return {b, axes_of(b), z_rooms_[static_cast<std::size_t>(b)]}; }
     [[nodiscard]] const PrincipalAxes& axes_of(int b) const { return axes_[static_cast<std::size_t>(b)]; }
     [[nodiscard]] virtual int contact_count(int b) const = 0;
+    [[nodiscard]] virtual Vector gravity() const = 0;  // m/s^2, of the next step
     [[nodiscard]] virtual bool is_asleep(int b) const = 0;
 
     [[nodiscard]] reference::Motion motion_of(int b) const { return host::motion_of(now_, axes_of(b), b); }
@@ -143,7 +144,8 @@ class WorldSimulation final : OwnedReplay<SceneOf<NumbersAt<index>, Method, host
 public:
     explicit WorldSimulation(SceneData data)
         : Owned(std::move(data)),
-          Told(Owned::data, Owned::replay.world().bodies(), z_rooms_of(Owned::data, Owned::replay.world().bodies())) {
+          Told(Owned::data, Owned::replay.world().bodies(), z_rooms_of(Owned::data, Owned::replay.world().bodies())),
+          at_start_(world().gravity()) {
         world().clear_status();
     }
 
@@ -222,6 +224,15 @@ private:
     [[nodiscard]] auto& world() { return Owned::replay.world(); }
     [[nodiscard]] int contact_count(int b) const override { return Owned::replay.world().contact_count(BodyId{b}); }
     [[nodiscard]] bool is_asleep(int b) const override { return Owned::replay.world().asleep(BodyId{b}); }
+    // The world rounds it. Until an event changes it, it is that of the scene.
+    [[nodiscard]] Vector gravity() const override {
+        const auto now = Owned::replay.world().gravity();
+        if (now == at_start_) return vector(Owned::data.world.gravity);
+        const auto [x, y, z] = array_of(now);
+        return {x, y, z};
+    }
+
+    Vector3<typename N::Work> at_start_;  // gravity, as the world keeps it
 };
 
 template <std::size_t index, Part part>

@@ -140,6 +140,13 @@ SmoothMotion::SmoothMotion(const SceneDescription& scene, ShapesMeet shapes_meet
         kicks_.push_back({nearest_step(impulse.time, scene.step), impulse});
     std::stable_sort(kicks_.begin(), kicks_.end(), [](const Kick& a, const Kick& b) { return a.step < b.step; });
     for (const Kick& kick : kicks_) breaks_.push_back(kick.step);
+    gravity_ = vector_of(scene.gravity);
+    for (const EventDescription& event : scene.events)
+        if (event.kind == EventKind::gravity)
+            gravities_.push_back({nearest_step(event.time, scene.step), vector_of(event.value)});
+    std::stable_sort(gravities_.begin(), gravities_.end(),
+                     [](const NewGravity& a, const NewGravity& b) { return a.step < b.step; });
+    for (const NewGravity& gravity : gravities_) breaks_.push_back(gravity.step);
     for (const ForceDescription& force : scene.forces) {
         forces_.push_back({nearest_step(force.from, scene.step), nearest_step(force.until, scene.step), force});
         breaks_.push_back(forces_.back().from);
@@ -152,6 +159,8 @@ void SmoothMotion::advance_to(std::int64_t step) {
     while (step_ < step) {
         for (; next_kick_ < kicks_.size() && kicks_[next_kick_].step <= step_; ++next_kick_)
             kick(kicks_[next_kick_].impulse);
+        for (; next_gravity_ < gravities_.size() && gravities_[next_gravity_].step <= step_; ++next_gravity_)
+            gravity_ = gravities_[next_gravity_].gravity;
         const auto next = std::upper_bound(breaks_.begin(), breaks_.end(), step_);
         const std::int64_t until = next == breaks_.end() ? step : std::min(step, *next);
         flow(step_, until);
@@ -215,10 +224,9 @@ void SmoothMotion::add_air_wheels_and_gradient(const std::vector<Motion>& motion
 }
 
 void SmoothMotion::add_loads(const std::vector<Motion>& motions, std::int64_t step, Wrenches& sums) const {
-    const Vector gravity = vector_of(scene_.gravity);
     const Number linear = scene_.linear_drag, angular = scene_.angular_drag, constant = scene_.gravitation;
     for (std::size_t i = 0; i < bodies_.size(); ++i)
-        sums[i] = {gravity * bodies_[i].mass - motions[i].v * linear, motions[i].w * -angular};
+        sums[i] = {gravity_ * bodies_[i].mass - motions[i].v * linear, motions[i].w * -angular};
     add_air_wheels_and_gradient(motions, sums);
     for (const SpringDescription& spring : scene_.springs) add_spring(spring, motions, sums);
     for (std::size_t i = 0; constant > 0 && i < bodies_.size(); ++i) {

@@ -73,6 +73,10 @@ private:
         std::int64_t step;
         ImpulseDescription impulse;
     };
+    struct NewGravity {
+        std::int64_t step;
+        reference::Vector gravity;
+    };
     struct Plane {
         reference::Vector normal;  // unit
         reference::Number offset;
@@ -96,14 +100,16 @@ private:
     ShapesMeet shapes_meet_;
     reference::Number step_length_ = 0;  // s
     std::vector<Body> bodies_;
-    std::vector<Plane> planes_;  // empty where no body can touch them
-    bool has_pairs_ = false;     // of bodies that may touch
-    std::vector<Kick> kicks_;    // by step, then in file order
+    std::vector<Plane> planes_;          // empty where no body can touch them
+    bool has_pairs_ = false;             // of bodies that may touch
+    std::vector<Kick> kicks_;            // by step, then in file order
+    std::vector<NewGravity> gravities_;  // likewise
     std::vector<TimedForce> forces_;
     std::vector<std::int64_t> breaks_;  // steps at which a load goes on or off or an impulse acts, ascending
     std::vector<reference::Motion> now_;
     std::int64_t step_ = 0;
-    std::size_t next_kick_ = 0;
+    std::size_t next_kick_ = 0, next_gravity_ = 0;
+    reference::Vector gravity_;  // m/s^2
 };
 
 // Half the extent of a shape along a direction of unit length, m.

@@ -88,9 +88,10 @@ SceneDescription with_events_at_steps(SceneDescription scene) {
 }
 
 void require_no_events(const SceneDescription& scene) {
-    if (!scene.events.empty())
-        throw std::invalid_argument(scene.path + ": event: other steps and methods have no reference for [[event]], "
-                                                 "expected [[impulse]] and [[force]] in its place");
+    if (std::any_of(scene.events.begin(), scene.events.end(), [](const auto& event) { return has_body(event.kind); }))
+        throw std::invalid_argument(scene.path +
+                                    ": event: other steps and methods have no reference for the [[event]] of a body, "
+                                    "expected [[impulse]] and [[force]] in its place");
 }
 
 Method method_of(const Simulation& simulation) {
@@ -135,6 +136,7 @@ SampledScene::SampledScene(SceneDescription scene) : scene_(with_events_at_steps
         note(force.from);
         note(force.until);
     }
+    for (const EventDescription& event : scene_.events) note(event.time);
     while ((steps >> (longest_ + 1)) >= sample_count &&
            std::all_of(event_steps.begin(), event_steps.end(),
                        [&](std::int64_t step) { return step % (std::int64_t{2} << longest_) == 0; }))

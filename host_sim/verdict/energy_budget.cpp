@@ -31,7 +31,7 @@ EnergyBudget::EnergyBudget(const SceneDescription& scene, const Simulation& simu
     is_on_ = !is_driven_by_fixed && !begins_pushed && !begins_inside;
 
     tolerance_energy_ = 0;
-    const long double gravity = std::hypot(scene.gravity[0], scene.gravity[1], scene.gravity[2]);
+    const long double gravity = scene.most_gravity();
     for (const BodySpec& body : build_scene(scene).bodies) mass_.push_back(body.is_fixed() ? 0 : number(body.mass));
     if (touches && !by_springs)
         for (const long double mass : mass_) tolerance_energy_ += mass * gravity * simulation.contact_tolerance();
@@ -51,7 +51,7 @@ long double EnergyBudget::rounding(const Simulation& simulation) const {
     long double sum = 0, weight = 0;
     const auto add = [&](long double force, long double place) { sum += force * (unit * place + held); };
     for (std::size_t b = 0; b < now.size(); ++b) {
-        const long double own = mass_[b] * norm(reference::vector_of(scene_.gravity));
+        const long double own = mass_[b] * scene_.most_gravity();
         weight += own;
         add(own, norm(now[b].x));
     }

@@ -16,12 +16,17 @@ constexpr std::int64_t looks_per_moment = 16;
 constexpr double speed_at_rest = 1e-3;
 constexpr double share_at_rest = 0.1;
 
-// The steps in which impulses or forces act. Wind acts in all.
+// The steps in which impulses or forces act or gravity changes. Wind acts in all.
 std::vector<std::pair<std::int64_t, std::int64_t>> driven_steps_of(const SceneDescription& scene) {
     std::vector<std::pair<std::int64_t, std::int64_t>> spans;
     if (scene.wind != Triple{}) spans.emplace_back(0, scene.steps());
     for (const ImpulseDescription& impulse : scene.impulses) {
         const std::int64_t at = nearest_step(impulse.time, scene.step);
+        spans.push_back({at, at + 1});
+    }
+    for (const EventDescription& event : scene.events) {
+        // The energy is another before the first step under new gravity.
+        const std::int64_t at = nearest_step(event.time, scene.step);
         spans.push_back({at, at + 1});
     }
     for (const ForceDescription& force : scene.forces)

@@ -301,8 +301,7 @@ std::vector<Way> better_numbers(const Way& way) {
 std::vector<Way> thresholds(const Way& way, const SceneDescription& scene) {
     std::vector<Way> ways;
     for (const double steps : {4, 16, 64}) {
-        const double speed =
-            steps * std::hypot(scene.gravity[0], scene.gravity[1], scene.gravity[2]) * way.step.seconds();
+        const double speed = steps * scene.most_gravity() * way.step.seconds();
         if (speed > scene.contact.restitution_threshold)
             ways.push_back({way.method, way.step, std::stod(two_digits(speed))});
     }

@@ -146,6 +146,7 @@ TEST(Live, every_kind_of_event_replays_from_its_recording) {
 {"step": 3}
 {"kind": "pose", "body": "drone", "value": [0.1, 0.2, 0.3], "orientation": [1, 2, 3, 4]}
 {"kind": "torque", "body": "drone", "value": [0, 0, 0]}
+{"kind": "gravity", "value": [0.1, 0.2, -0.3]}
 {"step": 760}
 )";
     for (const char* numbers : {"q32", "f64"}) {
@@ -174,6 +175,11 @@ TEST(Live, a_wrong_line_ends_the_run_with_its_number_and_what_was_expected) {
          "standard input:3: event.time: unknown key"},
         {"{\"kind\": \"velocity\", \"body\": \"drone\", \"value\": [0, 33, 0]}",
          "standard input:3: event.value[1]: got 33, expected a number from -32 to 32 (m/s)"},
+        {"{\"kind\": \"gravity\", \"body\": \"drone\", \"value\": [0, -1, 0]}",
+         "standard input:3: event.body: given for gravity, expected no body: gravity acts on all of them"},
+        {"{\"kind\": \"gravity\", \"value\": [0, -1, 0], \"frame\": \"world\"}",
+         "standard input:3: event.frame: given for gravity, expected no frame: gravity is in the world's"},
+        {"{\"kind\": \"force\", \"value\": [0, -1, 0]}", "standard input:3: event.body: missing"},
         {"{\"kind\": \"force\", \"body\": null}", "standard input:3: body: got null, expected"},
         {"{\"step\": 1.5}", "standard input:3: step: got 1.5, expected a whole number of steps from 1 to 2^31"},
         {"{\"step\": \"1\"}", "standard input:3: step: got \"1\", expected a whole number of steps from 1 to 2^31"},
@@ -265,15 +271,29 @@ TEST(Live, a_body_that_leaves_its_range_ends_the_run) {
     EXPECT_TRUE(has(outcome.text, "\"status\": [\"range_left\"]")) << outcome.text.substr(0, 2000);
 }
 
-TEST(Events, of_a_scene_are_not_checked_and_advise_refuses_them) {
+TEST(Events, of_bodies_are_not_checked_and_advise_refuses_them) {
     const std::string scene =
         written("hover.toml", drone + "[[event]]\ntime = 0.5\nkind = \"velocity\"\nbody = \"drone\"\n"
                                       "value = [0.0, 1.0, 0.0]\n");
     expect_outcome(tumble({"run", scene}), 0, "verdict: not checked");
     EXPECT_EQ(json_of({"run", scene})["verdict"]["kind"], "unchecked");
     expect_outcome(tumble({"advise", scene, "--core", "cortex-m3", "--tolerance", "1e-3"}), 2,
-                   "event: other steps and methods have no reference for [[event]]");
+                   "event: other steps and methods have no reference for the [[event]] of a body");
     expect_outcome(tumble({"run", scene, "--duration", "0.5"}), 0, "event[0] comes when the last step has been taken");
+}
+
+TEST(Events, of_gravity_are_checked_and_change_the_potential_energy) {
+    const auto scene = [&](const char* value) {
+        return written("hover.toml", drone + "[[event]]\ntime = 1.0\nkind = \"gravity\"\nvalue = " + value + "\n");
+    };
+    const Json run = json_of({"run", scene("[2.0, 0.0, 0.0]"), "--numbers", "f64", "--check", "on"});
+    EXPECT_EQ(run["verdict"]["kind"], "right");
+    const Json body = run["bodies"][0];
+    const double t = run["time_s"].get<double>() - 1;
+    EXPECT_NEAR(body["velocity_m_s"][0].get<double>(), 2 * t, 1e-9);
+    EXPECT_NEAR(body["position_m"][0].get<double>(), t * t, 1e-9);
+    expect_outcome(tumble({"run", scene("[2.0, 0.0, 0.0]"), "--duration", "1.0"}), 0,
+                   "event[0] comes when the last step has been taken");
 }
 
 TEST(Events, of_a_scene_set_what_they_say) {

@@ -11,6 +11,7 @@
 #include "command_runner.hpp"
 #include "scene/data.hpp"
 #include "scene/scene_file.hpp"
+#include "scene/writer.hpp"
 
 namespace tumble::host {
 namespace {
@@ -498,6 +499,24 @@ TEST(SceneReader, every_key_of_springs_and_events_arrives_as_written) {
     EXPECT_EQ(force.body, 1);
     EXPECT_EQ(force.frame, Frame::body);
     EXPECT_EQ((Triples{force.force, force.point, force.torque}), written);
+}
+
+TEST(SceneReader, gravity_is_an_event_without_a_body_that_is_read_as_it_is_written) {
+    const auto scene = read(world + brick +
+                            "[[event]]\ntime = 0.5\nkind = \"gravity\"\nvalue = [1.5, -9.81, 0.1]\n"
+                            "[[event]]\ntime = 0.75\nkind = \"velocity\"\nbody = \"brick\"\nvalue = [1, 0, 0]\n");
+    ASSERT_EQ(scene.events.size(), 2u);
+    EXPECT_EQ(scene.events[0].kind, EventKind::gravity);
+    EXPECT_EQ(scene.events[0].body, -1);
+    EXPECT_EQ(scene.events[0].value, (Triple{1.5, -9.81, 0.1}));
+    EXPECT_EQ(scene.most_gravity(), std::hypot(1.5, 9.81, 0.1));
+    const auto again = read(scene_text(scene));
+    ASSERT_EQ(again.events.size(), 2u);
+    EXPECT_EQ(again.events[0].kind, EventKind::gravity);
+    EXPECT_EQ(again.events[0].value, scene.events[0].value);
+    EXPECT_EQ(again.events[1].body, 0);
+    const auto needed = needs(build_scene(scene));
+    EXPECT_TRUE(needed.control && needed.script);
 }
 
 TEST(SceneReader, spring_to_a_world_point_has_no_second_body) {

@@ -23,6 +23,8 @@ const std::vector<Kind> kinds{
     {"a_box_goes_round_with_a_tilted_plate", box_on_a_tilted_plate_that_turns},
     {"a_spin_that_leaves_its_range_is_held_at_the_number_that_is_told", spin_that_leaves_its_range},
     {"a_rod_that_rolls_out_of_its_range_is_held_there", rod_that_rolls_out_of_its_range},
+    {"boxes_slide_when_gravity_leaves_the_cone_of_friction", boxes_on_a_tray_that_tilts},
+    {"balls_roll_down_the_slope_that_gravity_makes", balls_on_a_tray_that_tilts},
 };
 
 }  // namespace tumble::test

@@ -35,5 +35,7 @@ std::string box_on_a_tilted_plate_that_turns(Draw& draw, Case& scene);
 // slender_rods.cpp
 std::string spin_that_leaves_its_range(Draw& draw, Case& scene);
 std::string rod_that_rolls_out_of_its_range(Draw& draw, Case& scene);
+std::string boxes_on_a_tray_that_tilts(Draw& draw, Case& drawn);
+std::string balls_on_a_tray_that_tilts(Draw& draw, Case& drawn);
 
 }  // namespace tumble::test
