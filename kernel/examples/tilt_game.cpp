@@ -1,0 +1,115 @@
+// A game for a board with an accelerometer: the player tilts a tray with a rim, and two balls roll to the goal. Counts
+// of the sensor become gravity by one constant, in integers. The world records the game and then replays the recording.
+// The program prints the hash of the end, which is the same on every machine: a game that is recorded on a core is
+// replayed on the workstation, bit for bit.
+#include <tumble/tumble.hpp>
+
+#include "port.hpp"
+
+namespace {
+
+using namespace tumble::literals;
+
+constexpr int events = 24, steps_per_sample = 8;  // 8 samples a second, for 3 s
+
+struct Tray : tumble::Scene {
+    using Numbers = tumble::Q32<tumble::Range<2, 8, 128>>;  // 2 m, 8 m/s, 128 rad/s
+    static constexpr tumble::Features features{.bodies = 2,
+                                               .planes = 5,
+                                               .near_pairs = 7,
+                                               .control = true,
+                                               .script = true,
+                                               .recording = true,
+                                               .snapshots = true,
+                                               .pairs = true,
+                                               .friction = true};
+};
+using Game = tumble::World<Tray>;
+constexpr double half = 0.2, radius = 0.02;  // of the tray and of a ball, m
+constexpr tumble::BodyId steel{0}, wood{1};
+
+Game game{tumble::Seconds{1, 64}, {.contact = {.restitution = 0, .friction = 0.5}}};
+tumble::Recorder<Tray::Numbers, events> recorder;
+std::uint8_t start[512];  // the bodies at the start
+
+// Two balls in one corner of a tray. The goal is the corner opposite.
+void set_up() {
+    tumble::BodySpec ball = tumble::sphere(0.25_kg, radius);
+    ball.position = {-0.15, radius, -0.16};
+    (void)game.add(ball);
+    ball.mass = 0.025_kg;
+    ball.position = {-0.1, radius, -0.15};
+    (void)game.add(ball);
+    (void)game.add(tumble::PlaneSpec{});
+    for (const int side : {-1, 1}) {
+        (void)game.add(tumble::PlaneSpec{.normal = {side, 0, 0}, .offset = half});
+        (void)game.add(tumble::PlaneSpec{.normal = {0, 0, side}, .offset = half});
+    }
+}
+
+// What the sensor reads, along the axes of the tray: at rest the opposite of gravity. 16384 counts are 1 g.
+struct Sample {
+    std::int16_t x, y, z;
+};
+// Its bits are Fixed<26>: m/s^2 times 2^26. One count is 9.80665 / 16384 m/s^2.
+constexpr std::int32_t per_count = 40168;
+tumble::Vector3<tumble::Fixed<26>> gravity_of(const Sample& s) {
+    return {{-s.x * per_count}, {-s.y * per_count}, {-s.z * per_count}};
+}
+
+// In place of a sensor: a player tilts the tray along z for a second, then along x and z for two, by 14 degrees, with a
+// hand that trembles.
+Sample read_sensor(int sample) {
+    static std::uint32_t noise = 1;
+    const auto tremble = [] {
+        noise = noise * 1664525 + 1013904223;
+        return static_cast<int>(noise >> 25) - 64;
+    };
+    const int slope = -4096, x = sample < 8 ? 0 : slope, z = slope;
+    const auto count = [&](int value) { return static_cast<std::int16_t>(value + tremble()); };
+    return {count(x), count(15864), count(z)};
+}
+
+// What a game does at each step, and what the tests measure.
+[[gnu::noinline]] void play_step(int step) {
+    if (step % steps_per_sample == 0) game.set_gravity(gravity_of(read_sensor(step / steps_per_sample)));
+    game.step();
+}
+
+void write_hexadecimal(std::uint64_t value) {
+    char line[17];
+    for (int i = 0; i < 16; ++i) line[i] = "0123456789abcdef"[(value >> (60 - 4 * i)) & 15];
+    line[16] = '\n';
+    tumble::port::write(line, sizeof line);
+}
+
+}  // namespace
+
+int main() {
+    tumble::port::init();
+    constexpr int steps = events * steps_per_sample;
+    set_up();
+    const int size = game.save(start, sizeof start, tumble::SnapshotPart::bodies);
+    game.record(&recorder);
+    for (int step = 0; step < steps; ++step) {
+        play_step(step);
+        // A ball that rolls down has 5/7 of the acceleration of one that slides without friction.
+        const float expected = 9.80665F / 4 * 5 / 7 * static_cast<float>(step + 1) / 64,
+                    speed = game.motion<float>(steel).velocity.z;
+        if (step == 15 && !(speed > 0.98F * expected && speed < 1.02F * expected)) return 1;
+    }
+    for (const tumble::BodyId ball : {steel, wood}) {
+        const auto end = game.pose<float>(ball).position;
+        if (!(end.x > 0.12F && end.z > 0.12F)) return 2;  // in the corner of the goal
+    }
+    if (!game.status().ok()) return 3;
+    const std::uint64_t hash = game.hash();
+
+    game.record(nullptr);
+    if (size == 0 || game.restore(start, size) != tumble::SnapshotFault::none) return 4;
+    game.set_script(recorder.script());
+    for (int step = 0; step < steps; ++step) game.step();
+    if (game.hash() != hash) return 5;
+    write_hexadecimal(hash);
+    return 0;
+}
