@@ -128,13 +128,14 @@ public:
     }
 
     // Right to the end, or as far as the references know and at least to the time of the verdict, without a word of the
-    // status. `shift`: the most that a body begins beside its place along each axis, m; a fixed one stays.
+    // status. `shift`: the most that a body begins beside its place along each axis, m. A fixed body stays, and so does
+    // a coordinate of 0, which all numbers hold: a motion in a plane or on a line remains one.
     [[nodiscard]] bool is_good(const Way& way, const Verdict& verdict, double shift = 0) const {
         SceneDescription scene = scene_;
         if (way.restitution_threshold) scene.contact.restitution_threshold = *way.restitution_threshold;
         int axis = 0;
         for (BodyDescription& body : scene.bodies)
-            for (double& x : body.position) x += body.fixed ? 0 : shift * part_of_shift(axis++);
+            for (double& x : body.position) x += body.fixed || x == 0 ? 0 : shift * part_of_shift(axis++);
         try {
             Record record = record_of(scene, way.method, halvings_of(way), moments_);
             record.rounding += 2 * std::abs(shift);  // it is no error
