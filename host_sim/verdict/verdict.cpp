@@ -330,7 +330,8 @@ public:
         if (!runs_well(way)) return false;
         Way finer = way;
         finer.step = scaled(way.step, -1);
-        const bool is_sure = runs_well(way, doubt_) && runs_well(way, -doubt_) && runs_well(finer);
+        const bool is_sure = runs_well(way, doubt_) && runs_well(way, -doubt_) && runs_well(finer) &&
+                             runs_well(way, doubt_ / 2) && runs_well(way, -doubt_ / 2) && runs_well(finer, -doubt_);
         is_complete_ = is_complete_ && is_sure;
         return is_sure;
     }

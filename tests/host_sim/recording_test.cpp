@@ -8,6 +8,7 @@
 #include "scene/reader.hpp"
 #include "scene/writer.hpp"
 #include "simulation/simulation.hpp"
+#include "tools/text.hpp"
 
 namespace tumble::host {
 namespace {
@@ -131,8 +132,11 @@ TEST_P(Recorded, live_run_replays_to_the_same_hash) {
     ASSERT_TRUE(status == 0 || status == 1) << process.errors() << story.text() << story.input();
     const Json last = Json::parse(lines_of(states).back());
     // The last line of the controller is the end of the recording.
-    const std::string duration = std::to_string(last["time_s"].get<double>());
-    const Json again = json_of({"run", record, "--numbers", story.numbers(), "--duration", duration}, status);
+    const std::string duration = seventeen_digits(last["time_s"].get<double>());
+    const Outcome replay =
+        tumble({"run", record, "--numbers", story.numbers(), "--duration", duration, "--json"}, Process::Errors::keep);
+    EXPECT_EQ(replay.status, status) << replay.text << contents(record);
+    const Json again = Json::parse(replay.text);
     EXPECT_EQ(again["steps"], last["step"]) << contents(record);
     EXPECT_EQ(again["state_hash"], last["state_hash"]) << contents(record);
     EXPECT_EQ(again["status"], last["status"]) << contents(record);
