@@ -42,7 +42,7 @@ say-run:
 test: firmware
 	ctest --test-dir build/host --output-on-failure --no-tests=error -j $(JOBS) -LE deep
 
-## build: the host command build/host/tumble and the programs of bench
+## build: the host command build/host/tumble and the programs of bench (7 minutes the first time)
 build: build/host/build.ninja
 	@cmake --build build/host --target programs
 
