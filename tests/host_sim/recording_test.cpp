@@ -108,7 +108,8 @@ private:
     }
     [[nodiscard]] std::string as_inline(const EventDescription& event) const {
         std::string table = "{ time = " + std::to_string(event.time);
-        for (const auto& [key, value] : json(event).items()) table += ", " + key + " = " + value.dump();
+        const Json members = json(event);
+        for (const auto& [key, value] : members.items()) table += ", " + key + " = " + value.dump();
         return table + " }";
     }
 

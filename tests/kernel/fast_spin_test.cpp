@@ -155,17 +155,17 @@ TEST_P(FastSpinInParts, beyond_its_range_is_held_and_reported) {
         world->run(60);
         const Number held = std::abs(world->motion(0).w.y);
         EXPECT_EQ(world->status().has(Issue::range_left), held < std::abs(spin) - 1) << spin;
-        EXPECT_GE(held, std::min(std::abs(spin), declared()) - tolerance::saturated) << spin;
+        EXPECT_LE(std::min(std::abs(spin), declared()) - held, tolerance::saturated) << spin;
     }
 }
 
 // Its momentum about its long axis is small, and so are the turns that the formats hold of it.
 TEST_P(FastSpinInParts, of_a_rod_about_its_long_axis_is_held_at_the_end_of_the_range) {
     for (const BodySpec& body : {cylinder(1, 0.05, 0.5), capsule(1, 0.005, 1)}) {
-        for (const Seconds step : {Seconds{1, 60}, Seconds{1, 128}}) {
+        for (const Seconds step : {Seconds{1, 256}, Seconds{1, 512}}) {
             for (const Number sign : {1.0L, -1.0L}) {
                 SceneSetup setup{.name = "rod", .step = step, .bodies = {body}};
-                const Number start = 0.9L * declared(), rate = 2 * declared();
+                const Number start = 0.9L * declared(), rate = declared();
                 setup.bodies[0].angular_velocity = {0, 0, real(sign * start)};
                 setup.forces = {{.from = 0.0,
                                  .until = 10.0,
@@ -173,7 +173,7 @@ TEST_P(FastSpinInParts, of_a_rod_about_its_long_axis_is_held_at_the_end_of_the_r
                                  .torque = {0, 0, real(sign * rate * number(body.inertia.zz))}}};
                 const auto world = build(setup, GetParam());
                 int steps = 0;
-                for (; world->status().ok() && steps < 240; ++steps) world->run(1);
+                for (; !world->status().has(Issue::range_left) && steps < 2048; ++steps) world->run(1);
                 const Number held = sign * world->motion(0).w.z, reached = start + rate * number(step.value) * steps;
                 EXPECT_GE(reached, declared());
                 EXPECT_GE(held, declared() * 0.999L);
