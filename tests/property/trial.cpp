@@ -265,6 +265,7 @@ private:
             if (x <= range.position && v <= range.velocity && w <= range.angular_velocity) scene_.range = range;
         }
         if (draw_.one_in(20)) scene_.range = held_by("near");
+        scene_.range.is_declared = true;
     }
     void make_absurd() {  // any number of the scene, times anything
         trial_.kind = "absurd";
