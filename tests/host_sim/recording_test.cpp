@@ -16,8 +16,10 @@ namespace {
 
 constexpr std::array kinds{EventKind::impulse,  EventKind::angular_impulse,  EventKind::force,
                            EventKind::torque,   EventKind::step_force,       EventKind::step_torque,
-                           EventKind::velocity, EventKind::angular_velocity, EventKind::pose};
-static_assert(kinds.size() == static_cast<std::size_t>(EventKind::pose) + 1, "a scene has these kinds");
+                           EventKind::velocity, EventKind::angular_velocity, EventKind::pose,
+                           EventKind::gravity};
+// All but the removal of a body.
+static_assert(kinds.size() == static_cast<std::size_t>(EventKind::gravity), "a scene has these kinds");
 
 constexpr std::array bodies_of_all_kinds{
     "shape = \"none\"\nmass = 0.5\n",
@@ -85,6 +87,11 @@ private:
         do event.kind = kinds[random_() % kinds.size()];
         while (body.is_point_mass() && turns(event.kind));
         event.value = triple(event.kind == EventKind::velocity ? 3 : event.kind == EventKind::step_force ? 5 : 0.3);
+        if (!has_body(event.kind)) {
+            event.body = -1;
+            event.value = {number(3), number(3) - 9, number(3)};
+            return event;
+        }
         if (event.kind == EventKind::pose)
             for (std::size_t i = 0; i < 3; ++i) event.value[i] += body.position[i];
         if (body.is_point_mass()) return event;
@@ -100,7 +107,8 @@ private:
                kind == EventKind::angular_velocity;
     }
     [[nodiscard]] Json json(const EventDescription& event) const {
-        Json line = {{"kind", name_of(event.kind)}, {"body", bare_.body(event.body).name}, {"value", event.value}};
+        Json line = {{"kind", name_of(event.kind)}, {"value", event.value}};
+        if (has_body(event.kind)) line["body"] = bare_.body(event.body).name;
         if (event.frame == Frame::body) line["frame"] = "body";
         if (event.point != Triple{}) line["point"] = event.point;
         if (event.kind == EventKind::pose && !bare_.body(event.body).is_point_mass())
