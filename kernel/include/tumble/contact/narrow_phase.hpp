@@ -177,6 +177,10 @@ public:
         };
         with_contact<features>(view_of(bodies, pair), make, f);
     }
+    // A body of the pair has turned when it was placed last. On a fixed body the rows depend through the normal only.
+    [[nodiscard]] TUMBLE_INLINE bool has_turned(const Pair& pair) const {
+        return turned_[pair.a] || (pair.moves_b() && turned_[pair.b]);
+    }
     void measure(const Bodies& bodies, Pair& pair) {
         (void)measure(bodies, pair, Bounds::axis_margin(tolerance_), false);
     }
@@ -190,8 +194,7 @@ public:
         }
         bool at_edge = false;
         if constexpr (features.pairs) {
-            // On a fixed body b the rows depend through the normal only.
-            pair.moved = pair.moved || (pair.moves_b() && turned_[pair.b]);
+            pair.moved = pair.moved || has_turned(pair);
             with_pair(bodies, pair, false, margin, [&](const auto& contact, const auto&, bool reversed) {
                 pair.gap = contact.gap;
                 if constexpr (requires { contact.axis; }) pair.axis = contact.axis;

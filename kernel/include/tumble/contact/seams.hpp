@@ -32,8 +32,11 @@ public:
     }
     [[gnu::noinline]] void measure(Pair& pair, Length margin) const requires exist {
         const bool has_neighbours = pair.b >= 0 && (pairs_.pairs_of(pair.a) > 1 || pairs_.pairs_of(pair.b) > 1);
-        if (shapes_.measure(bodies_, pair, margin, has_neighbours)) [[unlikely]]
-            choose_side(pair);
+        const Vec3<Unit> before = pair.normal;
+        const bool moved = pair.moved;
+        if (!shapes_.measure(bodies_, pair, margin, has_neighbours)) return;
+        choose_side(pair);
+        pair.moved = moved || shapes_.has_turned(pair) || !(pair.normal == before);
     }
     // Whether a body has slid onto the other from a flush neighbour, which it touched at the start of the flight. Then
     // it has lain on their common surface in the whole flight.
@@ -176,7 +179,6 @@ private:
         pair.axis.negative = negative;
         pair.gap = edge[box].gap[side];
         pair.normal = normal;
-        pair.moved = true;
     }
     // Whether a direction in the axes of the box has a part along axis i: over the body it makes more than the
     // tolerance.
