@@ -54,8 +54,8 @@ struct ContactBounds {
 
     // A point of a resting body that is not farther above the surface carries: float resolves positions up to 30 m so.
     [[nodiscard]] static Length resting_gap(Length tolerance) { return C::sixteenth(C::sixteenth(tolerance)); }
-    // By how much a flight that begins deeper than the tolerance may sink. The flights of a step, max_impacts, so sink
-    // by no more than its position correction lifts.
+    // By how much a round shape that begins a flight deeper than the tolerance may sink in it. The flights of a step,
+    // max_impacts, so sink by no more than its position correction lifts.
     [[nodiscard]] static Length sink(Length tolerance) { return C::eighth(C::eighth(tolerance)); }
     // An impact leaves out pairs with a larger gap. The search for the impact ends much closer to the surface.
     [[nodiscard]] static Length largest_impact_gap(Length tolerance) { return C::half(C::half(tolerance)); }

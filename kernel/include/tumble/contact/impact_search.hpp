@@ -115,8 +115,8 @@ public:
             pair.passed = true;
         });
     }
-    // True when a pair is deeper than the end of a flight allows: the tolerance where it touched at the start, else the
-    // surface. Where flights sank further and further, no correction would bring the body back.
+    // True when a pair is deeper than the end of a flight allows: lowest() where it touched at the start, else the
+    // surface.
     [[nodiscard]] bool is_too_deep() const { return is_too_deep(false); }
     // The same with the tolerance for all pairs, from the gap at the start if that was negative.
     [[nodiscard]] bool is_far_too_deep() const { return is_too_deep(true); }
@@ -255,24 +255,31 @@ private:
         bool deep = false;
         pairs_.for_each(island_, [&](const Pair& pair) {
             Length limit{};
-            const bool below = pair.start_gap < Length{};
-            if (far) limit = (below ? pair.start_gap : Length{}) - shapes_.tolerance();
-            else if (below || pair.touched) limit = lowest(pair);
+            if (far) limit = start_of(pair) - shapes_.tolerance();
+            else if (pair.start_gap < Length{} || pair.touched) limit = lowest(pair);
             deep = deep || pair.gap < limit;
         });
         return deep;
     }
-    // The least gap at the end of the flight of a pair that touched at its start: the tolerance below the surface. One
-    // that was deeper may sink a little further.
+    // The gap of a pair that touched at the start of the flight, at most zero.
+    [[nodiscard]] static Length start_of(const Pair& pair) {
+        return pair.start_gap < Length{} ? pair.start_gap : Length{};
+    }
+    // The least gap at the end of its flight: the tolerance below that at its start. A round shape that rattles would
+    // so sink from flight to flight, because it changes the point on which it stands. It ends at most the tolerance
+    // below the surface, or a little deeper than it began.
     [[nodiscard]] Length lowest(const Pair& pair) const {
-        const Length tolerance = shapes_.tolerance(), below = pair.start_gap - Bounds::sink(tolerance);
-        return below < -tolerance ? below : -tolerance;
+        const Length tolerance = shapes_.tolerance(), start = start_of(pair);
+        if constexpr (features.round_shapes) {
+            const Length below = start - Bounds::sink(tolerance);
+            if (shapes_.shape(pair.a).is_round()) return below < -tolerance ? below : -tolerance;
+        }
+        return start - tolerance;
     }
     // Where the search for an impact ends: at the surface, or halfway from the start to the least gap.
     [[nodiscard]] Length level(const Pair& pair) const {
-        const bool below = pair.start_gap < Length{};
-        if (!below && !pair.touched) return Length{};
-        const Length start = below ? pair.start_gap : Length{};
+        if (!(pair.start_gap < Length{}) && !pair.touched) return Length{};
+        const Length start = start_of(pair);
         return start - C::half(start - lowest(pair));
     }
 
