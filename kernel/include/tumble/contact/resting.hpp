@@ -195,10 +195,12 @@ private:
         return point.row[0].target - Rows::surface_of(pair, point) - rows_.velocity(velocities_.now, pair, point);
     }
     // True where this point approaches another one of its face, which pushes and so should stay, by more than a step's
-    // position correction. Then the face tilts from step to step, and what stands on it walks off.
+    // position correction. Then the face tilts from step to step, and what stands on it walks off. A face has three
+    // points at least.
     [[nodiscard]] bool turns_about([[maybe_unused]] const Pair& pair, [[maybe_unused]] const Point& point) const {
         bool turns = false;
         if constexpr (Velocities::shapes_turn) {
+            if (pair.count < 3) return false;
             const auto times = [](Speed s, const Point& other) {
                 return tumble::Row<N, features.pairs>::product(s, other.row[0].inverse);
             };
