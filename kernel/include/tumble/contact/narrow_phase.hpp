@@ -365,9 +365,13 @@ private:
         for (int i = 0; i < 3; ++i) fall_[i] = scale().fall(fall_drift_[i], drift_unit_);
         fall_bound_ = sum_of_magnitudes(fall_);
     }
-    // m a step. In units of the largest component: the square of a small float is zero.
+    // m a step. In floating point in units of the largest component: the square of a small float is zero.
     [[nodiscard]] Work speed_of_fall() const {
         WorkVec3<N> v;
+        if constexpr (N::fixed_point) {
+            for (int i = 0; i < 3; ++i) v[i] = N::metres(fall_drift_[i], drift_unit_);
+            return sqrt(dot(v, v));
+        }
         Work largest(0);
         for (int i = 0; i < 3; ++i) {
             v[i] = N::metres(fall_drift_[i], drift_unit_);

@@ -501,7 +501,7 @@ private:
         Unit of[Point::directions][3];
         bool shared;            // the other body moves too
         typename W::Over over;  // the body's share
-        typename W::OverRecent over_inverse[Point::directions]{};
+        [[no_unique_address]] If<features.control, typename W::OverRecent[Point::directions], 0> over_inverse{};
 
         Parts(const Pair& pair, const Vec3<Unit> (&frame)[3], bool is_a)
             : shared{pair.moves_b()}, over{is_a ? pair.share_a : pair.share_b} {
@@ -514,31 +514,43 @@ private:
     };
     // Sets the impulse that a row may get, times its `inverse`.
     static void propose(Row& row, Speed impulse) {
-        typename W::OverRecent over;
-        propose(row, impulse, over);
-    }
-    static void propose(Row& row, Speed impulse, typename W::OverRecent& over) {
         row.before = impulse;
-        row.conjugate = impulse == Speed{} ? Speed{} : over(impulse, row.inverse);
+        row.conjugate = impulse == Speed{} ? Speed{} : W::over(impulse, row.inverse);
     }
-    // Pushes a body at a point, where that `counts`, and the other one back. False where that is too fast for the
-    // scale.
+    // The same for row k of a pair whose points are often alike. Worlds in which gravity may change in every step give
+    // flash for it.
+    static void propose(Row& row, Speed impulse, [[maybe_unused]] Parts& parts, [[maybe_unused]] int k) {
+        if constexpr (features.control) {
+            row.before = impulse;
+            row.conjugate = impulse == Speed{} ? Speed{} : parts.over_inverse[k](impulse, row.inverse);
+        } else {
+            propose(row, impulse);
+        }
+    }
+    // Pushes a body at a point, and the other one back. False where that is too fast for the scale. `counts`: the
+    // velocity of the body is asked for.
     bool push(Pair& pair, Point& point, int b, Parts& parts, const Speed (&share)[3], [[maybe_unused]] bool counts) {
         const bool is_a = pair.a == b;
         bool fits = true;
         for (int k = 0; k < pair.rows(); ++k) {
             auto& row = point.row[k];
             if constexpr (!features.pairs) {
-                propose(row, share[k], parts.over_inverse[k]);
+                propose(row, share[k], parts, k);
             } else {
                 const auto& part = parts.of[k];
                 const Speed along =
                     narrow<Speed>(mul_add(mul_add(mul(part[0], share[0]), part[1], share[1]), part[2], share[2]));
-                propose(row, parts.over_share(is_a ? along : -along), parts.over_inverse[k]);
-                if (counts) row.push_one(row.conjugate, is_a, velocities_.now[b]);
-                if (!pair.moves_b()) continue;
-                Velocity& other = velocities_.now[is_a ? pair.b : pair.a];
-                row.push_one(row.conjugate, !is_a, other);
+                propose(row, parts.over_share(is_a ? along : -along), parts, k);
+                Velocity* const partner = pair.moves_b() ? &velocities_.now[pair.b] : nullptr;
+                if constexpr (features.control) {
+                    if (counts) row.push_one(row.conjugate, is_a, velocities_.now[b]);
+                    if (partner != nullptr)
+                        row.push_one(row.conjugate, !is_a, is_a ? *partner : velocities_.now[pair.a]);
+                } else {
+                    row.push(row.conjugate, velocities_.now[pair.a], partner);
+                }
+                if (partner == nullptr) continue;
+                const Velocity& other = is_a ? *partner : velocities_.now[pair.a];
                 fits = fits && C::fits(other.largest());
             }
         }
