@@ -11,7 +11,7 @@ struct Mark {
     bool driven : 1 = false;   // a load or a wrench acts
 
     // Its bits in a snapshot, and back.
-    [[nodiscard]] std::uint32_t bits() const { return coupled | loaded << 1 | driven << 2; }
+    [[nodiscard]] std::uint32_t bits() const { return static_cast<std::uint32_t>(coupled | loaded << 1 | driven << 2); }
     [[nodiscard]] static Mark of(std::uint32_t bits) { return {(bits & 1) != 0, (bits & 2) != 0, (bits & 4) != 0}; }
     // True where gravity alone acts.
     [[nodiscard]] bool none() const { return !(coupled || loaded || driven); }

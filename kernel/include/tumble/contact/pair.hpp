@@ -164,8 +164,8 @@ private:
     // The small members of a snapshot, and back: count, what is true of the pair, whether all rows hold, `carrying`.
     [[nodiscard]] std::uint32_t bits() const {
         std::uint32_t bits = count | static_cast<std::uint32_t>(carrying) << 8;
-        bits |= moved << 3 | touched << 4 | left_out << 5 | surface_moves << 6;
-        return bits | rows_hold() << 7;
+        return bits | static_cast<std::uint32_t>(moved << 3 | touched << 4 | left_out << 5 | surface_moves << 6 |
+                                                 rows_hold() << 7);
     }
     void set(std::uint32_t bits) {
         const auto has = [&](int bit) { return (bits >> bit & 1) != 0; };
