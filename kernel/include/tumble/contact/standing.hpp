@@ -66,6 +66,7 @@ public:
     template <class Self, class Archive>
     static void archive(Self& self, Archive& to) {
         to(self.all_, self.is_known_);
+        if constexpr (features.control) to(self.gravity_.is_other, self.gravity_.stood);
         if constexpr (each) to(self.of_);
     }
 
