@@ -121,8 +121,8 @@ TYPED_TEST(Standing, bodies_are_moved_by_what_begins_to_move) {
     // It reaches the second stack after 96 steps, and the first after 160. Of a pile that is shoved, the last bits
     // depend on when its pairs are examined: sweeps solve it, and end within a tolerance.
     const auto push = [](auto& play) { play.world().set_velocity(play.paddle, {-8, 0, 0}); };
-    this->expect_same(this->waits, push, 140);
-    this->template expect_same<70>(this->waits, push, 140);
+    this->expect_same(this->waits, push, 130);
+    this->template expect_same<70>(this->waits, push, 130);
     this->expect_same(this->waits, [](auto& play) { play.world().set_angular_velocity(play.table, {0, 2, 0}); });
 }
 TYPED_TEST(Standing, bodies_stand_no_longer_than_they_are_pressed) {
