@@ -58,7 +58,7 @@ struct PlaneDescription {
     std::string name;
     Triple normal{0.0, 1.0, 0.0};  // as written; not yet normalised
     double offset = 0.0;           // of the plane n.x + offset = 0 with n normalised
-    std::optional<double> restitution, friction, rolling_resistance, spinning_resistance;
+    std::optional<double> restitution{}, friction{}, rolling_resistance{}, spinning_resistance{};
 };
 
 struct SpringDescription {
@@ -114,7 +114,7 @@ struct ContactDescription {
     Mixing restitution_mixing = Mixing::larger, friction_mixing = Mixing::geometric_mean;
     double stiffness = 10000.0, damping = 0.0, barrier = 0.0;
     int most_impacts = 0, most_searches = 0;  // 0: the usual bounds
-    std::optional<SleepDescription> sleep;
+    std::optional<SleepDescription> sleep{};
 };
 
 struct GravityGradientDescription {

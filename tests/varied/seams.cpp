@@ -167,7 +167,7 @@ std::string box_slides_over_flush_blocks(Draw& draw, Case& run) {
     auto& box = add_box(scene, draw.magnitude(0.1, 10), edges, {0, edges[1] / 2, z});
     if (!walled) box.orientation = about(1, draw.one_in(2) ? 0 : draw.uniform(-3, 3));
     box.velocity = {speed + carried[0], 0, drift + carried[2]};
-    const double elapsed = std::lround(time / run.step) * run.step;
+    const double elapsed = std::round(time / run.step) * run.step;
     const Triple right{way_of(run, speed, drive, held, elapsed) + carried[0] * elapsed, box.position[1],
                        box.position[2] + (drift + carried[2]) * elapsed};
     // A step that ends a slide is one step long.
@@ -193,7 +193,7 @@ std::string body_falls_along_flush_blocks(Draw& draw, Case& run) {
     auto& box = draw.one_in(3) ? add_sphere(scene, mass, edges[1] / 2, {0, edges[1] / 2, z})
                                : add_box(scene, mass, edges, {0, edges[1] / 2, z});
     box.velocity = {down, 0, aside};
-    const double elapsed = std::lround(time / run.step) * run.step;
+    const double elapsed = std::round(time / run.step) * run.step;
     const Triple right{way_of(run, down, gravity, 0, elapsed), box.position[1], box.position[2] + aside * elapsed};
     const Placed placed = place(draw, run, static_cast<int>(scene.bodies.size()) - 1);
     return hold(run, placed, elapsed, right, 1e-3 + gravity * run.step * run.step, 1e-2);
