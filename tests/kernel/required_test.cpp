@@ -305,6 +305,7 @@ TEST(Required, events_need_the_features_that_their_kinds_name) {
     EXPECT_FALSE((AcceptedEvent<controlled, EventKind::torque>));
     EXPECT_FALSE((AcceptedEvent<controlled, EventKind::step_force>));
     EXPECT_FALSE((AcceptedEvent<controlled, EventKind::step_torque>));
+    EXPECT_FALSE((AcceptedEvent<controlled, EventKind::gravity>));
     EXPECT_FALSE((AcceptedEvent<kept, EventKind::remove>));
     EXPECT_TRUE((AcceptedEvent<kept, EventKind::force>));
     EXPECT_TRUE((AcceptedEvent<Features{}, EventKind::impulse>));

@@ -35,8 +35,9 @@ struct Required {
         if constexpr (features.touches()) of_surface(spec);
     }
     static constexpr void by([[maybe_unused]] EventKind kind) {
-        TUMBLE_ASSERT(features.control || (kind != EventKind::force && kind != EventKind::torque &&
-                                           kind != EventKind::step_force && kind != EventKind::step_torque));
+        TUMBLE_ASSERT(features.control ||
+                      (kind != EventKind::force && kind != EventKind::torque && kind != EventKind::step_force &&
+                       kind != EventKind::step_torque && kind != EventKind::gravity));
         TUMBLE_ASSERT(features.removal || kind != EventKind::remove);
     }
 

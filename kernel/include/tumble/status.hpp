@@ -17,8 +17,7 @@ enum class Issue : std::uint8_t {
     // impacts than it resolves, and left out a bounce faster than loads change a speed in a step: set
     // restitution_threshold. Or the forces between touching bodies were not found, so that one sinks into another, as
     // below a body that is 1000 times as heavy: make the masses more equal. Or these forces leave a face turning, so
-    // that
-    // a tall stack leans and walks off sideways: take a smaller step. The state is usable but less accurate.
+    // that a tall stack leans and walks off sideways: take a smaller step. The state is usable but less accurate.
     step_bound_hit = 2,
     // More pairs near each other than the scene has room for; some bodies pass through others. Raise near_pairs.
     contacts_full = 4,

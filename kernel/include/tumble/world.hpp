@@ -193,8 +193,8 @@ public:
     // need Features::control.
     void set_script(Span<Event<N>> events) {
         static_assert(features.script, "set_script() needs .script = true among the scene's features");
-        require_bodies(events);
         for (const Event<N>& event : events) Required::by(event.kind);
+        require_bodies(events);
         script_.set(events, now());
     }
     // Appends every event from now on, live or of the script, to `recording`; null: no longer. The recording is a

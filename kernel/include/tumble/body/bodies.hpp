@@ -299,6 +299,15 @@ public:
         if constexpr (has_parts) return scale.halved(parts.halvings[b]);
         else return scale;
     }
+    // The most halvings of a spin, and the scale of one with so many.
+    [[nodiscard]] constexpr int most_halvings() const {
+        if constexpr (has_parts) return scale.most_halvings;
+        else return 0;
+    }
+    [[nodiscard]] constexpr typename N::Scale finest_scale() const {
+        if constexpr (has_parts) return scale.halved(scale.most_halvings);
+        else return scale;
+    }
     // Halves the parts; false where they are as short as the range needs.
     [[gnu::noinline, gnu::cold]] constexpr bool halve_parts(int b) requires(has_parts) {
         if (parts.halvings[b] >= scale.most_halvings) return false;

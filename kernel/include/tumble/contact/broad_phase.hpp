@@ -92,7 +92,7 @@ public:
                     if (!listed || asleep) pair = pair_of(first, second, marks);
                     if (!asleep || pair == nullptr) return contact::most_clear_steps_near;
                     shapes_.place(bodies_, b);
-                    shapes_.measure(bodies_, *pair);
+                    seams().measure(*pair);
                     if (!(pair->gap > reach_in_step(b))) wakes.add_once(other);
                     return 1;
                 };
@@ -143,6 +143,7 @@ public:
     // Connects the bodies of every pair that is awake. A pair sleeps where its moving bodies do. Measures the pairs
     // that have changed since the end of the last step: those left out of it, and those with a turntable.
     void connect(Islands<features.bodies>& islands, const Sleepers& sleepers) {
+        bool any = false;
         for (int i = 0; i < pairs_.count(); ++i) {
             Pair& pair = pairs_[i];
             const auto is_awake = [&] { return !sleepers.is_asleep(pair.a) && !sleepers.is_asleep(pair.b); };
@@ -152,13 +153,17 @@ public:
                 if (pair.surface_moves) pair.still = 0;
                 turned = turned && !bodies_.constants[pair.b].kinematic();
             }
-            if ((pair.left_out || turned) && is_awake()) {
+            pair.selected = (pair.left_out || turned) && is_awake();
+            if (pair.selected) {
+                any = true;
                 pair.moved = pair.moved || pair.left_out;
                 pair.left_out = false;
-                examine(pair);
             }
             if (pair.moves_b() && is_awake()) islands.connect(pair.a, pair.b);
         }
+        // After all of them are in: a seam asks for the other pairs of a body.
+        for (int i = 0; any && i < pairs_.count(); ++i)
+            if (pairs_[i].selected) examine(pairs_[i]);
     }
 
 private:

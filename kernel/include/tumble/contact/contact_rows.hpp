@@ -177,7 +177,7 @@ public:
     [[nodiscard]] WorkVec3<N> change_of_turn(const Kicks& changes, int b) const {
         WorkVec3<N> change;
         for (int i = 0; i < 3; ++i)
-            change[i] = N::half_turn(changes[b].angular[i], bodies_.spin_scale(b)) *
+            change[i] = N::half_turn(changes[b].angular[i], bodies_.finest_scale()) *
                         bodies_.constants[b].units.rate(i, Work(1));
         return shapes_.to_world(b, change);
     }

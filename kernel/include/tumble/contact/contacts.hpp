@@ -103,7 +103,8 @@ public:
         for (int i = 0; i < 3; ++i) {
             change.linear[i] += N::sum(bodies.state[b].d_w[i]) - N::sum(before.d_w[i]);
             change.angular[i] +=
-                N::sum(bodies.state[b].t_b[i]) - N::halved(N::sum(before.t_b[i]), bodies.halvings_of(b) - halvings);
+                N::halved(N::sum(bodies.state[b].t_b[i]), bodies.most_halvings() - bodies.halvings_of(b)) -
+                N::halved(N::sum(before.t_b[i]), bodies.most_halvings() - halvings);
         }
         state_.velocities.surfaces.changed = true;
     }
@@ -371,7 +372,7 @@ private:
             }
             if constexpr (features.sleep) {
                 if (state_.sleepers.may_sleep(advance.bodies, group, presses(island)) &&
-                    rests(advance.bodies, island) && !advance.has_moving_end(group))
+                    !advance.has_moving_end(group) && rests(advance.bodies, island))
                     for (int k = 0; k < group.count; ++k) to_sleep.add(group.id[k]);
             }
         }

@@ -47,10 +47,14 @@ public:
     }
     // Call at the end of a flight. A pair that has come together over a seam is no new one: its bodies have touched.
     void note_seams() {
-        if constexpr (Seams::exist)
+        if constexpr (Seams::exist) {
+            bool any = false;
             pairs_.for_each(island_, [&](Pair& pair) {
-                if (!pair.touched && !pair.with_plane()) pair.touched = seams().is_crossed(pair);
+                pair.selected = !pair.touched && !pair.with_plane() && seams().is_crossed(pair);
+                any = any || pair.selected;
             });
+            if (any) pairs_.for_each(island_, [](Pair& pair) { pair.touched = pair.touched || pair.selected; });
+        }
     }
     // Finds the contact points of the pairs, which have been measured.
     void find() {

@@ -290,6 +290,9 @@ private:
     // after it. False where there is none.
     [[gnu::noinline, gnu::cold]] bool find_taken_along(const Kicks& changes,
                                                        Coasting coasting) requires(features.moving_surfaces()) {
+        bool any = false;
+        pairs_.for_each(island_, [&](const Pair& pair) { any = any || !(pair.with_plane() || pair.moves_b()); });
+        if (!any) return false;
         Speed largest{};
         pairs_.for_each_active(island_, [&](Pair& pair, Point& point) {
             WorkVec3<N> ahead = zero_vector<N>();

@@ -110,7 +110,7 @@ inline constexpr int most_exponent = 1 << 20;
 template <class A, class T>
 void transfer(A& archive, T& value) {
     using V = std::remove_const_t<T>;
-    if constexpr (std::is_array_v<V> && bits_of_element < std::remove_extent_t < V >>> 0) {
+    if constexpr (std::is_array_v<V> && bits_of_element<std::remove_extent_t<V>> != 0) {
         using Element = std::remove_extent_t<V>;
         transfer_bits<bits_of_element<Element>>(
             archive, static_cast<int>(std::extent_v<V>), [&](int i) { return value[i]; },
