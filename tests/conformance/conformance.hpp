@@ -38,6 +38,7 @@ inline constexpr tumble::Features all_features = [] {
     for_each_scene([&]<class Scene>() {
         if (Scene::Config::features.rotation) all = all.united_with(Scene::Config::features);
     });
+    all.round_shapes = true;                  // of a scene without a plane, which others have
     if (!contact_scenes) all.near_pairs = 2;  // the smallest core has room for few
     return all;
 }();
