@@ -15,12 +15,6 @@ namespace {
 
 constexpr double gravity = 9.81, tolerance = 0.001;  // m/s^2, m
 
-std::string text(double value) {
-    char number[32];
-    std::snprintf(number, sizeof number, "%.4g", value);
-    return number;
-}
-
 // A speed as a function of time that begins at 0: it rises to a value and stays, rises and falls to 0 again, or is a
 // sine.
 struct Course {
@@ -77,9 +71,9 @@ std::string ride(const Case& run, int carrier, double time, const std::vector<in
             if (normal != nullptr)
                 size = std::abs(off[0] * (*normal)[0] + off[1] * (*normal)[1] + off[2] * (*normal)[2]);
             if (!(size <= tolerance))
-                return "body " + std::to_string(riders[k]) + " is " + text(size) + " m from its place on body " +
-                       std::to_string(carrier) + " after " + text((i + 1) * run.step) + " s, limit " + text(tolerance) +
-                       " m";
+                return "body " + std::to_string(riders[k]) + " is " + few_digits(size) + " m from its place on body " +
+                       std::to_string(carrier) + " after " + few_digits((i + 1) * run.step) + " s, limit " +
+                       few_digits(tolerance) + " m";
         }
     }
     return "";

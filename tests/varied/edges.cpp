@@ -12,12 +12,6 @@ namespace {
 
 constexpr double gravity = 9.81, tolerance = 0.001;  // m/s^2, m
 
-std::string text(double value) {
-    char number[32];
-    std::snprintf(number, sizeof number, "%.4g", value);
-    return number;
-}
-
 // Turns the scene, runs it for a number of steps, and says how far a body is from where it should be in the frame in
 // which the scene was made.
 std::string hold(Draw& draw, Case& run, int body, int steps, const Triple& right, double allowed) {
@@ -31,8 +25,8 @@ std::string hold(Draw& draw, Case& run, int body, int steps, const Triple& right
     if (mirrored >= 0) x[static_cast<std::size_t>(mirrored)] = -x[static_cast<std::size_t>(mirrored)];
     const double off = distance(x, right);
     if (off <= allowed) return "";
-    return "the body is " + text(off) + " m off, limit " + text(allowed) + " m, at (" + text(x[0]) + ", " + text(x[1]) +
-           ", " + text(x[2]) + ")";
+    return "the body is " + few_digits(off) + " m off, limit " + few_digits(allowed) + " m, at (" + few_digits(x[0]) +
+           ", " + few_digits(x[1]) + ", " + few_digits(x[2]) + ")";
 }
 
 // A table with its edge at x = 0 and its upper side at y = 0: fixed, kinematic or heavy. Returns its velocity.

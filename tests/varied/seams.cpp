@@ -14,12 +14,6 @@ namespace {
 
 constexpr double gravity = 9.81;  // m/s^2
 
-std::string text(double value) {
-    char number[32];
-    std::snprintf(number, sizeof number, "%.4g", value);
-    return number;
-}
-
 // A frame of axes along which blocks are laid: x along the way, y up, z aside.
 struct Blocks {
     double top = 0, from = 0, to = 0, width = 1, depth = 0.4;  // m; the ends along x
@@ -114,9 +108,10 @@ std::string hold(const Case& run, const Placed& placed, double time, const Tripl
     const Triple x = placed.back(position_of(*simulation, placed.body));
     const double off = distance(x, right), spin = length_of(spin_of(*simulation, placed.body));
     if (!(off <= allowed))
-        return "the body is " + text(off) + " m off, limit " + text(allowed) + " m, at (" + text(x[0]) + ", " +
-               text(x[1]) + ", " + text(x[2]) + ")";
-    if (!(spin <= most_spin)) return "the body turns at " + text(spin) + " rad/s, limit " + text(most_spin) + " rad/s";
+        return "the body is " + few_digits(off) + " m off, limit " + few_digits(allowed) + " m, at (" +
+               few_digits(x[0]) + ", " + few_digits(x[1]) + ", " + few_digits(x[2]) + ")";
+    if (!(spin <= most_spin))
+        return "the body turns at " + few_digits(spin) + " rad/s, limit " + few_digits(most_spin) + " rad/s";
     return "";
 }
 
@@ -271,8 +266,8 @@ std::string step_stops_a_box(Draw& draw, Case& run) {
     const double v = placed.back(velocity_of(*simulation, placed.body))[0],
                  x = placed.back(position_of(*simulation, placed.body))[0],
                  most = edge - edges[0] / 2 + 2e-3 + speed * run.step;
-    if (v > 0.5 * speed) return "the box moves on at " + text(v) + " m/s of " + text(speed) + " m/s";
-    return x > most ? "the box came to " + text(x) + " m, limit " + text(most) + " m" : "";
+    if (v > 0.5 * speed) return "the box moves on at " + few_digits(v) + " m/s of " + few_digits(speed) + " m/s";
+    return x > most ? "the box came to " + few_digits(x) + " m, limit " + few_digits(most) + " m" : "";
 }
 
 // A ball that falls on blocks, on seams and on free edges, and rolls off the end, moves as on one block.
@@ -308,9 +303,9 @@ std::string ball_bounces_on_flush_blocks_as_on_one(Draw& draw, Case& run) {
                                      position_of(*of_one, static_cast<int>(one.scene.bodies.size()) - 1)));
     }
     const double allowed = 3e-3;
-    return off > allowed
-               ? "the ball is " + text(off) + " m from where it is on one block, limit " + text(allowed) + " m"
-               : "";
+    return off > allowed ? "the ball is " + few_digits(off) + " m from where it is on one block, limit " +
+                               few_digits(allowed) + " m"
+                         : "";
 }
 
 }  // namespace tumble::test

@@ -13,12 +13,6 @@ namespace {
 
 constexpr double gravity = 9.81;  // m/s^2
 
-std::string text(double value) {
-    char number[32];
-    std::snprintf(number, sizeof number, "%.4g", value);
-    return number;
-}
-
 // A box on a floor, which falls asleep. Its centre is at the origin, and up is y.
 struct Floor {
     double mass = 1, friction = 0.5;
@@ -113,15 +107,15 @@ std::string pulled(Draw& draw, Case& drawn) {
             distance(end_of_spring(scene, *simulation, floor.other), position_of(*simulation, floor.box)) - length;
         const double moved = length_of(position_of(*simulation, floor.box));
         if (how != 2 && moved > 0.002 && stretched < 0 && i * drawn.step < begin)
-            return "the box moves by " + text(moved) + " m before anything pulls";
+            return "the box moves by " + few_digits(moved) + " m before anything pulls";
     }
     if (!simulation->troubles().empty()) return "status " + simulation->troubles().front().issue;
     if (stretched > slack + margin)
-        return "the spring pulls by " + text(stretched / slack) + " of what friction holds, expected at most " +
-               text(1 + margin / slack);
+        return "the spring pulls by " + few_digits(stretched / slack) + " of what friction holds, expected at most " +
+               few_digits(1 + margin / slack);
     if (length_of(position_of(*simulation, floor.box)) < 0.1 * slack)
-        return "the box moves by " + text(length_of(position_of(*simulation, floor.box))) + " m, expected about " +
-               text(slack);
+        return "the box moves by " + few_digits(length_of(position_of(*simulation, floor.box))) +
+               " m, expected about " + few_digits(slack);
     return "";
 }
 
@@ -165,7 +159,7 @@ std::string attracted(Draw& draw, Case& drawn) {
                  late = time - steps * drawn.step + 2 * drawn.step;  // it slips within a step
     if (!simulation->troubles().empty()) return "status " + simulation->troubles().front().issue;
     if (std::abs(moved - x) > 0.02 * x + v * late)
-        return "the box moves by " + text(moved) + " m, expected " + text(x) + " m";
+        return "the box moves by " + few_digits(moved) + " m, expected " + few_digits(x) + " m";
     return "";
 }
 
@@ -197,7 +191,7 @@ std::string asleep(Draw& draw, Case& drawn) {
     const auto steps = static_cast<int>(scene.duration / drawn.step);
     for (int i = 0; i < steps; ++i) simulation->step();
     if (!simulation->troubles().empty()) return "status " + simulation->troubles().front().issue;
-    if (!simulation->body(floor.box).asleep) return "the box is awake after " + text(scene.duration) + " s";
+    if (!simulation->body(floor.box).asleep) return "the box is awake after " + few_digits(scene.duration) + " s";
     return "";
 }
 

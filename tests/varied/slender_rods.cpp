@@ -11,12 +11,6 @@ namespace tumble::test::slender_rods {
 
 namespace {
 
-std::string text(double value) {
-    char number[32];
-    std::snprintf(number, sizeof number, "%.6g", value);
-    return number;
-}
-
 // A rod, disc or brick in space is turned faster and faster about a principal axis by a torque that begins and ends
 // with the run, by an event, or both, beside a drag that is too weak to matter.
 std::string driven(Draw& draw, Case& drawn) {
@@ -68,7 +62,7 @@ std::string driven(Draw& draw, Case& drawn) {
                      expected = sign * (first + rate * (i + 1) * drawn.step);
         if (simulation->troubles().empty()) {
             if (std::abs(now - expected) > 1e-3 * range)
-                return "the spin is " + text(now) + " rad/s, expected " + text(expected) + " rad/s";
+                return "the spin is " + few_digits(now) + " rad/s, expected " + few_digits(expected) + " rad/s";
             continue;
         }
         const host::Trouble& trouble = simulation->troubles().front();
@@ -78,13 +72,15 @@ std::string driven(Draw& draw, Case& drawn) {
                    ", expected the angular velocity";
         const double most = trouble.number->most;
         if (++held_for == 1 && expected < range)
-            return "the run ends at " + text(expected) + " rad/s, expected at least " + text(range) + " rad/s";
+            return "the run ends at " + few_digits(expected) + " rad/s, expected at least " + few_digits(range) +
+                   " rad/s";
         if (most < range || most > 8 * range)
-            return "the message names " + text(most) + " rad/s, expected one to eight times " + text(range);
+            return "the message names " + few_digits(most) + " rad/s, expected one to eight times " + few_digits(range);
         if (std::abs(now - most) > 1e-3 * most)
-            return "the spin is held at " + text(now) + " rad/s, expected " + text(most) + " rad/s as the message says";
+            return "the spin is held at " + few_digits(now) + " rad/s, expected " + few_digits(most) +
+                   " rad/s as the message says";
     }
-    if (held_for == 0) return "a spin of " + text(first + rate * 30) + " rad/s is not reported";
+    if (held_for == 0) return "a spin of " + few_digits(first + rate * 30) + " rad/s is not reported";
     return "";
 }
 
@@ -112,7 +108,7 @@ std::string rolling(Draw& draw, Case& drawn) {
         const double now = -spin_of(*simulation, 0)[2], expected = spin + rate * (i + 1) * drawn.step;
         if (simulation->troubles().empty()) {
             if (std::abs(now - expected) > 0.02 * range)
-                return "the spin is " + text(now) + " rad/s, expected " + text(expected) + " rad/s";
+                return "the spin is " + few_digits(now) + " rad/s, expected " + few_digits(expected) + " rad/s";
             continue;
         }
         const host::Trouble& trouble = simulation->troubles().front();
@@ -121,12 +117,14 @@ std::string rolling(Draw& draw, Case& drawn) {
             return "the message names the " + trouble.number->name + ", expected the angular velocity";
         const double most = trouble.number->most;
         if (expected < range || most < range || most > 8 * range)
-            return "the run ends at " + text(expected) + " rad/s with a message of " + text(most) + " rad/s";
+            return "the run ends at " + few_digits(expected) + " rad/s with a message of " + few_digits(most) +
+                   " rad/s";
         if (now > most * 1.001 || now < range * 0.98)
-            return "the spin is " + text(now) + " rad/s, expected " + text(most) + " rad/s as the message says";
+            return "the spin is " + few_digits(now) + " rad/s, expected " + few_digits(most) +
+                   " rad/s as the message says";
         return "";
     }
-    return "a spin of " + text(spin + rate * steps * drawn.step) + " rad/s is not reported";
+    return "a spin of " + few_digits(spin + rate * steps * drawn.step) + " rad/s is not reported";
 }
 
 }  // namespace

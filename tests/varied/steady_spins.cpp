@@ -12,19 +12,8 @@ using host::Quadruple;
 
 namespace {
 
-std::string text(double value) {
-    char number[32];
-    std::snprintf(number, sizeof number, "%.4g", value);
-    return number;
-}
-
 Triple times(const Triple& v, double by) { return {v[0] * by, v[1] * by, v[2] * by}; }
 
-Quadruple product(const Quadruple& p, const Quadruple& q) {
-    return {
-        p[0] * q[0] - p[1] * q[1] - p[2] * q[2] - p[3] * q[3], p[0] * q[1] + p[1] * q[0] + p[2] * q[3] - p[3] * q[2],
-        p[0] * q[2] - p[1] * q[3] + p[2] * q[0] + p[3] * q[1], p[0] * q[3] + p[1] * q[2] - p[2] * q[1] + p[3] * q[0]};
-}
 Quadruple conjugate(const Quadruple& q) { return {q[0], -q[1], -q[2], -q[3]}; }
 double norm(const Quadruple& q) { return std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]); }
 
@@ -110,12 +99,13 @@ std::string turning(Draw& draw, Case& drawn) {
     if (!simulation->troubles().empty()) return "status " + simulation->troubles().front().issue;
     const Quadruple end = orientation_of(*simulation, 0);
     const double off = angle_between(q, end), most = allowed_turn(drawn, angle, in_step);
-    if (off > most) return "the orientation is " + text(off) + " rad off, expected at most " + text(most) + " rad";
+    if (off > most)
+        return "the orientation is " + few_digits(off) + " rad off, expected at most " + few_digits(most) + " rad";
     const double change = distance(spin_of(*simulation, 0), spin);
     if (change > (1e-5 + most) * length_of(spin) + 2e-6)
-        return "the angular velocity is off by " + text(change) + " rad/s of " + text(length_of(spin));
+        return "the angular velocity is off by " + few_digits(change) + " rad/s of " + few_digits(length_of(spin));
     if (std::abs(norm(end) - 1) > 1e-6 + in_step * in_step * in_step * in_step)
-        return "the orientation has the length 1 + " + text(norm(end) - 1);
+        return "the orientation has the length 1 + " + few_digits(norm(end) - 1);
     return "";
 }
 
@@ -156,7 +146,8 @@ std::string carried(Draw& draw, Case& drawn) {
     const double off = distance(position_of(*simulation, of_box), expected);
     // What rests on a surface while it turns is of first order in the step.
     const double most = 0.001 + 0.3 * std::abs(spin) * drawn.step * (1 + std::abs(angle));
-    if (off > most) return "the box is " + text(off) + " m off its place on the plate, expected at most " + text(most);
+    if (off > most)
+        return "the box is " + few_digits(off) + " m off its place on the plate, expected at most " + few_digits(most);
     return "";
 }
 

@@ -33,12 +33,6 @@ BodyDescription& add_body(SceneDescription& scene, double mass, const Triple& po
     return body;
 }
 
-Quadruple product(const Quadruple& p, const Quadruple& q) {
-    return {
-        p[0] * q[0] - p[1] * q[1] - p[2] * q[2] - p[3] * q[3], p[0] * q[1] + p[1] * q[0] + p[2] * q[3] - p[3] * q[2],
-        p[0] * q[2] - p[1] * q[3] + p[2] * q[0] + p[3] * q[1], p[0] * q[3] + p[1] * q[2] - p[2] * q[1] + p[3] * q[0]};
-}
-
 bool turns_a_body(EventKind kind) {
     return kind == EventKind::angular_impulse || kind == EventKind::torque || kind == EventKind::step_torque ||
            kind == EventKind::angular_velocity;
@@ -75,6 +69,12 @@ void for_each_direction(SceneDescription& scene, const Vectors& vector, const Or
 }
 
 }  // namespace
+
+Quadruple product(const Quadruple& p, const Quadruple& q) {
+    return {
+        p[0] * q[0] - p[1] * q[1] - p[2] * q[2] - p[3] * q[3], p[0] * q[1] + p[1] * q[0] + p[2] * q[3] - p[3] * q[2],
+        p[0] * q[2] - p[1] * q[3] + p[2] * q[0] + p[3] * q[1], p[0] * q[3] + p[1] * q[2] - p[2] * q[1] + p[3] * q[0]};
+}
 
 BodyDescription& add_box(SceneDescription& scene, double mass, const Triple& edges, const Triple& position) {
     BodyDescription& body = add_body(scene, mass, position);

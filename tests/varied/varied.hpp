@@ -11,10 +11,11 @@
 #include "../kernel/random.hpp"
 #include "scene/description.hpp"
 #include "simulation/simulation.hpp"
+#include "tools/text.hpp"
 
 namespace tumble::test {
 
-using host::BodyDescription, host::SceneDescription, host::Simulation, host::Triple;
+using host::BodyDescription, host::few_digits, host::SceneDescription, host::Simulation, host::Triple;
 
 class Draw : public Random {
 public:
@@ -23,7 +24,7 @@ public:
 
     bool one_in(int n) { return between(1, n) == 1; }
     template <class T>
-    const T& of(const std::vector<T>& choices) {
+    T of(const std::vector<T>& choices) {
         return choices[static_cast<std::size_t>(between(0, static_cast<int>(choices.size()) - 1))];
     }
     // Any power of two between the ends is as likely as another.
@@ -50,6 +51,8 @@ void turn(SceneDescription& scene, const host::Quadruple& by);
 void mirror(SceneDescription& scene, int axis);
 // A random quaternion of unit length; one in three leaves the scene as it is, one in three turns it about y.
 host::Quadruple any_turn(Draw& draw);
+// The turn by q and then by p, which are unit quaternions (w, x, y, z).
+host::Quadruple product(const host::Quadruple& p, const host::Quadruple& q);
 // The vector in the turned scene, and back in the scene as it was made.
 Triple rotated(const host::Quadruple& by, const Triple& v);
 Triple rotated_back(const host::Quadruple& by, const Triple& v);
