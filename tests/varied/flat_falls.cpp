@@ -96,6 +96,7 @@ std::string judge_flat_falls(Draw& draw, Case& drawn) {
         if (depth > 2 * tolerance) ++deep;
         double energy = body.mass * g * height;
         for (std::size_t k = 0; k < 3; ++k) energy += (body.mass * v[k] * v[k] + body.moments[k] * w[k] * w[k]) / 2;
+        if (!std::isfinite(depth + energy)) return "a number is not finite";
         gained = std::max(gained, energy - least);
         least = std::min(least, energy);
     }
