@@ -559,6 +559,11 @@ TEST(SnapshotBytes, have_the_check_word_of_the_standard_and_the_lowest_byte_firs
     tumble::detail::Crc32 crc;
     for (const char c : std::string("123456789")) crc.add(static_cast<std::uint8_t>(c));
     EXPECT_EQ(crc.value(), 0xcbf43926u);
+    tumble::detail::Crc32 words;
+    words.add_word(0x34333231u);
+    words.add_word(0x38373635u);
+    words.add('9');
+    EXPECT_EQ(words.value(), 0xcbf43926u);
     World<SceneOf<F64, integrators::Verlet, only_saved>> world{Seconds{1, 256}};
     BodySpec body = sphere(1, 1);
     body.position = {1, 0, 0};

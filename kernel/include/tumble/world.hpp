@@ -389,7 +389,7 @@ public:
     // The size of a snapshot as bytes. That of a whole world depends on the pairs that are near each other now.
     [[nodiscard]] int snapshot_size(SnapshotPart part = SnapshotPart::world) const {
         static_assert(features.snapshots, "snapshot_size() needs .snapshots = true among the scene's features");
-        detail::SnapshotWriter count{nullptr};
+        detail::SnapshotWriter count;
         write(count, part, 0);
         return count.size() + 4;
     }

@@ -124,6 +124,22 @@ requires(N::fixed_point) [[nodiscard]] constexpr Quat<typename N::Unit> unit_of(
     return {component(0), {component(1), component(2), component(3)}};
 }
 
+template <class T>
+[[nodiscard]] TUMBLE_INLINE constexpr Quaternion<T> over(const Quaternion<T>& q, T length) {
+    return {q.w / length, {q.v.x / length, q.v.y / length, q.v.z / length}};
+}
+// q / |q| where the squares of the components leave the range although the components do not. A q of zero is misuse.
+template <class N>
+[[nodiscard, gnu::noinline, gnu::cold]] constexpr Quaternion<typename N::Unit>
+unit_of_extreme(Quaternion<typename N::Unit> q) {
+    auto largest = N::magnitude(q.w);
+    for (const auto component : {q.v.x, q.v.y, q.v.z})
+        if (N::magnitude(component) > largest) largest = N::magnitude(component);
+    TUMBLE_ASSERT(largest > typename N::Unit(0));
+    const auto from = over(q, largest);
+    return over(from, sqrt(from.w * from.w + dot(from.v, from.v)));
+}
+
 }  // namespace detail
 
 // q_wb = q / |q| times p, a unit quaternion.
@@ -151,21 +167,9 @@ TUMBLE_INLINE void set_product(IntegratedQuat<N>& q_wb, const Quaternion<typenam
         set(q_wb.y, component.template operator()<1>());
         set(q_wb.z, component.template operator()<2>());
     } else {
-        const auto over = [](const Quaternion<Unit>& a, Unit length) {
-            return Quaternion<Unit>{a.w / length, {a.v.x / length, a.v.y / length, a.v.z / length}};
-        };
-        Quaternion<Unit> from = q;
-        Unit norm2 = q.w * q.w + dot(q.v, q.v);
-        // The squares may leave the range although the components do not.
-        if (!N::is_divisor(norm2) || norm2 > std::numeric_limits<Unit>::max()) {
-            Unit largest = N::magnitude(q.w);
-            for (const Unit component : {q.v.x, q.v.y, q.v.z})
-                if (N::magnitude(component) > largest) largest = N::magnitude(component);
-            TUMBLE_ASSERT(largest > Unit(0));
-            from = over(q, largest);
-            norm2 = from.w * from.w + dot(from.v, from.v);
-        }
-        const Quaternion<Unit> to = over(from, sqrt(norm2)),
+        const Unit norm2 = q.w * q.w + dot(q.v, q.v);
+        const bool is_ordinary = N::is_normal(norm2);
+        const Quaternion<Unit> to = is_ordinary ? detail::over(q, sqrt(norm2)) : detail::unit_of_extreme<N>(q),
                                product = to * Quaternion<Unit>{p.w, {p.v.x(), p.v.y(), p.v.z()}};
         set(q_wb.w, product.w);
         set(q_wb.x, product.v.x);

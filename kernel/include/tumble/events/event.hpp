@@ -238,18 +238,16 @@ void set_angular_velocity([[maybe_unused]] Bodies& bodies, [[maybe_unused]] int 
     }
 }
 template <class N, class Bodies>
-void set_pose(Bodies& bodies, int b, const VectorBlock<N>& position, const Quaternion<typename N::Work>& q) {
+TUMBLE_INLINE void set_pose(Bodies& bodies, int b, const VectorBlock<N>& position,
+                            const Quaternion<typename N::Work>& q) {
     using Work = typename N::Work;
     auto& s = bodies.state[b];
+    if (!bodies.rotates(b)) TUMBLE_ASSERT(q == Quaternion<Work>{});
+    else if constexpr (Bodies::rotation) set_product<N>(s.q_wb, q, bodies.constants[b].principal());
     for (int i = 0; i < 3; ++i) {
         s.x_w[i] = {};
         N::add_sum(s.x_w[i], position.position(i));
     }
-    if (!bodies.rotates(b)) {
-        TUMBLE_ASSERT(q == Quaternion<Work>{});
-        return;
-    }
-    if constexpr (Bodies::rotation) set_product<N>(s.q_wb, q, bodies.constants[b].principal());
 }
 
 }  // namespace detail

@@ -90,13 +90,8 @@ public:
         while (count_ > 0 && ring_[place(count_ - 1)].step >= step) --count_;
     }
     // Appends an event that is applied before `step`. The world calls it.
-    void append(const Event<N>& event, std::uint64_t step) {
-        if (count_ == room_) {
-            first_ = place(1);
-            --count_;
-            if (lost_ != 0xffffffffu) ++lost_;
-        }
-        Event<N>& kept = ring_[place(count_++)];
+    TUMBLE_INLINE void append(const Event<N>& event, std::uint64_t step) {
+        Event<N>& kept = next();
         kept = event;
         kept.step = step;
     }
@@ -106,6 +101,14 @@ protected:
     Recording(Event<N>* ring, int room) : ring_{ring}, room_{room} {}
 
 private:
+    [[gnu::noinline]] Event<N>& next() {
+        if (count_ == room_) [[unlikely]] {
+            first_ = place(1);
+            --count_;
+            if (lost_ != 0xffffffffu) ++lost_;
+        }
+        return ring_[place(count_++)];
+    }
     [[nodiscard]] int place(int i) const { return i < room_ - first_ ? first_ + i : first_ + i - room_; }
 
     Event<N>* ring_;

@@ -49,12 +49,25 @@ namespace detail {
 class Crc32 {
 public:
     constexpr void add(std::uint8_t byte) {
-        for (const std::uint32_t half : {std::uint32_t{byte} & 15u, std::uint32_t{byte} >> 4})
-            value_ = value_ >> 4 ^ table[(value_ ^ half) & 15u];
+        value_ ^= byte;
+        shift_byte();
+    }
+    // Four bytes, the lowest first.
+    TUMBLE_INLINE constexpr void add_word(std::uint32_t word) {
+        value_ ^= word;
+        shift_byte();
+        shift_byte();
+        shift_byte();
+        shift_byte();
     }
     [[nodiscard]] constexpr std::uint32_t value() const { return ~value_; }
 
 private:
+    TUMBLE_INLINE constexpr void shift_byte() {
+        value_ = value_ >> 4 ^ table[value_ & 15u];
+        value_ = value_ >> 4 ^ table[value_ & 15u];
+    }
+
     static constexpr std::uint32_t table[16] = {
         0x00000000u, 0x1db71064u, 0x3b6e20c8u, 0x26d930acu, 0x76dc4190u, 0x6b6b51f4u, 0x4db26158u, 0x5005713cu,
         0xedb88320u, 0xf00f9344u, 0xd6d6a3e8u, 0xcb61b38cu, 0x9b64c2b0u, 0x86d3d2d4u, 0xa00ae278u, 0xbdbdf21cu};
@@ -215,22 +228,16 @@ class SnapshotWriter {
 public:
     static constexpr bool reads = false;
 
-    // Null: only counts, and adds up the check word.
+    // Null: adds up the check word alone.
     explicit SnapshotWriter(std::uint8_t* to) : to_{to} {}
+    // Only counts.
+    SnapshotWriter() : is_checked_{false} {}
     // Holds a state of `count` bytes against the world.
-    SnapshotWriter(const std::uint8_t* held, int count) : held_{held}, count_{count} {}
+    SnapshotWriter(const std::uint8_t* held, int count) : held_{held}, count_{count}, is_checked_{false} {}
     void operator()(const auto&... values) { (transfer(*this, values), ...); }
     void word(std::uint32_t w) {
-        if (held_ != nullptr) {
-            size_ += 4;
-            return;
-        }
-        for (int i = 0; i < 4; ++i) {
-            const auto byte = static_cast<std::uint8_t>(w >> (8 * i));
-            if (to_ != nullptr) to_[size_] = byte;
-            crc_.add(byte);
-            ++size_;
-        }
+        if (is_checked_) write(w);
+        size_ += 4;
     }
     template <class T>
     void number(T value) {
@@ -242,9 +249,13 @@ public:
     }
     template <class T>
     void two_words(T value) {
-        const auto bits = std::bit_cast<std::uint64_t>(value);
-        word(static_cast<std::uint32_t>(bits));
-        word(static_cast<std::uint32_t>(bits >> 32));
+        if (is_checked_) {
+            const auto bits = std::bit_cast<std::uint64_t>(value);
+            word(static_cast<std::uint32_t>(bits));
+            word(static_cast<std::uint32_t>(bits >> 32));
+        } else {
+            size_ += 8;
+        }
     }
     // A word of which every bit has a meaning. Returns that of the bytes.
     std::uint32_t bits(std::uint32_t w) {
@@ -282,10 +293,17 @@ public:
     [[nodiscard]] std::uint32_t check() const { return crc_.value(); }
 
 private:
+    [[gnu::noinline]] void write(std::uint32_t w) {
+        crc_.add_word(w);
+        if (to_ == nullptr) return;
+        std::uint8_t* const at = to_ + size_;
+        for (int i = 0; i < 4; ++i) at[i] = static_cast<std::uint8_t>(w >> (8 * i));
+    }
+
     std::uint8_t* to_ = nullptr;
     const std::uint8_t* held_ = nullptr;
     int size_ = 0, count_ = 0;
-    bool is_right_ = true;
+    bool is_checked_ = true, is_right_ = true;
     Crc32 crc_{};
 };
 
@@ -323,7 +341,7 @@ struct SnapshotHeader {
         if (size > static_cast<std::uint32_t>(count)) return SnapshotFault::truncated;
         if (size < bytes + 4 || size % 4 != 0) return SnapshotFault::corrupted;
         Crc32 crc;
-        for (std::uint32_t i = 0; i < size - 4; ++i) crc.add(from[i]);
+        for (std::uint32_t i = 0; i < size - 4; i += 4) crc.add_word(word_at(from + i));
         if (crc.value() != word_at(from + size - 4)) return SnapshotFault::corrupted;
         if (word_at(from + 8) != std::uint32_t{TUMBLE_BITS}) return SnapshotFault::other_bits;
         if (word_at(from + 12) != numbers) return SnapshotFault::other_numbers;
@@ -337,7 +355,7 @@ struct SnapshotHeader {
 // A digest of the constants of a scene and of a number system.
 class Digest {
 public:
-    using Words = SnapshotWriter;  // counts the words of numbers
+    using Words = SnapshotWriter;  // adds up the check word of numbers
     constexpr void add(std::uint32_t word) { hash_.add(word); }
     constexpr void add(int value) { hash_.add(static_cast<std::uint32_t>(value)); }
     constexpr void add(const Real& value) {

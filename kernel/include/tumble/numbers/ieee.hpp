@@ -145,6 +145,14 @@ struct Float {
     }
     // True of a positive number that has all its digits, and a finite inverse. A smaller one has neither.
     [[nodiscard]] TUMBLE_INLINE static constexpr bool is_divisor(T a) { return a >= std::numeric_limits<T>::min(); }
+    // True of a positive number that has all its digits and is finite.
+    [[nodiscard]] TUMBLE_INLINE static constexpr bool is_normal(T a) {
+        using Limits = std::numeric_limits<T>;
+        const auto bits = [](T value) {
+            return std::bit_cast<std::conditional_t<sizeof(T) == 4, std::uint32_t, std::uint64_t>>(value);
+        };
+        return bits(a) - bits(Limits::min()) < bits(Limits::infinity()) - bits(Limits::min());
+    }
     // True of the square of a length whose cube has an inverse far inside the range of the type: it is above 2^-40 m in
     // float, 2^-320 m in double.
     [[nodiscard]] TUMBLE_INLINE static constexpr bool has_inverse_cube(T square) {

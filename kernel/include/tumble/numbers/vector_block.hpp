@@ -476,13 +476,13 @@ requires(!N::fixed_point) struct VectorBlock<N> {
         return user;
     }
     [[nodiscard]] VectorBlock rotated(const Quat<T>& q) const { return {rotate(q, v)}; }
-    [[nodiscard]] VectorBlock rotated_back(const Quat<T>& q) const { return {rotate_back(q, v)}; }
+    [[nodiscard]] TUMBLE_INLINE VectorBlock rotated_back(const Quat<T>& q) const { return rotated(q.conjugate()); }
     [[nodiscard]] VectorBlock turned(const Vec3<T>& u) const { return {v + tumble::cross<T>(u, v)}; }
     [[nodiscard]] static T half_angle(T t, T rate, typename N::Scale) { return t * rate * T(0.5); }
     [[nodiscard]] VectorBlock times(T s) const { return {scaled_by(v, s)}; }
     TUMBLE_INLINE void multiply_by(T s) { v = scaled_by(v, s); }
     [[nodiscard]] VectorBlock times(const Vector3<T>& s) const { return {{v[0] * s.x, v[1] * s.y, v[2] * s.z}}; }
-    [[nodiscard]] friend VectorBlock cross(const VectorBlock& a, const VectorBlock& b) {
+    [[nodiscard]] TUMBLE_INLINE friend VectorBlock cross(const VectorBlock& a, const VectorBlock& b) {
         return {tumble::cross<T>(a.v, b.v)};
     }
     [[nodiscard]] friend VectorBlock operator+(const VectorBlock& a, const VectorBlock& b) { return {a.v + b.v}; }
