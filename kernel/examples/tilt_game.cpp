@@ -1,7 +1,7 @@
 // A game for a board with an accelerometer: the player tilts a tray with a rim, and two balls roll to the goal. Counts
-// of the sensor become gravity by one constant, in integers. The world records the game and then replays the recording.
-// The program prints the hash of the end, which is the same on every machine: a game that is recorded on a core is
-// replayed on the workstation, bit for bit.
+// of the sensor become gravity by one constant, in integers. The program records its samples, 8 bytes each, and then
+// replays them: each becomes an event when it is due. The program prints the hash of the end, which is the same on
+// every machine: a game that is recorded on a core is replayed on the workstation, bit for bit.
 #include <tumble/tumble.hpp>
 
 #include "port.hpp"
@@ -10,26 +10,18 @@ namespace {
 
 using namespace tumble::literals;
 
-constexpr int events = 24, steps_per_sample = 8;  // 8 samples a second, for 3 s
+constexpr int samples = 24, steps_per_sample = 8;  // 8 samples a second, for 3 s
 
 struct Tray : tumble::Scene {
     using Numbers = tumble::Q32<tumble::Range<2, 8, 128>>;  // 2 m, 8 m/s, 128 rad/s
-    static constexpr tumble::Features features{.bodies = 2,
-                                               .planes = 5,
-                                               .near_pairs = 7,
-                                               .control = true,
-                                               .script = true,
-                                               .recording = true,
-                                               .snapshots = true,
-                                               .pairs = true,
-                                               .friction = true};
+    static constexpr tumble::Features features{
+        .bodies = 2, .planes = 5, .near_pairs = 7, .control = true, .snapshots = true, .pairs = true, .friction = true};
 };
 using Game = tumble::World<Tray>;
 constexpr double half = 0.2, radius = 0.02;  // of the tray and of a ball, m
 constexpr tumble::BodyId steel{0}, wood{1};
 
 Game game{tumble::Seconds{1, 64}, {.contact = {.restitution = 0, .friction = 0.5}}};
-tumble::Recorder<Tray::Numbers, events> recorder;
 std::uint8_t start[512];  // the bodies at the start
 
 // Two balls in one corner of a tray. The goal is the corner opposite.
@@ -47,32 +39,39 @@ void set_up() {
     }
 }
 
-// What the sensor reads, along the axes of the tray: at rest the opposite of gravity. 16384 counts are 1 g.
+// What the sensor reads before a step, along the axes of the tray: at rest the opposite of gravity. 16384 counts are 1
+// g.
 struct Sample {
+    std::uint16_t step;
     std::int16_t x, y, z;
 };
+Sample recording[samples];
 // Its bits are Fixed<26>: m/s^2 times 2^26. One count is 9.80665 / 16384 m/s^2.
 constexpr std::int32_t per_count = 40168;
-tumble::Vector3<tumble::Fixed<26>> gravity_of(const Sample& s) {
-    return {{-s.x * per_count}, {-s.y * per_count}, {-s.z * per_count}};
+void set_gravity(const Sample& s) {
+    game.set_gravity(tumble::Vector3<tumble::Fixed<26>>{{-s.x * per_count}, {-s.y * per_count}, {-s.z * per_count}});
 }
 
 // In place of a sensor: a player tilts the tray along z for a second, then along x and z for two, by 14 degrees, with a
 // hand that trembles.
-Sample read_sensor(int sample) {
+Sample read_sensor(int step) {
     static std::uint32_t noise = 1;
     const auto tremble = [] {
         noise = noise * 1664525 + 1013904223;
         return static_cast<int>(noise >> 25) - 64;
     };
-    const int slope = -4096, x = sample < 8 ? 0 : slope, z = slope;
+    const int slope = -4096, x = step < 64 ? 0 : slope, z = slope;
     const auto count = [&](int value) { return static_cast<std::int16_t>(value + tremble()); };
-    return {count(x), count(15864), count(z)};
+    return {static_cast<std::uint16_t>(step), count(x), count(15864), count(z)};
 }
 
 // What a game does at each step, and what the tests measure.
 [[gnu::noinline]] void play_step(int step) {
-    if (step % steps_per_sample == 0) game.set_gravity(gravity_of(read_sensor(step / steps_per_sample)));
+    if (step % steps_per_sample == 0) {
+        Sample& sample = recording[step / steps_per_sample];
+        sample = read_sensor(step);
+        set_gravity(sample);
+    }
     game.step();
 }
 
@@ -87,10 +86,9 @@ void write_hexadecimal(std::uint64_t value) {
 
 int main() {
     tumble::port::init();
-    constexpr int steps = events * steps_per_sample;
+    constexpr int steps = samples * steps_per_sample;
     set_up();
     const int size = game.save(start, sizeof start, tumble::SnapshotPart::bodies);
-    game.record(&recorder);
     for (int step = 0; step < steps; ++step) {
         play_step(step);
         // A ball that rolls down has 5/7 of the acceleration of one that slides without friction.
@@ -105,10 +103,13 @@ int main() {
     if (!game.status().ok()) return 3;
     const std::uint64_t hash = game.hash();
 
-    game.record(nullptr);
     if (size == 0 || game.restore(start, size) != tumble::SnapshotFault::none) return 4;
-    game.set_script(recorder.script());
-    for (int step = 0; step < steps; ++step) game.step();
+    tumble::Script<Sample> script;
+    script.set({recording, samples}, game.steps_taken());
+    for (int step = 0; step < steps; ++step) {
+        script.for_each_due(game.steps_taken(), set_gravity);
+        game.step();
+    }
     if (game.hash() != hash) return 5;
     write_hexadecimal(hash);
     return 0;

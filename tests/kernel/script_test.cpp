@@ -3,6 +3,7 @@
 
 #include "kinds.hpp"
 
+#include <array>
 #include <vector>
 
 namespace tumble::test {
@@ -194,6 +195,77 @@ TYPED_TEST(Scripts, an_event_that_is_written_as_doubles_is_the_same_event) {
     std::vector<Event<TypeParam>> events;
     replayed.set_script(prepare_sorted(events, specs, replayed.bodies()));
     EXPECT_EQ(this->run(replayed, 320), expected);
+}
+
+// A scene whose events are constants of the program, out of order, and one whose events are read at run time.
+struct ConstantScript {
+    static constexpr Seconds step{1, 256};
+    static constexpr WorldSpec world{};
+    static constexpr std::array bodies{box(2, {0.5, 0.25, 0.75})};
+    static constexpr std::array<PlaneSpec, 0> planes{};
+    static constexpr std::array<SpringSpec, 0> springs{};
+    static constexpr std::array<ImpulseSpec, 0> impulses{};
+    static constexpr std::array<ForceSpec, 0> forces{};
+    static constexpr std::array events{
+        EventSpec{.time = 0.5, .kind = EventKind::torque, .frame = Frame::body, .value = {0.01, 0.1, -0.3}},
+        EventSpec{.time = 0.1, .kind = EventKind::force, .value = {1, 2, 3}, .point = {0.1, 0, 0.3}},
+        EventSpec{.time = 0.25, .kind = EventKind::angular_velocity, .value = {1, 2, 3}},
+        EventSpec{.time = 0.25, .kind = EventKind::pose, .value = {1, 2, 3}, .orientation = {0.5, {0.1, 0.3, 0.7}}},
+        EventSpec{.time = 0.3, .kind = EventKind::gravity, .body = 77, .value = {1, -9.81, 3}}};
+};
+struct ReadScript : ConstantScript {
+    std::vector<EventSpec> events{ConstantScript::events.begin(), ConstantScript::events.end()};
+};
+
+TYPED_TEST(Scripts, events_that_are_constants_take_no_memory_and_have_the_same_bits) {
+    using Config = SceneOf<TypeParam, integrators::Verlet, only_scripts>;
+    using Constant = Replay<Config, ConstantScript>;
+    if constexpr (TypeParam::fixed_point) {
+        EXPECT_LE(sizeof(Constant), sizeof(World<Config>) + alignof(World<Config>)) << "and two empty lists";
+    }
+    Constant constant;
+    const ReadScript data;
+    Replay<Config, ReadScript> read{data};
+    for (int step = 0; step < 200; ++step) {
+        constant.step();
+        read.step();
+        ASSERT_EQ(constant.world().hash(), read.world().hash()) << step;
+    }
+    EXPECT_NE(static_cast<double>(constant.world().gravity().x), 0) << "the events have acted";
+}
+
+TYPED_TEST(Scripts, records_of_a_program_become_the_same_events_when_they_are_due) {
+    struct Record {
+        std::uint16_t step;
+        std::int16_t torque[3];  // N m / 4096
+    };
+    static_assert(sizeof(Record) == 8);
+    std::vector<Record> records;
+    std::vector<Event<TypeParam>> events;
+    const auto torque_of = [](const Record& r) {
+        return InputVector<TypeParam>{r.torque[0] / 4096.0F, r.torque[1] / 4096.0F, r.torque[2] / 4096.0F};
+    };
+    for (int i = 0; i < 60; ++i) {
+        const int value = 37 * i % 101 - 50;
+        records.push_back({static_cast<std::uint16_t>(5 * i / 2),
+                           {static_cast<std::int16_t>(value), static_cast<std::int16_t>(-3 * value), 25}});
+        events.push_back({.kind = EventKind::torque,
+                          .frame = Frame::body,
+                          .body = BodyId{0},
+                          .value = torque_of(records.back()),
+                          .step = records.back().step});
+    }
+    auto whole = this->template set_up<only_scripts>(), walked = whole;
+    whole.set_script({events.data(), 60});
+    const auto expected = this->run(whole, 200);
+    Script<Record> script;
+    script.set({records.data(), 60}, walked.steps_taken());
+    for (int step = 0; step < 200; ++step) {
+        script.for_each_due(walked.steps_taken(),
+                            [&](const Record& r) { walked.set_torque(BodyId{0}, torque_of(r), Frame::body); });
+        walked.step();
+        ASSERT_EQ(walked.hash(), expected[static_cast<std::size_t>(step)]) << step;
+    }
 }
 
 TYPED_TEST(Scripts, a_script_starts_at_the_present_step) {

@@ -6,6 +6,9 @@
 // and a list drags of DragSpec; a list wheels of WheelsSpec; orbit, an OrbitSpec; softening, m, of gravitation. In the
 // output of `tumble compile` all of them are static constexpr. A list is a std::array, or any type with size() that
 // resize() can grow. Config is a Scene with room for all data and the features that it needs.
+//
+// Impulses, forces and events are prepared when the scene is set up, in RAM. In fixed point, events that are static
+// constexpr are prepared by the compiler: an event takes sizeof(Event<Numbers>) = 80 bytes of flash, and no RAM.
 #pragma once
 
 #include <tumble/world.hpp>
@@ -26,6 +29,16 @@ struct ListOf<List<Spec, Rest...>, T> {
     using type = List<T>;
 };
 
+// The latest step of events. It reads all that preparing an event reads, so it is a constant only where they are.
+[[nodiscard]] constexpr std::uint64_t latest_step(const auto& events, Seconds step) {
+    std::uint64_t latest = 0;
+    for (const EventSpec& event : events) {
+        const std::uint64_t at = nearest_step(event.time, step.value);
+        if (at > latest) latest = at;
+    }
+    return latest;
+}
+
 }  // namespace detail
 
 // A world with a scene's bodies and everything that acts on them.
@@ -35,7 +48,20 @@ class Replay {
     template <class List, class T>
     using Prepared = typename detail::ListOf<std::remove_cvref_t<List>, T>::type;
     static constexpr bool has_events = Config::features.script && requires(const Data& data) { data.events; };
-    template <bool has = has_events, class From = Data>
+    // Whether events and step are constants. A pointer to a member that is not static is no pointer to an object.
+    template <class From>
+    static constexpr bool has_static_events = requires {
+        requires std::is_pointer_v<decltype(&From::events)>;
+    };
+    template <class From>
+    static constexpr bool is_constant = requires {
+        typename std::integral_constant<std::uint64_t, detail::latest_step(From::events, From::step)>;
+    };
+    static constexpr bool has_constant_events = [] {
+        if constexpr (has_events && N::fixed_point && has_static_events<Data>) return is_constant<Data>;
+        else return false;
+    }();
+    template <bool in_memory = has_events && !has_constant_events, class From = Data>
     struct Events {
         using type = detail::Nothing<0>;
     };
@@ -59,7 +85,9 @@ public:
         if constexpr (Config::features.impulses)
             world_.set_impulses(prepare_sorted(impulses_, data.impulses, world_.bodies()));
         if constexpr (Config::features.forces) world_.set_forces(prepare_sorted(forces_, data.forces, world_.bodies()));
-        if constexpr (has_events) world_.set_script(prepare_sorted(events_, data.events, world_.bodies()));
+        if constexpr (has_constant_events)
+            world_.set_script({constant_events<>.data(), static_cast<int>(constant_events<>.size())});
+        else if constexpr (has_events) world_.set_script(prepare_sorted(events_, data.events, world_.bodies()));
     }
     // The world points to the prepared arrays.
     Replay(const Replay&) = delete;
@@ -111,6 +139,15 @@ private:
                 world_.template change_load<GravityGradient<N, bodies>>().set_orbit(data.orbit.rate,
                                                                                     data.orbit.to_centre);
     }
+    template <class From = Data>
+    static constexpr auto constant_events = [] {
+        Prepared<decltype(From::events), Event<N>> events{};
+        detail::prepare_each(events, From::events, [](const EventSpec& spec) {
+            if constexpr (World<Config>::has_step) return detail::event_of<N>(spec, Config::step.value);
+            else return detail::event_of<N>(spec, From::step.value);
+        });
+        return events;
+    }();
     static constexpr World<Config> empty_world(const Data& data) {
         if constexpr (World<Config>::has_step) return World<Config>{data.world};
         else return World<Config>{data.step, data.world};

@@ -34,6 +34,11 @@ struct StepParts {
 template <>
 struct StepParts<0> {};
 
+[[nodiscard]] constexpr std::uint64_t nearest_step(Real time, Real step_length) {
+    const std::int64_t n = (time / step_length).to_fixed(0, 64);
+    return n < 0 ? 0 : static_cast<std::uint64_t>(n);
+}
+
 }  // namespace detail
 
 // Bodies that a step advances together, because loads couple them. A body alone is a group too.
@@ -254,10 +259,7 @@ public:
     }
 
     // The step nearest to a time. 0 for times before the start, 2^63 - 1 for times after 2^63 steps.
-    [[nodiscard]] std::uint64_t step_of(Real time) const {
-        const std::int64_t n = (time / step_length).to_fixed(0, 64);
-        return n < 0 ? 0 : static_cast<std::uint64_t>(n);
-    }
+    [[nodiscard]] std::uint64_t step_of(Real time) const { return detail::nearest_step(time, step_length); }
     // The index of a body that has been added. Any other id is misuse.
     [[nodiscard]] TUMBLE_INLINE int index_of(BodyId id) const { return index_of(id.index()); }
     [[nodiscard]] TUMBLE_INLINE int index_of(int b) const {

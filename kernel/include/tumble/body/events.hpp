@@ -111,19 +111,28 @@ template <class Timed>
 
 }  // namespace detail
 
+namespace detail {
+
+// Writes event_of(spec) of each, sorted by their first step. Events with equal steps keep their order.
+template <class Events, class Specs, class F>
+constexpr void prepare_each(Events& events, const Specs& specs, F&& event_of) {
+    std::size_t count = 0;
+    for (const auto& spec : specs) {
+        const auto event = event_of(spec);
+        std::size_t place = count++;
+        for (; place > 0 && start_of(event) < start_of(events[place - 1]); --place) events[place] = events[place - 1];
+        events[place] = event;
+    }
+}
+
+}  // namespace detail
+
 // Events in the numbers of the world, sorted by their first step. Events with equal steps keep their order.
 template <class Events, class Specs, class Bodies>
 [[nodiscard]] auto prepare_sorted(Events& events, const Specs& specs, const Bodies& bodies) {
     if constexpr (requires { events.resize(specs.size()); }) events.resize(specs.size());
-    std::size_t count = 0;
-    for (const auto& spec : specs) {
-        const auto event = prepare(bodies, spec);
-        std::size_t place = count++;
-        for (; place > 0 && detail::start_of(event) < detail::start_of(events[place - 1]); --place)
-            events[place] = events[place - 1];
-        events[place] = event;
-    }
-    return Span<std::remove_cvref_t<decltype(events[0])>>{events.data(), static_cast<int>(count)};
+    detail::prepare_each(events, specs, [&](const auto& spec) { return prepare(bodies, spec); });
+    return Span<std::remove_cvref_t<decltype(events[0])>>{events.data(), static_cast<int>(specs.size())};
 }
 
 }  // namespace tumble

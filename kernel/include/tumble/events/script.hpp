@@ -18,20 +18,33 @@ struct EventSpec {
     RealQuat orientation{};               // user's body axes to world
 };
 
+namespace detail {
+
+// An event of a scene in the numbers of a world with steps of this length, s. The body is not checked.
+template <class N>
+[[nodiscard]] constexpr Event<N> event_of(const EventSpec& spec, Real step_length) {
+    return {spec.kind,
+            spec.frame,
+            has_body(spec.kind) ? BodyId{spec.body} : BodyId{},
+            spec.value,
+            spec.point,
+            spec.orientation.template as<typename N::Work>(),
+            nearest_step(spec.time, step_length)};
+}
+
+}  // namespace detail
+
 // An event of a scene in the numbers of the bodies' world.
 template <class N, Spin spin, int capacity, bool points, class Constant>
 [[gnu::noinline, nodiscard]] Event<N> prepare(const Bodies<N, spin, capacity, points, Constant>& bodies,
                                               const EventSpec& spec) {
-    return {spec.kind,
-            spec.frame,
-            has_body(spec.kind) ? BodyId{bodies.index_of(spec.body)} : BodyId{},
-            spec.value,
-            spec.point,
-            spec.orientation.template as<typename N::Work>(),
-            bodies.step_of(spec.time)};
+    if (has_body(spec.kind)) (void)bodies.index_of(spec.body);
+    return detail::event_of<N>(spec, bodies.step_length);
 }
 
-// An array of events that is sorted by step, and the place of the next one.
+// An array that is sorted by step, and the place of the next element. Timed is an Event, or any record of a program
+// with a member `step`: a program walks a recording in its own numbers with for_each_due() before each step of the
+// world. It makes each event when it is due, by a call of the world, so that only the records take memory.
 template <class Timed>
 class Script {
 public:
