@@ -189,6 +189,7 @@ Table control_table(const Rows& control) {
         {"set_torque", "`set_torque`, body frame"},
         {"set_world_force", "`set_force`, world frame"},
         {"set_body_force", "`set_force`, body frame"},
+        {"set_gravity", "`set_gravity` of a world of one body"},
         {"impulse_at_centre", "`apply_impulse` at the centre of mass"},
         {"impulse_at_point", "`apply_impulse` at a point"},
         {"impulse_prepared", "the same of two `InputVector`"},

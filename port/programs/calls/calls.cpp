@@ -69,6 +69,7 @@ CALL(step_under_body_force) { (void)world.step(); }
 CALL(set_torque) { world.set_torque(body, a, Frame::body); }
 CALL(set_world_force) { world.set_force(body, a, Frame::world); }
 CALL(set_body_force) { world.set_force(body, a, Frame::body); }
+CALL(set_gravity) { world.set_gravity(a); }
 CALL(impulse_at_point) { world.apply_impulse(body, a, b, Frame::world); }
 CALL(impulse_prepared) { world.apply_impulse(body, prepared_a, prepared_b, Frame::world); }
 CALL(impulse_at_centre) { world.apply_impulse(body, a, {}, Frame::world); }
@@ -152,6 +153,11 @@ void take_round() {
     call_impulse_at_centre();
     call_pose_and_spin();
     call_pose_and_motion();
+    a = {b.x, -9.81F, b.z};
+    call_set_gravity();
+    add(world.gravity().as<float>());
+    a.x = a.z = 0;
+    world.set_gravity(a);
     add(pose.position);
     add(pose.orientation.w);
     add(pose.orientation.v);
