@@ -7,7 +7,7 @@
 
 #include "kinds.hpp"
 
-namespace tumble::test::moving_surfaces {
+namespace tumble::test::carried {
 
 using host::Quadruple;
 
@@ -44,11 +44,6 @@ void drive(Case& run, int body, const Course& course, const Triple& along, bool 
     }
 }
 
-void place(Draw& draw, Case& run) {
-    if (draw.one_in(2)) mirror(run.scene, draw.between(0, 2));
-    turn(run.scene, any_turn(draw));
-}
-
 Triple difference(const Triple& a, const Triple& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
 
 // Runs the scene, and says how far a body leaves its place on the carrier. `normal`: where only the way along it
@@ -82,7 +77,7 @@ std::string ride(const Case& run, int carrier, double time, const std::vector<in
 }  // namespace
 
 // It keeps its place on a lift that pushes it by less than its weight, and on a carrier that friction makes it follow.
-std::string carried(Draw& draw, Case& run) {
+std::string by_friction_or_weight(Draw& draw, Case& run) {
     auto& scene = run.scene;
     scene.gravity = {0, -gravity, 0};
     const bool is_ball = draw.one_in(4), is_first = draw.one_in(2);
@@ -118,12 +113,12 @@ std::string carried(Draw& draw, Case& run) {
     if (!is_first) carrier = add_carrier();
     const double time = 2 * course.most / course.acceleration + 0.3;
     drive(run, carrier, course, along, false, std::min(time, 1.5));
-    place(draw, run);
+    place_anywhere(draw, run.scene);
     return ride(run, carrier, std::min(time, 1.5), riders);
 }
 
 // A box or a ball on ice, before a wall that accelerates.
-std::string pushed(Draw& draw, Case& run) {
+std::string by_a_wall_on_ice(Draw& draw, Case& run) {
     auto& scene = run.scene;
     scene.gravity = {0, -gravity, 0};
     scene.contact.friction = 0;
@@ -138,12 +133,12 @@ std::string pushed(Draw& draw, Case& run) {
     const Course course{0, draw.uniform(0.5, 9), draw.uniform(0.3, 2)};
     const double time = course.most / course.acceleration;
     drive(run, 0, course, {1, 0, 0}, false, time);
-    place(draw, run);
+    place_anywhere(draw, run.scene);
     return ride(run, 0, time, {1});
 }
 
 // A box on a platform whose spin changes, kinematic or a turntable.
-std::string turned(Draw& draw, Case& run) {
+std::string by_a_platform(Draw& draw, Case& run) {
     auto& scene = run.scene;
     // Kicks at one end of the step are of first order on what turns.
     if (run.integrator == "semi_implicit_euler") run.integrator = "verlet";
@@ -159,8 +154,8 @@ std::string turned(Draw& draw, Case& run) {
             {radius * std::cos(angle), height / 2, radius * std::sin(angle)});
     const Course course = draw_course(draw, draw.uniform(0.5, 4), draw.uniform(0.3, 1.5));
     drive(run, 0, course, {0, draw.one_in(2) ? 1.0 : -1.0, 0}, true, 1);
-    place(draw, run);
+    place_anywhere(draw, run.scene);
     return ride(run, 0, 1, {1});
 }
 
-}  // namespace tumble::test::moving_surfaces
+}  // namespace tumble::test::carried

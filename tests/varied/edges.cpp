@@ -12,17 +12,13 @@ namespace {
 
 constexpr double gravity = 9.81, tolerance = 0.001;  // m/s^2, m
 
-// Turns the scene, runs it for a number of steps, and says how far a body is from where it should be in the frame in
-// which the scene was made.
+// Places the scene anywhere, runs it for a number of steps, and says how far a body is from where it should be in the
+// frame in which the scene was made.
 std::string hold(Draw& draw, Case& run, int body, int steps, const Triple& right, double allowed) {
-    const int mirrored = draw.one_in(2) ? draw.between(0, 2) : -1;
-    if (mirrored >= 0) mirror(run.scene, mirrored);
-    const host::Quadruple turned = any_turn(draw);
-    turn(run.scene, turned);
+    const Placement placement = place_anywhere(draw, run.scene);
     const auto simulation = start(run);
     for (int i = 0; i < steps; ++i) simulation->step();
-    Triple x = rotated_back(turned, position_of(*simulation, body));
-    if (mirrored >= 0) x[static_cast<std::size_t>(mirrored)] = -x[static_cast<std::size_t>(mirrored)];
+    const Triple x = placement.back(position_of(*simulation, body));
     const double off = distance(x, right);
     if (off <= allowed) return "";
     return "the body is " + few_digits(off) + " m off, limit " + few_digits(allowed) + " m, at (" + few_digits(x[0]) +

@@ -6,8 +6,7 @@
 
 #include "kinds.hpp"
 
-namespace tumble::test {
-namespace flat_falls {
+namespace tumble::test::flat_falls {
 namespace {
 
 constexpr double g = 9.81;
@@ -59,10 +58,8 @@ Body add_flat(Draw& draw, SceneDescription& scene) {
 }
 
 }  // namespace
-}  // namespace flat_falls
 
-std::string judge_flat_falls(Draw& draw, Case& drawn) {
-    using namespace flat_falls;
+std::string fall(Draw& draw, Case& drawn) {
     SceneDescription& scene = drawn.scene;
     // Longer steps change the point on which the body stands by more.
     if (draw.one_in(2)) {
@@ -114,4 +111,4 @@ std::string judge_flat_falls(Draw& draw, Case& drawn) {
     return {};
 }
 
-}  // namespace tumble::test
+}  // namespace tumble::test::flat_falls

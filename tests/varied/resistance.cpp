@@ -5,8 +5,7 @@
 
 #include "kinds.hpp"
 
-namespace tumble::test {
-namespace resistance {
+namespace tumble::test::resistance {
 namespace {
 
 constexpr double g = 9.81;
@@ -42,7 +41,7 @@ std::string off(const char* what, double value, double right, double limit, cons
            std::to_string(limit) + " " + unit;
 }
 
-std::string judge_rolling(Draw& draw, Case& drawn) {
+std::string rolling_body(Draw& draw, Case& drawn) {
     SceneDescription& scene = drawn.scene;
     const ShapeKind kind =
         draw.of<ShapeKind>({ShapeKind::sphere, ShapeKind::cylinder, ShapeKind::hoop, ShapeKind::hoop});
@@ -81,7 +80,7 @@ std::string judge_rolling(Draw& draw, Case& drawn) {
     return {};
 }
 
-std::string judge_spinning(Draw& draw, Case& drawn) {
+std::string spinning_body(Draw& draw, Case& drawn) {
     SceneDescription& scene = drawn.scene;
     const bool is_box = draw.one_in(2);
     const double radius = draw.magnitude(0.05, 0.5),
@@ -111,7 +110,7 @@ std::string judge_spinning(Draw& draw, Case& drawn) {
     return {};
 }
 
-std::string judge_tumbling(Draw& draw, Case& drawn) {
+std::string tumbling_body(Draw& draw, Case& drawn) {
     SceneDescription& scene = drawn.scene;
     scene.gravity = {0, -g, 0};
     scene.contact.friction = draw.uniform(0, 0.9);
@@ -145,17 +144,15 @@ std::string judge_tumbling(Draw& draw, Case& drawn) {
 }
 
 }  // namespace
-}  // namespace resistance
 
-std::string judge_resistance(Draw& draw, Case& drawn) {
-    using namespace resistance;
+std::string slowed(Draw& draw, Case& drawn) {
     // Squares underflow in float first.
     if (draw.one_in(2)) drawn.numbers = "f32";
     switch (draw.between(1, 4)) {
-    case 1: return judge_spinning(draw, drawn);
-    case 2: return judge_tumbling(draw, drawn);
-    default: return judge_rolling(draw, drawn);
+    case 1: return spinning_body(draw, drawn);
+    case 2: return tumbling_body(draw, drawn);
+    default: return rolling_body(draw, drawn);
     }
 }
 
-}  // namespace tumble::test
+}  // namespace tumble::test::resistance

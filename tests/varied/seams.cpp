@@ -6,7 +6,7 @@
 
 #include "kinds.hpp"
 
-namespace tumble::test {
+namespace tumble::test::seams {
 
 using host::Quadruple;
 
@@ -75,28 +75,13 @@ int shuffle(Draw& draw, SceneDescription& scene, int body) {
     return body;
 }
 
-// What a judge holds a run against, in the frame in which the scene was made.
-struct Placed {
+// The placement of a scene with the body that a judge looks at.
+struct Placed : Placement {
     int body = 0;
-    Quadruple turned{1, 0, 0, 0};
-    int mirrored = -1;
-
-    Triple back(Triple v) const {
-        v = rotated_back(turned, v);
-        if (mirrored >= 0) v[static_cast<std::size_t>(mirrored)] = -v[static_cast<std::size_t>(mirrored)];
-        return v;
-    }
 };
 Placed place(Draw& draw, Case& run, int body) {
-    Placed placed;
-    if (draw.one_in(2)) {
-        placed.mirrored = draw.between(0, 2);
-        mirror(run.scene, placed.mirrored);
-    }
-    placed.turned = any_turn(draw);
-    turn(run.scene, placed.turned);
-    placed.body = shuffle(draw, run.scene, body);
-    return placed;
+    const Placement placement = place_anywhere(draw, run.scene);
+    return {placement, shuffle(draw, run.scene, body)};
 }
 
 // Runs for a time, and says how far the body is from where it should be.
@@ -127,7 +112,7 @@ double way_of(const Case& run, double speed, double drive, double friction, doub
 
 // A floor or ramp of fixed blocks, or of kinematic ones that move alike; some with a wall to which gravity presses the
 // box as well.
-std::string box_slides_over_flush_blocks(Draw& draw, Case& run) {
+std::string box_slides(Draw& draw, Case& run) {
     auto& scene = run.scene;
     const bool walled = draw.one_in(4);
     // Friction on a wall turns the box.
@@ -172,7 +157,7 @@ std::string box_slides_over_flush_blocks(Draw& draw, Case& run) {
 }
 
 // Blocks above each other whose side a box or a ball touches without a force, on one side or on both.
-std::string body_falls_along_flush_blocks(Draw& draw, Case& run) {
+std::string body_falls(Draw& draw, Case& run) {
     auto& scene = run.scene;
     const double time = draw.uniform(0.3, 0.8), down = draw.uniform(0, 1), aside = draw.uniform(-1, 1);
     scene.contact = {.restitution = draw.of<double>({0, 0.5, 1}),
@@ -195,7 +180,7 @@ std::string body_falls_along_flush_blocks(Draw& draw, Case& run) {
 }
 
 // Boxes side by side on a floor without friction carry a body that slides over them.
-std::string body_slides_over_a_row_of_free_boxes(Draw& draw, Case& run) {
+std::string body_slides_over_free_boxes(Draw& draw, Case& run) {
     auto& scene = run.scene;
     const double time = draw.uniform(0.3, 1), speed = draw.uniform(0.1, 3);
     scene.gravity = {0, -gravity, 0};
@@ -222,7 +207,7 @@ std::string body_slides_over_a_row_of_free_boxes(Draw& draw, Case& run) {
 }
 
 // A ball that rolls, or slides without friction.
-std::string ball_rolls_over_flush_blocks(Draw& draw, Case& run) {
+std::string ball_rolls(Draw& draw, Case& run) {
     auto& scene = run.scene;
     const bool rolls = draw.one_in(2);
     const double slope = draw.one_in(2) ? 0 : draw.uniform(0, 0.5), time = draw.uniform(0.3, 1);
@@ -271,7 +256,7 @@ std::string step_stops_a_box(Draw& draw, Case& run) {
 }
 
 // A ball that falls on blocks, on seams and on free edges, and rolls off the end, moves as on one block.
-std::string ball_bounces_on_flush_blocks_as_on_one(Draw& draw, Case& run) {
+std::string ball_bounces(Draw& draw, Case& run) {
     const double restitution = draw.of<double>({0, 0.3, 0.6, 1}), friction = draw.of<double>({0, 0.3, 0.7});
     const double time = draw.uniform(0.2, 0.5), radius = draw.uniform(0.05, 0.2), lowest = draw.uniform(0.05, 0.2);
     const double slope = draw.one_in(3) ? 0 : draw.uniform(-0.6, 0.6);
@@ -310,4 +295,4 @@ std::string ball_bounces_on_flush_blocks_as_on_one(Draw& draw, Case& run) {
                          : "";
 }
 
-}  // namespace tumble::test
+}  // namespace tumble::test::seams

@@ -9,7 +9,7 @@
 // A namespace of its own: files are compiled together.
 namespace tumble::test::slender_rods {
 
-namespace {
+namespace {}  // namespace
 
 // A rod, disc or brick in space is turned faster and faster about a principal axis by a torque that begins and ends
 // with the run, by an event, or both, beside a drag that is too weak to matter.
@@ -127,12 +127,4 @@ std::string rolling(Draw& draw, Case& drawn) {
     return "a spin of " + few_digits(spin + rate * steps * drawn.step) + " rad/s is not reported";
 }
 
-}  // namespace
 }  // namespace tumble::test::slender_rods
-
-namespace tumble::test {
-
-std::string spin_that_leaves_its_range(Draw& draw, Case& drawn) { return slender_rods::driven(draw, drawn); }
-std::string rod_that_rolls_out_of_its_range(Draw& draw, Case& drawn) { return slender_rods::rolling(draw, drawn); }
-
-}  // namespace tumble::test

@@ -61,6 +61,8 @@ BodyDescription& add_plate(Draw& draw, SceneDescription& scene) {
     return body;
 }
 
+}  // namespace
+
 // A spin about any axis, or about a principal one, from the start and perhaps another from an event on.
 std::string turning(Draw& draw, Case& drawn) {
     SceneDescription& scene = drawn.scene;
@@ -151,12 +153,4 @@ std::string carried(Draw& draw, Case& drawn) {
     return "";
 }
 
-}  // namespace
 }  // namespace tumble::test::steady_spins
-
-namespace tumble::test {
-
-std::string body_that_turns_by_itself(Draw& draw, Case& drawn) { return steady_spins::turning(draw, drawn); }
-std::string box_on_a_tilted_plate_that_turns(Draw& draw, Case& drawn) { return steady_spins::carried(draw, drawn); }
-
-}  // namespace tumble::test

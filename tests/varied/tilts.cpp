@@ -5,17 +5,15 @@
 #include <cmath>
 #include <sstream>
 
-namespace tumble::test {
+namespace tumble::test::tilts {
 namespace {
 
 using host::EventDescription;
 
-// A tray in the plane y = 0, which is tilted, and then turned and mirrored as a whole.
+// A tray in the plane y = 0, which is tilted, and then placed anywhere as a whole.
 class Tray {
 public:
-    Tray(Draw& draw, Case& drawn) : case_{drawn}, size_{draw.magnitude(1.0, 16.0)} {
-        by_ = any_turn(draw);
-        mirrored_ = draw.between(-1, 2);
+    Tray(Draw& draw, Case& drawn) : draw_{draw}, case_{drawn}, size_{draw.magnitude(1.0, 16.0)} {
         drawn.scene.gravity = {0, -size_, 0};
         auto& floor = drawn.scene.planes.emplace_back();
         floor.name = "floor";
@@ -33,21 +31,17 @@ public:
     // Call when the scene is complete, which lasts so many steps.
     void end(std::int64_t steps) {
         case_.scene.duration = static_cast<double>(steps) * case_.step;
-        turn(case_.scene, by_);
-        if (mirrored_ >= 0) mirror(case_.scene, mirrored_);
+        placement_ = place_anywhere(draw_, case_.scene);
     }
     // A vector of the scene that runs, as it is in the scene that was made.
-    [[nodiscard]] Triple back(Triple v) const {
-        if (mirrored_ >= 0) v[static_cast<std::size_t>(mirrored_)] *= -1;
-        return rotated_back(by_, v);
-    }
+    [[nodiscard]] Triple back(const Triple& v) const { return placement_.back(v); }
     [[nodiscard]] double gravity() const { return size_; }
 
 private:
+    Draw& draw_;
     Case& case_;
     double size_;  // m/s^2
-    host::Quadruple by_{};
-    int mirrored_ = -1;  // the axis; -1: not
+    Placement placement_;
 };
 
 Triple between(const Triple& from, const Triple& to) { return {to[0] - from[0], to[1] - from[1], to[2] - from[2]}; }
@@ -76,7 +70,7 @@ std::string differs_live(const Case& drawn, std::int64_t steps, std::uint64_t ha
 }  // namespace
 
 // Flat boxes, alone or two on each other, of which none tips before it slides.
-std::string boxes_on_a_tray_that_tilts(Draw& draw, Case& drawn) {
+std::string boxes(Draw& draw, Case& drawn) {
     Tray tray(draw, drawn);
     auto& scene = drawn.scene;
     const double mu = draw.uniform(0.1, 0.8);
@@ -126,7 +120,7 @@ std::string boxes_on_a_tray_that_tilts(Draw& draw, Case& drawn) {
     return differs_live(drawn, end, simulation->hash());
 }
 
-std::string balls_on_a_tray_that_tilts(Draw& draw, Case& drawn) {
+std::string balls(Draw& draw, Case& drawn) {
     Tray tray(draw, drawn);
     auto& scene = drawn.scene;
     scene.contact.friction = draw.uniform(0.5, 1);
@@ -169,4 +163,4 @@ std::string balls_on_a_tray_that_tilts(Draw& draw, Case& drawn) {
     return differs_live(drawn, step, simulation->hash());
 }
 
-}  // namespace tumble::test
+}  // namespace tumble::test::tilts

@@ -146,6 +146,22 @@ Quadruple any_turn(Draw& draw) {
     return q;
 }
 
+Triple Placement::back(const Triple& v) const {
+    Triple made = rotated_back(turned, v);
+    if (mirrored >= 0) made[static_cast<std::size_t>(mirrored)] *= -1;
+    return made;
+}
+Placement place_anywhere(Draw& draw, SceneDescription& scene) {
+    Placement placement;
+    if (draw.one_in(2)) {
+        placement.mirrored = draw.between(0, 2);
+        mirror(scene, placement.mirrored);
+    }
+    placement.turned = any_turn(draw);
+    turn(scene, placement.turned);
+    return placement;
+}
+
 namespace {
 
 Triple triple(const std::array<long double, 3>& v) {
@@ -193,6 +209,7 @@ int run(const Kind& kind, std::uint64_t seed, std::uint64_t first, std::uint64_t
         Case drawn = draw_case(draw);
         std::string what;
         try {
+            drawn.scene.name = kind.name;
             what = kind.judge(draw, drawn);
         } catch (const std::exception& error) { what = error.what(); }
         if (what.empty()) continue;

@@ -51,6 +51,16 @@ void turn(SceneDescription& scene, const host::Quadruple& by);
 void mirror(SceneDescription& scene, int axis);
 // A random quaternion of unit length; one in three leaves the scene as it is, one in three turns it about y.
 host::Quadruple any_turn(Draw& draw);
+// How a scene lies in the world after it was made.
+struct Placement {
+    int mirrored = -1;  // axis of the mirror, 0 to 2; -1: none
+    host::Quadruple turned{1, 0, 0, 0};
+
+    // A vector of the world in the frame in which the scene was made.
+    [[nodiscard]] Triple back(const Triple& v) const;
+};
+// Mirrors one scene in two, and turns it.
+Placement place_anywhere(Draw& draw, SceneDescription& scene);
 // The turn by q and then by p, which are unit quaternions (w, x, y, z).
 host::Quadruple product(const host::Quadruple& p, const host::Quadruple& q);
 // The vector in the turned scene, and back in the scene as it was made.
@@ -69,11 +79,11 @@ double length_of(const Triple& v);
 
 // Draws what is left of the scene, runs it, and says what is wrong with the result, with the value, the limit and the
 // unit; empty where nothing is.
-using Judge = std::string (*)(Draw& draw, Case& scene);
+using Judge = std::string(Draw& draw, Case& scene);
 
 struct Kind {
     const char* name;  // a sentence: what is right of every scene
-    Judge judge;
+    Judge* judge;
 };
 // One line each, in kinds.cpp.
 extern const std::vector<Kind> kinds;
