@@ -256,6 +256,7 @@ TEST_F(Named, every_value_of_a_body_acts_or_is_misuse) {
             s.body.angular_velocity = {};
         });
     needs<&Features::kinematic>("BodySpec.kinematic", [](Specs& s) { s.body.kinematic = true; });
+    EXPECT_FALSE((Accepted<all_without<&Features::rotation>(), Nothing>)) << "a body that is no point mass";
     expect_all_of<BodySpec>("BodySpec");
 }
 
@@ -376,11 +377,11 @@ TEST(RequiredDeathTest, worlds_refuse_what_they_would_ignore) {
     EXPECT_TRUE(world.status().ok());
 }
 
-// Data of a compiled scene with one item of each list.
+// Data of a compiled scene, with every list and value that a scene may have.
 struct Full {
     static constexpr Seconds step{1, 256};
-    static constexpr WorldSpec world{};
-    static constexpr std::array bodies{sphere(Real{2}, Real{1})};
+    WorldSpec world{};
+    std::vector<BodySpec> bodies{box(2, {0.25, 0.5, 0.75}), placed(box(1, {0.25, 0.25, 0.25}), {1, 0, 0})};
     std::vector<PlaneSpec> planes{};
     std::vector<SpringSpec> springs{};
     std::vector<ImpulseSpec> impulses{};
@@ -390,9 +391,83 @@ struct Full {
     std::vector<WheelsSpec> wheels{};
     OrbitSpec orbit{};
     RealVec3 wind{};
+    Real softening{};
+};
+struct Loaded : Scene {
+    static constexpr Features features{.bodies = 2,
+                                       .gravitation = true,
+                                       .softening = true,
+                                       .air = true,
+                                       .gravity_gradient = true,
+                                       .wheels = true,
+                                       .script = true};
+};
+// Of a world with these loads.
+std::uint64_t motion_of(const Full& data) {
+    tumble::Replay<Loaded, Full> replay{data};
+    for (int step = 0; step < 32; ++step) replay.step();
+    EXPECT_TRUE(replay.world().status().ok());
+    return replay.world().hash();
+}
+
+class NamedData : public Named {
+protected:
+    NamedData() {
+        data_.world.gravitation = 0.5;
+        data_.softening = 0.125;
+        data_.bodies[0].velocity = {1, 0.5, 0.25};
+        data_.bodies[0].angular_velocity = {0.5, 1, -2};
+        data_.bodies[0].orientation = rotation_about({0, 0, 1}, 0.5);
+        data_.bodies[1].velocity = {0, 0.5, 0};
+        data_.bodies[1].angular_velocity = {1, 0, 0};
+        data_.events = {{.time = 0.03125, .value = {0.25, 0.5, 0}}};
+        data_.drags = {{.linear = 0.5, .quadratic = 0.25}};
+        data_.wheels = {{.momentum = {0.125, 0, 0}}};
+        data_.orbit = {.rate = 0.5, .to_centre = {0, 0.6, 0.8}};
+    }
+    // A change of a member, from `data_`.
+    template <class Change>
+    void acts(const std::string& member, Change change) {
+        members_.insert(member);
+        Full changed = data_;
+        change(changed);
+        EXPECT_NE(motion_of(changed), motion_of(data_)) << member;
+    }
+
+    Full data_;
+};
+TEST_F(NamedData, every_value_of_events_and_loads_acts) {
+    acts("EventSpec.time", [](Full& data) { data.events[0].time = 0.0625; });
+    acts("EventSpec.kind", [](Full& data) { data.events[0].kind = EventKind::velocity; });
+    acts("EventSpec.body", [](Full& data) { data.events[0].body = 1; });
+    acts("EventSpec.frame", [](Full& data) { data.events[0].frame = Frame::body; });
+    acts("EventSpec.value", [](Full& data) { data.events[0].value.x = 1; });
+    acts("EventSpec.point", [](Full& data) { data.events[0].point.x = 0.125; });
+    data_.events[0].kind = EventKind::pose;
+    acts("EventSpec.orientation", [](Full& data) { data.events[0].orientation = rotation_about({1, 0, 0}, 0.5); });
+    expect_all_of<EventSpec>("EventSpec");
+
+    acts("DragSpec.body", [](Full& data) { data.drags[0].body = 1; });
+    acts("DragSpec.linear", [](Full& data) { data.drags[0].linear = 1; });
+    acts("DragSpec.quadratic", [](Full& data) { data.drags[0].quadratic = 1; });
+    expect_all_of<DragSpec>("DragSpec");
+    acts("wind", [](Full& data) { data.wind = {0, 0, 2}; });
+
+    acts("WheelsSpec.body", [](Full& data) { data.wheels[0].body = 1; });
+    acts("WheelsSpec.momentum", [](Full& data) { data.wheels[0].momentum.y = 0.125; });
+    expect_all_of<WheelsSpec>("WheelsSpec");
+
+    acts("OrbitSpec.rate", [](Full& data) { data.orbit.rate = 1; });
+    acts("OrbitSpec.to_centre", [](Full& data) { data.orbit.to_centre = {0, 0.8, 0.6}; });
+    expect_all_of<OrbitSpec>("OrbitSpec");
+    acts("softening", [](Full& data) { data.softening = 0.25; });
+}
+
+struct Attracted : Scene {
+    static constexpr Features features{.bodies = 2, .gravitation = true};
 };
 TEST(RequiredDeathTest, a_replay_refuses_data_that_its_world_would_ignore) {
-    using Replay = tumble::Replay<Scene, Full>;
+    using Replay = tumble::Replay<Attracted, Full>;
     EXPECT_TRUE(Replay{Full{}}.step().ok());
     const auto refuses = [](auto&& fill) {
         Full data;
@@ -407,6 +482,11 @@ TEST(RequiredDeathTest, a_replay_refuses_data_that_its_world_would_ignore) {
     refuses([](Full& data) { data.drags.resize(1); });
     refuses([](Full& data) { data.wheels.resize(1); });
     refuses([](Full& data) { data.orbit.rate = 1; });
+    refuses([](Full& data) { data.softening = 1; });
+    // Of air that nothing feels.
+    Full windy;
+    windy.wind = {1, 0, 0};
+    EXPECT_TRUE(Replay{windy}.step().ok());
 }
 
 }  // namespace

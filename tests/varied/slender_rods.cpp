@@ -9,8 +9,6 @@
 // A namespace of its own: files are compiled together.
 namespace tumble::test::slender_rods {
 
-namespace {}  // namespace
-
 // A rod, disc or brick in space is turned faster and faster about a principal axis by a torque that begins and ends
 // with the run, by an event, or both, beside a drag that is too weak to matter.
 std::string driven(Draw& draw, Case& drawn) {
