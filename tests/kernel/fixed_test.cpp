@@ -135,6 +135,17 @@ TEST(scaled, stays_normalised_at_the_extremes) {
     EXPECT_EQ(Scaled::from(Real{}), Scaled{});
 }
 
+// A comparison with 0.009 is one with 0 where the literal becomes an int.
+template <class T>
+concept ComparesWith = requires(Scaled a, T b) {
+    a < b;
+};
+TEST(scaled, takes_whole_numbers_but_no_fraction_in_silence) {
+    static_assert(ComparesWith<int> && ComparesWith<std::int16_t> && ComparesWith<bool> && ComparesWith<Scaled>);
+    static_assert(!ComparesWith<double> && !ComparesWith<float> && !std::is_convertible_v<double, Scaled>);
+    EXPECT_EQ(Scaled(std::int16_t{-7}), Scaled{-7});
+}
+
 TEST(scaled, agrees_with_real_both_ways) {
     Random random{7};
     for (int i = 0; i < tests::many; ++i) {

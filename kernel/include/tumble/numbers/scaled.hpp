@@ -7,12 +7,23 @@
 
 namespace tumble {
 
+namespace detail {
+
+// Whole numbers that an int holds.
+template <class T>
+concept HeldByInt = std::integral<T> && sizeof(T) <= sizeof(int);
+
+}  // namespace detail
+
 // The numbers that a Q32 world's accessors return: mantissa * 2^exponent, 31 bits.
 class Scaled {
 public:
     constexpr Scaled() = default;  // zero
-    // Rounded to 31 bits. Inlined: of a constant, nothing is left to compute.
-    TUMBLE_INLINE constexpr Scaled(int value) {  // NOLINT(google-explicit-constructor): 0, 1, -1 read as numbers
+    // Rounded to 31 bits. Inlined: of a constant, nothing is left to compute. A float or double is none of these: it
+    // would lose its fraction in silence.
+    template <detail::HeldByInt Integer>
+    TUMBLE_INLINE constexpr Scaled(Integer integer) {  // NOLINT(google-explicit-constructor): 0, 1, -1 read as numbers
+        const auto value = static_cast<int>(integer);
         if (value == 0) return;
         const bool negative = value < 0;
         const std::uint32_t magnitude =
