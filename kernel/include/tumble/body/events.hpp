@@ -14,9 +14,11 @@ struct Impulse {
     std::uint64_t step = 0;      // applied before this step is taken
     std::int16_t body = 0;       // index
     Frame frame = Frame::world;  // of impulse and angular
-    VectorBlock<N> impulse{};    // N s, in `frame` (body: principal axes)
-    VectorBlock<N> angular{};    // N m s, in `frame`
-    VectorBlock<N> point_b{};    // m, principal axes
+    // What acts is the opposite of `impulse`, and of `angular`.
+    bool opposite : 1 = false, angular_opposite : 1 = false;
+    VectorBlock<N> impulse{};  // N s, in `frame` (body: principal axes)
+    VectorBlock<N> angular{};  // N m s, in `frame`
+    VectorBlock<N> point_b{};  // m, principal axes
 };
 
 // A constant force at a point of a body and a constant torque, both acting for a while. World::prepare() makes it from
@@ -51,11 +53,13 @@ struct Span {
 
 namespace detail {
 
-// A vector of set-up numbers in the numbers of the bodies' world; in the frame of the body in its principal axes.
+// A vector of set-up numbers in the numbers of the bodies' world; in the frame of the body in its principal axes. With
+// `opposite`, the opposite of one that is negative, as a live push rounds it.
 template <class N, Spin spin, int capacity, bool points, class Constant>
 [[nodiscard]] VectorBlock<N> prepared(const Bodies<N, spin, capacity, points, Constant>& bodies, [[maybe_unused]] int b,
-                                      [[maybe_unused]] Frame frame, const RealVec3& v) {
-    const auto block = VectorBlock<N>::of(v.x, v.y, v.z);
+                                      [[maybe_unused]] Frame frame, const RealVec3& v, bool* opposite = nullptr) {
+    auto block = VectorBlock<N>::of(v.x, v.y, v.z);
+    if (opposite != nullptr && (*opposite = block.is_negative())) block = -block;
     if constexpr (spin == Spin::none) return block;
     else return frame == Frame::world || !bodies.rotates(b) ? block : bodies.in_principal_axes(b, block);
 }
@@ -70,11 +74,16 @@ template <class N, Spin spin, int capacity, bool points, class Constant>
     const int b = bodies.index_of(spec.body);
     if (!bodies.rotates(b))
         TUMBLE_ASSERT(spec.frame == Frame::world && spec.point.is_zero() && spec.angular_impulse.is_zero());
+    bool opposite = false, angular_opposite = false;
+    const auto impulse = detail::prepared(bodies, b, spec.frame, spec.impulse, &opposite),
+               angular = detail::prepared(bodies, b, spec.frame, spec.angular_impulse, &angular_opposite);
     return {bodies.step_of(spec.time),
             static_cast<std::int16_t>(b),
             spec.frame,
-            detail::prepared(bodies, b, spec.frame, spec.impulse),
-            detail::prepared(bodies, b, spec.frame, spec.angular_impulse),
+            opposite,
+            angular_opposite,
+            impulse,
+            angular,
             detail::prepared(bodies, b, Frame::body, spec.point)};
 }
 // The same for a force that acts for a while.

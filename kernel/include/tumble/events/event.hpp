@@ -191,13 +191,12 @@ TUMBLE_INLINE void apply_push(Bodies& bodies, int b, const Push<N>& push, bool o
 template <class N, class Bodies>
 void apply_impulse(Bodies& bodies, const Impulse<N>& event) {
     const int b = event.body;
-    const auto apply = [&]<bool angular>(const VectorBlock<N>& value, const VectorBlock<N>& point) {
-        const bool opposite = value.is_negative();
-        apply_push<N, angular>(bodies, b, {event.frame, point.is_zero(), opposite ? -value : value, point}, opposite);
-    };
-    if (!event.impulse.is_zero()) apply.template operator()<false>(event.impulse, event.point_b);
+    if (!event.impulse.is_zero())
+        apply_push<N, false>(bodies, b, {event.frame, event.point_b.is_zero(), event.impulse, event.point_b},
+                             event.opposite);
     if constexpr (Bodies::rotation)
-        if (!event.angular.is_zero()) apply.template operator()<true>(event.angular, {});
+        if (!event.angular.is_zero())
+            apply_push<N, true>(bodies, b, {event.frame, true, event.angular, {}}, event.angular_opposite);
 }
 
 // The vector in the world's axes, or in principal axes.
