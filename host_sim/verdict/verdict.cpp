@@ -335,6 +335,8 @@ public:
         is_complete_ = is_complete_ && is_sure;
         return is_sure;
     }
+    // A way has been run: before that, none was found because none was looked for.
+    [[nodiscard]] bool has_tried() const { return has_tried_; }
     // No way was left out, and none was right by luck: what has not helped is not the cause.
     [[nodiscard]] bool is_complete() const { return is_complete_; }
 
@@ -344,6 +346,7 @@ private:
             is_complete_ = false;
             return false;
         }
+        has_tried_ = true;
         return judge_.is_good(way, verdict_, shift);
     }
 
@@ -351,24 +354,18 @@ private:
     const Verdict& verdict_;
     double doubt_;
     Budget budget_;
-    bool is_complete_ = true;
+    bool is_complete_ = true, has_tried_ = false;
 };
 
 // Exchanges numbers, then the method, then the step. Where the search is not complete, a finer step that helps does not
 // prove that the step was the cause.
-void explain(Verdict& verdict, const Judge& judge, const Way& way, double doubt, const Budget& budget) {
+void exchange(Verdict& verdict, Search& search, const Way& way) {
     using enum Verdict::Cause;
-    const Verdict held = verdict;
-    Search search(judge, held, doubt, budget);
-    const bool is_told = !verdict.troubles.empty();
-    verdict.is_searched = true;
-    if (is_told && verdict.troubles.front().issue == "step_bound_hit")
-        if ((verdict.cure = search.first_good(thresholds(way, judge.scene())))) return;
     const Way in_f64{{way.method.integrator, "f64", carries_by_default("f64")}, way.step};
     if (way.method.numbers != "f64" && search.is_confirmed(in_f64)) {
         verdict.cause = numbers;
         // A finer step may fit the same numbers, which are cheaper on the core than others.
-        std::vector<Way> ways = is_told ? finer_steps(way) : std::vector<Way>{};
+        std::vector<Way> ways = verdict.troubles.empty() ? std::vector<Way>{} : finer_steps(way);
         for (const Way& each : better_numbers(way)) ways.push_back(each);
         verdict.cure = search.first_good(ways);
     } else if ((verdict.cure = search.first_good(other_methods(way)))) {
@@ -377,6 +374,17 @@ void explain(Verdict& verdict, const Judge& judge, const Way& way, double doubt,
         verdict.cure = search.first_good(finer_steps(way));
         verdict.cause = search.is_complete() ? step : none;
     }
+}
+
+// Looks for cause and cure. Of a bound of impacts, a threshold may be the cure; it has no cause.
+void explain(Verdict& verdict, const Judge& judge, const Way& way, double doubt, const Budget& budget) {
+    const Verdict held = verdict;
+    Search search(judge, held, doubt, budget);
+    const bool is_told = !verdict.troubles.empty();
+    if (is_told && verdict.troubles.front().issue == "step_bound_hit")
+        verdict.cure = search.first_good(thresholds(way, judge.scene()));
+    if (!verdict.cure) exchange(verdict, search, way);
+    verdict.is_searched = search.has_tried();
 }
 
 }  // namespace

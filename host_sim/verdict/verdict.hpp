@@ -44,7 +44,7 @@ struct Verdict {
     std::vector<Trouble> troubles;  // told, wrong: what the status says, the first first
     Cause cause = Cause::none;      // wrong, told: what has to change
     std::optional<Way> cure;        // wrong, told: a way of running the scene that is right
-    bool is_searched = false;       // wrong, told: a cure was looked for
+    bool is_searched = false;       // wrong, told: a way to cure it was run
     double cost_s = 0;              // unchecked: processor time of the check, about
     std::string obstacle;           // unchecked: why the check cannot be made
     std::vector<SharedRule> rules;  // right, no_reference: of the run and its references, so they are not checked
