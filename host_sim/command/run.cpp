@@ -164,10 +164,11 @@ void print_json(const SceneDescription& scene, const Simulation& simulation, con
     std::cout << "\n  ]\n}\n";
 }
 
-// Does nothing in the scene change the energy on purpose?
+// Does nothing in the scene change the energy on purpose, but for changes of gravity, which the drift leaves out?
 bool keeps_energy(const SceneDescription& scene) {
-    if (!scene.impulses.empty() || !scene.forces.empty() || !scene.events.empty() || scene.linear_drag > 0 ||
-        scene.angular_drag > 0)
+    const auto is_push = [](const EventDescription& event) { return event.kind != EventKind::gravity; };
+    if (!scene.impulses.empty() || !scene.forces.empty() || scene.linear_drag > 0 || scene.angular_drag > 0 ||
+        std::any_of(scene.events.begin(), scene.events.end(), is_push))
         return false;
     for (const BodyDescription& body : scene.bodies)
         if (!body.fixed && (body.linear_drag > 0 || body.quadratic_drag > 0)) return false;

@@ -10,12 +10,13 @@
 namespace tumble::host {
 
 // Energies of a run. The drift is relative to the energy at the start; where that is 0, to the largest kinetic energy.
+// What changes of gravity give to the potential is no drift.
 class EnergyWatch {
 public:
     explicit EnergyWatch(const Energy& start) : start_(start), end_(start), largest_kinetic_(start.kinetic) {}
     void see(const Energy& now) {
         end_ = now;
-        const long double change = std::abs(now.total() - start_.total());
+        const long double change = std::abs(now.total() - now.given - start_.total());
         largest_change_ = largest_change_ < change || std::isnan(change) ? change : largest_change_;
         largest_kinetic_ = std::max(largest_kinetic_, now.kinetic);
     }

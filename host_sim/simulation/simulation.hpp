@@ -53,6 +53,7 @@ struct ContactSnapshot {
 struct Energy {
     long double kinetic = 0;  // translation and rotation
     long double potential = 0;
+    long double given = 0;  // what changes of gravity have added to the potential so far, at the places of that moment
     [[nodiscard]] long double total() const { return kinetic + potential; }
 };
 

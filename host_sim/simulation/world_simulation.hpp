@@ -28,6 +28,7 @@ protected:
     using Bodies = tumble::Bodies<N, spin_is, max_bodies, host_features.mixed()>;
 
     std::vector<Trouble> troubles_;
+    long double given_ = 0;  // Energy::given
 
     // Both must outlive this. z_rooms: of HeldBody, of each body.
     BodiesSimulation(const SceneData& data, const Bodies& bodies, std::vector<int> z_rooms)
@@ -73,7 +74,9 @@ public:
             motions.push_back(motion_of(b));
             spins.push_back(spin_of(now_, axes_of(b), b));
         }
-        return energy_.of(motions, spins, gravity());
+        Energy now = energy_.of(motions, spins, gravity());
+        now.given = given_;
+        return now;
     }
 
     [[nodiscard]] double held_spin(int b) const override {
@@ -102,6 +105,17 @@ public:
                 now_.rotates(b));
         }
         return place;
+    }
+
+protected:
+    // kg m, of the bodies on which gravity acts.
+    [[nodiscard]] Vector mass_moment() const {
+        Vector moment;
+        for (int b = 0; b < body_count(); ++b) {
+            const BodySpec& spec = data_.bodies[static_cast<std::size_t>(b)];
+            if (!spec.is_fixed()) moment = moment + number(spec.mass) * motion_of(b).x;
+        }
+        return moment;
     }
 
 private:
@@ -145,26 +159,35 @@ public:
     explicit WorldSimulation(SceneData data)
         : Owned(std::move(data)),
           Told(Owned::data, Owned::replay.world().bodies(), z_rooms_of(Owned::data, Owned::replay.world().bodies())),
-          at_start_(world().gravity()) {
+          at_start_(world().gravity()), changes_gravity_{std::any_of(
+                                            Owned::data.events.begin(), Owned::data.events.end(),
+                                            [](const EventSpec& event) { return event.kind == EventKind::gravity; })} {
         world().clear_status();
     }
 
     void step() override {
+        const Vector before = gravity(), moment = changes_gravity_ ? Told::mass_moment() : Vector{};
         const Status status = world().step();
+        if (changes_gravity_) Told::given_ += dot(before - gravity(), moment);
         if (status.ok()) return;
         Told::note(status);
         world().clear_status();
     }
 
-    void apply(const EventDescription& event) override { world().apply(world().prepare(event_of(event))); }
+    void apply(const EventDescription& event) override {
+        const Vector before = gravity();
+        world().apply(world().prepare(event_of(event)));
+        if (event.kind == EventKind::gravity) Told::given_ += dot(before - gravity(), Told::mass_moment());
+    }
 
     [[nodiscard]] std::unique_ptr<Snapshot> snapshot() const override {
-        return std::make_unique<Kept>(Owned::replay.world(), Told::troubles_);
+        return std::make_unique<Kept>(Owned::replay.world(), Told::troubles_, Told::given_);
     }
     void restore(const Snapshot& snapshot) override {
         const Kept& kept = static_cast<const Kept&>(snapshot);
         world() = kept.world;
         Told::troubles_ = kept.troubles;
+        Told::given_ = kept.given;
     }
 
     [[nodiscard]] ImuSnapshot imu(int b) const override {
@@ -203,9 +226,11 @@ public:
 private:
     using World = tumble::World<SceneOf<N, Method, host_features>>;
     struct Kept : Snapshot {
-        Kept(const World& now, const std::vector<Trouble>& until_now) : world(now), troubles(until_now) {}
+        Kept(const World& now, const std::vector<Trouble>& until_now, long double given_until_now)
+            : world(now), troubles(until_now), given(given_until_now) {}
         World world;
         std::vector<Trouble> troubles;
+        long double given;
     };
 
     template <class T>
@@ -233,6 +258,7 @@ private:
     }
 
     Vector3<typename N::Work> at_start_;  // gravity, as the world keeps it
+    bool changes_gravity_;                // by events of the scene
 };
 
 template <std::size_t index, Part part>

@@ -284,6 +284,21 @@ TEST(Run, contact_springs_conserve_energy) {
     EXPECT_NEAR(json["bodies"][0]["position_m"][1], 1.0, 0.02);
 }
 
+// Verlet is exact under constant gravity.
+TEST(Run, what_new_gravity_gives_is_no_drift_of_the_energy) {
+    std::string scene = world_of("-9.81", "1/256", "2.0") + body_of("ball", "sphere = 0.5", "[3.0, 5.0, -2.0]", "2.0") +
+                        "velocity = [1.0, 4.0, 0.5]\n" + body_of("pole", "sphere = 0.5", "[9.0, 9.0, 9.0]", "5.0") +
+                        "fixed = true\n";
+    for (const char* event : {"0.5\nvalue = [2.0, 0.0, 1.0]", "1.0\nvalue = [0.0, 9.81, 0.0]"})
+        scene += "[[event]]\nkind = \"gravity\"\ntime = " + std::string(event) + "\n";
+    for (const char* numbers : {"q32", "f64"}) {
+        const Json json = json_of({"run", written("tilted.toml", scene), "--numbers", numbers, "--check", "off"});
+        const double start = json["energy_start_j"], end = json["energy_end_j"];
+        EXPECT_GT(std::abs(end - start), 100) << numbers;
+        EXPECT_LT(json["energy_max_relative_drift"], 1e-7) << numbers;
+    }
+}
+
 TEST(Run, a_step_too_long_for_a_contact_spring_fails_and_names_the_largest_safe_step) {
     const std::string scene = written("stiff.toml", on_springs("1000000.0", "0.499"));
     const std::string text = text_of({"run", scene}, 1),
