@@ -344,11 +344,12 @@ private:
     void examine_seams(const Pair& fresh) requires Seams::exist {
         for (int i = 0; i < pairs_.count(); ++i) {
             Pair& pair = pairs_[i];
-            if (&pair == &fresh || pair.with_plane() || pair.gap > shapes_.tolerance() || pair.axis.covered) continue;
-            const auto has = [&](int body) { return pair.a == body || pair.b == body; };
-            if (!has(fresh.a) && !(fresh.b >= 0 && has(fresh.b))) continue;
+            if (!seams().may_change(pair, fresh)) continue;
+            // No body has moved since it was measured.
+            const bool moved = pair.moved;
             seams().measure(pair);
             if (pair.axis.covered) shapes_.find(bodies_, pair);
+            else pair.moved = moved;
         }
     }
     [[nodiscard]] Seams seams() const { return {shapes_, pairs_, bodies_}; }

@@ -207,6 +207,7 @@ public:
                     if constexpr (requires { contact.is_at_edge(margin); })
                         at_edge =
                             asks && !(contact.gap > tolerance_) && contact.is_at_edge(Bounds::edge_depth(tolerance_));
+                    pair.at_edge = at_edge || !asks;
                 }
             });
         }

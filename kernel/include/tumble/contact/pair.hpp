@@ -64,6 +64,7 @@ struct Pair {
     bool has_friction = false;
     bool surface_moves = false;  // body b is fixed and turns, or it is kinematic and moves
     bool start_covered = false;  // BoxAxis::covered where the flight began
+    bool at_edge = true;         // another side of a box is as near, or nobody has asked
     // With a grid: the lower half of the step in which it is examined again, and how often the bounds of its bodies had
     // been ended when it was examined last.
     [[no_unique_address]] If<features.grid(), std::uint16_t, 5> due{};
@@ -128,6 +129,7 @@ struct Pair {
         still = 0;
         moved = true;
         touched = left_out = passed = selected = has_friction = surface_moves = false;
+        at_edge = true;
         share_b = {};
         if constexpr (features.pairs && features.boxes) axis = {};
         if constexpr (features.grid()) due = ends = 0;

@@ -45,15 +45,13 @@ public:
         // A body that falls onto the surface was above it at the start. Of a ball the neighbour tells that.
         const bool from_aside = pair.axis.covered || pair.start_covered ||
                                 narrow<Unit>(dot(pair.normal, pair.start_normal)) < C::half(C::one());
-        const auto lies_beside = [&](int body, const Vec3<Unit>& normal) {
-            bool lies = false;
-            if (from_aside || is_ball(body))
-                for_each_neighbour(pair, body, [&](const Pair& beside) {
-                    if (!lies && beside.touched && beside.count > 0) lies = !is_far(height_above(beside, body, normal));
-                });
-            return lies;
-        };
-        return lies_beside(pair.a, pair.normal) || lies_beside(pair.b, -pair.normal);
+        return ((from_aside || is_ball(pair.a)) && lies_beside(pair, pair.a, pair.normal)) ||
+               ((from_aside || is_ball(pair.b)) && lies_beside(pair, pair.b, -pair.normal));
+    }
+    // Whether `fresh`, which is new in the list, is a neighbour that may change what a measured pair touches.
+    [[nodiscard, gnu::noinline, gnu::cold]] bool may_change(const Pair& pair, const Pair& fresh) const requires exist {
+        return pair.at_edge && !pair.with_plane() && !(pair.gap > shapes_.tolerance()) && !pair.axis.covered &&
+               (is_neighbour(pair, pair.a, fresh) || is_neighbour(pair, pair.b, fresh));
     }
 
 private:
@@ -95,22 +93,29 @@ private:
         return !(gap > shapes_.tolerance()) && !(gap < -Bounds::edge_depth(shapes_.tolerance()));
     }
 
-    // Calls f(pair) for the other pairs of the body, with boxes and planes that are where they belong at this time:
-    // those of the same island, and what is fixed.
-    template <class F>
-    void for_each_neighbour(const Pair& pair, int body, F&& f) const {
-        const int other = pair.a == body ? pair.b : pair.a;
+    // Another pair of the body, with a box or a plane that is where it belongs at this time: one of the same island, or
+    // what is fixed.
+    [[nodiscard, gnu::noinline, gnu::cold]] bool is_neighbour(const Pair& pair, int body, const Pair& beside) const {
+        if (&beside == &pair || beside.left_out) return false;
+        if (beside.a == body) return true;
         // What is fixed has pairs in several islands. Flush bodies that move are near each other, and so in one.
-        const bool is_fixed = body == pair.b && !pair.moves_b();
-        for (int i = 0; i < pairs_.count(); ++i) {
-            const Pair& beside = pairs_[i];
-            if (&beside == &pair || beside.left_out) continue;
-            if (beside.a == body) {
-                f(beside);
-            } else if (beside.b == body) {
-                if (!is_fixed || pairs_.are_near(other, beside.a)) f(beside);
-            }
+        return beside.b == body && (pair.a == body || pair.moves_b() || pairs_.are_near(pair.a, beside.a));
+    }
+    // The next of these pairs from place i of the list on, which it raises. Null after the last one.
+    [[nodiscard, gnu::noinline, gnu::cold]] const Pair* next_neighbour(const Pair& pair, int body, int& i) const {
+        while (i < pairs_.count()) {
+            const Pair& beside = pairs_[i++];
+            if (is_neighbour(pair, body, beside)) return &beside;
         }
+        return nullptr;
+    }
+    // Whether the body of the pair touches a neighbour whose surface is that of the pair.
+    [[nodiscard, gnu::noinline, gnu::cold]] bool lies_beside(const Pair& pair, int body,
+                                                             const Vec3<Unit>& normal) const {
+        int i = 0;
+        while (const Pair* const beside = next_neighbour(pair, body, i))
+            if (beside->touched && beside->count > 0 && !is_far(height_above(*beside, body, normal))) return true;
+        return false;
     }
     // The distance of the surfaces of the body and its neighbour along a direction towards the body.
     [[nodiscard, gnu::noinline, gnu::cold]] Length height_above(const Pair& pair, int body,
@@ -147,34 +152,33 @@ private:
     // farthest apart. Where they cover that too, as of two boxes across the corner of four, the pair touches nothing.
     [[gnu::noinline, gnu::cold]] void choose_side(Pair& pair) const {
         const Edge edge[2] = {edge_of(pair.a, pair.b), edge_of(pair.b, pair.a)};
-        int box = -1, side = 0;
-        const auto for_each_side = [&](const Vec3<Unit>& normal, auto&& f) {
-            for (int k = 0; k < 2; ++k) {
-                if (!shapes_.shape(edge[k].box).is(ShapeKind::box)) continue;
-                const Vec3<Unit> direction = edge[k].axes.to_body(k == 0 ? Vec3<Unit>(-normal) : normal);
-                for (int i = 0; i < 3; ++i)
-                    if (is_near(edge[k].gap[i])) f(k, i, direction);
-            }
+        const auto is_side = [&](const Edge& of, int i) {
+            return shapes_.shape(of.box).is(ShapeKind::box) && is_near(of.gap[i]);
         };
+        int box = -1, side = 0;
         const Vec3<Unit> before = pair.normal;
-        for_each_side(before, [&](int k, int i, const Vec3<Unit>& direction) {
-            if (box >= 0 && !(edge[k].gap[i] > edge[box].gap[side])) return;
-            if (!covers_all_but(pair, edge[k], i, direction)) return;
-            box = k;
+        for (int n = 0; n < 6; ++n) {
+            const Edge& of = edge[n / 3];
+            const int i = n % 3;
+            if (!is_side(of, i) || (box >= 0 && !(of.gap[i] > edge[box].gap[side]))) continue;
+            if (!covers_all_but(pair, of, i, before)) continue;
+            box = n / 3;
             side = i;
-        });
+        }
         if (box < 0) return;
         const Vec3<Unit> axis = edge[box].axes.axis(side);
         const bool negative = (box == 0) == edge[box].is_below(side);  // the place of b along the axis
         const Vec3<Unit> normal = negative ? axis : Vec3<Unit>(-axis);
         pair.axis.covered = true;
         pair.axis.idle = is_ball(edge[box].body);  // it is beside the face
-        for_each_side(normal, [&](int k, int i, const Vec3<Unit>& direction) {
-            const Vec3<Unit> first = edge[k].axes.to_body(before);
-            if (!leans(edge[k], first, (i + 1) % 3) && !leans(edge[k], first, (i + 2) % 3) &&
-                covers_all_but(pair, edge[k], i, direction))
-                pair.axis.idle = true;
-        });
+        for (int n = 0; n < 6 && !pair.axis.idle; ++n) {
+            const Edge& of = edge[n / 3];
+            const int i = n % 3;
+            if (!is_side(of, i)) continue;
+            const Vec3<Unit> first = of.axes.to_body(before);
+            pair.axis.idle =
+                !leans(of, first, (i + 1) % 3) && !leans(of, first, (i + 2) % 3) && covers_all_but(pair, of, i, normal);
+        }
         pair.axis.index = static_cast<std::int8_t>(3 * box + side);
         pair.axis.negative = negative;
         pair.gap = edge[box].gap[side];
@@ -188,27 +192,34 @@ private:
         return narrow<Length>(mul(part, edge.extent[i])) > shapes_.tolerance();
     }
     // Whether there are other faces than `side` of the box that look at the body, and neighbours that are flush with
-    // `side` cover all of them. `direction`: along which the pair was found apart, in the axes of the box.
+    // `side` cover all of them. `normal`: along which the pair was found apart.
     [[nodiscard, gnu::noinline, gnu::cold]] bool covers_all_but(const Pair& pair, const Edge& edge, int side,
-                                                                const Vec3<Unit>& direction) const {
-        const auto any_flush = [&](auto&& holds) {
-            bool any = false;
-            for_each_neighbour(pair, edge.body, [&](const Pair& beside) {
-                any = any || (beside.with_plane() ? is_flush_with_plane(beside, edge, side)
-                                                  : holds(flush_box(beside, edge, side)));
-            });
-            return any;
-        };
+                                                                const Vec3<Unit>& normal) const {
+        const Vec3<Unit> direction = edge.axes.to_body(edge.box == pair.a ? Vec3<Unit>(-normal) : normal);
         bool any = false;
         for (int i = 0; i < 3; ++i) {
             if (i == side || !leans(edge, direction, i)) continue;
-            any = any_flush([&](const Neighbour& n) { return covers(n, edge, i, direction[i] < Unit{}, side); });
+            any = any_flush(pair, edge, side, i, direction[i] < Unit{});
             if (!any) return false;
         }
         // A ball lies on a neighbour.
-        if (any && is_ball(edge.body))
-            any = any_flush([&](const Neighbour& n) { return n.is_flush && holds(n, edge, edge.foot(side)); });
-        return any;
+        return any && (!is_ball(edge.body) || any_flush(pair, edge, side, -1, false));
+    }
+    // Whether a neighbour that is flush with `side` covers face `face` of the box, on its negative or positive side;
+    // -1: whether it holds the place on it below the body. A plane covers and holds all.
+    [[nodiscard, gnu::noinline, gnu::cold]] bool any_flush(const Pair& pair, const Edge& edge, int side, int face,
+                                                           bool negative) const {
+        int i = 0;
+        while (const Pair* const beside = next_neighbour(pair, edge.body, i)) {
+            if (beside->with_plane()) {
+                if (is_flush_with_plane(*beside, edge, side)) return true;
+                continue;
+            }
+            const Neighbour n = flush_box(*beside, edge, side);
+            if (n.is_flush && (face < 0 ? holds(n, edge, edge.foot(side)) : covers(n, edge, face, negative, side)))
+                return true;
+        }
+        return false;
     }
     [[nodiscard]] bool is_flush_with_plane(const Pair& beside, const Edge& edge, int side) const {
         const Vec3<Unit> axis = edge.axes.axis(side);
@@ -237,7 +248,6 @@ private:
     // Whether a flush neighbour covers face `face` of the box, on its negative or positive side, where the body is.
     [[nodiscard, gnu::noinline, gnu::cold]] bool covers(const Neighbour& n, const Edge& edge, int face, bool negative,
                                                         int side) const {
-        if (!n.is_flush) return false;
         const Length band = shapes_.tolerance();
         // It begins at the face or behind it, and goes on beyond it.
         const Length outward = negative ? Length(-n.centre[face]) : n.centre[face], surface = edge.half[face] + band;
