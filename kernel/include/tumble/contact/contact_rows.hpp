@@ -260,7 +260,8 @@ private:
     // By how much the place of a point on the box shifts until the middle of the flight, in principal axes. A vertex of
     // the box is always the same place on it. A point on the other body stays there, such as one on the edge of a table
     // that the box leaves. Where two edges cross, the point runs along both.
-    [[nodiscard, gnu::noinline]] Vec3<Length> shift(const Pair& pair, const Point& point) const requires(has_edges) {
+    [[nodiscard, gnu::noinline, gnu::cold]] Vec3<Length> shift(const Pair& pair, const Point& point) const
+        requires(has_edges) {
         const Axes<N>& axes = shapes_.axes(pair.a);
         const Edge own = edge_of(pair.a, point.arm);
         Vec3<Length> shift = Vec3<Length>::Constant(Length{});
@@ -293,7 +294,7 @@ private:
     }
     // Makes the row of a ball at an edge or a vertex of a box, round which its normal turns. The row acts in the middle
     // of the flight, and its target is that of the end. False where the normal does not turn, as on a face.
-    [[gnu::noinline]] bool make_rounding_rows(Pair& pair) requires(has_edges) {
+    [[gnu::noinline, gnu::cold]] bool make_rounding_rows(Pair& pair) requires(has_edges) {
         Point& point = pair.point[0];
         const Axes<N> axes_b = shapes_.shape(pair.b).axes(shapes_.axes(pair.b));
         const Edge edge = edge_of(pair.b, point.arm_b);
@@ -341,7 +342,7 @@ private:
         int open = 0;
         Vec3<Unit> axis{};
     };
-    [[nodiscard]] Edge edge_of(int b, const Vec3<Length>& arm) const requires(has_edges) {
+    [[nodiscard, gnu::noinline, gnu::cold]] Edge edge_of(int b, const Vec3<Length>& arm) const requires(has_edges) {
         const CollisionShape<N>& shape = shapes_.shape(b);
         const Axes<N> axes = shape.axes(shapes_.axes(b));
         const Vec3<Length> place = shape.turned ? shape.edges.to_body(arm) : arm;

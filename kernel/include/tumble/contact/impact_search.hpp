@@ -97,7 +97,7 @@ public:
     }
     // Keeps those of the selected pairs that are open now. Returns the time since the first of them began to open, as a
     // part of a step. The gap of a ball at an edge grows with the square of this time.
-    [[nodiscard]] Work time_since_open() requires(has_edges) {
+    [[nodiscard, gnu::noinline, gnu::cold]] Work time_since_open() requires(has_edges) {
         Work longest(0);
         pairs_.for_each(island_, [&](Pair& pair) {
             pair.selected = pair.selected && left_to_open(pair, false) < Pair::C::half(opening());
@@ -216,7 +216,7 @@ private:
     // the time: its acceleration is speed^2 / (2 gap). This must exceed the acceleration by the loads. Of two boxes,
     // the gap must exceed the tolerance.
     template <class Kicks>
-    [[nodiscard]] bool leaves(const Pair& pair, const Kicks& loads) const {
+    [[nodiscard, gnu::noinline, gnu::cold]] bool leaves(const Pair& pair, const Kicks& loads) const {
         if (!is_round(pair)) return pair.gap > shapes_.tolerance();
         const Work speed = speed_of_leaving(pair);
         if (!(speed > Work(0))) return false;
@@ -229,7 +229,7 @@ private:
         return speed * speed > (gap + gap) * pull;
     }
     // m a step, along the normal, where one of the bodies is a sphere.
-    [[nodiscard]] Work speed_of_leaving(const Pair& pair) const {
+    [[nodiscard, gnu::noinline, gnu::cold]] Work speed_of_leaving(const Pair& pair) const {
         WorkVec3<N> velocity;
         for (int i = 0; i < 3; ++i) velocity[i] = bodies_.drift(pair.a, i) - bodies_.drift(pair.b, i);
         const WorkVec3<N> reach = bodies_.position(pair.a) - bodies_.position(pair.b);
@@ -240,7 +240,7 @@ private:
         return dot(velocity, work_unit<N>(pair.normal));
     }
     // True where another pair in touch supports a body in the direction of this one: the next block of a floor.
-    [[nodiscard]] bool is_held_alike(const Pair& pair) const {
+    [[nodiscard, gnu::noinline, gnu::cold]] bool is_held_alike(const Pair& pair) const {
         bool any = false;
         pairs_.for_each(island_, [&](const Pair& other) {
             if (any || &other == &pair || other.gap > shapes_.tolerance()) return;
