@@ -67,6 +67,11 @@ template <class A, class B>
     return mul_add(mul_add(mul(a.x(), b.x()), a.y(), b.y()), a.z(), b.z());
 }
 
+// A call takes little beside the product, whose code is long.
+[[nodiscard, gnu::noinline]] inline Scaled dot(const Vec3<Scaled>& a, const Vec3<Scaled>& b) {
+    return mul_add(mul_add(mul(a.x(), b.x()), a.y(), b.y()), a.z(), b.z());
+}
+
 // Component i of a x b, exact in fixed point. Below: the same added to a sum.
 template <int i, class A, class B>
 [[nodiscard]] TUMBLE_INLINE auto cross_component(const Vec3<A>& a, const Vec3<B>& b) {
@@ -89,6 +94,11 @@ template <class To, class A, class B>
 template <class T>
 [[nodiscard]] TUMBLE_INLINE constexpr T magnitude_of(T a) {
     return a < T{} ? -a : a;
+}
+
+template <class To>
+[[nodiscard, gnu::noinline]] inline Vec3<Scaled> cross(const Vec3<Scaled>& a, const Vec3<Scaled>& b) {
+    return {cross_component<0>(a, b), cross_component<1>(a, b), cross_component<2>(a, b)};
 }
 
 // An upper bound of |v| without a root.
