@@ -11,7 +11,7 @@ namespace tumble::detail {
 template <Features features>
 struct Required {
     // Ends the program where a value has no effect for want of a feature. Likewise below.
-    static constexpr void by([[maybe_unused]] const WorldSpec& spec) {
+    TUMBLE_COLD static constexpr void by([[maybe_unused]] const WorldSpec& spec) {
         if constexpr (features.bodies > 0) {
             TUMBLE_ASSERT(features.drag || !has_drag(spec));
             TUMBLE_ASSERT(features.gravitation || features.bodies < 2 || spec.gravitation.is_zero());
@@ -20,7 +20,7 @@ struct Required {
         }
         if constexpr (features.touches()) by(spec.contact);
     }
-    static constexpr void by([[maybe_unused]] const BodySpec& spec) {
+    TUMBLE_COLD static constexpr void by([[maybe_unused]] const BodySpec& spec) {
         TUMBLE_ASSERT(features.rotation || is_point_mass(spec));
         TUMBLE_ASSERT(features.point_masses || !is_point_mass(spec));
         TUMBLE_ASSERT(features.kinematic || !spec.kinematic);
@@ -56,10 +56,12 @@ private:
     // The values of a body's or a plane's surface, which contacts by springs do not have.
     static constexpr void of_surface([[maybe_unused]] const auto& spec) {
         if constexpr (!features.contacts()) return;
-        TUMBLE_ASSERT(features.friction || !(spec.friction > Real{}));
+        TUMBLE_ASSERT(features.friction || !is_positive(spec.friction));
         TUMBLE_ASSERT(features.rolling_resistance || !resists(spec));
     }
 
+    // Without the subtraction of a comparison.
+    [[nodiscard]] static constexpr bool is_positive(Real a) { return !a.is_zero() && !a.is_negative(); }
     [[nodiscard]] static constexpr bool has_drag(const WorldSpec& spec) {
         return !spec.linear_drag.is_zero() || !spec.angular_drag.is_zero();
     }
@@ -67,7 +69,7 @@ private:
         return spec.most_impacts != 0 || spec.most_searches != 0;
     }
     [[nodiscard]] static constexpr bool resists(const auto& spec) {
-        return spec.rolling_resistance > Real{} || spec.spinning_resistance > Real{};
+        return is_positive(spec.rolling_resistance) || is_positive(spec.spinning_resistance);
     }
     // A fixed body that turns; a kinematic one turns without the feature.
     [[nodiscard]] static constexpr bool is_turntable(const BodySpec& spec) {
