@@ -116,7 +116,7 @@ public:
     constexpr Real& operator*=(Real b) { return *this = *this * b; }
     constexpr Real& operator/=(Real b) { return *this = *this / b; }
     friend constexpr bool operator==(Real a, Real b) { return (a - b).is_zero(); }
-    friend constexpr bool operator<(Real a, Real b) { return (a - b).is_negative(); }
+    TUMBLE_SET_UP friend constexpr bool operator<(Real a, Real b) { return (a - b).is_negative(); }
     friend constexpr bool operator>(Real a, Real b) { return b < a; }
     friend constexpr bool operator<=(Real a, Real b) { return !(b < a); }
     friend constexpr bool operator>=(Real a, Real b) { return !(a < b); }
