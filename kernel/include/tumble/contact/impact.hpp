@@ -105,7 +105,7 @@ private:
     // at the end of an inelastic collapse. A slower bounce returns no faster than it left, and the forces of the next
     // step then hold it: without the bounce the body comes to rest a few steps earlier. A pile that comes to rest has
     // infinitely many such bounces in finite time, and a shorter step makes them no fewer.
-    [[nodiscard]] bool bounces_far(const Pair& pair, const Point& point) const {
+    [[nodiscard, gnu::noinline, gnu::cold]] bool bounces_far(const Pair& pair, const Point& point) const {
         const Speed approach = -rows_.velocity(velocities_.now, pair, point);
         const Speed bounce = narrow<Speed>(mul(approach, pair.restitution));
         return bounces(pair, point, approach) && bounce > point.set_aside &&

@@ -191,13 +191,14 @@ private:
         if (found != nullptr) bodies_.report(Issue::step_bound_hit, found->a);
     }
     // How much slower than its target a point is. Negative: it leaves the surface.
-    [[nodiscard]] Speed left_of(const Pair& pair, const Point& point) const {
+    [[nodiscard, gnu::noinline, gnu::cold]] Speed left_of(const Pair& pair, const Point& point) const {
         return point.row[0].target - Rows::surface_of(pair, point) - rows_.velocity(velocities_.now, pair, point);
     }
     // True where this point approaches another one of its face, which pushes and so should stay, by more than a step's
     // position correction. Then the face tilts from step to step, and what stands on it walks off. A face has three
     // points at least.
-    [[nodiscard]] bool turns_about([[maybe_unused]] const Pair& pair, [[maybe_unused]] const Point& point) const {
+    [[nodiscard, gnu::noinline, gnu::cold]] bool turns_about([[maybe_unused]] const Pair& pair,
+                                                             [[maybe_unused]] const Point& point) const {
         bool turns = false;
         if constexpr (Velocities::shapes_turn) {
             if (pair.count < 3) return false;
