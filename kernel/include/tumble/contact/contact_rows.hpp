@@ -274,7 +274,8 @@ private:
                 way += cross<Work>(turn_of(pair.b), shapes_.world_arm(pair.b, point.arm_b));
                 if (bodies_.constants[pair.b].kinematic()) way += drift_of(pair.b);
             }
-        way = scaled_by(WorkVec3<N>(way - scaled_by(normal, dot(way, normal))), half_);
+        way -= scaled_by(normal, dot(way, normal));
+        way = scaled_by(way, half_);
         if (own.open == 1 && shapes_.shape(pair.b).is(ShapeKind::box)) {
             const Edge other = edge_of(pair.b, point.arm_b);
             const WorkVec3<N> along = work_unit<N>(own.axis), across = cross<Work>(normal, work_unit<N>(other.axis));
@@ -319,7 +320,9 @@ private:
         const WorkVec3<N> turn = scaled_by(way, half_ / shapes_.scale().metres(radius + point.gap));
         const Work square = dot(turn, turn);
         if (square > N::half_of(N::half_of(Work(1)))) return false;
-        const WorkVec3<N> middle = scaled_by(WorkVec3<N>(normal + turn), Work(1) / sqrt(Work(1) + square));
+        WorkVec3<N> middle = normal;
+        middle += turn;
+        middle = scaled_by(middle, Work(1) / sqrt(Work(1) + square));
         const Vec3<Unit> start = pair.normal;
         for (int i = 0; i < 3; ++i) pair.normal[i] = C::unit(middle[i]);
         if constexpr (features.friction)

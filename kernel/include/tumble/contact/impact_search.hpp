@@ -140,7 +140,7 @@ public:
             }
         }
     };
-    [[nodiscard]] Crossing find_crossing() {
+    [[nodiscard, gnu::noinline]] Crossing find_crossing() {
         Crossing found;
         if constexpr (features.pairs) {
             pairs_.for_each(island_, [&](Pair& pair) {
@@ -232,7 +232,8 @@ private:
     [[nodiscard, gnu::noinline, gnu::cold]] Work speed_of_leaving(const Pair& pair) const {
         WorkVec3<N> velocity;
         for (int i = 0; i < 3; ++i) velocity[i] = bodies_.drift(pair.a, i) - bodies_.drift(pair.b, i);
-        const WorkVec3<N> reach = bodies_.position(pair.a) - bodies_.position(pair.b);
+        WorkVec3<N> reach = bodies_.position(pair.a);
+        reach -= bodies_.position(pair.b);
         const bool is_a = shapes_.shape(pair.a).is(ShapeKind::sphere);
         const int other = is_a ? pair.b : pair.a;
         velocity -= cross<Work>(

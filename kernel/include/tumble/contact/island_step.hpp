@@ -317,10 +317,13 @@ private:
     // bodies touch or have gone past each other. Returns the part of the step flown, which is less than the span where
     // a pair is stopped at its surface.
     [[gnu::noinline]] Work stop_before_crossing(const Attempt& attempt) {
+        const auto crossing = search_.find_crossing();
+        return crossing.pair == nullptr ? attempt.span : stop_before(attempt, crossing);
+    }
+    // The rest of it, from the first such pair on.
+    [[gnu::noinline, gnu::cold]] Work stop_before(const Attempt& attempt, auto crossing) {
         Work end = attempt.span;
-        for (int pair = 0; pair < contact::max_crossings; ++pair) {
-            auto crossing = search_.find_crossing();
-            if (crossing.pair == nullptr) return end;
+        for (int pair = 1;; ++pair) {
             Work from(0);
             bool passes = false;
             crossing.at_start();
@@ -343,8 +346,11 @@ private:
             } else {
                 end = from;  // at the surface, or surely before it
             }
+            crossing = search_.find_crossing();
+            if (crossing.pair == nullptr) return end;
+            if (pair == contact::max_crossings) break;
         }
-        if (search_.find_crossing().pair != nullptr) bodies_.report(Issue::step_bound_hit, island_.root);
+        bodies_.report(Issue::step_bound_hit, island_.root);
         return end;
     }
 

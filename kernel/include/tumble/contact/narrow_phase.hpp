@@ -99,7 +99,7 @@ public:
                touching_meet(shape_[a].kind, shape_[b].kind);
     }
     // Sets the constants of a new pair.
-    void set_up(Pair& pair, [[maybe_unused]] const Bodies& bodies) {
+    [[gnu::noinline, gnu::cold]] void set_up(Pair& pair, [[maybe_unused]] const Bodies& bodies) {
         const CollisionShape<N>& a = shape_[pair.a];
         Work restitution, friction;
         pair.share_a = C::one();
@@ -195,21 +195,20 @@ public:
         bool at_edge = false;
         if constexpr (features.pairs) {
             pair.moved = pair.moved || has_turned(pair);
+            Vec3<typename N::Unit> normal;
             with_pair(bodies, pair, false, margin, [&](const auto& contact, const auto&, bool reversed) {
                 pair.gap = contact.gap;
                 if constexpr (requires { contact.axis; }) pair.axis = contact.axis;
-                const Vec3<typename N::Unit> normal =
-                    reversed ? Vec3<typename N::Unit>(-contact.normal) : contact.normal;
-                pair.moved = pair.moved || !(normal == pair.normal);
-                pair.normal = normal;
-                if constexpr (features.boxes) {
-                    pair.axis.covered = pair.axis.idle = false;
-                    if constexpr (requires { contact.is_at_edge(margin); })
-                        at_edge =
-                            asks && !(contact.gap > tolerance_) && contact.is_at_edge(Bounds::edge_depth(tolerance_));
-                    pair.at_edge = at_edge || !asks;
-                }
+                normal = reversed ? Vec3<typename N::Unit>(-contact.normal) : contact.normal;
+                if constexpr (features.boxes && requires { contact.is_at_edge(margin); })
+                    at_edge = asks && !(contact.gap > tolerance_) && contact.is_at_edge(Bounds::edge_depth(tolerance_));
             });
+            pair.moved = pair.moved || !(normal == pair.normal);
+            pair.normal = normal;
+            if constexpr (features.boxes) {
+                pair.axis.covered = pair.axis.idle = false;
+                pair.at_edge = at_edge || !asks;
+            }
         }
         return at_edge;
     }

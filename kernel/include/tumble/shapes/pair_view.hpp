@@ -24,8 +24,8 @@ struct PairView {
     }
 
 private:
-    [[nodiscard]] static Length extent(const CollisionShape<N>& shape, const Axes<N>& axes, const Vec3<Unit>& normal,
-                                       bool boxes) {
+    [[nodiscard, gnu::noinline]] static Length extent(const CollisionShape<N>& shape, const Axes<N>& axes,
+                                                      const Vec3<Unit>& normal, bool boxes) {
         if (!(boxes && shape.is(ShapeKind::box))) return shape.half.x();
         const Vec3<Unit> n = shape.axes(axes).to_body(normal);
         Length sum{};
