@@ -99,7 +99,7 @@ public:
                touching_meet(shape_[a].kind, shape_[b].kind);
     }
     // Sets the constants of a new pair.
-    [[gnu::noinline, gnu::cold]] void set_up(Pair& pair, [[maybe_unused]] const Bodies& bodies) {
+    void set_up(Pair& pair, [[maybe_unused]] const Bodies& bodies) {
         const CollisionShape<N>& a = shape_[pair.a];
         Work restitution, friction;
         pair.share_a = C::one();
