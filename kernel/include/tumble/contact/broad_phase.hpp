@@ -345,11 +345,13 @@ private:
         for (int i = 0; i < pairs_.count(); ++i) {
             Pair& pair = pairs_[i];
             if (!seams().may_change(pair, fresh)) continue;
-            // No body has moved since it was measured.
-            const bool moved = pair.moved;
-            seams().measure(pair);
-            if (pair.axis.covered) shapes_.find(bodies_, pair);
-            else pair.moved = moved;
+            if (pair.at_edge || pair.surface_moves) {
+                seams().measure(pair);
+                if (pair.axis.covered) shapes_.find(bodies_, pair);
+            } else {
+                // Without a side to choose, measuring finds what it found before. The rows are made anew alike.
+                pair.moved = pair.moved || shapes_.has_turned(pair);
+            }
         }
     }
     [[nodiscard]] Seams seams() const { return {shapes_, pairs_, bodies_}; }

@@ -48,10 +48,11 @@ public:
         return ((from_aside || is_ball(pair.a)) && lies_beside(pair, pair.a, pair.normal)) ||
                ((from_aside || is_ball(pair.b)) && lies_beside(pair, pair.b, -pair.normal));
     }
-    // Whether `fresh`, which is new in the list, is a neighbour that may change what a measured pair touches.
+    // Whether `fresh`, which is new in the list, has a body of a measured pair that touches and may be covered by it.
     [[nodiscard, gnu::noinline, gnu::cold]] bool may_change(const Pair& pair, const Pair& fresh) const requires exist {
-        return pair.at_edge && !pair.with_plane() && !(pair.gap > shapes_.tolerance()) && !pair.axis.covered &&
-               (is_neighbour(pair, pair.a, fresh) || is_neighbour(pair, pair.b, fresh));
+        const auto has = [&](int body) { return pair.a == body || pair.b == body; };
+        return &pair != &fresh && !pair.with_plane() && !(pair.gap > shapes_.tolerance()) && !pair.axis.covered &&
+               (has(fresh.a) || (fresh.b >= 0 && has(fresh.b)));
     }
 
 private:
