@@ -195,7 +195,7 @@ public:
         bool at_edge = false;
         if constexpr (features.pairs) {
             pair.moved = pair.moved || has_turned(pair);
-            Vec3<typename N::Unit> normal;
+            Vec3<typename N::Unit> normal = pair.normal;
             with_pair(bodies, pair, false, margin, [&](const auto& contact, const auto&, bool reversed) {
                 pair.gap = contact.gap;
                 if constexpr (requires { contact.axis; }) pair.axis = contact.axis;
