@@ -67,6 +67,29 @@ TEST_P(ContactReadouts, a_bounce_reads_its_impulse_and_the_speed_of_its_approach
 }
 
 // The pair leaves the list before the step is solved.
+TEST_P(ContactReadouts, a_coin_that_rattles_reads_points_within_the_tolerance) {
+    for (const Number spin : {2.0L, -5.0L}) {
+        BodySpec coin = placed(cylinder(0.5, 0.25, 0.03125), {0, 0.0625L, 0}, {}, {spin, 1, 0});
+        coin.orientation = real(reference::exponential(Vector{-1.45L, 0, 0}));
+        SceneSetup setup = floor(0.25L, 0.5L, {coin});
+        const auto world = build(setup, GetParam());
+        const Number tolerance = number(setup.world.contact.tolerance), allowed = tolerance * 1.001L;
+        int read = 0;
+        for (int step = 0; step < second; ++step) {
+            world->step();
+            for (const ReadContact& c : world->contacts(0)) {
+                EXPECT_EQ(c.touches, !c.points.empty());
+                for (const Vector& point : c.points) {
+                    ++read;
+                    // Halfway between the two surfaces.
+                    EXPECT_LE(2 * point.y, allowed) << "step " << step;
+                }
+            }
+        }
+        EXPECT_GT(read, 100);
+    }
+}
+
 TEST_P(ContactReadouts, a_body_that_is_thrown_off_reads_no_impulse) {
     for (const bool sleeps : {false, true}) {
         for (const Number speed : {0.5L, 5.0L}) {

@@ -162,6 +162,30 @@ TEST_P(Impacts, an_end_that_rises_takes_no_part_in_the_impact_of_the_other) {
     }
 }
 
+// The step ends before another point of the rim comes down.
+TEST_P(Impacts, a_rim_that_lands_tilted_bounces_on_the_point_that_touches_alone) {
+    const Number radius = 0.125L, tilt = 0.03125L, flown = 0.9375L / second;
+    for (const BodySpec& shape : {hoop(2, real(radius)), cylinder(2, real(radius), 0.03125)})
+        for (const Number restitution : {0.0L, 0.5L, 1.0L})
+            for (const Number spin : {16.0L, 4.0L, -4.0L}) {
+                const bool is_hoop = shape.shape.kind == ShapeKind::hoop;
+                const Number half = is_hoop ? 0 : 0.015625L;
+                const Rotation upright = reference::exponential(Vector{-std::acos(0.0L) + tilt - spin * flown, 0, 0});
+                BodySpec body = placed(shape, {0, radius * std::sin(tilt) + half * std::cos(tilt) + flown, 0},
+                                       {0, -1, 0}, {spin, 0, 0});
+                body.orientation = real(upright);
+                SceneSetup setup = space(restitution, 0, {body});
+                setup.planes = {{}};
+                const auto world = run(setup, 1);
+                const Number arm = radius * std::cos(tilt) - half * std::sin(tilt), over_mass = moments_of(body).x / 2,
+                             change = (1 + restitution) * (1 + spin * arm) / (1 + arm * arm / over_mass);
+                EXPECT_LE(std::abs(world->motion(0).v.y - (change - 1)), 0.001L) << restitution << ", " << spin;
+                EXPECT_LE(std::abs(world->motion(0).w.x - (spin - change * arm / over_mass)), 0.02L)
+                    << restitution << ", " << spin;
+                EXPECT_LE(world->contact_count(0), 1);
+            }
+}
+
 TEST_P(Impacts, no_impact_makes_energy) {
     Random random{43};
     for (int i = 0; i < 40; ++i) {

@@ -3,7 +3,8 @@
 namespace tumble::test {
 
 const std::vector<Kind> kinds{
-    {"flat_falls_end_within_the_tolerance_and_gain_no_energy", flat_falls::fall},
+    {"flat_falls_are_deeper_than_two_tolerances_for_few_steps_and_gain_no_energy", flat_falls::fall},
+    {"a_rim_that_lands_tilted_bounces_on_the_point_that_touches", rim_bounces::land},
     {"resistance_slows_a_body_by_its_law_and_leaves_finite_numbers", resistance::slowed},
     {"what_rests_on_a_surface_that_accelerates_keeps_its_place", carried::by_friction_or_weight},
     {"what_a_wall_pushes_over_ice_stays_at_the_wall", carried::by_a_wall_on_ice},

@@ -14,6 +14,9 @@ Judge leaving_ball, tipping_box;
 namespace flat_falls {
 Judge fall;
 }
+namespace rim_bounces {
+Judge land;
+}
 namespace resistance {
 Judge slowed;
 }

@@ -162,12 +162,14 @@ public:
         const int at = pairs.place_of(entry.key());
         if (entry.touches && pairs.has(at, entry.key())) {
             const Pair& pair = pairs[at];
-            contact.point_count = pair.count;
             for (int k = 0; k < pair.count; ++k) {
-                contact.points[k] = plain(shapes.place_of(bodies, pair, pair.point[k]));
-                contact.point = contact.point + contact.points[k];
+                // A point of a rim may be above it.
+                if (features.round_shapes && pair.point[k].gap > shapes.tolerance()) continue;
+                auto& place = contact.points[contact.point_count++] =
+                    plain(shapes.place_of(bodies, pair, pair.point[k]));
+                contact.point = contact.point + place;
             }
-            if (pair.count > 0) contact.point = contact.point * (Work(1) / Work(pair.count));
+            if (contact.point_count > 0) contact.point = contact.point * (Work(1) / Work(contact.point_count));
         }
         if (N::is_divisor(entry.normal_impulse))
             contact.point = plain(scaled_by(entry.moment, Work(1) / entry.normal_impulse));

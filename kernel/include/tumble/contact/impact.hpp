@@ -37,8 +37,8 @@ public:
     // Solves the impact of the island, of which the points have been found. In each round all points that approach
     // bounce together, from the velocities at its start: Newton's law, v' = -e v. A round may let others approach, as
     // an impact passes through a row of balls. Then all points together stop what still approaches. With `stop` nothing
-    // bounces. `loads`: over a whole step.
-    [[gnu::noinline, gnu::cold]] void resolve(Kicks& loads, bool stop) {
+    // bounces. `loads`: over a whole step. `rest`: of the step, after the impact.
+    [[gnu::noinline, gnu::cold]] void resolve(Kicks& loads, bool stop, [[maybe_unused]] Work rest) {
         (void)rows_.set_velocities(loads, Work(1), true);
         int pairs = 0;
         Speed fastest{};
@@ -53,6 +53,7 @@ public:
             rows_.make_rows(pair);
             for (int i = 0; i < pair.count; ++i) {
                 Point& point = pair.point[i];
+                if (is_apart(point)) continue;
                 const Speed speed = rows_.velocity(velocities_.start, pair, point);
                 point.set_aside = magnitude_of(rows_.velocity(velocities_.now, pair, point) - speed);
                 if (-speed > fastest) fastest = -speed;
@@ -67,7 +68,7 @@ public:
         pairs_.for_each(island_, [&](Pair& pair) {
             for (int i = 0; pair.touched && i < pair.count; ++i) {
                 Point& point = pair.point[i];
-                point.active = true;
+                point.active = !is_apart(point) || comes_down(pair, point, rest);
                 point.row[0].target = target_of_gap(pair, point);
                 Rows::clear_impulses(point);
             }
@@ -77,7 +78,7 @@ public:
         solve(false);
         log_impulses(C::one());
         velocities_.add_to(bodies_, loads, shapes_, island_.group);
-        pairs_.count_points(island_);
+        pairs_.count_points(island_, shapes_.tolerance());
         // The impulses of an impact are no warm start for the forces of the next step.
         pairs_.for_each_active(island_, [&](Pair&, Point& point) { Rows::clear_impulses(point); });
     }
@@ -85,6 +86,17 @@ public:
 private:
     void copy(Velocity (&to)[features.bodies], const Velocity (&from)[features.bodies]) {
         for (int k = 0; k < island_.group.count; ++k) to[island_.group.id[k]] = from[island_.group.id[k]];
+    }
+    // True of a point of a rim that does not touch. It cannot bounce.
+    [[nodiscard]] bool is_apart([[maybe_unused]] const Point& point) const {
+        if constexpr (features.round_shapes) return point.gap > shapes_.tolerance();
+        else return false;
+    }
+    // Whether it reaches the surface in the rest of the step. It is then held, like any point above the surface.
+    [[nodiscard]] bool comes_down(const Pair& pair, const Point& point, Work rest) const {
+        const Work gap = shapes_.scale().metres(point.gap);
+        return rest > Work(0) &&
+               -rows_.velocity(velocities_.now, pair, point) > Rows::along(point, rows_.pair_speed(pair, gap / rest));
     }
     // The least velocity of a point that does not bounce: one above the surface reaches it at the end of the step.
     [[nodiscard]] Speed target_of_gap(const Pair& pair, const Point& point) const {
@@ -137,7 +149,7 @@ private:
             for (int i = 0; i < pair.count; ++i) {
                 Point& point = pair.point[i];
                 const Speed approach = -rows_.velocity(velocities_.now, pair, point);
-                any = any || bounces(pair, point, approach);
+                any = any || (!is_apart(point) && bounces(pair, point, approach));
                 point.row[0].target = approach;
             }
             if (any) ++pairs;
@@ -146,7 +158,7 @@ private:
                 const Speed approach = point.row[0].target;
                 // Points that rest beside one that bounces take part: rounding must not turn a body that lands flat. A
                 // point that moves away does not, for an impulse there would add energy.
-                point.active = any && !bounces(pair, point, -approach);
+                point.active = any && !is_apart(point) && !bounces(pair, point, -approach);
                 if (!point.active) continue;
                 Rows::clear_impulses(point);
                 // Newton's law for all of them: so the targets of a face are those of a motion of the body. Others, of

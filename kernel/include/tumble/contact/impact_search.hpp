@@ -122,7 +122,7 @@ public:
     // True when a pair is deeper than the end of a flight allows: lowest() where it touched at the start, else the
     // surface.
     [[nodiscard]] bool is_too_deep() const { return is_too_deep(false); }
-    // The same with the tolerance for all pairs, from the gap at the start if that was negative.
+    // The same with lowest() for all pairs.
     [[nodiscard]] bool is_far_too_deep() const { return is_too_deep(true); }
 
     // A pair that is apart at both ends of the flight, but along the direction in which it was apart at the start it is
@@ -259,10 +259,8 @@ private:
     [[nodiscard]] bool is_too_deep(bool far) const {
         bool deep = false;
         pairs_.for_each(island_, [&](const Pair& pair) {
-            Length limit{};
-            if (far) limit = start_of(pair) - shapes_.tolerance();
-            else if (pair.start_gap < Length{} || pair.touched) limit = lowest(pair);
-            deep = deep || pair.gap < limit;
+            const bool may_sink = far || pair.start_gap < Length{} || pair.touched;
+            deep = deep || pair.gap < (may_sink ? lowest(pair) : Length{});
         });
         return deep;
     }
@@ -270,9 +268,9 @@ private:
     [[nodiscard]] static Length start_of(const Pair& pair) {
         return pair.start_gap < Length{} ? pair.start_gap : Length{};
     }
-    // The least gap at the end of its flight: the tolerance below that at its start. A round shape that rattles would
-    // so sink from flight to flight, because it changes the point on which it stands. It ends at most the tolerance
-    // below the surface, or a little deeper than it began.
+    // The least gap at the end of a flight: the tolerance below start_of(). A round shape that rattles changes the
+    // point on which it stands, so it would sink from flight to flight. Its flight ends at most the tolerance below the
+    // surface. Where it began deeper, the flight sinks by at most Bounds::sink().
     [[nodiscard]] Length lowest(const Pair& pair) const {
         const Length tolerance = shapes_.tolerance(), start = start_of(pair);
         if constexpr (features.round_shapes) {

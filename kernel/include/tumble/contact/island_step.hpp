@@ -70,7 +70,7 @@ public:
                 return false;
             }
             if (touch == Touch::strikes) {
-                resolve(false);
+                resolve(false, span);
                 find_near_pairs();
                 search_.start_flight();
                 touch = solve_resting(span, whole, true);
@@ -119,7 +119,7 @@ public:
                 flown = find_impact(attempt, length);
             }
             if (attempt.held && flown < span) log_forces(flown / span - Work(1));  // takes off what is not flown
-            resolve(last && !spent);
+            resolve(last && !spent, span - flown);
             if constexpr (features.impact_bounds) --left_.impacts;
             // Always, however short the rest of the step is: an impact ends the bounds on the time to contact.
             find_near_pairs();
@@ -414,15 +414,16 @@ private:
         }
         return at;
     }
-    // The range is checked at once: another impact of the same step may bring a body back into it.
-    void resolve(bool stop) {
+    // The range is checked at once: another impact of the same step may bring a body back into it. `rest`: of the step,
+    // after the impact.
+    void resolve(bool stop, Work rest) {
         check_range();
         move({.group = island_.group, .loads = &contacts_.loads});
         search_.find();
         contacts_.solution = {};
         Impact<N, spin, features>{contacts_.shapes,    contacts_.pairs, contacts_.velocities, bodies_, island_,
                                   contacts_.threshold, fastest_,        contacts_.log}
-            .resolve(contacts_.loads, stop);
+            .resolve(contacts_.loads, stop, rest);
         check_range();
         take_over_spins();
     }

@@ -53,7 +53,7 @@ struct Pair {
 
     std::int16_t a = 0, b = 0;  // a moves; b < 0: plane -1 - b
     std::int16_t next = -1;     // slot of the next pair of its island
-    std::uint8_t count = 0;     // points within the tolerance
+    std::uint8_t count = 0;     // points within the tolerance, and of a rim those that may come down in a step
     std::uint8_t carrying = 0;  // the points that statics have used, one bit each
     std::int16_t still = 0;     // bodies of the island that has stood still with this pair, and nothing has changed
     bool moved = true;          // a body has turned or the normal has changed: the rows are invalid

@@ -95,7 +95,7 @@ public:
             if (rows_.sweep(enough, Bounds::sweeps(contact::max_sweeps)) > enough) report_far_from_solved(enough);
             velocities_.write(forces, bodies_, shapes_, island_.group);
         }
-        pairs_.count_points(island_);
+        pairs_.count_points(island_, shapes_.tolerance());
         solution.settled = true;
         if constexpr (features.moving_surfaces())
             if (velocities_.surfaces.changed) [[unlikely]]
