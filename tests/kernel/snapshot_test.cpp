@@ -142,6 +142,21 @@ TEST(SnapshotBytes, know_the_last_softening) {
     EXPECT_EQ(never_set.restore(bytes.data(), part), SnapshotFault::none);
 }
 
+TYPED_TEST(Snapshots, of_bodies_alone_take_the_change_of_a_surface_back) {
+    typename TestFixture::Full world = this->full();
+    BodySpec lift = box(1, {2, 0.5, 2});
+    lift.position = {-4, 1, 0};
+    lift.kinematic = true;
+    world.remove(BodyId{4});
+    const BodyId id = world.add(lift);
+    for (int i = 0; i < 16; ++i) world.step();
+    const auto bytes = this->saved(world, SnapshotPart::bodies);
+    auto other = world;
+    other.set_velocity(id, {0.5F, 1.0F, 0.0F});
+    for (auto* each : {&world, &other}) ASSERT_EQ(this->restored(*each, bytes), SnapshotFault::none);
+    EXPECT_EQ(this->saved(other), this->saved(world));
+}
+
 // The words that follow from a seed.
 struct Words {
     std::mt19937 engine;

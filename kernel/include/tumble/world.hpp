@@ -437,7 +437,7 @@ public:
             replaced(b);
             disturb(b);
         }
-        if constexpr (has_contacts) contacts_.forget_log();
+        if constexpr (has_contacts) contacts_.forget_last_step(advance_.bodies);
         return SnapshotFault::none;
     }
 
@@ -761,8 +761,8 @@ private:
             contacts_.forget_pairs_of(advance_.bodies, b);
         }
     }
-    // Call after an impulse, a force that switches or new gravity: drops the kicks that were kept, and the bounds on
-    // the time to contact of the body and of all that it may push, and wakes it.
+    // Call after a change of the motion of body b, or of what acts on it. Drops the kicks that were kept, ends the
+    // bounds on the time to contact of the body and of all that it may push, and wakes it.
     constexpr void disturb([[maybe_unused]] int b) {
         advance_.disturb();
         if constexpr (has_contacts) { contacts_.disturb(advance_, b); }

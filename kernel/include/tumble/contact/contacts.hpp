@@ -226,9 +226,11 @@ public:
         if constexpr (features.contact_readout)
             ContactLog<N, spin, features>::archive(state.log, to, bodies.count, state.shapes.plane_count());
     }
-    // Call where all bodies are elsewhere.
-    void forget_log() {
+    // Call where all bodies are elsewhere: forgets what contacts did in the last step, and the changes of velocities
+    // that surfaces have had since.
+    void forget_last_step([[maybe_unused]] const Bodies& bodies) {
         if constexpr (features.contact_readout) state_.log.clear();
+        if constexpr (features.moving_surfaces()) forget_changes(bodies);
     }
 
 private:

@@ -128,7 +128,7 @@ struct Pair {
         count = carrying = 0;
         still = 0;
         moved = true;
-        touched = left_out = passed = selected = has_friction = surface_moves = false;
+        touched = left_out = passed = selected = has_friction = surface_moves = start_covered = false;
         at_edge = true;
         share_b = {};
         if constexpr (features.pairs && features.boxes) axis = {};
