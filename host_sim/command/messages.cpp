@@ -47,6 +47,10 @@ struct Account {
 
 Account range_left(const Trouble& trouble, const SceneDescription& scene, const Simulation& simulation) {
     const std::string wrong = ". The motion is wrong from here on";
+    if (trouble.body < 0)
+        return {"gravity exceeds the most that " + numbers_of(simulation) + " holds at a step of " +
+                    step_of(simulation) + wrong,
+                "a smaller step or a larger [range] velocity"};
     if (!trouble.number) return {"a number is not finite" + wrong, "a smaller step"};
     const HeldNumber& number = *trouble.number;
     const std::string holder =
@@ -114,9 +118,10 @@ std::string message_of(const Trouble& trouble, const Trouble& first, const Scene
     if (is_first && !cure.empty()) account.cure = cure;
     // What was unstable leaves the range: the cure of the first is that of both.
     if (!is_first && (!cure.empty() || first.issue == "step_too_long")) account.cure.clear();
-    return scene.path + ": body \"" + scene.bodies.at(static_cast<std::size_t>(trouble.body)).name + "\" at " +
-           few_digits(time) + " s (step " + std::to_string(trouble.step) + "): " + trouble.issue + ": " + account.what +
-           (account.cure.empty() ? "" : ". Use " + account.cure);
+    const std::string body =
+        trouble.body < 0 ? "" : "body \"" + scene.bodies.at(static_cast<std::size_t>(trouble.body)).name + "\" at ";
+    return scene.path + ": " + body + few_digits(time) + " s (step " + std::to_string(trouble.step) +
+           "): " + trouble.issue + ": " + account.what + (account.cure.empty() ? "" : ". Use " + account.cure);
 }
 
 std::string unheld_spin(const SceneDescription& scene, const Simulation& simulation) {

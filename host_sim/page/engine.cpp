@@ -126,8 +126,8 @@ std::string json_of_troubles(const Simulation& run) {
         if (trouble.number)
             what = trouble.number->name + " exceeds " + few_digits(trouble.number->most) + " " + trouble.number->unit;
         return "{\"issue\": " + json_text(trouble.issue) + ", \"step\": " + std::to_string(trouble.step) +
-               ", \"body\": " + json_text(session->scene().body(trouble.body).name) + ", \"what\": " + json_text(what) +
-               "}";
+               ", \"body\": " + json_text(trouble.body < 0 ? "" : session->scene().body(trouble.body).name) +
+               ", \"what\": " + json_text(what) + "}";
     });
 }
 

@@ -68,8 +68,8 @@ struct HeldNumber {
 
 // The first occurrence of something that went wrong.
 struct Trouble {
-    std::string issue;  // the name of a sticky status bit
-    int body = 0;
+    std::string issue;                   // the name of a sticky status bit
+    int body = 0;                        // below 0: none, as of gravity
     std::int64_t step = 0;               // the step that met it, from 0
     std::optional<HeldNumber> number{};  // of range_left: the number that left; none: one is not finite
 };

@@ -43,7 +43,8 @@ protected:
         if (status.ok()) return;
         for (const Issue issue : all_issues) {
             if (status.has(issue) && !has_trouble(name_of(issue)))
-                troubles_.push_back({name_of(issue), status.first_body, status.first_step, left_by(issue, status)});
+                troubles_.push_back({name_of(issue), status.first_body < now_.count ? status.first_body : -1,
+                                     status.first_step, left_by(issue, status)});
         }
     }
 

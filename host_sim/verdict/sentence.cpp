@@ -76,7 +76,8 @@ std::string sentence_of(const Verdict& verdict, const SceneDescription& scene, c
                (verdict.cause == Verdict::Cause::none ? "" : std::string("; cause: the ") + name_of(verdict.cause)) +
                cure;
     case Verdict::Kind::told:
-        return "reported by the status: " + verdict.troubles.front().issue + " of " + body() + "at " + time + cure;
+        return "reported by the status: " + verdict.troubles.front().issue + (verdict.body < 0 ? " " : " of ") +
+               body() + "at " + time + cure;
     case Verdict::Kind::no_reference:
         return (verdict.time_s > 0 ? "right until " + time + shared_text(verdict.rules) +
                                          ", with an error of at most " + errors_text(verdict.error) + "; "

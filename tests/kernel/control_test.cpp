@@ -581,6 +581,15 @@ TYPED_TEST(Control, gravity_that_is_set_is_the_gravity_of_a_scene) {
     EXPECT_NEAR(static_cast<double>(change.y), 1, static_cast<double>(this->rounding_in(128)));
 }
 
+TYPED_TEST(Control, gravity_beyond_its_range_is_told_of_no_body) {
+    if (!TypeParam::fixed_point) return;
+    Controlled<TypeParam> world{Seconds{1, 256}};
+    (void)world.add(skew_body());
+    world.set_gravity({0.0F, 1e9F, 0.0F});
+    EXPECT_TRUE(world.status().has(Issue::range_left));
+    EXPECT_EQ(world.status().first_body, 1) << "the number of bodies";
+}
+
 TYPED_TEST(OnTable, a_fixed_body_takes_a_spin_only_where_there_are_turntables) {
     World<SceneOf<TypeParam, integrators::Verlet, Features{.control = true}>> world{Seconds{1, 256}};
     BodySpec spec = box(1, {1, 1, 1});

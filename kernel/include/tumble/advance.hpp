@@ -55,7 +55,7 @@ public:
                                               same = same && fall == gravity_[i];
                                               gravity_[i] = fall;
                                           });
-        if (!within) bodies.report(Issue::range_left, 0);
+        if (!within) bodies.report(Issue::range_left, bodies.count);
         if (!same) disturb();
         return !same;
     }
