@@ -22,9 +22,9 @@ RangeWatch::RangeWatch(const SceneDescription& scene, const Simulation& simulati
     const RangeDescription held = held_by(find_number_system(scene, "q32", {}).range);
     const auto step = static_cast<double>(simulation.step_length());
     const double velocity = next_power_of_two(held.velocity * step) / step;
-    // The state holds half turns; of methods that keep the angular momentum, those of twice the spin.
-    const double turn = find_integrator(simulation.integrator()).spin == Spin::angular_momentum ? step : step / 2;
-    const double spin = next_power_of_two(held.angular_velocity * turn) * 2 / step;
+    // What every method holds about every axis. A method that keeps the angular momentum holds up to twice the spin
+    // about some axes.
+    const double spin = next_power_of_two(held.angular_velocity * step) / step;
     bounds_ = {{{"position", &BodySnapshot::position, held.position, "m"},
                 {"velocity", &BodySnapshot::velocity, velocity, "m/s"},
                 {"angular velocity", &BodySnapshot::angular_velocity, spin, "rad/s"}}};

@@ -236,6 +236,25 @@ TEST(Run, each_status_is_told_once) {
         }
 }
 
+// Whatever the method keeps, and about every axis.
+TEST(Run, floating_point_is_held_to_the_declared_range_of_spins) {
+    for (const char* integrator : {"verlet", "rk4"})
+        for (const char* numbers : {"f32", "f64"})
+            for (const char* torque : {"[0.0, 0.0, 0.25]", "[0.0, -0.25, 0.0]", "[0.25, 0.0, 0.0]"}) {
+                const std::string scene =
+                    written("turned.toml", world_of("0", "1/256", "4.0") + smallest_range +
+                                               body_of("b", "cylinder = [0.2, 0.4]") +
+                                               "[[force]]\nbody = \"b\"\nuntil = 4.0\n" + "torque = " + torque + "\n");
+                const Json json = json_of({"run", scene, "--numbers", numbers, "--integrator", integrator}, 1);
+                EXPECT_EQ(json["status"], Json::array({"range_left"})) << integrator << numbers << torque;
+                const double spin = std::hypot(json["bodies"][0]["angular_velocity"][0].get<double>(),
+                                               json["bodies"][0]["angular_velocity"][1].get<double>(),
+                                               json["bodies"][0]["angular_velocity"][2].get<double>());
+                EXPECT_GT(spin, 32);
+                EXPECT_LT(spin, 32.25) << integrator << numbers << torque;
+            }
+}
+
 TEST(Run, floating_point_that_is_not_finite_leaves_the_range) {
     const std::string scene = written(
         "spring.toml", world_of("0", "0.5", "500.0") + body_of("bob", "sphere = 0.1", "[1.0, 0.0, 0.0]", "0.001") +
