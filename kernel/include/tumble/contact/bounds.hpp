@@ -54,8 +54,8 @@ struct ContactBounds {
 
     // A point of a resting body that is not farther above the surface carries: float resolves positions up to 30 m so.
     [[nodiscard]] static Length resting_gap(Length tolerance) { return C::sixteenth(C::sixteenth(tolerance)); }
-    // By how much a round shape that begins a flight deeper than the tolerance may sink in it. The flights of a step,
-    // max_impacts, so sink by no more than its position correction lifts.
+    // A round shape that begins a flight deeper than the tolerance may sink by this in it. The max_impacts flights of a
+    // step then sink it by at most what its position correction lifts it.
     [[nodiscard]] static Length sink(Length tolerance) { return C::eighth(C::eighth(tolerance)); }
     // An impact leaves out pairs with a larger gap. The search for the impact ends much closer to the surface.
     [[nodiscard]] static Length largest_impact_gap(Length tolerance) { return C::half(C::half(tolerance)); }
@@ -74,11 +74,13 @@ struct ContactBounds {
     [[nodiscard]] static Length most_lift(Length tolerance) { return C::eighth(tolerance); }
     // A face axis of two boxes is preferred to an edge axis up to this difference, so that rounding does not decide.
     [[nodiscard]] static Length axis_margin(Length tolerance) { return C::half(C::half(tolerance)); }
-    // Of a normal and an axis of a box, above which the normal is that of a face: float resolves cosines so.
+    // Cosine between a contact's normal and an axis of a box. Above it the normal is that of the face: 16 times what
+    // float resolves near 1.
     [[nodiscard]] static typename C::Unit along_face() {
         return C::unit(Work(1) - N::template constant<Work>(Real::scaled(1, -20)));
     }
-    // A body at an edge of a box that is deeper is not above the face: as deep as a search that fails leaves it.
+    // A body at an edge of a box that is deeper than this is beside the face, not above it. A failed search leaves
+    // bodies this deep.
     [[nodiscard]] static Length edge_depth(Length tolerance) {
         const Length twice = tolerance + tolerance;
         return twice + twice;

@@ -20,8 +20,8 @@ public:
     void set_gravity(const typename N::DriftSum (&change)[3], typename N::Scale unit) {
         state_.shapes.set_gravity(change, unit);
     }
-    // Call after new gravity: ends all bounds on the time to contact and wakes all bodies. What stood in the last step
-    // is solved anew in the next one before anything else: it looks for others only where it no longer stands.
+    // Call after new gravity. Ends all bounds on the time to contact and wakes all bodies. The next step first solves
+    // anew what stood in the last one. Only what no longer stands looks for other bodies.
     template <class Advance>
     void gravity_changed(const Advance& advance) requires(features.control) {
         if constexpr (features.sleep)
@@ -190,7 +190,7 @@ public:
     template <class Self, class Archive>
     static void archive(Self& self, const Bodies& bodies, Archive& to) {
         auto& state = self.state_;
-        bool stands[features.bodies]{};  // its island may, so the solution of the last step is compared with the next
+        bool stands[features.bodies]{};  // the body's island may: the next step asks for its loads and forces
         to.template each_bits<4>(
             features.bodies, [&](int b) { return state.marks[b].bits(); },
             [&](int b, std::uint32_t bits) {

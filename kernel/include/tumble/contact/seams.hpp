@@ -38,11 +38,12 @@ public:
         choose_side(pair);
         pair.moved = moved || shapes_.has_turned(pair) || !(pair.normal == before);
     }
-    // Whether a body has slid onto the other from a flush neighbour, which it touched at the start of the flight. Then
-    // it has lain on their common surface in the whole flight.
+    // True where a body has slid onto the other from a flush neighbour that it touched at the start of the flight. It
+    // has lain on their common surface in the whole flight.
     [[nodiscard, gnu::noinline, gnu::cold]] bool is_crossed(const Pair& pair) const requires exist {
         if (is_far(pair.gap)) return false;
-        // A body that falls onto the surface was above it at the start. Of a ball the neighbour tells that.
+        // A box that was above the surface at the start has fallen onto it. A ball has no sides: it has slid where it
+        // touched a neighbour.
         const bool from_aside = pair.axis.covered || pair.start_covered ||
                                 narrow<Unit>(dot(pair.normal, pair.start_normal)) < C::half(C::one());
         return ((from_aside || is_ball(pair.a)) && lies_beside(pair, pair.a, pair.normal)) ||

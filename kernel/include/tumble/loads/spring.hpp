@@ -93,8 +93,8 @@ public:
         }
     }
 
-    // Returns a body that the newest spring moves, if the step is surely too long for that spring as the bodies stand;
-    // else, and along an axis that tells nothing of this spring, -1.
+    // Returns a body that the newest spring moves, where the step is surely too long for this spring in the present
+    // poses. Else -1; so too where a motion along the axis does not show this spring's stiffness or damping.
     //
     // A pull at both ends of the spring brings about a motion u: h/m times the force and h/I times the torque at each
     // end. The pull is along a world axis (0 to 2) or along the spring (3). In this motion all springs, dampers and

@@ -80,8 +80,7 @@ struct Q32 {
     using DriftSum = Wide<62>;
     using TurnSum = Wide<64>;
     using Work = Scaled;  // loads and contacts: any magnitude, 31 digits
-    // True of a number whose inverse, or inverse root, is one. Below: of the square of a length whose cube has an
-    // inverse.
+    // Whether 1 / a and 1 / sqrt(a) are numbers. Below: whether 1 / length^3 is one, from the square of the length.
     [[nodiscard]] TUMBLE_INLINE static constexpr bool is_divisor(Work a) { return a > Work{}; }
     [[nodiscard]] TUMBLE_INLINE static constexpr bool has_inverse_cube(Work square) { return square > Work{}; }
     // The ends of the ranges of drifts and turns, in the units of Scale.

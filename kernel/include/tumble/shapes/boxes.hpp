@@ -246,7 +246,7 @@ private:
     }
 
     Axes<N> axes_[2];
-    Length apart_[6]{};  // along the normals of the faces
+    Length apart_[6];  // along the normals of the faces
 };
 
 }  // namespace tumble
