@@ -165,6 +165,7 @@ class App {
         this.#whenThere(() => {
             this.game.hit(body, inBody, impulse, point);
             this.plotted = 0;
+            this.panel.hideHint();
         });
     }
     // Does something as soon as the runs are where they were sent.

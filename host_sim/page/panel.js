@@ -41,6 +41,7 @@ class Panel {
         this.at('known').textContent = known.join(' ').replace(/\n/g, ' ').trim();
     }
     showPush() { this.at('push_value').textContent = `${this.app.push} m/s`; }
+    hideHint() { this.at('hint').hidden = true; }
     // A message is shown until the next.
     tell(text, isError = false) {
         this.at('message').textContent = text;

@@ -4,20 +4,24 @@ class Plots {
 
     constructor(root) {
         this.boxes = [];
-        const plot = (title, options) => {
+        const plot = (title, options, y = { pixelsPerLabel: 22 }) => {
             const box = root.appendChild(document.createElement('div'));
             box.className = 'plot';
             this.boxes.push(box);
-            return new Dygraph(box, [[0, null]], {
+            const graph = new Dygraph(box, [[0, null]], {
                 title, labels: ['t', ' '], titleHeight: 18, axisLabelFontSize: 10, strokeWidth: 1.3, legend: 'never',
                 axisLineColor: '#5d6b7a', gridLineColor: '#2a333d', xRangePad: 2, animatedZooms: false, interactionModel: {},
-                axes: { y: { axisLabelWidth: 52, axisLabelFormatter: Plots.label }, x: { axisLabelWidth: 34 } },
+                axes: { y: { axisLabelWidth: 52, axisLabelFormatter: Plots.label, ...y }, x: { axisLabelWidth: 34 } },
                 underlayCallback: (canvas, area, graph) => this.#underlay(canvas, area, graph), ...options });
+            // Where the panel is hidden, it gives the box a size of its own, which would hide the style's.
+            box.style.width = box.style.height = '';
+            return graph;
         };
         const logarithmic = { logscale: true, valueRange: Plots.decades([]) };
+        const error = title => plot(title, logarithmic, { ticker: Plots.powers });
         this.plots = [
-            { graph: plot('position error, m', logarithmic), of: (lane, i) => this.#largest(lane, i, 'm') },
-            { graph: plot('orientation error, rad', logarithmic), of: (lane, i) => this.#largest(lane, i, 'rad') },
+            { graph: error('position error, m'), of: (lane, i) => this.#largest(lane, i, 'm') },
+            { graph: error('orientation error, rad'), of: (lane, i) => this.#largest(lane, i, 'rad') },
             { graph: plot('energy, J', {}), of: (lane, i) => this.#tail(lane, i, t => t[0] + t[1]) },
             { graph: plot('angular momentum, kg m²/s', {}),
               of: (lane, i) => this.#tail(lane, i, t => Math.hypot(t[2], t[3], t[4])) },
@@ -29,7 +33,7 @@ class Plots {
     resize() {
         this.plots.forEach(({ graph }, i) => {
             const { clientWidth: width, clientHeight: height } = this.boxes[i];
-            if (width > 0 && height > 0) graph.resize(width, height);
+            if (width > 0 && height > 0) graph.resize();
         });
     }
 
@@ -60,6 +64,13 @@ class Plots {
         if (values.length === 0) return [1e-9, 1];
         const least = values.reduce((a, b) => Math.min(a, b)), most = 1.01 * values.reduce((a, b) => Math.max(a, b));
         return [10 ** Math.floor(Math.log10(least)), 10 ** Math.ceil(Math.log10(most))];
+    }
+    // Some powers of ten between two numbers, as marks of an axis of so many pixels.
+    static powers(least, most, pixels) {
+        const first = Math.ceil(Math.log10(least) - 1e-6), last = Math.floor(Math.log10(most) + 1e-6), marks = [];
+        const every = Math.ceil((last - first + 1) / Math.max(2, pixels / 18));
+        for (let power = last; power >= first; power -= every) marks.push({ v: 10 ** power, label: `1e${power}` });
+        return marks;
     }
     // Few characters, since the axis is narrow.
     static label(value) {

@@ -3,7 +3,7 @@ class View {
     static background = 0x12161c;
     static played = 0xf0a040;
     static ghosts = [0x4da3ff, 0x5fd38d, 0xd16bd1, 0xf0e060];
-    static asleep = 0x79828c;
+    static asleep = 0x8a6236;
     static hitShown = 0.35;  // s of the scene for which the arrow of a hit stays
 
     constructor(canvas) {
@@ -60,9 +60,9 @@ class View {
         if (keepsCamera) return;
         this.#aim(centre, radius);
     }
-    // Looks at the whole scene, from where it has been to where it is now.
-    aim() {
-        const { samples } = this.game.played, every = Math.max(1, Math.ceil(samples.length / 200));
+    // Looks at the whole scene, from where it has been to where it is now; or as it is now.
+    aim(hasPast = true) {
+        const samples = hasPast ? this.game.played.samples : [], every = Math.max(1, Math.ceil(samples.length / 200));
         const been = samples.filter((sample, i) => sample && i % every === 0 && i * this.game.stride <= this.game.now);
         const { centre, radius } = this.#extent([...been, this.game.state(this.game.played)]);
         this.#aim(centre, radius);
@@ -158,7 +158,10 @@ class View {
         if (this.size === `${width} ${height}` || width === 0) return;
         this.size = `${width} ${height}`;
         this.renderer.setSize(width, height);
+        // What was seen across a narrow window stays in it.
+        const shorter = () => Math.min(1, this.camera.aspect), before = shorter();
         this.camera.aspect = width / height;
+        this.camera.position.sub(this.orbit.target).multiplyScalar(before / shorter()).add(this.orbit.target);
         this.camera.updateProjectionMatrix();
     }
 

@@ -18,7 +18,7 @@ for (const [name, step, hasGhost] of pictures) {
         tumble.seek(step);
         tumble.finish();
         tumble.view.draw();
-        tumble.view.aim();
+        tumble.view.aim(false);
         tumble.view.draw();
         await new Promise(requestAnimationFrame);
         await new Promise(requestAnimationFrame);
