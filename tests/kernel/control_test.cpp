@@ -582,10 +582,10 @@ TYPED_TEST(Control, gravity_that_is_set_is_the_gravity_of_a_scene) {
 }
 
 TYPED_TEST(Control, gravity_beyond_its_range_is_told_of_no_body) {
-    if (!TypeParam::fixed_point) return;
+    if (!TypeParam::Numbers::fixed_point) return;
     Controlled<TypeParam> world{Seconds{1, 256}};
     (void)world.add(skew_body());
-    world.set_gravity({0.0F, 1e9F, 0.0F});
+    world.set_gravity(RealVec3{0, 1e9, 0});
     EXPECT_TRUE(world.status().has(Issue::range_left));
     EXPECT_EQ(world.status().first_body, 1) << "the number of bodies";
 }
