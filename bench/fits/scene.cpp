@@ -1,4 +1,5 @@
-// The firmware of a scene that `tumble compile` wrote: it takes the scene's steps, and nothing else.
+// The firmware of a scene that `tumble compile` wrote: it takes the scene's steps, and nothing else. The compiler sets
+// up the world, so the firmware has no code for that.
 #include <tumble/replay.hpp>
 
 #include TUMBLE_SCENE_HEADER
@@ -7,12 +8,7 @@ namespace {
 
 using Recorded = tumble::scenes::TUMBLE_SCENE;
 
-// A world that the compiler can set up has no code for that.
-#if defined(TUMBLE_PREPARED)
-constinit
-#endif
-    tumble::Replay<Recorded::Config, Recorded>
-        replay;
+constinit tumble::Replay<Recorded::Config, Recorded> replay;
 
 // What is measured.
 [[gnu::noinline]] tumble::Status step_world() { return replay.step(); }

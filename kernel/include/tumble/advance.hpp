@@ -125,7 +125,7 @@ public:
     }
 
     // Change of drift by gravity in a step.
-    [[nodiscard]] DriftSum whole_fall(int i) const { return whole(gravity_[i]); }
+    [[nodiscard]] constexpr DriftSum whole_fall(int i) const { return whole(gravity_[i]); }
 
     // A step of a body that feels gravity alone.
     TUMBLE_INLINE void free_body(int b, const StepInfo<N>& info) {

@@ -101,7 +101,7 @@ public:
 
     // Adds a plane; false when there is no room. In fixed point its offset is at most four times the range of
     // positions.
-    PlaneId add(const PlaneSpec& spec) requires(features.planes > 0) {
+    constexpr PlaneId add(const PlaneSpec& spec) requires(features.planes > 0) {
         refuse_to_record();
         TUMBLE_ASSERT(is_restitution(spec.restitution));
         Required::by(spec);
@@ -122,7 +122,7 @@ public:
 
     // Does not compile, and says why, in a scene without room for planes.
     template <std::same_as<PlaneSpec> Spec>
-    PlaneId add(const Spec&) requires(features.planes <= 0) {
+    constexpr PlaneId add(const Spec&) requires(features.planes <= 0) {
         static_assert(!sizeof(Spec), "a plane needs room: .planes = 1 or more among the scene's features");
         return {};
     }
@@ -620,7 +620,7 @@ private:
         remember_all();
     }
     // Contacts have gravity in their own numbers.
-    void tell_gravity() requires has_contacts {
+    constexpr void tell_gravity() requires has_contacts {
         contacts_.set_gravity({advance_.whole_fall(0), advance_.whole_fall(1), advance_.whole_fall(2)},
                               advance_.bodies.scale);
     }

@@ -93,7 +93,7 @@ struct SpinUnits<N, Spin::angular_velocity> {
     }
     static constexpr bool has_one_rate = true, has_one_factor = false;  // for all axes: rate(), per_impulse()
     [[nodiscard]] Work per_impulse(int i) const { return turn_per_impulse_[i]; }
-    [[nodiscard]] Work rate(int, Work steps_per_second) const { return steps_per_second + steps_per_second; }
+    [[nodiscard]] constexpr Work rate(int, Work steps_per_second) const { return steps_per_second + steps_per_second; }
     // rate() with the step as the unit of time.
     [[nodiscard]] Work per_half_turn(int) const {
         static constexpr Work two = Work(2);
@@ -120,9 +120,11 @@ struct SpinUnits<N, Spin::angular_momentum> {
     }
     static constexpr bool has_one_rate = false, has_one_factor = true;
     [[nodiscard]] Work per_impulse(int) const { return constants_[1]; }
-    [[nodiscard]] Work rate(int i, Work steps_per_second) const { return per_half_turn(i) * steps_per_second; }
-    [[nodiscard]] Work per_half_turn(int i) const {
-        static constexpr Work two = Work(2);
+    [[nodiscard]] constexpr Work rate(int i, Work steps_per_second) const {
+        return per_half_turn(i) * steps_per_second;
+    }
+    [[nodiscard]] constexpr Work per_half_turn(int i) const {
+        constexpr Work two = Work(2);
         return i == 1 ? two : constants_[i];
     }
 
@@ -392,15 +394,15 @@ public:
         return halved;
     }
     // True of a fixed body that spins.
-    [[nodiscard]] bool is_turning(int b) const requires(rotation) {
+    [[nodiscard]] constexpr bool is_turning(int b) const requires(rotation) {
         for (int i = 0; i < 3; ++i)
             if (!(state[b].t_b[i].value() == typename N::Turn{})) return true;
         return false;
     }
     // True of a body whose centre of mass moves.
-    [[nodiscard]] bool is_drifting(int b) const { return !(state[b].d_w == decltype(State::d_w){}); }
+    [[nodiscard]] constexpr bool is_drifting(int b) const { return !(state[b].d_w == decltype(State::d_w){}); }
     // True of a kinematic body with a velocity.
-    [[nodiscard]] bool moves_by_itself(int b) const {
+    [[nodiscard]] constexpr bool moves_by_itself(int b) const {
         if (!constants[b].kinematic()) return false;
         if constexpr (rotation) return is_drifting(b) || is_turning(b);
         else return is_drifting(b);

@@ -92,7 +92,7 @@ struct ContactBounds {
 
     // The radius of a body over each radius of gyration, below 64, fits the formats of rows. That of a rod that is
     // thinner does not.
-    [[nodiscard]] static bool has_levers(const Vec3<Length>& gyration, Length radius) {
+    [[nodiscard]] static bool has_levers(const StoredVec3<Length>& gyration, Length radius) {
         bool all = true;
         for (int i = 0; i < 3; ++i) all = all && gyration[i] > C::eighth(C::eighth(radius));
         return all;

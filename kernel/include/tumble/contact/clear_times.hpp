@@ -20,7 +20,7 @@ public:
     [[nodiscard]] static int steps_left(std::uint16_t due, std::uint32_t now) {
         return static_cast<std::int16_t>(static_cast<std::uint16_t>((due - now) << 1)) >> 1;
     }
-    void set_due(int slot, std::uint32_t step) {
+    constexpr void set_due(int slot, std::uint32_t step) {
         due_[slot] = static_cast<std::uint16_t>((due_[slot] & listed) | (step & (listed - 1u)));
     }
     // Whether the pair of a slot is in the list of near pairs.
@@ -32,7 +32,7 @@ public:
     void unlist(int a, int b) {
         if (const int slot = slot_of(a, b); slot >= 0) due_[slot] &= listed - 1u;
     }
-    void unlist_all() {
+    constexpr void unlist_all() {
         for (auto& due : due_) due &= listed - 1u;
     }
     void unlist_pairs_of(int b) {
@@ -41,7 +41,7 @@ public:
             if (other != b) unlist(b, other);
     }
     // Call where the body's motion changes other than by its flight: ends the bounds of the body and of its pairs.
-    void end(int b, int planes, std::uint32_t now) {
+    constexpr void end(int b, int planes, std::uint32_t now) {
         clear_until_[b] = now;
         for (int p = 0; p < planes; ++p) set_due(plane_slot(b, p), now);
         if constexpr (features.grid()) {

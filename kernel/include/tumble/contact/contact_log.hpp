@@ -225,7 +225,7 @@ private:
 
     // Twice that of pairs: those that touched before, and those that have come since.
     static constexpr int room = 2 * PairList::room;
-    Entry entry_[room > 0 ? room : 1]{};
+    ZeroedArray<Entry, (room > 0 ? room : 1)> entry_{};
     int count_ = 0;
 };
 

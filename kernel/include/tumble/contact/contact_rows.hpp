@@ -120,7 +120,7 @@ public:
         return block;
     }
     // Along the normal of a point, against the other side.
-    [[nodiscard]] Speed velocity(const Velocity (&of)[features.bodies], const Pair& pair, const Point& point) const {
+    [[nodiscard]] Speed velocity(const auto& of, const Pair& pair, const Point& point) const {
         return point.row[0].velocity(of[pair.a], pair.moves_b() ? &of[pair.b] : nullptr) - surface_of(pair, point);
     }
     // Of the other side, along the normal.
@@ -236,7 +236,7 @@ private:
         Directions(const Pair& pair, const Axes<N>& axes, [[maybe_unused]] const Axes<N>* axes_b) {
             using Row = tumble::Row<N, features.pairs>;
             for (int k = 0; k < pair.rows(); ++k) {
-                const Vec3<Unit>& direction = k == 0 ? pair.normal : pair.tangent[k - 1];
+                const StoredVec3<Unit>& direction = k == 0 ? pair.normal : pair.tangent[k - 1];
                 if constexpr (features.pairs) {
                     if (axes_b != nullptr) {
                         moves_b = true;
@@ -248,7 +248,7 @@ private:
                     }
                 }
                 linear[k] = direction;
-                angular[k] = axes.to_body(direction);
+                angular[k] = axes.to_body(linear[k]);
             }
         }
     };

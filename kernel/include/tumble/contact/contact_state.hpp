@@ -16,7 +16,7 @@ template <class N, Spin spin, Features features>
 struct ContactState {
     using Work = typename N::Work;
 
-    ContactState(Real step, const ContactSpec& spec)
+    constexpr ContactState(Real step, const ContactSpec& spec)
         : shapes{step, spec}, sleepers{step, spec.sleep}, threshold{N::template constant<Work>(
                                                               spec.restitution_threshold * step)} {
         if constexpr (features.impact_bounds) most = {spec.most_impacts, spec.most_searches};

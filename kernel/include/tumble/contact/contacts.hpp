@@ -14,10 +14,10 @@ public:
     using BodyGroup = tumble::BodyGroup<features.bodies>;
     using Work = typename N::Work;
 
-    Contacts(Real step, const ContactSpec& spec) : state_{step, spec} {}
+    constexpr Contacts(Real step, const ContactSpec& spec) : state_{step, spec} {}
 
     // Gravity's change of drift in a step.
-    void set_gravity(const typename N::DriftSum (&change)[3], typename N::Scale unit) {
+    constexpr void set_gravity(const typename N::DriftSum (&change)[3], typename N::Scale unit) {
         state_.shapes.set_gravity(change, unit);
     }
     // Call after new gravity. Ends all bounds on the time to contact and wakes all bodies. The next step first solves
@@ -34,9 +34,9 @@ public:
         state_.times.end_all(advance.bodies.steps_taken);
     }
     // Adds a plane; false when there is no room.
-    bool add(const PlaneSpec& spec) { return state_.shapes.add(spec); }
+    constexpr bool add(const PlaneSpec& spec) { return state_.shapes.add(spec); }
     // Adds a body at its place.
-    void add(int b, const BodySpec& spec, const PrincipalInertia& inertia, const SpinUnits<N, spin>& units) {
+    constexpr void add(int b, const BodySpec& spec, const PrincipalInertia& inertia, const SpinUnits<N, spin>& units) {
         set_shape(b, spec, inertia, units);
         state_.marks[b] = {};
         if constexpr (features.moving_surfaces()) state_.loads[b] = {};
@@ -51,7 +51,7 @@ public:
         if constexpr (features.contact_readout) state_.log.remove(b);
     }
 
-    [[nodiscard]] int plane_count() const { return state_.shapes.plane_count(); }
+    [[nodiscard]] constexpr int plane_count() const { return state_.shapes.plane_count(); }
     // Near pairs.
     [[nodiscard]] int pair_count() const { return state_.pairs.count(); }
     // The most of them that there have been at one time.
@@ -74,7 +74,7 @@ public:
     // Call where the body's motion changes other than by a step: ends the bounds on the time to contact of the body and
     // of all that it may push, and wakes it.
     template <class Advance>
-    void disturb(const Advance& advance, int b) {
+    constexpr void disturb(const Advance& advance, int b) {
         const std::uint32_t now = advance.bodies.steps_taken;
         state_.standing.end();
         end_times(b, now);
@@ -96,8 +96,8 @@ public:
     }
     // Call after the velocities of a body have changed other than by a step. `before`: its state then, of which the
     // spin had so many halvings.
-    void note_surface(const Bodies& bodies, int b, const typename Bodies::State& before,
-                      int halvings) requires(features.moving_surfaces()) {
+    constexpr void note_surface(const Bodies& bodies, int b, const typename Bodies::State& before,
+                                int halvings) requires(features.moving_surfaces()) {
         if (!bodies.constants[b].fixed()) return;
         Kick<N>& change = state_.loads[b];
         for (int i = 0; i < 3; ++i) {
@@ -121,7 +121,7 @@ public:
     }
     // Wakes the body and all sleeping bodies that touch it, directly or through others.
     template <class Advance>
-    void wake([[maybe_unused]] const Advance& advance, [[maybe_unused]] int b) {
+    constexpr void wake([[maybe_unused]] const Advance& advance, [[maybe_unused]] int b) {
         if constexpr (features.sleep)
             if (state_.sleepers.is_asleep(b)) wake_all_with(advance, b);
     }
@@ -245,14 +245,15 @@ private:
         return {state_.shapes, state_.pairs, state_.times, bodies};
     }
 
-    void set_shape(int b, const BodySpec& spec, const PrincipalInertia& inertia, const SpinUnits<N, spin>& units) {
+    constexpr void set_shape(int b, const BodySpec& spec, const PrincipalInertia& inertia,
+                             const SpinUnits<N, spin>& units) {
         if (state_.shapes.set_shape(b, spec, inertia, units)) {
             state_.pairs.forget_all();
             state_.times.unlist_all();
         }
         state_.pairs.forget_points_of(b);
     }
-    void end_times(int b, std::uint32_t now) { state_.times.end(b, state_.shapes.plane_count(), now); }
+    constexpr void end_times(int b, std::uint32_t now) { state_.times.end(b, state_.shapes.plane_count(), now); }
     template <class Advance>
     [[gnu::noinline]] void update(Advance& advance, int b) {
         BodyGroup wakes;

@@ -84,7 +84,7 @@ public:
     }
 
 private:
-    void copy(Velocity (&to)[features.bodies], const Velocity (&from)[features.bodies]) {
+    void copy(typename Velocities::Velocities& to, const typename Velocities::Velocities& from) {
         for (int k = 0; k < island_.group.count; ++k) to[island_.group.id[k]] = from[island_.group.id[k]];
     }
     // True of a point of a rim that does not touch. It cannot bounce.

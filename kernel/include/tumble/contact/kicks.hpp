@@ -8,7 +8,7 @@ namespace tumble {
 template <class N, int bodies>
 class Kicks {
 public:
-    [[nodiscard]] Kick<N>& operator[](int b) { return kick_[b]; }
+    [[nodiscard]] constexpr Kick<N>& operator[](int b) { return kick_[b]; }
     [[nodiscard]] const Kick<N>& operator[](int b) const { return kick_[b]; }
     // Converts a kick to a scale with more halvings, or fewer.
     TUMBLE_INLINE void rescale(int b, int halvings) {

@@ -20,7 +20,7 @@ public:
     using Pair = tumble::Pair<N, features>;
     using Point = ContactPoint<N, features>;
 
-    NarrowPhase(Real step, const ContactSpec& spec)
+    constexpr NarrowPhase(Real step, const ContactSpec& spec)
         : restitution_{N::template constant<Work>(spec.restitution)},
           friction_{N::template constant<Work>(spec.friction)}, response_{spec.response}, tolerance_metres_{
                                                                                               spec.tolerance} {
@@ -31,7 +31,7 @@ public:
     }
 
     // Gravity's change of drift in a step.
-    void set_gravity(const typename N::DriftSum (&change)[3], typename N::Scale unit) {
+    constexpr void set_gravity(const typename N::DriftSum (&change)[3], typename N::Scale unit) {
         for (int i = 0; i < 3; ++i) fall_drift_[i] = change[i];
         drift_unit_ = unit;
         set_fall();
@@ -39,19 +39,19 @@ public:
     }
 
     // Adds a plane; false when there is no room.
-    TUMBLE_COLD bool add(const PlaneSpec& spec) {
+    TUMBLE_COLD constexpr bool add(const PlaneSpec& spec) {
         if (plane_count_ >= features.planes) return false;
         if constexpr (features.rolling_resistance) resistance_.plane[plane_count_] = Resistance{spec};
         plane_[plane_count_++] = Plane<N>{spec};
         return true;
     }
     [[nodiscard]] ContactResponse response() const { return response_; }
-    [[nodiscard]] int plane_count() const { return plane_count_; }
+    [[nodiscard]] constexpr int plane_count() const { return plane_count_; }
     [[nodiscard]] const Plane<N>& plane(int p) const { return plane_[p]; }
     // The band in which bodies touch, and the depth at which a step is redone.
     [[nodiscard]] Length tolerance() const { return tolerance_; }
     // Gravity's change of drift in a step, and the sum of the sizes of its components.
-    [[nodiscard]] const Vec3<Length>& fall() const { return fall_; }
+    [[nodiscard]] const StoredVec3<Length>& fall() const { return fall_; }
     [[nodiscard]] Length fall_bound() const { return fall_bound_; }
     // m a step: a slower approach is no impact.
     [[nodiscard]] Work slow() const { return slow_; }
@@ -64,7 +64,8 @@ public:
 
     // Sets the collision shape of body b. True where the scale of lengths has changed: lengths from before are invalid
     // then.
-    bool set_shape(int b, const BodySpec& spec, const PrincipalInertia& inertia, const SpinUnits<N, spin>& units) {
+    constexpr bool set_shape(int b, const BodySpec& spec, const PrincipalInertia& inertia,
+                             const SpinUnits<N, spin>& units) {
         if constexpr (features.rolling_resistance) resistance_.body[b] = Resistance{spec};
         const bool rescaled = make_room(reach_of(spec.shape));
         set_collision_shape<N, spin, features.mixed()>(shape_[b], spec, inertia, scale(), units);
@@ -73,7 +74,7 @@ public:
     [[nodiscard]] const CollisionShape<N>& shape(int b) const { return shape_[b]; }
     // Of body b when it was placed last.
     [[nodiscard]] const Axes<N>& axes(int b) const { return axes_[b]; }
-    [[nodiscard]] const typename C::LengthScale& scale() const { return shape_.scale(); }
+    [[nodiscard]] constexpr const typename C::LengthScale& scale() const { return shape_.scale(); }
     // From principal axes of body b to the world.
     [[nodiscard]] WorkVec3<N> to_world(int b, const WorkVec3<N>& v) const {
         WorkVec3<N> world;
@@ -247,7 +248,7 @@ private:
         Work rolling{}, spinning{};
 
         Resistance() = default;
-        explicit Resistance(const auto& spec)
+        constexpr explicit Resistance(const auto& spec)
             : rolling{N::template constant<Work>(spec.rolling_resistance)}, spinning{N::template constant<Work>(
                                                                                 spec.spinning_resistance)} {}
     };
@@ -292,7 +293,7 @@ private:
 
     // Makes room for a length, m. True where the scale of lengths has changed. Raises the tolerance to the least that
     // the scale resolves.
-    bool make_room(Real largest) {
+    constexpr bool make_room(Real largest) {
         const bool rescaled = shape_.make_room(largest);
         const Real least = shape_.least_tolerance();
         tolerance_ = scale().length(tolerance_metres_ < least ? least : tolerance_metres_);
@@ -361,13 +362,13 @@ private:
         pair.moved = false;
     }
 
-    void set_fall() {
+    constexpr void set_fall() {
         for (int i = 0; i < 3; ++i) fall_[i] = scale().fall(fall_drift_[i], drift_unit_);
         fall_bound_ = sum_of_magnitudes(fall_);
     }
     // m a step. In floating point in units of the largest component: the square of a small float is zero.
-    [[nodiscard]] Work speed_of_fall() const {
-        WorkVec3<N> v;
+    [[nodiscard]] constexpr Work speed_of_fall() const {
+        StoredVec3<Work> v{};
         if constexpr (N::fixed_point) {
             for (int i = 0; i < 3; ++i) v[i] = N::metres(fall_drift_[i], drift_unit_);
             return sqrt(dot(v, v));
@@ -379,12 +380,13 @@ private:
             if (size > largest) largest = size;
         }
         if (!(largest > Work(0))) return Work(0);
-        v = scaled_by(v, Work(1) / largest);
+        const Work inverse = Work(1) / largest;
+        for (int i = 0; i < 3; ++i) v[i] = v[i] * inverse;
         return sqrt(dot(v, v)) * largest;
     }
 
     Length tolerance_{}, fall_bound_{};
-    Vec3<Length> fall_ = Vec3<Length>::Constant(Length{});
+    StoredVec3<Length> fall_{};
     Work slow_{};
     Plane<N> plane_[features.planes > 0 ? features.planes : 1]{};
     int plane_count_ = 0;

@@ -69,10 +69,10 @@ struct Pair {
     // been ended when it was examined last.
     [[no_unique_address]] If<features.grid(), std::uint16_t, 5> due{};
     [[no_unique_address]] If<features.grid(), std::uint16_t, 6> ends{};
-    Length gap{};                                      // least distance; of boxes apart a lower bound
-    Length start_gap{};                                // where the flight began
-    Vec3<Unit> normal = Vec3<Unit>::Constant(Unit{});  // world, from b to a
-    Vec3<Unit> tangent[2] = {normal, normal};          // world
+    Length gap{};                   // least distance; of boxes apart a lower bound
+    Length start_gap{};             // where the flight began
+    StoredVec3<Unit> normal{};      // world, from b to a
+    StoredVec3<Unit> tangent[2]{};  // world
     [[no_unique_address]] If<features.pairs && features.boxes, BoxAxis, 1> axis{};
     [[no_unique_address]] If<features.pairs, Vec3<Unit>, 0> start_normal{};  // where the flight began
     Unit share_a{}, share_b{};  // roots of the parts of the motion that each takes: shares of the inverse mass

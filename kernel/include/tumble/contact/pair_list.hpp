@@ -26,12 +26,13 @@ public:
     [[nodiscard]] int count() const { return count_; }
     [[nodiscard]] bool is_full() const { return count_ == room; }
     // In the order of their keys.
-    [[nodiscard]] Pair& operator[](int i) { return pair_[order_[i]]; }
-    [[nodiscard]] const Pair& operator[](int i) const { return pair_[order_[i]]; }
+    [[nodiscard]] Pair& operator[](int i) { return in_slot(order_[i]); }
+    [[nodiscard]] const Pair& operator[](int i) const { return in_slot(order_[i]); }
     // By their slots, as of Pair::next.
-    [[nodiscard]] Pair& in_slot(int slot) { return pair_[slot]; }
+    [[nodiscard]] Pair& in_slot(int slot) { return pair_.begin()[slot]; }
+    [[nodiscard]] const Pair& in_slot(int slot) const { return pair_.begin()[slot]; }
     // The pair of a body with a plane or another body has a place in the list.
-    [[nodiscard]] TUMBLE_INLINE bool is_near(int b) const { return pairs_of_[b] != 0; }
+    [[nodiscard]] TUMBLE_INLINE constexpr bool is_near(int b) const { return pairs_of_[b] != 0; }
     // Near pairs of the body.
     [[nodiscard]] int pairs_of(int b) const { return pairs_of_[b]; }
     // Those with other bodies.
@@ -68,13 +69,13 @@ public:
         const auto slot = count_ < slots_ ? order_[count_] : static_cast<std::int16_t>(slots_++);
         for (int i = count_++; i > at; --i) order_[i] = order_[i - 1];
         order_[at] = slot;
-        pair_[slot].begin(a, b);
+        in_slot(slot).begin(a, b);
         ++pairs_of_[a];
         if (b >= 0) ++pairs_of_[b];
         if constexpr (features.grid())
             if (b >= 0) ++with_bodies_of_[a], ++with_bodies_of_[b];
         is_linked_ = false;
-        return pair_[slot];
+        return in_slot(slot);
     }
 #if defined(__GNUC__) && !defined(__clang__)
 #pragma GCC diagnostic pop
@@ -83,7 +84,7 @@ public:
     void forget(int a, int b) {
         if (is_near(a)) forget_near(a, b);
     }
-    void forget_all() {
+    constexpr void forget_all() {
         count_ = 0;
         for (auto& count : pairs_of_) count = 0;
         if constexpr (features.grid())
@@ -96,7 +97,7 @@ public:
             if ((*this)[i].a == b || (*this)[i].b == b) forget_at(i);
     }
 
-    void forget_points_of(int b) { touching_[b] = 0; }
+    constexpr void forget_points_of(int b) { touching_[b] = 0; }
     // Counts the points of the island that touch and take part in the present solution.
     void count_points(const Island& island, [[maybe_unused]] typename Pair::Length tolerance) {
         for (int k = 0; k < island.group.count; ++k) touching_[island.group.id[k]] = 0;
@@ -152,11 +153,11 @@ public:
     void unlink() { is_linked_ = false; }
     template <class F>
     void for_each(const Island& island, F&& f) {
-        for (int i = island.first_pair; i >= 0; i = pair_[i].next) f(pair_[i]);
+        for (int i = island.first_pair; i >= 0; i = in_slot(i).next) f(in_slot(i));
     }
     template <class F>
     void for_each(const Island& island, F&& f) const {
-        for (int i = island.first_pair; i >= 0; i = pair_[i].next) f(pair_[i]);
+        for (int i = island.first_pair; i >= 0; i = in_slot(i).next) f(in_slot(i));
     }
     // Whether statics hold every body of the island, and nothing has changed since.
     [[nodiscard]] bool hold_all(const Island& island) const {
@@ -182,7 +183,7 @@ public:
     }
     // Calls f(a, b) for every two bodies that were within the tolerance.
     template <class F>
-    void for_each_touching(F&& f) const {
+    constexpr void for_each_touching(F&& f) const {
         for (int i = 0; i < count_; ++i)
             if (const Pair& pair = (*this)[i]; pair.b >= 0 && pair.count > 0) f(pair.a, pair.b);
     }
@@ -201,7 +202,7 @@ public:
             for (int i = 0; i < slots; ++i) self.order_[i] = static_cast<std::int16_t>(i);
         }
         for (int i = 0, last = -1; i < count; ++i) {
-            auto& pair = self.pair_[self.order_[i]];
+            auto& pair = self[i];
             int a = pair.a, b = pair.b;
             a = to.within(a, 0, features.bodies - 1);
             b = to.within(b, -features.planes, features.bodies - 1);
@@ -225,7 +226,7 @@ private:
     }
     void forget_at(int at) {
         const std::int16_t slot = order_[at];
-        const int a = pair_[slot].a, b = pair_[slot].b;
+        const int a = in_slot(slot).a, b = in_slot(slot).b;
         --pairs_of_[a];
         if (b >= 0) --pairs_of_[b];
         if constexpr (features.grid())
@@ -240,7 +241,7 @@ private:
         is_linked_ = false;
     }
 
-    Pair pair_[room > 0 ? room : 1]{};
+    ZeroedArray<Pair, (room > 0 ? room : 1)> pair_{};
     std::int16_t order_[room > 0 ? room : 1]{};  // slots by key, then those that are free again
     int count_ = 0;
     int slots_ = 0;           // that have been used: the most pairs at one time

@@ -222,7 +222,7 @@ private:
     // Reports a point that is deeper than the tolerance and sinks, though its penetration is corrected. `moves`: with
     // the correction. Along a row of a body that turns, a point that stays has a velocity: the target without the
     // correction.
-    void report_sinking(const typename Rows::Velocity (&moves)[features.bodies]) {
+    void report_sinking(const typename Velocities::Velocities& moves) {
         const Speed enough = velocities_.scale.enough_at_rest();
         pairs_.for_each_active(island_, [&](const Pair& pair, const Point& point) {
             const Speed stays = point.row[0].target - Rows::surface_of(pair, point) - lift_of(pair, point);

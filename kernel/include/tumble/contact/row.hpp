@@ -102,7 +102,7 @@ struct Row {
     template <int count>
     TUMBLE_INLINE static void push(const Row* row, const Speed (&by)[count], Velocity& a,
                                    [[maybe_unused]] Velocity* b) {
-        const auto add = [&](Vec3<Speed>& v, Vec3<Unit> Row::*part) {
+        const auto add = [&](Vec3<Speed> & v, Vec3<Unit> Row::*part) __attribute__((always_inline)) {
             for (int i = 0; i < 3; ++i) {
                 auto sum = mul((row[0].*part)[i], by[0]);
                 for (int k = 1; k < count; ++k) sum = mul_add(sum, (row[k].*part)[i], by[k]);

@@ -14,7 +14,7 @@ public:
     using Bodies = tumble::Bodies<N, spin, features.bodies, features.mixed()>;
     using BodyGroup = tumble::BodyGroup<features.bodies>;
 
-    Sleepers(Real step, const SleepSpec& spec) {
+    constexpr Sleepers(Real step, const SleepSpec& spec) {
         if constexpr (features.sleep) {
             rules_.on = spec.on;
             const Real speed = spec.speed * step, spin_speed = spec.angular_speed * step, steps = spec.time / step;
@@ -32,7 +32,7 @@ public:
     }
 
     // Adds an awake body.
-    void add(int b) { awake_[awake_count_++] = static_cast<std::int16_t>(b); }
+    constexpr void add(int b) { awake_[awake_count_++] = static_cast<std::int16_t>(b); }
     // Writes or reads what a snapshot holds. Of the bodies that may move those sleep that are not in the list.
     template <class Self, class Archive>
     static void archive(Self& self, const Bodies& bodies, Archive& to) {
@@ -70,7 +70,7 @@ public:
         if constexpr (features.sleep) return rules_.on;
         else return false;
     }
-    [[nodiscard]] bool is_asleep([[maybe_unused]] int b) const {
+    [[nodiscard]] constexpr bool is_asleep([[maybe_unused]] int b) const {
         if constexpr (features.sleep) return asleep_[b];
         else return false;
     }

@@ -14,7 +14,7 @@ public:
     using BodyGroup = tumble::BodyGroup<features.bodies>;
 
     // Call where something happens that is not the work of a step.
-    void end() {
+    constexpr void end() {
         all_ = is_known_ = false;
         if constexpr (features.control) gravity_.stood = false;
     }

@@ -109,7 +109,7 @@ private:
     }
     [[nodiscard]] static Vec3<Speed> zero() { return Vec3<Speed>::Constant(Speed{}); }
     // Sets `common_` to the mean velocity, weighted by mass. Returns it, m a step.
-    WorkVec3<N> set_common(const Velocity (&of)[bodies]) {
+    WorkVec3<N> set_common(const typename Velocities::Velocities& of) {
         WorkVec3<N> momentum = zero_vector<N>();
         Work mass(0);
         for (int k = 0; k < island_.group.count; ++k) {
@@ -451,7 +451,7 @@ private:
             if (pair.friction < friction) friction = pair.friction;
         }
         if (!rough) {
-            Vec3<Unit> tangent[2];
+            StoredVec3<Unit> tangent[2];
             set_tangents<N>(frame[0], tangent);
             frame[1] = tangent[0];
             frame[2] = tangent[1];

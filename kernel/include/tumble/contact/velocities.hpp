@@ -20,9 +20,10 @@ public:
     using BodyGroup = tumble::BodyGroup<features.bodies>;
     using Kicks = tumble::Kicks<N, features.bodies>;
 
-    Velocity start[features.bodies]{};   // before the loads
-    Velocity loaded[features.bodies]{};  // before the impulses of the rows
-    Velocity now[features.bodies]{};     // with the impulses of the rows
+    using Velocities = ZeroedArray<Velocity, features.bodies>;
+    Velocities start{};   // before the loads
+    Velocities loaded{};  // before the impulses of the rows
+    Velocities now{};     // with the impulses of the rows
     typename C::SpeedScale scale{};
     // Surfaces of fixed bodies.
     struct Surfaces {
@@ -32,7 +33,7 @@ public:
     [[no_unique_address]] If<features.moving_surfaces(), Surfaces, 1> surfaces{};
     // None where kicks act at one end of the flight. Nothing about a sphere depends on its axes.
     static constexpr bool shapes_turn = features.boxes || features.round_shapes;
-    [[no_unique_address]] If<shapes_turn, MiddleTurn<N>[features.bodies], 0> turn {};
+    [[no_unique_address]] If<shapes_turn, ZeroedArray<MiddleTurn<N>, features.bodies>, 0> turn{};
     [[nodiscard]] bool turns([[maybe_unused]] int b) const {
         if constexpr (shapes_turn) return static_cast<bool>(turn[b]);
         else return false;

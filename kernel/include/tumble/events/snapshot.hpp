@@ -415,7 +415,7 @@ constexpr void add_to(Digest& digest, const BodySpec& body) {
     add_resistance(digest, body, Real{-1});
     digest.add(static_cast<int>(body.fixed) + 2 * static_cast<int>(body.kinematic));
 }
-inline void add_to(Digest& digest, const PlaneSpec& plane) {
+constexpr void add_to(Digest& digest, const PlaneSpec& plane) {
     digest.add(plane.normal);
     for (const Real& value : {plane.offset, plane.restitution, plane.friction}) digest.add(value);
     add_resistance(digest, plane, Real{-1});

@@ -235,7 +235,7 @@ requires(!N::fixed_point) struct ContactNumbers<N> {
             return {N::template constant<T>(Real{1} / length)};
         }
         [[nodiscard]] TUMBLE_INLINE constexpr T operator()(T l) const { return l * inverse; }
-        void rescale(const LengthScale&, const LengthScale&) {}
+        constexpr void rescale(const LengthScale&, const LengthScale&) {}
     };
     class SpeedScale {
     public:
@@ -298,7 +298,10 @@ requires(!N::fixed_point) struct ContactNumbers<N> {
     [[nodiscard]] static constexpr T longest() { return std::numeric_limits<T>::max(); }
     // False where the square of the length has lost digits, or is zero.
     [[nodiscard]] static bool has_direction(const Vec3<T>& v) { return N::is_divisor(dot(v, v)); }
-    [[nodiscard]] static Vec3<T> direction(const Vec3<T>& v) { return scaled_by(v, T(1) / sqrt(dot(v, v))); }
+    [[nodiscard]] static constexpr StoredVec3<T> direction(const StoredVec3<T>& v) {
+        const T inverse = T(1) / sqrt(dot(v, v));
+        return {v.x() * inverse, v.y() * inverse, v.z() * inverse};
+    }
     [[nodiscard]] static T inverse_root_of_one_and(T squares) { return T(1) / sqrt(T(1) + squares); }
     [[nodiscard]] static T inverse_root_of(T squares) { return T(1) / sqrt(squares); }
     [[nodiscard]] static T unit(T q, T factor) { return q * factor; }

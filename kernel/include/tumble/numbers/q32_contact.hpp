@@ -91,8 +91,8 @@ requires(N::fixed_point) struct ContactNumbers<N> {
                     a.raw < 0 ? std::numeric_limits<std::int64_t>::min() : std::numeric_limits<std::int64_t>::max();
             return length(difference);
         }
-        [[nodiscard]] Length length(Work metres) const { return cut(metres.to_sum(bits_)); }
-        [[nodiscard]] Work metres(Length l) const { return Work::of(l.raw, -bits_); }
+        [[nodiscard]] constexpr Length length(Work metres) const { return cut(metres.to_sum(bits_)); }
+        [[nodiscard]] constexpr Work metres(Length l) const { return Work::of(l.raw, -bits_); }
         // The power of two, in m, above the largest component.
         [[nodiscard]] int log2(const Vec3<Length>& lengths) const {
             std::uint32_t any = 0;
@@ -107,7 +107,7 @@ requires(N::fixed_point) struct ContactNumbers<N> {
             return cut(d.raw >> (down > 63 ? 63 : down), fast);
         }
         // The same to nearest, ties away from zero.
-        [[nodiscard]] Length fall(typename N::DriftSum d, typename N::Scale s) const {
+        [[nodiscard]] constexpr Length fall(typename N::DriftSum d, typename N::Scale s) const {
             const int down = N::PositionSum::fraction_bits + s.drift_shift - bits_;
             const auto rounded = [&](std::int64_t raw) { return down > 62 ? 0 : ((raw >> (down - 1)) + 1) >> 1; };
             return cut(d.raw < 0 ? -rounded(-d.raw) : rounded(d.raw), fast);
@@ -138,7 +138,7 @@ requires(N::fixed_point) struct ContactNumbers<N> {
         [[nodiscard]] TUMBLE_INLINE constexpr Lever operator()(Length l) const {
             return {detail::scaled_product(l.raw, mantissa_, shift_)};
         }
-        void rescale(const LengthScale& from, const LengthScale& to) {
+        constexpr void rescale(const LengthScale& from, const LengthScale& to) {
             shift_ = static_cast<std::int8_t>(detail::clamp(shift_ + to.bits() - from.bits(), 1, 62));
         }
 
@@ -284,15 +284,15 @@ requires(N::fixed_point) struct ContactNumbers<N> {
         return square > decltype(square){};
     }
     // v / |v|, and below |v|. v must not be zero.
-    [[nodiscard]] static Vec3<Unit> direction(const Vec3<Length>& v) {
+    [[nodiscard]] static constexpr StoredVec3<Unit> direction(const StoredVec3<Length>& v) {
         const auto root = detail::inverse_root(static_cast<std::uint64_t>(dot(v, v).raw));
         const int shift = -(root.exponent + 30);
         return {Unit{detail::scaled_product(v.x().raw, root.raw, shift)},
                 Unit{detail::scaled_product(v.y().raw, root.raw, shift)},
                 Unit{detail::scaled_product(v.z().raw, root.raw, shift)}};
     }
-    [[nodiscard]] static Vec3<Unit> direction(const Vec3<Unit>& v) {
-        return direction(Vec3<Length>{Length{v.x().raw}, Length{v.y().raw}, Length{v.z().raw}});
+    [[nodiscard]] static constexpr StoredVec3<Unit> direction(const StoredVec3<Unit>& v) {
+        return direction(StoredVec3<Length>{Length{v.x().raw}, Length{v.y().raw}, Length{v.z().raw}});
     }
     // 1 / sqrt(1 + q . q) of levers, at most 1. Below: a lever times that.
     [[nodiscard]] TUMBLE_INLINE static Unit inverse_root_of_one_and(Wide<48> squares) {

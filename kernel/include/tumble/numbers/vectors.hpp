@@ -31,6 +31,56 @@ namespace tumble {
 template <class T>
 using Vec3 = Eigen::Matrix<T, 3, 1>;
 
+// A vector as a world keeps it. The compiler can set it up, which it cannot do with Eigen's.
+template <class T>
+struct StoredVec3 {
+    T component[3];
+
+    StoredVec3() = default;
+    constexpr StoredVec3(T x, T y, T z) : component{x, y, z} {}
+    TUMBLE_INLINE StoredVec3(const Vec3<T>& v)  // NOLINT(google-explicit-constructor): it is the same vector
+        : component{v.x(), v.y(), v.z()} {}
+    [[nodiscard]] TUMBLE_INLINE operator Vec3<T>() const { return {component[0], component[1], component[2]}; }
+
+    [[nodiscard]] TUMBLE_INLINE constexpr T& operator[](int i) { return component[i]; }
+    [[nodiscard]] TUMBLE_INLINE constexpr const T& operator[](int i) const { return component[i]; }
+    [[nodiscard]] TUMBLE_INLINE constexpr const T& x() const { return component[0]; }
+    [[nodiscard]] TUMBLE_INLINE constexpr const T& y() const { return component[1]; }
+    [[nodiscard]] TUMBLE_INLINE constexpr const T& z() const { return component[2]; }
+    [[nodiscard]] constexpr StoredVec3 operator-() const { return {-component[0], -component[1], -component[2]}; }
+    friend constexpr bool operator==(const StoredVec3&, const StoredVec3&) = default;
+};
+// True of a Vec3 and of a StoredVec3.
+template <class V>
+inline constexpr bool is_vector_of_three = false;
+template <class T>
+inline constexpr bool is_vector_of_three<Vec3<T>> = true;
+template <class T>
+inline constexpr bool is_vector_of_three<StoredVec3<T>> = true;
+template <class V>
+concept VectorOfThree = is_vector_of_three<V>;
+
+// An array whose bytes are zero at first, so that the compiler can set up a world. A step writes each element before it
+// reads it.
+template <class T, int count>
+class ZeroedArray {
+public:
+    [[nodiscard]] TUMBLE_INLINE T& operator[](int i) { return array()[i]; }
+    [[nodiscard]] TUMBLE_INLINE const T& operator[](int i) const { return array()[i]; }
+    [[nodiscard]] TUMBLE_INLINE T* begin() { return array(); }
+    [[nodiscard]] TUMBLE_INLINE const T* begin() const { return array(); }
+    [[nodiscard]] TUMBLE_INLINE T* end() { return array() + count; }
+
+private:
+    static_assert(std::is_trivially_destructible_v<T>);
+    using Array = T[count];
+    // Not by std::launder, which hides from the compiler whose address it is: 1 % of a step.
+    [[nodiscard]] TUMBLE_INLINE Array& array() { return reinterpret_cast<Array&>(bytes_); }
+    [[nodiscard]] TUMBLE_INLINE const Array& array() const { return reinterpret_cast<const Array&>(bytes_); }
+
+    alignas(T) std::byte bytes_[sizeof(T) * count]{};
+};
+
 // Hamilton's w + xi + yj + zk. A plain value: whoever integrates it normalises it.
 template <class T>
 struct Quat {
@@ -62,8 +112,8 @@ template <SelfContained To>
 }
 
 // a . b: exact in fixed point, summed left to right in floating point.
-template <class A, class B>
-[[nodiscard]] TUMBLE_INLINE auto dot(const Vec3<A>& a, const Vec3<B>& b) {
+template <VectorOfThree A, VectorOfThree B>
+[[nodiscard]] TUMBLE_INLINE constexpr auto dot(const A& a, const B& b) {
     return mul_add(mul_add(mul(a.x(), b.x()), a.y(), b.y()), a.z(), b.z());
 }
 
@@ -73,8 +123,8 @@ template <class A, class B>
 }
 
 // Component i of a x b, exact in fixed point. Below: the same added to a sum.
-template <int i, class A, class B>
-[[nodiscard]] TUMBLE_INLINE auto cross_component(const Vec3<A>& a, const Vec3<B>& b) {
+template <int i, VectorOfThree A, VectorOfThree B>
+[[nodiscard]] TUMBLE_INLINE constexpr auto cross_component(const A& a, const B& b) {
     constexpr int j = (i + 1) % 3, k = (i + 2) % 3;
     return mul_sub(mul(a[j], b[k]), a[k], b[j]);
 }
@@ -85,8 +135,8 @@ template <int i, class Sum, class A, class B>
 }
 
 // a x b, with each component rounded once to To.
-template <class To, class A, class B>
-[[nodiscard]] TUMBLE_INLINE Vec3<To> cross(const Vec3<A>& a, const Vec3<B>& b) {
+template <class To, VectorOfThree A, VectorOfThree B>
+[[nodiscard]] TUMBLE_INLINE Vec3<To> cross(const A& a, const B& b) {
     return {narrow<To>(cross_component<0>(a, b)), narrow<To>(cross_component<1>(a, b)),
             narrow<To>(cross_component<2>(a, b))};
 }
@@ -102,14 +152,14 @@ template <class To>
 }
 
 // An upper bound of |v| without a root.
-template <class T>
-[[nodiscard]] TUMBLE_INLINE constexpr T sum_of_magnitudes(const Vec3<T>& v) {
+template <VectorOfThree V>
+[[nodiscard]] TUMBLE_INLINE constexpr auto sum_of_magnitudes(const V& v) {
     return magnitude_of(v.x()) + magnitude_of(v.y()) + magnitude_of(v.z());
 }
 
 // A direction times a length.
-template <class Unit, class Length>
-[[nodiscard]] Vec3<Length> along(const Vec3<Unit>& u, Length l) {
+template <VectorOfThree Direction, class Length>
+[[nodiscard]] Vec3<Length> along(const Direction& u, Length l) {
     return {narrow<Length>(mul(u.x(), l)), narrow<Length>(mul(u.y(), l)), narrow<Length>(mul(u.z(), l))};
 }
 
@@ -153,8 +203,8 @@ template <class N>
 [[nodiscard]] inline Quat<typename N::Work> work_quaternion(const Quat<typename N::Unit>& q) {
     return {N::work(q.w), {N::work(q.v.x()), N::work(q.v.y()), N::work(q.v.z())}};
 }
-template <class N>
-[[nodiscard]] inline WorkVec3<N> work_unit(const Vec3<typename N::Unit>& n) {
+template <class N, VectorOfThree V>
+[[nodiscard]] inline WorkVec3<N> work_unit(const V& n) {
     return {N::work(n.x()), N::work(n.y()), N::work(n.z())};
 }
 

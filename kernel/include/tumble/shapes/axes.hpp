@@ -11,7 +11,7 @@ struct Axes {
     using C = ContactNumbers<N>;
     using Unit = typename C::Unit;
 
-    Vec3<Unit> row[3];  // row[i][j]: component i (world) of axis j
+    StoredVec3<Unit> row[3];  // row[i][j]: component i (world) of axis j
 
     // The rotation matrix of q, times |q|^2, which is off 1 by rounding.
     [[nodiscard]] static Axes of(const Quat<Unit>& q) {

@@ -37,7 +37,7 @@ public:
     // that the choice does not alternate.
     BoxBox(const PairView<N>& view, Length bias) : axes_{view.a.axes(view.axes_a), view.b.axes(view.axes_b)} {
         // In the axes of a. r converts b's axes to a's. t goes from a to b.
-        const Vec3<Length>&h = view.a.half, &k = view.b.half;
+        const auto &h = view.a.half, &k = view.b.half;
         const Vec3<Length> t = -axes_[0].to_body(view.reach);
         Vec3<Unit> r[3], size[3];
         for (int i = 0; i < 3; ++i) {

@@ -92,7 +92,7 @@ private:
         // e and f span the end faces. e points down the slope.
         Vec3<Unit> e = down_;
         if (flat_) {
-            Vec3<Unit> pair[2];
+            StoredVec3<Unit> pair[2];
             set_tangents<N>(shape_.axis, pair);
             e = pair[0];
         }

@@ -10,11 +10,11 @@ namespace tumble {
 // The points x with normal . x + offset >= 0.
 template <class N>
 struct HalfSpace {
-    Vec3<typename N::Unit> normal = Vec3<typename N::Unit>::Constant(typename N::Unit{});  // unit; to the free side
-    typename N::AlongSum offset{};                                                         // m
+    StoredVec3<typename N::Unit> normal{};  // unit; to the free side
+    typename N::AlongSum offset{};          // m
 
     HalfSpace() = default;
-    TUMBLE_COLD explicit HalfSpace(const PlaneSpec& spec) {
+    TUMBLE_COLD constexpr explicit HalfSpace(const PlaneSpec& spec) {
         const RealVec3 n = normalized(spec.normal);
         for (int i = 0; i < 3; ++i) normal[i] = N::template constant<typename N::Unit>(n[i]);
         if constexpr (N::fixed_point) {
@@ -29,14 +29,19 @@ struct HalfSpace {
 
 // Two directions that form a right-handed frame with n.
 template <class N>
-void set_tangents(const Vec3<typename N::Unit>& n, Vec3<typename N::Unit> (&tangent)[2]) {
+constexpr void set_tangents(const StoredVec3<typename N::Unit>& n, StoredVec3<typename N::Unit> (&tangent)[2]) {
     using C = ContactNumbers<N>;
     using Unit = typename N::Unit;
+    using Vector = StoredVec3<Unit>;
+    const auto product = [](const Vector& a, const Vector& b) {
+        return Vector{narrow<Unit>(cross_component<0>(a, b)), narrow<Unit>(cross_component<1>(a, b)),
+                      narrow<Unit>(cross_component<2>(a, b))};
+    };
     // Across the axis along which n is least, the first of equals. With the axis as a constant, its zeros cost nothing.
     const auto across = [&](auto axis) {
-        Vec3<Unit> e = Vec3<Unit>::Constant(Unit{});
+        StoredVec3<Unit> e{};
         e[axis] = C::one();
-        return cross<Unit>(n, e);
+        return product(n, e);
     };
     const Unit x = magnitude_of(n.x()), y = magnitude_of(n.y()), z = magnitude_of(n.z());
     using std::integral_constant;
@@ -44,18 +49,18 @@ void set_tangents(const Vec3<typename N::Unit>& n, Vec3<typename N::Unit> (&tang
     else if (y <= z) tangent[0] = across(integral_constant<int, 1>{});
     else tangent[0] = across(integral_constant<int, 2>{});
     tangent[0] = C::direction(tangent[0]);
-    tangent[1] = cross<Unit>(n, tangent[0]);
+    tangent[1] = product(n, tangent[0]);
 }
 
 template <class N>
 struct Plane : HalfSpace<N> {
     using Work = typename N::Work;
 
-    Vec3<typename N::Unit> tangent[2] = {this->normal, this->normal};  // form a right-handed frame with the normal
-    Work restitution{}, friction{};                                    // negative: the world's values
+    StoredVec3<typename N::Unit> tangent[2]{};  // form a right-handed frame with the normal
+    Work restitution{}, friction{};             // negative: the world's values
 
     Plane() = default;
-    explicit Plane(const PlaneSpec& spec) : HalfSpace<N>{spec} {
+    constexpr explicit Plane(const PlaneSpec& spec) : HalfSpace<N>{spec} {
         set_tangents<N>(this->normal, tangent);
         restitution = N::template constant<Work>(spec.restitution);
         friction = N::template constant<Work>(spec.friction);
@@ -73,22 +78,22 @@ struct CollisionShape {
     bool turned = false;  // true if a box's edges are not along principal axes; `edges` are then its axes among them
     // Half the edges of a box (along principal axes unless it is turned); the radius of a sphere; the radius and half
     // the length of a round shape.
-    Vec3<Length> half = Vec3<Length>::Constant(Length{});
-    Length radius{};                                 // of the sphere about the centre of mass that contains the shape
-    Vec3<Unit> axis = Vec3<Unit>::Constant(Unit{});  // of a cylinder, capsule or hoop, among the principal axes
+    StoredVec3<Length> half{};
+    Length radius{};          // of the sphere about the centre of mass that contains the shape
+    StoredVec3<Unit> axis{};  // of a cylinder, capsule or hoop, among the principal axes
     Axes<N> edges{};
     typename C::PerLength per_gyration[3]{};  // one over the radii of gyration
-    Vec3<Length> gyration = Vec3<Length>::Constant(Length{});
+    StoredVec3<Length> gyration{};
     // Of Euler's equations, for axes i, j, k in a cycle: (I_j - I_k) / sqrt(I_i I_m), I_m the larger one of I_j and
     // I_k, and (I_j - I_k) / I_i. By the triangle inequality of moments both are at most 1.
-    Vec3<Unit> gyroscopic = Vec3<Unit>::Constant(Unit{}), euler = gyroscopic;
+    StoredVec3<Unit> gyroscopic{}, euler{};
     Work root_mass{};                   // sqrt(m)
     Work weight[3]{}, per_weight[3]{};  // from half turns to sqrt(I_i) w_i h, and back
     Work per_root_mass{};
     Work restitution{}, friction{};
 
     // Converts the lengths to a coarser scale.
-    void rescale(const typename C::LengthScale& from, const typename C::LengthScale& to) {
+    constexpr void rescale(const typename C::LengthScale& from, const typename C::LengthScale& to) {
         for (int i = 0; i < 3; ++i) {
             half[i] = to.coarser(half[i], from);
             per_gyration[i].rescale(from, to);
@@ -96,7 +101,7 @@ struct CollisionShape {
         }
         radius = to.coarser(radius, from);
     }
-    [[nodiscard]] bool is(ShapeKind k) const { return kind == k; }
+    [[nodiscard]] constexpr bool is(ShapeKind k) const { return kind == k; }
     [[nodiscard]] bool is_round() const { return kind == ShapeKind::cylinder || kind == ShapeKind::hoop; }
 
     [[nodiscard]] Axes<N> axes(const Axes<N>& principal) const { return turned ? principal.times(edges) : principal; }
@@ -112,7 +117,7 @@ public:
 
     // Makes room for a length, m, and converts the shapes that are already set to the new scale. False if the scale
     // does not change.
-    bool make_room(Real length) {
+    constexpr bool make_room(Real length) {
         if (!(length > largest_)) return false;
         largest_ = length;
         const Scale finer = scale_;
@@ -121,11 +126,11 @@ public:
             if (!shape.is(ShapeKind::none)) shape.rescale(finer, scale_);
         return scale_.bits() != finer.bits();
     }
-    [[nodiscard]] const Scale& scale() const { return scale_; }
+    [[nodiscard]] constexpr const Scale& scale() const { return scale_; }
     // m, of contacts.
-    [[nodiscard]] Real least_tolerance() const { return scale_.least_tolerance(largest_); }
-    [[nodiscard]] CollisionShape<N>& operator[](int b) { return shape_[b]; }
-    [[nodiscard]] const CollisionShape<N>& operator[](int b) const { return shape_[b]; }
+    [[nodiscard]] constexpr Real least_tolerance() const { return scale_.least_tolerance(largest_); }
+    [[nodiscard]] constexpr CollisionShape<N>& operator[](int b) { return shape_[b]; }
+    [[nodiscard]] constexpr const CollisionShape<N>& operator[](int b) const { return shape_[b]; }
 
 private:
     CollisionShape<N> shape_[bodies]{};
@@ -148,9 +153,9 @@ private:
 
 // With `points` the body may be a point mass, which collides with nothing but may be tied to colliding bodies.
 template <class N, Spin spin, bool points = false>
-TUMBLE_COLD void set_collision_shape(CollisionShape<N>& shape, const BodySpec& spec, const PrincipalInertia& inertia,
-                                     const typename ContactNumbers<N>::LengthScale& scale,
-                                     const SpinUnits<N, spin>& units) {
+TUMBLE_COLD constexpr void
+set_collision_shape(CollisionShape<N>& shape, const BodySpec& spec, const PrincipalInertia& inertia,
+                    const typename ContactNumbers<N>::LengthScale& scale, const SpinUnits<N, spin>& units) {
     using C = ContactNumbers<N>;
     using Work = typename N::Work;
     using Unit = typename C::Unit;
