@@ -3,6 +3,8 @@
 
 #include "worlds.hpp"
 
+#include <algorithm>
+
 namespace tumble::test {
 namespace {
 
@@ -116,7 +118,7 @@ constinit World<SceneOf<Q32<>, integrators::Verlet, what>> with_feature = [] {
     if constexpr (what.point_masses) world.add(point_mass(0.2));
     return world;
 }();
-TEST(ConstantWorld, the_compiler_sets_up_a_world_with_every_feature_but_loads_and_contacts) {
+TEST(ConstantWorld, the_compiler_sets_up_a_world_of_free_bodies_with_every_feature_but_loads) {
     EXPECT_EQ(with_feature<(Features{.control = true})>.body_count(), 1);
     EXPECT_EQ(with_feature<(Features{.bodies = 2, .point_masses = true, .removal = true})>.body_count(), 2);
     EXPECT_EQ(with_feature<(Features{.rotation = false, .point_masses = true})>.body_count(), 1);
@@ -127,6 +129,94 @@ TEST(ConstantWorld, the_compiler_sets_up_a_world_with_every_feature_but_loads_an
     std::uint8_t bytes[1024];
     EXPECT_EQ(world.restore(bytes, saved.save(bytes, sizeof bytes)), SnapshotFault::none);
     EXPECT_EQ(world.hash(), saved.hash());
+}
+
+template <Features what>
+constexpr WorldSpec falls{.gravity = {0.1, -9.81, 0},
+                          .contact = {.restitution = 0.3,
+                                      .friction = what.friction ? Real{0.5} : Real{},
+                                      .rolling_resistance = what.rolling_resistance ? Real{0.001} : Real{},
+                                      .friction_mixing = what.mixing ? Mixing::smaller : Mixing::geometric_mean,
+                                      .sleep = {.on = what.sleep},
+                                      .most_impacts = what.impact_bounds ? 5 : 0}};
+// Bodies above two planes, as far as there is room.
+template <class N, Features what>
+constexpr World<SceneOf<N, integrators::Verlet, what>> set_up_contacts() {
+    World<SceneOf<N, integrators::Verlet, what>> world{Seconds{1, 250}, falls<what>};
+    (void)world.add(PlaneSpec{});
+    BodySpec body = thrown();
+    body.position.y = 1;
+    body.shape = {ShapeKind::box, {0.1, 0.4, 0.9}};
+    (void)world.add(body);
+    if constexpr (what.bodies > 2) {
+        body = sphere(0.5, 0.3);
+        body.position = {1, 3, 0.5};
+        (void)world.add(body);
+        body = cylinder(0.5, 0.1, 0.3);
+        body.position = {-1, 3, 0.5};
+        (void)world.add(body);
+        body = box(1, {3, 0.1, 3});
+        body.kinematic = true;
+        body.velocity = {0.1, 0, 0};
+        (void)world.add(body);
+        body.kinematic = false;
+        body.fixed = true;
+        body.position.z = 4;
+        body.angular_velocity = {0, 1, 0};
+        (void)world.add(body);
+    }
+    if constexpr (what.planes > 1) (void)world.add(PlaneSpec{.normal = {-1, 0.3, 0.05}, .offset = 3, .friction = 0.9});
+    return world;
+}
+template <class N, Features what>
+constinit auto constant_contacts = set_up_contacts<N, what>();
+template <class N, Features what>
+void expect_the_bits_of_run_time(int steps) {
+    auto world = set_up_contacts<N, what>();
+    EXPECT_EQ(world.hash(), (constant_contacts<N, what>.hash()));
+    EXPECT_EQ(hash_after(world, steps), hash_after(constant_contacts<N, what>, steps));
+}
+TEST(ConstantWorld, a_box_on_planes_that_the_compiler_set_up_has_the_bits_of_one_set_up_at_run_time) {
+    constexpr Features what{.planes = 2, .boxes = true, .friction = true, .sleep = true};
+    expect_the_bits_of_run_time<Q32<NearRange>, what>(1000);
+    expect_the_bits_of_run_time<F32, what>(1000);
+    expect_the_bits_of_run_time<F64, what>(1000);
+}
+// Other tests compare the steps of such worlds.
+TEST(ConstantWorld, the_compiler_sets_up_a_world_with_every_feature_of_contacts) {
+    constexpr Features what{.bodies = 5,
+                            .planes = 2,
+                            .script = true,
+                            .recording = true,
+                            .removal = true,
+                            .snapshots = true,
+                            .imu = true,
+                            .pairs = true,
+                            .boxes = true,
+                            .round_shapes = true,
+                            .friction = true,
+                            .rolling_resistance = true,
+                            .mixing = true,
+                            .sleep = true,
+                            .turntables = true,
+                            .kinematic = true,
+                            .contact_readout = true,
+                            .impact_bounds = true};
+    constexpr Features many{.bodies = 70,
+                            .planes = 2,
+                            .pairs = true,
+                            .boxes = true,
+                            .round_shapes = true,
+                            .friction = true,
+                            .turntables = true,
+                            .kinematic = true};
+    const auto run_time = set_up_contacts<F32, what>();
+    std::uint8_t bytes[8192], constant_bytes[8192];
+    const int size = run_time.save(bytes, sizeof bytes);
+    ASSERT_GT(size, 0);
+    EXPECT_EQ((constant_contacts<F32, what>.save(constant_bytes, sizeof constant_bytes)), size);
+    EXPECT_TRUE(std::equal(bytes, bytes + size, constant_bytes));
+    EXPECT_EQ((constant_contacts<Q32<>, many>.body_count()), 5);
 }
 
 // Loads and contacts take the step of the scene too, as a number of the world.
