@@ -10,7 +10,7 @@ namespace {
 using Cube = tumble::scenes::Cube;
 using tumble::Real;
 
-tumble::Replay<Cube::Config, Cube> replay;
+constinit tumble::Replay<Cube::Config, Cube> replay;  // the compiler sets it up
 
 bool is_near(tumble::Scaled value, Real wanted) { return abs(value.to_real() - wanted) < 1e-3; }
 

@@ -4,6 +4,8 @@
 #include "worlds.hpp"
 
 #include <algorithm>
+#include <array>
+#include <memory>
 
 namespace tumble::test {
 namespace {
@@ -217,6 +219,39 @@ TEST(ConstantWorld, the_compiler_sets_up_a_world_with_every_feature_of_contacts)
     EXPECT_EQ((constant_contacts<F32, what>.save(constant_bytes, sizeof constant_bytes)), size);
     EXPECT_TRUE(std::equal(bytes, bytes + size, constant_bytes));
     EXPECT_EQ((constant_contacts<Q32<>, many>.body_count()), 5);
+}
+
+// A scene of `tumble compile`, with an impulse and events.
+struct Scripted {
+    static constexpr const char* name = "scripted";
+    static constexpr Seconds step{1, 250};
+    static constexpr std::uint32_t steps = 500;
+    static constexpr WorldSpec world = falls<Features{.friction = true}>;
+    static constexpr std::array<BodySpec, 1> bodies{thrown()};
+    static constexpr std::array<PlaneSpec, 1> planes{PlaneSpec{.offset = 3}};
+    static constexpr std::array<SpringSpec, 0> springs{};
+    static constexpr std::array<ImpulseSpec, 2> impulses{
+        {{.time = 0.5, .body = 0, .impulse = {0, 0.1, 0}, .point = {0.1, 0, 0}},
+         {.time = 0.1, .body = 0, .frame = Frame::body, .impulse = {0, 0.1, 0.2}, .point = {0.1, 0, 0}}}};
+    static constexpr std::array<ForceSpec, 0> forces{};
+    static constexpr std::array<EventSpec, 2> events{
+        {{.time = 1, .kind = EventKind::pose, .body = 0, .value = {0, 1, 0}, .orientation = {0.5, {0, 0.5, 1}}},
+         {.time = 0.9, .kind = EventKind::velocity, .body = 0, .frame = Frame::body, .value = {0, 3, 0}}}};
+    struct Config : Scene {
+        using Numbers = Q32<NearRange>;
+        static constexpr Features features{
+            .planes = 1, .impulses = true, .script = true, .boxes = true, .friction = true};
+    };
+};
+constinit Replay<Scripted::Config, Scripted> constant_replay;
+TEST(ConstantWorld, the_compiler_sets_up_the_impulses_and_events_of_a_scene) {
+    const auto replay = std::make_unique<Replay<Scripted::Config, Scripted>>();
+    for (std::uint32_t i = 0; i < Scripted::steps; ++i) {
+        ASSERT_EQ(replay->world().hash(), constant_replay.world().hash());
+        replay->step();
+        constant_replay.step();
+    }
+    EXPECT_TRUE(replay->world().status().ok());
 }
 
 // Loads and contacts take the step of the scene too, as a number of the world.

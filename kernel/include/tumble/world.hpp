@@ -173,7 +173,7 @@ public:
     [[nodiscard]] Event<N> prepare(const EventSpec& spec) const { return tumble::prepare(advance_.bodies, spec); }
     // Sets the impulses for the steps to come, in place of those set before. The array is sorted by step and must
     // outlive their use. Impulses before the next step are skipped. The bodies must have been added.
-    void set_impulses(Span<Impulse<N>> impulses) {
+    constexpr void set_impulses(Span<Impulse<N>> impulses) {
         static_assert(features.impulses, "set_impulses() needs .impulses = true among the scene's features");
         refuse_to_record();
         require_bodies(impulses);
@@ -191,7 +191,7 @@ public:
     // Sets the script for the steps to come: events of every kind, sorted by step, in an array that outlives their use.
     // Each step first applies its events of the script, as apply() does, then its impulses of set_impulses(). Forces
     // need Features::control.
-    void set_script(Span<Event<N>> events) {
+    constexpr void set_script(Span<Event<N>> events) {
         static_assert(features.script, "set_script() needs .script = true among the scene's features");
         for (const Event<N>& event : events) Required::by(event.kind);
         require_bodies(events);
@@ -447,7 +447,7 @@ public:
     // The bodies, for readers that need more digits than working numbers have.
     using Bodies = typename tumble::Advance<Checked>::Bodies;
     // The bodies as they are stored.
-    [[nodiscard]] const Bodies& bodies() const { return advance_.bodies; }
+    [[nodiscard]] constexpr const Bodies& bodies() const { return advance_.bodies; }
 
     // True where the body sleeps: it rests at no cost until something touches or pushes it.
     [[nodiscard]] bool asleep([[maybe_unused]] BodyId id) const {
@@ -557,7 +557,7 @@ private:
         return advance_.bodies.index_of(id);
     }
     // The next step's number, which does not wrap; events count so.
-    [[nodiscard]] TUMBLE_INLINE std::uint64_t now() const requires has_events {
+    [[nodiscard]] TUMBLE_INLINE constexpr std::uint64_t now() const requires has_events {
         return std::uint64_t{wraps_} << 32 | advance_.bodies.steps_taken;
     }
 
@@ -567,13 +567,13 @@ private:
     }
     // An event of a body that has not been added is misuse.
     template <class Timed>
-    void require_bodies(Span<Timed> events) const {
+    constexpr void require_bodies(Span<Timed> events) const {
         for (const Timed& event : events)
             if (!is_of_world(event)) (void)advance_.bodies.index_of(event.body);
     }
     // True of an event that has no body. Without Features::control there is none.
     template <class Timed>
-    [[nodiscard]] static bool is_of_world([[maybe_unused]] const Timed& event) {
+    [[nodiscard]] static constexpr bool is_of_world([[maybe_unused]] const Timed& event) {
         if constexpr (features.control && requires { event.kind; }) return event.kind == EventKind::gravity;
         else return false;
     }

@@ -155,7 +155,8 @@ struct BodyConstants {
     // Change of drift, m, by 1 N s.
     [[nodiscard]] TUMBLE_INLINE constexpr typename N::Work drift_per_impulse() const { return mass_units[0]; }
     // The same, to compute with.
-    [[nodiscard]] TUMBLE_INLINE Quat<typename N::Unit> principal() const {
+    template <class Vector = Vec3<typename N::Unit>>
+    [[nodiscard]] TUMBLE_INLINE constexpr Quat<typename N::Unit, Vector> principal() const {
         return {axes[0], {axes[1], axes[2], axes[3]}};
     }
 };
@@ -261,18 +262,21 @@ public:
     }
 
     // The step nearest to a time. 0 for times before the start, 2^63 - 1 for times after 2^63 steps.
-    [[nodiscard]] std::uint64_t step_of(Real time) const { return detail::nearest_step(time, step_length); }
+    [[nodiscard]] constexpr std::uint64_t step_of(Real time) const { return detail::nearest_step(time, step_length); }
     // The index of a body that has been added. Any other id is misuse.
-    [[nodiscard]] TUMBLE_INLINE int index_of(BodyId id) const { return index_of(id.index()); }
-    [[nodiscard]] TUMBLE_INLINE int index_of(int b) const {
+    [[nodiscard]] TUMBLE_INLINE constexpr int index_of(BodyId id) const { return index_of(id.index()); }
+    [[nodiscard]] TUMBLE_INLINE constexpr int index_of(int b) const {
         TUMBLE_ASSERT(b >= 0 && b < count);
         if constexpr (capacity == 1) return 0;  // every address is known
         else return b;
     }
     // A block in the user's body axes, in principal axes; below: back.
     template <class Block>
-    [[nodiscard]] TUMBLE_INLINE Block in_principal_axes(int b, const Block& user) const requires(rotation) {
+    [[nodiscard]] TUMBLE_INLINE constexpr Block in_principal_axes(int b, const Block& user) const requires(rotation) {
         const Constants& body = constants[b];
+        if constexpr (N::fixed_point)
+            if (std::is_constant_evaluated() && !body.order.is_known())
+                return user.rotated_back(body.template principal<StoredVec3<typename N::Unit>>());
         return body.order.is_known() ? user.ordered(body.order) : user.rotated_back(body.principal());
     }
     template <class Block>

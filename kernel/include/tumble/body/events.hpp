@@ -46,9 +46,9 @@ struct Span {
     int count = 0;             // number of elements
 
     // For loops over the elements.
-    [[nodiscard]] const T* begin() const { return first; }
+    [[nodiscard]] constexpr const T* begin() const { return first; }
     // Past the last element.
-    [[nodiscard]] const T* end() const { return first + count; }
+    [[nodiscard]] constexpr const T* end() const { return first + count; }
 };
 
 namespace detail {
@@ -56,8 +56,9 @@ namespace detail {
 // A vector of set-up numbers in the numbers of the bodies' world; in the frame of the body in its principal axes. With
 // `opposite`, the opposite of one that is negative, as a live push rounds it.
 template <class N, Spin spin, int capacity, bool points, class Constant>
-[[nodiscard]] VectorBlock<N> prepared(const Bodies<N, spin, capacity, points, Constant>& bodies, [[maybe_unused]] int b,
-                                      [[maybe_unused]] Frame frame, const RealVec3& v, bool* opposite = nullptr) {
+[[nodiscard]] constexpr VectorBlock<N> prepared(const Bodies<N, spin, capacity, points, Constant>& bodies,
+                                                [[maybe_unused]] int b, [[maybe_unused]] Frame frame, const RealVec3& v,
+                                                bool* opposite = nullptr) {
     auto block = VectorBlock<N>::of(v.x, v.y, v.z);
     if (opposite != nullptr && (*opposite = block.is_negative())) block = -block;
     if constexpr (spin == Spin::none) return block;
@@ -69,8 +70,8 @@ template <class N, Spin spin, int capacity, bool points, class Constant>
 // An event in the numbers of the bodies' world. The body must exist. Misuse: a rotation of a point mass, and the frame
 // of a body that has none.
 template <class N, Spin spin, int capacity, bool points, class Constant>
-[[gnu::noinline, nodiscard]] Impulse<N> prepare(const Bodies<N, spin, capacity, points, Constant>& bodies,
-                                                const ImpulseSpec& spec) {
+[[gnu::noinline, nodiscard]] constexpr Impulse<N> prepare(const Bodies<N, spin, capacity, points, Constant>& bodies,
+                                                          const ImpulseSpec& spec) {
     const int b = bodies.index_of(spec.body);
     if (!bodies.rotates(b))
         TUMBLE_ASSERT(spec.frame == Frame::world && spec.point.is_zero() && spec.angular_impulse.is_zero());
@@ -138,7 +139,7 @@ constexpr void prepare_each(Events& events, const Specs& specs, F&& event_of) {
 
 // Events in the numbers of the world, sorted by their first step. Events with equal steps keep their order.
 template <class Events, class Specs, class Bodies>
-[[nodiscard]] auto prepare_sorted(Events& events, const Specs& specs, const Bodies& bodies) {
+[[nodiscard]] constexpr auto prepare_sorted(Events& events, const Specs& specs, const Bodies& bodies) {
     if constexpr (requires { events.resize(specs.size()); }) events.resize(specs.size());
     detail::prepare_each(events, specs, [&](const auto& spec) { return prepare(bodies, spec); });
     return Span<std::remove_cvref_t<decltype(events[0])>>{events.data(), static_cast<int>(specs.size())};

@@ -36,8 +36,8 @@ template <class N>
 
 // An event of a scene in the numbers of the bodies' world.
 template <class N, Spin spin, int capacity, bool points, class Constant>
-[[gnu::noinline, nodiscard]] Event<N> prepare(const Bodies<N, spin, capacity, points, Constant>& bodies,
-                                              const EventSpec& spec) {
+[[gnu::noinline, nodiscard]] constexpr Event<N> prepare(const Bodies<N, spin, capacity, points, Constant>& bodies,
+                                                        const EventSpec& spec) {
     if (has_body(spec.kind)) (void)bodies.index_of(spec.body);
     return detail::event_of<N>(spec, bodies.step_length);
 }
@@ -49,13 +49,13 @@ template <class Timed>
 class Script {
 public:
     // The array must outlive its use. Events before step `now` are skipped.
-    void set(Span<Timed> events, std::uint64_t now) {
+    constexpr void set(Span<Timed> events, std::uint64_t now) {
         for (int i = 1; i < events.count; ++i) TUMBLE_ASSERT(events.first[i - 1].step <= events.first[i].step);
         events_ = events;
         seek(now);
     }
     // Skips what comes before step `now`, after the world has gone to this step.
-    void seek(std::uint64_t now) {
+    constexpr void seek(std::uint64_t now) {
         next_ = 0;
         while (next_ < events_.count && events_.first[next_].step < now) ++next_;
     }

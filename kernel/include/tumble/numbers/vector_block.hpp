@@ -188,7 +188,8 @@ requires(N::fixed_point) struct VectorBlock<N> {
         order.place(user.mantissa, mantissa);
         return user;
     }
-    [[nodiscard, gnu::noinline, gnu::pure]] constexpr VectorBlock rotated(const Quat<Unit>& q) const {
+    template <class Vector>
+    [[nodiscard, gnu::noinline, gnu::pure]] constexpr VectorBlock rotated(const Quat<Unit, Vector>& q) const {
         const std::int32_t across[3]{rounded<30>(cross_sum<0>(q.v, mantissa)), rounded<30>(cross_sum<1>(q.v, mantissa)),
                                      rounded<30>(cross_sum<2>(q.v, mantissa))};
         const auto component = [&]<int i>() {  // v + 2 w (u x v) + 2 u x (u x v)
@@ -198,8 +199,9 @@ requires(N::fixed_point) struct VectorBlock<N> {
                  component.template operator()<2>()},
                 exponent};
     }
-    [[nodiscard]] TUMBLE_INLINE constexpr VectorBlock rotated_back(const Quat<Unit>& q) const {
-        return rotated({-q.w, q.v});
+    template <class Vector>
+    [[nodiscard]] TUMBLE_INLINE constexpr VectorBlock rotated_back(const Quat<Unit, Vector>& q) const {
+        return rotated(Quat<Unit, Vector>{-q.w, q.v});
     }
     // v + u x v: the rotation by a small angle u to first order.
     [[nodiscard]] constexpr VectorBlock turned(const Vec3<Unit>& u) const {
@@ -373,8 +375,7 @@ private:
         return static_cast<std::int32_t>((sum + (std::int64_t{1} << (bits - 1))) >> bits);
     }
     template <int i>
-    [[nodiscard]] TUMBLE_INLINE static constexpr std::int64_t cross_sum(const Vec3<Unit>& u,
-                                                                        const std::int32_t (&m)[3]) {
+    [[nodiscard]] TUMBLE_INLINE static constexpr std::int64_t cross_sum(const auto& u, const std::int32_t (&m)[3]) {
         constexpr int j = (i + 1) % 3, k = (i + 2) % 3;
         return detail::multiply_add(detail::multiply(u[j].raw, m[k]), -u[k].raw, m[j]);
     }

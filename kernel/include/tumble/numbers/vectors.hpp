@@ -82,13 +82,13 @@ private:
 };
 
 // Hamilton's w + xi + yj + zk. A plain value: whoever integrates it normalises it.
-template <class T>
+template <class T, class Vector = Vec3<T>>
 struct Quat {
     // Not initialised by default, so that arrays of stages cost nothing. Quat{} does not initialise v either.
     T w;
-    Vec3<T> v;
+    Vector v;
 
-    [[nodiscard]] Quat conjugate() const { return {w, -v}; }
+    [[nodiscard]] constexpr Quat conjugate() const { return {w, -v}; }
 };
 
 // Products of the other number types, so that one formula serves all number systems.
