@@ -143,7 +143,7 @@ public:
     }
     // --- where they are ----------------------------------------------------------------------------------------------
 
-    void place(const Bodies& bodies, int b) {
+    [[gnu::noinline]] void place(const Bodies& bodies, int b) {
         const Axes<N> axes = Axes<N>::of(bodies.state[b].q_wb.value());
         turned_[b] = !(axes == axes_[b]);
         if (turned_[b]) axes_[b] = axes;
@@ -368,21 +368,19 @@ private:
     }
     // m a step. In floating point in units of the largest component: the square of a small float is zero.
     [[nodiscard]] constexpr Work speed_of_fall() const {
-        StoredVec3<Work> v{};
-        if constexpr (N::fixed_point) {
-            for (int i = 0; i < 3; ++i) v[i] = N::metres(fall_drift_[i], drift_unit_);
-            return sqrt(dot(v, v));
+        Work v[3]{}, unit(1), squares(0);
+        for (int i = 0; i < 3; ++i) v[i] = N::metres(fall_drift_[i], drift_unit_);
+        if constexpr (!N::fixed_point) {
+            unit = Work(0);
+            for (const Work w : v)
+                if (magnitude_of(w) > unit) unit = magnitude_of(w);
+            if (!(unit > Work(0))) return Work(0);
+            const Work inverse = Work(1) / unit;
+            for (Work& w : v) w = w * inverse;
         }
-        Work largest(0);
-        for (int i = 0; i < 3; ++i) {
-            v[i] = N::metres(fall_drift_[i], drift_unit_);
-            const Work size = magnitude_of(v[i]);
-            if (size > largest) largest = size;
-        }
-        if (!(largest > Work(0))) return Work(0);
-        const Work inverse = Work(1) / largest;
-        for (int i = 0; i < 3; ++i) v[i] = v[i] * inverse;
-        return sqrt(dot(v, v)) * largest;
+        for (const Work w : v) squares = mul_add(squares, w, w);
+        if constexpr (N::fixed_point) return sqrt(squares);
+        else return sqrt(squares) * unit;
     }
 
     Length tolerance_{}, fall_bound_{};
