@@ -39,8 +39,8 @@ void set_up() {
     }
 }
 
-// What the sensor reads before a step, along the axes of the tray: at rest the opposite of gravity. 16384 counts are 1
-// g.
+// What the sensor reads before a step, along the axes of the tray, in counts of g / 16384: at rest the opposite of
+// gravity.
 struct Sample {
     std::uint16_t step;
     std::int16_t x, y, z;

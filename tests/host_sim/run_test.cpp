@@ -247,9 +247,9 @@ TEST(Run, floating_point_is_held_to_the_declared_range_of_spins) {
                                                "[[force]]\nbody = \"b\"\nuntil = 4.0\n" + "torque = " + torque + "\n");
                 const Json json = json_of({"run", scene, "--numbers", numbers, "--integrator", integrator}, 1);
                 EXPECT_EQ(json["status"], Json::array({"range_left"})) << integrator << numbers << torque;
-                const double spin = std::hypot(json["bodies"][0]["angular_velocity"][0].get<double>(),
-                                               json["bodies"][0]["angular_velocity"][1].get<double>(),
-                                               json["bodies"][0]["angular_velocity"][2].get<double>());
+                const double spin = std::hypot(json["bodies"][0]["angular_velocity_rad_s"][0].get<double>(),
+                                               json["bodies"][0]["angular_velocity_rad_s"][1].get<double>(),
+                                               json["bodies"][0]["angular_velocity_rad_s"][2].get<double>());
                 EXPECT_GT(spin, 32);
                 EXPECT_LT(spin, 32.25) << integrator << numbers << torque;
             }

@@ -66,7 +66,6 @@ TEST_P(ContactReadouts, a_bounce_reads_its_impulse_and_the_speed_of_its_approach
     }
 }
 
-// The pair leaves the list before the step is solved.
 TEST_P(ContactReadouts, a_coin_that_rattles_reads_points_within_the_tolerance) {
     for (const Number spin : {2.0L, -5.0L}) {
         BodySpec coin = placed(cylinder(0.5, 0.25, 0.03125), {0, 0.0625L, 0}, {}, {spin, 1, 0});
@@ -90,6 +89,7 @@ TEST_P(ContactReadouts, a_coin_that_rattles_reads_points_within_the_tolerance) {
     }
 }
 
+// The pair leaves the list before the step is solved.
 TEST_P(ContactReadouts, a_body_that_is_thrown_off_reads_no_impulse) {
     for (const bool sleeps : {false, true}) {
         for (const Number speed : {0.5L, 5.0L}) {

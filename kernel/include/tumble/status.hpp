@@ -51,7 +51,7 @@ inline constexpr Issue all_issues[] = {Issue::range_left, Issue::step_bound_hit,
 struct Status {
     std::uint32_t first_step = 0;  // number of the step that set the first bit, from 0, modulo 2^32; where !ok()
     std::uint16_t count = 0;       // occurrences, held at 65535
-    // Meaningful when !ok(). The number of bodies: none of them, as of gravity. 255: that one or a later one.
+    // Meaningful when !ok(). The number of bodies then: none of them, as of gravity. 255: that one or a later one.
     std::uint8_t first_body = 0;
     std::uint8_t bits = 0;  // of the issues that occurred; 0: none
 

@@ -11,14 +11,14 @@ namespace tumble {
 // An instantaneous change of momentum. World::prepare() makes it from an ImpulseSpec.
 template <class N>
 struct Impulse {
-    std::uint64_t step = 0;      // applied before this step is taken
-    std::int16_t body = 0;       // index
-    Frame frame = Frame::world;  // of impulse and angular
-    // What acts is the opposite of `impulse`, and of `angular`.
-    bool opposite : 1 = false, angular_opposite : 1 = false;
-    VectorBlock<N> impulse{};  // N s, in `frame` (body: principal axes)
-    VectorBlock<N> angular{};  // N m s, in `frame`
-    VectorBlock<N> point_b{};  // m, principal axes
+    std::uint64_t step = 0;             // applied before this step is taken
+    std::int16_t body = 0;              // index
+    Frame frame = Frame::world;         // of impulse and angular
+    bool opposite : 1 = false;          // what acts is the opposite of `impulse`
+    bool angular_opposite : 1 = false;  // what acts is the opposite of `angular`
+    VectorBlock<N> impulse{};           // N s, in `frame` (body: principal axes)
+    VectorBlock<N> angular{};           // N m s, in `frame`
+    VectorBlock<N> point_b{};           // m, principal axes
 };
 
 // A constant force at a point of a body and a constant torque, both acting for a while. World::prepare() makes it from

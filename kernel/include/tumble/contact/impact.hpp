@@ -126,7 +126,7 @@ private:
     }
     [[gnu::noinline, gnu::cold]] void report_cut_off() {
         pairs_.for_each_active(island_, [&](const Pair& pair, const Point& point) {
-            if (bounces_far(pair, point)) bodies_.report(Issue::step_bound_hit, pair.a);
+            if (!is_apart(point) && bounces_far(pair, point)) bodies_.report(Issue::step_bound_hit, pair.a);
         });
     }
     // Solves for the impulses of the active points from the present velocities. Of one pair without friction, plain

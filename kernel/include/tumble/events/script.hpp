@@ -43,8 +43,8 @@ template <class N, Spin spin, int capacity, bool points, class Constant>
 }
 
 // An array that is sorted by step, and the place of the next element. Timed is an Event, or any record of a program
-// with a member `step`: a program walks a recording in its own numbers with for_each_due() before each step of the
-// world. It makes each event when it is due, by a call of the world, so that only the records take memory.
+// with a member `step`, from 0: a program walks a recording in its own numbers with for_each_due() before each step of
+// the world. It makes each event when it is due, by a call of the world, so that only the records take memory.
 template <class Timed>
 class Script {
 public:
@@ -57,12 +57,13 @@ public:
     // Skips what comes before step `now`, after the world has gone to this step.
     constexpr void seek(std::uint64_t now) {
         next_ = 0;
-        while (next_ < events_.count && events_.first[next_].step < now) ++next_;
+        while (next_ < events_.count && static_cast<std::uint64_t>(events_.first[next_].step) < now) ++next_;
     }
     // Calls apply(event) for each event that is due at step `now`, in the order of the array.
     template <class F>
     TUMBLE_INLINE void for_each_due(std::uint64_t now, F&& apply) {
-        while (next_ < events_.count && events_.first[next_].step <= now) apply(events_.first[next_++]);
+        while (next_ < events_.count && static_cast<std::uint64_t>(events_.first[next_].step) <= now)
+            apply(events_.first[next_++]);
     }
 
 private:

@@ -9,7 +9,7 @@ namespace tumble {
 
 namespace detail {
 
-// Whole numbers that an int holds.
+// Integers no longer than int.
 template <class T>
 concept HeldByInt = std::integral<T> && sizeof(T) <= sizeof(int);
 

@@ -60,8 +60,8 @@ inline constexpr bool is_vector_of_three<StoredVec3<T>> = true;
 template <class V>
 concept VectorOfThree = is_vector_of_three<V>;
 
-// An array whose bytes are zero at first, so that the compiler can set up a world. A step writes each element before it
-// reads it.
+// An array whose bytes are zero at first, so that the compiler can set up a world. All bytes zero must be a value of T:
+// it is read where nothing has been written yet.
 template <class T, int count>
 class ZeroedArray {
 public:
