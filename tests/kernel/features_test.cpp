@@ -55,6 +55,7 @@ TEST(Features, the_usual_room_is_that_of_a_heap_of_spheres_in_a_corner) {
     EXPECT_EQ((Features{.bodies = 3, .planes = 2, .pairs = true}.room_for_pairs()), 9);
     EXPECT_EQ((Features{.bodies = 13, .planes = 5}.room_for_pairs()), 65);
     EXPECT_EQ((Features{.bodies = 13, .planes = 5, .near_pairs = 20, .pairs = true}.room_for_pairs()), 20);
+    EXPECT_EQ((Features{.bodies = 10000, .planes = 1, .pairs = true}.room_for_pairs()), 32767) << "the most of a world";
 }
 
 TEST(Features, a_scene_with_every_feature_keeps_its_room) {

@@ -128,11 +128,12 @@ struct Features {
     // Room for every pair of a few bodies; for many bodies, room for the pairs of a heap of spheres. In a heap a sphere
     // touches six others on average (as many contacts as motions: it is isostatic), and each pair is one of two
     // spheres; at a wall or in a corner up to three planes take the place of spheres, and a plane's pair is the
-    // sphere's alone. Boxes that are packed side by side have more pairs.
+    // sphere's alone. Boxes that are packed side by side have more pairs. A world has room for 32767 pairs at the most.
     [[nodiscard]] constexpr int room_for_pairs() const {
         if (near_pairs > 0) return near_pairs;
-        const int all = all_pairs(), usual = bodies * (6 + (planes < 3 ? planes : 3)) / 2;
-        return pairs && all > usual ? usual : all;
+        const int all = all_pairs(), usual = bodies * (6 + (planes < 3 ? planes : 3)) / 2,
+                  most = usual < 32767 ? usual : 32767;
+        return pairs && all > most ? most : all;
     }
 };
 
