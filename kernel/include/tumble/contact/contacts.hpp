@@ -39,7 +39,6 @@ public:
     constexpr void add(int b, const BodySpec& spec, const PrincipalInertia& inertia, const SpinUnits<N, spin>& units) {
         set_shape(b, spec, inertia, units);
         state_.marks[b] = {};
-        if constexpr (features.moving_surfaces()) state_.loads[b] = {};
         if (!spec.is_fixed()) state_.sleepers.add(b);
         if constexpr (features.grid()) state_.times.many.come = true;
     }
@@ -252,6 +251,7 @@ private:
             state_.times.unlist_all();
         }
         state_.pairs.forget_points_of(b);
+        if constexpr (features.moving_surfaces()) state_.loads[b] = {};
     }
     constexpr void end_times(int b, std::uint32_t now) { state_.times.end(b, state_.shapes.plane_count(), now); }
     template <class Advance>
