@@ -126,10 +126,9 @@ namespace detail {
 // Writes event_of(spec) of each, sorted by their first step. Events with equal steps keep their order.
 template <class Events, class Specs, class F>
 constexpr void prepare_each(Events& events, const Specs& specs, F&& event_of) {
-    std::size_t count = 0;
-    for (const auto& spec : specs) {
-        const auto event = event_of(spec);
-        std::size_t place = count++;
+    for (std::size_t i = 0; i < specs.size(); ++i) {
+        const auto event = event_of(specs[i]);
+        std::size_t place = i;
         for (; place > 0 && start_of(event) < start_of(events[place - 1]); --place) events[place] = events[place - 1];
         events[place] = event;
     }
