@@ -119,10 +119,6 @@ template <class Timed>
     else return event.step;
 }
 
-}  // namespace detail
-
-namespace detail {
-
 // Writes event_of(spec) of each, sorted by their first step. Events with equal steps keep their order.
 template <class Events, class Specs, class F>
 constexpr void prepare_each(Events& events, const Specs& specs, F&& event_of) {

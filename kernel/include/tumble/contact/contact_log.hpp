@@ -163,8 +163,7 @@ public:
         if (entry.touches && pairs.has(at, entry.key())) {
             const Pair& pair = pairs[at];
             for (int k = 0; k < pair.count; ++k) {
-                // A point of a rim may be above it.
-                if (features.round_shapes && pair.point[k].gap > shapes.tolerance()) continue;
+                if (pair.point[k].is_apart(shapes.tolerance())) continue;
                 auto& place = contact.points[contact.point_count++] =
                     plain(shapes.place_of(bodies, pair, pair.point[k]));
                 contact.point = contact.point + place;

@@ -88,10 +88,7 @@ private:
         for (int k = 0; k < island_.group.count; ++k) to[island_.group.id[k]] = from[island_.group.id[k]];
     }
     // True of a point of a rim that does not touch. It cannot bounce.
-    [[nodiscard]] bool is_apart([[maybe_unused]] const Point& point) const {
-        if constexpr (features.round_shapes) return point.gap > shapes_.tolerance();
-        else return false;
-    }
+    [[nodiscard]] bool is_apart(const Point& point) const { return point.is_apart(shapes_.tolerance()); }
     // Whether it reaches the surface in the rest of the step. It is then held, like any point above the surface.
     [[nodiscard]] bool comes_down(const Pair& pair, const Point& point, Work rest) const {
         const Work gap = shapes_.scale().metres(point.gap);

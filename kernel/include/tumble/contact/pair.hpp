@@ -34,6 +34,11 @@ struct ContactPoint {
     // Of the relative spin: about the tangents and the normal.
     [[no_unique_address]] If<features.rolling_resistance, Row<N, features.pairs>[3], 1> spin;
 
+    // True of a point of a rim that does not touch: its pair has it because it may come down in a step.
+    [[nodiscard]] bool is_apart([[maybe_unused]] Length tolerance) const {
+        if constexpr (features.round_shapes) return gap > tolerance;
+        else return false;
+    }
     template <class F>
     void for_each_row(F&& f) {
         for (auto& r : row) f(r);

@@ -99,11 +99,10 @@ public:
 
     constexpr void forget_points_of(int b) { touching_[b] = 0; }
     // Counts the points of the island that touch and take part in the present solution.
-    void count_points(const Island& island, [[maybe_unused]] typename Pair::Length tolerance) {
+    void count_points(const Island& island, typename Pair::Length tolerance) {
         for (int k = 0; k < island.group.count; ++k) touching_[island.group.id[k]] = 0;
         for_each_active(island, [&](Pair& pair, const auto& point) {
-            // A point of a rim may be above it.
-            if (features.round_shapes && point.gap > tolerance) return;
+            if (point.is_apart(tolerance)) return;
             ++touching_[pair.a];
             if (pair.moves_b()) ++touching_[pair.b];
         });
