@@ -16,7 +16,7 @@ class Statics {
 public:
     using Rows = ContactRows<N, spin, features>;
     using C = typename Rows::C;
-    using W = WeldNumbers<N>;
+    using W = MomentNumbers<N>;
     using Bounds = ContactBounds<N>;
     using Unit = typename Rows::Unit;
     using Work = typename Rows::Work;
