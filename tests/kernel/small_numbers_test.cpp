@@ -1,7 +1,7 @@
 // Floating point where squares underflow: from finite numbers, however small, no part of a step makes an infinity or a
 // NaN. Small numbers are drawn on purpose: zeros, subnormal numbers, and those whose square or cube is one.
-#include <tumble/contact/friction.hpp>
-#include <tumble/contact/weld.hpp>
+#include <tumble/solver/cone.hpp>
+#include <tumble/solver/weld.hpp>
 #include <tumble/shapes/spheres.hpp>
 
 #include "contact_cases.hpp"
@@ -44,10 +44,10 @@ TYPED_TEST_SUITE(SmallNumbersIn, FloatingNumbers);
 TYPED_TEST(SmallNumbersIn, friction_of_any_size_stays_within_its_limit) {
     using N = TypeParam;
     using T = typename N::Work;
-    using Friction = tumble::Friction<N, false>;
+    using Cone = FrictionCone<N, false>;
     auto& random = this->random;
     for (int i = 0; i < tests::many / 10; ++i) {
-        typename Friction::Row row[2];
+        typename Cone::Row row[2];
         for (auto& r : row) {
             r.inverse = static_cast<T>(random.uniform(1.0 / 64, 1));
             r.impulse = random.any();
@@ -59,7 +59,7 @@ TYPED_TEST(SmallNumbersIn, friction_of_any_size_stays_within_its_limit) {
             for (const T part : {row[0].impulse, row[1].impulse, excess[0], excess[1]}) largest += std::abs(part);
             return size <= limit + this->rounding * largest;
         };
-        const T change = Friction::solve_one(row[0], excess[0], limit);
+        const T change = Cone::solve_one(row[0], excess[0], limit);
         ASSERT_TRUE(std::isfinite(change)) << row[0].impulse << " " << excess[0] << " " << limit;
         ASSERT_TRUE(within(std::abs((row[0].impulse + change) * row[0].inverse)))
             << row[0].impulse << " " << excess[0] << " " << limit;
@@ -70,7 +70,7 @@ TYPED_TEST(SmallNumbersIn, friction_of_any_size_stays_within_its_limit) {
             row[0].inverse < row[1].inverse ? row[0].inverse / row[1].inverse : row[1].inverse / row[0].inverse;
         couplings.slip = ratio * ratio;
         T changes[2];
-        Friction::solve(row, excess, couplings, limit, changes);
+        Cone::solve(row, excess, couplings, limit, changes);
         ASSERT_TRUE(std::isfinite(changes[0]) && std::isfinite(changes[1]));
         ASSERT_TRUE(within(
             std::hypot((row[0].impulse + changes[0]) * row[0].inverse, (row[1].impulse + changes[1]) * row[1].inverse)))

@@ -2,7 +2,7 @@
 // their place. It owns the bodies, their inertia, the loads and gravity. It knows no contact.
 #pragma once
 
-#include <tumble/contact/marks.hpp>
+#include <tumble/solver/marks.hpp>
 #include <tumble/events/snapshot.hpp>
 #include <tumble/events/wrench.hpp>
 #include <tumble/integrators/verlet.hpp>

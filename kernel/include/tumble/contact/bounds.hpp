@@ -148,8 +148,6 @@ struct ContactBounds {
     [[nodiscard]] static Speed balance(Speed by_contacts) {
         return C::half(C::eighth(C::eighth(C::eighth(by_contacts))));
     }
-    // The momentum of the sweeps restarts where the changes of impulses grow by more than an eighth.
-    [[nodiscard]] static bool diverges(Speed change, Speed last) { return change > last + C::eighth(last); }
 };
 
 }  // namespace tumble

@@ -3,9 +3,9 @@
 #pragma once
 
 #include <tumble/contact/clear_times.hpp>
-#include <tumble/contact/marks.hpp>
 #include <tumble/contact/seams.hpp>
 #include <tumble/contact/sleepers.hpp>
+#include <tumble/solver/marks.hpp>
 
 namespace tumble {
 

@@ -2,8 +2,8 @@
 #pragma once
 
 #include <tumble/contact/pair_list.hpp>
-#include <tumble/contact/solver.hpp>
 #include <tumble/contact/velocities.hpp>
+#include <tumble/solver/sweep.hpp>
 
 namespace tumble {
 
@@ -25,7 +25,7 @@ public:
     using Velocity = WeightedVelocity<N>;
     using Kicks = typename Velocities::Kicks;
     static constexpr bool has_edges = features.pairs && features.boxes;
-    using Solver = tumble::Solver<N, features.pairs, features.friction, features.rolling_resistance>;
+    using Sweep = tumble::Sweep<N, features.pairs, features.friction, features.rolling_resistance>;
 
     ContactRows(const NarrowPhase& shapes, PairList& pairs, Velocities& velocities, const Bodies& bodies,
                 const Island& island)
@@ -110,8 +110,8 @@ public:
     }
 
     // The rows of a point, with the velocities that their impulses change.
-    [[nodiscard]] typename Solver::Block block(Pair& pair, Point& point) {
-        typename Solver::Block block = normal_block(pair, point);
+    [[nodiscard]] typename Sweep::Block block(Pair& pair, Point& point) {
+        typename Sweep::Block block = normal_block(pair, point);
         block.rows = pair.rows();
         block.coefficient = pair.friction;
         if constexpr (features.friction) block.couplings = &point.couplings;
@@ -202,14 +202,14 @@ public:
     }
     // Applies the impulses of all points that take part.
     void push_all() {
-        pairs_.for_each_active(island_, [&](Pair& pair, Point& point) { Solver::push(block(pair, point)); });
+        pairs_.for_each_active(island_, [&](Pair& pair, Point& point) { Sweep::push(block(pair, point)); });
     }
     static void clear_impulses(Point& point) {
         point.for_each_row([](auto& row) { row.impulse = Speed{}; });
     }
 
 private:
-    [[nodiscard]] typename Solver::Block normal_block(Pair& pair, Point& point) {
+    [[nodiscard]] typename Sweep::Block normal_block(Pair& pair, Point& point) {
         return {.row = point.row,
                 .rows = 1,
                 .a = velocities_.now[pair.a],
@@ -217,7 +217,7 @@ private:
     }
     template <class BlockOf>
     Speed sweep_blocks(BlockOf&& block_of, Speed enough, int bound, bool with_momentum) {
-        return Solver::sweep(
+        return Sweep::run(
             [&](auto&& f) {
                 pairs_.for_each_active(island_, [&](Pair& pair, Point& point) { f(block_of(pair, point)); });
             },

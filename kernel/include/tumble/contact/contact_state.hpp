@@ -3,12 +3,12 @@
 
 #include <tumble/contact/broad_phase.hpp>
 #include <tumble/contact/contact_log.hpp>
-#include <tumble/contact/kicks.hpp>
-#include <tumble/contact/marks.hpp>
 #include <tumble/contact/resting.hpp>
 #include <tumble/contact/sleepers.hpp>
 #include <tumble/contact/standing.hpp>
 #include <tumble/contact/velocities.hpp>
+#include <tumble/solver/kicks.hpp>
+#include <tumble/solver/marks.hpp>
 
 namespace tumble {
 

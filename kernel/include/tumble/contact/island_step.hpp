@@ -3,12 +3,12 @@
 #pragma once
 
 #include <tumble/contact/contact_state.hpp>
-#include <tumble/contact/flight.hpp>
 #include <tumble/contact/impact.hpp>
 #include <tumble/contact/impact_search.hpp>
 #include <tumble/contact/resting.hpp>
 #include <tumble/contact/schedule.hpp>
 #include <tumble/numbers/vector_block.hpp>
+#include <tumble/solver/flight.hpp>
 
 namespace tumble {
 

@@ -3,8 +3,8 @@
 #pragma once
 
 #include <tumble/contact/bounds.hpp>
-#include <tumble/contact/row.hpp>
 #include <tumble/shapes/boxes.hpp>
+#include <tumble/solver/row.hpp>
 
 namespace tumble {
 

@@ -7,7 +7,7 @@
 #pragma once
 
 #include <tumble/contact/contact_rows.hpp>
-#include <tumble/contact/weld.hpp>
+#include <tumble/solver/weld.hpp>
 
 namespace tumble {
 
@@ -311,20 +311,20 @@ private:
             return false;
         } else {
             if (!pair.moves_b()) return false;
-            using Solver = typename Rows::Solver;
+            using Sweep = typename Rows::Sweep;
             const bool is_a = b == pair.a;
             const Unit share = is_a ? pair.share_a : pair.share_b;
             const typename W::Over over_share{share};
             const CollisionShape<N>& shape = shapes_.shape(b);
             Velocity &now = velocities_.now[b], &other = velocities_.now[is_a ? pair.b : pair.a];
             const int rows = pair.rows();
-            typename Solver::Row row[Pair::max_points][Point::directions];
+            typename Sweep::Row row[Pair::max_points][Point::directions];
             [[maybe_unused]] If<features.friction, Couplings<N>[Pair::max_points], 0> couplings;
             [[maybe_unused]] If<features.rolling_resistance, SpinOfOne, 0> own_spin{pair, shapes_, b};
             const auto for_each_block = [&](auto&& f) {
                 for (int i = 0; i < pair.count; ++i)
                     if (pair.point[i].active) {
-                        typename Solver::Block block{
+                        typename Sweep::Block block{
                             .row = row[i], .rows = rows, .coefficient = pair.friction, .a = now};
                         if constexpr (features.friction) block.couplings = couplings + i;
                         if constexpr (features.rolling_resistance)
@@ -352,8 +352,8 @@ private:
             }
             if constexpr (features.friction)
                 for (int i = 0; rows > 1 && i < pair.count; ++i) couplings[i].set(row[i], false);
-            for_each_block([](const auto& block) { Solver::push(block); });
-            Solver::sweep(for_each_block, velocities_.scale.enough_at_rest(), Bounds::sweeps(contact::max_sweeps));
+            for_each_block([](const auto& block) { Sweep::push(block); });
+            Sweep::run(for_each_block, velocities_.scale.enough_at_rest(), Bounds::sweeps(contact::max_sweeps));
             unsigned carrying = must_move;
             Velocity unused = now;
             for (int i = 0; i < pair.count; ++i) {
@@ -379,7 +379,7 @@ private:
     }
     // Rows of the spin of one body of a pair, with its radius as the arm.
     struct SpinOfOne {
-        typename Rows::Solver::Row row[Pair::max_points][3];
+        typename Rows::Sweep::Row row[Pair::max_points][3];
         const CollisionShape<N>& shape;
         typename C::Friction rolling{}, spinning{}, to_pair{};  // the last: the body's arm over the pair's
 
@@ -392,7 +392,7 @@ private:
                 to_pair = C::friction(ratio);
             }
         }
-        [[nodiscard]] typename Rows::Solver::Resistance resistance(int i) { return {row[i], rolling, spinning}; }
+        [[nodiscard]] typename Rows::Sweep::Resistance resistance(int i) { return {row[i], rolling, spinning}; }
         // Makes the rows about direction k of the pair, in the axes of the body, without an impulse.
         void set(const Pair& pair, int k, const Vec3<Unit>& about) {
             const int to = k == 0 ? 2 : k - 1;

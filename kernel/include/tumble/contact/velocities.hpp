@@ -1,9 +1,9 @@
 // The weighted velocities of an island's bodies while its rows are solved, all in one scale.
 #pragma once
 
-#include <tumble/contact/kicks.hpp>
-#include <tumble/contact/middle_turn.hpp>
 #include <tumble/contact/narrow_phase.hpp>
+#include <tumble/solver/kicks.hpp>
+#include <tumble/solver/middle_turn.hpp>
 
 namespace tumble {
 

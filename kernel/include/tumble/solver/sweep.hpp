@@ -1,20 +1,24 @@
 // Sweeps over rows until no impulse changes any more (sequential impulses, Catto 2005, with momentum).
 #pragma once
 
-#include <tumble/contact/bounds.hpp>
-#include <tumble/contact/friction.hpp>
+#include <tumble/solver/cone.hpp>
 
 namespace tumble {
 
-template <class N, bool pairs, bool friction, bool resists_spin = false>
-struct Solver {
+// What has rows: it calls f(block) for each of its blocks of rows, always in the same order.
+template <class Source, class Block>
+concept RowSource = requires(Source& for_each_block, void (&f)(const Block&)) {
+    for_each_block(f);
+};
+
+template <class N, bool two_bodies, bool friction, bool resists_spin = false>
+struct Sweep {
     using C = ContactNumbers<N>;
     using Unit = typename C::Unit;
     using Speed = typename C::Speed;
-    using Bounds = ContactBounds<N>;
-    using Row = tumble::Row<N, pairs>;
+    using Row = tumble::Row<N, two_bodies>;
     using Velocity = WeightedVelocity<N>;
-    using Friction = tumble::Friction<N, pairs>;
+    using Cone = FrictionCone<N, two_bodies>;
     using Couplings = tumble::Couplings<N>;
     static constexpr int most_rows = friction ? 3 : 1;
 
@@ -51,7 +55,7 @@ struct Solver {
         Row* const row = block.row;
         const Speed push = push_of(row[0], block, most), wanted = row[0].impulse + push;
         [[maybe_unused]] const auto limit = [&](typename C::Friction coefficient) {
-            return Friction::limit_of(row[0], wanted, coefficient);
+            return Cone::limit_of(row[0], wanted, coefficient);
         };
         if constexpr (friction) {
             if (block.rows > 1) {
@@ -59,7 +63,7 @@ struct Solver {
                 Speed excess[2], by[3] = {push, {}, {}};
                 for (int k = 0; k < 2; ++k)
                     excess[k] = row[k + 1].excess(block.a, block.b) + Row::product(push, couplings.normal[k]);
-                Friction::solve(row + 1, excess, couplings, limit(block.coefficient), by + 1);
+                Cone::solve(row + 1, excess, couplings, limit(block.coefficient), by + 1);
                 for (int k = 1; k < 3; ++k)
                     if (!C::fits(row[k].impulse + by[k])) [[unlikely]]
                         by[k] = Speed{};
@@ -78,10 +82,10 @@ struct Solver {
             Couplings couplings;
             couplings.set_tangents(spin, block.b != nullptr);
             Speed by[2];
-            Friction::solve(spin, excess, couplings, limit(resists.rolling), by);
+            Cone::solve(spin, excess, couplings, limit(resists.rolling), by);
             change(block, spin, by, most);
             const Speed about = spin[2].excess(block.a, block.b);
-            change(block, spin + 2, {Friction::solve_one(spin[2], about, limit(resists.spinning))}, most);
+            change(block, spin + 2, {Cone::solve_one(spin[2], about, limit(resists.spinning))}, most);
         }
     }
     // Applies the impulses of a block to velocities that do not hold them yet.
@@ -98,8 +102,8 @@ struct Solver {
     // gradients do (Silcowitz, Niebe and Erleben 2010). Plain sweeps carry a load through a stack by one box per sweep.
     // The momentum is the ratio of the squares of the largest changes, at most 1. It restarts from 0 where these grow.
     // Returns the largest change of the last sweep.
-    template <class ForEachBlock>
-    static Speed sweep(ForEachBlock&& for_each_block, Speed enough, int bound, bool with_momentum = true) {
+    template <RowSource<Block> Source>
+    static Speed run(Source&& for_each_block, Speed enough, int bound, bool with_momentum = true) {
         Speed last{};
         Unit momentum{};
         for (int sweep = 0; sweep < bound; ++sweep) {
@@ -112,7 +116,7 @@ struct Solver {
                 visit(block, most);
             });
             if (!(most > enough)) return most;
-            if (sweep == 0 || Bounds::diverges(most, last)) {
+            if (sweep == 0 || diverges(most, last)) {
                 momentum = {};
             } else {
                 const Unit ratio = most < last ? C::ratio(most, last) : C::one();
@@ -124,6 +128,8 @@ struct Solver {
     }
 
 private:
+    // The momentum of the sweeps restarts where the changes of impulses grow by more than an eighth.
+    [[nodiscard]] static bool diverges(Speed change, Speed last) { return change > last + C::eighth(last); }
     // The change of a normal's impulse in one visit. An impulse that does not fit belongs to no solution, as of a body
     // that is squeezed between two that come on: it stays as it is.
     TUMBLE_INLINE static Speed push_of(const Row& row, const Block& block, Speed& most) {

@@ -27,7 +27,7 @@ struct WeightedVelocity {
     }
 };
 
-// Of the rows of one point.
+// Of the rows of one block.
 template <class N>
 struct Couplings {
     using C = ContactNumbers<N>;
@@ -50,7 +50,7 @@ struct Couplings {
     }
 };
 
-template <class N, bool pairs>
+template <class N, bool two_bodies>
 struct Row {
     using C = ContactNumbers<N>;
     using Unit = typename C::Unit;
@@ -59,7 +59,7 @@ struct Row {
     using Velocity = WeightedVelocity<N>;
 
     Vec3<Unit> linear, angular;  // of body a
-    [[no_unique_address]] If<pairs, Vec3<Unit>, 0> linear_b, angular_b;
+    [[no_unique_address]] If<two_bodies, Vec3<Unit>, 0> linear_b, angular_b;
     Unit inverse;     // 1 / |J M^-1/2| times the root of the reduced mass, at most 1; 1: through both centres of mass
     Speed target{};   // the velocity along the row that the impulse makes
     Speed impulse{};  // the sum of the step
@@ -71,7 +71,7 @@ struct Row {
         set_scaled(direction, lever, C::inverse_root_of_one_and(dot(lever, lever)));
     }
     void set(const Vec3<Unit>& direction, const Vec3<Lever>& lever, const Vec3<Unit>& direction_b,
-             const Vec3<Lever>& lever_b) requires pairs {
+             const Vec3<Lever>& lever_b) requires two_bodies {
         set_scaled(direction, lever, C::inverse_root_of_one_and(dot(lever, lever) + dot(lever_b, lever_b)));
         linear_b = -times(direction_b, inverse);
         angular_b = -times_lever(lever_b);
@@ -84,7 +84,7 @@ struct Row {
         linear = Vec3<Unit>::Constant(Unit{});
         angular = times_lever(lever);
     }
-    void set_spin(const Vec3<Lever>& lever, const Vec3<Lever>& lever_b) requires pairs {
+    void set_spin(const Vec3<Lever>& lever, const Vec3<Lever>& lever_b) requires two_bodies {
         inverse = C::inverse_root_of(dot(lever, lever) + dot(lever_b, lever_b));
         linear = linear_b = Vec3<Unit>::Constant(Unit{});
         angular = times_lever(lever);
@@ -94,7 +94,7 @@ struct Row {
     // The velocity along the row; b is null where only a moves.
     [[nodiscard]] TUMBLE_INLINE Speed velocity(const Velocity& a, [[maybe_unused]] const Velocity* b) const {
         auto sum = add_dot(dot(linear, a.linear), angular, a.angular);
-        if constexpr (pairs)
+        if constexpr (two_bodies)
             if (b != nullptr) sum = add_dot(add_dot(sum, linear_b, b->linear), angular_b, b->angular);
         return C::speed(sum);
     }
@@ -111,7 +111,7 @@ struct Row {
         };
         add(a.linear, &Row::linear);
         add(a.angular, &Row::angular);
-        if constexpr (pairs) {
+        if constexpr (two_bodies) {
             if (b != nullptr) {
                 add(b->linear, &Row::linear_b);
                 add(b->angular, &Row::angular_b);
@@ -123,7 +123,7 @@ struct Row {
         push(this, impulses, a, b);
     }
     // The same of one body of the two, a or b.
-    void push_one(Speed by, bool is_a, Velocity& v) const requires pairs {
+    void push_one(Speed by, bool is_a, Velocity& v) const requires two_bodies {
         const Vec3<Unit>&along = is_a ? linear : linear_b, &about = is_a ? angular : angular_b;
         for (int i = 0; i < 3; ++i) {
             v.linear[i] += narrow<Speed>(mul(along[i], by));
@@ -147,7 +147,7 @@ struct Row {
     // What an impulse of 1 along another row of the same bodies adds to the velocity along this one.
     [[nodiscard]] Unit coupling(const Row& other, [[maybe_unused]] bool moves_b) const {
         auto sum = add_dot(dot(linear, other.linear), angular, other.angular);
-        if constexpr (pairs)
+        if constexpr (two_bodies)
             if (moves_b) sum = add_dot(add_dot(sum, linear_b, other.linear_b), angular_b, other.angular_b);
         return narrow<Unit>(sum);
     }

@@ -2,16 +2,16 @@
 // times that of the normal.
 #pragma once
 
-#include <tumble/contact/row.hpp>
+#include <tumble/solver/row.hpp>
 
 namespace tumble {
 
-template <class N, bool pairs>
-struct Friction {
+template <class N, bool two_bodies>
+struct FrictionCone {
     using C = ContactNumbers<N>;
     using Unit = typename C::Unit;
     using Speed = typename C::Speed;
-    using Row = tumble::Row<N, pairs>;
+    using Row = tumble::Row<N, two_bodies>;
 
     // The changes of two tangents' impulses in one visit. `excess`: their velocities above their targets. The impulses
     // stop the point. Where that takes more than `limit`, friction times the normal impulse, the point slips: both

@@ -3,8 +3,8 @@
 
 #include <tumble/body/bodies.hpp>
 #include <tumble/body/stage.hpp>
-#include <tumble/contact/kicks.hpp>
 #include <tumble/scene.hpp>
+#include <tumble/solver/kicks.hpp>
 
 namespace tumble {
 
