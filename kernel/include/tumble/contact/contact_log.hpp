@@ -79,7 +79,7 @@ public:
     // was found. Returns the entry; null where there is no impulse.
     Entry* add(const Pair& pair, const NarrowPhase& shapes, Bodies& bodies, Work share) {
         // A unit of impulse along a row changes sqrt(m) v of body a by the row.
-        const Work root_mass = shapes.shape(pair.a).root_mass;
+        const Work root_mass = shapes.weights()[pair.a].root_mass;
         Work normal_impulse(0);
         WorkVec3<N> moment = zero_vector<N>(), sum[2] = {moment, moment};  // along normals, and across
         bool any = false;

@@ -1,6 +1,7 @@
 // The rows of an island's contact points, and what a length, a speed and a surface are along them.
 #pragma once
 
+#include <tumble/contact/narrow_phase.hpp>
 #include <tumble/contact/pair_list.hpp>
 #include <tumble/contact/velocities.hpp>
 #include <tumble/solver/sweep.hpp>
@@ -36,7 +37,8 @@ public:
     // `lifts`: the scale has room for the correction of penetrations.
     // `in_halves`: half of each kick acts before the flight, half after it.
     bool set_velocities(const Kicks& loads, Work part, bool whole, bool lifts = false, bool in_halves = false) {
-        velocities_.set_turns(bodies_, shapes_, island_.group, part, in_halves);
+        velocities_.set_turns(bodies_, island_.group, part, in_halves,
+                              [&](int b) { return shapes_.shape(b).is(ShapeKind::sphere); });
         auto least = C::nothing();
         if (lifts) [[unlikely]]
             pairs_.for_each(island_, [&](const Pair& pair) {
@@ -44,10 +46,10 @@ public:
                     C::size(ContactBounds<N>::lift(pair.gap, shapes_.tolerance()), shapes_.scale(), pair.weight);
                 if (size > least) least = size;
             });
-        velocities_.set_scale(bodies_, shapes_, island_.group, loads, least,
+        velocities_.set_scale(bodies_, shapes_.weights(), island_.group, loads, least,
                               [&](int b) { return pairs_.pairs_of(b) > 1; });
         make_room_for_surfaces();
-        return velocities_.set(bodies_, shapes_, island_.group, loads, part, whole);
+        return velocities_.set(bodies_, shapes_.weights(), island_.group, loads, part, whole);
     }
     // The part of a step after which kinematic bodies are where the rows act: none in an impact.
     void look_ahead(Work part) requires(features.kinematic) { ahead_ = part; }
@@ -143,17 +145,6 @@ public:
         return narrow<Speed>(mul(of_pair, row.inverse));
     }
 
-    // arm x direction over the radii of gyration, in principal axes.
-    [[nodiscard]] static Vec3<typename C::Lever> levers(const CollisionShape<N>& shape, const Vec3<Length>& arm,
-                                                        const Vec3<Unit>& direction) {
-        return over_gyration(shape, cross<Length>(arm, direction));
-    }
-    // An axis times an arm over the radii of gyration, in principal axes.
-    [[nodiscard]] static Vec3<typename C::Lever> spin_levers(const CollisionShape<N>& shape, const Vec3<Unit>& about,
-                                                             Length arm) {
-        return over_gyration(shape, tumble::along(about, arm));
-    }
-
     // By how much the velocity of a fixed body's surface at a point has changed since the last step, as far as the
     // other body does not have this change yet. m a step, world. `changes`: of the velocities of fixed bodies.
     [[nodiscard]] WorkVec3<N> change_ahead(const Kicks& changes, const Pair& pair, const Point& point) const
@@ -222,9 +213,6 @@ private:
                 pairs_.for_each_active(island_, [&](Pair& pair, Point& point) { f(block_of(pair, point)); });
             },
             enough, bound, with_momentum);
-    }
-    [[nodiscard]] static Vec3<typename C::Lever> over_gyration(const CollisionShape<N>& shape, const Vec3<Length>& v) {
-        return {shape.per_gyration[0](v.x()), shape.per_gyration[1](v.y()), shape.per_gyration[2](v.z())};
     }
     // The directions of a pair's rows, in the principal axes of its bodies, times the bodies' shares of the motion.
     struct Directions {
@@ -361,11 +349,11 @@ private:
     void set_row(Point& point, const Vec3<Length>& arm, const Directions& directions, int k, const Pair& pair) const {
         auto& row = point.row[k];
         row.target = Speed{};
-        const auto lever = levers(shapes_.shape(pair.a), arm, directions.angular[k]);
+        const auto lever = shapes_.weights()[pair.a].levers(arm, directions.angular[k]);
         if constexpr (features.pairs) {
             if (directions.moves_b) {
                 row.set(directions.linear[k], lever, directions.linear_b[k],
-                        levers(shapes_.shape(pair.b), point.arm_b, directions.angular_b[k]));
+                        shapes_.weights()[pair.b].levers(point.arm_b, directions.angular_b[k]));
                 return;
             }
         }
@@ -377,10 +365,11 @@ private:
         for (int k = 0; k < 3; ++k) {
             auto& row = point.spin[k];
             const int about = spin_direction(k);
-            const auto lever = spin_levers(shapes_.shape(pair.a), directions.angular[about], pair.spin_arm);
+            const auto lever = shapes_.weights()[pair.a].spin_levers(directions.angular[about], pair.spin_arm);
             if constexpr (features.pairs) {
                 if (directions.moves_b) {
-                    row.set_spin(lever, spin_levers(shapes_.shape(pair.b), directions.angular_b[about], pair.spin_arm));
+                    row.set_spin(lever,
+                                 shapes_.weights()[pair.b].spin_levers(directions.angular_b[about], pair.spin_arm));
                     continue;
                 }
             }
@@ -492,8 +481,9 @@ private:
         Vec3<typename C::Lever> middle, change;
     };
     [[nodiscard]] Levers levers_of(int b, const Arms& arms, const Turned& turned, int k) const {
-        const auto middle = levers(shapes_.shape(b), arms.middle, turned.middle[k]);
-        return {middle, levers(shapes_.shape(b), arms.end, turned.end[k]) - middle};
+        const BodyWeight<N>& weight = shapes_.weights()[b];
+        const auto middle = weight.levers(arms.middle, turned.middle[k]);
+        return {middle, weight.levers(arms.end, turned.end[k]) - middle};
     }
     // A row acts in the middle of the flight. Its target at the end is zero along the row of then: (J + dJ) u = 0, so
     // J u = -dJ u, where the bodies' velocities without the row stand for u. `change`: dJ u of one body.

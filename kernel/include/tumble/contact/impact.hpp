@@ -77,7 +77,7 @@ public:
             report_cut_off();
         solve(false);
         log_impulses(C::one());
-        velocities_.add_to(bodies_, loads, shapes_, island_.group);
+        velocities_.add_to(bodies_, loads, shapes_.weights(), island_.group);
         pairs_.count_points(island_, shapes_.tolerance());
         // The impulses of an impact are no warm start for the forces of the next step.
         pairs_.for_each_active(island_, [&](Pair&, Point& point) { Rows::clear_impulses(point); });

@@ -278,7 +278,7 @@ private:
                 const auto& moves = contacts_.velocities.loaded[b];
                 if (!contacts_.velocities.write(
                         kick, [&](int i) { return moves.linear[i]; }, [&](int i) { return moves.angular[i]; }, bodies_,
-                        contacts_.shapes.shape(b), b))
+                        contacts_.shapes.weights()[b], b))
                     bodies_.report(Issue::range_left, b);
                 if (start != nullptr) turn(kick, b, (*start)[k].q_wb.value());
                 const auto share = [&](auto sum) {
@@ -300,15 +300,15 @@ private:
         if (q.w == now.w && q.v == now.v) return;
         using Vector = VectorBlock<N>;
         using Units = std::remove_cvref_t<decltype(bodies_.constants[b].units)>;
-        const CollisionShape<N>& shape = contacts_.shapes.shape(b);
+        const BodyWeight<N>& weight = contacts_.shapes.weights()[b];
         const auto scaled = [](const Vector& v, const Work(&by)[3]) {
             return v.times(Vector3<Work>{by[0] * by[0], by[1] * by[1], by[2] * by[2]});
         };
         Vector change = Vector::of_turns(kick.angular, bodies_.spin_scale(b));
         if (change.is_zero()) return;
-        if constexpr (!Units::has_one_factor) change = scaled(change, shape.weight);
+        if constexpr (!Units::has_one_factor) change = scaled(change, weight.of_turn);
         change = change.rotated(q).rotated_back(now);
-        if constexpr (!Units::has_one_factor) change = scaled(change, shape.per_weight);
+        if constexpr (!Units::has_one_factor) change = scaled(change, weight.per_turn);
         for (int i = 0; i < 3; ++i) kick.angular[i] = change.turn(i, Work(1), bodies_.spin_scale(b));
     }
 

@@ -4,6 +4,7 @@
 #include <tumble/contact/pair.hpp>
 #include <tumble/shapes/pairs.hpp>
 #include <tumble/shapes/plane.hpp>
+#include <tumble/solver/weights.hpp>
 
 namespace tumble {
 
@@ -19,6 +20,7 @@ public:
     using Speed = typename C::Speed;
     using Pair = tumble::Pair<N, features>;
     using Point = ContactPoint<N, features>;
+    using Weights = tumble::Weights<N, features.bodies>;
 
     constexpr NarrowPhase(Real step, const ContactSpec& spec)
         : restitution_{N::template constant<Work>(spec.restitution)},
@@ -68,10 +70,13 @@ public:
                              const SpinUnits<N, spin>& units) {
         if constexpr (features.rolling_resistance) resistance_.body[b] = Resistance{spec};
         const bool rescaled = make_room(reach_of(spec.shape));
-        set_collision_shape<N, spin, features.mixed()>(shape_[b], spec, inertia, scale(), units);
+        set_collision_shape<N>(shape_[b], spec, inertia, scale());
+        weight_[b].template set<features.mixed()>(spec, inertia, scale(), units);
         return rescaled;
     }
     [[nodiscard]] const CollisionShape<N>& shape(int b) const { return shape_[b]; }
+    // In the scale of the shapes.
+    [[nodiscard]] const Weights& weights() const { return weight_; }
     // Of body b when it was placed last.
     [[nodiscard]] const Axes<N>& axes(int b) const { return axes_[b]; }
     [[nodiscard]] constexpr const typename C::LengthScale& scale() const { return shape_.scale(); }
@@ -102,9 +107,10 @@ public:
     // Sets the constants of a new pair.
     void set_up(Pair& pair, [[maybe_unused]] const Bodies& bodies) {
         const CollisionShape<N>& a = shape_[pair.a];
+        const Work root_mass = weight_[pair.a].root_mass;
         Work restitution, friction;
         pair.share_a = C::one();
-        pair.weight = a.root_mass;
+        pair.weight = root_mass;
         if (pair.with_plane()) {
             const Plane<N>& plane = plane_[pair.plane()];
             restitution = combined_restitution(a.restitution, plane.restitution, restitution_);
@@ -120,10 +126,11 @@ public:
             friction = combined_friction(a.friction, b.friction, friction_);
             if constexpr (features.pairs) {
                 if (!bodies.constants[pair.b].fixed()) {
-                    const Work ratio = a.root_mass * b.per_root_mass, share = Work(1) / sqrt(Work(1) + ratio * ratio);
+                    const Work ratio = root_mass * weight_[pair.b].per_root_mass,
+                               share = Work(1) / sqrt(Work(1) + ratio * ratio);
                     pair.share_a = C::unit(share);
                     pair.share_b = C::unit(ratio * share);
-                    pair.weight = a.root_mass * share;
+                    pair.weight = root_mass * share;
                 }
                 if constexpr (features.moving_surfaces()) note_motion(pair, bodies);
             }
@@ -275,12 +282,12 @@ private:
         const Resistance &a = resistance_.body[pair.a],
                          &b = pair.with_plane() ? resistance_.plane[pair.plane()] : resistance_.body[pair.b];
         Work arm = scale().metres(shape.radius);
-        bool fits = Bounds::has_levers(shape.gyration, shape.radius);
+        bool fits = Bounds::has_levers(weight_[pair.a].gyration, shape.radius);
         if (pair.moves_b()) {
             const CollisionShape<N>& other = shape_[pair.b];
             const Work of_a = arm / N::work(pair.share_a), of_b = scale().metres(other.radius) / N::work(pair.share_b);
             arm = of_a < of_b ? of_a : of_b;
-            fits = fits && Bounds::has_levers(other.gyration, other.radius);
+            fits = fits && Bounds::has_levers(weight_[pair.b].gyration, other.radius);
         }
         pair.spin_arm = scale().length(arm);
         const Work over_arm = fits ? Work(1) / arm : Work(0);
@@ -294,7 +301,10 @@ private:
     // Makes room for a length, m. True where the scale of lengths has changed. Raises the tolerance to the least that
     // the scale resolves.
     constexpr bool make_room(Real largest) {
+        const auto finer = scale();
         const bool rescaled = shape_.make_room(largest);
+        for (int b = 0; rescaled && b < features.bodies; ++b)
+            if (!shape_[b].is(ShapeKind::none)) weight_[b].rescale(finer, scale());
         const Real least = shape_.least_tolerance();
         tolerance_ = scale().length(tolerance_metres_ < least ? least : tolerance_metres_);
         set_fall();
@@ -389,6 +399,7 @@ private:
     Plane<N> plane_[features.planes > 0 ? features.planes : 1]{};
     int plane_count_ = 0;
     Shapes<N, features.bodies> shape_{};
+    Weights weight_{};
     Axes<N> axes_[features.bodies]{};
 
     Work restitution_, friction_;  // where neither side names its own

@@ -85,7 +85,7 @@ public:
         if (active == 0) return Touch::nothing;
         if (strikes && !struck) return Touch::strikes;
         if (whole && Statics<N, spin, features>{shapes_, pairs_, velocities_, bodies_, island_}.solve(stands)) {
-            velocities_.write(forces, bodies_, shapes_, island_.group, &loads);
+            velocities_.write(forces, bodies_, shapes_.weights(), island_.group, &loads);
             solution.stands = !lifts && pairs_.hold_all(island_) && is_at_rest();
         } else if (features.control && stands) {
             return Touch::nothing;
@@ -93,7 +93,7 @@ public:
             rows_.push_all();
             const Speed enough = velocities_.scale.enough_at_rest();
             if (rows_.sweep(enough, Bounds::sweeps(contact::max_sweeps)) > enough) report_far_from_solved(enough);
-            velocities_.write(forces, bodies_, shapes_, island_.group);
+            velocities_.write(forces, bodies_, shapes_.weights(), island_.group);
         }
         pairs_.count_points(island_, shapes_.tolerance());
         solution.settled = true;
@@ -134,14 +134,14 @@ public:
     void lift(bool off) {
         for (int k = 0; k < island_.group.count; ++k) {
             const int b = island_.group.id[k];
-            const CollisionShape<N>& shape = shapes_.shape(b);
+            const BodyWeight<N>& weight = shapes_.weights()[b];
             const auto signed_work = [&](Speed s) { return velocities_.scale.work(off ? -s : s); };
             for (int i = 0; i < 3; ++i)
-                N::add_any(bodies_.state[b].d_w[i], signed_work(velocities_.loaded[b].linear[i]) * shape.per_root_mass,
+                N::add_any(bodies_.state[b].d_w[i], signed_work(velocities_.loaded[b].linear[i]) * weight.per_root_mass,
                            bodies_.scale);
             bodies_.change_spin(b, [&](auto& t_b, typename N::Scale unit) {
                 for (int i = 0; i < 3; ++i)
-                    N::add_any(t_b[i], signed_work(velocities_.loaded[b].angular[i]) * shape.per_weight[i], unit);
+                    N::add_any(t_b[i], signed_work(velocities_.loaded[b].angular[i]) * weight.per_turn[i], unit);
             });
         }
     }
@@ -355,7 +355,7 @@ private:
         const Work most = velocities_.scale.work(slack);
         for (int k = 0; k < group.count; ++k) {
             const int b = group.id[k];
-            const Work root_mass = shapes_.shape(b).root_mass;
+            const Work root_mass = shapes_.weights()[b].root_mass;
             const Velocity &start = velocities_.start[b], &now = velocities_.now[b];
             for (int i = 0; i < 3; ++i) {
                 const Work end = bodies_.drift(on->b, i) * root_mass;
@@ -371,7 +371,8 @@ private:
             Velocity& moves = velocities_.start[b];
             moves.angular = Vec3<Speed>::Constant(Speed{});
             for (int i = 0; i < 3; ++i) {
-                moves.linear[i] = as_one ? velocities_.scale.speed(change[i] * shapes_.shape(b).root_mass) : Speed{};
+                moves.linear[i] =
+                    as_one ? velocities_.scale.speed(change[i] * shapes_.weights()[b].root_mass) : Speed{};
                 if (coasting == Coasting::mean) moves.linear[i] = C::half(moves.linear[i]);
             }
         }

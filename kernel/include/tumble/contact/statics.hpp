@@ -114,7 +114,7 @@ private:
         Work mass(0);
         for (int k = 0; k < island_.group.count; ++k) {
             const int b = island_.group.id[k];
-            const Work root_mass = shapes_.shape(b).root_mass;
+            const Work root_mass = shapes_.weights()[b].root_mass;
             for (int i = 0; i < 3; ++i) momentum[i] += velocities_.scale.work(of[b].linear[i]) * root_mass;
             mass += root_mass * root_mass;
         }
@@ -126,7 +126,7 @@ private:
         for (int k = 0; k < island_.group.count; ++k) {
             const int b = island_.group.id[k];
             for (int i = 0; i < 3; ++i)
-                common_[b][i] = velocities_.scale.speed(velocity[i] * shapes_.shape(b).root_mass);
+                common_[b][i] = velocities_.scale.speed(velocity[i] * shapes_.weights()[b].root_mass);
         }
     }
     // Solves bodies that slide as one over surfaces across one direction. Where all surfaces have one friction, the law
@@ -315,7 +315,7 @@ private:
             const bool is_a = b == pair.a;
             const Unit share = is_a ? pair.share_a : pair.share_b;
             const typename W::Over over_share{share};
-            const CollisionShape<N>& shape = shapes_.shape(b);
+            const BodyWeight<N>& weight = shapes_.weights()[b];
             Velocity &now = velocities_.now[b], &other = velocities_.now[is_a ? pair.b : pair.a];
             const int rows = pair.rows();
             typename Sweep::Row row[Pair::max_points][Point::directions];
@@ -341,7 +341,7 @@ private:
                     if (pair.resists_spin()) own_spin.set(pair, k, at_start);
                 for (int i = 0; i < pair.count; ++i) {
                     const Point& point = pair.point[i];
-                    row[i][k].set(direction, Rows::levers(shape, in_middle(b, arm_of(point, is_a)), in_body));
+                    row[i][k].set(direction, weight.levers(in_middle(b, arm_of(point, is_a)), in_body));
                     // Between the rows of two bodies and of one: their lengths, and what the body takes of the motion.
                     const Row& whole = point.row[k];
                     row[i][k].target =
@@ -380,13 +380,15 @@ private:
     // Rows of the spin of one body of a pair, with its radius as the arm.
     struct SpinOfOne {
         typename Rows::Sweep::Row row[Pair::max_points][3];
-        const CollisionShape<N>& shape;
+        const BodyWeight<N>& weight;
+        Length radius;
         typename C::Friction rolling{}, spinning{}, to_pair{};  // the last: the body's arm over the pair's
 
-        SpinOfOne(const Pair& pair, const NarrowPhase& shapes, int b) : shape{shapes.shape(b)} {
+        SpinOfOne(const Pair& pair, const NarrowPhase& shapes, int b)
+            : weight{shapes.weights()[b]}, radius{shapes.shape(b).radius} {
             if (!pair.resists_spin()) return;
             if constexpr (features.rolling_resistance) {
-                const Work ratio = shapes.scale().metres(shape.radius) / shapes.scale().metres(pair.spin_arm);
+                const Work ratio = shapes.scale().metres(radius) / shapes.scale().metres(pair.spin_arm);
                 rolling = C::friction(C::work(pair.rolling) / ratio);
                 spinning = C::friction(C::work(pair.spinning) / ratio);
                 to_pair = C::friction(ratio);
@@ -397,7 +399,7 @@ private:
         void set(const Pair& pair, int k, const Vec3<Unit>& about) {
             const int to = k == 0 ? 2 : k - 1;
             for (int i = 0; i < pair.count; ++i) {
-                row[i][to].set_spin(Rows::spin_levers(shape, about, shape.radius));
+                row[i][to].set_spin(weight.spin_levers(about, radius));
                 row[i][to].target = row[i][to].impulse = Speed{};
             }
         }
@@ -456,14 +458,13 @@ private:
             frame[1] = tangent[0];
             frame[2] = tangent[1];
         }
-        const CollisionShape<N>& shape = shapes_.shape(b);
         Side side{shapes_.axes(b), frame};
         for (int s = 0; s < supports.count; ++s) side.add(*supports.pair[s], supports.pair[s]->a == b);
         side.set_middle();
         Weld weld;
         typename Weld::Shares shares;
-        if (!weld.set(side.x, side.z, side.count, shape.radius) ||
-            !weld.share(side.wrench_to_stop(frame, velocities_.now[b], shape), rough, friction,
+        if (!weld.set(side.x, side.z, side.count, shapes_.shape(b).radius) ||
+            !weld.share(side.wrench_to_stop(frame, velocities_.now[b], shapes_.weights()[b]), rough, friction,
                         Bounds::slack(velocities_.scale.enough_in_impact()), beyond(), shares))
             return false;
         const Speed motion = velocities_.now[b].largest();
@@ -592,11 +593,11 @@ private:
         }
         // What stops the body, at the middle.
         [[nodiscard]] typename Weld::Wrench wrench_to_stop(const Vec3<Unit> (&world)[3], const Velocity& now,
-                                                           const CollisionShape<N>& shape) const {
+                                                           const BodyWeight<N>& weight) const {
             typename Weld::Wrench wrench;
             for (int k = 0; k < 3; ++k) {
                 wrench.force[k] = -narrow<Speed>(dot(world[k], now.linear));
-                const auto part = [&](int i) { return narrow<Length>(mul(frame[k][i], shape.gyration[i])); };
+                const auto part = [&](int i) { return narrow<Length>(mul(frame[k][i], weight.gyration[i])); };
                 wrench.moment[k] =
                     -mul_add(mul_add(mul(part(0), now.angular[0]), part(1), now.angular[1]), part(2), now.angular[2]);
             }

@@ -1,9 +1,10 @@
 // The weighted velocities of an island's bodies while its rows are solved, all in one scale.
 #pragma once
 
-#include <tumble/contact/narrow_phase.hpp>
 #include <tumble/solver/kicks.hpp>
 #include <tumble/solver/middle_turn.hpp>
+#include <tumble/solver/row.hpp>
+#include <tumble/solver/weights.hpp>
 
 namespace tumble {
 
@@ -15,8 +16,8 @@ public:
     using Speed = typename C::Speed;
     using Work = typename N::Work;
     using Velocity = WeightedVelocity<N>;
-    using NarrowPhase = tumble::NarrowPhase<N, spin, features>;
-    using Bodies = typename NarrowPhase::Bodies;
+    using Bodies = tumble::Bodies<N, spin, features.bodies, features.mixed()>;
+    using Weights = tumble::Weights<N, features.bodies>;
     using BodyGroup = tumble::BodyGroup<features.bodies>;
     using Kicks = tumble::Kicks<N, features.bodies>;
 
@@ -46,15 +47,15 @@ public:
     // For statics, which know that the body stands at the end.
     void stop(int b) { now[b].linear = now[b].angular = Vec3<Speed>::Constant(Speed{}); }
     // Sets how far the bodies turn in `part` of a step. `in_halves`: half of each kick acts before the flight, half
-    // after.
-    void set_turns([[maybe_unused]] const Bodies& bodies, [[maybe_unused]] const NarrowPhase& shapes,
-                   [[maybe_unused]] const BodyGroup& group, [[maybe_unused]] Work part,
-                   [[maybe_unused]] bool in_halves) {
+    // after. is_alike(b): nothing about the body depends on its axes.
+    template <class IsAlike>
+    void set_turns([[maybe_unused]] const Bodies& bodies, [[maybe_unused]] const BodyGroup& group,
+                   [[maybe_unused]] Work part, [[maybe_unused]] bool in_halves, [[maybe_unused]] IsAlike&& is_alike) {
         if constexpr (shapes_turn) {
             for (int k = 0; k < group.count; ++k) {
                 const int b = group.id[k];
                 turn[b] = {};
-                if (!in_halves || shapes.shape(b).is(ShapeKind::sphere) || !bodies.is_turning(b)) continue;
+                if (!in_halves || is_alike(b) || !bodies.is_turning(b)) continue;
                 WorkVec3<N> whole;
                 for (int i = 0; i < 3; ++i) whole[i] = bodies.turn(b, i) * part;
                 turn[b] = MiddleTurn<N>{whole};
@@ -64,9 +65,9 @@ public:
     // Chooses the scale for these bodies, the changes of their motion by loads, and other speeds up to the size
     // `largest`. is_between(b): the body has several pairs.
     template <class IsBetween>
-    void set_scale(const Bodies& bodies, const NarrowPhase& shapes, const BodyGroup& group, const Kicks& loads,
+    void set_scale(const Bodies& bodies, const Weights& weights, const BodyGroup& group, const Kicks& loads,
                    decltype(C::nothing()) largest, IsBetween&& is_between) {
-        for_each_component(bodies, shapes, group, loads,
+        for_each_component(bodies, weights, group, loads,
                            [&](Speed&, Speed&, auto motion, auto load, int bits, Work weight) {
                                const auto note = [&](auto size) {
                                    if (size > largest) largest = size;
@@ -76,24 +77,24 @@ public:
                            });
         // The root of the mass ratio, as a power of two: a light body between a heavy one and another takes impulses
         // that are larger than its velocities. Several bodies need one bit more.
-        int heaviest = C::log2(shapes.shape(group.id[0]).root_mass);
+        int heaviest = C::log2(weights[group.id[0]].root_mass);
         for (int k = 1; k < group.count; ++k) {
-            const int log2 = C::log2(shapes.shape(group.id[k]).root_mass);
+            const int log2 = C::log2(weights[group.id[k]].root_mass);
             if (log2 > heaviest) heaviest = log2;
         }
         int lightest = heaviest;
         for (int k = 0; k < group.count; ++k) {
-            const int log2 = C::log2(shapes.shape(group.id[k]).root_mass);
+            const int log2 = C::log2(weights[group.id[k]].root_mass);
             if (log2 < lightest && is_between(group.id[k])) lightest = log2;
         }
         scale = C::SpeedScale::of(largest, group.count, heaviest - lightest + (group.count > 1 ? 2 : 0));
     }
     // Sets the velocities in the scale: `start` as the bodies move, `loaded` and `now` with `part` of the change by
     // loads; `whole`: all of it. The turns must be set. True where `loaded` is what it was.
-    bool set(const Bodies& bodies, const NarrowPhase& shapes, const BodyGroup& group, const Kicks& loads, Work part,
+    bool set(const Bodies& bodies, const Weights& weights, const BodyGroup& group, const Kicks& loads, Work part,
              bool whole) {
         const typename N::Unit fraction = whole ? C::one() : C::unit(part);
-        for_each_component(bodies, shapes, group, loads,
+        for_each_component(bodies, weights, group, loads,
                            [&](Speed& before, Speed& end, auto motion, auto load, int bits, Work weight) {
                                before = scale.speed(motion, bits, weight);
                                end = scale.speed(load, bits, weight);
@@ -104,7 +105,7 @@ public:
         for (int k = 0; k < group.count; ++k) {
             const int b = group.id[k];
             if constexpr (shapes_turn)
-                if (turn[b]) precess(now[b].angular, shapes.shape(b), turn[b]);
+                if (turn[b]) precess(now[b].angular, weights[b], turn[b]);
             same = same && loaded[b].linear == now[b].linear && loaded[b].angular == now[b].angular;
             loaded[b] = now[b];
         }
@@ -112,15 +113,15 @@ public:
     }
     // Writes what the rows have changed as kicks. A change beyond the range is reported. `loads`: where bodies that end
     // without velocity or without spin shall have exactly none at the end of a whole step.
-    void write(Kicks& kicks, Bodies& bodies, const NarrowPhase& shapes, const BodyGroup& group,
+    void write(Kicks& kicks, Bodies& bodies, const Weights& weights, const BodyGroup& group,
                const Kicks* loads = nullptr) const {
         for (int k = 0; k < group.count; ++k) {
             const int b = group.id[k];
-            const CollisionShape<N>& shape = shapes.shape(b);
+            const BodyWeight<N>& weight = weights[b];
             Kick<N>& kick = kicks[b];
             const bool within = write(
                 kick, [&](int i) { return now[b].linear[i] - loaded[b].linear[i]; },
-                [&](int i) { return now[b].angular[i] - loaded[b].angular[i]; }, bodies, shape, b);
+                [&](int i) { return now[b].angular[i] - loaded[b].angular[i]; }, bodies, weight, b);
             if (!within) [[unlikely]]
                 bodies.report(Issue::range_left, b);
             if (loads != nullptr) stop(kick, (*loads)[b], bodies.state[b], now[b]);
@@ -130,30 +131,30 @@ public:
     // False where it is beyond the range.
     template <class Linear, class Angular>
     TUMBLE_INLINE bool write(Kick<N>& kick, Linear&& linear, Angular&& angular, const Bodies& bodies,
-                             const CollisionShape<N>& shape, int b) const {
+                             const BodyWeight<N>& weight, int b) const {
         bool within = true;
         for (int i = 0; i < 3; ++i) {
             kick.linear[i] = C::template as<typename N::DriftSum>(
-                scale.sum(linear(i), C::drift_bits(bodies.scale), shape.per_root_mass, within));
+                scale.sum(linear(i), C::drift_bits(bodies.scale), weight.per_root_mass, within));
             kick.angular[i] = C::template as<typename N::TurnSum>(
-                scale.sum(angular(i), C::turn_bits(bodies.spin_scale(b)), shape.per_weight[i], within));
+                scale.sum(angular(i), C::turn_bits(bodies.spin_scale(b)), weight.per_turn[i], within));
         }
         return within;
     }
     // Adds the change since `start` to the motion of the bodies. `loads` keep the scale of the spins.
-    void add_to(Bodies& bodies, Kicks& loads, const NarrowPhase& shapes, const BodyGroup& group) const {
+    void add_to(Bodies& bodies, Kicks& loads, const Weights& weights, const BodyGroup& group) const {
         for (int k = 0; k < group.count; ++k) {
             const int b = group.id[k];
-            const CollisionShape<N>& shape = shapes.shape(b);
+            const BodyWeight<N>& weight = weights[b];
             for (int i = 0; i < 3; ++i) {
                 const Speed linear = now[b].linear[i] - start[b].linear[i];
-                N::add_any(bodies.state[b].d_w[i], scale.work(linear) * shape.per_root_mass, bodies.scale);
+                N::add_any(bodies.state[b].d_w[i], scale.work(linear) * weight.per_root_mass, bodies.scale);
             }
             const int halvings = bodies.halvings_of(b);
             bodies.change_spin(b, [&](auto& t_b, typename N::Scale unit) {
                 for (int i = 0; i < 3; ++i) {
                     const Speed angular = now[b].angular[i] - start[b].angular[i];
-                    N::add_any(t_b[i], scale.work(angular) * shape.per_weight[i], unit);
+                    N::add_any(t_b[i], scale.work(angular) * weight.per_turn[i], unit);
                 }
             });
             loads.rescale(b, bodies.halvings_of(b) - halvings);
@@ -163,14 +164,14 @@ public:
 private:
     // Euler's equations by the midpoint method: sqrt(I_i) dw_i = (I_j - I_k) / sqrt(I_i) w_j w_k. Of the two factors,
     // that of the larger moment I_m is u_m / sqrt(I_m), and the other is the turn.
-    static void precess(Vec3<Speed>& u, const CollisionShape<N>& shape, const MiddleTurn<N>& turn) {
+    static void precess(Vec3<Speed>& u, const BodyWeight<N>& weight, const MiddleTurn<N>& turn) {
         const auto quarter_of_change = [&](const Vec3<Speed>& speed, const Vec3<Unit>& quarter) {
             Vec3<Speed> change;
             for (int i = 0; i < 3; ++i) {
                 const int j = (i + 1) % 3, k = (i + 2) % 3;
-                const bool last = shape.gyration[j] < shape.gyration[k];
+                const bool last = weight.gyration[j] < weight.gyration[k];
                 const Speed product = narrow<Speed>(mul(speed[last ? k : j], quarter[last ? j : k]));
-                change[i] = narrow<Speed>(mul(product, shape.gyroscopic[i]));
+                change[i] = narrow<Speed>(mul(product, weight.gyroscopic[i]));
             }
             return change;
         };
@@ -178,7 +179,7 @@ private:
         Vec3<Unit> middle;
         for (int i = 0; i < 3; ++i) {
             const Unit product = C::product(quarter[(i + 1) % 3], quarter[(i + 2) % 3]);
-            const Unit half = C::product(product, shape.euler[i]);
+            const Unit half = C::product(product, weight.euler[i]);
             middle[i] = quarter[i] + half + half;
         }
         Vec3<Speed> change = quarter_of_change(u, quarter);
@@ -196,19 +197,19 @@ private:
     }
     // Calls f(start, with loads, the sum now, the loads' change, its fraction bits, its weight) for each component.
     template <class F>
-    void for_each_component(const Bodies& bodies, const NarrowPhase& shapes, const BodyGroup& group, const Kicks& loads,
+    void for_each_component(const Bodies& bodies, const Weights& weights, const BodyGroup& group, const Kicks& loads,
                             F&& f) {
         const int drift_bits = C::drift_bits(bodies.scale);
         for (int k = 0; k < group.count; ++k) {
             const int b = group.id[k];
-            const CollisionShape<N>& shape = shapes.shape(b);
+            const BodyWeight<N>& weight = weights[b];
             const auto& s = bodies.state[b];
             const int spin_bits = C::turn_bits(bodies.spin_scale(b));
             for (int i = 0; i < 3; ++i) {
                 f(start[b].linear[i], now[b].linear[i], C::raw(N::sum(s.d_w[i])), C::raw(loads[b].linear[i]),
-                  drift_bits, shape.root_mass);
+                  drift_bits, weight.root_mass);
                 f(start[b].angular[i], now[b].angular[i], C::raw(N::sum(s.t_b[i])), C::raw(loads[b].angular[i]),
-                  spin_bits, shape.weight[i]);
+                  spin_bits, weight.of_turn[i]);
             }
         }
     }

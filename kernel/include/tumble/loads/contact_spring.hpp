@@ -42,8 +42,7 @@ public:
         if (!on_) return;
         const Real reach = reach_of(spec.shape);
         (void)shape_.make_room(reach);
-        set_collision_shape<N, spin, features.mixed()>(shape_[b], spec, inertia, shape_.scale(),
-                                                       bodies.constants[b].units);
+        set_collision_shape<N>(shape_[b], spec, inertia, shape_.scale());
         radius_[b] = N::template constant<Work>(reach);
         per_mass_[b] = spec.is_fixed() ? Work(0) : N::template constant<Work>(Real{1} / spec.mass);
         compliance_[b] = spec.is_fixed() || shape_[b].is(ShapeKind::none) ? Real{} : compliance(spec, inertia);

@@ -1,5 +1,5 @@
-// Shapes that collide: planes, spheres, boxes, capsules, cylinders and hoops, with the constants of a body that
-// contacts need. Lengths are in units of ContactNumbers::LengthScale.
+// Shapes that collide: planes, spheres, boxes, capsules, cylinders and hoops, with restitution and friction of a
+// body. Lengths are in units of ContactNumbers::LengthScale.
 #pragma once
 
 #include <tumble/body/bodies.hpp>
@@ -82,23 +82,11 @@ struct CollisionShape {
     Length radius{};          // of the sphere about the centre of mass that contains the shape
     StoredVec3<Unit> axis{};  // of a cylinder, capsule or hoop, among the principal axes
     Axes<N> edges{};
-    typename C::PerLength per_gyration[3]{};  // one over the radii of gyration
-    StoredVec3<Length> gyration{};
-    // Of Euler's equations, for axes i, j, k in a cycle: (I_j - I_k) / sqrt(I_i I_m), I_m the larger one of I_j and
-    // I_k, and (I_j - I_k) / I_i. By the triangle inequality of moments both are at most 1.
-    StoredVec3<Unit> gyroscopic{}, euler{};
-    Work root_mass{};                   // sqrt(m)
-    Work weight[3]{}, per_weight[3]{};  // from half turns to sqrt(I_i) w_i h, and back
-    Work per_root_mass{};
     Work restitution{}, friction{};
 
     // Converts the lengths to a coarser scale.
     constexpr void rescale(const typename C::LengthScale& from, const typename C::LengthScale& to) {
-        for (int i = 0; i < 3; ++i) {
-            half[i] = to.coarser(half[i], from);
-            per_gyration[i].rescale(from, to);
-            gyration[i] = to.coarser(gyration[i], from);
-        }
+        for (int i = 0; i < 3; ++i) half[i] = to.coarser(half[i], from);
         radius = to.coarser(radius, from);
     }
     [[nodiscard]] constexpr bool is(ShapeKind k) const { return kind == k; }
@@ -151,11 +139,10 @@ private:
     }
 }
 
-// With `points` the body may be a point mass, which collides with nothing but may be tied to colliding bodies.
-template <class N, Spin spin, bool points = false>
-TUMBLE_COLD constexpr void
-set_collision_shape(CollisionShape<N>& shape, const BodySpec& spec, const PrincipalInertia& inertia,
-                    const typename ContactNumbers<N>::LengthScale& scale, const SpinUnits<N, spin>& units) {
+template <class N>
+TUMBLE_COLD constexpr void set_collision_shape(CollisionShape<N>& shape, const BodySpec& spec,
+                                               const PrincipalInertia& inertia,
+                                               const typename ContactNumbers<N>::LengthScale& scale) {
     using C = ContactNumbers<N>;
     using Work = typename N::Work;
     using Unit = typename C::Unit;
@@ -166,7 +153,7 @@ set_collision_shape(CollisionShape<N>& shape, const BodySpec& spec, const Princi
     shape.radius = scale.length(reach);
     shape.restitution = N::template constant<Work>(spec.restitution);
     shape.friction = N::template constant<Work>(spec.friction);
-    const Real half = Real::scaled(1, -1), root_mass = sqrt(spec.mass);
+    const Real half = Real::scaled(1, -1);
     const RealVec3 size = spec.shape.size;
     const RealQuat back = inertia.principal.conjugate();
     const RealVec3 axis[3] = {back.rotate({1, 0, 0}), back.rotate({0, 1, 0}), back.rotate({0, 0, 1})};
@@ -192,24 +179,6 @@ set_collision_shape(CollisionShape<N>& shape, const BodySpec& spec, const Princi
     } else {
         shape.half = {scale.length(size.x), scale.length(shape.kind == ShapeKind::hoop ? Real{} : size.y * half), {}};
         for (int i = 0; i < 3; ++i) shape.axis[i] = unit(axis[2][i]);
-    }
-    shape.root_mass = N::template constant<Work>(root_mass);
-    shape.per_root_mass = N::template constant<Work>(Real{1} / root_mass);
-    if constexpr (points) {
-        if (is_point_mass(spec)) {
-            for (int i = 0; i < 3; ++i) shape.weight[i] = shape.per_weight[i] = Work(1);  // of a spin that is zero
-            return;
-        }
-    }
-    for (int i = 0; i < 3; ++i) {
-        const Real root_moment = sqrt(inertia.moments[i]);
-        shape.per_gyration[i] = C::PerLength::of(root_moment / root_mass, scale);
-        shape.gyration[i] = scale.length(root_moment / root_mass);
-        shape.weight[i] = N::template constant<Work>(root_moment) * units.rate(i, Work(1));
-        shape.per_weight[i] = Work(1) / shape.weight[i];
-        const Real next = inertia.moments[(i + 1) % 3], last = inertia.moments[(i + 2) % 3];
-        shape.gyroscopic[i] = unit((next - last) / sqrt(inertia.moments[i] * (next < last ? last : next)));
-        shape.euler[i] = unit((next - last) / inertia.moments[i]);
     }
 }
 
