@@ -108,6 +108,8 @@ struct Features {
 
     // True if some bodies rotate and others, point masses, do not.
     [[nodiscard]] constexpr bool mixed() const { return rotation && point_masses; }
+    // True if contacts may depend on the axes of a body. Those of spheres do not.
+    [[nodiscard]] constexpr bool has_axes() const { return boxes || round_shapes; }
     // True if the surface of a fixed body may move.
     [[nodiscard]] constexpr bool moving_surfaces() const { return turntables || kinematic; }
     // True if a body can collide with something. Point masses collide with nothing.

@@ -3,8 +3,8 @@
 
 #include <tumble/contact/narrow_phase.hpp>
 #include <tumble/contact/pair_list.hpp>
-#include <tumble/contact/velocities.hpp>
 #include <tumble/solver/sweep.hpp>
+#include <tumble/solver/velocities.hpp>
 
 namespace tumble {
 
@@ -71,7 +71,7 @@ public:
         if (!hold) {
             pair.still = 0;
             const Directions directions{pair, shapes_.axes(pair.a), pair.moves_b() ? &shapes_.axes(pair.b) : nullptr};
-            if constexpr (Velocities::shapes_turn)
+            if constexpr (Velocities::bodies_turn)
                 if (turns) make_turning_rows(pair, directions);
             bool moves = false;
             if constexpr (has_edges) moves = may_shift(pair);
@@ -418,7 +418,7 @@ private:
     // Makes the rows of bodies that turn. A point on a surface that stands still is a place on the body, but round
     // shapes roll over it. Between two bodies that move, the arms stand still in the world.
     [[gnu::noinline]] void make_turning_rows(Pair& pair, const Directions& directions) const
-        requires(Velocities::shapes_turn) {
+        requires(Velocities::bodies_turn) {
         const int count = pair.rows();
         const Turned a{directions.angular, velocities_.turn[pair.a], count};
         if constexpr (features.pairs) {
@@ -472,7 +472,7 @@ private:
             return arms;
         });
     }
-    [[nodiscard]] Arms world_arms(int b, const Vec3<Length>& arm) const requires(Velocities::shapes_turn) {
+    [[nodiscard]] Arms world_arms(int b, const Vec3<Length>& arm) const requires(Velocities::bodies_turn) {
         const Vec3<Length> middle = velocities_.turn[b].later(arm);
         return {middle, velocities_.turn[b].later(middle)};
     }

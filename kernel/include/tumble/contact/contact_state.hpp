@@ -6,9 +6,9 @@
 #include <tumble/contact/resting.hpp>
 #include <tumble/contact/sleepers.hpp>
 #include <tumble/contact/standing.hpp>
-#include <tumble/contact/velocities.hpp>
 #include <tumble/solver/kicks.hpp>
 #include <tumble/solver/marks.hpp>
+#include <tumble/solver/velocities.hpp>
 
 namespace tumble {
 

@@ -200,7 +200,7 @@ private:
     [[nodiscard, gnu::noinline, gnu::cold]] bool turns_about([[maybe_unused]] const Pair& pair,
                                                              [[maybe_unused]] const Point& point) const {
         bool turns = false;
-        if constexpr (Velocities::shapes_turn) {
+        if constexpr (Velocities::bodies_turn) {
             if (pair.count < 3) return false;
             const auto times = [](Speed s, const Point& other) {
                 return tumble::Row<N, features.pairs>::product(s, other.row[0].inverse);

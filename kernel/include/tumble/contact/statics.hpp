@@ -300,7 +300,7 @@ private:
     // What stands still in the world, in the axes that the body has where its rows act.
     template <class T>
     [[nodiscard]] Vec3<T> in_middle([[maybe_unused]] int b, const Vec3<T>& v) const {
-        if constexpr (Velocities::shapes_turn)
+        if constexpr (Velocities::bodies_turn)
             if (velocities_.turns(b)) return velocities_.turn[b].later(v);
         return v;
     }

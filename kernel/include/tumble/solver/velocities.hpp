@@ -26,32 +26,32 @@ public:
     Velocities loaded{};  // before the impulses of the rows
     Velocities now{};     // with the impulses of the rows
     typename C::SpeedScale scale{};
-    // Surfaces of fixed bodies.
+    // Of bodies that move and that nothing pushes.
     struct Surfaces {
         bool changed = false;  // some have another velocity since the last step
         bool carry = false;    // `loaded` has a motion that this causes
     };
     [[no_unique_address]] If<features.moving_surfaces(), Surfaces, 1> surfaces{};
-    // None where kicks act at one end of the flight. Nothing about a sphere depends on its axes.
-    static constexpr bool shapes_turn = features.boxes || features.round_shapes;
-    [[no_unique_address]] If<shapes_turn, ZeroedArray<MiddleTurn<N>, features.bodies>, 0> turn{};
+    // None where kicks act at one end of the flight, and of a body on whose axes nothing depends, such as a ball.
+    static constexpr bool bodies_turn = features.has_axes();
+    [[no_unique_address]] If<bodies_turn, ZeroedArray<MiddleTurn<N>, features.bodies>, 0> turn{};
     [[nodiscard]] bool turns([[maybe_unused]] int b) const {
-        if constexpr (shapes_turn) return static_cast<bool>(turn[b]);
+        if constexpr (bodies_turn) return static_cast<bool>(turn[b]);
         else return false;
     }
 
     void forget_turns() {
-        if constexpr (shapes_turn)
+        if constexpr (bodies_turn)
             for (auto& t : turn) t = {};
     }
-    // For statics, which know that the body stands at the end.
+    // Of a body that is known to stand at the end.
     void stop(int b) { now[b].linear = now[b].angular = Vec3<Speed>::Constant(Speed{}); }
     // Sets how far the bodies turn in `part` of a step. `in_halves`: half of each kick acts before the flight, half
     // after. is_alike(b): nothing about the body depends on its axes.
     template <class IsAlike>
     void set_turns([[maybe_unused]] const Bodies& bodies, [[maybe_unused]] const BodyGroup& group,
                    [[maybe_unused]] Work part, [[maybe_unused]] bool in_halves, [[maybe_unused]] IsAlike&& is_alike) {
-        if constexpr (shapes_turn) {
+        if constexpr (bodies_turn) {
             for (int k = 0; k < group.count; ++k) {
                 const int b = group.id[k];
                 turn[b] = {};
@@ -63,7 +63,7 @@ public:
         }
     }
     // Chooses the scale for these bodies, the changes of their motion by loads, and other speeds up to the size
-    // `largest`. is_between(b): the body has several pairs.
+    // `largest`. is_between(b): the body has rows with several others.
     template <class IsBetween>
     void set_scale(const Bodies& bodies, const Weights& weights, const BodyGroup& group, const Kicks& loads,
                    decltype(C::nothing()) largest, IsBetween&& is_between) {
@@ -104,7 +104,7 @@ public:
         bool same = true;
         for (int k = 0; k < group.count; ++k) {
             const int b = group.id[k];
-            if constexpr (shapes_turn)
+            if constexpr (bodies_turn)
                 if (turn[b]) precess(now[b].angular, weights[b], turn[b]);
             same = same && loaded[b].linear == now[b].linear && loaded[b].angular == now[b].angular;
             loaded[b] = now[b];
