@@ -129,11 +129,11 @@ private:
     // Solves for the impulses of the active points from the present velocities. Of one pair without friction, plain
     // sweeps converge best.
     void solve(bool one_smooth_pair) {
-        copy(velocities_.loaded, velocities_.now);
+        copy(velocities_.round_start(), velocities_.now);
         (void)rows_.sweep(velocities_.scale.enough_in_impact(), Bounds::sweeps(contact::max_impact_sweeps),
                           !one_smooth_pair);
         // Each impulse is applied once, not in one part per sweep: this rounds less.
-        copy(velocities_.now, velocities_.loaded);
+        copy(velocities_.now, velocities_.round_start());
         rows_.push_all();
     }
     // One round. False where no point bounces.
@@ -215,7 +215,7 @@ private:
                 for (int i = 0; i < pair.count; ++i) {
                     const Point& point = pair.point[i];
                     if (!point.active || !(point.row[0].impulse > Speed{})) continue;
-                    const Speed approach = -rows_.velocity(velocities_.loaded, pair, point);
+                    const Speed approach = -rows_.velocity(velocities_.round_start(), pair, point);
                     const Work speed = velocities_.scale.work(approach) / (pair.weight * N::work(point.row[0].inverse));
                     if (speed > fastest) fastest = speed;
                 }
@@ -229,7 +229,7 @@ private:
     void for_each_component(F&& f) {
         for (int k = 0; k < island_.group.count; ++k) {
             const int b = island_.group.id[k];
-            const Velocity& u = velocities_.loaded[b];
+            const Velocity& u = velocities_.round_start()[b];
             Velocity& end = velocities_.now[b];
             for (int i = 0; i < 3; ++i) {
                 f(u.linear[i], end.linear[i]);

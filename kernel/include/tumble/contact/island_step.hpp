@@ -275,7 +275,7 @@ private:
             for (int k = 0; k < island_.group.count; ++k) {
                 const int b = island_.group.id[k];
                 Kick<N> kick;
-                const auto& moves = contacts_.velocities.loaded[b];
+                const auto& moves = contacts_.velocities.added()[b];
                 if (!contacts_.velocities.write(
                         kick, [&](int i) { return moves.linear[i]; }, [&](int i) { return moves.angular[i]; }, bodies_,
                         contacts_.shapes.weights()[b], b))

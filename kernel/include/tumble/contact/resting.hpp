@@ -8,7 +8,7 @@ namespace tumble {
 // What the solution for the forces of a step has found.
 enum class Touch : std::uint8_t { nothing, rests, strikes };
 struct Solution {
-    bool lifts = false;    // SolverVelocities::loaded holds a motion that corrects penetrations
+    bool lifts = false;    // SolverVelocities::added() has a motion that corrects penetrations
     bool settled = false;  // nothing has changed since, and it corrects no penetration
     bool stands = false;   // nothing moves, and nothing will in this step
 };
@@ -137,11 +137,11 @@ public:
             const BodyWeight<N>& weight = shapes_.weights()[b];
             const auto signed_work = [&](Speed s) { return velocities_.scale.work(off ? -s : s); };
             for (int i = 0; i < 3; ++i)
-                N::add_any(bodies_.state[b].d_w[i], signed_work(velocities_.loaded[b].linear[i]) * weight.per_root_mass,
-                           bodies_.scale);
+                N::add_any(bodies_.state[b].d_w[i],
+                           signed_work(velocities_.added()[b].linear[i]) * weight.per_root_mass, bodies_.scale);
             bodies_.change_spin(b, [&](auto& t_b, typename N::Scale unit) {
                 for (int i = 0; i < 3; ++i)
-                    N::add_any(t_b[i], signed_work(velocities_.loaded[b].angular[i]) * weight.per_turn[i], unit);
+                    N::add_any(t_b[i], signed_work(velocities_.added()[b].angular[i]) * weight.per_turn[i], unit);
             });
         }
     }
@@ -246,7 +246,7 @@ private:
             all = all && !(velocities_.start[island_.group.id[k]].largest() > slack);
         return all;
     }
-    // Finds the motion that corrects penetrations, and writes it into `loaded`: the least at which no point sinks.
+    // Finds the motion that corrects penetrations, and writes it into added(): the least at which no point sinks.
     // Friction takes no part in it, and it has no warm start. False where it is not found, as for a body squeezed
     // between fixed ones: then its points push against each other by more than their corrections in every sweep. The
     // last two sweeps have no momentum, so that only the points themselves decide.
@@ -262,7 +262,8 @@ private:
         });
         // The points may be less deep than the pair.
         if (!(largest > Speed{})) return false;
-        for (int k = 0; k < group.count; ++k) velocities_.loaded[group.id[k]] = velocities_.now[group.id[k]];
+        // Without the correction, until the difference takes its place.
+        for (int k = 0; k < group.count; ++k) velocities_.added()[group.id[k]] = velocities_.now[group.id[k]];
         pairs_.for_each_active(island_, [](Pair&, Point& point) {
             point.set_aside = point.row[0].impulse;
             point.row[0].impulse = Speed{};
@@ -272,10 +273,10 @@ private:
         const Speed left = rows_.sweep_normals(enough, 2, false);
         pairs_.for_each_active(island_, [](Pair&, Point& point) { point.row[0].impulse = point.set_aside; });
         const bool solved = !(left > largest);
-        report_sinking(solved ? velocities_.now : velocities_.loaded);
+        report_sinking(solved ? velocities_.now : velocities_.added());
         for (int k = 0; k < group.count; ++k) {
             const int b = group.id[k];
-            auto& lifted = velocities_.loaded[b];
+            auto& lifted = velocities_.added()[b];
             const auto& now = velocities_.now[b];
             // Without a solution nothing moves: rests() finds no change.
             if (!solved) lifted = velocities_.now[b] = velocities_.start[b];
@@ -286,9 +287,9 @@ private:
     }
     // A surface whose velocity has changed moves by its new velocity from the start of the step. A contact force acts
     // half before the flight and half after it, so the body moves by the mean of its old velocity and the new one.
-    // Finds the motion that is missing, and writes it into `start`: the least one that gives half of the change to the
-    // points that the surface holds, and keeps the other points that hold. It is added before the flight and taken off
-    // after it. False where there is none.
+    // Finds the motion that is missing, and writes it into taken_along(): the least one that gives half of the change
+    // to the points that the surface holds, and keeps the other points that hold. It is added before the flight and
+    // taken off after it. False where there is none.
     [[gnu::noinline, gnu::cold]] bool find_taken_along(const Kicks& changes,
                                                        Coasting coasting) requires(features.moving_surfaces()) {
         bool any = false;
@@ -312,7 +313,7 @@ private:
         if (!(largest > enough)) return false;
         const Speed eighth = C::eighth(largest), slack = eighth > enough ? eighth : enough;
         guess_taken_along(changes, coasting, slack);
-        auto& moves = velocities_.start;
+        auto& moves = velocities_.taken_along();
         for (int sweep = 0; sweep < Bounds::sweeps(contact::max_impact_sweeps); ++sweep) {
             Speed most{};
             pairs_.for_each_active(island_, [&](Pair& pair, Point& point) {
@@ -368,7 +369,7 @@ private:
         }
         for (int k = 0; k < group.count; ++k) {
             const int b = group.id[k];
-            Velocity& moves = velocities_.start[b];
+            Velocity& moves = velocities_.taken_along()[b];
             moves.angular = Vec3<Speed>::Constant(Speed{});
             for (int i = 0; i < 3; ++i) {
                 moves.linear[i] =
@@ -381,7 +382,7 @@ private:
     void add_taken_along(Solution& solution) {
         for (int k = 0; k < island_.group.count; ++k) {
             const int b = island_.group.id[k];
-            auto &moves = velocities_.loaded[b], &taken_along = velocities_.start[b];
+            auto &moves = velocities_.added()[b], &taken_along = velocities_.taken_along()[b];
             if (!solution.lifts) moves = taken_along;
             else moves = {moves.linear + taken_along.linear, moves.angular + taken_along.angular};
         }

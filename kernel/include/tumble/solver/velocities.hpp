@@ -25,11 +25,18 @@ public:
     Velocities start{};   // before the loads
     Velocities loaded{};  // before the impulses of the rows
     Velocities now{};     // with the impulses of the rows
+    // The room of `loaded` has these where it is needed no more: a motion that is added to that of the bodies for a
+    // flight, and in an impact the velocities at the start of a round.
+    [[nodiscard]] Velocities& added() { return loaded; }
+    [[nodiscard]] const Velocities& added() const { return loaded; }
+    [[nodiscard]] Velocities& round_start() { return loaded; }
+    // The room of `start`, likewise: the part of the added motion that surfaces cause.
+    [[nodiscard]] Velocities& taken_along() { return start; }
     typename C::SpeedScale scale{};
     // Of bodies that move and that nothing pushes.
     struct Surfaces {
         bool changed = false;  // some have another velocity since the last step
-        bool carry = false;    // `loaded` has a motion that this causes
+        bool carry = false;    // added() has a motion that this causes
     };
     [[no_unique_address]] If<features.moving_surfaces(), Surfaces, 1> surfaces{};
     // None where kicks act at one end of the flight, and of a body on whose axes nothing depends, such as a ball.
