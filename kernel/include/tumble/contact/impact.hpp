@@ -55,7 +55,7 @@ public:
                 Point& point = pair.point[i];
                 if (is_apart(point)) continue;
                 const Speed speed = rows_.velocity(velocities_.start, pair, point);
-                point.set_aside = magnitude_of(rows_.velocity(velocities_.now, pair, point) - speed);
+                point.change_by_loads = magnitude_of(rows_.velocity(velocities_.now, pair, point) - speed);
                 if (-speed > fastest) fastest = -speed;
             }
             ++pairs;
@@ -105,7 +105,7 @@ private:
     [[nodiscard]] bool bounces(const Pair& pair, const Point& point, Speed approach) const {
         if (!(approach > velocities_.scale.noise())) return false;
         const Speed bounce = narrow<Speed>(mul(approach, pair.restitution));
-        if (!Bounds::bounce_lasts(bounce, point.set_aside)) return false;
+        if (!Bounds::bounce_lasts(bounce, point.change_by_loads)) return false;
         if (!(threshold_ > Work(0))) return true;
         return !(approach < Rows::along(point, rows_.pair_speed(pair, threshold_)));
     }
@@ -117,7 +117,7 @@ private:
     [[nodiscard, gnu::noinline, gnu::cold]] bool bounces_far(const Pair& pair, const Point& point) const {
         const Speed approach = -rows_.velocity(velocities_.now, pair, point);
         const Speed bounce = narrow<Speed>(mul(approach, pair.restitution));
-        return bounces(pair, point, approach) && bounce > point.set_aside &&
+        return bounces(pair, point, approach) && bounce > point.change_by_loads &&
                bounce > Rows::along(point, rows_.pair_speed(pair, shapes_.slow())) &&
                velocities_.scale.work(bounce) > Bounds::left_by_collapse(fastest_);
     }

@@ -25,9 +25,10 @@ struct ContactPoint {
     Length gap;
     bool active;             // part of the present solution
     bool rows_hold = false;  // for where the bodies are
-    // In an impact, the change of the velocity along the normal by the loads in a step; while penetrations are
-    // corrected, the impulse along the normal without that.
-    Speed set_aside;
+    union {
+        Speed change_by_loads;  // in an impact: of the velocity along the normal, in a step
+        Speed resting_impulse;  // while penetrations are corrected: along the normal, without that
+    };
     [[no_unique_address]] If<features.kinematic, Speed, 3> surface{};  // of the other side, along the normal
     Row<N, features.pairs> row[directions];  // the normal, of which the target is the least velocity; the tangents
     [[no_unique_address]] If<features.friction, Couplings<N>, 4> couplings;  // for the sweeps

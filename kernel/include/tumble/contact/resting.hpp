@@ -265,13 +265,13 @@ private:
         // Without the correction, until the difference takes its place.
         for (int k = 0; k < group.count; ++k) velocities_.added()[group.id[k]] = velocities_.now[group.id[k]];
         pairs_.for_each_active(island_, [](Pair&, Point& point) {
-            point.set_aside = point.row[0].impulse;
+            point.resting_impulse = point.row[0].impulse;
             point.row[0].impulse = Speed{};
         });
         const Speed enough = velocities_.scale.enough_at_rest();
         (void)rows_.sweep_normals(enough, Bounds::sweeps(contact::max_impact_sweeps), true);
         const Speed left = rows_.sweep_normals(enough, 2, false);
-        pairs_.for_each_active(island_, [](Pair&, Point& point) { point.row[0].impulse = point.set_aside; });
+        pairs_.for_each_active(island_, [](Pair&, Point& point) { point.row[0].impulse = point.resting_impulse; });
         const bool solved = !(left > largest);
         report_sinking(solved ? velocities_.now : velocities_.added());
         for (int k = 0; k < group.count; ++k) {
@@ -302,7 +302,7 @@ private:
                 if (is_on_changed(changes, pair)) ahead = rows_.change_ahead(changes, pair, point);
             for (int k = 0; k < pair.rows(); ++k) {
                 const Work along = dot(ahead, work_unit<N>(k == 0 ? pair.normal : pair.tangent[k - 1]));
-                Speed& missing = point.row[k].before;
+                Speed& missing = point.row[k].missing;
                 missing = Rows::along(point.row[k], rows_.pair_speed(pair, along));
                 if (coasting == Coasting::mean) missing = C::half(missing);
                 const Speed size = magnitude_of(missing);
@@ -326,7 +326,7 @@ private:
                 const bool sticks = pair.rows() > 1 && holds(1) && holds(2);
                 for (int k = 0; k < (sticks ? pair.rows() : 1); ++k) {
                     auto& row = point.row[k];
-                    const Speed by = row.before - row.velocity(moves[pair.a], b), size = magnitude_of(by);
+                    const Speed by = row.missing - row.velocity(moves[pair.a], b), size = magnitude_of(by);
                     row.push(by, moves[pair.a], b);
                     if (size > most) most = size;
                 }

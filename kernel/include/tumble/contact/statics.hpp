@@ -305,7 +305,7 @@ private:
         return v;
     }
     // Solves the pair of a body that moves on one that rests, by sweeps over its points alone, and hands on what they
-    // push. `before` of the points' rows gets this as impulses of the body.
+    // push. `unscaled` of the points' rows gets this as impulses of the body.
     bool slide([[maybe_unused]] Pair& pair, [[maybe_unused]] int b) {
         if constexpr (!features.pairs) {
             return false;
@@ -362,14 +362,14 @@ private:
                 for (int k = 0; k < Point::directions; ++k) {
                     auto& to = pair.point[i].row[k];
                     propose(to, k < rows ? over_share(Row::product(row[i][k].impulse, row[i][k].inverse)) : Speed{});
-                    if (k < rows) to.push(to.conjugate, is_a ? unused : other, is_a ? &other : &unused);
+                    if (k < rows) to.push(to.proposed, is_a ? unused : other, is_a ? &other : &unused);
                 }
                 if constexpr (features.rolling_resistance)
                     for (int k = 0; k < 3; ++k) {
                         auto& to = pair.point[i].spin[k];
                         propose(to, pair.resists_spin() ? over_share(own_spin.of_pair(i, k)) : Speed{});
-                        if (!(to.before == Speed{}))
-                            to.push(to.conjugate, is_a ? unused : other, is_a ? &other : &unused);
+                        if (!(to.unscaled == Speed{}))
+                            to.push(to.proposed, is_a ? unused : other, is_a ? &other : &unused);
                     }
             }
             pair.carrying = static_cast<std::uint8_t>(carrying);
@@ -436,7 +436,7 @@ private:
         return true;
     }
     // Stops a body through its supports, which push along one direction at points of one plane, and hands on what each
-    // of them pushes. `before` of the points' rows gets this as impulses of the body.
+    // of them pushes. `unscaled` of the points' rows gets this as impulses of the body.
     bool carry(const Supports& supports, int b) {
         const Pair& first = *supports.pair[0];
         // Towards the body.
@@ -487,12 +487,12 @@ private:
     // Whether a point pushes and its friction is in its cone: the supports of a body may be tilted against each other.
     [[nodiscard]] bool is_in_cone(const Pair& pair, const Point& point) const {
         const Speed slack = Bounds::slack(velocities_.scale.enough_in_impact()) + beyond(),
-                    normal = point.row[0].before;
+                    normal = point.row[0].unscaled;
         if (normal < -slack) return false;
         if constexpr (features.friction) {
             if (pair.rows() == 1) return true;
-            const Speed limit = C::times_friction(pair.friction, normal) + slack, x = point.row[1].before,
-                        y = point.row[2].before;
+            const Speed limit = C::times_friction(pair.friction, normal) + slack, x = point.row[1].unscaled,
+                        y = point.row[2].unscaled;
             return !(mul_add(mul(x, x), y, y) > mul(limit, limit));
         }
         return true;
@@ -515,15 +515,15 @@ private:
     };
     // Sets the impulse that a row may get, times its `inverse`.
     static void propose(Row& row, Speed impulse) {
-        row.before = impulse;
-        row.conjugate = impulse == Speed{} ? Speed{} : W::over(impulse, row.inverse);
+        row.unscaled = impulse;
+        row.proposed = impulse == Speed{} ? Speed{} : W::over(impulse, row.inverse);
     }
     // The same for row k of a pair whose points are often alike. Worlds in which gravity may change in every step give
     // flash for it.
     static void propose(Row& row, Speed impulse, [[maybe_unused]] Parts& parts, [[maybe_unused]] int k) {
         if constexpr (features.control) {
-            row.before = impulse;
-            row.conjugate = impulse == Speed{} ? Speed{} : parts.over_inverse[k](impulse, row.inverse);
+            row.unscaled = impulse;
+            row.proposed = impulse == Speed{} ? Speed{} : parts.over_inverse[k](impulse, row.inverse);
         } else {
             propose(row, impulse);
         }
@@ -544,11 +544,11 @@ private:
                 propose(row, parts.over_share(is_a ? along : -along), parts, k);
                 Velocity* const partner = pair.moves_b() ? &velocities_.now[pair.b] : nullptr;
                 if constexpr (features.control) {
-                    if (counts) row.push_one(row.conjugate, is_a, velocities_.now[b]);
+                    if (counts) row.push_one(row.proposed, is_a, velocities_.now[b]);
                     if (partner != nullptr)
-                        row.push_one(row.conjugate, !is_a, is_a ? *partner : velocities_.now[pair.a]);
+                        row.push_one(row.proposed, !is_a, is_a ? *partner : velocities_.now[pair.a]);
                 } else {
-                    row.push(row.conjugate, velocities_.now[pair.a], partner);
+                    row.push(row.proposed, velocities_.now[pair.a], partner);
                 }
                 if (partner == nullptr) continue;
                 const Velocity& other = is_a ? *partner : velocities_.now[pair.a];
@@ -614,7 +614,7 @@ private:
         pairs_.for_each(island_, [&](Pair& pair) {
             for (int i = 0; i < pair.count; ++i) {
                 pair.point[i].for_each_row(
-                    [&](Row& row) { row.impulse = is_carrying(pair, i) ? row.conjugate : Speed{}; });
+                    [&](Row& row) { row.impulse = is_carrying(pair, i) ? row.proposed : Speed{}; });
             }
         });
     }

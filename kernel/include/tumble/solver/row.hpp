@@ -63,7 +63,15 @@ struct Row {
     Unit inverse;     // 1 / |J M^-1/2| times the root of the reduced mass, at most 1; 1: through both centres of mass
     Speed target{};   // the velocity along the row that the impulse makes
     Speed impulse{};  // the sum of the step
-    Speed before, conjugate;  // the impulse before this sweep; the conjugate direction
+    // Each solution has its own use for this room. Sweeps keep the impulse before the present sweep and the conjugate
+    // direction. A solution without sweeps keeps the impulse that it proposes, and the same before it is divided by
+    // `inverse`. The search for a motion keeps the velocity that is missing along the row.
+    union {
+        Speed before, unscaled, missing;
+    };
+    union {
+        Speed conjugate, proposed;
+    };
 
     // Sets the row of one body, or of two. A direction is the world's, times the body's share of the motion; a lever is
     // arm x direction over the radii of gyration, in principal axes.
