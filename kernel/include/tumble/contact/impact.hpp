@@ -143,24 +143,23 @@ private:
         pairs_.for_each(island_, [&](Pair& pair) {
             if (!pair.touched) return;
             bool any = false;
+            Speed approach[Pair::max_points];
             for (int i = 0; i < pair.count; ++i) {
-                Point& point = pair.point[i];
-                const Speed approach = -rows_.velocity(velocities_.now, pair, point);
-                any = any || (!is_apart(point) && bounces(pair, point, approach));
-                point.row[0].target = approach;
+                const Point& point = pair.point[i];
+                approach[i] = -rows_.velocity(velocities_.now, pair, point);
+                any = any || (!is_apart(point) && bounces(pair, point, approach[i]));
             }
             if (any) ++pairs;
             for (int i = 0; i < pair.count; ++i) {
                 Point& point = pair.point[i];
-                const Speed approach = point.row[0].target;
                 // Points that rest beside one that bounces take part: rounding must not turn a body that lands flat. A
                 // point that moves away does not, for an impulse there would add energy.
-                point.active = any && !is_apart(point) && !bounces(pair, point, -approach);
+                point.active = any && !is_apart(point) && !bounces(pair, point, -approach[i]);
                 if (!point.active) continue;
                 Rows::clear_impulses(point);
                 // Newton's law for all of them: so the targets of a face are those of a motion of the body. Others, of
                 // more points than it has freedoms, would have the sweeps shift impulses among the points without end.
-                point.row[0].target = narrow<Speed>(mul(approach, pair.restitution)) + Rows::surface_of(pair, point);
+                point.row[0].target = narrow<Speed>(mul(approach[i], pair.restitution)) + Rows::surface_of(pair, point);
                 rough = rough || pair.has_friction;
                 ++active;
             }
