@@ -48,6 +48,20 @@ struct ContactPoint {
     }
 };
 
+// The points of a pair that carry a load by statics, from the lowest bit on, and whether one of its points must move.
+struct Carriers {
+    static constexpr std::uint8_t motion = 0x80;
+    std::uint8_t bits = 0;
+
+    void add(int point) { bits = static_cast<std::uint8_t>(bits | 1u << point); }
+    void add_motion() { bits |= motion; }
+    [[nodiscard]] bool none() const { return bits == 0; }
+    [[nodiscard]] bool has(int point) const { return (bits >> point & 1) != 0; }
+    [[nodiscard]] bool has_several() const { return (bits & ~motion & (bits - 1)) != 0; }
+    [[nodiscard]] bool must_move() const { return (bits & motion) != 0; }
+    [[nodiscard]] bool operator==(const Carriers&) const = default;
+};
+
 template <class N, Features features>
 struct Pair {
     using C = ContactNumbers<N>;
@@ -60,7 +74,7 @@ struct Pair {
     std::int16_t a = 0, b = 0;  // a moves; b < 0: plane -1 - b
     std::int16_t next = -1;     // slot of the next pair of its island
     std::uint8_t count = 0;     // points within the tolerance, and of a rim those that may come down in a step
-    std::uint8_t carrying = 0;  // the points that statics have used, one bit each
+    Carriers carriers;          // that statics have used
     std::int16_t still = 0;     // bodies of the island that has stood still with this pair, and nothing has changed
     bool moved = true;          // a body has turned or the normal has changed: the rows are invalid
     bool touched = false;       // it had contact forces or an impact at the start of the flight
@@ -131,7 +145,8 @@ struct Pair {
     void begin(int first, int second) {
         a = static_cast<std::int16_t>(first);
         b = static_cast<std::int16_t>(second);
-        count = carrying = 0;
+        count = 0;
+        carriers = {};
         still = 0;
         moved = true;
         touched = left_out = passed = selected = has_friction = surface_moves = start_covered = false;
@@ -169,16 +184,16 @@ struct Pair {
     }
 
 private:
-    // The small members of a snapshot, and back: count, what is true of the pair, whether all rows hold, `carrying`.
+    // The small members of a snapshot, and back: count, what is true of the pair, whether all rows hold, the carriers.
     [[nodiscard]] std::uint32_t bits() const {
-        std::uint32_t bits = count | static_cast<std::uint32_t>(carrying) << 8;
+        std::uint32_t bits = count | static_cast<std::uint32_t>(carriers.bits) << 8;
         return bits | static_cast<std::uint32_t>(moved << 3 | touched << 4 | left_out << 5 | surface_moves << 6 |
                                                  rows_hold() << 7);
     }
     void set(std::uint32_t bits) {
         const auto has = [&](int bit) { return (bits >> bit & 1) != 0; };
         count = static_cast<std::uint8_t>(bits & 7u);
-        carrying = static_cast<std::uint8_t>(bits >> 8);
+        carriers.bits = static_cast<std::uint8_t>(bits >> 8);
         moved = has(3);
         touched = has(4);
         left_out = has(5);

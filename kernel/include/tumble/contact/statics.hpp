@@ -71,7 +71,6 @@ public:
 
 private:
     static constexpr int bodies = features.bodies;
-    static constexpr unsigned must_move = 0x80;  // among the bits of Pair::carrying
 
     // Whether all bodies are slow at the start of the step. motion(b) is what counts of a body's velocity, and
     // Bounds::still() has the limit.
@@ -184,18 +183,17 @@ private:
         bool may = true;
         carrying_ = 0;
         pairs_.for_each(island_, [&](Pair& pair) {
-            unsigned carrying = 0;
+            Carriers carriers;
             for (int i = 0; i < pair.count; ++i) {
                 const Point& point = pair.point[i];
                 if (!point.active) continue;
-                if (!(point.gap > touch)) carrying |= 1u << i;
-                if (point.row[0].target > Rows::surface_of(pair, point)) carrying |= must_move;
+                if (!(point.gap > touch)) carriers.add(i);
+                if (point.row[0].target > Rows::surface_of(pair, point)) carriers.add_motion();
             }
-            const unsigned points = carrying & ~must_move;
-            has_faces_ = has_faces_ || (points & (points - 1)) != 0;
-            if (carrying != pair.carrying) pair.still = 0;
-            pair.carrying = static_cast<std::uint8_t>(carrying);
-            if (carrying == 0) return;
+            has_faces_ = has_faces_ || carriers.has_several();
+            if (carriers != pair.carriers) pair.still = 0;
+            pair.carriers = carriers;
+            if (carriers.none()) return;
             if constexpr (features.moving_surfaces()) {
                 surface_moves_ = surface_moves_ || pair.surface_moves;
                 may = may && !(pair.surface_moves && bodies_.is_turning(pair.b));
@@ -213,7 +211,7 @@ private:
             return presses_on(pair, b, slides ? Vec3<Speed>(v - common_[b]) : v);
         };
         pairs_.for_each(island_, [&](Pair& pair) {
-            if (!presses(pair, pair.a) && !(pair.moves_b() && presses(pair, pair.b))) pair.carrying = 0;
+            if (!presses(pair, pair.a) && !(pair.moves_b() && presses(pair, pair.b))) pair.carriers = {};
         });
     }
     // Whether the body, with this velocity, presses on the pair, by more than an eighth of it.
@@ -252,7 +250,7 @@ private:
                 while (found && b >= 0 && left.count[b] == 1) {
                     const int i = left.last[b];
                     Pair& pair = pairs_.in_slot(i);
-                    found = ((pair.carrying & must_move) == 0 && carry({{&pair}, 1}, b)) ||
+                    found = (!pair.carriers.must_move() && carry({{&pair}, 1}, b)) ||
                             (is_leaf[b] && !must_stand() && slide(pair, b));
                     left.count[b] = 0;
                     ++solved;
@@ -288,7 +286,7 @@ private:
         bool hold = true;
         const Speed slack = Bounds::slack(velocities_.scale.enough_in_impact());
         pairs_.for_each_active(island_, [&](Pair& pair, Point& point) {
-            if (pair.carrying != 0) return;
+            if (!pair.carriers.none()) return;
             const Speed excess =
                 point.row[0].excess(velocities_.now[pair.a], pair.moves_b() ? &velocities_.now[pair.b] : nullptr);
             hold = hold && !(excess < -slack);
@@ -354,11 +352,12 @@ private:
                 for (int i = 0; rows > 1 && i < pair.count; ++i) couplings[i].set(row[i], false);
             for_each_block([](const auto& block) { Sweep::push(block); });
             Sweep::run(for_each_block, velocities_.scale.enough_at_rest(), Bounds::sweeps(contact::max_sweeps));
-            unsigned carrying = must_move;
+            Carriers carriers;
+            carriers.add_motion();
             Velocity unused = now;
             for (int i = 0; i < pair.count; ++i) {
                 if (!pair.point[i].active) continue;
-                carrying |= 1u << i;
+                carriers.add(i);
                 for (int k = 0; k < Point::directions; ++k) {
                     auto& to = pair.point[i].row[k];
                     propose(to, k < rows ? over_share(Row::product(row[i][k].impulse, row[i][k].inverse)) : Speed{});
@@ -372,7 +371,7 @@ private:
                             to.push(to.proposed, is_a ? unused : other, is_a ? &other : &unused);
                     }
             }
-            pair.carrying = static_cast<std::uint8_t>(carrying);
+            pair.carriers = carriers;
             moves_ = true;
             return C::fits(other.largest());
         }
@@ -420,9 +419,9 @@ private:
         for (int i = island_.first_pair; i >= 0; i = pairs_.in_slot(i).next) {
             Pair& pair = pairs_.in_slot(i);
             const bool is_left =
-                pair.carrying != 0 && left.count[pair.a] > 0 && (!pair.moves_b() || left.count[pair.b] > 0);
+                !pair.carriers.none() && left.count[pair.a] > 0 && (!pair.moves_b() || left.count[pair.b] > 0);
             if ((pair.a != b && pair.b != b) || !is_left) continue;
-            if (supports.count == most_supports || (pair.carrying & must_move) != 0 ||
+            if (supports.count == most_supports || pair.carriers.must_move() ||
                 !presses_on(pair, b, velocities_.now[b].linear))
                 return false;
             taken[supports.count] = static_cast<std::int16_t>(i);
@@ -473,7 +472,7 @@ private:
             Pair& pair = *supports.pair[s];
             Parts parts{pair, frame, pair.a == b};
             for (int i = 0; i < pair.count; ++i)
-                if (is_carrying(pair, i)) {
+                if (pair.carriers.has(i)) {
                     fits = push(pair, pair.point[i], b, parts, shares[j++], supports.count > 1) && fits;
                     fits = fits && (supports.count == 1 || is_in_cone(pair, pair.point[i]));
                 }
@@ -573,7 +572,7 @@ private:
         }
         void add(const Pair& pair, bool is_a) {
             for (int i = 0; i < pair.count; ++i) {
-                if (!is_carrying(pair, i)) continue;
+                if (!pair.carriers.has(i)) continue;
                 const Vec3<Length>& arm = arm_of(pair.point[i], is_a);
                 const auto along = [&](int k) { return narrow<Length>(dot(frame[k], arm)); };
                 x[count] = along(1);
@@ -614,11 +613,10 @@ private:
         pairs_.for_each(island_, [&](Pair& pair) {
             for (int i = 0; i < pair.count; ++i) {
                 pair.point[i].for_each_row(
-                    [&](Row& row) { row.impulse = is_carrying(pair, i) ? row.proposed : Speed{}; });
+                    [&](Row& row) { row.impulse = pair.carriers.has(i) ? row.proposed : Speed{}; });
             }
         });
     }
-    [[nodiscard]] static bool is_carrying(const Pair& pair, int i) { return (pair.carrying >> i & 1) != 0; }
     [[nodiscard]] static const Vec3<Length>& arm_of(const Point& point, bool is_a) {
         if constexpr (features.pairs)
             if (!is_a) return point.arm_b;
@@ -627,7 +625,7 @@ private:
     template <class F>
     void for_each_carrying(F&& f) {
         for (int i = island_.first_pair; i >= 0; i = pairs_.in_slot(i).next)
-            if (pairs_.in_slot(i).carrying != 0) f(i, pairs_.in_slot(i));
+            if (!pairs_.in_slot(i).carriers.none()) f(i, pairs_.in_slot(i));
     }
 
     const NarrowPhase& shapes_;
