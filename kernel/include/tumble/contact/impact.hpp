@@ -46,9 +46,9 @@ public:
         pairs_.for_each(island_, [&](Pair& pair) {
             pair.still = 0;
             // The impact leaves out pairs with a larger gap.
-            pair.touched = pair.count > 0 && !(pair.gap > hit);
+            pair.set_struck(pair.count > 0 && !(pair.gap > hit));
             for (int i = 0; i < pair.count; ++i) pair.point[i].active = false;
-            if (!pair.touched) return;
+            if (!pair.is_struck()) return;
             pair.scale = velocities_.scale;
             rows_.make_rows(pair);
             for (int i = 0; i < pair.count; ++i) {
@@ -66,7 +66,7 @@ public:
         bool bounced = !stop;
         for (int round = 0; bounced && round < contact::max_rounds + pairs; ++round) bounced = bounce();
         pairs_.for_each(island_, [&](Pair& pair) {
-            for (int i = 0; pair.touched && i < pair.count; ++i) {
+            for (int i = 0; pair.is_struck() && i < pair.count; ++i) {
                 Point& point = pair.point[i];
                 point.active = !is_apart(point) || comes_down(pair, point, rest);
                 point.row[0].target = target_of_gap(pair, point);
@@ -141,7 +141,7 @@ private:
         int active = 0, pairs = 0;
         bool rough = false;
         pairs_.for_each(island_, [&](Pair& pair) {
-            if (!pair.touched) return;
+            if (!pair.is_struck()) return;
             bool any = false;
             Speed approach[Pair::max_points];
             for (int i = 0; i < pair.count; ++i) {
@@ -209,7 +209,7 @@ private:
         if constexpr (features.contact_readout) {
             const Work least = Bounds::search_gap(shapes_.scale().metres(shapes_.tolerance()));
             pairs_.for_each(island_, [&](const Pair& pair) {
-                if (!pair.touched) return;
+                if (!pair.is_struck()) return;
                 Work fastest = least;
                 for (int i = 0; i < pair.count; ++i) {
                     const Point& point = pair.point[i];

@@ -77,7 +77,7 @@ struct Pair {
     Carriers carriers;          // that statics have used
     std::int16_t still = 0;     // bodies of the island that has stood still with this pair, and nothing has changed
     bool moved = true;          // a body has turned or the normal has changed: the rows are invalid
-    bool touched = false;       // it had contact forces or an impact at the start of the flight
+    bool touched = false;       // where the flight begins: by forces, after an impact, or since over a seam
     bool left_out = false;      // it came near in this step, between two islands
     bool passed = false;        // its bodies went past each other in this flight
     bool selected = false;      // the search for an impact considers it
@@ -155,6 +155,9 @@ struct Pair {
         if constexpr (features.pairs && features.boxes) axis = {};
         if constexpr (features.grid()) due = ends = 0;
     }
+    // In an impact: whether the pair takes part. Such a pair touches where the next flight begins.
+    [[nodiscard]] bool is_struck() const { return touched; }
+    void set_struck(bool struck) { touched = struck; }
     // Of a point: the normal, and two tangents where there is friction.
     [[nodiscard]] int rows() const {
         if constexpr (features.friction) return has_friction ? 3 : 1;

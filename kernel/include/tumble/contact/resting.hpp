@@ -58,7 +58,7 @@ public:
         pairs_.for_each(island_, [&](Pair& pair) {
             if (!same || !(pair.scale == velocities_.scale)) pair.still = 0;
             if (pair.count == 0) return;
-            const bool hit = pair.touched && (struck || !whole);
+            const bool hit = pair.is_struck() && (struck || !whole);
             pair.touched = false;
             const Speed slow = rows_.pair_speed(pair, shapes_.slow());
             rows_.make_rows(pair);
