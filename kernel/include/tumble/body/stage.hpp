@@ -114,16 +114,6 @@ TUMBLE_INLINE void copy_stage(StageState<N, rotation>& to, const StageState<N, r
     }
 }
 
-// Copies a kick, of which one of the two may have no angular part.
-template <class To, class From>
-TUMBLE_INLINE void copy_kick(To& to, const From& from) {
-    for (int i = 0; i < 3; ++i) {
-        to.linear[i] = from.linear[i];
-        detail::keep_apart();
-        if constexpr (requires { to.angular[i] = from.angular[i]; }) to.angular[i] = from.angular[i];
-    }
-}
-
 // The angles of three turns.
 template <class N>
 [[nodiscard]] TUMBLE_INLINE Vec3<typename N::Angle> angles(const Vec3<typename N::Turn>& t, const StepInfo<N>& step) {
