@@ -1,6 +1,7 @@
 // Narrow phase: the shapes of the bodies, the planes, and the gap, normal and contact points of a pair.
 #pragma once
 
+#include <tumble/contact/material.hpp>
 #include <tumble/contact/pair.hpp>
 #include <tumble/shapes/pairs.hpp>
 #include <tumble/shapes/plane.hpp>
@@ -20,14 +21,11 @@ public:
     using Speed = typename C::Speed;
     using Pair = tumble::Pair<N, features>;
     using Point = ContactPoint<N, features>;
+    using Material = tumble::Material<N, features>;
     using Weights = tumble::Weights<N, features.bodies>;
 
     constexpr NarrowPhase(Real step, const ContactSpec& spec)
-        : restitution_{N::template constant<Work>(spec.restitution)},
-          friction_{N::template constant<Work>(spec.friction)}, response_{spec.response}, tolerance_metres_{
-                                                                                              spec.tolerance} {
-        if constexpr (features.mixing) mixing_ = {spec.restitution_mixing, spec.friction_mixing};
-        if constexpr (features.rolling_resistance) resistance_.world = Resistance{spec};
+        : materials_{spec}, response_{spec.response}, tolerance_metres_{spec.tolerance} {
         if constexpr (N::fixed_point) (void)make_room(Real{N::Range::velocity} * step);
         (void)make_room(spec.tolerance);
     }
@@ -43,7 +41,7 @@ public:
     // Adds a plane; false when there is no room.
     TUMBLE_COLD constexpr bool add(const PlaneSpec& spec) {
         if (plane_count_ >= features.planes) return false;
-        if constexpr (features.rolling_resistance) resistance_.plane[plane_count_] = Resistance{spec};
+        materials_.plane[plane_count_] = Material{spec};
         plane_[plane_count_++] = Plane<N>{spec};
         return true;
     }
@@ -68,7 +66,7 @@ public:
     // then.
     constexpr bool set_shape(int b, const BodySpec& spec, const PrincipalInertia& inertia,
                              const SpinUnits<N, spin>& units) {
-        if constexpr (features.rolling_resistance) resistance_.body[b] = Resistance{spec};
+        materials_.body[b] = Material{spec};
         const bool rescaled = make_room(reach_of(spec.shape));
         set_collision_shape<N>(shape_[b], spec, inertia, scale());
         weight_[b].template set<features.mixed()>(spec, inertia, scale(), units);
@@ -106,40 +104,34 @@ public:
     }
     // Sets the constants of a new pair.
     void set_up(Pair& pair, [[maybe_unused]] const Bodies& bodies) {
-        const CollisionShape<N>& a = shape_[pair.a];
         const Work root_mass = weight_[pair.a].root_mass;
-        Work restitution, friction;
+        const Material &a = materials_.body[pair.a],
+                       &b = pair.with_plane() ? materials_.plane[pair.plane()] : materials_.body[pair.b];
         pair.share_a = C::one();
         pair.weight = root_mass;
         if (pair.with_plane()) {
             const Plane<N>& plane = plane_[pair.plane()];
-            restitution = combined_restitution(a.restitution, plane.restitution, restitution_);
-            friction = combined_friction(a.friction, plane.friction, friction_);
             pair.normal = plane.normal;
             if constexpr (features.friction) {
                 pair.tangent[0] = plane.tangent[0];
                 pair.tangent[1] = plane.tangent[1];
             }
-        } else {
-            const CollisionShape<N>& b = shape_[pair.b];
-            restitution = combined_restitution(a.restitution, b.restitution, restitution_);
-            friction = combined_friction(a.friction, b.friction, friction_);
-            if constexpr (features.pairs) {
-                if (!bodies.constants[pair.b].fixed()) {
-                    const Work ratio = root_mass * weight_[pair.b].per_root_mass,
-                               share = Work(1) / sqrt(Work(1) + ratio * ratio);
-                    pair.share_a = C::unit(share);
-                    pair.share_b = C::unit(ratio * share);
-                    pair.weight = root_mass * share;
-                }
-                if constexpr (features.moving_surfaces()) note_motion(pair, bodies);
+        } else if constexpr (features.pairs) {
+            if (!bodies.constants[pair.b].fixed()) {
+                const Work ratio = root_mass * weight_[pair.b].per_root_mass,
+                           share = Work(1) / sqrt(Work(1) + ratio * ratio);
+                pair.share_a = C::unit(share);
+                pair.share_b = C::unit(ratio * share);
+                pair.weight = root_mass * share;
             }
+            if constexpr (features.moving_surfaces()) note_motion(pair, bodies);
         }
-        pair.restitution = C::unit(restitution);
+        const Work friction = materials_.friction(a, b);
+        pair.restitution = C::unit(materials_.restitution(a, b));
         pair.friction = C::friction(friction);
         if constexpr (features.friction) pair.has_friction = friction > Work(0);
         if constexpr (features.rolling_resistance) {
-            set_resistance(pair);
+            set_resistance(pair, a, b);
             pair.has_friction = pair.has_friction || pair.resists_spin();
         }
     }
@@ -250,18 +242,6 @@ public:
     }
 
 private:
-    // m: the moments against rolling and spinning over the normal force. Negative: the world's values.
-    struct Resistance {
-        Work rolling{}, spinning{};
-
-        Resistance() = default;
-        constexpr explicit Resistance(const auto& spec)
-            : rolling{N::template constant<Work>(spec.rolling_resistance)}, spinning{N::template constant<Work>(
-                                                                                spec.spinning_resistance)} {}
-    };
-    struct Resistances {
-        Resistance world, body[features.bodies], plane[features.planes > 0 ? features.planes : 1];
-    };
     // How far a point of a rim moves in a step at most across the plane of the rim. A coin that rattles changes the
     // point on which it stands within a step: the force at one point does not keep the others up.
     [[nodiscard]] Length fall_of_rim([[maybe_unused]] const Bodies& bodies, [[maybe_unused]] int b) const {
@@ -277,10 +257,8 @@ private:
     // No radius of gyration of a shape exceeds its radius. So an arm that is not below the radius of a body over its
     // share makes a row of at least unit length before it is scaled, and the smaller of the two keeps both bodies'
     // levers within their radii over their radii of gyration.
-    void set_resistance(Pair& pair) const requires(features.rolling_resistance) {
+    void set_resistance(Pair& pair, const Material& a, const Material& b) const requires(features.rolling_resistance) {
         const CollisionShape<N>& shape = shape_[pair.a];
-        const Resistance &a = resistance_.body[pair.a],
-                         &b = pair.with_plane() ? resistance_.plane[pair.plane()] : resistance_.body[pair.b];
         Work arm = scale().metres(shape.radius);
         bool fits = Bounds::has_levers(weight_[pair.a].gyration, shape.radius);
         if (pair.moves_b()) {
@@ -291,11 +269,8 @@ private:
         }
         pair.spin_arm = scale().length(arm);
         const Work over_arm = fits ? Work(1) / arm : Work(0);
-        const auto combined = [&](Work of_a, Work of_b, Work otherwise) {
-            return C::friction(mixed(Mixing::larger, of_a, of_b, otherwise) * over_arm);
-        };
-        pair.rolling = combined(a.rolling, b.rolling, resistance_.world.rolling);
-        pair.spinning = combined(a.spinning, b.spinning, resistance_.world.spinning);
+        pair.rolling = C::friction(materials_.resistance(a, b, &Material::rolling) * over_arm);
+        pair.spinning = C::friction(materials_.resistance(a, b, &Material::spinning) * over_arm);
     }
 
     // Makes room for a length, m. True where the scale of lengths has changed. Raises the tolerance to the least that
@@ -309,31 +284,6 @@ private:
         tolerance_ = scale().length(tolerance_metres_ < least ? least : tolerance_metres_);
         set_fall();
         return rescaled;
-    }
-    [[nodiscard]] Work combined_restitution(Work a, Work b, Work otherwise) const {
-        const Work none(0);
-        if constexpr (features.mixing)
-            if (mixing_.restitution != Mixing::larger) return mixed(mixing_.restitution, a, b, otherwise);
-        if (a < none && b < none) return otherwise;
-        return a < b ? b : a;  // the larger one
-    }
-    // The geometric mean. A side without a coefficient has the world's.
-    [[nodiscard]] Work combined_friction(Work a, Work b, Work otherwise) const {
-        if constexpr (features.mixing)
-            if (mixing_.friction != Mixing::geometric_mean) return mixed(mixing_.friction, a, b, otherwise);
-        const Work x = a < Work(0) ? otherwise : a, y = b < Work(0) ? otherwise : b;
-        return x == y ? x : sqrt(x * y);
-    }
-    [[nodiscard]] static Work mixed(Mixing mixing, Work a, Work b, Work otherwise) {
-        const Work x = a < Work(0) ? otherwise : a, y = b < Work(0) ? otherwise : b;
-        switch (mixing) {
-        case Mixing::larger: return x < y ? y : x;
-        case Mixing::smaller: return x < y ? x : y;
-        case Mixing::mean: return N::half_of(x + y);
-        case Mixing::geometric_mean: return sqrt(x * y);
-        case Mixing::product: break;
-        }
-        return x * y;
     }
     // Takes the points over. A point inherits the impulses of the one that was at its place.
     void take(Pair& pair, const Manifold<N>& found) const {
@@ -402,12 +352,7 @@ private:
     Weights weight_{};
     Axes<N> axes_[features.bodies]{};
 
-    Work restitution_, friction_;  // where neither side names its own
-    struct Mixings {
-        Mixing restitution, friction;
-    };
-    [[no_unique_address]] If<features.mixing, Mixings, 4> mixing_{};
-    [[no_unique_address]] If<features.rolling_resistance, Resistances, 3> resistance_{};
+    Materials<N, features> materials_;
     ContactResponse response_;
     Real tolerance_metres_;
     typename N::DriftSum fall_drift_[3]{};

@@ -1,5 +1,5 @@
-// Shapes that collide: planes, spheres, boxes, capsules, cylinders and hoops, with restitution and friction of a
-// body. Lengths are in units of ContactNumbers::LengthScale.
+// Shapes that collide: planes, spheres, boxes, capsules, cylinders and hoops. Lengths are in units of
+// ContactNumbers::LengthScale.
 #pragma once
 
 #include <tumble/body/bodies.hpp>
@@ -54,23 +54,15 @@ constexpr void set_tangents(const StoredVec3<typename N::Unit>& n, StoredVec3<ty
 
 template <class N>
 struct Plane : HalfSpace<N> {
-    using Work = typename N::Work;
-
     StoredVec3<typename N::Unit> tangent[2]{};  // form a right-handed frame with the normal
-    Work restitution{}, friction{};             // negative: the world's values
 
     Plane() = default;
-    constexpr explicit Plane(const PlaneSpec& spec) : HalfSpace<N>{spec} {
-        set_tangents<N>(this->normal, tangent);
-        restitution = N::template constant<Work>(spec.restitution);
-        friction = N::template constant<Work>(spec.friction);
-    }
+    constexpr explicit Plane(const PlaneSpec& spec) : HalfSpace<N>{spec} { set_tangents<N>(this->normal, tangent); }
 };
 
 template <class N>
 struct CollisionShape {
     using C = ContactNumbers<N>;
-    using Work = typename N::Work;
     using Unit = typename C::Unit;
     using Length = typename C::Length;
 
@@ -82,7 +74,6 @@ struct CollisionShape {
     Length radius{};          // of the sphere about the centre of mass that contains the shape
     StoredVec3<Unit> axis{};  // of a cylinder, capsule or hoop, among the principal axes
     Axes<N> edges{};
-    Work restitution{}, friction{};
 
     // Converts the lengths to a coarser scale.
     constexpr void rescale(const typename C::LengthScale& from, const typename C::LengthScale& to) {
@@ -144,15 +135,12 @@ TUMBLE_COLD constexpr void set_collision_shape(CollisionShape<N>& shape, const B
                                                const PrincipalInertia& inertia,
                                                const typename ContactNumbers<N>::LengthScale& scale) {
     using C = ContactNumbers<N>;
-    using Work = typename N::Work;
     using Unit = typename C::Unit;
     const auto unit = [](Real v) { return N::template constant<Unit>(v); };
     const Real reach = reach_of(spec.shape);
     TUMBLE_ASSERT(C::LengthScale::holds(reach));
     shape.kind = reach > Real{} ? spec.shape.kind : ShapeKind::none;
     shape.radius = scale.length(reach);
-    shape.restitution = N::template constant<Work>(spec.restitution);
-    shape.friction = N::template constant<Work>(spec.friction);
     const Real half = Real::scaled(1, -1);
     const RealVec3 size = spec.shape.size;
     const RealQuat back = inertia.principal.conjugate();
