@@ -1,8 +1,10 @@
-// Every bound and every threshold of a step with contacts: its value, its unit and its reason. A part of a tolerance, a
-// speed or a step is a power of two, so that it is exact in every number system.
+// The bounds and thresholds of this room: value, unit and reason. A part of a tolerance, a speed or a step is a power
+// of two, so that it is exact in every number system. Not here: what is only rounding (numbers/), when a shape lies
+// flat or rolls (shapes/), when sweeps restart (solver/sweep.hpp), and which normals of two contacts count as alike (a
+// cosine above 1/2: seams.hpp, impact_search.hpp).
 #pragma once
 
-#include <tumble/shapes/manifold.hpp>
+#include <tumble/numbers/systems.hpp>
 
 namespace tumble {
 
@@ -90,6 +92,12 @@ struct ContactBounds {
     // A contact point inherits the impulses of a point within this distance, from the radius of its body.
     [[nodiscard]] static Length same_point(Length radius) { return C::sixteenth(radius); }
 
+    // Edges with a larger slope against each other, as a sine, cross. Along others the crossing runs more than
+    // sqrt(8) times as far as the bodies move.
+    [[nodiscard]] static bool cross(Work slope) { return slope * slope > N::half_of(N::half_of(N::half_of(Work(1)))); }
+    // The normal of a ball at an edge is followed where it turns by at most half a radian in half a flight. From the
+    // square of the turn.
+    [[nodiscard]] static bool is_followed(Work square) { return !(square > N::half_of(N::half_of(Work(1)))); }
     // The radius of a body over each radius of gyration, below 64, fits the formats of rows. That of a rod that is
     // thinner does not.
     [[nodiscard]] static bool has_levers(const StoredVec3<Length>& gyration, Length radius) {
@@ -128,6 +136,11 @@ struct ContactBounds {
     // Statics are tried where nothing moves at the start of a step by more than this part of what loads change in it.
     // What slides or falls is faster after a few steps, and then costs nothing here.
     [[nodiscard]] static Speed still(Speed loads) { return C::eighth(loads); }
+    // A pair carries by statics only where more than this part of what loads change in a step is against it. Boxes side
+    // by side carry nothing.
+    [[nodiscard]] static Speed across(Speed loads) { return C::eighth(loads); }
+    // A moving surface takes a point along that comes within this of its target, from the largest change of a surface.
+    [[nodiscard]] static Speed held_along(Speed change) { return C::eighth(change); }
     // What a dozen roundings may make of a speed, from the rounding of one.
     [[nodiscard]] static Speed slack(Speed rounding) { return rounding + rounding + rounding + rounding; }
     // What several supports may leave of the motion that they stop: 2^-18, about what sweeps in q32 leave.

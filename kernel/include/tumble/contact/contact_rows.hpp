@@ -268,8 +268,7 @@ private:
             const Edge other = edge_of(pair.b, point.arm_b);
             const WorkVec3<N> along = work_unit<N>(own.axis), across = cross<Work>(normal, work_unit<N>(other.axis));
             const Work slope = dot(along, across);
-            // Edges that are nearly parallel cross nowhere.
-            if (other.open != 1 || !(slope * slope > N::half_of(N::half_of(N::half_of(Work(1)))))) return shift;
+            if (other.open != 1 || !ContactBounds<N>::cross(slope)) return shift;
             way = scaled_by(along, dot(way, across) / slope);
         }
         for (int i = 0; i < 3; ++i) shift[i] = shapes_.scale().length(dot(way, work_unit<N>(axes.axis(i))));
@@ -307,7 +306,7 @@ private:
         const Length radius = shapes_.shape(pair.a).half.x();
         const WorkVec3<N> turn = scaled_by(way, half_ / shapes_.scale().metres(radius + point.gap));
         const Work square = dot(turn, turn);
-        if (square > N::half_of(N::half_of(Work(1)))) return false;
+        if (!ContactBounds<N>::is_followed(square)) return false;
         WorkVec3<N> middle = normal;
         middle += turn;
         middle = scaled_by(middle, Work(1) / sqrt(Work(1) + square));

@@ -311,7 +311,7 @@ private:
         });
         const Speed enough = velocities_.scale.enough_at_rest();
         if (!(largest > enough)) return false;
-        const Speed eighth = C::eighth(largest), slack = eighth > enough ? eighth : enough;
+        const Speed held = Bounds::held_along(largest), slack = held > enough ? held : enough;
         guess_taken_along(changes, coasting, slack);
         auto& moves = velocities_.taken_along();
         for (int sweep = 0; sweep < Bounds::sweeps(contact::max_impact_sweeps); ++sweep) {

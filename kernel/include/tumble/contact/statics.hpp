@@ -214,10 +214,10 @@ private:
             if (!presses(pair, pair.a) && !(pair.moves_b() && presses(pair, pair.b))) pair.carriers = {};
         });
     }
-    // Whether the body, with this velocity, presses on the pair, by more than an eighth of it.
+    // Whether the body, with this velocity, presses on the pair.
     [[nodiscard]] static bool presses_on(const Pair& pair, int b, const Vec3<Speed>& v) {
         const Speed along = narrow<Speed>(dot(pair.normal, v)), away = b == pair.a ? along : -along;
-        return -away > C::eighth(magnitude_of(v[0]) + magnitude_of(v[1]) + magnitude_of(v[2]));
+        return -away > Bounds::across(magnitude_of(v[0]) + magnitude_of(v[1]) + magnitude_of(v[2]));
     }
 
     // The pairs of bodies that have not been solved. Of a body with one pair left, `last` is that pair.
