@@ -134,15 +134,8 @@ public:
     void lift(bool off) {
         for (int k = 0; k < island_.group.count; ++k) {
             const int b = island_.group.id[k];
-            const BodyWeight<N>& weight = shapes_.weights()[b];
-            const auto signed_work = [&](Speed s) { return velocities_.scale.work(off ? -s : s); };
-            for (int i = 0; i < 3; ++i)
-                N::add_any(bodies_.state[b].d_w[i],
-                           signed_work(velocities_.added()[b].linear[i]) * weight.per_root_mass, bodies_.scale);
-            bodies_.change_spin(b, [&](auto& t_b, typename N::Scale unit) {
-                for (int i = 0; i < 3; ++i)
-                    N::add_any(t_b[i], signed_work(velocities_.added()[b].angular[i]) * weight.per_turn[i], unit);
-            });
+            const Velocity& by = velocities_.added()[b];
+            velocities_.add_to(bodies_, b, shapes_.weights()[b], off ? Velocity{-by.linear, -by.angular} : by);
         }
     }
 

@@ -28,7 +28,6 @@ public:
     // The room of `loaded` has these where it is needed no more: a motion that is added to that of the bodies for a
     // flight, and in an impact the velocities at the start of a round.
     [[nodiscard]] Velocities& added() { return loaded; }
-    [[nodiscard]] const Velocities& added() const { return loaded; }
     [[nodiscard]] Velocities& round_start() { return loaded; }
     // The room of `start`, likewise: the part of the added motion that surfaces cause.
     [[nodiscard]] Velocities& taken_along() { return start; }
@@ -148,22 +147,19 @@ public:
         }
         return within;
     }
+    // Adds a change to the motion of body b.
+    void add_to(Bodies& bodies, int b, const BodyWeight<N>& weight, const Velocity& change) const {
+        for (int i = 0; i < 3; ++i)
+            N::add_any(bodies.state[b].d_w[i], scale.work(change.linear[i]) * weight.per_root_mass, bodies.scale);
+        bodies.change_spin(b, [&](auto& t_b, typename N::Scale unit) {
+            for (int i = 0; i < 3; ++i) N::add_any(t_b[i], scale.work(change.angular[i]) * weight.per_turn[i], unit);
+        });
+    }
     // Adds the change since `start` to the motion of the bodies. `loads` keep the scale of the spins.
     void add_to(Bodies& bodies, Kicks& loads, const Weights& weights, const BodyGroup& group) const {
         for (int k = 0; k < group.count; ++k) {
-            const int b = group.id[k];
-            const BodyWeight<N>& weight = weights[b];
-            for (int i = 0; i < 3; ++i) {
-                const Speed linear = now[b].linear[i] - start[b].linear[i];
-                N::add_any(bodies.state[b].d_w[i], scale.work(linear) * weight.per_root_mass, bodies.scale);
-            }
-            const int halvings = bodies.halvings_of(b);
-            bodies.change_spin(b, [&](auto& t_b, typename N::Scale unit) {
-                for (int i = 0; i < 3; ++i) {
-                    const Speed angular = now[b].angular[i] - start[b].angular[i];
-                    N::add_any(t_b[i], scale.work(angular) * weight.per_turn[i], unit);
-                }
-            });
+            const int b = group.id[k], halvings = bodies.halvings_of(b);
+            add_to(bodies, b, weights[b], {now[b].linear - start[b].linear, now[b].angular - start[b].angular});
             loads.rescale(b, bodies.halvings_of(b) - halvings);
         }
     }
