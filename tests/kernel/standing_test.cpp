@@ -276,6 +276,57 @@ TYPED_TEST(Standing, bodies_feel_a_load_that_begins_to_act_by_itself) {
                       run(Magnetic<TypeParam>{}, true, height, first));
 }
 
+// From a step on it pushes body 0 along x.
+struct Gust {
+    std::uint32_t begin = 0;
+    float force = 0;  // N
+
+    [[nodiscard]] bool acts_on(const auto& bodies, int b) const { return b == 0 && bodies.steps_taken >= begin; }
+    template <class Group>
+    void apply_to(const Group& group) const {
+        using Work = typename Group::Work;
+        for (int k = 0; k < group.count; ++k)
+            if (acts_on(group.bodies, group.id[k]))
+                group.push(k, Vector3<Work>{static_cast<Work>(force), Work(0), Work(0)});
+    }
+};
+template <class N, int room>
+struct Windy : Yard<N, room> {
+    using Loads = LoadList<Gust>;
+};
+// A ball flies alone, or has another before it, which is as far from a wall. Bounds on the time to contact that were
+// found without the load end when it begins, those of the other ball too.
+TYPED_TEST(Standing, a_load_that_begins_to_act_by_itself_drives_no_body_into_a_wall) {
+    const auto run = []<class Yard>(Yard, std::uint32_t begin, bool has_other) {
+        WorldSpec spec;
+        spec.gravity = {};
+        spec.contact.restitution = 0;
+        Player<Yard> play{spec};
+        PlaneSpec wall;
+        wall.normal = {-1, 0, 0};
+        wall.offset = Real{0.75};
+        EXPECT_TRUE(play.world().add(wall));
+        const BodyId driven = play.add(sphere(1, Real{0.5}), {Real{has_other ? -1 : 0}, 0, 0}),
+                     last = has_other ? play.add(sphere(1, Real{0.5}), {0, 0, 0}) : driven;
+        Gust& gust = play.world().template change_load<Gust>();
+        gust.begin = begin;
+        gust.force = has_other ? 4000 : 100;
+        double most = 0;
+        for (int step = 0; step < 60; ++step) {
+            play.run(1);
+            most = std::max(most, static_cast<double>(play.world().position(last).x));
+        }
+        EXPECT_NEAR(most, 0.25, static_cast<double>(play.world().contact_tolerance()))
+            << "from step " << begin << (has_other ? ", with another ball" : "") << ", " << Yard::features.bodies
+            << " bodies";
+    };
+    for (const bool has_other : {false, true})
+        for (std::uint32_t begin = 20; begin < 28; ++begin) {
+            run(Windy<TypeParam, 4>{}, begin, has_other);
+            run(Windy<TypeParam, 70>{}, begin, has_other);
+        }
+}
+
 template <class N>
 struct Crowded : Yard<N, 3> {
     static constexpr Features features = [] {

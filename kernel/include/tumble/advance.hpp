@@ -20,6 +20,7 @@ public:
     using TurnSum = typename N::TurnSum;
     static constexpr Features features = S::features;
     static constexpr bool has_loads = detail::has_loads<S>, rotation = features.rotation,
+                          has_own_loads = detail::OwnLoads<S>::List::count > 0,
                           has_wrenches = features.control && features.bodies > 0;
     static constexpr bool keeps_kicks = has_loads && requires { Integrator::keeps_kick; };
     static constexpr Spin spin = rotation ? Integrator::spin : Spin::none;

@@ -141,9 +141,12 @@ public:
         if constexpr (features.pairs) broad_phase(advance.bodies).begin(sleepers);
         for (int k = 0; k < sleepers.awake_count(); ++k) {
             const int b = sleepers.awake(k);
+            [[maybe_unused]] const bool was_driven = marks[b].driven;
             marks[b] = advance.mark(b);
             // A load may begin to act by itself.
             if (!marks[b].none() && pairs.is_near(b) && state_.standing.stood(b)) state_.standing.end();
+            if constexpr (Advance::has_own_loads)
+                if (marks[b].driven && !was_driven) end_times_around(b, advance.bodies.steps_taken);
         }
         typename Advance::Kinematics kinematic;
         if constexpr (features.kinematic) {
@@ -254,6 +257,13 @@ private:
         if constexpr (features.moving_surfaces()) state_.loads[b] = {};
     }
     constexpr void end_times(int b, std::uint32_t now) { state_.times.end(b, state_.shapes.plane_count(), now); }
+    // Call where a load begins to act by itself: ends the bounds, which did not foresee it, of the body and of all that
+    // it may push.
+    [[gnu::noinline]] void end_times_around(int b, std::uint32_t now) {
+        end_times(b, now);
+        for (int other = 0; state_.pairs.is_near(b) && other < features.bodies; ++other)
+            if (state_.pairs.is_near(other)) end_times(other, now);
+    }
     template <class Advance>
     [[gnu::noinline]] void update(Advance& advance, int b) {
         BodyGroup wakes;
