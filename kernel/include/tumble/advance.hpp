@@ -5,6 +5,7 @@
 #include <tumble/solver/marks.hpp>
 #include <tumble/events/snapshot.hpp>
 #include <tumble/events/wrench.hpp>
+#include <tumble/integrators/part_of_step.hpp>
 #include <tumble/integrators/verlet.hpp>
 #include <tumble/loads/load_set.hpp>
 
@@ -219,7 +220,14 @@ public:
             over(group, info, gravity_, Work(1), false);
             return;
         }
-        part_of_step(group, info, portion.length);
+        BodyGroup driven;
+        for (int k = 0; k < group.count; ++k) {
+            const int b = group.id[k];
+            if (has_free_part(b)) free_part(b, info, portion.length);
+            else driven.add(b);
+        }
+        if constexpr (has_loads || has_wrenches || spin != Spin::angular_momentum)
+            if (driven.count > 0) part_of_step(driven, info, portion.length);
     }
 
     // What an island's step asks for (contact/island_step.hpp).
@@ -366,9 +374,47 @@ private:
         return false;
     }
 
-    // A part of a step, with the part as the unit of time. Drift and spin shrink with it, and accelerations with its
-    // square. Then the same code steps over the part. Only the changes are scaled back, so that a drift that loads do
-    // not change stays exact. The spin is already in half turns of 2^-halvings of the step.
+    // True of a body that gravity alone moves, and whose spin is its angular momentum.
+    [[nodiscard]] bool has_free_part(int b) const {
+        return spin == Spin::angular_momentum && !is_driven(b) && !is_coupled(b);
+    }
+    // A part of a step of such a body, without a division by the part.
+    [[gnu::noinline, gnu::cold]] void free_part([[maybe_unused]] int b, [[maybe_unused]] const StepInfo<N>& info,
+                                                [[maybe_unused]] Work length) {
+        if constexpr (spin == Spin::angular_momentum) {
+            State& s = bodies.state[b];
+            const auto part = N::fraction(length);
+            const auto move = [&](auto& x, auto& d, DriftSum whole) __attribute__((noinline)) {
+                const DriftSum fall = N::part(whole, part);
+                DriftSum mean = N::sum(d);
+                if constexpr (Integrator::coasting == Coasting::mean) mean += N::half(fall);
+                if constexpr (Integrator::coasting == Coasting::end) mean += fall;
+                N::move(x, N::part(mean, part), bodies.scale);
+                N::add(d, fall);
+            };
+            move(s.x_w.x, s.d_w.x, whole_fall(0));
+            move(s.x_w.y, s.d_w.y, whole_fall(1));
+            move(s.x_w.z, s.d_w.z, whole_fall(2));
+            if (!bodies.rotates(b)) return;
+            const auto start = s.t_b;
+            const auto from = s.q_wb.value();
+            [[maybe_unused]] const int halvings = bodies.halvings_of(b);
+            const auto shrink = [&](auto& t) __attribute__((noinline)) { t.add(N::part(N::sum(t), part) - N::sum(t)); };
+            shrink(s.t_b.x);
+            shrink(s.t_b.y);
+            shrink(s.t_b.z);
+            spin_changed(b);
+            rotate_in_part(b, info);
+            s.t_b = start;
+            if constexpr (Bodies::has_parts)
+                for (int h = halvings; h < bodies.halvings_of(b); ++h) N::halve(s.t_b);
+            turn_momentum<N>(s.t_b, from, s.q_wb.value());
+            spin_changed(b);
+        }
+    }
+    // A part of a step of bodies under loads, with the part as the unit of time. Drift and spin shrink with it, and
+    // accelerations with its square. Then the same code steps over the part. Only the changes are scaled back, so that
+    // a drift that loads do not change stays exact. The spin is already in half turns of 2^-halvings of the step.
     void part_of_step(const BodyGroup& group, const StepInfo<N>& info, Work length, int halvings = 0) {
         const auto part = N::fraction(length);
         const Work inverse = Work(1) / length;
@@ -629,6 +675,8 @@ private:
             }
         }
     }
+    // Of flights, which share the code.
+    [[gnu::noinline]] void rotate_in_part(int b, const StepInfo<N>& info) { rotate(b, info); }
     TUMBLE_INLINE void rotate_once(int b, const StepInfo<N>& info) requires(rotation) {
         const auto run = [&] {
             if constexpr (has_loads && requires { Integrator::template rotate_called<N>; })
@@ -746,7 +794,8 @@ private:
             }
         }
         // The centre of mass comes last, so that the check has its numbers in registers.
-        rotate<ends_step>(b, info);
+        if constexpr (ends_step) rotate<true>(b, info);
+        else rotate_in_part(b, info);
         coast<dragged>(b, fall);
     }
     // Half of a wrench's change of the spin, a free rotation, and the other half: order 2. Its change of the drift is
