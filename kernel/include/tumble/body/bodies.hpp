@@ -462,8 +462,10 @@ public:
     // The way in a step along axis i of the world, m.
     [[nodiscard]] TUMBLE_INLINE Work drift(int b, int i) const { return N::metres(N::sum(state[b].d_w[i]), scale); }
     // The angle turned in a step about principal axis i, rad.
-    [[nodiscard]] Work turn(int b, int i) const requires(rotation) {
-        return N::half_turn(N::sum(state[b].t_b[i]), spin_scale(b)) * constants[b].units.rate(i, Work(1));
+    [[nodiscard]] Work turn(int b, int i) const requires(rotation) { return turn(b, i, state[b], spin_scale(b)); }
+    // The same of another state of the body.
+    [[nodiscard]] Work turn(int b, int i, const State& s, typename N::Scale unit) const requires(rotation) {
+        return N::half_turn(N::sum(s.t_b[i]), unit) * constants[b].units.rate(i, Work(1));
     }
     [[nodiscard]] WorkVec3<N> angular_velocity([[maybe_unused]] int b) const {
         if constexpr (rotation) {
@@ -594,6 +596,10 @@ public:
     }
     [[nodiscard]] const typename Bodies::State& operator[](int k) const { return state_[k]; }
     [[nodiscard]] int halvings(int k) const requires(Bodies::has_parts) { return halvings_[k]; }  // of copy k
+    [[nodiscard]] auto spin_scale([[maybe_unused]] int k, const Bodies& bodies) const {           // of copy k
+        if constexpr (Bodies::has_parts) return bodies.scale.halved(halvings_[k]);
+        else return bodies.scale;
+    }
 
 private:
     StateCopies<typename Bodies::State, Bodies::room> state_;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <tumble/contact/seams.hpp>
+#include <tumble/touch/path.hpp>
 
 namespace tumble {
 
@@ -60,9 +61,37 @@ public:
     void find() {
         pairs_.for_each(island_, [&](Pair& pair) { shapes_.find(bodies_, pair); });
     }
-    // The least gap of the pairs that are selected, each above its level(). Metres. In the search for the end of a
-    // contact: how far the first of the pairs is from being open, cut off at both ends.
-    [[nodiscard]] Work least_gap(bool at_start) const {
+    // True where the bodies of all selected pairs come to planes.
+    [[nodiscard]] bool is_to_planes() const {
+        bool all = true;
+        if constexpr (features.pairs)
+            pairs_.for_each(island_, [&](const Pair& pair) { all = all && (!pair.selected || pair.with_plane()); });
+        return all;
+    }
+    // The gap of the point that is the first at its level, in the flight of this length from `start` to where the
+    // bodies are. The selected pairs are with planes.
+    [[nodiscard, gnu::noinline, gnu::cold]] GapCurve<N> first_gap(const SavedMotions<Bodies>& start,
+                                                                  Work length) const {
+        GapCurve<N> first{};
+        auto root = C::one();
+        const Work third = length * N::template constant<Work>(Real{1} / Real{3});
+        pairs_.for_each(
+            island_, [&](const Pair& pair) __attribute__((cold)) {
+                if (!pair.selected) return;
+                int k = 0;
+                while (island_.group.id[k] != pair.a) ++k;
+                path_of(pair, k, start, third).for_each_point([&](const GapCurve<N>& gap) __attribute__((cold)) {
+                    const auto at = gap.root(root);
+                    if (!(at < root)) return;
+                    root = at;
+                    first = gap;
+                });
+            });
+        return first;
+    }
+    // The least gap of the pairs that are selected, each above its level(). In the search for the end of a contact: how
+    // far the first of the pairs is from being open, cut off at both ends.
+    [[nodiscard]] Length least_gap(bool at_start) const {
         bool any = false;
         Length least{};
         pairs_.for_each(island_, [&](const Pair& pair) {
@@ -73,8 +102,9 @@ public:
             if (!any || gap < least) least = gap;
             any = true;
         });
-        return shapes_.scale().metres(least);
+        return least;
     }
+    [[nodiscard]] Work metres(Length gap) const { return shapes_.scale().metres(gap); }
     // Selects the pairs below their level for the search. Pairs that rest beside them would mislead it.
     void select() {
         if constexpr (has_edges) ends_contact_ = false;
@@ -194,6 +224,32 @@ public:
     }
 
 private:
+    // The path of body k of the island to the plane of a pair. `third`: of the length of the flight, in steps.
+    [[nodiscard, gnu::cold]] PlanePath<N, features> path_of(const Pair& pair, int k, const SavedMotions<Bodies>& start,
+                                                            Work third) const {
+        using Unit = typename Pair::Unit;
+        const int b = pair.a;
+        const auto& plane = shapes_.plane(pair.plane());
+        const Vec3<Unit> normal = plane.normal;
+        Vec3<Length> drift;
+        for (int i = 0; i < 3; ++i) drift[i] = shapes_.scale().fall(N::sum(start[k].d_w[i]), bodies_.scale);
+        const Length low = level(pair);
+        PlanePath<N, features> path{shapes_.shape(b), shapes_.height(start[k], plane) - low,
+                                    shapes_.height(bodies_.state[b], plane) - low,
+                                    mul(narrow<Length>(dot(normal, drift)), C::unit(third))};
+        if constexpr (features.boxes || features.round_shapes) {
+            const auto turn = [&](const auto& state, typename N::Scale unit) __attribute__((cold)) {
+                Vec3<Unit> turn;
+                for (int i = 0; i < 3; ++i) turn[i] = C::unit(bodies_.turn(b, i, state, unit) * third);
+                return turn;
+            };
+            if (!shapes_.shape(b).is(ShapeKind::sphere))
+                path.set_normals(Axes<N>::of(start[k].q_wb.value()).to_body(normal),
+                                 turn(start[k], start.spin_scale(k, bodies_)), shapes_.axes(b).to_body(normal),
+                                 turn(bodies_.state[b], bodies_.spin_scale(b)));
+        }
+        return path;
+    }
     // A pair is open at a gap above rounding and above that of its start.
     [[nodiscard]] Length opening() const { return Bounds::resting_gap(shapes_.tolerance()); }
     [[nodiscard]] Length open_gap(const Pair& pair) const {

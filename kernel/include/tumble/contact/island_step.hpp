@@ -20,6 +20,7 @@ public:
     using BodyGroup = tumble::BodyGroup<features.bodies>;
     using Island = tumble::Island<features.bodies>;
     using Work = typename N::Work;
+    using C = ContactNumbers<N>;
     using Bounds = ContactBounds<N>;
     using Mover = tumble::Mover<N, features>;
     using Flight = tumble::Flight<N, features>;
@@ -212,7 +213,7 @@ private:
         bool whole;  // no impact has interrupted the step so far
         bool held;
     };
-    void fly(const Attempt& attempt, Work length, bool restart) {
+    [[gnu::noinline]] void fly(const Attempt& attempt, Work length, bool restart) {
         const BodyGroup& group = island_.group;
         if (restart) {
             if constexpr (Bodies::has_parts) {
@@ -354,16 +355,59 @@ private:
         return end;
     }
 
-    // Redoes the flight until the least gap is at its level; returns the portion of the step flown. Illinois' variant
-    // of the secant method: the bracket [0, longest] has gaps of opposite sign and never loses the root. A pair that
-    // starts at the level or below it has no such bracket: half the tolerance stands for its gap, so that the search
-    // begins near the start.
-    // `ends`: the search is for the end of a contact, of pairs that are selected.
-    [[gnu::noinline, gnu::cold]] Work find_impact(const Attempt& attempt, Work longest,
-                                                  [[maybe_unused]] bool ends = false) {
-        if (!has_edges || !ends) search_.select();
+    // Redoes the flight until the least gap is at its level; returns the portion of the step flown.
+    [[gnu::noinline, gnu::cold]] Work find_impact(const Attempt& attempt, Work longest) {
+        search_.select();
+        if constexpr (features.pairs)
+            if (!search_.is_to_planes()) return find_by_secant(attempt, longest);
+        return find_on_path(attempt, longest);
+    }
+    // Of bodies that come to planes: where their path meets the level. Each flight moves the path by the gap that it
+    // leaves. Where that is not in the bracket (low, high), halfway. Rounding may end the search above `close`: where a
+    // flight leaves more than half of the gap of the one before, and little beside what resting points may have.
+    [[gnu::noinline, gnu::cold]] Work find_on_path(const Attempt& attempt, Work longest) {
+        using Length = typename C::Length;
+        using Unit = typename C::Unit;
+        const Length tolerance = contacts_.shapes.tolerance(), resting = Bounds::resting_gap(tolerance),
+                     close = contacts_.shapes.scale().length(Bounds::search_gap(search_.tolerance()));
+        const Unit shortest = C::unit(Bounds::min_portion());
+        auto path = search_.first_gap(attempt.start, longest);
+        Unit low{}, high = C::one();
+        Length last = tolerance;
+        Work at = longest;
+        for (int i = 0; may_search(i); ++i) {
+            Unit part = path.root(high);
+            if (!(low < part && part < high)) part = low + C::half(high - low);
+            at = longest * N::work(part);
+            if (at < Bounds::min_portion()) at = Bounds::min_portion();
+            fly(attempt, at, true);
+            search_.measure();
+            const Length gap = search_.least_gap(false), size = magnitude_of(gap);
+            if (!(size > close) || (size < resting && size + size > last) || high - low < shortest) return at;
+            (gap > Length{} ? low : high) = part;
+            path.add(gap);
+            last = size;
+        }
+        return end_search(attempt, longest * N::work(low), at);
+    }
+    // Not found. Where a pair is far too deep, the flight ends at the last time when none was, or after the shortest
+    // flight. The next search starts from there. A search whose flights are used up ends where it is instead, so that
+    // each step comes farther.
+    [[gnu::noinline, gnu::cold]] Work end_search(const Attempt& attempt, Work low, Work at) {
+        const Work depth = -search_.metres(search_.least_gap(false)), shortest = Bounds::min_portion();
+        if (is_spent() || !(depth > Bounds::failed_search_depth(search_.tolerance()))) return at;
+        at = low > shortest ? low : shortest;
+        fly(attempt, at, true);
+        search_.measure();
+        return at;
+    }
+    // Illinois' variant of the secant method: the bracket [0, longest] has gaps of opposite sign and never loses the
+    // root. A pair that starts at the level or below it has no such bracket: half the tolerance stands for its gap, so
+    // that the search begins near the start.
+    [[gnu::noinline, gnu::cold]] Work find_by_secant(const Attempt& attempt, Work longest) requires(features.pairs) {
+        const auto least_gap = [&](bool at_start) { return search_.metres(search_.least_gap(at_start)); };
         Work low(0), high = longest;
-        Work gap_low = search_.least_gap(true), gap_high = search_.least_gap(false);
+        Work gap_low = least_gap(true), gap_high = least_gap(false);
         if (!(gap_low > Work(0))) gap_low = N::half_of(search_.tolerance());
         const Work close_enough = Bounds::search_gap(search_.tolerance());
         const Work shortest = Bounds::min_portion();
@@ -377,7 +421,7 @@ private:
             if (at > high) at = high;
             fly(attempt, at, true);
             search_.measure();
-            const Work gap = search_.least_gap(false);
+            const Work gap = least_gap(false);
             if ((gap < close_enough && -close_enough < gap) || high - low < shortest) return at;
             if (gap > Work(0)) {
                 low = at;
@@ -391,21 +435,13 @@ private:
                 side = -1;
             }
         }
-        // Not found. Where a pair is far too deep, the flight ends at the last time when none was, or after the
-        // shortest flight. The next search starts from there. A search whose flights are used up ends where it is
-        // instead, so that each step comes farther.
-        if (!is_spent() && search_.least_gap(false) < -Bounds::failed_search_depth(search_.tolerance())) {
-            at = low > shortest ? low : shortest;
-            fly(attempt, at, true);
-            search_.measure();
-        }
-        return at;
+        return end_search(attempt, low, at);
     }
 
     // Redoes the flight up to the time at which a contact ended at an edge. Its force is off from there on. Returns the
     // portion of the step flown.
     [[gnu::noinline, gnu::cold]] Work find_end(const Attempt& attempt, Work longest) requires(has_edges) {
-        Work at = find_impact(attempt, longest, true);
+        Work at = find_by_secant(attempt, longest);
         const Work since = search_.time_since_open();
         if (since > Work(0)) {
             at = at > since + Bounds::min_portion() ? at - since : Bounds::min_portion();

@@ -148,7 +148,9 @@ public:
         if (turned_[b]) axes_[b] = axes;
     }
     [[nodiscard]] Length height(const Bodies& bodies, int b, const Plane<N>& plane) const {
-        const State& s = bodies.state[b];
+        return height(bodies.state[b], plane);
+    }
+    [[nodiscard]] Length height(const State& s, const Plane<N>& plane) const {
         const typename N::PositionSum x[3] = {N::sum(s.x_w.x), N::sum(s.x_w.y), N::sum(s.x_w.z)};
         return scale().length(N::along(x, plane.normal) + plane.offset);
     }

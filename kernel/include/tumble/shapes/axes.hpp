@@ -14,7 +14,7 @@ struct Axes {
     StoredVec3<Unit> row[3];  // row[i][j]: component i (world) of axis j
 
     // The rotation matrix of q, times |q|^2, which is off 1 by rounding.
-    [[nodiscard]] static Axes of(const Quat<Unit>& q) {
+    [[nodiscard, gnu::noinline]] static Axes of(const Quat<Unit>& q) {
         const auto ww = mul(q.w, q.w), xx = mul(q.v.x(), q.v.x()), yy = mul(q.v.y(), q.v.y()),
                    zz = mul(q.v.z(), q.v.z());
         const auto xy = mul(q.v.x(), q.v.y()), xz = mul(q.v.x(), q.v.z()), yz = mul(q.v.y(), q.v.z());
