@@ -223,10 +223,10 @@ public:
         BodyGroup driven;
         for (int k = 0; k < group.count; ++k) {
             const int b = group.id[k];
-            if (has_free_part(b)) free_part(b, info, portion.length);
-            else driven.add(b);
+            if (is_driven(b) || is_coupled(b)) driven.add(b);
+            else free_part(b, info, portion.length);
         }
-        if constexpr (has_loads || has_wrenches || spin != Spin::angular_momentum)
+        if constexpr (has_loads || has_wrenches)
             if (driven.count > 0) part_of_step(driven, info, portion.length);
     }
 
@@ -374,43 +374,57 @@ private:
         return false;
     }
 
-    // True of a body that gravity alone moves, and whose spin is its angular momentum.
-    [[nodiscard]] bool has_free_part(int b) const {
-        return spin == Spin::angular_momentum && !is_driven(b) && !is_coupled(b);
+    // A part of a step of a body that gravity alone moves. Its drift, and a spin that is the angular momentum, follow
+    // without a division by the part.
+    [[gnu::noinline, gnu::cold]] void free_part(int b, [[maybe_unused]] const StepInfo<N>& info, Work length) {
+        State& s = bodies.state[b];
+        const auto part = N::fraction(length);
+        const auto move = [&](auto& x, auto& d, DriftSum whole) __attribute__((noinline)) {
+            const DriftSum fall = N::part(whole, part);
+            DriftSum mean = N::sum(d);
+            if constexpr (Integrator::coasting == Coasting::mean) mean += N::half(fall);
+            if constexpr (Integrator::coasting == Coasting::end) mean += fall;
+            N::move(x, N::part(mean, part), bodies.scale);
+            N::add(d, fall);
+        };
+        move(s.x_w.x, s.d_w.x, whole_fall(0));
+        move(s.x_w.y, s.d_w.y, whole_fall(1));
+        move(s.x_w.z, s.d_w.z, whole_fall(2));
+        if constexpr (rotation)
+            if (bodies.rotates(b)) rotate_in_part(b, info, length);
     }
-    // A part of a step of such a body, without a division by the part.
-    [[gnu::noinline, gnu::cold]] void free_part([[maybe_unused]] int b, [[maybe_unused]] const StepInfo<N>& info,
-                                                [[maybe_unused]] Work length) {
-        if constexpr (spin == Spin::angular_momentum) {
-            State& s = bodies.state[b];
-            const auto part = N::fraction(length);
-            const auto move = [&](auto& x, auto& d, DriftSum whole) __attribute__((noinline)) {
-                const DriftSum fall = N::part(whole, part);
-                DriftSum mean = N::sum(d);
-                if constexpr (Integrator::coasting == Coasting::mean) mean += N::half(fall);
-                if constexpr (Integrator::coasting == Coasting::end) mean += fall;
-                N::move(x, N::part(mean, part), bodies.scale);
-                N::add(d, fall);
-            };
-            move(s.x_w.x, s.d_w.x, whole_fall(0));
-            move(s.x_w.y, s.d_w.y, whole_fall(1));
-            move(s.x_w.z, s.d_w.z, whole_fall(2));
-            if (!bodies.rotates(b)) return;
-            const auto start = s.t_b;
-            const auto from = s.q_wb.value();
-            [[maybe_unused]] const int halvings = bodies.halvings_of(b);
-            const auto shrink = [&](auto& t) __attribute__((noinline)) { t.add(N::part(N::sum(t), part) - N::sum(t)); };
-            shrink(s.t_b.x);
-            shrink(s.t_b.y);
-            shrink(s.t_b.z);
-            spin_changed(b);
-            rotate_in_part(b, info);
-            s.t_b = start;
-            if constexpr (Bodies::has_parts)
-                for (int h = halvings; h < bodies.halvings_of(b); ++h) N::halve(s.t_b);
-            turn_momentum<N>(s.t_b, from, s.q_wb.value());
-            spin_changed(b);
+    // The spin shrinks to the part, so that the method's code for a step turns the body.
+    void rotate_in_part(int b, const StepInfo<N>& info, Work length) requires(rotation) {
+        State& s = bodies.state[b];
+        const auto part = N::fraction(length);
+        auto start = s.t_b;
+        const auto from = s.q_wb.value();
+        [[maybe_unused]] const int halvings = bodies.halvings_of(b);
+        const auto shrink = [&](auto& t) __attribute__((noinline)) { t.add(N::part(N::sum(t), part) - N::sum(t)); };
+        shrink(s.t_b.x);
+        shrink(s.t_b.y);
+        shrink(s.t_b.z);
+        [[maybe_unused]] auto shrunk = s.t_b;
+        spin_changed(b);
+        rotate_flight(b, info);
+        if constexpr (Bodies::has_parts) {
+            for (int h = halvings; h < bodies.halvings_of(b); ++h) {
+                N::halve(start);
+                N::halve(shrunk);
+            }
         }
+        if constexpr (spin == Spin::angular_momentum) {
+            s.t_b = start;
+            turn_momentum<N>(s.t_b, from, s.q_wb.value());
+        } else {
+            // Only the change is scaled back, so that a spin that does not change stays exact.
+            for (int i = 0; i < 3; ++i) {
+                const Work change = N::half_turn(N::sum(s.t_b[i]) - N::sum(shrunk[i]), bodies.scale) / length;
+                s.t_b[i] = start[i];
+                s.t_b[i].add(N::turn_sum(change, bodies.scale));
+            }
+        }
+        spin_changed(b);
     }
     // A part of a step of bodies under loads, with the part as the unit of time. Drift and spin shrink with it, and
     // accelerations with its square. Then the same code steps over the part. Only the changes are scaled back, so that
@@ -676,7 +690,7 @@ private:
         }
     }
     // Of flights, which share the code.
-    [[gnu::noinline]] void rotate_in_part(int b, const StepInfo<N>& info) { rotate(b, info); }
+    [[gnu::noinline]] void rotate_flight(int b, const StepInfo<N>& info) { rotate(b, info); }
     TUMBLE_INLINE void rotate_once(int b, const StepInfo<N>& info) requires(rotation) {
         const auto run = [&] {
             if constexpr (has_loads && requires { Integrator::template rotate_called<N>; })
@@ -795,7 +809,7 @@ private:
         }
         // The centre of mass comes last, so that the check has its numbers in registers.
         if constexpr (ends_step) rotate<true>(b, info);
-        else rotate_in_part(b, info);
+        else rotate_flight(b, info);
         coast<dragged>(b, fall);
     }
     // Half of a wrench's change of the spin, a free rotation, and the other half: order 2. Its change of the drift is

@@ -108,7 +108,7 @@ struct ContactBounds {
 
     // --- lengths, m, from the tolerance ---
 
-    // The secant search ends within this gap of its level.
+    // The search for an impact ends within this gap of its level.
     [[nodiscard]] static Work search_gap(Work tolerance) {
         return tolerance * N::template constant<Work>(Real::scaled(1, -16));
     }

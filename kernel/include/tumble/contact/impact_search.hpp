@@ -81,6 +81,7 @@ public:
                 int k = 0;
                 while (island_.group.id[k] != pair.a) ++k;
                 path_of(pair, k, start, third).for_each_point([&](const GapCurve<N>& gap) __attribute__((cold)) {
+                    if (root < C::one() && gap.is_above(first)) return;
                     const auto at = gap.root(root);
                     if (!(at < root)) return;
                     root = at;

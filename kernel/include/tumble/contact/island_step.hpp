@@ -363,8 +363,9 @@ private:
         return find_on_path(attempt, longest);
     }
     // Of bodies that come to planes: where their path meets the level. Each flight moves the path by the gap that it
-    // leaves. Where that is not in the bracket (low, high), halfway. Rounding may end the search above `close`: where a
-    // flight leaves more than half of the gap of the one before, and little beside what resting points may have.
+    // leaves. Where that is not in the bracket (low, high), halfway. Rounding may end the search above `close`,
+    // below the gap of resting points: where the path does not move any more, or where a flight leaves more than half
+    // of the gap of the one before.
     [[gnu::noinline, gnu::cold]] Work find_on_path(const Attempt& attempt, Work longest) {
         using Length = typename C::Length;
         using Unit = typename C::Unit;
@@ -372,12 +373,16 @@ private:
                      close = contacts_.shapes.scale().length(Bounds::search_gap(search_.tolerance()));
         const Unit shortest = C::unit(Bounds::min_portion());
         auto path = search_.first_gap(attempt.start, longest);
-        Unit low{}, high = C::one();
+        Unit low{}, high = C::one(), part = high;
         Length last = tolerance;
         Work at = longest;
         for (int i = 0; may_search(i); ++i) {
-            Unit part = path.root(high);
-            if (!(low < part && part < high)) part = low + C::half(high - low);
+            const Unit before = part;
+            part = path.root(C::one());
+            if (i > 0 && !(low < part && part < high)) {
+                if (part == before && last < resting) return at;
+                part = low + C::half(high - low);
+            }
             at = longest * N::work(part);
             if (at < Bounds::min_portion()) at = Bounds::min_portion();
             fly(attempt, at, true);

@@ -15,16 +15,20 @@ struct GapCurve {
     using Unit = typename C::Unit;
     using Sum = decltype(mul(Length{}, Unit{}));
 
+    static constexpr bool is_double = std::is_same_v<Unit, double>;
+    static constexpr int curved = is_double ? 24 : 10, straight = is_double ? 24 : 18;  // halvings
+
     Sum control[4];
 
     // The s at which a gap that is negative at the end comes down to zero; `latest` where that is later, or where the
-    // gap is not negative at the end. To 2^-28, by halving: no division, and the cost is bounded. After 10 halvings (de
-    // Casteljau) the chord is off by 2^-23 of the bend, which is 1e-8 m where a flight bends by 0.1 m.
+    // gap is not negative at the end. To 2^-28, in double to 2^-48, by halving: no division, and the cost is bounded.
+    // After 10 halvings (de Casteljau) the chord is off by 2^-23 of the bend, which is 1e-8 m where a flight bends by
+    // 0.1 m.
     [[nodiscard, gnu::noinline, gnu::cold]] Unit root(Unit latest) const {
         if (!(control[3] < Sum{})) return latest;
         Sum a = control[0], b = control[1], c = control[2], d = control[3];
         Unit at{}, width = C::one();
-        for (int i = 0; i < 10; ++i) {
+        for (int i = 0; i < curved; ++i) {
             width = C::half(width);
             const Sum ab = N::half(a + b), bc = N::half(b + c), cd = N::half(c + d), abc = N::half(ab + bc),
                       bcd = N::half(bc + cd), middle = N::half(abc + bcd);
@@ -40,7 +44,7 @@ struct GapCurve {
                 b = ab;
             }
         }
-        for (int i = 0; i < 18; ++i) {
+        for (int i = 0; i < straight; ++i) {
             width = C::half(width);
             const Sum middle = N::half(a + d);
             if (middle > Sum{}) {
@@ -51,6 +55,12 @@ struct GapCurve {
             }
         }
         return at < latest ? at : latest;
+    }
+    // True of a gap that is nowhere smaller than another: no control point is.
+    [[nodiscard]] bool is_above(const GapCurve& other) const {
+        bool above = true;
+        for (int k = 0; k < 4; ++k) above = above && !(control[k] < other.control[k]);
+        return above;
     }
     void add(Length gap) {
         for (Sum& c : control) c += mul(gap, C::one());
@@ -83,7 +93,7 @@ public:
         normal_[2] = end - cross<Unit>(end, end_turn);
         normal_[3] = end;
     }
-    // Calls f with the gap of each point that may be the lowest at the end.
+    // Calls f with the gap of each point that may be the first at the level. Corners that end above it are left out.
     template <class F>
     void for_each_point(F&& f) const {
         if constexpr (features.boxes)
@@ -107,12 +117,17 @@ private:
             const Vec3<Unit> n = shape_.turned ? shape_.edges.to_body(normal_[k]) : normal_[k];
             for (int i = 0; i < 3; ++i) reach[k][i] = mul(n[i], shape_.half[i]);
         }
-        for (int corner = 0; corner < 8; ++corner)
-            f(curve([&](int k) {
+        // The lowest at the end comes first: few of the others are not above it.
+        int lowest = 0;
+        for (int i = 0; i < 3; ++i) lowest |= static_cast<int>(reach[3][i] < Sum{}) << i;
+        for (int other = 0; other < 8; ++other) {
+            const auto reach_at = [&](int k) {
                 Sum sum{};
-                for (int i = 0; i < 3; ++i) sum += ((corner >> i) & 1) != 0 ? reach[k][i] : -reach[k][i];
+                for (int i = 0; i < 3; ++i) sum += ((lowest ^ other) >> i & 1) != 0 ? reach[k][i] : -reach[k][i];
                 return sum;
-            }));
+            };
+            if (height_[3] + reach_at(3) < Sum{}) f(curve(reach_at));
+        }
     }
     // The lowest point of a rim moves along it. That of a capsule's end is always a radius below its centre.
     template <class F>
