@@ -120,7 +120,7 @@ public:
                 flown = find_impact(attempt, length);
             }
             if (attempt.held && flown < span) log_forces(flown / span - Work(1));  // takes off what is not flown
-            resolve(last && !spent, span - flown);
+            resolve(last && !spent, last ? Work(0) : span - flown);
             if constexpr (features.impact_bounds) --left_.impacts;
             // Always, however short the rest of the step is: an impact ends the bounds on the time to contact.
             find_near_pairs();
