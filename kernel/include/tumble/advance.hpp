@@ -2,12 +2,12 @@
 // their place. It owns the bodies, their inertia, the loads and gravity. It knows no contact.
 #pragma once
 
-#include <tumble/solver/marks.hpp>
+#include <tumble/body/momentum.hpp>
 #include <tumble/events/snapshot.hpp>
 #include <tumble/events/wrench.hpp>
-#include <tumble/integrators/part_of_step.hpp>
 #include <tumble/integrators/verlet.hpp>
 #include <tumble/loads/load_set.hpp>
+#include <tumble/solver/marks.hpp>
 
 namespace tumble {
 
@@ -414,8 +414,12 @@ private:
             }
         }
         if constexpr (spin == Spin::angular_momentum) {
+            TurnSum t[3]{N::sum(start.x), N::sum(start.y), N::sum(start.z)};
+            turn_momentum<N>(t, bodies.spin_scale(b), from, s.q_wb.value());
             s.t_b = start;
-            turn_momentum<N>(s.t_b, from, s.q_wb.value());
+            s.t_b.x.add(t[0] - N::sum(start.x));
+            s.t_b.y.add(t[1] - N::sum(start.y));
+            s.t_b.z.add(t[2] - N::sum(start.z));
         } else {
             // Only the change is scaled back, so that a spin that does not change stays exact.
             for (int i = 0; i < 3; ++i) {
@@ -762,8 +766,8 @@ private:
     // `keeps`: nothing changes the motion of the bodies until their next step. `part` is the length again, of a part
     // that is not the whole step.
     template <class... Part>
-    void over(const BodyGroup& group, const StepInfo<N>& info, const DriftSum (&fall)[3], Work length,
-              [[maybe_unused]] bool keeps, const Part&... part) {
+    [[gnu::noinline]] void over(const BodyGroup& group, const StepInfo<N>& info, const DriftSum (&fall)[3], Work length,
+                                [[maybe_unused]] bool keeps, const Part&... part) {
         if constexpr (has_loads) {
             BodyGroup coupled;
             for (int k = 0; k < group.count; ++k) {

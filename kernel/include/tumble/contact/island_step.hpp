@@ -2,6 +2,7 @@
 // one function pointer, so that worlds with different methods share this code.
 #pragma once
 
+#include <tumble/body/momentum.hpp>
 #include <tumble/contact/contact_state.hpp>
 #include <tumble/contact/impact.hpp>
 #include <tumble/contact/impact_search.hpp>
@@ -299,18 +300,19 @@ private:
     void turn(Kick<N>& kick, int b, const Quat<typename N::Unit>& q) const {
         const auto& now = bodies_.state[b].q_wb.value();
         if (q.w == now.w && q.v == now.v) return;
-        using Vector = VectorBlock<N>;
-        using Units = std::remove_cvref_t<decltype(bodies_.constants[b].units)>;
-        const BodyWeight<N>& weight = contacts_.shapes.weights()[b];
-        const auto scaled = [](const Vector& v, const Work(&by)[3]) {
-            return v.times(Vector3<Work>{by[0] * by[0], by[1] * by[1], by[2] * by[2]});
-        };
-        Vector change = Vector::of_turns(kick.angular, bodies_.spin_scale(b));
-        if (change.is_zero()) return;
-        if constexpr (!Units::has_one_factor) change = scaled(change, weight.of_turn);
-        change = change.rotated(q).rotated_back(now);
-        if constexpr (!Units::has_one_factor) change = scaled(change, weight.per_turn);
-        for (int i = 0; i < 3; ++i) kick.angular[i] = change.turn(i, Work(1), bodies_.spin_scale(b));
+        if constexpr (spin == Spin::angular_momentum) {
+            turn_momentum<N>(kick.angular, bodies_.spin_scale(b), q, now);
+        } else {
+            using Vector = VectorBlock<N>;
+            const BodyWeight<N>& weight = contacts_.shapes.weights()[b];
+            const auto scaled = [](const Vector& v, const Work(&by)[3]) {
+                return v.times(Vector3<Work>{by[0] * by[0], by[1] * by[1], by[2] * by[2]});
+            };
+            Vector change = Vector::of_turns(kick.angular, bodies_.spin_scale(b));
+            if (change.is_zero()) return;
+            change = scaled(scaled(change, weight.of_turn).rotated(q).rotated_back(now), weight.per_turn);
+            for (int i = 0; i < 3; ++i) kick.angular[i] = change.turn(i, Work(1), bodies_.spin_scale(b));
+        }
     }
 
     // Conservative advancement (Mirtich 1996) of pairs that may have passed through each other. The flight is redone up
@@ -363,48 +365,43 @@ private:
         return find_on_path(attempt, longest);
     }
     // Of bodies that come to planes: where their path meets the level. Each flight moves the path by the gap that it
-    // leaves. Where that is not in the bracket (low, high), halfway. Rounding may end the search above `close`,
-    // below the gap of resting points: where the path does not move any more, or where a flight leaves more than half
-    // of the gap of the one before.
-    [[gnu::noinline, gnu::cold]] Work find_on_path(const Attempt& attempt, Work longest) {
+    // leaves. Where that is not in the bracket (low, high), halfway. Rounding may end the search above `close`, below
+    // the gap of resting points: where the path does not move any more, or where a flight leaves more than half of the
+    // gap of the one before. A search that fails ends like find_by_secant().
+    TUMBLE_INLINE Work find_on_path(const Attempt& attempt, Work longest) {
         using Length = typename C::Length;
         using Unit = typename C::Unit;
         const Length tolerance = contacts_.shapes.tolerance(), resting = Bounds::resting_gap(tolerance),
-                     close = contacts_.shapes.scale().length(Bounds::search_gap(search_.tolerance()));
+                     close = Bounds::resting_gap(resting);
         const Unit shortest = C::unit(Bounds::min_portion());
         auto path = search_.first_gap(attempt.start, longest);
         Unit low{}, high = C::one(), part = high;
-        Length last = tolerance;
+        Length gap{}, last = tolerance;
         Work at = longest;
-        for (int i = 0; may_search(i); ++i) {
-            const Unit before = part;
-            part = path.root(C::one());
-            if (i > 0 && !(low < part && part < high)) {
-                if (part == before && last < resting) return at;
-                part = low + C::half(high - low);
+        for (int i = 0;; ++i) {
+            const bool fails = !may_search(i);
+            if (fails) {
+                if (is_spent() || !(gap < -Bounds::edge_depth(tolerance))) return at;
+                part = low;
+            } else {
+                const Unit before = part;
+                part = path.root(C::one());
+                if (i > 0 && !(low < part && part < high)) {
+                    if (part == before && last < resting) return at;
+                    part = low + C::half(high - low);
+                }
             }
             at = longest * N::work(part);
             if (at < Bounds::min_portion()) at = Bounds::min_portion();
             fly(attempt, at, true);
             search_.measure();
-            const Length gap = search_.least_gap(false), size = magnitude_of(gap);
-            if (!(size > close) || (size < resting && size + size > last) || high - low < shortest) return at;
+            gap = search_.least_gap(false);
+            const Length size = magnitude_of(gap);
+            if (fails || !(size > close) || (size < resting && size + size > last) || high - low < shortest) return at;
             (gap > Length{} ? low : high) = part;
             path.add(gap);
             last = size;
         }
-        return end_search(attempt, longest * N::work(low), at);
-    }
-    // Not found. Where a pair is far too deep, the flight ends at the last time when none was, or after the shortest
-    // flight. The next search starts from there. A search whose flights are used up ends where it is instead, so that
-    // each step comes farther.
-    [[gnu::noinline, gnu::cold]] Work end_search(const Attempt& attempt, Work low, Work at) {
-        const Work depth = -search_.metres(search_.least_gap(false)), shortest = Bounds::min_portion();
-        if (is_spent() || !(depth > Bounds::failed_search_depth(search_.tolerance()))) return at;
-        at = low > shortest ? low : shortest;
-        fly(attempt, at, true);
-        search_.measure();
-        return at;
     }
     // Illinois' variant of the secant method: the bracket [0, longest] has gaps of opposite sign and never loses the
     // root. A pair that starts at the level or below it has no such bracket: half the tolerance stands for its gap, so
@@ -440,7 +437,15 @@ private:
                 side = -1;
             }
         }
-        return end_search(attempt, low, at);
+        // Not found. Where a pair is far too deep, the flight ends at the last time when none was, or after the
+        // shortest flight. The next search starts from there. A search whose flights are used up ends where it is
+        // instead, so that each step comes farther.
+        if (!is_spent() && least_gap(false) < -Bounds::failed_search_depth(search_.tolerance())) {
+            at = low > shortest ? low : shortest;
+            fly(attempt, at, true);
+            search_.measure();
+        }
+        return at;
     }
 
     // Redoes the flight up to the time at which a contact ended at an edge. Its force is off from there on. Returns the

@@ -98,7 +98,6 @@ struct Float {
     [[nodiscard]] static constexpr T unit_sum(T u) { return u; }
     [[nodiscard]] static constexpr T drift_sum(T metres, Scale) { return metres; }
     [[nodiscard]] static constexpr T turn_sum(T half_turn, Scale) { return half_turn; }
-    [[nodiscard]] static constexpr T turn_sum(T product) { return product; }
 
     [[nodiscard]] static constexpr bool is_rounding(const auto& correction, const auto& t) {
         const T size = magnitude(t[0]) + magnitude(t[1]) + magnitude(t[2]);

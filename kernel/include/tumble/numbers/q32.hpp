@@ -161,11 +161,6 @@ struct Q32 {
     [[nodiscard]] static constexpr TurnSum turn_sum(Work half_turn, Scale s) {
         return {half_turn.to_sum(64 + s.turn_shift)};
     }
-    // A product with a turn, in the units of the state.
-    template <int F>
-    [[nodiscard]] static constexpr TurnSum turn_sum(Wide<F> product) {
-        return {product.raw * (std::int64_t{1} << (64 - F))};
-    }
 
     // A constant change of drift in a step. It is held at the end of the range, so that sums with it cannot wrap.
     [[nodiscard]] static constexpr DriftSum fall(Real units) {
