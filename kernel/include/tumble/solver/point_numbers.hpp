@@ -1,0 +1,192 @@
+// The numbers of PointSolver: FixedNumbers has the formats of a fixed-point system's contacts, FloatNumbers<T> are floats
+// or doubles. The solver is written once, in the functions below.
+//
+// In fixed point a speed or an impulse has 32 bits; its caller decides the binary point. Every rounding is to nearest with
+// ties away from zero, so that a sign which is changed everywhere changes nothing else: mirror images have mirrored bits.
+// Results that do not fit are held. That happens only in iterations that find no solution.
+#pragma once
+
+#include <tumble/numbers/q32_contact.hpp>
+
+namespace tumble {
+
+struct FixedNumbers {
+    using Unit = Fixed<30>;      // a direction's component, a share
+    using Lever = Fixed<24>;     // below 64
+    using Friction = Fixed<24>;  // below 128
+    using Speed = Fixed<30>;     // Fixed for its operations only. Norms of velocities and impulses stay below 2^29 units
+    using Entry = Fixed<30>;     // of a matrix, below 2
+    using Sum = std::int64_t;        // of speeds, whose partial sums may not fit
+    using Square = std::int64_t;
+
+    // x / 2^down, for any sign of `down`.
+    [[nodiscard]] static std::int32_t rounded(std::int64_t x, int down) {
+        constexpr std::int64_t most = (1 << 30) - 1;
+        if (down > 0) x = (x + (std::int64_t{1} << (down - 1)) + (x >> 63)) >> down;
+        else if (down < -30) x = x > 0 ? most : x < 0 ? -most : 0;
+        else if (x < most && x > -most) x *= std::int64_t{1} << -down;
+        return static_cast<std::int32_t>(x > most ? most : x < -most ? -most : x);
+    }
+    [[nodiscard, gnu::noinline]] static Speed shifted(Speed s, int up) { return {rounded(s.raw, -up)}; }
+    [[nodiscard]] static Speed sum(Speed a, Speed b) { return {rounded(std::int64_t{a.raw} + b.raw, 0)}; }
+    template <int F, class T>
+    [[nodiscard]] static T product(Fixed<F> a, T b) {
+        return {rounded(detail::multiply(a.raw, b.raw), F)};
+    }
+    template <int F>
+    [[nodiscard]] static Speed dot(const Fixed<F> (&a)[3], const Speed* b) {
+        return {rounded(exact_dot(a, b), F)};
+    }
+    // Adds a^T b.
+    template <int F>
+    static void add_transposed(Sum* sum, const Fixed<F> (&a)[3][3], const Speed* b) {
+        for (int j = 0; j < 3; ++j) {
+            const Fixed<F> column[3] = {a[0][j], a[1][j], a[2][j]};
+            const std::int64_t x = exact_dot(column, b);
+            sum[j] += (x + (std::int64_t{1} << (F - 1)) + (x >> 63)) >> F;
+        }
+    }
+    [[nodiscard]] static Sum wide(Speed s) { return s.raw; }
+    [[nodiscard]] static constexpr Speed largest() { return {(1 << 30) - 1}; }
+    [[nodiscard]] static bool fits(Sum s) { return s < largest().raw && s > -largest().raw; }
+    [[nodiscard]] static Speed shifted(Sum s, int up) { return {rounded(s, -up)}; }
+    [[nodiscard]] static Square square(const Lever (&l)[3]) {
+        std::int64_t sum = std::int64_t{1} << 48;
+        for (const Lever c : l) sum = detail::multiply_add(sum, c.raw, c.raw);
+        return sum;
+    }
+    // The power of two that is not above a square.
+    [[nodiscard]] static int log2(Square s) { return static_cast<int>(std::bit_width(static_cast<std::uint64_t>(s))) - 49; }
+    // The power of two above 1 + mu.
+    [[nodiscard]] static int log2_above(Friction mu) {
+        return static_cast<int>(std::bit_width(static_cast<std::uint32_t>(mu.raw) + (1u << 24))) - 24;
+    }
+    // A component of a row, over 2^down.
+    [[nodiscard]] static Entry entry(Unit d, int down) { return {rounded(d.raw, down)}; }
+    [[nodiscard]] static Entry entry(Lever l, int down) { return {rounded(l.raw, down - 6)}; }
+    [[nodiscard]] static Entry power(int log2) { return {log2 < -30 ? 1 : 1 << (30 + log2)}; }
+
+// The numbers of PointSolver: Fi    // 1 / x for any x but 0, without division: a straight line as the first guess, with an error of 1/17, and three
+    // Newton steps.
+    class Inverse {
+    public:
+        Inverse() = default;
+        explicit Inverse(std::int32_t x) {
+            const int up = std::countl_zero(static_cast<std::uint32_t>(x < 0 ? -x : x)) - 1;
+            const std::int32_t m = (x < 0 ? -x : x) << up;  // in [2^30, 2^31)
+            std::int32_t y = 1515870810 - detail::multiply_upper(m, 2021161080);  // 2^29 (48 - 32 m / 2^31) / 17
+            for (int i = 0; i < 3; ++i) {
+                const std::int64_t left = (std::int64_t{1} << 60) - detail::multiply(m, y);
+                y += static_cast<std::int32_t>(detail::multiply(y, static_cast<std::int32_t>(left >> 30)) >> 30);
+            }
+            mantissa_ = x < 0 ? -y : y;
+            down_ = 60 - up;
+        }
+        explicit Inverse(Entry e) : Inverse{e.raw} {}
+        // a / x times 2^up.
+        [[nodiscard]] std::int32_t times(std::int32_t a, int up) const {
+            return rounded(detail::multiply(a, mantissa_), down_ - up > 62 ? 62 : down_ - up);
+        }
+        [[nodiscard]] Speed operator()(Speed s) const { return {times(s.raw, 30)}; }
+        [[nodiscard]] Entry factor(Entry e) const { return {times(e.raw, 30)}; }
+
+    private:
+        std::int32_t mantissa_;
+        int down_;
+    };
+    // a / b times 2^up, at most 1. 1 where b is not above zero.
+    [[nodiscard]] static Unit ratio(Speed a, Speed b, int up) {
+        constexpr std::int32_t one = 1 << 30;
+        if (!(b.raw > 0)) return {one};
+        const std::int32_t r = Inverse{b.raw}.times(a.raw, 30 + up);
+        return {r < 0 ? 0 : r > one - 2 ? one : r};
+    }
+    // The direction of (a, b), or zero; and the length.
+    [[nodiscard]] static Speed direction(Speed a, Speed b, Unit (&d)[2]) {
+        const std::int64_t square = detail::multiply_add(detail::multiply(a.raw, a.raw), b.raw, b.raw);
+        d[0] = d[1] = Unit{};
+        if (square == 0) return Speed{};
+        const auto root = detail::inverse_root(static_cast<std::uint64_t>(square));
+        const int down = -(root.exponent + 30);
+        d[0] = {rounded(detail::multiply(a.raw, root.raw), down)};
+        d[1] = {rounded(detail::multiply(b.raw, root.raw), down)};
+        return {rounded(detail::multiply_add(detail::multiply(a.raw, d[0].raw), b.raw, d[1].raw), 30)};
+    }
+    [[nodiscard]] static Speed size(Speed s) { return {s.raw < 0 ? -s.raw : s.raw}; }
+    // By how many bits a speed may be scaled up so that it stays below 2^bits.
+    [[nodiscard]] static int room(Speed largest, int bits) {
+        return bits - static_cast<int>(std::bit_width(static_cast<std::uint32_t>(largest.raw)));
+    }
+    // Energies, of speeds that are held: each product is below 2^60.
+    static void add_energy(Square& sum, Speed a, Speed b) { sum += detail::multiply(a.raw, b.raw) >> 5; }
+    // a / b in 0 .. 1.
+    [[nodiscard]] static Unit ratio_of_energies(Square a, Square b) {
+        if (!(a > 0)) return {0};
+        if (a >= b) return {1 << 30};
+        const int up = std::countl_zero(static_cast<std::uint64_t>(b)) - 34;
+        return ratio({rounded(a, -up)}, {rounded(b, -up)}, 0);
+    }
+
+private:
+    template <int F>
+    [[nodiscard]] static std::int64_t exact_dot(const Fixed<F> (&a)[3], const Speed* b) {
+        return detail::multiply_add(detail::multiply_add(detail::multiply(a[0].raw, b[0].raw), a[1].raw, b[1].raw),
+                                    a[2].raw, b[2].raw);
+    }
+};
+
+template <class T>
+struct FloatNumbers {
+    using Unit = T;
+    using Lever = T;
+    using Friction = T;
+    using Speed = T;
+    using Entry = T;
+    using Sum = T;
+    using Square = T;
+    using Bits = std::conditional_t<sizeof(T) == 4, std::uint32_t, std::uint64_t>;
+    static constexpr int fraction_bits = sizeof(T) == 4 ? 23 : 52, bias = sizeof(T) == 4 ? 127 : 1023;
+
+    [[nodiscard]] static T power(int log2) { return std::bit_cast<T>(static_cast<Bits>(bias + log2) << fraction_bits); }
+    [[nodiscard]] static T shifted(T s, int up) { return s * power(up); }
+    [[nodiscard]] static T sum(T a, T b) { return a + b; }
+    [[nodiscard]] static T product(T a, T b) { return a * b; }
+    [[nodiscard]] static T dot(const T (&a)[3], const T* b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+    static void add_transposed(T* sum, const T (&a)[3][3], const T* b) {
+        for (int j = 0; j < 3; ++j) sum[j] += a[0][j] * b[0] + a[1][j] * b[1] + a[2][j] * b[2];
+    }
+    [[nodiscard]] static T wide(T s) { return s; }
+    [[nodiscard]] static constexpr T largest() { return std::numeric_limits<T>::max(); }
+    [[nodiscard]] static bool fits(T s) { return s - s == T(0); }
+    [[nodiscard]] static T square(const T (&l)[3]) { return T(1) + dot(l, l); }
+    [[nodiscard]] static int log2(T s) { return static_cast<int>(std::bit_cast<Bits>(s) >> fraction_bits) - bias; }
+    [[nodiscard]] static int log2_above(T mu) { return log2(T(1) + mu) + 1; }
+    [[nodiscard]] static T entry(T a, int down) { return shifted(a, -down); }
+    class Inverse {
+    public:
+        Inverse() = default;
+        explicit Inverse(T x) : inverse_{T(1) / x} {}
+        [[nodiscard]] T operator()(T a) const { return a * inverse_; }
+        [[nodiscard]] T factor(T a) const { return a * inverse_; }
+
+    private:
+        T inverse_;
+    };
+    [[nodiscard]] static T ratio(T a, T b, int up) {
+        const T scaled = shifted(a, up);
+        return scaled < b ? scaled / b : T(1);
+    }
+    [[nodiscard]] static T direction(T a, T b, T (&d)[2]) {
+        const T length = tumble::sqrt(a * a + b * b);
+        const T inverse = length > T(0) ? T(1) / length : T(0);
+        d[0] = a * inverse;
+        d[1] = b * inverse;
+        return length;
+    }
+    [[nodiscard]] static T size(T s) { return s < T(0) ? -s : s; }
+    [[nodiscard]] static int room(T, int) { return 0; }
+    static void add_energy(T& sum, T a, T b) { sum += a * b; }
+    [[nodiscard]] static T ratio_of_energies(T a, T b) { return !(a > T(0)) ? T(0) : a < b ? a / b : T(1); }
+};
+
+}  // namespace tumble
