@@ -1,5 +1,6 @@
-// Random contact manifolds of a box on one to three planes, and a judge of what a solver makes of them. Both are in double
-// and know nothing of the kernel. Every number comes from sums, products and roots, so it is the same on every machine.
+// Random contact manifolds of a box on one to three planes, and a judge of what a solver makes of them. Both are in
+// double and know nothing of the kernel. Every number comes from sums, products and roots, so it is the same on every
+// machine.
 #pragma once
 
 #include "random.hpp"
@@ -27,6 +28,12 @@ struct Manifold {
         double square = 0;
         for (const double x : u) square += x * x;
         return std::sqrt(square);
+    }
+    [[nodiscard]] double longest_row() const {
+        double longest = 1;
+        for (int i = 0; i < points; ++i)
+            for (const auto& row : point[i].row) longest = std::max(longest, norm(row));
+        return longest;
     }
     [[nodiscard]] double velocity(int i, int k, const double (&u)[6]) const {
         double v = 0;
@@ -98,7 +105,8 @@ private:
 };
 
 // Manifold n of its kind. A vertex, an edge, a face, or three points of a face above each plane; friction 0 to 1.5 and
-// none in one of seven; slow and fast; standing still, bouncing, or with gaps. Two of ten have two planes, one has three.
+// none in one of seven; slow and fast; standing still, bouncing, or with gaps. Two of ten have two planes, one has
+// three.
 inline Manifold random_manifold(int n) {
     Random random{static_cast<std::uint64_t>(n)};
     double half[3], normal[3][3];
@@ -107,7 +115,7 @@ inline Manifold random_manifold(int n) {
     Manifold& m = maker.made;
     const int of_ten = n / 4 % 10, planes = of_ten < 7 ? 1 : of_ten < 9 ? 2 : 3;
     while (m.planes < planes) {
-        const int kind = m.planes == 0 ? n % 4 : random.between(0, 3), axis = random.between(0, 2);
+        const int any_kind = random.between(0, 3), kind = m.planes == 0 ? n % 4 : any_kind, axis = random.between(0, 2);
         double* const v = normal[m.planes];
         for (int i = 0; i < 3; ++i) v[i] = kind == 0 ? random.uniform(-1, 1) : 0;
         if (kind == 1) v[(axis + 1) % 3] = random.uniform(-2, 2);
@@ -124,7 +132,9 @@ inline Manifold random_manifold(int n) {
         } while (dot_of(tangent, tangent) < 0.01);
         set_length_to_one(tangent);
         const double friction = random.uniform(0, 1.5);
-        maker.add(v, tangent, random.between(0, 6) == 0 ? 0 : friction, kind == 3 ? random.between(0, 3) : -1);
+        const bool smooth = random.between(0, 6) == 0;
+        const int left_out = random.between(0, 3);
+        maker.add(v, tangent, smooth ? 0 : friction, kind == 3 ? left_out : -1);
     }
     const double speed = n % 3 == 0 ? 0.05 : 1, spread = speed * (n % 5 == 0 ? 0.1 : 1);
     for (double& u : m.start) u = random.uniform(-spread, spread);
@@ -171,8 +181,8 @@ inline Verdict judge(const Manifold& m, const Impulses& found) {
         verdict.cone = std::max({verdict.cone, -f[0], std::hypot(f[1], f[2]) - limit});
         verdict.law = std::max({verdict.law, verdict.cone, -y[0], std::min(f[0], y[0])});
         if (slip > 1e-5 * scale)
-            verdict.law =
-                std::max(verdict.law, std::min(slip, std::hypot(f[1] + limit * y[1] / slip, f[2] + limit * y[2] / slip)));
+            verdict.law = std::max(verdict.law,
+                                   std::min(slip, std::hypot(f[1] + limit * y[1] / slip, f[2] + limit * y[2] / slip)));
     }
     for (int j = 0; j < 6; ++j) verdict.momentum = std::max(verdict.momentum, std::abs(sum[j] - found.velocity[j]));
     for (double* const v : {&verdict.law, &verdict.cone, &verdict.momentum}) *v /= scale;

@@ -1,10 +1,10 @@
-// The numbers of PointSolver: FixedNumbers has the formats of a fixed-point system's contacts; FloatNumbers<T> are floats
-// or doubles. The solver is written once, with these functions.
+// The numbers of PointSolver: FixedNumbers has the formats of a fixed-point system's contacts; FloatNumbers<T> are
+// floats or doubles. The solver is written once, with these functions.
 //
-// In fixed point the caller decides the binary point of speeds and impulses. Every rounding is to nearest with ties away
-// from zero: a sign that is changed everywhere changes no other bit, and the mirror image of a problem has the mirror
-// image of its solution. A number that does not fit is held at the end of its format, which happens only on the way to no
-// solution.
+// In fixed point the caller decides the binary point of speeds and impulses. Every rounding is to nearest with ties
+// away from zero: a sign that is changed everywhere changes no other bit, and the mirror image of a problem has the
+// mirror image of its solution. A number that does not fit is held at the end of its format, which happens only on the
+// way to no solution.
 #pragma once
 
 #include <tumble/numbers/q32_contact.hpp>
@@ -12,13 +12,13 @@
 namespace tumble {
 
 struct FixedNumbers {
-    using Unit = Fixed<30>;         // a component of a direction; a share
-    using Lever = Fixed<24>;        // below 64
-    using Friction = Fixed<24>;     // below 128
-    using Speed = Fixed<30>;        // Fixed for its operations only. The norm of a velocity is below 2^29 units
-    using Entry = Fixed<30>;        // of a matrix, below 2
-    using Sum = std::int64_t;       // of speeds
-    using Square = std::int64_t;    // of a row; of speeds
+    using Unit = Fixed<30>;       // a component of a direction; a share
+    using Lever = Fixed<24>;      // below 64
+    using Friction = Fixed<24>;   // below 128
+    using Speed = Fixed<30>;      // Fixed for its operations only
+    using Entry = Fixed<30>;      // of a matrix, below 2
+    using Sum = std::int64_t;     // of speeds
+    using Square = std::int64_t;  // of a row; of speeds
     static constexpr std::int32_t most = (1 << 30) - 1;
 
     // x / 2^down. `down` may be negative.

@@ -1,5 +1,6 @@
-// The impulses of one body's contact points on surfaces that do not answer a push: which points press, which grip, which
-// slip, and by how much. Newton's method on these states. Each step solves six equations, however many points there are.
+// The impulses of one body's contact points on surfaces that do not answer a push: which points press, which grip,
+// which slip, and by how much. Newton's method on these states. Each step solves six equations, however many points
+// there are.
 //
 // Velocities are weighted: u = (sqrt(m) v, sqrt(I_i) w_i), world and principal axes, so that the mass matrix is the
 // identity. A direction of a point has the row J = (direction, lever); the lever is arm x direction over the radii of
@@ -14,27 +15,27 @@
 // y = 0 is softened to f = f before - g y; and b is at most g. Then f depends on u alone, and the velocity's change has
 // six equations, whose matrix B is diagonal but for the mu n s of a slip:
 //   (1 + sum J^T B J) du = sum J^T c
-// What softness leaves, further steps remove. Softness decides two more things. A face has more impulses than equations:
-// those of the first step, and with them all, are as even as they can be. And steps between wrong states are large where
-// g is large, so g is small until two steps have the same states.
+// What softness leaves, further steps remove. Softness decides two more things. A face has more impulses than
+// equations: those of the first step, and with them all, are as even as they can be. And steps between wrong states are
+// large where g is large, so g is small until two steps have the same states.
 //
 // Where the steps do not end, sweeps over the points give another start, and they are the last resort. There is always
 // a solution if no target is above zero, for then standing still is possible. A bounce between several planes may have
 // none.
 //
-// Cost in products: a system 145, and 21 to 87 for each point that presses; a step 90, and 50 to 60 a point; a sweep 80 a
-// point. PointBounds so bounds the cost.
+// Cost in products: a system 112, and 21, 63 or 122 for each point that is smooth, grips or slips; a step 36, and 36 a
+// plane, 36 to 80 a point; a sweep 54 to 75 a point. PointBounds bounds it.
 #pragma once
 
 #include <tumble/solver/point_numbers.hpp>
 
 namespace tumble {
 
-// Bounds of a solution. Of random problems 97 % take at most 10 systems; one plane takes 1 to 5 in most cases.
+// Bounds of a solution. Of random problems 97 % take at most the first 10 systems.
 struct PointBounds {
-    int systems = 12;        // from zero impulses
-    int sweeps = 16;         // over the points, from zero impulses, where those have not ended
-    int systems_again = 16;  // from there
+    int systems = 10;        // from zero impulses
+    int sweeps = 24;         // over the points, from zero impulses, where those have not ended
+    int systems_again = 20;  // from there
     int late_sweeps = 32;    // over the points, from zero impulses, where those have not ended either
 };
 
@@ -50,7 +51,7 @@ public:
         typename N::Friction friction;
     };
     struct Point {
-        int plane;  // the points of a plane follow each other
+        int plane;                      // the points of a plane follow each other
         typename N::Lever lever[3][3];  // of the directions of the plane, principal axes
         Speed target;                   // least velocity along the normal
         Speed drift[2];                 // of the surface along the tangents
@@ -59,10 +60,13 @@ public:
     Plane plane[most_planes];
     Point point[most_points];
     int points = 0;
-    Speed velocity[6];  // of the body, linear and angular: without the impulses before solve(), with them after it
+    // Of the body, linear and angular: without the impulses before solve(), with them after it. In fixed point its norm
+    // times the longest row is below 2^30 units.
+    Speed velocity[6];
 
-    // A solution is right to `fine`, as a velocity; or to `coarse` where a bound was met. False without a solution: then
-    // the impulses push, lie in their cones and add no more energy than the targets ask for, but points may approach.
+    // A solution is right to `fine`, as a velocity; or to `coarse` where a bound was met. False without a solution:
+    // then the impulses push, lie in their cones and add no more energy than the targets ask for, but points may
+    // approach.
     [[nodiscard]] bool solve(Speed fine, Speed coarse, const PointBounds& bounds = {}) {
         for (int j = 0; j < 6; ++j) start_[j] = velocity[j];
         set_scales();
@@ -93,13 +97,12 @@ private:
         Kind kind;
 
         [[nodiscard]] bool stops(int k) const { return kind == Kind::grips || (k == 0 && kind != Kind::open); }
-        [[nodiscard]] Speed across() const {
-            return N::sum(N::product(along[0], y[2]), -N::product(along[1], y[1]));
-        }
+        [[nodiscard]] Speed across() const { return N::sum(N::product(along[0], y[2]), -N::product(along[1], y[1])); }
     };
-    // Powers of two of g. 2^10: a step leaves about a thousandth, and 20 of the matrix's 30 bits remain. With 2^4 the
-    // fewest problems of 2^1 to 2^6 were unsolved.
-    static constexpr int soft = 4, stiff = 10;
+    // Powers of two of g. A step with a stiff system leaves 2^-8 of what was left, and 22 of the 30 bits of the matrix
+    // remain for it. Of stiff 2^7 to 2^12 and of soft 2^2 to 2^6 these leave the fewest random manifolds unsolved at
+    // the least cost.
+    static constexpr int soft = 4, stiff = 8;
 
     // r, with r |J|^2 in [1, 2) for the longest row: sweeps over one row then converge. half_: the matrix is divided by
     // 4^half_, which bounds its diagonal by 2: (points) x (1 + mu) x |J|^2, each rounded up to a power of two.
@@ -130,8 +133,8 @@ private:
             const Speed left = find_states();
             if (!(left > fine)) return true;
             // A system without directions of slip serves again while that helps.
-            const bool serves = systems > 0 && log2_g_ == stiff && !changed_ && !slips_ &&
-                                !(left > N::shifted(before, -3));
+            const bool serves =
+                systems > 0 && log2_g_ == stiff && !changed_ && !slips_ && !(left > N::shifted(before, -3));
             if (!serves) {
                 if (systems == bound) return !(left > coarse);
                 log2_g_ = changed_ && (soft_first || systems > 0) ? soft : stiff;
@@ -152,8 +155,7 @@ private:
             Speed wanted[3];
             find_wanted(i, wanted);
             for (int k = 0; k < 3; ++k) {
-                const Speed off =
-                    N::size(s.stops(k) ? s.y[k] : N::shifted(wanted[k] - point[i].impulse[k], -log2_r_));
+                const Speed off = N::size(s.stops(k) ? s.y[k] : N::shifted(wanted[k] - point[i].impulse[k], -log2_r_));
                 if (off > most) most = off;
             }
             changed_ = changed_ || s.kind != before;
@@ -221,8 +223,8 @@ private:
         }
     }
 
-    // The matrix over g 4^half_, from rows R = J / 2^half_: 1 / (g 4^half_) + sum R^T (B / g) R. What is symmetric first,
-    // as a lower triangle; then the mu n s of slips, as a column times the normal's row.
+    // The matrix over g 4^half_, from rows R = J / 2^half_: 1 / (g 4^half_) + sum R^T (B / g) R. What is symmetric
+    // first, as a lower triangle; then the mu n s of slips, as a column times the normal's row.
     void assemble() {
         for (int a = 0; a < 6; ++a)
             for (int b = 0; b < 6; ++b) matrix_[a][b] = a == b ? least_pivot() : Entry{};
