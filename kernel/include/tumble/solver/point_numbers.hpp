@@ -66,6 +66,10 @@ struct FixedNumbers {
     [[nodiscard]] static int log2_above(Friction mu) {
         return static_cast<int>(std::bit_width(static_cast<std::uint32_t>(mu.raw) + (1u << 24))) - 24;
     }
+    // The power of two above a lever of at least 1/2.
+    [[nodiscard]] static int log2_above_lever(Lever l) {
+        return static_cast<int>(std::bit_width(static_cast<std::uint32_t>(l.raw < 0 ? -l.raw : l.raw))) - 24;
+    }
     [[nodiscard]] static Entry power(int log2) { return {log2 < -30 ? 1 : 1 << (30 + log2)}; }
     // A component of a row, over 2^down.
     [[nodiscard]] static Entry entry(Unit d, int down) { return {rounded(d.raw, down)}; }
@@ -158,6 +162,7 @@ struct FloatNumbers {
     }
     [[nodiscard]] static T one_and_square(const T (&l)[3]) { return T(1) + dot(l, l); }
     [[nodiscard]] static int log2(T s) { return static_cast<int>(std::bit_cast<Bits>(s) >> fraction_bits) - bias; }
+    [[nodiscard]] static int log2_above_lever(T l) { return log2(size(l) + T(0)) + 1; }
     [[nodiscard]] static int log2_above(T mu) { return log2(T(1) + mu) + 1; }
     [[nodiscard]] static T entry(T a, int down) { return shifted(a, -down); }
     [[nodiscard]] static int room(T, int) { return 0; }

@@ -99,23 +99,33 @@ private:
         [[nodiscard]] bool stops(int k) const { return kind == Kind::grips || (k == 0 && kind != Kind::open); }
         [[nodiscard]] Speed across() const { return N::sum(N::product(along[0], y[2]), -N::product(along[1], y[1])); }
     };
-    // Powers of two of g. A step with a stiff system leaves 2^-8 of what was left, and 22 of the 30 bits of the matrix
-    // remain for it. Of stiff 2^7 to 2^12 and of soft 2^2 to 2^6 these leave the fewest random manifolds unsolved at
+    // Powers of two of g, for rows of length 1. It is divided by the root of 1 / r: between the shortest rows and the
+    // longest. For a box, a step with a stiff system leaves 2^-8 of what was left, and 22 of the 30 bits of the matrix
+    // remain for it. Of stiff 2^8 to 2^13 and of soft 2^3 to 2^7 these leave the fewest random manifolds unsolved at
     // the least cost.
-    static constexpr int soft = 4, stiff = 8;
+    static constexpr int soft = 5, stiff = 9;
 
-    // r, with r |J|^2 in [1, 2) for the longest row: sweeps over one row then converge. half_: the matrix is divided by
-    // 4^half_, which bounds its diagonal by 2: (points) x (1 + mu) x |J|^2, each rounded up to a power of two.
+    // r, with r |J|^2 in [1, 2) for the longest row: sweeps over one row then converge. half_: each column of J is
+    // divided by 2^half_, so that the diagonal of the matrix is at most 1. A point adds at most 1 + mu times |D|^2 = 1,
+    // or 2 l^2 with its largest lever l; all are rounded up to powers of two.
     void set_scales() {
-        int row = 0, friction = 0, count = 0;
+        int row = 0, common = 0, lever[3]{};
+        while ((1 << common) < points) ++common;
+        int friction = 0;
         for (int i = 0; i < points; ++i) {
-            for (const auto& l : point[i].lever)
-                if (const int log2 = N::log2(N::one_and_square(l)); log2 > row) row = log2;
             if (const int log2 = N::log2_above(plane[point[i].plane].friction); log2 > friction) friction = log2;
+            for (const auto& l : point[i].lever) {
+                if (const int log2 = N::log2(N::one_and_square(l)); log2 > row) row = log2;
+                for (int j = 0; j < 3; ++j)
+                    if (const int log2 = N::log2_above_lever(l[j]); log2 > lever[j]) lever[j] = log2;
+            }
         }
-        while ((1 << count) < points) ++count;
+        common += friction + 1;
         log2_r_ = -row;
-        half_ = (row + 1 + count + friction + 1) / 2;
+        for (int j = 0; j < 3; ++j) {
+            half_[j] = common / 2;
+            half_[j + 3] = lever[j] + (common + 1) / 2;
+        }
     }
     void clear_impulses() {
         for (int i = 0; i < points; ++i)
@@ -133,11 +143,11 @@ private:
             const Speed left = find_states();
             if (!(left > fine)) return true;
             // A system without directions of slip serves again while that helps.
-            const bool serves =
-                systems > 0 && log2_g_ == stiff && !changed_ && !slips_ && !(left > N::shifted(before, -3));
+            const bool serves = systems > 0 && log2_g_ == stiff + log2_r_ / 2 && !changed_ && !slips_ &&
+                                !(left > N::shifted(before, -3));
             if (!serves) {
                 if (systems == bound) return !(left > coarse);
-                log2_g_ = changed_ && (soft_first || systems > 0) ? soft : stiff;
+                log2_g_ = (changed_ && (soft_first || systems > 0) ? soft : stiff) + log2_r_ / 2;
                 ++systems;
                 assemble();
                 eliminate();
@@ -223,11 +233,11 @@ private:
         }
     }
 
-    // The matrix over g 4^half_, from rows R = J / 2^half_: 1 / (g 4^half_) + sum R^T (B / g) R. What is symmetric
-    // first, as a lower triangle; then the mu n s of slips, as a column times the normal's row.
+    // The matrix over g, from rows R = J / 2^half_: 1 / (g 4^half_) + sum R^T (B / g) R. What is symmetric first, as a
+    // lower triangle; then the mu n s of slips, as a column times the normal's row.
     void assemble() {
         for (int a = 0; a < 6; ++a)
-            for (int b = 0; b < 6; ++b) matrix_[a][b] = a == b ? least_pivot() : Entry{};
+            for (int b = 0; b < 6; ++b) matrix_[a][b] = a == b ? least_pivot(a) : Entry{};
         Entry row[3][6];
         for (int i = 0; i < points; ++i) {
             State& s = state_[i];
@@ -260,8 +270,8 @@ private:
     void set_rows(int i, Entry (&row)[3][6]) const {
         for (int k = 0; k < 3; ++k)
             for (int j = 0; j < 3; ++j) {
-                row[k][j] = N::entry(plane[point[i].plane].direction[k][j], half_);
-                row[k][j + 3] = N::entry(point[i].lever[k][j], half_);
+                row[k][j] = N::entry(plane[point[i].plane].direction[k][j], half_[j]);
+                row[k][j + 3] = N::entry(point[i].lever[k][j], half_[j + 3]);
             }
     }
     void add_square(const Entry (&a)[6], const Entry (&b)[6]) {
@@ -269,7 +279,7 @@ private:
             for (int j = 0; j <= i; ++j) matrix_[i][j] = matrix_[i][j] + N::product(a[i], b[j]);
     }
     // Of a direction in which no point presses.
-    [[nodiscard]] Entry least_pivot() const { return N::power(-log2_g_ - 2 * half_); }
+    [[nodiscard]] Entry least_pivot(int a) const { return N::power(-log2_g_ - 2 * half_[a]); }
     // Factors into triangles. The largest entry of a column is its pivot, so factors are at most 1.
     void eliminate() {
         for (int k = 0; k < 6; ++k) {
@@ -278,7 +288,7 @@ private:
                 if (N::size(matrix_[i][k]) > N::size(matrix_[best][k])) best = i;
             pivot_[k] = static_cast<std::int8_t>(best);
             for (int j = 0; j < 6 && best != k; ++j) std::swap(matrix_[k][j], matrix_[best][j]);
-            if (matrix_[k][k] == Entry{}) matrix_[k][k] = least_pivot();
+            if (matrix_[k][k] == Entry{}) matrix_[k][k] = least_pivot(k);
             inverse_[k] = typename N::Inverse{matrix_[k][k]};
             for (int i = k + 1; i < 6; ++i) {
                 Entry* const row = matrix_[i];
@@ -296,8 +306,8 @@ private:
             x[i] = inverse_[i].times(x[i]);
         }
     }
-    // Changes the impulses with the states and the system as they are. What is left is scaled up to use all bits: it
-    // has 26 - half_, so that J^T times it, of 12 points at most 6 x 2^half_ times as large, stays below 2^29.
+    // Changes the impulses with the states and the system as they are. What is left is scaled up to 22 bits. A solution
+    // may be longer than the right side by 2 / sqrt(least pivot), which is 2^8 for a box: it stays below 2^30.
     void take_step() {
         Speed most{};
         for (int i = 0; i < points; ++i) {
@@ -306,7 +316,7 @@ private:
                 for (const Speed s : {state_[i].y[k], N::shifted(state_[i].miss[k], -log2_g_)})
                     if (N::size(s) > most) most = N::size(s);
         }
-        const int up = N::room(most, 26 - half_);
+        const int up = N::room(most, 22);
         Sum sum[6]{};
         for (int i = 0; i < points; ++i) {
             State& s = state_[i];
@@ -316,9 +326,9 @@ private:
         }
         (void)push(0, points, true, sum);
         Speed du[6];
-        for (int j = 0; j < 6; ++j) du[j] = N::shifted(sum[j], -half_);
+        for (int j = 0; j < 6; ++j) du[j] = N::shifted(sum[j], -half_[j]);
         substitute(du);
-        for (Speed& x : du) x = N::shifted(x, -half_);
+        for (int j = 0; j < 6; ++j) du[j] = N::shifted(du[j], -half_[j]);
         for (int i = 0; i < points; ++i) {
             State& s = state_[i];
             for (int k = 0; k < 3; ++k) s.y[k] = N::sum(s.y[k], along_row(i, k, du));
@@ -401,7 +411,8 @@ private:
     Entry matrix_[6][6];
     typename N::Inverse inverse_[6];
     std::int8_t pivot_[6];
-    int log2_r_ = 0, half_ = 0, log2_g_ = soft;
+    int half_[6];
+    int log2_r_ = 0, log2_g_ = soft;
     bool changed_ = false;  // some state, by find_states()
     bool slips_ = false;    // some point
     bool fits_ = true;      // the velocity
