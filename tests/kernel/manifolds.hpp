@@ -56,14 +56,15 @@ inline void set_length_to_one(double* v) {
     for (int i = 0; i < 3; ++i) v[i] /= length;
 }
 
-// A box with half edges `half`, principal axes along the world's.
+// A box with half edges `half`, principal axes along the world's. `slender`: its radius of gyration about y is that of
+// a box times this.
 class ManifoldMaker {
 public:
-    explicit ManifoldMaker(const double (&half)[3]) {
+    explicit ManifoldMaker(const double (&half)[3], double slender = 1) {
         for (int i = 0; i < 3; ++i) {
             half_[i] = half[i];
             const double a = half[(i + 1) % 3], b = half[(i + 2) % 3];
-            gyration_[i] = std::sqrt((a * a + b * b) / 3);
+            gyration_[i] = std::sqrt((a * a + b * b) / 3) * (i == 1 ? slender : 1);
         }
     }
     // Adds a plane with this normal and tangent, and the box's lowest vertices above it, but for `left_out`.
@@ -107,11 +108,11 @@ private:
 // Manifold n of its kind. A vertex, an edge, a face, or three points of a face above each plane; friction 0 to 1.5 and
 // none in one of seven; slow and fast; standing still, bouncing, or with gaps. Two of ten have two planes, one has
 // three.
-inline Manifold random_manifold(int n) {
+inline Manifold random_manifold(int n, double slender = 1) {
     Random random{static_cast<std::uint64_t>(n)};
     double half[3], normal[3][3];
     for (double& h : half) h = random.uniform(0.05, 0.5);
-    ManifoldMaker maker{half};
+    ManifoldMaker maker{half, slender};
     Manifold& m = maker.made;
     const int of_ten = n / 4 % 10, planes = of_ten < 7 ? 1 : of_ten < 9 ? 2 : 3;
     while (m.planes < planes) {

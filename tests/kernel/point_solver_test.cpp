@@ -128,6 +128,20 @@ TYPED_TEST(PointSolvers, add_no_energy_and_never_pull_whether_they_solve_or_not)
     EXPECT_LT(this->tally().worst_unsolved.energy, 1e-6);
     EXPECT_LT(this->tally().worst_unsolved.cone, 3e-5);
 }
+TYPED_TEST(PointSolvers, leave_at_most_one_of_50_unsolved_where_levers_about_one_axis_are_seven_radii_of_gyration) {
+    int unsolved = 0;
+    for (int n = 0; n < 2000; ++n) {
+        const Manifold m = random_manifold(n, 0.25);
+        const Impulses found = this->impulses(m);
+        const Verdict v = judge(m, found);
+        if (!found.solved && !m.may_jam) ++unsolved;
+        ASSERT_LT(v.momentum, 3e-6) << n;
+        ASSERT_LT(v.energy, 3e-6) << n;
+        ASSERT_LT(found.solved ? v.law : v.cone, 1e-3) << n;
+    }
+    EXPECT_LE(unsolved * 50, 2000);
+    this->RecordProperty("unsolved_long", unsolved);
+}
 TYPED_TEST(PointSolvers, agree_with_sweeps_in_double_on_smooth_manifolds_whose_velocity_is_unique) {
     int compared = 0;
     for (int n = 0; n < 1000; ++n) {

@@ -33,7 +33,7 @@ struct FixedNumbers {
     [[nodiscard]] static Sum wide(Speed s) { return s.raw; }
     [[nodiscard]] static constexpr Speed largest() { return {most}; }
     [[nodiscard]] static bool fits(Sum s) { return s < most && s > -most; }
-    [[nodiscard]] static Speed size(Speed s) { return {s.raw < 0 ? -s.raw : s.raw}; }
+    [[nodiscard]] static Speed size(Speed s) { return s < Speed{} ? -s : s; }
     // a b in the format of b.
     template <int F, class T>
     [[nodiscard]] static T product(Fixed<F> a, T b) {
@@ -84,7 +84,7 @@ struct FixedNumbers {
     public:
         Inverse() = default;
         explicit Inverse(Entry e) {
-            const std::int32_t x = e.raw < 0 ? -e.raw : e.raw;
+            const std::int32_t x = size(e).raw < 0 ? 0x7fffffff : size(e).raw;  // -2^31 has no positive
             const int up = std::countl_zero(static_cast<std::uint32_t>(x)) - 1;
             const std::int32_t m = x << up;  // [2^30, 2^31)
             // y = 2^60 / m: 2^29 (48 - 32 m / 2^31) / 17, then y <- y + y (1 - m y)
