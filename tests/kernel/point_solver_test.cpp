@@ -142,6 +142,19 @@ TYPED_TEST(PointSolvers, leave_at_most_one_of_50_unsolved_where_levers_about_one
     EXPECT_LE(unsolved * 50, 2000);
     this->RecordProperty("unsolved_long", unsolved);
 }
+TYPED_TEST(PointSolvers, solve_bounces_in_wedges_of_strong_friction_right_or_say_that_they_do_not) {
+    // Strong friction jams wedges: impulses of many times the speed.
+    for (int n = 0; n < 20000; ++n) {
+        Manifold m = random_manifold(n);
+        if (!m.may_jam) continue;
+        for (double& mu : m.friction) mu *= 1.5;
+        const Impulses found = this->impulses(m);
+        const Verdict v = judge(m, found);
+        ASSERT_LT(v.momentum, 1e-5) << n;
+        ASSERT_LT(v.energy, 1e-5) << n;
+        ASSERT_LT(found.solved ? v.law : v.cone, 1e-3) << n;
+    }
+}
 TYPED_TEST(PointSolvers, agree_with_sweeps_in_double_on_smooth_manifolds_whose_velocity_is_unique) {
     int compared = 0;
     for (int n = 0; n < 1000; ++n) {
@@ -300,6 +313,17 @@ TYPED_TEST(PointSolvers, leave_a_body_alone_that_moves_away) {
     for (int j = 0; j < 6; ++j) EXPECT_EQ(s.velocity[j], before.velocity[j]);
     s.points = 0;
     EXPECT_TRUE(this->solve(s, m));
+}
+TYPED_TEST(PointSolvers, do_not_solve_in_floats_what_is_no_number) {
+    if constexpr (!TestFixture::fixed_point) {
+        using Speed = typename TypeParam::Speed;
+        for (const Speed wrong : {std::numeric_limits<Speed>::infinity(), std::numeric_limits<Speed>::quiet_NaN()}) {
+            const Manifold m = this->flat_box(0.5, {0.5, 0.25, -1, 0, 0, 0});
+            auto s = this->solver(m);
+            s.velocity[2] = wrong;
+            EXPECT_FALSE(this->solve(s, m));
+        }
+    }
 }
 TYPED_TEST(PointSolvers, end_in_sweeps_that_push_and_add_no_energy_where_bounds_are_tight) {
     int unsolved = 0;

@@ -20,8 +20,8 @@
 // large where g is large, so g is small until two steps have the same states.
 //
 // Where the steps do not end, sweeps over the points give another start, and they are the last resort. There is always
-// a solution if no target is above zero, for then standing still is possible. A bounce between several planes may have
-// none.
+// a solution if no target is above zero and no surface moves along itself: standing still is possible then. A bounce
+// between several planes may have none.
 //
 // Cost in products: a system 112, and 21, 63 or 122 for each point that is smooth, grips or slips; a step 36, and 36 a
 // plane, 36 to 80 a point; a sweep 54 to 75 a point. PointBounds bounds it.
@@ -135,14 +135,14 @@ private:
     // Newton's steps with at most `bound` systems. True of a solution.
     bool take_steps(Speed fine, Speed coarse, int bound) {
         for (int i = 0; i < points; ++i) state_[i].kind = Kind::open;
-        // Of one plane the states of the start are right often enough.
+        // Of one plane the first states are right often enough.
         const bool soft_first = points > 0 && point[0].plane != point[points - 1].plane;
         Speed before{};
         for (int systems = 0;;) {
             changed_ = slips_ = false;
             const Speed left = find_states();
             if (!(left > fine)) return true;
-            // A system without directions of slip serves again while that helps.
+            // A system without directions of slip serves again while a step leaves less than an eighth: that ends.
             const bool serves = systems > 0 && log2_g_ == stiff + log2_r_ / 2 && !changed_ && !slips_ &&
                                 !(left > N::shifted(before, -3));
             if (!serves) {
