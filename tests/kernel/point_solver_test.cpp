@@ -20,7 +20,7 @@ constexpr int manifolds = 2000;
 template <class N>
 class PointSolvers : public testing::Test {
 public:
-    static constexpr bool fixed_point = std::is_same_v<N, FixedNumbers>;
+    static constexpr bool fixed_point = std::is_same_v<N, FixedPointNumbers>;
     // Of the speed along the longest row: what steps of this precision reach; what is accepted where they do not.
     static constexpr double fine = std::is_same_v<N, FloatNumbers<float>> ? 5e-7 : 5e-8, coarse = 5e-7;
     using Solver = PointSolver<N, 3, 12>;
@@ -103,7 +103,7 @@ public:
         return maker.made;
     }
 };
-using PointNumbers = testing::Types<FixedNumbers, FloatNumbers<float>, FloatNumbers<double>>;
+using PointNumbers = testing::Types<FixedPointNumbers, FloatNumbers<float>, FloatNumbers<double>>;
 TYPED_TEST_SUITE(PointSolvers, PointNumbers);
 
 TYPED_TEST(PointSolvers, leave_at_most_one_of_200_random_manifolds_unsolved) {
@@ -233,7 +233,7 @@ TYPED_TEST(PointSolvers, keep_a_box_that_lands_symmetrically_symmetric) {
     if (this->fixed_point) { EXPECT_GE(exact, 990); }
 }
 TYPED_TEST(PointSolvers, give_the_same_bits_in_fixed_point_whatever_the_order_of_a_faces_points) {
-    if constexpr (std::is_same_v<TypeParam, FixedNumbers>) {
+    if constexpr (std::is_same_v<TypeParam, FixedPointNumbers>) {
         int same = 0, faces = 0;
         for (int n = 2; n < 4 * 1000; n += 4) {
             const Manifold m = random_manifold(n);

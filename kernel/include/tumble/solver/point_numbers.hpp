@@ -1,4 +1,4 @@
-// The numbers of PointSolver: FixedNumbers has the formats of a fixed-point system's contacts; FloatNumbers<T> are
+// The numbers of PointSolver: FixedPointNumbers has the formats of a fixed-point system's contacts; FloatNumbers<T> are
 // floats or doubles. The solver is written once, with these functions.
 //
 // In fixed point the caller decides the binary point of speeds and impulses. Every rounding is to nearest with ties
@@ -11,7 +11,7 @@
 
 namespace tumble {
 
-struct FixedNumbers {
+struct FixedPointNumbers {
     using Unit = Fixed<30>;       // a component of a direction; a share
     using Lever = Fixed<24>;      // below 64
     using Friction = Fixed<24>;   // below 128

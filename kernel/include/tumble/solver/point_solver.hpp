@@ -1,4 +1,4 @@
-// The impulses of one body's contact points on surfaces that do not answer a push: which points press, which grip,
+// The impulses of one body's contact points on surfaces that do not answer a push: which points push, which grip,
 // which slip, and by how much. Newton's method on these states. Each step solves six equations, however many points
 // there are.
 //
@@ -39,7 +39,7 @@ struct PointBounds {
     int late_sweeps = 32;    // over the points, from zero impulses, where those have not ended either
 };
 
-// N: FixedNumbers, FloatNumbers<T>.
+// N: FixedPointNumbers, FloatNumbers<T>.
 template <class N, int most_planes, int most_points>
 class PointSolver {
 public:
@@ -262,8 +262,8 @@ private:
             set_rows(i, row);
             for (int a = 0; a < 6; ++a) {
                 const Entry along = N::product(s.along[0], row[1][a]) + N::product(s.along[1], row[2][a]),
-                            rub = N::product(plane[point[i].plane].friction, along);
-                for (int b = 0; b < 6; ++b) matrix_[a][b] = matrix_[a][b] + N::product(rub, row[0][b]);
+                            drag = N::product(plane[point[i].plane].friction, along);
+                for (int b = 0; b < 6; ++b) matrix_[a][b] = matrix_[a][b] + N::product(drag, row[0][b]);
             }
         }
     }
@@ -278,7 +278,7 @@ private:
         for (int i = 0; i < 6; ++i)
             for (int j = 0; j <= i; ++j) matrix_[i][j] = matrix_[i][j] + N::product(a[i], b[j]);
     }
-    // Of a direction in which no point presses.
+    // Of a direction in which no point pushes.
     [[nodiscard]] Entry least_pivot(int a) const { return N::power(-log2_g_ - 2 * half_[a]); }
     // Factors into triangles. The largest entry of a column is its pivot, so factors are at most 1.
     void eliminate() {
