@@ -1,8 +1,8 @@
 // Floating point where squares underflow: from finite numbers, however small, no part of a step makes an infinity or a
 // NaN. Small numbers are drawn on purpose: zeros, subnormal numbers, and those whose square or cube is one.
+#include <tumble/shapes/spheres.hpp>
 #include <tumble/solver/cone.hpp>
 #include <tumble/solver/weld.hpp>
-#include <tumble/shapes/spheres.hpp>
 
 #include "contact_cases.hpp"
 

@@ -20,10 +20,10 @@ struct GapCurve {
 
     Sum control[4];
 
-    // The s at which a gap that is negative at the end has come down to zero; `latest` where that is later, or where the
-    // gap is not negative at the end. To 2^-28, in double to 2^-52, by halving: no division, and the cost is bounded.
-    // After 10 halvings (de Casteljau) the chord is off by 2^-23 of the bend, which is 1e-8 m where a flight bends by
-    // 0.1 m.
+    // The s at which a gap that is negative at the end has come down to zero; `latest` where that is later, or where
+    // the gap is not negative at the end. To 2^-28, in double to 2^-52, by halving: no division, and the cost is
+    // bounded. After 10 halvings (de Casteljau) the chord is off by 2^-23 of the bend, which is 1e-8 m where a flight
+    // bends by 0.1 m.
     [[nodiscard, gnu::noinline, gnu::cold]] Unit root(Unit latest) const {
         if (!(control[3] < Sum{})) return latest;
         Sum a = control[0], b = control[1], c = control[2], d = control[3];
