@@ -73,6 +73,7 @@ public:
     [[nodiscard, gnu::noinline, gnu::cold]] GapCurve<N> first_gap(const SavedMotions<Bodies>& start,
                                                                   Work length) const {
         GapCurve<N> first{};
+        bool any = false;
         auto root = C::one();
         const Work third = length * N::template constant<Work>(Real{1} / Real{3});
         pairs_.for_each(
@@ -81,9 +82,10 @@ public:
                 int k = 0;
                 while (island_.group.id[k] != pair.a) ++k;
                 path_of(pair, k, start, third).for_each_point([&](const GapCurve<N>& gap) __attribute__((cold)) {
-                    if (root < C::one() && gap.is_above(first)) return;
+                    if (any && gap.is_above(first)) return;
                     const auto at = gap.root(root);
-                    if (!(at < root)) return;
+                    if (any && !(at < root)) return;
+                    any = true;
                     root = at;
                     first = gap;
                 });

@@ -375,6 +375,9 @@ private:
                      close = Bounds::resting_gap(resting);
         const Unit shortest = C::unit(Bounds::min_portion());
         auto path = search_.first_gap(attempt.start, longest);
+        // In double the flight ends a few roundings of a gap below the level, by 2^-41 of the tolerance: a body that
+        // does not bounce would come down the rest of a gap by the end of the step. Other numbers round gaps to zero.
+        if constexpr (std::is_same_v<Work, double>) path.add(tolerance * 0x1p-41);
         Unit low{}, high = C::one(), part = high;
         Length gap{}, last = tolerance;
         Work at = longest;

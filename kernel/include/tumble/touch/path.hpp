@@ -16,14 +16,14 @@ struct GapCurve {
     using Sum = decltype(mul(Length{}, Unit{}));
 
     static constexpr bool is_double = std::is_same_v<Unit, double>;
-    static constexpr int curved = is_double ? 24 : 10, straight = is_double ? 28 : 18;  // halvings
+    static constexpr int curved = is_double ? 24 : 12, straight = is_double ? 24 : 16;  // halvings
 
     Sum control[4];
 
     // The s at which a gap that is negative at the end has come down to zero; `latest` where that is later, or where
-    // the gap is not negative at the end. To 2^-28, in double to 2^-52, by halving: no division, and the cost is
-    // bounded. After 10 halvings (de Casteljau) the chord is off by 2^-23 of the bend, which is 1e-8 m where a flight
-    // bends by 0.1 m.
+    // the gap is not negative at the end. To 2^-28, in double to 2^-48, by halving: no division, and the cost is
+    // bounded. After 12 halvings (de Casteljau) the chord is off by 2^-27 of the bend, which is 1e-9 m where a flight
+    // bends by 0.1 m. The end of the last interval, where the point has come down.
     [[nodiscard, gnu::noinline, gnu::cold]] Unit root(Unit latest) const {
         if (!(control[3] < Sum{})) return latest;
         Sum a = control[0], b = control[1], c = control[2], d = control[3];
@@ -54,7 +54,7 @@ struct GapCurve {
                 d = middle;
             }
         }
-        at += C::half(width);
+        at += width;
         return at < latest ? at : latest;
     }
     // True of a gap that is nowhere smaller than another: no control point is.
