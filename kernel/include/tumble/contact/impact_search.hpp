@@ -242,9 +242,9 @@ private:
                                     mul(narrow<Length>(dot(normal, drift)), C::unit(third))};
         if constexpr (features.boxes || features.round_shapes) {
             const auto turn = [&](const auto& state, typename N::Scale unit) __attribute__((cold)) {
-                Vec3<Unit> turn;
-                for (int i = 0; i < 3; ++i) turn[i] = C::unit(bodies_.turn(b, i, state, unit) * third);
-                return turn;
+                Vec3<Unit> angle;
+                for (int i = 0; i < 3; ++i) angle[i] = C::unit(bodies_.turn(b, i, state, unit) * third);
+                return angle;
             };
             if (!shapes_.shape(b).is(ShapeKind::sphere))
                 path.set_normals(Axes<N>::of(start[k].q_wb.value()).to_body(normal),
