@@ -25,9 +25,13 @@
 //
 // Cost in products: a system 112, and 21, 63 or 122 for each point that is smooth, grips or slips; a step 36, and 36 a
 // plane, 36 to 80 a point; a sweep 54 to 75 a point. PointBounds bounds it.
+//
+// A trial, which the kernel does not use: with it in place of sweeps, for one body on planes, the worst step of a box
+// that tips over on a Cortex-M3 takes half of the cycles, but its mean step takes half as many again, and the firmware
+// 15 KB more.
 #pragma once
 
-#include <tumble/solver/point_numbers.hpp>
+#include "point_numbers.hpp"
 
 namespace tumble {
 
@@ -64,9 +68,9 @@ public:
     // times the longest row is below 2^30 units.
     Speed velocity[6];
 
-    // A solution is right to `fine`, as a velocity; or to `coarse` where a bound was met. False without a solution:
-    // then the impulses push, lie in their cones and add no more energy than the targets ask for, but points may
-    // approach.
+    // A solution is right to `fine`, as a velocity; or to `coarse` where only another system would help. False without
+    // a solution: then the impulses push, lie in their cones and add no more energy than the targets ask for, but
+    // points may approach.
     [[nodiscard]] bool solve(Speed fine, Speed coarse, const PointBounds& bounds = {}) {
         for (int j = 0; j < 6; ++j) start_[j] = velocity[j];
         set_scales();
@@ -146,7 +150,10 @@ private:
             const bool serves = systems > 0 && log2_g_ == stiff + log2_r_ / 2 && !changed_ && !slips_ &&
                                 !(left > N::shifted(before, -3));
             if (!serves) {
-                if (systems == bound) return !(left > coarse);
+                if (systems == bound || (systems > 0 && !changed_)) {
+                    if (!(left > coarse)) return true;
+                    if (systems == bound) return false;
+                }
                 log2_g_ = (changed_ && (soft_first || systems > 0) ? soft : stiff) + log2_r_ / 2;
                 ++systems;
                 assemble();
