@@ -143,7 +143,7 @@ private:
         pairs_.for_each(island_, [&](Pair& pair) {
             if (!pair.is_struck()) return;
             bool any = false;
-            Speed approach[Pair::max_points];
+            Speed approach[Pair::max_points]{};
             for (int i = 0; i < pair.count; ++i) {
                 const Point& point = pair.point[i];
                 approach[i] = -rows_.velocity(velocities_.now, pair, point);
