@@ -319,5 +319,27 @@ TYPED_TEST(PathsIn, the_parts_of_a_step_keep_the_momentum_about_the_normal_of_a_
     }
 }
 
+// The cubic of a normal is wrong where a body turns far in a flight: the bracket finds the impact all the same.
+TYPED_TEST(PathsIn, impacts_of_bodies_that_turn_far_in_a_step_are_found) {
+    using N = TypeParam;
+    auto& random = this->random;
+    for (int i = 0; i < 600; ++i) {
+        const Number a = random.uniform(0.2, 1), b = random.uniform(0.2, 1), c = random.uniform(0.2, 1);
+        BodySpec body = i % 2 == 0 ? box(2, real(Vector{a, b, c})) : capsule(2, real(a / 2), real(b));
+        const Number turn = std::array{1.0L, 1.75L, 2.5L}[static_cast<std::size_t>(i / 2 % 3)],
+                     height = number(reach_of(body.shape)) + random.uniform(0.005, 0.05);
+        const Vector normal = random_axes(random).to_world({0, 1, 0});
+        body = placed(body, normal * height, normal * -random.uniform(2, 10), direction(random) * (turn * 128));
+        WorldSpec spec;
+        spec.contact.restitution = Real{0.5};
+        spec.contact.friction = {};
+        World<Room<N>> world{Seconds{1, 128}, spec};
+        (void)world.add(body);
+        ASSERT_TRUE(world.add(PlaneSpec{.normal = real(normal)}));
+        for (int k = 0; k < 3; ++k) (void)world.step();
+        EXPECT_FALSE(world.status().has(Issue::step_bound_hit)) << "turn " << turn << ", case " << i;
+    }
+}
+
 }  // namespace
 }  // namespace tumble::test

@@ -365,9 +365,10 @@ private:
         return find_on_path(attempt, longest);
     }
     // Of bodies that come to planes: where their path meets the level. Each flight moves the path by the gap that it
-    // leaves. Where that is not in the bracket (low, high), halfway. Rounding may end the search above `close`, below
-    // the gap of resting points: where the path does not move any more, or where a flight leaves more than half of the
-    // gap of the one before. A search that fails ends like find_by_secant().
+    // leaves. Halfway, where that is not in the bracket (low, high), and after a flight that leaves more than half of
+    // the gap of the one before: the path is wrong where a body turns far in the flight. Rounding may end the search
+    // above `close`, below the gap of resting points: where the path does not move any more, or where a flight leaves
+    // more than half of the gap of the one before. A search that fails ends like find_by_secant().
     TUMBLE_INLINE Work find_on_path(const Attempt& attempt, Work longest) {
         using Length = typename C::Length;
         using Unit = typename C::Unit;
@@ -380,6 +381,7 @@ private:
         if constexpr (std::is_same_v<Work, double>) path.add(tolerance * 0x1p-41);
         Unit low{}, high = C::one(), part = high;
         Length gap{}, last = tolerance;
+        bool slow = false;
         Work at = longest;
         for (int i = 0;; ++i) {
             const bool fails = !may_search(i);
@@ -389,7 +391,7 @@ private:
             } else {
                 const Unit before = part;
                 part = path.root(C::one());
-                if (i > 0 && !(low < part && part < high)) {
+                if (i > 0 && (slow || !(low < part && part < high))) {
                     if (part == before && last < resting) return at;
                     part = low + C::half(high - low);
                 }
@@ -401,6 +403,7 @@ private:
             gap = search_.least_gap(false);
             const Length size = magnitude_of(gap);
             if (fails || !(size > close) || (size < resting && size + size > last) || high - low < shortest) return at;
+            slow = i > 0 && !slow && size + size > last;
             (gap > Length{} ? low : high) = part;
             path.add(gap);
             last = size;
