@@ -139,15 +139,7 @@ public:
                 if (advance.bodies.constants[b].fixed()) advance.step_turntable(b, info);
         }
         if constexpr (features.pairs) broad_phase(advance.bodies).begin(sleepers);
-        for (int k = 0; k < sleepers.awake_count(); ++k) {
-            const int b = sleepers.awake(k);
-            [[maybe_unused]] const bool was_driven = marks[b].driven;
-            marks[b] = advance.mark(b);
-            // A load may begin to act by itself.
-            if (!marks[b].none() && pairs.is_near(b) && state_.standing.stood(b)) state_.standing.end();
-            if constexpr (Advance::has_own_loads)
-                if (marks[b].driven && !was_driven) end_times_around(b, advance.bodies.steps_taken);
-        }
+        mark_awake(advance);
         typename Advance::Kinematics kinematic;
         if constexpr (features.kinematic) {
             advance.note_moving(kinematic);
@@ -257,12 +249,24 @@ private:
         if constexpr (features.moving_surfaces()) state_.loads[b] = {};
     }
     constexpr void end_times(int b, std::uint32_t now) { state_.times.end(b, state_.shapes.plane_count(), now); }
-    // Call where a load begins to act by itself: ends the bounds, which did not foresee it, of the body and of all that
-    // it may push.
-    [[gnu::noinline]] void end_times_around(int b, std::uint32_t now) {
-        end_times(b, now);
-        for (int other = 0; state_.pairs.is_near(b) && other < features.bodies; ++other)
-            if (state_.pairs.is_near(other)) end_times(other, now);
+    // Marks what acts on each awake body. A load may begin to act by itself: the bounds, which did not foresee it, end of
+    // the body and of all that it may push.
+    template <class Advance>
+    void mark_awake(const Advance& advance) {
+        const std::uint32_t now = advance.bodies.steps_taken;
+        bool may_push = false;
+        for (int k = 0; k < state_.sleepers.awake_count(); ++k) {
+            const int b = state_.sleepers.awake(k);
+            Mark& mark = state_.marks[b];
+            const bool begins = !mark.driven;
+            mark = advance.mark(b);
+            if (!mark.none() && state_.pairs.is_near(b) && state_.standing.stood(b)) state_.standing.end();
+            if (!Advance::has_own_loads || !begins || !mark.driven) continue;
+            end_times(b, now);
+            may_push = may_push || state_.pairs.is_near(b);
+        }
+        for (int b = 0; may_push && b < features.bodies; ++b)
+            if (state_.pairs.is_near(b)) end_times(b, now);
     }
     template <class Advance>
     [[gnu::noinline]] void update(Advance& advance, int b) {

@@ -73,7 +73,7 @@ public:
         return rescaled;
     }
     [[nodiscard]] const CollisionShape<N>& shape(int b) const { return shape_[b]; }
-    // In the scale of the shapes.
+    // In the scale of the shapes, where a body has a shape.
     [[nodiscard]] const Weights& weights() const { return weight_; }
     // Of body b when it was placed last.
     [[nodiscard]] const Axes<N>& axes(int b) const { return axes_[b]; }

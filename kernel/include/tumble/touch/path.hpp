@@ -20,10 +20,11 @@ struct GapCurve {
 
     Sum control[4];
 
-    // The s at which a gap that is negative at the end has come down to zero; `latest` where that is later, or where
+    // An s at which a gap that is negative at the end has come down to zero; `latest` where that is later, or where
     // the gap is not negative at the end. To 2^-28, in double to 2^-48, by halving: no division, and the cost is
-    // bounded. After 12 halvings (de Casteljau) the chord is off by 2^-27 of the bend, which is 1e-9 m where a flight
-    // bends by 0.1 m. The end of the last interval, where the point has come down.
+    // bounded. Halving follows the sign in the middle, so of three roots it may find the last. After 12 halvings (de
+    // Casteljau) the chord is off by 2^-27 of the bend, which is 1e-9 m where a flight bends by 0.1 m. The end of the
+    // last interval, where the point has come down to rounding.
     [[nodiscard, gnu::noinline, gnu::cold]] Unit root(Unit latest) const {
         if (!(control[3] < Sum{})) return latest;
         Sum a = control[0], b = control[1], c = control[2], d = control[3];
