@@ -25,12 +25,32 @@ struct Timed : Recorded::Config {
     using Integrator = Method;
 };
 
-// Set up when its program starts: a constructor of a global would be in every program.
 template <class Method>
+using Replayed = tumble::Replay<Timed<Method>, Recorded>;
+
+// Whether the compiler can set the replay up. The program has no code for it then, as a firmware has none.
+template <class Replay, int = (static_cast<void>(Replay{}), 0)>
+constexpr bool is_constant(int) {
+    return true;
+}
+template <class Replay>
+constexpr bool is_constant(long) {
+    return false;
+}
+
+// What is not constant is set up when its program starts: a constructor of a global would be in every program.
+template <class Method, bool constant = is_constant<Replayed<Method>>(0)>
 union Place {
     constexpr Place() : empty{} {}
     char empty;
-    tumble::Replay<Timed<Method>, Recorded> replay;
+    Replayed<Method> replay;
+    // Out of line, so that its stack does not count as the step's.
+    [[gnu::noinline]] void set_up() { new (&replay) Replayed<Method>; }
+};
+template <class Method>
+union Place<Method, true> {
+    Replayed<Method> replay{};
+    void set_up() {}
 };
 template <class Method>
 constinit Place<Method> place{};
@@ -53,11 +73,7 @@ tumble::Status measured_step() {
     else return step_world_inlined<Method>();
 }
 
-// Out of line, so that neither's stack counts as the step's.
-template <class Method>
-[[gnu::noinline]] void set_up() {
-    new (&place<Method>.replay) tumble::Replay<Timed<Method>, Recorded>;
-}
+// Out of line, so that its stack does not count as the step's.
 template <class Method>
 [[gnu::noinline]] void print_row(std::uint64_t total, std::uint64_t largest, std::uint64_t last) {
     using namespace tumble;
@@ -89,7 +105,7 @@ template <class Method>
 template <class Method>
 int measure() {
     using namespace tumble;
-    set_up<Method>();
+    place<Method>.set_up();
     port::init();
     std::uint64_t total = 0, largest = 0, last = 0;
     for (std::uint32_t step = 0; step < Recorded::steps; ++step) {

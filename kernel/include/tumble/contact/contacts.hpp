@@ -249,8 +249,8 @@ private:
         if constexpr (features.moving_surfaces()) state_.loads[b] = {};
     }
     constexpr void end_times(int b, std::uint32_t now) { state_.times.end(b, state_.shapes.plane_count(), now); }
-    // Marks what acts on each awake body. A load may begin to act by itself: the bounds, which did not foresee it, end of
-    // the body and of all that it may push.
+    // Marks what acts on each awake body. A load may begin to act by itself: the bounds, which did not foresee it, end
+    // of the body and of all that it may push.
     template <class Advance>
     void mark_awake(const Advance& advance) {
         const std::uint32_t now = advance.bodies.steps_taken;
