@@ -47,7 +47,7 @@ TEST(Cycles, of_an_instruction_without_a_timing_are_an_error_that_lists_it) {
 
 TEST(Cycles, of_another_function_than_the_firmware_measures_are_an_error) {
     const StepOutcome outcome =
-        run_step_program(core_named("cortex-m3"), budget_firmware("cortex-m3", "q32-Verlet"), 60, {"set_up"});
+        run_step_program(core_named("cortex-m3"), budget_firmware("cortex-m3", "q32-Verlet"), 60, {"print_row"});
     EXPECT_TRUE(outcome.row.is_null());
     EXPECT_TRUE(has(outcome.error, "expected the steps and instructions of the firmware, less the 4 of its call"))
         << outcome.error;

@@ -49,7 +49,7 @@ struct ThreeAxisFlow {
         Delta<N> turned = Delta<N>::identity();
 
         // Turns the body about `axis`: m <- R(-angle) m, and the delta from the right.
-        const auto turn_about = [&](auto axis, Turn angle) {
+        const auto turn_about = [&](auto axis, Turn angle) __attribute__((always_inline)) {
             constexpr int k = axis, i = (k + 1) % 3, j = (k + 2) % 3;
             const Angle half = block.half_angle(angle);
             const auto a = detail::AxisTurn<N>::of(angle, SinCosSeries<Angle>::of(mul_upper(half, half)), block, d);
