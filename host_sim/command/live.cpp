@@ -59,6 +59,16 @@ private:
     std::size_t next_ = 0;
 };
 
+// s: that of the run, or the latest time that the scene names, if the run ends before it. No scene names a time after
+// its end.
+double readable_duration(const SceneDescription& scene) {
+    double latest = scene.duration;
+    for (const ImpulseDescription& impulse : scene.impulses) latest = std::max(latest, impulse.time);
+    for (const ForceDescription& force : scene.forces) latest = std::max({latest, force.from, force.until});
+    for (const EventDescription& event : scene.events) latest = std::max(latest, event.time);
+    return latest;
+}
+
 // The scene as it was run, and the events of the controller. The text of the file stays as it is but for the step and
 // the duration that options have changed, and for how another run of it ended.
 std::string recording_of(const Choice& choice, const SceneDescription& scene,
@@ -68,7 +78,7 @@ std::string recording_of(const Choice& choice, const SceneDescription& scene,
         text =
             with_value(text, "world", "step",
                        scene.step.denominator == 0 ? cpp_number(scene.step.decimal) : json_text(step_text(scene.step)));
-    if (choice.duration) text = with_value(text, "world", "duration", cpp_number(scene.duration));
+    if (choice.duration) text = with_value(text, "world", "duration", cpp_number(readable_duration(scene)));
     if (!text.ends_with('\n')) text += '\n';
     for (const EventDescription& event : events) added += event_text(event, scene);
     // Events in an inline array take no more of them: then all is written anew.
@@ -76,6 +86,7 @@ std::string recording_of(const Choice& choice, const SceneDescription& scene,
     const toml::array* const list = whole ? whole["event"].as_array() : nullptr;
     if (whole && (list == nullptr ? 0 : list->size()) == scene.events.size() + events.size()) return text + added;
     SceneDescription anew = scene;
+    anew.duration = readable_duration(scene);
     anew.expected.reset();
     return scene_text(anew) + added;
 }

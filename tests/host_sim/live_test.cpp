@@ -254,6 +254,26 @@ TEST(Live, ends_where_a_run_of_its_recording_ends) {
         }
 }
 
+// What comes after the end of the run stays in its recording.
+TEST(Live, a_run_that_ends_before_its_scene_does_has_a_recording_that_can_be_read) {
+    for (const char* later : {"[[impulse]]\ntime = 0.75\nbody = \"b\"\nimpulse = [0.1, 0, 0]\n",
+                              "[[force]]\nfrom = 0.25\nuntil = 1.0\nbody = \"b\"\nforce = [0.1, 0, 0]\n",
+                              "[[event]]\ntime = 0.75\nkind = \"force\"\nbody = \"b\"\nvalue = [0.1, 0, 0]\n"}) {
+        const std::string scene = written("scene.toml", world_of("-9.81", "1/256", "1.0") + smallest_range +
+                                                            body_of("b", "sphere = 0.1") + later),
+                          record = temporary("record.toml");
+        const Outcome outcome = live(scene,
+                                     R"({"kind": "force", "body": "b", "value": [0, 1, 0]})"
+                                     "\n{\"step\": 128}\n",
+                                     {"--duration", "0.5", "--record", record});
+        EXPECT_EQ(outcome.status, 0) << outcome.text;
+        EXPECT_EQ(Json::parse(lines_of(outcome.text).back())["state_hash"],
+                  json_of({"run", record, "--duration", "0.5"})["state_hash"])
+            << later;
+        EXPECT_GT(json_of({"run", record})["steps"], 128) << later;
+    }
+}
+
 TEST(Live, what_does_not_go_with_it_is_refused) {
     const std::string scene = written("hover.toml", drone);
     expect_outcome(live(scene, "", {"--json"}), 2,

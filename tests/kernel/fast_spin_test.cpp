@@ -17,7 +17,8 @@ protected:
     static Number declared() {
         const std::string_view name = system().name;
         const auto has = [&](const char* range) { return name.find(range) != std::string_view::npos; };
-        return has("near") ? NearRange::spin : has("field") ? FieldRange::spin : RoomRange::spin;
+        const bool near = has("near") || has("q32_plain");
+        return near ? NearRange::spin : has("field") ? FieldRange::spin : RoomRange::spin;
     }
     static bool is_field() { return std::string_view{system().name}.find("field") != std::string_view::npos; }
     // The longest turn, rad, of a part of a step of 1/60 s.
