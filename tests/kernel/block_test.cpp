@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace tumble::test {
@@ -66,6 +67,18 @@ TEST(Blocks, of_sums_round_to_nearest_with_ties_upwards_at_every_size) {
             EXPECT_GE(bits, (1 << 28) - 1);
             EXPECT_LE(bits, (1 << 29));
         }
+    }
+}
+
+TEST(Sums, times_a_power_of_two_are_rounded_to_nearest_and_held_at_the_widest_sum) {
+    Random random{6};
+    const auto widest = static_cast<long double>(N::widest);
+    for (int n = 0; n < 6300; ++n) {
+        const auto raw = static_cast<std::int64_t>(
+            std::ldexp(static_cast<long double>(random.uniform(-1, 1)), random.between(1, 62)));
+        const int up = random.between(-70, 70);
+        const long double right = std::clamp(nearest(std::ldexp(static_cast<long double>(raw), up)), -widest, widest);
+        EXPECT_EQ(static_cast<long double>(N::shifted(raw, up)), right) << raw << " * 2^" << up;
     }
 }
 

@@ -1,6 +1,6 @@
-// Thin round bodies, plates and cylinders fall, tilt over and rattle flat. A step that ends deeper than the tolerance
-// is redone, so the lowest point of the exact shape is deeper than twice the tolerance for a few steps at most. Nothing
-// but rounding, and corrections of the height by less than the tolerance, adds energy.
+// Thin round bodies, plates and cylinders fall, tilt over and rattle flat. A flight that ends deeper than the tolerance
+// is redone, so the lowest point of the exact shape is never much deeper. Nothing but rounding, and corrections of the
+// height by less than the tolerance, adds energy.
 #include <algorithm>
 #include <cmath>
 
@@ -74,7 +74,9 @@ std::string fall(Draw& draw, Case& drawn) {
     if (draw.one_in(2)) scene.contact.sleep.emplace();
     scene.range.angular_velocity = 256;
     const Body body = add_flat(draw, scene);
-    scene.planes.emplace_back().name = "floor";
+    // A plate may fall on the top of a fixed box, too.
+    if (body.kind == ShapeKind::box && draw.one_in(2)) add_box(scene, 0, {16, 1, 16}, {0, -0.5, 0});
+    else scene.planes.emplace_back().name = "floor";
     const auto turned = any_turn(draw);
     turn(scene, turned);
 
@@ -82,7 +84,6 @@ std::string fall(Draw& draw, Case& drawn) {
     const auto simulation = start(drawn);
     const double tolerance = static_cast<double>(simulation->contact_tolerance());
     const int steps = static_cast<int>(2.5 / drawn.step);
-    int deep = 0;
     double deepest = 0, least = INFINITY, gained = 0;
     for (int i = 0; i < steps; ++i) {
         simulation->step();
@@ -90,20 +91,16 @@ std::string fall(Draw& draw, Case& drawn) {
         const Triple v = velocity_of(*simulation, 0), w = spin_of(*simulation, 0);
         const double depth = depth_of(body, height, rotated_back(orientation_of(*simulation, 0), up_in_world));
         deepest = std::max(deepest, depth);
-        if (depth > 2 * tolerance) ++deep;
         double energy = body.mass * g * height;
         for (std::size_t k = 0; k < 3; ++k) energy += (body.mass * v[k] * v[k] + body.moments[k] * w[k] * w[k]) / 2;
         if (!std::isfinite(depth + energy)) return "a number is not finite";
         gained = std::max(gained, energy - least);
         least = std::min(least, energy);
     }
-    // A step lifts a body by an eighth of the tolerance. What rolls fast on its rim sinks in flights that impacts cut
-    // short: 4.1 tolerances is the deepest of 2000 falls.
-    const int few = 40;
-    if (deep > few || deepest > 5 * tolerance)
-        return "the lowest point is up to " + std::to_string(1000 * deepest) + " mm deep, and deeper than " +
-               std::to_string(2000 * tolerance) + " mm in " + std::to_string(deep) + " steps, right is at most " +
-               std::to_string(few);
+    // What is above the tolerance is left by corrections, which move bodies after the search.
+    if (deepest > 1.25 * tolerance)
+        return "the lowest point is up to " + std::to_string(1000 * deepest) + " mm deep, right is at most " +
+               std::to_string(1250 * tolerance) + " mm";
     // Contacts of a body that turns are of first order in the step.
     const double allowed = body.mass * g * (8 * tolerance + 0.1 * body.radius);
     if (gained > allowed)

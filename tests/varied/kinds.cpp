@@ -3,7 +3,7 @@
 namespace tumble::test {
 
 const std::vector<Kind> kinds{
-    {"flat_falls_are_deeper_than_two_tolerances_for_few_steps_and_gain_no_energy", flat_falls::fall},
+    {"flat_falls_are_no_deeper_than_the_tolerance_and_gain_no_energy", flat_falls::fall},
     {"a_rim_that_lands_tilted_bounces_on_the_point_that_touches", rim_bounces::land},
     {"resistance_slows_a_body_by_its_law_and_leaves_finite_numbers", resistance::slowed},
     {"what_rests_on_a_surface_that_accelerates_keeps_its_place", carried::by_friction_or_weight},

@@ -56,9 +56,6 @@ struct ContactBounds {
 
     // A point of a resting body that is not farther above the surface carries: float resolves positions up to 30 m so.
     [[nodiscard]] static Length resting_gap(Length tolerance) { return C::sixteenth(C::sixteenth(tolerance)); }
-    // A round shape that begins a flight deeper than the tolerance may sink by this in it. The max_impacts flights of a
-    // step then sink it by at most what its position correction lifts it.
-    [[nodiscard]] static Length sink(Length tolerance) { return C::eighth(C::eighth(tolerance)); }
     // An impact leaves out pairs with a larger gap. The search for the impact ends much closer to the surface.
     [[nodiscard]] static Length largest_impact_gap(Length tolerance) { return C::half(C::half(tolerance)); }
     // Penetration that is not corrected: the points of a resting body stay in touch.
@@ -81,8 +78,8 @@ struct ContactBounds {
     [[nodiscard]] static typename C::Unit along_face() {
         return C::unit(Work(1) - N::template constant<Work>(Real::scaled(1, -20)));
     }
-    // A body at an edge of a box that is deeper than this is beside the face, not above it. A failed search leaves
-    // bodies this deep.
+    // A body at an edge of a box that is deeper than this is beside the face, not above it. Searches leave
+    // bodies less deep.
     [[nodiscard]] static Length edge_depth(Length tolerance) {
         const Length twice = tolerance + tolerance;
         return twice + twice;
@@ -111,11 +108,6 @@ struct ContactBounds {
     // The search for an impact ends within this gap of its level.
     [[nodiscard]] static Work search_gap(Work tolerance) {
         return tolerance * N::template constant<Work>(Real::scaled(1, -16));
-    }
-    // A search that ends deeper has failed.
-    [[nodiscard]] static Work failed_search_depth(Work tolerance) {
-        const Work twice = tolerance + tolerance;
-        return twice + twice;
     }
 
     // --- times, as a part of a step ---

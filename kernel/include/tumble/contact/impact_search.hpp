@@ -327,16 +327,14 @@ private:
     [[nodiscard]] static Length start_of(const Pair& pair) {
         return pair.start_gap < Length{} ? pair.start_gap : Length{};
     }
-    // The least gap at the end of a flight: the tolerance below start_of(). A round shape that rattles changes the
-    // point on which it stands, so it would sink from flight to flight. Its flight ends at most the tolerance below the
-    // surface. Where it began deeper, the flight sinks by at most Bounds::sink().
+    // The least gap at the end of a flight: that of its start, or the tolerance below the surface where that is lower.
+    // What rattles or rolls on a plane changes the point on which it stands, so it would sink from flight to flight.
+    // Two bodies may sink by the tolerance below start_of() in each: forces that bounded sweeps have not found stop
+    // them later.
     [[nodiscard]] Length lowest(const Pair& pair) const {
         const Length tolerance = shapes_.tolerance(), start = start_of(pair);
-        if constexpr (features.round_shapes) {
-            const Length below = start - Bounds::sink(tolerance);
-            if (shapes_.shape(pair.a).is_round()) return below < -tolerance ? below : -tolerance;
-        }
-        return start - tolerance;
+        if (pair.moves_b()) return start - tolerance;
+        return start < -tolerance ? start : -tolerance;
     }
     // Where the search for an impact ends: at the surface, or halfway from the start to the least gap.
     [[nodiscard]] Length level(const Pair& pair) const {

@@ -386,7 +386,7 @@ private:
         for (int i = 0;; ++i) {
             const bool fails = !may_search(i);
             if (fails) {
-                if (is_spent() || !(gap < -Bounds::edge_depth(tolerance))) return at;
+                if (is_spent() || !search_.is_far_too_deep()) return at;
                 part = low;
             } else {
                 const Unit before = part;
@@ -446,7 +446,7 @@ private:
         // Not found. Where a pair is far too deep, the flight ends at the last time when none was, or after the
         // shortest flight. The next search starts from there. A search whose flights are used up ends where it is
         // instead, so that each step comes farther.
-        if (!is_spent() && least_gap(false) < -Bounds::failed_search_depth(search_.tolerance())) {
+        if (!is_spent() && search_.is_far_too_deep()) {
             at = low > shortest ? low : shortest;
             fly(attempt, at, true);
             search_.measure();

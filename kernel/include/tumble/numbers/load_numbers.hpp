@@ -330,13 +330,7 @@ private:
     TUMBLE_INLINE static void add_shifted(Wide<F>& sum, std::int64_t raw, int down) {
         if (down >= 1 && down <= 31) [[likely]]
             sum = N::held_sum(sum, Wide<F>{detail::shift_right(raw + (std::uint32_t{1} << (down - 1)), down)});
-        else sum = N::held_sum(sum, Wide<F>{shifted(raw, down)});
-    }
-    [[nodiscard, gnu::noinline]] static std::int64_t shifted(std::int64_t raw, int down) {
-        if (down > 0) return down > 62 ? 0 : ((raw >> (down - 1)) + 1) >> 1;
-        if (raw == 0 || -down < std::countl_zero(static_cast<std::uint64_t>(raw ^ (raw >> 63))) - 1)
-            return raw == 0 ? 0 : raw * (std::int64_t{1} << -down);
-        return raw < 0 ? -N::widest : N::widest;
+        else sum = N::held_sum(sum, Wide<F>{N::shifted(raw, -down)});
     }
 };
 

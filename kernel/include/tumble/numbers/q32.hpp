@@ -337,6 +337,17 @@ struct Q32 {
         if (sum < 0 && change < -widest - sum) return -widest - sum;
         return change;
     }
+    // raw * 2^up, rounded to nearest, for |raw| < 2^62, held at the widest sum. A spin that leaves its range is up to
+    // sqrt(3) times as large before its parts are halved.
+    [[nodiscard, gnu::noinline]] static constexpr std::int64_t shifted(std::int64_t raw, int up) {
+        if (up < 0) return up < -62 ? 0 : ((raw >> (-up - 1)) + 1) >> 1;
+        if (raw == 0) return 0;
+        if (up < std::countl_zero(static_cast<std::uint64_t>(raw < 0 ? -raw : raw))) {
+            const std::int64_t sum = raw * (std::int64_t{1} << up);
+            if (sum >= -widest && sum <= widest) return sum;
+        }
+        return raw < 0 ? -widest : widest;
+    }
 
     // position += drift. The two sums differ only in the place of the binary point. Multiplying by a power of two
     // shifts the upper word down, straight into the sum.

@@ -165,7 +165,7 @@ requires(N::fixed_point) struct VectorBlock<N> {
     }
     // m.
     [[nodiscard]] constexpr typename N::PositionSum position(int i) const {
-        return {shifted(mantissa[i], exponent + N::PositionSum::fraction_bits)};
+        return {N::shifted(mantissa[i], exponent + N::PositionSum::fraction_bits)};
     }
 
     [[nodiscard]] TUMBLE_INLINE constexpr bool is_zero() const {
@@ -218,7 +218,7 @@ requires(N::fixed_point) struct VectorBlock<N> {
         std::int64_t raw = 0;
         if (down >= 33 && down <= 62) [[likely]]  // of the upper word, rounded
             raw = ((upper_of(product) >> (down - 33)) + 1) >> 1;
-        else raw = shifted(product, -down);
+        else raw = N::shifted(product, -down);
         return {static_cast<std::int32_t>(raw > limit ? limit : raw < -limit ? -limit : raw)};
     }
     // Exact where s is a power of two.
@@ -299,7 +299,7 @@ private:
             return {rounded(0), rounded(1), rounded(2)};
         }
         const auto held = [&](int i) {
-            const std::int64_t raw = shifted(mantissa[i], -down), limit = INT32_MAX;
+            const std::int64_t raw = N::shifted(mantissa[i], -down), limit = INT32_MAX;
             return T{static_cast<std::int32_t>(raw > limit ? limit : raw < -limit ? -limit : raw)};
         };
         return {held(0), held(1), held(2)};
@@ -379,13 +379,6 @@ private:
         constexpr int j = (i + 1) % 3, k = (i + 2) % 3;
         return detail::multiply_add(detail::multiply(u[j].raw, m[k]), -u[k].raw, m[j]);
     }
-    // raw * 2^up, rounded, for |raw| < 2^62. Held at the widest sum.
-    [[nodiscard, gnu::noinline]] static constexpr std::int64_t shifted(std::int64_t raw, int up) {
-        if (up < 0) return up < -62 ? 0 : ((raw >> (-up - 1)) + 1) >> 1;
-        if (raw == 0 || up < std::countl_zero(static_cast<std::uint64_t>(raw ^ (raw >> 63))) - 1)
-            return raw == 0 ? 0 : raw * (std::int64_t{1} << up);
-        return raw < 0 ? -N::widest : N::widest;
-    }
     // How a component times a factor becomes a sum of the state, or its opposite.
     struct Change {
         std::int32_t factor;
@@ -407,7 +400,7 @@ private:
         }
         [[nodiscard]] constexpr std::int64_t any(std::int32_t m) const {
             const std::int64_t raw = detail::multiply(m, factor);
-            return opposite ? -shifted(-raw, -drop) : shifted(raw, -drop);
+            return opposite ? -N::shifted(-raw, -drop) : N::shifted(raw, -drop);
         }
     };
     [[nodiscard]] TUMBLE_INLINE constexpr std::int64_t sum(int i, Scaled factor, int fraction_bits) const {
