@@ -120,6 +120,24 @@ TEST_P(FastSpin, of_a_tumbling_body_keeps_energy_and_momentum_and_turns_as_the_e
 }
 
 // Parts of a step are steps of a world with a shorter step, up to dither. So are loads, which act in parts too.
+TEST_P(FastSpin, leaves_finite_numbers_at_any_speed) {
+    if (system().fixed_point) GTEST_SKIP();
+    for (const Body& each : bodies()) {
+        for (const Number speed : {36.0L, 40.0L, 50.0L, 88.0L, 200.0L}) {
+            for (const Vector& way :
+                 {Vector{0, 0, 1}, Vector{0, -1, 0}, Vector{0.6L, 0, 0.8L}, Vector{0.5L, 0.7L, -0.5L}}) {
+                SceneSetup setup{.name = each.name, .step = Seconds{1, 30}, .bodies = {each.body}};
+                setup.bodies[0].angular_velocity = real(way * speed);
+                const auto world = build(setup, GetParam());
+                world->run(30);
+                const Motion end = world->motion(0);
+                EXPECT_TRUE(std::isfinite(norm(end.w) + end.q.w + norm(end.q.v)))
+                    << each.name << ", " << speed << " rad/s";
+            }
+        }
+    }
+}
+
 TEST_P(FastSpinInParts, moves_as_with_a_step_of_the_length_of_a_part) {
     for (const int halvings : {1, 2}) {
         if (halvings == 2 && !is_field()) continue;  // beyond the declared range

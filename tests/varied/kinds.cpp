@@ -12,6 +12,7 @@ const std::vector<Kind> kinds{
     {"a_ball_that_leaves_an_edge_falls_freely", edges::leaving_ball},
     {"a_box_tips_over_an_edge_in_order_two", edges::tipping_box},
     {"a_box_slides_over_flush_blocks_by_coulombs_law", seams::box_slides},
+    {"a_box_slides_between_walls_as_on_the_floor_alone", seams::box_slides_between_walls},
     {"a_body_falls_freely_along_flush_blocks", seams::body_falls},
     {"a_body_slides_over_a_row_of_free_boxes_at_its_speed", seams::body_slides_over_free_boxes},
     {"a_ball_rolls_over_flush_blocks_without_a_hop", seams::ball_rolls},

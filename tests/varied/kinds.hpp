@@ -21,7 +21,8 @@ namespace resistance {
 Judge slowed;
 }
 namespace seams {
-Judge box_slides, body_falls, body_slides_over_free_boxes, ball_rolls, step_stops_a_box, ball_bounces;
+Judge box_slides, box_slides_between_walls, body_falls, body_slides_over_free_boxes, ball_rolls, step_stops_a_box,
+    ball_bounces;
 }
 namespace sleepers_and_loads {
 Judge pulled, attracted, asleep;

@@ -156,6 +156,36 @@ std::string box_slides(Draw& draw, Case& run) {
     return hold(run, placed, elapsed, right, allowed, 1e-2);
 }
 
+// Between two walls at which a box fits exactly the floor alone slows it: nothing presses it to either wall.
+std::string box_slides_between_walls(Draw& draw, Case& run) {
+    auto& scene = run.scene;
+    const double slope = draw.one_in(3) ? 0 : draw.uniform(0, 0.6), friction = draw.uniform(0.05, 0.5);
+    const double time = draw.uniform(0.3, 0.8), speed = draw.uniform(0.5, 5);
+    scene.gravity = {gravity * std::sin(slope), -gravity * std::cos(slope), 0};
+    scene.contact = {.restitution = draw.of<double>({0, 0.5}), .friction = friction};
+    scene.duration = time;
+    const double drive = gravity * std::sin(slope), held = friction * gravity * std::cos(slope);
+    const double way = way_of(run, speed, drive, held, time);
+    Triple edges{draw.uniform(0.1, 0.4), draw.uniform(0.05, 0.2), draw.uniform(0.1, 0.4)};
+    // Friction does not tip it over.
+    edges[1] = std::min(edges[1], 0.8 * std::min(edges[0], edges[2]) / std::max(friction, 0.1));
+    const double least = std::max(draw.uniform(0.1, 0.4), way / 12), z = draw.uniform(-0.2, 0.2);
+    const Blocks blocks{.from = -0.5, .to = way + 0.7, .width = 2};
+    lay(draw, scene, blocks, false, least, 1.2);
+    SceneDescription left;
+    lay_wall(draw, left, blocks, edges[2] / 2 - z, std::max(least, way / 8));
+    for (auto& block : left.bodies) {
+        block.position[2] = -block.position[2];
+        scene.bodies.push_back(block);
+    }
+    lay_wall(draw, scene, blocks, z + edges[2] / 2, std::max(least, way / 8));
+    add_box(scene, draw.magnitude(0.1, 10), edges, {0, edges[1] / 2, z}).velocity = {speed, 0, 0};
+    const double elapsed = std::round(time / run.step) * run.step;
+    const Triple right{way_of(run, speed, drive, held, elapsed), edges[1] / 2, z};
+    const Placed placed = place(draw, run, static_cast<int>(scene.bodies.size()) - 1);
+    return hold(run, placed, elapsed, right, 1e-3 + gravity * run.step * run.step, 1e-2);
+}
+
 // Blocks above each other whose side a box or a ball touches without a force, on one side or on both.
 std::string body_falls(Draw& draw, Case& run) {
     auto& scene = run.scene;

@@ -25,6 +25,7 @@ struct ContactPoint {
     Length gap;
     bool active;             // part of the present solution
     bool rows_hold = false;  // for where the bodies are
+    bool waits = false;      // in sweep_pressed()
     union {
         Speed change_by_loads;  // in an impact: of the velocity along the normal, in a step
         Speed resting_impulse;  // while penetrations are corrected: along the normal, without that

@@ -90,9 +90,9 @@ public:
         } else if (features.control && stands) {
             return Touch::nothing;
         } else {
-            rows_.push_all();
             const Speed enough = velocities_.scale.enough_at_rest();
-            if (rows_.sweep(enough, Bounds::sweeps(contact::max_sweeps)) > enough) report_far_from_solved(enough);
+            if (rows_.sweep_pressed(enough, Bounds::sweeps(contact::max_sweeps)) > enough)
+                report_far_from_solved(enough);
             velocities_.write(forces, bodies_, shapes_.weights(), island_.group);
         }
         pairs_.count_points(island_, shapes_.tolerance());

@@ -234,6 +234,11 @@ struct MoserVeselovFlow {
             c += change;
             converged = block.vanishes_times_itself(change, c);
         }
+        // Beyond the turn at which the equation has a solution the iteration runs away, to numbers that are not finite.
+        // The turn is then that of the first guess.
+        if constexpr (!N::fixed_point)
+            if (!converged) [[unlikely]]
+                for (int i = 0; i < 3; ++i) c[i] = inertia.inverse[i] * t[i];
 
         const auto less = [&](int i, Turn v, Turn w) { return mul(Block::twice(-difference[i], v, d), w); };
         finish<N>(body, block, c, less, step);
