@@ -27,16 +27,21 @@ std::string step_that_holds(const HeldNumber& spin, int body, const SceneDescrip
     return step_text(scaled(scene.step, -static_cast<int>(std::max(1.0, halvings))));
 }
 
+// The key of [range] that declares the number.
+std::string key_of(const HeldNumber& number) {
+    return number.name == "angular velocity" ? "angular_velocity" : number.name;
+}
+
 // By rule: a shorter step holds larger spins, a larger [range] larger positions and velocities.
 std::string cure_of(const HeldNumber& number, int body, const SceneDescription& scene, const Simulation& simulation) {
     const bool is_fixed_point = !simulation.range().empty();
-    if (number.is_declared) return "a larger [range] " + number.name;
+    if (number.is_declared) return "a larger [range] " + key_of(number);
     if (number.name.starts_with("change")) return "a smaller step or a larger [range] velocity";
     if (number.name == "angular velocity" && is_fixed_point)
         return std::string("a larger [range] angular_velocity and a smaller step") +
                (scene.range.is_declared ? "" : ", or --numbers f32");
     if (number.name == "angular velocity") return "--step " + step_that_holds(number, body, scene, simulation);
-    if (held_by(simulation.range()).position < held_by("field").position) return "a larger [range] " + number.name;
+    if (held_by(simulation.range()).position < held_by("field").position) return "a larger [range] " + key_of(number);
     return scene.range.is_declared ? "--numbers f64 and no [range]" : "--numbers f64";
 }
 
@@ -98,10 +103,12 @@ Account account_of(const Trouble& trouble, const SceneDescription& scene, const 
             "bodies overlapped until then",
             "larger contact.most_impacts and contact.most_searches, or a smaller step"};
     if (trouble.issue != "step_bound_hit") return {"there is no room for another body", ""};
-    if (simulation.integrator().starts_with("implicit"))
-        return {"the implicit solver did not converge, or the impacts of a step met their bound. The result is less "
-                "accurate",
-                "a smaller step"};
+    if (const std::string_view method = simulation.integrator();
+        method.starts_with("implicit") || method.starts_with("pdmv"))
+        return {
+            "the solver of the method did not converge, or the impacts of a step met their bound. The result is less "
+            "accurate",
+            "a smaller step"};
     return {"a step met more impacts than its bound, so a body was stopped that would have bounced, or a heavy body "
             "presses lighter ones into each other, or a tall stack leans and walks off. The result is less accurate",
             "a smaller step, a contact.restitution_threshold above the speed of the small bounces, in m/s, or masses "

@@ -406,5 +406,21 @@ TEST(Run, that_is_another_is_not_held_against_what_the_scene_expects) {
                    "expected hash 0123456789abcdef");
 }
 
+TEST(Run, cure_of_a_declared_range_is_a_key_of_it) {
+    const std::string fast = world_of("0.0", "1/256", "1.0") + smallest_range + body_of("b", "sphere = 0.1") +
+                             "angular_velocity = [0, 0, 31.0]\n" +
+                             "[[force]]\nfrom = 0.0\nuntil = 1.0\nbody = \"b\"\ntorque = [0, 0, 0.1]\n";
+    expect_outcome(tumble({"run", written("fast.toml", fast), "--numbers", "f64", "--check", "off"}), 1,
+                   "Use a larger [range] angular_velocity");
+}
+
+TEST(Run, free_body_whose_rotation_does_not_converge_is_not_told_of_impacts_alone) {
+    const std::string fast =
+        world_of("0.0", "1/30", "0.5") + body_of("b", "sphere = 0.1") + "angular_velocity = [0, 0, 30.0]\n";
+    expect_outcome(
+        tumble({"run", written("fast.toml", fast), "--numbers", "f64", "--integrator", "pdmv6", "--check", "off"}), 1,
+        "the solver of the method did not converge");
+}
+
 }  // namespace
 }  // namespace tumble::host
