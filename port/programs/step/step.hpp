@@ -14,6 +14,7 @@
 #include "port.hpp"
 
 #include <new>
+#include <type_traits>
 
 namespace {
 
@@ -29,17 +30,13 @@ template <class Method>
 using Replayed = tumble::Replay<Timed<Method>, Recorded>;
 
 // Whether the compiler can set the replay up. The program has no code for it then, as a firmware has none.
-template <class Replay, int = (static_cast<void>(Replay{}), 0)>
-constexpr bool is_constant(int) {
-    return true;
-}
 template <class Replay>
-constexpr bool is_constant(long) {
-    return false;
-}
+constexpr bool is_constant = requires {
+    typename std::bool_constant<(static_cast<void>(Replay{}), true)>;
+};
 
 // What is not constant is set up when its program starts: a constructor of a global would be in every program.
-template <class Method, bool constant = is_constant<Replayed<Method>>(0)>
+template <class Method, bool constant = is_constant<Replayed<Method>>>
 union Place {
     constexpr Place() : empty{} {}
     char empty;
