@@ -59,16 +59,6 @@ private:
     std::size_t next_ = 0;
 };
 
-// s: that of the run, or the latest time that the scene names, if the run ends before it. No scene names a time after
-// its end.
-double readable_duration(const SceneDescription& scene) {
-    double latest = scene.duration;
-    for (const ImpulseDescription& impulse : scene.impulses) latest = std::max(latest, impulse.time);
-    for (const ForceDescription& force : scene.forces) latest = std::max({latest, force.from, force.until});
-    for (const EventDescription& event : scene.events) latest = std::max(latest, event.time);
-    return latest;
-}
-
 // The scene as it was run, and the events of the controller. The text of the file stays as it is but for the step and
 // the duration that options have changed, and for how another run of it ended.
 std::string recording_of(const Choice& choice, const SceneDescription& scene,

@@ -161,13 +161,9 @@ std::int64_t Session::hit(const ImpulseDescription& impulse) {
 std::string Session::text() const {
     const Simulation& played = run(0);
     const std::int64_t steps = played.steps_taken();
-    const double end = static_cast<double>(steps) * scene_.step.seconds();
-    const auto is_later = [&](const auto& event) { return event.time >= end; };
-    const bool is_cut = std::any_of(scene_.impulses.begin(), scene_.impulses.end(), is_later) ||
-                        std::any_of(scene_.events.begin(), scene_.events.end(), is_later) ||
-                        std::any_of(scene_.forces.begin(), scene_.forces.end(),
-                                    [&](const ForceDescription& force) { return force.until > end; });
-    const double duration = is_cut ? std::max(end, scene_.duration) : end;
+    SceneDescription anew = scene_;
+    anew.duration = static_cast<double>(steps) * scene_.step.seconds();
+    const double duration = anew.duration = readable_duration(anew);
     const Expectation ending{std::string(played.integrator()),
                              std::string(played.numbers()),
                              played.carry(),
@@ -187,8 +183,6 @@ std::string Session::text() const {
         written && written["world"]["duration"].value<double>() == duration &&
         written["expect"]["hash"].value<std::string>() == hex(ending.hash))
         return text;
-    SceneDescription anew = scene_;
-    anew.duration = duration;
     anew.expected.reset();
     return scene_text(anew) + session;
 }

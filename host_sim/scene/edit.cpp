@@ -49,4 +49,12 @@ std::string with_value(const std::string& text, const char* table, const char* k
     return text.substr(0, line + at.begin.column - 1) + value + text.substr(line + at.end.column - 1);
 }
 
+double readable_duration(const SceneDescription& scene) {
+    double latest = scene.duration;
+    for (const ImpulseDescription& impulse : scene.impulses) latest = std::max(latest, impulse.time);
+    for (const ForceDescription& force : scene.forces) latest = std::max({latest, force.from, force.until});
+    for (const EventDescription& event : scene.events) latest = std::max(latest, event.time);
+    return latest;
+}
+
 }  // namespace tumble::host

@@ -144,6 +144,7 @@ TEST(Session, hits_come_after_the_events_of_the_scene) {
         EXPECT_EQ(replayed(session.text()), session.run(0).hash()) << numbers;
         // A session that is saved early keeps what acts later.
         session.go_to(0, 20, all);
+        EXPECT_EQ(read_scene_text(session.text(), "early.toml").duration, 0.51) << numbers;
         EXPECT_EQ(replayed(session.text()), session.run(0).hash()) << numbers;
     }
 }
