@@ -79,10 +79,9 @@ public:
         if constexpr (has_wrenches) wrenches.forget(b);
     }
     // Adds a spring; false when there is no room.
-    bool add(const SpringSpec& spec) requires(features.springs > 0) {
-        static constexpr SpringBounds<N> bounds{step_bounds};
+    constexpr bool add(const SpringSpec& spec) requires(features.springs > 0) {
         disturb();
-        return loads.add(spec, bodies, bounds);
+        return loads.add(spec, bodies, spring_bounds);
     }
     // Writes or reads what a snapshot of a whole world holds.
     template <class Self, class Archive>
@@ -549,6 +548,7 @@ private:
         if constexpr (requires { Integrator::step_bounds; }) return Integrator::step_bounds;
         else return StepBounds{};
     }();
+    static constexpr SpringBounds<N> spring_bounds{step_bounds};
     // rad; see Bodies::check_range. The spin of a momentum is at most twice the half turn.
     static constexpr double most_turn = requires { Integrator::follows_any_turn; }
     ? 0 : spin == Spin::angular_momentum ? 1.5 : 0.5;

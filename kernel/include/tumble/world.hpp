@@ -74,7 +74,7 @@ public:
 
     // Softens the attraction between bodies from the next step on: F = G m1 m2 r / (r^2 + e^2)^(3/2) with the length e,
     // m, not negative. Wakes all bodies.
-    void set_softening(Real length) {
+    constexpr void set_softening(Real length) {
         static_assert(features.gravitation && features.softening,
                       "set_softening() needs .gravitation = true and .softening = true among the scene's features");
         refuse_to_record();
@@ -129,7 +129,7 @@ public:
 
     // Adds a spring between bodies already added; false when there is no room. status() reports a step that is surely
     // too long for it.
-    SpringId add(const SpringSpec& spec) requires(features.springs > 0) {
+    constexpr SpringId add(const SpringSpec& spec) requires(features.springs > 0) {
         refuse_to_record();
         if constexpr (features.removal)
             TUMBLE_ASSERT(places_.is_taken(spec.body) && (spec.to_body < 0 || places_.is_taken(spec.to_body)));
@@ -146,7 +146,7 @@ public:
 
     // Does not compile, and says why, in a scene without room for springs.
     template <std::same_as<SpringSpec> Spec>
-    SpringId add(const Spec&) requires(features.springs <= 0) {
+    constexpr SpringId add(const Spec&) requires(features.springs <= 0) {
         static_assert(!sizeof(Spec), "a spring needs room: .springs = 1 or more among the scene's features");
         return {};
     }
@@ -159,18 +159,24 @@ public:
     // The same to be changed, before the next step. Wakes all bodies. Call it for every change: a reference that is
     // kept and changed later wakes nobody.
     template <class Load>
-    [[nodiscard]] Load& change_load() {
+    [[nodiscard]] constexpr Load& change_load() {
         refuse_to_record();
         for (int b = 0; b < advance_.bodies.count; ++b) disturb(b);
         return advance_.loads.template own<Load>();
     }
 
     // Converts an impulse to this world's numbers, for set_impulses().
-    [[nodiscard]] Impulse<N> prepare(const ImpulseSpec& spec) const { return tumble::prepare(advance_.bodies, spec); }
+    [[nodiscard]] constexpr Impulse<N> prepare(const ImpulseSpec& spec) const {
+        return tumble::prepare(advance_.bodies, spec);
+    }
     // Converts a timed force to this world's numbers, for set_forces().
-    [[nodiscard]] TimedForce<N> prepare(const ForceSpec& spec) const { return tumble::prepare(advance_.bodies, spec); }
+    [[nodiscard]] constexpr TimedForce<N> prepare(const ForceSpec& spec) const {
+        return tumble::prepare(advance_.bodies, spec);
+    }
     // Converts an event of a scene to this world's numbers, for set_script().
-    [[nodiscard]] Event<N> prepare(const EventSpec& spec) const { return tumble::prepare(advance_.bodies, spec); }
+    [[nodiscard]] constexpr Event<N> prepare(const EventSpec& spec) const {
+        return tumble::prepare(advance_.bodies, spec);
+    }
     // Sets the impulses for the steps to come, in place of those set before. The array is sorted by step and must
     // outlive their use. Impulses before the next step are skipped. The bodies must have been added.
     constexpr void set_impulses(Span<Impulse<N>> impulses) {
@@ -180,7 +186,7 @@ public:
         impulses_.set(impulses, now());
     }
     // Sets the timed forces likewise. A sorted array is faster, but need not be. Wakes the bodies that they act on.
-    void set_forces(Span<TimedForce<N>> forces) {
+    constexpr void set_forces(Span<TimedForce<N>> forces) {
         static_assert(features.forces, "set_forces() needs .forces = true among the scene's features");
         refuse_to_record();
         require_bodies(forces);

@@ -92,7 +92,7 @@ struct SpinUnits<N, Spin::angular_velocity> {
         return spin * step * Real::scaled(1, -1);
     }
     static constexpr bool has_one_rate = true, has_one_factor = false;  // for all axes: rate(), per_impulse()
-    [[nodiscard]] Work per_impulse(int i) const { return turn_per_impulse_[i]; }
+    [[nodiscard]] constexpr Work per_impulse(int i) const { return turn_per_impulse_[i]; }
     [[nodiscard]] constexpr Work rate(int, Work steps_per_second) const { return steps_per_second + steps_per_second; }
     // rate() with the step as the unit of time.
     [[nodiscard]] Work per_half_turn(int) const {
@@ -119,7 +119,7 @@ struct SpinUnits<N, Spin::angular_momentum> {
         return spin * moments[i] / moments.y * step * Real::scaled(1, -1);
     }
     static constexpr bool has_one_rate = false, has_one_factor = true;
-    [[nodiscard]] Work per_impulse(int) const { return constants_[1]; }
+    [[nodiscard]] constexpr Work per_impulse(int) const { return constants_[1]; }
     [[nodiscard]] constexpr Work rate(int i, Work steps_per_second) const {
         return per_half_turn(i) * steps_per_second;
     }
@@ -291,9 +291,9 @@ public:
     }
 
     // h / m of a body, h in s.
-    [[nodiscard]] Work step_per_mass(int b) const { return constants[b].drift_per_impulse(); }
+    [[nodiscard]] constexpr Work step_per_mass(int b) const { return constants[b].drift_per_impulse(); }
     // h / I about principal axis i.
-    [[nodiscard]] Work step_per_moment(int b, int i) const requires(rotation) {
+    [[nodiscard]] constexpr Work step_per_moment(int b, int i) const requires(rotation) {
         return constants[b].units.per_impulse(i) * constants[b].units.rate(i, Work(1));
     }
 

@@ -36,7 +36,7 @@ struct TimedForce {
     VectorBlock<N> point_b{};  // m, principal axes
 
     // True in the steps in which it acts.
-    [[nodiscard]] bool is_on(std::uint64_t step) const { return from <= step && step < until; }
+    [[nodiscard]] constexpr bool is_on(std::uint64_t step) const { return from <= step && step < until; }
 };
 
 // A constant array that outlives the world: flash in a firmware.
@@ -89,8 +89,8 @@ template <class N, Spin spin, int capacity, bool points, class Constant>
 }
 // The same for a force that acts for a while.
 template <class N, Spin spin, int capacity, bool points, class Constant>
-[[gnu::noinline, nodiscard]] TimedForce<N> prepare(const Bodies<N, spin, capacity, points, Constant>& bodies,
-                                                   const ForceSpec& spec) {
+[[gnu::noinline, nodiscard]] constexpr TimedForce<N> prepare(const Bodies<N, spin, capacity, points, Constant>& bodies,
+                                                             const ForceSpec& spec) {
     const int b = bodies.index_of(spec.body);
     if (!bodies.rotates(b)) TUMBLE_ASSERT(spec.frame == Frame::world && spec.point.is_zero() && spec.torque.is_zero());
     const auto in_step = [&](const RealVec3& v) {

@@ -22,7 +22,8 @@ template <class N>
 struct IntegratedQuat {
     typename N::IntegratedUnit w, x, y, z;
 
-    [[nodiscard]] TUMBLE_INLINE Quat<typename N::Unit> value() const {
+    template <class Vector = Vec3<typename N::Unit>>
+    [[nodiscard]] TUMBLE_INLINE constexpr Quat<typename N::Unit, Vector> value() const {
         return {w.value(), {x.value(), y.value(), z.value()}};
     }
     friend constexpr bool operator==(const IntegratedQuat&, const IntegratedQuat&) = default;

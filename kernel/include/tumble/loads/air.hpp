@@ -30,7 +30,7 @@ public:
     }
 
     // As each load has it: loads/loaded_group.hpp. The next body at the place of a removed one has no drag.
-    void set_body(int b, const BodySpec& spec, const auto&, const auto&) {
+    constexpr void set_body(int b, const BodySpec& spec, const auto&, const auto&) {
         if (spec.is_fixed()) linear_[b] = quadratic_[b] = Work(0);
     }
     // Likewise.

@@ -26,8 +26,8 @@ public:
     using Bodies = tumble::Bodies<N, spin, features.bodies, features.mixed()>;
     using Loaded = LoadedBody<N, true, features.mixed()>;
 
-    ContactSprings(Real step, const WorldSpec& world) : ContactSprings(step, world.contact) {}
-    ContactSprings(Real step, const ContactSpec& spec)
+    constexpr ContactSprings(Real step, const WorldSpec& world) : ContactSprings(step, world.contact) {}
+    constexpr ContactSprings(Real step, const ContactSpec& spec)
         : on_{spec.response == ContactResponse::spring}, has_barrier_{on_ && spec.barrier > Real{}},
           stiffness_{N::template constant<Work>(spec.stiffness)}, damping_{N::template constant<Work>(spec.damping)},
           barrier_{N::template constant<Work>(spec.barrier)}, step2_{N::template constant<Work>(step * step)},
@@ -38,7 +38,8 @@ public:
     }
 
     // Call when body b has been added.
-    [[gnu::noinline]] void set_body(int b, const BodySpec& spec, const PrincipalInertia& inertia, Bodies& bodies) {
+    [[gnu::noinline]] constexpr void set_body(int b, const BodySpec& spec, const PrincipalInertia& inertia,
+                                              Bodies& bodies) {
         if (!on_) return;
         const Real reach = reach_of(spec.shape);
         (void)shape_.make_room(reach);
@@ -59,14 +60,14 @@ public:
         }
     }
     // False when there is no room.
-    [[gnu::noinline]] bool add(const PlaneSpec& spec, Bodies& bodies) {
+    [[gnu::noinline]] constexpr bool add(const PlaneSpec& spec, Bodies& bodies) {
         if (plane_count_ >= features.planes) return false;
         plane_[plane_count_++] = HalfSpace<N>{spec};
         if (!on_) return true;
         for (int b = 0; b < bodies.count; ++b) require(compliance_[b], b, bodies);
         return true;
     }
-    [[nodiscard]] int plane_count() const { return plane_count_; }
+    [[nodiscard]] constexpr int plane_count() const { return plane_count_; }
 
     // acts_on: the body may touch a plane or another body. couples: it may touch another body.
     [[nodiscard]] bool acts_on(const Bodies& bodies, int b) const {
@@ -223,7 +224,7 @@ private:
     }
 
     // The largest eigenvalue of M^-1 K / k for the body on a plane.
-    [[nodiscard]] static Real compliance(const BodySpec& spec, const PrincipalInertia& inertia) {
+    [[nodiscard]] static constexpr Real compliance(const BodySpec& spec, const PrincipalInertia& inertia) {
         const Real lift = Real{1} / spec.mass;
         if (spec.shape.kind == ShapeKind::sphere) return lift;
         const Real half_reach = reach_of(spec.shape);
@@ -247,7 +248,7 @@ private:
         }
         return most * Real{4};
     }
-    void require(Real compliance, int b, Bodies& bodies) {
+    constexpr void require(Real compliance, int b, Bodies& bodies) {
         const Real stiffness = compliance * stiffness_real_, damping = compliance * damping_real_;
         if (stiffness > most_compliance_) most_compliance_ = stiffness;
         if (damping > most_damping_) most_damping_ = damping;

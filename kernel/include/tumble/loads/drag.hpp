@@ -21,14 +21,14 @@ struct Drag {
 
     Real linear_in_step, angular_in_step;  // the same times the step, kg, kg m^2
 
-    Drag(Real step, const WorldSpec& spec)
+    constexpr Drag(Real step, const WorldSpec& spec)
         : linear{N::template constant<Work>(spec.linear_drag)}, angular{N::template constant<Work>(spec.angular_drag)},
           linear_in_step{spec.linear_drag * step}, angular_in_step{spec.angular_drag * step} {}
 
     // True if the step is too long for the drag of this body. `bound` is 1 / the method's limit of h c / m; 0: no
     // limit.
-    [[nodiscard]] bool is_too_strong(const BodySpec& spec, const PrincipalInertia& inertia, bool rotates,
-                                     Real bound) const {
+    [[nodiscard]] constexpr bool is_too_strong(const BodySpec& spec, const PrincipalInertia& inertia, bool rotates,
+                                               Real bound) const {
         return linear_in_step * bound > spec.mass || (rotates && angular_in_step * bound > inertia.moments.z);
     }
 
@@ -40,7 +40,7 @@ struct Drag {
     };
     [[nodiscard]] const ClosedForm& closed_form(int b) const { return closed_form_[b]; }
 
-    void set_body(int b, const BodySpec& spec, const auto&, const auto&) {
+    constexpr void set_body(int b, const BodySpec& spec, const auto&, const auto&) {
         set_closed_form(closed_form_[b], linear_in_step / spec.mass);
         share_at_end_[b] =
             L::factor(N::template constant<Work>(linear_in_step / (spec.mass + linear_in_step * Real::scaled(1, -1))));
@@ -77,7 +77,7 @@ struct Drag {
     }
 
 private:
-    TUMBLE_COLD static void set_closed_form(ClosedForm& form, Real a) {
+    TUMBLE_COLD static constexpr void set_closed_form(ClosedForm& form, Real a) {
         form.exists = a > Real{} && a < Real::scaled(1, -2);
         if (!form.exists) return;
         // Q = 1/2! - a/3! + a^2/4! - ..., whose terms are below 2^-64 from a^14/16! on.
@@ -90,7 +90,7 @@ private:
     }
 
     ClosedForm closed_form_[capacity]{};
-    typename L::Factor share_at_end_[capacity];  // c' h / m of each body, with c' = c / (1 + h c / 2m)
+    typename L::Factor share_at_end_[capacity]{};  // c' h / m of each body, with c' = c / (1 + h c / 2m)
 };
 
 }  // namespace tumble

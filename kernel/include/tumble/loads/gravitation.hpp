@@ -18,12 +18,14 @@ public:
     using L = LoadNumbers<N>;
     using Factor = typename L::Factor;
 
-    Gravitation(Real step, const WorldSpec& spec)
+    constexpr Gravitation(Real step, const WorldSpec& spec)
         : per_mass_{N::template constant<Work>(spec.gravitation * step * step)} {}
     // Softening, m; 0: none.
-    void set_softening(Real length) requires(may_soften) { softening_.length = N::template constant<Work>(length); }
+    constexpr void set_softening(Real length) requires(may_soften) {
+        softening_.length = N::template constant<Work>(length);
+    }
     [[nodiscard]] Work softening() const requires(may_soften) { return softening_.length; }
-    void set_body(int b, const BodySpec& spec, const auto&, const auto&) {
+    constexpr void set_body(int b, const BodySpec& spec, const auto&, const auto&) {
         pull_[b] = L::factor(per_mass_ * N::template constant<Work>(spec.mass));
     }
     // The place of a removed body does not attract.
@@ -98,8 +100,8 @@ private:
         Work length{};  // m
     };
     [[no_unique_address]] If<may_soften, Softening, 0> softening_{};
-    Work per_mass_;        // G h^2, m^3/kg
-    Factor pull_[bodies];  // G h^2 m of each body, m^3
+    Work per_mass_;          // G h^2, m^3/kg
+    Factor pull_[bodies]{};  // G h^2 m of each body, m^3
 };
 
 }  // namespace tumble

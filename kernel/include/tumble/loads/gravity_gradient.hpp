@@ -25,7 +25,7 @@ public:
     }
 
     // As each load has it: loads/loaded_group.hpp.
-    void set_body(int b, const BodySpec& spec, const PrincipalInertia& inertia, const auto&) {
+    constexpr void set_body(int b, const BodySpec& spec, const PrincipalInertia& inertia, const auto&) {
         for (int i = 0; i < 3; ++i)
             excess_[b][i] =
                 spec.is_fixed()

@@ -60,7 +60,7 @@ struct ListedLoads<LoadList<Loads...>> : Loads... {
 
     // Calls ask(load) for each load, until it is true.
     template <class Self, class F>
-    TUMBLE_INLINE static bool any([[maybe_unused]] Self& loads, [[maybe_unused]] F&& ask) {
+    TUMBLE_INLINE static constexpr bool any([[maybe_unused]] Self& loads, [[maybe_unused]] F&& ask) {
         return (ask(static_cast<std::conditional_t<std::is_const_v<Self>, const Loads, Loads>&>(loads)) || ...);
     }
 };
@@ -109,13 +109,13 @@ public:
     template <class Load>
     static constexpr bool is_contacts = std::is_same_v<Load, ContactSprings<N, spin, features>>;
 
-    LoadSet(Real step, const WorldSpec& spec)
+    constexpr LoadSet(Real step, const WorldSpec& spec)
         : seconds_{N::template constant<Work>(step)}, steps_per_second_{N::template constant<Work>(Real{1} / step)},
           drag_{step, spec}, springs_{step, spec}, gravitation_{step, spec}, forces_{step, spec}, contacts_{step,
                                                                                                             spec} {}
 
     template <class Load>
-    [[nodiscard]] Load& own() {
+    [[nodiscard]] constexpr Load& own() {
         static_assert(OwnLoads::template has<Load>, "the scene's Loads do not name this load");
         return own_;
     }
@@ -145,8 +145,8 @@ public:
         });
     }
     // Call when a body has been added.
-    void set_body([[maybe_unused]] int b, [[maybe_unused]] const BodySpec& spec,
-                  [[maybe_unused]] const PrincipalInertia& inertia, [[maybe_unused]] Bodies& bodies) {
+    constexpr void set_body([[maybe_unused]] int b, [[maybe_unused]] const BodySpec& spec,
+                            [[maybe_unused]] const PrincipalInertia& inertia, [[maybe_unused]] Bodies& bodies) {
         (void)any(*this, [&](auto& load) {
             if constexpr (requires { load.set_body(b, spec, inertia, bodies); })
                 load.set_body(b, spec, inertia, bodies);
@@ -165,25 +165,27 @@ public:
         if constexpr (features.gravitation) gravitation_.remove(b);
         if constexpr (features.springs > 0) springs_.remove_from(b);
     }
-    void set_softening(Real length) requires(features.gravitation&& features.softening) {
+    constexpr void set_softening(Real length) requires(features.gravitation&& features.softening) {
         gravitation_.set_softening(length);
     }
     [[nodiscard]] Work softening() const requires(features.gravitation&& features.softening) {
         return gravitation_.softening();
     }
     // False when there is no room.
-    bool add(const PlaneSpec& spec, Bodies& bodies) requires(features.springs_touch()) {
+    constexpr bool add(const PlaneSpec& spec, Bodies& bodies) requires(features.springs_touch()) {
         return contacts_.add(spec, bodies);
     }
-    [[nodiscard]] int plane_count() const requires(features.springs_touch()) { return contacts_.plane_count(); }
-    [[nodiscard]] int spring_count() const requires(features.springs > 0) { return springs_.count(); }
+    [[nodiscard]] constexpr int plane_count() const requires(features.springs_touch()) {
+        return contacts_.plane_count();
+    }
+    [[nodiscard]] constexpr int spring_count() const requires(features.springs > 0) { return springs_.count(); }
     [[nodiscard]] Real largest_safe_step() const requires(features.springs_touch()) {
         return contacts_.largest_safe_step();
     }
     // Adds a spring; false when there is no room. Reports a step that is surely too long for the spring, together with
     // the springs, dampers and drag beside it.
-    [[gnu::noinline, gnu::cold]] bool add(const SpringSpec& spec, Bodies& bodies,
-                                          const SpringBounds<N>& bounds) requires(features.springs > 0) {
+    [[gnu::noinline, gnu::cold]] constexpr bool add(const SpringSpec& spec, Bodies& bodies,
+                                                    const SpringBounds<N>& bounds) requires(features.springs > 0) {
         if (!springs_.add(spec, bodies)) return false;
         for (int axis = 0; axis < 4; ++axis) {
             const int b = springs_.body_beyond(bounds, bodies, drag_, axis);
@@ -194,14 +196,14 @@ public:
         return true;
     }
     // Reports a step that is too long for the drag of a body that has been added.
-    void check_drag(int b, const BodySpec& spec, const PrincipalInertia& inertia, Bodies& bodies,
-                    const StepBounds& bounds) const requires(features.drag) {
+    constexpr void check_drag(int b, const BodySpec& spec, const PrincipalInertia& inertia, Bodies& bodies,
+                              const StepBounds& bounds) const requires(features.drag) {
         if (!spec.is_fixed() && drag_.is_too_strong(spec, inertia, bodies.rotates(b), bounds.of_damper[1]))
             bodies.report(Issue::step_too_long, b);
     }
     // Calls changed(body) for every force that acts in step `now`.
     template <class F>
-    void set_forces(Span<TimedForce<N>> forces, std::uint64_t now, F&& changed) requires(features.forces) {
+    constexpr void set_forces(Span<TimedForce<N>> forces, std::uint64_t now, F&& changed) requires(features.forces) {
         forces_.set(forces, now, changed);
     }
 
@@ -382,7 +384,7 @@ private:
     // Calls ask(load) for each load of the scene, in the order of the sum, until it is true. Loads that depend on the
     // velocity come last.
     template <class Self, class F>
-    TUMBLE_INLINE static bool any([[maybe_unused]] Self& loads, [[maybe_unused]] F&& ask) {
+    TUMBLE_INLINE static constexpr bool any([[maybe_unused]] Self& loads, [[maybe_unused]] F&& ask) {
         if constexpr (features.gravitation)
             if (ask(loads.gravitation_)) return true;
         if constexpr (features.forces)

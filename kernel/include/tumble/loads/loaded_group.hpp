@@ -10,7 +10,8 @@
 //   couples(bodies, b), for_each_coupled(bodies, b, f)   only where a body feels another that moves
 //   depends_on_velocity()              only where it may depend on a velocity or a spin
 //   set_body(b, spec, inertia, bodies) only where it keeps something of each body; called when a body is added, and
-//                                      with a fixed body when one is removed
+//                                      with a fixed body when one is removed; constexpr where the compiler sets up the
+//                                      world
 //   each(load, archive)                only where snapshots hold values of it; static: archive(load.a, ...)
 // acts_on, turns and couples may change from step to step. The forces depend on the stage and on the load's own members
 // alone, which World::change_load() changes: methods keep the last forces of a step for the next one.

@@ -43,12 +43,12 @@ public:
     using Vector = typename L::Vector;
     using Factor = typename L::Factor;
 
-    Springs(Real, const WorldSpec&) {
+    constexpr Springs(Real, const WorldSpec&) {
         for (std::uint16_t& first : first_) first = none;
     }
     // Adds a spring; false when there is no room. Misuse: a point other than zero of a point mass, a point outside the
     // range, and a negative damping or rest length.
-    [[gnu::noinline, gnu::cold]] bool add(const SpringSpec& spec, const auto& all) {
+    [[gnu::noinline, gnu::cold]] constexpr bool add(const SpringSpec& spec, const auto& all) {
         TUMBLE_ASSERT(spec.to_body >= -1 && spec.to_body < all.count);
         TUMBLE_ASSERT(is_in_range(spec.point) && is_in_range(spec.to));
         TUMBLE_ASSERT(all.rotates(all.index_of(spec.body)) || spec.point.is_zero());
@@ -113,8 +113,8 @@ public:
     // A spring counts with its stiffness at its rest length, which is along itself alone; without a rest length it is
     // as stiff in all directions. A spring whose ends coincide has no direction yet: it and its damper count along the
     // motion, which gives it one.
-    TUMBLE_COLD [[nodiscard]] int body_beyond(const SpringBounds<N>& bounds, const auto& all, const auto& drag,
-                                              int axis) const {
+    TUMBLE_COLD [[nodiscard]] constexpr int body_beyond(const SpringBounds<N>& bounds, const auto& all,
+                                                        const auto& drag, int axis) const {
         const Spring<N>& newest = spring_[count_ - 1];
         const bool is_apart = !ends_coincide(newest, reach_of(newest, all)), has_length = newest.rest_length > Work{};
         if (axis < 3 ? is_apart && has_length : !is_apart || !(has_length || newest.damping > Work{})) return -1;
@@ -143,7 +143,7 @@ public:
                     return all.constants[newest.body].fixed() ? newest.to_body : newest.body;
         return -1;
     }
-    [[nodiscard]] int count() const { return count_; }
+    [[nodiscard]] constexpr int count() const { return count_; }
     [[nodiscard]] const Spring<N>& operator[](int s) const { return spring_[s]; }
 
     [[nodiscard]] bool acts_on(const auto&, int b) const { return first_[b] != none; }
@@ -196,7 +196,7 @@ public:
 
 private:
     // Adds an end to the list of its body.
-    void enlist(int b, int end) {
+    constexpr void enlist(int b, int end) {
         next_[end] = first_[b];
         first_[b] = static_cast<std::uint16_t>(end);
     }
@@ -295,8 +295,8 @@ private:
         int body = -1;
         Vector v_w{}, w_b{};
     };
-    TUMBLE_COLD [[nodiscard]] static Motion response(const auto& all, int b, const Vector& point_b,
-                                                     const Vector& force_w) {
+    TUMBLE_COLD [[nodiscard]] static constexpr Motion response(const auto& all, int b, const Vector& point_b,
+                                                               const Vector& force_w) {
         Motion motion;
         if (b < 0 || all.constants[b].fixed()) return motion;
         motion.body = b;
@@ -304,13 +304,27 @@ private:
         if constexpr (std::remove_cvref_t<decltype(all)>::rotation)
             if (all.rotates(b) && !point_b.is_zero())
                 motion.w_b =
-                    cross(point_b, L::rotated_back(all.state[b].q_wb.value(), force_w))
+                    cross(point_b, with_orientation(all, b, [&](const auto& q) { return L::rotated_back(q, force_w); }))
                         .times({all.step_per_moment(b, 0), all.step_per_moment(b, 1), all.step_per_moment(b, 2)});
         return motion;
     }
+    // f(the orientation of body b), with plain vectors where the compiler sets up the world, in fixed point.
+    [[nodiscard]] static constexpr Vector with_orientation(const auto& all, int b, auto&& f) {
+        const auto& q = all.state[b].q_wb;
+        if constexpr (N::fixed_point)
+            if (std::is_constant_evaluated()) return f(q.template value<StoredVec3<typename N::Unit>>());
+        return f(q.value());
+    }
+    // A vector of a body in the world's axes, as the body stands. Of a body that does not rotate: zero.
+    [[nodiscard]] static constexpr Vector turned(const auto& all, int b, const Vector& v_b) {
+        if constexpr (std::remove_cvref_t<decltype(all)>::rotation)
+            if (all.rotates(b) && !v_b.is_zero())
+                return with_orientation(all, b, [&](const auto& q) { return L::rotated(q, v_b); });
+        return {};
+    }
     // Calls f(spring), once each, for those that are tied to a body that moves.
     template <class F>
-    TUMBLE_COLD void for_each_at(const Motion (&moved)[2], F&& f) const {
+    TUMBLE_COLD constexpr void for_each_at(const Motion (&moved)[2], F&& f) const {
         const int first = moved[0].body;
         for (const int body : {first, moved[1].body == first ? -1 : moved[1].body})
             for (int end = body < 0 ? none : first_[body]; end != none; end = next_[end]) {
@@ -322,38 +336,41 @@ private:
             }
     }
     // From a spring's point of `body` to its other end as the bodies stand, m, world. Below: the rate of it in motions.
-    TUMBLE_COLD [[nodiscard]] static Vector reach_of(const Spring<N>& spring, const auto& all) {
-        typename L::Place apart[3];
-        set_other_end(apart, all, spring.to_body, spring.to, spring);
-        take_place(apart, all, spring.body, stage_of(all.state[spring.body]), spring.point_b);
-        return L::between(apart);
+    TUMBLE_COLD [[nodiscard]] static constexpr Vector reach_of(const Spring<N>& spring, const auto& all) {
+        const int b = spring.body, other = spring.to_body;
+        const Vector arm = turned(all, b, spring.point_b), to = other < 0 ? Vector{} : turned(all, other, spring.to);
+        const auto apart = [&](int i) {
+            const auto end =
+                other < 0 ? L::place(spring.anchor_w[i]) : L::place(N::sum(all.state[other].x_w[i])) + L::place(to, i);
+            return end - L::place(N::sum(all.state[b].x_w[i])) - L::place(arm, i);
+        };
+        return L::between({apart(0), apart(1), apart(2)});
     }
     // True where nothing but rounding keeps the ends apart: 2^-20 of their levers, which is eight units of a float.
-    TUMBLE_COLD [[nodiscard]] static bool ends_coincide(const Spring<N>& spring, const Vector& reach) {
+    TUMBLE_COLD [[nodiscard]] static constexpr bool ends_coincide(const Spring<N>& spring, const Vector& reach) {
         const Work levers = product(spring.point_b, spring.point_b) + product(spring.to, spring.to);
         return !(product(reach, reach) > levers * N::template constant<Work>(Real::scaled(1, -40)));
     }
-    TUMBLE_COLD [[nodiscard]] static Vector rate_of(const Spring<N>& spring, const auto& all,
-                                                    const Motion (&moved)[2]) {
+    TUMBLE_COLD [[nodiscard]] static constexpr Vector rate_of(const Spring<N>& spring, const auto& all,
+                                                              const Motion (&moved)[2]) {
         Vector rate{};
         for (const Motion& motion : moved)
             for (int end = 0; end < 2 && motion.body >= 0; ++end) {
                 if (motion.body != (end == 0 ? spring.body : spring.to_body)) continue;
                 const Vector& point_b = end == 0 ? spring.point_b : spring.to;
-                Vector v = motion.v_w;
-                if constexpr (std::remove_cvref_t<decltype(all)>::rotation)
-                    if (all.rotates(motion.body) && !point_b.is_zero())
-                        v = v + L::rotated(all.state[motion.body].q_wb.value(), cross(motion.w_b, point_b));
+                const Vector v = motion.v_w + turned(all, motion.body, cross(motion.w_b, point_b));
                 rate = rate + (end == 0 ? v.times(Work(-1)) : v);
             }
         return rate;
     }
-    [[nodiscard, gnu::noinline]] static Work product(const Vector& a, const Vector& b) { return L::work(L::dot(a, b)); }
+    [[nodiscard, gnu::noinline]] static constexpr Work product(const Vector& a, const Vector& b) {
+        return L::work(L::dot(a, b));
+    }
     // A point of a body from the user's axes to principal axes. In fixed point, set-up numbers make less code.
-    TUMBLE_COLD [[nodiscard]] static Vector principal_point(const auto& all, int b, const RealVec3& at) {
+    TUMBLE_COLD [[nodiscard]] static constexpr Vector principal_point(const auto& all, int b, const RealVec3& at) {
         using Bodies = std::remove_cvref_t<decltype(all)>;
         if constexpr (Bodies::rotation && N::fixed_point) {
-            const auto q = all.constants[b].principal();
+            const auto q = all.constants[b].template principal<StoredVec3<typename N::Unit>>();
             const auto real = [](auto unit) { return Real::scaled(unit.raw, -unit.fraction_bits); };
             const RealVec3 p = detail::rotated_back({real(q.w), {real(q.v.x()), real(q.v.y()), real(q.v.z())}}, at);
             return Vector::of(Work(p.x), Work(p.y), Work(p.z));
@@ -362,13 +379,13 @@ private:
             return Vector::of(p.x(), p.y(), p.z());
         }
     }
-    [[nodiscard, gnu::cold]] static bool is_in_range(const RealVec3& point) {
+    [[nodiscard, gnu::cold]] static constexpr bool is_in_range(const RealVec3& point) {
         if constexpr (N::fixed_point)
             for (int i = 0; i < 3; ++i)
                 if (abs(point[i]) > Real{N::Range::position}) return false;
         return true;
     }
-    [[nodiscard]] static typename N::PositionSum position_sum(Real metres) {
+    [[nodiscard]] static constexpr typename N::PositionSum position_sum(Real metres) {
         if constexpr (N::fixed_point) return {metres.to_fixed(N::PositionSum::fraction_bits, 64)};
         else return N::template constant<typename N::PositionSum>(metres);
     }

@@ -27,10 +27,10 @@ TUMBLE_INLINE void apply(const TimedForce<N>& load, const Group& group, int k) {
 template <class N>
 class TimedForces {
 public:
-    TimedForces(Real, const WorldSpec&) {}
+    constexpr TimedForces(Real, const WorldSpec&) {}
     // Calls changed(body) for every force that acts in step `now`.
     template <class F>
-    void set(Span<TimedForce<N>> forces, std::uint64_t now, F&& changed) {
+    constexpr void set(Span<TimedForce<N>> forces, std::uint64_t now, F&& changed) {
         forces_ = forces;
         first_ = end_ = 0;
         is_sorted_ = true;

@@ -26,7 +26,7 @@ public:
     }
 
     // As each load has it: loads/loaded_group.hpp. The next body at the place of a removed one has no wheels.
-    void set_body(int b, const BodySpec& spec, const auto&, const auto&) {
+    constexpr void set_body(int b, const BodySpec& spec, const auto&, const auto&) {
         if (spec.is_fixed()) momentum_[b] = {};
     }
     // Likewise.

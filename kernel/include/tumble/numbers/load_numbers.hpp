@@ -66,10 +66,10 @@ requires(N::fixed_point) struct LoadNumbers<N> {
         std::int64_t sum;
         std::int32_t quarters;
 
-        TUMBLE_INLINE friend Place operator+(Place a, Place b) {
+        TUMBLE_INLINE friend constexpr Place operator+(Place a, Place b) {
             return {(Wide<0>{a.sum} + Wide<0>{b.sum}).raw, a.quarters + b.quarters};
         }
-        TUMBLE_INLINE friend Place operator-(Place a, Place b) {
+        TUMBLE_INLINE friend constexpr Place operator-(Place a, Place b) {
             return {(Wide<0>{a.sum} - Wide<0>{b.sum}).raw, a.quarters - b.quarters};
         }
     };
@@ -78,7 +78,7 @@ requires(N::fixed_point) struct LoadNumbers<N> {
     }
     [[nodiscard]] static constexpr Place place(const Vector& v, int i) { return place(v.position(i)); }
     // The vector of these places, m.
-    [[nodiscard]] TUMBLE_INLINE static Vector between(const Place (&places)[3]) {
+    [[nodiscard]] TUMBLE_INLINE static constexpr Vector between(const Place (&places)[3]) {
         const auto magnitude = [&](int i) { return places[i].quarters ^ (places[i].quarters >> 31); };
         if ((magnitude(0) | magnitude(1) | magnitude(2)) >= (1 << 29) - 8) [[unlikely]]
             return across(places);
@@ -128,7 +128,7 @@ requires(N::fixed_point) struct LoadNumbers<N> {
         const std::int64_t root = y + ((detail::multiply(y, rest) + (std::int64_t{1} << 49)) >> 50);
         return {root > INT32_MAX ? INT32_MAX : static_cast<std::int32_t>(root), up / 2 - 62 - v.exponent};
     }
-    [[nodiscard]] TUMBLE_INLINE static Factor dot(const Vector& a, const Vector& b) {
+    [[nodiscard]] TUMBLE_INLINE static constexpr Factor dot(const Vector& a, const Vector& b) {
         std::int64_t raw = detail::multiply(a.mantissa[0], b.mantissa[0]);
         raw = detail::multiply_add(raw, a.mantissa[1], b.mantissa[1]);
         raw = detail::multiply_add(raw, a.mantissa[2], b.mantissa[2]);
@@ -136,7 +136,8 @@ requires(N::fixed_point) struct LoadNumbers<N> {
     }
     // q v q*, body to world: (w^2 - |u|^2) v + 2 (u . v) u + 2 w u x v with q = (w, u). For a q whose length is off 1
     // it is still a rotation, times |q|^2, as in working numbers. A component is at most |v|, which 31 bits hold.
-    [[nodiscard, gnu::noinline]] static Vector rotated(const Quat<typename N::Unit>& q, const Vector& v) {
+    template <class Q>
+    [[nodiscard, gnu::noinline]] static constexpr Vector rotated(const Quat<typename N::Unit, Q>& q, const Vector& v) {
         const std::int32_t w = q.w.raw, u[3]{q.v.x().raw, q.v.y().raw, q.v.z().raw};
         const std::int32_t(&m)[3] = v.mantissa;
         std::int64_t square = detail::multiply(w, w), along = detail::multiply(u[0], m[0]);
@@ -151,8 +152,9 @@ requires(N::fixed_point) struct LoadNumbers<N> {
         return {{component(0, 1, 2), component(1, 2, 0), component(2, 0, 1)}, v.exponent};
     }
     // World to body.
-    [[nodiscard]] static Vector rotated_back(const Quat<typename N::Unit>& q, const Vector& v) {
-        return rotated({-q.w, q.v}, v);
+    template <class Q>
+    [[nodiscard]] static constexpr Vector rotated_back(const Quat<typename N::Unit, Q>& q, const Vector& v) {
+        return rotated(Quat<typename N::Unit, Q>{-q.w, q.v}, v);
     }
     // a x b, not normalised: a lever, made with 29 bits, and a block of 30 bits, rotated or not.
     [[nodiscard]] TUMBLE_INLINE static Vector cross(const Vector& a, const Vector& b) {
@@ -170,7 +172,8 @@ requires(N::fixed_point) struct LoadNumbers<N> {
     // strong loads may cancel each other. They are the kick's own words until settle() moves them to their place.
     static constexpr int headroom = 8;
     // sum[i] += v[i] f, in metres of drift.
-    TUMBLE_INLINE static void add(typename N::DriftSum (&sum)[3], const Vector& v, Factor f, typename N::Scale s) {
+    TUMBLE_INLINE static constexpr void add(typename N::DriftSum (&sum)[3], const Vector& v, Factor f,
+                                            typename N::Scale s) {
         const int down = -(v.exponent + f.exponent + drift_bits(s) - headroom);
         for (int i = 0; i < 3; ++i) add_product(sum[i], v.mantissa[i], f.mantissa, down);
     }
@@ -284,7 +287,7 @@ private:
         return {raw > 0 && upper >> 31 != 0 ? INT32_MAX : static_cast<std::int32_t>(upper), exponent + 32 - up};
     }
     // Three sums as a block of 30 bits, rounded to nearest, ties upwards.
-    [[nodiscard]] TUMBLE_INLINE static Vector of_sums(const std::int64_t (&raw)[3], int exponent) {
+    [[nodiscard]] TUMBLE_INLINE static constexpr Vector of_sums(const std::int64_t (&raw)[3], int exponent) {
         const auto size = [&](int i) {
             const std::int32_t high = N::upper(raw[i]);
             return static_cast<std::uint32_t>(high ^ (high >> 31));
@@ -302,7 +305,7 @@ private:
     }
     // The vector of places at opposite ends of the range, in quarters of a unit: their upper words tell the bits that
     // the sums have lost.
-    [[nodiscard, gnu::noinline]] static Vector across(const Place (&places)[3]) {
+    [[nodiscard, gnu::noinline]] static constexpr Vector across(const Place (&places)[3]) {
         std::int64_t raw[3];
         for (int i = 0; i < 3; ++i) {
             const std::uint64_t low = static_cast<std::uint64_t>(places[i].sum) >> 2;  // without the upper two bits
@@ -312,7 +315,7 @@ private:
         return of_sums(raw, 2 - N::PositionSum::fraction_bits);
     }
     // The same where a body is far away or very near.
-    [[nodiscard, gnu::noinline]] static Vector far(const std::int64_t (&raw)[3], int exponent) {
+    [[nodiscard, gnu::noinline]] static constexpr Vector far(const std::int64_t (&raw)[3], int exponent) {
         const auto size = [&](int i) { return static_cast<std::uint64_t>(raw[i] ^ (raw[i] >> 63)); };
         const int drop = 64 - 30 - std::countl_zero(size(0) | size(1) | size(2));
         Vector v{{}, exponent + drop};
@@ -322,12 +325,12 @@ private:
         return v;
     }
     template <int F>
-    TUMBLE_INLINE static void add_product(Wide<F>& sum, std::int32_t a, std::int32_t b, int down) {
+    TUMBLE_INLINE static constexpr void add_product(Wide<F>& sum, std::int32_t a, std::int32_t b, int down) {
         add_shifted(sum, detail::multiply(a, b), down);
     }
     // sum += raw / 2^down, rounded to nearest, for |raw| < 2^62. A sum that would overflow is held at its end.
     template <int F>
-    TUMBLE_INLINE static void add_shifted(Wide<F>& sum, std::int64_t raw, int down) {
+    TUMBLE_INLINE static constexpr void add_shifted(Wide<F>& sum, std::int64_t raw, int down) {
         if (down >= 1 && down <= 31) [[likely]]
             sum = N::held_sum(sum, Wide<F>{detail::shift_right(raw + (std::uint32_t{1} << (down - 1)), down)});
         else sum = N::held_sum(sum, Wide<F>{N::shifted(raw, -down)});

@@ -247,7 +247,7 @@ requires(N::fixed_point) struct VectorBlock<N> {
     }
     // To 2^-30 of the product of the lengths.
     [[nodiscard]] friend constexpr VectorBlock cross(const VectorBlock& a, const VectorBlock& b) {
-        const Vec3<Unit> u{Unit{a.mantissa[0]}, Unit{a.mantissa[1]}, Unit{a.mantissa[2]}};
+        const StoredVec3<Unit> u{Unit{a.mantissa[0]}, Unit{a.mantissa[1]}, Unit{a.mantissa[2]}};
         return {{rounded<30>(cross_sum<0>(u, b.mantissa)), rounded<30>(cross_sum<1>(u, b.mantissa)),
                  rounded<30>(cross_sum<2>(u, b.mantissa))},
                 a.exponent + b.exponent + 30};
