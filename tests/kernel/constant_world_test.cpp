@@ -254,6 +254,206 @@ TEST(ConstantWorld, the_compiler_sets_up_the_impulses_and_events_of_a_scene) {
     EXPECT_TRUE(replay->world().status().ok());
 }
 
+// A load of the program's own, which lifts a body by what it keeps of its mass.
+template <class N>
+struct Lift {
+    using Work = typename N::Work;
+    Work per_body[2]{};  // N
+
+    constexpr void set_body(int b, const BodySpec& spec, const auto&, const auto&) {
+        per_body[b] = static_cast<Work>(spec.is_fixed() ? Real{} : spec.mass * Real{0.25});
+    }
+    [[nodiscard]] bool acts_on(const auto&, int b) const { return per_body[b] > Work(0); }
+    void apply_to(const auto& group) const {
+        for (int k = 0; k < group.count; ++k) group.push(k, Vector3<Work>{Work(0), per_body[group.id[k]], Work(0)});
+    }
+};
+
+// A scene of `tumble compile` with every load but contacts by springs, above a plane. `without`: the number of a load
+// that it lacks.
+template <class N>
+struct AllLoads {
+    static constexpr const char* name = "all loads";
+    static constexpr int count = 9;
+    static constexpr Seconds step{1, 250};
+    static constexpr std::uint32_t steps = 300;
+    WorldSpec world{.gravity = {0.1, -1, 0}, .gravitation = 0.2, .linear_drag = 0.05, .angular_drag = 0.0004};
+    std::array<BodySpec, 2> bodies{thrown(), thrown()};
+    std::array<PlaneSpec, 1> planes{PlaneSpec{.offset = 9}};
+    std::array<SpringSpec, 3> springs{{
+        {.body = 0, .point = {0.02, 0.1, 0}, .to_body = 1, .to = {0, 0.1, 0.3}, .stiffness = 4, .rest_length = 0.5},
+        {.body = 1, .point = {0, 0.1, 0.2}, .to = {1, 3, 0}, .stiffness = 2, .damping = 0.1, .rest_length = 0.25},
+        {.body = 1, .to = {0, 0, 0.5}, .stiffness = 1},
+    }};
+    std::array<ImpulseSpec, 1> impulses{
+        {{.time = 0.1, .body = 0, .frame = Frame::body, .impulse = {0, 0.1, 0.2}, .point = {0.1, 0, 0}}}};
+    std::array<ForceSpec, 2> forces{
+        {{.body = 1, .from = 0.2, .until = 0.7, .frame = Frame::body, .force = {0.3, 0, 1}, .point = {0, 0.1, 0}},
+         {.body = 0, .from = 0, .until = 0.5, .force = {0.5, 0, 0.1}, .torque = {0.01, 0, 0}}}};
+    std::array<EventSpec, 2> events{
+        {{.time = 0.3, .kind = EventKind::torque, .body = 0, .frame = Frame::body, .value = {0, 0.01, 0}},
+         {.time = 0.2, .kind = EventKind::force, .body = 1, .frame = Frame::body, .value = {0, 0.3, 0}}}};
+    RealVec3 wind{0.5, 0, -1};
+    std::array<DragSpec, 1> drags{{{.body = 0, .linear = 0.01, .quadratic = 0.02}}};
+    std::array<WheelsSpec, 1> wheels{{{.body = 1, .momentum = {0.1, 0, -0.2}}}};
+    OrbitSpec orbit{.rate = 3, .to_centre = {0.3, -1, 0.2}};
+    Real softening = 0.125;
+
+    constexpr explicit AllLoads(int without = -1) {
+        bodies[1].position = {0, 1, 1.5};
+        if (without == 0) world.linear_drag = world.angular_drag = 0;
+        if (without == 1)
+            for (SpringSpec& spring : springs) spring.stiffness = spring.damping = 0;
+        if (without == 2) world.gravitation = 0;
+        if (without == 3) softening = 0;
+        if (without == 4) drags[0].linear = drags[0].quadratic = 0;
+        if (without == 5) wheels[0].momentum = {};
+        if (without == 6) orbit.rate = 0;
+        if (without == 7)
+            for (ForceSpec& force : forces) force.until = force.from;
+        if (without == 8)
+            for (EventSpec& event : events) event.value = {};
+    }
+    struct Config : Scene {
+        using Numbers = N;
+        using Loads = LoadList<Lift<N>>;
+        static constexpr Features features{.bodies = 2,
+                                           .planes = 1,
+                                           .springs = 3,
+                                           .drag = true,
+                                           .gravitation = true,
+                                           .softening = true,
+                                           .air = true,
+                                           .gravity_gradient = true,
+                                           .wheels = true,
+                                           .forces = true,
+                                           .impulses = true,
+                                           .control = true,
+                                           .script = true,
+                                           .boxes = true};
+    };
+};
+template <class N>
+constinit Replay<typename AllLoads<N>::Config, AllLoads<N>> constant_loads;
+// A world with the loads that the compiler sets up in floating point too.
+template <class N>
+struct LoadsWithoutBlocks
+    : SceneOf<N, integrators::Verlet,
+              Features{
+                  .bodies = 2, .drag = true, .gravitation = true, .softening = true, .air = true, .wheels = true}> {
+    using Loads = LoadList<Lift<N>>;
+};
+// `without`: the number of a load that the world lacks.
+template <class N>
+constexpr auto set_up_loads_without_blocks(int without = -1) {
+    World<LoadsWithoutBlocks<N>> world{Seconds{1, 250},
+                                       {.gravity = {0.1, -1, 0},
+                                        .gravitation = without == 0 ? 0 : 0.2,
+                                        .linear_drag = without == 1 ? 0 : 0.05,
+                                        .angular_drag = without == 2 ? 0 : 0.0004}};
+    BodySpec body = thrown();
+    (void)world.add(body);
+    body.position = {0, 1, 1.5};
+    (void)world.add(body);
+    if (without != 3) world.set_softening(0.125);
+    Air<N, 2>& air = world.template change_load<Air<N, 2>>();
+    air.set_wind({0.5, 0, -1});
+    if (without != 4) air.set_drag(0, 0.01, 0.02);
+    if (without != 5) world.template change_load<Wheels<N, 2>>().set_momentum(1, RealVec3{0.1, 0, -0.2});
+    if (without == 6) world.template change_load<Lift<N>>() = {};
+    return world;
+}
+template <class N>
+constinit auto constant_loads_without_blocks = set_up_loads_without_blocks<N>();
+
+// Two boxes that lie on a plane and on each other by springs, with a barrier.
+template <class N>
+constexpr auto set_up_springs_that_touch() {
+    constexpr Features what{.bodies = 2,
+                            .planes = 1,
+                            .point_masses = true,
+                            .pairs = true,
+                            .boxes = true,
+                            .contact_impulses = false,
+                            .contact_springs = true};
+    using enum ContactResponse;
+    World<SceneOf<N, integrators::Verlet, what>> world{
+        Seconds{1, 500},
+        {.gravity = {0, -9.81, 0}, .contact = {.response = spring, .stiffness = 200, .damping = 0.5, .barrier = 1e-4}}};
+    BodySpec body = box(0.3, {0.4, 0.3, 0.5});
+    body.inertia.xy = 0.0003;
+    body.position = {0, 0.25, 0};
+    (void)world.add(body);
+    (void)world.add(PlaneSpec{.normal = {0.1, 1, 0}});
+    body = sphere(0.2, 0.25);
+    body.position = {0.05, 0.75, 0.1};
+    (void)world.add(body);
+    return world;
+}
+template <class N>
+constinit auto constant_springs_that_touch = set_up_springs_that_touch<N>();
+
+template <class N>
+class ConstantLoads : public testing::Test {};
+using SystemsWithLoads = testing::Types<Q32<NearRange>, Q32<NearRange, false>, F32, F64>;
+TYPED_TEST_SUITE(ConstantLoads, SystemsWithLoads);
+// Springs, orbits, forces and events keep blocks, which the compiler sets up in fixed point only.
+template <class N>
+class ConstantBlocks : public testing::Test {};
+using SystemsWithBlocks = testing::Types<Q32<NearRange>, Q32<NearRange, false>>;
+TYPED_TEST_SUITE(ConstantBlocks, SystemsWithBlocks);
+
+TYPED_TEST(ConstantBlocks, every_load_that_the_compiler_set_up_has_the_bits_of_one_set_up_at_run_time) {
+    using Loads = AllLoads<TypeParam>;
+    using AtRunTime = Replay<typename Loads::Config, Loads>;
+    const auto replay = std::make_unique<AtRunTime>(Loads{});
+    for (std::uint32_t i = 0; i < Loads::steps; ++i) {
+        ASSERT_EQ(replay->step().bits, constant_loads<TypeParam>.step().bits);
+        ASSERT_EQ(replay->world().hash(), constant_loads<TypeParam>.world().hash());
+    }
+    EXPECT_TRUE(replay->world().status().ok());
+    for (int without = 0; without < Loads::count; ++without) {
+        const auto other = std::make_unique<AtRunTime>(Loads{without});
+        for (std::uint32_t i = 0; i < Loads::steps; ++i) other->step();
+        EXPECT_NE(other->world().hash(), replay->world().hash()) << without;
+    }
+}
+TYPED_TEST(ConstantLoads, drag_and_gravitation_that_the_compiler_set_up_have_the_bits_of_some_set_up_at_run_time) {
+    auto world = set_up_loads_without_blocks<TypeParam>();
+    auto& constant = constant_loads_without_blocks<TypeParam>;
+    for (int i = 0; i < 300; ++i) {
+        ASSERT_EQ(world.step().bits, constant.step().bits);
+        ASSERT_EQ(world.hash(), constant.hash());
+    }
+    EXPECT_TRUE(world.status().ok());
+    for (int without = 0; without < 7; ++without) {
+        auto other = set_up_loads_without_blocks<TypeParam>(without);
+        EXPECT_NE(hash_after(other, 300), world.hash()) << without;
+    }
+}
+TYPED_TEST(ConstantLoads, contacts_by_springs_that_the_compiler_set_up_have_the_bits_of_some_set_up_at_run_time) {
+    auto world = set_up_springs_that_touch<TypeParam>();
+    auto& constant = constant_springs_that_touch<TypeParam>;
+    EXPECT_EQ(world.largest_safe_step(), constant.largest_safe_step());
+    for (int i = 0; i < 500; ++i) {
+        ASSERT_EQ(world.step().bits, constant.step().bits);
+        ASSERT_EQ(world.hash(), constant.hash());
+    }
+    EXPECT_EQ(world.largest_safe_step(), constant.largest_safe_step());
+}
+// The step is 26 times too long for the spring: both worlds say so.
+TYPED_TEST(ConstantBlocks, the_compiler_reports_a_step_that_is_too_long_for_a_spring) {
+    static constexpr auto set_up = [] {
+        World<SceneOf<TypeParam, integrators::Verlet, Features{.springs = 1}>> world{Seconds{1, 250}};
+        world.add(thrown());
+        world.add(SpringSpec{.body = 0, .point = {0.05, 0.2, 0}, .to = {1, -2, 1}, .stiffness = 1e7});
+        return world;
+    };
+    static constinit auto constant = set_up();
+    EXPECT_EQ(constant.status().bits, set_up().status().bits);
+    EXPECT_TRUE(constant.status().has(Issue::step_too_long));
+}
+
 // Loads and contacts take the step of the scene too, as a number of the world.
 TEST(ConstantWorld, a_scene_with_loads_or_contacts_may_name_its_step) {
     const auto run = [](auto world, auto same) {
