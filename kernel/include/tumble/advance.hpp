@@ -34,6 +34,10 @@ public:
     using BodyGroup = tumble::BodyGroup<features.bodies>;
     using Loads = LoadSet<N, spin, features, typename detail::OwnLoads<S>::List>;
     using Portion = tumble::Portion<Work>;
+    static constexpr bool may_couple = [] {
+        if constexpr (has_loads) return Loads::may_couple;
+        else return false;
+    }();
 
     constexpr Advance(Seconds step, const WorldSpec& spec)
         : bodies{step}, loads{step.value, spec}, wrenches{step.value} {}

@@ -24,6 +24,15 @@ struct RoomFor<T, 0> {
         [[nodiscard]] constexpr const T& operator[](int) const { __builtin_unreachable(); }
     };
 };
+// The compiler knows the place of a single one.
+template <class T>
+struct RoomFor<T, 1> {
+    struct Array {
+        T only;
+        [[nodiscard]] TUMBLE_INLINE constexpr T& operator[](int) { return only; }
+        [[nodiscard]] TUMBLE_INLINE constexpr const T& operator[](int) const { return only; }
+    };
+};
 
 // The parts of a step in which bodies rotate. Nothing where each spin has the same scale.
 template <int capacity>
@@ -57,6 +66,36 @@ struct BodyGroup {
         add(body);
     }
 };
+
+// In a world of one body its place is 0, and who asks for it knows that.
+struct OnlyPlace {
+    [[nodiscard]] constexpr int operator[](int) const { return 0; }
+    [[nodiscard]] constexpr operator const std::int16_t*() const { return &place; }
+
+private:
+    static constexpr std::int16_t place = 0;
+};
+template <>
+struct BodyGroup<1> {
+    int count = 0;
+    static constexpr OnlyPlace id{};
+
+    BodyGroup() = default;
+    explicit BodyGroup(int body) { add(body); }
+    void add(int) { ++count; }
+    void add_once(int) { count = 1; }
+};
+// A group that is not empty.
+struct OnlyBody {
+    static constexpr int count = 1;
+    static constexpr OnlyPlace id{};
+
+    OnlyBody() = default;
+    explicit OnlyBody(int) {}
+    operator BodyGroup<1>() const { return BodyGroup<1>{0}; }
+};
+template <int capacity>
+using SomeBodies = std::conditional_t<capacity == 1, OnlyBody, BodyGroup<capacity>>;
 
 // The place of each body in the last group that had it. It is the place in another group only where that group agrees,
 // so nothing is cleared from group to group (Briggs and Torczon 1993, "An efficient representation for sparse sets").

@@ -30,7 +30,8 @@ public:
     // Examines the pairs of body b whose time to contact may be over. Adds sleeping bodies that b may touch to `wakes`.
     // Of a kinematic body only pairs with sleeping bodies: those that are awake look for it themselves.
     template <class Marks>
-    [[gnu::noinline]] void update(int b, const Marks& marks, const Sleepers& sleepers, BodyGroup& wakes) {
+    [[gnu::noinline]] void update(int b, const Marks& marks, const Sleepers& sleepers,
+                                  BodyGroup& wakes) requires(features.pairs) {
         const std::uint32_t now = bodies_.steps_taken;
         if (shapes_.response() != ContactResponse::impulse || shapes_.shape(b).is(ShapeKind::none)) {
             times_.set(b, now + contact::most_clear_steps);
@@ -129,6 +130,39 @@ public:
         times_.set(b, now + static_cast<std::uint32_t>(until));
     }
 
+    // The same where no two bodies touch each other.
+    template <class Marks>
+    [[gnu::noinline]] void update(int b, const Marks& marks) requires(!features.pairs) {
+        const std::uint32_t now = bodies_.steps_taken;
+        int until = contact::most_clear_steps;
+        const auto until_step = [&](int steps) { return now + static_cast<std::uint32_t>(steps); };
+        const bool was_near = pairs_.is_near(b), is_kinematic = features.kinematic && bodies_.constants[b].kinematic(),
+                   touches = shapes_.response() == ContactResponse::impulse && !shapes_.shape(b).is(ShapeKind::none);
+        times_.set(b, until_step(until));
+        if (!touches || is_kinematic) return;
+        if (!was_near) pairs_.forget_points_of(b);
+        const Vec3<Length> own = drift(b);
+        for (int p = 0; p < shapes_.plane_count(); ++p) {
+            const int slot = Times::plane_slot(b, p);
+            int steps = times_.steps_left(slot, now);
+            if (steps <= 0 || steps > contact::most_clear_steps) {
+                const bool listed = times_.is_listed(slot);
+                steps = steps_to_plane(b, p, own, marks[b].driven);
+                if (steps == 0) {
+                    if (!listed) (void)pair_of(b, -1 - p, marks);
+                    steps = contact::most_clear_steps_near;
+                } else if (listed) {
+                    forget(b, -1 - p);
+                }
+                times_.set_due(slot, until_step(steps));
+            }
+            if (steps < until) until = steps;
+        }
+        // As above.
+        if (!times_.is_clear(b, now) || (was_near && !pairs_.is_near(b))) until = 1;
+        times_.set(b, until_step(until));
+    }
+
     // Begins a step. With a grid puts bodies that have come into it, and ends the bounds of bodies that others may
     // push.
     void begin([[maybe_unused]] const Sleepers& sleepers) requires(features.pairs) {
@@ -142,7 +176,7 @@ public:
 
     // Connects the bodies of every pair that is awake. A pair sleeps where its moving bodies do. Measures the pairs
     // that have changed since the end of the last step: those left out of it, and those with a turntable.
-    void connect(Islands<features.bodies>& islands, const Sleepers& sleepers) {
+    void connect(Islands<features.bodies>& islands, const Sleepers& sleepers) requires(features.pairs) {
         bool any = false;
         for (int i = 0; i < pairs_.count(); ++i) {
             Pair& pair = pairs_[i];

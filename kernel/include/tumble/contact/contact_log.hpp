@@ -48,7 +48,7 @@ public:
     using Bodies = typename NarrowPhase::Bodies;
     using Pair = typename NarrowPhase::Pair;
     using PairList = tumble::PairList<N, features>;
-    using Island = tumble::Island<features.bodies>;
+    using Island = tumble::Island<features>;
 
     [[nodiscard]] int count() const { return count_; }
     [[nodiscard]] const Entry& operator[](int i) const { return entry_[i]; }

@@ -21,12 +21,17 @@ public:
     using Pair = typename NarrowPhase::Pair;
     using Point = typename NarrowPhase::Point;
     using PairList = tumble::PairList<N, features>;
-    using Island = tumble::Island<features.bodies>;
+    using Island = tumble::Island<features>;
     using Velocities = SolverVelocities<N, spin, features>;
     using Velocity = WeightedVelocity<N>;
     using Kicks = typename Velocities::Kicks;
     static constexpr bool has_edges = features.pairs && features.boxes;
     using Sweep = tumble::Sweep<N, features.pairs, features.friction, features.rolling_resistance>;
+    // There are rows at right angles to the normals.
+    static constexpr bool has_across = features.friction || features.rolling_resistance;
+    // There is one row. A visit solves it, but for rounding, and so it needs no momentum.
+    static constexpr bool is_one_row =
+        PairList::is_single && Pair::max_points == 1 && !has_across;
 
     ContactRows(const NarrowPhase& shapes, PairList& pairs, Velocities& velocities, const Bodies& bodies,
                 const Island& island)
@@ -184,7 +189,11 @@ public:
             pairs_.for_each_active(island_, [](const Pair& pair, Point& point) {
                 if (pair.rows() > 1) point.couplings.set(point.row, pair.moves_b());
             });
-        return sweep_blocks([&](Pair& pair, Point& point) { return block(pair, point); }, enough, bound, with_momentum);
+        if constexpr (!has_across) return sweep_normals(enough, bound, with_momentum);
+        else if constexpr (!features.pairs) return sweep_blocks(BlockOf{*this, false}, enough, bound, with_momentum);
+        else
+            return sweep_blocks([&](Pair& pair, Point& point) { return block(pair, point); }, enough, bound,
+                                with_momentum);
     }
     // The same from the impulses of the step before, for the forces of a step. Of a body that moves alone, points that
     // its motion does not press wait until the forces of others press them. Forces of two walls that cancel are a
@@ -206,8 +215,11 @@ public:
     }
     // The same, as if the points were smooth.
     Speed sweep_normals(Speed enough, int bound, bool with_momentum) {
-        return sweep_blocks([&](Pair& pair, Point& point) { return normal_block(pair, point); }, enough, bound,
-                            with_momentum);
+        if constexpr (has_across && !features.pairs)
+            return sweep_blocks(BlockOf{*this, true}, enough, bound, with_momentum);
+        else
+            return sweep_blocks([&](Pair& pair, Point& point) { return normal_block(pair, point); }, enough, bound,
+                                with_momentum);
     }
     // Applies the impulses of all points that take part.
     void push_all() {
@@ -258,13 +270,22 @@ private:
                 .a = velocities_.now[pair.a],
                 .b = pair.moves_b() ? &velocities_.now[pair.b] : nullptr};
     }
-    template <class BlockOf>
-    Speed sweep_blocks(BlockOf&& block_of, Speed enough, int bound, bool with_momentum) {
+    // Blocks of either kind, for one copy of the sweeps.
+    struct BlockOf {
+        ContactRows& rows;
+        bool smooth;
+
+        [[nodiscard]] typename Sweep::Block operator()(Pair& pair, Point& point) const {
+            return smooth ? rows.normal_block(pair, point) : rows.block(pair, point);
+        }
+    };
+    template <class Block>
+    Speed sweep_blocks(Block&& block_of, Speed enough, int bound, bool with_momentum) {
         return Sweep::run(
             [&](auto&& f) {
                 pairs_.for_each_active(island_, [&](Pair& pair, Point& point) { f(block_of(pair, point)); });
             },
-            enough, bound, with_momentum);
+            enough, bound, with_momentum && !is_one_row);
     }
     // The directions of a pair's rows, in the principal axes of its bodies, times the bodies' shares of the motion.
     struct Directions {

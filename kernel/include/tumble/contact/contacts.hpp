@@ -121,8 +121,11 @@ public:
     // Wakes the body and all sleeping bodies that touch it, directly or through others.
     template <class Advance>
     constexpr void wake([[maybe_unused]] const Advance& advance, [[maybe_unused]] int b) {
-        if constexpr (features.sleep)
-            if (state_.sleepers.is_asleep(b)) wake_all_with(advance, b);
+        if constexpr (features.sleep) {
+            if (!state_.sleepers.is_asleep(b)) return;
+            if constexpr (connects<Advance>) wake_all_with(advance, b);
+            else wake_alone(b, advance.bodies.steps_taken);
+        }
     }
 
     // One step of a world with contacts. Bodies that can touch nothing in this step fly freely. The others advance
@@ -228,7 +231,10 @@ public:
     }
 
 private:
-    using Schedule = tumble::Schedule<features.bodies>;
+    using Island = tumble::Island<features>;
+    // Whether bodies may be neighbours: they touch each other, or a load couples them.
+    template <class Advance>
+    static constexpr bool connects = features.pairs || Advance::may_couple;
 
     [[gnu::noinline, gnu::cold]] void forget_changes(const Bodies& bodies) requires(features.moving_surfaces()) {
         for (int b = 0; b < bodies.count; ++b)
@@ -270,14 +276,23 @@ private:
     }
     template <class Advance>
     [[gnu::noinline]] void update(Advance& advance, int b) {
-        BodyGroup wakes;
         if constexpr (features.grid()) state_.standing.look(b);
-        broad_phase(advance.bodies).update(b, state_.marks, state_.sleepers, wakes);
-        wake(advance, wakes);
+        if constexpr (features.pairs) {
+            BodyGroup wakes;
+            broad_phase(advance.bodies).update(b, state_.marks, state_.sleepers, wakes);
+            wake(advance, wakes);
+        } else {
+            broad_phase(advance.bodies).update(b, state_.marks);
+        }
     }
     template <class Advance>
     void wake(const Advance& advance, const BodyGroup& group) {
         for (int k = 0; k < group.count; ++k) wake(advance, group.id[k]);
+    }
+    // Of a body without neighbours.
+    constexpr void wake_alone(int b, std::uint32_t now) requires(features.sleep) {
+        state_.sleepers.wake(b);
+        end_times(b, now);
     }
     // Depth first, without recursion. Out of line, because it is rare.
     template <class Advance>
@@ -287,8 +302,7 @@ private:
         int next = b;
         do {
             if (next >= 0) {
-                state_.sleepers.wake(next);
-                end_times(next, advance.bodies.steps_taken);
+                wake_alone(next, advance.bodies.steps_taken);
                 path.add(next);
             } else {
                 --path.count;
@@ -316,14 +330,14 @@ private:
         if (!pair.rows_hold()) return;
         for (int i = 0; i < pair.count; ++i) pair.point[i].rows_hold = false;
         const auto still = pair.still;
-        const BodyGroup nobody{};
-        const Island<features.bodies> island{nobody, 0, -1};
+        const SomeBodies<features.bodies> nobody{};
+        const Island island{nobody, 0, {}};
         ContactRows<N, spin, features>{state_.shapes, state_.pairs, state_.velocities, bodies, island}.make_rows(pair);
         pair.still = still;
     }
     // Connects the bodies that do not fly freely to islands. A body that wakes or comes near something in this step
     // joins in the next.
-    void connect(Schedule& schedule, Bodies& bodies) {
+    void connect(Schedule<features.bodies>& schedule, [[maybe_unused]] Bodies& bodies) {
         schedule.islands.clear(bodies.count);
         int coupled = -1;
         for (int k = 0; k < state_.sleepers.awake_count(); ++k) {
@@ -334,16 +348,31 @@ private:
             if (coupled >= 0) schedule.islands.connect(coupled, b);
             coupled = b;
         }
-        broad_phase(bodies).connect(schedule.islands, state_.sleepers);
+        if constexpr (features.pairs) broad_phase(bodies).connect(schedule.islands, state_.sleepers);
         schedule.chain(bodies.count);
-        state_.pairs.unlink();
-        state_.pairs.link(schedule);
+        if constexpr (features.pairs) {
+            state_.pairs.unlink();
+            state_.pairs.link(schedule);
+        } else {
+            state_.pairs.link();
+        }
+    }
+    // Calls step(first body, bodies) for each island.
+    template <class Advance, class F>
+    void for_each_island(Advance& advance, auto& schedule, F&& step) {
+        if constexpr (connects<Advance>) {
+            connect(schedule, advance.bodies);
+            schedule.for_each_island(advance.bodies.count, step);
+        } else {
+            state_.pairs.link();
+            schedule.for_each_island(
+                advance.bodies.count, [&](int b) { return state_.pairs.is_near(b) && !is_asleep(b); }, step);
+        }
     }
     template <class Advance>
     [[gnu::noinline]] void step_islands(Advance& advance, const StepInfo<N>& info,
                                         const typename Advance::Kinematics& kinematic) {
-        Schedule schedule;
-        connect(schedule, advance.bodies);
+        std::conditional_t<connects<Advance>, Schedule<features.bodies>, LoneBodies<features.bodies>> schedule;
         struct Asked {
             Advance& advance;
             const StepInfo<N>& info;
@@ -360,40 +389,20 @@ private:
                                        Advance::Integrator::coasting};
         bool all_stand = !state_.sleepers.is_on();
         // Sleep changes the list of awake bodies, so it waits until all islands have flown.
-        BodyGroup to_sleep, group;
-        for (int root = 0; root < advance.bodies.count; ++root) {
-            if (!schedule.leads(root)) continue;
-            schedule.take(root, group);
-            Island<features.bodies> island{group, root, schedule.first_pair[root]};
-            if (island.first_pair >= 0 && state_.standing.stands(group) && state_.pairs.hold_all(island)) {
+        BodyGroup to_sleep;
+        for_each_island(advance, schedule, [&](int root, const SomeBodies<features.bodies>& group) {
+            Island island{group, root, {}};
+            if constexpr (features.pairs) island.first_pair = schedule.first_pair[root];
+            if (state_.pairs.has_pairs(island) && state_.standing.stands(group) && state_.pairs.hold_all(island))
                 state_.solution = {.settled = true, .stands = true};
-            } else {
-                const auto reports = advance.bodies.status.count;
-                bool stands = false;
-                if constexpr (features.kinematic)
-                    place(advance, info, kinematic, island.first_pair < 0 ? N::half_of(Work(1)) : Work(0));
-                if (island.first_pair < 0) advance.portion(group, info, {});
-                else stands = IslandStep<N, spin, features>{state_, schedule, advance.bodies, island, mover}.take();
-                advance.check_range(group);
-                for (int k = 0; k < group.count; ++k) stands = stands && state_.marks[group.id[k]].none();
-                if constexpr (features.turntables)
-                    state_.pairs.for_each(island, [&](const auto& pair) { stands = stands && !pair.surface_moves; });
-                stands = stands && advance.bodies.status.count == reports;
-                // It looks for nothing any more, and the others may have left that to it.
-                if constexpr (features.grid())
-                    for (int k = 0; stands && k < group.count; ++k)
-                        if (state_.standing.has_looked(group.id[k]))
-                            broad_phase(advance.bodies).examine_around(group.id[k]);
-                state_.standing.set(group, stands);
-                all_stand = all_stand && stands;
-            }
+            else if (!step_island(advance, info, kinematic, schedule, island, mover)) all_stand = false;
             if constexpr (features.sleep) {
                 if (state_.sleepers.may_sleep(advance.bodies, group, presses(island)) &&
                     !advance.has_moving_end(group) && rests(advance.bodies, island))
                     for (int k = 0; k < group.count; ++k) to_sleep.add(group.id[k]);
             }
-        }
-        wake(advance, schedule.wakes);
+        });
+        if constexpr (features.pairs) wake(advance, schedule.wakes);
         state_.standing.end_step(all_stand, state_.pairs.are_complete());
         if constexpr (features.sleep) {
             state_.sleepers.put_to_sleep(advance.bodies, to_sleep);
@@ -407,6 +416,31 @@ private:
                     state_.times.set(kinematic.group.id[k], now);
         }
     }
+    // One step of an island that does not stand as it did. True where it stands in the next step.
+    template <class Advance>
+    bool step_island(Advance& advance, const StepInfo<N>& info,
+                     [[maybe_unused]] const typename Advance::Kinematics& kinematic, auto& schedule, Island& island,
+                     const Mover<N, features>& mover) {
+        const auto& group = island.group;
+        const auto reports = advance.bodies.status.count;
+        const bool near = state_.pairs.has_pairs(island);
+        bool stands = false;
+        if constexpr (features.kinematic) place(advance, info, kinematic, near ? Work(0) : N::half_of(Work(1)));
+        if (near) stands = IslandStep<N, spin, features>{state_, schedule, advance.bodies, island, mover}.take();
+        else advance.portion(group, info, {});
+        advance.check_range(group);
+        for (int k = 0; k < group.count; ++k) stands = stands && state_.marks[group.id[k]].none();
+        if constexpr (features.turntables)
+            state_.pairs.for_each(island, [&](const auto& pair) { stands = stands && !pair.surface_moves; });
+        stands = stands && advance.bodies.status.count == reports;
+        // It looks for nothing any more, and the others may have left that to it.
+        if constexpr (features.grid())
+            for (int k = 0; stands && k < group.count; ++k)
+                if (state_.standing.has_looked(group.id[k]))
+                    broad_phase(advance.bodies).examine_around(group.id[k]);
+        state_.standing.set(group, stands);
+        return stands;
+    }
     // Places the kinematic bodies: at the start of an island's flights, or halfway, for loads alone.
     template <class Advance>
     void place(Advance& advance, const StepInfo<N>& info, const typename Advance::Kinematics& kinematic,
@@ -415,7 +449,7 @@ private:
         for (int k = 0; k < kinematic.group.count; ++k) state_.shapes.place(advance.bodies, kinematic.group.id[k]);
     }
     // True where the island touches something, touches no surface that moves, and corrects no penetration.
-    [[nodiscard]] bool presses(const Island<features.bodies>& island) const {
+    [[nodiscard]] bool presses(const Island& island) const {
         bool any = false, surface_moves = false;
         state_.pairs.for_each(island, [&](const auto& pair) {
             any = any || pair.count > 0;
@@ -423,7 +457,7 @@ private:
         });
         return any && !surface_moves && !state_.solution.lifts;
     }
-    [[nodiscard]] bool rests(Bodies& bodies, const Island<features.bodies>& island) requires(features.sleep) {
+    [[nodiscard]] bool rests(Bodies& bodies, const Island& island) requires(features.sleep) {
         return Resting<N, spin, features>{state_.shapes, state_.pairs, state_.velocities, bodies, island}.rests(
             state_.solution);
     }

@@ -167,7 +167,7 @@ private:
         if (active == 0) return false;
         solve(pairs == 1 && !rough);
         // One smooth point makes no energy.
-        const Unit share = !rough && active == 1 ? C::one() : scale_back();
+        const Unit share = Rows::is_one_row || (!rough && active == 1) ? C::one() : scale_back();
         log_impulses(share);
         return !(share == Unit{});
     }

@@ -18,7 +18,7 @@ public:
     using Pair = typename NarrowPhase::Pair;
     using Work = typename N::Work;
     using PairList = tumble::PairList<N, features>;
-    using Island = tumble::Island<features.bodies>;
+    using Island = tumble::Island<features>;
     static constexpr bool has_edges = features.pairs && features.boxes;
     using Seams = tumble::Seams<N, spin, features>;
 

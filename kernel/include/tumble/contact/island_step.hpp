@@ -18,18 +18,18 @@ class IslandStep {
 public:
     using State = ContactState<N, spin, features>;
     using Bodies = typename NarrowPhase<N, spin, features>::Bodies;
-    using BodyGroup = tumble::BodyGroup<features.bodies>;
-    using Island = tumble::Island<features.bodies>;
+    using BodyGroup = SomeBodies<features.bodies>;
+    using Island = tumble::Island<features>;
     using Work = typename N::Work;
     using C = ContactNumbers<N>;
     using Bounds = ContactBounds<N>;
     using Mover = tumble::Mover<N, features>;
     using Flight = tumble::Flight<N, features>;
-    using Schedule = tumble::Schedule<features.bodies>;
     static constexpr bool has_edges = ImpactSearch<N, spin, features>::has_edges;
 
-    IslandStep(State& contacts, Schedule& schedule, Bodies& bodies, Island& island, const Mover& mover)
-        : contacts_{contacts}, schedule_{schedule}, bodies_{bodies}, island_{island}, mover_{mover},
+    // `schedule`: with links, if bodies touch each other.
+    IslandStep(State& contacts, auto& schedule, Bodies& bodies, Island& island, const Mover& mover)
+        : contacts_{contacts}, schedule_{&schedule}, bodies_{bodies}, island_{island}, mover_{mover},
           search_{contacts.shapes, contacts.pairs, bodies, island} {
         if constexpr (features.impact_bounds) {
             const ImpactBounds& most = contacts.most;
@@ -193,10 +193,16 @@ private:
         for (int k = 0; k < island_.group.count; ++k) {
             const int b = island_.group.id[k];
             contacts_.times.end(b, contacts_.shapes.plane_count(), bodies_.steps_taken);
-            broad_phase.update(b, contacts_.marks, contacts_.sleepers, schedule_.wakes);
+            if constexpr (features.pairs)
+                broad_phase.update(b, contacts_.marks, contacts_.sleepers, schedule_->wakes);
+            else broad_phase.update(b, contacts_.marks);
         }
-        contacts_.pairs.link(schedule_);
-        island_.first_pair = schedule_.first_pair[island_.root];
+        if constexpr (features.pairs) {
+            contacts_.pairs.link(*schedule_);
+            island_.first_pair = schedule_->first_pair[island_.root];
+        } else {
+            contacts_.pairs.link();
+        }
     }
 
     using Saved = SavedMotions<Bodies>;
@@ -484,7 +490,7 @@ private:
     }
 
     State& contacts_;
-    Schedule& schedule_;
+    [[no_unique_address]] If<features.pairs, Schedule<features.bodies>*, 2> schedule_;
     Bodies& bodies_;
     Island& island_;
     const Mover& mover_;

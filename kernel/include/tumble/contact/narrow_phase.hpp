@@ -76,7 +76,7 @@ public:
     // In the scale of the shapes, where a body has a shape.
     [[nodiscard]] const Weights& weights() const { return weight_; }
     // Of body b when it was placed last.
-    [[nodiscard]] const Axes<N>& axes(int b) const { return axes_[b]; }
+    [[nodiscard]] const Axes<N>& axes(int b) const { return axes_[features.bodies == 1 ? 0 : b]; }
     [[nodiscard]] constexpr const typename C::LengthScale& scale() const { return shape_.scale(); }
     // From principal axes of body b to the world.
     [[nodiscard]] WorkVec3<N> to_world(int b, const WorkVec3<N>& v) const {
@@ -112,7 +112,7 @@ public:
         if (pair.with_plane()) {
             const Plane<N>& plane = plane_[pair.plane()];
             pair.normal = plane.normal;
-            if constexpr (features.friction) {
+            if constexpr (features.friction || !features.pairs) {
                 pair.tangent[0] = plane.tangent[0];
                 pair.tangent[1] = plane.tangent[1];
             }
@@ -126,10 +126,12 @@ public:
             }
             if constexpr (features.moving_surfaces()) note_motion(pair, bodies);
         }
-        const Work friction = materials_.friction(a, b);
         pair.restitution = C::unit(materials_.restitution(a, b));
-        pair.friction = C::friction(friction);
-        if constexpr (features.friction) pair.has_friction = friction > Work(0);
+        if constexpr (features.friction) {
+            const Work friction = materials_.friction(a, b);
+            pair.friction = C::friction(friction);
+            pair.has_friction = friction > Work(0);
+        }
         if constexpr (features.rolling_resistance) {
             set_resistance(pair, a, b);
             pair.has_friction = pair.has_friction || pair.resists_spin();
@@ -163,7 +165,7 @@ public:
     }
     [[nodiscard]] PlaneView<N, features> view_of_plane(const Bodies& bodies, const Pair& pair) const {
         const Plane<N>& plane = plane_[pair.plane()];
-        return {shape_[pair.a], axes_[pair.a], plane.normal, height(bodies, pair.a, plane)};
+        return {shape_[pair.a], axes(pair.a), plane.normal, height(bodies, pair.a, plane)};
     }
     [[nodiscard]] PairView<N> view_of(const Bodies& bodies, const Pair& pair) const {
         return {shape_[pair.a], shape_[pair.b], axes_[pair.a], axes_[pair.b], reach_between(bodies, pair.a, pair.b)};
@@ -295,7 +297,7 @@ private:
                    !(magnitude_of(p.z() - q.z()) > near);
         };
         const int count = found.count < Pair::max_points ? found.count : Pair::max_points;
-        const bool only = count == 1 && pair.count == 1;
+        const bool only = Pair::max_points == 1 || (count == 1 && pair.count == 1);
         Speed impulse[Pair::max_points][Point::directions];
         [[maybe_unused]] Speed of_spin[Pair::max_points][3];
         for (int i = 0; i < count; ++i) {

@@ -7,27 +7,31 @@
 namespace tumble {
 
 // The bodies of one island's step, and its pairs.
-template <int bodies>
+template <Features features>
 struct Island {
-    const BodyGroup<bodies>& group;
-    int root;        // its first body
-    int first_pair;  // in the list; -1: none is near
+    const SomeBodies<features.bodies>& group;
+    int root;                                                    // its first body
+    [[no_unique_address]] If<features.pairs, int, 0> first_pair;  // in the list; -1: none is near
 };
 
 // Pairs are sorted by their keys, so that the solution does not depend on which came near first. A pair keeps its slot
-// in memory while it is near.
+// in memory while it is near. The pairs of an island are linked; where no two bodies touch, those of a body stand side
+// by side, and an island needs no links.
 template <class N, Features features>
 class PairList {
 public:
     using Pair = tumble::Pair<N, features>;
-    using Island = tumble::Island<features.bodies>;
+    using Island = tumble::Island<features>;
     static constexpr int room = features.room_for_pairs();
+    static constexpr bool has_links = features.pairs;
+    // There is no other pair than that of one body and one plane.
+    static constexpr bool is_single = features.all_pairs() == 1;
 
     [[nodiscard]] int count() const { return count_; }
     [[nodiscard]] bool is_full() const { return count_ == room; }
     // In the order of their keys.
-    [[nodiscard]] Pair& operator[](int i) { return in_slot(order_[i]); }
-    [[nodiscard]] const Pair& operator[](int i) const { return in_slot(order_[i]); }
+    [[nodiscard]] Pair& operator[](int i) { return in_slot(slot_at(i)); }
+    [[nodiscard]] const Pair& operator[](int i) const { return in_slot(slot_at(i)); }
     // By their slots, as of Pair::next.
     [[nodiscard]] Pair& in_slot(int slot) { return pair_.begin()[slot]; }
     [[nodiscard]] const Pair& in_slot(int slot) const { return pair_.begin()[slot]; }
@@ -45,6 +49,7 @@ public:
 
     // The place of the first pair whose key is not smaller.
     [[nodiscard]] int place_of(std::uint32_t key) const {
+        if constexpr (is_single) return 0;
         int low = 0, high = count_;
         while (low < high) {
             const int middle = (low + high) / 2;
@@ -54,7 +59,9 @@ public:
         return low;
     }
     // True if the pair with the key has this place.
-    [[nodiscard]] bool has(int place, std::uint32_t key) const { return place < count_ && (*this)[place].key() == key; }
+    [[nodiscard]] bool has(int place, std::uint32_t key) const {
+        return place < count_ && (is_single || (*this)[place].key() == key);
+    }
     // True of two bodies that move and have a pair.
     [[nodiscard]] bool are_near(int a, int b) const {
         const std::uint32_t key = a < b ? Pair::key_of(a, b) : Pair::key_of(b, a);
@@ -66,9 +73,12 @@ public:
 #endif
     // Makes room for a pair at its place. There must be room.
     Pair& insert(int at, int a, int b) {
-        const auto slot = count_ < slots_ ? order_[count_] : static_cast<std::int16_t>(slots_++);
-        for (int i = count_++; i > at; --i) order_[i] = order_[i - 1];
-        order_[at] = slot;
+        const auto slot = count_ < slots_ ? slot_at(count_) : static_cast<std::int16_t>(slots_++);
+        if constexpr (room > 1) {
+            for (int i = count_; i > at; --i) order_[i] = order_[i - 1];
+            order_[at] = slot;
+        }
+        ++count_;
         in_slot(slot).begin(a, b);
         ++pairs_of_[a];
         if (b >= 0) ++pairs_of_[b];
@@ -108,21 +118,29 @@ public:
         });
     }
 
+    // Notes where the pairs of each body begin, where pairs have come or gone since.
+    void link() requires(!has_links) {
+        if constexpr (features.bodies > 1)
+            for (int i = is_linked_ ? -1 : count_ - 1; i >= 0; --i)
+                first_of_[(*this)[i].a] = static_cast<std::int16_t>(i);
+        is_linked_ = true;
+    }
     // Chains the pairs of each island that steps, where pairs have come or gone since. A pair of two islands, which has
     // come near only in this step, is left out until the next.
-    void link(Schedule<features.bodies>& schedule) {
+    void link(Schedule<features.bodies>& schedule) requires has_links {
         if (is_linked_) return;
         has_left_out_ = false;
         for (int b = 0; b < features.bodies; ++b) schedule.first_pair[b] = -1;
         // Without a pair that has gone, nothing of its island may stand.
-        for (int b = 0; loses_any_ && b < features.bodies; ++b)
-            if (loses_[b] && schedule.joins[b]) loses_[schedule.islands.root(b)] = true;
+        for (int b = 0; losses_.any && b < features.bodies; ++b)
+            if (losses_.of[b] && schedule.joins[b]) losses_.of[schedule.islands.root(b)] = true;
         for (int i = count_ - 1; i >= 0; --i) {
             Pair& pair = (*this)[i];
             const bool joins = schedule.joins[pair.a];
             const int root = schedule.islands.root(pair.a),
                       root_b = pair.moves_b() ? schedule.islands.root(pair.b) : root;
-            if (loses_any_ && (loses_[root] || loses_[root_b] || loses_[pair.a] || (pair.b >= 0 && loses_[pair.b])))
+            const auto loses = [&](int b) { return losses_.of[b]; };
+            if (losses_.any && (loses(root) || loses(root_b) || loses(pair.a) || (pair.b >= 0 && loses(pair.b))))
                 pair.still = 0;
             if (root_b != root) {
                 if (!joins && !schedule.joins[pair.b]) continue;
@@ -133,8 +151,8 @@ public:
                 schedule.first_pair[root] = order_[i];
             }
         }
-        for (int b = 0; loses_any_ && b < features.bodies; ++b) loses_[b] = false;
-        loses_any_ = false;
+        for (int b = 0; losses_.any && b < features.bodies; ++b) losses_.of[b] = false;
+        losses_.any = false;
         is_linked_ = true;
     }
     // False where a pair has come or gone since link().
@@ -152,15 +170,31 @@ public:
     void unlink() { is_linked_ = false; }
     template <class F>
     void for_each(const Island& island, F&& f) {
-        for (int i = island.first_pair; i >= 0; i = in_slot(i).next) f(in_slot(i));
+        each(*this, island, f);
     }
     template <class F>
     void for_each(const Island& island, F&& f) const {
-        for (int i = island.first_pair; i >= 0; i = in_slot(i).next) f(in_slot(i));
+        each(*this, island, f);
+    }
+    // Calls f for the pairs of body b.
+    template <class F>
+    void for_each_of(int b, F&& f) requires(!has_links) {
+        each_of(*this, b, f);
+    }
+    // True of an island with pairs.
+    [[nodiscard]] bool has_pairs(const Island& island) const {
+        if constexpr (has_links) {
+            return island.first_pair >= 0;
+        } else {
+            bool any = false;
+            for (int k = 0; k < island.group.count; ++k) any = any || is_near(island.group.id[k]);
+            return any;
+        }
     }
     // Whether statics hold every body of the island, and nothing has changed since.
     [[nodiscard]] bool hold_all(const Island& island) const {
         bool all = true;
+        for (int k = 0; !has_links && k < island.group.count; ++k) all = all && is_near(island.group.id[k]);
         for_each(island, [&](const Pair& pair) { all = all && pair.still == island.group.count; });
         return all;
     }
@@ -191,7 +225,8 @@ public:
     // constants of a pair that is read, finish(pair, still) is called after it.
     template <class Self, class Archive, class MayTouch, class SetUp, class Finish>
     static void archive(Self& self, Archive& to, MayTouch&& may_touch, SetUp&& set_up, Finish&& finish) {
-        to(self.touching_, self.loses_, self.loses_any_, self.refusals_);
+        if constexpr (has_links) to(self.touching_, self.losses_.of, self.losses_.any, self.refusals_);
+        else to(self.touching_, self.refusals_);
         const int count = to.within(self.count_, 0, room);
         (void)to.within(self.slots_, count, room);
         if constexpr (Archive::reads) {
@@ -211,6 +246,7 @@ public:
             if constexpr (Archive::reads) set_up(self.insert(i, a, b));
             finish(pair, a, b, Pair::archive(pair, to, b < 0));
         }
+        if constexpr (Archive::reads && !has_links) self.link();
         to(self.is_linked_);
     }
 
@@ -218,13 +254,32 @@ private:
     // A body has a pair with each plane and each other body at most.
     static constexpr int most_pairs_of_a_body = features.planes + (features.pairs ? features.bodies - 1 : 0);
 
+    [[nodiscard]] std::int16_t slot_at(int i) const { return room > 1 ? order_[i] : std::int16_t{0}; }
+    template <class Self, class F>
+    TUMBLE_INLINE static void each(Self& self, const Island& island, F&& f) {
+        if constexpr (has_links) {
+            for (int i = island.first_pair; i >= 0; i = self.in_slot(i).next) f(self.in_slot(i));
+        } else {
+            for (int k = 0; k < island.group.count; ++k) each_of(self, island.group.id[k], f);
+        }
+    }
+    template <class Self, class F>
+    TUMBLE_INLINE static void each_of(Self& self, [[maybe_unused]] int b, F&& f) {
+        if constexpr (is_single) {
+            if (self.count_ > 0) f(self.in_slot(0));
+        } else if constexpr (features.bodies == 1) {
+            for (int i = 0; i < self.count_; ++i) f(self[i]);
+        } else {
+            for (int i = self.first_of_[b]; i < self.count_ && self[i].a == b; ++i) f(self[i]);
+        }
+    }
     [[gnu::noinline]] void forget_near(int a, int b) {
         const std::uint32_t key = Pair::key_of(a, b);
         const int at = place_of(key);
         if (has(at, key)) forget_at(at);
     }
     void forget_at(int at) {
-        const std::int16_t slot = order_[at];
+        const std::int16_t slot = slot_at(at);
         const int a = in_slot(slot).a, b = in_slot(slot).b;
         --pairs_of_[a];
         if (b >= 0) --pairs_of_[b];
@@ -235,9 +290,14 @@ private:
             for (int i = at; i < count_; ++i) order_[i] = order_[i + 1];
             order_[count_] = slot;
         }
-        loses_[a] = loses_any_ = true;
-        if (b >= 0) loses_[b] = true;
         is_linked_ = false;
+        if constexpr (has_links) {
+            losses_.of[a] = losses_.any = true;
+            if (b >= 0) losses_.of[b] = true;
+        } else {
+            for (int i = 0; i < count_; ++i)
+                if ((*this)[i].a == a) (*this)[i].still = 0;
+        }
     }
 
     ZeroedArray<Pair, (room > 0 ? room : 1)> pair_{};
@@ -247,8 +307,12 @@ private:
     bool is_linked_ = false;  // link()
     bool has_left_out_ = false;
     std::uint8_t refusals_ = 0;  // steps until a pair that was refused is examined again
-    bool loses_any_ = false;
-    bool loses_[features.bodies]{};  // a pair of the body has gone since link()
+    struct Losses {
+        bool any = false, of[features.bodies]{};
+    };
+    [[no_unique_address]] If<has_links, Losses, 1> losses_{};  // bodies of which a pair has gone since link()
+    // The place of the first pair of each body that has pairs.
+    [[no_unique_address]] If<(!has_links && features.bodies > 1), std::int16_t[features.bodies], 2> first_of_{};
     CountTo<most_pairs_of_a_body * Pair::max_points> touching_[features.bodies]{};
     CountTo<most_pairs_of_a_body> pairs_of_[features.bodies]{};
     [[no_unique_address]] If<features.grid(), CountTo<most_pairs_of_a_body>[features.bodies], 0> with_bodies_of_ {};

@@ -143,8 +143,15 @@ public:
     // others, and no body accelerates.
     [[nodiscard]] bool rests(const Solution& solution) const {
         if (!solution.settled) return false;
+        // What stands is known to be balanced, and its velocities may be older than the last solution.
+        return are_held() && (solution.stands || is_balanced());
+    }
+
+private:
+    // Whether something holds each body. Bodies that do not touch each other need one look.
+    [[nodiscard]] bool are_held() const {
         bool held[features.bodies]{};
-        for (bool more = true; more;) {
+        for (bool more = true; more; more = more && features.pairs) {
             more = false;
             pairs_.for_each(island_, [&](const Pair& pair) {
                 // A fixed body needs no hold.
@@ -156,11 +163,8 @@ public:
         }
         bool all = true;
         for (int k = 0; k < island_.group.count; ++k) all = all && held[island_.group.id[k]];
-        // What stands is known to be balanced, and its velocities may be older than the last solution.
-        return all && (solution.stands || is_balanced());
+        return all;
     }
-
-private:
     // Reports a point that the forces leave approaching faster than gravity changes a speed in a step, where it so
     // comes deeper than the tolerance by the end of the step: without any force it would be slower. Reports a face that
     // the forces leave turning. Call where the sweeps met their bound. `enough`: what sweeps leave anyway.

@@ -1,4 +1,5 @@
-// Who steps together, and whom a step wakes at its end.
+// Who steps together, and whom a step wakes at its end: bodies that touch each other or that loads couple, or each body
+// by itself.
 #pragma once
 
 #include <tumble/body/bodies.hpp>
@@ -27,10 +28,31 @@ struct Schedule {
     }
     // True of the first body of an island.
     [[nodiscard]] bool leads(int b) const { return joins[b] && islands.root(b) == b; }
-    // Sets `group` to its bodies.
-    void take(int root, BodyGroup<bodies>& group) const {
-        group.count = 0;
-        for (int b = root; b >= 0; b = next[b]) group.add(b);
+    // Calls step(first body, bodies) for each island.
+    template <class F>
+    void for_each_island(int count, F&& step) const {
+        BodyGroup<bodies> group;
+        for (int root = 0; root < count; ++root) {
+            if (!leads(root)) continue;
+            group.count = 0;
+            for (int b = root; b >= 0; b = next[b]) group.add(b);
+            step(root, group);
+        }
+    }
+};
+
+// Of bodies that touch only planes, and that no load couples.
+template <int bodies>
+struct LoneBodies {
+    // The same of the bodies for which joins(b). The one body of a world joins where any does.
+    template <class Joins, class F>
+    static void for_each_island(int count, Joins&& joins, F&& step) {
+        if constexpr (bodies == 1) {
+            step(0, OnlyBody{});
+        } else {
+            for (int b = 0; b < count; ++b)
+                if (joins(b)) step(b, BodyGroup<bodies>{b});
+        }
     }
 };
 

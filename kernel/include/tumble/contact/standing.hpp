@@ -11,7 +11,7 @@ namespace tumble {
 template <Features features>
 class Standing {
 public:
-    using BodyGroup = tumble::BodyGroup<features.bodies>;
+    using BodyGroup = SomeBodies<features.bodies>;
 
     // Call where something happens that is not the work of a step.
     constexpr void end() {

@@ -134,8 +134,8 @@ private:
     [[gnu::noinline, gnu::cold]] bool slide_as_one() {
         const Pair* ground = nullptr;
         bool alike = true;
-        for_each_carrying([&](int, const Pair& pair) {
-            if (pair.moves_b()) return;
+        pairs_.for_each(island_, [&](const Pair& pair) {
+            if (pair.carriers.none() || pair.moves_b()) return;
             if (ground == nullptr) ground = &pair;
             alike = alike && pair.normal == ground->normal && pair.friction == ground->friction &&
                     pair.has_friction == ground->has_friction && velocity_of(pair) == velocity_of(*ground);
@@ -229,16 +229,31 @@ private:
             last[b] = static_cast<std::int16_t>(last[b] ^ i);
         }
     };
+    // Bodies that only planes carry: each on one pair.
+    bool balance(bool) requires(!features.pairs) {
+        const auto& group = island_.group;
+        for (int k = 0; k < group.count; ++k) {
+            Supports on;
+            pairs_.for_each_of(group.id[k], [&](Pair& pair) {
+                if (!pair.carriers.none()) on.add(pair);
+            });
+            if (on.several || on.pair[0] == nullptr || on.pair[0]->carriers.must_move() || !carry(on, group.id[k]))
+                return false;
+        }
+        return true;
+    }
     // From the bodies that carry nothing to the ground.
-    [[gnu::noinline, gnu::cold]] bool balance(bool slow) {
+    [[gnu::noinline, gnu::cold]] bool balance(bool slow) requires(features.pairs) {
         Left left;
         bool is_leaf[bodies];
         const auto& group = island_.group;
         for (int k = 0; k < group.count; ++k) left.count[group.id[k]] = left.last[group.id[k]] = 0;
-        for_each_carrying([&](int i, const Pair& pair) {
+        for (int i = island_.first_pair; i >= 0; i = pairs_.in_slot(i).next) {
+            const Pair& pair = pairs_.in_slot(i);
+            if (pair.carriers.none()) continue;
             left.note(pair.a, i, 1);
             if (pair.moves_b()) left.note(pair.b, i, 1);
-        });
+        }
         for (int k = 0; k < group.count; ++k) is_leaf[group.id[k]] = left.count[group.id[k]] == 1;
         if (!slow && !is_slow([&](int b) { return !is_leaf[b]; })) return false;
         int solved = 0;
@@ -260,12 +275,10 @@ private:
                     b = other;
                     left.note(b, i, -1);
                 }
-                if constexpr (features.pairs) {
-                    Supports supports;
-                    if (!found || b < 0 || left.count[b] < 2 || !take_supports(left, b, supports)) continue;
-                    found = carry(supports, b);
-                    ++solved;
-                }
+                Supports supports;
+                if (!found || b < 0 || left.count[b] < 2 || !take_supports(left, b, supports)) continue;
+                found = carry(supports, b);
+                ++solved;
             }
         }
         return found && solved == group.count;
@@ -304,77 +317,73 @@ private:
     }
     // Solves the pair of a body that moves on one that rests, by sweeps over its points alone, and hands on what they
     // push. `unscaled` of the points' rows gets this as impulses of the body.
-    bool slide([[maybe_unused]] Pair& pair, [[maybe_unused]] int b) {
-        if constexpr (!features.pairs) {
-            return false;
-        } else {
-            if (!pair.moves_b()) return false;
-            using Sweep = typename Rows::Sweep;
-            const bool is_a = b == pair.a;
-            const Unit share = is_a ? pair.share_a : pair.share_b;
-            const typename W::Over over_share{share};
-            const BodyWeight<N>& weight = shapes_.weights()[b];
-            Velocity &now = velocities_.now[b], &other = velocities_.now[is_a ? pair.b : pair.a];
-            const int rows = pair.rows();
-            typename Sweep::Row row[Pair::max_points][Point::directions];
-            [[maybe_unused]] If<features.friction, Couplings<N>[Pair::max_points], 0> couplings;
-            [[maybe_unused]] If<features.rolling_resistance, SpinOfOne, 0> own_spin{pair, shapes_, b};
-            const auto for_each_block = [&](auto&& f) {
-                for (int i = 0; i < pair.count; ++i)
-                    if (pair.point[i].active) {
-                        typename Sweep::Block block{
-                            .row = row[i], .rows = rows, .coefficient = pair.friction, .a = now};
-                        if constexpr (features.friction) block.couplings = couplings + i;
-                        if constexpr (features.rolling_resistance)
-                            if (pair.resists_spin()) block.resistance = own_spin.resistance(i);
-                        f(block);
-                    }
-            };
-            const Vec3<Unit> frame[3] = {pair.normal, pair.tangent[0], pair.tangent[1]};
-            for (int k = 0; k < rows; ++k) {
-                Vec3<Unit> direction = frame[k];
-                if (!is_a) direction = -direction;
-                const Vec3<Unit> at_start = shapes_.axes(b).to_body(direction), in_body = in_middle(b, at_start);
-                if constexpr (features.rolling_resistance)
-                    if (pair.resists_spin()) own_spin.set(pair, k, at_start);
-                for (int i = 0; i < pair.count; ++i) {
-                    const Point& point = pair.point[i];
-                    row[i][k].set(direction, weight.levers(in_middle(b, arm_of(point, is_a)), in_body));
-                    // Between the rows of two bodies and of one: their lengths, and what the body takes of the motion.
-                    const Row& whole = point.row[k];
-                    row[i][k].target =
-                        Row::product(over_share(W::over(whole.target, whole.inverse)), row[i][k].inverse);
-                    row[i][k].impulse =
-                        W::over(Row::product(Row::product(whole.impulse, whole.inverse), share), row[i][k].inverse);
+    bool slide(Pair& pair, int b) requires(features.pairs) {
+        if (!pair.moves_b()) return false;
+        using Sweep = typename Rows::Sweep;
+        const bool is_a = b == pair.a;
+        const Unit share = is_a ? pair.share_a : pair.share_b;
+        const typename W::Over over_share{share};
+        const BodyWeight<N>& weight = shapes_.weights()[b];
+        Velocity &now = velocities_.now[b], &other = velocities_.now[is_a ? pair.b : pair.a];
+        const int rows = pair.rows();
+        typename Sweep::Row row[Pair::max_points][Point::directions];
+        [[maybe_unused]] If<features.friction, Couplings<N>[Pair::max_points], 0> couplings;
+        [[maybe_unused]] If<features.rolling_resistance, SpinOfOne, 0> own_spin{pair, shapes_, b};
+        const auto for_each_block = [&](auto&& f) {
+            for (int i = 0; i < pair.count; ++i)
+                if (pair.point[i].active) {
+                    typename Sweep::Block block{
+                        .row = row[i], .rows = rows, .coefficient = pair.friction, .a = now};
+                    if constexpr (features.friction) block.couplings = couplings + i;
+                    if constexpr (features.rolling_resistance)
+                        if (pair.resists_spin()) block.resistance = own_spin.resistance(i);
+                    f(block);
                 }
-            }
-            if constexpr (features.friction)
-                for (int i = 0; rows > 1 && i < pair.count; ++i) couplings[i].set(row[i], false);
-            for_each_block([](const auto& block) { Sweep::push(block); });
-            Sweep::run(for_each_block, velocities_.scale.enough_at_rest(), Bounds::sweeps(contact::max_sweeps));
-            Carriers carriers;
-            carriers.add_motion();
-            Velocity unused = now;
+        };
+        const Vec3<Unit> frame[3] = {pair.normal, pair.tangent[0], pair.tangent[1]};
+        for (int k = 0; k < rows; ++k) {
+            Vec3<Unit> direction = frame[k];
+            if (!is_a) direction = -direction;
+            const Vec3<Unit> at_start = shapes_.axes(b).to_body(direction), in_body = in_middle(b, at_start);
+            if constexpr (features.rolling_resistance)
+                if (pair.resists_spin()) own_spin.set(pair, k, at_start);
             for (int i = 0; i < pair.count; ++i) {
-                if (!pair.point[i].active) continue;
-                carriers.add(i);
-                for (int k = 0; k < Point::directions; ++k) {
-                    auto& to = pair.point[i].row[k];
-                    propose(to, k < rows ? over_share(Row::product(row[i][k].impulse, row[i][k].inverse)) : Speed{});
-                    if (k < rows) to.push(to.proposed, is_a ? unused : other, is_a ? &other : &unused);
-                }
-                if constexpr (features.rolling_resistance)
-                    for (int k = 0; k < 3; ++k) {
-                        auto& to = pair.point[i].spin[k];
-                        propose(to, pair.resists_spin() ? over_share(own_spin.of_pair(i, k)) : Speed{});
-                        if (!(to.unscaled == Speed{}))
-                            to.push(to.proposed, is_a ? unused : other, is_a ? &other : &unused);
-                    }
+                const Point& point = pair.point[i];
+                row[i][k].set(direction, weight.levers(in_middle(b, arm_of(point, is_a)), in_body));
+                // Between the rows of two bodies and of one: their lengths, and what the body takes of the motion.
+                const Row& whole = point.row[k];
+                row[i][k].target =
+                    Row::product(over_share(W::over(whole.target, whole.inverse)), row[i][k].inverse);
+                row[i][k].impulse =
+                    W::over(Row::product(Row::product(whole.impulse, whole.inverse), share), row[i][k].inverse);
             }
-            pair.carriers = carriers;
-            moves_ = true;
-            return C::fits(other.largest());
         }
+        if constexpr (features.friction)
+            for (int i = 0; rows > 1 && i < pair.count; ++i) couplings[i].set(row[i], false);
+        for_each_block([](const auto& block) { Sweep::push(block); });
+        Sweep::run(for_each_block, velocities_.scale.enough_at_rest(), Bounds::sweeps(contact::max_sweeps));
+        Carriers carriers;
+        carriers.add_motion();
+        Velocity unused = now;
+        for (int i = 0; i < pair.count; ++i) {
+            if (!pair.point[i].active) continue;
+            carriers.add(i);
+            for (int k = 0; k < Point::directions; ++k) {
+                auto& to = pair.point[i].row[k];
+                propose(to, k < rows ? over_share(Row::product(row[i][k].impulse, row[i][k].inverse)) : Speed{});
+                if (k < rows) to.push(to.proposed, is_a ? unused : other, is_a ? &other : &unused);
+            }
+            if constexpr (features.rolling_resistance)
+                for (int k = 0; k < 3; ++k) {
+                    auto& to = pair.point[i].spin[k];
+                    propose(to, pair.resists_spin() ? over_share(own_spin.of_pair(i, k)) : Speed{});
+                    if (!(to.unscaled == Speed{}))
+                        to.push(to.proposed, is_a ? unused : other, is_a ? &other : &unused);
+                }
+        }
+        pair.carriers = carriers;
+        moves_ = true;
+        return C::fits(other.largest());
     }
     // Rows of the spin of one body of a pair, with its radius as the arm.
     struct SpinOfOne {
@@ -407,14 +416,25 @@ private:
             return C::times_friction(to_pair, Row::product(row[i][k].impulse, row[i][k].inverse));
         }
     };
-    // The pairs on which a body stands.
-    struct Supports {
+    // The pairs on which a body stands; the one, if no two bodies touch each other.
+    struct SeveralSupports {
         Pair* pair[most_supports];
         int count = 0;
     };
+    struct OneSupport {
+        Pair* pair[1] = {nullptr};
+        static constexpr int count = 1;
+        bool several = false;
+
+        void add(Pair& on) {
+            several = pair[0] != nullptr;
+            pair[0] = &on;
+        }
+    };
+    using Supports = std::conditional_t<features.pairs, SeveralSupports, OneSupport>;
     // Finds the pairs that are left of a body and takes them off. False where one does not push against its load, as
     // where something stands on the body that has not been solved, or where they are too many: then none is taken.
-    bool take_supports(Left& left, int b, Supports& supports) {
+    bool take_supports(Left& left, int b, Supports& supports) requires(features.pairs) {
         std::int16_t taken[most_supports];
         for (int i = island_.first_pair; i >= 0; i = pairs_.in_slot(i).next) {
             Pair& pair = pairs_.in_slot(i);
@@ -440,9 +460,11 @@ private:
         const Pair& first = *supports.pair[0];
         // Towards the body.
         Vec3<Unit> frame[3] = {first.normal, first.tangent[0], first.tangent[1]};
-        if (first.a != b) {
-            frame[0] = -frame[0];
-            frame[1] = -frame[1];
+        if constexpr (features.pairs) {
+            if (first.a != b) {
+                frame[0] = -frame[0];
+                frame[1] = -frame[1];
+            }
         }
         bool rough = features.friction;
         auto friction = first.friction;
@@ -451,11 +473,13 @@ private:
             rough = rough && pair.has_friction;
             if (pair.friction < friction) friction = pair.friction;
         }
-        if (!rough) {
-            StoredVec3<Unit> tangent[2];
-            set_tangents<N>(frame[0], tangent);
-            frame[1] = tangent[0];
-            frame[2] = tangent[1];
+        if constexpr (features.pairs) {
+            if (!rough) {
+                StoredVec3<Unit> tangent[2];
+                set_tangents<N>(frame[0], tangent);
+                frame[1] = tangent[0];
+                frame[2] = tangent[1];
+            }
         }
         Side side{shapes_.axes(b), frame};
         for (int s = 0; s < supports.count; ++s) side.add(*supports.pair[s], supports.pair[s]->a == b);
@@ -584,7 +608,8 @@ private:
             }
         }
         void set_middle() {
-            for (Length& sum : middle) sum = W::mean(sum, count);
+            if constexpr (most_points == 1) return;
+            for (Length& sum : middle) sum = W::template mean<most_points>(sum, count);
             for (int i = 0; i < count; ++i) {
                 x[i] -= middle[1];
                 z[i] -= middle[2];
@@ -621,11 +646,6 @@ private:
         if constexpr (features.pairs)
             if (!is_a) return point.arm_b;
         return point.arm;
-    }
-    template <class F>
-    void for_each_carrying(F&& f) {
-        for (int i = island_.first_pair; i >= 0; i = pairs_.in_slot(i).next)
-            if (!pairs_.in_slot(i).carriers.none()) f(i, pairs_.in_slot(i));
     }
 
     const NarrowPhase& shapes_;

@@ -53,7 +53,7 @@ template <class List>
 struct ListedLoads;
 template <class... Loads>
 struct ListedLoads<LoadList<Loads...>> : Loads... {
-    static constexpr bool may_turn = (HasTurns<Loads> || ...),
+    static constexpr bool may_turn = (HasTurns<Loads> || ...), may_couple = (HasCouples<Loads> || ...),
                           may_depend_on_velocity = (HasDependsOnVelocity<Loads> || ...);
     template <class Load>
     static constexpr bool has = times_in<Load, Loads...> == 1;
@@ -105,6 +105,9 @@ public:
     using ProgramLoads = detail::ListedLoads<Own>;
     static constexpr bool may_depend_on_velocity = features.drag || features.springs > 0 ||
                                                    features.springs_touch() || OwnLoads::may_depend_on_velocity;
+    // Whether a load may couple two bodies that move.
+    static constexpr bool may_couple = features.bodies > 1 && (features.springs > 0 || features.gravitation ||
+                                                               features.springs_touch() || OwnLoads::may_couple);
     // Contacts by springs, which wake no body and have their own sum.
     template <class Load>
     static constexpr bool is_contacts = std::is_same_v<Load, ContactSprings<N, spin, features>>;

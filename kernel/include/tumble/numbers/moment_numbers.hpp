@@ -72,8 +72,11 @@ requires(N::fixed_point) struct MomentNumbers<N> {
     [[nodiscard]] static Unit quarter(Square s) { return {static_cast<std::int32_t>(s.raw >> 32)}; }
     // A part of a square that is only rounding.
     [[nodiscard]] static Square hair(Square s) { return {s.raw >> 14}; }
-    [[nodiscard]] static Length mean(Length sum, int count) { return {sum.raw / count}; }
-    [[nodiscard]] static Speed mean(Speed sum, int count) { return {sum.raw / count}; }
+    // Of at most `most` numbers.
+    template <int most, class T>
+    [[nodiscard]] static T mean(T sum, int count) {
+        return {share<most>(sum.raw, count)};
+    }
     [[nodiscard]] static Speed speed(Moment m) {
         return held((m.raw + (1 << (Length::fraction_bits - 1))) >> Length::fraction_bits);
     }
@@ -121,6 +124,17 @@ requires(N::fixed_point) struct MomentNumbers<N> {
     };
 
 private:
+    // sum / count. Up to four need no division, which some cores do not have; 3 * 0x55555556 = 2^32 + 2.
+    template <int most>
+    [[nodiscard]] static std::int32_t share(std::int32_t sum, int count) {
+        if constexpr (most > 4) {
+            return sum / count;
+        } else {
+            const std::int32_t round = sum < 0 ? 1 : 0;
+            if (count == 3) return static_cast<std::int32_t>(detail::multiply(sum, 0x55555556) >> 32) + round;
+            return (sum + round * (count - 1)) >> (count >> 1);
+        }
+    }
     // Held at the largest Speed.
     [[nodiscard]] static Speed held(std::int64_t raw) {
         constexpr std::int64_t most = std::int64_t{1} << 30;
@@ -161,7 +175,10 @@ requires(!N::fixed_point) struct MomentNumbers<N> {
     [[nodiscard]] static T square(T a, T b) { return a * b; }
     [[nodiscard]] static T quarter(T s) { return s * T(0.25); }
     [[nodiscard]] static T hair(T s) { return s * T(0x1p-14); }
-    [[nodiscard]] static T mean(T sum, int count) { return sum / T(count); }
+    template <int most>
+    [[nodiscard]] static T mean(T sum, int count) {
+        return sum / T(count);
+    }
     [[nodiscard]] static T speed(T m) { return m; }
     [[nodiscard]] static T ratio(T a, T b) { return a / b; }
     [[nodiscard]] static T times_ratio(T s, T a, T b) { return s * a / b; }

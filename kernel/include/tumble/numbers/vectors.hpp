@@ -65,8 +65,8 @@ concept VectorOfThree = is_vector_of_three<V>;
 template <class T, int count>
 class ZeroedArray {
 public:
-    [[nodiscard]] TUMBLE_INLINE T& operator[](int i) { return array()[i]; }
-    [[nodiscard]] TUMBLE_INLINE const T& operator[](int i) const { return array()[i]; }
+    [[nodiscard]] TUMBLE_INLINE T& operator[](int i) { return array()[count == 1 ? 0 : i]; }
+    [[nodiscard]] TUMBLE_INLINE const T& operator[](int i) const { return array()[count == 1 ? 0 : i]; }
     [[nodiscard]] TUMBLE_INLINE T* begin() { return array(); }
     [[nodiscard]] TUMBLE_INLINE const T* begin() const { return array(); }
     [[nodiscard]] TUMBLE_INLINE T* end() { return array() + count; }

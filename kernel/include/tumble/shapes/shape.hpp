@@ -108,8 +108,8 @@ public:
     [[nodiscard]] constexpr const Scale& scale() const { return scale_; }
     // m, of contacts.
     [[nodiscard]] constexpr Real least_tolerance() const { return scale_.least_tolerance(largest_); }
-    [[nodiscard]] constexpr CollisionShape<N>& operator[](int b) { return shape_[b]; }
-    [[nodiscard]] constexpr const CollisionShape<N>& operator[](int b) const { return shape_[b]; }
+    [[nodiscard]] constexpr CollisionShape<N>& operator[](int b) { return shape_[bodies == 1 ? 0 : b]; }
+    [[nodiscard]] constexpr const CollisionShape<N>& operator[](int b) const { return shape_[bodies == 1 ? 0 : b]; }
 
 private:
     CollisionShape<N> shape_[bodies]{};

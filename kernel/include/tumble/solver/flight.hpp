@@ -11,7 +11,7 @@ namespace tumble {
 // The method does what is asked for in the order of the members.
 template <class N, Features features>
 struct Flight {
-    const BodyGroup<features.bodies>& group;
+    const SomeBodies<features.bodies>& group;
     bool new_spins = false;  // something other than a flight has changed the spins
     // Gets the change of motion by gravity and by the loads at their present strength, over a whole step.
     Kicks<N, features.bodies>* loads = nullptr;

@@ -8,8 +8,8 @@ namespace tumble {
 template <class N, int bodies>
 class Kicks {
 public:
-    [[nodiscard]] constexpr Kick<N>& operator[](int b) { return kick_[b]; }
-    [[nodiscard]] const Kick<N>& operator[](int b) const { return kick_[b]; }
+    [[nodiscard]] constexpr Kick<N>& operator[](int b) { return kick_[bodies == 1 ? 0 : b]; }
+    [[nodiscard]] const Kick<N>& operator[](int b) const { return kick_[bodies == 1 ? 0 : b]; }
     // Converts a kick to a scale with more halvings, or fewer.
     TUMBLE_INLINE void rescale(int b, int halvings) {
         if (halvings != 0) [[unlikely]]

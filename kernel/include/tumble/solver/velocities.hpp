@@ -18,7 +18,7 @@ public:
     using Velocity = WeightedVelocity<N>;
     using Bodies = tumble::Bodies<N, spin, features.bodies, features.mixed()>;
     using Weights = tumble::Weights<N, features.bodies>;
-    using BodyGroup = tumble::BodyGroup<features.bodies>;
+    using BodyGroup = SomeBodies<features.bodies>;
     using Kicks = tumble::Kicks<N, features.bodies>;
 
     using Velocities = ZeroedArray<Velocity, features.bodies>;
@@ -165,13 +165,15 @@ public:
     }
 
 private:
+    // The next axis in a cycle, without a remainder: some cores have no division.
+    [[nodiscard]] static constexpr int next(int axis) { return axis == 2 ? 0 : axis + 1; }
     // Euler's equations by the midpoint method: sqrt(I_i) dw_i = (I_j - I_k) / sqrt(I_i) w_j w_k. Of the two factors,
     // that of the larger moment I_m is u_m / sqrt(I_m), and the other is the turn.
     static void precess(Vec3<Speed>& u, const BodyWeight<N>& weight, const MiddleTurn<N>& turn) {
         const auto quarter_of_change = [&](const Vec3<Speed>& speed, const Vec3<Unit>& quarter) {
             Vec3<Speed> change;
             for (int i = 0; i < 3; ++i) {
-                const int j = (i + 1) % 3, k = (i + 2) % 3;
+                const int j = next(i), k = next(j);
                 const bool last = weight.gyration[j] < weight.gyration[k];
                 const Speed product = narrow<Speed>(mul(speed[last ? k : j], quarter[last ? j : k]));
                 change[i] = narrow<Speed>(mul(product, weight.gyroscopic[i]));
@@ -181,7 +183,7 @@ private:
         const Vec3<Unit>& quarter = turn.quarter();
         Vec3<Unit> middle;
         for (int i = 0; i < 3; ++i) {
-            const Unit product = C::product(quarter[(i + 1) % 3], quarter[(i + 2) % 3]);
+            const Unit product = C::product(quarter[next(i)], quarter[next(next(i))]);
             const Unit half = C::product(product, weight.euler[i]);
             middle[i] = quarter[i] + half + half;
         }

@@ -74,6 +74,6 @@ private:
 };
 
 template <class N, int bodies>
-using Weights = BodyWeight<N>[bodies];
+using Weights = typename detail::RoomFor<BodyWeight<N>, bodies>::Array;
 
 }  // namespace tumble

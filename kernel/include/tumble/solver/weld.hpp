@@ -120,7 +120,7 @@ private:
             shares[0][0] = normal;
             return true;
         }
-        const Speed even = W::mean(normal, count_);
+        const Speed even = W::template mean<most>(normal, count_);
         bool pulls = false;
         for (int i = 0; i < count_; ++i) {
             const Speed by_moments = W::speed(mul_add(mul(x_per_moment_[i], x), z_per_moment_[i], z));
