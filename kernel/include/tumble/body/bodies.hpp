@@ -91,7 +91,7 @@ struct OnlyBody {
     static constexpr OnlyPlace id{};
 
     OnlyBody() = default;
-    explicit OnlyBody(int) {}
+    OnlyBody(const BodyGroup<1>&) {}
     operator BodyGroup<1>() const { return BodyGroup<1>{0}; }
 };
 template <int capacity>
