@@ -159,7 +159,8 @@ public:
             if (steps < until) until = steps;
         }
         // As above.
-        if (!times_.is_clear(b, now) || (was_near && !pairs_.is_near(b))) until = 1;
+        const bool leaves = was_near && !pairs_.is_near(b);
+        if (leaves || !times_.is_clear(b, now)) until = 1;
         times_.set(b, until_step(until));
     }
 

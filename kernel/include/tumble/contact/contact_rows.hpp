@@ -30,8 +30,7 @@ public:
     // There are rows at right angles to the normals.
     static constexpr bool has_across = features.friction || features.rolling_resistance;
     // There is one row. A visit solves it, but for rounding, and so it needs no momentum.
-    static constexpr bool is_one_row =
-        PairList::is_single && Pair::max_points == 1 && !has_across;
+    static constexpr bool is_one_row = PairList::is_single && Pair::max_points == 1 && !has_across;
 
     ContactRows(const NarrowPhase& shapes, PairList& pairs, Velocities& velocities, const Bodies& bodies,
                 const Island& island)

@@ -302,7 +302,8 @@ private:
         int next = b;
         do {
             if (next >= 0) {
-                wake_alone(next, advance.bodies.steps_taken);
+                state_.sleepers.wake(next);
+                end_times(next, advance.bodies.steps_taken);
                 path.add(next);
             } else {
                 --path.count;
@@ -436,8 +437,7 @@ private:
         // It looks for nothing any more, and the others may have left that to it.
         if constexpr (features.grid())
             for (int k = 0; stands && k < group.count; ++k)
-                if (state_.standing.has_looked(group.id[k]))
-                    broad_phase(advance.bodies).examine_around(group.id[k]);
+                if (state_.standing.has_looked(group.id[k])) broad_phase(advance.bodies).examine_around(group.id[k]);
         state_.standing.set(group, stands);
         return stands;
     }

@@ -193,8 +193,7 @@ private:
         for (int k = 0; k < island_.group.count; ++k) {
             const int b = island_.group.id[k];
             contacts_.times.end(b, contacts_.shapes.plane_count(), bodies_.steps_taken);
-            if constexpr (features.pairs)
-                broad_phase.update(b, contacts_.marks, contacts_.sleepers, schedule_->wakes);
+            if constexpr (features.pairs) broad_phase.update(b, contacts_.marks, contacts_.sleepers, schedule_->wakes);
             else broad_phase.update(b, contacts_.marks);
         }
         if constexpr (features.pairs) {

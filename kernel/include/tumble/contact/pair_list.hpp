@@ -10,7 +10,7 @@ namespace tumble {
 template <Features features>
 struct Island {
     const SomeBodies<features.bodies>& group;
-    int root;                                                    // its first body
+    int root;                                                     // its first body
     [[no_unique_address]] If<features.pairs, int, 0> first_pair;  // in the list; -1: none is near
 };
 

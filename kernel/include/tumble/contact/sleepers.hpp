@@ -81,7 +81,8 @@ public:
         add(b);
     }
     // Counts the step of an island that presses on something. True when all its bodies have been slow for long enough.
-    [[nodiscard]] bool may_sleep(const Bodies& bodies, const SomeBodies<features.bodies>& group, bool presses) requires(features.sleep) {
+    [[nodiscard]] bool may_sleep(const Bodies& bodies, const SomeBodies<features.bodies>& group,
+                                 bool presses) requires(features.sleep) {
         if (!rules_.on) return false;
         bool all = presses;
         const bool counts = (bodies.steps_taken & ((std::uint32_t{1} << rules_.unit) - 1)) == 0;

@@ -332,8 +332,7 @@ private:
         const auto for_each_block = [&](auto&& f) {
             for (int i = 0; i < pair.count; ++i)
                 if (pair.point[i].active) {
-                    typename Sweep::Block block{
-                        .row = row[i], .rows = rows, .coefficient = pair.friction, .a = now};
+                    typename Sweep::Block block{.row = row[i], .rows = rows, .coefficient = pair.friction, .a = now};
                     if constexpr (features.friction) block.couplings = couplings + i;
                     if constexpr (features.rolling_resistance)
                         if (pair.resists_spin()) block.resistance = own_spin.resistance(i);
@@ -352,8 +351,7 @@ private:
                 row[i][k].set(direction, weight.levers(in_middle(b, arm_of(point, is_a)), in_body));
                 // Between the rows of two bodies and of one: their lengths, and what the body takes of the motion.
                 const Row& whole = point.row[k];
-                row[i][k].target =
-                    Row::product(over_share(W::over(whole.target, whole.inverse)), row[i][k].inverse);
+                row[i][k].target = Row::product(over_share(W::over(whole.target, whole.inverse)), row[i][k].inverse);
                 row[i][k].impulse =
                     W::over(Row::product(Row::product(whole.impulse, whole.inverse), share), row[i][k].inverse);
             }
@@ -377,8 +375,7 @@ private:
                 for (int k = 0; k < 3; ++k) {
                     auto& to = pair.point[i].spin[k];
                     propose(to, pair.resists_spin() ? over_share(own_spin.of_pair(i, k)) : Speed{});
-                    if (!(to.unscaled == Speed{}))
-                        to.push(to.proposed, is_a ? unused : other, is_a ? &other : &unused);
+                    if (!(to.unscaled == Speed{})) to.push(to.proposed, is_a ? unused : other, is_a ? &other : &unused);
                 }
         }
         pair.carriers = carriers;
