@@ -69,7 +69,9 @@ struct BodyGroup {
 
 // In a world of one body its place is 0, and who asks for it knows that.
 struct OnlyPlace {
+    // Its place.
     [[nodiscard]] constexpr int operator[](int) const { return 0; }
+    // A list of its place.
     [[nodiscard]] constexpr operator const std::int16_t*() const { return &place; }
 
 private:
@@ -87,13 +89,15 @@ struct BodyGroup<1> {
 };
 // A group that is not empty.
 struct OnlyBody {
-    static constexpr int count = 1;
-    static constexpr OnlyPlace id{};
+    static constexpr int count = 1;   // bodies
+    static constexpr OnlyPlace id{};  // their places
 
     OnlyBody() = default;
+    // Of a group that is not empty.
     OnlyBody(const BodyGroup<1>&) {}
     operator BodyGroup<1>() const { return BodyGroup<1>{0}; }
 };
+// At least one body of a world.
 template <int capacity>
 using SomeBodies = std::conditional_t<capacity == 1, OnlyBody, BodyGroup<capacity>>;
 
