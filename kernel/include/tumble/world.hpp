@@ -289,8 +289,7 @@ public:
         if constexpr (features.impulses)
             impulses_.for_each_due(now(), [&](const Impulse<N>& impulse) { apply(impulse); });
         if constexpr (features.forces && has_loads) advance_.loads.start_step(now(), [&](int b) { disturb(b); });
-        if constexpr (has_imu)
-            for (int b = 0; b < advance_.bodies.count; ++b) remember(b);
+        remember_all();
         if constexpr (Advance::has_wrenches) advance_.wrenches.start_step(advance_.bodies);
         const StepInfo<N> info{advance_.bodies.scale,
                                N::fixed_point ? Dither::of_step(advance_.bodies.steps_taken) : Dither{}};
@@ -632,7 +631,7 @@ private:
     }
     constexpr void remember_all() {
         if constexpr (has_imu)
-            for (int b = 0; b < advance_.bodies.count; ++b) remember(b);
+            for (int b = 0; b < features.bodies && b < advance_.bodies.count; ++b) remember(b);
     }
     // One event. The kind is known when the program is compiled, so that a call costs what its kind needs.
     template <EventKind kind>
