@@ -194,18 +194,13 @@ public:
             return sweep_blocks([&](Pair& pair, Point& point) { return block(pair, point); }, enough, bound,
                                 with_momentum);
     }
-    // The same from the impulses of the step before, for the forces of a step. Of a body that moves alone, points that
-    // its motion does not press wait until the forces of others press them. Forces of two walls that cancel are a
-    // solution too: sweeps leave some, and each step would add to those of the step before.
+    // The same from the impulses of the step before, for the forces of a step. Of a body that moves alone on several
+    // surfaces, those that its motion does not press wait until the forces of others press them. Forces of two walls
+    // that cancel are a solution too: sweeps leave some, and each step would add to those of the step before.
     Speed sweep_pressed(Speed enough, int bound) {
         bool wait = false;
         if constexpr (features.pairs || features.planes > 1)
-            if (island_.group.count == 1)
-                pairs_.for_each_active(island_, [&](const Pair& pair, Point& point) {
-                    point.waits = !is_pressed(pair, point, enough);
-                    point.active = !point.waits;
-                    wait = wait || point.waits;
-                });
+            if (island_.group.count == 1 && touches_several()) wait = start_waiting(enough);
         push_all();
         Speed left = sweep(enough, bound);
         if (wait) [[unlikely]]
@@ -232,6 +227,27 @@ private:
     // True where the body comes to the surface at a point faster than sweeps leave it.
     [[nodiscard]] bool is_pressed(const Pair& pair, const Point& point, Speed enough) const {
         return point.row[0].excess(velocities_.now[pair.a], nullptr) < -enough;
+    }
+    [[nodiscard]] bool touches_several() const {
+        int touched = 0;
+        pairs_.for_each(island_, [&](const Pair& pair) { touched += pair.touched; });
+        return touched > 1;
+    }
+    // Takes the points of pairs of which none is pressed out of the solution. True where there are some.
+    [[nodiscard, gnu::noinline, gnu::cold]] bool start_waiting(Speed enough) {
+        bool any = false;
+        pairs_.for_each(island_, [&](Pair& pair) {
+            bool pressed = false;
+            for (int i = 0; i < pair.count; ++i)
+                pressed = pressed || (pair.point[i].active && is_pressed(pair, pair.point[i], enough));
+            for (int i = 0; i < pair.count; ++i) {
+                Point& point = pair.point[i];
+                point.waits = point.active && !pressed;
+                point.active = point.active && pressed;
+                any = any || point.waits;
+            }
+        });
+        return any;
     }
     // Sweeps again as long as forces press points that wait, such as those of a wall after those of a floor. Points
     // that nothing presses carry nothing. Returns the largest change of the last sweep.

@@ -213,7 +213,7 @@ struct MoserVeselovFlow {
         const Vec3<Turn> t{block.turn(N::sum(body.t_b.x), d), block.turn(N::sum(body.t_b.y), d),
                            block.down(z_up, inertia.z_shift)};
         const auto& J = inertia.modified;
-        const typename Inertia<N>::Factor difference[3] = {J[1] - J[2], J[2] - J[0], J[0] - J[1]};
+        typename Inertia<N>::Factor difference[3] = {J[1] - J[2], J[2] - J[0], J[0] - J[1]};
 
         Vec3<Turn> c{Block::times(inertia.inverse[0], t.x()), Block::times(inertia.inverse[1], t.y()),
                      Block::times(inertia.inverse[2], z_up)};
@@ -235,10 +235,12 @@ struct MoserVeselovFlow {
             converged = block.vanishes_times_itself(change, c);
         }
         // Beyond the turn at which the equation has a solution the iteration runs away, to numbers that are not finite.
-        // The turn is then that of the first guess.
+        // The body turns by the first guess then, and keeps its spin.
         if constexpr (!N::fixed_point)
-            if (!converged) [[unlikely]]
-                for (int i = 0; i < 3; ++i) c[i] = inertia.inverse[i] * t[i];
+            for (int i = 0; !converged && i < 3; ++i) {
+                c[i] = inertia.inverse[i] * t[i];
+                difference[i] = {};
+            }
 
         const auto less = [&](int i, Turn v, Turn w) { return mul(Block::twice(-difference[i], v, d), w); };
         finish<N>(body, block, c, less, step);
