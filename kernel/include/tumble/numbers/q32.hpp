@@ -341,8 +341,10 @@ struct Q32 {
     // sqrt(3) times as large before its parts are halved.
     [[nodiscard, gnu::noinline]] static constexpr std::int64_t shifted(std::int64_t raw, int up) {
         if (up < 0) return up < -62 ? 0 : ((raw >> (-up - 1)) + 1) >> 1;
+        const int room = std::countl_zero(static_cast<std::uint64_t>(raw ^ (raw >> 63))) - 1;
+        if (up < room) return raw * (std::int64_t{1} << up);
         if (raw == 0) return 0;
-        if (up < std::countl_zero(static_cast<std::uint64_t>(raw < 0 ? -raw : raw))) {
+        if (up == room && raw != -1) {
             const std::int64_t sum = raw * (std::int64_t{1} << up);
             if (sum >= -widest && sum <= widest) return sum;
         }
