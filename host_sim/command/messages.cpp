@@ -60,10 +60,12 @@ Account range_left(const Trouble& trouble, const SceneDescription& scene, const 
     const HeldNumber& number = *trouble.number;
     const std::string holder =
         number.is_declared ? "q32 holds of the declared [range]" : numbers_of(simulation) + " holds";
+    // Floating point goes on beyond a declared range.
+    const std::string after = number.is_declared ? ". A run in q32 would be wrong from here on" : wrong;
     const std::string spin =
         number.or_spin > 0 ? ", or change of spin in a step exceeds " + few_digits(number.or_spin) + " rad/s" : "";
     return {number.name + " exceeds " + few_digits(number.most) + " " + number.unit + spin + ", the most that " +
-                holder + " at a step of " + step_of(simulation) + wrong,
+                holder + " at a step of " + step_of(simulation) + after,
             cure_of(number, trouble.body, scene, simulation)};
 }
 

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <limits>
+#include <set>
 
 #include "scene/reading.hpp"
 
@@ -80,7 +81,14 @@ LiveLine read_live_line(const std::string& text, int line, const SceneDescriptio
     if (is_nested_too_deep(text))
         fail(line, "event", "lists and objects lie more than " + std::to_string(most_nested) + " deep in each other",
              a_line);
-    const Json object = Json::parse(text, nullptr, false);
+    // Of a key that is given twice the parser would keep one value.
+    std::set<std::string> keys;
+    const auto note = [&](int depth, Json::parse_event_t event, Json& key) {
+        if (event == Json::parse_event_t::key && depth == 1 && !keys.insert(key.get<std::string>()).second)
+            fail(line, key.get<std::string>(), "given twice", "each key once");
+        return true;
+    };
+    const Json object = Json::parse(text, note, false);
     if (object.is_discarded()) fail(line, "event", "is not JSON", a_line);
     if (!object.is_object()) fail(line, "event", "is not an object", a_line);
     if (object.contains("step")) return read_steps(object, line);

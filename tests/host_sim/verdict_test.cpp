@@ -415,10 +415,13 @@ body = [ { name = "die", shape = { box = [0.1, 0.1, 0.1] }, mass = 1.0 } ]
                        "velocity"));
     scene.range.is_declared = true;
     EXPECT_TRUE(message(scene, verlet_q32, spin).ends_with("Use a larger [range] angular_velocity and a smaller step"));
-    for (const char* name : {"position", "velocity", "angular velocity"})
+    const std::pair<const char*, const char*> keys[] = {
+        {"position", "position"}, {"velocity", "velocity"}, {"angular velocity", "angular_velocity"}};
+    for (const auto& [name, key] : keys)
         for (const char* numbers : {"f32", "f64"})
-            EXPECT_TRUE(message(scene, {"verlet", numbers, false}, {name, 64, "", true})
-                            .ends_with("Use a larger [range] " + std::string(name)));
+            EXPECT_TRUE(
+                message(scene, {"verlet", numbers, false}, {name, 64, "", true})
+                    .ends_with("A run in q32 would be wrong from here on. Use a larger [range] " + std::string(key)));
 }
 
 TEST(Verdict, a_run_that_is_wrong_before_its_status_speaks_is_called_wrong) {
