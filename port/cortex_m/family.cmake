@@ -4,6 +4,7 @@ set(family_sources ${family_dir}/startup.cpp ${family_dir}/port.cpp ${TUMBLE_POR
 set(family_minimal_sources ${family_dir}/minimal.cpp)
 set(family_options -masm-syntax-unified)
 set(family_linker_script ${TUMBLE_PORT_DIR}/firmware.ld.in)
-set(family_link_options "")
+# Which words of the program are addresses: port/cortex_m/stack_bound follows pointers.
+set(family_link_options -Wl,--emit-relocs)
 set(family_libraries gcc)
 set(family_libc m c)
