@@ -21,6 +21,7 @@ const std::vector<Kind> kinds{
     {"a_sleeper_comes_along_when_the_other_end_of_its_spring_moves", sleepers_and_loads::pulled},
     {"a_sleeper_slides_when_a_mass_comes_near", sleepers_and_loads::attracted},
     {"a_body_with_a_constant_load_falls_asleep", sleepers_and_loads::asleep},
+    {"a_box_that_has_tumbled_falls_asleep_beside_a_ball_that_pulls_it", sleepers_and_loads::asleep_beside_a_ball},
     {"a_body_that_nothing_pushes_turns_steadily", steady_spins::turning},
     {"a_box_goes_round_with_a_tilted_plate", steady_spins::carried},
     {"a_spin_that_leaves_its_range_is_held_at_the_number_that_is_told", slender_rods::driven},

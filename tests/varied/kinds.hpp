@@ -25,7 +25,7 @@ Judge box_slides, box_slides_between_walls, body_falls, body_slides_over_free_bo
     ball_bounces;
 }
 namespace sleepers_and_loads {
-Judge pulled, attracted, asleep;
+Judge pulled, attracted, asleep, asleep_beside_a_ball;
 }
 namespace slender_rods {
 Judge driven, rolling;

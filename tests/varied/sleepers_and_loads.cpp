@@ -227,5 +227,28 @@ std::string asleep(Draw& draw, Case& drawn) {
     if (!simulation->body(floor.box).asleep) return "the box is awake after " + few_digits(scene.duration) + " s";
     return "";
 }
+// A box that has tumbled to rest, and a ball that a strong damper brings to rest beside it.
+std::string asleep_beside_a_ball(Draw& draw, Case& drawn) {
+    SceneDescription& scene = drawn.scene;
+    scene.gravity = {0, -gravity, 0};
+    scene.contact.restitution = draw.uniform(0, 0.4);
+    scene.contact.friction = 0.5;
+    scene.contact.sleep = host::SleepDescription{.speed = 0.05, .angular_speed = 0.5, .time = 0.25};
+    scene.angular_drag = 0.01;
+    scene.planes.emplace_back().name = "floor";
+    const double height = draw.uniform(0.1, 0.2);
+    auto& box = add_box(scene, 1, {draw.uniform(0.2, 0.6), height, draw.uniform(0.2, 0.6)}, {0, 3 * height, 0});
+    box.angular_velocity = {draw.uniform(-2, 2), draw.uniform(-3, 3), draw.uniform(-2, 2)};
+    add_sphere(scene, 1, 0.2, {draw.uniform(1.2, 1.6), draw.uniform(0.2, 0.25), 0}).velocity = {-1, 0, 0};
+    scene.springs = {{.body = 0, .to_body = 1, .stiffness = 20, .damping = draw.uniform(6, 9), .rest_length = 1}};
+    scene.duration = 6;
+    place_anywhere(draw, scene);
+    const auto simulation = start(drawn);
+    for (int i = 0; i < static_cast<int>(scene.duration / drawn.step); ++i) simulation->step();
+    for (int b = 0; b < 2; ++b)
+        if (!simulation->body(b).asleep)
+            return "body " + std::to_string(b) + " is awake after " + few_digits(scene.duration) + " s";
+    return "";
+}
 
 }  // namespace tumble::test::sleepers_and_loads

@@ -195,8 +195,8 @@ public:
                                 with_momentum);
     }
     // The same from the impulses of the step before, for the forces of a step. Of a body that moves alone on several
-    // surfaces, those that its motion does not press wait until the forces of others press them. Forces of two walls
-    // that cancel are a solution too: sweeps leave some, and each step would add to those of the step before.
+    // surfaces, those to which it does not move wait until the forces of others move it there. Forces of two walls that
+    // cancel are a solution too: sweeps leave some, and each step would add to those of the step before.
     Speed sweep_pressed(Speed enough, int bound) {
         bool wait = false;
         if constexpr (features.pairs || features.planes > 1)
@@ -249,7 +249,7 @@ private:
         });
         return any;
     }
-    // Sweeps again as long as forces press points that wait, such as those of a wall after those of a floor. Points
+    // Sweeps again as long as points that wait are pressed, such as those of a wall by forces of a floor. Points
     // that nothing presses carry nothing. Returns the largest change of the last sweep.
     [[nodiscard, gnu::noinline, gnu::cold]] Speed sweep_waiting(Speed left, Speed enough, int bound) {
         const auto for_each_waiting = [&](auto&& f) {

@@ -448,14 +448,15 @@ private:
         advance.place(kinematic, info, time);
         for (int k = 0; k < kinematic.group.count; ++k) state_.shapes.place(advance.bodies, kinematic.group.id[k]);
     }
-    // True where the island touches something, touches no surface that moves, and corrects no penetration.
+    // True where the island touches something, and no surface that moves. A correction of penetrations puts its sleep
+    // off, in rests(), but it does not count as motion: what sinks by rounding is corrected again and again.
     [[nodiscard]] bool presses(const Island& island) const {
         bool any = false, surface_moves = false;
         state_.pairs.for_each(island, [&](const auto& pair) {
             any = any || pair.count > 0;
             surface_moves = surface_moves || (pair.count > 0 && pair.surface_moves);
         });
-        return any && !surface_moves && !state_.solution.lifts;
+        return any && !surface_moves;
     }
     [[nodiscard]] bool rests(Bodies& bodies, const Island& island) requires(features.sleep) {
         return Resting<N, spin, features>{state_.shapes, state_.pairs, state_.velocities, bodies, island}.rests(
