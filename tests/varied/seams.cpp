@@ -50,8 +50,9 @@ void lay(Draw& draw, SceneDescription& scene, const Blocks& blocks, bool whole, 
     }
 }
 
-// Lays blocks of a wall beside the way, whose face is at this z. It stands on the floor, or beside it.
-void lay_wall(Draw& draw, SceneDescription& scene, const Blocks& blocks, double z, double least) {
+// Lays blocks of a wall beside the way, whose face is at this z, and which lies on this side of it: 1 or -1. It stands
+// on the floor, or beside it.
+void lay_wall(Draw& draw, SceneDescription& scene, const Blocks& blocks, double z, double least, int side = 1) {
     SceneDescription wall;
     lay(draw, wall, blocks, false, least, 1.2, 1);
     const double low = draw.one_in(2) ? 0 : -0.3, high = 0.5;
@@ -59,7 +60,7 @@ void lay_wall(Draw& draw, SceneDescription& scene, const Blocks& blocks, double 
         block.shape.size[1] = high - low;
         block.shape.size[2] = 0.3;
         block.position[1] = (low + high) / 2;
-        block.position[2] = z + 0.15;
+        block.position[2] = z + side * 0.15;
         scene.bodies.push_back(block);
     }
 }
@@ -172,13 +173,8 @@ std::string box_slides_between_walls(Draw& draw, Case& run) {
     const double least = std::max(draw.uniform(0.1, 0.4), way / 12), z = draw.uniform(-0.2, 0.2);
     const Blocks blocks{.from = -0.5, .to = way + 0.7, .width = 2};
     lay(draw, scene, blocks, false, least, 1.2);
-    SceneDescription left;
-    lay_wall(draw, left, blocks, edges[2] / 2 - z, std::max(least, way / 8));
-    for (auto& block : left.bodies) {
-        block.position[2] = -block.position[2];
-        scene.bodies.push_back(block);
-    }
-    lay_wall(draw, scene, blocks, z + edges[2] / 2, std::max(least, way / 8));
+    for (const int side : {-1, 1})
+        lay_wall(draw, scene, blocks, z + side * edges[2] / 2, std::max(least, way / 8), side);
     add_box(scene, draw.magnitude(0.1, 10), edges, {0, edges[1] / 2, z}).velocity = {speed, 0, 0};
     const double elapsed = std::round(time / run.step) * run.step;
     const Triple right{way_of(run, speed, drive, held, elapsed), edges[1] / 2, z};

@@ -227,6 +227,7 @@ std::string asleep(Draw& draw, Case& drawn) {
     if (!simulation->body(floor.box).asleep) return "the box is awake after " + few_digits(scene.duration) + " s";
     return "";
 }
+
 // A box that has tumbled to rest, and a ball that a strong damper brings to rest beside it.
 std::string asleep_beside_a_ball(Draw& draw, Case& drawn) {
     SceneDescription& scene = drawn.scene;
