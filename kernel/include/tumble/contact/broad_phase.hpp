@@ -71,18 +71,13 @@ public:
         }
         if constexpr (features.pairs) {
             const ShapeKind kind = shapes_.shape(b).kind;
-            [[maybe_unused]] int unseen = 0;  // pairs of the body
-            const auto look_at = [&](int other) {
+            const auto look_at = [&](int other, [[maybe_unused]] Pair* pair) {
                 const ShapeKind kind_of_other = shapes_.shape(other).kind;
                 if (other == b || !touches_bodies(kind_of_other) || !touching_meet(kind, kind_of_other)) return;
-                const bool other_moves = !bodies_.constants[other].fixed(), asleep = sleepers.is_asleep(other);
-                const int first = is_kinematic || (other_moves && other < b) ? other : b,
-                          second = first == b ? other : b;
-                [[maybe_unused]] Pair* pair = nullptr;
+                const bool asleep = sleepers.is_asleep(other);
+                const int first = first_of(b, other, is_kinematic), second = first == b ? other : b;
                 if constexpr (features.grid()) {
-                    pair = near_pair(first, second);
-                    if (pair != nullptr) --unseen;
-                    if (is_kinematic && !asleep && other_moves) times_.set(other, now);
+                    if (is_kinematic && !asleep && !bodies_.constants[other].fixed()) times_.set(other, now);
                 }
                 if (is_kinematic && !asleep) return;
                 const bool still = is_still(other, asleep);
@@ -115,13 +110,10 @@ public:
             if constexpr (features.grid()) {
                 if (touches_bodies(kind)) {
                     if (const int steps = put(b, own, loaded(), is_kinematic); steps < until) until = steps;
-                    unseen = pairs_.pairs_with_bodies_of(b);
-                    times_.many.grid.for_each_near(b, shapes_.scale(), look_at);
-                    // The balls of bodies that have parted need not meet.
-                    if (unseen > 0) pairs_.for_each_near(b, look_at);
+                    for_each_that_may_meet(b, is_kinematic, look_at);
                 }
             } else {
-                for (int other = 0; other < bodies_.count && touches_bodies(kind); ++other) look_at(other);
+                for (int other = 0; other < bodies_.count && touches_bodies(kind); ++other) look_at(other, nullptr);
             }
         }
         // Examined again in the next step: a body whose bounds were ended meanwhile, and one that has just left
@@ -236,6 +228,34 @@ private:
         if constexpr (features.kinematic)
             if (bodies_.constants[b].kinematic()) return false;
         return asleep || bodies_.constants[b].fixed();
+    }
+    // The body that comes first in the pair of two bodies.
+    [[nodiscard]] int first_of(int b, int other, bool is_kinematic) const {
+        return is_kinematic || (!bodies_.constants[other].fixed() && other < b) ? other : b;
+    }
+    // Calls f(other, pair) for the bodies whose balls meet that of body b and for those with which it has a pair, whose
+    // balls may have parted since. In the order of their index, as without a grid: a pair that is listed changes the
+    // bounds of those that are tested after it. Null where they have no pair.
+    template <class F>
+    void for_each_that_may_meet(int b, bool is_kinematic, F&& f) requires(features.grid()) {
+        BodySet<features.bodies> others;
+        Pair* pair_with[features.bodies];  // of those bodies
+        int unseen = pairs_.pairs_with_bodies_of(b);
+        const auto find = [&](int other) {
+            const int first = first_of(b, other, is_kinematic);
+            return near_pair(first, first == b ? other : b);
+        };
+        times_.many.grid.for_each_near(b, shapes_.scale(), [&](int other) {
+            others.add(other);
+            pair_with[other] = unseen > 0 ? find(other) : nullptr;
+            if (pair_with[other] != nullptr) --unseen;
+        });
+        if (unseen > 0)
+            pairs_.for_each_near(b, [&](int other) {
+                others.add(other);
+                pair_with[other] = find(other);
+            });
+        others.for_each([&](int other) { f(other, pair_with[other]); });
     }
     // The pair of two bodies; null where it is not in the list.
     [[nodiscard]] Pair* near_pair(int a, int b) requires(features.grid()) {

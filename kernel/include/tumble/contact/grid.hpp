@@ -10,6 +10,38 @@
 
 namespace tumble {
 
+// Some bodies, in the order of their index. Words in which no body is are not read, so nothing is cleared from set to
+// set.
+template <int bodies>
+class BodySet {
+public:
+    void add(int b) {
+        const int word = b / bits;
+        std::uint32_t& used = used_[word / bits];
+        const std::uint32_t bit = bit_of(word), before = (used & bit) != 0 ? word_[word] : 0;
+        word_[word] = before | bit_of(b);
+        used |= bit;
+    }
+    // Calls f(b) for each of them.
+    template <class F>
+    void for_each(F&& f) const {
+        for (int i = 0; i < groups; ++i)
+            for_each_bit(used_[i], bits * i, [&](int word) { for_each_bit(word_[word], bits * word, f); });
+    }
+
+private:
+    static constexpr int bits = 32, words = (bodies + bits - 1) / bits, groups = (words + bits - 1) / bits;
+
+    [[nodiscard]] static std::uint32_t bit_of(int i) { return std::uint32_t{1} << (i % bits); }
+    template <class F>
+    static void for_each_bit(std::uint32_t left, int first, F&& f) {
+        for (; left != 0; left &= left - 1) f(first + std::countr_zero(left));
+    }
+
+    std::uint32_t used_[groups]{};  // words with bodies
+    std::uint32_t word_[words];
+};
+
 template <class N, int bodies>
 class Grid {
 public:
@@ -45,8 +77,7 @@ public:
         level_[b] = nowhere;
     }
 
-    // Calls f(other) for the bodies whose balls meet that of body b, if it has one. The order depends on the balls
-    // alone.
+    // Calls f(other) for the bodies whose balls meet that of body b, if it has one, in no order of theirs.
     template <class F>
     void for_each_near(int b, const LengthScale& scale, F&& f) const {
         const int own = level_[b];
@@ -103,14 +134,12 @@ private:
         std::int32_t operator[](int k) const { return i[k]; }
         friend bool operator==(const Cell&, const Cell&) = default;
     };
-    // Chains are sorted, so that the order in which bodies are looked at does not depend on how they came.
     void enter(int b) {
         ++count_[level_[b]];
         in_use_ |= bit_of(level_[b]);
-        std::int16_t* link = &first_[chain_of(b)];
-        while (*link != 0 && *link <= b) link = &next_[*link - 1];
-        next_[b] = *link;
-        *link = static_cast<std::int16_t>(b + 1);
+        std::int16_t& first = first_[chain_of(b)];
+        next_[b] = first;
+        first = static_cast<std::int16_t>(b + 1);
     }
     // Bodies everywhere have no cells.
     [[nodiscard]] static std::uint64_t bit_of(int level) { return level == everywhere ? 0 : std::uint64_t{1} << level; }
