@@ -33,43 +33,9 @@ public:
     [[gnu::noinline]] void update(int b, const Marks& marks, const Sleepers& sleepers,
                                   BodyGroup& wakes) requires(features.pairs) {
         const std::uint32_t now = bodies_.steps_taken;
-        if (shapes_.response() != ContactResponse::impulse || shapes_.shape(b).is(ShapeKind::none)) {
-            times_.set(b, now + contact::most_clear_steps);
-            return;
-        }
-        const bool was_near = pairs_.is_near(b);
-        if (!was_near) pairs_.forget_points_of(b);
         const auto loaded = [&] { return feels_loads(b, marks); };  // changes where the body comes near something
-        const Vec3<Length> own = drift(b);
-        int until = contact::most_clear_steps;
-        times_.set(b, now + contact::most_clear_steps);
-        // Examines a pair: near(whether it is in the list) adds it, apart() removes it.
-        const auto examine_now = [](bool listed, auto&& clear_steps, auto&& near, auto&& apart) {
-            int steps = clear_steps();
-            if (steps == 0) steps = near(listed);
-            else if (listed) apart();
-            return steps;
-        };
-        // The same where it is due.
-        const auto meet = [&](int slot, auto&&... parts) {
-            int steps = times_.steps_left(slot, now);
-            if (steps <= 0 || steps > contact::most_clear_steps) {
-                steps = examine_now(times_.is_listed(slot), parts...);
-                times_.set_due(slot, now + static_cast<std::uint32_t>(steps));
-            }
-            if (steps < until) until = steps;
-        };
-        const bool is_kinematic = features.kinematic && bodies_.constants[b].kinematic();
-        for (int p = 0; p < shapes_.plane_count() && !is_kinematic; ++p) {
-            meet(
-                Times::plane_slot(b, p), [&] { return steps_to_plane(b, p, own, loaded()); },
-                [&](bool listed) {
-                    if (!listed) (void)pair_of(b, -1 - p, marks);
-                    return contact::most_clear_steps_near;
-                },
-                [&] { forget(b, -1 - p, marks[b]); });
-        }
-        if constexpr (features.pairs) {
+        examine_pairs_of(b, [&](const Vec3<Length>& own, bool is_kinematic) {
+            int until = is_kinematic ? contact::most_clear_steps : examine_planes(b, own, marks, loaded);
             const ShapeKind kind = shapes_.shape(b).kind;
             const auto look_at = [&](int other, [[maybe_unused]] Pair* pair) {
                 const ShapeKind kind_of_other = shapes_.shape(other).kind;
@@ -96,64 +62,35 @@ public:
                     forget(first, second, marks[b]);
                     pair = nullptr;
                 };
+                int steps;
                 if constexpr (features.grid()) {
-                    int steps = pair == nullptr ? 0 : steps_left(*pair);
+                    steps = pair == nullptr ? 0 : steps_left(*pair);
                     if (steps == 0) {
                         steps = examine_now(pair != nullptr, clear_steps, near, apart);
                         if (pair != nullptr) set_due(*pair, steps);
                     }
-                    if (steps < until) until = steps;
                 } else {
-                    meet(Times::body_slot(b, other), clear_steps, near, apart);
+                    steps = examine_if_due(Times::body_slot(b, other), clear_steps, near, apart);
                 }
+                if (steps < until) until = steps;
             };
+            if (!touches_bodies(kind)) return until;
             if constexpr (features.grid()) {
-                if (touches_bodies(kind)) {
-                    if (const int steps = put(b, own, loaded(), is_kinematic); steps < until) until = steps;
-                    for_each_that_may_meet(b, is_kinematic, look_at);
-                }
+                if (const int steps = put(b, own, loaded(), is_kinematic); steps < until) until = steps;
+                for_each_that_may_meet(b, is_kinematic, look_at);
             } else {
-                for (int other = 0; other < bodies_.count && touches_bodies(kind); ++other) look_at(other, nullptr);
+                for (int other = 0; other < bodies_.count; ++other) look_at(other, nullptr);
             }
-        }
-        // Examined again in the next step: a body whose bounds were ended meanwhile, and one that has just left
-        // everything.
-        if (!times_.is_clear(b, now) || (was_near && !pairs_.is_near(b))) until = 1;
-        times_.set(b, now + static_cast<std::uint32_t>(until));
+            return until;
+        });
     }
-
     // The same where no two bodies touch each other.
     template <class Marks>
     [[gnu::noinline]] void update(int b, const Marks& marks) requires(!features.pairs) {
-        const std::uint32_t now = bodies_.steps_taken;
-        int until = contact::most_clear_steps;
-        const auto until_step = [&](int steps) { return now + static_cast<std::uint32_t>(steps); };
-        const bool was_near = pairs_.is_near(b), is_kinematic = features.kinematic && bodies_.constants[b].kinematic(),
-                   touches = shapes_.response() == ContactResponse::impulse && !shapes_.shape(b).is(ShapeKind::none);
-        times_.set(b, until_step(until));
-        if (!touches || is_kinematic) return;
-        if (!was_near) pairs_.forget_points_of(b);
-        const Vec3<Length> own = drift(b);
-        for (int p = 0; p < shapes_.plane_count(); ++p) {
-            const int slot = Times::plane_slot(b, p);
-            int steps = times_.steps_left(slot, now);
-            if (steps <= 0 || steps > contact::most_clear_steps) {
-                const bool listed = times_.is_listed(slot);
-                steps = steps_to_plane(b, p, own, marks[b].driven);
-                if (steps == 0) {
-                    if (!listed) (void)pair_of(b, -1 - p, marks);
-                    steps = contact::most_clear_steps_near;
-                } else if (listed) {
-                    forget(b, -1 - p);
-                }
-                times_.set_due(slot, until_step(steps));
-            }
-            if (steps < until) until = steps;
-        }
-        // As above.
-        const bool leaves = was_near && !pairs_.is_near(b);
-        if (leaves || !times_.is_clear(b, now)) until = 1;
-        times_.set(b, until_step(until));
+        examine_pairs_of(b, [&](const Vec3<Length>& own, bool is_kinematic) {
+            return is_kinematic ? contact::most_clear_steps
+                                : examine_planes(b, own, marks, [&] { return marks[b].driven; });
+        });
     }
 
     // Begins a step. With a grid puts bodies that have come into it, and ends the bounds of bodies that others may
@@ -194,6 +131,55 @@ public:
     }
 
 private:
+    // Sets when body b is examined again to the steps that examine(its drift, is_kinematic) returns.
+    template <class F>
+    TUMBLE_INLINE void examine_pairs_of(int b, F&& examine) {
+        const std::uint32_t now = bodies_.steps_taken;
+        times_.set(b, now + contact::most_clear_steps);
+        if (shapes_.response() != ContactResponse::impulse || shapes_.shape(b).is(ShapeKind::none)) return;
+        const bool was_near = pairs_.is_near(b);
+        if (!was_near) pairs_.forget_points_of(b);
+        int until = examine(drift(b), features.kinematic && bodies_.constants[b].kinematic());
+        // Examined again in the next step: a body whose bounds were ended meanwhile, and one that has just left
+        // everything.
+        if (!times_.is_clear(b, now) || (was_near && !pairs_.is_near(b))) until = 1;
+        times_.set(b, now + static_cast<std::uint32_t>(until));
+    }
+    // Examines a pair: near(whether it is in the list) adds it, apart() removes it. Returns the steps until it is due.
+    template <class ClearSteps, class Near, class Apart>
+    TUMBLE_INLINE static int examine_now(bool listed, ClearSteps&& clear_steps, Near&& near, Apart&& apart) {
+        int steps = clear_steps();
+        if (steps == 0) steps = near(listed);
+        else if (listed) apart();
+        return steps;
+    }
+    // The same where it is due.
+    template <class... Parts>
+    TUMBLE_INLINE int examine_if_due(int slot, Parts&&... parts) {
+        const std::uint32_t now = bodies_.steps_taken;
+        int steps = times_.steps_left(slot, now);
+        if (steps <= 0 || steps > contact::most_clear_steps) {
+            steps = examine_now(times_.is_listed(slot), parts...);
+            times_.set_due(slot, now + static_cast<std::uint32_t>(steps));
+        }
+        return steps;
+    }
+    // Returns the steps until a pair of body b and a plane is due.
+    template <class Marks, class Loaded>
+    TUMBLE_INLINE int examine_planes(int b, const Vec3<Length>& own, const Marks& marks, Loaded&& loaded) {
+        int until = contact::most_clear_steps;
+        for (int p = 0; p < shapes_.plane_count(); ++p) {
+            const int steps = examine_if_due(
+                Times::plane_slot(b, p), [&] { return steps_to_plane(b, p, own, loaded()); },
+                [&](bool listed) {
+                    if (!listed) (void)pair_of(b, -1 - p, marks);
+                    return contact::most_clear_steps_near;
+                },
+                [&] { forget(b, -1 - p, marks[b]); });
+            if (steps < until) until = steps;
+        }
+        return until;
+    }
     void begin_grid(const Sleepers& sleepers) requires(features.grid()) {
         auto& many = times_.many;
         for (int b = 0; many.come && b < bodies_.count; ++b) {

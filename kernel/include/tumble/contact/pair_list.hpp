@@ -81,7 +81,7 @@ public:
         ++count_;
         in_slot(slot).begin(a, b);
         ++pairs_of_[a];
-        if (b >= 0) ++pairs_of_[b];
+        if (features.pairs && b >= 0) ++pairs_of_[b];
         if constexpr (features.grid())
             if (b >= 0) ++with_bodies_of_[a], ++with_bodies_of_[b];
         is_linked_ = false;
@@ -282,7 +282,7 @@ private:
         const std::int16_t slot = slot_at(at);
         const int a = in_slot(slot).a, b = in_slot(slot).b;
         --pairs_of_[a];
-        if (b >= 0) --pairs_of_[b];
+        if (features.pairs && b >= 0) --pairs_of_[b];
         if constexpr (features.grid())
             if (b >= 0) --with_bodies_of_[a], --with_bodies_of_[b];
         --count_;
