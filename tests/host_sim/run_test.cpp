@@ -414,7 +414,7 @@ TEST(Run, cure_of_a_declared_range_is_a_key_of_it) {
                    "Use a larger [range] angular_velocity");
 }
 
-TEST(Run, free_body_whose_rotation_does_not_converge_is_not_told_of_impacts_alone) {
+TEST(DeepRun, free_body_whose_rotation_does_not_converge_is_not_told_of_impacts_alone) {
     const std::string fast =
         world_of("0.0", "1/30", "0.5") + body_of("b", "sphere = 0.1") + "angular_velocity = [0, 0, 30.0]\n";
     expect_outcome(

@@ -72,7 +72,7 @@ TEST(Verdict, euler_on_an_oscillator_is_wrong_by_as_much_as_the_motion) {
     EXPECT_EQ(verdict.cause, Verdict::Cause::method);
 }
 
-TEST(Verdict, floats_far_from_the_origin_are_the_cause_that_exchange_finds) {
+TEST(DeepVerdict, floats_far_from_the_origin_are_the_cause_that_exchange_finds) {
     // The spacing of floats there is 2 mm, and a step moves the body by 0.4 mm.
     const Verdict verdict = verdict_of(parsed(R"(
 world = { step = "1/256", duration = 10.0 }

@@ -1,6 +1,7 @@
 // Scenes that bound the impacts and searches of a step: what is left over is resolved at the start of the next.
 #include <tumble/tumble.hpp>
 
+#include "kinds.hpp"
 #include "tolerances.hpp"
 
 #include <algorithm>
@@ -71,7 +72,7 @@ protected:
         return static_cast<double>(world.kinetic_energy(body)) + static_cast<double>(world.potential_energy(body));
     }
 };
-using Systems = testing::Types<Q32<>, F64>;
+using Systems = Tested<testing::Types<Q32<>>, testing::Types<F64>>;
 TYPED_TEST_SUITE(ImpactBoundsTest, Systems);
 
 TYPED_TEST(ImpactBoundsTest, that_are_never_reached_change_no_bit) {

@@ -1,4 +1,5 @@
 // Worlds with more bodies than fit into a byte, and worlds in which a grid finds the bodies that may touch.
+#include "kinds.hpp"
 #include "player.hpp"
 #include "tolerances.hpp"
 
@@ -301,7 +302,7 @@ protected:
         return spec;
     }
 };
-using Systems = testing::Types<Q32<>, F64>;
+using Systems = Tested<testing::Types<Q32<>>, testing::Types<F64>>;
 TYPED_TEST_SUITE(Grids, Systems);
 
 TYPED_TEST(Grids, find_the_pairs_of_a_heap) {
