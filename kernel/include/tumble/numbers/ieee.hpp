@@ -99,9 +99,12 @@ struct Float {
     [[nodiscard]] static constexpr T drift_sum(T metres, Scale) { return metres; }
     [[nodiscard]] static constexpr T turn_sum(T half_turn, Scale) { return half_turn; }
 
+    // Not where both have run away to infinity.
     [[nodiscard]] static constexpr bool is_rounding(const auto& correction, const auto& t) {
         const T size = magnitude(t[0]) + magnitude(t[1]) + magnitude(t[2]);
-        return magnitude(correction[0]) + magnitude(correction[1]) + magnitude(correction[2]) <= size * rounding_unit();
+        return magnitude(correction[0]) + magnitude(correction[1]) + magnitude(correction[2]) <=
+                   size * rounding_unit() &&
+               size <= std::numeric_limits<T>::max();
     }
     [[nodiscard]] static constexpr T rounding_unit() { return sizeof(T) == 4 ? T(0x1p-21) : T(0x1p-48); }
     [[nodiscard]] static constexpr T magnitude(T a) { return a < T(0) ? -a : a; }
