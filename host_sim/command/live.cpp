@@ -60,15 +60,15 @@ private:
 };
 
 // The scene as it was run, and the events of the controller. The text of the file stays as it is but for the step and
-// the duration that options have changed, and for how another run of it ended.
-std::string recording_of(const Choice& choice, const SceneDescription& scene,
+// the duration, where they were others, and for how another run of it ended.
+std::string recording_of(const Choice& choice, const SceneDescription& scene, bool has_own_duration,
                          const std::vector<EventDescription>& events) {
     std::string text = without_expectation(contents_of(choice.scene)), added;
     if (!choice.step.empty())
         text =
             with_value(text, "world", "step",
                        scene.step.denominator == 0 ? cpp_number(scene.step.decimal) : json_text(step_text(scene.step)));
-    if (choice.duration) text = with_value(text, "world", "duration", cpp_number(readable_duration(scene)));
+    if (!has_own_duration) text = with_value(text, "world", "duration", cpp_number(readable_duration(scene)));
     if (!text.ends_with('\n')) text += '\n';
     for (const EventDescription& event : events) added += event_text(event, scene);
     // Events in an inline array take no more of them: then all is written anew.
@@ -117,7 +117,11 @@ int run_live(const Choice& choice, const std::string& record) {
         }
     }
     if (file) {
-        file->stream() << recording_of(choice, scene, events);
+        // A recording ends where the run did, unless nothing was run.
+        SceneDescription run = scene;
+        const bool is_whole = simulation->steps_taken() == 0 || simulation->steps_taken() == simulation->steps();
+        if (!is_whole) run.duration = static_cast<double>(simulation->steps_taken()) * scene.step.seconds();
+        file->stream() << recording_of(choice, run, is_whole && !choice.duration, events);
         file->commit();
     }
     Record told;

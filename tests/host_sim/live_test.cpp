@@ -257,6 +257,19 @@ TEST(Live, ends_where_a_run_of_its_recording_ends) {
         }
 }
 
+TEST(Live, a_run_that_ends_with_its_input_has_a_recording_that_ends_there) {
+    const std::string scene = written("hover.toml", drone), record = temporary("recorded.toml");
+    for (const int steps : {1, 2, 127, 768}) {
+        const Outcome outcome = live(scene,
+                                     "{\"kind\": \"force\", \"body\": \"drone\", \"value\": [0, 1, 0]}\n{\"step\": " +
+                                         std::to_string(steps) + "}\n",
+                                     {"--record", record});
+        const Json again = json_of({"run", record});
+        EXPECT_EQ(again["steps"], steps);
+        EXPECT_EQ(again["state_hash"], Json::parse(lines_of(outcome.text).back())["state_hash"]) << steps;
+    }
+}
+
 // What comes after the end of the run stays in its recording.
 TEST(Live, a_run_that_ends_before_its_scene_does_has_a_recording_that_can_be_read) {
     for (const char* later : {"[[impulse]]\ntime = 0.75\nbody = \"b\"\nimpulse = [0.1, 0, 0]\n",
