@@ -160,19 +160,28 @@ std::string comment_of(const BodyDescription& body) { return "   // " + cpp_text
 std::string comment_of(const PlaneDescription& plane) { return "   // " + cpp_text(plane.name); }
 std::string comment_of(const auto&) { return ""; }
 
+// The words that C++ has taken.
+const std::set<std::string>& cpp_words() {
+    static const std::set<std::string> taken = [] {
+        std::istringstream words(
+            "alignas alignof and and_eq asm auto bitand bitor bool break case catch char char16_t "
+            "char32_t char8_t class co_await co_return co_yield compl concept const const_cast consteval "
+            "constexpr constinit continue decltype default delete do double dynamic_cast else enum "
+            "explicit export extern false float for friend goto if inline int long mutable namespace new "
+            "noexcept not not_eq nullptr operator or or_eq private protected public register "
+            "reinterpret_cast requires return short signed sizeof static static_assert static_cast "
+            "struct switch template this thread_local throw true try typedef typeid typename union "
+            "unsigned using virtual void volatile wchar_t while xor xor_eq");
+        return std::set<std::string>{std::istream_iterator<std::string>(words), {}};
+    }();
+    return taken;
+}
+
 // The names of bodies in C++, each once: other characters become '_', and what C++ or another body has taken gets the
 // body's number behind it.
 std::vector<std::string> cpp_names(const std::vector<BodyDescription>& bodies) {
-    std::istringstream words(
-        "Bodies alignas alignof and and_eq asm auto bitand bitor bool break case catch char char16_t "
-        "char32_t char8_t class co_await co_return co_yield compl concept const const_cast consteval "
-        "constexpr constinit continue decltype default delete do double dynamic_cast else enum "
-        "explicit export extern false float for friend goto if inline int long mutable namespace new "
-        "noexcept not not_eq nullptr operator or or_eq private protected public register "
-        "reinterpret_cast requires return short signed sizeof static static_assert static_cast "
-        "struct switch template this thread_local throw true try typedef typeid typename union "
-        "unsigned using virtual void volatile wchar_t while xor xor_eq");
-    std::set<std::string> taken{std::istream_iterator<std::string>(words), {}};
+    std::set<std::string> taken = cpp_words();
+    taken.insert("Bodies");
     std::vector<std::string> names;
     for (const BodyDescription& body : bodies) {
         std::string name;
@@ -332,15 +341,15 @@ std::string config_text(const SceneDescription& scene, const SceneData& data, co
     return text + "        static constexpr tumble::Features features{\n" + members.text() + "        };\n    };\n";
 }
 
-// Is it a name in C++ that no member of the struct has?
+// Is it a name in C++ that no member of the struct has, and no namespace that it names?
 bool is_struct_name(const std::string& name) {
-    static const std::vector<std::string> members = {"Config",    "Bodies", "name",    "step",     "steps",  "world",
-                                                     "bodies",    "planes", "springs", "impulses", "forces", "events",
-                                                     "softening", "wind",   "drags",   "wheels",   "orbit"};
+    static const std::vector<std::string> members = {
+        "Config", "Bodies", "name",      "step", "steps", "world",  "bodies", "planes", "springs", "impulses",
+        "forces", "events", "softening", "wind", "drags", "wheels", "orbit",  "tumble", "std"};
     const auto is_in_name = [](unsigned char c) { return c < 0x80 && (std::isalnum(c) != 0 || c == '_'); };
     return !name.empty() && std::isdigit(static_cast<unsigned char>(name[0])) == 0 &&
            std::all_of(name.begin(), name.end(), is_in_name) &&
-           std::find(members.begin(), members.end(), name) == members.end();
+           std::find(members.begin(), members.end(), name) == members.end() && !cpp_words().contains(name);
 }
 
 }  // namespace

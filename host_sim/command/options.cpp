@@ -85,7 +85,7 @@ Expected positive(const std::string& of_what) {
 template <class T>
 void Subcommand::add(T& value, const std::string& option, const std::string& help, const Expected& expected) {
     if constexpr (std::is_same_v<T, bool>) {
-        app_->add_flag(option, value, help);
+        app_->add_flag(option, value, help)->disable_flag_override();
     } else {
         CLI::Option& added = *app_->add_option(name_of(option), value, help);
         added.type_name(option.substr(option.find(' ') + 1));

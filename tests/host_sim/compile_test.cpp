@@ -15,7 +15,7 @@ TEST(Compile, a_scene_named_after_a_member_of_its_struct_gets_another_name) {
 TEST(Compile, the_struct_has_the_name_that_is_asked_for) {
     const std::string scene = written("named.toml", scene_of("", body_of("a", "sphere = 1.0")));
     expect_outcome(tumble({"compile", scene, "--struct", "first_flight"}), 0, "struct first_flight {");
-    for (const auto* name : {"", "a b", "1st", "Config", "bodies", "Bodies"}) {
+    for (const auto* name : {"", "a b", "1st", "Config", "bodies", "Bodies", "class", "xor", "std", "tumble"}) {
         expect_outcome(tumble({"compile", scene, "--struct", name}), 2,
                        "--struct: got \"" + std::string(name) + "\", expected a name in C++");
     }
