@@ -196,7 +196,7 @@ TEST(Recording, keeps_the_scene_as_it_was_but_for_its_ending) {
                                           "\n[expect]\nintegrator = \"verlet\"\nnumbers = \"q32\"\nsteps = 4\n"
                                           "tumble_bits = 1\nhash = \"0123456789abcdef\"\n"),
                       record = temporary("record.toml");
-    Process process({TUMBLE_COMMAND, "run", scene, "--live", "--record", record}, "{\"step\": 2}\n",
+    Process process({TUMBLE_COMMAND, "run", scene, "--live", "--record", record}, "{\"step\": 5000}\n",
                     Process::Errors::keep);
     EXPECT_EQ(process.wait(), 0);
     EXPECT_TRUE(contents(record).starts_with(contents(shipped("cube"))));
