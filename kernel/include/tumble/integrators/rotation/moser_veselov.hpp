@@ -234,10 +234,11 @@ struct MoserVeselovFlow {
             c += change;
             converged = block.vanishes_times_itself(change, c);
         }
-        // Beyond the turn at which the equation has a solution the iteration runs away, to numbers that are not finite.
-        // The body turns by the first guess then, and keeps its spin.
+        // The iteration comes to a solution where that is less than a quarter turn, |c| < 1; close to it slowly, from
+        // below. Otherwise it runs away, to numbers that are not finite. The body turns by the first guess then, and
+        // keeps its spin.
         if constexpr (!N::fixed_point)
-            for (int i = 0; !converged && i < 3; ++i) {
+            for (int i = 0; !converged && !(square < Angle(1)) && i < 3; ++i) {
                 c[i] = inertia.inverse[i] * t[i];
                 difference[i] = {};
             }
