@@ -275,7 +275,7 @@ TEST_P(Rest, a_body_too_heavy_for_those_below_it_is_told) {
                 setup.bodies.push_back(
                     oriented(placed(box(real(mass), {0.2, 0.5, 0.5}), along * side + Vector{0, 0.25L, 0}), turned));
             setup.bodies.push_back(oriented(placed(box(real(mass * ratio), {1.5, 0.2, 0.5}), {0, 0.6L, 0}), turned));
-            // What they cannot carry is told in the first steps.
+            // The status says within the first steps that the boxes do not carry it.
             const auto world = run(setup, ratio > 100 && system().bits < 64 ? rate / 8 : rate / 2);
             const bool told = world->status().has(Issue::step_bound_hit);
             if (ratio < 100 || system().bits < 64) {

@@ -8,7 +8,7 @@ namespace tumble::test {
 namespace {
 
 template <class N, int room>
-struct Plain : Scene {
+struct Ground : Scene {
     using Numbers = N;
     static constexpr Features features{.bodies = room,
                                        .planes = 2,
@@ -25,9 +25,9 @@ const Real gravity{-9.8125};  // m/s^2
 
 // Two stacks of three boxes, a box on a fixed table, and a paddle. `busy`: and far from them a ball that rolls on.
 template <class N, int room>
-class Town : public Player<Plain<N, room>> {
+class Town : public Player<Ground<N, room>> {
 public:
-    using Player = test::Player<Plain<N, room>>;
+    using Player = test::Player<Ground<N, room>>;
     using Player::add, Player::world;
 
     Town(bool looks, bool busy) : Player{spec()}, looks_{looks} {
@@ -206,11 +206,11 @@ TYPED_TEST(Standing, bodies_meet_a_new_plane) {
 // With a grid the one of two bodies that looked last keeps the bound on their time to contact: here a box, which slides
 // below a large ball that falls, and stands.
 TYPED_TEST(Standing, bodies_are_hit_by_a_large_ball_that_looked_before_them) {
-    const auto run = []<class Plain>(Plain, bool looks, bool busy, int side, int restored = -1) {
+    const auto run = []<class Ground>(Ground, bool looks, bool busy, int side, int restored = -1) {
         WorldSpec spec;
         spec.gravity = {0, -1, 0};
         spec.contact.restitution = spec.contact.friction = Real{0};
-        Player<Plain> play{spec};
+        Player<Ground> play{spec};
         EXPECT_TRUE(play.world().add(PlaneSpec{}));
         const BodyId ball = play.add(sphere(1, Real{7.875}), {0, Real{11.75}, 0}, {0, -7, 0});
         const BodyId sliding = play.add(box(1, {1, 1, 1}), {Real{-15} * side, Real{0.5}, 0}, {Real{50} * side, 0, 0});
@@ -226,10 +226,10 @@ TYPED_TEST(Standing, bodies_are_hit_by_a_large_ball_that_looked_before_them) {
     };
     for (const int side : {-1, 1})
         for (const bool busy : {false, true}) {
-            const auto looked_at = run(Plain<TypeParam, 10>{}, true, busy, side);
-            EXPECT_EQ(run(Plain<TypeParam, 10>{}, false, busy, side), looked_at);
+            const auto looked_at = run(Ground<TypeParam, 10>{}, true, busy, side);
+            EXPECT_EQ(run(Ground<TypeParam, 10>{}, false, busy, side), looked_at);
             for (const int restored : {-1, 79})
-                EXPECT_EQ(run(Plain<TypeParam, 70>{}, false, busy, side, restored), looked_at) << restored;
+                EXPECT_EQ(run(Ground<TypeParam, 70>{}, false, busy, side, restored), looked_at) << restored;
         }
 }
 
@@ -252,12 +252,12 @@ struct PullOnAll {
     }
 };
 template <class N>
-struct Magnetic : Plain<N, 4> {
+struct Magnetic : Ground<N, 4> {
     using Loads = LoadList<PullOnAll>;
 };
 TYPED_TEST(Standing, bodies_feel_a_load_that_begins_to_act_by_itself) {
-    const auto run = []<class Plain>(Plain, bool looks, int height, int first) {
-        Player<Plain> play{{.gravity = {0, gravity, 0}}};
+    const auto run = []<class Ground>(Ground, bool looks, int height, int first) {
+        Player<Ground> play{{.gravity = {0, gravity, 0}}};
         EXPECT_TRUE(play.world().add(PlaneSpec{}));
         (void)play.add(sphere(1, Real{0.25}), {-8, Real{0.25} + height, 1}, {4, Real{4} * height, 0});
         BodyId boxes[2];
@@ -292,17 +292,17 @@ struct Gust {
     }
 };
 template <class N, int room>
-struct Windy : Plain<N, room> {
+struct Windy : Ground<N, room> {
     using Loads = LoadList<Gust>;
 };
 // A ball flies alone, or has another before it, which is as far from a wall. Bounds on the time to contact that were
 // found without the load end when it begins, those of the other ball too.
 TYPED_TEST(Standing, a_load_that_begins_to_act_by_itself_drives_no_body_into_a_wall) {
-    const auto run = []<class Plain>(Plain, std::uint32_t begin, bool has_other) {
+    const auto run = []<class Ground>(Ground, std::uint32_t begin, bool has_other) {
         WorldSpec spec;
         spec.gravity = {};
         spec.contact.restitution = 0;
-        Player<Plain> play{spec};
+        Player<Ground> play{spec};
         PlaneSpec wall;
         wall.normal = {-1, 0, 0};
         wall.offset = Real{0.75};
@@ -318,7 +318,7 @@ TYPED_TEST(Standing, a_load_that_begins_to_act_by_itself_drives_no_body_into_a_w
             most = std::max(most, static_cast<double>(play.world().position(last).x));
         }
         EXPECT_NEAR(most, 0.25, static_cast<double>(play.world().contact_tolerance()))
-            << "from step " << begin << (has_other ? ", with another ball" : "") << ", " << Plain::features.bodies
+            << "from step " << begin << (has_other ? ", with another ball" : "") << ", " << Ground::features.bodies
             << " bodies";
     };
     for (const bool has_other : {false, true})
@@ -329,9 +329,9 @@ TYPED_TEST(Standing, a_load_that_begins_to_act_by_itself_drives_no_body_into_a_w
 }
 
 template <class N>
-struct Crowded : Plain<N, 3> {
+struct Crowded : Ground<N, 3> {
     static constexpr Features features = [] {
-        Features all = Plain<N, 3>::features;
+        Features all = Ground<N, 3>::features;
         all.near_pairs = 3;
         return all;
     }();
