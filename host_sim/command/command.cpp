@@ -15,8 +15,10 @@ namespace tumble::host {
 
 void Choice::add_to(Subcommand& command) {
     command.require(scene, "scene SCENE.toml", "scene file (TOML), or - for standard input", input_file());
-    command.add(integrator, "--integrator NAME", "see `tumble list` (default: the scene's [expect], else verlet)");
-    command.add(numbers, "--numbers q32|f32|f64", "number system (default: the scene's [expect], else q32)");
+    const Expected named{"a name", [](const std::string& text) { return !text.empty(); }};
+    command.add(integrator, "--integrator NAME", "see `tumble list` (default: the scene's [expect], else verlet)",
+                named);
+    command.add(numbers, "--numbers q32|f32|f64", "number system (default: the scene's [expect], else q32)", named);
     command.add(carry, "--carry on|off",
                 "carry the rounding residual of the state (default: the scene's [expect], else on for q32 and f32, off "
                 "for f64)",

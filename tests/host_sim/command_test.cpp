@@ -30,6 +30,8 @@ INSTANTIATE_TEST_SUITE_P(
         BadCall{{}, "tumble: A subcommand is required"}, BadCall{{"dance"}, "dance"}, BadCall{{"run"}, "scene"},
         BadCall{{"run", "missing.toml"}, "missing.toml: cannot be read: no such file"},
         BadCall{{"run", TUMBLE_SOURCE_DIR "/tests/host_sim/CMakeLists.txt"}, "CMakeLists.txt:2: TOML syntax: "},
+        BadCall{{"run", brick_file, "--integrator", ""}, "expected a name"},
+        BadCall{{"run", brick_file, "--numbers", ""}, "expected a name"},
         BadCall{{"run", brick_file, "--integrator", "rk5"},
                 "unknown integrator \"rk5\" (did you mean \"rk4\"?), expected one of explicit_euler, "},
         BadCall{{"run", brick_file, "--integrator", "exact"}, "expected --numbers to be one of f32, f64"},

@@ -104,6 +104,7 @@ std::string leaving_ball(Draw& draw, Case& run) {
     BodyDescription& ball = add_sphere(scene, draw.magnitude(0.2, 4), radius, {-way, radius, 0});
     ball.velocity = {speed + carried, 0, 0};
     if (rolls) ball.angular_velocity = {0, 0, -speed / radius};
+    scene.range.angular_velocity = 256;
     const double edge = pull > 0 ? (std::sqrt(speed * speed + 2 * pull * way) - speed) / pull : way / speed;
     const int steps = static_cast<int>((edge + draw.uniform(0.1, 0.25)) / run.step);
     const double time = steps * run.step, t = time - edge;

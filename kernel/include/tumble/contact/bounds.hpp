@@ -147,12 +147,14 @@ struct ContactBounds {
     [[nodiscard]] static Work left_by_collapse(Work fastest) {
         return fastest * N::template constant<Work>(Real::scaled(1, -contact::max_impacts));
     }
-    // A change of motion is no acceleration below this part of what contacts change. Bounded sweeps leave up to 2^-10.4
-    // of it in a stack of twelve boxes that stands (measured). On ice a box rests where the tilt is below 2^-10, which
-    // is 0.06 degrees.
-    [[nodiscard]] static Speed balance(Speed by_contacts) {
-        return C::half(C::eighth(C::eighth(C::eighth(by_contacts))));
+    // What bounded sweeps may leave of the fastest approach of a step: up to 2^-10.4 in a stack of twelve boxes that
+    // stands (measured).
+    [[nodiscard]] static Speed left_by_sweeps(Speed fastest) {
+        return C::half(C::eighth(C::eighth(C::eighth(fastest))));
     }
+    // A change of motion is no acceleration below this part of what contacts change. On ice a box rests where the tilt
+    // is below 2^-10, which is 0.06 degrees.
+    [[nodiscard]] static Speed balance(Speed by_contacts) { return left_by_sweeps(by_contacts); }
 };
 
 }  // namespace tumble

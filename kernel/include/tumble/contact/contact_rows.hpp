@@ -224,22 +224,29 @@ public:
     }
 
 private:
-    // True where the body comes to the surface at a point faster than sweeps leave it.
-    [[nodiscard]] bool is_pressed(const Pair& pair, const Point& point, Speed enough) const {
-        return point.row[0].excess(velocities_.now[pair.a], nullptr) < -enough;
+    // How fast the body comes to the surface at a point.
+    [[nodiscard]] Speed approach_at(const Pair& pair, const Point& point) const {
+        return -point.row[0].excess(velocities_.now[pair.a], nullptr);
     }
     [[nodiscard]] bool touches_several() const {
         int touched = 0;
         pairs_.for_each(island_, [&](const Pair& pair) { touched += pair.touched; });
         return touched > 1;
     }
-    // Takes the points of pairs of which none is pressed out of the solution. True where there are some.
+    // Takes out of the solution the points of pairs that the body approaches by no more than sweeps leave: a part of
+    // its fastest approach, or `enough`. True where there are some.
     [[nodiscard, gnu::noinline, gnu::cold]] bool start_waiting(Speed enough) {
         bool any = false;
+        Speed fastest{};
+        pairs_.for_each_active(island_, [&](const Pair& pair, const Point& point) {
+            const Speed approach = approach_at(pair, point);
+            if (approach > fastest) fastest = approach;
+        });
+        const Speed least = larger_of(ContactBounds<N>::left_by_sweeps(fastest), enough);
         pairs_.for_each(island_, [&](Pair& pair) {
             bool pressed = false;
             for (int i = 0; i < pair.count; ++i)
-                pressed = pressed || (pair.point[i].active && is_pressed(pair, pair.point[i], enough));
+                pressed = pressed || (pair.point[i].active && approach_at(pair, pair.point[i]) > least);
             for (int i = 0; i < pair.count; ++i) {
                 Point& point = pair.point[i];
                 point.waits = point.active && !pressed;
@@ -264,8 +271,9 @@ private:
         };
         for (int round = 0; round < contact::max_supports; ++round) {
             bool pressed = false;
+            const Speed least = larger_of(left, enough);
             for_each_waiting([&](Pair& pair, Point& point) {
-                if (!is_pressed(pair, point, enough)) return;
+                if (!(approach_at(pair, point) > least)) return;
                 pressed = true;
                 join(point);
                 Sweep::push(block(pair, point));

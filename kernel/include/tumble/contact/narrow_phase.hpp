@@ -207,6 +207,7 @@ public:
                 if constexpr (features.boxes && requires { contact.is_at_edge(margin); })
                     at_edge = asks && !(contact.gap > tolerance_) && contact.is_at_edge(Bounds::edge_depth(tolerance_));
             });
+            if constexpr (features.boxes) normal = normal_of_surface(pair, normal);
             pair.moved = pair.moved || !(normal == pair.normal);
             pair.normal = normal;
             if constexpr (features.boxes) {
@@ -215,6 +216,27 @@ public:
             }
         }
         return at_edge;
+    }
+    // Along the face of b on which a box lies with its own face, where nothing pushes b. So all blocks of a wall push
+    // in one direction, whichever faces are found. Over the box these two part by no more than resting points may be
+    // above a surface. Else the normal that was found.
+    [[nodiscard]] Vec3<typename N::Unit> normal_of_surface(const Pair& pair, const Vec3<typename N::Unit>& found) const
+        requires(features.pairs&& features.boxes) {
+        using Unit = typename N::Unit;
+        const CollisionShape<N>&a = shape_[pair.a], &b = shape_[pair.b];
+        if (pair.moves_b() || !a.is(ShapeKind::box) || !b.is(ShapeKind::box) || pair.axis.index >= 3) return found;
+        const Axes<N> axes = b.axes(axes_[pair.b]);
+        int face = -1;
+        bool along = false;
+        for (int i = 0; i < 3; ++i) {
+            const Unit part = narrow<Unit>(dot(found, axes.axis(i)));
+            if (!(narrow<Length>(mul(magnitude_of(part), a.radius)) > Bounds::resting_gap(tolerance_))) continue;
+            if (face >= 0) return found;
+            face = i;
+            along = part > Unit{};
+        }
+        if (face < 0) return found;
+        return along ? axes.axis(face) : Vec3<Unit>(-axes.axis(face));
     }
     // Finds the contact points of a measured pair that touches: those within the tolerance, and points of a rim that
     // may come as near in a step. Points of the step before keep their impulses for the warm start.

@@ -245,8 +245,9 @@ private:
     }
     // Finds the motion that corrects penetrations, and writes it into added(): the least at which no point sinks.
     // Friction takes no part in it, and it has no warm start. False where it is not found, as for a body squeezed
-    // between fixed ones: then its points push against each other by more than their corrections in every sweep. The
-    // last two sweeps have no momentum, so that only the points themselves decide.
+    // between fixed ones: then its points push against each other by about their corrections in every sweep. Where it
+    // is found, a small part of them is left. The last two sweeps have no momentum, so that only the points themselves
+    // decide.
     [[gnu::noinline, gnu::cold]] bool find_lifts() {
         const auto& group = island_.group;
         Speed largest{};
@@ -269,7 +270,7 @@ private:
         (void)rows_.sweep_normals(enough, Bounds::sweeps(contact::max_impact_sweeps), true);
         const Speed left = rows_.sweep_normals(enough, 2, false);
         pairs_.for_each_active(island_, [](Pair&, Point& point) { point.row[0].impulse = point.resting_impulse; });
-        const bool solved = !(left > largest);
+        const bool solved = !(left > C::half(largest));
         report_sinking(solved ? velocities_.now : velocities_.added());
         for (int k = 0; k < group.count; ++k) {
             const int b = group.id[k];
@@ -308,7 +309,7 @@ private:
         });
         const Speed enough = velocities_.scale.enough_at_rest();
         if (!(largest > enough)) return false;
-        const Speed held = Bounds::held_along(largest), slack = held > enough ? held : enough;
+        const Speed slack = larger_of(Bounds::held_along(largest), enough);
         guess_taken_along(changes, coasting, slack);
         auto& moves = velocities_.taken_along();
         for (int sweep = 0; sweep < Bounds::sweeps(contact::max_impact_sweeps); ++sweep) {

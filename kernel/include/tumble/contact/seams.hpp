@@ -184,7 +184,7 @@ private:
         pair.axis.index = static_cast<std::int8_t>(3 * box + side);
         pair.axis.negative = negative;
         pair.gap = edge[box].gap[side];
-        pair.normal = normal;
+        pair.normal = shapes_.normal_of_surface(pair, normal);
     }
     // Whether a direction in the axes of the box has a part along axis i: over the body it makes more than the
     // tolerance.

@@ -500,7 +500,7 @@ private:
         }
         // Supports that push along other directions, or at other heights, leave some.
         const Speed allowed = Bounds::left_by_supports(motion), enough = velocities_.scale.enough_at_rest();
-        if (supports.count > 1) fits = fits && !(velocities_.now[b].largest() > (allowed > enough ? allowed : enough));
+        if (supports.count > 1) fits = fits && !(velocities_.now[b].largest() > larger_of(allowed, enough));
         velocities_.stop(b);
         return fits;
     }

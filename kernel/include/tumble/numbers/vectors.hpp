@@ -145,6 +145,10 @@ template <class T>
 [[nodiscard]] TUMBLE_INLINE constexpr T magnitude_of(T a) {
     return a < T{} ? -a : a;
 }
+template <class T>
+[[nodiscard]] TUMBLE_INLINE constexpr T larger_of(T a, T b) {
+    return a > b ? a : b;
+}
 
 template <class To>
 [[nodiscard, gnu::noinline]] inline Vec3<Scaled> cross(const Vec3<Scaled>& a, const Vec3<Scaled>& b) {
