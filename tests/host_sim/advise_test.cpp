@@ -110,24 +110,23 @@ TEST(Accuracy, spring_has_the_error_of_the_closed_form) {
 TEST(Accuracy, longest_step_keeps_the_tolerance_and_twice_the_step_does_not) {
     const SampledScene scene(read_scene_text(swing, "swing.toml"));
     const Truth truth = truth_of(scene);
-    for (const char* numbers : {"q32", "f32", "f64"}) {
-        const Method method{"rk4", numbers, false};
+    for (const Method& method : {Method{"rk4", "q32", false}, {"rk4", "f32", true}, {"rk4", "f64", false}}) {
         const auto found = longest_step_within(1e-3, scene, truth, method);
         ASSERT_TRUE(found);
-        ASSERT_LE(found->error(), 1e-3) << numbers;
+        ASSERT_LE(found->error(), 1e-3) << method.numbers;
         for (int step = found->step; step <= scene.longest(); ++step) {
             const auto again = run_sampled(scene, method, step);
             ASSERT_TRUE(again);
             const bool is_within =
                 again->failure.empty() && largest_errors(again->samples, truth.samples).largest() <= 1e-3;
-            EXPECT_EQ(is_within, step == found->step) << numbers << " " << step;
+            EXPECT_EQ(is_within, step == found->step) << method.numbers << " " << step;
         }
     }
 }
 
 TEST(Accuracy, floor_of_rounding_is_not_reached_at_the_shortest_step) {
     const SampledScene scene(read_scene_text(swing, "swing.toml"));
-    const auto closest = longest_step_within(1e-12, scene, truth_of(scene), {"rk4", "f32", false});
+    const auto closest = longest_step_within(1e-12, scene, truth_of(scene), {"rk4", "q32", false});
     ASSERT_TRUE(closest);
     EXPECT_GT(closest->error(), 1e-12);
     EXPECT_LT(closest->error(), 1e-4);

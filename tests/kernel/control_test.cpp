@@ -494,7 +494,7 @@ template <class N>
 struct OnIce : OnTable<N> {
     OnIce() : OnTable<N>(0) {}
 };
-using TableNumbers = Tested<testing::Types<Q32<NearRange>, F32>, testing::Types<F64>>;
+using TableNumbers = Tested<testing::Types<Q32<NearRange>>, testing::Types<F32, F64>>;
 TYPED_TEST_SUITE(OnTable, TableNumbers);
 TYPED_TEST_SUITE(OnIce, TableNumbers);
 

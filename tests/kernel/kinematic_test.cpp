@@ -274,7 +274,7 @@ TEST_P(Kinematic, a_body_between_two_that_close_on_it_is_not_thrown) {
                             kinematic(box(1, {1, 2, 1}), along * 0.8L + Vector{0, 1, 0}, along * -speed),
                             placed(body, along * 0.01L + Vector{0, 0.25L, 0})};
             const auto world = build(setup, GetParam());
-            const int steps = static_cast<int>(0.35L * rate / speed);
+            const int steps = static_cast<int>(0.2L * rate / speed);
             Number fastest = 0;
             for (int i = 0; i < steps; ++i) {
                 world->step();
