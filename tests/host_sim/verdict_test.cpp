@@ -418,9 +418,9 @@ body = [ { name = "die", shape = { box = [0.1, 0.1, 0.1] }, mass = 1.0 } ]
     const std::pair<const char*, const char*> keys[] = {
         {"position", "position"}, {"velocity", "velocity"}, {"angular velocity", "angular_velocity"}};
     for (const auto& [name, key] : keys)
-        for (const char* numbers : {"f32", "f64"})
+        for (const Method& method : {Method{"verlet", "f32", true}, {"verlet", "f64", false}})
             EXPECT_TRUE(
-                message(scene, {"verlet", numbers, false}, {name, 64, "", true})
+                message(scene, method, {name, 64, "", true})
                     .ends_with("A run in q32 would be wrong from here on. Use a larger [range] " + std::string(key)));
 }
 

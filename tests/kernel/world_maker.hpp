@@ -114,29 +114,37 @@ std::unique_ptr<AnyWorld> make_world_of(std::string_view method, Seconds step, c
     });
     return world;
 }
-// The systems that differ most. The others do not have every method; with sanitizers, which slow a step down by more
-// than ten times, none has.
+// The systems that differ most, or in the quick set double alone. The others do not have every method; with sanitizers,
+// which slow a step down by more than ten times, none has.
 template <class N>
-#ifdef TUMBLE_SANITIZED
+#if defined TUMBLE_SANITIZED
 constexpr bool has_every_method = false;
-#else
+#elif defined TUMBLE_EVERY_KIND
 constexpr bool has_every_method = std::is_same_v<N, systems::q32_near> || std::is_same_v<N, systems::f64>;
+#else
+constexpr bool has_every_method = std::is_same_v<N, systems::f64>;
 #endif
 #ifdef TUMBLE_EVERY_KIND
 // For tests of features: one method of each kind.
 using FeatureIntegrators = IntegratorList<integrators::ImplicitEuler, integrators::Rk4, integrators::Verlet>;
 // Those that differ from others by more than a table of coefficients.
+template <class N>
 using OtherIntegrators =
     IntegratorList<integrators::ExplicitEuler, integrators::SemiImplicitEuler, integrators::ImplicitEuler,
                    integrators::Midpoint, integrators::Heun, integrators::Rk4, integrators::Verlet,
                    integrators::Suzuki4, integrators::Pdmv6, integrators::Exact>;
 #else
-// In the quick set one that keeps the angular velocity and one that keeps the angular momentum.
-using FeatureIntegrators = IntegratorList<integrators::Rk4, integrators::Verlet>;
-using OtherIntegrators = IntegratorList<integrators::Rk4, integrators::Verlet, integrators::Exact>;
+using FeatureIntegrators = IntegratorList<integrators::Verlet>;
+// In the quick set one that keeps the angular velocity and one that keeps the angular momentum; in fixed point those
+// too whose error is held against that in double.
+template <class N>
+using OtherIntegrators = std::conditional_t<N::fixed_point,
+                                            IntegratorList<integrators::Rk4, integrators::Verlet, integrators::Pdmv4,
+                                                           integrators::Pdmv6, integrators::Pdmv8, integrators::Pdmv10>,
+                                            IntegratorList<integrators::Rk4, integrators::Verlet, integrators::Exact>>;
 #endif
 template <class N>
-using IntegratorsOf = std::conditional_t<has_every_method<N>, Integrators, OtherIntegrators>;
+using IntegratorsOf = std::conditional_t<has_every_method<N>, Integrators, OtherIntegrators<N>>;
 template <class N>
 std::unique_ptr<AnyWorld> make_world(std::string_view method, Seconds step, const WorldSpec& spec) {
     return make_world_of<N, everything, IntegratorsOf<N>>(method, step, spec);

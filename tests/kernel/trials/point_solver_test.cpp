@@ -10,11 +10,7 @@
 namespace tumble::test {
 namespace {
 
-#ifdef TUMBLE_EVERY_KIND
 constexpr int manifolds = 100000;
-#else
-constexpr int manifolds = 2000;
-#endif
 
 template <class N>
 class PointSolvers : public testing::Test {
