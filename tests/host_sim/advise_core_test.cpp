@@ -53,7 +53,7 @@ TEST(Advise, cheapest_method_on_a_core_keeps_the_tolerance) {
 }
 
 // Carry adds work, yet a core may take less for it.
-TEST(Advise, the_cheapest_method_is_measured_with_carry_too) {
+TEST(AdviseDeep, the_cheapest_method_is_measured_with_carry_too) {
     const Json json = json_of({"advise", free_body(), "--core", "cortex-m3", "--tolerance", "1e-4", "--integrators",
                                "suzuki4", "--numbers", "q32"});
     ASSERT_EQ(json["ranking"].size(), 2u) << json;

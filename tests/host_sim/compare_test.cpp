@@ -113,7 +113,7 @@ TEST(CompareDeep, leaving_the_range_is_a_failure_on_both_sides) {
                    "range_left");
 }
 
-TEST(Compare, firmware_without_doubles_has_no_double_arithmetic) {
+TEST(CompareDeep, firmware_without_doubles_has_no_double_arithmetic) {
     for (const auto* numbers : {"q32", "f32"}) {
         ASSERT_EQ(tumble({"compare", shipped("brick"), "--core", "cortex-m0", "--every", "256", "--duration", "1",
                           "--numbers", numbers})
