@@ -291,6 +291,7 @@ std::string world_text(const WorldSpec& world) {
                      "m/s, rad/s, s");
         contact.when(c.most_impacts > 0, "most_impacts", std::to_string(c.most_impacts));
         contact.when(c.most_searches > 0, "most_searches", std::to_string(c.most_searches));
+        contact.when(c.most_sweeps > 0, "most_sweeps", std::to_string(c.most_sweeps));
     } else if (c.response == ContactResponse::spring) {
         contact.always("tolerance", number(c.tolerance), "m");
         contact.always("stiffness", number(c.stiffness), "N/m");

@@ -101,9 +101,9 @@ Account account_of(const Trouble& trouble, const SceneDescription& scene, const 
         return {"more pairs are near each other than the world has room for, so some bodies pass through others", ""};
     if (trouble.issue == "left_over")
         return {
-            "a step used up the impacts or searches that [contact] allows. The rest was resolved in the next step, and "
-            "bodies overlapped until then",
-            "larger contact.most_impacts and contact.most_searches, or a smaller step"};
+            "a step used up the impacts, searches or sweeps that [contact] allows. The rest was resolved in the next "
+            "step, and bodies overlapped until then",
+            "larger contact.most_impacts, contact.most_searches and contact.most_sweeps, or a smaller step"};
     if (trouble.issue != "step_bound_hit") return {"there is no room for another body", ""};
     if (const std::string_view method = simulation.integrator();
         method.starts_with("implicit") || method.starts_with("pdmv"))

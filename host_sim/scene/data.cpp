@@ -161,7 +161,8 @@ SceneData build_scene(const SceneDescription& scene) {
                           .barrier = contact.barrier,
                           .sleep = sleep_of(contact),
                           .most_impacts = by_impulses ? contact.most_impacts : 0,
-                          .most_searches = by_impulses ? contact.most_searches : 0};
+                          .most_searches = by_impulses ? contact.most_searches : 0,
+                          .most_sweeps = by_impulses ? contact.most_sweeps : 0};
     for (const BodyDescription& body : scene.bodies) data.bodies.push_back(body_of(body));
     add_loads_of_bodies(scene, data);
     if (const auto& gradient = scene.gravity_gradient)
@@ -246,7 +247,8 @@ Features needs(const SceneData& scene) {
         .sleep = world.contact.sleep.on && response == ContactResponse::impulse,
         .turntables = any(scene.bodies, is_turntable) || any(scene.events, turns_fixed),
         .kinematic = any(scene.bodies, [](const BodySpec& body) { return body.kinematic; }),
-        .impact_bounds = by_impulses && (world.contact.most_impacts > 0 || world.contact.most_searches > 0),
+        .impact_bounds = by_impulses && (world.contact.most_impacts > 0 || world.contact.most_searches > 0 ||
+                                         world.contact.most_sweeps > 0),
         .contact_impulses = !by_springs,
         .contact_springs = by_springs,
     };

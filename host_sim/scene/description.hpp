@@ -113,7 +113,7 @@ struct ContactDescription {
            spinning_resistance = 0.0, tolerance = 0.001;
     Mixing restitution_mixing = Mixing::larger, friction_mixing = Mixing::geometric_mean;
     double stiffness = 10000.0, damping = 0.0, barrier = 0.0;
-    int most_impacts = 0, most_searches = 0;  // 0: the usual bounds
+    int most_impacts = 0, most_searches = 0, most_sweeps = 0;  // 0: the usual bounds
     std::optional<SleepDescription> sleep{};
 };
 

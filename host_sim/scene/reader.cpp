@@ -122,6 +122,7 @@ void read_contact(Table table, ContactDescription& contact) {
     table.optional("barrier", contact.barrier, Quantity{Quantity::not_negative, "N m^2"});
     read_bound(table, "most_impacts", contact.most_impacts);
     read_bound(table, "most_searches", contact.most_searches);
+    read_bound(table, "most_sweeps", contact.most_sweeps);
     if (const auto value = table.find("sleep")) {
         const auto* off = value->node().as_boolean();
         if (!value->node().is_table() && (off == nullptr || off->get()))

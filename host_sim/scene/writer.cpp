@@ -56,7 +56,8 @@ std::string contact_text(const ContactDescription& c) {
            line("restitution_mixing", json_text(word_of(mixings, c.restitution_mixing))) +
            line("friction_mixing", json_text(word_of(mixings, c.friction_mixing))) + line("tolerance", c.tolerance) +
            line("stiffness", c.stiffness) + line("damping", c.damping) + line("barrier", c.barrier) +
-           line("most_impacts", c.most_impacts) + line("most_searches", c.most_searches) + line("sleep", sleep);
+           line("most_impacts", c.most_impacts) + line("most_searches", c.most_searches) +
+           line("most_sweeps", c.most_sweeps) + line("sleep", sleep);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Scenes that bound the impacts and searches of a step: what is left over is resolved at the start of the next.
+// Scenes that bound the impacts, searches and sweeps of a step: what is left over is resolved at the start of the next.
 #include <tumble/tumble.hpp>
 
 #include "kinds.hpp"
@@ -42,6 +42,11 @@ protected:
         spec.contact.most_searches = searches;
         return spec;
     }
+    static WorldSpec with_sweeps(int sweeps, Real restitution, Real friction) {
+        WorldSpec spec = with(0, 0, restitution, friction);
+        spec.contact.most_sweeps = sweeps;
+        return spec;
+    }
     static BodySpec at(BodySpec body, const RealVec3& position, const RealVec3& velocity = {},
                        const RealVec3& spin = {}) {
         body.position = position;
@@ -78,9 +83,10 @@ TYPED_TEST_SUITE(ImpactBoundsTest, Systems);
 TYPED_TEST(ImpactBoundsTest, that_are_never_reached_change_no_bit) {
     for (const Real restitution : {Real{0}, Real{0.5}, Real{1}}) {
         const WorldSpec usual = this->with(0, 0, restitution, Real{0.25});
+        WorldSpec wide = this->with(8, 96, restitution, Real{0.25});
+        wide.contact.most_sweeps = 100000;
         World<Bounded<TypeParam, false>> without{Seconds{1, 256}, usual};
-        typename TestFixture::World free{Seconds{1, 256}, usual},
-            bounded{Seconds{1, 256}, this->with(8, 96, restitution, Real{0.25})};
+        typename TestFixture::World free{Seconds{1, 256}, usual}, bounded{Seconds{1, 256}, wide};
         this->add_dice(without);
         this->add_dice(free);
         this->add_dice(bounded);
@@ -165,6 +171,56 @@ TYPED_TEST(ImpactBoundsTest, let_nothing_pass_through) {
             EXPECT_GT(static_cast<double>(world.velocity(ball).y), 38 + i) << plane << " " << i;
             EXPECT_GT(static_cast<double>(world.position(ball).y), 0.0625) << plane << " " << i << " " << least;
         }
+}
+
+// A box is thrown, hits the floor with its vertices, edges and faces, and slides to rest.
+TYPED_TEST(ImpactBoundsTest, of_few_sweeps_let_a_box_come_to_rest_a_little_elsewhere) {
+    for (const bool mirrored : {false, true})
+        for (const double bounce : {0.0, 0.375}) {
+            const Real side = mirrored ? Real{-1} : Real{1};
+            const auto end = [&](int sweeps) {
+                typename TestFixture::World world{Seconds{1, 256}, this->with_sweeps(sweeps, Real{bounce}, Real{0.5})};
+                EXPECT_TRUE(world.add(PlaneSpec{}));
+                const BodyId body = world.add(this->at(box(1, {0.5, 0.3, 0.4}), {0, Real{1.2}, 0},
+                                                       {side * Real{2}, 0, 0.5}, {1, side * Real{2}, side * Real{3}}));
+                double before = this->energy(world, body);
+                for (int step = 0; step < 768; ++step) {
+                    (void)world.step();
+                    const double now = this->energy(world, body);
+                    EXPECT_LT(now, before + 1e-3) << "in step " << step << " with " << sweeps;
+                    before = now;
+                }
+                if (sweeps < 32) { EXPECT_EQ(world.status().has(Issue::left_over), sweeps > 0) << sweeps; }
+                EXPECT_EQ(world.contact_count(body), 4) << sweeps;
+                return world.position(body);
+            };
+            const auto usual = end(0), many = end(32), few = end(8);
+            for (const auto& [bounded, within] : {std::pair{many, 1e-3}, std::pair{few, 1e-2}}) {
+                EXPECT_NEAR(static_cast<double>(bounded.x), static_cast<double>(usual.x), within) << mirrored;
+                EXPECT_NEAR(static_cast<double>(bounded.y), static_cast<double>(usual.y), 1e-3) << mirrored;
+                EXPECT_NEAR(static_cast<double>(bounded.z), static_cast<double>(usual.z), within) << mirrored;
+            }
+            // One sweep a solution is the least there is. It still holds the box.
+            EXPECT_GT(static_cast<double>(end(1).y), 0.14);
+        }
+}
+
+// What the sweeps of a step do not pass on strikes in the next one, at full restitution.
+TYPED_TEST(ImpactBoundsTest, of_few_sweeps_pass_a_strike_through_a_row_of_balls_in_several_steps) {
+    for (const int sweeps : {1, 2, 5, 64}) {
+        WorldSpec spec = this->with_sweeps(sweeps, 1, 0);
+        spec.gravity = {};
+        typename TestFixture::World world{Seconds{1, 256}, spec};
+        BodyId ball[6];
+        for (int i = 0; i < 6; ++i)
+            ball[i] = world.add(this->at(sphere(1, Real{0.25}), {Real{0.5 * i} - Real{i == 0 ? 0.25 : 0}, 0, 0},
+                                         {Real{i == 0 ? 2 : 0}, 0, 0}));
+        for (int step = 0; step < 128; ++step) (void)world.step();
+        for (int i = 0; i < 5; ++i)
+            EXPECT_NEAR(static_cast<double>(world.velocity(ball[i]).x), 0, 1e-3) << i << ", " << sweeps;
+        EXPECT_NEAR(static_cast<double>(world.velocity(ball[5]).x), 2, 1e-3) << sweeps;
+        EXPECT_EQ(world.status().has(Issue::left_over), sweeps < 64) << sweeps;
+    }
 }
 
 }  // namespace

@@ -196,6 +196,8 @@ TEST_F(Named, every_value_of_a_world_acts_or_is_misuse) {
         "ContactSpec.most_impacts", [](Specs& s) { s.world.contact.most_impacts = 1; }, is_squeezed);
     needs<&Features::impact_bounds>(
         "ContactSpec.most_searches", [](Specs& s) { s.world.contact.most_searches = 1; }, is_squeezed);
+    needs<&Features::impact_bounds>(
+        "ContactSpec.most_sweeps", [](Specs& s) { s.world.contact.most_sweeps = 1; }, is_squeezed);
     expect_all_of<ContactSpec>("ContactSpec");
 
     needs<&Features::sleep>(

@@ -66,7 +66,7 @@ private:
         return !spec.linear_drag.is_zero() || !spec.angular_drag.is_zero();
     }
     [[nodiscard]] static constexpr bool has_bounds(const ContactSpec& spec) {
-        return spec.most_impacts != 0 || spec.most_searches != 0;
+        return spec.most_impacts != 0 || spec.most_searches != 0 || spec.most_sweeps != 0;
     }
     [[nodiscard]] static constexpr bool resists(const auto& spec) {
         return is_positive(spec.rolling_resistance) || is_positive(spec.spinning_resistance);

@@ -43,7 +43,7 @@ struct Features {
     bool turntables = false;          // fixed bodies may rotate
     bool kinematic = false;           // fixed bodies may move, and push what they meet: BodySpec::kinematic
     bool contact_readout = false;     // the world keeps what contacts do in a step, for World::contacts()
-    bool impact_bounds = false;       // impacts and searches of a step can be bounded: ContactSpec
+    bool impact_bounds = false;       // impacts, searches and sweeps of a step can be bounded: ContactSpec
     bool contact_impulses = true;     // ContactResponse::impulse
     bool contact_springs = false;     // ContactResponse::spring
 

@@ -125,6 +125,7 @@ struct ContactSpec {
     // Features::impact_bounds.
     int most_impacts = 0;   // that are resolved at their own time
     int most_searches = 0;  // flights that are redone to find them
+    int most_sweeps = 0;    // over its points, for impacts and forces; each solution has one at least
 
     // True without a choice of mixing.
     [[nodiscard]] constexpr bool mixes_as_usual() const {
@@ -150,7 +151,7 @@ struct ContactSpec {
     for (const Real& value : least)
         if (value.is_negative()) return false;
     return is_restitution(spec.restitution) && spec.tolerance > Real{} && spec.most_impacts >= 0 &&
-           spec.most_searches >= 0;
+           spec.most_searches >= 0 && spec.most_sweeps >= 0;
 }
 
 // Values that act on all bodies of a world.

@@ -1,7 +1,7 @@
 // The bounds and thresholds of this room: value, unit and reason. A part of a tolerance, a speed or a step is a power
 // of two, so that it is exact in every number system. Not here: what is only rounding (numbers/), when a shape lies
-// flat or rolls (shapes/), when sweeps restart (solver/sweep.hpp), and which normals of two contacts count as alike (a
-// cosine above 1/2: seams.hpp, impact_search.hpp).
+// flat or rolls (shapes/), what of a change sweeps repeat (solver/sweep.hpp), and which normals of two contacts count
+// as alike (a cosine above 1/2: seams.hpp, impact_search.hpp).
 #pragma once
 
 #include <tumble/numbers/systems.hpp>
@@ -35,8 +35,9 @@ inline constexpr int most_clear_steps_near = 8;
 struct ImpactBounds {
     int impacts = 0;
     int searches = 0;  // flights that are redone
+    int sweeps = 0;    // of all solutions; each has one at least
 
-    [[nodiscard]] bool are_set() const { return impacts > 0 || searches > 0; }
+    [[nodiscard]] bool are_set() const { return impacts > 0 || searches > 0 || sweeps > 0; }
 };
 
 // Thresholds, from the quantity that each is a part of. C: ContactNumbers<N>.

@@ -43,7 +43,7 @@ public:
     // Call where the body's motion changes other than by its flight: ends the bounds of the body and of its pairs.
     constexpr void end(int b, int planes, std::uint32_t now) {
         clear_until_[b] = now;
-        for (int p = 0; p < planes; ++p) set_due(plane_slot(b, p), now);
+        for (int p = 0; p < features.planes && p < planes; ++p) set_due(plane_slot(b, p), now);
         if constexpr (features.grid()) {
             ++many.ends[b];
         } else if constexpr (features.pairs) {

@@ -29,8 +29,7 @@ public:
     using Sweep = tumble::Sweep<N, features.pairs, features.friction, features.rolling_resistance>;
     // There are rows at right angles to the normals.
     static constexpr bool has_across = features.friction || features.rolling_resistance;
-    // There is one row. A visit solves it, but for rounding, and so it needs no momentum.
-    static constexpr bool is_one_row = PairList::is_single && Pair::max_points == 1 && !has_across;
+    static constexpr bool is_one_row = Velocities::is_one_row;
 
     ContactRows(const NarrowPhase& shapes, PairList& pairs, Velocities& velocities, const Bodies& bodies,
                 const Island& island)
@@ -61,9 +60,9 @@ public:
     void act_in_middle(Work part) requires(has_edges) { half_ = N::half_of(part); }
     // Makes the rows of a pair's points anew where these or the bodies have moved. Sets the targets of the rows to the
     // velocity that the point has at the end without them: that of a turning surface, and what the turn of the bodies
-    // changes after the middle of the flight.
+    // changes after the middle of the flight. Of bodies that turn only the normals are made, where tangents can wait.
     void make_rows(Pair& pair) {
-        const bool turns = velocities_.turns(pair.a) || (pair.moves_b() && velocities_.turns(pair.b));
+        const bool turns = this->turns(pair);
         bool hold = !turns;
         for (int i = 0; i < pair.count; ++i) {
             if (!turns) pair.point[i].row[0].target = Speed{};
@@ -74,9 +73,9 @@ public:
                 if (make_rounding_rows(pair)) hold = true;
         if (!hold) {
             pair.still = 0;
-            const Directions directions{pair, shapes_.axes(pair.a), pair.moves_b() ? &shapes_.axes(pair.b) : nullptr};
+            const Directions directions = directions_of(pair);
             if constexpr (Velocities::bodies_turn)
-                if (turns) make_turning_rows(pair, directions);
+                if (turns) make_turning_rows(pair, directions, 0, tangents_wait(pair) ? 1 : pair.rows());
             bool moves = false;
             if constexpr (has_edges) moves = may_shift(pair);
             for (int i = 0; i < pair.count; ++i) {
@@ -113,6 +112,12 @@ public:
                 }
             }
         }
+    }
+
+    // Makes the tangents that have waited for make_rows(): a step that begins with an impact needs none of them.
+    void make_tangents([[maybe_unused]] Pair& pair) const {
+        if constexpr (Velocities::bodies_turn && has_across)
+            if (tangents_wait(pair)) make_turning_rows(pair, directions_of(pair), 1, pair.rows());
     }
 
     // The rows of a point, with the velocities that their impulses change.
@@ -182,37 +187,49 @@ public:
         return !(part > Work(0)) ? Work(0) : part < all ? part / all : Work(1);
     }
 
+    // When sweeps end: Sweep::run.
+    struct Until {
+        Speed enough;
+        int most, patience;
+    };
+    // From no impulses. Conjugate gradients would end after as many steps as there are velocities, six of each body.
+    [[nodiscard]] Until from_nothing(Speed enough) const {
+        return {enough, ContactBounds<N>::sweeps(contact::max_impact_sweeps), 6 * island_.group.count};
+    }
+    // From the impulses of the step before. Then the changes are small, and may not get smaller before the impulse of a
+    // point is used up.
+    [[nodiscard]] static Until from_last_step(Speed enough) {
+        const int most = ContactBounds<N>::sweeps(contact::max_sweeps);
+        return {enough, most, most};
+    }
     // Solves all points that take part by sweeps. Returns the largest change of an impulse in the last one.
-    Speed sweep(Speed enough, int bound, bool with_momentum = true) {
+    Speed sweep(const Until& until, bool with_momentum = true) {
         if constexpr (features.friction)
             pairs_.for_each_active(island_, [](const Pair& pair, Point& point) {
                 if (pair.rows() > 1) point.couplings.set(point.row, pair.moves_b());
             });
-        if constexpr (!has_across) return sweep_normals(enough, bound, with_momentum);
-        else if constexpr (!features.pairs) return sweep_blocks(BlockOf{*this, false}, enough, bound, with_momentum);
-        else
-            return sweep_blocks([&](Pair& pair, Point& point) { return block(pair, point); }, enough, bound,
-                                with_momentum);
+        if constexpr (!has_across) return sweep_normals(until, with_momentum);
+        else if constexpr (!features.pairs) return sweep_blocks(BlockOf{*this, false}, until, with_momentum);
+        else return sweep_blocks([&](Pair& pair, Point& point) { return block(pair, point); }, until, with_momentum);
     }
     // The same from the impulses of the step before, for the forces of a step. Of a body that moves alone on several
     // surfaces, those to which it does not move wait until the forces of others move it there. Forces of two walls that
     // cancel are a solution too: sweeps leave some, and each step would add to those of the step before.
-    Speed sweep_pressed(Speed enough, int bound) {
+    Speed sweep_pressed(Speed enough) {
         bool wait = false;
         if constexpr (features.pairs || features.planes > 1)
             if (island_.group.count == 1 && touches_several()) wait = start_waiting(enough);
         push_all();
-        Speed left = sweep(enough, bound);
+        Speed left = sweep(from_last_step(enough));
         if (wait) [[unlikely]]
-            left = sweep_waiting(left, enough, bound);
+            left = sweep_waiting(left, enough);
         return left;
     }
     // The same, as if the points were smooth.
-    Speed sweep_normals(Speed enough, int bound, bool with_momentum) {
-        if constexpr (has_across && !features.pairs)
-            return sweep_blocks(BlockOf{*this, true}, enough, bound, with_momentum);
+    Speed sweep_normals(const Until& until, bool with_momentum) {
+        if constexpr (has_across && !features.pairs) return sweep_blocks(BlockOf{*this, true}, until, with_momentum);
         else
-            return sweep_blocks([&](Pair& pair, Point& point) { return normal_block(pair, point); }, enough, bound,
+            return sweep_blocks([&](Pair& pair, Point& point) { return normal_block(pair, point); }, until,
                                 with_momentum);
     }
     // Applies the impulses of all points that take part.
@@ -258,7 +275,7 @@ private:
     }
     // Sweeps again as long as points that wait are pressed, such as those of a wall by forces of a floor. Points
     // that nothing presses carry nothing. Returns the largest change of the last sweep.
-    [[nodiscard, gnu::noinline, gnu::cold]] Speed sweep_waiting(Speed left, Speed enough, int bound) {
+    [[nodiscard, gnu::noinline, gnu::cold]] Speed sweep_waiting(Speed left, Speed enough) {
         const auto for_each_waiting = [&](auto&& f) {
             pairs_.for_each(island_, [&](Pair& pair) {
                 for (int i = 0; i < pair.count; ++i)
@@ -279,7 +296,7 @@ private:
                 Sweep::push(block(pair, point));
             });
             if (!pressed) break;
-            left = sweep(enough, bound);
+            left = sweep(from_last_step(enough));
         }
         for_each_waiting([&](const Pair&, Point& point) {
             join(point);
@@ -302,13 +319,45 @@ private:
             return smooth ? rows.normal_block(pair, point) : rows.block(pair, point);
         }
     };
+    // Calls f(velocity, what sweeps keep of it) for each body, for one copy of what sweeps do with velocities.
+    struct ForEachVelocity {
+        Velocities& velocities;
+        const Island& island;
+
+        template <class F>
+        void operator()(F&& f) const {
+            if constexpr (!is_one_row)
+                for (int k = 0; k < island.group.count; ++k) {
+                    const int b = island.group.id[k];
+                    f(velocities.now[b], velocities.sweeping[b]);
+                }
+        }
+    };
     template <class Block>
-    Speed sweep_blocks(Block&& block_of, Speed enough, int bound, bool with_momentum) {
-        return Sweep::run(
-            [&](auto&& f) {
-                pairs_.for_each_active(island_, [&](Pair& pair, Point& point) { f(block_of(pair, point)); });
-            },
-            enough, bound, with_momentum && !is_one_row);
+    Speed sweep_blocks(Block&& block_of, const Until& until, bool with_momentum) {
+        return velocities_.within_bounds(until.most, until.enough, [&](int& left) {
+            return Sweep::run(
+                [&](auto&& f) {
+                    pairs_.for_each_active(island_, [&](Pair& pair, Point& point) { f(block_of(pair, point)); });
+                },
+                ForEachVelocity{velocities_, island_}, until.enough, left, until.patience,
+                with_momentum && !is_one_row);
+        });
+    }
+    [[nodiscard]] bool turns(const Pair& pair) const {
+        return velocities_.turns(pair.a) || (pair.moves_b() && velocities_.turns(pair.b));
+    }
+    // True of a pair whose tangents nothing needs before it is known whether a point strikes.
+    [[nodiscard]] bool tangents_wait(const Pair& pair) const {
+        if (pair.count == 0 || pair.rows() == 1 || !turns(pair)) return false;
+        if constexpr (features.moving_surfaces())
+            if (pair.surface_moves) return false;
+        if constexpr (features.rolling_resistance)
+            if (pair.resists_spin()) return false;
+        return true;
+    }
+    [[nodiscard]] auto directions_of(const Pair& pair) const {
+        return Directions{pair, shapes_.axes(pair.a), pair.moves_b() ? &shapes_.axes(pair.b) : nullptr};
     }
     // The directions of a pair's rows, in the principal axes of its bodies, times the bodies' shares of the motion.
     struct Directions {
@@ -510,11 +559,10 @@ private:
     struct Arms {
         Vec3<Length> middle, end;
     };
-    // Makes the rows of bodies that turn. A point on a surface that stands still is a place on the body, but round
-    // shapes roll over it. Between two bodies that move, the arms stand still in the world.
-    [[gnu::noinline]] void make_turning_rows(Pair& pair, const Directions& directions) const
+    // Makes the rows `first` to `count` - 1 of bodies that turn. A point on a surface that stands still is a place on
+    // the body, but round shapes roll over it. Between two bodies that move, the arms stand still in the world.
+    [[gnu::noinline]] void make_turning_rows(Pair& pair, const Directions& directions, int first, int count) const
         requires(Velocities::bodies_turn) {
-        const int count = pair.rows();
         const Turned a{directions.angular, velocities_.turn[pair.a], count};
         if constexpr (features.pairs) {
             if (directions.moves_b) {
@@ -522,7 +570,7 @@ private:
                 for (int i = 0; i < pair.count; ++i) {
                     Point& point = pair.point[i];
                     const Arms arms = world_arms(pair.a, point.arm), arms_b = world_arms(pair.b, point.arm_b);
-                    for (int k = 0; k < count; ++k) {
+                    for (int k = first; k < count; ++k) {
                         const Levers of_a = levers_of(pair.a, arms, a, k), of_b = levers_of(pair.b, arms_b, b, k);
                         point.row[k].set(directions.linear[k], of_a.middle, directions.linear_b[k], of_b.middle);
                         set_target(point.row[k], change(pair.b, of_b) - change(pair.a, of_a));
@@ -535,7 +583,7 @@ private:
             for (int i = 0; i < pair.count; ++i) {
                 Point& point = pair.point[i];
                 const Arms arms = arms_of(point);
-                for (int k = 0; k < count; ++k) {
+                for (int k = first; k < count; ++k) {
                     const Levers of_a = levers_of(pair.a, arms, a, k);
                     point.row[k].set(directions.linear[k], of_a.middle);
                     set_target(point.row[k], -change(pair.a, of_a));

@@ -19,7 +19,7 @@ struct ContactState {
     constexpr ContactState(Real step, const ContactSpec& spec)
         : shapes{step, spec}, sleepers{step, spec.sleep}, threshold{N::template constant<Work>(
                                                               spec.restitution_threshold * step)} {
-        if constexpr (features.impact_bounds) most = {spec.most_impacts, spec.most_searches};
+        if constexpr (features.impact_bounds) most = {spec.most_impacts, spec.most_searches, spec.most_sweeps};
     }
 
     NarrowPhase<N, spin, features> shapes;

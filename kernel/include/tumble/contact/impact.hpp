@@ -63,20 +63,28 @@ public:
         if (pairs == 0) return;
         if (const Work speed = velocities_.scale.work(fastest); speed > fastest_) fastest_ = speed;
         copy(velocities_.now, velocities_.start);
-        bool bounced = !stop;
-        for (int round = 0; bounced && round < contact::max_rounds + pairs; ++round) bounced = bounce();
+        bool bounced = !stop, any = false, sinks = false;
+        for (int round = 0; bounced && !is_spent() && round < contact::max_rounds + pairs; ++round) {
+            bounced = bounce();
+            any = any || bounced;
+        }
         pairs_.for_each(island_, [&](Pair& pair) {
             for (int i = 0; pair.is_struck() && i < pair.count; ++i) {
                 Point& point = pair.point[i];
                 point.active = !is_apart(point) || comes_down(pair, point, rest);
                 point.row[0].target = target_of_gap(pair, point);
+                sinks = sinks || (point.active && this->sinks(pair, point));
                 Rows::clear_impulses(point);
             }
         });
-        if (bounced || stop) [[unlikely]]
+        if ((bounced && !is_spent()) || stop) [[unlikely]]
             report_cut_off();
-        solve(false);
-        log_impulses(C::one());
+        if ((sinks && !(any && is_spent())) || !any) {
+            solve(false);
+            log_impulses(is_spent() ? scale_back() : C::one());
+        }
+        if constexpr (features.impact_bounds)
+            if (bounced && is_spent()) velocities_.sweeps_left.missing = true;
         velocities_.add_to(bodies_, loads, shapes_.weights(), island_.group);
         pairs_.count_points(island_, shapes_.tolerance());
         // The impulses of an impact are no warm start for the forces of the next step.
@@ -84,6 +92,11 @@ public:
     }
 
 private:
+    // True where the scene's bound on sweeps is used up. What still approaches then strikes in the next step.
+    [[nodiscard]] bool is_spent() const {
+        if constexpr (features.impact_bounds) return velocities_.sweeps_left.count == 0;
+        else return false;
+    }
     void copy(typename Velocities::Velocities& to, const typename Velocities::Velocities& from) {
         for (int k = 0; k < island_.group.count; ++k) to[island_.group.id[k]] = from[island_.group.id[k]];
     }
@@ -99,6 +112,14 @@ private:
     [[nodiscard]] Speed target_of_gap(const Pair& pair, const Point& point) const {
         const Speed surface = Rows::surface_of(pair, point);
         return point.gap > Length{} ? surface - rows_.speed(pair, point, point.gap) : surface;
+    }
+    // True of a point that is to be stopped at once. A point that moved away slowly has bounced with its face, and so
+    // comes as slowly. The forces of the rest of the step stop it where until then it sinks by no more than a resting
+    // point may be above the surface.
+    [[nodiscard]] bool sinks(const Pair& pair, const Point& point) const {
+        const Speed stays = point.row[0].target - Rows::surface_of(pair, point);
+        return stays - rows_.velocity(velocities_.now, pair, point) >
+               rows_.speed(pair, point, Bounds::resting_gap(shapes_.tolerance()));
     }
     // True of an approach that bounces: it is faster than the scene's threshold, and the bounce lasts long enough under
     // the loads.
@@ -130,8 +151,7 @@ private:
     // sweeps converge best.
     void solve(bool one_smooth_pair) {
         copy(velocities_.round_start(), velocities_.now);
-        (void)rows_.sweep(velocities_.scale.enough_in_impact(), Bounds::sweeps(contact::max_impact_sweeps),
-                          !one_smooth_pair);
+        (void)rows_.sweep(rows_.from_nothing(velocities_.scale.enough_in_impact()), !one_smooth_pair);
         // Each impulse is applied once, not in one part per sweep: this rounds less.
         copy(velocities_.now, velocities_.round_start());
         rows_.push_all();

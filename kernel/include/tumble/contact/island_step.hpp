@@ -35,6 +35,8 @@ public:
             const ImpactBounds& most = contacts.most;
             constexpr int usual = contact::max_impacts * contact::max_resteps;
             left_ = {most.impacts > 0 ? most.impacts : contact::max_impacts, most.searches > 0 ? most.searches : usual};
+            contacts.velocities.sweeps_left = {};
+            if (most.sweeps > 0) contacts.velocities.sweeps_left.count = most.sweeps;
         }
     }
 
@@ -45,7 +47,15 @@ public:
     // Where the scene has bounds of its own, nothing is stopped: what is left below a surface strikes it at the start
     // of the next step.
     // True of an island that stood still before and stands as it did.
-    [[gnu::noinline]] bool take() {
+    bool take() {
+        const bool stood = take_whole();
+        if constexpr (features.impact_bounds)
+            if (contacts_.velocities.sweeps_left.missing) bodies_.report(Issue::left_over, island_.root);
+        return stood;
+    }
+
+private:
+    [[gnu::noinline]] bool take_whole() {
         move({.group = island_.group, .loads = &contacts_.loads});
         if (resting().still_stands(contacts_.loads, contacts_.forces)) {
             contacts_.solution = {.settled = true, .stands = true};
@@ -71,7 +81,7 @@ public:
                 take_over_spins();
                 return false;
             }
-            if (touch == Touch::strikes) {
+            if (touch == Touch::strikes && !is_spent()) {
                 resolve(false, span);
                 find_near_pairs();
                 search_.start_flight();
@@ -131,8 +141,6 @@ public:
         }
         return false;
     }
-
-private:
     // Under other gravity: whether the island stood and still stands, on the points on which it stood. Where it does
     // not, its bodies look for others, since they did not when the step began.
     [[gnu::noinline]] bool stands_anew() requires(features.control) {
@@ -158,7 +166,9 @@ private:
     }
     // True where the bounds of the scene are used up.
     [[nodiscard]] bool is_spent() const {
-        if constexpr (features.impact_bounds) return has_bounds() && (left_.impacts <= 0 || left_.searches <= 0);
+        if constexpr (features.impact_bounds)
+            return has_bounds() &&
+                   (left_.impacts <= 0 || left_.searches <= 0 || contacts_.velocities.sweeps_left.count == 0);
         else return false;
     }
     // Whether a search that has redone so many flights may redo another. Each may redo one, however many are left.

@@ -68,7 +68,8 @@ public:
                             closing = rows_.speed(pair, point, point.gap);
                 const bool fast = approach > Rows::along(point, slow), above = point.gap > Length{};
                 const Speed late = hit ? Bounds::late(closing) : Speed{};
-                point.active = !(above && fast && approach - late > closing);
+                // What an impact has left over strikes in the next step.
+                point.active = !(fast && (above ? approach - late > closing : struck && is_spent()));
                 if (!point.active) {
                     Rows::clear_impulses(point);
                     continue;
@@ -84,6 +85,7 @@ public:
         });
         if (active == 0) return Touch::nothing;
         if (strikes && !struck) return Touch::strikes;
+        pairs_.for_each(island_, [&](Pair& pair) { rows_.make_tangents(pair); });
         if (whole && Statics<N, spin, features>{shapes_, pairs_, velocities_, bodies_, island_}.solve(stands)) {
             velocities_.write(forces, bodies_, shapes_.weights(), island_.group, &loads);
             solution.stands = !lifts && pairs_.hold_all(island_) && is_at_rest();
@@ -91,8 +93,7 @@ public:
             return Touch::nothing;
         } else {
             const Speed enough = velocities_.scale.enough_at_rest();
-            if (rows_.sweep_pressed(enough, Bounds::sweeps(contact::max_sweeps)) > enough)
-                report_far_from_solved(enough);
+            if (rows_.sweep_pressed(enough) > enough && !is_spent()) report_far_from_solved(enough);
             velocities_.write(forces, bodies_, shapes_.weights(), island_.group);
         }
         pairs_.count_points(island_, shapes_.tolerance());
@@ -148,6 +149,11 @@ public:
     }
 
 private:
+    // True where the scene's bound on sweeps is used up.
+    [[nodiscard]] bool is_spent() const {
+        if constexpr (features.impact_bounds) return velocities_.sweeps_left.count == 0;
+        else return false;
+    }
     // Whether something holds each body. Bodies that do not touch each other need one look.
     [[nodiscard]] bool are_held() const {
         bool held[features.bodies]{};
@@ -167,7 +173,7 @@ private:
     }
     // Reports a point that the forces leave approaching faster than gravity changes a speed in a step, where it so
     // comes deeper than the tolerance by the end of the step: without any force it would be slower. Reports a face that
-    // the forces leave turning. Call where the sweeps met their bound. `enough`: what sweeps leave anyway.
+    // the forces leave turning. Call where the sweeps ended early. `enough`: what sweeps leave anyway.
     [[gnu::noinline, gnu::cold]] void report_far_from_solved(Speed enough) {
         const Pair* found = nullptr;
         pairs_.for_each(island_, [&](const Pair& pair) {
@@ -267,11 +273,12 @@ private:
             point.row[0].impulse = Speed{};
         });
         const Speed enough = velocities_.scale.enough_at_rest();
-        (void)rows_.sweep_normals(enough, Bounds::sweeps(contact::max_impact_sweeps), true);
-        const Speed left = rows_.sweep_normals(enough, 2, false);
+        (void)rows_.sweep_normals(rows_.from_nothing(enough), true);
+        const Speed left = rows_.sweep_normals({enough, 2, 2}, false);
         pairs_.for_each_active(island_, [](Pair&, Point& point) { point.row[0].impulse = point.resting_impulse; });
-        const bool solved = !(left > C::half(largest));
-        report_sinking(solved ? velocities_.now : velocities_.added());
+        // Where sweeps are missing the part that is found is a step towards the solution.
+        const bool solved = is_spent() || !(left > C::half(largest));
+        if (!is_spent()) report_sinking(solved ? velocities_.now : velocities_.added());
         for (int k = 0; k < group.count; ++k) {
             const int b = group.id[k];
             auto& lifted = velocities_.added()[b];
@@ -312,25 +319,30 @@ private:
         const Speed slack = larger_of(Bounds::held_along(largest), enough);
         guess_taken_along(changes, coasting, slack);
         auto& moves = velocities_.taken_along();
-        for (int sweep = 0; sweep < Bounds::sweeps(contact::max_impact_sweeps); ++sweep) {
+        velocities_.within_bounds(Bounds::sweeps(contact::max_impact_sweeps), enough, [&](int& left) {
             Speed most{};
-            pairs_.for_each_active(island_, [&](Pair& pair, Point& point) {
-                Velocity* const b = pair.moves_b() ? &moves[pair.b] : nullptr;
-                const Velocity* const end_b = pair.moves_b() ? &velocities_.now[pair.b] : nullptr;
-                const auto holds = [&](int k) {
-                    return !(magnitude_of(point.row[k].excess(velocities_.now[pair.a], end_b)) > slack);
-                };
-                if (!(point.row[0].impulse > Speed{}) || !holds(0)) return;
-                const bool sticks = pair.rows() > 1 && holds(1) && holds(2);
-                for (int k = 0; k < (sticks ? pair.rows() : 1); ++k) {
-                    auto& row = point.row[k];
-                    const Speed by = row.missing - row.velocity(moves[pair.a], b), size = magnitude_of(by);
-                    row.push(by, moves[pair.a], b);
-                    if (size > most) most = size;
-                }
-            });
-            if (!(most > enough)) break;
-        }
+            while (left > 0) {
+                --left;
+                most = {};
+                pairs_.for_each_active(island_, [&](Pair& pair, Point& point) {
+                    Velocity* const b = pair.moves_b() ? &moves[pair.b] : nullptr;
+                    const Velocity* const end_b = pair.moves_b() ? &velocities_.now[pair.b] : nullptr;
+                    const auto holds = [&](int k) {
+                        return !(magnitude_of(point.row[k].excess(velocities_.now[pair.a], end_b)) > slack);
+                    };
+                    if (!(point.row[0].impulse > Speed{}) || !holds(0)) return;
+                    const bool sticks = pair.rows() > 1 && holds(1) && holds(2);
+                    for (int k = 0; k < (sticks ? pair.rows() : 1); ++k) {
+                        auto& row = point.row[k];
+                        const Speed by = row.missing - row.velocity(moves[pair.a], b), size = magnitude_of(by);
+                        row.push(by, moves[pair.a], b);
+                        if (size > most) most = size;
+                    }
+                });
+                if (!(most > enough)) break;
+            }
+            return most;
+        });
         return true;
     }
     [[nodiscard]] bool is_on_changed(const Kicks& changes, const Pair& pair) const {
@@ -401,7 +413,7 @@ private:
                 return WeightedVelocity<N>{now.linear - from.linear, now.angular - from.angular}.largest();
             };
             const Speed change = largest_change(start), by_contacts = largest_change(loaded);
-            all = all && (!(change > Bounds::balance(by_contacts)) || !(change > velocities_.scale.enough_in_impact()));
+            all = all && (!(change > Bounds::balance(by_contacts)) || !(change > velocities_.scale.rounding()));
         }
         return all;
     }

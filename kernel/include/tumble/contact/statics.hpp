@@ -297,7 +297,7 @@ private:
     // Whether no point of the other pairs, which carry nothing, comes too deep.
     [[nodiscard]] bool open_points_hold() {
         bool hold = true;
-        const Speed slack = Bounds::slack(velocities_.scale.enough_in_impact());
+        const Speed slack = Bounds::slack(velocities_.scale.rounding());
         pairs_.for_each_active(island_, [&](Pair& pair, Point& point) {
             if (!pair.carriers.none()) return;
             const Speed excess =
@@ -359,7 +359,13 @@ private:
         if constexpr (features.friction)
             for (int i = 0; rows > 1 && i < pair.count; ++i) couplings[i].set(row[i], false);
         for_each_block([](const auto& block) { Sweep::push(block); });
-        Sweep::run(for_each_block, velocities_.scale.enough_at_rest(), Bounds::sweeps(contact::max_sweeps));
+        typename Sweep::Motion motion;
+        const Speed enough = velocities_.scale.enough_at_rest();
+        const int most = Bounds::sweeps(contact::max_sweeps);
+        velocities_.within_bounds(most, enough, [&](int& left) {
+            return Sweep::run(
+                for_each_block, [&](auto&& f) { f(now, motion); }, enough, left, most);
+        });
         Carriers carriers;
         carriers.add_motion();
         Velocity unused = now;
@@ -485,7 +491,7 @@ private:
         typename Weld::Shares shares;
         if (!weld.set(side.x, side.z, side.count, shapes_.shape(b).radius) ||
             !weld.share(side.wrench_to_stop(frame, velocities_.now[b], shapes_.weights()[b]), rough, friction,
-                        Bounds::slack(velocities_.scale.enough_in_impact()), beyond(), shares))
+                        Bounds::slack(velocities_.scale.rounding()), beyond(), shares))
             return false;
         const Speed motion = velocities_.now[b].largest();
         bool fits = true;
@@ -506,8 +512,7 @@ private:
     }
     // Whether a point pushes and its friction is in its cone: the supports of a body may be tilted against each other.
     [[nodiscard]] bool is_in_cone(const Pair& pair, const Point& point) const {
-        const Speed slack = Bounds::slack(velocities_.scale.enough_in_impact()) + beyond(),
-                    normal = point.row[0].unscaled;
+        const Speed slack = Bounds::slack(velocities_.scale.rounding()) + beyond(), normal = point.row[0].unscaled;
         if (normal < -slack) return false;
         if constexpr (features.friction) {
             if (pair.rows() == 1) return true;

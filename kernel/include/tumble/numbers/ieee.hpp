@@ -261,6 +261,7 @@ requires(!N::fixed_point) struct ContactNumbers<N> {
         [[nodiscard]] static T from(T s, SpeedScale) { return s; }
         [[nodiscard]] T enough_at_rest() const { return enough_at_rest_; }
         [[nodiscard]] T enough_in_impact() const { return enough_in_impact_; }
+        [[nodiscard]] T rounding() const { return enough_in_impact_; }
         [[nodiscard]] T noise() const { return enough_at_rest_; }
         friend constexpr bool operator==(SpeedScale, SpeedScale) = default;
 

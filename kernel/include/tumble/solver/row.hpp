@@ -27,6 +27,14 @@ struct WeightedVelocity {
     }
 };
 
+// What sweeps keep of a body between two of them.
+template <class N>
+struct SweepMotion {
+    WeightedVelocity<N> before;   // the velocity before the present sweep
+    WeightedVelocity<N> swept;    // what the last sweep has changed
+    WeightedVelocity<N> further;  // with what the present sweep began beyond that
+};
+
 // Of the rows of one block.
 template <class N>
 struct Couplings {
@@ -63,15 +71,13 @@ struct Row {
     Unit inverse;     // 1 / |J M^-1/2| times the root of the reduced mass, at most 1; 1: through both centres of mass
     Speed target{};   // the velocity along the row that the impulse makes
     Speed impulse{};  // the sum of the step
-    // Each solution has its own use for this room. Sweeps keep the impulse before the present sweep and the conjugate
-    // direction. A solution without sweeps keeps the impulse that it proposes, and the same before it is divided by
-    // `inverse`. The search for a motion keeps the velocity that is missing along the row.
+    // Each solution has its own use for this room. Sweeps keep the impulse before the present sweep. A solution without
+    // sweeps keeps the impulse that it proposes before it is divided by `inverse`. The search for a motion keeps the
+    // velocity that is missing along the row.
     union {
         Speed before, unscaled, missing;
     };
-    union {
-        Speed conjugate, proposed;
-    };
+    Speed proposed;  // by a solution without sweeps
 
     // Sets the row of one body, or of two. A direction is the world's, times the body's share of the motion; a lever is
     // arm x direction over the radii of gyration, in principal axes.
@@ -164,6 +170,9 @@ struct Row {
         return {C::product(v.x(), s), C::product(v.y(), s), C::product(v.z(), s)};
     }
     [[nodiscard]] TUMBLE_INLINE static Speed product(Speed s, Unit u) { return narrow<Speed>(mul(s, u)); }
+    [[nodiscard]] static Vec3<Speed> products(const Vec3<Speed>& v, Unit u) {
+        return {product(v.x(), u), product(v.y(), u), product(v.z(), u)};
+    }
 
 private:
     void set_scaled(const Vec3<Unit>& direction, const Vec3<Lever>& lever, Unit scale) {

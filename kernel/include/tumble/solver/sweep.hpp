@@ -27,6 +27,7 @@ struct Sweep {
         Row* row = nullptr;
         typename C::Friction rolling{}, spinning{};
     };
+    using Motion = SweepMotion<N>;
     // Rows that are solved at one visit: a normal, which only pushes, and two tangents where there is friction.
     struct Block {
         Row (&row)[most_rows];
@@ -97,39 +98,40 @@ struct Sweep {
         });
     }
 
-    // At most `bound` sweeps, until no impulse changes by more than `enough`. The change of a sweep counts as the
-    // gradient of a function that is least at the solution. The next sweep starts with a step along it, as conjugate
-    // gradients do (Silcowitz, Niebe and Erleben 2010). Plain sweeps carry a load through a stack by one box per sweep.
-    // The momentum is the ratio of the squares of the largest changes, at most 1. It restarts from 0 where these grow.
-    // Returns the largest change of the last sweep.
-    template <RowSource<Block> Source>
-    static Speed run(Source&& for_each_block, Speed enough, int bound, bool with_momentum = true) {
-        Speed last{};
-        Unit momentum{};
-        for (int sweep = 0; sweep < bound; ++sweep) {
-            if (sweep > 0 && with_momentum) for_each_block([&](const Block& block) { go_on(block, momentum); });
-            Speed most{};
-            for_each_block([&](const Block& block) {
-                block.for_each_group([](Row* row, auto count) {
-                    for (int k = 0; k < count; ++k) row[k].before = row[k].impulse;
-                });
-                visit(block, most);
-            });
-            if (!(most > enough)) return most;
-            if (sweep == 0 || diverges(most, last)) {
-                momentum = {};
-            } else {
-                const Unit ratio = most < last ? C::ratio(most, last) : C::one();
-                momentum = C::product(ratio, ratio);
+    // Sweeps until no impulse changes by more than `enough` or none is left. Plain sweeps carry a load through a stack
+    // by one box per sweep. So each begins with a part of the whole last change, as a heavy ball goes on (Polyak 1964).
+    // The part is at most 1, and the one with which the last two sweeps together would have changed the velocities
+    // least (Anderson 1965, of depth one): where a sweep leaves a part r of what is wrong, r / (1 - r) of its change is
+    // still to come. for_each_velocity(f) calls f(velocity, its Motion) for each of the bodies. Returns the largest
+    // change of the last sweep.
+    // `patience`: ends also where so many sweeps have not halved the largest change, and the last has changed no
+    // velocity by more than `enough`. What is left then contradicts itself: no velocity meets the targets of all points
+    // of a face that is not quite flat on another, and sweeps shift impulses among them without end.
+    template <RowSource<Block> Source, class Velocities>
+    static Speed run(Source&& for_each_block, const Velocities& for_each_velocity, Speed enough, int& left,
+                     int patience, bool with_momentum = true) {
+        Speed most{}, halved{};
+        int in_vain = 0;
+        if (with_momentum) for_each_velocity([](const Velocity& now, Motion& motion) { motion.before = now; });
+        for (int sweep = 0; left > 0; ++sweep) {
+            --left;
+            if (with_momentum && sweep > 0) go_on(for_each_block, for_each_velocity, sweep == 1);
+            most = {};
+            for_each_block([&](const Block& block) { visit(block, most); });
+            if (!(most > enough)) break;
+            if (sweep == 0 || most < C::half(halved)) {
+                halved = most;
+                in_vain = 0;
+            } else if (++in_vain >= patience && with_momentum && stands(for_each_velocity, enough)) {
+                break;
             }
-            last = most;
         }
-        return last;
+        return most;
     }
 
 private:
-    // The momentum of the sweeps restarts where the changes of impulses grow by more than an eighth.
-    [[nodiscard]] static bool diverges(Speed change, Speed last) { return change > last + C::eighth(last); }
+    static constexpr Vec3<Speed> Velocity::*parts[] = {&Velocity::linear, &Velocity::angular};
+
     // The change of a normal's impulse in one visit. An impulse that does not fit belongs to no solution, as of a body
     // that is squeezed between two that come on: it stays as it is.
     TUMBLE_INLINE static Speed push_of(const Row& row, const Block& block, Speed& most) {
@@ -142,17 +144,76 @@ private:
         note(excess, most);
         return Speed{};
     }
-    static void go_on(const Block& block, Unit momentum) {
-        block.for_each_group([&](Row* row, auto count) {
-            Speed further[count];
-            for (int k = 0; k < count; ++k) {
-                const Speed changed = row[k].impulse - row[k].before;
-                further[k] = momentum == Unit{} ? Speed{} : narrow<Speed>(mul(row[k].conjugate, momentum));
-                if (!C::fits(row[k].impulse + further[k])) further[k] = Speed{};
-                row[k].conjugate = changed + further[k];
-            }
-            if (!(momentum == Unit{})) Row::change(row, further, block.a, block.b);
+    // True where the present sweep has changed no velocity by more than `enough`.
+    template <class Velocities>
+    [[gnu::noinline]] static bool stands(const Velocities& for_each_velocity, Speed enough) {
+        bool all = true;
+        for_each_velocity([&](const Velocity& now, const Motion& motion) {
+            const Velocity change{now.linear - motion.before.linear, now.angular - motion.before.angular};
+            all = all && !(change.largest() > enough);
         });
+        return all;
+    }
+    // Repeats a part of the whole last change, which is that of the sweep and of what it began with. The velocities
+    // belong to the impulses, so that they take the same part of their own change.
+    template <class Source, class Velocities>
+    static void go_on(Source&& for_each_block, const Velocities& for_each_velocity, bool first) {
+        const Unit momentum = go_on_with(for_each_velocity, first);
+        for_each_block([&](const Block& block) {
+            block.for_each_group([&](Row* row, auto count) {
+                for (int k = 0; k < count; ++k) {
+                    const Speed now = row[k].impulse;
+                    if (!(momentum == Unit{})) {
+                        const Speed further = Row::product(now - row[k].before, momentum);
+                        if (C::fits(further) && C::fits(now + further)) [[likely]]
+                            row[k].impulse += further;
+                        else row[k].push(-further, block.a, block.b);
+                    }
+                    row[k].before = now;
+                }
+            });
+        });
+    }
+    // The same of the velocities. Returns the part: none after the first sweep.
+    template <class Velocities>
+    [[gnu::noinline]] static Unit go_on_with(const Velocities& for_each_velocity, bool first) {
+        using Square = decltype(dot(Vec3<Speed>{}, Vec3<Speed>{}));
+        Square along{}, square{};
+        for_each_velocity([&](const Velocity& now, Motion& motion) {
+            for (Vec3<Speed> Velocity::*part : parts) {
+                Vec3<Speed>& swept = motion.swept.*part;
+                const Vec3<Speed> change = now.*part - motion.before.*part;
+                if (first) {
+                    swept = change;
+                    motion.further.*part = Vec3<Speed>::Constant(Speed{});
+                    continue;
+                }
+                // Halves: the norm of the velocities has 29 bits, so that of this difference may have 32.
+                Vec3<Speed> half, less;
+                for (int i = 0; i < 3; ++i) {
+                    half[i] = C::half(change[i]);
+                    less[i] = C::half(swept[i]) - half[i];
+                }
+                swept = change;
+                along += dot(less, half);
+                square += dot(less, less);
+            }
+        });
+        Unit momentum{};
+        if (along > Square{}) momentum = along < square ? C::ratio_of_squares(along, square) : C::one();
+        for_each_velocity([&](Velocity& now, Motion& motion) {
+            for (Vec3<Speed> Velocity::*part : parts) {
+                Vec3<Speed>& further = motion.further.*part;
+                if (momentum == Unit{}) {
+                    further = Vec3<Speed>::Constant(Speed{});
+                } else {
+                    further = Row::products(motion.swept.*part + further, momentum);
+                    now.*part += further;
+                }
+            }
+            motion.before = now;
+        });
+        return momentum;
     }
     template <int count>
     TUMBLE_INLINE static void change(const Block& block, Row* row, const Speed (&by)[count], Speed& most) {

@@ -25,6 +25,33 @@ public:
     Velocities start{};   // before the loads
     Velocities loaded{};  // before the impulses of the rows
     Velocities now{};     // with the impulses of the rows
+    // There is one row. A visit solves it, but for rounding, and so it needs no momentum.
+    static constexpr bool is_one_row = features.all_pairs() == 1 && !features.boxes && !features.round_shapes &&
+                                       !features.friction && !features.rolling_resistance;
+    [[no_unique_address]] If<!is_one_row, ZeroedArray<SweepMotion<N>, features.bodies>, 2> sweeping{};
+    // The sweeps that the bound of the scene leaves of the step.
+    struct SweepsLeft {
+        int count = std::numeric_limits<int>::max();
+        bool missing = false;  // more were needed
+    };
+    [[no_unique_address]] If<features.impact_bounds, SweepsLeft, 3> sweeps_left{};
+    // Calls solve(int&) with how many sweeps a solution may have: its usual bound, and what that of the scene leaves of
+    // it, one at least. It takes off what it uses, and returns the largest change of the last. Returns this.
+    template <class Solve>
+    Speed within_bounds(int usual, Speed enough, Solve&& solve) {
+        int count = usual;
+        if constexpr (features.impact_bounds) {
+            SweepsLeft& left = sweeps_left;
+            if (count > left.count) count = left.count > 1 ? left.count : 1;
+            const int most = count;
+            const Speed change = solve(count);
+            left.count = left.count > most - count ? left.count - (most - count) : 0;
+            if (left.count == 0 && change > enough) left.missing = true;
+            return change;
+        } else {
+            return solve(count);
+        }
+    }
     // The room of `loaded` has these where it is needed no more: a motion that is added to that of the bodies for a
     // flight, and in an impact the velocities at the start of a round.
     [[nodiscard]] Velocities& added() { return loaded; }
