@@ -88,6 +88,38 @@ Table fits_table(const Rows& rows) {
     return cross(rows, {"firmware"}, lines, columns);
 }
 
+// One body that hits surfaces: its worst step with the bounds of a scene, and how far it comes from where it is
+// without.
+Table step_bounds_table(const Rows& rows, const Strings& scenes) {
+    std::vector<Line> lines;
+    for (const std::string& scene : scenes)
+        for (const std::string& bounds : distinct(rows, "bounds"))
+            lines.push_back({{scene, bounds}, {{"scene", scene}, {"bounds", bounds}}});
+    std::vector<Column> columns;
+    for (const auto& [name, core] :
+         {std::pair{"M0+", "cortex-m0plus"}, std::pair{"M3", "cortex-m3"}, std::pair{"M4F", "cortex-m4f"}})
+        columns.push_back({std::string{name} + ": worst", value("cycles_worst_step_est"), {{"core", core}}});
+    columns.push_back({"error, m", value("position_error_m")});
+    return cross(rows, {"scene", "bounds of a step"}, lines, columns);
+}
+// The largest of all their scenes.
+Table largest_step_bounds_table(const Rows& rows) {
+    Rows largest;
+    for (const Row& row : rows) {
+        const auto same = [&](const Row& other) {
+            return other.at("bounds") == row.at("bounds") && other.at("core") == row.at("core");
+        };
+        auto of = std::find_if(largest.begin(), largest.end(), same);
+        if (of == largest.end()) {
+            of = largest.insert(of, row);
+            (*of)["scene"] = "any of these";
+        }
+        for (const char* key : {"cycles_worst_step_est", "position_error_m"})
+            if ((*of).at(key) < row.at(key)) (*of)[key] = row.at(key);
+    }
+    return step_bounds_table(largest, {"any of these"});
+}
+
 // The default method on every core.
 Table cores_table(const Rows& rows) {
     const Where q32{{"integrator", "verlet"}, {"numbers", "q32 carry"}},
@@ -504,9 +536,16 @@ std::string top_error(R r, const char* numbers) {
     return text_of(row_of(r["engines"], {{"engine", "tumble"}, {"integrator", "rk4"}, {"numbers", numbers}}),
                    "orientation_error_rad");
 }
+// The least clock, in whole MHz, at which each step of the cube ends within its 0.005 s on this core.
+std::string clock_of_cube(R r, const char* core) {
+    const Row& row = row_of(r["cube"], {{"core", core}, {"integrator", "verlet"}});
+    return text("%.0f MHz", std::ceil(cost_of(row).worst / 0.005 / 1e6));
+}
 const Makers makers{
     {"table boards", [](R) { return boards_table(); }},
     {"table fits", [](R r) { return fits_table(r["fits"]); }},
+    {"table step_bounds", [](R r) { return step_bounds_table(r["bounds"], distinct(r["bounds"], "scene")); }},
+    {"table step_bounds_of_all", [](R r) { return largest_step_bounds_table(r["bounds"]); }},
     {"table cores", [](R r) { return cores_table(r["free"]); }},
     {"table free", [](R r) { return free_table(r["free"], true); }},
     {"table free_insn", [](R r) { return free_table(r["free"], false); }},
@@ -514,6 +553,9 @@ const Makers makers{
     {"table optimization", [](R r) { return optimization_table(r["optimization"]); }},
     {"table integrators", [](R r) { return integrators_table(r["free"]); }},
     {"table cube", [](R r) { return cube_table(r["cube"]); }},
+    {"value cube_clock_m0", [](R r) { return clock_of_cube(r, "cortex-m0"); }},
+    {"value cube_clock_m3", [](R r) { return clock_of_cube(r, "cortex-m3"); }},
+    {"value cube_clock_m4f", [](R r) { return clock_of_cube(r, "cortex-m4f"); }},
     {"table front", [](R r) { return front_table(r["work_precision"], "error below, rad"); }},
     {"table front_loads", [](R r) { return front_table(r["work_precision_loads"], "error below, m or rad"); }},
     {"table contacts", [](R r) { return list(r["contacts"], {}, columns(contact_columns)); }},
