@@ -247,8 +247,7 @@ Features needs(const SceneData& scene) {
         .sleep = world.contact.sleep.on && response == ContactResponse::impulse,
         .turntables = any(scene.bodies, is_turntable) || any(scene.events, turns_fixed),
         .kinematic = any(scene.bodies, [](const BodySpec& body) { return body.kinematic; }),
-        .impact_bounds = by_impulses && (world.contact.most_impacts > 0 || world.contact.most_searches > 0 ||
-                                         world.contact.most_sweeps > 0),
+        .impact_bounds = by_impulses && world.contact.has_bounds(),
         .contact_impulses = !by_springs,
         .contact_springs = by_springs,
     };

@@ -51,7 +51,7 @@ private:
         TUMBLE_ASSERT(features.rolling_resistance || !resists(spec));
         TUMBLE_ASSERT(features.mixing || spec.mixes_as_usual());
         TUMBLE_ASSERT(features.sleep || !spec.sleep.on);
-        TUMBLE_ASSERT(features.impact_bounds || !has_bounds(spec));
+        TUMBLE_ASSERT(features.impact_bounds || !spec.has_bounds());
     }
     // The values of a body's or a plane's surface, which contacts by springs do not have.
     static constexpr void of_surface([[maybe_unused]] const auto& spec) {
@@ -64,9 +64,6 @@ private:
     [[nodiscard]] static constexpr bool is_positive(Real a) { return !a.is_zero() && !a.is_negative(); }
     [[nodiscard]] static constexpr bool has_drag(const WorldSpec& spec) {
         return !spec.linear_drag.is_zero() || !spec.angular_drag.is_zero();
-    }
-    [[nodiscard]] static constexpr bool has_bounds(const ContactSpec& spec) {
-        return spec.most_impacts != 0 || spec.most_searches != 0 || spec.most_sweeps != 0;
     }
     [[nodiscard]] static constexpr bool resists(const auto& spec) {
         return is_positive(spec.rolling_resistance) || is_positive(spec.spinning_resistance);

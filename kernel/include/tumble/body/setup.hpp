@@ -131,6 +131,8 @@ struct ContactSpec {
     [[nodiscard]] constexpr bool mixes_as_usual() const {
         return restitution_mixing == Mixing::larger && friction_mixing == Mixing::geometric_mean;
     }
+    // True where a step has bounds other than the usual ones.
+    [[nodiscard]] constexpr bool has_bounds() const { return most_impacts > 0 || most_searches > 0 || most_sweeps > 0; }
 };
 
 // True of a restitution that a body or plane may have. Negative values stand for the world's.

@@ -114,7 +114,7 @@ public:
             bool turned = pair.surface_moves;
             if constexpr (features.kinematic) {
                 shapes_.note_motion(pair, bodies_);
-                if (pair.surface_moves) pair.still = 0;
+                if (pair.surface_moves) pairs_.unbalance(pair);
                 turned = turned && !bodies_.constants[pair.b].kinematic();
             }
             pair.selected = (pair.left_out || turned) && is_awake();

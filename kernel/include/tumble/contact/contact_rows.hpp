@@ -72,7 +72,7 @@ public:
             if (may_round(pair)) [[unlikely]]
                 if (make_rounding_rows(pair)) hold = true;
         if (!hold) {
-            pair.still = 0;
+            pairs_.unbalance(pair);
             const Directions directions = directions_of(pair);
             if constexpr (Velocities::bodies_turn)
                 if (turns) make_turning_rows(pair, directions, 0, tangents_wait(pair) ? 1 : pair.rows());
@@ -192,15 +192,17 @@ public:
         Speed enough;
         int most, patience;
     };
-    // From no impulses. Conjugate gradients would end after as many steps as there are velocities, six of each body.
+    // From no impulses. Of several bodies impulses that change no velocity may carry a load from body to body: sweeps
+    // wait as long as conjugate gradients would take, for six velocities of each.
     [[nodiscard]] Until from_nothing(Speed enough) const {
-        return {enough, ContactBounds<N>::sweeps(contact::max_impact_sweeps), 6 * island_.group.count};
+        const int most = ContactBounds<N>::sweeps(contact::max_impact_sweeps), count = island_.group.count;
+        return {enough, most, count > 1 ? 6 * count : 1};
     }
-    // From the impulses of the step before. Then the changes are small, and may not get smaller before the impulse of a
-    // point is used up.
-    [[nodiscard]] static Until from_last_step(Speed enough) {
+    // From the impulses of the step before. Then the changes between several bodies are small, and may not get smaller
+    // before the impulse of a point is used up.
+    [[nodiscard]] Until from_last_step(Speed enough) const {
         const int most = ContactBounds<N>::sweeps(contact::max_sweeps);
-        return {enough, most, most};
+        return {enough, most, island_.group.count > 1 ? most : 1};
     }
     // Solves all points that take part by sweeps. Returns the largest change of an impulse in the last one.
     Speed sweep(const Until& until, bool with_momentum = true) {
@@ -340,8 +342,8 @@ private:
                 [&](auto&& f) {
                     pairs_.for_each_active(island_, [&](Pair& pair, Point& point) { f(block_of(pair, point)); });
                 },
-                ForEachVelocity{velocities_, island_}, until.enough, left, until.patience,
-                with_momentum && !is_one_row);
+                ForEachVelocity{velocities_, island_}, until.enough, velocities_.scale.enough_in_impact(), left,
+                until.patience, with_momentum && !is_one_row);
         });
     }
     [[nodiscard]] bool turns(const Pair& pair) const {
@@ -468,7 +470,7 @@ private:
         pair.normal = start;
         if constexpr (features.friction)
             if (pair.has_friction) set_tangents<N>(pair.normal, pair.tangent);
-        pair.still = 0;
+        pairs_.unbalance(pair);
         point.rows_hold = false;
         return true;
     }

@@ -187,11 +187,13 @@ public:
     template <class Self, class Archive>
     static void archive(Self& self, const Bodies& bodies, Archive& to) {
         auto& state = self.state_;
-        bool stands[features.bodies]{};  // the body's island may: the next step asks for its loads and forces
+        bool balanced[features.bodies]{}, stands[features.bodies]{};  // may stand: a step asks for its loads and forces
         to.template each_bits<4>(
-            features.bodies, [&](int b) { return state.marks[b].bits(); },
+            features.bodies,
+            [&](int b) { return state.marks[b].bits() | static_cast<std::uint32_t>(state.pairs.is_balanced(b)) << 3; },
             [&](int b, std::uint32_t bits) {
-                stands[b] = Mark::of(bits).coupled;
+                balanced[b] = (bits >> 3 & 1) != 0;
+                stands[b] = Mark::of(bits).coupled || balanced[b];
                 if constexpr (Archive::reads) state.marks[b] = Mark::of(bits);
             });
         Standing<features>::archive(state.standing, to);
@@ -205,14 +207,14 @@ public:
         PairList<N, features>::archive(
             state.pairs, to, [&](int a, int b) { return state.shapes.may_touch(bodies, a, b); },
             [&](auto& pair) { state.shapes.set_up(pair, bodies); },
-            [&](auto& pair, int a, int b, int still) {
-                stands[a] = stands[a] || still > 0;
-                if (b >= 0) stands[b] = stands[b] || still > 0;
+            [&](auto& pair) {
                 if constexpr (Archive::reads) {
-                    state.times.list(a, b);
+                    state.times.list(pair.a, pair.b);
                     self.make_rows(pair, bodies);
                 }
             });
+        if constexpr (Archive::reads)
+            for (int b = 0; b < features.bodies; ++b) state.pairs.set_balanced(b, balanced[b]);
         for (int b = 0; b < features.bodies; ++b)
             if (stands[b] && !bodies.constants[b].fixed()) to(state.velocities.loaded[b], state.forces[b]);
         if constexpr (features.moving_surfaces()) {
@@ -330,11 +332,9 @@ private:
     void make_rows(typename NarrowPhase<N, spin, features>::Pair& pair, const Bodies& bodies) {
         if (!pair.rows_hold()) return;
         for (int i = 0; i < pair.count; ++i) pair.point[i].rows_hold = false;
-        const auto still = pair.still;
         const SomeBodies<features.bodies> nobody{};
         const Island island{nobody, 0, {}};
         ContactRows<N, spin, features>{state_.shapes, state_.pairs, state_.velocities, bodies, island}.make_rows(pair);
-        pair.still = still;
     }
     // Connects the bodies that do not fly freely to islands. A body that wakes or comes near something in this step
     // joins in the next.
@@ -394,7 +394,7 @@ private:
         for_each_island(advance, schedule, [&](int root, const SomeBodies<features.bodies>& group) {
             Island island{group, root, {}};
             if constexpr (features.pairs) island.first_pair = schedule.first_pair[root];
-            if (state_.pairs.has_pairs(island) && state_.standing.stands(group) && state_.pairs.hold_all(island))
+            if (state_.pairs.has_pairs(island) && state_.standing.stands(group) && state_.pairs.are_balanced(island))
                 state_.solution = {.settled = true, .stands = true};
             else if (!step_island(advance, info, kinematic, schedule, island, mover)) all_stand = false;
             if constexpr (features.sleep) {

@@ -43,8 +43,8 @@ public:
         int pairs = 0;
         Speed fastest{};
         const Length hit = Bounds::largest_impact_gap(shapes_.tolerance());
+        pairs_.set_balanced(island_, false);
         pairs_.for_each(island_, [&](Pair& pair) {
-            pair.still = 0;
             // The impact leaves out pairs with a larger gap.
             pair.set_struck(pair.count > 0 && !(pair.gap > hit));
             for (int i = 0; i < pair.count; ++i) pair.point[i].active = false;
@@ -79,7 +79,7 @@ public:
         });
         if ((bounced && !is_spent()) || stop) [[unlikely]]
             report_cut_off();
-        if ((sinks && !(any && is_spent())) || !any) {
+        if (!any || (sinks && !is_spent())) {
             solve(false);
             log_impulses(is_spent() ? scale_back() : C::one());
         }
@@ -92,11 +92,7 @@ public:
     }
 
 private:
-    // True where the scene's bound on sweeps is used up. What still approaches then strikes in the next step.
-    [[nodiscard]] bool is_spent() const {
-        if constexpr (features.impact_bounds) return velocities_.sweeps_left.count == 0;
-        else return false;
-    }
+    [[nodiscard]] bool is_spent() const { return velocities_.sweeps_are_spent(); }
     void copy(typename Velocities::Velocities& to, const typename Velocities::Velocities& from) {
         for (int k = 0; k < island_.group.count; ++k) to[island_.group.id[k]] = from[island_.group.id[k]];
     }

@@ -61,15 +61,15 @@ public:
     void find() {
         pairs_.for_each(island_, [&](Pair& pair) { shapes_.find(bodies_, pair); });
     }
-    // True where the bodies of all selected pairs come to planes.
-    [[nodiscard]] bool is_to_planes() const {
+    // True where the bodies of all selected pairs come to flat surfaces that stand.
+    [[nodiscard]] bool is_to_flat() const {
         bool all = true;
         if constexpr (features.pairs)
-            pairs_.for_each(island_, [&](const Pair& pair) { all = all && (!pair.selected || pair.with_plane()); });
+            pairs_.for_each(island_, [&](const Pair& pair) { all = all && (!pair.selected || is_flat(pair)); });
         return all;
     }
     // The gap of the point that is the first at its level, in the flight of this length from `start` to where the
-    // bodies are. The selected pairs are with planes.
+    // bodies are. The selected pairs are with flat surfaces.
     [[nodiscard, gnu::noinline, gnu::cold]] GapCurve<N> first_gap(const SavedMotions<Bodies>& start,
                                                                   Work length) const {
         GapCurve<N> first{};
@@ -227,18 +227,39 @@ public:
     }
 
 private:
-    // The path of body k of the island to the plane of a pair. `third`: of the length of the flight, in steps.
+    // True where body b of the pair is a plane, or a fixed box that stands and meets the other body with a face, on the
+    // side on which that was when the flight began.
+    [[nodiscard]] bool is_flat(const Pair& pair) const {
+        if (pair.with_plane()) return true;
+        bool flat = false;
+        if constexpr (has_edges) {
+            if (pair.moves_b() || pair.surface_moves || !shapes_.shape(pair.b).is(ShapeKind::box)) return false;
+            const auto cosine = narrow<typename Pair::Unit>(dot(pair.normal, pair.start_normal));
+            if (!(cosine > C::half(C::one()))) return false;
+            const Axes<N> box = shapes_.shape(pair.b).axes(shapes_.axes(pair.b));
+            for (int i = 0; i < 3; ++i)
+                flat = flat ||
+                       magnitude_of(narrow<typename Pair::Unit>(dot(box.axis(i), pair.normal))) > Bounds::along_face();
+        }
+        return flat;
+    }
+    // Of the centre of body a of a pair above the flat surface of b.
+    [[nodiscard]] Length height(const Pair& pair, const typename Bodies::State& a) const {
+        if constexpr (has_edges)
+            if (!pair.with_plane()) return shapes_.view_of(bodies_, pair, a).height(pair.normal, true);
+        return shapes_.height(a, shapes_.plane(pair.plane()));
+    }
+    // The path of body k of the island to the flat surface of a pair. `third`: of the length of the flight, in steps.
     [[nodiscard, gnu::cold]] PlanePath<N, features> path_of(const Pair& pair, int k, const SavedMotions<Bodies>& start,
                                                             Work third) const {
         using Unit = typename Pair::Unit;
         const int b = pair.a;
-        const auto& plane = shapes_.plane(pair.plane());
-        const Vec3<Unit> normal = plane.normal;
+        const Vec3<Unit> normal = pair.normal;
         Vec3<Length> drift;
         for (int i = 0; i < 3; ++i) drift[i] = shapes_.scale().fall(N::sum(start[k].d_w[i]), bodies_.scale);
         const Length low = level(pair);
-        PlanePath<N, features> path{shapes_.shape(b), shapes_.height(start[k], plane) - low,
-                                    shapes_.height(bodies_.state[b], plane) - low,
+        PlanePath<N, features> path{shapes_.shape(b), height(pair, start[k]) - low,
+                                    height(pair, bodies_.state[b]) - low,
                                     mul(narrow<Length>(dot(normal, drift)), C::unit(third))};
         if constexpr (features.boxes || features.round_shapes) {
             const auto turn = [&](const auto& state, typename N::Scale unit) __attribute__((cold)) {

@@ -55,6 +55,15 @@ public:
     }
 
 private:
+    using Saved = SavedMotions<Bodies>;
+    // A flight of the island from `start`, under the contact forces, which are for `span` of the step.
+    struct Attempt {
+        const Saved& start;
+        Work span;   // the rest of the step, as a part of it
+        bool whole;  // no impact has interrupted the step so far
+        bool held;
+    };
+
     [[gnu::noinline]] bool take_whole() {
         move({.group = island_.group, .loads = &contacts_.loads});
         if (resting().still_stands(contacts_.loads, contacts_.forces)) {
@@ -68,83 +77,76 @@ private:
         Work span(1);
         [[maybe_unused]] bool ended = false;  // a contact has ended at an edge
         for (int impact = 0;; ++impact) {
-            const bool whole = impact == 0;
             search_.start_flight();
             if constexpr (has_edges)
                 if (ended) [[unlikely]]
                     search_.end_selected();
-            ended = false;
-            Touch touch = solve_resting(span, whole, false);
+            Touch touch = solve_resting(span, impact == 0, false);
             if (contacts_.solution.stands) {
                 log_forces(Work(1));
                 resting().stop_all();
                 take_over_spins();
                 return false;
             }
-            if (touch == Touch::strikes && !is_spent()) {
-                resolve(false, span);
-                find_near_pairs();
-                search_.start_flight();
-                touch = solve_resting(span, whole, true);
-            }
+            if (touch == Touch::strikes && !is_spent()) touch = strike(span, impact == 0);
             Saved start;
             save(start);
-            const Attempt attempt{start, span, whole, touch == Touch::rests};
+            const Attempt attempt{start, span, impact == 0, touch == Touch::rests};
             if (attempt.held) log_forces(Work(1));
             fly(attempt, span, false);
             search_.measure();
             search_.note_seams();
-            const bool spent = is_spent();
-            const Work length = features.pairs ? stop_before_crossing(attempt) : span;
-            const bool crossed = length < span;
-            const bool deep = search_.is_too_deep();
-            if (!crossed && !deep) {
-                if constexpr (has_edges) {
-                    if (attempt.held && impact < contact::max_impacts && !spent &&
-                        search_.select_ended(contacts_.loads)) [[unlikely]] {
-                        const Work flown = find_end(attempt, span);
-                        if (flown < span) log_forces(flown / span - Work(1));
-                        search_.find();
-                        span -= flown;
-                        if (!(span > Bounds::min_portion())) break;
-                        ended = true;
-                        move({.group = island_.group, .loads = &contacts_.loads});
-                        continue;
-                    }
-                }
-                search_.find();
-                break;
-            }
-            if (spent && !crossed && !search_.is_on_the_other_side()) {
-                search_.find();
-                bodies_.report(Issue::left_over, island_.root);
-                break;
-            }
-            const bool last = spent || (!has_bounds() && impact == contact::max_impacts);
-            Work flown = length;
-            if (last) {
-                const bool far_below = deep && (spent || search_.is_far_too_deep());
-                if (far_below) flown = find_impact(attempt, length);
-                // The step ends at a surface: the rest of its time is lost.
-                if (crossed || far_below) bodies_.report(Issue::step_bound_hit, island_.root);
-            } else if (deep) {
-                flown = find_impact(attempt, length);
-            }
-            if (attempt.held && flown < span) log_forces(flown / span - Work(1));  // takes off what is not flown
-            resolve(last && !spent, last ? Work(0) : span - flown);
-            if constexpr (features.impact_bounds) --left_.impacts;
-            // Always, however short the rest of the step is: an impact ends the bounds on the time to contact.
-            find_near_pairs();
-            span -= flown;
-            if (last || !(span > Bounds::min_portion())) break;
+            span = finish(attempt, impact, ended);
+            if (!(span > Bounds::min_portion())) return false;
             move({.group = island_.group, .loads = &contacts_.loads});
         }
-        return false;
+    }
+    // Resolves what strikes where a flight is to begin, and finds the forces after it.
+    TUMBLE_INLINE Touch strike(Work span, bool whole) {
+        resolve(false, span);
+        find_near_pairs();
+        search_.start_flight();
+        return solve_resting(span, whole, true);
+    }
+    // After a flight: where bodies met something in it, goes back to that moment and resolves the impact. Returns the
+    // rest of the step that is to be flown.
+    TUMBLE_INLINE Work finish(const Attempt& attempt, int impact, bool& ended) {
+        const bool spent = is_spent();
+        const Work length = features.pairs ? stop_before_crossing(attempt) : attempt.span;
+        const bool crossed = length < attempt.span, deep = search_.is_too_deep();
+        if (!crossed && !deep) {
+            ended = has_edges && attempt.held && impact < contact::max_impacts && !spent && ends_at_edge();
+            Work rest(0);
+            if constexpr (has_edges)
+                if (ended) [[unlikely]]
+                    rest = attempt.span - fly_to_end(attempt);
+            search_.find();
+            return rest;
+        }
+        ended = false;
+        if (spent && !crossed && !search_.is_on_the_other_side()) {
+            search_.find();
+            bodies_.report(Issue::left_over, island_.root);
+            return Work(0);
+        }
+        const bool last = spent || (!has_bounds() && impact == contact::max_impacts);
+        const bool far_below = last && deep && (spent || search_.is_far_too_deep());
+        Work flown = length;
+        if (deep && (far_below || !last)) flown = find_impact(attempt, length);
+        // The step ends at a surface: the rest of its time is lost.
+        if (last && (crossed || far_below)) bodies_.report(Issue::step_bound_hit, island_.root);
+        log_not_flown(attempt, flown);
+        const Work rest = last ? Work(0) : attempt.span - flown;
+        resolve(last && !spent, rest);
+        if constexpr (features.impact_bounds) --left_.impacts;
+        // Always, however short the rest of the step is: an impact ends the bounds on the time to contact.
+        find_near_pairs();
+        return rest;
     }
     // Under other gravity: whether the island stood and still stands, on the points on which it stood. Where it does
     // not, its bodies look for others, since they did not when the step began.
     [[gnu::noinline]] bool stands_anew() requires(features.control) {
-        bool all = contacts_.pairs.hold_all(island_), any = false;
+        bool all = contacts_.pairs.are_balanced(island_), any = false;
         for (int k = 0; k < island_.group.count; ++k) {
             const bool stood = contacts_.standing.stood(island_.group.id[k]);
             all = all && stood;
@@ -168,7 +170,7 @@ private:
     [[nodiscard]] bool is_spent() const {
         if constexpr (features.impact_bounds)
             return has_bounds() &&
-                   (left_.impacts <= 0 || left_.searches <= 0 || contacts_.velocities.sweeps_left.count == 0);
+                   (left_.impacts <= 0 || left_.searches <= 0 || contacts_.velocities.sweeps_are_spent());
         else return false;
     }
     // Whether a search that has redone so many flights may redo another. Each may redo one, however many are left.
@@ -193,6 +195,10 @@ private:
         if constexpr (features.contact_readout)
             contacts_.log.add_forces(contacts_.pairs, island_, contacts_.shapes, bodies_, share);
     }
+    // Takes off what was noted for the rest of a flight that ended before.
+    void log_not_flown(const Attempt& attempt, Work flown) {
+        if (attempt.held && flown < attempt.span) log_forces(flown / attempt.span - Work(1));
+    }
     void lift(bool off) {
         resting().lift(off);
         take_over_spins();
@@ -214,7 +220,6 @@ private:
         }
     }
 
-    using Saved = SavedMotions<Bodies>;
     void save(Saved& saved) const {
         for (int k = 0; k < island_.group.count; ++k) saved.save(k, bodies_, island_.group.id[k]);
     }
@@ -222,13 +227,6 @@ private:
         for (int k = 0; k < island_.group.count; ++k) saved.restore(k, bodies_, island_.group.id[k]);
     }
 
-    // A flight of the island from `start`, under the contact forces, which are for `span` of the step.
-    struct Attempt {
-        const Saved& start;
-        Work span;   // the rest of the step, as a part of it
-        bool whole;  // no impact has interrupted the step so far
-        bool held;
-    };
     [[gnu::noinline]] void fly(const Attempt& attempt, Work length, bool restart) {
         const BodyGroup& group = island_.group;
         if (restart) {
@@ -376,14 +374,14 @@ private:
     [[gnu::noinline, gnu::cold]] Work find_impact(const Attempt& attempt, Work longest) {
         search_.select();
         if constexpr (features.pairs)
-            if (!search_.is_to_planes()) return find_by_secant(attempt, longest);
+            if (!search_.is_to_flat()) return find_by_secant(attempt, longest);
         return find_on_path(attempt, longest);
     }
-    // Of bodies that come to planes: where their path meets the level. Each flight moves the path by the gap that it
-    // leaves. Halfway, where that is not in the bracket (low, high), and after a flight that leaves more than half of
-    // the gap of the one before: the path is wrong where a body turns far in the flight. Rounding may end the search
-    // above `close`, below the gap of resting points: where the path does not move any more, or where a flight leaves
-    // more than half of the gap of the one before. A search that fails ends like find_by_secant().
+    // Of bodies that come to flat surfaces: where their path meets the level. Each flight moves the path by the gap
+    // that it leaves. Halfway, where that is not in the bracket (low, high), and after a flight that leaves more than
+    // half of the gap of the one before: the path is wrong where a body turns far in the flight. Rounding may end the
+    // search above `close`, below the gap of resting points: where the path does not move any more, or where a flight
+    // leaves more than half of the gap of the one before. A search that fails ends like find_by_secant().
     TUMBLE_INLINE Work find_on_path(const Attempt& attempt, Work longest) {
         using Length = typename C::Length;
         using Unit = typename C::Unit;
@@ -469,16 +467,22 @@ private:
         return at;
     }
 
+    // Whether a contact has ended at an edge in the flight. The search considers the first one.
+    [[nodiscard]] bool ends_at_edge() {
+        if constexpr (has_edges) return search_.select_ended(contacts_.loads);
+        else return false;
+    }
     // Redoes the flight up to the time at which a contact ended at an edge. Its force is off from there on. Returns the
     // portion of the step flown.
-    [[gnu::noinline, gnu::cold]] Work find_end(const Attempt& attempt, Work longest) requires(has_edges) {
-        Work at = find_by_secant(attempt, longest);
+    [[gnu::noinline, gnu::cold]] Work fly_to_end(const Attempt& attempt) requires(has_edges) {
+        Work at = find_by_secant(attempt, attempt.span);
         const Work since = search_.time_since_open();
         if (since > Work(0)) {
             at = at > since + Bounds::min_portion() ? at - since : Bounds::min_portion();
             fly(attempt, at, true);
             search_.measure();
         }
+        log_not_flown(attempt, at);
         return at;
     }
     // The range is checked at once: another impact of the same step may bring a body back into it. `rest`: of the step,

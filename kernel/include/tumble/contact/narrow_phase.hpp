@@ -158,9 +158,11 @@ public:
     }
     // From the centre of b to that of a.
     [[nodiscard]] Vec3<Length> reach_between(const Bodies& bodies, int a, int b) const {
+        return reach_between(bodies.state[a], bodies.state[b]);
+    }
+    [[nodiscard]] Vec3<Length> reach_between(const State& a, const State& b) const {
         Vec3<Length> reach;
-        for (int i = 0; i < 3; ++i)
-            reach[i] = scale().between(N::sum(bodies.state[a].x_w[i]), N::sum(bodies.state[b].x_w[i]));
+        for (int i = 0; i < 3; ++i) reach[i] = scale().between(N::sum(a.x_w[i]), N::sum(b.x_w[i]));
         return reach;
     }
     [[nodiscard]] PlaneView<N, features> view_of_plane(const Bodies& bodies, const Pair& pair) const {
@@ -168,7 +170,11 @@ public:
         return {shape_[pair.a], axes(pair.a), plane.normal, height(bodies, pair.a, plane)};
     }
     [[nodiscard]] PairView<N> view_of(const Bodies& bodies, const Pair& pair) const {
-        return {shape_[pair.a], shape_[pair.b], axes_[pair.a], axes_[pair.b], reach_between(bodies, pair.a, pair.b)};
+        return view_of(bodies, pair, bodies.state[pair.a]);
+    }
+    // The same with body a elsewhere.
+    [[nodiscard]] PairView<N> view_of(const Bodies& bodies, const Pair& pair, const State& a) const {
+        return {shape_[pair.a], shape_[pair.b], axes_[pair.a], axes_[pair.b], reach_between(a, bodies.state[pair.b])};
     }
     // `measured`: neither body has moved since. `margin`: of faces over edges.
     template <class F>

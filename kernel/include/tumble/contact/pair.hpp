@@ -76,7 +76,6 @@ struct Pair {
     std::int16_t next = -1;     // slot of the next pair of its island
     std::uint8_t count = 0;     // points within the tolerance, and of a rim those that may come down in a step
     Carriers carriers;          // that statics have used
-    std::int16_t still = 0;     // bodies of the island that has stood still with this pair, and nothing has changed
     bool moved = true;          // a body has turned or the normal has changed: the rows are invalid
     bool touched = false;       // where the flight begins: by forces, after an impact, or since over a seam
     bool left_out = false;      // it came near in this step, between two islands
@@ -108,18 +107,15 @@ struct Pair {
     Point point[max_points];
 
     // Writes or reads what a snapshot holds. The rest follows from the bodies and from the points, or a step computes
-    // it anew. Returns `still`.
+    // it anew.
     template <class Self, class Archive>
-    static int archive(Self& self, Archive& to, [[maybe_unused]] bool with_plane) {
+    static void archive(Self& self, Archive& to, [[maybe_unused]] bool with_plane) {
         std::uint32_t bits = 0;
         if constexpr (!Archive::reads) bits = self.bits();
         bits = to.bits(bits);
         const int points = static_cast<int>(bits & 7u), count = points < max_points ? points : max_points;
         to.require(points == count);
         if constexpr (Archive::reads) self.set(bits);
-        int still = self.still;
-        still = to.within(still, 0, features.bodies);
-        if constexpr (Archive::reads) self.still = static_cast<std::int16_t>(still);
         to(self.gap);
         if (count > 0) to(self.scale);
         if constexpr (features.pairs) {
@@ -139,7 +135,6 @@ struct Pair {
                 else if constexpr (Archive::reads) point.arm_b = Vec3<Length>::Constant(Length{});
             }
         }
-        return still;
     }
 
     // Another pair in this place.
@@ -148,7 +143,6 @@ struct Pair {
         b = static_cast<std::int16_t>(second);
         count = 0;
         carriers = {};
-        still = 0;
         moved = true;
         touched = left_out = passed = selected = has_friction = surface_moves = start_covered = false;
         at_edge = true;

@@ -85,6 +85,7 @@ public:
         if constexpr (features.grid())
             if (b >= 0) ++with_bodies_of_[a], ++with_bodies_of_[b];
         is_linked_ = false;
+        unbalance(a, b);
         return in_slot(slot);
     }
 #if defined(__GNUC__) && !defined(__clang__)
@@ -97,6 +98,7 @@ public:
     constexpr void forget_all() {
         count_ = 0;
         for (auto& count : pairs_of_) count = 0;
+        for (auto& balanced : balanced_) balanced = false;
         if constexpr (features.grid())
             for (auto& count : with_bodies_of_) count = 0;
         is_linked_ = false;
@@ -131,28 +133,20 @@ public:
         if (is_linked_) return;
         has_left_out_ = false;
         for (int b = 0; b < features.bodies; ++b) schedule.first_pair[b] = -1;
-        // Without a pair that has gone, nothing of its island may stand.
-        for (int b = 0; losses_.any && b < features.bodies; ++b)
-            if (losses_.of[b] && schedule.joins[b]) losses_.of[schedule.islands.root(b)] = true;
         for (int i = count_ - 1; i >= 0; --i) {
             Pair& pair = (*this)[i];
             const bool joins = schedule.joins[pair.a];
             const int root = schedule.islands.root(pair.a),
                       root_b = pair.moves_b() ? schedule.islands.root(pair.b) : root;
-            const auto loses = [&](int b) { return losses_.of[b]; };
-            if (losses_.any && (loses(root) || loses(root_b) || loses(pair.a) || (pair.b >= 0 && loses(pair.b))))
-                pair.still = 0;
             if (root_b != root) {
                 if (!joins && !schedule.joins[pair.b]) continue;
                 pair.left_out = has_left_out_ = true;
-                pair.still = 0;
+                unbalance(pair);
             } else if (joins) {
                 pair.next = schedule.first_pair[root];
                 schedule.first_pair[root] = order_[i];
             }
         }
-        for (int b = 0; losses_.any && b < features.bodies; ++b) losses_.of[b] = false;
-        losses_.any = false;
         is_linked_ = true;
     }
     // False where a pair has come or gone since link().
@@ -191,13 +185,20 @@ public:
             return any;
         }
     }
-    // Whether statics hold every body of the island, and nothing has changed since.
-    [[nodiscard]] bool hold_all(const Island& island) const {
+    // Whether statics have stopped every body of the island, and nothing has changed since: neither its pairs nor what
+    // follows from where they are.
+    [[nodiscard]] bool are_balanced(const Island& island) const {
         bool all = true;
-        for (int k = 0; !has_links && k < island.group.count; ++k) all = all && is_near(island.group.id[k]);
-        for_each(island, [&](const Pair& pair) { all = all && pair.still == island.group.count; });
+        for (int k = 0; k < island.group.count; ++k) all = all && balanced_[island.group.id[k]];
         return all;
     }
+    [[nodiscard]] bool is_balanced(int b) const { return balanced_[b]; }
+    void set_balanced(int b, bool balanced) { balanced_[b] = balanced; }
+    void set_balanced(const Island& island, bool balanced) {
+        for (int k = 0; k < island.group.count; ++k) balanced_[island.group.id[k]] = balanced;
+    }
+    // Call where something about a pair changes.
+    void unbalance(const Pair& pair) { unbalance(pair.a, pair.b); }
     // Calls f(pair, point) for the points that take part in the present solution.
     template <class F>
     void for_each_active(const Island& island, F&& f) {
@@ -222,11 +223,10 @@ public:
     }
 
     // Writes or reads what a snapshot holds. may_touch(a, b): such a pair may be in the list. set_up(pair) sets the
-    // constants of a pair that is read, finish(pair, still) is called after it.
+    // constants of a pair that is read, finish(pair) is called after it.
     template <class Self, class Archive, class MayTouch, class SetUp, class Finish>
     static void archive(Self& self, Archive& to, MayTouch&& may_touch, SetUp&& set_up, Finish&& finish) {
-        if constexpr (has_links) to(self.touching_, self.losses_.of, self.losses_.any, self.refusals_);
-        else to(self.touching_, self.refusals_);
+        to(self.touching_, self.refusals_);
         const int count = to.within(self.count_, 0, room);
         (void)to.within(self.slots_, count, room);
         if constexpr (Archive::reads) {
@@ -244,7 +244,8 @@ public:
             to.require(last < key && may_touch(a, b));
             last = key;
             if constexpr (Archive::reads) set_up(self.insert(i, a, b));
-            finish(pair, a, b, Pair::archive(pair, to, b < 0));
+            Pair::archive(pair, to, b < 0);
+            finish(pair);
         }
         if constexpr (Archive::reads && !has_links) self.link();
         to(self.is_linked_);
@@ -291,13 +292,11 @@ private:
             order_[count_] = slot;
         }
         is_linked_ = false;
-        if constexpr (has_links) {
-            losses_.of[a] = losses_.any = true;
-            if (b >= 0) losses_.of[b] = true;
-        } else {
-            for (int i = 0; i < count_; ++i)
-                if ((*this)[i].a == a) (*this)[i].still = 0;
-        }
+        unbalance(a, b);
+    }
+    void unbalance(int a, int b) {
+        balanced_[a] = false;
+        if (features.pairs && b >= 0) balanced_[b] = false;
     }
 
     ZeroedArray<Pair, (room > 0 ? room : 1)> pair_{};
@@ -307,10 +306,7 @@ private:
     bool is_linked_ = false;  // link()
     bool has_left_out_ = false;
     std::uint8_t refusals_ = 0;  // steps until a pair that was refused is examined again
-    struct Losses {
-        bool any = false, of[features.bodies]{};
-    };
-    [[no_unique_address]] If<has_links, Losses, 1> losses_{};  // bodies of which a pair has gone since link()
+    bool balanced_[features.bodies]{};
     // The place of the first pair of each body that has pairs.
     [[no_unique_address]] If<(!has_links && features.bodies > 1), std::int16_t[features.bodies], 2> first_of_{};
     CountTo<most_pairs_of_a_body * Pair::max_points> touching_[features.bodies]{};

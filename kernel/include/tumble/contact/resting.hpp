@@ -56,7 +56,7 @@ public:
         int active = 0;
         bool strikes = false;
         pairs_.for_each(island_, [&](Pair& pair) {
-            if (!same || !(pair.scale == velocities_.scale)) pair.still = 0;
+            if (!same || !(pair.scale == velocities_.scale)) pairs_.unbalance(pair);
             if (pair.count == 0) return;
             const bool hit = pair.is_struck() && (struck || !whole);
             pair.touched = false;
@@ -88,7 +88,7 @@ public:
         pairs_.for_each(island_, [&](Pair& pair) { rows_.make_tangents(pair); });
         if (whole && Statics<N, spin, features>{shapes_, pairs_, velocities_, bodies_, island_}.solve(stands)) {
             velocities_.write(forces, bodies_, shapes_.weights(), island_.group, &loads);
-            solution.stands = !lifts && pairs_.hold_all(island_) && is_at_rest();
+            solution.stands = !lifts && pairs_.are_balanced(island_) && is_at_rest();
         } else if (features.control && stands) {
             return Touch::nothing;
         } else {
@@ -115,7 +115,7 @@ public:
     // True where the last solution is that of this step too: nothing has changed since the island stood still, and the
     // loads are those that the forces have cancelled.
     [[nodiscard]] bool still_stands(const Kicks& loads, const Kicks& forces) const {
-        if (!pairs_.hold_all(island_) || is_lifted()) return false;
+        if (!pairs_.are_balanced(island_) || is_lifted()) return false;
         for (int k = 0; k < island_.group.count; ++k) {
             const int b = island_.group.id[k];
             if (!bodies_.stands_still(b)) return false;
@@ -149,11 +149,7 @@ public:
     }
 
 private:
-    // True where the scene's bound on sweeps is used up.
-    [[nodiscard]] bool is_spent() const {
-        if constexpr (features.impact_bounds) return velocities_.sweeps_left.count == 0;
-        else return false;
-    }
+    [[nodiscard]] bool is_spent() const { return velocities_.sweeps_are_spent(); }
     // Whether something holds each body. Bodies that do not touch each other need one look.
     [[nodiscard]] bool are_held() const {
         bool held[features.bodies]{};

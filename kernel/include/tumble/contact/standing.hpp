@@ -1,5 +1,5 @@
 // Which islands stand: in the last step one stood as in the step before, under gravity alone. While nothing happens to
-// a world, and the pairs of the island hold it (PairList::hold_all), it stands in the next step too: neither loads nor
+// a world, and its bodies are balanced (PairList::are_balanced), it stands in the next step too: neither loads nor
 // forces of it are computed, and its bodies look for nothing.
 #pragma once
 
@@ -37,7 +37,7 @@ public:
         else if constexpr (features.control) return all_ || gravity_.stood;
         else return all_;
     }
-    // True where an island stands as it did. Ask whether its pairs hold it.
+    // True where an island stands as it did. Ask whether it is balanced.
     [[nodiscard]] bool stands(const BodyGroup& group) const { return !has_other_gravity() && stood(group); }
     // True where all bodies of an island stood. The island of a single body is all there is.
     [[nodiscard]] bool stood(const BodyGroup& group) const {

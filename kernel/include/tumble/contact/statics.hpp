@@ -48,7 +48,7 @@ public:
     bool solve([[maybe_unused]] bool stands = false) {
         if constexpr (features.control) must_stand_ = stands;
         const bool may = find_carrying(), still = !surface_moves_ && is_slow([](int) { return true; }),
-                   known = may && still && pairs_.hold_all(island_);
+                   known = may && still && pairs_.are_balanced(island_);
         bool found = known;
         if (known) {
             for (int k = 0; k < island_.group.count; ++k) velocities_.stop(island_.group.id[k]);
@@ -63,9 +63,10 @@ public:
                 found = slide_as_one();
             }
         }
-        pairs_.for_each(island_, [&](Pair& pair) {
-            pair.still = static_cast<std::int16_t>(found && !moves_ && !pair.surface_moves ? island_.group.count : 0);
-        });
+        bool balanced = found && !moves_;
+        if constexpr (features.moving_surfaces())
+            pairs_.for_each(island_, [&](const Pair& pair) { balanced = balanced && !pair.surface_moves; });
+        pairs_.set_balanced(island_, balanced);
         return found;
     }
 
@@ -191,7 +192,7 @@ private:
                 if (point.row[0].target > Rows::surface_of(pair, point)) carriers.add_motion();
             }
             has_faces_ = has_faces_ || carriers.has_several();
-            if (carriers != pair.carriers) pair.still = 0;
+            if (carriers != pair.carriers) pairs_.unbalance(pair);
             pair.carriers = carriers;
             if (carriers.none()) return;
             if constexpr (features.moving_surfaces()) {
@@ -324,7 +325,7 @@ private:
         const Unit share = is_a ? pair.share_a : pair.share_b;
         const typename W::Over over_share{share};
         const BodyWeight<N>& weight = shapes_.weights()[b];
-        Velocity &now = velocities_.now[b], &other = velocities_.now[is_a ? pair.b : pair.a];
+        Velocity& now = velocities_.now[b];
         const int rows = pair.rows();
         typename Sweep::Row row[Pair::max_points][Point::directions];
         [[maybe_unused]] If<features.friction, Couplings<N>[Pair::max_points], 0> couplings;
@@ -364,28 +365,35 @@ private:
         const int most = Bounds::sweeps(contact::max_sweeps);
         velocities_.within_bounds(most, enough, [&](int& left) {
             return Sweep::run(
-                for_each_block, [&](auto&& f) { f(now, motion); }, enough, left, most);
+                for_each_block, [&](auto&& f) { f(now, motion); }, enough, enough, left, most);
         });
-        Carriers carriers;
-        carriers.add_motion();
-        Velocity unused = now;
+        moves_ = true;
+        return hand_on(pair, is_a, over_share, row, own_spin);
+    }
+    // Hands on to the other body of a pair what its points push, from the rows of one body. False where that does not
+    // fit.
+    bool hand_on(Pair& pair, bool is_a, const typename W::Over& over_share, const auto& row,
+                 [[maybe_unused]] const auto& own_spin) requires(features.pairs) {
+        Velocity unused = velocities_.now[is_a ? pair.a : pair.b], &other = velocities_.now[is_a ? pair.b : pair.a];
+        Velocity &now_a = is_a ? unused : other, &now_b = is_a ? other : unused;
+        const int rows = pair.rows();
+        pair.carriers = {};
+        pair.carriers.add_motion();
         for (int i = 0; i < pair.count; ++i) {
             if (!pair.point[i].active) continue;
-            carriers.add(i);
+            pair.carriers.add(i);
             for (int k = 0; k < Point::directions; ++k) {
                 auto& to = pair.point[i].row[k];
                 propose(to, k < rows ? over_share(Row::product(row[i][k].impulse, row[i][k].inverse)) : Speed{});
-                if (k < rows) to.push(to.proposed, is_a ? unused : other, is_a ? &other : &unused);
+                if (k < rows) to.push(to.proposed, now_a, &now_b);
             }
             if constexpr (features.rolling_resistance)
                 for (int k = 0; k < 3; ++k) {
                     auto& to = pair.point[i].spin[k];
                     propose(to, pair.resists_spin() ? over_share(own_spin.of_pair(i, k)) : Speed{});
-                    if (!(to.unscaled == Speed{})) to.push(to.proposed, is_a ? unused : other, is_a ? &other : &unused);
+                    if (!(to.unscaled == Speed{})) to.push(to.proposed, now_a, &now_b);
                 }
         }
-        pair.carriers = carriers;
-        moves_ = true;
         return C::fits(other.largest());
     }
     // Rows of the spin of one body of a pair, with its radius as the arm.

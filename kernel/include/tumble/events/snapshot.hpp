@@ -398,7 +398,7 @@ constexpr void add_to(Digest& digest, const WorldSpec& world) {
         digest.add(static_cast<int>(c.restitution_mixing));
         digest.add(static_cast<int>(c.friction_mixing));
     }
-    if (c.most_impacts > 0 || c.most_searches > 0 || c.most_sweeps > 0) {
+    if (c.has_bounds()) {
         digest.add(c.most_impacts);
         digest.add(c.most_searches);
         if (c.most_sweeps > 0) digest.add(c.most_sweeps);

@@ -22,6 +22,10 @@ struct PairView {
     [[nodiscard]] Length separation(const Vec3<Unit>& normal, bool boxes) const {
         return narrow<Length>(dot(normal, reach)) - extent(a, axes_a, normal, boxes) - extent(b, axes_b, normal, boxes);
     }
+    // Of the centre of a above the surface of b.
+    [[nodiscard]] Length height(const Vec3<Unit>& normal, bool boxes) const {
+        return narrow<Length>(dot(normal, reach)) - extent(b, axes_b, normal, boxes);
+    }
 
 private:
     [[nodiscard, gnu::noinline]] static Length extent(const CollisionShape<N>& shape, const Axes<N>& axes,

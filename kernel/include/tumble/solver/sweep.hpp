@@ -55,6 +55,7 @@ struct Sweep {
     static void visit(const Block& block, Speed& most) {
         Row* const row = block.row;
         const Speed push = push_of(row[0], block, most), wanted = row[0].impulse + push;
+        if (wanted == Speed{} && is_idle(block)) return;
         [[maybe_unused]] const auto limit = [&](typename C::Friction coefficient) {
             return Cone::limit_of(row[0], wanted, coefficient);
         };
@@ -89,6 +90,14 @@ struct Sweep {
             change(block, spin + 2, {Cone::solve_one(spin[2], about, limit(resists.spinning))}, most);
         }
     }
+    // True of a block without impulses. Where its normal wants none, it is done.
+    static bool is_idle(const Block& block) {
+        bool idle = true;
+        block.for_each_group([&](const Row* row, auto count) {
+            for (int k = 0; k < count; ++k) idle = idle && row[k].impulse == Speed{};
+        });
+        return idle;
+    }
     // Applies the impulses of a block to velocities that do not hold them yet.
     static void push(const Block& block) {
         block.for_each_group([&](const Row* row, auto count) {
@@ -104,27 +113,27 @@ struct Sweep {
     // least (Anderson 1965, of depth one): where a sweep leaves a part r of what is wrong, r / (1 - r) of its change is
     // still to come. for_each_velocity(f) calls f(velocity, its Motion) for each of the bodies. Returns the largest
     // change of the last sweep.
-    // `patience`: ends also where so many sweeps have not halved the largest change, and the last has changed no
-    // velocity by more than `enough`. What is left then contradicts itself: no velocity meets the targets of all points
-    // of a face that is not quite flat on another, and sweeps shift impulses among them without end.
+    // `patience`: ends also where so many sweeps, one after the other, have changed no velocity by more than
+    // `rounding`. They only shift impulses among points. What is left contradicts itself: no velocity meets the targets
+    // of all points of a face that is not quite flat on another.
     template <RowSource<Block> Source, class Velocities>
-    static Speed run(Source&& for_each_block, const Velocities& for_each_velocity, Speed enough, int& left,
-                     int patience, bool with_momentum = true) {
-        Speed most{}, halved{};
-        int in_vain = 0;
+    static Speed run(Source&& for_each_block, const Velocities& for_each_velocity, Speed enough, Speed rounding,
+                     int& left, int patience, bool with_momentum = true) {
+        Speed most{};
+        int stood = 0;
         if (with_momentum) for_each_velocity([](const Velocity& now, Motion& motion) { motion.before = now; });
         for (int sweep = 0; left > 0; ++sweep) {
+            if (with_momentum && sweep > 0) {
+                Speed moved{};
+                const Unit momentum = momentum_of(for_each_velocity, sweep == 1, moved);
+                stood = moved > rounding ? 0 : stood + 1;
+                if (stood >= patience) break;
+                go_on(for_each_block, for_each_velocity, momentum);
+            }
             --left;
-            if (with_momentum && sweep > 0) go_on(for_each_block, for_each_velocity, sweep == 1);
             most = {};
             for_each_block([&](const Block& block) { visit(block, most); });
             if (!(most > enough)) break;
-            if (sweep == 0 || most < C::half(halved)) {
-                halved = most;
-                in_vain = 0;
-            } else if (++in_vain >= patience && with_momentum && stands(for_each_velocity, enough)) {
-                break;
-            }
         }
         return most;
     }
@@ -144,45 +153,17 @@ private:
         note(excess, most);
         return Speed{};
     }
-    // True where the present sweep has changed no velocity by more than `enough`.
+    // The part of the whole last change that the next sweep begins with: none after the first sweep. Raises `moved` to
+    // the largest change of a velocity by the last sweep.
     template <class Velocities>
-    [[gnu::noinline]] static bool stands(const Velocities& for_each_velocity, Speed enough) {
-        bool all = true;
-        for_each_velocity([&](const Velocity& now, const Motion& motion) {
-            const Velocity change{now.linear - motion.before.linear, now.angular - motion.before.angular};
-            all = all && !(change.largest() > enough);
-        });
-        return all;
-    }
-    // Repeats a part of the whole last change, which is that of the sweep and of what it began with. The velocities
-    // belong to the impulses, so that they take the same part of their own change.
-    template <class Source, class Velocities>
-    static void go_on(Source&& for_each_block, const Velocities& for_each_velocity, bool first) {
-        const Unit momentum = go_on_with(for_each_velocity, first);
-        for_each_block([&](const Block& block) {
-            block.for_each_group([&](Row* row, auto count) {
-                for (int k = 0; k < count; ++k) {
-                    const Speed now = row[k].impulse;
-                    if (!(momentum == Unit{})) {
-                        const Speed further = Row::product(now - row[k].before, momentum);
-                        if (C::fits(further) && C::fits(now + further)) [[likely]]
-                            row[k].impulse += further;
-                        else row[k].push(-further, block.a, block.b);
-                    }
-                    row[k].before = now;
-                }
-            });
-        });
-    }
-    // The same of the velocities. Returns the part: none after the first sweep.
-    template <class Velocities>
-    [[gnu::noinline]] static Unit go_on_with(const Velocities& for_each_velocity, bool first) {
+    [[gnu::noinline]] static Unit momentum_of(const Velocities& for_each_velocity, bool first, Speed& moved) {
         using Square = decltype(dot(Vec3<Speed>{}, Vec3<Speed>{}));
         Square along{}, square{};
         for_each_velocity([&](const Velocity& now, Motion& motion) {
             for (Vec3<Speed> Velocity::*part : parts) {
                 Vec3<Speed>& swept = motion.swept.*part;
                 const Vec3<Speed> change = now.*part - motion.before.*part;
+                for (const Speed component : change) note(component, moved);
                 if (first) {
                     swept = change;
                     motion.further.*part = Vec3<Speed>::Constant(Speed{});
@@ -199,21 +180,36 @@ private:
                 square += dot(less, less);
             }
         });
-        Unit momentum{};
-        if (along > Square{}) momentum = along < square ? C::ratio_of_squares(along, square) : C::one();
+        if (!(along > Square{})) return {};
+        return along < square ? C::ratio_of_squares(along, square) : C::one();
+    }
+    // Repeats a part of the whole last change, which is that of the sweep and of what it began with. The velocities
+    // belong to the impulses, so that they take the same part of their own change.
+    template <class Source, class Velocities>
+    static void go_on(Source&& for_each_block, const Velocities& for_each_velocity, Unit momentum) {
+        const bool any = !(momentum == Unit{});
         for_each_velocity([&](Velocity& now, Motion& motion) {
             for (Vec3<Speed> Velocity::*part : parts) {
                 Vec3<Speed>& further = motion.further.*part;
-                if (momentum == Unit{}) {
-                    further = Vec3<Speed>::Constant(Speed{});
-                } else {
-                    further = Row::products(motion.swept.*part + further, momentum);
-                    now.*part += further;
-                }
+                further = any ? Row::products(motion.swept.*part + further, momentum) : Vec3<Speed>::Constant(Speed{});
+                now.*part += further;
             }
             motion.before = now;
         });
-        return momentum;
+        for_each_block([&](const Block& block) {
+            block.for_each_group([&](Row* row, auto count) {
+                for (int k = 0; k < count; ++k) {
+                    const Speed now = row[k].impulse;
+                    if (any) {
+                        const Speed further = Row::product(now - row[k].before, momentum);
+                        if (C::fits(further) && C::fits(now + further)) [[likely]]
+                            row[k].impulse += further;
+                        else row[k].push(-further, block.a, block.b);
+                    }
+                    row[k].before = now;
+                }
+            });
+        });
     }
     template <int count>
     TUMBLE_INLINE static void change(const Block& block, Row* row, const Speed (&by)[count], Speed& most) {

@@ -35,6 +35,11 @@ public:
         bool missing = false;  // more were needed
     };
     [[no_unique_address]] If<features.impact_bounds, SweepsLeft, 3> sweeps_left{};
+    // True where they are used up. What still approaches then strikes in the next step.
+    [[nodiscard]] bool sweeps_are_spent() const {
+        if constexpr (features.impact_bounds) return sweeps_left.count == 0;
+        else return false;
+    }
     // Calls solve(int&) with how many sweeps a solution may have: its usual bound, and what that of the scene leaves of
     // it, one at least. It takes off what it uses, and returns the largest change of the last. Returns this.
     template <class Solve>

@@ -1,5 +1,5 @@
-// The way of a body to a plane in a flight that was flown whole: the gap of each of its points as a cubic in closed
-// form.
+// The way of a body to a flat surface in a flight that was flown whole: the gap of each of its points as a cubic in
+// closed form.
 #pragma once
 
 #include <tumble/shapes/plane.hpp>
