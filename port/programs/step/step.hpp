@@ -10,6 +10,7 @@
 
 #include TUMBLE_SCENE_HEADER
 
+#include "entry.hpp"
 #include "json_row.hpp"
 #include "port.hpp"
 
