@@ -1,8 +1,8 @@
 # tumble_add_firmware(<name> SOURCES <file>... [DEFINES <definition>...] [OPTIONS <option of GCC>...] [MINIMAL] [WHOLE])
 #   makes <name>.elf and <name>.map for the current core (TUMBLE_CORE), linked with the start-up code, the compiler's own
 #   library and no libc. MINIMAL: the least start-up code, without port.hpp, where the core's family has it. WHOLE: no other
-#   source calls functions of these, but for main and those that are TUMBLE_ENTRY (port/entry.hpp). GCC then changes what
-#   functions take and return, as it does with -flto: worlds with contacts become 6 to 8 % smaller.
+#   source calls a function of this one but main. GCC then changes what functions take and return, as it does with -flto:
+#   worlds with contacts become 4 to 8 % smaller.
 # tumble_add_firmware_objects(<name> ...)
 #   takes the same arguments and only compiles. Several firmware use the result as SOURCES $<TARGET_OBJECTS:<name>>.
 # tumble_add_firmware_test(<test> FIRMWARE <name> [STATUS <n>] [OUTPUT <regex>] [TIMEOUT <seconds>])
@@ -110,7 +110,7 @@ function(tumble_add_firmware name)
 endfunction()
 
 function(tumble_add_firmware_objects name)
-    cmake_parse_arguments(PARSE_ARGV 1 arg "WHOLE" "" "SOURCES;DEFINES;OPTIONS")
+    cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;DEFINES;OPTIONS")
     add_library(${name} OBJECT ${arg_SOURCES})
     tumble_compile_as_firmware(${name})
 endfunction()

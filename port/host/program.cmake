@@ -1,5 +1,5 @@
 # tumble_add_firmware() and tumble_add_firmware_objects() for a build without a cross compiler: the same programs for the
-# workstation, with the host's port. OPTIONS and WHOLE are for a core's compiler and are ignored. GCC does not always see that a loop
+# workstation, with the host's port. OPTIONS are for a core's compiler and are ignored. GCC does not always see that a loop
 # over axes or stages sets them all; its warning of that ends no build.
 include_guard(GLOBAL)
 if(NOT TARGET tumble::tumble)
@@ -13,7 +13,7 @@ target_compile_options(tumble_program_flags INTERFACE -O2 -fno-math-errno -fno-e
     $<$<CXX_COMPILER_ID:GNU>:-Wno-error=maybe-uninitialized>)
 
 function(tumble_add_firmware name)
-    cmake_parse_arguments(PARSE_ARGV 1 arg "MINIMAL;WHOLE" "" "SOURCES;DEFINES;OPTIONS")
+    cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;DEFINES;OPTIONS")
     add_executable(${name} ${arg_SOURCES})
     set_target_properties(${name} PROPERTIES SUFFIX .elf)
     target_link_libraries(${name} PRIVATE tumble_program_flags)
@@ -21,7 +21,7 @@ function(tumble_add_firmware name)
 endfunction()
 
 function(tumble_add_firmware_objects name)
-    cmake_parse_arguments(PARSE_ARGV 1 arg "WHOLE" "" "SOURCES;DEFINES;OPTIONS")
+    cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;DEFINES;OPTIONS")
     add_library(${name} OBJECT ${arg_SOURCES})
     target_link_libraries(${name} PRIVATE tumble_program_flags)
     target_compile_definitions(${name} PRIVATE ${arg_DEFINES})

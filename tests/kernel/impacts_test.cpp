@@ -75,17 +75,20 @@ TEST_P(Impacts, on_a_fixed_box_are_those_on_a_plane) {
     }
 }
 
+// The friction of each side works against the normal of the other.
 TEST_P(Impacts, a_ball_that_falls_into_a_wedge_stays_in_its_middle) {
     for (const Number restitution : {0.5L, 0.8L}) {
-        for (const Number slope : {0.5L, 1.7320508L}) {
-            for (const Number radius : {0.1L, 0.25L}) {
-                SceneSetup setup = floor(restitution, 0, {placed(sphere(2, real(radius)), {0, 1.5L, 0})});
-                const Vector normal = Vector{1, slope, 0} * (1 / std::hypot(1.0L, slope));
-                setup.planes = {{.normal = real(normal)}, {.normal = real(Vector{-normal.x, normal.y, 0})}};
-                const auto world = build(setup, GetParam());
-                for (int step = 0; step < 2 * second; ++step) world->step();
-                EXPECT_LE(std::abs(world->motion(0).x.x), 1e-5L) << "slope " << slope;
-                EXPECT_LE(std::abs(world->motion(0).v.x), 1e-4L) << "slope " << slope;
+        for (const Number friction : {0.0L, 0.3L, 0.45L}) {
+            for (const Number slope : {0.5L, 1.0L, 1.7320508L}) {
+                for (const Number radius : {0.1L, 0.25L}) {
+                    SceneSetup setup = floor(restitution, friction, {placed(sphere(2, real(radius)), {0, 1.5L, 0})});
+                    const Vector normal = Vector{1, slope, 0} * (1 / std::hypot(1.0L, slope));
+                    setup.planes = {{.normal = real(normal)}, {.normal = real(Vector{-normal.x, normal.y, 0})}};
+                    const auto world = build(setup, GetParam());
+                    for (int step = 0; step < 2 * second; ++step) world->step();
+                    EXPECT_LE(std::abs(world->motion(0).x.x), 1e-5L) << "slope " << slope << ", " << friction;
+                    EXPECT_LE(std::abs(world->motion(0).v.x), 1e-4L) << "slope " << slope << ", " << friction;
+                }
             }
         }
     }

@@ -10,7 +10,6 @@
 
 #include TUMBLE_SCENE_HEADER
 
-#include "entry.hpp"
 #include "json_row.hpp"
 #include "port.hpp"
 

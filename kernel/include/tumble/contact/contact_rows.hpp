@@ -196,13 +196,13 @@ public:
     // wait as long as conjugate gradients would take, for six velocities of each.
     [[nodiscard]] Until from_nothing(Speed enough) const {
         const int most = ContactBounds<N>::sweeps(contact::max_impact_sweeps), count = island_.group.count;
-        return {enough, most, count > 1 ? 6 * count : 1};
+        return {enough, most, count > 1 ? 6 * count : patience_of_one(most)};
     }
     // From the impulses of the step before. Then the changes between several bodies are small, and may not get smaller
     // before the impulse of a point is used up.
     [[nodiscard]] Until from_last_step(Speed enough) const {
         const int most = ContactBounds<N>::sweeps(contact::max_sweeps);
-        return {enough, most, island_.group.count > 1 ? most : 1};
+        return {enough, most, island_.group.count > 1 ? most : patience_of_one(most)};
     }
     // Solves all points that take part by sweeps. Returns the largest change of an impulse in the last one.
     Speed sweep(const Until& until, bool with_momentum = true) {
@@ -345,6 +345,22 @@ private:
                 ForEachVelocity{velocities_, island_}, until.enough, velocities_.scale.enough_in_impact(), left,
                 until.patience, with_momentum && !is_one_row);
         });
+    }
+    // Of one body on one surface, or on smooth ones, impulses that change no velocity only shift among its points. On
+    // several rough ones the friction of each works against the normals of others: their impulses rise together, and
+    // no velocity changes, until a cone is reached.
+    [[nodiscard]] int patience_of_one(int most) const {
+        if constexpr (PairList::is_single || !features.friction) return 1;
+        int pairs = 0;
+        bool rough = false;
+        pairs_.for_each(island_, [&](const Pair& pair) {
+            bool any = false;
+            for (int i = 0; i < pair.count; ++i) any = any || pair.point[i].active;
+            if (!any) return;
+            ++pairs;
+            rough = rough || pair.has_friction;
+        });
+        return rough && pairs > 1 ? most : 1;
     }
     [[nodiscard]] bool turns(const Pair& pair) const {
         return velocities_.turns(pair.a) || (pair.moves_b() && velocities_.turns(pair.b));

@@ -227,15 +227,15 @@ public:
     }
 
 private:
-    // True where body b of the pair is a plane, or a fixed box that stands and meets the other body with a face, on the
-    // side on which that was when the flight began.
+    // True where body b of the pair is a plane, or a fixed box that stands and has met the other body with the same
+    // face at both ends of the flight: gaps along another direction have another start and another level.
     [[nodiscard]] bool is_flat(const Pair& pair) const {
         if (pair.with_plane()) return true;
         bool flat = false;
         if constexpr (has_edges) {
             if (pair.moves_b() || pair.surface_moves || !shapes_.shape(pair.b).is(ShapeKind::box)) return false;
-            const auto cosine = narrow<typename Pair::Unit>(dot(pair.normal, pair.start_normal));
-            if (!(cosine > C::half(C::one()))) return false;
+            if (!(narrow<typename Pair::Unit>(dot(pair.normal, pair.start_normal)) > Bounds::along_face()))
+                return false;
             const Axes<N> box = shapes_.shape(pair.b).axes(shapes_.axes(pair.b));
             for (int i = 0; i < 3; ++i)
                 flat = flat ||
