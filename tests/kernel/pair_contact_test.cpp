@@ -448,7 +448,7 @@ TEST_P(Pairs, an_elastic_ball_between_near_walls_keeps_its_speed_and_stays_betwe
                 const Number bounces = std::floor(flown / room), beyond = flown - bounces * room;
                 const Number x = (std::fmod(bounces, Number(2)) == 0 ? beyond : room - beyond) - room / 2;
                 ASSERT_LE(std::abs(m.x.x) - room / 2, tolerance::depth) << rooms << " rooms, step " << step;
-                ASSERT_LE(std::abs(m.x.x - x), tolerance::creep) << rooms << " rooms, step " << step;
+                ASSERT_LE(std::abs(m.x.x - x), tolerance::creep.of(system())) << rooms << " rooms, step " << step;
                 ASSERT_LE(std::abs(norm(m.v) - speed), (bounces + 1) * speed * tolerance::exchange.of(system()))
                     << rooms << " rooms, step " << step;
             }

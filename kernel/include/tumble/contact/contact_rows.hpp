@@ -190,7 +190,7 @@ public:
     // When sweeps end: Sweep::run.
     struct Until {
         Speed enough;
-        int most, patience;
+        int most, patience = 1;  // the latter only with momentum
     };
     // From no impulses. Of several bodies impulses that change no velocity may carry a load from body to body: sweeps
     // wait as long as conjugate gradients would take, for six velocities of each.
@@ -321,7 +321,8 @@ private:
             return smooth ? rows.normal_block(pair, point) : rows.block(pair, point);
         }
     };
-    // Calls f(velocity, what sweeps keep of it) for each body, for one copy of what sweeps do with velocities.
+    // Calls f(velocity, its Motion) for each body. A type with a name, so that all sweeps share one copy of what f
+    // does.
     struct ForEachVelocity {
         Velocities& velocities;
         const Island& island;

@@ -253,24 +253,24 @@ private:
     [[nodiscard, gnu::cold]] PlanePath<N, features> path_of(const Pair& pair, int k, const SavedMotions<Bodies>& start,
                                                             Work third) const {
         using Unit = typename Pair::Unit;
-        const int b = pair.a;
+        const int a = pair.a;
         const Vec3<Unit> normal = pair.normal;
         Vec3<Length> drift;
         for (int i = 0; i < 3; ++i) drift[i] = shapes_.scale().fall(N::sum(start[k].d_w[i]), bodies_.scale);
         const Length low = level(pair);
-        PlanePath<N, features> path{shapes_.shape(b), height(pair, start[k]) - low,
-                                    height(pair, bodies_.state[b]) - low,
+        PlanePath<N, features> path{shapes_.shape(a), height(pair, start[k]) - low,
+                                    height(pair, bodies_.state[a]) - low,
                                     mul(narrow<Length>(dot(normal, drift)), C::unit(third))};
         if constexpr (features.boxes || features.round_shapes) {
             const auto turn = [&](const auto& state, typename N::Scale unit) __attribute__((cold)) {
                 Vec3<Unit> angle;
-                for (int i = 0; i < 3; ++i) angle[i] = C::unit(bodies_.turn(b, i, state, unit) * third);
+                for (int i = 0; i < 3; ++i) angle[i] = C::unit(bodies_.turn(a, i, state, unit) * third);
                 return angle;
             };
-            if (!shapes_.shape(b).is(ShapeKind::sphere))
+            if (!shapes_.shape(a).is(ShapeKind::sphere))
                 path.set_normals(Axes<N>::of(start[k].q_wb.value()).to_body(normal),
-                                 turn(start[k], start.spin_scale(k, bodies_)), shapes_.axes(b).to_body(normal),
-                                 turn(bodies_.state[b], bodies_.spin_scale(b)));
+                                 turn(start[k], start.spin_scale(k, bodies_)), shapes_.axes(a).to_body(normal),
+                                 turn(bodies_.state[a], bodies_.spin_scale(a)));
         }
         return path;
     }

@@ -270,7 +270,7 @@ private:
         });
         const Speed enough = velocities_.scale.enough_at_rest();
         (void)rows_.sweep_normals(rows_.from_nothing(enough), true);
-        const Speed left = rows_.sweep_normals({enough, 2, 2}, false);
+        const Speed left = rows_.sweep_normals({enough, 2}, false);
         pairs_.for_each_active(island_, [](Pair&, Point& point) { point.row[0].impulse = point.resting_impulse; });
         // Where sweeps are missing the part that is found is a step towards the solution.
         const bool solved = is_spent() || !(left > C::half(largest));

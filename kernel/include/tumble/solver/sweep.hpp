@@ -110,9 +110,10 @@ struct Sweep {
     // Sweeps until no impulse changes by more than `enough` or none is left. Plain sweeps carry a load through a stack
     // by one box per sweep. So each begins with a part of the whole last change, as a heavy ball goes on (Polyak 1964).
     // The part is at most 1, and the one with which the last two sweeps together would have changed the velocities
-    // least (Anderson 1965, of depth one): where a sweep leaves a part r of what is wrong, r / (1 - r) of its change is
-    // still to come. for_each_velocity(f) calls f(velocity, its Motion) for each of the bodies. Returns the largest
-    // change of the last sweep.
+    // least (Anderson 1965, of depth one). A sweep that leaves a part r of the error has still to make r / (1 - r) of
+    // its change. for_each_velocity(f) calls f(velocity, its Motion) for each of the bodies. Returns the largest change
+    // of the last sweep.
+    //
     // `patience`: ends also where so many sweeps, one after the other, have changed no velocity by more than
     // `rounding`. They only shift impulses among points. What is left contradicts itself: no velocity meets the targets
     // of all points of a face that is not quite flat on another.
@@ -183,8 +184,8 @@ private:
         if (!(along > Square{})) return {};
         return along < square ? C::ratio_of_squares(along, square) : C::one();
     }
-    // Repeats a part of the whole last change, which is that of the sweep and of what it began with. The velocities
-    // belong to the impulses, so that they take the same part of their own change.
+    // Repeats a part of the whole last change: what the sweep began with, and what it changed. Impulses and velocities
+    // take the same part, since they belong together.
     template <class Source, class Velocities>
     static void go_on(Source&& for_each_block, const Velocities& for_each_velocity, Unit momentum) {
         const bool any = !(momentum == Unit{});
