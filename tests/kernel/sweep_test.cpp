@@ -130,7 +130,7 @@ TYPED_TEST(SweptWorlds, of_thrown_dice_do_not_end_before_points_have_come_free) 
                 square += x * x;
             }
             const double norm = std::sqrt(square);
-            die.orientation = {Real{q[0] / norm}, Real{q[1] / norm}, Real{q[2] / norm}, Real{q[3] / norm}};
+            die.orientation = {Real{q[0] / norm}, {Real{q[1] / norm}, Real{q[2] / norm}, Real{q[3] / norm}}};
             (void)world.add(die);
         }
         // Those whose sweeps once ended too early.

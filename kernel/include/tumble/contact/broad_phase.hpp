@@ -286,12 +286,7 @@ private:
     [[nodiscard]] Length fall_of(bool near) const {
         return C::rounded_up(near ? twice(shapes_.fall_bound()) : shapes_.fall_bound());
     }
-    [[nodiscard]] Vec3<Length> drift(int b) const {
-        const auto& s = bodies_.state[b];
-        return {shapes_.scale().drift(N::sum(s.d_w.x), bodies_.scale),
-                shapes_.scale().drift(N::sum(s.d_w.y), bodies_.scale),
-                shapes_.scale().drift(N::sum(s.d_w.z), bodies_.scale)};
-    }
+    [[nodiscard]] Vec3<Length> drift(int b) const { return shapes_.drift(bodies_, b); }
     // The largest power of two of steps, up to `longest`, in which `reaches(travel)` stays false, with
     // travel >= speed k + fall k^2; 0 when one step is too long. It is convex in k: what it does not reach in one step
     // and in `longest`, it does not reach between.
@@ -333,10 +328,7 @@ private:
     }
     // Bound on the way of a point of the body in one step.
     [[nodiscard]] Length reach_in_step(int b) const {
-        Work turn(0);
-        for (int i = 0; i < 3; ++i) turn += magnitude_of(bodies_.turn(b, i));
-        return size_of(drift(b)) + shapes_.fall_bound() + shapes_.tolerance() +
-               shapes_.scale().length(turn * shapes_.scale().metres(shapes_.shape(b).radius));
+        return size_of(drift(b)) + shapes_.fall_bound() + shapes_.tolerance() + shapes_.way_of_turn(bodies_, b);
     }
     // `mark`: of the body whose pairs are tested. Where a load acts on it, it may push others in this step: the answer
     // must not depend on whether the pair was removed before the first question. Otherwise its own test has asked.

@@ -156,6 +156,17 @@ public:
         const typename N::PositionSum x[3] = {N::sum(s.x_w.x), N::sum(s.x_w.y), N::sum(s.x_w.z)};
         return scale().length(N::along(x, plane.normal) + plane.offset);
     }
+    // The way of the centre of a body in a step, and a bound on that of its surface by the spin.
+    [[nodiscard]] TUMBLE_INLINE Vec3<Length> drift(const Bodies& bodies, int b) const {
+        const auto& s = bodies.state[b];
+        return {scale().drift(N::sum(s.d_w.x), bodies.scale), scale().drift(N::sum(s.d_w.y), bodies.scale),
+                scale().drift(N::sum(s.d_w.z), bodies.scale)};
+    }
+    [[nodiscard]] TUMBLE_INLINE Length way_of_turn(const Bodies& bodies, int b) const {
+        Work turn(0);
+        for (int i = 0; i < 3; ++i) turn += magnitude_of(bodies.turn(b, i));
+        return scale().length(turn * scale().metres(shape_[b].radius));
+    }
     // From the centre of b to that of a.
     [[nodiscard]] Vec3<Length> reach_between(const Bodies& bodies, int a, int b) const {
         return reach_between(bodies.state[a], bodies.state[b]);
