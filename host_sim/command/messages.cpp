@@ -99,6 +99,9 @@ Account account_of(const Trouble& trouble, const SceneDescription& scene, const 
     if (trouble.issue == "step_too_long") return step_too_long(scene, simulation);
     if (trouble.issue == "contacts_full")
         return {"more pairs are near each other than the world has room for, so some bodies pass through others", ""};
+    if (trouble.issue == "left_over" && scene.contact.exact_bodies)
+        return {"a step left bodies overlapping by more than 16 tolerances, or used up what [contact] allows it",
+                "a smaller step, or a larger contact.exact_bodies"};
     if (trouble.issue == "left_over")
         return {
             "a step used up the impacts, searches or sweeps that [contact] allows. The rest was resolved in the next "

@@ -162,7 +162,9 @@ SceneData build_scene(const SceneDescription& scene) {
                           .sleep = sleep_of(contact),
                           .most_impacts = by_impulses ? contact.most_impacts : 0,
                           .most_searches = by_impulses ? contact.most_searches : 0,
-                          .most_sweeps = by_impulses ? contact.most_sweeps : 0};
+                          .most_sweeps = by_impulses ? contact.most_sweeps : 0,
+                          .exact_bodies =
+                              by_impulses ? contact.exact_bodies.value_or(ContactSpec::any) : ContactSpec::any};
     for (const BodyDescription& body : scene.bodies) data.bodies.push_back(body_of(body));
     add_loads_of_bodies(scene, data);
     if (const auto& gradient = scene.gravity_gradient)
@@ -248,6 +250,7 @@ Features needs(const SceneData& scene) {
         .turntables = any(scene.bodies, is_turntable) || any(scene.events, turns_fixed),
         .kinematic = any(scene.bodies, [](const BodySpec& body) { return body.kinematic; }),
         .impact_bounds = by_impulses && world.contact.has_bounds(),
+        .bounded_steps = world.contact.exact_bodies != ContactSpec::any,
         .contact_impulses = !by_springs,
         .contact_springs = by_springs,
     };

@@ -102,7 +102,7 @@ void read_range(Table table, RangeDescription& range) {
     table.finish();
 }
 
-void read_bound(Table& table, const char* key, int& bound) {
+void read_bound(Table& table, const char* key, auto& bound) {
     constexpr int most = 1000;
     if (const auto value = table.find(key)) bound = static_cast<int>(value->whole(0, most));
 }
@@ -123,6 +123,7 @@ void read_contact(Table table, ContactDescription& contact) {
     read_bound(table, "most_impacts", contact.most_impacts);
     read_bound(table, "most_searches", contact.most_searches);
     read_bound(table, "most_sweeps", contact.most_sweeps);
+    read_bound(table, "exact_bodies", contact.exact_bodies);
     if (const auto value = table.find("sleep")) {
         const auto* off = value->node().as_boolean();
         if (!value->node().is_table() && (off == nullptr || off->get()))

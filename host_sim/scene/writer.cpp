@@ -57,7 +57,8 @@ std::string contact_text(const ContactDescription& c) {
            line("friction_mixing", json_text(word_of(mixings, c.friction_mixing))) + line("tolerance", c.tolerance) +
            line("stiffness", c.stiffness) + line("damping", c.damping) + line("barrier", c.barrier) +
            line("most_impacts", c.most_impacts) + line("most_searches", c.most_searches) +
-           line("most_sweeps", c.most_sweeps) + line("sleep", sleep);
+           line("most_sweeps", c.most_sweeps) +
+           (c.exact_bodies ? line("exact_bodies", *c.exact_bodies) : std::string()) + line("sleep", sleep);
 }
 
 }  // namespace

@@ -238,8 +238,11 @@ private:
         // Energy that grows by a share of the motion's changes speeds, and so distances, by half of that share.
         const double most_gain = 2 * share_of_doubt * options_.tolerance;
         Reference pair;
-        pair.fine = record_of(scene_, fine_methods[0], halvings, moments_, most_gain);
-        pair.other = record_of(scene_, fine_methods[1], halvings + 1, moments_, most_gain);
+        // A bounded step is held against the exact one.
+        SceneDescription exact = scene_;
+        exact.contact.exact_bodies.reset();
+        pair.fine = record_of(exact, fine_methods[0], halvings, moments_, most_gain);
+        pair.other = record_of(exact, fine_methods[1], halvings + 1, moments_, most_gain);
         std::size_t last = std::min(pair.fine.moments.size(), pair.other.moments.size());
         for (const Record* record : {&pair.fine, &pair.other}) {
             if (!record->gained || *record->gained >= last) continue;

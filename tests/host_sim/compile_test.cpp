@@ -171,6 +171,8 @@ TEST(Compile, features_are_those_of_the_contact_response) {
     EXPECT_EQ(features("[contact]\nmost_searches = 4\n").count("impact_bounds = true"), 1u);
     EXPECT_EQ(features("[contact]\nmost_searches = 0\n").count("impact_bounds = true"), 0u);
     EXPECT_EQ(features("[contact]\nmost_sweeps = 8\n").count("impact_bounds = true"), 1u);
+    EXPECT_EQ(features("[contact]\nexact_bodies = 0\n").count("bounded_steps = true"), 1u);
+    EXPECT_EQ(features("").count("bounded_steps = true"), 0u);
     EXPECT_EQ(features("[contact]\nrestitution_mixing = \"larger\"\n").count("mixing = true"), 0u);
 }
 
@@ -200,9 +202,9 @@ TEST(Compile, contact_has_the_members_of_its_response) {
     EXPECT_EQ(members("rolling_resistance = 0.5\nspinning_resistance = 0.25\nfriction_mixing = \"product\"\n"),
               (Members{impulse, ".restitution = 0.5,", ".rolling_resistance = 0.5,", ".spinning_resistance = 0.25,",
                        ".friction_mixing = tumble::Mixing::product,", ".tolerance = 0.001,"}));
-    EXPECT_EQ(members("most_impacts = 1\nmost_searches = 4\nmost_sweeps = 8\n"),
+    EXPECT_EQ(members("most_impacts = 1\nmost_searches = 4\nmost_sweeps = 8\nexact_bodies = 2\n"),
               (Members{impulse, ".restitution = 0.5,", ".tolerance = 0.001,", ".most_impacts = 1,",
-                       ".most_searches = 4,", ".most_sweeps = 8,"}));
+                       ".most_searches = 4,", ".most_sweeps = 8,", ".exact_bodies = 2,"}));
     EXPECT_EQ(members("response = \"spring\"\n"), (Members{spring, ".tolerance = 0.001,", ".stiffness = 10000.0,"}));
     EXPECT_EQ(members("response = \"spring\"\nfriction = 0.5\nsleep = { speed = 0.25 }\n" + constants),
               (Members{spring, ".tolerance = 0.001,", ".stiffness = 500.0,", ".damping = 3.0,", ".barrier = 0.5,"}));

@@ -326,7 +326,8 @@ Numbers numbers_of(const ContactDescription& c) {
             c.barrier,
             static_cast<double>(c.most_impacts),
             static_cast<double>(c.most_searches),
-            static_cast<double>(c.most_sweeps)};
+            static_cast<double>(c.most_sweeps),
+            static_cast<double>(c.exact_bodies.value_or(-1))};
 }
 
 TEST(SceneReader, keys_left_out_have_the_documented_defaults) {
@@ -336,7 +337,7 @@ TEST(SceneReader, keys_left_out_have_the_documented_defaults) {
     EXPECT_EQ(scene.gravity, (Triple{0.0, 0.0, 0.0}));
     EXPECT_EQ(numbers_of(scene), (Numbers{0, 0, 0, 1024, 128, 64}));
     EXPECT_EQ(scene.contact.response, ContactResponse::impulse);
-    EXPECT_EQ(numbers_of(scene.contact), (Numbers{0.5, 0, 0, 0, 0, 0.001, 10000, 0, 0, 0, 0, 0}));
+    EXPECT_EQ(numbers_of(scene.contact), (Numbers{0.5, 0, 0, 0, 0, 0.001, 10000, 0, 0, 0, 0, 0, -1}));
     EXPECT_FALSE(scene.contact.sleep);
     EXPECT_TRUE(scene.planes.empty());
 
@@ -382,6 +383,7 @@ barrier = 0.5
 most_impacts = 2
 most_searches = 9
 most_sweeps = 17
+exact_bodies = 3
 sleep = { angular_speed = 0.5 }
 [[plane]]
 name = "floor"
@@ -444,7 +446,7 @@ TEST(SceneReader, every_key_of_world_and_bodies_arrives_as_written) {
     EXPECT_EQ(scene.duration, 3.0);
     EXPECT_EQ(numbers_of(scene), (Numbers{0.5, 0.25, 0.125, 1024, 32, 64}));
     EXPECT_EQ(scene.contact.response, ContactResponse::spring);
-    EXPECT_EQ(numbers_of(scene.contact), (Numbers{1, 0.1, 0.2, 0.002, 0.003, 0.01, 500, 3, 0.5, 2, 9, 17}));
+    EXPECT_EQ(numbers_of(scene.contact), (Numbers{1, 0.1, 0.2, 0.002, 0.003, 0.01, 500, 3, 0.5, 2, 9, 17, 3}));
     EXPECT_EQ(scene.contact.restitution_mixing, Mixing::product);
     EXPECT_EQ(scene.contact.friction_mixing, Mixing::mean);
     const auto& sleep = scene.contact.sleep;

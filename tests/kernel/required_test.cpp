@@ -198,6 +198,8 @@ TEST_F(Named, every_value_of_a_world_acts_or_is_misuse) {
         "ContactSpec.most_searches", [](Specs& s) { s.world.contact.most_searches = 1; }, is_squeezed);
     needs<&Features::impact_bounds>(
         "ContactSpec.most_sweeps", [](Specs& s) { s.world.contact.most_sweeps = 1; }, is_squeezed);
+    needs<&Features::bounded_steps>(
+        "ContactSpec.exact_bodies", [](Specs& s) { s.world.contact.exact_bodies = 0; }, is_squeezed);
     expect_all_of<ContactSpec>("ContactSpec");
 
     needs<&Features::sleep>(

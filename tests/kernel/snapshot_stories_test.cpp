@@ -32,9 +32,11 @@ public:
     [[nodiscard]] World begin() const {
         Words random{seed_};
         const auto between = [&](double low, double high) { return low + (high - low) * (random() * 0x1p-32); };
-        WorldSpec spec{
-            .gravity = {0, -9.81, 0},
-            .contact = {.restitution = random() % 2 * 0.25, .friction = 0.5, .sleep = {.on = random() % 3 != 0}}};
+        WorldSpec spec{.gravity = {0, -9.81, 0},
+                       .contact = {.restitution = random() % 2 * 0.25,
+                                   .friction = 0.5,
+                                   .sleep = {.on = random() % 3 != 0},
+                                   .exact_bodies = seed_ % 3 == 0 ? 0 : ContactSpec::any}};
         if (random() % 3 == 0) spec.linear_drag = 0.02;
         World world{Seconds{1, random() % 4 == 0 ? 256 : 60}, spec};
         (void)world.add(PlaneSpec{});

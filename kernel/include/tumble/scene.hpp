@@ -44,6 +44,7 @@ struct Features {
     bool kinematic = false;           // fixed bodies may move, and push what they meet: BodySpec::kinematic
     bool contact_readout = false;     // the world keeps what contacts do in a step, for World::contacts()
     bool impact_bounds = false;       // impacts, searches and sweeps of a step can be bounded: ContactSpec
+    bool bounded_steps = false;       // islands of many bodies can step in bounded time: ContactSpec::exact_bodies
     bool contact_impulses = true;     // ContactResponse::impulse
     bool contact_springs = false;     // ContactResponse::spring
 
@@ -83,6 +84,7 @@ struct Features {
         f("kinematic", &Features::kinematic);
         f("contact_readout", &Features::contact_readout);
         f("impact_bounds", &Features::impact_bounds);
+        f("bounded_steps", &Features::bounded_steps);
         f("contact_impulses", &Features::contact_impulses);
         f("contact_springs", &Features::contact_springs);
     }

@@ -27,8 +27,9 @@ enum class Issue : std::uint8_t {
     // or for two bodies that attract each other. Take a smaller step; for contacts by springs at most
     // World::largest_safe_step().
     step_too_long = 16,
-    // A step had more impacts or searches than ContactSpec allows, or sweeps without an end. What was left over is
-    // resolved at the start of the next step; bodies overlap until then. Allow more.
+    // A step had more impacts or searches than ContactSpec allows, or sweeps without an end: allow more. What was left
+    // over is resolved at the start of the next step; bodies overlap until then. Or a bounded step of many bodies ended
+    // with an overlap that one step does not correct: take a smaller step.
     left_over = 32,
 };
 // All issues, in the order of their bits.

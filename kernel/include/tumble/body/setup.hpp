@@ -127,6 +127,10 @@ struct ContactSpec {
     int most_searches = 0;  // flights that are redone to find them
     int most_sweeps = 0;    // over its points, for impacts and forces; each solution has one at least
 
+    // Islands of more bodies that move step in bounded time. Another bound than `any` needs Features::bounded_steps.
+    static constexpr int any = 0x7fffffff;
+    int exact_bodies = any;
+
     // True without a choice of mixing.
     [[nodiscard]] constexpr bool mixes_as_usual() const {
         return restitution_mixing == Mixing::larger && friction_mixing == Mixing::geometric_mean;
@@ -153,7 +157,7 @@ struct ContactSpec {
     for (const Real& value : least)
         if (value.is_negative()) return false;
     return is_restitution(spec.restitution) && spec.tolerance > Real{} && spec.most_impacts >= 0 &&
-           spec.most_searches >= 0 && spec.most_sweeps >= 0;
+           spec.most_searches >= 0 && spec.most_sweeps >= 0 && spec.exact_bodies >= 0;
 }
 
 // Values that act on all bodies of a world.

@@ -21,6 +21,8 @@ inline constexpr int max_resteps = 12;
 inline constexpr int max_supports = 4;
 // Sweeps over the points of an island, for the forces of a step. They carry the load of a stack from box to box.
 inline constexpr int max_sweeps = 32;
+// Visits of points by the sweeps of a bounded step, the fewest of these sweeps, and those that correct overlaps.
+inline constexpr int bounded_visits = 800, least_bounded_sweeps = 12, bounded_corrections = 4;
 // Sweeps over the points of an impact, and for a motion that corrects penetrations: neither has a warm start.
 inline constexpr int max_impact_sweeps = 80;
 // Rounds of impacts that pass from pair to pair at one moment, besides one for each pair.
@@ -72,6 +74,17 @@ struct ContactBounds {
         return lift > most ? most : lift;
     }
     [[nodiscard]] static Length most_lift(Length tolerance) { return C::eighth(tolerance); }
+    // In a bounded step: a quarter of the excess of overlaps deeper than half of the tolerance, at most 16 tolerances.
+    [[nodiscard]] static bool is_overlap(Length gap, Length tolerance) { return gap + C::half(tolerance) < Length{}; }
+    [[nodiscard]] static Length correction(Length gap, Length tolerance) {
+        if (!is_overlap(gap, tolerance)) return Length{};
+        const Length quarter = C::half(C::half(-gap - resting_depth(tolerance))), most = most_correction(tolerance);
+        return quarter > most ? most : quarter;
+    }
+    [[nodiscard]] static Length most_correction(Length tolerance) {
+        const Length twice = tolerance + tolerance, four = twice + twice, eight = four + four;
+        return eight + eight;
+    }
     // A face axis of two boxes is preferred to an edge axis up to this difference, so that rounding does not decide.
     [[nodiscard]] static Length axis_margin(Length tolerance) { return C::half(C::half(tolerance)); }
     // Cosine between a contact's normal and an axis of a box. Above it the normal is that of the face: 16 times what

@@ -37,16 +37,16 @@ public:
 
     // Sets the velocities of the island's bodies, with `part` of the loads' change; `whole`: all of it. True where they
     // are what they were, apart from their scale.
-    // `lifts`: the scale has room for the correction of penetrations.
+    // `lifts`: the scale has room for the correction of penetrations, lift(gap, tolerance).
     // `in_halves`: half of each kick acts before the flight, half after it.
+    template <auto lift = &ContactBounds<N>::lift>
     bool set_velocities(const Kicks& loads, Work part, bool whole, bool lifts = false, bool in_halves = false) {
         velocities_.set_turns(bodies_, island_.group, part, in_halves,
                               [&](int b) { return shapes_.shape(b).is(ShapeKind::sphere); });
         auto least = C::nothing();
         if (lifts) [[unlikely]]
             pairs_.for_each(island_, [&](const Pair& pair) {
-                const auto size =
-                    C::size(ContactBounds<N>::lift(pair.gap, shapes_.tolerance()), shapes_.scale(), pair.weight);
+                const auto size = C::size(lift(pair.gap, shapes_.tolerance()), shapes_.scale(), pair.weight);
                 if (size > least) least = size;
             });
         velocities_.set_scale(bodies_, shapes_.weights(), island_.group, loads, least,

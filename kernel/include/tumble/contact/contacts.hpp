@@ -3,6 +3,7 @@
 // stages). `Advance` moves the bodies; what is compiled for each method is here, and the islands' step is not.
 #pragma once
 
+#include <tumble/contact/bounded_step.hpp>
 #include <tumble/contact/island_step.hpp>
 
 namespace tumble {
@@ -77,6 +78,7 @@ public:
         const std::uint32_t now = advance.bodies.steps_taken;
         state_.standing.end();
         end_times(b, now);
+        if constexpr (features.bounded_steps) state_.places.forget(b, now);
         if constexpr (features.kinematic && features.sleep)
             if (advance.bodies.constants[b].kinematic()) {
                 state_.pairs.for_each_touching([&](int a, int other) {
@@ -217,6 +219,7 @@ public:
             for (int b = 0; b < features.bodies; ++b) state.pairs.set_balanced(b, balanced[b]);
         for (int b = 0; b < features.bodies; ++b)
             if (stands[b] && !bodies.constants[b].fixed()) to(state.velocities.loaded[b], state.forces[b]);
+        if constexpr (features.bounded_steps) RestPlaces<N, spin, features>::archive(state.places, bodies, to);
         if constexpr (features.moving_surfaces()) {
             to(state.velocities.surfaces.changed);
             for (int b = 0; b < bodies.count; ++b)
@@ -427,7 +430,7 @@ private:
         const bool near = state_.pairs.has_pairs(island);
         bool stands = false;
         if constexpr (features.kinematic) place(advance, info, kinematic, near ? Work(0) : N::half_of(Work(1)));
-        if (near) stands = IslandStep<N, spin, features>{state_, schedule, advance.bodies, island, mover}.take();
+        if (near) stands = take_step(advance.bodies, schedule, island, mover);
         else advance.portion(group, info, {});
         advance.check_range(group);
         for (int k = 0; k < group.count; ++k) stands = stands && state_.marks[group.id[k]].none();
@@ -440,6 +443,13 @@ private:
                 if (state_.standing.has_looked(group.id[k])) broad_phase(advance.bodies).examine_around(group.id[k]);
         state_.standing.set(group, stands);
         return stands;
+    }
+    // Whether an island is few or many follows from the scene alone.
+    TUMBLE_INLINE bool take_step(Bodies& bodies, auto& schedule, Island& island, const Mover<N, features>& mover) {
+        if constexpr (features.bounded_steps)
+            if (island.group.count > state_.exact_bodies)
+                return BoundedStep<N, spin, features>{state_, schedule, bodies, island, mover}.take();
+        return IslandStep<N, spin, features>{state_, schedule, bodies, island, mover}.take();
     }
     // Places the kinematic bodies: at the start of an island's flights, or halfway, for loads alone.
     template <class Advance>

@@ -36,9 +36,10 @@ struct ContactPoint {
     // Of the relative spin: about the tangents and the normal.
     [[no_unique_address]] If<features.rolling_resistance, Row<N, features.pairs>[3], 1> spin;
 
-    // True of a point of a rim that does not touch: its pair has it because it may come down in a step.
+    // True of a point that does not touch: its pair has it because it may come down in a step. Of a rim, and in a
+    // bounded step.
     [[nodiscard]] bool is_apart([[maybe_unused]] Length tolerance) const {
-        if constexpr (features.round_shapes) return gap > tolerance;
+        if constexpr (features.round_shapes || features.bounded_steps) return gap > tolerance;
         else return false;
     }
     template <class F>

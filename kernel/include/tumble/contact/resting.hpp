@@ -113,9 +113,9 @@ public:
     }
 
     // True where the last solution is that of this step too: nothing has changed since the island stood still, and the
-    // loads are those that the forces have cancelled.
-    [[nodiscard]] bool still_stands(const Kicks& loads, const Kicks& forces) const {
-        if (!pairs_.are_balanced(island_) || is_lifted()) return false;
+    // loads are those that the forces have cancelled. `deep`: penetrations are not corrected any more.
+    [[nodiscard]] bool still_stands(const Kicks& loads, const Kicks& forces, bool deep = false) const {
+        if (!pairs_.are_balanced(island_) || (!deep && is_lifted())) return false;
         for (int k = 0; k < island_.group.count; ++k) {
             const int b = island_.group.id[k];
             if (!bodies_.stands_still(b)) return false;

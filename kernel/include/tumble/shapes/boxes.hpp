@@ -103,7 +103,32 @@ public:
     }
     void find(const PairView<N>& view, Manifold<N>& found, Length band) const {
         if (axis.index >= 6) find_on_edges(view, found);
-        else find_on_faces(view, found, band);
+        else find_on_faces(view, found, band, axis);
+    }
+    // The same, and of two edges also the points of the faces that look most along their normal: where the bodies turn
+    // or slide off the edges, these touch next. Their gaps are along the normal, from below.
+    [[gnu::noinline]] void find_beside(const PairView<N>& view, Manifold<N>& found, Length band) const {
+        find(view, found, band);
+        if (axis.index < 6) return;
+        int face = 0;
+        Unit along{};
+        for (int i = 0; i < 6; ++i) {
+            const Unit cosine = narrow<Unit>(dot(normal, axes_[i / 3].axis(i % 3)));
+            if (!(magnitude_of(cosine) > magnitude_of(along))) continue;
+            along = cosine;
+            face = i;
+        }
+        Manifold<N> beside;
+        find_on_faces(view, beside, band, {static_cast<std::int8_t>(face), along > Unit{}});
+        const Length close = C::sixteenth(view.a.radius);
+        for (int i = 0; i < beside.count && found.count < contact::max_points; ++i) {
+            ManifoldPoint<N> point = beside.point[i];
+            // 1 / c is at least 2 - c.
+            point.gap += point.gap - narrow<Length>(mul(magnitude_of(along), point.gap));
+            if (point.gap < gap) point.gap = gap;
+            if (point.gap > band || sum_of_magnitudes(Vec3<Length>(point.arm - found.point[0].arm)) < close) continue;
+            found.add() = point;
+        }
     }
 
 private:
@@ -118,7 +143,7 @@ private:
 
     // Clips the incident face (of the other box, the one that points most against the normal of the reference face)
     // against the sides of the reference face. Both bodies get the same points: those of the incident face.
-    void find_on_faces(const PairView<N>& view, Manifold<N>& found, Length band) const {
+    void find_on_faces(const PairView<N>& view, Manifold<N>& found, Length band, const BoxAxis& axis) const {
         const int side = axis.index < 3 ? 0 : 1, other = 1 - side, face = axis.index % 3, iu = (face + 1) % 3,
                   iv = (face + 2) % 3;
         const Axes<N>&axes = axes_[side], &incident = axes_[other];

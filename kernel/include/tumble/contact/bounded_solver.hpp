@@ -1,0 +1,216 @@
+// The contacts of an island of many bodies, solved at once for a whole step by a bounded number of sweeps.
+#pragma once
+
+#include <tumble/contact/resting.hpp>
+
+namespace tumble {
+
+// No point is below its surface at the end of the step, along the row that it has at the start (speculative contacts,
+// Catto 2013). The bodies move by the velocities u of that end, so contacts that change them by P change the energy by
+// u . P - |u - u0|^2 / 2, with the velocities u0 of the start, whatever their rows and however many sweeps they had.
+template <class N, Spin spin, Features features>
+class BoundedSolver {
+public:
+    using Rows = ContactRows<N, spin, features>;
+    using C = typename Rows::C;
+    using Bounds = ContactBounds<N>;
+    using Unit = typename Rows::Unit;
+    using Length = typename Rows::Length;
+    using Speed = typename Rows::Speed;
+    using Work = typename N::Work;
+    using NarrowPhase = typename Rows::NarrowPhase;
+    using Pair = typename Rows::Pair;
+    using Point = typename Rows::Point;
+    using PairList = typename Rows::PairList;
+    using Island = typename Rows::Island;
+    using Velocities = typename Rows::Velocities;
+    using Velocity = typename Rows::Velocity;
+    using Kicks = typename Rows::Kicks;
+
+    // `threshold`: of restitution, m a step.
+    BoundedSolver(const NarrowPhase& shapes, PairList& pairs, Velocities& velocities, typename NarrowPhase::Bodies& all,
+                  const Island& island, Work threshold)
+        : shapes_{shapes}, pairs_{pairs}, velocities_{velocities}, bodies_{all}, island_{island},
+          rows_{shapes, pairs, velocities, all, island}, threshold_{threshold} {}
+
+    // Writes what contacts change in the step into `forces`. Returns Touch::nothing or Touch::rests.
+    Touch solve(const Kicks& loads, Kicks& forces, Solution& solution) {
+        solution = {};
+        if constexpr (features.moving_surfaces()) velocities_.surfaces.carry = false;
+        bool any = false, lifts = false;
+        pairs_.for_each(island_, [&](const Pair& pair) {
+            any = any || pair.count > 0;
+            lifts = lifts || (pair.count > 0 && Bounds::is_overlap(pair.gap, shapes_.tolerance()));
+        });
+        if (!any) return Touch::nothing;
+        if constexpr (features.kinematic) rows_.look_ahead(Work(1));
+        const bool same = rows_.template set_velocities<&Bounds::correction>(loads, Work(1), true, lifts);
+        const bool fast = set_targets(same);
+        if (!fast && Statics<N, spin, features>{shapes_, pairs_, velocities_, bodies_, island_}.solve()) {
+            velocities_.write(forces, bodies_, shapes_.weights(), island_.group, &loads);
+            solution.stands = !lifts && pairs_.are_balanced(island_) && is_at_rest();
+        } else {
+            rows_.push_all();
+            sweep();
+            if (bounces_ && gains()) drop_bounces();
+            if (!bounces_) take_off_work();
+            velocities_.write(forces, bodies_, shapes_.weights(), island_.group);
+        }
+        pairs_.count_points(island_, shapes_.tolerance());
+        if (lifts) [[unlikely]]
+            find_lifts(solution);
+        solution.settled = !solution.lifts;
+        return Touch::rests;
+    }
+
+    // Adds the impulses of the last solution to the log, with the speeds of approach that are no rest.
+    void log([[maybe_unused]] auto& log) {
+        if constexpr (features.contact_readout)
+            pairs_.for_each(island_, [&](const Pair& pair) {
+                auto* const entry = log.add(pair, shapes_, bodies_, Work(1));
+                if (entry == nullptr) return;
+                const Speed slow = rows_.pair_speed(pair, shapes_.slow());
+                for (int i = 0; i < pair.count; ++i) {
+                    const auto& row = pair.point[i].row[0];
+                    const Speed approach = -rows_.velocity(velocities_.start, pair, pair.point[i]);
+                    if (!(row.impulse > Speed{}) || !(approach > Rows::along(row, slow))) continue;
+                    const Work speed = velocities_.scale.work(approach) / (pair.weight * N::work(row.inverse));
+                    if (speed > entry->hit_speed) entry->hit_speed = speed;
+                }
+            });
+    }
+
+private:
+    using Square = decltype(dot(Vec3<Speed>{}, Vec3<Speed>{}));
+    static constexpr Vec3<Speed> Velocity::*parts[] = {&Velocity::linear, &Velocity::angular};
+
+    // Makes the rows and sets what they want: a point that comes down bounces at once, another one may come as far as
+    // its surface. True where a point comes fast.
+    bool set_targets(bool same) {
+        bool fast = false;
+        bounces_ = false;
+        points_ = 0;
+        pairs_.for_each(island_, [&](Pair& pair) {
+            if (!same || !(pair.scale == velocities_.scale)) pairs_.unbalance(pair);
+            pair.touched = pair.count > 0;
+            if (pair.count == 0) return;
+            rows_.make_rows(pair);
+            points_ += pair.count;
+            const Speed slow = rows_.pair_speed(pair, shapes_.slow()), least = rows_.pair_speed(pair, threshold_);
+            for (int i = 0; i < pair.count; ++i) {
+                Point& point = pair.point[i];
+                point.active = true;
+                const Speed approach = -rows_.velocity(velocities_.start, pair, point);
+                const bool is_fast = approach > Rows::along(point, slow);
+                fast = fast || is_fast;
+                point.row[0].target = Rows::surface_of(pair, point) - closing_of(pair, point);
+                if (is_fast && approach > Rows::along(point, least) && pair.restitution > Unit{}) bounce(pair, point);
+                point.for_each_row([&](auto& row) { row.impulse = velocities_.scale.from(row.impulse, pair.scale); });
+            }
+            pair.scale = velocities_.scale;
+        });
+        return fast;
+    }
+    // The speed that closes the gap of a point within the step.
+    [[nodiscard]] Speed closing_of(const Pair& pair, const Point& point) const {
+        return point.gap > Length{} ? rows_.speed(pair, point, point.gap) : Speed{};
+    }
+    // A point that would come to the surface within the step leaves it by what restitution gives back of its approach,
+    // and by what loads change.
+    void bounce(const Pair& pair, Point& point) {
+        const Speed approach = -rows_.velocity(velocities_.start, pair, point),
+                    loaded = -rows_.velocity(velocities_.loaded, pair, point);
+        if (!(loaded > closing_of(pair, point))) return;
+        bounces_ = true;
+        point.row[0].target =
+            Rows::surface_of(pair, point) + narrow<Speed>(mul(approach, pair.restitution)) + approach - loaded;
+    }
+    // Fewer sweeps of more points, so that the time of a step grows with the pairs.
+    void sweep() {
+        int most = contact::bounded_visits / points_;
+        if (most < contact::least_bounded_sweeps) most = contact::least_bounded_sweeps;
+        if (most > contact::max_sweeps) most = contact::max_sweeps;
+        (void)rows_.sweep({velocities_.scale.enough_at_rest(), most, most});
+    }
+    // True where the step adds energy. What bounces gives back a part of the energy of its approach, but several
+    // bounces at one moment may together give back more.
+    [[nodiscard]] bool gains() const {
+        Square work{}, square{};
+        for_each_part([&](int b, auto part) {
+            const Vec3<Speed>&now = velocities_.now[b].*part, by = now - velocities_.loaded[b].*part,
+                  change = now - velocities_.start[b].*part;
+            work += dot(now, by);
+            square += dot(change, change);
+        });
+        return work + work > square;
+    }
+    [[gnu::noinline, gnu::cold]] void drop_bounces() {
+        bounces_ = false;
+        pairs_.for_each_active(island_, [&](const Pair& pair, Point& point) {
+            point.row[0].target = Rows::surface_of(pair, point) - closing_of(pair, point);
+        });
+        sweep();
+    }
+    // Without bounces contacts do no work by the velocities of the end, but for sweeps that are not done: of P the
+    // largest part s, at most 1, is taken with (L + s P) . P <= 0. L: the velocities with loads.
+    void take_off_work() {
+        Square work{}, square{};
+        for_each_part([&](int b, auto part) {
+            const Vec3<Speed>&loaded = velocities_.loaded[b].*part, by = velocities_.now[b].*part - loaded;
+            work -= dot(loaded, by);
+            square += dot(by, by);
+        });
+        if (!(square > work)) return;
+        const Unit share = work > Square{} ? C::ratio_of_squares(work, square) : Unit{};
+        for_each_part([&](int b, auto part) {
+            const Vec3<Speed>& loaded = velocities_.loaded[b].*part;
+            Vec3<Speed>& now = velocities_.now[b].*part;
+            now = loaded + Rows::Sweep::Row::products(now - loaded, share);
+        });
+        pairs_.for_each_active(island_, [&](Pair&, Point& point) {
+            point.for_each_row([&](auto& row) { row.impulse = Rows::Sweep::Row::product(row.impulse, share); });
+        });
+    }
+    // The motion that corrects overlaps, by few sweeps over the normals, from none in each step.
+    [[gnu::noinline, gnu::cold]] void find_lifts(Solution& solution) {
+        pairs_.for_each_active(island_, [&](Pair& pair, Point& point) {
+            const Length lift = Bounds::correction(point.gap, shapes_.tolerance());
+            solution.lifts = solution.lifts || lift > Length{};
+            point.resting_impulse = point.row[0].impulse;
+            point.row[0].impulse = Speed{};
+            point.row[0].target =
+                Rows::surface_of(pair, point) + rows_.speed(pair, point, lift) - closing_of(pair, point);
+        });
+        auto& lifts = velocities_.added();
+        for_each_part([&](int b, auto part) { lifts[b].*part = velocities_.now[b].*part; });
+        if (solution.lifts)
+            (void)rows_.sweep_normals({velocities_.scale.enough_at_rest(), contact::bounded_corrections}, false);
+        for_each_part([&](int b, auto part) { lifts[b].*part = velocities_.now[b].*part - lifts[b].*part; });
+        pairs_.for_each_active(island_, [](Pair&, Point& point) { point.row[0].impulse = point.resting_impulse; });
+    }
+    // Whether no body moves at the start by more than sweeps leave.
+    [[nodiscard]] bool is_at_rest() const {
+        const Speed slack = velocities_.scale.enough_at_rest();
+        bool all = true;
+        for (int k = 0; k < island_.group.count; ++k)
+            all = all && !(velocities_.start[island_.group.id[k]].largest() > slack);
+        return all;
+    }
+    template <class F>
+    void for_each_part(F&& f) const {
+        for (int k = 0; k < island_.group.count; ++k)
+            for (Vec3<Speed> Velocity::*part : parts) f(island_.group.id[k], part);
+    }
+
+    const NarrowPhase& shapes_;
+    PairList& pairs_;
+    Velocities& velocities_;
+    typename NarrowPhase::Bodies& bodies_;
+    const Island& island_;
+    Rows rows_;
+    Work threshold_;
+    int points_ = 0;
+    bool bounces_ = false;
+};
+
+}  // namespace tumble

@@ -1,0 +1,355 @@
+// Islands of many bodies that step in bounded time: what they keep, and where they come to rest.
+#include <tumble/tumble.hpp>
+
+#include "kinds.hpp"
+#include "random.hpp"
+#include "tolerances.hpp"
+
+#include <cmath>
+#include <memory>
+#include <vector>
+
+namespace tumble::test {
+namespace {
+
+template <class N, bool on = true>
+struct Piles : Scene {
+    using Numbers = N;
+    static constexpr Features features{.bodies = 16,
+                                       .planes = 5,
+                                       .near_pairs = 140,
+                                       .removal = true,
+                                       .snapshots = true,
+                                       .pairs = true,
+                                       .boxes = true,
+                                       .friction = true,
+                                       .sleep = true,
+                                       .kinematic = true,
+                                       .contact_readout = true,
+                                       .bounded_steps = on};
+};
+
+template <class N>
+class BoundedSteps : public testing::Test {
+protected:
+    using World = tumble::World<Piles<N>>;
+    static constexpr double g = 9.8125;  // m/s^2
+
+    [[nodiscard]] static WorldSpec with(int exact_bodies, double restitution, double friction, bool falls = true) {
+        WorldSpec spec;
+        if (falls) spec.gravity = {0, -g, 0};
+        spec.contact.restitution = restitution;
+        spec.contact.friction = friction;
+        spec.contact.exact_bodies = exact_bodies;
+        return spec;
+    }
+    [[nodiscard]] static PlaneSpec wall(double x, double y, double z, double offset) {
+        PlaneSpec plane;
+        plane.normal = {x, y, z};
+        plane.offset = offset;
+        return plane;
+    }
+    static void add_pit(auto& world) {
+        EXPECT_TRUE(world.add(wall(0, 1, 0, 0)));
+        for (const double side : {1.0, -1.0}) {
+            EXPECT_TRUE(world.add(wall(side, 0, 0, 1)));
+            EXPECT_TRUE(world.add(wall(0, 0, side, 1)));
+        }
+    }
+    [[nodiscard]] static BodySpec at(BodySpec body, double x, double y, double z) {
+        body.position = {x, y, z};
+        return body;
+    }
+    // Bodies of up to this ratio of masses, turned and thrown about. Cubes and balls keep the energy of their spin to
+    // rounding; boxes do not roll away.
+    enum class Bodies { boxes, cubes_and_balls };
+    static void add_thrown(auto& world, Random& random, Bodies kind, double most_mass, double speed) {
+        for (int i = 0; i < 12; ++i) {
+            const double mass = std::pow(most_mass, random.uniform(0, 1)), edge = random.uniform(0.25, 0.5);
+            BodySpec body = box(mass, {edge, edge, edge});
+            if (kind == Bodies::boxes) body = box(mass, {edge, random.uniform(0.25, 0.5), random.uniform(0.25, 0.5)});
+            else if (random.between(0, 2) == 0) body = sphere(mass, edge / 2);
+            const auto part = [&](double most) { return random.uniform(-most, most); };
+            body.position = {(i % 2) * 0.9 - 0.45, 0.5 + 0.9 * std::floor(i / 4), (i / 2 % 2) * 0.9 - 0.45};
+            body.orientation = {1, {part(1), part(1), part(1)}};
+            body.velocity = {part(speed), part(speed), part(speed)};
+            body.angular_velocity = {part(3), part(3), part(3)};
+            ASSERT_TRUE(world.add(body));
+        }
+    }
+    static void add_stack(auto& world, int boxes, double gap) {
+        ASSERT_TRUE(world.add(PlaneSpec{}));
+        for (int i = 0; i < boxes; ++i) ASSERT_TRUE(world.add(at(box(10, {1, 1, 1}), 0, 0.5 + i + gap * (i + 1), 0)));
+    }
+    [[nodiscard]] static std::vector<BodyId> ids(const World& world) {
+        std::vector<BodyId> ids;
+        for (int b = 0; b < Piles<N>::features.bodies; ++b)
+            if (world.contains(BodyId{b})) ids.push_back(BodyId{b});
+        return ids;
+    }
+    [[nodiscard]] static Vector in_doubles(const auto& v) {
+        return {static_cast<double>(v.x), static_cast<double>(v.y), static_cast<double>(v.z)};
+    }
+    [[nodiscard]] static Vector place(const World& world, BodyId b) { return in_doubles(world.position(b)); }
+    [[nodiscard]] static Vector velocity(const World& world, BodyId b) { return in_doubles(world.velocity(b)); }
+    // What rounding leaves of a sum over many bodies, relative.
+    static constexpr double rounding = std::is_same_v<N, F64> ? 1e-12 : 1e-5;
+    [[nodiscard]] static double energy(const World& world) {
+        double sum = 0;
+        for (const BodyId b : ids(world))
+            sum += static_cast<double>(world.kinetic_energy(b)) + static_cast<double>(world.potential_energy(b));
+        return sum;
+    }
+    [[nodiscard]] static double deepest(const World& world) {
+        double depth = 0;
+        for (const BodyId b : ids(world))
+            for (const auto& contact : world.contacts(b)) depth = std::max(depth, static_cast<double>(contact.depth));
+        return depth;
+    }
+    [[nodiscard]] static bool stands(const World& world) {
+        bool all = true;
+        for (const BodyId b : ids(world))
+            all = all && norm(in_doubles(world.velocity(b))) == 0 && norm(in_doubles(world.angular_velocity(b))) == 0;
+        return all;
+    }
+};
+using Systems = Tested<testing::Types<Q32<>>, testing::Types<F64, F32>>;
+TYPED_TEST_SUITE(BoundedSteps, Systems);
+
+TYPED_TEST(BoundedSteps, are_taken_by_islands_of_more_bodies_alone) {
+    const WorldSpec some = this->with(2, 0.5, 0.5), exact = this->with(ContactSpec::any, 0.5, 0.5);
+    for (const int boxes : {1, 2, 3}) {
+        World<Piles<TypeParam, false>> without{Seconds{1, 64}, exact};
+        typename TestFixture::World usual{Seconds{1, 64}, exact}, bounded{Seconds{1, 64}, some};
+        this->add_stack(without, boxes, 0.25);
+        this->add_stack(usual, boxes, 0.25);
+        this->add_stack(bounded, boxes, 0.25);
+        for (int step = 0; step < 64; ++step) {
+            (void)without.step();
+            (void)usual.step();
+            (void)bounded.step();
+            ASSERT_EQ(usual.hash(), without.hash()) << boxes << " boxes in step " << step;
+            ASSERT_TRUE(boxes == 3 || bounded.hash() == usual.hash()) << boxes << " boxes in step " << step;
+        }
+        EXPECT_EQ(bounded.hash() == usual.hash(), boxes < 3);
+    }
+}
+
+// Without gravity all energy is kinetic. Corrections of overlaps give none.
+TYPED_TEST(BoundedSteps, add_no_energy_and_no_momentum) {
+    for (int scene = 0; scene < 24; ++scene) {
+        Random random{static_cast<std::uint64_t>(scene + 1)};
+        const double restitution = scene % 4 / 3.0, friction = random.uniform(0, 1.2);
+        typename TestFixture::World world{Seconds{1, scene % 3 == 0   ? 32
+                                                     : scene % 3 == 1 ? 64
+                                                                      : 256},
+                                          this->with(scene % 2, restitution, friction, false)};
+        this->add_thrown(world, random, TestFixture::Bodies::cubes_and_balls, 100, 3);
+        for (const BodyId b : this->ids(world)) {  // towards the middle
+            const Vector x = this->place(world, b) - Vector{0, 1.5L, 0};
+            world.set_velocity(
+                b, {static_cast<float>(-2 * x.x), static_cast<float>(-2 * x.y), static_cast<float>(-2 * x.z)});
+        }
+        const auto momentum = [&] {
+            Vector sum{};
+            for (const BodyId b : this->ids(world))
+                sum = sum + this->velocity(world, b) * static_cast<double>(world.mass(b));
+            return sum;
+        };
+        const Vector before = momentum();
+        const double first = this->energy(world);
+        double last = first;
+        bool touched = false;
+        for (int step = 0; step < 128; ++step) {
+            (void)world.step();
+            const double now = this->energy(world);
+            ASSERT_LE(now, last + this->rounding * first) << scene << " in step " << step;
+            touched = touched || now < 0.99 * first;
+            last = now;
+        }
+        EXPECT_TRUE(touched || restitution == 1) << scene;
+        EXPECT_LE(norm(momentum() - before), this->rounding * 5000) << scene;
+    }
+}
+
+TYPED_TEST(BoundedSteps, bring_what_falls_into_a_pit_to_rest) {
+    for (int scene = 0; scene < 12; ++scene) {
+        Random random{static_cast<std::uint64_t>(scene + 100)};
+        typename TestFixture::World world{Seconds{1, scene % 2 == 0 ? 60 : 256},
+                                          this->with(0, scene % 4 / 3.0, random.uniform(0.3, 0.8))};
+        this->add_pit(world);
+        this->add_thrown(world, random, TestFixture::Bodies::boxes, 10, 1);
+        const double first = this->energy(world);
+        double last = first, lifted = 0;
+        const int steps = (scene % 2 == 0 ? 60 : 256) * 8;
+        for (int step = 0; step < steps; ++step) {
+            (void)world.step();
+            const double now = this->energy(world);
+            if (now > last) lifted += now - last;
+            last = now;
+        }
+        EXPECT_TRUE(this->stands(world)) << scene;
+        EXPECT_LE(lifted, first / 1000) << scene;  // overlaps that are pushed apart
+        EXPECT_LE(this->deepest(world), 1.5 * static_cast<double>(tolerance::contact_band)) << scene;
+        for (const BodyId b : this->ids(world)) {
+            const Vector x = this->place(world, b);
+            EXPECT_TRUE(std::abs(x.x) < 1 && std::abs(x.z) < 1 && x.y > 0) << scene;
+        }
+        // And there it stays, to the bit.
+        const Vector there = this->place(world, BodyId{11});
+        for (int step = 0; step < 64; ++step) (void)world.step();
+        EXPECT_EQ(norm(this->place(world, BodyId{11}) - there), 0) << scene;
+        EXPECT_TRUE(this->stands(world)) << scene;
+    }
+}
+
+TYPED_TEST(BoundedSteps, let_what_was_held_go_on) {
+    typename TestFixture::World world{Seconds{1, 60}, this->with(0, 0, 0.5)};
+    this->add_pit(world);
+    Random random{7};
+    this->add_thrown(world, random, TestFixture::Bodies::boxes, 2, 0);
+    for (int step = 0; step < 480; ++step) (void)world.step();
+    ASSERT_TRUE(this->stands(world));
+    // Pushed, it moves on and comes to rest again.
+    const Vector there = this->place(world, BodyId{11});
+    world.set_velocity(BodyId{11}, {0, 2, 0});
+    for (int step = 0; step < 4; ++step) (void)world.step();
+    EXPECT_GT(norm(this->place(world, BodyId{11}) - there), 0.05);
+    for (int step = 0; step < 240; ++step) (void)world.step();
+    ASSERT_TRUE(this->stands(world));
+    // Without the bodies below, those above fall.
+    double before = 0, after = 0;
+    for (int b = 0; b < 4; ++b) world.remove(BodyId{b});
+    for (const BodyId b : this->ids(world)) before += static_cast<double>(this->place(world, b).y);
+    for (int step = 0; step < 60; ++step) (void)world.step();
+    for (const BodyId b : this->ids(world)) after += static_cast<double>(this->place(world, b).y);
+    EXPECT_LT(after, before - 0.5);
+}
+
+TYPED_TEST(BoundedSteps, let_a_box_slide_and_bounce_by_the_laws_of_friction_and_restitution) {
+    for (const double friction : {0.2, 0.5}) {
+        typename TestFixture::World world{Seconds{1, 256}, this->with(0, 0, friction)};
+        ASSERT_TRUE(world.add(PlaneSpec{}));
+        BodySpec body = box(2, {1, 0.25, 1});
+        body.position = {0, 0.125, 0};
+        body.velocity = {1.5, 0, 2};
+        const BodyId id = world.add(body);
+        for (int step = 0; step < 1024; ++step) (void)world.step();
+        // By v^2 / (2 mu g), to first order: to half of the first step.
+        const Vector x = this->place(world, id);
+        const Number way = 2.5 * 2.5 / (2 * friction * this->g), step = 2.5 / 256;
+        EXPECT_LE(std::abs(std::hypot(x.x, x.z) - way), step) << friction;
+        EXPECT_LE(std::abs(x.x / x.z - 0.75L), 1e-3L) << friction;
+        EXPECT_TRUE(this->stands(world)) << friction;
+    }
+    for (const double restitution : {0.0, 0.5, 1.0}) {
+        typename TestFixture::World world{Seconds{1, 256}, this->with(0, restitution, 0)};
+        ASSERT_TRUE(world.add(PlaneSpec{}));
+        const BodyId id = world.add(this->at(box(2, {1, 0.25, 1}), 0, 1.125, 0));
+        double highest = 0;
+        bool hit = false;
+        for (int step = 0; step < 256; ++step) {
+            (void)world.step();
+            for (const auto& contact : world.contacts(id)) {
+                if (contact.hit && !hit) {
+                    EXPECT_NEAR(static_cast<double>(contact.hit_speed), std::sqrt(2 * this->g), this->g / 128);
+                }
+                hit = hit || contact.hit;
+            }
+            if (hit) highest = std::max(highest, static_cast<double>(this->place(world, id).y) - 0.125);
+        }
+        // It turns round up to a step early, above the floor by what it flies in that.
+        const double early = std::sqrt(2 * this->g) / 256;
+        EXPECT_TRUE(hit);
+        EXPECT_GE(highest, restitution * restitution - early);
+        EXPECT_LE(highest, restitution * restitution + 3 * early);
+    }
+}
+
+TYPED_TEST(BoundedSteps, keep_a_stack_that_is_set_down_on_its_axis) {
+    for (const int boxes : {3, 6, 10}) {
+        typename TestFixture::World world{Seconds{1, 60}, this->with(2, 0, 0.5)};
+        this->add_stack(world, boxes, 0.002);
+        for (int step = 0; step < 120; ++step) (void)world.step();
+        EXPECT_TRUE(this->stands(world)) << boxes;
+        EXPECT_TRUE(world.status().ok());
+        double weight = 0;
+        for (const auto& contact : world.contacts(BodyId{0}))
+            if (contact.plane == PlaneId{0}) weight = static_cast<double>(contact.normal_impulse) * 60;
+        EXPECT_NEAR(weight, boxes * 10 * this->g, 0.01 * weight);
+        for (const BodyId b : this->ids(world)) {
+            const Vector x = this->place(world, b);
+            EXPECT_LE(std::hypot(x.x, x.z), 0.003 * boxes / 10) << boxes;
+        }
+    }
+}
+
+TYPED_TEST(BoundedSteps, carry_a_stack_on_what_moves) {
+    typename TestFixture::World world{Seconds{1, 128}, this->with(0, 0, 0.5)};
+    BodySpec lift = box(1, {4, 0.5, 4});
+    lift.kinematic = true;
+    lift.position = {0, -0.25, 0};
+    lift.velocity = {0.5, 0.25, 0};
+    const BodyId carrier = world.add(lift);
+    for (int i = 0; i < 3; ++i) {
+        BodySpec body = this->at(box(1, {0.5, 0.5, 0.5}), 0, 0.25 + 0.5 * i, 0);
+        body.velocity = lift.velocity;
+        (void)world.add(body);
+    }
+    for (int step = 0; step < 256; ++step) (void)world.step();
+    for (const BodyId b : this->ids(world)) {
+        const Vector x = this->place(world, b) - this->place(world, carrier);
+        EXPECT_LE(std::hypot(x.x, x.z, std::remainder(x.y, 0.5L)), 1e-3L);
+    }
+    // It stops, and they slide on it until friction has stopped them.
+    world.set_velocity(carrier, {});
+    for (int step = 0; step < 256; ++step) (void)world.step();
+    const Vector x = this->place(world, BodyId{1}) - this->place(world, carrier);
+    EXPECT_LE(std::abs(x.x - 0.25 / this->g), 0.01L);
+    EXPECT_TRUE(this->stands(world));
+}
+
+TYPED_TEST(BoundedSteps, stop_what_is_pushed_at_a_thin_wall) {
+    for (const double gap : {0.01, 0.03, 0.06}) {
+        typename TestFixture::World world{Seconds{1, 60}, this->with(0, 0, 0.3, false)};
+        BodySpec thin = box(1, {0.02, 2, 2});
+        thin.fixed = true;
+        (void)world.add(thin);
+        // A heavy box at 12 m/s and a light ball between the two.
+        BodySpec ball = this->at(sphere(Real{0.1}, Real{0.1}), 0.11 + gap, 0, 0),
+                 hammer = this->at(box(50, {0.5, 0.5, 0.5}), 0.7 + gap, 0, 0);
+        hammer.velocity = {-12, 0, 0};
+        const BodyId light = world.add(ball);
+        (void)world.add(hammer);
+        for (int step = 0; step < 30; ++step) (void)world.step();
+        EXPECT_GT(this->place(world, light).x, 0) << gap;
+    }
+}
+
+TYPED_TEST(BoundedSteps, go_on_from_a_snapshot_and_from_sleep) {
+    WorldSpec spec = this->with(2, 0.3, 0.5);
+    spec.contact.sleep.on = true;
+    typename TestFixture::World world{Seconds{1, 60}, spec};
+    this->add_pit(world);
+    Random random{3};
+    this->add_thrown(world, random, TestFixture::Bodies::boxes, 4, 1);
+    typename TestFixture::World other = world;
+    std::vector<std::uint8_t> bytes(1 << 16);
+    for (int step = 0; step < 600; ++step) {
+        if (step % 50 == 25) {
+            const int size = world.save(bytes.data(), static_cast<int>(bytes.size()));
+            ASSERT_GT(size, 0);
+            ASSERT_EQ(other.restore(bytes.data(), size), SnapshotFault::none);
+        }
+        (void)world.step();
+        (void)other.step();
+        ASSERT_TRUE(step < 25 || world.hash() == other.hash()) << "in step " << step;
+    }
+    for (const BodyId b : this->ids(world)) EXPECT_TRUE(world.asleep(b));
+    world.apply_impulse(BodyId{11}, {0, 4, 0});
+    for (int step = 0; step < 300; ++step) (void)world.step();
+    for (const BodyId b : this->ids(world)) EXPECT_TRUE(world.asleep(b));
+}
+
+}  // namespace
+}  // namespace tumble::test
