@@ -251,6 +251,7 @@ Features needs(const SceneData& scene) {
         .kinematic = any(scene.bodies, [](const BodySpec& body) { return body.kinematic; }),
         .impact_bounds = by_impulses && world.contact.has_bounds(),
         .bounded_steps = world.contact.exact_bodies != ContactSpec::any,
+        .exact_steps = world.contact.exact_bodies != 0,
         .contact_impulses = !by_springs,
         .contact_springs = by_springs,
     };

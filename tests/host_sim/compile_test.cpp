@@ -172,6 +172,8 @@ TEST(Compile, features_are_those_of_the_contact_response) {
     EXPECT_EQ(features("[contact]\nmost_searches = 0\n").count("impact_bounds = true"), 0u);
     EXPECT_EQ(features("[contact]\nmost_sweeps = 8\n").count("impact_bounds = true"), 1u);
     EXPECT_EQ(features("[contact]\nexact_bodies = 0\n").count("bounded_steps = true"), 1u);
+    EXPECT_EQ(features("[contact]\nexact_bodies = 0\n").count("exact_steps = false"), 1u);
+    EXPECT_EQ(features("[contact]\nexact_bodies = 2\n").count("exact_steps = false"), 0u);
     EXPECT_EQ(features("").count("bounded_steps = true"), 0u);
     EXPECT_EQ(features("[contact]\nrestitution_mixing = \"larger\"\n").count("mixing = true"), 0u);
 }

@@ -200,6 +200,9 @@ TEST_F(Named, every_value_of_a_world_acts_or_is_misuse) {
         "ContactSpec.most_sweeps", [](Specs& s) { s.world.contact.most_sweeps = 1; }, is_squeezed);
     needs<&Features::bounded_steps>(
         "ContactSpec.exact_bodies", [](Specs& s) { s.world.contact.exact_bodies = 0; }, is_squeezed);
+    constexpr auto never_exact = [](Specs& s) { s.world.contact.exact_bodies = 0; };
+    EXPECT_TRUE((Accepted<all_without<&Features::exact_steps>(), decltype(never_exact)>));
+    EXPECT_FALSE((Accepted<all_without<&Features::exact_steps>(), Nothing>));
     expect_all_of<ContactSpec>("ContactSpec");
 
     needs<&Features::sleep>(

@@ -1,4 +1,4 @@
-// This kernel, in the number system of TUMBLE_VARIANT.
+// This kernel, in the number system of TUMBLE_VARIANT. TUMBLE_COUNT, if not 0: islands of more bodies step in bounded time.
 #pragma once
 
 #include "scene.hpp"
@@ -9,6 +9,18 @@ class Engine {
     struct Config : Recorded::Config {
         using Numbers = NumbersOf<TUMBLE_VARIANT, typename Recorded::Config::Numbers::Range>;
         using Integrator = integrators::Verlet;
+        static constexpr Features features = [] {
+            Features all = Recorded::Config::features;
+            all.bounded_steps = TUMBLE_COUNT > 0;
+            return all;
+        }();
+    };
+    struct Scene : Recorded {
+        static constexpr WorldSpec world = [] {
+            WorldSpec spec = Recorded::world;
+            if (TUMBLE_COUNT > 0) spec.contact.exact_bodies = TUMBLE_COUNT;
+            return spec;
+        }();
     };
 
 public:
@@ -27,7 +39,7 @@ public:
     }
 
 private:
-    Replay<Config, Recorded> replay_;
+    Replay<Config, Scene> replay_;
 };
 
 }  // namespace tumble::bench

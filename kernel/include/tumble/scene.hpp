@@ -45,6 +45,7 @@ struct Features {
     bool contact_readout = false;     // the world keeps what contacts do in a step, for World::contacts()
     bool impact_bounds = false;       // impacts, searches and sweeps of a step can be bounded: ContactSpec
     bool bounded_steps = false;       // islands of many bodies can step in bounded time: ContactSpec::exact_bodies
+    bool exact_steps = true;          // islands can step with impacts at their own time: ContactSpec::exact_bodies
     bool contact_impulses = true;     // ContactResponse::impulse
     bool contact_springs = false;     // ContactResponse::spring
 
@@ -85,6 +86,7 @@ struct Features {
         f("contact_readout", &Features::contact_readout);
         f("impact_bounds", &Features::impact_bounds);
         f("bounded_steps", &Features::bounded_steps);
+        f("exact_steps", &Features::exact_steps);
         f("contact_impulses", &Features::contact_impulses);
         f("contact_springs", &Features::contact_springs);
     }

@@ -45,6 +45,8 @@ public:
     static_assert(features.springs >= 0 && features.springs <= BodyId::most, "room for 32767 springs at the most");
     static_assert(features.near_pairs >= 0 && (!features.contacts() || features.room_for_pairs() <= BodyId::most),
                   "room for 32767 near pairs at the most: name fewer by .near_pairs");
+    static_assert(features.exact_steps || features.bounded_steps,
+                  "a step is exact or bounded: .exact_steps or .bounded_steps");
     static constexpr bool has_contacts = features.contacts();  // the code of contacts by impulses is there
     static constexpr bool has_loads = detail::has_loads<S>;    // the code of loads is there
     static constexpr bool has_step = requires { S::step; };    // the scene has the step, as `static constexpr Seconds`

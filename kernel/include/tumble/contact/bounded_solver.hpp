@@ -33,8 +33,13 @@ public:
         : shapes_{shapes}, pairs_{pairs}, velocities_{velocities}, bodies_{all}, island_{island},
           rows_{shapes, pairs, velocities, all, island}, threshold_{threshold} {}
 
+    // What contacts have changed in the step, against what loads have.
+    struct Changes {
+        bool trembles = false;         // contacts hold most of what loads change, of every body
+        bool exceed[features.bodies];  // the bounds on the time to contact do not allow for the change of the velocity
+    };
     // Writes what contacts change in the step into `forces`. Returns Touch::nothing or Touch::rests.
-    Touch solve(const Kicks& loads, Kicks& forces, Solution& solution) {
+    Touch solve(const Kicks& loads, Kicks& forces, Solution& solution, Changes& changes) {
         solution = {};
         if constexpr (features.moving_surfaces()) velocities_.surfaces.carry = false;
         bool any = false, lifts = false;
@@ -57,6 +62,7 @@ public:
             velocities_.write(forces, bodies_, shapes_.weights(), island_.group);
         }
         pairs_.count_points(island_, shapes_.tolerance());
+        note(changes);
         if (lifts) [[unlikely]]
             find_lifts(solution);
         solution.settled = !solution.lifts;
@@ -170,6 +176,22 @@ private:
         pairs_.for_each_active(island_, [&](Pair&, Point& point) {
             point.for_each_row([&](auto& row) { row.impulse = Rows::Sweep::Row::product(row.impulse, share); });
         });
+    }
+    // Call before find_lifts(), which needs the room of the velocities with loads. Bounds of a body near something
+    // allow for twice what gravity changes.
+    void note(Changes& changes) const {
+        changes.trembles = true;
+        for (int k = 0; k < island_.group.count; ++k) {
+            const int b = island_.group.id[k];
+            const Velocity& start = velocities_.start[b];
+            const auto change_to = [&](const Velocity& to) {
+                return Velocity{to.linear - start.linear, to.angular - start.angular};
+            };
+            const Velocity change = change_to(velocities_.now[b]), by_loads = change_to(velocities_.loaded[b]);
+            const Speed least = sum_of_magnitudes(by_loads.linear);
+            changes.exceed[b] = sum_of_magnitudes(change.linear) > least + least;
+            changes.trembles = changes.trembles && change.largest() < C::half(by_loads.largest());
+        }
     }
     // The motion that corrects overlaps, by few sweeps over the normals, from none in each step.
     [[gnu::noinline, gnu::cold]] void find_lifts(Solution& solution) {

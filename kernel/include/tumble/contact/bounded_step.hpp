@@ -30,7 +30,7 @@ public:
     [[gnu::noinline]] bool take() {
         motion_.move({.group = motion_.island.group, .loads = &motion_.contacts.loads});
         if (motion_.resting().still_stands(motion_.contacts.loads, motion_.contacts.forces,
-                                           motion_.contacts.places.are_held(motion_.island.group))) {
+                                           motion_.contacts.watch.are_held(motion_.island.group))) {
             motion_.contacts.solution = {.settled = true, .stands = true};
             return true;
         }
@@ -44,6 +44,8 @@ public:
 
 private:
     using Saved = typename Motion::Saved;
+    using Solver = BoundedSolver<N, spin, features>;
+    using Changes = typename Solver::Changes;
 
     // What stood did not look for others when the step began, under other gravity.
     void look_again() requires(features.control) {
@@ -52,20 +54,11 @@ private:
             any = any || motion_.contacts.standing.stood(motion_.island.group.id[k]);
         if (any) motion_.find_near_pairs([](int) { return true; });
     }
-    // True where bodies that have not moved for a while only tremble: contacts hold most of what gravity changes, and
-    // nothing else acts.
-    [[nodiscard]] bool tremble() const {
-        if (!motion_.contacts.places.rest(motion_.bodies, motion_.island.group)) return false;
-        bool all = true;
-        for (int k = 0; k < motion_.island.group.count; ++k) {
-            const int b = motion_.island.group.id[k];
-            const auto &start = motion_.contacts.velocities.start[b], &loaded = motion_.contacts.velocities.loaded[b],
-                       &now = motion_.contacts.velocities.now[b];
-            const auto change = [&](const auto& to) {
-                return WeightedVelocity<N>{to.linear - start.linear, to.angular - start.angular}.largest();
-            };
-            all = all && motion_.contacts.marks[b].none() && change(now) < C::half(change(loaded));
-        }
+    // True where bodies that have not moved for a while only tremble, under gravity alone.
+    [[nodiscard]] bool tremble(const Changes& changes) const {
+        bool all = changes.trembles && motion_.contacts.watch.rest(motion_.bodies, motion_.island.group);
+        for (int k = 0; k < motion_.island.group.count; ++k)
+            all = all && motion_.contacts.marks[motion_.island.group.id[k]].none();
         motion_.contacts.pairs.for_each(motion_.island, [&](const Pair& pair) { all = all && !pair.surface_moves; });
         return all;
     }
@@ -78,7 +71,7 @@ private:
                 motion_.contacts.forces[b].angular[i] = -motion_.contacts.loads[b].angular[i];
             }
         }
-        motion_.contacts.places.hold(motion_.island.group);
+        motion_.contacts.watch.hold(motion_.island.group);
         motion_.contacts.pairs.set_balanced(motion_.island, true);
         motion_.contacts.solution = {.settled = true, .stands = true};
     }
@@ -103,28 +96,29 @@ private:
         motion_.search.measure();
         motion_.search.find();
         report_overlaps();
-        motion_.contacts.places.note(motion_.contacts.shapes, motion_.bodies, motion_.island.group);
+        motion_.contacts.watch.note(motion_.contacts.shapes, motion_.bodies, motion_.island.group);
     }
-    [[nodiscard]] BoundedSolver<N, spin, features> solver() {
+    [[nodiscard]] Solver solver() {
         return {motion_.contacts.shapes, motion_.contacts.pairs, motion_.contacts.velocities,
                 motion_.bodies,          motion_.island,         motion_.contacts.threshold};
     }
     // Solves for the contacts and pushes the bodies to the velocities of the end. Where they then come to something to
     // which they would not have come without contacts, solves once more. True where something touches.
     bool solve(const Saved& start) {
+        Changes changes;
         for (bool again = false;; again = true) {
             for (int k = 0; k < motion_.island.group.count; ++k)
                 motion_.contacts.pairs.forget_points_of(motion_.island.group.id[k]);
-            if (solver().solve(motion_.contacts.loads, motion_.contacts.forces, motion_.contacts.solution) ==
+            if (solver().solve(motion_.contacts.loads, motion_.contacts.forces, motion_.contacts.solution, changes) ==
                 Touch::nothing)
                 return false;
             if (motion_.contacts.solution.stands) return true;
-            if (tremble()) {
+            if (tremble(changes)) {
                 hold();
                 return true;
             }
             for (int k = 0; k < motion_.island.group.count; ++k) push(k, nullptr);
-            if (!come_nearer(again) || again) return true;
+            if (!come_nearer(changes, again) || again) return true;
             motion_.restore(start);
         }
     }
@@ -148,22 +142,12 @@ private:
         }
         if (start == nullptr) (void)motion_.bodies.fit_parts(b);
     }
-    // With the velocities of the end: looks for others around the bodies that contacts have changed by more than the
-    // bounds on the time to contact allow for, or around all. True where pairs without points come to each other.
-    [[nodiscard]] bool come_nearer(bool all) {
-        const auto& velocities = motion_.contacts.velocities;
-        bool any = false;
-        const auto is_changed = [&](int b) {
-            const auto size_of = [&](const auto& to) {
-                return sum_of_magnitudes(Vec3<typename C::Speed>(to[b].linear - velocities.start[b].linear));
-            };
-            const auto by_loads = size_of(velocities.loaded);
-            const bool changed = all || size_of(velocities.now) > by_loads + by_loads;
-            any = any || changed;
-            return changed;
-        };
-        for (int k = 0; k < motion_.island.group.count; ++k) (void)is_changed(motion_.island.group.id[k]);
-        if (any) motion_.find_near_pairs(is_changed);
+    // With the velocities of the end: looks for others around the bodies whose change exceeds the bounds on the time to
+    // contact, or around all. True where pairs without points come to each other.
+    [[nodiscard]] bool come_nearer(const Changes& changes, bool all) {
+        bool any = all;
+        for (int k = 0; k < motion_.island.group.count; ++k) any = any || changes.exceed[motion_.island.group.id[k]];
+        if (any) motion_.find_near_pairs([&](int b) { return all || changes.exceed[b]; });
         any = false;
         motion_.contacts.pairs.for_each(motion_.island, [&](Pair& pair) {
             if (pair.count > 0) return;

@@ -264,7 +264,7 @@ private:
     }
     // Puts the body into the grid. Returns the steps in which it surely stays in its ball. In each of them the ball has
     // room for twice the drift, as a pair is tested with that where loads act on the other body. The ball of a body
-    // without loads has room for a move by its radius, too.
+    // that flies without loads has room for a move by its radius, too. One that is near something is examined soon.
     [[nodiscard]] int put(int b, const Vec3<Length>& drift, bool loaded, bool is_fixed) requires(features.grid()) {
         const auto& x = bodies_.state[b].x_w;
         const typename Grid<N, features.bodies>::Place place{N::sum(x.x), N::sum(x.y), N::sum(x.z)};
@@ -274,7 +274,7 @@ private:
         const auto travel = C::travel(closing, fall, 1);
         const Length ball = times_.many.grid.put(b, place, shapes_.scale(), [&](Length enough) {
             const Length room = enough - touch;
-            return (loaded || !(room < radius)) && !C::exceeds(travel, room);
+            return (loaded || near || !(room < radius)) && !C::exceeds(travel, room);
         });
         return clear_steps(closing, fall, foresight(loaded, near),
                            [&](auto way) { return ball < C::longest() && C::exceeds(way, ball - touch); });

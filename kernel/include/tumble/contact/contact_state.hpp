@@ -3,7 +3,7 @@
 
 #include <tumble/contact/broad_phase.hpp>
 #include <tumble/contact/contact_log.hpp>
-#include <tumble/contact/rest_places.hpp>
+#include <tumble/contact/rest_watch.hpp>
 #include <tumble/contact/resting.hpp>
 #include <tumble/contact/sleepers.hpp>
 #include <tumble/contact/standing.hpp>
@@ -22,7 +22,7 @@ struct ContactState {
                                                               spec.restitution_threshold * step)} {
         if constexpr (features.bounded_steps) {
             exact_bodies = spec.exact_bodies;
-            places = RestPlaces<N, spin, features>{step};
+            watch = RestWatch<N, spin, features>{step};
         }
         if constexpr (features.impact_bounds) most = {spec.most_impacts, spec.most_searches, spec.most_sweeps};
     }
@@ -36,7 +36,7 @@ struct ContactState {
     Work threshold;  // of restitution, m a step
     [[no_unique_address]] If<features.impact_bounds, ImpactBounds, 1> most{};
     [[no_unique_address]] If<features.bounded_steps, int, 2> exact_bodies{};  // larger islands step in bounded time
-    [[no_unique_address]] If<features.bounded_steps, RestPlaces<N, spin, features>, 3> places{};
+    [[no_unique_address]] If<features.bounded_steps, RestWatch<N, spin, features>, 3> watch{};
     // While an island is solved.
     SolverVelocities<N, spin, features> velocities{};
     Solution solution{};

@@ -78,7 +78,7 @@ public:
         const std::uint32_t now = advance.bodies.steps_taken;
         state_.standing.end();
         end_times(b, now);
-        if constexpr (features.bounded_steps) state_.places.forget(b, now);
+        if constexpr (features.bounded_steps) state_.watch.forget(b, now);
         if constexpr (features.kinematic && features.sleep)
             if (advance.bodies.constants[b].kinematic()) {
                 state_.pairs.for_each_touching([&](int a, int other) {
@@ -219,7 +219,7 @@ public:
             for (int b = 0; b < features.bodies; ++b) state.pairs.set_balanced(b, balanced[b]);
         for (int b = 0; b < features.bodies; ++b)
             if (stands[b] && !bodies.constants[b].fixed()) to(state.velocities.loaded[b], state.forces[b]);
-        if constexpr (features.bounded_steps) RestPlaces<N, spin, features>::archive(state.places, bodies, to);
+        if constexpr (features.bounded_steps) RestWatch<N, spin, features>::archive(state.watch, bodies, to);
         if constexpr (features.moving_surfaces()) {
             to(state.velocities.surfaces.changed);
             for (int b = 0; b < bodies.count; ++b)
@@ -447,9 +447,11 @@ private:
     // Whether an island is few or many follows from the scene alone.
     TUMBLE_INLINE bool take_step(Bodies& bodies, auto& schedule, Island& island, const Mover<N, features>& mover) {
         if constexpr (features.bounded_steps)
-            if (island.group.count > state_.exact_bodies)
+            if (!features.exact_steps || island.group.count > state_.exact_bodies)
                 return BoundedStep<N, spin, features>{state_, schedule, bodies, island, mover}.take();
-        return IslandStep<N, spin, features>{state_, schedule, bodies, island, mover}.take();
+        if constexpr (features.exact_steps)
+            return IslandStep<N, spin, features>{state_, schedule, bodies, island, mover}.take();
+        else return false;
     }
     // Places the kinematic bodies: at the start of an island's flights, or halfway, for loads alone.
     template <class Advance>

@@ -1,0 +1,94 @@
+// How far the bodies of a pile have moved since a while ago: it rests where none of them has moved.
+#pragma once
+
+#include <tumble/contact/narrow_phase.hpp>
+
+namespace tumble {
+
+// Sweeps in bounded number leave some of each load, and so bodies of a pile tremble about the place where they rest.
+// What they do within half a second and a quarter of the tolerance is no motion. Nor are corrections of overlaps: those
+// of a jam push against each other for ever.
+template <class N, Spin spin, Features features>
+class RestWatch {
+public:
+    using NarrowPhase = tumble::NarrowPhase<N, spin, features>;
+    using Bodies = typename NarrowPhase::Bodies;
+    using BodyGroup = SomeBodies<features.bodies>;
+    using Length = typename NarrowPhase::Length;
+    using Work = typename N::Work;
+
+    constexpr RestWatch() = default;
+    constexpr explicit RestWatch(Real step) {
+        const std::int64_t steps = (Real{1} / (step + step)).to_fixed(0, 31);
+        rest_ = static_cast<std::uint32_t>(steps > 1 ? steps : 1);
+    }
+    // Call at the end of a bounded step, with the velocities by which the bodies have moved.
+    void note(const NarrowPhase& shapes, const Bodies& bodies, const BodyGroup& group) {
+        const std::uint32_t now = bodies.steps_taken;
+        for (int k = 0; k < group.count; ++k) {
+            const int b = group.id[k];
+            Motion& motion = motion_[b];
+            const bool goes_on = motion.seen + 1 == now;
+            motion.seen = now;
+            motion.is_held = false;
+            if (goes_on && stays(motion, shapes, bodies, b)) continue;
+            motion.way = motion.turn = {};
+            motion.since = now;
+        }
+    }
+    // Call where the motion of a body changes other than by a step.
+    constexpr void forget(int b, std::uint32_t now) { motion_[b].seen = now - 2; }
+    // True where no body has moved for half a second, in bounded steps alone.
+    [[nodiscard]] bool rest(const Bodies& bodies, const BodyGroup& group) const {
+        return all_of(group, [&](const Motion& motion) {
+            return motion.seen + 1 == bodies.steps_taken && bodies.steps_taken - motion.since > rest_;
+        });
+    }
+    // Holds the bodies where they are, overlaps included.
+    void hold(const BodyGroup& group) {
+        for (int k = 0; k < group.count; ++k) motion_[group.id[k]].is_held = true;
+    }
+    [[nodiscard]] bool are_held(const BodyGroup& group) const {
+        return all_of(group, [](const Motion& motion) { return motion.is_held; });
+    }
+
+    // Writes or reads what a snapshot holds.
+    template <class Self, class Archive>
+    static void archive(Self& self, const Bodies& bodies, Archive& to) {
+        for (int b = 0; b < bodies.count; ++b)
+            if (auto& motion = self.motion_[b]; !bodies.constants[b].fixed())
+                to(motion.way, motion.turn, motion.since, motion.seen, motion.is_held);
+    }
+
+private:
+    struct Motion {
+        StoredVec3<Length> way{}, turn{};   // since then; turns about principal axes, as ways of the surface
+        std::uint32_t since = 0, seen = 0;  // steps: when it began anew, and when it was noted last
+        bool is_held = false;
+    };
+
+    template <class F>
+    [[nodiscard]] bool all_of(const BodyGroup& group, F&& is_so) const {
+        bool all = true;
+        for (int k = 0; k < group.count; ++k) all = all && is_so(motion_[group.id[k]]);
+        return all;
+    }
+    // Adds the step. By no more than a point of a resting body may be deep without a correction.
+    [[nodiscard]] static bool stays(Motion& motion, const NarrowPhase& shapes, const Bodies& bodies, int b) {
+        const Length least = ContactBounds<N>::resting_depth(shapes.tolerance());
+        const Work radius = shapes.scale().metres(shapes.shape(b).radius);
+        const Vec3<Length> drift = shapes.drift(bodies, b);
+        bool all = true;
+        for (int i = 0; i < 3; ++i) {
+            motion.way[i] += drift[i];
+            motion.turn[i] += shapes.scale().length(bodies.turn(b, i) * radius);
+            all = all && !(magnitude_of(motion.way[i]) > least) && !(magnitude_of(motion.turn[i]) > least);
+        }
+        return all;
+    }
+
+    Motion motion_[features.bodies]{};
+    std::uint32_t rest_ = 1;  // steps
+};
+
+}  // namespace tumble
