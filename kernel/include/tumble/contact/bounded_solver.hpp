@@ -51,7 +51,7 @@ public:
         if constexpr (features.kinematic) rows_.look_ahead(Work(1));
         const bool same = rows_.template set_velocities<&Bounds::correction>(loads, Work(1), true, lifts);
         const bool fast = set_targets(same);
-        if (!fast && Statics<N, spin, features>{shapes_, pairs_, velocities_, bodies_, island_}.solve()) {
+        if (!fast && Statics<N, spin, features>{shapes_, pairs_, velocities_, bodies_, island_, true}.solve()) {
             velocities_.write(forces, bodies_, shapes_.weights(), island_.group, &loads);
             solution.stands = !lifts && pairs_.are_balanced(island_) && is_at_rest();
         } else {
@@ -91,7 +91,7 @@ private:
     static constexpr Vec3<Speed> Velocity::*parts[] = {&Velocity::linear, &Velocity::angular};
 
     // Makes the rows and sets what they want: a point that comes down bounces at once, another one may come as far as
-    // its surface. True where a point comes fast.
+    // its surface. True where a point comes faster than what settles, or bounces.
     bool set_targets(bool same) {
         bool fast = false;
         bounces_ = false;
@@ -107,15 +107,15 @@ private:
                 Point& point = pair.point[i];
                 point.active = true;
                 const Speed approach = -rows_.velocity(velocities_.start, pair, point);
-                const bool is_fast = approach > Rows::along(point, slow);
-                fast = fast || is_fast;
+                fast = fast || approach > Rows::along(point, slow + slow);
                 point.row[0].target = Rows::surface_of(pair, point) - closing_of(pair, point);
-                if (is_fast && approach > Rows::along(point, least) && pair.restitution > Unit{}) bounce(pair, point);
+                if (approach > Rows::along(point, larger_of(slow, least)) && pair.restitution > Unit{})
+                    bounce(pair, point);
                 point.for_each_row([&](auto& row) { row.impulse = velocities_.scale.from(row.impulse, pair.scale); });
             }
             pair.scale = velocities_.scale;
         });
-        return fast;
+        return fast || bounces_;
     }
     // The speed that closes the gap of a point within the step.
     [[nodiscard]] Speed closing_of(const Pair& pair, const Point& point) const {

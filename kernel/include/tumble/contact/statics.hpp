@@ -34,9 +34,12 @@ public:
     static constexpr int most_points = most_supports * Pair::max_points;
     using Weld = tumble::Weld<N, most_points, features.friction>;
 
+    // `bounded`: in a bounded step.
     Statics(const NarrowPhase& shapes, PairList& pairs, Velocities& velocities, const typename NarrowPhase::Bodies& all,
-            const Island& island)
-        : shapes_{shapes}, pairs_{pairs}, velocities_{velocities}, bodies_{all}, island_{island} {}
+            const Island& island, [[maybe_unused]] bool bounded = false)
+        : shapes_{shapes}, pairs_{pairs}, velocities_{velocities}, bodies_{all}, island_{island} {
+        if constexpr (features.bounded_steps) bounded_ = bounded;
+    }
 
     // True where the forces are found: the velocities and the impulses of the points are then set. Otherwise nothing
     // changes. The targets of the points must be set.
@@ -88,7 +91,7 @@ private:
             note(motion(b), fastest);
             note({loaded.linear - start.linear, loaded.angular - start.angular}, most);
         }
-        return !(fastest > Bounds::still(most));
+        return !(fastest > (is_bounded() ? Bounds::settles(most) : Bounds::still(most)));
     }
     // The same of the bodies for which counts(b).
     template <class F>
@@ -102,6 +105,10 @@ private:
         if (island_.group.count == 1 && carrying_ == 1) return true;
         (void)set_common(velocities_.start);
         return is_still([&](int b) { return Velocity{velocities_.start[b].linear - common_[b], zero()}; });
+    }
+    [[nodiscard]] bool is_bounded() const {
+        if constexpr (features.bounded_steps) return bounded_;
+        else return false;
     }
     [[nodiscard]] bool must_stand() const {
         if constexpr (features.control) return must_stand_;
@@ -180,7 +187,8 @@ private:
     // move is marked. False where there are fewer pairs with such points than bodies, or one is on a surface that
     // turns.
     bool find_carrying() {
-        const Length touch = Bounds::resting_gap(shapes_.tolerance());
+        const Length touch =
+            is_bounded() ? Bounds::resting_depth(shapes_.tolerance()) : Bounds::resting_gap(shapes_.tolerance());
         bool may = true;
         carrying_ = 0;
         pairs_.for_each(island_, [&](Pair& pair) {
@@ -670,6 +678,7 @@ private:
     Vec3<Speed> common_[bodies];  // of bodies that slide as one, weighted
     bool slides_ = false;         // `now` is relative to `common_` of the end
     bool must_stand_ = false;
+    [[no_unique_address]] If<features.bounded_steps, bool, 7> bounded_{};
 };
 
 }  // namespace tumble

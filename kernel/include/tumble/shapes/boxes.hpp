@@ -143,13 +143,13 @@ private:
 
     // Clips the incident face (of the other box, the one that points most against the normal of the reference face)
     // against the sides of the reference face. Both bodies get the same points: those of the incident face.
-    void find_on_faces(const PairView<N>& view, Manifold<N>& found, Length band, const BoxAxis& axis) const {
-        const int side = axis.index < 3 ? 0 : 1, other = 1 - side, face = axis.index % 3, iu = (face + 1) % 3,
+    void find_on_faces(const PairView<N>& view, Manifold<N>& found, Length band, const BoxAxis& of) const {
+        const int side = of.index < 3 ? 0 : 1, other = 1 - side, face = of.index % 3, iu = (face + 1) % 3,
                   iv = (face + 2) % 3;
         const Axes<N>&axes = axes_[side], &incident = axes_[other];
         // Away from the reference box: against `normal` for a, along it for b.
         const Vec3<Unit> outward = side == 0 ? Vec3<Unit>(-normal) : normal;
-        const bool flipped = axis.negative == (side == 0);
+        const bool flipped = of.negative == (side == 0);
         const Vec3<Unit> n = incident.to_body(outward);
         int k = 0;
         for (int i = 1; i < 3; ++i)
