@@ -342,6 +342,54 @@ TYPED_TEST(BoundedSteps, carry_a_stack_on_what_moves) {
     EXPECT_TRUE(this->stands(world));
 }
 
+// A surface that moves does work.
+TYPED_TEST(BoundedSteps, are_pushed_and_lifted_by_what_moves) {
+    for (const double speed : {0.5, 2.0}) {
+        typename TestFixture::World world{Seconds{1, 64}, this->with(0, 0, 0.3, false)};
+        BodySpec pusher = box(1, {0.5, 0.5, 0.5});
+        pusher.kinematic = true;
+        pusher.velocity = {speed, 0, 0};
+        (void)world.add(pusher);
+        for (int i = 0; i < 3; ++i) (void)world.add(this->at(box(1, {0.5, 0.5, 0.5}), 0.51 + 0.51 * i, 0, 0));
+        for (int step = 0; step < 64; ++step) (void)world.step();
+        for (int b = 1; b < 4; ++b) EXPECT_LE(std::abs(this->velocity(world, BodyId{b}).x - speed), 0.01) << speed;
+        EXPECT_LE(this->deepest(world), static_cast<double>(tolerance::contact_band)) << speed;
+    }
+    for (const double speed : {0.2, 0.5, 2.0}) {
+        typename TestFixture::World world{Seconds{1, 64}, this->with(0, 0, 0.5)};
+        BodySpec lift = box(1, {4, 0.5, 4});
+        lift.kinematic = true;
+        lift.position = {0, -0.25, 0};
+        const BodyId carrier = world.add(lift);
+        for (int i = 0; i < 3; ++i) (void)world.add(this->at(box(1, {0.5, 0.5, 0.5}), 0, 0.25 + 0.5 * i, 0));
+        for (int step = 0; step < 32; ++step) (void)world.step();
+        world.set_velocity(carrier, {0, static_cast<float>(speed), 0});
+        for (int step = 0; step < 64; ++step) (void)world.step();
+        for (int b = 1; b < 4; ++b) {
+            const Vector x = this->place(world, BodyId{b}) - this->place(world, carrier);
+            EXPECT_LE(std::hypot(x.x, x.z), 1e-3L) << speed;
+            EXPECT_LE(std::abs(x.y - 0.5L * b), 2e-3L) << speed;
+            EXPECT_LE(std::abs(this->velocity(world, BodyId{b}).y - speed), 0.02L) << speed;
+        }
+    }
+}
+
+TYPED_TEST(BoundedSteps, part_what_overlaps_and_touch_nothing_that_is_apart) {
+    for (const double gap : {0.004, -0.001}) {
+        typename TestFixture::World world{Seconds{1, 60}, this->with(0, 0, 0.5)};
+        ASSERT_TRUE(world.add(PlaneSpec{}));
+        for (int i = 0; i < 6; ++i)  // side by side, or as a stack
+            (void)world.add(gap > 0 ? this->at(box(1, {0.5, 0.5, 0.5}), (0.5 + gap) * i, 0.25, 0)
+                                    : this->at(box(1, {0.5, 0.5, 0.5}), 0, 0.25 + gap + (0.5 + gap) * i, 0));
+        for (int step = 0; step < 120; ++step) (void)world.step();
+        EXPECT_TRUE(this->stands(world)) << gap;
+        EXPECT_LE(this->deepest(world), 0.6 * static_cast<double>(tolerance::contact_band)) << gap;
+        for (int b = 0; b < 6; ++b)
+            for (const auto& contact : world.contacts(BodyId{b}))
+                EXPECT_TRUE(gap < 0 || !contact.touches || contact.plane == PlaneId{0}) << b;
+    }
+}
+
 TYPED_TEST(BoundedSteps, stop_what_is_pushed_at_a_thin_wall) {
     for (const double gap : {0.01, 0.03, 0.06}) {
         typename TestFixture::World world{Seconds{1, 60}, this->with(0, 0, 0.3, false)};

@@ -7,7 +7,8 @@ namespace tumble {
 
 // No point is below its surface at the end of the step, along the row that it has at the start (speculative contacts,
 // Catto 2013). The bodies move by the velocities u of that end, so contacts that change them by P change the energy by
-// u . P - |u - u0|^2 / 2, with the velocities u0 of the start, whatever their rows and however many sweeps they had.
+// u . P - |u - u0|^2 / 2, with the velocities u0 of the start, whatever their rows and however many sweeps they had. Of
+// this surfaces that move have given their part: impulses times the velocities of the surfaces.
 template <class N, Spin spin, Features features>
 class BoundedSolver {
 public:
@@ -108,7 +109,7 @@ private:
                 point.active = true;
                 const Speed approach = -rows_.velocity(velocities_.start, pair, point);
                 fast = fast || approach > Rows::along(point, slow + slow);
-                point.row[0].target = Rows::surface_of(pair, point) - closing_of(pair, point);
+                point.row[0].target = Rows::surface_of(pair, point) - to_surface(pair, point);
                 if (approach > Rows::along(point, larger_of(slow, least)) && pair.restitution > Unit{})
                     bounce(pair, point);
                 point.for_each_row([&](auto& row) { row.impulse = velocities_.scale.from(row.impulse, pair.scale); });
@@ -118,7 +119,7 @@ private:
         return fast || bounces_;
     }
     // The speed that closes the gap of a point within the step.
-    [[nodiscard]] Speed closing_of(const Pair& pair, const Point& point) const {
+    [[nodiscard]] Speed to_surface(const Pair& pair, const Point& point) const {
         return point.gap > Length{} ? rows_.speed(pair, point, point.gap) : Speed{};
     }
     // A point that would come to the surface within the step leaves it by what restitution gives back of its approach,
@@ -126,46 +127,63 @@ private:
     void bounce(const Pair& pair, Point& point) {
         const Speed approach = -rows_.velocity(velocities_.start, pair, point),
                     loaded = -rows_.velocity(velocities_.loaded, pair, point);
-        if (!(loaded > closing_of(pair, point))) return;
+        if (!(loaded > to_surface(pair, point))) return;
         bounces_ = true;
         point.row[0].target =
             Rows::surface_of(pair, point) + narrow<Speed>(mul(approach, pair.restitution)) + approach - loaded;
     }
-    // Fewer sweeps of more points, so that the time of a step grows with the pairs.
+    // Fewer sweeps of more points, so that the time of a step grows with the pairs; as many in every number system.
     void sweep() {
         int most = contact::bounded_visits / points_;
         if (most < contact::least_bounded_sweeps) most = contact::least_bounded_sweeps;
         if (most > contact::max_sweeps) most = contact::max_sweeps;
         (void)rows_.sweep({velocities_.scale.enough_at_rest(), most, most});
     }
-    // True where the step adds energy. What bounces gives back a part of the energy of its approach, but several
-    // bounces at one moment may together give back more.
-    [[nodiscard]] bool gains() const {
-        Square work{}, square{};
+    // Of the change P by contacts: L . P less the work of surfaces that move, and P . P. L: the velocities with loads.
+    struct WorkOfContacts {
+        Square along{}, square{};
+    };
+    [[nodiscard]] WorkOfContacts work_of_contacts() {
+        WorkOfContacts work;
         for_each_part([&](int b, auto part) {
-            const Vec3<Speed>&now = velocities_.now[b].*part, by = now - velocities_.loaded[b].*part,
-                  change = now - velocities_.start[b].*part;
-            work += dot(now, by);
+            const Vec3<Speed>&loaded = velocities_.loaded[b].*part, by = velocities_.now[b].*part - loaded;
+            work.along += dot(loaded, by);
+            work.square += dot(by, by);
+        });
+        if constexpr (features.moving_surfaces())
+            pairs_.for_each_active(island_, [&](const Pair& pair, Point& point) {
+                if (!pair.surface_moves) return;
+                work.along -= mul(point.row[0].impulse, Rows::surface_of(pair, point));
+                for (int k = 1; k < pair.rows(); ++k) work.along -= mul(point.row[k].impulse, point.row[k].target);
+                if constexpr (features.rolling_resistance)
+                    for (const auto& row : point.spin) work.along -= mul(row.impulse, row.target);
+            });
+        return work;
+    }
+    // True where the step adds energy, beyond that of surfaces that move. What bounces gives back a part of the energy
+    // of its approach, but several bounces at one moment may together give back more.
+    [[nodiscard]] bool gains() {
+        const WorkOfContacts work = work_of_contacts();
+        Square square{};
+        for_each_part([&](int b, auto part) {
+            const Vec3<Speed> change = velocities_.now[b].*part - velocities_.start[b].*part;
             square += dot(change, change);
         });
-        return work + work > square;
+        const Square by_end = work.along + work.square;
+        return by_end + by_end > square;
     }
     [[gnu::noinline, gnu::cold]] void drop_bounces() {
         bounces_ = false;
         pairs_.for_each_active(island_, [&](const Pair& pair, Point& point) {
-            point.row[0].target = Rows::surface_of(pair, point) - closing_of(pair, point);
+            point.row[0].target = Rows::surface_of(pair, point) - to_surface(pair, point);
         });
         sweep();
     }
-    // Without bounces contacts do no work by the velocities of the end, but for sweeps that are not done: of P the
-    // largest part s, at most 1, is taken with (L + s P) . P <= 0. L: the velocities with loads.
+    // Without bounces contacts do no work by the velocities of the end, but for that of surfaces that move, and for
+    // sweeps that are not done: of P the largest part s, at most 1, is taken for which that is so.
     void take_off_work() {
-        Square work{}, square{};
-        for_each_part([&](int b, auto part) {
-            const Vec3<Speed>&loaded = velocities_.loaded[b].*part, by = velocities_.now[b].*part - loaded;
-            work -= dot(loaded, by);
-            square += dot(by, by);
-        });
+        const WorkOfContacts of = work_of_contacts();
+        const Square work = -of.along, square = of.square;
         if (!(square > work)) return;
         const Unit share = work > Square{} ? C::ratio_of_squares(work, square) : Unit{};
         for_each_part([&](int b, auto part) {
@@ -201,7 +219,7 @@ private:
             point.resting_impulse = point.row[0].impulse;
             point.row[0].impulse = Speed{};
             point.row[0].target =
-                Rows::surface_of(pair, point) + rows_.speed(pair, point, lift) - closing_of(pair, point);
+                Rows::surface_of(pair, point) + rows_.speed(pair, point, lift) - to_surface(pair, point);
         });
         auto& lifts = velocities_.added();
         for_each_part([&](int b, auto part) { lifts[b].*part = velocities_.now[b].*part; });

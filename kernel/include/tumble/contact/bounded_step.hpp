@@ -29,8 +29,8 @@ public:
     // True of an island that stood still before and stands as it did.
     [[gnu::noinline]] bool take() {
         motion_.move({.group = motion_.island.group, .loads = &motion_.contacts.loads});
-        if (motion_.resting().still_stands(motion_.contacts.loads, motion_.contacts.forces,
-                                           motion_.contacts.watch.are_held(motion_.island.group))) {
+        const bool corrects = !motion_.contacts.watch.are_held(motion_.island.group) && overlap();
+        if (motion_.resting().still_stands(motion_.contacts.loads, motion_.contacts.forces, corrects)) {
             motion_.contacts.solution = {.settled = true, .stands = true};
             return true;
         }
@@ -47,6 +47,15 @@ private:
     using Solver = BoundedSolver<N, spin, features>;
     using Changes = typename Solver::Changes;
 
+    // Whether an overlap is to be corrected.
+    [[nodiscard]] bool overlap() const {
+        bool any = false;
+        motion_.contacts.pairs.for_each(motion_.island, [&](const Pair& pair) {
+            any =
+                any || (pair.count > 0 && ContactBounds<N>::is_overlap(pair.gap, motion_.contacts.shapes.tolerance()));
+        });
+        return any;
+    }
     // What stood did not look for others when the step began, under other gravity.
     void look_again() requires(features.control) {
         bool any = false;
@@ -75,10 +84,12 @@ private:
         motion_.contacts.pairs.set_balanced(motion_.island, true);
         motion_.contacts.solution = {.settled = true, .stands = true};
     }
+    // The bodies stand. Points that were found for the step, but do not touch, go.
     void stop() {
         motion_.log_forces(Work(1));
         motion_.resting().stop_all();
         motion_.take_over_spins();
+        motion_.search.find();
     }
     void fly() {
         motion_.contacts.pairs.for_each(motion_.island, [&](Pair& pair) { find_points(pair, closing_of(pair)); });
@@ -96,7 +107,7 @@ private:
         motion_.search.measure();
         motion_.search.find();
         report_overlaps();
-        motion_.contacts.watch.note(motion_.contacts.shapes, motion_.bodies, motion_.island.group);
+        motion_.contacts.watch.note(motion_.contacts.shapes, motion_.bodies, motion_.island.group, start);
     }
     [[nodiscard]] Solver solver() {
         return {motion_.contacts.shapes, motion_.contacts.pairs, motion_.contacts.velocities,
@@ -118,6 +129,7 @@ private:
                 return true;
             }
             for (int k = 0; k < motion_.island.group.count; ++k) push(k, nullptr);
+            // The second time only the bounds on the time to contact are made anew, for the velocities of now.
             if (!come_nearer(changes, again) || again) return true;
             motion_.restore(start);
         }

@@ -21,8 +21,9 @@ inline constexpr int max_resteps = 12;
 inline constexpr int max_supports = 4;
 // Sweeps over the points of an island, for the forces of a step. They carry the load of a stack from box to box.
 inline constexpr int max_sweeps = 32;
-// Visits of points by the sweeps of a bounded step, and the fewest of these sweeps.
+// Visits of points by the sweeps of a bounded step. A stack of ten boxes gets 20 sweeps.
 inline constexpr int bounded_visits = 800;
+// The fewest of these sweeps: with 12 a heap of 100 boxes takes twice as long to come to rest.
 inline constexpr int least_bounded_sweeps = 16;
 // Sweeps of a bounded step that correct overlaps.
 inline constexpr int bounded_corrections = 4;

@@ -62,10 +62,12 @@ private:
 
     [[gnu::noinline]] bool take_whole() {
         motion_.move({.group = motion_.island.group, .loads = &motion_.contacts.loads});
-        if (motion_.resting().still_stands(motion_.contacts.loads, motion_.contacts.forces)) {
+        const auto resting = motion_.resting();
+        if (resting.still_stands(motion_.contacts.loads, motion_.contacts.forces, resting.is_lifted())) {
             motion_.contacts.solution = {.settled = true, .stands = true};
             return true;
         }
+        if constexpr (features.bounded_steps) motion_.contacts.watch.let_go(motion_.island.group);
         if constexpr (features.contact_readout)
             motion_.contacts.log.start_island(motion_.contacts.pairs, motion_.island);
         for (int k = 0; k < motion_.island.group.count; ++k)

@@ -110,12 +110,12 @@ struct Pair {
     // Writes or reads what a snapshot holds. The rest follows from the bodies and from the points, or a step computes
     // it anew.
     template <class Self, class Archive>
-    static void archive(Self& self, Archive& to, [[maybe_unused]] bool with_plane) {
+    static void archive(Self& self, Archive& to, bool with_plane) {
         std::uint32_t bits = 0;
         if constexpr (!Archive::reads) bits = self.bits();
         bits = to.bits(bits);
         const int points = static_cast<int>(bits & 7u), count = points < max_points ? points : max_points;
-        to.require(points == count);
+        to.require(points == count && !(with_plane && (bits & of_bodies) != 0));
         if constexpr (Archive::reads) self.set(bits);
         to(self.gap);
         if (count > 0) to(self.scale);
@@ -183,6 +183,8 @@ struct Pair {
     }
 
 private:
+    // Of bits(): left_out and surface_moves, which no pair with a plane is.
+    static constexpr std::uint32_t of_bodies = 1u << 5 | 1u << 6;
     // The small members of a snapshot, and back: count, what is true of the pair, whether all rows hold, the carriers.
     [[nodiscard]] std::uint32_t bits() const {
         std::uint32_t bits = count | static_cast<std::uint32_t>(carriers.bits) << 8;

@@ -6,8 +6,7 @@
 namespace tumble {
 
 // Sweeps in bounded number leave some of each load, and so bodies of a pile tremble about the place where they rest.
-// What they do within half a second and a quarter of the tolerance is no motion. Nor are corrections of overlaps: those
-// of a jam push against each other for ever.
+// What they do within half a second and a quarter of the tolerance is no motion.
 template <class N, Spin spin, Features features>
 class RestWatch {
 public:
@@ -15,15 +14,15 @@ public:
     using Bodies = typename NarrowPhase::Bodies;
     using BodyGroup = SomeBodies<features.bodies>;
     using Length = typename NarrowPhase::Length;
-    using Work = typename N::Work;
 
     constexpr RestWatch() = default;
     constexpr explicit RestWatch(Real step) {
         const std::int64_t steps = (Real{1} / (step + step)).to_fixed(0, 31);
         rest_ = static_cast<std::uint32_t>(steps > 1 ? steps : 1);
     }
-    // Call at the end of a bounded step, with the velocities by which the bodies have moved.
-    void note(const NarrowPhase& shapes, const Bodies& bodies, const BodyGroup& group) {
+    // Call at the end of a bounded step, with the states of its start.
+    void note(const NarrowPhase& shapes, const Bodies& bodies, const BodyGroup& group,
+              const SavedMotions<Bodies>& start) {
         const std::uint32_t now = bodies.steps_taken;
         for (int k = 0; k < group.count; ++k) {
             const int b = group.id[k];
@@ -31,13 +30,20 @@ public:
             const bool goes_on = motion.seen + 1 == now;
             motion.seen = now;
             motion.is_held = false;
-            if (goes_on && stays(motion, shapes, bodies, b)) continue;
+            if (goes_on && stays(motion, shapes, b, start[k], bodies.state[b])) continue;
             motion.way = motion.turn = {};
             motion.since = now;
         }
     }
-    // Call where the motion of a body changes other than by a step.
-    constexpr void forget(int b, std::uint32_t now) { motion_[b].seen = now - 2; }
+    // Call where the motion of a body changes other than by a step: as if it had not been noted in the last one.
+    constexpr void forget(int b, std::uint32_t now) {
+        motion_[b].seen = now - 2;
+        motion_[b].is_held = false;
+    }
+    // Call where bodies take an exact step.
+    void let_go(const BodyGroup& group) {
+        for (int k = 0; k < group.count; ++k) motion_[group.id[k]].is_held = false;
+    }
     // True where no body has moved for half a second, in bounded steps alone.
     [[nodiscard]] bool rest(const Bodies& bodies, const BodyGroup& group) const {
         return all_of(group, [&](const Motion& motion) {
@@ -62,7 +68,7 @@ public:
 
 private:
     struct Motion {
-        StoredVec3<Length> way{}, turn{};   // since then; turns about principal axes, as ways of the surface
+        StoredVec3<Length> way{}, turn{};   // since then; turns as ways of the surface
         std::uint32_t since = 0, seen = 0;  // steps: when it began anew, and when it was noted last
         bool is_held = false;
     };
@@ -73,15 +79,17 @@ private:
         for (int k = 0; k < group.count; ++k) all = all && is_so(motion_[group.id[k]]);
         return all;
     }
-    // Adds the step. By no more than a point of a resting body may be deep without a correction.
-    [[nodiscard]] static bool stays(Motion& motion, const NarrowPhase& shapes, const Bodies& bodies, int b) {
-        const Length least = ContactBounds<N>::resting_depth(shapes.tolerance());
-        const Work radius = shapes.scale().metres(shapes.shape(b).radius);
-        const Vec3<Length> drift = shapes.drift(bodies, b);
+    // Adds the step. By no more than a point of a resting body may be deep without a correction. The vector of a
+    // quaternion is half of the turn.
+    [[nodiscard]] static bool stays(Motion& motion, const NarrowPhase& shapes, int b,
+                                    const typename Bodies::State& start, const typename Bodies::State& end) {
+        const Length least = ContactBounds<N>::resting_depth(shapes.tolerance()), radius = shapes.shape(b).radius;
+        const auto &from = start.q_wb.value(), &to = end.q_wb.value();
         bool all = true;
         for (int i = 0; i < 3; ++i) {
-            motion.way[i] += drift[i];
-            motion.turn[i] += shapes.scale().length(bodies.turn(b, i) * radius);
+            motion.way[i] += shapes.scale().between(N::sum(end.x_w[i]), N::sum(start.x_w[i]));
+            const Length half = narrow<Length>(mul(to.v[i] - from.v[i], radius));
+            motion.turn[i] += half + half;
             all = all && !(magnitude_of(motion.way[i]) > least) && !(magnitude_of(motion.turn[i]) > least);
         }
         return all;

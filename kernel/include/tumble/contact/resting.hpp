@@ -112,10 +112,18 @@ public:
         return Touch::rests;
     }
 
+    // Whether a penetration is to be corrected.
+    [[nodiscard]] bool is_lifted() const {
+        bool lifts = false;
+        pairs_.for_each(island_, [&](const Pair& pair) {
+            lifts = lifts || (pair.count > 0 && Bounds::is_lifted(pair.gap, shapes_.tolerance()));
+        });
+        return lifts;
+    }
     // True where the last solution is that of this step too: nothing has changed since the island stood still, and the
-    // loads are those that the forces have cancelled. `deep`: penetrations are not corrected any more.
-    [[nodiscard]] bool still_stands(const Kicks& loads, const Kicks& forces, bool deep = false) const {
-        if (!pairs_.are_balanced(island_) || (!deep && is_lifted())) return false;
+    // loads are those that the forces have cancelled. `corrects`: penetrations are to be corrected.
+    [[nodiscard]] bool still_stands(const Kicks& loads, const Kicks& forces, bool corrects) const {
+        if (corrects || !pairs_.are_balanced(island_)) return false;
         for (int k = 0; k < island_.group.count; ++k) {
             const int b = island_.group.id[k];
             if (!bodies_.stands_still(b)) return false;
@@ -228,14 +236,6 @@ private:
             if (point.gap + shapes_.tolerance() < Length{} && rows_.velocity(moves, pair, point) < stays - enough)
                 bodies_.report(Issue::step_bound_hit, pair.a);
         });
-    }
-    // Whether a penetration is to be corrected.
-    [[nodiscard]] bool is_lifted() const {
-        bool lifts = false;
-        pairs_.for_each(island_, [&](const Pair& pair) {
-            lifts = lifts || (pair.count > 0 && Bounds::is_lifted(pair.gap, shapes_.tolerance()));
-        });
-        return lifts;
     }
     // Whether no body moves at the start by more than sweeps leave. Statics stop it in this step anyway.
     [[nodiscard]] bool is_at_rest() const {
