@@ -128,8 +128,8 @@ struct ContactSpec {
     int most_sweeps = 0;    // over its points, for impacts and forces; each solution has one at least
 
     static constexpr int any = 0x7fffffff;  // however many
-    // Islands of more bodies that move step in bounded time. Another bound than `any` needs Features::bounded_steps, and
-    // another than 0 needs Features::exact_steps.
+    // Islands of more bodies that move step in bounded time. Another bound than `any` needs Features::bounded_steps,
+    // and another than 0 needs Features::exact_steps.
     int exact_bodies = any;
 
     // True without a choice of mixing.
