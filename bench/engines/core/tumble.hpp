@@ -1,4 +1,5 @@
-// This kernel, in the number system of TUMBLE_VARIANT. TUMBLE_COUNT, if not 0: islands of more bodies step in bounded time.
+// This kernel, in the number system of TUMBLE_VARIANT. TUMBLE_COUNT, if not 0: islands of more bodies step in bounded
+// time.
 #pragma once
 
 #include "scene.hpp"
