@@ -114,8 +114,8 @@ protected:
         return all;
     }
 };
-using Systems = Tested<testing::Types<Q32<>>, testing::Types<F64, F32>>;
-TYPED_TEST_SUITE(BoundedSteps, Systems);
+using BoundedSystems = Tested<testing::Types<Q32<>>, testing::Types<F64, F32>>;
+TYPED_TEST_SUITE(BoundedSteps, BoundedSystems);
 
 TYPED_TEST(BoundedSteps, give_the_same_bits_without_the_code_of_exact_ones) {
     const WorldSpec spec = this->with(0, 0.5, 0.5);
