@@ -280,6 +280,30 @@ TYPED_TEST(BoundedSteps, let_a_box_slide_and_bounce_by_the_laws_of_friction_and_
     }
 }
 
+// At restitution 1 the energy is that of before, and rounding must not decide whether it is more.
+TYPED_TEST(BoundedSteps, bounce_without_loss_at_restitution_one) {
+    Random random{5};
+    for (int scene = 0; scene < 40; ++scene) {
+        typename TestFixture::World world{Seconds{1, 60}, this->with(0, 1, 0, false)};
+        const double speed = random.uniform(0.5, 4), aside = random.uniform(0, 0.15);
+        if (scene % 2 == 0) {  // two balls, oblique
+            BodySpec ball = this->at(sphere(1, Real{0.1}), -1, aside, 0);
+            ball.velocity = {speed, 0, 0};
+            (void)world.add(ball);
+            (void)world.add(this->at(sphere(random.uniform(0.5, 2), Real{0.1}), 0, 0, 0));
+        } else {  // a box, flat on a plane
+            ASSERT_TRUE(world.add(PlaneSpec{}));
+            BodySpec body = this->at(box(random.uniform(0.5, 2), {0.5, 0.25, 0.75}), 0, 0.625, 0);
+            body.velocity = {0, -speed, 0};
+            (void)world.add(body);
+        }
+        const double before = this->energy(world);
+        for (int step = 0; step < 150; ++step) (void)world.step();
+        EXPECT_LE(this->energy(world), before * (1 + this->rounding)) << scene;
+        EXPECT_GE(this->energy(world), before * 0.98) << scene;
+    }
+}
+
 TYPED_TEST(BoundedSteps, keep_a_stack_that_is_set_down_on_its_axis) {
     for (const int boxes : {3, 6, 10}) {
         typename TestFixture::World world{Seconds{1, 60}, this->with(2, 0, 0.5)};

@@ -121,7 +121,7 @@ struct ContactSpec {
     Real damping = 0;        // N s/m for each contact point; for ContactResponse::spring
     Real barrier = 0;        // N m^2; the force is barrier / gap^2; for ContactResponse::spring
     SleepSpec sleep{};       // when resting bodies fall asleep
-    // Bounds of an island's step; what is left over is resolved at the start of the next. 0: the usual ones. Need
+    // Bounds of an island's exact step; what is left over is resolved at the start of the next. 0: the usual ones. Need
     // Features::impact_bounds.
     int most_impacts = 0;   // that are resolved at their own time
     int most_searches = 0;  // flights that are redone to find them

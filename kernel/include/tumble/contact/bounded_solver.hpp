@@ -58,7 +58,7 @@ public:
         } else {
             rows_.push_all();
             sweep();
-            if (bounces_ && gains()) drop_bounces();
+            if (bounces_) bound_bounces();
             if (!bounces_) take_off_work();
             velocities_.write(forces, bodies_, shapes_.weights(), island_.group);
         }
@@ -139,38 +139,49 @@ private:
         if (most > contact::max_sweeps) most = contact::max_sweeps;
         (void)rows_.sweep({velocities_.scale.enough_at_rest(), most, most});
     }
-    // Of the change P by contacts: L . P less the work of surfaces that move, and P . P. L: the velocities with loads.
+    // Of the change P by contacts, less the work of surfaces that move: u0 . P, L . P, and P . P; and |u - u0|^2. u0, L
+    // and u are the velocities at the start, with loads, and at the end.
     struct WorkOfContacts {
-        Square along{}, square{};
+        Square from_start{}, from_loaded{}, square{}, change{};
     };
     [[nodiscard]] WorkOfContacts work_of_contacts() {
         WorkOfContacts work;
         for_each_part([&](int b, auto part) {
-            const Vec3<Speed>&loaded = velocities_.loaded[b].*part, by = velocities_.now[b].*part - loaded;
-            work.along += dot(loaded, by);
+            const Vec3<Speed>&start = velocities_.start[b].*part, &loaded = velocities_.loaded[b].*part,
+                  &end = velocities_.now[b].*part, by = end - loaded, change = end - start;
+            work.from_start += dot(start, by);
+            work.from_loaded += dot(loaded, by);
             work.square += dot(by, by);
+            work.change += dot(change, change);
         });
-        if constexpr (features.moving_surfaces())
+        if constexpr (features.moving_surfaces()) {
+            Square given{};
             pairs_.for_each_active(island_, [&](const Pair& pair, Point& point) {
                 if (!pair.surface_moves) return;
-                work.along -= mul(point.row[0].impulse, Rows::surface_of(pair, point));
-                for (int k = 1; k < pair.rows(); ++k) work.along -= mul(point.row[k].impulse, point.row[k].target);
+                given += mul(point.row[0].impulse, Rows::surface_of(pair, point));
+                for (int k = 1; k < pair.rows(); ++k) given += mul(point.row[k].impulse, point.row[k].target);
                 if constexpr (features.rolling_resistance)
-                    for (const auto& row : point.spin) work.along -= mul(row.impulse, row.target);
+                    for (const auto& row : point.spin) given += mul(row.impulse, row.target);
             });
+            work.from_start -= given;
+            work.from_loaded -= given;
+        }
         return work;
     }
-    // True where the step adds energy, beyond that of surfaces that move. What bounces gives back a part of the energy
-    // of its approach, but several bounces at one moment may together give back more.
-    [[nodiscard]] bool gains() {
+    // What bounces gives back a part of the energy of its approach, but several bounces at one moment may together give
+    // back more than there was. Where that is what sweeps leave, P is scaled back: with s P, s = -2 u0 . P / P . P, the
+    // energy is that of the start. Then no resting body sinks by more than 1/64 of what gravity changes in a step. Else
+    // all bounces of the island are left out.
+    void bound_bounces() {
         const WorkOfContacts work = work_of_contacts();
-        Square square{};
-        for_each_part([&](int b, auto part) {
-            const Vec3<Speed> change = velocities_.now[b].*part - velocities_.start[b].*part;
-            square += dot(change, change);
-        });
-        const Square by_end = work.along + work.square;
-        return by_end + by_end > square;
+        const Square by_end = work.from_loaded + work.square, back = -(work.from_start + work.from_start);
+        if (!(by_end + by_end > work.change)) return;
+        const Square beyond = work.square - back;
+        if (!(beyond > Square{})) return;
+        Square most = work.square;
+        for (int i = 0; i < 6; ++i) most = C::half(most);
+        if (beyond < most) take_part(C::ratio_of_squares(back, work.square));
+        else drop_bounces();
     }
     [[gnu::noinline, gnu::cold]] void drop_bounces() {
         bounces_ = false;
@@ -183,16 +194,18 @@ private:
     // sweeps that are not done: of P the largest part s, at most 1, is taken for which that is so.
     void take_off_work() {
         const WorkOfContacts of = work_of_contacts();
-        const Square work = -of.along, square = of.square;
-        if (!(square > work)) return;
-        const Unit share = work > Square{} ? C::ratio_of_squares(work, square) : Unit{};
+        const Square work = -of.from_loaded, square = of.square;
+        if (square > work) take_part(work > Square{} ? C::ratio_of_squares(work, square) : Unit{});
+    }
+    void take_part(Unit share) {
+        using Row = tumble::Row<N, features.pairs>;
         for_each_part([&](int b, auto part) {
             const Vec3<Speed>& loaded = velocities_.loaded[b].*part;
             Vec3<Speed>& now = velocities_.now[b].*part;
-            now = loaded + Rows::Sweep::Row::products(now - loaded, share);
+            now = loaded + Row::products(now - loaded, share);
         });
         pairs_.for_each_active(island_, [&](Pair&, Point& point) {
-            point.for_each_row([&](auto& row) { row.impulse = Rows::Sweep::Row::product(row.impulse, share); });
+            point.for_each_row([&](auto& row) { row.impulse = Row::product(row.impulse, share); });
         });
     }
     // Call before find_lifts(), which needs the room of the velocities with loads. Bounds of a body near something

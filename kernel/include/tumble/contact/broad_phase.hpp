@@ -264,7 +264,8 @@ private:
     }
     // Puts the body into the grid. Returns the steps in which it surely stays in its ball. In each of them the ball has
     // room for twice the drift, as a pair is tested with that where loads act on the other body. The ball of a body
-    // that flies without loads has room for a move by its radius, too. One that is near something is examined soon.
+    // that flies without loads has room for a move by its radius, too. One that is near something is examined again
+    // soon anyway, and a smaller ball meets fewer.
     [[nodiscard]] int put(int b, const Vec3<Length>& drift, bool loaded, bool is_fixed) requires(features.grid()) {
         const auto& x = bodies_.state[b].x_w;
         const typename Grid<N, features.bodies>::Place place{N::sum(x.x), N::sum(x.y), N::sum(x.z)};
