@@ -7,8 +7,8 @@ namespace tumble {
 
 // No point is below its surface at the end of the step, along the row that it has at the start (speculative contacts,
 // Catto 2013). The bodies move by the velocities u of that end, so contacts that change them by P change the energy by
-// u . P - |u - u0|^2 / 2, with the velocities u0 of the start, whatever their rows and however many sweeps they had. Of
-// this surfaces that move have given their part: impulses times the velocities of the surfaces.
+// u . P - |u - u0|^2 / 2, with the velocities u0 of the start, whatever their rows and however many sweeps they had.
+// Surfaces that move give energy, too: impulses times their velocities. This is no gain.
 template <class N, Spin spin, Features features>
 class BoundedSolver {
 public:
@@ -36,25 +36,31 @@ public:
 
     // What contacts have changed in the step, against what loads have.
     struct Changes {
-        bool trembles = false;         // contacts hold most of what loads change, of every body
+        bool trembles = false;         // each body changes by less than half of what loads alone would change
         bool exceed[features.bodies];  // the bounds on the time to contact do not allow for the change of the velocity
     };
+    // Whether an overlap is to be corrected.
+    [[nodiscard]] bool overlap() const {
+        bool any = false;
+        pairs_.for_each(island_, [&](const Pair& pair) {
+            any = any || (pair.count > 0 && Bounds::is_overlap(pair.gap, shapes_.tolerance()));
+        });
+        return any;
+    }
     // Writes what contacts change in the step into `forces`. Returns Touch::nothing or Touch::rests.
     Touch solve(const Kicks& loads, Kicks& forces, Solution& solution, Changes& changes) {
         solution = {};
         if constexpr (features.moving_surfaces()) velocities_.surfaces.carry = false;
-        bool any = false, lifts = false;
-        pairs_.for_each(island_, [&](const Pair& pair) {
-            any = any || pair.count > 0;
-            lifts = lifts || (pair.count > 0 && Bounds::is_overlap(pair.gap, shapes_.tolerance()));
-        });
+        bool any = false;
+        pairs_.for_each(island_, [&](const Pair& pair) { any = any || pair.count > 0; });
         if (!any) return Touch::nothing;
+        const bool lifts = overlap();
         if constexpr (features.kinematic) rows_.look_ahead(Work(1));
         const bool same = rows_.template set_velocities<&Bounds::correction>(loads, Work(1), true, lifts);
         const bool fast = set_targets(same);
         if (!fast && Statics<N, spin, features>{shapes_, pairs_, velocities_, bodies_, island_, true}.solve()) {
             velocities_.write(forces, bodies_, shapes_.weights(), island_.group, &loads);
-            solution.stands = !lifts && pairs_.are_balanced(island_) && is_at_rest();
+            solution.stands = !lifts && pairs_.are_balanced(island_) && velocities_.start_at_rest(island_.group);
         } else {
             rows_.push_all();
             sweep();
@@ -78,10 +84,11 @@ public:
                 if (entry == nullptr) return;
                 const Speed slow = rows_.pair_speed(pair, shapes_.slow());
                 for (int i = 0; i < pair.count; ++i) {
-                    const auto& row = pair.point[i].row[0];
-                    const Speed approach = -rows_.velocity(velocities_.start, pair, pair.point[i]);
-                    if (!(row.impulse > Speed{}) || !(approach > Rows::along(row, slow))) continue;
-                    const Work speed = velocities_.scale.work(approach) / (pair.weight * N::work(row.inverse));
+                    const Point& point = pair.point[i];
+                    if (!(point.row[0].impulse > Speed{})) continue;
+                    const Speed approach = -rows_.velocity(velocities_.start, pair, point);
+                    if (!(approach > Rows::along(point, slow))) continue;
+                    const Work speed = rows_.metres_per_step(pair, point, approach);
                     if (speed > entry->hit_speed) entry->hit_speed = speed;
                 }
             });
@@ -89,7 +96,6 @@ public:
 
 private:
     using Square = decltype(dot(Vec3<Speed>{}, Vec3<Speed>{}));
-    static constexpr Vec3<Speed> Velocity::*parts[] = {&Velocity::linear, &Velocity::angular};
 
     // Makes the rows and sets what they want: a point that comes down bounces at once, another one may come as far as
     // its surface. True where a point comes faster than what settles, or bounces.
@@ -109,9 +115,9 @@ private:
                 point.active = true;
                 const Speed approach = -rows_.velocity(velocities_.start, pair, point);
                 fast = fast || approach > Rows::along(point, slow + slow);
-                point.row[0].target = Rows::surface_of(pair, point) - to_surface(pair, point);
+                point.row[0].target = least_speed(pair, point);
                 if (approach > Rows::along(point, larger_of(slow, least)) && pair.restitution > Unit{})
-                    bounce(pair, point);
+                    bounce(pair, point, approach);
                 point.for_each_row([&](auto& row) { row.impulse = velocities_.scale.from(row.impulse, pair.scale); });
             }
             pair.scale = velocities_.scale;
@@ -122,11 +128,14 @@ private:
     [[nodiscard]] Speed to_surface(const Pair& pair, const Point& point) const {
         return point.gap > Length{} ? rows_.speed(pair, point, point.gap) : Speed{};
     }
+    // That of a point which ends the step at the surface; below it, that of the surface.
+    [[nodiscard]] Speed least_speed(const Pair& pair, const Point& point) const {
+        return Rows::surface_of(pair, point) - to_surface(pair, point);
+    }
     // A point that would come to the surface within the step leaves it by what restitution gives back of its approach,
     // and by what loads change.
-    void bounce(const Pair& pair, Point& point) {
-        const Speed approach = -rows_.velocity(velocities_.start, pair, point),
-                    loaded = -rows_.velocity(velocities_.loaded, pair, point);
+    void bounce(const Pair& pair, Point& point, Speed approach) {
+        const Speed loaded = -rows_.velocity(velocities_.loaded, pair, point);
         if (!(loaded > to_surface(pair, point))) return;
         bounces_ = true;
         point.row[0].target =
@@ -134,9 +143,8 @@ private:
     }
     // Fewer sweeps of more points, so that the time of a step grows with the pairs; as many in every number system.
     void sweep() {
-        int most = contact::bounded_visits / points_;
-        if (most < contact::least_bounded_sweeps) most = contact::least_bounded_sweeps;
-        if (most > contact::max_sweeps) most = contact::max_sweeps;
+        const int most =
+            detail::clamp(contact::bounded_visits / points_, contact::least_bounded_sweeps, contact::max_sweeps);
         (void)rows_.sweep({velocities_.scale.enough_at_rest(), most, most});
     }
     // Of the change P by contacts, less the work of surfaces that move: u0 . P, L . P, and P . P; and |u - u0|^2. u0, L
@@ -169,15 +177,14 @@ private:
         return work;
     }
     // What bounces gives back a part of the energy of its approach, but several bounces at one moment may together give
-    // back more than there was. Where that is what sweeps leave, P is scaled back: with s P, s = -2 u0 . P / P . P, the
-    // energy is that of the start. Then no resting body sinks by more than 1/64 of what gravity changes in a step. Else
-    // all bounces of the island are left out.
+    // back more than there was. With s P, s = -2 u0 . P / P . P, the energy is that of the start. This is taken where s
+    // is 63/64 at least: what rests then misses at most 1/64 of its support in this step. Else all bounces of the
+    // island are left out.
     void bound_bounces() {
         const WorkOfContacts work = work_of_contacts();
-        const Square by_end = work.from_loaded + work.square, back = -(work.from_start + work.from_start);
-        if (!(by_end + by_end > work.change)) return;
-        const Square beyond = work.square - back;
-        if (!(beyond > Square{})) return;
+        const Square by_end = work.from_loaded + work.square, back = -(work.from_start + work.from_start),
+                     beyond = work.square - back;
+        if (!(by_end + by_end > work.change) || !(beyond > Square{})) return;
         Square most = work.square;
         for (int i = 0; i < 6; ++i) most = C::half(most);
         if (beyond < most) take_part(C::ratio_of_squares(back, work.square));
@@ -185,9 +192,8 @@ private:
     }
     [[gnu::noinline, gnu::cold]] void drop_bounces() {
         bounces_ = false;
-        pairs_.for_each_active(island_, [&](const Pair& pair, Point& point) {
-            point.row[0].target = Rows::surface_of(pair, point) - to_surface(pair, point);
-        });
+        pairs_.for_each_active(island_,
+                               [&](const Pair& pair, Point& point) { point.row[0].target = least_speed(pair, point); });
         sweep();
     }
     // Without bounces contacts do no work by the velocities of the end, but for that of surfaces that move, and for
@@ -231,8 +237,7 @@ private:
             solution.lifts = solution.lifts || lift > Length{};
             point.resting_impulse = point.row[0].impulse;
             point.row[0].impulse = Speed{};
-            point.row[0].target =
-                Rows::surface_of(pair, point) + rows_.speed(pair, point, lift) - to_surface(pair, point);
+            point.row[0].target = least_speed(pair, point) + rows_.speed(pair, point, lift);
         });
         auto& lifts = velocities_.added();
         for_each_part([&](int b, auto part) { lifts[b].*part = velocities_.now[b].*part; });
@@ -241,18 +246,10 @@ private:
         for_each_part([&](int b, auto part) { lifts[b].*part = velocities_.now[b].*part - lifts[b].*part; });
         pairs_.for_each_active(island_, [](Pair&, Point& point) { point.row[0].impulse = point.resting_impulse; });
     }
-    // Whether no body moves at the start by more than sweeps leave.
-    [[nodiscard]] bool is_at_rest() const {
-        const Speed slack = velocities_.scale.enough_at_rest();
-        bool all = true;
-        for (int k = 0; k < island_.group.count; ++k)
-            all = all && !(velocities_.start[island_.group.id[k]].largest() > slack);
-        return all;
-    }
     template <class F>
     void for_each_part(F&& f) const {
         for (int k = 0; k < island_.group.count; ++k)
-            for (Vec3<Speed> Velocity::*part : parts) f(island_.group.id[k], part);
+            for (Vec3<Speed> Velocity::*part : Velocity::parts) f(island_.group.id[k], part);
     }
 
     const NarrowPhase& shapes_;

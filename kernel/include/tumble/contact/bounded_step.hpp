@@ -29,7 +29,7 @@ public:
     // True of an island that stood still before and stands as it did.
     [[gnu::noinline]] bool take() {
         motion_.move({.group = motion_.island.group, .loads = &motion_.contacts.loads});
-        const bool corrects = !motion_.contacts.watch.are_held(motion_.island.group) && overlap();
+        const bool corrects = !motion_.contacts.watch.are_held(motion_.island.group) && solver().overlap();
         if (motion_.resting().still_stands(motion_.contacts.loads, motion_.contacts.forces, corrects)) {
             motion_.contacts.solution = {.settled = true, .stands = true};
             return true;
@@ -47,15 +47,6 @@ private:
     using Solver = BoundedSolver<N, spin, features>;
     using Changes = typename Solver::Changes;
 
-    // Whether an overlap is to be corrected.
-    [[nodiscard]] bool overlap() const {
-        bool any = false;
-        motion_.contacts.pairs.for_each(motion_.island, [&](const Pair& pair) {
-            any =
-                any || (pair.count > 0 && ContactBounds<N>::is_overlap(pair.gap, motion_.contacts.shapes.tolerance()));
-        });
-        return any;
-    }
     // What stood did not look for others when the step began, under other gravity.
     void look_again() requires(features.control) {
         bool any = false;
@@ -129,8 +120,8 @@ private:
                 return true;
             }
             for (int k = 0; k < motion_.island.group.count; ++k) push(k, nullptr);
-            // The second time only the bounds on the time to contact are made anew, for the velocities of now.
-            if (!come_nearer(changes, again) || again) return true;
+            find_others(changes, again);
+            if (again || !come_nearer()) return true;
             motion_.restore(start);
         }
     }
@@ -155,12 +146,15 @@ private:
         if (start == nullptr) (void)motion_.bodies.fit_parts(b);
     }
     // With the velocities of the end: looks for others around the bodies whose change exceeds the bounds on the time to
-    // contact, or around all. True where pairs without points come to each other.
-    [[nodiscard]] bool come_nearer(const Changes& changes, bool all) {
+    // contact, or around all, where these bounds are for the velocities of another solution.
+    void find_others(const Changes& changes, bool all) {
         bool any = all;
         for (int k = 0; k < motion_.island.group.count; ++k) any = any || changes.exceed[motion_.island.group.id[k]];
         if (any) motion_.find_near_pairs([&](int b) { return all || changes.exceed[b]; });
-        any = false;
+    }
+    // True where pairs without points come to each other with these velocities. Finds their points.
+    [[nodiscard]] bool come_nearer() {
+        bool any = false;
         motion_.contacts.pairs.for_each(motion_.island, [&](Pair& pair) {
             if (pair.count > 0) return;
             const Length closing = closing_of(pair);

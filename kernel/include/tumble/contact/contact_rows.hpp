@@ -145,6 +145,10 @@ public:
         return narrow<Speed>(
             mul(velocities_.scale.speed(per_step, pair.weight, shapes_.scale()), point.row[0].inverse));
     }
+    // A speed along the point's row, as a length in m per step along the pair's normal.
+    [[nodiscard]] Work metres_per_step(const Pair& pair, const Point& point, Speed speed) const {
+        return velocities_.scale.work(speed) / (pair.weight * N::work(point.row[0].inverse));
+    }
     // A length in m per step along the pair's normal, as a speed of the pair.
     [[nodiscard]] Speed pair_speed(const Pair& pair, Work per_step) const {
         return velocities_.scale.speed(per_step * pair.weight);

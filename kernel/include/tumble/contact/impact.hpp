@@ -231,7 +231,7 @@ private:
                     const Point& point = pair.point[i];
                     if (!point.active || !(point.row[0].impulse > Speed{})) continue;
                     const Speed approach = -rows_.velocity(velocities_.round_start(), pair, point);
-                    const Work speed = velocities_.scale.work(approach) / (pair.weight * N::work(point.row[0].inverse));
+                    const Work speed = rows_.metres_per_step(pair, point, approach);
                     if (speed > fastest) fastest = speed;
                 }
                 auto* const entry = log_.add(pair, shapes_, bodies_, N::work(share));

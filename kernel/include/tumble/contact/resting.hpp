@@ -88,7 +88,8 @@ public:
         pairs_.for_each(island_, [&](Pair& pair) { rows_.make_tangents(pair); });
         if (whole && Statics<N, spin, features>{shapes_, pairs_, velocities_, bodies_, island_}.solve(stands)) {
             velocities_.write(forces, bodies_, shapes_.weights(), island_.group, &loads);
-            solution.stands = !lifts && pairs_.are_balanced(island_) && is_at_rest();
+            // What sweeps have left of the motion at the start, statics stop in this step.
+            solution.stands = !lifts && pairs_.are_balanced(island_) && velocities_.start_at_rest(island_.group);
         } else if (features.control && stands) {
             return Touch::nothing;
         } else {
@@ -236,14 +237,6 @@ private:
             if (point.gap + shapes_.tolerance() < Length{} && rows_.velocity(moves, pair, point) < stays - enough)
                 bodies_.report(Issue::step_bound_hit, pair.a);
         });
-    }
-    // Whether no body moves at the start by more than sweeps leave. Statics stop it in this step anyway.
-    [[nodiscard]] bool is_at_rest() const {
-        const Speed slack = velocities_.scale.enough_at_rest();
-        bool all = true;
-        for (int k = 0; k < island_.group.count; ++k)
-            all = all && !(velocities_.start[island_.group.id[k]].largest() > slack);
-        return all;
     }
     // Finds the motion that corrects penetrations, and writes it into added(): the least at which no point sinks.
     // Friction takes no part in it, and it has no warm start. False where it is not found, as for a body squeezed

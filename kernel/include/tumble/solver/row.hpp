@@ -16,6 +16,7 @@ template <class N>
 struct WeightedVelocity {
     using Speed = typename ContactNumbers<N>::Speed;
     Vec3<Speed> linear, angular;  // sqrt(m) v h, world; sqrt(I_i) w_i h, principal axes
+    static constexpr Vec3<Speed> WeightedVelocity::*parts[] = {&WeightedVelocity::linear, &WeightedVelocity::angular};
 
     // The size of the largest component.
     [[nodiscard]] Speed largest() const {

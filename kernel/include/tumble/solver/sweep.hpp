@@ -140,8 +140,6 @@ struct Sweep {
     }
 
 private:
-    static constexpr Vec3<Speed> Velocity::*parts[] = {&Velocity::linear, &Velocity::angular};
-
     // The change of a normal's impulse in one visit. An impulse that does not fit belongs to no solution, as of a body
     // that is squeezed between two that come on: it stays as it is.
     TUMBLE_INLINE static Speed push_of(const Row& row, const Block& block, Speed& most) {
@@ -161,7 +159,7 @@ private:
         using Square = decltype(dot(Vec3<Speed>{}, Vec3<Speed>{}));
         Square along{}, square{};
         for_each_velocity([&](const Velocity& now, Motion& motion) {
-            for (Vec3<Speed> Velocity::*part : parts) {
+            for (Vec3<Speed> Velocity::*part : Velocity::parts) {
                 Vec3<Speed>& swept = motion.swept.*part;
                 const Vec3<Speed> change = now.*part - motion.before.*part;
                 for (const Speed component : change) note(component, moved);
@@ -190,7 +188,7 @@ private:
     static void go_on(Source&& for_each_block, const Velocities& for_each_velocity, Unit momentum) {
         const bool any = !(momentum == Unit{});
         for_each_velocity([&](Velocity& now, Motion& motion) {
-            for (Vec3<Speed> Velocity::*part : parts) {
+            for (Vec3<Speed> Velocity::*part : Velocity::parts) {
                 Vec3<Speed>& further = motion.further.*part;
                 further = any ? Row::products(motion.swept.*part + further, momentum) : Vec3<Speed>::Constant(Speed{});
                 now.*part += further;

@@ -82,6 +82,13 @@ public:
         if constexpr (bodies_turn)
             for (auto& t : turn) t = {};
     }
+    // Whether no body moves at the start by more than sweeps leave.
+    [[nodiscard]] bool start_at_rest(const BodyGroup& group) const {
+        const Speed slack = scale.enough_at_rest();
+        bool all = true;
+        for (int k = 0; k < group.count; ++k) all = all && !(start[group.id[k]].largest() > slack);
+        return all;
+    }
     // Of a body that is known to stand at the end.
     void stop(int b) { now[b].linear = now[b].angular = Vec3<Speed>::Constant(Speed{}); }
     // Sets how far the bodies turn in `part` of a step. `in_halves`: half of each kick acts before the flight, half
