@@ -1,6 +1,7 @@
 // The contacts of an island of many bodies, solved at once for a whole step by a bounded number of sweeps.
 #pragma once
 
+#include <tumble/contact/faces.hpp>
 #include <tumble/contact/resting.hpp>
 
 namespace tumble {
@@ -37,7 +38,14 @@ public:
     // What contacts have changed in the step, against what loads have.
     struct Changes {
         bool trembles = false;         // each body changes by less than half of what loads alone would change
+        bool glides = false;           // all that touches slides as it did, under constant forces
         bool exceed[features.bodies];  // the bounds on the time to contact do not allow for the change of the velocity
+
+        [[nodiscard]] bool any_exceeds(const auto& group) const {
+            bool any = false;
+            for (int k = 0; k < group.count; ++k) any = any || exceed[group.id[k]];
+            return any;
+        }
     };
     // Whether an overlap is to be corrected.
     [[nodiscard]] bool overlap() const {
@@ -58,10 +66,13 @@ public:
         if constexpr (features.kinematic) rows_.look_ahead(Work(1));
         const bool same = rows_.template set_velocities<&Bounds::correction>(loads, Work(1), true, lifts);
         const bool fast = set_targets(same);
-        if (!fast && Statics<N, spin, features>{shapes_, pairs_, velocities_, bodies_, island_, true}.solve()) {
+        const bool found =
+            !fast && Statics<N, spin, features>{shapes_, pairs_, velocities_, bodies_, island_, true}.solve();
+        if (found) {
             velocities_.write(forces, bodies_, shapes_.weights(), island_.group, &loads);
             solution.stands = !lifts && pairs_.are_balanced(island_) && velocities_.start_at_rest(island_.group);
         } else {
+            make_faces();
             rows_.push_all();
             sweep();
             if (bounces_) bound_bounces();
@@ -70,6 +81,7 @@ public:
         }
         pairs_.count_points(island_, shapes_.tolerance());
         note(changes);
+        changes.glides = found && !closes_ && !changes.any_exceeds(island_.group);
         if (lifts) [[unlikely]]
             find_lifts(solution);
         solution.settled = !solution.lifts;
@@ -101,12 +113,13 @@ private:
     // its surface. True where a point comes faster than what settles, or bounces.
     bool set_targets(bool same) {
         bool fast = false;
-        bounces_ = false;
+        bounces_ = closes_ = false;
         points_ = 0;
         pairs_.for_each(island_, [&](Pair& pair) {
             if (!same || !(pair.scale == velocities_.scale)) pairs_.unbalance(pair);
             pair.touched = pair.count > 0;
             if (pair.count == 0) return;
+            closes_ = closes_ || pair.surface_moves;
             rows_.make_rows(pair);
             points_ += pair.count;
             const Speed slow = rows_.pair_speed(pair, shapes_.slow()), least = rows_.pair_speed(pair, threshold_);
@@ -115,6 +128,7 @@ private:
                 point.active = true;
                 const Speed approach = -rows_.velocity(velocities_.start, pair, point);
                 fast = fast || approach > Rows::along(point, slow + slow);
+                closes_ = closes_ || magnitude_of(approach) > Rows::along(point, Bounds::still(Bounds::fall(slow)));
                 point.row[0].target = least_speed(pair, point);
                 if (approach > Rows::along(point, larger_of(slow, least)) && pair.restitution > Unit{})
                     bounce(pair, point, approach);
@@ -123,6 +137,13 @@ private:
             pair.scale = velocities_.scale;
         });
         return fast || bounces_;
+    }
+    [[nodiscard]] Faces<N, spin, features> faces() const { return {shapes_, pairs_, island_, rows_}; }
+    void make_faces() {
+        if constexpr (Pair::has_faces) {
+            faces_ = faces().make();
+            rows_.solve_faces(faces_);
+        }
     }
     // The speed that closes the gap of a point within the step.
     [[nodiscard]] Speed to_surface(const Pair& pair, const Point& point) const {
@@ -143,8 +164,9 @@ private:
     }
     // Fewer sweeps of more points, so that the time of a step grows with the pairs; as many in every number system.
     void sweep() {
-        const int most =
-            detail::clamp(contact::bounded_visits / points_, contact::least_bounded_sweeps, contact::max_sweeps);
+        const int most = faces_ ? contact::face_sweeps
+                                : detail::clamp(contact::bounded_visits / points_, contact::least_bounded_sweeps,
+                                                contact::max_sweeps);
         (void)rows_.sweep({velocities_.scale.enough_at_rest(), most, most});
     }
     // Of the change P by contacts, less the work of surfaces that move: u0 . P, L . P, and P . P; and |u - u0|^2. u0, L
@@ -194,6 +216,7 @@ private:
         bounces_ = false;
         pairs_.for_each_active(island_,
                                [&](const Pair& pair, Point& point) { point.row[0].target = least_speed(pair, point); });
+        if (faces_) faces().set_targets();
         sweep();
     }
     // Without bounces contacts do no work by the velocities of the end, but for that of surfaces that move, and for
@@ -239,6 +262,8 @@ private:
             point.row[0].impulse = Speed{};
             point.row[0].target = least_speed(pair, point) + rows_.speed(pair, point, lift);
         });
+        if (faces_) faces().set_targets();
+        else if (solution.lifts) make_faces();
         auto& lifts = velocities_.added();
         for_each_part([&](int b, auto part) { lifts[b].*part = velocities_.now[b].*part; });
         if (solution.lifts)
@@ -261,6 +286,8 @@ private:
     Work threshold_;
     int points_ = 0;
     bool bounces_ = false;
+    bool faces_ = false;   // nothing touches but faces
+    bool closes_ = false;  // a point comes to its surface or leaves it, or the surface moves
 };
 
 }  // namespace tumble

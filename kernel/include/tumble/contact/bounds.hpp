@@ -25,6 +25,8 @@ inline constexpr int max_sweeps = 32;
 inline constexpr int bounded_visits = 800;
 // The fewest of these sweeps: with 12 a heap of 100 boxes takes twice as long to come to rest.
 inline constexpr int least_bounded_sweeps = 16;
+// Sweeps of a bounded step in which only faces touch.
+inline constexpr int face_sweeps = 24;
 // Sweeps of a bounded step that correct overlaps.
 inline constexpr int bounded_corrections = 4;
 // Sweeps over the points of an impact, and for a motion that corrects penetrations: neither has a warm start.

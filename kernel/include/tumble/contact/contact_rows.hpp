@@ -130,6 +130,9 @@ public:
             if (pair.resists_spin()) block.resistance = {point.spin, pair.rolling, pair.spinning};
         return block;
     }
+    // Whether sweeps solve the faces of a bounded step at once.
+    void solve_faces(bool faces) requires(Pair::has_faces) { faces_ = faces; }
+
     // Along the normal of a point, against the other side.
     [[nodiscard]] Speed velocity(const auto& of, const Pair& pair, const Point& point) const {
         return point.row[0].velocity(of[pair.a], pair.moves_b() ? &of[pair.b] : nullptr) - surface_of(pair, point);
@@ -236,7 +239,7 @@ public:
         if constexpr (has_across && !features.pairs) return sweep_blocks(BlockOf{*this, true}, until, with_momentum);
         else
             return sweep_blocks([&](Pair& pair, Point& point) { return normal_block(pair, point); }, until,
-                                with_momentum);
+                                with_momentum, true);
     }
     // Applies the impulses of all points that take part.
     void push_all() {
@@ -316,6 +319,38 @@ private:
                 .a = velocities_.now[pair.a],
                 .b = pair.moves_b() ? &velocities_.now[pair.b] : nullptr};
     }
+    // A face with its points, as a block of sweeps.
+    struct FaceBlock {
+        static constexpr int most_points = Pair::max_points;
+        ContactRows& rows;
+        Pair& pair;
+        bool smooth;
+        const typename Pair::Face& face;
+        int count;
+        Velocity& a;
+        Velocity* b;
+        Speed rounding;
+
+        [[nodiscard]] Row<N, features.pairs>* rows_of(int i) const { return pair.point[i].row; }
+        [[nodiscard]] bool has_tangents() const { return features.friction && !smooth && face.has_tangents; }
+        [[nodiscard]] typename Sweep::Block point(int i) const {
+            return smooth ? rows.normal_block(pair, pair.point[i]) : rows.block(pair, pair.point[i]);
+        }
+        template <class F>
+        void for_each_group(F&& f) const {
+            for (int i = 0; i < count; ++i) point(i).for_each_group(f);
+        }
+    };
+    [[nodiscard]] FaceBlock face_block(Pair& pair, bool smooth) requires(Pair::has_faces) {
+        return {*this,
+                pair,
+                smooth,
+                pair.face,
+                pair.count,
+                velocities_.now[pair.a],
+                pair.moves_b() ? &velocities_.now[pair.b] : nullptr,
+                velocities_.scale.rounding()};
+    }
     // Blocks of either kind, for one copy of the sweeps.
     struct BlockOf {
         ContactRows& rows;
@@ -341,14 +376,23 @@ private:
         }
     };
     template <class Block>
-    Speed sweep_blocks(Block&& block_of, const Until& until, bool with_momentum) {
+    Speed sweep_blocks(Block&& block_of, const Until& until, bool with_momentum, [[maybe_unused]] bool smooth = false) {
         return velocities_.within_bounds(until.most, until.enough, [&](int& left) {
             return Sweep::run(
                 [&](auto&& f) {
+                    if constexpr (Pair::has_faces)
+                        if (faces_) return for_each_face(f, block_of, smooth);
                     pairs_.for_each_active(island_, [&](Pair& pair, Point& point) { f(block_of(pair, point)); });
                 },
                 ForEachVelocity{velocities_, island_}, until.enough, velocities_.scale.enough_in_impact(), left,
                 until.patience, with_momentum && !is_one_row);
+        });
+    }
+    template <class F, class Block>
+    void for_each_face(F&& f, Block&& block_of, bool smooth) requires(Pair::has_faces) {
+        pairs_.for_each(island_, [&](Pair& pair) {
+            if (pair.count > 0 && pair.face.whole) return f(face_block(pair, smooth));
+            for (int i = 0; i < pair.count; ++i) f(block_of(pair, pair.point[i]));
         });
     }
     // Of one body on one surface, or on smooth ones, impulses that change no velocity only shift among its points. On
@@ -731,6 +775,7 @@ private:
     const Island& island_;
     [[no_unique_address]] If<features.kinematic, Work, 0> ahead_{};
     [[no_unique_address]] If<has_edges, Work, 1> half_{};
+    [[no_unique_address]] If<Pair::has_faces, bool, 2> faces_{};
 };
 
 }  // namespace tumble

@@ -4,7 +4,7 @@
 
 #include <tumble/contact/bounds.hpp>
 #include <tumble/shapes/boxes.hpp>
-#include <tumble/solver/row.hpp>
+#include <tumble/solver/modes.hpp>
 
 namespace tumble {
 
@@ -106,6 +106,15 @@ struct Pair {
     [[no_unique_address]] If<features.rolling_resistance, Length, 4> spin_arm{};  // by which a spin counts as a speed
     typename C::SpeedScale scale{};                                               // of the points' impulses
     Point point[max_points];
+    // While a bounded step solves an island of faces.
+    static constexpr bool has_faces = features.bounded_steps && max_points > 2;
+    struct Face {
+        bool whole = false;         // the normals are solved at once
+        bool has_tangents = false;  // and the tangents
+        Modes<N, features.pairs, max_points> normals;
+        [[no_unique_address]] If<features.friction, Modes<N, features.pairs, 2 * max_points>, 0> tangents;
+    };
+    [[no_unique_address]] If<has_faces, Face, 7> face{};
 
     // Writes or reads what a snapshot holds. The rest follows from the bodies and from the points, or a step computes
     // it anew.

@@ -110,6 +110,9 @@ private:
         if constexpr (features.bounded_steps) return bounded_;
         else return false;
     }
+    [[nodiscard]] Speed slack_of_statics() const {
+        return is_bounded() ? velocities_.scale.enough_at_rest() : Bounds::slack(velocities_.scale.rounding());
+    }
     [[nodiscard]] bool must_stand() const {
         if constexpr (features.control) return must_stand_;
         else return false;
@@ -306,7 +309,7 @@ private:
     // Whether no point of the other pairs, which carry nothing, comes too deep.
     [[nodiscard]] bool open_points_hold() {
         bool hold = true;
-        const Speed slack = Bounds::slack(velocities_.scale.rounding());
+        const Speed slack = slack_of_statics();
         pairs_.for_each_active(island_, [&](Pair& pair, Point& point) {
             if (!pair.carriers.none()) return;
             const Speed excess =
@@ -507,7 +510,7 @@ private:
         typename Weld::Shares shares;
         if (!weld.set(side.x, side.z, side.count, shapes_.shape(b).radius) ||
             !weld.share(side.wrench_to_stop(frame, velocities_.now[b], shapes_.weights()[b]), rough, friction,
-                        Bounds::slack(velocities_.scale.rounding()), beyond(), shares))
+                        slack_of_statics(), beyond(), shares))
             return false;
         const Speed motion = velocities_.now[b].largest();
         bool fits = true;
@@ -528,7 +531,7 @@ private:
     }
     // Whether a point pushes and its friction is in its cone: the supports of a body may be tilted against each other.
     [[nodiscard]] bool is_in_cone(const Pair& pair, const Point& point) const {
-        const Speed slack = Bounds::slack(velocities_.scale.rounding()) + beyond(), normal = point.row[0].unscaled;
+        const Speed slack = slack_of_statics() + beyond(), normal = point.row[0].unscaled;
         if (normal < -slack) return false;
         if constexpr (features.friction) {
             if (pair.rows() == 1) return true;

@@ -310,6 +310,13 @@ requires(!N::fixed_point) struct ContactNumbers<N> {
     [[nodiscard]] static T inverse_root_of(T squares) { return T(1) / sqrt(squares); }
     [[nodiscard]] static T unit(T q, T factor) { return q * factor; }
     [[nodiscard]] static T unit(T w) { return w; }
+    [[nodiscard]] static T lever(T u) { return u; }
+    [[nodiscard]] static int to_quarter(T l) {
+        if constexpr (sizeof(T) == 4) return 127 - 3 - static_cast<int>(std::bit_cast<std::uint32_t>(l) >> 23);
+        else return 1023 - 3 - static_cast<int>(std::bit_cast<std::uint64_t>(l) >> 52);
+    }
+    [[nodiscard]] static T times_power(T l, int log2) { return l * power_of_two(log2); }
+    [[nodiscard]] static T inverse_root(T w) { return T(1) / sqrt(w); }
     [[nodiscard]] static T product(T a, T b) { return a * b; }
     [[nodiscard]] static T speed(T sum) { return sum; }
     [[nodiscard]] static T half(T a) { return a * T(0.5); }

@@ -335,6 +335,21 @@ requires(N::fixed_point) struct ContactNumbers<N> {
     }
     [[nodiscard]] static Work work(Friction mu) { return Work::of(mu); }
     [[nodiscard]] static Friction friction(Work mu) { return mu.template to_fixed<Friction>(); }
+    // Alike for both signs.
+    [[nodiscard]] static Lever lever(Unit u) { return {u.raw / (1 << (Unit::fraction_bits - Lever::fraction_bits))}; }
+    // 1 / sqrt(u), for u from 2^-13 on.
+    [[nodiscard]] static Lever inverse_root(Unit u) {
+        const auto root = detail::inverse_root(static_cast<std::uint64_t>(u.raw) << Unit::fraction_bits);
+        return {detail::scaled_product(root.raw, 1 << 30, -(root.exponent + Lever::fraction_bits))};
+    }
+    // The power of two that makes a length above zero a number from 1/8 up to 1/4. Below: a length times such a power,
+    // alike for both signs.
+    [[nodiscard]] static int to_quarter(Length largest) {
+        return std::countl_zero(static_cast<std::uint32_t>(largest.raw)) - 4;
+    }
+    [[nodiscard]] static Unit times_power(Length l, int log2) {
+        return {log2 < 0 ? l.raw / (1 << -log2) : l.raw * (1 << log2)};
+    }
     [[nodiscard]] static Unit unit(Work w) { return w.template to_fixed<Unit>(); }
     // limit / sqrt(squares), less than one.
     [[nodiscard]] static Unit share(Speed limit, Wide<60> squares) {

@@ -43,6 +43,10 @@ struct FrictionCone {
         if (squares > mul(limit, limit)) wanted = Row::product(wanted, C::share(limit, squares));
         return wanted - row.impulse;
     }
+    // Whether impulses of two tangents are in the cone.
+    [[nodiscard]] static bool holds(const Row* tangent, const Speed (&impulse)[2], Speed limit) {
+        return !(square(tangent, impulse[0], impulse[1]) > mul(limit, limit));
+    }
     // The most that the impulses may be, for the impulse of a normal.
     [[nodiscard]] static Speed limit_of(const Row& normal, Speed impulse, typename C::Friction coefficient) {
         return C::times_friction(coefficient, Row::product(impulse, normal.inverse));

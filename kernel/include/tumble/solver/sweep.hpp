@@ -6,9 +6,9 @@
 namespace tumble {
 
 // What has rows: it calls f(block) for each of its blocks of rows, always in the same order.
-template <class Source, class Block>
-concept RowSource = requires(Source& for_each_block, void (&f)(const Block&)) {
-    for_each_block(f);
+template <class Source>
+concept RowSource = requires(Source& for_each_block) {
+    for_each_block([](const auto&) {});
 };
 
 template <class N, bool two_bodies, bool friction, bool resists_spin = false>
@@ -52,9 +52,28 @@ struct Sweep {
         }
     };
     // Raises `most` to the largest change of an impulse.
-    static void visit(const Block& block, Speed& most) {
+    static void visit(const Block& block, Speed& most) { visit(block, push_of(block.row[0], block, most), most); }
+    // A face: the normals of its points are solved at once where all of them then push, or none. So is their friction
+    // where it then is in the cones of all. Else the points are visited one after the other. A face has Modes of its
+    // normals and tangents, and rows_of(i) and point(i), the rows and the Block of point i.
+    template <class FaceBlock>
+    static void visit(const FaceBlock& face, Speed& most) requires requires {
+        face.has_tangents();
+    }
+    {
+        const bool push = push_at_once(face, most);
+        const bool whole = push || let_go(face, most);
+        if (push && face.has_tangents() && rub_at_once(face, most)) return;
+        for (int i = 0; i < face.count; ++i) {
+            const Block point = face.point(i);
+            if (whole) visit(point, Speed{}, most);
+            else visit(point, most);
+        }
+    }
+    // The same where the normal is to change by `push`.
+    static void visit(const Block& block, Speed push, Speed& most) {
         Row* const row = block.row;
-        const Speed push = push_of(row[0], block, most), wanted = row[0].impulse + push;
+        const Speed wanted = row[0].impulse + push;
         if (wanted == Speed{} && is_idle(block)) return;
         [[maybe_unused]] const auto limit = [&](typename C::Friction coefficient) {
             return Cone::limit_of(row[0], wanted, coefficient);
@@ -117,7 +136,7 @@ struct Sweep {
     // `patience`: ends also where so many sweeps, one after the other, have changed no velocity by more than
     // `rounding`. They only shift impulses among points. What is left contradicts itself: no velocity meets the targets
     // of all points of a face that is not quite flat on another.
-    template <RowSource<Block> Source, class Velocities>
+    template <RowSource Source, class Velocities>
     static Speed run(Source&& for_each_block, const Velocities& for_each_velocity, Speed enough, Speed rounding,
                      int& left, int patience, bool with_momentum = true) {
         Speed most{};
@@ -133,13 +152,76 @@ struct Sweep {
             }
             --left;
             most = {};
-            for_each_block([&](const Block& block) { visit(block, most); });
+            for_each_block([&](const auto& block) { visit(block, most); });
             if (!(most > enough)) break;
         }
         return most;
     }
 
 private:
+    // The normals of a face. False, and nothing changes, where a point would pull.
+    template <class FaceBlock>
+    static bool push_at_once(const FaceBlock& face, Speed& most) {
+        const auto& normals = face.face.normals;
+        Speed by[3], wanted[FaceBlock::most_points];
+        stop(normals, face, by);
+        for (int i = 0; i < face.count; ++i) {
+            wanted[i] = face.rows_of(i)->impulse + normals.change(i, by);
+            if (wanted[i] < Speed{} || !C::fits(wanted[i])) return false;
+        }
+        for (int i = 0; i < face.count; ++i) face.rows_of(i)->impulse = wanted[i];
+        push(normals, face, by, most);
+        return true;
+    }
+    // The tangents. False, and nothing changes, where a point would slip.
+    template <class FaceBlock>
+    static bool rub_at_once(const FaceBlock& face, Speed& most) {
+        if constexpr (friction) {
+            const auto& tangents = face.face.tangents;
+            Speed by[3], wanted[FaceBlock::most_points][2];
+            stop(tangents, face, by);
+            for (int i = 0; i < face.count; ++i) {
+                const Row* const row = face.rows_of(i);
+                for (int k = 0; k < 2; ++k) {
+                    wanted[i][k] = row[1 + k].impulse + tangents.change(2 * i + k, by);
+                    if (!C::fits(wanted[i][k])) return false;
+                }
+                if (!Cone::holds(row + 1, wanted[i], Cone::limit_of(row[0], row[0].impulse, face.pair.friction)))
+                    return false;
+            }
+            for (int i = 0; i < face.count; ++i)
+                for (int k = 0; k < 2; ++k) face.rows_of(i)[1 + k].impulse = wanted[i][k];
+            push(tangents, face, by, most);
+        }
+        return friction;
+    }
+    // The impulses that give all modes their targets.
+    static void stop(const auto& modes, const auto& face, Speed (&by)[3]) {
+        for (int k = 0; k < 3; ++k) by[k] = -modes.mode[k].excess(face.a, face.b);
+    }
+    static void push(const auto& modes, const auto& face, const Speed (&by)[3], Speed& most) {
+        bool any = false;
+        for (const Speed each : by) {
+            note(each, most);
+            any = any || !(each == Speed{});
+        }
+        if (any) Row::push(modes.mode, by, face.a, face.b);
+    }
+    // Takes the normal impulses off a face, where then no point comes nearer but by rounding.
+    [[gnu::noinline]] static bool let_go(const auto& face, Speed& most) {
+        Velocity a = face.a, b;
+        Velocity* const other = face.b == nullptr ? nullptr : &(b = *face.b);
+        for (int i = 0; i < face.count; ++i) face.rows_of(i)->push(-face.rows_of(i)->impulse, a, other);
+        for (int i = 0; i < face.count; ++i)
+            if (face.rows_of(i)->excess(a, other) < -face.rounding) return false;
+        face.a = a;
+        if (other != nullptr) *face.b = b;
+        for (int i = 0; i < face.count; ++i) {
+            note(face.rows_of(i)->impulse, most);
+            face.rows_of(i)->impulse = Speed{};
+        }
+        return true;
+    }
     // The change of a normal's impulse in one visit. An impulse that does not fit belongs to no solution, as of a body
     // that is squeezed between two that come on: it stays as it is.
     TUMBLE_INLINE static Speed push_of(const Row& row, const Block& block, Speed& most) {
@@ -195,7 +277,7 @@ private:
             }
             motion.before = now;
         });
-        for_each_block([&](const Block& block) {
+        for_each_block([&](const auto& block) {
             block.for_each_group([&](Row* row, auto count) {
                 for (int k = 0; k < count; ++k) {
                     const Speed now = row[k].impulse;
