@@ -52,7 +52,8 @@ private:
         TUMBLE_ASSERT(features.mixing || spec.mixes_as_usual());
         TUMBLE_ASSERT(features.sleep || !spec.sleep.on);
         TUMBLE_ASSERT(features.impact_bounds || !spec.has_bounds());
-        TUMBLE_ASSERT(features.bounded_steps || spec.exact_bodies == ContactSpec::any);
+        TUMBLE_ASSERT(features.bounded_steps || spec.exact_bodies == ContactSpec::few ||
+                      spec.exact_bodies == ContactSpec::any);
         TUMBLE_ASSERT(features.exact_steps || spec.exact_bodies == 0);
     }
     // The values of a body's or a plane's surface, which contacts by springs do not have.

@@ -483,6 +483,17 @@ public:
         if constexpr (has_contacts) return contacts_.tolerance();
         else return Work(0);
     }
+    // True of a body that the last step moved in bounded time, with many others. A body that stood did not move.
+    [[nodiscard]] bool stepped_bounded([[maybe_unused]] BodyId id) const {
+        if constexpr (has_contacts) return contacts_.stepped_bounded(advance_.bodies, place_of(id));
+        else return false;
+    }
+    // The deepest overlap of bodies that the last step moved in bounded time, m; zero where there is none. Its cost
+    // grows with the near pairs.
+    [[nodiscard]] Work deepest_overlap() const {
+        if constexpr (has_contacts) return contacts_.deepest_overlap(advance_.bodies);
+        else return Work(0);
+    }
     // Number of points that held the body in the last step; 0 of a fixed body.
     [[nodiscard]] int contact_count(BodyId id) const {
         if constexpr (has_contacts) return contacts_.points_of(place_of(id));

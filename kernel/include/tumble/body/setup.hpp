@@ -128,9 +128,18 @@ struct ContactSpec {
     int most_sweeps = 0;    // over its points, for impacts and forces; each solution has one at least
 
     static constexpr int any = 0x7fffffff;  // however many
-    // Islands of more bodies that move step in bounded time. Another bound than `any` needs Features::bounded_steps,
-    // and another than 0 needs Features::exact_steps.
-    int exact_bodies = any;
+    static constexpr int few = -1;          // as many as steps_exactly() says; without Features::bounded_steps, any
+    static constexpr int few_bodies = 2;    // of any shape
+    static constexpr int few_spheres = 16;  // alone: each of their pairs has one point
+    // Islands of more bodies that move step in bounded time. A bound of more than 0 needs Features::exact_steps, and a
+    // bound of another number than `any` Features::bounded_steps.
+    int exact_bodies = few;
+
+    // True of an island of so many moving bodies, with such a bound.
+    [[nodiscard]] static constexpr bool steps_exactly(int exact_bodies, int moving, bool all_spheres) {
+        if (exact_bodies != few) return moving <= exact_bodies;
+        return moving <= (all_spheres ? few_spheres : few_bodies);
+    }
 
     // True without a choice of mixing.
     [[nodiscard]] constexpr bool mixes_as_usual() const {
@@ -158,7 +167,7 @@ struct ContactSpec {
     for (const Real& value : least)
         if (value.is_negative()) return false;
     return is_restitution(spec.restitution) && spec.tolerance > Real{} && spec.most_impacts >= 0 &&
-           spec.most_searches >= 0 && spec.most_sweeps >= 0 && spec.exact_bodies >= 0;
+           spec.most_searches >= 0 && spec.most_sweeps >= 0 && spec.exact_bodies >= ContactSpec::few;
 }
 
 // Values that act on all bodies of a world.

@@ -93,7 +93,8 @@ private:
         if (lifts) motion_.lift(false);
         motion_.move({.group = motion_.island.group, .new_spins = touches, .portion = {true, Work(1)}});
         if (lifts) motion_.lift(true);
-        for (int k = 0; touches && k < motion_.island.group.count; ++k) push(k, &start);
+        if (glides_ && motion_.mover.coasting != Coasting::end) motion_.push(Work(1), true, true, &start);
+        for (int k = 0; touches && !glides_ && k < motion_.island.group.count; ++k) push(k, &start);
         if (touches) motion_.take_over_spins();
         motion_.search.measure();
         motion_.search.find();
@@ -107,6 +108,7 @@ private:
     // Solves for the contacts and pushes the bodies to the velocities of the end. Where they then come to something to
     // which they would not have come without contacts, solves once more. True where something touches.
     bool solve(const Saved& start) {
+        glides_ = false;
         Changes changes;
         for (bool again = false;; again = true) {
             for (int k = 0; k < motion_.island.group.count; ++k)
@@ -117,6 +119,11 @@ private:
             if (motion_.contacts.solution.stands) return true;
             if (tremble(changes)) {
                 hold();
+                return true;
+            }
+            glides_ = changes.glides;
+            if (glides_) {
+                if (motion_.mover.coasting != Coasting::start) motion_.push(Work(1), true, false);
                 return true;
             }
             for (int k = 0; k < motion_.island.group.count; ++k) push(k, nullptr);
@@ -148,9 +155,8 @@ private:
     // With the velocities of the end: looks for others around the bodies whose change exceeds the bounds on the time to
     // contact, or around all, where these bounds are for the velocities of another solution.
     void find_others(const Changes& changes, bool all) {
-        bool any = all;
-        for (int k = 0; k < motion_.island.group.count; ++k) any = any || changes.exceed[motion_.island.group.id[k]];
-        if (any) motion_.find_near_pairs([&](int b) { return all || changes.exceed[b]; });
+        if (all || changes.any_exceeds(motion_.island.group))
+            motion_.find_near_pairs([&](int b) { return all || changes.exceed[b]; }, true);
     }
     // True where pairs without points come to each other with these velocities. Finds their points.
     [[nodiscard]] bool come_nearer() {
@@ -175,9 +181,14 @@ private:
         }
         return turn - narrow<Length>(dot(pair.normal, drift));
     }
-    // Finds the points that may touch within the step. Something may push one of two bodies that fall alike.
+    // Finds the points that may touch within the step. Something may push one of two bodies that fall alike. Bodies
+    // that slide onto another over a seam do not come to its side.
     void find_points(Pair& pair, Length closing) {
         NarrowPhase& shapes = motion_.contacts.shapes;
+        if (closing > pair.gap && motion_.search.slides_onto(pair)) {
+            pair.count = 0;
+            return;
+        }
         closing += shapes.fall_bound() + shapes.fall_bound();
         shapes.find_within(motion_.bodies, pair, shapes.tolerance() + (closing > Length{} ? closing : Length{}));
     }
@@ -191,6 +202,7 @@ private:
     }
 
     Motion motion_;
+    bool glides_ = false;  // the forces of contacts act as the loads do
 };
 
 }  // namespace tumble

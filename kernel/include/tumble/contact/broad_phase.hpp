@@ -24,8 +24,9 @@ public:
     using Times = ClearTimes<N, features>;
     using Seams = tumble::Seams<N, spin, features>;
 
-    BroadPhase(NarrowPhase& shapes, PairList& pairs, Times& times, Bodies& bodies)
-        : shapes_{shapes}, pairs_{pairs}, times_{times}, bodies_{bodies} {}
+    // `keeps`: pairs that are apart stay in the list until their bodies are examined again.
+    BroadPhase(NarrowPhase& shapes, PairList& pairs, Times& times, Bodies& bodies, bool keeps = false)
+        : shapes_{shapes}, pairs_{pairs}, times_{times}, bodies_{bodies}, keeps_{keeps} {}
 
     // Examines the pairs of body b whose time to contact may be over. Adds sleeping bodies that b may touch to `wakes`.
     // Of a kinematic body only pairs with sleeping bodies: those that are awake look for it themselves.
@@ -334,6 +335,7 @@ private:
     // `mark`: of the body whose pairs are tested. Where a load acts on it, it may push others in this step: the answer
     // must not depend on whether the pair was removed before the first question. Otherwise its own test has asked.
     void forget(int a, int b, [[maybe_unused]] Mark mark) {
+        if (features.bounded_steps && keeps_) return;
         if constexpr (features.pairs)
             if (mark.driven) times_.push.begin();
         pairs_.forget(a, b);
@@ -398,6 +400,7 @@ private:
     PairList& pairs_;
     Times& times_;
     Bodies& bodies_;
+    bool keeps_;
 };
 
 }  // namespace tumble

@@ -14,6 +14,7 @@ public:
     using Bodies = typename NarrowPhase<N, spin, features>::Bodies;
     using BodyGroup = tumble::BodyGroup<features.bodies>;
     using Work = typename N::Work;
+    using C = ContactNumbers<N>;
 
     constexpr Contacts(Real step, const ContactSpec& spec) : state_{step, spec} {}
 
@@ -61,6 +62,21 @@ public:
     [[nodiscard]] bool is_asleep(int b) const { return state_.sleepers.is_asleep(b); }
     // m: the band in which bodies touch, and the depth at which a step is redone.
     [[nodiscard]] Work tolerance() const { return state_.shapes.scale().metres(state_.shapes.tolerance()); }
+
+    // True of a body that moved in bounded time in the last step.
+    [[nodiscard]] bool stepped_bounded([[maybe_unused]] const Bodies& bodies, [[maybe_unused]] int b) const {
+        if constexpr (features.bounded_steps) return state_.watch.was_noted(b, bodies.steps_taken);
+        else return false;
+    }
+    // m: the deepest overlap of such a body now.
+    [[nodiscard]] Work deepest_overlap([[maybe_unused]] const Bodies& bodies) const {
+        typename C::Length deepest{};
+        if constexpr (features.bounded_steps)
+            state_.pairs.for_each_pair([&](const auto& pair) {
+                if (stepped_bounded(bodies, pair.a) && -pair.gap > deepest) deepest = -pair.gap;
+            });
+        return state_.shapes.scale().metres(deepest);
+    }
 
     // What the log holds of the last step, and which of it is of body b.
     [[nodiscard]] int logged_count() const requires(features.contact_readout) { return state_.log.count(); }
@@ -447,11 +463,17 @@ private:
     // Whether an island is few or many follows from the scene alone.
     TUMBLE_INLINE bool take_step(Bodies& bodies, auto& schedule, Island& island, const Mover<N, features>& mover) {
         if constexpr (features.bounded_steps)
-            if (!features.exact_steps || island.group.count > state_.exact_bodies)
+            if (!features.exact_steps || !steps_exactly(island.group))
                 return BoundedStep<N, spin, features>{state_, schedule, bodies, island, mover}.take();
         if constexpr (features.exact_steps)
             return IslandStep<N, spin, features>{state_, schedule, bodies, island, mover}.take();
         else return false;
+    }
+    [[nodiscard]] bool steps_exactly(const BodyGroup& group) const requires(features.bounded_steps) {
+        bool all_spheres = true;
+        for (int k = 0; k < group.count; ++k)
+            all_spheres = all_spheres && state_.shapes.shape(group.id[k]).is(ShapeKind::sphere);
+        return ContactSpec::steps_exactly(state_.exact_bodies, group.count, all_spheres);
     }
     // Places the kinematic bodies: at the start of an island's flights, or halfway, for loads alone.
     template <class Advance>

@@ -207,7 +207,7 @@ private:
         const Work part = all ? Work(1) : length / attempt.span;
         // Contact forces act as gravity does in the method: before the drift, after it, or half before and half after.
         const bool before = attempt.held && motion_.mover.coasting != Coasting::start;
-        if (before) push(part, all, false);
+        if (before) motion_.push(part, all, false);
         bool carries = false;
         if constexpr (features.moving_surfaces()) carries = attempt.held && motion_.contacts.velocities.surfaces.carry;
         const bool lifts = attempt.held && motion_.contacts.solution.lifts && !carries;
@@ -220,35 +220,10 @@ private:
         if (lifts) motion_.lift(true);
         if (carries) carry(part, all, &attempt.start);
         if (attempt.held && motion_.mover.coasting != Coasting::end) {
-            push(part, all, true, &attempt.start);
+            motion_.push(part, all, true, &attempt.start);
             motion_.take_over_spins();
         }
     }
-    // `start`: of the flight that has ended. The kicks, which still have the scale of its spins, get that of now. They
-    // act in its axes, so the change of spin is turned into the axes of now: a torque has its direction in the world.
-    // A body that turns is an exception. Its rows are made for the middle of the flight: both halves of its kick have
-    // the same components in its axes.
-    void push(Work part, bool all, bool second, const Saved* start = nullptr) {
-        for (int k = 0; k < motion_.island.group.count; ++k) {
-            const int b = motion_.island.group.id[k];
-            if constexpr (Bodies::has_parts)
-                if (start != nullptr)
-                    motion_.contacts.forces.rescale(b, motion_.bodies.parts.halvings[b] - start->halvings(k));
-            Kick<N> kick = motion_.contacts.forces[b];
-            if (start != nullptr && !motion_.contacts.velocities.turns(b)) turn(kick, b, (*start)[k].q_wb.value());
-            const auto share = [&](auto sum) {
-                if (!all) sum = N::part(sum, N::fraction(part));
-                if (motion_.mover.coasting != Coasting::mean) return sum;
-                return second ? sum - N::half(sum) : N::half(sum);
-            };
-            for (int i = 0; i < 3; ++i) {
-                N::add(motion_.bodies.state[b].d_w[i], share(kick.linear[i]));
-                motion_.bodies.state[b].t_b[i].add(share(kick.angular[i]));
-            }
-            if (!second) (void)motion_.bodies.fit_parts(b);
-        }
-    }
-
     // Adds the motion of Resting::find_taken_along() before the flight, or takes it off after the flight from `start`,
     // so that it leaves no momentum. In a part of the time the forces do a part of their work, so that more is missing.
     void carry([[maybe_unused]] Work part, [[maybe_unused]] bool all, [[maybe_unused]] const Saved* start) {
@@ -261,7 +236,7 @@ private:
                         kick, [&](int i) { return moves.linear[i]; }, [&](int i) { return moves.angular[i]; },
                         motion_.bodies, motion_.contacts.shapes.weights()[b], b))
                     motion_.bodies.report(Issue::range_left, b);
-                if (start != nullptr) turn(kick, b, (*start)[k].q_wb.value());
+                if (start != nullptr) motion_.turn(kick, b, (*start)[k].q_wb.value());
                 const auto share = [&](auto sum) {
                     if (!all) sum = sum + sum - N::part(sum, N::fraction(part));
                     return start != nullptr ? -sum : sum;
@@ -275,25 +250,6 @@ private:
             if (start != nullptr) motion_.take_over_spins();
         }
     }
-    // Turns a change of spin from the axes at q into those of now. Angular momentum turns, not angular velocity.
-    void turn(Kick<N>& kick, int b, const Quat<typename N::Unit>& q) const {
-        const auto& now = motion_.bodies.state[b].q_wb.value();
-        if (q.w == now.w && q.v == now.v) return;
-        if constexpr (spin == Spin::angular_momentum) {
-            turn_momentum<N>(kick.angular, motion_.bodies.spin_scale(b), q, now);
-        } else {
-            using Vector = VectorBlock<N>;
-            const BodyWeight<N>& weight = motion_.contacts.shapes.weights()[b];
-            const auto scaled = [](const Vector& v, const Work(&by)[3]) {
-                return v.times(Vector3<Work>{by[0] * by[0], by[1] * by[1], by[2] * by[2]});
-            };
-            Vector change = Vector::of_turns(kick.angular, motion_.bodies.spin_scale(b));
-            if (change.is_zero()) return;
-            change = scaled(scaled(change, weight.of_turn).rotated(q).rotated_back(now), weight.per_turn);
-            for (int i = 0; i < 3; ++i) kick.angular[i] = change.turn(i, Work(1), motion_.bodies.spin_scale(b));
-        }
-    }
-
     // Conservative advancement (Mirtich 1996) of pairs that may have passed through each other. The flight is redone up
     // to the moment when the separation along its first direction runs out. From there it is redone again, until the
     // bodies touch or have gone past each other. Returns the part of the step flown, which is less than the span where

@@ -170,6 +170,11 @@ public:
     void for_each(const Island& island, F&& f) const {
         each(*this, island, f);
     }
+    // Calls f for all pairs.
+    template <class F>
+    void for_each_pair(F&& f) const {
+        for (int i = 0; i < count_; ++i) f((*this)[i]);
+    }
     // Calls f for the pairs of body b.
     template <class F>
     void for_each_of(int b, F&& f) requires(!has_links) {

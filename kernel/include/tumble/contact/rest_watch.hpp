@@ -37,9 +37,11 @@ public:
     }
     // Call where the motion of a body changes other than by a step: as if it had not been noted in the last one.
     constexpr void forget(int b, std::uint32_t now) {
-        motion_[b].seen = now - 2;
+        motion_[b].seen = now - not_in_last;
         motion_[b].is_held = false;
     }
+    // True of a body whose last step was a bounded one.
+    [[nodiscard]] bool was_noted(int b, std::uint32_t now) const { return motion_[b].seen + 1 == now; }
     // Call where bodies take an exact step.
     void let_go(const BodyGroup& group) {
         for (int k = 0; k < group.count; ++k) motion_[group.id[k]].is_held = false;
@@ -67,9 +69,11 @@ public:
     }
 
 private:
+    static constexpr std::uint32_t not_in_last = 2;  // steps ago
+
     struct Motion {
-        StoredVec3<Length> way{}, turn{};   // since then; turns as ways of the surface
-        std::uint32_t since = 0, seen = 0;  // steps: when it began anew, and when it was noted last
+        StoredVec3<Length> way{}, turn{};                  // since then; turns as ways of the surface
+        std::uint32_t since = 0, seen = 0u - not_in_last;  // steps: when it began anew, and when it was noted last
         bool is_held = false;
     };
 

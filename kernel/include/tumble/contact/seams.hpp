@@ -31,10 +31,9 @@ public:
         (void)shapes_.measure(bodies_, pair, margin, false);
     }
     [[gnu::noinline]] void measure(Pair& pair, Length margin) const requires exist {
-        const bool has_neighbours = pair.b >= 0 && (pairs_.pairs_of(pair.a) > 1 || pairs_.pairs_of(pair.b) > 1);
         const Vec3<Unit> before = pair.normal;
         const bool moved = pair.moved;
-        if (!shapes_.measure(bodies_, pair, margin, has_neighbours)) return;
+        if (!shapes_.measure(bodies_, pair, margin, has_neighbours(pair))) return;
         choose_side(pair);
         pair.moved = moved || shapes_.has_turned(pair) || !(pair.normal == before);
     }
@@ -48,6 +47,16 @@ public:
                                 narrow<Unit>(dot(pair.normal, pair.start_normal)) < C::half(C::one());
         return ((from_aside || is_ball(pair.a)) && lies_beside(pair, pair.a, pair.normal)) ||
                ((from_aside || is_ball(pair.b)) && lies_beside(pair, pair.b, -pair.normal));
+    }
+    // True of a body that is apart from another, and as high above a box of these as above a neighbour that covers the
+    // side of that box to which it comes.
+    [[nodiscard, gnu::noinline]] bool slides_onto(const Pair& pair) const requires exist {
+        if (!has_neighbours(pair)) return false;
+        const Edge edge[2] = {edge_of(pair.a, pair.b), edge_of(pair.b, pair.a)};
+        bool any = false;
+        for (int n = 0; n < 6; ++n)
+            any = any || (is_side(edge[n / 3], n % 3) && covers_all_but(pair, edge[n / 3], n % 3, pair.normal));
+        return any;
     }
     // Whether `fresh`, which is new in the list, has a body of a measured pair that touches and may be covered by it.
     [[nodiscard, gnu::noinline, gnu::cold]] bool may_change(const Pair& pair, const Pair& fresh) const requires exist {
@@ -89,6 +98,12 @@ private:
         bool is_flush = false;
     };
 
+    [[nodiscard]] bool has_neighbours(const Pair& pair) const {
+        return pair.b >= 0 && (pairs_.pairs_of(pair.a) > 1 || pairs_.pairs_of(pair.b) > 1);
+    }
+    [[nodiscard]] bool is_side(const Edge& of, int i) const {
+        return shapes_.shape(of.box).is(ShapeKind::box) && is_near(of.gap[i]);
+    }
     [[nodiscard]] bool is_far(Length gap) const { return magnitude_of(gap) > shapes_.tolerance(); }
     // Of the gap along the normal of a face at whose edge a body is.
     [[nodiscard]] bool is_near(Length gap) const {
@@ -154,9 +169,6 @@ private:
     // farthest apart. Where they cover that too, as of two boxes across the corner of four, the pair touches nothing.
     [[gnu::noinline, gnu::cold]] void choose_side(Pair& pair) const {
         const Edge edge[2] = {edge_of(pair.a, pair.b), edge_of(pair.b, pair.a)};
-        const auto is_side = [&](const Edge& of, int i) {
-            return shapes_.shape(of.box).is(ShapeKind::box) && is_near(of.gap[i]);
-        };
         int box = -1, side = 0;
         const Vec3<Unit> before = pair.normal;
         for (int n = 0; n < 6; ++n) {

@@ -403,7 +403,7 @@ constexpr void add_to(Digest& digest, const WorldSpec& world) {
         digest.add(c.most_searches);
         if (c.most_sweeps > 0) digest.add(c.most_sweeps);
     }
-    if (c.exact_bodies != ContactSpec::any) digest.add(c.exact_bodies);
+    if (c.exact_bodies != ContactSpec::few) digest.add(c.exact_bodies);
     digest.add(static_cast<int>(c.response));
     digest.add(static_cast<int>(c.sleep.on));
 }
