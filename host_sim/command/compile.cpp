@@ -292,7 +292,7 @@ std::string world_text(const WorldSpec& world) {
         contact.when(c.most_impacts > 0, "most_impacts", std::to_string(c.most_impacts));
         contact.when(c.most_searches > 0, "most_searches", std::to_string(c.most_searches));
         contact.when(c.most_sweeps > 0, "most_sweeps", std::to_string(c.most_sweeps));
-        contact.when(c.exact_bodies != ContactSpec::any, "exact_bodies", std::to_string(c.exact_bodies));
+        contact.when(c.exact_bodies != ContactSpec::few, "exact_bodies", std::to_string(c.exact_bodies));
     } else if (c.response == ContactResponse::spring) {
         contact.always("tolerance", number(c.tolerance), "m");
         contact.always("stiffness", number(c.stiffness), "N/m");

@@ -99,8 +99,10 @@ Account account_of(const Trouble& trouble, const SceneDescription& scene, const 
     if (trouble.issue == "step_too_long") return step_too_long(scene, simulation);
     if (trouble.issue == "contacts_full")
         return {"more pairs are near each other than the world has room for, so some bodies pass through others", ""};
-    if (trouble.issue == "left_over" && scene.contact.exact_bodies)
-        return {"a step left bodies overlapping by more than 16 tolerances, or used up what [contact] allows it",
+    const ContactDescription& contact = scene.contact;
+    if (trouble.issue == "left_over" && contact.most_impacts == 0 && contact.most_searches == 0 &&
+        contact.most_sweeps == 0)
+        return {"bodies that step in bounded time overlap by more than 16 tolerances",
                 "a smaller step, or a larger contact.exact_bodies"};
     if (trouble.issue == "left_over")
         return {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <iomanip>
 #include <iostream>
+#include <limits>
 #include <optional>
 
 #include "command/check.hpp"
@@ -140,8 +141,21 @@ std::string json_of(const Verdict& verdict, const SceneDescription& scene, const
            "}";
 }
 
+std::string json_of(const BoundedSteps& bounded, const SceneDescription& scene, long double step) {
+    std::string bodies;
+    for (std::size_t b = 0; b < bounded.bodies.size(); ++b) {
+        const BoundedSteps::Body& body = bounded.bodies[b];
+        if (body.steps == 0) continue;
+        bodies += (bodies.empty() ? "" : ", ") + std::string("{\"name\": ") + json_text(scene.bodies[b].name) +
+                  ", \"from_s\": " + json_number(static_cast<long double>(body.first) * step) +
+                  ", \"steps\": " + std::to_string(body.steps) + "}";
+    }
+    return "{\"bodies\": [" + bodies + "], \"deepest_overlap_m\": " + json_number(bounded.deepest) +
+           ", \"at_s\": " + json_number(static_cast<long double>(bounded.deepest_at) * step) + "}";
+}
+
 void print_json(const SceneDescription& scene, const Simulation& simulation, const EnergyWatch& energy,
-                const Verdict& verdict) {
+                const BoundedSteps& bounded, const Verdict& verdict) {
     std::string status;
     for (const Trouble& trouble : verdict.troubles) status += (status.empty() ? "" : ", ") + json_text(trouble.issue);
     std::cout << "{\n  \"tumble_bits\": " << TUMBLE_BITS << ",\n  \"scene\": " << json_text(scene.name)
@@ -153,6 +167,7 @@ void print_json(const SceneDescription& scene, const Simulation& simulation, con
               << ",\n  \"energy_start_j\": " << json_number(energy.start())
               << ",\n  \"energy_end_j\": " << json_number(energy.end())
               << ",\n  \"energy_max_relative_drift\": " << json_number(energy.largest_relative_drift())
+              << (bounded.any() ? ",\n  \"bounded_steps\": " + json_of(bounded, scene, simulation.step_length()) : "")
               << ",\n  \"status\": [" << status << "],\n  \"verdict\": " << json_of(verdict, scene, simulation)
               << ",\n  \"bodies\": [";
     for (int b = 0; b < simulation.body_count(); ++b) {
@@ -191,8 +206,26 @@ std::string columns(const Numbers& numbers) {
     return text;
 }
 
+// The bodies that moved in bounded time, from when on, and how deep they were in each other: one line.
+std::string line_of(const BoundedSteps& bounded, const SceneDescription& scene, long double step) {
+    constexpr std::size_t most_names = 5;
+    std::vector<std::string> names;
+    std::int64_t first = std::numeric_limits<std::int64_t>::max();
+    for (std::size_t b = 0; b < bounded.bodies.size(); ++b) {
+        if (bounded.bodies[b].steps == 0) continue;
+        names.push_back(scene.bodies[b].name);
+        first = std::min(first, bounded.bodies[b].first);
+    }
+    std::string text = "bounded steps of " + std::to_string(names.size()) + " bodies (";
+    for (std::size_t i = 0; i < std::min(names.size(), most_names); ++i) text += (i > 0 ? ", " : "") + names[i];
+    if (names.size() > most_names) text += ", ..";
+    return text + ") from " + few_digits(static_cast<long double>(first) * step) + " s on: overlaps of up to " +
+           few_digits(bounded.deepest) + " m, at " + few_digits(static_cast<long double>(bounded.deepest_at) * step) +
+           " s";
+}
+
 void print_table(std::ostream& out, const SceneDescription& scene, const Simulation& simulation,
-                 const EnergyWatch& energy) {
+                 const EnergyWatch& energy, const BoundedSteps& bounded) {
     out << (scene.name.empty() ? scene.path : scene.name) << ": " << simulation.integrator() << ", "
         << simulation.numbers();
     if (!simulation.range().empty()) out << " " << simulation.range();
@@ -210,6 +243,7 @@ void print_table(std::ostream& out, const SceneDescription& scene, const Simulat
     out << "energy " << few_digits(energy.start()) << " J at the start, " << few_digits(energy.end())
         << " J at the end";
     if (keeps_energy(scene)) out << ", largest relative drift " << few_digits(energy.largest_relative_drift());
+    if (bounded.any()) out << "\n" << line_of(bounded, scene, simulation.step_length());
     out << "\nstate  " << hex(simulation.hash()) << "\n";
 }
 
@@ -284,12 +318,13 @@ int run(const RunOptions& options) {
         gltf_file->stream() << gltf->text();
         gltf_file->commit();
     }
-    if (!options.json) print_table(table, scene, *simulation, watch.energy());
+    if (!options.json) print_table(table, scene, *simulation, watch.energy(), watch.bounded());
     table.flush();  // the run is done, whatever becomes of its check
     const EnergyWatch energy = watch.energy();
+    const BoundedSteps bounded = watch.bounded();
     const Record record = std::move(watch).record();
     const Verdict verdict = options.check.verdict(scene, method_of(*simulation), record);
-    if (options.json) print_json(scene, *simulation, energy, verdict);
+    if (options.json) print_json(scene, *simulation, energy, bounded, verdict);
     else table << verdict_line(options.check, verdict, scene, *simulation);
     const int status = report(verdict, scene, *simulation);
     return options.is_as_expected(scene, *simulation) ? status : failed;

@@ -21,8 +21,25 @@ int fastest_body(const Simulation& simulation) {
 RunWatch::RunWatch(const SceneDescription& scene, const Simulation& simulation, std::vector<std::int64_t> moments)
     : simulation_(simulation), energy_(simulation.energy()), recorder_(scene, simulation, std::move(moments)) {}
 
+void BoundedSteps::see(const Simulation& simulation) {
+    bodies.resize(static_cast<std::size_t>(simulation.body_count()));
+    const std::int64_t taken = simulation.steps_taken();
+    bool any = false;
+    for (std::size_t b = 0; b < bodies.size(); ++b) {
+        if (!simulation.stepped_bounded(static_cast<int>(b))) continue;
+        any = true;
+        if (bodies[b].steps++ == 0) bodies[b].first = taken - 1;
+    }
+    if (!any) return;
+    const double depth = simulation.deepest_overlap();
+    if (!(depth > deepest)) return;
+    deepest = depth;
+    deepest_at = taken;
+}
+
 void RunWatch::see() {
     energy_.see(simulation_.energy());
+    bounded_.see(simulation_);
     (void)recorder_.see(simulation_);
 }
 

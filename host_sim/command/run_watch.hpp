@@ -33,6 +33,21 @@ private:
     long double largest_change_ = 0, largest_kinetic_;
 };
 
+// Which bodies moved in bounded time, and how deep they were in each other at most.
+struct BoundedSteps {
+    struct Body {
+        std::int64_t first = 0, steps = 0;  // the step in which it did so first, from 0 on; in how many
+    };
+    std::vector<Body> bodies;   // as those of the scene
+    double deepest = 0;         // m
+    std::int64_t deepest_at{};  // steps taken then
+
+    void see(const Simulation& simulation);
+    [[nodiscard]] bool any() const {
+        return std::any_of(bodies.begin(), bodies.end(), [](const Body& body) { return body.steps > 0; });
+    }
+};
+
 class RunWatch {
 public:
     // At the start of a run; both must outlive this. `moments`: those at which it is recorded for a verdict.
@@ -46,11 +61,13 @@ public:
     // status once.
     [[nodiscard]] std::vector<Trouble> troubles() const;
     [[nodiscard]] const EnergyWatch& energy() const { return energy_; }
+    [[nodiscard]] const BoundedSteps& bounded() const { return bounded_; }
     [[nodiscard]] Record record() &&;
 
 private:
     const Simulation& simulation_;
     EnergyWatch energy_;
+    BoundedSteps bounded_;
     Recorder recorder_;
 };
 

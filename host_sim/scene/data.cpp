@@ -163,8 +163,7 @@ SceneData build_scene(const SceneDescription& scene) {
                           .most_impacts = by_impulses ? contact.most_impacts : 0,
                           .most_searches = by_impulses ? contact.most_searches : 0,
                           .most_sweeps = by_impulses ? contact.most_sweeps : 0,
-                          .exact_bodies =
-                              by_impulses ? contact.exact_bodies.value_or(ContactSpec::any) : ContactSpec::any};
+                          .exact_bodies = by_impulses ? contact.exact_bodies : ContactSpec::few};
     for (const BodyDescription& body : scene.bodies) data.bodies.push_back(body_of(body));
     add_loads_of_bodies(scene, data);
     if (const auto& gradient = scene.gravity_gradient)
@@ -203,6 +202,11 @@ Features needs(const SceneData& scene) {
         return !body.is_fixed() &&
                (kind == ShapeKind::cylinder || kind == ShapeKind::capsule || kind == ShapeKind::hoop);
     };
+    const auto is_moving_other = [](const BodySpec& body) {
+        return !body.is_fixed() && body.shape.kind != ShapeKind::sphere;
+    };
+    const auto moving = static_cast<int>(
+        std::count_if(scene.bodies.begin(), scene.bodies.end(), [](const BodySpec& body) { return !body.is_fixed(); }));
     const auto is_turntable = [](const BodySpec& body) { return body.fixed && !body.angular_velocity.is_zero(); };
     const auto is_control = [](const EventSpec& event) {
         return event.kind == EventKind::force || event.kind == EventKind::torque ||
@@ -250,7 +254,8 @@ Features needs(const SceneData& scene) {
         .turntables = any(scene.bodies, is_turntable) || any(scene.events, turns_fixed),
         .kinematic = any(scene.bodies, [](const BodySpec& body) { return body.kinematic; }),
         .impact_bounds = by_impulses && world.contact.has_bounds(),
-        .bounded_steps = world.contact.exact_bodies != ContactSpec::any,
+        .bounded_steps = by_impulses && !ContactSpec::steps_exactly(world.contact.exact_bodies, moving,
+                                                                    !any(scene.bodies, is_moving_other)),
         .exact_steps = world.contact.exact_bodies != 0,
         .contact_impulses = !by_springs,
         .contact_springs = by_springs,

@@ -114,7 +114,7 @@ struct ContactDescription {
     Mixing restitution_mixing = Mixing::larger, friction_mixing = Mixing::geometric_mean;
     double stiffness = 10000.0, damping = 0.0, barrier = 0.0;
     int most_impacts = 0, most_searches = 0, most_sweeps = 0;  // 0: the usual bounds
-    std::optional<int> exact_bodies{};                         // none: however many
+    int exact_bodies = ContactSpec::few;
     std::optional<SleepDescription> sleep{};
 };
 

@@ -58,7 +58,8 @@ std::string contact_text(const ContactDescription& c) {
            line("stiffness", c.stiffness) + line("damping", c.damping) + line("barrier", c.barrier) +
            line("most_impacts", c.most_impacts) + line("most_searches", c.most_searches) +
            line("most_sweeps", c.most_sweeps) +
-           (c.exact_bodies ? line("exact_bodies", *c.exact_bodies) : std::string()) + line("sleep", sleep);
+           (c.exact_bodies == ContactSpec::few ? std::string() : line("exact_bodies", c.exact_bodies)) +
+           line("sleep", sleep);
 }
 
 }  // namespace

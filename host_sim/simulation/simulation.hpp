@@ -111,6 +111,10 @@ public:
     // scene's.
     [[nodiscard]] virtual long double contact_tolerance() const = 0;
 
+    // Whether the last step moved a body in bounded time, and the deepest overlap of such bodies, m.
+    [[nodiscard]] virtual bool stepped_bounded(int body) const = 0;
+    [[nodiscard]] virtual double deepest_overlap() const = 0;
+
     // The most pairs, of a body and a plane or of two bodies, that have been near each other at one time.
     [[nodiscard]] virtual int most_near_pairs() const = 0;
 

@@ -217,6 +217,12 @@ public:
     [[nodiscard]] long double contact_tolerance() const override {
         return static_cast<double>(Owned::replay.world().contact_tolerance());
     }
+    [[nodiscard]] bool stepped_bounded(int body) const override {
+        return Owned::replay.world().stepped_bounded(BodyId{body});
+    }
+    [[nodiscard]] double deepest_overlap() const override {
+        return static_cast<double>(Owned::replay.world().deepest_overlap());
+    }
     [[nodiscard]] int most_near_pairs() const override { return Owned::replay.world().most_near_pairs(); }
 
     [[nodiscard]] std::string_view integrator() const override { return Method::name; }

@@ -240,7 +240,7 @@ private:
         Reference pair;
         // A bounded step is held against the exact one.
         SceneDescription exact = scene_;
-        exact.contact.exact_bodies.reset();
+        exact.contact.exact_bodies = ContactSpec::any;
         pair.fine = record_of(exact, fine_methods[0], halvings, moments_, most_gain);
         pair.other = record_of(exact, fine_methods[1], halvings + 1, moments_, most_gain);
         std::size_t last = std::min(pair.fine.moments.size(), pair.other.moments.size());

@@ -159,10 +159,12 @@ TEST(Compile, features_are_those_of_the_contact_response) {
                                    "fixed = true\nangular_velocity = [0.0, 0.0, 1.0]\n";
     const auto features = [&](const std::string& contact) { return features_of(scene_of(contact, everything)); };
     const std::string sleep = "sleep = { time = 1.0 }\n";
-    EXPECT_EQ(features("[contact]\n" + sleep), (Features{"pairs = true", "boxes = true", "round_shapes = true",
-                                                         "friction = true", "sleep = true", "turntables = true"}));
-    EXPECT_EQ(features("[contact]\nsleep = false\n"), (Features{"pairs = true", "boxes = true", "round_shapes = true",
-                                                                "friction = true", "turntables = true"}));
+    EXPECT_EQ(features("[contact]\n" + sleep),
+              (Features{"pairs = true", "boxes = true", "round_shapes = true", "friction = true", "sleep = true",
+                        "turntables = true", "bounded_steps = true"}));
+    EXPECT_EQ(features("[contact]\nsleep = false\n"),
+              (Features{"pairs = true", "boxes = true", "round_shapes = true", "friction = true", "turntables = true",
+                        "bounded_steps = true"}));
     EXPECT_EQ(features("[contact]\nresponse = \"spring\"\n" + sleep),
               (Features{"pairs = true", "boxes = true", "round_shapes = true", "turntables = true",
                         "contact_impulses = false", "contact_springs = true"}));
@@ -174,8 +176,28 @@ TEST(Compile, features_are_those_of_the_contact_response) {
     EXPECT_EQ(features("[contact]\nexact_bodies = 0\n").count("bounded_steps = true"), 1u);
     EXPECT_EQ(features("[contact]\nexact_bodies = 0\n").count("exact_steps = false"), 1u);
     EXPECT_EQ(features("[contact]\nexact_bodies = 2\n").count("exact_steps = false"), 0u);
-    EXPECT_EQ(features("").count("bounded_steps = true"), 0u);
+    EXPECT_EQ(features("[contact]\nexact_bodies = 3\n").count("bounded_steps = true"), 0u);
     EXPECT_EQ(features("[contact]\nrestitution_mixing = \"larger\"\n").count("mixing = true"), 0u);
+}
+
+// Bodies that could be many at one time need the code of bounded steps: more than two, or more than sixteen balls.
+TEST(Compile, features_have_bounded_steps_where_bodies_may_be_many) {
+    const auto is_bounded = [&](int balls, int boxes, const std::string& contact = "") {
+        std::string bodies;
+        for (int i = 0; i < balls + boxes; ++i)
+            bodies += body_of("b" + std::to_string(i), i < balls ? "sphere = 1.0" : "box = [1.0, 1.0, 1.0]");
+        const std::string fixed = body_of("table", "box = [1.0, 1.0, 1.0]") + "fixed = true\n";
+        return features_of(scene_of(contact, bodies + fixed)).count("bounded_steps = true") > 0;
+    };
+    EXPECT_FALSE(is_bounded(0, 2));
+    EXPECT_FALSE(is_bounded(1, 1));
+    EXPECT_FALSE(is_bounded(16, 0));
+    EXPECT_TRUE(is_bounded(0, 3));
+    EXPECT_TRUE(is_bounded(2, 1));
+    EXPECT_TRUE(is_bounded(17, 0));
+    EXPECT_FALSE(is_bounded(0, 3, "[contact]\nexact_bodies = 1000\n"));
+    EXPECT_FALSE(is_bounded(0, 3, "[contact]\nresponse = \"spring\"\n"));
+    EXPECT_TRUE(is_bounded(2, 0, "[contact]\nexact_bodies = 1\n"));
 }
 
 TEST(Compile, contact_has_the_members_of_its_response) {

@@ -38,6 +38,8 @@ public:
     const std::vector<Trouble>& troubles() const override { return run_->troubles(); }
     long double largest_safe_step() const override { return run_->largest_safe_step(); }
     long double contact_tolerance() const override { return run_->contact_tolerance(); }
+    bool stepped_bounded(int body) const override { return run_->stepped_bounded(body); }
+    double deepest_overlap() const override { return run_->deepest_overlap(); }
     int most_near_pairs() const override { return run_->most_near_pairs(); }
     double held_spin(int body) const override { return run_->held_spin(body); }
     void append_words(std::vector<std::uint32_t>& words) const override { run_->append_words(words); }

@@ -49,6 +49,43 @@ TEST(Run, json_has_the_keys_of_the_contract) {
     EXPECT_EQ(planet["contacts"], 0);
 }
 
+TEST(Run, tells_which_bodies_stepped_in_bounded_time) {
+    const auto pile = [](int boxes, const std::string& contact) {
+        std::string text = "world = { gravity = [0, -9.8, 0], step = \"1/64\", duration = 0.5 }\n"
+                           "plane = [ { name = \"floor\", normal = [0, 1, 0] } ]\ncontact = { restitution = 0" +
+                           contact + " }\nbody = [ ";
+        for (int i = 0; i < boxes; ++i)
+            text += (i > 0 ? ", " : "") + std::string("{ name = \"b") + std::to_string(i) +
+                    "\", shape = { box = [1, 1, 1] }, mass = 1, position = [0, " + std::to_string(0.75 + 1.25 * i) +
+                    ", 0] }";
+        return written("pile.toml", text + " ]\n");
+    };
+    const std::vector<std::string> run{"run", pile(6, ""), "--check", "off"};
+    expect_parts(text_of(run), {"bounded steps of 6 bodies (b0, b1, b2, b3, b4, ..) from 0 s on: overlaps of up to "});
+    const Json told = json_of(with(run, {"--json"}))["bounded_steps"];
+    EXPECT_EQ(keys_of(told), (std::set<std::string>{"bodies", "deepest_overlap_m", "at_s"}));
+    ASSERT_EQ(told["bodies"].size(), 6u);
+    EXPECT_EQ(told["bodies"][5]["name"], "b5");
+    EXPECT_EQ(told["bodies"][5]["from_s"], 0.0);
+    EXPECT_GT(told["bodies"][5]["steps"], 10);
+    EXPECT_LT(told["deepest_overlap_m"], 0.016);
+    for (const auto& [boxes, contact] : {std::pair{6, ", exact_bodies = 1000"}, {2, ""}}) {
+        const std::vector<std::string> exact{"run", pile(boxes, contact), "--check", "off"};
+        EXPECT_FALSE(has(text_of(exact), "bounded steps"));
+        EXPECT_FALSE(json_of(with(exact, {"--json"})).contains("bounded_steps"));
+    }
+}
+
+// Two boxes that are one in the other.
+TEST(Run, tells_of_deep_overlaps_in_bounded_steps) {
+    const std::string boxes = body_of("a", "box = [1.0, 1.0, 1.0]") + body_of("b", "box = [1.0, 1.0, 1.0]") +
+                              body_of("c", "box = [1.0, 1.0, 1.0]");
+    const Outcome outcome = tumble({"run", written("deep.toml", scene_of("", boxes)), "--check", "off"});
+    EXPECT_NE(outcome.status, 0);
+    expect_parts(outcome.text, {"bodies that step in bounded time overlap by more than 16 tolerances",
+                                "a smaller step, or a larger contact.exact_bodies"});
+}
+
 TEST(Run, json_numbers_have_17_digits) {
     expect_outcome(tumble({"run", shipped("brick"), "--step", "0.1", "--duration", "0.1", "--json"}), 0,
                    "\"step_s\": 0.10000000000000001");

@@ -327,7 +327,7 @@ Numbers numbers_of(const ContactDescription& c) {
             static_cast<double>(c.most_impacts),
             static_cast<double>(c.most_searches),
             static_cast<double>(c.most_sweeps),
-            static_cast<double>(c.exact_bodies.value_or(-1))};
+            static_cast<double>(c.exact_bodies)};
 }
 
 TEST(SceneReader, keys_left_out_have_the_documented_defaults) {

@@ -221,6 +221,11 @@ TEST(pages, name_the_keys_of_json_and_the_columns_of_a_trajectory) {
     for (const auto& [key, value] : json.items()) keys.insert(key);
     for (const auto& [key, value] : json.at("bodies").at(0).items()) keys.insert(key);
     for (const auto& [key, value] : json.at("verdict").items()) keys.insert(key);
+    const auto pile = nlohmann::json::parse(
+        output_of({"run", (root / "host_sim/scenes/contacts/kinematic.toml").c_str(), "--json", "--duration", "1"}));
+    keys.insert("bounded_steps");
+    for (const auto& [key, value] : pile.at("bounded_steps").items()) keys.insert(key);
+    for (const auto& [key, value] : pile.at("bounded_steps").at("bodies").at(0).items()) keys.insert(key);
     std::istringstream rows{text.substr(text.find("| key of `--json`"))};
     for (std::string line; std::getline(rows, line) && line.starts_with("|");)
         if (line.find("key of") == std::string::npos) named.merge(all_in(line, std::regex{"`([a-z_]+)`"}));
