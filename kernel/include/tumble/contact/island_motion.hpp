@@ -2,10 +2,12 @@
 // that worlds with different methods share this code.
 #pragma once
 
+#include <tumble/body/momentum.hpp>
 #include <tumble/contact/contact_state.hpp>
 #include <tumble/contact/impact_search.hpp>
 #include <tumble/contact/resting.hpp>
 #include <tumble/contact/schedule.hpp>
+#include <tumble/numbers/vector_block.hpp>
 #include <tumble/solver/flight.hpp>
 
 namespace tumble {

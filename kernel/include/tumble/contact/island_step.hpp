@@ -1,10 +1,8 @@
 // One step of an island of bodies that may touch each other or planes, with its impacts at their own time.
 #pragma once
 
-#include <tumble/body/momentum.hpp>
 #include <tumble/contact/impact.hpp>
 #include <tumble/contact/island_motion.hpp>
-#include <tumble/numbers/vector_block.hpp>
 
 namespace tumble {
 
