@@ -46,12 +46,12 @@ public:
             });
         pairs_.for_each(island_, [&](Pair& pair) { seams().measure(pair); });
     }
-    // Call at the end of a flight. A pair that has come together over a seam is no new one: its bodies have touched.
     // True of bodies that are apart and slide onto each other over a seam.
     [[nodiscard]] bool slides_onto([[maybe_unused]] const Pair& pair) const {
         if constexpr (Seams::exist) return pair.gap > shapes_.tolerance() && seams().slides_onto(pair);
         else return false;
     }
+    // Call at the end of a flight. A pair that has come together over a seam is no new one: its bodies have touched.
     void note_seams() {
         if constexpr (Seams::exist) {
             bool any = false;
