@@ -52,7 +52,8 @@ void for_each_small_world(F&& f) {
     f.template operator()<Features{.bodies = 2, .rotation = false, .point_masses = true, .gravitation = true}>();
     f.template operator()<Features{.bodies = 1, .planes = 1}>();
     f.template operator()<Features{.bodies = 1, .planes = 1, .boxes = true}>();
-    f.template operator()<Features{.bodies = 10, .planes = 1, .pairs = true, .boxes = true, .friction = true}>();
+    f.template operator()<Features{
+        .bodies = 10, .planes = 1, .pairs = true, .boxes = true, .friction = true, .bounded_steps = true}>();
 }
 template <int bodies, class F>
 void for_each_world_of(F&& f) {

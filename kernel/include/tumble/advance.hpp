@@ -248,7 +248,7 @@ public:
         const bool along = length > Work(0);
         if (has_loads && along) place(kinematic, info, flight.from + N::half_of(length), length);
         move(flight, info, marks);
-        if (along) place(kinematic, info, flight.from + length);
+        if (along || flight.places) place(kinematic, info, flight.from + length);
     }
     // What acts on a body in this step besides gravity.
     [[nodiscard]] TUMBLE_INLINE Mark mark(int b) const { return {is_coupled(b), is_loaded(b), is_driven(b)}; }

@@ -29,11 +29,11 @@ public:
     using Velocity = typename Rows::Velocity;
     using Kicks = typename Rows::Kicks;
 
-    // `threshold`: of restitution, m a step.
+    // `threshold`: of restitution, m a step. `halvings`: of the step, of which a part is solved.
     BoundedSolver(const NarrowPhase& shapes, PairList& pairs, Velocities& velocities, typename NarrowPhase::Bodies& all,
-                  const Island& island, Work threshold)
+                  const Island& island, Work threshold, int halvings)
         : shapes_{shapes}, pairs_{pairs}, velocities_{velocities}, bodies_{all}, island_{island},
-          rows_{shapes, pairs, velocities, all, island}, threshold_{threshold} {}
+          rows_{shapes, pairs, velocities, all, island}, threshold_{threshold}, halvings_{halvings} {}
 
     // What contacts have changed in the step, against what loads have.
     struct Changes {
@@ -55,22 +55,30 @@ public:
         });
         return any;
     }
-    // Writes what contacts change in the step into `forces`. Returns Touch::nothing or Touch::rests.
-    Touch solve(const Kicks& loads, Kicks& forces, Solution& solution, Changes& changes) {
+    // Writes what contacts change in the step into `forces`. Returns Touch::nothing or Touch::rests. `stands`: nothing
+    // is computed unless the island stands.
+    Touch solve(const Kicks& loads, Kicks& forces, Solution& solution, Changes& changes, bool stands) {
         solution = {};
         if constexpr (features.moving_surfaces()) velocities_.surfaces.carry = false;
         bool any = false;
         pairs_.for_each(island_, [&](const Pair& pair) { any = any || pair.count > 0; });
         if (!any) return Touch::nothing;
-        const bool lifts = overlap();
-        if constexpr (features.kinematic) rows_.look_ahead(Work(1));
-        const bool same = rows_.template set_velocities<&Bounds::correction>(loads, Work(1), true, lifts);
+        // In parts of a step nothing is corrected.
+        const bool whole = halvings_ == 0, lifts = whole && overlap();
+        if (stands && lifts) return Touch::nothing;
+        Work part(1);
+        for (int i = 0; i < halvings_; ++i) part = N::half_of(part);
+        if constexpr (features.kinematic) rows_.look_ahead(part);
+        const bool same = rows_.template set_velocities<&Bounds::correction>(loads, part, whole, lifts);
         const bool fast = set_targets(same);
         const bool found =
-            !fast && Statics<N, spin, features>{shapes_, pairs_, velocities_, bodies_, island_, true}.solve();
+            whole && !fast &&
+            Statics<N, spin, features>{shapes_, pairs_, velocities_, bodies_, island_, true}.solve(stands);
         if (found) {
             velocities_.write(forces, bodies_, shapes_.weights(), island_.group, &loads);
             solution.stands = !lifts && pairs_.are_balanced(island_) && velocities_.start_at_rest(island_.group);
+        } else if (stands) {
+            return Touch::nothing;
         } else {
             make_faces();
             rows_.push_all();
@@ -145,9 +153,11 @@ private:
             rows_.solve_faces(faces_);
         }
     }
-    // The speed that closes the gap of a point within the step.
+    // The speed that closes the gap of a point within the part of the step.
     [[nodiscard]] Speed to_surface(const Pair& pair, const Point& point) const {
-        return point.gap > Length{} ? rows_.speed(pair, point, point.gap) : Speed{};
+        Length way = point.gap;
+        for (int i = 0; i < halvings_; ++i) way = way < C::half(C::longest()) ? Length(way + way) : C::longest();
+        return way > Length{} ? rows_.speed(pair, point, way) : Speed{};
     }
     // That of a point which ends the step at the surface; below it, that of the surface.
     [[nodiscard]] Speed least_speed(const Pair& pair, const Point& point) const {
@@ -163,11 +173,14 @@ private:
             Rows::surface_of(pair, point) + narrow<Speed>(mul(approach, pair.restitution)) + approach - loaded;
     }
     // Fewer sweeps of more points, so that the time of a step grows with the pairs; as many in every number system.
+    // Sweeps may be far from done where a light body is under heavy ones. Surfaces have the last word: nothing goes
+    // through them.
     void sweep() {
         const int most = faces_ ? contact::face_sweeps
                                 : detail::clamp(contact::bounded_visits / points_, contact::least_bounded_sweeps,
                                                 contact::max_sweeps);
         (void)rows_.sweep({velocities_.scale.enough_at_rest(), most, most});
+        rows_.sweep_surfaces(false);
     }
     // Of the change P by contacts, less the work of surfaces that move: u0 . P, L . P, and P . P; and |u - u0|^2. u0, L
     // and u are the velocities at the start, with loads, and at the end.
@@ -266,8 +279,10 @@ private:
         else if (solution.lifts) make_faces();
         auto& lifts = velocities_.added();
         for_each_part([&](int b, auto part) { lifts[b].*part = velocities_.now[b].*part; });
-        if (solution.lifts)
+        if (solution.lifts) {
             (void)rows_.sweep_normals({velocities_.scale.enough_at_rest(), contact::bounded_corrections}, false);
+            rows_.sweep_surfaces(true);
+        }
         for_each_part([&](int b, auto part) { lifts[b].*part = velocities_.now[b].*part - lifts[b].*part; });
         pairs_.for_each_active(island_, [](Pair&, Point& point) { point.row[0].impulse = point.resting_impulse; });
     }
@@ -284,6 +299,7 @@ private:
     const Island& island_;
     Rows rows_;
     Work threshold_;
+    int halvings_;
     int points_ = 0;
     bool bounces_ = false;
     bool faces_ = false;   // nothing touches but faces

@@ -16,6 +16,7 @@ public:
     using Island = typename Motion::Island;
     using C = ContactNumbers<N>;
     using Mover = typename Motion::Mover;
+    using Flight = typename Motion::Flight;
     using NarrowPhase = tumble::NarrowPhase<N, spin, features>;
     using Length = typename NarrowPhase::Length;
     using Pair = typename NarrowPhase::Pair;
@@ -36,6 +37,10 @@ public:
         }
         if constexpr (features.contact_readout)
             motion_.contacts.log.start_island(motion_.contacts.pairs, motion_.island);
+        if (stands_on_what_it_touches()) {
+            stop();
+            return false;
+        }
         if constexpr (features.control)
             if (motion_.contacts.standing.has_other_gravity()) look_again();
         fly();
@@ -75,35 +80,112 @@ private:
         motion_.contacts.pairs.set_balanced(motion_.island, true);
         motion_.contacts.solution = {.settled = true, .stands = true};
     }
-    // The bodies stand. Points that were found for the step, but do not touch, go.
     void stop() {
         motion_.log_forces(Work(1));
         motion_.resting().stop_all();
         motion_.take_over_spins();
-        motion_.search.find();
     }
+    // True of an island in which nothing moves and what touches already holds each body: then no points are looked for.
+    [[nodiscard]] bool stands_on_what_it_touches() {
+        bool still = true;
+        for (int k = 0; k < motion_.island.group.count; ++k)
+            still = still && motion_.bodies.stands_still(motion_.island.group.id[k]);
+        motion_.contacts.pairs.for_each(motion_.island,
+                                        [&](const Pair& pair) { still = still && !pair.surface_moves; });
+        if (!still) return false;
+        Changes changes;
+        (void)solve(changes, true);
+        return motion_.contacts.solution.stands;
+    }
+    // Where the flight brings bodies deeper into each other than one step takes them out again, the step is taken anew
+    // in two parts or four: what contacts set spinning has turned too far for the rows of its start.
     void fly() {
-        motion_.contacts.pairs.for_each(motion_.island, [&](Pair& pair) { find_points(pair, closing_of(pair)); });
         Saved start;
         motion_.save(start);
-        const bool touches = solve(start);
-        if (motion_.contacts.solution.stands) return stop();
-        if (touches) solver().log(motion_.contacts.log);
-        const bool lifts = motion_.contacts.solution.lifts;
-        if (lifts) motion_.lift(false);
-        motion_.move({.group = motion_.island.group, .new_spins = touches, .portion = {true, Work(1)}});
-        if (lifts) motion_.lift(true);
-        if (glides_ && motion_.mover.coasting != Coasting::end) motion_.push(Work(1), true, true, &start);
-        for (int k = 0; touches && !glides_ && k < motion_.island.group.count; ++k) push(k, &start);
-        if (touches) motion_.take_over_spins();
-        motion_.search.measure();
+        const Status status = motion_.bodies.status;
+        const bool deepens = fly_part(start);
+        if (motion_.contacts.solution.stands) {
+            stop();
+            motion_.search.find();  // points that were found for the step, but do not touch, go
+            return;
+        }
+        if (deepens) fly_in_parts(start, status);
         motion_.search.find();
         report_overlaps();
         motion_.contacts.watch.note(motion_.contacts.shapes, motion_.bodies, motion_.island.group, start);
     }
+    [[gnu::noinline, gnu::cold]] void fly_in_parts(const Saved& start, const Status& status) {
+        bool deepens = true;
+        for (int halvings = 1; deepens && halvings <= contact::most_halvings; ++halvings) {
+            go_back(start, status);
+            deepens = false;
+            halvings_ = halvings;
+            part_ = N::half_of(part_);
+            from_ = Work(0);
+            for (int i = 0; i < 1 << halvings; ++i) {
+                motion_.move({.group = motion_.island.group, .loads = &motion_.contacts.loads});
+                Saved begin;
+                motion_.save(begin);
+                deepens = fly_part(begin) || deepens;
+                from_ += part_;
+            }
+        }
+    }
+    // To the start of the step, as if it had not been flown.
+    void go_back(const Saved& start, const Status& status) {
+        motion_.restore(start);
+        Flight to_start{.group = motion_.island.group, .new_spins = true};
+        if constexpr (features.kinematic) to_start.places = true;
+        motion_.move(to_start);
+        motion_.search.measure();
+        motion_.find_near_pairs([](int) { return true; }, true);
+        if constexpr (features.contact_readout)
+            motion_.contacts.log.restart_island(motion_.contacts.pairs, motion_.island);
+        motion_.bodies.status = status;
+    }
+    // Flies part of the step, from `begin`. True where it brings bodies too deep into each other. Where the island
+    // stands, nothing is flown.
+    bool fly_part(const Saved& begin) {
+        note_ways();
+        motion_.contacts.pairs.for_each(motion_.island, [&](Pair& pair) { find_points(pair, closing_of(pair)); });
+        const bool touches = solve(begin);
+        if (motion_.contacts.solution.stands) return false;
+        if (touches) solver().log(motion_.contacts.log);
+        const bool lifts = motion_.contacts.solution.lifts;
+        if (lifts) motion_.lift(false);
+        Flight flight{.group = motion_.island.group, .new_spins = touches, .portion = {halvings_ == 0, part_}};
+        if constexpr (features.kinematic) flight.from = from_;
+        motion_.move(flight);
+        if (lifts) motion_.lift(true);
+        if (glides_ && motion_.mover.coasting != Coasting::end) motion_.push(Work(1), true, true, &begin);
+        for (int k = 0; touches && !glides_ && k < motion_.island.group.count; ++k) push(k, &begin);
+        if (touches) motion_.take_over_spins();
+        motion_.contacts.pairs.for_each(motion_.island, [](Pair& pair) { pair.start_gap = pair.gap; });
+        motion_.search.measure();
+        return deepens();
+    }
+    [[nodiscard]] bool deepens() const {
+        const Length most = ContactBounds<N>::most_correction(motion_.contacts.shapes.tolerance());
+        bool any = false;
+        motion_.contacts.pairs.for_each(motion_.island, [&](const Pair& pair) {
+            any = any || pair.gap + most < (pair.start_gap < Length{} ? pair.start_gap : Length{});
+        });
+        return any;
+    }
     [[nodiscard]] Solver solver() {
-        return {motion_.contacts.shapes, motion_.contacts.pairs, motion_.contacts.velocities,
-                motion_.bodies,          motion_.island,         motion_.contacts.threshold};
+        return {motion_.contacts.shapes,
+                motion_.contacts.pairs,
+                motion_.contacts.velocities,
+                motion_.bodies,
+                motion_.island,
+                motion_.contacts.threshold,
+                halvings_};
+    }
+    Touch solve(Changes& changes, bool stands) {
+        for (int k = 0; k < motion_.island.group.count; ++k)
+            motion_.contacts.pairs.forget_points_of(motion_.island.group.id[k]);
+        return solver().solve(motion_.contacts.loads, motion_.contacts.forces, motion_.contacts.solution, changes,
+                              stands);
     }
     // Solves for the contacts and pushes the bodies to the velocities of the end. Where they then come to something to
     // which they would not have come without contacts, solves once more. True where something touches.
@@ -111,13 +193,9 @@ private:
         glides_ = false;
         Changes changes;
         for (bool again = false;; again = true) {
-            for (int k = 0; k < motion_.island.group.count; ++k)
-                motion_.contacts.pairs.forget_points_of(motion_.island.group.id[k]);
-            if (solver().solve(motion_.contacts.loads, motion_.contacts.forces, motion_.contacts.solution, changes) ==
-                Touch::nothing)
-                return false;
+            if (solve(changes, false) == Touch::nothing) return false;
             if (motion_.contacts.solution.stands) return true;
-            if (tremble(changes)) {
+            if (halvings_ == 0 && tremble(changes)) {
                 hold();
                 return true;
             }
@@ -127,7 +205,7 @@ private:
                 return true;
             }
             for (int k = 0; k < motion_.island.group.count; ++k) push(k, nullptr);
-            find_others(changes, again);
+            find_others(changes, again || halvings_ > 0);
             if (again || !come_nearer()) return true;
             motion_.restore(start);
         }
@@ -141,6 +219,7 @@ private:
             if (start != nullptr)
                 motion_.contacts.loads.rescale(b, motion_.bodies.parts.halvings[b] - start->halvings(k));
         const auto change = [&](auto force, auto of_load) {
+            if (halvings_ > 0) of_load = N::part(of_load, N::fraction(part_));
             if (motion_.mover.coasting == Coasting::end) of_load = {};
             else if (motion_.mover.coasting == Coasting::mean) of_load = N::half(of_load);
             return start == nullptr ? force + of_load : -of_load;
@@ -161,6 +240,7 @@ private:
     // True where pairs without points come to each other with these velocities. Finds their points.
     [[nodiscard]] bool come_nearer() {
         bool any = false;
+        note_ways();
         motion_.contacts.pairs.for_each(motion_.island, [&](Pair& pair) {
             if (pair.count > 0) return;
             const Length closing = closing_of(pair);
@@ -170,16 +250,34 @@ private:
         });
         return any;
     }
-    // By how much the bodies of a pair come closer in a step at most, but for loads.
-    [[nodiscard]] Length closing_of(const Pair& pair) const {
+    // How far a body goes in a step, but for loads: its centre, and its surface by the spin at most.
+    struct Way {
+        Vec3<Length> drift;
+        Length turn;
+    };
+    [[nodiscard]] Way way_of(int b) const {
         const NarrowPhase& shapes = motion_.contacts.shapes;
-        Vec3<Length> drift = shapes.drift(motion_.bodies, pair.a);
-        Length turn = shapes.way_of_turn(motion_.bodies, pair.a);
-        if (pair.moves_b() || pair.surface_moves) {
-            drift -= shapes.drift(motion_.bodies, pair.b);
-            turn += shapes.way_of_turn(motion_.bodies, pair.b);
+        return {shapes.drift(motion_.bodies, b), shapes.way_of_turn(motion_.bodies, b)};
+    }
+    // Call where the velocities have changed.
+    void note_ways() {
+        for (int k = 0; k < motion_.island.group.count; ++k) {
+            const int b = motion_.island.group.id[k];
+            way_[b] = way_of(b);
         }
-        return turn - narrow<Length>(dot(pair.normal, drift));
+    }
+    // By how much the bodies of a pair come closer in this part at most, but for loads.
+    [[nodiscard]] Length closing_of(const Pair& pair) const {
+        Way way = way_[pair.a];
+        const auto subtract = [&](const Way& of_b) {
+            way.drift -= of_b.drift;
+            way.turn += of_b.turn;
+        };
+        if (pair.moves_b()) subtract(way_[pair.b]);
+        else if (pair.surface_moves) subtract(way_of(pair.b));
+        Length closing = way.turn - narrow<Length>(dot(pair.normal, way.drift));
+        for (int i = 0; i < halvings_; ++i) closing = C::half(closing);
+        return closing;
     }
     // Finds the points that may touch within the step. Something may push one of two bodies that fall alike. Bodies
     // that slide onto another over a seam do not come to its side.
@@ -202,7 +300,10 @@ private:
     }
 
     Motion motion_;
-    bool glides_ = false;  // the forces of contacts act as the loads do
+    Way way_[features.bodies];
+    int halvings_ = 0;        // the part of the step that is flown is 2^-halvings of it
+    Work part_{1}, from_{0};  // it, and where in the step it begins
+    bool glides_ = false;     // the forces of contacts act as the loads do
 };
 
 }  // namespace tumble

@@ -27,6 +27,8 @@ inline constexpr int bounded_visits = 800;
 inline constexpr int least_bounded_sweeps = 16;
 // Sweeps of a bounded step in which only faces touch.
 inline constexpr int face_sweeps = 24;
+// Halvings of a bounded step in which bodies would come deep into each other.
+inline constexpr int most_halvings = 2;
 // Sweeps of a bounded step that correct overlaps.
 inline constexpr int bounded_corrections = 4;
 // Sweeps over the points of an impact, and for a motion that corrects penetrations: neither has a warm start.

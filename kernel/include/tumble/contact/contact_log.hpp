@@ -75,6 +75,20 @@ public:
             if (Entry* entry = find(pair.key())) entry->clear_impulses();
         });
     }
+    // The step of the island is taken anew: what it has logged so far is no part of it.
+    void restart_island(const PairList& pairs, const Island& island) {
+        pairs.for_each(island, [&](const Pair& pair) {
+            Entry* const entry = find(pair.key());
+            if (entry == nullptr) return;
+            if (entry->touched) {
+                entry->clear_impulses();
+                entry->hit_speed = Work(0);
+            } else {
+                --count_;
+                for (int i = static_cast<int>(entry - entry_.begin()); i < count_; ++i) entry_[i] = entry_[i + 1];
+            }
+        });
+    }
     // Adds `share` of the impulses of the points that take part in the present solution. The bodies must be where it
     // was found. Returns the entry; null where there is no impulse.
     Entry* add(const Pair& pair, const NarrowPhase& shapes, Bodies& bodies, Work share) {

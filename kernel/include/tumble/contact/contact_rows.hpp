@@ -241,6 +241,18 @@ public:
             return sweep_blocks([&](Pair& pair, Point& point) { return normal_block(pair, point); }, until,
                                 with_momentum, true);
     }
+    // Visits once more the points on what nothing pushes, so that what sweeps leave is between bodies.
+    void sweep_surfaces(bool smooth) requires(features.bounded_steps) {
+        Speed most{};
+        const auto block_of = [&](Pair& pair, Point& point) {
+            return smooth ? normal_block(pair, point) : block(pair, point);
+        };
+        pairs_.for_each(island_, [&](Pair& pair) {
+            if (!pair.moves_b() && pair.gap + shapes_.tolerance() < Length{})
+                for_each_block(
+                    pair, [&](const auto& block) { Sweep::visit(block, most); }, block_of, smooth);
+        });
+    }
     // Applies the impulses of all points that take part.
     void push_all() {
         pairs_.for_each_active(island_, [&](Pair& pair, Point& point) { Sweep::push(block(pair, point)); });
@@ -381,7 +393,9 @@ private:
             return Sweep::run(
                 [&](auto&& f) {
                     if constexpr (Pair::has_faces)
-                        if (faces_) return for_each_face(f, block_of, smooth);
+                        if (faces_)
+                            return pairs_.for_each(island_,
+                                                   [&](Pair& pair) { for_each_block(pair, f, block_of, smooth); });
                     pairs_.for_each_active(island_, [&](Pair& pair, Point& point) { f(block_of(pair, point)); });
                 },
                 ForEachVelocity{velocities_, island_}, until.enough, velocities_.scale.enough_in_impact(), left,
@@ -389,11 +403,11 @@ private:
         });
     }
     template <class F, class Block>
-    void for_each_face(F&& f, Block&& block_of, bool smooth) requires(Pair::has_faces) {
-        pairs_.for_each(island_, [&](Pair& pair) {
-            if (pair.count > 0 && pair.face.whole) return f(face_block(pair, smooth));
-            for (int i = 0; i < pair.count; ++i) f(block_of(pair, pair.point[i]));
-        });
+    void for_each_block(Pair& pair, F&& f, Block&& block_of, bool smooth) requires(features.bounded_steps) {
+        if constexpr (Pair::has_faces)
+            if (faces_ && pair.count > 0 && pair.face.whole) return f(face_block(pair, smooth));
+        for (int i = 0; i < pair.count; ++i)
+            if (pair.point[i].active) f(block_of(pair, pair.point[i]));
     }
     // Of one body on one surface, or on smooth ones, impulses that change no velocity only shift among its points. On
     // several rough ones the friction of each works against the normals of others: their impulses rise together, and

@@ -49,7 +49,7 @@ public:
     // together, as on a lift. Those on single points are left to sweeps, which solve them at once. `stands`: only where
     // all bodies stand.
     bool solve([[maybe_unused]] bool stands = false) {
-        if constexpr (features.control) must_stand_ = stands;
+        if constexpr (may_ask) must_stand_ = stands;
         const bool may = find_carrying(), still = !surface_moves_ && is_slow([](int) { return true; }),
                    known = may && still && pairs_.are_balanced(island_);
         bool found = known;
@@ -75,6 +75,8 @@ public:
 
 private:
     static constexpr int bodies = features.bodies;
+    // solve() may be asked for islands that stand alone.
+    static constexpr bool may_ask = features.control || features.bounded_steps;
 
     // Whether all bodies are slow at the start of the step. motion(b) is what counts of a body's velocity, and
     // Bounds::still() has the limit.
@@ -114,7 +116,7 @@ private:
         return is_bounded() ? velocities_.scale.enough_at_rest() : Bounds::slack(velocities_.scale.rounding());
     }
     [[nodiscard]] bool must_stand() const {
-        if constexpr (features.control) return must_stand_;
+        if constexpr (may_ask) return must_stand_;
         else return false;
     }
     [[nodiscard]] static Vec3<Speed> zero() { return Vec3<Speed>::Constant(Speed{}); }

@@ -18,6 +18,7 @@ struct Flight {
     Portion<typename N::Work> portion{false, typename N::Work(0)};  // length 0: the bodies stay where they are
     // When in the step it begins, as a part of it. Kinematic bodies move along.
     [[no_unique_address]] If<features.kinematic, typename N::Work, 0> from{};
+    [[no_unique_address]] If<features.kinematic, bool, 1> places{};  // with length 0: puts them where they are then
 };
 
 template <class N, Features features>
