@@ -16,6 +16,7 @@ struct Features {
     int bodies = 1;                   // room for bodies, fixed ones included; 0: the world only counts its steps
     int planes = 0;                   // room for planes
     int springs = 0;                  // room for springs
+    int joints = 0;                   // room for joints; needs rotation, and no planes or pairs yet
     int near_pairs = 0;               // room for pairs that are near each other at one time; 0: the usual room
     bool rotation = true;             // bodies rotate; if false, all of them are point masses
     bool point_masses = false;        // some bodies may be point masses, which do not rotate
@@ -57,6 +58,7 @@ struct Features {
         f("bodies", &Features::bodies);
         f("planes", &Features::planes);
         f("springs", &Features::springs);
+        f("joints", &Features::joints);
         f("near_pairs", &Features::near_pairs);
         f("rotation", &Features::rotation);
         f("point_masses", &Features::point_masses);
@@ -124,6 +126,8 @@ struct Features {
     [[nodiscard]] constexpr bool springs_touch() const { return touches() && contact_springs; }
     // True if a grid finds the bodies that may touch each other. Below, the tables of all pairs take less memory.
     [[nodiscard]] constexpr bool grid() const { return contacts() && pairs && bodies > 64; }
+    // True if joints may tie bodies.
+    [[nodiscard]] constexpr bool has_joints() const { return bodies > 0 && joints > 0; }
     // True if anything other than gravity may push bodies.
     [[nodiscard]] constexpr bool loads() const {
         return bodies > 0 &&

@@ -6,10 +6,11 @@
 namespace tumble {
 
 // What a world keeps in the order of add().
-enum class Thing : std::uint8_t { body, plane, spring };
+enum class Thing : std::uint8_t { body, plane, spring, joint };
 
-// The number of a body, plane or spring in its world. False if add() found no room. The id of a body also holds how
-// often the body of its place had been removed when it was added, so that the id of a removed body names no other.
+// The number of a body, plane, spring or joint in its world. False if add() found no room. The id of a body or a joint
+// also holds how often that of its place had been removed when it was added, so that the id of a removed one names no
+// other.
 template <Thing thing>
 class Id {
 public:
@@ -24,7 +25,7 @@ public:
     [[nodiscard]] constexpr Id operator*() const { return *this; }
     // The place in the order of add(), from 0. -1: the id of nothing.
     [[nodiscard]] constexpr int index() const { return index_; }
-    // How often a body of this place had been removed before, modulo 2^16.
+    // How often a body or a joint of this place had been removed before, modulo 2^16.
     [[nodiscard]] constexpr std::uint16_t generation() const { return generation_; }
     friend constexpr bool operator==(Id, Id) = default;
     // The largest index that an id can hold.
@@ -40,6 +41,8 @@ using BodyId = Id<Thing::body>;
 using PlaneId = Id<Thing::plane>;
 // Of a spring.
 using SpringId = Id<Thing::spring>;
+// Of a joint.
+using JointId = Id<Thing::joint>;
 
 // The place of a body in the order of add(), as springs and timed events name it: an id, or a number from 0. -1: no
 // body.

@@ -1,0 +1,104 @@
+// Joints as they are added to a world. A joint ties a body to another one or to the world and leaves it some directions
+// of motion: rotations about axes and translations along axes. Anchors and axes are given in the world, where the
+// bodies are when the joint is added, so that every joint starts closed.
+#pragma once
+
+#include <tumble/body/setup.hpp>
+
+namespace tumble {
+
+// A rotation about one axis: a door, an elbow, a wheel on its axle.
+struct HingeSpec {
+    BodyIndex body = 0;      // its id, or its number in the order of add()
+    BodyIndex to_body = -1;  // the other body; -1: the world
+    RealVec3 anchor{};       // m, world; a point of the axis
+    RealVec3 axis{0, 0, 1};  // world, from `to_body` to `body`; of any length but zero
+};
+// All rotations about a point: a shoulder, a link of a chain.
+struct BallSpec {
+    BodyIndex body = 0;      // its id, or its number in the order of add()
+    BodyIndex to_body = -1;  // the other body; -1: the world
+    RealVec3 anchor{};       // m, world
+};
+// No motion: two bodies become one, and the force between them can be read.
+struct FixedSpec {
+    BodyIndex body = 0;      // its id, or its number in the order of add()
+    BodyIndex to_body = -1;  // the other body; -1: the world
+    RealVec3 anchor{};       // m, world; force and torque are those at this point
+};
+// A translation along one axis, without rotation: a piston, a drawer, a telescopic leg.
+struct SliderSpec {
+    BodyIndex body = 0;      // its id, or its number in the order of add()
+    BodyIndex to_body = -1;  // the other body; -1: the world
+    RealVec3 anchor{};       // m, world; the point of `body` that stays on the axis
+    RealVec3 axis{1, 0, 0};  // world; of any length but zero; travel along it is positive
+};
+// Rotations about two axes that stay perpendicular, one of each body: a cardan joint.
+struct UniversalSpec {
+    BodyIndex body = 0;         // its id, or its number in the order of add()
+    BodyIndex to_body = -1;     // the other body; -1: the world
+    RealVec3 anchor{};          // m, world; the point where the axes meet
+    RealVec3 axis{1, 0, 0};     // world; fixed in `body`; of any length but zero
+    RealVec3 to_axis{0, 1, 0};  // world; fixed in `to_body`; perpendicular to `axis` to 2^-10 rad
+};
+
+// Why a joint cannot be added: World::fault_of(). The last two depend on what the world holds, and add() then returns
+// the id of nothing. The others are mistakes of the program, and misuse.
+enum class JointFault : std::uint8_t {
+    none,             // it can be added
+    no_such_body,     // an id or a number without a body
+    same_body,        // it ties a body to itself
+    no_moving_body,   // both sides are fixed
+    point_mass,       // a body without rotation
+    zero_axis,        // an axis of length zero
+    axes_not_square,  // the two axes of a universal joint are not perpendicular
+    closes_loop,      // a chain of joints ties the two sides already, two bodies perhaps by another joint
+    no_room,          // Features::joints are there already
+};
+
+// The name of a fault: closes_loop.
+[[nodiscard]] constexpr const char* name_of(JointFault fault) {
+    switch (fault) {
+    case JointFault::none: return "none";
+    case JointFault::no_such_body: return "no_such_body";
+    case JointFault::same_body: return "same_body";
+    case JointFault::no_moving_body: return "no_moving_body";
+    case JointFault::point_mass: return "point_mass";
+    case JointFault::zero_axis: return "zero_axis";
+    case JointFault::axes_not_square: return "axes_not_square";
+    case JointFault::closes_loop: return "closes_loop";
+    default: return "no_room";
+    }
+}
+// True where add() returns the id of nothing in place of ending the program.
+[[nodiscard]] constexpr bool is_refused(JointFault fault) {
+    return fault == JointFault::closes_loop || fault == JointFault::no_room;
+}
+
+namespace detail {
+
+// The axes of a joint in the world, of unit length and perpendicular: two on the side of each body.
+struct JointAxes {
+    RealVec3 of_body[2]{}, of_other[2]{};
+};
+
+// A unit vector across a unit vector: the world's axis that is least along it, less its part along it.
+TUMBLE_COLD [[nodiscard]] constexpr RealVec3 perpendicular_to(const RealVec3& axis) {
+    int least = 0;
+    for (int i = 1; i < 3; ++i)
+        if (abs(axis[i]) < abs(axis[least])) least = i;
+    RealVec3 across = axis * -axis[least];
+    across[least] += Real{1};
+    return normalized(across);
+}
+// The axis and one across it, alike on both sides.
+TUMBLE_COLD [[nodiscard]] constexpr JointAxes axes_about(const RealVec3& axis) {
+    JointAxes axes;
+    axes.of_body[0] = axes.of_other[0] = normalized(axis);
+    axes.of_body[1] = axes.of_other[1] = perpendicular_to(axes.of_body[0]);
+    return axes;
+}
+
+}  // namespace detail
+
+}  // namespace tumble

@@ -1,0 +1,279 @@
+// The numbers of joints. A Unit is a component of an axis, of an arm over a power of two of its length, or of a matrix
+// over powers of two of mass and length: at most 1. What a joint has open, a gap or a rate, is a Unit too, in 2^-bits
+// m. In floating point all of them are plain numbers.
+//
+// Fixed point: gaps and rates are differences of 64-bit sums of the state, so they are exact but for the rounding of
+// axes and arms, 2^-30 of the arm. The solution computes with at most 24 bits of them: the seven bits above leave room
+// for a light link that moves faster than what is open, and a factor that is off by 2^-20 only leaves a smaller gap.
+#pragma once
+
+#include <tumble/body/state.hpp>
+
+namespace tumble {
+
+template <class N>
+struct JointNumbers;
+
+template <class N>
+requires(N::fixed_point) struct JointNumbers<N> {
+    using Unit = typename N::Unit;
+    using Open = std::int64_t;  // before it is held in a Unit
+
+    static constexpr int sum_bits = N::PositionSum::fraction_bits;
+    // Bits of gaps, of rates (m in a step) and of spins (rad in a step), finest first. Larger ones take the others.
+    static constexpr int gap_bits = sum_bits < 34 ? sum_bits : 34, coarse_gap_bits = gap_bits - 12, rate_bits = 36,
+                         coarse_rate_bits = 22, spin_bits = 33, coarse_spin_bits = 27;
+    // The least power of two of arms, m: a Unit of it is at least 2^-gap_bits m.
+    static constexpr int least_log2 = -4, most_log2 = 26;
+    static constexpr int open_bits = 23;  // the magnitude of the largest gap or rate in a solution
+    static constexpr int most_up = 14;    // a gap of one unit counts as that many bits
+
+    [[nodiscard]] TUMBLE_INLINE static Unit down(Unit a, int bits) {
+        if (bits == 0) return a;
+        return bits > 30 ? Unit{0} : Unit{(a.raw + ((1 << bits) >> 1)) >> bits};
+    }
+    // The same where the powers may be the other way round: the arm of a slider is over more than it needs.
+    [[nodiscard]] TUMBLE_INLINE static Unit over(Unit a, int down_bits) {
+        if (down_bits >= 0) [[likely]]
+            return down(a, down_bits);
+        const std::int64_t up =
+            static_cast<std::int64_t>(a.raw) * (std::int64_t{1} << (down_bits < -32 ? 32 : -down_bits));
+        return {static_cast<std::int32_t>(up > INT32_MAX ? INT32_MAX : up < -INT32_MAX ? -INT32_MAX : up)};
+    }
+    // The same with ties to even: a bias of a quarter of a unit would push a free mechanism on and on.
+    [[nodiscard]] TUMBLE_INLINE static Unit down_even(Unit a, int bits) {
+        if (bits == 0) return a;
+        if (bits > 30) return Unit{0};
+        return Unit{(a.raw + ((1 << bits) >> 1) - 1 + ((a.raw >> bits) & 1)) >> bits};
+    }
+    // a 2^up, as bits of a sum; below: rounded down where up is negative.
+    [[nodiscard]] TUMBLE_INLINE static std::int64_t raised(std::int32_t a, int up) {
+        if (up >= 0 && up <= 30) [[likely]]
+            return detail::multiply(a, std::int32_t{1} << up);
+        return N::shifted(a, up);
+    }
+    [[nodiscard]] TUMBLE_INLINE static std::int64_t lowered(std::int64_t a, int down) {
+        if (down >= 0) [[likely]]
+            return a >> (down > 63 ? 63 : down);
+        return down < -63 ? 0 : static_cast<std::int64_t>(static_cast<std::uint64_t>(a) << -down);
+    }
+    // Of two places, own less other.
+    template <int bits>
+    [[nodiscard]] TUMBLE_INLINE static Open apart(const auto& own, const auto& other) {
+        return lowered((own.sum() - other.sum()).raw, sum_bits - bits);
+    }
+    // Of two drifts, m in a step. Below: of one.
+    [[nodiscard]] TUMBLE_INLINE static Open drift_apart(const auto& own, const auto& other, typename N::Scale scale,
+                                                        int bits) {
+        return lowered((own.sum() - other.sum()).raw, sum_bits + scale.drift_shift - bits);
+    }
+    [[nodiscard]] TUMBLE_INLINE static Open drift(const auto& own, typename N::Scale scale, int bits) {
+        return lowered(own.sum().raw, sum_bits + scale.drift_shift - bits);
+    }
+    // An arm over 2^log2 m.
+    template <int bits>
+    [[nodiscard]] TUMBLE_INLINE static Open arm(Unit a, int log2) {
+        const int up = bits - Unit::fraction_bits + log2;
+        if constexpr (bits - Unit::fraction_bits + least_log2 >= 0 && bits - Unit::fraction_bits + most_log2 <= 30)
+            return detail::multiply(a.raw, std::int32_t{1} << up);
+        else return up >= 0 ? raised(a.raw, up) : a.raw >> (up < -31 ? 31 : -up);
+    }
+    // A turn, rad, times 2^log2 m.
+    template <int bits>
+    [[nodiscard]] TUMBLE_INLINE static Open lean(Unit a, int log2) {
+        const int up = bits - Unit::fraction_bits + log2;
+        return up >= 0 ? raised(a.raw, up) : a.raw >> (up < -31 ? 31 : -up);
+    }
+    // Component i of spin x arm, the spin in 2^-of_spin.
+    template <int i>
+    [[nodiscard]] TUMBLE_INLINE static Open swept(const auto& spin, const auto& arm, int log2, int of_spin, int bits) {
+        return lowered(cross_component<i>(spin, arm).raw, of_spin + Unit::fraction_bits - log2 - bits);
+    }
+    // A spin in 2^-of_spin, times 2^log2 m.
+    [[nodiscard]] TUMBLE_INLINE static Open turned(Unit spin, int log2, int of_spin, int bits) {
+        return lowered(spin.raw, of_spin - log2 - bits);
+    }
+    // What is open as a Unit. Clears `fits` where it is held.
+    [[nodiscard]] TUMBLE_INLINE static Unit held(Open a, bool& fits) {
+        constexpr std::int32_t most = 0x3fffffff;
+        if (a <= most && a >= -most) [[likely]]
+            return {static_cast<std::int32_t>(a)};
+        fits = false;
+        return {a < 0 ? -most : most};
+    }
+    // The same at half of it, so that a difference of two turned vectors holds.
+    [[nodiscard]] TUMBLE_INLINE static Unit held_half(Open a, bool& fits) {
+        constexpr std::int32_t most = 0x1fffffff;
+        if (a <= most && a >= -most) [[likely]]
+            return {static_cast<std::int32_t>(a)};
+        fits = false;
+        return {a < 0 ? -most : most};
+    }
+    // The shift that brings the largest to its bits.
+    [[nodiscard]] static int up_for(Unit largest) {
+        const int up = open_bits - static_cast<int>(std::bit_width(static_cast<std::uint32_t>(largest.raw)));
+        return up > most_up ? most_up : up;
+    }
+    [[nodiscard]] TUMBLE_INLINE static Unit shifted(Unit a, int up) {
+        return up >= 0 ? Unit{static_cast<std::int32_t>(static_cast<std::uint32_t>(a.raw) << up)} : down(a, -up);
+    }
+
+    // 1 / sqrt(d), as a factor.
+    struct Root {
+        std::int32_t mantissa;
+        int down;
+        [[nodiscard]] TUMBLE_INLINE Unit operator()(Unit a) const {
+            return {detail::scaled_product(a.raw, mantissa, down)};
+        }
+    };
+    // d is rounded: a moment too small for the matrix counts as its unit.
+    [[nodiscard]] static Root inverse_root(Unit d) {
+        const auto root = detail::inverse_root(static_cast<std::uint64_t>(d.raw > 0 ? d.raw : 1));
+        const int down = -(root.exponent + Unit::fraction_bits / 2);
+        return {root.raw, down < 0 ? 0 : down};
+    }
+    // A factor of any size.
+    struct Factor {
+        std::int32_t mantissa;
+        std::int8_t log2;
+        [[nodiscard]] static Factor of(Real value) {
+            const int log2 = value.ceil_log2_bound();
+            return {static_cast<std::int32_t>((value * Real::scaled(1, -log2)).to_fixed(Unit::fraction_bits)),
+                    static_cast<std::int8_t>(log2)};
+        }
+        [[nodiscard]] TUMBLE_INLINE Unit operator()(Unit a) const {
+            const int down = Unit::fraction_bits - log2;
+            return {detail::scaled_product(a.raw, mantissa, down < 0 ? 0 : down)};
+        }
+    };
+    // The angle in a step of a turn, in 2^-of_spin rad.
+    [[nodiscard]] TUMBLE_INLINE static Open angle(typename N::Turn t, Factor to_angle, typename N::Scale scale,
+                                                  int of_spin) {
+        const int down = 32 + scale.turn_shift + Unit::fraction_bits - to_angle.log2 - of_spin;
+        return lowered(detail::multiply(t.raw, to_angle.mantissa), down);
+    }
+    // Sums of the state by a change in 2^-bits m, and by a change of the angle in 2^-bits rad over 2^log2.
+    [[nodiscard]] TUMBLE_INLINE static typename N::DriftSum drift_sum(Unit a, typename N::Scale scale, int bits) {
+        return {raised(a.raw, sum_bits + scale.drift_shift - bits)};
+    }
+    [[nodiscard]] TUMBLE_INLINE static typename N::PositionSum position_sum(Unit a, int bits) {
+        return {raised(a.raw, sum_bits - bits)};
+    }
+    [[nodiscard]] TUMBLE_INLINE static typename N::TurnSum turn_sum(Unit angle, Unit to_turn, typename N::Scale scale,
+                                                                    int log2, int bits) {
+        const std::int64_t product = detail::multiply(angle.raw, to_turn.raw);
+        const int down = bits + log2 + Unit::fraction_bits - 64 - scale.turn_shift;
+        return {down > 0 ? lowered(product, down) : N::shifted(product, -down)};
+    }
+    // Half of an angle in 2^-bits over 2^log2, held below half a radian.
+    [[nodiscard]] static typename N::Angle half_angle(Unit angle, int log2, int bits) {
+        constexpr std::int64_t most = std::int64_t{1} << 30;
+        const std::int64_t half = raised(angle.raw, 31 - bits - log2);
+        return {static_cast<std::int32_t>(half > most ? most : half < -most ? -most : half)};
+    }
+    // An arm of the set-up, over 2^log2.
+    [[nodiscard]] static constexpr Unit unit(Real a, int log2) {
+        return N::template constant<Unit>(a * Real::scaled(1, -log2));
+    }
+    [[nodiscard]] static constexpr int log2_of(Real length) {
+        return detail::clamp(length.ceil_log2_bound(), least_log2, most_log2);
+    }
+    // The power of two, m, above a gap in 2^-bits m.
+    [[nodiscard]] static int log2_of(Open gap, int bits) {
+        const int log2 = static_cast<int>(std::bit_width(static_cast<std::uint64_t>(gap < 0 ? -gap : gap))) - bits;
+        return detail::clamp(log2, least_log2, most_log2 - 2);
+    }
+    // A gap in 2^-bits m as an arm over 2^log2 m.
+    [[nodiscard]] static Unit unit_of(Open gap, int log2, int bits) {
+        return {static_cast<std::int32_t>(lowered(gap, bits + log2 - Unit::fraction_bits))};
+    }
+    // A joint is closed where no component of its gap is larger: three units of the largest arm, which is what the
+    // rounding of axes and of arms leaves of a gap. Arms of up to 2 m count as 1 m. Without carry it is the rounding of
+    // two places.
+    [[nodiscard]] static Unit enough(int log2, const auto&...) {
+        constexpr int of_arms = gap_bits - Unit::fraction_bits, of_places = gap_bits - N::Position::fraction_bits;
+        int up = (log2 > 1 ? log2 - 1 : 0) + (of_arms > 0 ? of_arms : 0);
+        if (!N::carry && of_places > up) up = of_places;
+        return {std::int32_t{3} << (up > 28 ? 28 : up)};
+    }
+};
+
+template <class N>
+requires(!N::fixed_point) struct JointNumbers<N> {
+    using Unit = typename N::Unit;
+    using Open = Unit;
+
+    static constexpr int gap_bits = 0, coarse_gap_bits = 0, rate_bits = 0, coarse_rate_bits = 0, spin_bits = 0,
+                         coarse_spin_bits = 0, least_log2 = 0;
+
+    [[nodiscard]] TUMBLE_INLINE static Unit down(Unit a, int) { return a; }
+    [[nodiscard]] TUMBLE_INLINE static Unit over(Unit a, int) { return a; }
+    [[nodiscard]] TUMBLE_INLINE static Unit down_even(Unit a, int) { return a; }
+    // With what the sums have left over.
+    template <int>
+    [[nodiscard]] TUMBLE_INLINE static Open apart(const auto& own, const auto& other) {
+        const Unit apart = own.value() - other.value();
+        if constexpr (N::carry) return apart + (own.residual() - other.residual());
+        else return apart;
+    }
+    [[nodiscard]] TUMBLE_INLINE static Open drift_apart(const auto& own, const auto& other, typename N::Scale, int) {
+        return apart<0>(own, other);
+    }
+    [[nodiscard]] TUMBLE_INLINE static Open drift(const auto& own, typename N::Scale, int) { return own.value(); }
+    template <int>
+    [[nodiscard]] TUMBLE_INLINE static Open arm(Unit a, int) {
+        return a;
+    }
+    template <int>
+    [[nodiscard]] TUMBLE_INLINE static Open lean(Unit a, int) {
+        return a;
+    }
+    template <int i>
+    [[nodiscard]] TUMBLE_INLINE static Open swept(const auto& spin, const auto& arm, int, int, int) {
+        return cross_component<i>(spin, arm);
+    }
+    [[nodiscard]] TUMBLE_INLINE static Open turned(Unit spin, int, int, int) { return spin; }
+    [[nodiscard]] TUMBLE_INLINE static Unit held(Open a, bool&) { return a; }
+    [[nodiscard]] TUMBLE_INLINE static Unit held_half(Open a, bool&) { return a; }
+    [[nodiscard]] static int up_for(Unit) { return 0; }
+    [[nodiscard]] TUMBLE_INLINE static Unit shifted(Unit a, int) { return a; }
+
+    struct Root {
+        Unit inverse;
+        [[nodiscard]] TUMBLE_INLINE Unit operator()(Unit a) const { return a * inverse; }
+    };
+    [[nodiscard]] static Root inverse_root(Unit d) { return {Unit(1) / sqrt(d)}; }
+    struct Factor {
+        Unit value;
+        [[nodiscard]] static Factor of(Real real) { return {N::template constant<Unit>(real)}; }
+        [[nodiscard]] TUMBLE_INLINE Unit operator()(Unit a) const { return a * value; }
+    };
+    [[nodiscard]] TUMBLE_INLINE static Open angle(Unit t, Factor to_angle, typename N::Scale, int) {
+        return t * to_angle.value;
+    }
+    [[nodiscard]] TUMBLE_INLINE static Unit drift_sum(Unit a, typename N::Scale, int) { return a; }
+    [[nodiscard]] TUMBLE_INLINE static Unit position_sum(Unit a, int) { return a; }
+    [[nodiscard]] TUMBLE_INLINE static Unit turn_sum(Unit angle, Unit to_turn, typename N::Scale, int, int) {
+        return angle * to_turn;
+    }
+    [[nodiscard]] static Unit half_angle(Unit angle, int, int) {
+        const Unit half = angle * Unit(0.5);
+        return half > Unit(0.25) ? Unit(0.25) : half < Unit(-0.25) ? Unit(-0.25) : half;
+    }
+    [[nodiscard]] static constexpr Unit unit(Real a, int) { return N::template constant<Unit>(a); }
+    [[nodiscard]] static constexpr int log2_of(Real) { return 0; }
+    [[nodiscard]] static int log2_of(Open, int) { return 0; }
+    [[nodiscard]] static Unit unit_of(Open gap, int, int) { return gap; }
+    // Some roundings of the largest of the places and arms that a gap is the difference of, at least those of 1 m: in
+    // double 2^-40, which costs no correction more than 2^-46 would save.
+    [[nodiscard]] static Unit enough(int, const auto&... vectors) {
+        Unit size(1);
+        const auto take = [&](const auto& v) {
+            for (int i = 0; i < 3; ++i) size = larger_of(size, magnitude_of(v[i]));
+        };
+        (take(vectors), ...);
+        return size * (sizeof(Unit) == 4 ? Unit(3e-7) : Unit(1e-12));
+    }
+};
+
+}  // namespace tumble

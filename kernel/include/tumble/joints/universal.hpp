@@ -1,0 +1,38 @@
+// A universal joint: rotations about an axis of each body. The two axes stay perpendicular.
+#pragma once
+
+#include <tumble/joints/joint.hpp>
+
+namespace tumble::joints {
+
+struct Universal {
+    using Spec = UniversalSpec;
+    static constexpr const char* name = "universal";
+    static constexpr int turns = 2, slides = 0, axes = 1;
+
+    // The other's axis less its part along the body's. The second axes show the angles: each is the first of the other.
+    TUMBLE_COLD [[nodiscard]] static constexpr detail::JointAxes axes_of(const Spec& spec) {
+        detail::JointAxes axes;
+        const RealVec3 own = normalized(spec.axis), other = normalized(spec.to_axis);
+        axes.of_body[0] = axes.of_other[1] = own;
+        axes.of_other[0] = axes.of_body[1] = normalized(other - own * dot(own, other));
+        return axes;
+    }
+    TUMBLE_COLD [[nodiscard]] static constexpr JointFault fault_of(const Spec& spec) {
+        if (spec.axis.is_zero() || spec.to_axis.is_zero()) return JointFault::zero_axis;
+        const Real cosine = dot(normalized(spec.axis), normalized(spec.to_axis));
+        return abs(cosine) > Real::scaled(1, -10) ? JointFault::axes_not_square : JointFault::none;
+    }
+    template <class View>
+    [[nodiscard]] TUMBLE_INLINE static auto turn(const View& at, int i) {
+        return i == 0 ? at.own(0) : at.other(0);
+    }
+    // About the normal n = a x b of both axes: -(a . b) n takes the body's axis a by -(a . b) n x a, which is -(a . b)
+    // b to first order.
+    template <class View>
+    [[nodiscard]] TUMBLE_INLINE static auto lean(const View& at) {
+        return at.less_cosine_times(at.own(0), at.other(0), at.across(at.own(0), at.other(0)));
+    }
+};
+
+}  // namespace tumble::joints
