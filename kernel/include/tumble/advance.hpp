@@ -6,6 +6,7 @@
 #include <tumble/events/snapshot.hpp>
 #include <tumble/events/wrench.hpp>
 #include <tumble/integrators/verlet.hpp>
+#include <tumble/joints/hold.hpp>
 #include <tumble/loads/load_set.hpp>
 #include <tumble/solver/marks.hpp>
 
@@ -22,7 +23,7 @@ public:
     static constexpr Features features = S::features;
     static constexpr bool has_loads = detail::has_loads<S>, rotation = features.rotation,
                           has_own_loads = detail::OwnLoads<S>::List::count > 0,
-                          has_wrenches = features.control && features.bodies > 0;
+                          has_wrenches = features.control && features.bodies > 0, has_joints = features.has_joints();
     static constexpr bool keeps_kicks = has_loads && requires { Integrator::keeps_kick; };
     static constexpr Spin spin = rotation ? Integrator::spin : Spin::none;
     using State = BodyState<N, spin>;
@@ -34,6 +35,7 @@ public:
     using BodyGroup = tumble::BodyGroup<features.bodies>;
     using Loads = LoadSet<N, spin, features, typename detail::OwnLoads<S>::List>;
     using Portion = tumble::Portion<Work>;
+    using Joints = JointForest<N, features>;
     static constexpr bool may_couple = [] {
         if constexpr (has_loads) return Loads::may_couple;
         else return false;
@@ -81,6 +83,7 @@ public:
         bodies.remove(b);
         if constexpr (has_loads) loads.remove(b, bodies);
         if constexpr (has_wrenches) wrenches.forget(b);
+        if constexpr (has_joints) joints.remove_from(b, bodies);
     }
     // Adds a spring; false when there is no room.
     constexpr bool add(const SpringSpec& spec) requires(features.springs > 0) {
@@ -94,15 +97,17 @@ public:
             for (int b = 0; b < self.bodies.count; ++b) to(self.inertia_[b]);
         if constexpr (has_wrenches) to(self.wrenches, self.gravity_);
         if constexpr (has_loads) Loads::archive(self.loads, to);
+        if constexpr (has_joints) Joints::archive(self.joints, to);
         if constexpr (Archive::reads) self.disturb();
         if constexpr (keeps_kicks && Loads::may_depend_on_velocity)
             for (int b = 0; b < self.bodies.count; ++b)
                 KeptKick<N, rotation>::archive(self.kept_.of_body[b], to, self.kept_.disturbances);
     }
-    // Adds gravity to the digest of a scene, where no event changes it.
+    // Adds gravity to the digest of a scene, where no event changes it, and the joints.
     void add_to([[maybe_unused]] detail::Digest& digest) const {
         if constexpr (!has_wrenches)
             for (const DriftSum& fall : gravity_) digest.add_number(fall);
+        if constexpr (has_joints) joints.add_to(digest);
     }
     // Call after every change of what loads depend on, unless a step made it. It voids the kicks that were kept.
     TUMBLE_INLINE constexpr void disturb() {
@@ -213,6 +218,32 @@ public:
         if (moved_in_parts(group, info, Work(1))) forget_kicks(group);
         else over(group, info, gravity_, Work(1), true);
         check_range(group);
+    }
+    // True of a body in a tree of joints.
+    [[nodiscard]] TUMBLE_INLINE bool is_jointed([[maybe_unused]] int b) const {
+        if constexpr (has_joints) return joints.is_jointed(b);
+        else return false;
+    }
+    // A step of the trees of joints, and of the bodies that loads couple. Trees that have one of these step with them.
+    void step_trees(BodyGroup& coupled, const StepInfo<N>& info) requires has_joints {
+        typename Hold::Trees together;
+        for (int t = 0; t < joints.tree_count(); ++t) {
+            const JointTreeState& tree = joints.tree(t);
+            BodyGroup group;
+            bool is_apart = true;
+            for (int i = tree.first; i < tree.last; ++i) {
+                group.add(joints.nodes()[i].body);
+                is_apart = is_apart && !is_coupled(joints.nodes()[i].body);
+            }
+            if (is_apart) {
+                hold(typename Hold::Trees{t}, group, info);
+                continue;
+            }
+            together.add(t);
+            for (int i = tree.first; i < tree.last; ++i) coupled.add_once(joints.nodes()[i].body);
+        }
+        if (together.count > 0) hold(together, coupled, info);
+        else if (has_loads && coupled.count > 0) group(coupled, info);
     }
     // A portion of a step, of bodies that are not fixed. It does not check their range. Contacts may change the motion
     // after it.
@@ -533,6 +564,15 @@ private:
             }
             for (; halvings < most; ++halvings) part = 2 * part + 1;
         }
+    }
+
+    using Hold = JointHold<Bodies, features>;
+    // A step of trees, with all bodies that step together.
+    [[gnu::noinline]] void hold(const typename Hold::Trees& trees, const BodyGroup& group,
+                                const StepInfo<N>& info) requires has_joints {
+        Hold{joints, bodies, trees}.step(
+            group, [&] { portion(group, info, Portion{}); }, [&](int b) { spin_changed(b); });
+        check_range(group);
     }
 
     using Inertia = typename Integrator::template Inertia<N>;
@@ -945,6 +985,7 @@ private:
 public:
     [[no_unique_address]] If<has_loads, Loads, 0> loads;
     [[no_unique_address]] If<has_wrenches, Wrenches<N, rotation, features.bodies>, 6> wrenches;
+    [[no_unique_address]] If<has_joints, Joints, 14> joints;
 };
 
 }  // namespace tumble

@@ -17,11 +17,14 @@ enum class Issue : std::uint8_t {
     // impacts than it resolves, and left out a bounce faster than loads change a speed in a step: set
     // restitution_threshold. Or the forces between touching bodies were not found, so that one sinks into another, as
     // below a body that is 1000 times as heavy: make the masses more equal. Or these forces leave a face turning, so
-    // that a tall stack leans and walks off sideways: take a smaller step. The state is usable but less accurate.
+    // that a tall stack leans and walks off sideways: take a smaller step. Or joints did not close in a step, which was
+    // projected and lost energy: take a smaller step. The state is usable but less accurate.
     step_bound_hit = 2,
     // More pairs near each other than the scene has room for; some bodies pass through others. Raise near_pairs.
     contacts_full = 4,
-    // add() was called on a full world; nothing was added. Raise the capacity in the scene.
+    // add() was called on a full world, or with a joint that closes a loop; nothing was added. Raise the capacity in
+    // the
+    // scene, or ask World::fault_of().
     world_full = 8,
     // The step is too long and adds energy: for a spring, a damper or drag when it was added, for contacts by springs,
     // or for two bodies that attract each other. Take a smaller step; for contacts by springs at most
@@ -31,10 +34,15 @@ enum class Issue : std::uint8_t {
     // over is resolved at the start of the next step; bodies overlap until then. Or a bounded step of many bodies ended
     // with an overlap that one step does not correct: take a smaller step.
     left_over = 32,
+    // A joint stayed open: poses were set that do not fit it, or a step was too long by far. Set the poses of all
+    // bodies
+    // of a mechanism before the next step, or take a smaller step.
+    joint_open = 64,
 };
 // All issues, in the order of their bits.
 inline constexpr Issue all_issues[] = {Issue::range_left, Issue::step_bound_hit, Issue::contacts_full,
-                                       Issue::world_full, Issue::step_too_long,  Issue::left_over};
+                                       Issue::world_full, Issue::step_too_long,  Issue::left_over,
+                                       Issue::joint_open};
 
 // The name as the command and its rows print it: range_left.
 [[nodiscard]] constexpr const char* name_of(Issue issue) {
@@ -44,6 +52,7 @@ inline constexpr Issue all_issues[] = {Issue::range_left, Issue::step_bound_hit,
     case Issue::contacts_full: return "contacts_full";
     case Issue::step_too_long: return "step_too_long";
     case Issue::left_over: return "left_over";
+    case Issue::joint_open: return "joint_open";
     default: return "world_full";
     }
 }

@@ -1,0 +1,430 @@
+// The joints of a world and the trees that they make of its bodies. The order of a tree follows from the places of its
+// bodies alone: the order in which joints are added changes no bit.
+#pragma once
+
+#include <tumble/body/bodies.hpp>
+#include <tumble/body/stage.hpp>
+#include <tumble/joints/tree.hpp>
+
+namespace tumble {
+
+// A joint as a world keeps it.
+template <class N>
+struct JointRecord {
+    struct Side {
+        std::int16_t body = -1;                         // -1: the world
+        std::int8_t arm_log2 = 0;                       // m
+        StoredVec3<typename N::Unit> arm{}, axis[2]{};  // to the anchor, principal axes; axes of the kind
+    };
+    Side side[2];                                      // of `body` and of `to_body`
+    IntegratedVec3<N, typename N::Position> anchor{};  // in the world, where it is the other side
+    std::uint8_t kind = 0;
+    bool is_there = false;
+    std::uint16_t generation = 0;  // removals of a joint of this place, modulo 2^16
+};
+
+// The bodies of a tree, and what the next step has to do before it begins.
+struct JointTreeState {
+    std::int16_t first = 0, last = 0;  // nodes
+    bool is_factored = false;          // the factor is that of the present poses
+    bool is_disturbed = false;         // something other than a step has changed a velocity
+    bool is_moved = false;             // something other than a step has changed a pose
+    std::int8_t corrections = 0;       // of the last step
+};
+
+template <class N, Features features>
+class JointForest {
+public:
+    using J = JointNumbers<N>;
+    using Unit = typename N::Unit;
+    using Record = JointRecord<N>;
+    using Node = JointNode<N>;
+    using Kicks = Kick<N>;
+    static constexpr int room = features.joints;
+    static constexpr int most_nodes = features.bodies < 2 * room ? features.bodies : 2 * room;
+    static constexpr int most_trees = room < most_nodes ? room : most_nodes;
+    // A free root has six directions; each of `used` joints leaves a tree less.
+    static constexpr int most_directions = [] {
+        int most = 0;
+        for (int used = 0; used <= room; ++used) {
+            const int roots = most_nodes - used < used ? (most_nodes > used ? most_nodes - used : 0) : used;
+            const int directions = used * JointKinds::most_directions + 6 * roots;
+            if (directions > most) most = directions;
+        }
+        return most;
+    }();
+
+    // Of a spec that JointKinds has. `is_body`: of a place in the world.
+    template <class Spec>
+    [[nodiscard]] constexpr JointFault fault_of(const Spec& spec, const auto& bodies, const auto& is_body) const {
+        const int a = spec.body, b = spec.to_body;
+        if (!is_body(a) || b < -1 || (b >= 0 && !is_body(b))) return JointFault::no_such_body;
+        if (a == b) return JointFault::same_body;
+        if (is_base(bodies, a) && is_base(bodies, b)) return JointFault::no_moving_body;
+        if (!bodies.rotates(a) || (b >= 0 && !bodies.rotates(b))) return JointFault::point_mass;
+        if (const JointFault fault = JointKinds::Of<Spec>::fault_of(spec); fault != JointFault::none) return fault;
+        if (is_tied(bodies, a, b)) return JointFault::closes_loop;
+        return first_vacant() < room ? JointFault::none : JointFault::no_room;
+    }
+    // Adds a joint that has no fault; returns its place.
+    template <class Spec>
+    TUMBLE_COLD int add(const Spec& spec, const auto& bodies) {
+        using Kind = typename JointKinds::Of<Spec>;
+        const int place = first_vacant();
+        Record& joint = record_[place];
+        const std::uint16_t generation = joint.generation;
+        joint = {};
+        joint.generation = generation;
+        joint.is_there = true;
+        joint.kind = JointKinds::number_of<Spec>;
+        const detail::JointAxes axes = Kind::axes_of(spec);
+        set_side(joint.side[0], bodies, spec.body, spec.anchor, axes.of_body);
+        set_side(joint.side[1], bodies, spec.to_body, spec.anchor, axes.of_other);
+        for (int i = 0; i < 3; ++i)
+            joint.anchor[i] = N::template Integrated<typename N::Position>::from(spec.anchor[i]);
+        order(bodies);
+        forget(is_base(bodies, spec.body) ? spec.to_body : spec.body);
+        return place;
+    }
+    [[nodiscard]] std::uint16_t generation(int place) const { return record_[place].generation; }
+    [[nodiscard]] bool contains(JointId id) const {
+        const int place = id.index();
+        return place >= 0 && place < room && record_[place].is_there && record_[place].generation == id.generation();
+    }
+    void remove(int place, const auto& bodies) {
+        Record& joint = record_[place];
+        joint.is_there = false;
+        ++joint.generation;
+        for (const auto& side : joint.side) forget(side.body);
+        order(bodies);
+    }
+    // Of a body that leaves the world: removes its joints.
+    void remove_from(int b, const auto& bodies) {
+        for (int j = 0; j < room; ++j)
+            if (record_[j].is_there && (record_[j].side[0].body == b || record_[j].side[1].body == b))
+                remove(j, bodies);
+    }
+    // Call after a change of the velocity, or of the pose, of a body by something other than a step. A fixed body is a
+    // base of trees.
+    void velocity_changed(int b) {
+        if (JointTreeState* const tree = tree_of(b)) tree->is_disturbed = true;
+    }
+    void pose_changed(int b) {
+        for (int t = 0; t < tree_count_; ++t)
+            if (has(tree_[t], b) || node_[tree_[t].first].base == b) forget_pose(tree_[t]);
+    }
+    void all_poses_changed() {
+        for (int t = 0; t < tree_count_; ++t) forget_pose(tree_[t]);
+    }
+    [[nodiscard]] TUMBLE_INLINE bool is_jointed(int b) const { return is_jointed_[b]; }
+    [[nodiscard]] int tree_count() const { return tree_count_; }
+    [[nodiscard]] JointTreeState& tree(int t) { return tree_[t]; }
+    [[nodiscard]] const JointTreeState& tree(int t) const { return tree_[t]; }
+    [[nodiscard]] int count() const {
+        int count = 0;
+        for (const Record& joint : record_) count += joint.is_there ? 1 : 0;
+        return count;
+    }
+    [[nodiscard]] Node* nodes() { return node_; }
+    [[nodiscard]] const Node* nodes() const { return node_; }
+    [[nodiscard]] Kicks* kicks() { return kick_; }
+    [[nodiscard]] const Kicks* kicks() const { return kick_; }
+    [[nodiscard]] FreeDirection<N>* directions() { return direction_; }
+    [[nodiscard]] const Record& record(int j) const { return record_[j]; }
+    // The node that hangs on its parent by this joint.
+    [[nodiscard]] int node_of(int joint) const {
+        int i = 0;
+        while (node_[i].joint != joint) ++i;
+        return i;
+    }
+    [[nodiscard]] const JointTreeState& tree_at(int node) const {
+        int t = 0;
+        while (tree_[t].last <= node) ++t;
+        return tree_[t];
+    }
+    [[nodiscard]] JointTree<N> solver(const JointTreeState& tree) { return {node_, direction_, tree.first, tree.last}; }
+
+    // Sets the powers of two of lengths from the root's on. They hold the distance of every part of the subtree from
+    // the anchor: own_reach, the arm and the radius of gyration, and span, the link to a child, and its reach. In units
+    // of 2^-16 m.
+    void fit_lengths(const JointTreeState& tree) {
+        if constexpr (N::fixed_point) {
+            for (int i = tree.first; i < tree.last; ++i) node_[i].reach = node_[i].own_reach;
+            for (int i = tree.last - 1; i >= tree.first; --i) {
+                Node& node = node_[i];
+                node.length_log2 = static_cast<std::int8_t>(
+                    static_cast<int>(std::bit_width(static_cast<std::uint32_t>(node.reach) - 1u)) - reach_bits);
+                if (node.parent < 0) continue;
+                const std::int32_t sum = node.span + node.reach;
+                if (sum > node_[node.parent].reach) node_[node.parent].reach = sum < most_reach ? sum : most_reach;
+            }
+            for (int i = tree.first; i < tree.last; ++i) {
+                Node& node = node_[i];
+                if (node.parent < 0) continue;
+                const int down = node_[node.parent].length_log2 - node.length_log2;
+                node.length_down = static_cast<std::int8_t>(down);
+                node.moment_down = static_cast<std::int8_t>(node.mass_down + down);
+            }
+        }
+    }
+    static constexpr int reach_bits = 16;
+    static constexpr std::int32_t most_reach = 1 << 29;
+
+    // Writes or reads what the next step depends on beside the poses.
+    template <class Self, class Archive>
+    static void archive(Self& self, Archive& to) {
+        for (int t = 0; t < self.tree_count_; ++t) {
+            auto& tree = self.tree_[t];
+            to(tree.is_disturbed, tree.is_moved);
+            if constexpr (Archive::reads) tree.is_factored = false;
+            for (int i = tree.first; i < tree.last; ++i) to(self.kick_[i]);
+        }
+    }
+    void add_to(auto& digest) const {
+        for (int j = 0; j < room; ++j) {
+            const Record& joint = record_[j];
+            digest.add(static_cast<int>(joint.is_there) + 2 * static_cast<int>(joint.generation));
+            if (!joint.is_there) continue;
+            digest.add(static_cast<int>(joint.kind));
+            for (const auto& side : joint.side) {
+                digest.add(static_cast<int>(side.body));
+                for (const auto& vector : {side.arm, side.axis[0], side.axis[1]})
+                    for (int i = 0; i < 3; ++i) digest.add_number(vector[i]);
+            }
+            digest.add_number(joint.anchor);
+        }
+    }
+
+private:
+    [[nodiscard]] static constexpr bool is_base(const auto& bodies, int b) {
+        return b < 0 || bodies.constants[b].fixed();
+    }
+    [[nodiscard]] constexpr int first_vacant() const {
+        int place = 0;
+        while (place < room && record_[place].is_there) ++place;
+        return place;
+    }
+    [[nodiscard]] static bool has(const JointTreeState& tree, const Node* nodes, int b) {
+        for (int i = tree.first; i < tree.last; ++i)
+            if (nodes[i].body == b) return true;
+        return false;
+    }
+    [[nodiscard]] bool has(const JointTreeState& tree, int b) const { return has(tree, node_, b); }
+    [[nodiscard]] const JointTreeState* tree_of(int b) const {
+        for (int t = 0; t < tree_count_; ++t)
+            if (has(tree_[t], b)) return &tree_[t];
+        return nullptr;
+    }
+    [[nodiscard]] JointTreeState* tree_of(int b) {
+        return const_cast<JointTreeState*>(std::as_const(*this).tree_of(b));
+    }
+    // True where joints tie the two sides already. All fixed bodies are one with the world.
+    [[nodiscard]] bool is_tied(const auto& bodies, int a, int b) const {
+        const JointTreeState *of_a = is_base(bodies, a) ? nullptr : tree_of(a),
+                             *of_b = is_base(bodies, b) ? nullptr : tree_of(b);
+        if (of_a != nullptr && of_a == of_b) return true;
+        return is_grounded(bodies, a, of_a) && is_grounded(bodies, b, of_b);
+    }
+    [[nodiscard]] bool is_grounded(const auto& bodies, int b, const JointTreeState* tree) const {
+        return is_base(bodies, b) || (tree != nullptr && node_[tree->first].joint != Node::no_joint);
+    }
+    // A half kick holds the joints that there were.
+    void forget(int b) {
+        if (b < 0) return;
+        if (JointTreeState* const tree = tree_of(b)) {
+            forget_kicks(*tree);
+            tree->is_disturbed = true;
+            tree->is_factored = false;
+        }
+    }
+    void forget_kicks(const JointTreeState& tree) {
+        for (int i = tree.first; i < tree.last; ++i) kick_[i] = {};
+    }
+    void forget_pose(JointTreeState& tree) {
+        forget_kicks(tree);
+        tree.is_factored = false;
+        tree.is_disturbed = tree.is_moved = true;
+    }
+
+    // The anchor and the axes as the body sees them now.
+    TUMBLE_COLD void set_side(typename Record::Side& side, const auto& bodies, int b, const RealVec3& anchor,
+                              const RealVec3 (&axis)[2]) {
+        side.body = static_cast<std::int16_t>(b);
+        RealVec3 arm{};
+        RealQuat q{};
+        if (b >= 0) {
+            const auto& s = bodies.state[b];
+            q = normalized(RealQuat{s.q_wb.w.to_real(), {s.q_wb.x.to_real(), s.q_wb.y.to_real(), s.q_wb.z.to_real()}});
+            arm = detail::rotated_back(q, anchor - RealVec3{s.x_w.x.to_real(), s.x_w.y.to_real(), s.x_w.z.to_real()});
+        }
+        const int log2 = J::log2_of(length_of(arm));
+        side.arm_log2 = static_cast<std::int8_t>(log2);
+        for (int i = 0; i < 3; ++i) side.arm[i] = J::unit(arm[i], log2);
+        for (int k = 0; k < 2; ++k) {
+            const RealVec3 own = detail::rotated_back(q, axis[k]);
+            for (int i = 0; i < 3; ++i) side.axis[k][i] = J::unit(own[i], 0);
+        }
+    }
+    [[nodiscard]] static Real length_of(const RealVec3& v) { return sqrt(dot(v, v)); }
+
+    // Builds the trees anew. The root is the body that hangs on the world or on a fixed body, or else that of the
+    // lowest place; then come its children in the order of their places, and theirs. It takes time as the number of
+    // joints squared.
+    TUMBLE_COLD void order(const auto& bodies) {
+        Kicks kept_kick[most_nodes]{};
+        std::int16_t kept_body[most_nodes]{};
+        JointTreeState kept_tree[most_trees]{};
+        const int kept_count = node_count_, kept_trees = tree_count_;
+        for (int i = 0; i < kept_count; ++i) {
+            kept_kick[i] = kick_[i];
+            kept_body[i] = node_[i].body;
+        }
+        for (int t = 0; t < kept_trees; ++t) kept_tree[t] = tree_[t];
+        node_count_ = tree_count_ = direction_count_ = 0;
+        for (int b = 0; b < features.bodies; ++b) is_jointed_[b] = false;
+        for (const bool grounded : {true, false})
+            for (int b = 0; b < bodies.count; ++b)
+                if (!is_jointed_[b] && !is_base(bodies, b))
+                    if (const int j = root_joint(bodies, b, grounded); j != none) grow(bodies, b, j);
+        for (int t = 0; t < tree_count_; ++t) {
+            set_constants(bodies, tree_[t]);
+            for (int k = 0; k < kept_trees; ++k)
+                for (int i = kept_tree[k].first; i < kept_tree[k].last; ++i) {
+                    if (!has(tree_[t], kept_body[i])) continue;
+                    tree_[t].is_disturbed = tree_[t].is_disturbed || kept_tree[k].is_disturbed;
+                    tree_[t].is_moved = tree_[t].is_moved || kept_tree[k].is_moved;
+                }
+        }
+        for (int i = 0; i < node_count_; ++i) {
+            kick_[i] = {};
+            for (int k = 0; k < kept_count; ++k)
+                if (kept_body[k] == node_[i].body) kick_[i] = kept_kick[k];
+        }
+    }
+    static constexpr int none = -2;
+    // The joint by which a body is a root: one with a base, or with nothing where it has another one. Else `none`.
+    [[nodiscard]] int root_joint(const auto& bodies, int b, bool grounded) const {
+        for (int j = 0; j < room; ++j) {
+            const int other = other_of(j, b);
+            if (other == none) continue;
+            if (is_base(bodies, other)) return j;
+            if (!grounded) return Node::no_joint;
+        }
+        return none;
+    }
+    // The body at the other side of joint j, if b is at one; else `none`.
+    [[nodiscard]] int other_of(int j, int b) const {
+        const Record& joint = record_[j];
+        if (!joint.is_there) return none;
+        for (int side = 0; side < 2; ++side)
+            if (joint.side[side].body == b) return joint.side[1 - side].body;
+        return none;
+    }
+    void grow(const auto& bodies, int root, int joint) {
+        JointTreeState& tree = tree_[tree_count_++];
+        tree = {};
+        tree.first = static_cast<std::int16_t>(node_count_);
+        put(node_count_++, root, -1, joint);
+        for (int i = tree.first; i < node_count_; ++i) {
+            const int first_child = node_count_;
+            for (int j = 0; j < room; ++j) {
+                const int b = other_of(j, node_[i].body);
+                if (b < 0 || is_base(bodies, b) || is_jointed_[b]) continue;
+                int at = node_count_++;
+                for (; at > first_child && node_[at - 1].body > b; --at) node_[at] = node_[at - 1];
+                put(at, b, i, j);
+            }
+        }
+        tree.last = static_cast<std::int16_t>(node_count_);
+        for (int i = tree.first; i < tree.last; ++i) {
+            node_[i].direction = static_cast<std::int16_t>(direction_count_);
+            direction_count_ = static_cast<std::int16_t>(direction_count_ + node_[i].turns + node_[i].slides);
+        }
+    }
+    void put(int at, int b, int parent, int joint) {
+        Node& node = node_[at];
+        node = {};
+        is_jointed_[b] = true;
+        node.body = static_cast<std::int16_t>(b);
+        node.parent = static_cast<std::int16_t>(parent);
+        node.joint = static_cast<std::int16_t>(joint);
+        if (joint == Node::no_joint) return;
+        const Record& record = record_[joint];
+        node.side = record.side[0].body == b ? 0 : 1;
+        node.kind = record.kind;
+        if (parent < 0) node.base = record.side[1 - node.side].body;
+        JointKinds::with(node.kind, [&]<class Kind>() {
+            node.turns = Kind::turns;
+            node.slides = Kind::slides;
+            node.axes = Kind::axes;
+        });
+    }
+
+    // Masses and moments, and the powers of two that hold subtrees.
+    TUMBLE_COLD void set_constants(const auto& bodies, const JointTreeState& tree) {
+        Real mass[most_nodes];
+        for (int i = tree.first; i < tree.last; ++i) mass[i] = set_body(bodies, node_[i]);
+        for (int i = tree.last - 1; i >= tree.first; --i)
+            if (node_[i].parent >= 0) mass[node_[i].parent] += mass[i];
+        if constexpr (N::fixed_point) {
+            for (int i = tree.first; i < tree.last; ++i) {
+                Node& node = node_[i];
+                node.mass_log2 = static_cast<std::int8_t>(mass[i].ceil_log2_bound());
+                if (node.parent < 0) continue;
+                node.mass_down = static_cast<std::int8_t>(node_[node.parent].mass_log2 - node.mass_log2);
+                node.span = reach_of(length_of(own_arm(node_[node.parent]) - parent_arm(node)));
+            }
+        }
+        fit_lengths(tree);
+    }
+    [[nodiscard]] static std::int32_t reach_of(const Real& length) {
+        const std::int64_t reach = length.to_fixed(reach_bits, 64) + 1;
+        return static_cast<std::int32_t>(reach < most_reach ? reach : most_reach);
+    }
+    [[nodiscard]] static RealVec3 arm_of(const typename Record::Side& side) {
+        RealVec3 arm;
+        for (int i = 0; i < 3; ++i) arm[i] = static_cast<Real>(N::work(side.arm[i])) * Real::scaled(1, side.arm_log2);
+        return arm;
+    }
+    [[nodiscard]] RealVec3 own_arm(const Node& node) const {
+        return node.joint == Node::no_joint ? RealVec3{} : arm_of(record_[node.joint].side[node.side]);
+    }
+    [[nodiscard]] RealVec3 parent_arm(const Node& node) const {
+        return arm_of(record_[node.joint].side[1 - node.side]);
+    }
+    // Returns the mass.
+    [[nodiscard]] Real set_body(const auto& bodies, Node& node) {
+        const int b = node.body;
+        const Real step = bodies.step_length, mass = step / static_cast<Real>(bodies.step_per_mass(b));
+        RealVec3 moment;
+        for (int i = 0; i < 3; ++i) moment[i] = step / static_cast<Real>(bodies.step_per_moment(b, i));
+        const Real gyration = sqrt(moment.x / mass);
+        const int m = N::fixed_point ? mass.ceil_log2_bound() : 0, l = N::fixed_point ? gyration.ceil_log2_bound() : 0;
+        node.own_mass_log2 = static_cast<std::int8_t>(m);
+        node.own_length_log2 = static_cast<std::int8_t>(l);
+        node.mass = J::unit(mass, N::fixed_point ? m : 0);
+        node.moment_y = J::unit(moment.y, m + 2 * l);
+        node.moment_x_less_y = J::unit(moment.x - moment.y, m + 2 * l);
+        node.moment_z_less_y = J::unit(moment.z - moment.y, m + 2 * l);
+        constexpr bool is_momentum = std::remove_cvref_t<decltype(bodies)>::Units::has_one_factor;
+        for (int i = 0; i < 3; ++i) {
+            const Real turn = is_momentum ? moment[i] / (moment.y * Real{2}) : Real::scaled(1, -1);
+            node.to_turn[i] = J::unit(turn, 0);
+            node.to_angle[i] = J::Factor::of(Real{1} / turn);
+            node.share[i] = J::unit(moment[i] / moment.x, 0);
+            node.per_share[i] = J::Factor::of(moment.x / moment[i]);
+        }
+        if constexpr (N::fixed_point) node.own_reach = reach_of(length_of(own_arm(node)) + gyration);
+        return mass;
+    }
+
+    Record record_[room]{};
+    Node node_[most_nodes]{};
+    Kicks kick_[most_nodes]{};
+    FreeDirection<N> direction_[most_directions]{};
+    JointTreeState tree_[most_trees]{};
+    bool is_jointed_[features.bodies]{};
+    std::int16_t node_count_ = 0, tree_count_ = 0, direction_count_ = 0;
+};
+
+}  // namespace tumble

@@ -1,0 +1,244 @@
+// The step of trees of joints: RATTLE (Andersen 1983, "RATTLE: a velocity version of the SHAKE algorithm"; for rigid
+// bodies and any symmetric flight McLachlan, Modin, Verdier, Wilkins 2014, "Geometric generalisations of SHAKE and
+// RATTLE"). With u the velocities, G the rows of the joints, M masses and moments:
+//   P is the half kick that ended the last step. Repeat: u += P; fly; c = the gaps at the end; done where they are
+//     closed; P += d, d = M^-1 G0^T l with G0 d h = -c along the rows of the start, refined once by the tangent T of
+//     the flight: r = -c - G1 T d, d += M^-1 G0^T (G0 M^-1 G0^T)^-1 r / h.
+//   At the end P = -M^-1 G1^T (G1 M^-1 G1^T)^-1 G1 u, u += P: the rates across the joints end.
+// It is symplectic and of order two if the flight is, so the energy has no trend. The half kick that ends a step acts
+// at the same place and along the same rows as the one that begins the next, and is its best guess: no other memory is
+// needed, and a chain takes one correction a step.
+//
+// A step whose gaps do not close in most_corrections is projected (Goldenthal et al. 2007, "Efficient simulation of
+// inextensible cloth"): it flies without its joints, and places are moved until the gaps are closed, which changes
+// velocities by as much. It loses energy, and is reported.
+#pragma once
+
+#include <tumble/joints/measure.hpp>
+
+namespace tumble {
+
+// Trees that a step flies together.
+template <int capacity>
+struct JointTrees {
+    int count = 0;
+    std::int16_t tree[capacity];
+
+    JointTrees() = default;
+    explicit JointTrees(int t) { add(t); }
+    void add(int t) { tree[count++] = static_cast<std::int16_t>(t); }
+};
+
+template <class Bodies, Features features>
+class JointHold {
+public:
+    using N = typename Bodies::Numbers;
+    using Forest = JointForest<N, features>;
+    using Trees = JointTrees<Forest::most_trees>;
+    using Group = BodyGroup<features.bodies>;
+    static constexpr int most_corrections = 10, most_projections = 8;
+
+    JointHold(Forest& forest, Bodies& bodies, const Trees& trees)
+        : forest_{forest}, bodies_{bodies}, trees_{trees}, measures_{forest} {}
+
+    // One step of a group, which holds all bodies of the trees. fly(): moves the group to the end of the step.
+    // spin_changed(b): something other than a flight has changed the spin of b.
+    template <class Fly, class SpinChanged>
+    void step(const Group& group, Fly&& fly, SpinChanged&& spin_changed) {
+        each([&](JointTreeState& tree) { begin(tree, spin_changed); });
+        SavedMotions<Bodies> start;
+        for (int k = 0; k < group.count; ++k) start.save(k, bodies_, group.id[k]);
+        const Status status = bodies_.status;
+        int corrections = 0;
+        bool closed = false;
+        for (;; ++corrections) {
+            each([&](const JointTreeState& tree) { kick(tree, spin_changed); });
+            fly();
+            closed = true;
+            each([&](const JointTreeState& tree) {
+                if (!is_closed(tree)) {
+                    closed = false;
+                    correct(tree);
+                }
+            });
+            if (closed || corrections == most_corrections) break;
+            go_back(group, start, status, spin_changed);
+        }
+        if (!closed) [[unlikely]] {
+            go_back(group, start, status, spin_changed);
+            project(fly, spin_changed);
+        }
+        each([&](JointTreeState& tree) {
+            tree.corrections = static_cast<std::int8_t>(corrections);
+            end(tree, spin_changed);
+        });
+    }
+
+private:
+    using Unit = typename N::Unit;
+    using Vector = Vec3<Unit>;
+    using J = JointNumbers<N>;
+    using Node = JointNode<N>;
+
+    Forest& forest_;
+    Bodies& bodies_;
+    const Trees& trees_;
+    JointMeasures<N, features> measures_;
+    Vector first_v_[Forest::most_nodes], first_w_[Forest::most_nodes];
+
+    template <class F>
+    void each(F&& f) {
+        for (int t = 0; t < trees_.count; ++t) f(forest_.tree(trees_.tree[t]));
+    }
+    template <class F>
+    void each_node(const JointTreeState& tree, F&& f) {
+        for (int i = tree.first; i < tree.last; ++i) f(forest_.nodes()[i], i);
+    }
+
+    // Closes gaps and ends rates that something other than a step has left.
+    template <class SpinChanged>
+    void begin(JointTreeState& tree, SpinChanged& spin_changed) {
+        if (tree.is_moved) [[unlikely]]
+            if (!close(tree, false, spin_changed)) report(Issue::joint_open, tree);
+        tree.is_moved = false;
+        if (!tree.is_factored) {
+            measures_.place(tree, bodies_);
+            measures_.factor(tree);
+            tree.is_factored = true;
+        }
+        if (tree.is_disturbed) [[unlikely]] {
+            measures_.place(tree, bodies_);
+            measures_.rates(tree, bodies_);
+            solve(tree);
+            each_node(tree, [&](const Node& node, int i) { push_far(node.body, change(node, i), spin_changed); });
+            tree.is_disturbed = false;
+        }
+    }
+    template <class SpinChanged>
+    void kick(const JointTreeState& tree, SpinChanged& spin_changed) {
+        each_node(tree, [&](const Node& node, int i) { push(node.body, forest_.kicks()[i], spin_changed); });
+    }
+    [[nodiscard]] bool is_closed(const JointTreeState& tree) {
+        measures_.place(tree, bodies_);
+        return measures_.gaps(tree, bodies_);
+    }
+    void correct(const JointTreeState& tree) {
+        solve(tree);
+        each_node(tree, [&](const Node&, int i) {
+            first_v_[i] = measures_.solution[i].dv;
+            first_w_[i] = measures_.solution[i].dw;
+        });
+        measures_.take_off_effect(tree, bodies_);
+        solve(tree);
+        each_node(tree, [&](const Node& node, int i) {
+            measures_.solution[i].dv += first_v_[i];
+            measures_.solution[i].dw += first_w_[i];
+            const Kick<N> more = change(node, i);
+            Kick<N>& kick = forest_.kicks()[i];
+            bool within = true;  // what is held leaves a gap
+            for (int k = 0; k < 3; ++k) {
+                kick.linear[k] = N::limited(N::held_sum(kick.linear[k], more.linear[k]), within);
+                kick.angular[k] = N::limited(N::held_sum(kick.angular[k], more.angular[k]), within);
+            }
+        });
+    }
+    template <class SpinChanged>
+    void go_back(const Group& group, const SavedMotions<Bodies>& start, const Status& status,
+                 SpinChanged& spin_changed) {
+        for (int k = 0; k < group.count; ++k) {
+            start.restore(k, bodies_, group.id[k]);
+            spin_changed(group.id[k]);
+        }
+        bodies_.status = status;
+    }
+    template <class SpinChanged>
+    void end(JointTreeState& tree, SpinChanged& spin_changed) {
+        measures_.factor(tree);
+        measures_.rates(tree, bodies_);
+        solve(tree);
+        each_node(tree, [&](const Node& node, int i) {
+            Kick<N>& kick = forest_.kicks()[i];
+            kick = change(node, i);
+            bool within = true;
+            for (int k = 0; k < 3; ++k) {
+                kick.linear[k] = N::limited(kick.linear[k], within);
+                kick.angular[k] = N::limited(kick.angular[k], within);
+            }
+            push(node.body, kick, spin_changed);
+        });
+    }
+
+    template <class Fly, class SpinChanged>
+    [[gnu::noinline, gnu::cold]] void project(Fly& fly, SpinChanged& spin_changed) {
+        fly();
+        each([&](const JointTreeState& tree) {
+            report(close(tree, true, spin_changed) ? Issue::step_bound_hit : Issue::joint_open, tree);
+        });
+    }
+    // Moves the bodies until the gaps are closed; with `momentum` the velocities change by as much. False where they
+    // are not. The places and the factor are those of the end then.
+    template <class SpinChanged>
+    [[gnu::noinline, gnu::cold]] bool close(const JointTreeState& tree, bool momentum, SpinChanged& spin_changed) {
+        for (int projections = 0; !is_closed(tree); ++projections) {
+            if (projections == most_projections) return false;
+            measures_.factor(tree);
+            solve(tree);
+            each_node(tree, [&](const Node& node, int i) {
+                move(node, i);
+                if (momentum) push_far(node.body, change(node, i), spin_changed);
+            });
+        }
+        return true;
+    }
+    // Moves a body by the solution in place of its velocity.
+    void move(const Node& node, int i) {
+        auto& state = bodies_.state[node.body];
+        const auto& s = measures_.solution[i];
+        const Vector own = node.place.axes.to_body(s.dw);
+        Vec3<typename N::Angle> half;
+        for (int k = 0; k < 3; ++k) {
+            N::add_sum(state.x_w[k], J::position_sum(s.dv[k], measures_.bits));
+            half[k] = J::half_angle(own[k], node.length_log2, measures_.bits);
+        }
+        turn<N>(state.q_wb, Delta<N>::of(half));
+    }
+
+    void solve(const JointTreeState& tree) { forest_.solver(tree).solve(measures_.solution); }
+    // The change of motion of a solution. A spin's is in the scale of a whole step.
+    [[nodiscard]] Kick<N> change(const Node& node, int i) const {
+        const auto& s = measures_.solution[i];
+        const Vector own = node.place.axes.to_body(s.dw);
+        Kick<N> kick;
+        for (int k = 0; k < 3; ++k) {
+            kick.linear[k] = J::drift_sum(s.dv[k], bodies_.scale, measures_.bits);
+            kick.angular[k] = J::turn_sum(own[k], node.to_turn[k], bodies_.scale, node.length_log2, measures_.bits);
+        }
+        return kick;
+    }
+    // A half kick is at most a quarter of the range: no sum can wrap. Below: of any change.
+    template <class SpinChanged>
+    TUMBLE_INLINE void push(int b, const Kick<N>& kick, SpinChanged& spin_changed) {
+        auto& state = bodies_.state[b];
+        const int halvings = bodies_.halvings_of(b);
+        for (int k = 0; k < 3; ++k) {
+            N::add(state.d_w[k], kick.linear[k]);
+            state.t_b[k].add(halvings == 0 ? kick.angular[k] : N::halved(kick.angular[k], halvings));
+        }
+        (void)bodies_.fit_parts(b);
+        spin_changed(b);
+    }
+    template <class SpinChanged>
+    [[gnu::noinline, gnu::cold]] void push_far(int b, const Kick<N>& kick, SpinChanged& spin_changed) {
+        auto& state = bodies_.state[b];
+        const int halvings = bodies_.halvings_of(b);
+        for (int k = 0; k < 3; ++k) {
+            N::add_sum(state.d_w[k], kick.linear[k]);
+            N::add_sum(state.t_b[k], N::halved(kick.angular[k], halvings));
+        }
+        (void)bodies_.fit_parts(b);
+        spin_changed(b);
+    }
+    void report(Issue issue, const JointTreeState& tree) { bodies_.report(issue, forest_.nodes()[tree.first].body); }
+};
+
+}  // namespace tumble
