@@ -10,6 +10,7 @@
 #include <tumble/contact/contacts.hpp>
 #include <tumble/events/readout.hpp>
 #include <tumble/events/script.hpp>
+#include <tumble/joints/readout.hpp>
 #include <tumble/required.hpp>
 
 namespace tumble {
@@ -47,6 +48,13 @@ public:
                   "room for 32767 near pairs at the most: name fewer by .near_pairs");
     static_assert(features.exact_steps || features.bounded_steps,
                   "a step is exact or bounded: .exact_steps or .bounded_steps");
+    static_assert(features.joints >= 0 && features.joints <= JointId::most, "room for 32767 joints at the most");
+    static_assert(!features.has_joints() || features.rotation,
+                  "joints tie bodies that rotate: leave out .rotation = false, or .joints");
+    static_assert(!features.has_joints() || !features.touches(),
+                  "bodies with joints touch nothing yet: a scene has .joints, or .planes and .pairs");
+    static_assert(!features.has_joints() || !features.moving_surfaces(),
+                  "what joints tie to is fixed yet: a scene has .joints, or .turntables and .kinematic");
     static constexpr bool has_contacts = features.contacts();  // the code of contacts by impulses is there
     static constexpr bool has_loads = detail::has_loads<S>;    // the code of loads is there
     static constexpr bool has_step = requires { S::step; };    // the scene has the step, as `static constexpr Seconds`
@@ -151,6 +159,42 @@ public:
     constexpr SpringId add(const Spec&) requires(features.springs <= 0) {
         static_assert(!sizeof(Spec), "a spring needs room: .springs = 1 or more among the scene's features");
         return {};
+    }
+
+    // Adds a joint between bodies already added, or of a body and the world, where they are now: HingeSpec, BallSpec,
+    // FixedSpec, SliderSpec or UniversalSpec. The id of nothing (and Issue::world_full) where there is no room, or
+    // where it closes a loop of joints: fault_of() says which. Other faults are misuse. The next step ends the
+    // velocities across the joint, as an impact without restitution would.
+    template <JointSpec Spec>
+    JointId add(const Spec& spec) requires(features.has_joints()) {
+        refuse_to_record();
+        const JointFault fault = fault_of(spec);
+        TUMBLE_ASSERT(fault == JointFault::none || is_refused(fault));
+        if (fault != JointFault::none) {
+            advance_.bodies.report(Issue::world_full, spec.body);
+            return {};
+        }
+        const int place = advance_.joints.add(spec, advance_.bodies);
+        return {place, advance_.joints.generation(place)};
+    }
+    // Does not compile, and says why, in a scene without room for joints.
+    template <JointSpec Spec>
+    JointId add(const Spec&) requires(!features.has_joints()) {
+        static_assert(!sizeof(Spec), "a joint needs room: .joints = 1 or more among the scene's features");
+        return {};
+    }
+    // Why a joint cannot be added now; `none` where it can.
+    template <JointSpec Spec>
+    [[nodiscard]] JointFault fault_of(const Spec& spec) const requires(features.has_joints()) {
+        return advance_.joints.fault_of(spec, advance_.bodies, [&](int b) {
+            if constexpr (features.removal) return places_.is_taken(b);
+            else return b >= 0 && b < advance_.bodies.count;
+        });
+    }
+    // Number of joints in the world.
+    [[nodiscard]] int joint_count() const {
+        if constexpr (features.has_joints()) return advance_.joints.count();
+        else return 0;
     }
 
     // A load of the scene's own, as it is.
@@ -267,14 +311,26 @@ public:
         act<EventKind::pose>(id, Frame::world, position, {}, orientation.template as<Work>());
     }
 
-    // Removes a body at once. Its springs go with it, and the springs behind them move up; so do its forces, its
-    // contacts and what is known of its sleep, and all bodies wake. The place counts in the hash as one without a body.
-    // The next body that is added takes the first free place, with another id. The old id is misuse from now on, but an
-    // event of a script that names it is skipped. The impulses and forces of a scene name places, not ids: they act on
-    // a new body of the place, and on none where it is free.
+    // Removes a body at once. Its joints and springs go with it, and the springs behind them move up; so do its forces,
+    // its contacts and what is known of its sleep, and all bodies wake. The place counts in the hash as one without a
+    // body. The next body that is added takes the first free place, with another id. The old id is misuse from now on,
+    // but an event of a script that names it is skipped. The impulses and forces of a scene name places, not ids: they
+    // act on a new body of the place, and on none where it is free.
     void remove(BodyId id) {
         static_assert(features.removal, "remove() needs .removal = true among the scene's features");
         act<EventKind::remove>(id, Frame::world, {});
+    }
+    // Removes a joint at once. Its bodies go on with the velocities that they have. The next joint that is added takes
+    // the first free place, with another id. The old id is misuse from now on.
+    void remove(JointId id) requires(features.has_joints()) {
+        static_assert(features.removal, "remove() needs .removal = true among the scene's features");
+        refuse_to_record();
+        TUMBLE_ASSERT(contains(id));
+        advance_.joints.remove(id.index(), advance_.bodies);
+    }
+    // True of a joint that has been added and not been removed. It goes with either of its bodies.
+    [[nodiscard]] bool contains(JointId id) const requires(features.has_joints()) {
+        return advance_.joints.contains(id);
     }
     // True of a body that has been added and not been removed.
     [[nodiscard]] bool contains(BodyId id) const {
@@ -297,7 +353,7 @@ public:
                                N::fixed_point ? Dither::of_step(advance_.bodies.steps_taken) : Dither{}};
         if constexpr (has_contacts) {
             contacts_.step(advance_, info);
-        } else if constexpr (has_loads) {
+        } else if constexpr (has_loads || Advance::has_joints) {
             step_groups(info);
         } else if constexpr (features.bodies == 1) {
             advance_.free_body(0, info);  // a constant index: every address is known
@@ -362,6 +418,15 @@ public:
         typename N::DriftSum fall[3];
         for (int i = 0; i < 3; ++i) fall[i] = advance_.whole_fall(i);
         return detail::imu_of<T>(advance_.bodies, b, before_[b], fall, point.block(), steps_per_second());
+    }
+
+    // How a joint stands and moves, and what it carries, in the program's own numbers: float, double, Real or Work.
+    template <class T>
+    [[nodiscard]] JointReadout<T> joint(JointId id) const requires(features.has_joints()) {
+        TUMBLE_ASSERT(contains(id));
+        const tumble::detail::JointReader<N, features, Bodies> reader{advance_.joints, advance_.bodies, id.index(),
+                                                                      steps_per_second()};
+        return reader.template read<T>();
     }
 
     // The gravity that acts in the next step, m/s^2, world frame, as the world keeps it.
@@ -701,6 +766,7 @@ private:
         advance_.check_range(b);
         advance_.spin_changed(b);
         if constexpr (has_imu) remember(b);
+        if constexpr (Advance::has_joints) advance_.joints.velocity_changed(b);
         disturb(b);
     }
     void apply(const Impulse<N>& event) {
@@ -778,6 +844,7 @@ private:
             for (int other = 0; other < advance_.bodies.count; ++other) contacts_.wake(advance_, other);
             contacts_.forget_pairs_of(advance_.bodies, b);
         }
+        if constexpr (Advance::has_joints) advance_.joints.pose_changed(b);
     }
     // Call after a change of the motion of body b, or of what acts on it. Drops the kicks that were kept, ends the
     // bounds on the time to contact of the body and of all that it may push, and wakes it.
@@ -786,7 +853,8 @@ private:
         if constexpr (has_contacts) { contacts_.disturb(advance_, b); }
     }
 
-    // One step of a world with loads. Bodies that loads couple advance together, the others one by one.
+    // One step of a world with loads or joints. Bodies that loads couple and trees of joints advance together, the
+    // others one by one.
     void step_groups(const StepInfo<N>& info) {
         BodyGroup coupled;
         typename Advance::Kinematics kinematic;
@@ -794,9 +862,12 @@ private:
         for (int b = 0; b < advance_.bodies.count; ++b) {
             if (advance_.bodies.constants[b].fixed()) advance_.step_turntable(b, info);
             else if (advance_.is_coupled(b)) coupled.add(b);
-            else advance_.alone(b, info);
+            else if (advance_.is_jointed(b)) continue;
+            else if constexpr (has_loads) advance_.alone(b, info);
+            else advance_.free_body(b, info);
         }
-        if (coupled.count > 0) advance_.group(coupled, info);
+        if constexpr (Advance::has_joints) advance_.step_trees(coupled, info);
+        else if (coupled.count > 0) advance_.group(coupled, info);
         advance_.end(kinematic, info);
     }
 

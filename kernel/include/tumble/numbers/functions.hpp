@@ -95,6 +95,27 @@ template <class T>
     return sqrt(dot(v, v));
 }
 
+// The angle of the direction (x, y), rad, in (-pi, pi]; 0 of no direction. By a quotient of at most 1, three halvings
+// of its angle, tan(a / 2) = t / (1 + sqrt(1 + t^2)), and eight terms of the series, of which the next is below 2^-57.
+template <class T>
+[[nodiscard]] constexpr T arc_tangent(T y, T x) {
+    const auto size = [](T a) { return a < T(0) ? -a : a; };
+    const auto constant = [](const Real& value) { return static_cast<T>(value); };
+    if (size(x) < size(y)) {
+        const T quarter = constant(Real::scaled(0x3243f6a8885a308d, -61));
+        return (y < T(0) ? -quarter : quarter) - arc_tangent(y < T(0) ? -x : x, size(y));
+    }
+    if (!(size(x) > T(0))) return T(0);
+    T t = y / x;
+    for (int i = 0; i < 3; ++i) t = t / (T(1) + sqrt(T(1) + t * t));
+    const T square = t * t;
+    T sum(0);
+    for (int n = 7; n >= 0; --n) sum = constant(Real{1} / Real{2 * n + 1}) - square * sum;
+    const T angle = t * sum * T(8), half = constant(Real::scaled(0x3243f6a8885a308d, -60));
+    if (x > T(0)) return angle;
+    return y < T(0) ? angle - half : angle + half;
+}
+
 // The series of sine and cosine of the half angle x, in z = x^2. The leading terms are left out, so that nothing
 // cancels: cosine = 1 + cos_less_one, sine = x + x * sinc_less_one. Both come from the same z.
 template <class T>

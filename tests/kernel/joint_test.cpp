@@ -1,0 +1,766 @@
+// Trees of joints: closed in every step, of order two, and without a trend of the energy. The oracles are closed forms,
+// reduced coordinates, conserved quantities and the same mechanism built otherwise.
+#include <tumble/tumble.hpp>
+
+#include "kinds.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+namespace tumble::test {
+namespace {
+
+using JointKindsTested =
+    Tested<testing::Types<Kind<Q32<>, integrators::Verlet>, Kind<F64, integrators::Verlet>>,
+           testing::Types<Kind<Q32<FieldRange>, integrators::Verlet>, Kind<F32, integrators::Verlet>,
+                          Kind<F32Plain, integrators::Verlet>, Kind<Q32<>, integrators::Strang>,
+                          Kind<Q32<>, integrators::Pdmv6>, Kind<F64, integrators::Exact>>>;
+
+inline constexpr Features jointed{
+    .bodies = 12, .springs = 2, .joints = 12, .impulses = true, .control = true, .removal = true, .snapshots = true};
+#ifdef TUMBLE_EVERY_KIND
+inline constexpr int long_run = 1'000'000;
+#else
+inline constexpr int long_run = 30'000;
+#endif
+
+using Vector = Vector3<double>;
+using Rotation = Quaternion<double>;
+
+[[nodiscard]] double length(const Vector& v) { return std::sqrt(dot(v, v)); }
+[[nodiscard]] Vector plain(const RealVec3& v) { return v.as<double>(); }
+[[nodiscard]] BodySpec placed(BodySpec body, const RealVec3& position, const RealQuat& orientation = {}) {
+    body.position = position;
+    body.orientation = orientation;
+    return body;
+}
+[[nodiscard]] BodySpec fixed(BodySpec body) {
+    body.fixed = true;
+    return body;
+}
+// 2 pi / agm(1, cos(a / 2)) times the root of I / (m g d): of a pendulum that is let go at the angle a.
+[[nodiscard]] double pendulum_period(double angle, double inertia, double moment) {
+    double a = 1, b = std::cos(angle / 2);
+    for (int i = 0; i < 8; ++i) {
+        const double mean = (a + b) / 2;
+        b = std::sqrt(a * b);
+        a = mean;
+    }
+    return 2 * std::numbers::pi * std::sqrt(inertia / moment) / a;
+}
+
+// A world with joints, and what the test knows of them in double.
+template <class W>
+class Mechanism {
+public:
+    using N = typename W::Numbers;
+    using World = tumble::World<SceneOf<N, typename W::Integrator, jointed>>;
+    struct Tie {
+        int body, other;
+        Vector arm, other_arm;
+        JointId id;
+    };
+
+    explicit Mechanism(Seconds step = {1, 256}, RealVec3 gravity = {0, -9.81, 0}) : world{step, {.gravity = gravity}} {}
+    int add(const BodySpec& body) {
+        bodies.push_back(world.add(body));
+        return static_cast<int>(bodies.size()) - 1;
+    }
+    template <class Spec>
+    JointId join(const Spec& spec) {
+        const JointId id = world.add(spec);
+        const auto arm = [&](int b) {
+            if (b < 0) return plain(spec.anchor);
+            return rotate_back(orientation(b), plain(spec.anchor) - position(b));
+        };
+        if (!std::is_same_v<Spec, SliderSpec>)
+            ties.push_back({spec.body, spec.to_body, arm(spec.body), arm(spec.to_body), id});
+        joints.push_back(id);
+        return id;
+    }
+    void run(int steps) {
+        for (int i = 0; i < steps; ++i) (void)world.step();
+    }
+    [[nodiscard]] Vector position(int b) const {
+        const auto& x = world.state(bodies[static_cast<std::size_t>(b)]).x_w;
+        return {x.x.to_real().to_double(), x.y.to_real().to_double(), x.z.to_real().to_double()};
+    }
+    // Principal axes to world.
+    [[nodiscard]] Rotation orientation(int b) const {
+        const auto& q = world.state(bodies[static_cast<std::size_t>(b)]).q_wb;
+        return {q.w.to_real().to_double(),
+                {q.x.to_real().to_double(), q.y.to_real().to_double(), q.z.to_real().to_double()}};
+    }
+    [[nodiscard]] Vector velocity(int b) const {
+        return world.velocity(bodies[static_cast<std::size_t>(b)]).template as<double>();
+    }
+    [[nodiscard]] Vector spin(int b) const {
+        const BodyId id = bodies[static_cast<std::size_t>(b)];
+        return rotate(world.orientation(id).template as<double>(), world.angular_velocity(id).template as<double>());
+    }
+    [[nodiscard]] double mass(int b) const {
+        return static_cast<double>(world.mass(bodies[static_cast<std::size_t>(b)]));
+    }
+    // The largest distance of the two anchors of a joint.
+    [[nodiscard]] double gap() const {
+        double largest = 0;
+        for (const Tie& tie : ties) {
+            const Vector own = position(tie.body) + rotate(orientation(tie.body), tie.arm);
+            const Vector other =
+                tie.other < 0 ? tie.other_arm : position(tie.other) + rotate(orientation(tie.other), tie.other_arm);
+            largest = std::max(largest, length(own - other));
+        }
+        return largest;
+    }
+    [[nodiscard]] double energy() const {
+        double sum = 0;
+        for (const BodyId id : bodies)
+            sum += static_cast<double>(world.kinetic_energy(id)) + static_cast<double>(world.potential_energy(id));
+        return sum;
+    }
+    [[nodiscard]] Vector momentum() const {
+        Vector sum{};
+        for (int b = 0; b < static_cast<int>(bodies.size()); ++b) sum += velocity(b) * mass(b);
+        return sum;
+    }
+    [[nodiscard]] Vector angular_momentum() const {
+        Vector sum{};
+        for (int b = 0; b < static_cast<int>(bodies.size()); ++b) {
+            const BodyId id = bodies[static_cast<std::size_t>(b)];
+            const Vector w = world.angular_velocity(id).template as<double>();
+            const InertiaTensor i = world.inertia(id);
+            const Vector own{i.xx.to_double() * w.x + i.xy.to_double() * w.y + i.xz.to_double() * w.z,
+                             i.xy.to_double() * w.x + i.yy.to_double() * w.y + i.yz.to_double() * w.z,
+                             i.xz.to_double() * w.x + i.yz.to_double() * w.y + i.zz.to_double() * w.z};
+            sum += cross(position(b), velocity(b) * mass(b)) + rotate(world.orientation(id).template as<double>(), own);
+        }
+        return sum;
+    }
+    [[nodiscard]] JointReadout<double> joint(int j) const {
+        return world.template joint<double>(joints[static_cast<std::size_t>(j)]);
+    }
+
+    World world;
+    std::vector<BodyId> bodies;
+    std::vector<Tie> ties;
+    std::vector<JointId> joints;
+};
+
+template <class W>
+class Joints : public testing::Test {
+protected:
+    using N = typename W::Numbers;
+    using Mechanism = test::Mechanism<W>;
+    static constexpr bool in_fixed_point = N::fixed_point;
+    static constexpr bool is_single = !N::fixed_point && sizeof(typename N::Unit) == 4;
+    // Of anchors of arms of 1 m, between components.
+    static constexpr double closed = N::fixed_point ? 5e-9 : is_single ? 6e-7 : 2e-12;
+    static constexpr double rod = 1.01 / 12 + 0.25;  // kg m^2, of a rod of 1 kg and 1 m about its end
+
+    // From the point below which it hangs, at an angle from hanging.
+    [[nodiscard]] static BodySpec hanging(const Vector& from, double angle) {
+        return placed(box(1, {0.1, 1, 0.1}), {from.x + std::sin(angle) / 2, from.y - std::cos(angle) / 2, from.z},
+                      rotation_about({0, 0, 1}, angle));
+    }
+    [[nodiscard]] static Mechanism pendulum(double angle, Seconds step = {1, 256}) {
+        Mechanism m{step};
+        (void)m.add(hanging({}, angle));
+        (void)m.join(HingeSpec{.body = 0});
+        return m;
+    }
+    [[nodiscard]] static Mechanism double_pendulum(double first, double second, Seconds step = {1, 256}) {
+        Mechanism m{step};
+        const Vector knee{std::sin(first), -std::cos(first), 0};
+        (void)m.add(hanging({}, first));
+        (void)m.add(hanging(knee, second));
+        (void)m.join(HingeSpec{.body = 0});
+        (void)m.join(HingeSpec{.body = 1, .to_body = 0, .anchor = {knee.x, knee.y, 0}});
+        return m;
+    }
+    // Six links and their hinges, from the base on; in other places of the world where `place` says so.
+    struct Link {
+        BodySpec body;
+        RealVec3 anchor, axis;
+    };
+    [[nodiscard]] static std::vector<Link> links_of_arm() {
+        const double lengths[] = {0.2, 0.4, 0.35, 0.12, 0.1, 0.08}, masses[] = {4, 3.5, 2.5, 1.2, 0.8, 0.4};
+        const RealVec3 axes[] = {{0, 1, 0}, {0, 0, 1}, {0, 0, 1}, {1, 0, 0}, {0, 0, 1}, {1, 0, 0}};
+        std::vector<Link> links;
+        RealVec3 at{};
+        for (int i = 0; i < 6; ++i) {
+            const RealVec3 along = i == 0 ? RealVec3{0, 1, 0} : RealVec3{1, 0, 0};
+            const RealVec3 edges = i == 0 ? RealVec3{0.08, lengths[i], 0.08} : RealVec3{lengths[i], 0.06, 0.07};
+            links.push_back({placed(box(masses[i], edges), at + along * Real{lengths[i] / 2}), at, axes[i]});
+            at = at + along * Real{lengths[i]};
+        }
+        return links;
+    }
+    [[nodiscard]] static Mechanism arm(Seconds step = {1, 256}) {
+        Mechanism m{step};
+        const auto links = links_of_arm();
+        for (int i = 0; i < 6; ++i) {
+            const Link& link = links[static_cast<std::size_t>(i)];
+            (void)m.add(link.body);
+            (void)m.join(HingeSpec{.body = i, .to_body = i - 1, .anchor = link.anchor, .axis = link.axis});
+        }
+        return m;
+    }
+    [[nodiscard]] static Mechanism chain_of_ten() {
+        Mechanism m;
+        const RealQuat lean = rotation_about({0, 0, 1}, 0.5);
+        const RealVec3 along{std::sin(0.5), -std::cos(0.5), 0};
+        for (int i = 0; i < 10; ++i) {
+            const RealVec3 at = along * Real{0.1 * i};
+            (void)m.add(placed(box(0.1, {0.02, 0.1, 0.03}), at + along * Real{0.05}, lean));
+            (void)m.join(BallSpec{.body = i, .to_body = i - 1, .anchor = at});
+        }
+        return m;
+    }
+    // A rotor in two rings, of which a weight makes the inner one precess.
+    [[nodiscard]] static Mechanism gyroscope(Seconds step) {
+        Mechanism m{step};
+        const auto ring = [](double mass, double x, double y, double z) {
+            BodySpec body;
+            body.mass = mass;
+            body.inertia = {x, y, z, 0, 0, 0};
+            return body;
+        };
+        (void)m.add(ring(0.2, 0.002, 0.001, 0.002));
+        (void)m.add(placed(ring(0.15, 0.0007, 0.0007, 0.0013), {0, 0, 0.02}));
+        BodySpec rotor = placed(ring(0.5, 0.0003, 0.0003, 0.0005), {0, 0, 0.02});
+        rotor.angular_velocity = {0, 0, 60};
+        (void)m.add(rotor);
+        (void)m.join(HingeSpec{.body = 0, .axis = {0, 1, 0}});
+        (void)m.join(HingeSpec{.body = 1, .to_body = 0, .axis = {1, 0, 0}});
+        (void)m.join(HingeSpec{.body = 2, .to_body = 1, .anchor = {0, 0, 0.02}});
+        return m;
+    }
+    // The time from the first to the third passage of body 0 below the origin, on cubics through the steps.
+    [[nodiscard]] static double measured_period(Mechanism& m, double step) {
+        std::vector<double> passages;
+        double x = m.position(0).x, v = 0;
+        for (int i = 0; passages.size() < 3 && i < 8 / step; ++i) {
+            m.run(1);
+            const double next_x = m.position(0).x, next_v = m.velocity(0).x;
+            if (m.position(0).y < 0 && x * next_x <= 0 && next_x != 0) {
+                const auto cubic = [&](double s) {
+                    return x * (1 + 2 * s) * (1 - s) * (1 - s) + step * v * s * (1 - s) * (1 - s) +
+                           next_x * s * s * (3 - 2 * s) - step * next_v * s * s * (1 - s);
+                };
+                double low = 0, high = 1;
+                for (int k = 0; k < 50; ++k) {
+                    const double middle = (low + high) / 2;
+                    (cubic(middle) * cubic(low) > 0 ? low : high) = middle;
+                }
+                passages.push_back((i + low) * step);
+            }
+            x = next_x;
+            v = next_v;
+        }
+        return passages.size() < 3 ? 0 : passages[2] - passages[0];
+    }
+    // Runs it and returns the largest gap.
+    [[nodiscard]] static double largest_gap(Mechanism m, int steps) {
+        double largest = 0;
+        for (int i = 0; i < steps; ++i) {
+            m.run(1);
+            largest = std::max(largest, m.gap());
+        }
+        EXPECT_TRUE(m.world.status().ok());
+        return largest;
+    }
+    [[nodiscard]] static double mean_corrections(Mechanism m, int steps) {
+        double sum = 0;
+        for (int i = 0; i < steps; ++i) {
+            m.run(1);
+            sum += m.joint(0).corrections;
+        }
+        return sum / steps;
+    }
+    // The mean energy over `window` steps at the end less that over as many at the beginning.
+    [[nodiscard]] static double energy_moved(Mechanism m, int window, int steps) {
+        m.run(1);
+        double first = 0, last = 0;
+        for (int i = 0; i < window; ++i) {
+            m.run(1);
+            first += m.energy();
+        }
+        m.run(steps - 2 * window);
+        for (int i = 0; i < window; ++i) {
+            m.run(1);
+            last += m.energy();
+        }
+        EXPECT_TRUE(m.world.status().ok());
+        return (last - first) / window;
+    }
+    // The error at 1/256 s by Richardson's extrapolation, and how many times that at 1/512 s is smaller.
+    template <class Make>
+    static void expect_order_two(Make&& make, int steps, int body, double most_error) {
+        std::vector<Vector> ends;
+        for (int fine = 1; fine <= 4; fine *= 2) {
+            auto m = make(Seconds{1, 256 * fine});
+            m.run(steps * fine);
+            ends.push_back(m.position(body));
+        }
+        const double coarse = length(ends[0] - ends[1]), fine = length(ends[1] - ends[2]);
+        EXPECT_LT(coarse * 4 / 3, most_error);
+        if (!is_single) { EXPECT_NEAR(coarse / fine, 4, 0.5); }
+    }
+};
+TYPED_TEST_SUITE(Joints, JointKindsTested);
+
+TYPED_TEST(Joints, a_pendulum_has_the_period_of_the_arithmetic_geometric_mean) {
+    const double period = pendulum_period(2.5, this->rod, 9.81 / 2);
+    std::vector<double> errors;
+    for (const int rate : {64, 256, 1024}) {
+        auto m = this->pendulum(2.5, {1, rate});
+        errors.push_back(std::abs(this->measured_period(m, 1.0 / rate) / period - 1));
+    }
+    EXPECT_LT(errors[0], 5e-4);
+    EXPECT_LT(errors[1], this->is_single ? 1e-4 : 3.1e-5);
+    if (this->is_single) return;
+    EXPECT_LT(errors[2], 2e-6);
+    EXPECT_NEAR(errors[0] / errors[1], 16, 1.6);
+}
+
+// In the angles a and b of the rods from hanging, d = a - b, with I about the ends and lengths 1 (Lagrange):
+//   (I + 1) a'' + cos(d) b'' / 2 + sin(d) b'^2 / 2 + 3 g sin(a) / 2 = 0
+//   I b'' + cos(d) a'' / 2 - sin(d) a'^2 / 2 + g sin(b) / 2 = 0
+[[nodiscard]] Vector reference_tip(double a, double b, double inertia, double time) {
+    struct State {
+        double a, b, va, vb;
+    } s{a, b, 0, 0};
+    const auto rate = [&](const State& at) {
+        const double c = std::cos(at.a - at.b) / 2, n = std::sin(at.a - at.b) / 2;
+        const double first = -n * at.vb * at.vb - 1.5 * 9.81 * std::sin(at.a),
+                     second = n * at.va * at.va - 9.81 / 2 * std::sin(at.b), det = (inertia + 1) * inertia - c * c;
+        return State{at.va, at.vb, (first * inertia - second * c) / det, (second * (inertia + 1) - first * c) / det};
+    };
+    const auto moved = [](const State& at, const State& by, double h) {
+        return State{at.a + h * by.a, at.b + h * by.b, at.va + h * by.va, at.vb + h * by.vb};
+    };
+    const int steps = 20'000;
+    const double h = time / steps;
+    for (int i = 0; i < steps; ++i) {
+        const State k1 = rate(s), k2 = rate(moved(s, k1, h / 2)), k3 = rate(moved(s, k2, h / 2)),
+                    k4 = rate(moved(s, k3, h));
+        s = moved(moved(moved(moved(s, k1, h / 6), k2, h / 3), k3, h / 3), k4, h / 6);
+    }
+    return {std::sin(s.a) + std::sin(s.b) / 2, -std::cos(s.a) - std::cos(s.b) / 2, 0};
+}
+
+TYPED_TEST(Joints, a_double_pendulum_moves_as_in_its_angles_with_order_two) {
+    const Vector tip = reference_tip(2.0, 2.4, this->rod, 2);
+    double errors[2];
+    for (int i = 0; i < 2; ++i) {
+        auto m = this->double_pendulum(2.0, 2.4, {1, 256 << i});
+        m.run(512 << i);
+        errors[i] = length(m.position(1) - tip);
+    }
+    EXPECT_LT(errors[0], 1.5e-3);
+    EXPECT_NEAR(errors[0] / errors[1], 4, this->is_single ? 0.5 : 0.2);
+}
+
+TYPED_TEST(Joints, a_falling_arm_and_a_gyroscope_are_of_order_two) {
+    this->expect_order_two([&](Seconds step) { return this->arm(step); }, 128, 5, 3.5e-4);
+    this->expect_order_two([&](Seconds step) { return this->gyroscope(step); }, 512, 2, 4e-4);
+}
+
+TYPED_TEST(Joints, the_energy_of_a_pendulum_has_no_trend) {
+    const double period = pendulum_period(2.5, this->rod, 9.81 / 2);
+    const double moved = this->energy_moved(this->pendulum(2.5), static_cast<int>(8 * period * 256), long_run) / 9.81;
+    EXPECT_LT(std::abs(moved), this->is_single ? 3e-4 : this->in_fixed_point ? 1e-5 : 1e-6);
+}
+
+TYPED_TEST(Joints, the_energy_of_a_spherical_pendulum_has_no_trend) {
+    typename TestFixture::Mechanism m;
+    BodySpec body =
+        placed(box(1, {0.1, 1, 0.2}), {std::sin(1.0) / 2, -std::cos(1.0) / 2, 0}, rotation_about({0, 0, 1}, 1.0));
+    // v = w x r with w along the rod's normal in its plane: in the body's axes about x.
+    body.velocity = {0, 0, 1};
+    body.angular_velocity = {-2, 0, 0};
+    (void)m.add(body);
+    (void)m.join(BallSpec{.body = 0});
+    const double moved = this->energy_moved(m, 4000, long_run) / 9.81;
+    EXPECT_LT(std::abs(moved), this->is_single ? 5e-4 : this->in_fixed_point ? 3e-6 : 1e-6);
+}
+
+TYPED_TEST(Joints, every_step_ends_closed) {
+    EXPECT_LT(this->largest_gap(this->pendulum(2.5), 2000), this->closed);
+    EXPECT_LT(this->largest_gap(this->double_pendulum(1, 1.5), 2000), this->closed);
+    EXPECT_LT(this->largest_gap(this->chain_of_ten(), 1000), this->closed);
+    EXPECT_LT(this->largest_gap(this->arm(), 256), this->closed);
+    EXPECT_LT(this->largest_gap(this->gyroscope({1, 256}), 512), this->closed);
+}
+
+TYPED_TEST(Joints, a_step_takes_few_corrections) {
+    const double few = this->in_fixed_point || this->is_single ? 1.1 : 2;
+    EXPECT_LT(this->mean_corrections(this->pendulum(2.5), 1000), few);
+    EXPECT_LT(this->mean_corrections(this->double_pendulum(1, 1.5), 1000), few);
+    EXPECT_LT(this->mean_corrections(this->chain_of_ten(), 500), few);
+    EXPECT_LT(this->mean_corrections(this->arm(), 256), this->in_fixed_point ? 2 : 3);
+    EXPECT_LT(this->mean_corrections(this->gyroscope({1, 256}), 256), this->in_fixed_point ? 3.1 : 4.1);
+}
+
+// The arm with its bodies in this order, and the joints added the other way round, named from either side.
+TYPED_TEST(Joints, the_order_of_bodies_and_joints_changes_rounding_alone) {
+    auto straight = this->arm();
+    straight.run(64);
+    const auto links = this->links_of_arm();
+    for (const std::vector<int>& order : {std::vector{5, 4, 3, 2, 1, 0}, std::vector{2, 0, 5, 1, 4, 3}})
+        for (const bool swapped : {false, true}) {
+            typename TestFixture::Mechanism m;
+            std::vector<int> place(6);
+            for (int k = 0; k < 6; ++k) place[static_cast<std::size_t>(order[static_cast<std::size_t>(k)])] = k;
+            for (const int link : order) (void)m.add(links[static_cast<std::size_t>(link)].body);
+            for (int i = 5; i >= 0; --i) {
+                const auto at = static_cast<std::size_t>(i);
+                HingeSpec hinge{.body = place[at], .anchor = links[at].anchor, .axis = links[at].axis};
+                if (i > 0) hinge.to_body = place[at - 1];
+                if (i > 0 && swapped) hinge = {place[at - 1], place[at], hinge.anchor, hinge.axis};
+                EXPECT_TRUE(m.join(hinge));
+            }
+            m.run(64);
+            for (int i = 0; i < 6; ++i)
+                EXPECT_LT(length(m.position(place[static_cast<std::size_t>(i)]) - straight.position(i)),
+                          this->is_single        ? 2e-5
+                          : this->in_fixed_point ? 2e-8
+                                                 : 1e-11);
+        }
+}
+
+TYPED_TEST(Joints, the_order_in_which_joints_are_added_changes_no_bit) {
+    auto straight = this->arm();
+    typename TestFixture::Mechanism m;
+    const auto links = this->links_of_arm();
+    for (const auto& link : links) (void)m.add(link.body);
+    for (const int i : {3, 0, 5, 2, 4, 1}) {
+        const auto& link = links[static_cast<std::size_t>(i)];
+        (void)m.join(HingeSpec{.body = i, .to_body = i - 1, .anchor = link.anchor, .axis = link.axis});
+    }
+    for (int i = 0; i < 64; ++i) {
+        straight.run(1);
+        m.run(1);
+        ASSERT_EQ(straight.world.hash(), m.world.hash()) << i;
+    }
+}
+
+TYPED_TEST(Joints, trees_do_not_know_of_each_other) {
+    auto alone = this->double_pendulum(1, 1.5), beside = this->double_pendulum(1, 1.5);
+    (void)beside.add(this->hanging({5, 0, 0}, 0.7));
+    (void)beside.add(placed(sphere(1, 0.1), {0, 9, 0}));
+    alone.run(10);
+    beside.run(10);
+    (void)beside.join(HingeSpec{.body = 2, .anchor = {5, 0, 0}});
+    for (int i = 0; i < 100; ++i) {
+        alone.run(1);
+        beside.run(1);
+        for (int b = 0; b < 2; ++b)
+            ASSERT_TRUE(alone.world.state(alone.bodies[static_cast<std::size_t>(b)]) ==
+                        beside.world.state(beside.bodies[static_cast<std::size_t>(b)]));
+    }
+}
+
+TYPED_TEST(Joints, a_scene_that_is_turned_in_space_moves_alike) {
+    auto plain_arm = this->arm();
+    plain_arm.run(64);
+    // A third of a turn about the diagonal takes x to y, y to z and z to x.
+    const RealQuat third = rotation_about({1, 1, 1}, 2 * std::numbers::pi / 3);
+    const auto turned = [](const RealVec3& v) { return RealVec3{v.z, v.x, v.y}; };
+    typename TestFixture::Mechanism m{{1, 256}, {0, 0, -9.81}};
+    const auto links = this->links_of_arm();
+    for (int i = 0; i < 6; ++i) {
+        const auto& link = links[static_cast<std::size_t>(i)];
+        (void)m.add(placed(link.body, turned(link.body.position), third));
+        (void)m.join(HingeSpec{.body = i, .to_body = i - 1, .anchor = turned(link.anchor), .axis = turned(link.axis)});
+    }
+    m.run(64);
+    for (int i = 0; i < 6; ++i) {
+        const Vector x = plain_arm.position(i);
+        EXPECT_LT(length(m.position(i) - Vector{x.z, x.x, x.y}), this->is_single        ? 2e-5
+                                                                 : this->in_fixed_point ? 2e-8
+                                                                                        : 1e-11);
+    }
+}
+
+TYPED_TEST(Joints, two_free_bodies_on_a_hinge_keep_their_momenta_and_energy) {
+    typename TestFixture::Mechanism m{{1, 256}, {}};
+    BodySpec a = placed(box(1, {0.1, 1, 0.1}), {0, 0.5, 0}), b = placed(box(2, {0.2, 0.8, 0.1}), {0, -0.4, 0});
+    a.angular_velocity = {0, 0, 3};
+    a.velocity = {-1.5, 0.3, 0.1};
+    b.angular_velocity = {0, 0, -2};
+    b.velocity = {-0.8, 0.3, 0.1};
+    (void)m.add(a);
+    (void)m.add(b);
+    (void)m.join(HingeSpec{.body = 1, .to_body = 0});
+    m.run(1);
+    const Vector momentum = m.momentum(), angular = m.angular_momentum();
+    const double energy = m.energy();
+    m.run(2000);
+    const double bar = this->is_single ? 1e-4 : this->in_fixed_point ? 2e-6 : 1e-11;
+    EXPECT_LT(length(m.momentum() - momentum), bar);
+    EXPECT_LT(length(m.angular_momentum() - angular), 20 * bar);  // about the origin, from which it flies away
+    EXPECT_NEAR(m.energy() / energy, 1, 1e-4);
+    EXPECT_TRUE(m.world.status().ok());
+}
+
+TYPED_TEST(Joints, a_cart_on_a_rail_and_its_pendulum_keep_momentum_along_the_rail) {
+    typename TestFixture::Mechanism m;
+    (void)m.add(box(1, {0.2, 0.2, 0.3}));
+    (void)m.add(this->hanging({}, 1));
+    (void)m.join(SliderSpec{.body = 0});
+    (void)m.join(HingeSpec{.body = 1, .to_body = 0});
+    const double energy = m.energy();
+    m.run(1000);
+    const double centre = (m.position(0).x + m.position(1).x) / 2;
+    EXPECT_NEAR(centre, std::sin(1.0) / 4, this->is_single ? 1e-3 : 1e-6);
+    EXPECT_NEAR(m.position(0).y, 0, 1e-6);
+    EXPECT_NEAR(m.joint(0).travel, m.position(0).x, 1e-6);
+    EXPECT_NEAR(m.joint(0).speed, m.velocity(0).x, 1e-5);
+    EXPECT_NEAR(m.energy(), energy, 5e-3);
+}
+
+TYPED_TEST(Joints, bodies_on_a_fixed_joint_swing_as_one) {
+    typename TestFixture::Mechanism m;
+    const Vector half{std::sin(2.5) / 2, -std::cos(2.5) / 2, 0};
+    for (const double at : {0.25, 0.75})
+        (void)m.add(placed(box(0.5, {0.1, 0.5, 0.1}), {std::sin(2.5) * at, -std::cos(2.5) * at, 0},
+                           rotation_about({0, 0, 1}, 2.5)));
+    (void)m.join(HingeSpec{.body = 0});
+    (void)m.join(FixedSpec{.body = 1, .to_body = 0, .anchor = {half.x, half.y, 0}});
+    const double period = pendulum_period(2.5, this->rod, 9.81 / 2);
+    EXPECT_NEAR(this->measured_period(m, 1.0 / 256) / period, 1, this->is_single ? 1e-4 : 4e-5);
+}
+
+TYPED_TEST(Joints, a_universal_joint_shows_both_angles_and_carries_the_rest) {
+    typename TestFixture::Mechanism m;
+    BodySpec body = placed(box(1, {0.3, 0.6, 0.1}), {0, -0.5, 0});
+    body.angular_velocity = {1, 0, 0.8};
+    body.velocity = {0.4, 0, -0.5};
+    (void)m.add(body);
+    (void)m.join(UniversalSpec{.body = 0, .axis = {0, 0, 1}, .to_axis = {1, 0, 0}});
+    const double energy = m.energy();
+    double angle = 0, to_angle = 0;
+    for (int i = 0; i < 200; ++i) {
+        m.run(1);
+        const auto joint = m.joint(0);
+        EXPECT_NEAR((joint.angle - angle) * 256, joint.speed, 0.1);
+        EXPECT_NEAR((joint.to_angle - to_angle) * 256, joint.to_speed, 0.1);
+        angle = joint.angle;
+        to_angle = joint.to_angle;
+        // The body's axis is perpendicular to the world's.
+        const Rotation q = m.world.orientation(m.bodies[0]).template as<double>();
+        EXPECT_NEAR(rotate(q, {0, 0, 1}).x, 0, this->is_single ? 1e-6 : 1e-8);
+    }
+    EXPECT_NEAR(m.energy(), energy, 2e-3);
+    EXPECT_LT(m.gap(), this->closed);
+}
+
+TYPED_TEST(Joints, a_body_that_hangs_at_rest_is_carried_by_its_joint) {
+    typename TestFixture::Mechanism m;
+    (void)m.add(placed(box(2, {1, 0.1, 0.1}), {0.5, 0, 0}));
+    (void)m.join(FixedSpec{.body = 0});
+    m.run(100);
+    const auto joint = m.joint(0);
+    const double bar = this->is_single ? 2e-2 : 1e-4;
+    EXPECT_LT(length(joint.force - Vector{0, 2 * 9.81, 0}), bar);
+    EXPECT_LT(length(joint.torque - Vector{0, 0, 9.81}), bar);
+    EXPECT_LT(length(m.position(0) - Vector{0.5, 0, 0}), 1e-6);
+}
+
+TYPED_TEST(Joints, a_spring_on_a_slider_is_an_oscillator_and_ties_two_trees) {
+    typename TestFixture::Mechanism m{{1, 256}, {}};
+    (void)m.add(placed(box(1, {0.2, 0.2, 0.3}), {-0.9, 0, 0}));
+    (void)m.add(placed(box(1, {0.2, 0.3, 0.2}), {1.1, 0, 0}));
+    (void)m.join(SliderSpec{.body = 0, .anchor = {-0.9, 0, 0}});
+    (void)m.join(SliderSpec{.body = 1, .anchor = {1.1, 0, 0}});
+    (void)m.world.add(SpringSpec{.body = 0, .to_body = 1, .stiffness = 50, .rest_length = 1.8});
+    // x1 - x0 = 1.8 + 0.2 cos(10 t)
+    m.run(200);
+    EXPECT_NEAR(m.position(1).x - m.position(0).x, 1.8 + 0.2 * std::cos(10 * 200 / 256.0), 3e-4);
+    EXPECT_NEAR(m.position(1).x + m.position(0).x, 0.2, 1e-5);
+}
+
+TYPED_TEST(Joints, a_blow_on_a_link_moves_the_whole_tree) {
+    auto m = this->pendulum(0);
+    m.world.apply_impulse(m.bodies[0], {1, 0, 0}, {0, -0.5, 0});
+    const double energy = m.energy();
+    m.run(1);
+    // The angular impulse about the axis over the moment about it.
+    EXPECT_NEAR(m.joint(0).speed, 1 / this->rod, 2e-3);
+    EXPECT_LT(m.energy(), energy);
+    EXPECT_LT(m.gap(), this->closed);
+
+    auto pair = this->double_pendulum(0, 0);
+    pair.world.apply_impulse(pair.bodies[1], {1, 0, 0}, {0, -0.5, 0});
+    pair.run(1);
+    // (I + 1) w1 + w2 / 2 = 1 and w1 / 2 + I w2 = 1
+    const double rod = this->rod, det = (rod + 1) * rod - 0.25;
+    EXPECT_NEAR(pair.joint(0).speed, (rod - 0.5) / det, 1e-2);
+    EXPECT_NEAR(pair.joint(0).speed + pair.joint(1).speed, (rod + 0.5) / det, 1e-2);
+}
+
+TYPED_TEST(Joints, a_mechanism_whose_poses_are_set_goes_on_from_them) {
+    auto set = this->double_pendulum(0.3, 0.2), made = this->double_pendulum(1, 1.5);
+    set.run(20);
+    for (int b = 0; b < 2; ++b) {
+        const BodyId id = set.bodies[static_cast<std::size_t>(b)];
+        const Vector x = made.position(b);
+        set.world.set_pose(id, {Real{x.x}, Real{x.y}, Real{x.z}}, rotation_about({0, 0, 1}, b == 0 ? 1.0 : 1.5));
+        set.world.set_velocity(id, {0, 0, 0});
+        set.world.set_angular_velocity(id, {0, 0, 0});
+    }
+    set.run(100);
+    made.run(100);
+    EXPECT_LT(length(set.position(1) - made.position(1)), this->is_single ? 1e-4 : 1e-6);
+    EXPECT_TRUE(set.world.status().ok());
+
+    // A body that is set beside its anchor comes back to it, without a velocity.
+    auto open = this->pendulum(0);
+    open.world.set_pose(open.bodies[0], {0.2, -0.4, 0.1});
+    open.run(1);
+    EXPECT_LT(open.gap(), this->closed);
+    EXPECT_LT(length(open.velocity(0)), 0.05);
+    EXPECT_TRUE(open.world.status().ok());
+}
+
+TYPED_TEST(Joints, what_is_removed_holds_nothing) {
+    auto m = this->double_pendulum(1, 1.5);
+    m.run(50);
+    const JointId knee = m.joints[1];
+    m.world.remove(knee);
+    EXPECT_FALSE(m.world.contains(knee));
+    EXPECT_EQ(m.world.joint_count(), 1);
+    const Vector x = m.position(1), v = m.velocity(1);
+    m.run(64);
+    EXPECT_LT(length(m.position(1) - (x + v * 0.25 - Vector{0, 9.81 / 32, 0})), this->is_single ? 1e-5 : 1e-6);
+
+    const JointId again = m.world.add(BallSpec{.body = 1, .anchor = {0, 0, 0}});
+    EXPECT_TRUE(again);
+    EXPECT_EQ(again.index(), knee.index());
+    EXPECT_FALSE(m.world.contains(knee));
+    m.world.remove(m.bodies[0]);
+    EXPECT_FALSE(m.world.contains(m.joints[0]));
+    EXPECT_TRUE(m.world.contains(again));
+    m.world.remove(m.bodies[1]);
+    EXPECT_EQ(m.world.joint_count(), 0);
+    (void)m.world.step();
+    EXPECT_TRUE(m.world.status().ok());
+}
+
+TYPED_TEST(Joints, a_world_goes_on_from_its_snapshot_with_the_same_bits) {
+    auto m = this->arm(), other = this->arm();
+    m.run(40);
+    m.world.apply_impulse(m.bodies[3], {0.1, 0.2, 0}, {});
+    std::vector<std::uint8_t> bytes(static_cast<std::size_t>(m.world.snapshot_size()));
+    ASSERT_EQ(m.world.save(bytes.data(), static_cast<int>(bytes.size())), static_cast<int>(bytes.size()));
+    ASSERT_EQ(other.world.restore(bytes.data(), static_cast<int>(bytes.size())), SnapshotFault::none);
+    for (int i = 0; i < 40; ++i) {
+        m.run(1);
+        other.run(1);
+        ASSERT_EQ(m.world.hash(), other.world.hash()) << i;
+    }
+    auto another = this->double_pendulum(1, 1.5);
+    EXPECT_EQ(another.world.restore(bytes.data(), static_cast<int>(bytes.size())), SnapshotFault::other_scene);
+}
+
+TYPED_TEST(Joints, each_fault_of_a_joint_is_named) {
+    auto m = this->double_pendulum(1, 1.5);
+    const int still = m.add(fixed(placed(box(1, {1, 1, 1}), {3, 0, 0})));
+    const int gone = m.add(sphere(1, 0.1));
+    m.world.remove(m.bodies[static_cast<std::size_t>(gone)]);
+    const auto& world = m.world;
+    EXPECT_EQ(world.fault_of(BallSpec{.body = 7}), JointFault::no_such_body);
+    EXPECT_EQ(world.fault_of(BallSpec{.body = gone}), JointFault::no_such_body);
+    EXPECT_EQ(world.fault_of(BallSpec{.body = 0, .to_body = gone}), JointFault::no_such_body);
+    EXPECT_EQ(world.fault_of(BallSpec{.body = 0, .to_body = -2}), JointFault::no_such_body);
+    EXPECT_EQ(world.fault_of(BallSpec{.body = 1, .to_body = 1}), JointFault::same_body);
+    EXPECT_EQ(world.fault_of(BallSpec{.body = still}), JointFault::no_moving_body);
+    EXPECT_EQ(world.fault_of(HingeSpec{.body = 1, .to_body = 0, .axis = {}}), JointFault::zero_axis);
+    EXPECT_EQ(world.fault_of(SliderSpec{.body = 1, .to_body = 0, .axis = {}}), JointFault::zero_axis);
+    EXPECT_EQ(world.fault_of(UniversalSpec{.body = 1, .to_body = 0, .to_axis = {}}), JointFault::zero_axis);
+    EXPECT_EQ(world.fault_of(UniversalSpec{.body = 1, .to_body = 0, .to_axis = {1, 1, 0}}),
+              JointFault::axes_not_square);
+    // The same two bodies again, and the last one to the world or to a fixed body.
+    EXPECT_EQ(world.fault_of(BallSpec{.body = 0, .to_body = 1}), JointFault::closes_loop);
+    EXPECT_EQ(world.fault_of(BallSpec{.body = 1}), JointFault::closes_loop);
+    EXPECT_EQ(world.fault_of(BallSpec{.body = 1, .to_body = still}), JointFault::closes_loop);
+    for (const JointFault fault : {JointFault::none, JointFault::no_such_body, JointFault::same_body,
+                                   JointFault::no_moving_body, JointFault::point_mass, JointFault::zero_axis,
+                                   JointFault::axes_not_square, JointFault::closes_loop, JointFault::no_room})
+        EXPECT_NE(name_of(fault), nullptr);
+    EXPECT_EQ(world.joint_count(), 2);
+    EXPECT_TRUE(world.status().ok());
+    EXPECT_FALSE(m.world.add(BallSpec{.body = 1}));
+    EXPECT_TRUE(world.status().has(Issue::world_full));
+#ifndef __SANITIZE_ADDRESS__
+    EXPECT_DEATH((void)m.world.add(BallSpec{.body = 1, .to_body = 1}), "");
+    EXPECT_DEATH((void)m.world.add(HingeSpec{.body = 0, .anchor = {std::nan(""), 0, 0}}), "");
+    EXPECT_DEATH((void)m.world.template joint<double>(JointId{5}), "");
+#endif
+}
+
+TYPED_TEST(Joints, a_joint_without_room_is_refused) {
+    World<SceneOf<typename TestFixture::N, integrators::Verlet, Features{.bodies = 3, .joints = 1}>> world{
+        Seconds{1, 256}};
+    for (int b = 0; b < 3; ++b) (void)world.add(placed(sphere(1, 0.1), {Real{b}, 0, 0}));
+    EXPECT_TRUE(world.add(BallSpec{.body = 0, .to_body = 1}));
+    EXPECT_EQ(world.fault_of(BallSpec{.body = 2}), JointFault::no_room);
+    EXPECT_FALSE(world.add(BallSpec{.body = 2}));
+    EXPECT_TRUE(world.status().has(Issue::world_full));
+}
+
+// The world's side may be a fixed body, which the program sets elsewhere.
+TYPED_TEST(Joints, a_fixed_body_carries_its_tree_along_when_it_is_set) {
+    auto on_world = this->pendulum(1);
+    typename TestFixture::Mechanism m;
+    (void)m.add(this->hanging({}, 1));
+    const int base = m.add(fixed(placed(box(1, {1, 1, 1}), {0, 0.5, 0}, rotation_about({0, 1, 0}, 0.3))));
+    (void)m.join(HingeSpec{.body = 0, .to_body = base});
+    on_world.run(100);
+    m.run(100);
+    EXPECT_LT(length(on_world.position(0) - m.position(0)), this->is_single ? 1e-5 : 1e-7);
+    m.world.set_pose(m.bodies[static_cast<std::size_t>(base)], {0.125, 0.5, 0}, rotation_about({0, 1, 0}, 0.3));
+    m.run(1);
+    EXPECT_LT(m.gap(), 2 * this->closed);
+    EXPECT_TRUE(m.world.status().ok());
+}
+
+// Ten links of 0.1 kg with 10 kg at the end: a link under that force swings faster than a step of 1/64 s follows.
+TYPED_TEST(Joints, a_step_that_is_too_long_is_reported_and_ends_closed) {
+    typename TestFixture::Mechanism m{{1, 64}};
+    for (int i = 0; i < 10; ++i) {
+        (void)m.add(placed(box(0.1, {0.1, 0.02, 0.02}), {0.1 * i + 0.05, 0, 0}));
+        (void)m.join(BallSpec{.body = i, .to_body = i - 1, .anchor = {0.1 * i, 0, 0}});
+    }
+    (void)m.add(placed(sphere(10, 0.1), {1.1, 0, 0}));
+    (void)m.join(BallSpec{.body = 10, .to_body = 9, .anchor = {1, 0, 0}});
+    for (int i = 0; i < 60 && m.world.status().ok(); ++i) m.run(1);
+    EXPECT_TRUE(m.world.status().has(Issue::step_bound_hit));
+    EXPECT_LT(m.gap(), this->closed);
+}
+
+// Every compiler, optimisation and core gives these bits.
+TEST(JointBits, are_the_same_everywhere) {
+    using Exact = Kind<Q32<>, integrators::Verlet>;
+    Mechanism<Exact> m;
+    (void)m.add(placed(box(1, {0.3, 0.5, 0.1}), {0.125, -0.25, 0}));
+    (void)m.add(placed(box(0.5, {0.25, 0.125, 0.25}), {0.5, -0.5, 0.125}));
+    (void)m.add(placed(box(0.25, {0.125, 0.125, 0.25}), {0.75, -0.5, 0.125}));
+    (void)m.add(placed(box(0.25, {0.125, 0.25, 0.25}), {1, -0.5, 0.25}));
+    (void)m.add(placed(sphere(1, 0.25), {3, 0, 0}));
+    (void)m.add(placed(box(2, {0.5, 0.25, 0.25}), {3.5, 0, 0.125}));
+    (void)m.join(UniversalSpec{.body = 0});
+    (void)m.join(SliderSpec{.body = 1, .to_body = 0, .anchor = {0.25, -0.5, 0}, .axis = {1, 0, 0.5}});
+    (void)m.join(FixedSpec{.body = 2, .to_body = 1, .anchor = {0.625, -0.5, 0.125}});
+    (void)m.join(BallSpec{.body = 2, .to_body = 3, .anchor = {0.875, -0.5, 0.25}});
+    (void)m.join(HingeSpec{.body = 4, .to_body = 5, .anchor = {3.25, 0, 0}, .axis = {1, 1, 0}});
+    m.world.apply_impulse(m.bodies[5], {1, 2, 0.5}, {0.25, 0, 0});
+    m.run(256);
+    EXPECT_EQ(m.world.hash(), 16467959649318122706u);
+}
+
+}  // namespace
+}  // namespace tumble::test
