@@ -570,8 +570,10 @@ private:
     // A step of trees, with all bodies that step together.
     [[gnu::noinline]] void hold(const typename Hold::Trees& trees, const BodyGroup& group,
                                 const StepInfo<N>& info) requires has_joints {
-        Hold{joints, bodies, trees}.step(
-            group, [&] { portion(group, info, Portion{}); }, [&](int b) { spin_changed(b); });
+        const auto fly = [&](int halvings) {
+            portion(group, info, halvings == 0 ? Portion{} : Portion{false, Work(1) / Work(1 << halvings)});
+        };
+        Hold{joints, bodies, trees}.step(group, fly, [&](int b) { spin_changed(b); });
         check_range(group);
     }
 

@@ -30,6 +30,8 @@ struct JointTreeState {
     bool is_disturbed = false;         // something other than a step has changed a velocity
     bool is_moved = false;             // something other than a step has changed a pose
     std::int8_t corrections = 0;       // of the last step
+    std::int8_t open_bits = 0;         // of the targets of a solution, in fixed point
+    std::int8_t halvings = 0;          // of the next step, which is flown in 2^halvings parts
 };
 
 template <class N, Features features>
@@ -41,6 +43,7 @@ public:
     using Node = JointNode<N>;
     using Kicks = Kick<N>;
     static constexpr int room = features.joints;
+    static constexpr int most_halvings = 3;  // of a step
     static constexpr int most_nodes = features.bodies < 2 * room ? features.bodies : 2 * room;
     static constexpr int most_trees = room < most_nodes ? room : most_nodes;
     // A free root has six directions; each of `used` joints leaves a tree less.
@@ -147,7 +150,11 @@ public:
     // Sets the powers of two of lengths from the root's on. They hold the distance of every part of the subtree from
     // the anchor: own_reach, the arm and the radius of gyration, and span, the link to a child, and its reach. In units
     // of 2^-16 m.
-    void fit_lengths(const JointTreeState& tree) {
+    //
+    // What is open at the speed v costs no more energy than the whole tree at v, with the mass M. So a part of the mass
+    // m and the radius of gyration k moves by at most v sqrt(M / m), and spins with at most v sqrt(M / m) / k. Spins
+    // count times the length l: a solution keeps bits of the targets for the largest sqrt(M / m) l / k.
+    void fit_lengths(JointTreeState& tree) {
         if constexpr (N::fixed_point) {
             for (int i = tree.first; i < tree.last; ++i) node_[i].reach = node_[i].own_reach;
             for (int i = tree.last - 1; i >= tree.first; --i) {
@@ -165,6 +172,14 @@ public:
                 node.length_down = static_cast<std::int8_t>(down);
                 node.moment_down = static_cast<std::int8_t>(node.mass_down + down);
             }
+            int bits = J::open_bits;
+            for (int i = tree.first; i < tree.last; ++i) {
+                const Node& node = node_[i];
+                const int up = (node_[tree.first].mass_log2 - node.own_mass_log2 + 1) / 2 + node.length_log2 -
+                               node.own_length_log2;
+                if (J::room_bits - up < bits) bits = J::room_bits - up;
+            }
+            tree.open_bits = static_cast<std::int8_t>(bits < J::least_open_bits ? J::least_open_bits : bits);
         }
     }
     static constexpr int reach_bits = 16;
@@ -176,6 +191,7 @@ public:
         for (int t = 0; t < self.tree_count_; ++t) {
             auto& tree = self.tree_[t];
             to(tree.is_disturbed, tree.is_moved);
+            (void)to.within(tree.halvings, 0, most_halvings);
             if constexpr (Archive::reads) tree.is_factored = false;
             for (int i = tree.first; i < tree.last; ++i) to(self.kick_[i]);
         }
@@ -293,6 +309,7 @@ private:
                     if (!has(tree_[t], kept_body[i])) continue;
                     tree_[t].is_disturbed = tree_[t].is_disturbed || kept_tree[k].is_disturbed;
                     tree_[t].is_moved = tree_[t].is_moved || kept_tree[k].is_moved;
+                    if (kept_tree[k].halvings > tree_[t].halvings) tree_[t].halvings = kept_tree[k].halvings;
                 }
         }
         for (int i = 0; i < node_count_; ++i) {
@@ -361,7 +378,7 @@ private:
     }
 
     // Masses and moments, and the powers of two that hold subtrees.
-    TUMBLE_COLD void set_constants(const auto& bodies, const JointTreeState& tree) {
+    TUMBLE_COLD void set_constants(const auto& bodies, JointTreeState& tree) {
         Real mass[most_nodes];
         for (int i = tree.first; i < tree.last; ++i) mass[i] = set_body(bodies, node_[i]);
         for (int i = tree.last - 1; i >= tree.first; --i)
@@ -392,6 +409,17 @@ private:
     [[nodiscard]] RealVec3 parent_arm(const Node& node) const {
         return arm_of(record_[node.joint].side[1 - node.side]);
     }
+    // What a force at an arm does to the swing of the body across the arm: the largest |e_i x r| / I_i, at least 2^-30.
+    [[nodiscard]] static Real swing(const auto& bodies, const RealVec3& arm, int b) {
+        Real largest = Real::scaled(1, -30);
+        for (int i = 0; i < 3; ++i) {
+            const Real y = arm[(i + 1) % 3], z = arm[(i + 2) % 3];
+            const Real of_axis =
+                sqrt(y * y + z * z) * static_cast<Real>(bodies.step_per_moment(b, i)) / bodies.step_length;
+            if (of_axis > largest) largest = of_axis;
+        }
+        return largest;
+    }
     // Returns the mass.
     [[nodiscard]] Real set_body(const auto& bodies, Node& node) {
         const int b = node.body;
@@ -415,6 +443,8 @@ private:
             node.per_share[i] = J::Factor::of(moment.x / moment[i]);
         }
         if constexpr (N::fixed_point) node.own_reach = reach_of(length_of(own_arm(node)) + gyration);
+        if (node.joint != Node::no_joint) node.swing[0] = J::Factor::of(swing(bodies, own_arm(node), b));
+        if (node.parent >= 0) node.swing[1] = J::Factor::of(swing(bodies, parent_arm(node), node_[node.parent].body));
         return mass;
     }
 

@@ -9,9 +9,12 @@
 // at the same place and along the same rows as the one that begins the next, and is its best guess: no other memory is
 // needed, and a chain takes one correction a step.
 //
-// A step whose gaps do not close in most_corrections is projected (Goldenthal et al. 2007, "Efficient simulation of
-// inextensible cloth"): it flies without its joints, and places are moved until the gaps are closed, which changes
-// velocities by as much. It loses energy, and is reported.
+// RATTLE is explicit in what the force f of a joint does to a link across its arm r, whose moment is I: h^2 f r / I
+// must stay below 4, and Newton's iteration finds the next root only where a link turns by less than half a radian. So
+// a step is flown in 2^n parts, as many as both bounds ask for before it begins (JointMeasures::halvings_for()); a part
+// that does not close in most_corrections is halved. After most_halvings it is projected: it flies without its joints,
+// places are moved until the gaps are closed, and the rates across the joints end, which can only lower the kinetic
+// energy. It is reported. A half kick is kept as that of a whole step.
 #pragma once
 
 #include <tumble/joints/measure.hpp>
@@ -36,42 +39,28 @@ public:
     using Forest = JointForest<N, features>;
     using Trees = JointTrees<Forest::most_trees>;
     using Group = BodyGroup<features.bodies>;
-    static constexpr int most_corrections = 10, most_projections = 8;
+    static constexpr int most_corrections = 10, most_projections = 8, most_halvings = Forest::most_halvings;
 
     JointHold(Forest& forest, Bodies& bodies, const Trees& trees)
         : forest_{forest}, bodies_{bodies}, trees_{trees}, measures_{forest} {}
 
-    // One step of a group, which holds all bodies of the trees. fly(): moves the group to the end of the step.
-    // spin_changed(b): something other than a flight has changed the spin of b.
+    // One step of a group, which holds all bodies of the trees. fly(n): moves the group over a part of 2^-n of the
+    // step. spin_changed(b): something other than a flight has changed the spin of b.
     template <class Fly, class SpinChanged>
     void step(const Group& group, Fly&& fly, SpinChanged&& spin_changed) {
-        each([&](JointTreeState& tree) { begin(tree, spin_changed); });
-        SavedMotions<Bodies> start;
-        for (int k = 0; k < group.count; ++k) start.save(k, bodies_, group.id[k]);
-        const Status status = bodies_.status;
-        int corrections = 0;
-        bool closed = false;
-        for (;; ++corrections) {
-            each([&](const JointTreeState& tree) { kick(tree, spin_changed); });
-            fly();
-            closed = true;
-            each([&](const JointTreeState& tree) {
-                if (!is_closed(tree)) {
-                    closed = false;
-                    correct(tree);
-                }
-            });
-            if (closed || corrections == most_corrections) break;
-            go_back(group, start, status, spin_changed);
-        }
-        if (!closed) [[unlikely]] {
-            go_back(group, start, status, spin_changed);
-            project(fly, spin_changed);
-        }
+        halvings_ = 0;
         each([&](JointTreeState& tree) {
-            tree.corrections = static_cast<std::int8_t>(corrections);
-            end(tree, spin_changed);
+            begin(tree, spin_changed);
+            tree.corrections = 0;
+            if (tree.halvings > halvings_) halvings_ = tree.halvings;
         });
+        for (int part = 0; part < 1 << halvings_; ++part) {
+            while (!is_moved(group, fly, spin_changed) && halvings_ < most_halvings) {
+                ++halvings_;
+                part *= 2;
+            }
+            each([&](JointTreeState& tree) { end(tree, spin_changed); });
+        }
     }
 
 private:
@@ -85,6 +74,41 @@ private:
     const Trees& trees_;
     JointMeasures<N, features> measures_;
     Vector first_v_[Forest::most_nodes], first_w_[Forest::most_nodes];
+    Kick<N> guess_[Forest::most_nodes];  // the half kicks with which a part begins
+    int halvings_ = 0;                   // of the step, in the present part
+
+    // Moves the group over a part, closed at its end, or projected where it is as short as can be. Else it is where the
+    // part begins, and the result is false.
+    template <class Fly, class SpinChanged>
+    [[nodiscard]] bool is_moved(const Group& group, Fly& fly, SpinChanged& spin_changed) {
+        SavedMotions<Bodies> start;
+        for (int k = 0; k < group.count; ++k) start.save(k, bodies_, group.id[k]);
+        const Status status = bodies_.status;
+        each([&](const JointTreeState& tree) {
+            each_node(tree, [&](const Node&, int i) { guess_[i] = forest_.kicks()[i]; });
+        });
+        for (int corrections = 0;; ++corrections) {
+            each([&](const JointTreeState& tree) { kick(tree, spin_changed); });
+            fly(halvings_);
+            bool closed = true;
+            each([&](JointTreeState& tree) {
+                if (!is_closed(tree)) {
+                    closed = false;
+                    if (tree.corrections < INT8_MAX) ++tree.corrections;
+                    correct(tree);
+                }
+            });
+            if (closed) return true;
+            go_back(group, start, status, spin_changed);
+            if (corrections == most_corrections) [[unlikely]]
+                break;
+        }
+        each([&](const JointTreeState& tree) {
+            each_node(tree, [&](const Node&, int i) { forest_.kicks()[i] = guess_[i]; });
+        });
+        if (halvings_ == most_halvings) project(fly);
+        return false;
+    }
 
     template <class F>
     void each(F&& f) {
@@ -99,7 +123,7 @@ private:
     template <class SpinChanged>
     void begin(JointTreeState& tree, SpinChanged& spin_changed) {
         if (tree.is_moved) [[unlikely]]
-            if (!close(tree, false, spin_changed)) report(Issue::joint_open, tree);
+            if (!close(tree)) report(Issue::joint_open, tree);
         tree.is_moved = false;
         if (!tree.is_factored) {
             measures_.place(tree, bodies_);
@@ -110,13 +134,14 @@ private:
             measures_.place(tree, bodies_);
             measures_.rates(tree, bodies_);
             solve(tree);
-            each_node(tree, [&](const Node& node, int i) { push_far(node.body, change(node, i), spin_changed); });
+            each_node(tree, [&](const Node& node, int i) { push_far(node.body, change(node, i, 0), spin_changed); });
+            tree.halvings = 0;
             tree.is_disturbed = false;
         }
     }
     template <class SpinChanged>
     void kick(const JointTreeState& tree, SpinChanged& spin_changed) {
-        each_node(tree, [&](const Node& node, int i) { push(node.body, forest_.kicks()[i], spin_changed); });
+        each_node(tree, [&](const Node& node, int i) { push(node.body, forest_.kicks()[i], halvings_, spin_changed); });
     }
     [[nodiscard]] bool is_closed(const JointTreeState& tree) {
         measures_.place(tree, bodies_);
@@ -128,12 +153,12 @@ private:
             first_v_[i] = measures_.solution[i].dv;
             first_w_[i] = measures_.solution[i].dw;
         });
-        measures_.take_off_effect(tree, bodies_);
+        measures_.take_off_effect(tree, bodies_, halvings_);
         solve(tree);
         each_node(tree, [&](const Node& node, int i) {
             measures_.solution[i].dv += first_v_[i];
             measures_.solution[i].dw += first_w_[i];
-            const Kick<N> more = change(node, i);
+            const Kick<N> more = change(node, i, 2 * halvings_);
             Kick<N>& kick = forest_.kicks()[i];
             bool within = true;  // what is held leaves a gap
             for (int k = 0; k < 3; ++k) {
@@ -158,35 +183,37 @@ private:
         solve(tree);
         each_node(tree, [&](const Node& node, int i) {
             Kick<N>& kick = forest_.kicks()[i];
-            kick = change(node, i);
-            bool within = true;
-            for (int k = 0; k < 3; ++k) {
-                kick.linear[k] = N::limited(kick.linear[k], within);
-                kick.angular[k] = N::limited(kick.angular[k], within);
-            }
-            push(node.body, kick, spin_changed);
+            kick = limited(change(node, i, 0));
+            push(node.body, kick, 0, spin_changed);
+            if (halvings_ > 0) [[unlikely]]
+                kick = limited(change(node, i, halvings_));
         });
+        const int parts = measures_.halvings_for(tree, halvings_);
+        if (parts > most_halvings) [[unlikely]]
+            report(Issue::step_too_long, tree);
+        tree.halvings = static_cast<std::int8_t>(parts < most_halvings ? parts : most_halvings);
+    }
+    [[nodiscard]] static Kick<N> limited(Kick<N> kick) {
+        bool within = true;
+        for (int k = 0; k < 3; ++k) {
+            kick.linear[k] = N::limited(kick.linear[k], within);
+            kick.angular[k] = N::limited(kick.angular[k], within);
+        }
+        return kick;
     }
 
-    template <class Fly, class SpinChanged>
-    [[gnu::noinline, gnu::cold]] void project(Fly& fly, SpinChanged& spin_changed) {
-        fly();
-        each([&](const JointTreeState& tree) {
-            report(close(tree, true, spin_changed) ? Issue::step_bound_hit : Issue::joint_open, tree);
-        });
+    template <class Fly>
+    [[gnu::noinline, gnu::cold]] void project(Fly& fly) {
+        fly(halvings_);
+        each([&](JointTreeState& tree) { report(close(tree) ? Issue::step_bound_hit : Issue::joint_open, tree); });
     }
-    // Moves the bodies until the gaps are closed; with `momentum` the velocities change by as much. False where they
-    // are not. The places and the factor are those of the end then.
-    template <class SpinChanged>
-    [[gnu::noinline, gnu::cold]] bool close(const JointTreeState& tree, bool momentum, SpinChanged& spin_changed) {
+    // Moves the bodies until the gaps are closed, without momentum. False where they are not in most_projections.
+    [[gnu::noinline, gnu::cold]] bool close(JointTreeState& tree) {
         for (int projections = 0; !is_closed(tree); ++projections) {
             if (projections == most_projections) return false;
             measures_.factor(tree);
             solve(tree);
-            each_node(tree, [&](const Node& node, int i) {
-                move(node, i);
-                if (momentum) push_far(node.body, change(node, i), spin_changed);
-            });
+            each_node(tree, [&](const Node& node, int i) { move(node, i); });
         }
         return true;
     }
@@ -204,25 +231,27 @@ private:
     }
 
     void solve(const JointTreeState& tree) { forest_.solver(tree).solve(measures_.solution); }
-    // The change of motion of a solution. A spin's is in the scale of a whole step.
-    [[nodiscard]] Kick<N> change(const Node& node, int i) const {
+    // The change of motion of a solution, times 2^up. A spin's is in the scale of a whole step.
+    [[nodiscard]] Kick<N> change(const Node& node, int i, int up) const {
         const auto& s = measures_.solution[i];
         const Vector own = node.place.axes.to_body(s.dw);
         Kick<N> kick;
         for (int k = 0; k < 3; ++k) {
-            kick.linear[k] = J::drift_sum(s.dv[k], bodies_.scale, measures_.bits);
-            kick.angular[k] = J::turn_sum(own[k], node.to_turn[k], bodies_.scale, node.length_log2, measures_.bits);
+            kick.linear[k] = J::drift_sum(s.dv[k], bodies_.scale, measures_.bits - up);
+            kick.angular[k] =
+                J::turn_sum(own[k], node.to_turn[k], bodies_.scale, node.length_log2, measures_.bits - up);
         }
         return kick;
     }
-    // A half kick is at most a quarter of the range: no sum can wrap. Below: of any change.
+    // A half kick times 2^-down, at most a quarter of the range: no sum can wrap. Below: of any change.
     template <class SpinChanged>
-    TUMBLE_INLINE void push(int b, const Kick<N>& kick, SpinChanged& spin_changed) {
+    TUMBLE_INLINE void push(int b, const Kick<N>& kick, int down, SpinChanged& spin_changed) {
         auto& state = bodies_.state[b];
         const int halvings = bodies_.halvings_of(b);
         for (int k = 0; k < 3; ++k) {
-            N::add(state.d_w[k], kick.linear[k]);
-            state.t_b[k].add(halvings == 0 ? kick.angular[k] : N::halved(kick.angular[k], halvings));
+            N::add(state.d_w[k], J::halved(kick.linear[k], down));
+            const auto angular = J::halved(kick.angular[k], down);
+            state.t_b[k].add(halvings == 0 ? angular : N::halved(angular, halvings));
         }
         (void)bodies_.fit_parts(b);
         spin_changed(b);

@@ -3,8 +3,8 @@
 // m. In floating point all of them are plain numbers.
 //
 // Fixed point: gaps and rates are differences of 64-bit sums of the state, so they are exact but for the rounding of
-// axes and arms, 2^-30 of the arm. The solution computes with at most 24 bits of them: the seven bits above leave room
-// for a light link that moves faster than what is open, and a factor that is off by 2^-20 only leaves a smaller gap.
+// axes and arms, 2^-30 of the arm. The solution computes with at most 23 bits of them, and with fewer where a light
+// link moves faster than what is open (JointForest::fit_lengths()). What it leaves is the gap of the next correction.
 #pragma once
 
 #include <tumble/body/state.hpp>
@@ -25,8 +25,9 @@ requires(N::fixed_point) struct JointNumbers<N> {
                          coarse_rate_bits = 22, spin_bits = 33, coarse_spin_bits = 27;
     // The least power of two of arms, m: a Unit of it is at least 2^-gap_bits m.
     static constexpr int least_log2 = -4, most_log2 = 26;
-    static constexpr int open_bits = 23;  // the magnitude of the largest gap or rate in a solution
-    static constexpr int most_up = 14;    // a gap of one unit counts as that many bits
+    // The magnitude of the largest gap or rate in a solution, at most, and that of what follows from it.
+    static constexpr int open_bits = 23, least_open_bits = 12, room_bits = 29;
+    static constexpr int most_up = 14;  // a gap of one unit counts as that many bits
 
     [[nodiscard]] TUMBLE_INLINE static Unit down(Unit a, int bits) {
         if (bits == 0) return a;
@@ -110,8 +111,8 @@ requires(N::fixed_point) struct JointNumbers<N> {
         return {a < 0 ? -most : most};
     }
     // The shift that brings the largest to its bits.
-    [[nodiscard]] static int up_for(Unit largest) {
-        const int up = open_bits - static_cast<int>(std::bit_width(static_cast<std::uint32_t>(largest.raw)));
+    [[nodiscard]] static int up_for(Unit largest, int bits) {
+        const int up = bits - static_cast<int>(std::bit_width(static_cast<std::uint32_t>(largest.raw)));
         return up > most_up ? most_up : up;
     }
     [[nodiscard]] TUMBLE_INLINE static Unit shifted(Unit a, int up) {
@@ -151,6 +152,33 @@ requires(N::fixed_point) struct JointNumbers<N> {
                                                   int of_spin) {
         const int down = 32 + scale.turn_shift + Unit::fraction_bits - to_angle.log2 - of_spin;
         return lowered(detail::multiply(t.raw, to_angle.mantissa), down);
+    }
+    // A quarter of that in a part of 2^-halvings of a step.
+    [[nodiscard]] TUMBLE_INLINE static Unit quarter(typename N::Turn t, Factor to_angle, typename N::Scale scale,
+                                                    int halvings) {
+        bool fits = true;
+        return held(angle(t, to_angle, scale, Unit::fraction_bits - 2 - halvings), fits);
+    }
+    // A sum times 2^-down.
+    template <class Sum>
+    [[nodiscard]] TUMBLE_INLINE static Sum halved(Sum sum, int down) {
+        return down == 0 ? sum : Sum{sum.raw >> down};
+    }
+    // h^2 f r / I in 2^-16, from the sum of the components of 2^log2 h^2 f, kg m.
+    using Load = std::int64_t;
+    [[nodiscard]] TUMBLE_INLINE static Load load(const auto& force, Factor swing, int log2) {
+        const std::int64_t sum =
+            std::int64_t{magnitude_of(force[0]).raw} + magnitude_of(force[1]).raw + magnitude_of(force[2]).raw;
+        const std::int32_t size = static_cast<std::int32_t>(sum < INT32_MAX ? sum : INT32_MAX);
+        const int down = Unit::fraction_bits - swing.log2 - log2 - 16;
+        return down >= 0 ? lowered(detail::multiply(size, swing.mantissa), down) : std::int64_t{size != 0} << 40;
+    }
+    [[nodiscard]] TUMBLE_INLINE static bool is_too_strong(Load load, int halvings) {
+        return load > std::int64_t{1} << (16 + 2 * halvings);
+    }
+    [[nodiscard]] TUMBLE_INLINE static bool turns_too_far(const auto& spin, int of_spin, int halvings) {
+        return dot(spin, spin).raw > std::int64_t{1}
+                                         << (2 * (of_spin - 2 + halvings) < 62 ? 2 * (of_spin - 2 + halvings) : 62);
     }
     // Sums of the state by a change in 2^-bits m, and by a change of the angle in 2^-bits rad over 2^log2.
     [[nodiscard]] TUMBLE_INLINE static typename N::DriftSum drift_sum(Unit a, typename N::Scale scale, int bits) {
@@ -235,7 +263,6 @@ requires(!N::fixed_point) struct JointNumbers<N> {
     [[nodiscard]] TUMBLE_INLINE static Open turned(Unit spin, int, int, int) { return spin; }
     [[nodiscard]] TUMBLE_INLINE static Unit held(Open a, bool&) { return a; }
     [[nodiscard]] TUMBLE_INLINE static Unit held_half(Open a, bool&) { return a; }
-    [[nodiscard]] static int up_for(Unit) { return 0; }
     [[nodiscard]] TUMBLE_INLINE static Unit shifted(Unit a, int) { return a; }
 
     struct Root {
@@ -251,10 +278,30 @@ requires(!N::fixed_point) struct JointNumbers<N> {
     [[nodiscard]] TUMBLE_INLINE static Open angle(Unit t, Factor to_angle, typename N::Scale, int) {
         return t * to_angle.value;
     }
-    [[nodiscard]] TUMBLE_INLINE static Unit drift_sum(Unit a, typename N::Scale, int) { return a; }
+    [[nodiscard]] TUMBLE_INLINE static Unit quarter(Unit t, Factor to_angle, typename N::Scale, int halvings) {
+        return halved(t * to_angle.value, halvings + 2);
+    }
+    // a 2^-down.
+    [[nodiscard]] TUMBLE_INLINE static Unit halved(Unit a, int down) {
+        for (; down > 0; --down) a *= Unit(0.5);
+        for (; down < 0; ++down) a += a;
+        return a;
+    }
+    using Load = Unit;
+    [[nodiscard]] TUMBLE_INLINE static Load load(const auto& force, Factor swing, int log2) {
+        return swing(halved(magnitude_of(force[0]) + magnitude_of(force[1]) + magnitude_of(force[2]), -log2));
+    }
+    [[nodiscard]] TUMBLE_INLINE static bool is_too_strong(Load load, int halvings) {
+        return load > Unit(1 << 2 * halvings);
+    }
+    [[nodiscard]] TUMBLE_INLINE static bool turns_too_far(const auto& spin, int, int halvings) {
+        return dot(spin, spin) > Unit(1 << 2 * halvings) * Unit(0.0625);
+    }
+    // Times 2^-bits: those of a change that is more than the solution's.
+    [[nodiscard]] TUMBLE_INLINE static Unit drift_sum(Unit a, typename N::Scale, int bits) { return halved(a, bits); }
     [[nodiscard]] TUMBLE_INLINE static Unit position_sum(Unit a, int) { return a; }
-    [[nodiscard]] TUMBLE_INLINE static Unit turn_sum(Unit angle, Unit to_turn, typename N::Scale, int, int) {
-        return angle * to_turn;
+    [[nodiscard]] TUMBLE_INLINE static Unit turn_sum(Unit angle, Unit to_turn, typename N::Scale, int, int bits) {
+        return halved(angle * to_turn, bits);
     }
     [[nodiscard]] static Unit half_angle(Unit angle, int, int) {
         const Unit half = angle * Unit(0.5);

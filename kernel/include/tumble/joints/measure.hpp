@@ -57,7 +57,7 @@ public:
         }
     }
     // Takes `end` over as the places of the factor, and factors.
-    [[gnu::noinline]] void factor(const JointTreeState& tree) {
+    [[gnu::noinline]] void factor(JointTreeState& tree) {
         bool slides = false;
         for (int i = tree.first; i < tree.last; ++i) {
             Node& node = forest_.nodes()[i];
@@ -94,11 +94,11 @@ public:
     }
     // Measures the rates across the joints, with the factor's places, and sets the targets that end them.
     [[gnu::noinline]] void rates(const JointTreeState& tree, const auto& bodies) {
-        const int of_spin = measure_spins(tree, bodies);
+        of_spin_ = measure_spins(tree, bodies);
         int of_rate = J::rate_bits;
-        if (!measure_rates(tree, bodies, of_spin, of_rate)) [[unlikely]] {
+        if (!measure_rates(tree, bodies, of_spin_, of_rate)) [[unlikely]] {
             of_rate = J::coarse_rate_bits;
-            (void)measure_rates(tree, bodies, of_spin, of_rate);
+            (void)measure_rates(tree, bodies, of_spin_, of_rate);
         }
         scale(tree, of_rate);
     }
@@ -108,9 +108,9 @@ public:
     // that
     //   phi = I^-1 (dL + (h / 2) L x I^-1 dL) h
     // over a step h to second order. `solution` is in the world's axes of the start, phi in those of the end.
-    [[gnu::noinline]] void take_off_effect(const JointTreeState& tree, const auto& bodies) {
+    [[gnu::noinline]] void take_off_effect(const JointTreeState& tree, const auto& bodies, int halvings) {
         for (int i = tree.first; i < tree.last; ++i)
-            turn_[i] = turn_by(forest_.nodes()[i], solution[i].dw, bodies, end[i]);
+            turn_[i] = turn_by(forest_.nodes()[i], solution[i].dw, bodies, end[i], halvings);
         for (int i = tree.first; i < tree.last; ++i) {
             const Node& node = forest_.nodes()[i];
             if (node.joint == Node::no_joint) continue;
@@ -129,9 +129,34 @@ public:
             s.target_w -= w;
         }
     }
+    // After rates() and their solution, which ends a part of 2^-halvings of a step: the halvings of the next step that
+    // keep the turn of a part below 1/4 rad and h^2 f r / I, summed over the joints of a body with the forces f of this
+    // part, below 1. A fourth of that of 4, at which the swing across an arm is unstable: errors of a part stay small.
+    [[nodiscard, gnu::noinline]] int halvings_for(const JointTreeState& tree, int halvings) {
+        typename J::Load load[most_nodes]{};
+        int wanted = 0;
+        for (int i = tree.first; i < tree.last; ++i) solution[i].p = Vector::Constant(Unit{});
+        for (int i = tree.last - 1; i >= tree.first; --i) {
+            const Node& node = forest_.nodes()[i];
+            auto& s = solution[i];
+            // h^2 f / 2 in whole steps, of the joint and what hangs on it.
+            const Vector force = s.p + along(s.dv, J::down(node.mass, node.mass_log2 - node.own_mass_log2));
+            if (node.joint != Node::no_joint)
+                load[i] += J::load(force, node.swing[0], node.mass_log2 - bits + halvings + 1);
+            if (node.parent >= 0) {
+                load[node.parent] += J::load(force, node.swing[1], node.mass_log2 - bits + halvings + 1);
+                solution[node.parent].p += down(force, node.mass_down);
+            }
+            while (wanted < JointForest<N, features>::most_halvings + 1 &&
+                   (J::turns_too_far(spin_[i], of_spin_, wanted) || J::is_too_strong(load[i], wanted)))
+                ++wanted;
+        }
+        return wanted;
+    }
 
 private:
     Forest& forest_;
+    int of_spin_ = 0;          // of spin_
     Vector spin_[most_nodes];  // of the bodies in the world's axes
     Vector turn_[most_nodes];
 
@@ -307,7 +332,7 @@ private:
                     largest = larger_of(largest, magnitude_of(solution[i].target_v[k]));
                     largest = larger_of(largest, magnitude_of(solution[i].target_w[k]));
                 }
-            const int up = J::up_for(largest);
+            const int up = J::up_for(largest, tree.open_bits);
             bits += up;
             for (int i = tree.first; i < tree.last; ++i)
                 for (int k = 0; k < 3; ++k) {
@@ -324,13 +349,13 @@ private:
         return v + change + change;
     }
     // The turn at the end by a change dw of the spin. Momenta are I_i / I_x times spins, over half a step where L is.
-    [[nodiscard]] Vector turn_by(const Node& node, const Vector& dw, const auto& bodies, const Place& at) const {
+    [[nodiscard]] Vector turn_by(const Node& node, const Vector& dw, const auto& bodies, const Place& at,
+                                 int halvings) const {
         const auto scale = bodies.spin_scale(node.body);
         Vector change = node.place.axes.to_body(dw), quarter, momentum;
         for (int k = 0; k < 3; ++k) {
             change[k] = narrow<Unit>(mul(change[k], node.share[k]));
-            bool fits = true;
-            quarter[k] = quarter_of(J::angle(turn_of(bodies, node.body, k), node.to_angle[k], scale, 28), fits);
+            quarter[k] = J::quarter(turn_of(bodies, node.body, k), node.to_angle[k], scale, halvings);
             momentum[k] = narrow<Unit>(mul(quarter[k], node.share[k]));
             momentum[k] += momentum[k];
         }
@@ -340,11 +365,6 @@ private:
         Vector turn = over_inertia(half_a_flight_later(quarter, change));
         turn += over_inertia(cross<Unit>(half_a_flight_later(quarter, momentum), turn));
         return at.axes.to_world(half_a_flight_later(quarter, turn));
-    }
-    // Of an angle in 2^-28 rad: a quarter in 2^-30.
-    [[nodiscard]] TUMBLE_INLINE static Unit quarter_of(Open angle, bool& fits) {
-        if constexpr (N::fixed_point) return J::held(angle, fits);
-        else return angle * Unit(0.25);
     }
 };
 

@@ -84,6 +84,7 @@ struct JointNode {
     std::int8_t mass_log2 = 0, length_log2 = 0;  // of the subtree, kg and m
     // From these to the parent's: of masses, of lengths, and of masses times lengths.
     std::int8_t mass_down = 0, length_down = 0, moment_down = 0;
+    typename J::Factor swing[2]{};                    // of the body and of the parent: see JointForest::swing()
     std::int32_t own_reach = 0, span = 0, reach = 0;  // see JointForest::fit_lengths()
     // Of the body: mass, and the middle moment and what the others are more, over powers of two.
     std::int8_t own_mass_log2 = 0, own_length_log2 = 0;
