@@ -17,6 +17,7 @@
 // energy. It is reported. A half kick is kept as that of a whole step.
 #pragma once
 
+#include <tumble/body/orientation.hpp>
 #include <tumble/joints/measure.hpp>
 
 namespace tumble {
