@@ -23,8 +23,7 @@ enum class Issue : std::uint8_t {
     step_bound_hit = 2,
     // More pairs near each other than the scene has room for; some bodies pass through others. Raise near_pairs.
     contacts_full = 4,
-    // add() was called on a full world, or with a joint that closes a loop; nothing was added. Raise the capacity in
-    // the
+    // add() was called on a full world, or with a joint that closes a loop; nothing was added. Raise the capacity in the
     // scene, or ask World::fault_of().
     world_full = 8,
     // The step is too long and adds energy: for a spring, a damper or drag when it was added, for contacts by springs,
@@ -36,8 +35,7 @@ enum class Issue : std::uint8_t {
     // over is resolved at the start of the next step; bodies overlap until then. Or a bounded step of many bodies ended
     // with an overlap that one step does not correct: take a smaller step.
     left_over = 32,
-    // A joint stayed open: poses were set that do not fit it, or a step was too long by far. Set the poses of all
-    // bodies
+    // A joint stayed open: poses were set that do not fit it, or a step was too long by far. Set the poses of all bodies
     // of a mechanism before the next step, or take a smaller step.
     joint_open = 64,
 };

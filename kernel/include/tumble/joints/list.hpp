@@ -8,8 +8,7 @@
 //   axes_of(spec)              the axes in the world when it is added
 //   fault_of(spec)             what is wrong with the spec in itself
 //   turn(view, i)              the axis of free rotation i, of unit length and perpendicular to the others; not of
-//   three,
-//                              which are those about the axes of the world
+//                              three, which are those about the axes of the world
 //   slide(view, i)             the direction of free translation i
 //   lean(view)                 the turn, rad, that closes the gap between the orientations to first order; not of three
 //                              free rotations

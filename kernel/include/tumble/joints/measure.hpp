@@ -104,8 +104,7 @@ public:
     }
     // Takes from the targets what the solution does to the gaps at the end of a flight, by the tangent of a free
     // flight: the centre of mass moves by dv. With the change dL of the angular momentum, constant in the world, L
-    // itself and the inertia I in the middle of the flight, the body turns by phi with phi' = I^-1 (dL + L x phi), so
-    // that
+    // itself and the inertia I in the middle of the flight, the body turns by phi with phi' = I^-1 (dL + L x phi):
     //   phi = I^-1 (dL + (h / 2) L x I^-1 dL) h
     // over a step h to second order. `solution` is in the world's axes of the start, phi in those of the end.
     [[gnu::noinline]] void take_off_effect(const JointTreeState& tree, const auto& bodies, int halvings) {
