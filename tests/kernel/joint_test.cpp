@@ -667,6 +667,32 @@ TYPED_TEST(Joints, a_world_goes_on_from_its_snapshot_with_the_same_bits) {
     EXPECT_EQ(another.world.restore(bytes.data(), static_cast<int>(bytes.size())), SnapshotFault::other_scene);
 }
 
+// A slider that has gone far has other powers of two than when it was added. They follow from the poses.
+TYPED_TEST(Joints, a_world_goes_back_to_an_older_moment_with_a_pose_that_was_set) {
+    for (const double travel : {0.7, 3.0, 20.0, 100.0}) {
+        const auto made = [] {
+            typename TestFixture::Mechanism m{{1, 256}, {}};
+            for (int i = 0; i < 3; ++i) (void)m.add(placed(box(1, {0.2, 0.2, 0.2}), {0.3 * i, 0, 0}));
+            (void)m.join(SliderSpec{.body = 1, .to_body = 0, .anchor = {0.3, 0, 0}});
+            (void)m.join(HingeSpec{.body = 2, .to_body = 1, .anchor = {0.45, 0, 0}});
+            return m;
+        };
+        auto m = made(), other = made();
+        m.run(3);
+        m.world.set_pose(m.bodies[1], {Real{travel}, Real{0.02}, 0}, rotation_about({0, 0, 1}, 0.01));
+        m.world.set_pose(m.bodies[2], {Real{travel + 0.3}, 0, 0});
+        std::vector<std::uint8_t> bytes(static_cast<std::size_t>(m.world.snapshot_size()));
+        const int size = static_cast<int>(bytes.size());
+        ASSERT_EQ(m.world.save(bytes.data(), size), size);
+        m.run(31);
+        ASSERT_EQ(m.world.restore(bytes.data(), size), SnapshotFault::none);
+        ASSERT_EQ(other.world.restore(bytes.data(), size), SnapshotFault::none);
+        m.run(31);
+        other.run(31);
+        EXPECT_EQ(m.world.hash(), other.world.hash()) << travel;
+    }
+}
+
 TYPED_TEST(Joints, each_fault_of_a_joint_is_named) {
     auto m = this->double_pendulum(1, 1.5);
     const int still = m.add(fixed(placed(box(1, {1, 1, 1}), {3, 0, 0})));
@@ -683,14 +709,14 @@ TYPED_TEST(Joints, each_fault_of_a_joint_is_named) {
     EXPECT_EQ(world.fault_of(SliderSpec{.body = 1, .to_body = 0, .axis = {}}), JointFault::zero_axis);
     EXPECT_EQ(world.fault_of(UniversalSpec{.body = 1, .to_body = 0, .to_axis = {}}), JointFault::zero_axis);
     EXPECT_EQ(world.fault_of(UniversalSpec{.body = 1, .to_body = 0, .to_axis = {1, 1, 0}}),
-              JointFault::axes_not_square);
+              JointFault::axes_not_perpendicular);
     // The same two bodies again, and the last one to the world or to a fixed body.
     EXPECT_EQ(world.fault_of(BallSpec{.body = 0, .to_body = 1}), JointFault::closes_loop);
     EXPECT_EQ(world.fault_of(BallSpec{.body = 1}), JointFault::closes_loop);
     EXPECT_EQ(world.fault_of(BallSpec{.body = 1, .to_body = still}), JointFault::closes_loop);
     for (const JointFault fault : {JointFault::none, JointFault::no_such_body, JointFault::same_body,
                                    JointFault::no_moving_body, JointFault::point_mass, JointFault::zero_axis,
-                                   JointFault::axes_not_square, JointFault::closes_loop, JointFault::no_room})
+                                   JointFault::axes_not_perpendicular, JointFault::closes_loop, JointFault::no_room})
         EXPECT_NE(name_of(fault), nullptr);
     EXPECT_EQ(world.joint_count(), 2);
     EXPECT_TRUE(world.status().ok());
@@ -701,6 +727,19 @@ TYPED_TEST(Joints, each_fault_of_a_joint_is_named) {
     EXPECT_DEATH((void)m.world.add(HingeSpec{.body = 0, .anchor = {std::nan(""), 0, 0}}), "");
     EXPECT_DEATH((void)m.world.template joint<double>(JointId{5}), "");
 #endif
+}
+
+// Arms are within what fixed point holds of them.
+TEST(JointArms, are_at_most_4096_m_in_fixed_point) {
+    World<SceneOf<Q32<FieldRange>, integrators::Verlet, Features{.bodies = 2, .joints = 2}>> world{Seconds{1, 256}};
+    (void)world.add(placed(box(1, {1, 1, 1}), {12000, 0, 0}));
+    (void)world.add(placed(box(1, {1, 1, 1}), {12001, 0, 0}));
+    EXPECT_EQ(world.fault_of(HingeSpec{.body = 0}), JointFault::too_far);
+    EXPECT_EQ(world.fault_of(BallSpec{.body = 0, .to_body = 1, .anchor = {16097, 0, 0}}), JointFault::too_far);
+    EXPECT_TRUE(world.add(HingeSpec{.body = 0, .anchor = {8000, 0, 0}}));
+    EXPECT_TRUE(world.add(BallSpec{.body = 0, .to_body = 1, .anchor = {16000, 0, 0}}));
+    for (int step = 0; step < 16; ++step) (void)world.step();
+    EXPECT_TRUE(world.status().ok());
 }
 
 TYPED_TEST(Joints, a_joint_without_room_is_refused) {
@@ -755,6 +794,23 @@ TYPED_TEST(Joints, a_step_that_is_too_long_gains_no_energy_and_is_reported) {
         EXPECT_LT((most - energy) / scale, 0.01) << weight;
         if (weight > 50) { EXPECT_FALSE(m.world.status().ok()); }
     }
+}
+
+// A program that acts in every step does not undo how steps are divided.
+TYPED_TEST(Joints, a_chain_that_is_touched_in_every_step_gains_no_energy) {
+    typename TestFixture::Mechanism m;
+    for (int i = 0; i < 5; ++i) {
+        (void)m.add(placed(box(0.1, {0.1, 0.02, 0.03}), {0.1 * i + 0.05, 0, 0}));
+        (void)m.join(BallSpec{.body = i, .to_body = i - 1, .anchor = {0.1 * i, 0, 0}});
+    }
+    const double energy = m.energy();
+    double most = energy;
+    for (int i = 0; i < 3000; ++i) {
+        m.world.apply_impulse(m.bodies[0], {1e-7, 0, 0});
+        m.run(1);
+        most = std::max(most, m.energy());
+    }
+    EXPECT_LT((most - energy) / (0.5 * 9.81 * 0.5), 0.01);
 }
 
 // Sixteen steps of 1/4096 s for one of 1/256 s: nothing is divided.

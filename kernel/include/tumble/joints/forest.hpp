@@ -66,6 +66,7 @@ public:
         if (is_base(bodies, a) && is_base(bodies, b)) return JointFault::no_moving_body;
         if (!bodies.rotates(a) || (b >= 0 && !bodies.rotates(b))) return JointFault::point_mass;
         if (const JointFault fault = JointKinds::Of<Spec>::fault_of(spec); fault != JointFault::none) return fault;
+        if (is_far(bodies, a, spec.anchor) || is_far(bodies, b, spec.anchor)) return JointFault::too_far;
         if (is_tied(bodies, a, b)) return JointFault::closes_loop;
         return first_vacant() < room ? JointFault::none : JointFault::no_room;
     }
@@ -115,9 +116,6 @@ public:
     void pose_changed(int b) {
         for (int t = 0; t < tree_count_; ++t)
             if (has(tree_[t], b) || node_[tree_[t].first].base == b) forget_pose(tree_[t]);
-    }
-    void all_poses_changed() {
-        for (int t = 0; t < tree_count_; ++t) forget_pose(tree_[t]);
     }
     [[nodiscard]] TUMBLE_INLINE bool is_jointed(int b) const { return is_jointed_[b]; }
     [[nodiscard]] int tree_count() const { return tree_count_; }
@@ -184,6 +182,7 @@ public:
     }
     static constexpr int reach_bits = 16;
     static constexpr std::int32_t most_reach = 1 << 29;
+    static constexpr int most_arm = most_reach >> (reach_bits + 1);  // m: two of them, a link, are within that
 
     // Writes or reads what the next step depends on beside the poses.
     template <class Self, class Archive>
@@ -212,6 +211,12 @@ public:
     }
 
 private:
+    [[nodiscard]] static constexpr bool is_far(const auto& bodies, int b, const RealVec3& anchor) {
+        if (!N::fixed_point || b < 0) return false;
+        const auto& x = bodies.state[b].x_w;
+        const RealVec3 arm = anchor - RealVec3{x.x.to_real(), x.y.to_real(), x.z.to_real()};
+        return dot(arm, arm) > Real{most_arm} * Real{most_arm};
+    }
     [[nodiscard]] static constexpr bool is_base(const auto& bodies, int b) {
         return b < 0 || bodies.constants[b].fixed();
     }

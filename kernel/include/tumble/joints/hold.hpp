@@ -136,7 +136,7 @@ private:
             measures_.rates(tree, bodies_);
             solve(tree);
             each_node(tree, [&](const Node& node, int i) { push_far(node.body, change(node, i, 0), spin_changed); });
-            tree.halvings = 0;
+            divide(tree, measures_.halvings_of_turns(tree, bodies_, tree.halvings));
             tree.is_disturbed = false;
         }
     }
@@ -189,10 +189,13 @@ private:
             if (halvings_ > 0) [[unlikely]]
                 kick = limited(change(node, i, halvings_));
         });
-        const int parts = measures_.halvings_for(tree, halvings_);
-        if (parts > most_halvings) [[unlikely]]
+        divide(tree, measures_.halvings_for(tree, halvings_));
+    }
+    // The parts that the next step is to have.
+    void divide(JointTreeState& tree, int halvings) {
+        if (halvings > most_halvings) [[unlikely]]
             report(Issue::step_too_long, tree);
-        tree.halvings = static_cast<std::int8_t>(parts < most_halvings ? parts : most_halvings);
+        tree.halvings = static_cast<std::int8_t>(halvings < most_halvings ? halvings : most_halvings);
     }
     [[nodiscard]] static Kick<N> limited(Kick<N> kick) {
         bool within = true;
@@ -210,13 +213,14 @@ private:
     }
     // Moves the bodies until the gaps are closed, without momentum. False where they are not in most_projections.
     [[gnu::noinline, gnu::cold]] bool close(JointTreeState& tree) {
-        for (int projections = 0; !is_closed(tree); ++projections) {
+        for (int projections = 0;; ++projections) {
+            measures_.place(tree, bodies_);
+            measures_.factor(tree);  // first: gaps are measured in its lengths
+            if (measures_.gaps(tree, bodies_)) return true;
             if (projections == most_projections) return false;
-            measures_.factor(tree);
             solve(tree);
             each_node(tree, [&](const Node& node, int i) { move(node, i); });
         }
-        return true;
     }
     // Moves a body by the solution in place of its velocity.
     void move(const Node& node, int i) {

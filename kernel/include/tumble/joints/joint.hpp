@@ -42,18 +42,19 @@ struct UniversalSpec {
     RealVec3 to_axis{0, 1, 0};  // world; fixed in `to_body`; perpendicular to `axis` to 2^-10 rad
 };
 
-// Why a joint cannot be added: World::fault_of(). The last two depend on what the world holds, and add() then returns
-// the id of nothing. The others are mistakes of the program, and misuse.
+// Why a joint cannot be added: World::fault_of(). With the last two add() returns the id of nothing. The others are
+// mistakes of the program, and misuse.
 enum class JointFault : std::uint8_t {
-    none,             // it can be added
-    no_such_body,     // an id or a number without a body
-    same_body,        // it ties a body to itself
-    no_moving_body,   // both sides are fixed
-    point_mass,       // a body without rotation
-    zero_axis,        // an axis of length zero
-    axes_not_square,  // the two axes of a universal joint are not perpendicular
-    closes_loop,      // a chain of joints ties the two sides already, two bodies perhaps by another joint
-    no_room,          // Features::joints are there already
+    none,                    // it can be added
+    no_such_body,            // an id or a number without a body
+    same_body,               // it ties a body to itself
+    no_moving_body,          // both sides are fixed
+    point_mass,              // a body without rotation
+    zero_axis,               // an axis of length zero
+    axes_not_perpendicular,  // of a universal joint
+    too_far,                 // fixed point: an anchor more than 4096 m from the centre of mass of a body
+    closes_loop,             // a chain of joints ties the two sides already, two bodies perhaps by another joint
+    no_room,                 // Features::joints are there already
 };
 
 // The name of a fault: closes_loop.
@@ -65,7 +66,8 @@ enum class JointFault : std::uint8_t {
     case JointFault::no_moving_body: return "no_moving_body";
     case JointFault::point_mass: return "point_mass";
     case JointFault::zero_axis: return "zero_axis";
-    case JointFault::axes_not_square: return "axes_not_square";
+    case JointFault::axes_not_perpendicular: return "axes_not_perpendicular";
+    case JointFault::too_far: return "too_far";
     case JointFault::closes_loop: return "closes_loop";
     default: return "no_room";
     }

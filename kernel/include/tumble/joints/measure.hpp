@@ -146,14 +146,24 @@ public:
                 load[node.parent] += J::load(force, node.swing[1], node.mass_log2 - bits + halvings + 1);
                 solution[node.parent].p += down(force, node.mass_down);
             }
-            while (wanted < JointForest<N, features>::most_halvings + 1 &&
+            while (wanted <= most_halvings &&
                    (J::turns_too_far(spin_[i], of_spin_, wanted) || J::is_too_strong(load[i], wanted)))
                 ++wanted;
         }
         return wanted;
     }
+    // After a blow: at least `wanted`, and as many as the turns ask for that it leaves. The forces are those of before.
+    [[nodiscard, gnu::noinline, gnu::cold]] int halvings_of_turns(const JointTreeState& tree, const auto& bodies,
+                                                                  int wanted) {
+        of_spin_ = measure_spins(tree, bodies);
+        for (int i = tree.first; i < tree.last; ++i)
+            while (wanted <= most_halvings && J::turns_too_far(spin_[i], of_spin_, wanted)) ++wanted;
+        return wanted;
+    }
 
 private:
+    static constexpr int most_halvings = JointForest<N, features>::most_halvings;
+
     Forest& forest_;
     int of_spin_ = 0;          // of spin_
     Vector spin_[most_nodes];  // of the bodies in the world's axes

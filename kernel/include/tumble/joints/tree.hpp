@@ -9,8 +9,8 @@
 // One body has, with the arm r from its centre of mass to its anchor and [r] x = r x x,
 //   A = m 1,   B = m [r],   C = I + m (r.r 1 - r r^T).
 // A free direction d, a rotation, takes no impulse: d . H = 0. With u = B d, t = C d, D = d . t, both over sqrt(D):
-//   A -= u u^T,  B -= u t^T,  C -= t t^T,  k = d . h / sqrt(D),  p -= u k,  h -= t k,  q = -(u . v + t . w + k) /
-//   sqrt(D)
+//   A -= u u^T,  B -= u t^T,  C -= t t^T,  k = d . h / sqrt(D),  p -= u k,  h -= t k,
+//   q = -(u . v + t . w + k) / sqrt(D),
 // with the rate q about d. Of a translation u = A d, t = B^T d, D = d . u, k = d . p / sqrt(D). The parent has them
 // about its own anchor, the arm l from it to this anchor:
 //   A' = A,   B' = B - A [l],   C' = C - B^T [l] + [l] B'.

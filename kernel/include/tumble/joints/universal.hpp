@@ -21,7 +21,7 @@ struct Universal {
     TUMBLE_COLD [[nodiscard]] static constexpr JointFault fault_of(const Spec& spec) {
         if (spec.axis.is_zero() || spec.to_axis.is_zero()) return JointFault::zero_axis;
         const Real cosine = dot(normalized(spec.axis), normalized(spec.to_axis));
-        return abs(cosine) > Real::scaled(1, -10) ? JointFault::axes_not_square : JointFault::none;
+        return abs(cosine) > Real::scaled(1, -10) ? JointFault::axes_not_perpendicular : JointFault::none;
     }
     template <class View>
     [[nodiscard]] TUMBLE_INLINE static auto turn(const View& at, int i) {
