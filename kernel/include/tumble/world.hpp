@@ -53,8 +53,9 @@ public:
                   "joints tie bodies that rotate: leave out .rotation = false, or .joints");
     static_assert(!features.has_joints() || !features.touches(),
                   "bodies with joints touch nothing yet: a scene has .joints, or .planes and .pairs");
-    static_assert(!features.has_joints() || !features.moving_surfaces(),
-                  "joints tie only to what does not move by itself: a scene has .joints, or .turntables and .kinematic");
+    static_assert(
+        !features.has_joints() || !features.moving_surfaces(),
+        "joints tie only to what does not move by itself: a scene has .joints, or .turntables and .kinematic");
     static constexpr bool has_contacts = features.contacts();  // the code of contacts by impulses is there
     static constexpr bool has_loads = detail::has_loads<S>;    // the code of loads is there
     static constexpr bool has_step = requires { S::step; };    // the scene has the step, as `static constexpr Seconds`
