@@ -18,25 +18,23 @@ enum class Issue : std::uint8_t {
     // restitution_threshold. Or the forces between touching bodies were not found, so that one sinks into another, as
     // below a body that is 1000 times as heavy: make the masses more equal. Or these forces leave a face turning, so
     // that a tall stack leans and walks off sideways: take a smaller step. Or joints did not close in an eighth of a
-    // step, which
-    // was projected and lost energy: take a smaller step. The state is usable but less accurate.
+    // step, which was projected and lost energy: take a smaller step. The state is usable but less accurate.
     step_bound_hit = 2,
     // More pairs near each other than the scene has room for; some bodies pass through others. Raise near_pairs.
     contacts_full = 4,
-    // add() was called on a full world, or with a joint that closes a loop; nothing was added. Raise the capacity in the
-    // scene, or ask World::fault_of().
+    // add() was called on a full world, or with a joint that closes a loop; nothing was added. Raise the capacity in
+    // the scene, or ask World::fault_of().
     world_full = 8,
     // The step is too long and adds energy: for a spring, a damper or drag when it was added, for contacts by springs,
     // or for two bodies that attract each other. Or a link swings under the force of its joint faster than an eighth of
-    // the step follows. Take a smaller step; for contacts by springs at most
-    // World::largest_safe_step().
+    // the step follows. Take a smaller step; for contacts by springs at most World::largest_safe_step().
     step_too_long = 16,
     // A step had more impacts or searches than ContactSpec allows, or sweeps without an end: allow more. What was left
     // over is resolved at the start of the next step; bodies overlap until then. Or a bounded step of many bodies ended
     // with an overlap that one step does not correct: take a smaller step.
     left_over = 32,
-    // A joint stayed open: poses were set that do not fit it, or a step was too long by far. Set the poses of all bodies
-    // of a mechanism before the next step, or take a smaller step.
+    // A joint stayed open: poses were set that do not fit it, or a step was too long by far. Set the poses of all
+    // bodies of a mechanism before the next step, or take a smaller step.
     joint_open = 64,
 };
 // All issues, in the order of their bits.
