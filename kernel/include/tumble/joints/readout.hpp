@@ -18,7 +18,7 @@ struct JointReadout {
     T to_speed{};         // rad/s, of `to_angle`
     Vector3<T> force{};   // N, world axes: on `body` by the joint, at the end of the last step
     Vector3<T> torque{};  // N m, world axes, about the anchor: likewise; about free axes it is zero
-    int corrections = 0;  // of its tree in the last step, whose flights are one more
+    int corrections = 0;  // of its tree in the last step, in all parts of it; not kept in a snapshot
 };
 
 namespace detail {
