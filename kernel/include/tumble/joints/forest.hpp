@@ -42,9 +42,9 @@ public:
     using Record = JointRecord<N>;
     using Node = JointNode<N>;
     using Kicks = Kick<N>;
-    static constexpr int room = features.joints;
-    static constexpr int most_halvings = 3;  // of a step
-    static constexpr int most_nodes = features.bodies < 2 * room ? features.bodies : 2 * room;
+    static constexpr int room = features.has_joints() ? features.joints : 1;  // a world without joints has no forest
+    static constexpr int most_halvings = 3;                                   // of a step
+    static constexpr int most_nodes = features.bodies > 0 && features.bodies < 2 * room ? features.bodies : 2 * room;
     static constexpr int most_trees = room < most_nodes ? room : most_nodes;
     // A free root has six directions; each of `used` joints leaves a tree less.
     static constexpr int most_directions = [] {
@@ -458,7 +458,7 @@ private:
     Kicks kick_[most_nodes]{};
     FreeDirection<N> direction_[most_directions]{};
     JointTreeState tree_[most_trees]{};
-    bool is_jointed_[features.bodies]{};
+    bool is_jointed_[features.bodies > 0 ? features.bodies : 1]{};
     std::int16_t node_count_ = 0, tree_count_ = 0, direction_count_ = 0;
 };
 

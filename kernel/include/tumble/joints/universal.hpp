@@ -12,11 +12,11 @@ struct Universal {
 
     // The other's axis less its part along the body's. The second axes show the angles: each is the first of the other.
     TUMBLE_COLD [[nodiscard]] static constexpr detail::JointAxes axes_of(const Spec& spec) {
-        detail::JointAxes axes;
+        detail::JointAxes made;
         const RealVec3 own = normalized(spec.axis), other = normalized(spec.to_axis);
-        axes.of_body[0] = axes.of_other[1] = own;
-        axes.of_other[0] = axes.of_body[1] = normalized(other - own * dot(own, other));
-        return axes;
+        made.of_body[0] = made.of_other[1] = own;
+        made.of_other[0] = made.of_body[1] = normalized(other - own * dot(own, other));
+        return made;
     }
     TUMBLE_COLD [[nodiscard]] static constexpr JointFault fault_of(const Spec& spec) {
         if (spec.axis.is_zero() || spec.to_axis.is_zero()) return JointFault::zero_axis;
