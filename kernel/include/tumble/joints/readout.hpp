@@ -48,7 +48,7 @@ public:
                 to.to_speed = static_cast<T>(dot(axis(1, 0), relative_spin()));
             }
             if constexpr (Kind::slides == 1) {
-                to.travel = static_cast<T>(dot(axis(1, 0), difference(anchor(0), anchor(1))));
+                to.travel = static_cast<T>(dot(axis(1, 0), Vector(anchor(0) - anchor(1))));
                 to.speed = static_cast<T>(slide_rate());
             }
         });
@@ -67,12 +67,6 @@ private:
     int node_;
     Work rate_;  // steps per second
 
-    [[nodiscard]] static Vector difference(const Vector& a, const Vector& b) {
-        return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-    }
-    [[nodiscard]] static Vector sum(const Vector& a, const Vector& b) {
-        return {a[0] + b[0], a[1] + b[1], a[2] + b[2]};
-    }
     [[nodiscard]] Vector in_world(int b, const StoredVec3<typename N::Unit>& v) const {
         const Vector work = work_unit<N>(v);
         return b < 0 ? work : rotate(work_quaternion<N>(bodies_.state[b].q_wb.value()), work);
@@ -89,7 +83,7 @@ private:
     }
     [[nodiscard]] Vector anchor(int side) const {
         const int b = joint_.side[side].body;
-        if (b >= 0) return sum(bodies_.position(b), arm(side));
+        if (b >= 0) return bodies_.position(b) + arm(side);
         const auto metres = [&](int i) { return N::metres(N::sum(joint_.anchor[i])); };
         return {metres(0), metres(1), metres(2)};
     }
@@ -105,7 +99,7 @@ private:
         if (b < 0 || bodies_.constants[b].fixed()) return zero_vector<N>();
         return {bodies_.drift(b, 0) * rate_, bodies_.drift(b, 1) * rate_, bodies_.drift(b, 2) * rate_};
     }
-    [[nodiscard]] Vector relative_spin() const { return difference(spin(0), spin(1)); }
+    [[nodiscard]] Vector relative_spin() const { return spin(0) - spin(1); }
     // About the axis of a side, from the second axis of the other side to that of this one; between axes of which one
     // shows its own angle alone, the other side's first axis is the second one.
     [[nodiscard]] Work angle(int side, bool crosses) const {
@@ -115,11 +109,11 @@ private:
     // Of the body's anchor against the point of the other side at which it is.
     [[nodiscard]] Work slide_rate() const {
         const Vector at = anchor(0);
-        const Vector own = sum(velocity(0), cross<Work>(spin(0), arm(0)));
+        const Vector own = velocity(0) + cross<Work>(spin(0), arm(0));
         const int b = joint_.side[1].body;
         if (b < 0) return dot(axis(1, 0), own);
-        const Vector other = sum(velocity(1), cross<Work>(spin(1), difference(at, bodies_.position(b))));
-        return dot(axis(1, 0), difference(own, other));
+        const Vector other = velocity(1) + cross<Work>(spin(1), Vector(at - bodies_.position(b)));
+        return dot(axis(1, 0), Vector(own - other));
     }
     // The balance of the subtree that hangs on the joint: its half kicks of the last step are by this joint alone,
     // since what joints do within it cancels.
@@ -138,15 +132,13 @@ private:
                 turn[k] = N::half_turn(kick.angular[k], bodies_.scale) * bodies_.constants[b].units.rate(k, Work(1)) /
                           bodies_.step_per_moment(b, k);
             }
-            force = sum(force, push);
-            const Vector moment = cross<Work>(difference(bodies_.position(b), at), push);
-            torque = sum(torque, sum(moment, rotate(work_quaternion<N>(bodies_.state[b].q_wb.value()), turn)));
+            force += push;
+            torque += cross<Work>(Vector(bodies_.position(b) - at), push) +
+                      rotate(work_quaternion<N>(bodies_.state[b].q_wb.value()), turn);
         }
         const Work twice = rate_ + rate_, scale = nodes[node_].side == 0 ? twice : -twice;
-        for (int k = 0; k < 3; ++k) {
-            force[k] = force[k] * scale;
-            torque[k] = torque[k] * scale;
-        }
+        force = scaled_by(force, scale);
+        torque = scaled_by(torque, scale);
     }
     [[nodiscard]] bool hangs_on(int i) const {
         while (i > node_) i = forest_.nodes()[i].parent;

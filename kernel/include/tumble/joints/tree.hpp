@@ -97,8 +97,6 @@ struct JointNode {
     JointPlace<N> place;                // where the factor is of
     SymmetricMatrix<Unit> a, c;
     Unit b[3][3];
-
-    [[nodiscard]] bool is_on_world() const { return parent < 0; }
 };
 
 // What a solution of one body is: the targets, and the change of its motion.
