@@ -452,7 +452,7 @@ TYPED_TEST(BoundedSteps, add_no_energy_where_sweeps_are_far_from_done) {
 
 // A light body on which heavy ones fall spins by up to a radian in a step, and bounded sweeps do not hold it.
 TYPED_TEST(BoundedSteps, let_nothing_through_a_surface) {
-    for (const std::uint64_t seed : {7, 33, 53, 99, 2172}) {
+    for (const std::uint64_t seed : {7u, 33u, 53u, 99u, 2172u}) {
         Random random{seed};
         const double restitution = random.uniform(0, 1), friction = random.uniform(0, 1.2);
         typename TestFixture::World world{Seconds{1, 30}, this->with(0, restitution, friction)};
