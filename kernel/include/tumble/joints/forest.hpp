@@ -31,7 +31,7 @@ struct JointTreeState {
     bool is_moved = false;             // something other than a step has changed a pose
     std::int8_t corrections = 0;       // of the last step
     std::int8_t open_bits = 0;         // of the targets of a solution, in fixed point
-    std::int8_t halvings = 0;          // of the next step, which is flown in 2^halvings parts
+    std::int8_t halvings = 0;          // of the next step, which is flown in 2^halvings parts; kicks are of one
 };
 
 template <class N, Features features>
@@ -43,7 +43,7 @@ public:
     using Node = JointNode<N>;
     using Kicks = Kick<N>;
     static constexpr int room = features.has_joints() ? features.joints : 1;  // a world without joints has no forest
-    static constexpr int most_halvings = 3;                                   // of a step
+    static constexpr int most_halvings = 5;                                   // of a step
     static constexpr int most_nodes = features.bodies > 0 && features.bodies < 2 * room ? features.bodies : 2 * room;
     static constexpr int most_trees = room < most_nodes ? room : most_nodes;
     // A free root has six directions; each of `used` joints leaves a tree less.

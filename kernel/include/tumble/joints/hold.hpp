@@ -11,10 +11,12 @@
 //
 // RATTLE is explicit in what the force f of a joint does to a link across its arm r, whose moment is I: h^2 f r / I
 // must stay below 4, and Newton's iteration finds the next root only where a link turns by less than half a radian. So
-// a step is flown in 2^n parts, as many as both bounds ask for before it begins (JointMeasures::halvings_for()); a part
-// that does not close in most_corrections is halved. After most_halvings it is projected: it flies without its joints,
-// places are moved until the gaps are closed, and the rates across the joints end, which can only lower the kinetic
-// energy. It is reported. A half kick is kept as that of a whole step.
+// a step is flown in 2^n parts, as many as both bounds ask for at the beginning and at the end of each part
+// (JointMeasures::halvings_for()): a part after which more are asked for is flown again. A choice by the beginning
+// alone takes long parts into a jerk and short ones out of it, and each jerk takes energy. A part that does not close
+// in most_corrections, or whose half kicks are beyond the range, is halved too. After most_halvings it is projected: it
+// flies without its joints, places are moved until the gaps are closed, and the rates across the joints end, which can
+// only lower the kinetic energy. It is reported. Half kicks are those of a part.
 #pragma once
 
 #include <tumble/body/orientation.hpp>
@@ -55,13 +57,16 @@ public:
             tree.corrections = 0;
             if (tree.halvings > halvings_) halvings_ = tree.halvings;
         });
-        for (int part = 0; part < 1 << halvings_; ++part) {
-            while (!is_moved(group, fly, spin_changed) && halvings_ < most_halvings) {
-                ++halvings_;
+        each([&](const JointTreeState& tree) { scale_kicks(tree, tree.halvings, halvings_); });
+        for (int part = 0; part < 1 << halvings_;) {
+            if (is_taken(group, fly, spin_changed)) [[likely]] {
+                ++part;
+            } else {
+                halve();
                 part *= 2;
             }
-            each([&](JointTreeState& tree) { end(tree, spin_changed); });
         }
+        each([&](const JointTreeState& tree) { scale_kicks(tree, halvings_, tree.halvings); });
     }
 
 private:
@@ -75,40 +80,66 @@ private:
     const Trees& trees_;
     JointMeasures<N, features> measures_;
     Vector first_v_[Forest::most_nodes], first_w_[Forest::most_nodes];
-    Kick<N> guess_[Forest::most_nodes];  // the half kicks with which a part begins
-    int halvings_ = 0;                   // of the step, in the present part
+    // Where a part begins: motions, status, and half kicks of the joints.
+    SavedMotions<Bodies> start_;
+    Status status_;
+    Kick<N> guess_[Forest::most_nodes];
+    int halvings_ = 0;  // of the step, in the present part
 
-    // Moves the group over a part, closed at its end, or projected where it is as short as can be. Else it is where the
-    // part begins, and the result is false.
+    // Takes a part. Where it has to be shorter the group is where the part begins, and the result is false.
+    template <class Fly, class SpinChanged>
+    [[nodiscard]] bool is_taken(const Group& group, Fly& fly, SpinChanged& spin_changed) {
+        if (!is_moved(group, fly, spin_changed)) [[unlikely]] {
+            if (halvings_ < most_halvings) return false;
+            project(fly);
+        }
+        int wanted = 0;
+        each([&](JointTreeState& tree) {
+            end(tree, spin_changed);
+            if (tree.halvings > wanted) wanted = tree.halvings;
+        });
+        if (wanted <= halvings_) [[likely]]
+            return true;
+        go_back(group, spin_changed);
+        each([&](JointTreeState& tree) {
+            measures_.place(tree, bodies_);
+            measures_.factor(tree);
+            tree.is_disturbed = false;
+        });
+        return false;
+    }
+    // From the beginning of a part to half of it.
+    [[gnu::noinline, gnu::cold]] void halve() {
+        each([&](const JointTreeState& tree) {
+            each_node(tree, [&](const Node&, int i) { forest_.kicks()[i] = guess_[i]; });
+            scale_kicks(tree, halvings_, halvings_ + 1);
+        });
+        ++halvings_;
+    }
+    // Moves the group over a part, closed at its end. Else it is where the part begins, and the result is false.
     template <class Fly, class SpinChanged>
     [[nodiscard]] bool is_moved(const Group& group, Fly& fly, SpinChanged& spin_changed) {
-        SavedMotions<Bodies> start;
-        for (int k = 0; k < group.count; ++k) start.save(k, bodies_, group.id[k]);
-        const Status status = bodies_.status;
+        for (int k = 0; k < group.count; ++k) start_.save(k, bodies_, group.id[k]);
+        status_ = bodies_.status;
         each([&](const JointTreeState& tree) {
             each_node(tree, [&](const Node&, int i) { guess_[i] = forest_.kicks()[i]; });
         });
         for (int corrections = 0;; ++corrections) {
             each([&](const JointTreeState& tree) { kick(tree, spin_changed); });
             fly(halvings_);
-            bool closed = true;
+            bool closed = true, within = true;
             each([&](JointTreeState& tree) {
                 if (!is_closed(tree)) {
                     closed = false;
                     if (tree.corrections < INT8_MAX) ++tree.corrections;
-                    correct(tree);
+                    correct(tree, within);
                 }
             });
             if (closed) return true;
-            go_back(group, start, status, spin_changed);
-            if (corrections == most_corrections) [[unlikely]]
-                break;
+            go_back(group, spin_changed);
+            if (corrections == most_corrections || (!within && halvings_ < most_halvings)) [[unlikely]]
+                return false;
         }
-        each([&](const JointTreeState& tree) {
-            each_node(tree, [&](const Node&, int i) { forest_.kicks()[i] = guess_[i]; });
-        });
-        if (halvings_ == most_halvings) project(fly);
-        return false;
     }
 
     template <class F>
@@ -136,19 +167,22 @@ private:
             measures_.rates(tree, bodies_);
             solve(tree);
             each_node(tree, [&](const Node& node, int i) { push_far(node.body, change(node, i, 0), spin_changed); });
-            divide(tree, measures_.halvings_of_turns(tree, bodies_, tree.halvings));
+            const int before = tree.halvings;
+            divide(tree, measures_.halvings_of_turns(tree, bodies_, before));
+            scale_kicks(tree, before, tree.halvings);
             tree.is_disturbed = false;
         }
     }
     template <class SpinChanged>
     void kick(const JointTreeState& tree, SpinChanged& spin_changed) {
-        each_node(tree, [&](const Node& node, int i) { push(node.body, forest_.kicks()[i], halvings_, spin_changed); });
+        each_node(tree, [&](const Node& node, int i) { push(node.body, forest_.kicks()[i], spin_changed); });
     }
     [[nodiscard]] bool is_closed(const JointTreeState& tree) {
         measures_.place(tree, bodies_);
         return measures_.gaps(tree, bodies_);
     }
-    void correct(const JointTreeState& tree) {
+    // Clears `within` where a kick is held.
+    void correct(const JointTreeState& tree, bool& within) {
         solve(tree);
         each_node(tree, [&](const Node&, int i) {
             first_v_[i] = measures_.solution[i].dv;
@@ -159,23 +193,40 @@ private:
         each_node(tree, [&](const Node& node, int i) {
             measures_.solution[i].dv += first_v_[i];
             measures_.solution[i].dw += first_w_[i];
-            const Kick<N> more = change(node, i, 2 * halvings_);
             Kick<N>& kick = forest_.kicks()[i];
-            bool within = true;  // what is held leaves a gap
-            for (int k = 0; k < 3; ++k) {
-                kick.linear[k] = N::limited(N::held_sum(kick.linear[k], more.linear[k]), within);
-                kick.angular[k] = N::limited(N::held_sum(kick.angular[k], more.angular[k]), within);
+            kick = sum(kick, change(node, i, halvings_), within);
+        });
+    }
+    // Held within a quarter of the range.
+    [[nodiscard]] static Kick<N> sum(const Kick<N>& a, const Kick<N>& b, bool& within) {
+        Kick<N> sum;
+        for (int k = 0; k < 3; ++k) {
+            sum.linear[k] = N::limited(N::held_sum(a.linear[k], b.linear[k]), within);
+            sum.angular[k] = N::limited(N::held_sum(a.angular[k], b.angular[k]), within);
+        }
+        return sum;
+    }
+    // Half kicks are of a part: those of 2^-from of a step become those of 2^-to with the same forces.
+    void scale_kicks(const JointTreeState& tree, int from, int to) {
+        if (from == to) [[likely]]
+            return;
+        each_node(tree, [&](const Node&, int i) {
+            Kick<N>& kick = forest_.kicks()[i];
+            bool within = true;
+            for (int n = from; n > to; --n) kick = sum(kick, kick, within);
+            for (int k = 0; k < 3 && from < to; ++k) {
+                kick.linear[k] = J::halved(kick.linear[k], to - from);
+                kick.angular[k] = J::halved(kick.angular[k], to - from);
             }
         });
     }
     template <class SpinChanged>
-    void go_back(const Group& group, const SavedMotions<Bodies>& start, const Status& status,
-                 SpinChanged& spin_changed) {
+    void go_back(const Group& group, SpinChanged& spin_changed) {
         for (int k = 0; k < group.count; ++k) {
-            start.restore(k, bodies_, group.id[k]);
+            start_.restore(k, bodies_, group.id[k]);
             spin_changed(group.id[k]);
         }
-        bodies_.status = status;
+        bodies_.status = status_;
     }
     template <class SpinChanged>
     void end(JointTreeState& tree, SpinChanged& spin_changed) {
@@ -184,10 +235,11 @@ private:
         solve(tree);
         each_node(tree, [&](const Node& node, int i) {
             Kick<N>& kick = forest_.kicks()[i];
-            kick = limited(change(node, i, 0));
-            push(node.body, kick, 0, spin_changed);
-            if (halvings_ > 0) [[unlikely]]
-                kick = limited(change(node, i, halvings_));
+            bool within = true;
+            kick = sum({}, change(node, i, 0), within);
+            push(node.body, kick, spin_changed);
+            if (!within) [[unlikely]]
+                tree.is_disturbed = true;
         });
         divide(tree, measures_.halvings_for(tree, halvings_));
     }
@@ -197,15 +249,6 @@ private:
             report(Issue::step_too_long, tree);
         tree.halvings = static_cast<std::int8_t>(halvings < most_halvings ? halvings : most_halvings);
     }
-    [[nodiscard]] static Kick<N> limited(Kick<N> kick) {
-        bool within = true;
-        for (int k = 0; k < 3; ++k) {
-            kick.linear[k] = N::limited(kick.linear[k], within);
-            kick.angular[k] = N::limited(kick.angular[k], within);
-        }
-        return kick;
-    }
-
     template <class Fly>
     [[gnu::noinline, gnu::cold]] void project(Fly& fly) {
         fly(halvings_);
@@ -236,7 +279,7 @@ private:
     }
 
     void solve(const JointTreeState& tree) { forest_.solver(tree).solve(measures_.solution); }
-    // The change of motion of a solution, times 2^up. A spin's is in the scale of a whole step.
+    // The change of motion of a solution, times 2^up. A spin's is in the finest scale, which holds the range of spins.
     [[nodiscard]] Kick<N> change(const Node& node, int i, int up) const {
         const auto& s = measures_.solution[i];
         const Vector own = node.place.axes.to_body(s.dw);
@@ -244,19 +287,18 @@ private:
         for (int k = 0; k < 3; ++k) {
             kick.linear[k] = J::drift_sum(s.dv[k], bodies_.scale, measures_.bits - up);
             kick.angular[k] =
-                J::turn_sum(own[k], node.to_turn[k], bodies_.scale, node.length_log2, measures_.bits - up);
+                J::turn_sum(own[k], node.to_turn[k], bodies_.finest_scale(), node.length_log2, measures_.bits - up);
         }
         return kick;
     }
-    // A half kick times 2^-down, at most a quarter of the range: no sum can wrap. Below: of any change.
+    // A half kick, at most a quarter of the range: no sum can wrap. Below: of any change.
     template <class SpinChanged>
-    TUMBLE_INLINE void push(int b, const Kick<N>& kick, int down, SpinChanged& spin_changed) {
+    TUMBLE_INLINE void push(int b, const Kick<N>& kick, SpinChanged& spin_changed) {
         auto& state = bodies_.state[b];
-        const int halvings = bodies_.halvings_of(b);
+        const int halvings = refined(b, kick);
         for (int k = 0; k < 3; ++k) {
-            N::add(state.d_w[k], J::halved(kick.linear[k], down));
-            const auto angular = J::halved(kick.angular[k], down);
-            state.t_b[k].add(halvings == 0 ? angular : N::halved(angular, halvings));
+            N::add(state.d_w[k], kick.linear[k]);
+            state.t_b[k].add(halvings == 0 ? kick.angular[k] : N::halved(kick.angular[k], halvings));
         }
         (void)bodies_.fit_parts(b);
         spin_changed(b);
@@ -264,13 +306,21 @@ private:
     template <class SpinChanged>
     [[gnu::noinline, gnu::cold]] void push_far(int b, const Kick<N>& kick, SpinChanged& spin_changed) {
         auto& state = bodies_.state[b];
-        const int halvings = bodies_.halvings_of(b);
+        const int halvings = refined(b, kick);
         for (int k = 0; k < 3; ++k) {
             N::add_sum(state.d_w[k], kick.linear[k]);
             N::add_sum(state.t_b[k], N::halved(kick.angular[k], halvings));
         }
         (void)bodies_.fit_parts(b);
         spin_changed(b);
+    }
+    // Takes the spin of b to a scale that holds the change too. Returns the halvings from the scale of kicks to it, 0
+    // or less.
+    [[nodiscard]] TUMBLE_INLINE int refined(int b, const Kick<N>& kick) {
+        int halvings = bodies_.halvings_of(b) - bodies_.most_halvings();
+        if constexpr (Bodies::has_parts)
+            while (halvings < 0 && J::is_wide(kick.angular, -halvings) && bodies_.halve_parts(b)) ++halvings;
+        return halvings;
     }
     void report(Issue issue, const JointTreeState& tree) { bodies_.report(issue, forest_.nodes()[tree.first].body); }
 };

@@ -159,6 +159,12 @@ requires(N::fixed_point) struct JointNumbers<N> {
         bool fits = true;
         return held(angle(t, to_angle, scale, Unit::fraction_bits - 2 - halvings), fits);
     }
+    // True where a change of spin times 2^up, up to 6, is more than a quarter of the range.
+    [[nodiscard]] TUMBLE_INLINE static bool is_wide(const typename N::TurnSum (&change)[3], int up) {
+        std::int64_t bits = 0;
+        for (const auto& sum : change) bits |= sum.raw ^ (sum.raw >> 63);
+        return bits >> (60 - up) != 0;
+    }
     // A sum times 2^-down.
     template <class Sum>
     [[nodiscard]] TUMBLE_INLINE static Sum halved(Sum sum, int down) {
@@ -174,7 +180,7 @@ requires(N::fixed_point) struct JointNumbers<N> {
         return down >= 0 ? lowered(detail::multiply(size, swing.mantissa), down) : std::int64_t{size != 0} << 40;
     }
     [[nodiscard]] TUMBLE_INLINE static bool is_too_strong(Load load, int halvings) {
-        return load > std::int64_t{1} << (16 + 2 * halvings);
+        return load > std::int64_t{1} << (14 + 2 * halvings);
     }
     [[nodiscard]] TUMBLE_INLINE static bool turns_too_far(const auto& spin, int of_spin, int halvings) {
         return dot(spin, spin).raw > std::int64_t{1}
@@ -216,11 +222,11 @@ requires(N::fixed_point) struct JointNumbers<N> {
         return {static_cast<std::int32_t>(lowered(gap, bits + log2 - Unit::fraction_bits))};
     }
     // A joint is closed where no component of its gap is larger: three units of the largest arm, which is what the
-    // rounding of axes and of arms leaves of a gap. Arms of up to 2 m count as 1 m. Without carry it is the rounding of
-    // two places.
-    [[nodiscard]] static Unit enough(int log2, const auto&...) {
+    // rounding of axes and of arms leaves of a gap, times 2^roundings. Arms of up to 2 m count as 1 m. Without carry it
+    // is the rounding of two places.
+    [[nodiscard]] static Unit enough(int log2, int roundings, const auto&...) {
         constexpr int of_arms = gap_bits - Unit::fraction_bits, of_places = gap_bits - N::Position::fraction_bits;
-        int up = (log2 > 1 ? log2 - 1 : 0) + (of_arms > 0 ? of_arms : 0);
+        int up = (log2 > 1 ? log2 - 1 : 0) + roundings + (of_arms > 0 ? of_arms : 0);
         if (!N::carry && of_places > up) up = of_places;
         return {std::int32_t{3} << (up > 28 ? 28 : up)};
     }
@@ -292,7 +298,7 @@ requires(!N::fixed_point) struct JointNumbers<N> {
         return swing(halved(magnitude_of(force[0]) + magnitude_of(force[1]) + magnitude_of(force[2]), -log2));
     }
     [[nodiscard]] TUMBLE_INLINE static bool is_too_strong(Load load, int halvings) {
-        return load > Unit(1 << 2 * halvings);
+        return load > Unit(0.25) * Unit(1 << 2 * halvings);
     }
     [[nodiscard]] TUMBLE_INLINE static bool turns_too_far(const auto& spin, int, int halvings) {
         return dot(spin, spin) > Unit(1 << 2 * halvings) * Unit(0.0625);
@@ -313,7 +319,7 @@ requires(!N::fixed_point) struct JointNumbers<N> {
     [[nodiscard]] static Unit unit_of(Open gap, int, int) { return gap; }
     // Some roundings of the largest of the places and arms that a gap is the difference of, at least those of 1 m: in
     // double 2^-40, which costs no correction more than 2^-46 would save.
-    [[nodiscard]] static Unit enough(int, const auto&... vectors) {
+    [[nodiscard]] static Unit enough(int, int, const auto&... vectors) {
         Unit size(1);
         const auto take = [&](const auto& v) {
             for (int i = 0; i < 3; ++i) size = larger_of(size, magnitude_of(v[i]));

@@ -128,9 +128,9 @@ public:
             s.target_w -= w;
         }
     }
-    // After rates() and their solution, which ends a part of 2^-halvings of a step: the halvings of the next step that
-    // keep the turn of a part below 1/4 rad and h^2 f r / I, summed over the joints of a body with the forces f of this
-    // part, below 1. A fourth of that of 4, at which the swing across an arm is unstable: errors of a part stay small.
+    // After rates() and their solution, which ends a part of 2^-halvings of a step: the halvings that keep the turn of
+    // a part below 1/4 rad and h^2 f r / I, summed over the joints of a body with the forces f of this part, below 1/4.
+    // A sixteenth of that of 4, at which the swing across an arm is unstable: errors of a part stay small.
     [[nodiscard, gnu::noinline]] int halvings_for(const JointTreeState& tree, int halvings) {
         typename J::Load load[most_nodes]{};
         int wanted = 0;
@@ -256,7 +256,11 @@ private:
             });
             int log2 = at.own_log2 > at.arm_log2 ? at.own_log2 : at.arm_log2;
             if (node.turns < 3 && node.length_log2 > log2) log2 = node.length_log2;
-            const Unit enough = J::enough(log2, bodies.state[node.body].x_w.value(), at.own_arm, at.arm);
+            // A spin in 2^n parts rounds the orientation as often: a sum of 2^(n/2) roundings.
+            int halvings = bodies.halvings_of(node.body);
+            if (node.parent >= 0) halvings = larger(halvings, bodies.halvings_of(forest_.nodes()[node.parent].body));
+            const Unit enough =
+                J::enough(log2, (halvings + 1) / 2, bodies.state[node.body].x_w.value(), at.own_arm, at.arm);
             for (int k = 0; k < 3; ++k)
                 closed = closed && is_within(s.target_v[k], enough) && is_within(s.target_w[k], enough);
         }
@@ -275,6 +279,7 @@ private:
                 for (int r = 0; r < Kind::turns; ++r) leave(Kind::turn(at, r), w);
         });
     }
+    [[nodiscard]] TUMBLE_INLINE static int larger(int a, int b) { return a > b ? a : b; }
     // False of a number that is none.
     [[nodiscard]] TUMBLE_INLINE static bool is_within(Unit a, Unit limit) { return a <= limit && a >= -limit; }
 

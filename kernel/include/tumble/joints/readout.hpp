@@ -129,14 +129,16 @@ private:
             Vector push, turn;
             for (int k = 0; k < 3; ++k) {
                 push[k] = N::metres(kick.linear[k], bodies_.scale) / bodies_.step_per_mass(b);
-                turn[k] = N::half_turn(kick.angular[k], bodies_.scale) * bodies_.constants[b].units.rate(k, Work(1)) /
-                          bodies_.step_per_moment(b, k);
+                turn[k] = N::half_turn(kick.angular[k], bodies_.finest_scale()) *
+                          bodies_.constants[b].units.rate(k, Work(1)) / bodies_.step_per_moment(b, k);
             }
             force += push;
             torque += cross<Work>(Vector(bodies_.position(b) - at), push) +
                       rotate(work_quaternion<N>(bodies_.state[b].q_wb.value()), turn);
         }
-        const Work twice = rate_ + rate_, scale = nodes[node_].side == 0 ? twice : -twice;
+        // Twice a half kick, of a part of 2^-halvings of a step.
+        const Work per_kick = rate_ * static_cast<Work>(2 << forest_.tree_at(node_).halvings),
+                   scale = nodes[node_].side == 0 ? per_kick : -per_kick;
         force = scaled_by(force, scale);
         torque = scaled_by(torque, scale);
     }
