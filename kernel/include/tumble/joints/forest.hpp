@@ -95,7 +95,7 @@ public:
         const int place = id.index();
         return place >= 0 && place < room && record_[place].is_there && record_[place].generation == id.generation();
     }
-    void remove(int place, const auto& bodies) {
+    TUMBLE_COLD void remove(int place, const auto& bodies) {
         Record& joint = record_[place];
         joint.is_there = false;
         ++joint.generation;
@@ -211,7 +211,7 @@ public:
     }
 
 private:
-    [[nodiscard]] static constexpr bool is_far(const auto& bodies, int b, const RealVec3& anchor) {
+    TUMBLE_COLD [[nodiscard]] static constexpr bool is_far(const auto& bodies, int b, const RealVec3& anchor) {
         if (!N::fixed_point || b < 0) return false;
         const auto& x = bodies.state[b].x_w;
         const RealVec3 arm = anchor - RealVec3{x.x.to_real(), x.y.to_real(), x.z.to_real()};
@@ -250,7 +250,7 @@ private:
         return is_base(bodies, b) || (tree != nullptr && node_[tree->first].joint != Node::no_joint);
     }
     // A half kick holds the joints that there were.
-    void forget(int b) {
+    TUMBLE_COLD void forget(int b) {
         if (b < 0) return;
         if (JointTreeState* const tree = tree_of(b)) {
             forget_kicks(*tree);
@@ -286,7 +286,7 @@ private:
             for (int i = 0; i < 3; ++i) side.axis[k][i] = J::unit(own[i], 0);
         }
     }
-    [[nodiscard]] static Real length_of(const RealVec3& v) { return sqrt(dot(v, v)); }
+    TUMBLE_COLD [[nodiscard]] static Real length_of(const RealVec3& v) { return sqrt(dot(v, v)); }
 
     // Builds the trees anew. The root is the body that hangs on the world or on a fixed body, or else that of the
     // lowest place; then come its children in the order of their places, and theirs. It takes time as the number of
@@ -325,7 +325,7 @@ private:
     }
     static constexpr int none = -2;
     // The joint by which a body is a root: one with a base, or with nothing where it has another one. Else `none`.
-    [[nodiscard]] int root_joint(const auto& bodies, int b, bool grounded) const {
+    TUMBLE_COLD [[nodiscard]] int root_joint(const auto& bodies, int b, bool grounded) const {
         for (int j = 0; j < room; ++j) {
             const int other = other_of(j, b);
             if (other == none) continue;
@@ -342,7 +342,7 @@ private:
             if (joint.side[side].body == b) return joint.side[1 - side].body;
         return none;
     }
-    void grow(const auto& bodies, int root, int joint) {
+    TUMBLE_COLD void grow(const auto& bodies, int root, int joint) {
         JointTreeState& tree = tree_[tree_count_++];
         tree = {};
         tree.first = static_cast<std::int16_t>(node_count_);
@@ -363,7 +363,7 @@ private:
             direction_count_ = static_cast<std::int16_t>(direction_count_ + node_[i].turns + node_[i].slides);
         }
     }
-    void put(int at, int b, int parent, int joint) {
+    TUMBLE_COLD void put(int at, int b, int parent, int joint) {
         Node& node = node_[at];
         node = {};
         is_jointed_[b] = true;
@@ -399,23 +399,23 @@ private:
         }
         fit_lengths(tree);
     }
-    [[nodiscard]] static std::int32_t reach_of(const Real& length) {
+    TUMBLE_COLD [[nodiscard]] static std::int32_t reach_of(const Real& length) {
         const std::int64_t reach = length.to_fixed(reach_bits, 64) + 1;
         return static_cast<std::int32_t>(reach < most_reach ? reach : most_reach);
     }
-    [[nodiscard]] static RealVec3 arm_of(const typename Record::Side& side) {
+    TUMBLE_COLD [[nodiscard]] static RealVec3 arm_of(const typename Record::Side& side) {
         RealVec3 arm;
         for (int i = 0; i < 3; ++i) arm[i] = static_cast<Real>(N::work(side.arm[i])) * Real::scaled(1, side.arm_log2);
         return arm;
     }
-    [[nodiscard]] RealVec3 own_arm(const Node& node) const {
+    TUMBLE_COLD [[nodiscard]] RealVec3 own_arm(const Node& node) const {
         return node.joint == Node::no_joint ? RealVec3{} : arm_of(record_[node.joint].side[node.side]);
     }
     [[nodiscard]] RealVec3 parent_arm(const Node& node) const {
         return arm_of(record_[node.joint].side[1 - node.side]);
     }
     // What a force at an arm does to the swing of the body across the arm: the largest |e_i x r| / I_i, at least 2^-30.
-    [[nodiscard]] static Real swing(const auto& bodies, const RealVec3& arm, int b) {
+    TUMBLE_COLD [[nodiscard]] static Real swing(const auto& bodies, const RealVec3& arm, int b) {
         Real largest = Real::scaled(1, -30);
         for (int i = 0; i < 3; ++i) {
             const Real y = arm[(i + 1) % 3], z = arm[(i + 2) % 3];
@@ -426,7 +426,7 @@ private:
         return largest;
     }
     // Returns the mass.
-    [[nodiscard]] Real set_body(const auto& bodies, Node& node) {
+    TUMBLE_COLD [[nodiscard]] Real set_body(const auto& bodies, Node& node) {
         const int b = node.body;
         const Real step = bodies.step_length, mass = step / static_cast<Real>(bodies.step_per_mass(b));
         RealVec3 moment;
