@@ -571,7 +571,7 @@ private:
     [[gnu::noinline]] void hold(const typename Hold::Trees& trees, const BodyGroup& group,
                                 const StepInfo<N>& info) requires has_joints {
         const auto fly = [&](int halvings) {
-            portion(group, info, halvings == 0 ? Portion{} : Portion{false, Work(1) / Work(1 << halvings)});
+            portion(group, info, halvings == 0 ? Portion{} : Portion{false, Hold::length_of_part(halvings)});
         };
         Hold{joints, bodies, trees}.step(group, fly, [&](int b) { spin_changed(b); });
         check_range(group);

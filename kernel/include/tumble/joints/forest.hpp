@@ -167,8 +167,8 @@ public:
                 Node& node = node_[i];
                 if (node.parent < 0) continue;
                 const int down = node_[node.parent].length_log2 - node.length_log2;
-                node.length_down = static_cast<std::int8_t>(down);
-                node.moment_down = static_cast<std::int8_t>(node.mass_down + down);
+                node.length_down = static_cast<std::int8_t>(JointTree<N>::clamped(down));
+                node.moment_down = static_cast<std::int8_t>(JointTree<N>::clamped(node.mass_down + down));
             }
             int bits = J::open_bits;
             for (int i = tree.first; i < tree.last; ++i) {
@@ -355,13 +355,21 @@ private:
                 int at = node_count_++;
                 for (; at > first_child && node_[at - 1].body > b; --at) node_[at] = node_[at - 1];
                 put(at, b, i, j);
+                node_[i].carries = true;
             }
         }
         tree.last = static_cast<std::int16_t>(node_count_);
         for (int i = tree.first; i < tree.last; ++i) {
-            node_[i].direction = static_cast<std::int16_t>(direction_count_);
-            direction_count_ = static_cast<std::int16_t>(direction_count_ + node_[i].turns + node_[i].slides);
+            Node& node = node_[i];
+            node.direction = direction_count_;
+            for (int s = 0; s < node.slides; ++s) add_direction(false, node.slides == 3 ? s : -1);
+            for (int r = 0; r < node.turns; ++r) add_direction(true, node.turns == 3 ? r : -1);
         }
+    }
+    void add_direction(bool turns, int only) {
+        FreeDirection<N>& direction = direction_[direction_count_++];
+        direction.turns = turns;
+        direction.only = static_cast<std::int8_t>(only);
     }
     TUMBLE_COLD void put(int at, int b, int parent, int joint) {
         Node& node = node_[at];
@@ -373,13 +381,10 @@ private:
         if (joint == Node::no_joint) return;
         const Record& record = record_[joint];
         node.side = record.side[0].body == b ? 0 : 1;
-        node.kind = record.kind;
         if (parent < 0) node.base = record.side[1 - node.side].body;
-        JointKinds::with(node.kind, [&]<class Kind>() {
-            node.turns = Kind::turns;
-            node.slides = Kind::slides;
-            node.axes = Kind::axes;
-        });
+        node.turns = JointKinds::turns[record.kind];
+        node.slides = JointKinds::slides[record.kind];
+        node.axes = JointKinds::axes[record.kind];
     }
 
     // Masses and moments, and the powers of two that hold subtrees.
@@ -393,7 +398,8 @@ private:
                 Node& node = node_[i];
                 node.mass_log2 = static_cast<std::int8_t>(mass[i].ceil_log2_bound());
                 if (node.parent < 0) continue;
-                node.mass_down = static_cast<std::int8_t>(node_[node.parent].mass_log2 - node.mass_log2);
+                node.mass_down =
+                    static_cast<std::int8_t>(JointTree<N>::clamped(node_[node.parent].mass_log2 - node.mass_log2));
                 node.span = reach_of(length_of(own_arm(node_[node.parent]) - parent_arm(node)));
             }
         }

@@ -14,15 +14,6 @@ struct Hinge {
     [[nodiscard]] static constexpr JointFault fault_of(const Spec& spec) {
         return spec.axis.is_zero() ? JointFault::zero_axis : JointFault::none;
     }
-    template <class View>
-    [[nodiscard]] TUMBLE_INLINE static auto turn(const View& at, int) {
-        return at.own(0);
-    }
-    // Brings the body's axis to the other's: a x b, whose length is the sine of the angle between them.
-    template <class View>
-    [[nodiscard]] TUMBLE_INLINE static auto lean(const View& at) {
-        return at.across(at.own(0), at.other(0));
-    }
 };
 
 }  // namespace tumble::joints

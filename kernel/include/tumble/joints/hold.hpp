@@ -44,6 +44,13 @@ public:
     using Group = BodyGroup<features.bodies>;
     static constexpr int most_corrections = 10, most_projections = 8, most_halvings = Forest::most_halvings;
 
+    // Of a part of 2^-halvings of a step, in steps.
+    [[nodiscard]] static typename N::Work length_of_part(int halvings) {
+        using Work = typename N::Work;
+        if constexpr (N::fixed_point) return N::times_power_of_two(Work(1), -halvings);
+        else return Work(1) / Work(1 << halvings);
+    }
+
     JointHold(Forest& forest, Bodies& bodies, const Trees& trees)
         : forest_{forest}, bodies_{bodies}, trees_{trees}, measures_{forest} {}
 
@@ -75,13 +82,20 @@ private:
     using J = JointNumbers<N>;
     using Node = JointNode<N>;
 
+    // The motion of a body where a part begins. It is set where it is read.
+    struct Start {
+        typename Bodies::State state;
+        int halvings;
+        Start() {}  // NOLINT(modernize-use-equals-default): without this the states would be set to zero
+    };
+
     Forest& forest_;
     Bodies& bodies_;
     const Trees& trees_;
     JointMeasures<N, features> measures_;
     Vector first_v_[Forest::most_nodes], first_w_[Forest::most_nodes];
     // Where a part begins: motions, status, and half kicks of the joints.
-    SavedMotions<Bodies> start_;
+    Start start_[features.bodies];
     Status status_;
     Kick<N> guess_[Forest::most_nodes];
     int halvings_ = 0;  // of the step, in the present part
@@ -111,7 +125,7 @@ private:
     // From the beginning of a part to half of it.
     [[gnu::noinline, gnu::cold]] void halve() {
         each([&](const JointTreeState& tree) {
-            each_node(tree, [&](const Node&, int i) { forest_.kicks()[i] = guess_[i]; });
+            each_node(tree, [&](const Node&, int i) { copy(forest_.kicks()[i], guess_[i]); });
             scale_kicks(tree, halvings_, halvings_ + 1);
         });
         ++halvings_;
@@ -119,10 +133,13 @@ private:
     // Moves the group over a part, closed at its end. Else it is where the part begins, and the result is false.
     template <class Fly, class SpinChanged>
     [[nodiscard]] bool is_moved(const Group& group, Fly& fly, SpinChanged& spin_changed) {
-        for (int k = 0; k < group.count; ++k) start_.save(k, bodies_, group.id[k]);
+        for (int k = 0; k < group.count; ++k) {
+            copy(start_[k].state, bodies_.state[group.id[k]]);
+            start_[k].halvings = bodies_.halvings_of(group.id[k]);
+        }
         status_ = bodies_.status;
         each([&](const JointTreeState& tree) {
-            each_node(tree, [&](const Node&, int i) { guess_[i] = forest_.kicks()[i]; });
+            each_node(tree, [&](const Node&, int i) { copy(guess_[i], forest_.kicks()[i]); });
         });
         for (int corrections = 0;; ++corrections) {
             each([&](const JointTreeState& tree) { kick(tree, spin_changed); });
@@ -142,6 +159,24 @@ private:
         }
     }
 
+    // Copies that need no call.
+    static void copy(typename Bodies::State& to, const typename Bodies::State& from) {
+        static_assert(sizeof to == sizeof to.x_w + sizeof to.d_w + sizeof to.q_wb + sizeof to.t_b);
+        to.x_w = from.x_w;
+        detail::keep_apart();
+        to.d_w = from.d_w;
+        detail::keep_apart();
+        to.q_wb = from.q_wb;
+        detail::keep_apart();
+        to.t_b = from.t_b;
+    }
+    static void copy(Kick<N>& to, const Kick<N>& from) {
+        for (int k = 0; k < 3; ++k) {
+            to.linear[k] = from.linear[k];
+            to.angular[k] = from.angular[k];
+            detail::keep_apart();
+        }
+    }
     template <class F>
     void each(F&& f) {
         for (int t = 0; t < trees_.count; ++t) f(forest_.tree(trees_.tree[t]));
@@ -200,10 +235,10 @@ private:
     // Held within a quarter of the range.
     [[nodiscard]] static Kick<N> sum(const Kick<N>& a, const Kick<N>& b, bool& within) {
         Kick<N> sum;
-        for (int k = 0; k < 3; ++k) {
-            sum.linear[k] = N::limited(N::held_sum(a.linear[k], b.linear[k]), within);
-            sum.angular[k] = N::limited(N::held_sum(a.angular[k], b.angular[k]), within);
-        }
+        detail::for_axes<N>([&](int k) {
+            sum.linear[k] = J::held(a.linear[k] + J::held(b.linear[k], within), within);
+            sum.angular[k] = J::held(a.angular[k] + J::held(b.angular[k], within), within);
+        });
         return sum;
     }
     // Half kicks are of a part: those of 2^-from of a step become those of 2^-to with the same forces.
@@ -223,8 +258,10 @@ private:
     template <class SpinChanged>
     void go_back(const Group& group, SpinChanged& spin_changed) {
         for (int k = 0; k < group.count; ++k) {
-            start_.restore(k, bodies_, group.id[k]);
-            spin_changed(group.id[k]);
+            const int b = group.id[k];
+            copy(bodies_.state[b], start_[k].state);
+            if constexpr (Bodies::has_parts) bodies_.set_halvings(b, start_[k].halvings);
+            spin_changed(b);
         }
         bodies_.status = status_;
     }
@@ -266,10 +303,10 @@ private:
         }
     }
     // Moves a body by the solution in place of its velocity.
-    void move(const Node& node, int i) {
+    [[gnu::noinline, gnu::cold]] void move(const Node& node, int i) {
         auto& state = bodies_.state[node.body];
         const auto& s = measures_.solution[i];
-        const Vector own = node.place.axes.to_body(s.dw);
+        const Vector own = node.frame.to_body(s.dw);
         Vec3<typename N::Angle> half;
         for (int k = 0; k < 3; ++k) {
             N::add_sum(state.x_w[k], J::position_sum(s.dv[k], measures_.bits));
@@ -280,28 +317,37 @@ private:
 
     void solve(const JointTreeState& tree) { forest_.solver(tree).solve(measures_.solution); }
     // The change of motion of a solution, times 2^up. A spin's is in the finest scale, which holds the range of spins.
-    [[nodiscard]] Kick<N> change(const Node& node, int i, int up) const {
+    [[nodiscard, gnu::noinline]] Kick<N> change(const Node& node, int i, int up) const {
         const auto& s = measures_.solution[i];
-        const Vector own = node.place.axes.to_body(s.dw);
+        const Vector own = node.frame.to_body(s.dw);
         Kick<N> kick;
-        for (int k = 0; k < 3; ++k) {
+        detail::for_axes<N>([&](int k) {
             kick.linear[k] = J::drift_sum(s.dv[k], bodies_.scale, measures_.bits - up);
             kick.angular[k] =
                 J::turn_sum(own[k], node.to_turn[k], bodies_.finest_scale(), node.length_log2, measures_.bits - up);
-        }
+        });
         return kick;
     }
     // A half kick, at most a quarter of the range: no sum can wrap. Below: of any change.
     template <class SpinChanged>
-    TUMBLE_INLINE void push(int b, const Kick<N>& kick, SpinChanged& spin_changed) {
-        auto& state = bodies_.state[b];
-        const int halvings = refined(b, kick);
-        for (int k = 0; k < 3; ++k) {
-            N::add(state.d_w[k], kick.linear[k]);
-            state.t_b[k].add(halvings == 0 ? kick.angular[k] : N::halved(kick.angular[k], halvings));
+    [[gnu::noinline]] void push(int b, const Kick<N>& kick, SpinChanged& spin_changed) {
+        if (const int halvings = refined(b, kick); halvings != 0) [[unlikely]] {
+            Kick<N> part = kick;
+            for (auto& angular : part.angular) angular = N::halved(angular, halvings);
+            add(bodies_.state[b], part);
+        } else {
+            add(bodies_.state[b], kick);
         }
         (void)bodies_.fit_parts(b);
         spin_changed(b);
+    }
+    static void add(typename Bodies::State& state, const Kick<N>& kick) {
+        N::add(state.d_w.x, kick.linear[0]);
+        N::add(state.d_w.y, kick.linear[1]);
+        N::add(state.d_w.z, kick.linear[2]);
+        state.t_b.x.add(kick.angular[0]);
+        state.t_b.y.add(kick.angular[1]);
+        state.t_b.z.add(kick.angular[2]);
     }
     template <class SpinChanged>
     [[gnu::noinline, gnu::cold]] void push_far(int b, const Kick<N>& kick, SpinChanged& spin_changed) {

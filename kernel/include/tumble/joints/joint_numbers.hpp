@@ -29,9 +29,16 @@ requires(N::fixed_point) struct JointNumbers<N> {
     static constexpr int open_bits = 23, least_open_bits = 12, room_bits = 29;
     static constexpr int most_up = 14;  // a gap of one unit counts as that many bits
 
+    // a 2^-bits, rounded, for bits up to 31, which are as good as any more.
+    struct Down {
+        std::int32_t half;
+        int bits;
+        [[nodiscard]] TUMBLE_INLINE explicit Down(int b) : half{static_cast<std::int32_t>(1u << b >> 1)}, bits{b} {}
+        [[nodiscard]] TUMBLE_INLINE Unit operator()(Unit a) const { return {(a.raw + half) >> bits}; }
+    };
+    static constexpr int most_down = 31;
     [[nodiscard]] TUMBLE_INLINE static Unit down(Unit a, int bits) {
-        if (bits == 0) return a;
-        return bits > 30 ? Unit{0} : Unit{(a.raw + ((1 << bits) >> 1)) >> bits};
+        return Down{bits < most_down ? bits : most_down}(a);
     }
     // The same where the powers may be the other way round: the arm of a slider is over more than it needs.
     [[nodiscard]] TUMBLE_INLINE static Unit over(Unit a, int down_bits) {
@@ -54,8 +61,19 @@ requires(N::fixed_point) struct JointNumbers<N> {
         return N::shifted(a, up);
     }
     [[nodiscard]] TUMBLE_INLINE static std::int64_t lowered(std::int64_t a, int down) {
-        if (down >= 0) [[likely]]
+        if constexpr (sizeof(std::size_t) < sizeof(a)) {
+            // Words by themselves: compilers would choose between them for each shift.
+            const auto upper = static_cast<std::int32_t>(a >> 32);
+            if (down >= 0 && down < 32) [[likely]] {
+                const std::uint32_t low = static_cast<std::uint32_t>(a) >> down | static_cast<std::uint32_t>(upper)
+                                                                                      << 1 << (31 - down);
+                return static_cast<std::int64_t>(static_cast<std::uint64_t>(upper >> down) << 32 | low);
+            }
+            if (down >= 32) [[likely]]
+                return upper >> (down > 63 ? 31 : down - 32);
+        } else if (down >= 0) [[likely]] {
             return a >> (down > 63 ? 63 : down);
+        }
         return down < -63 ? 0 : static_cast<std::int64_t>(static_cast<std::uint64_t>(a) << -down);
     }
     // Of two places, own less other.
@@ -70,6 +88,12 @@ requires(N::fixed_point) struct JointNumbers<N> {
     }
     [[nodiscard]] TUMBLE_INLINE static Open drift(const auto& own, typename N::Scale scale, int bits) {
         return lowered(own.sum().raw, sum_bits + scale.drift_shift - bits);
+    }
+    // With fewer bits.
+    [[nodiscard]] TUMBLE_INLINE static Open coarser(Open a, int down) {
+        if (down == 0) [[likely]]
+            return a;
+        return a >> down;
     }
     // An arm over 2^log2 m.
     template <int bits>
@@ -119,19 +143,25 @@ requires(N::fixed_point) struct JointNumbers<N> {
         return up >= 0 ? Unit{static_cast<std::int32_t>(static_cast<std::uint32_t>(a.raw) << up)} : down(a, -up);
     }
 
+    // a mantissa 2^(up - 32), rounded to nearest and held at +-(2^31 - 1). up is in 1 .. 30.
+    [[nodiscard]] TUMBLE_INLINE static Unit raised_product(Unit a, std::int32_t mantissa, int up) {
+        const std::int64_t product = detail::multiply(a.raw, mantissa) + (std::int64_t{0x80000000u} >> up);
+        const auto upper = static_cast<std::int32_t>(product >> 32);
+        const auto raised = static_cast<std::int32_t>(static_cast<std::uint32_t>(upper) << up);
+        if (raised >> up != upper) [[unlikely]]
+            return {upper < 0 ? -0x7fffffff : 0x7fffffff};
+        return {raised | static_cast<std::int32_t>(static_cast<std::uint32_t>(product) >> (32 - up))};
+    }
     // 1 / sqrt(d), as a factor.
     struct Root {
         std::int32_t mantissa;
-        int down;
-        [[nodiscard]] TUMBLE_INLINE Unit operator()(Unit a) const {
-            return {detail::scaled_product(a.raw, mantissa, down)};
-        }
+        int up;
+        [[nodiscard]] TUMBLE_INLINE Unit operator()(Unit a) const { return raised_product(a, mantissa, up); }
     };
     // d is rounded: a moment too small for the matrix counts as its unit.
     [[nodiscard]] static Root inverse_root(Unit d) {
         const auto root = detail::inverse_root(static_cast<std::uint64_t>(d.raw > 0 ? d.raw : 1));
-        const int down = -(root.exponent + Unit::fraction_bits / 2);
-        return {root.raw, down < 0 ? 0 : down};
+        return {root.raw, 32 + root.exponent + Unit::fraction_bits / 2};
     }
     // A factor of any size.
     struct Factor {
@@ -142,11 +172,22 @@ requires(N::fixed_point) struct JointNumbers<N> {
             return {static_cast<std::int32_t>((value * Real::scaled(1, -log2)).to_fixed(Unit::fraction_bits)),
                     static_cast<std::int8_t>(log2)};
         }
+        // Of a factor of at least 1/2.
         [[nodiscard]] TUMBLE_INLINE Unit operator()(Unit a) const {
-            const int down = Unit::fraction_bits - log2;
-            return {detail::scaled_product(a.raw, mantissa, down < 0 ? 0 : down)};
+            return raised_product(a, mantissa, log2 < 28 ? log2 + 2 : 30);
         }
     };
+    // A change of motion, held within a quarter of the range, so that no sum of two wraps. Clears `within` where it is.
+    template <int F>
+    [[nodiscard]] TUMBLE_INLINE static Wide<F> held(Wide<F> change, bool& within) {
+        const auto upper = static_cast<std::uint32_t>(static_cast<std::uint64_t>(change.raw) >> 32);
+        if (upper + (1u << 28) < 1u << 29) [[likely]]
+            return change;
+        constexpr std::int64_t most = (std::int64_t{1} << 60) - 1;
+        within = false;
+        return {change.raw < 0 ? -most : most};
+    }
+    [[nodiscard]] TUMBLE_INLINE static Unit mean(Unit a, Unit b) { return {(a.raw >> 1) + (b.raw >> 1)}; }
     // The angle in a step of a turn, in 2^-of_spin rad.
     [[nodiscard]] TUMBLE_INLINE static Open angle(typename N::Turn t, Factor to_angle, typename N::Scale scale,
                                                   int of_spin) {
@@ -164,6 +205,10 @@ requires(N::fixed_point) struct JointNumbers<N> {
         std::int64_t bits = 0;
         for (const auto& sum : change) bits |= sum.raw ^ (sum.raw >> 63);
         return bits >> (60 - up) != 0;
+    }
+    // True of a quarter of a turn, of which the square counts: more than 1/16 rad in the turn.
+    [[nodiscard]] TUMBLE_INLINE static bool is_far(Unit quarter) {
+        return magnitude_of(quarter) > Unit{1 << (Unit::fraction_bits - 6)};
     }
     // A sum times 2^-down.
     template <class Sum>
@@ -224,7 +269,7 @@ requires(N::fixed_point) struct JointNumbers<N> {
     // A joint is closed where no component of its gap is larger: three units of the largest arm, which is what the
     // rounding of axes and of arms leaves of a gap, times 2^roundings. Arms of up to 2 m count as 1 m. Without carry it
     // is the rounding of two places.
-    [[nodiscard]] static Unit enough(int log2, int roundings, const auto&...) {
+    [[nodiscard]] TUMBLE_INLINE static Unit enough(int log2, int roundings, const auto&...) {
         constexpr int of_arms = gap_bits - Unit::fraction_bits, of_places = gap_bits - N::Position::fraction_bits;
         int up = (log2 > 1 ? log2 - 1 : 0) + roundings + (of_arms > 0 ? of_arms : 0);
         if (!N::carry && of_places > up) up = of_places;
@@ -240,6 +285,11 @@ requires(!N::fixed_point) struct JointNumbers<N> {
     static constexpr int gap_bits = 0, coarse_gap_bits = 0, rate_bits = 0, coarse_rate_bits = 0, spin_bits = 0,
                          coarse_spin_bits = 0, least_log2 = 0;
 
+    struct Down {
+        [[nodiscard]] TUMBLE_INLINE explicit Down(int) {}
+        [[nodiscard]] TUMBLE_INLINE Unit operator()(Unit a) const { return a; }
+    };
+    static constexpr int most_down = 0;
     [[nodiscard]] TUMBLE_INLINE static Unit down(Unit a, int) { return a; }
     [[nodiscard]] TUMBLE_INLINE static Unit over(Unit a, int) { return a; }
     [[nodiscard]] TUMBLE_INLINE static Unit down_even(Unit a, int) { return a; }
@@ -254,6 +304,7 @@ requires(!N::fixed_point) struct JointNumbers<N> {
         return apart<0>(own, other);
     }
     [[nodiscard]] TUMBLE_INLINE static Open drift(const auto& own, typename N::Scale, int) { return own.value(); }
+    [[nodiscard]] TUMBLE_INLINE static Open coarser(Open a, int) { return a; }
     template <int>
     [[nodiscard]] TUMBLE_INLINE static Open arm(Unit a, int) {
         return a;
@@ -281,12 +332,14 @@ requires(!N::fixed_point) struct JointNumbers<N> {
         [[nodiscard]] static Factor of(Real real) { return {N::template constant<Unit>(real)}; }
         [[nodiscard]] TUMBLE_INLINE Unit operator()(Unit a) const { return a * value; }
     };
+    [[nodiscard]] TUMBLE_INLINE static Unit mean(Unit a, Unit b) { return (a + b) * Unit(0.5); }
     [[nodiscard]] TUMBLE_INLINE static Open angle(Unit t, Factor to_angle, typename N::Scale, int) {
         return t * to_angle.value;
     }
     [[nodiscard]] TUMBLE_INLINE static Unit quarter(Unit t, Factor to_angle, typename N::Scale, int halvings) {
         return halved(t * to_angle.value, halvings + 2);
     }
+    [[nodiscard]] TUMBLE_INLINE static bool is_far(Unit quarter) { return magnitude_of(quarter) > Unit(0.015625); }
     // a 2^-down.
     [[nodiscard]] TUMBLE_INLINE static Unit halved(Unit a, int down) {
         for (; down > 0; --down) a *= Unit(0.5);
@@ -319,13 +372,15 @@ requires(!N::fixed_point) struct JointNumbers<N> {
     [[nodiscard]] static Unit unit_of(Open gap, int, int) { return gap; }
     // Some roundings of the largest of the places and arms that a gap is the difference of, at least those of 1 m: in
     // double 2^-40, which costs no correction more than 2^-46 would save.
-    [[nodiscard]] static Unit enough(int, int, const auto&... vectors) {
+    [[nodiscard]] TUMBLE_INLINE static Unit enough(int, int) { return sizeof(Unit) == 4 ? Unit(3e-7) : Unit(1e-12); }
+    [[nodiscard, gnu::noinline]] static Unit enough(int, int, const auto& place, const auto& own, const auto& other) {
         Unit size(1);
-        const auto take = [&](const auto& v) {
-            for (int i = 0; i < 3; ++i) size = larger_of(size, magnitude_of(v[i]));
-        };
-        (take(vectors), ...);
-        return size * (sizeof(Unit) == 4 ? Unit(3e-7) : Unit(1e-12));
+        for (int i = 0; i < 3; ++i) {
+            size = larger_of(size, magnitude_of(place[i].value()));
+            size = larger_of(size, magnitude_of(own[i]));
+            size = larger_of(size, magnitude_of(other[i]));
+        }
+        return size * enough(0, 0);
     }
 };
 

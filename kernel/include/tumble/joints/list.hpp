@@ -7,13 +7,16 @@
 //   axes                       the number of axes of each body that its gap and its free directions need: 0 to 2
 //   axes_of(spec)              the axes in the world when it is added
 //   fault_of(spec)             what is wrong with the spec in itself
-//   turn(view, i)              the axis of free rotation i, of unit length and perpendicular to the others; not of
-//                              three, which are those about the axes of the world
-//   slide(view, i)             the direction of free translation i
-//   lean(view)                 the turn, rad, that closes the gap between the orientations to first order; not of three
-//                              free rotations
-// The view has the axes of the body, own(i), and of the other, other(i), and products of them. The gap between the
-// anchors is the same for all kinds: their distance, less what is along free translations.
+// A step knows the counts alone, so that all kinds share its code. With own the axes of the body and other those of the
+// other side:
+//   turns      free rotations                 what closes the gap between the orientations to first order
+//   3          about the axes of the world    there is none
+//   2          about own 0 and other 0        own 0 and other 0 stay perpendicular: -(own 0 . other 0) own 0 x other 0
+//   1          about own 0                    own 0 and other 0 stay parallel: own 0 x other 0
+//   0          none                           this, and the part of own 1 x other 1 along own 0
+//   slides     free translations
+//   1          along other 0
+// The gap between the anchors is their distance, less what is along free translations.
 #pragma once
 
 #include <tumble/joints/ball.hpp>
@@ -57,12 +60,8 @@ struct JointKindList {
     }();
     template <class Spec>
     using Of = typename detail::KindOfSpec<Spec, Kinds...>::type;
-    // Calls f<Kind>() of the kind with this number.
-    template <class F>
-    TUMBLE_INLINE static constexpr void with(int number, F&& f) {
-        int n = 0;
-        (void)((n++ == number ? (f.template operator()<Kinds>(), true) : false) || ...);
-    }
+    // Of the kind with a number.
+    static constexpr std::int8_t turns[] = {Kinds::turns...}, slides[] = {Kinds::slides...}, axes[] = {Kinds::axes...};
 };
 
 using JointKinds = JointKindList<joints::Hinge, joints::Ball, joints::Fixed, joints::Slider, joints::Universal>;

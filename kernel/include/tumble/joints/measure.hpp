@@ -61,19 +61,21 @@ public:
         bool slides = false;
         for (int i = tree.first; i < tree.last; ++i) {
             Node& node = forest_.nodes()[i];
-            node.place = end[i];
             if (node.parent >= 0 && node.slides > 0) {
-                set_span(node);
+                set_span(node, end[i], end[node.parent]);
                 slides = true;
             }
         }
         if (slides) forest_.fit_lengths(tree);
         for (int i = tree.first; i < tree.last; ++i) {
             Node& node = forest_.nodes()[i];
+            const Place& at = end[i];
+            node.frame = at.axes;
+            node.lever = lever(node, at);
+            set_directions(node, at);
             if (node.parent < 0) continue;
             const Node& parent = forest_.nodes()[node.parent];
-            node.link = Vector{over(node.place.arm, parent.length_log2 - node.place.arm_log2) -
-                               down(parent.place.own_arm, parent.length_log2 - parent.place.own_log2)};
+            node.link = Vector{over(at.arm, parent.length_log2 - at.arm_log2) - Vector{parent.lever}};
         }
         forest_.solver(tree).factor();
     }
@@ -81,25 +83,22 @@ public:
     // Measures the gaps at `end` and sets the targets that close them. True where all are closed.
     [[gnu::noinline]] bool gaps(const JointTreeState& tree, const auto& bodies) {
         bool fits = true;
-        bool closed = measure_gaps<J::gap_bits>(tree, bodies, fits);
+        bool closed = measure_gaps(tree, bodies, 0, fits);
+        if (closed) return true;
+        int of_gap = J::gap_bits;
         if (!fits) [[unlikely]] {
-            bool held = true;
-            (void)measure_gaps<J::coarse_gap_bits>(tree, bodies, held);
-            closed = false;
-            scale(tree, J::coarse_gap_bits);
-        } else if (!closed) {
-            scale(tree, J::gap_bits);
+            of_gap = J::coarse_gap_bits;
+            (void)measure_gaps(tree, bodies, J::gap_bits - J::coarse_gap_bits, fits);
         }
-        return closed;
+        scale(tree, of_gap);
+        return false;
     }
-    // Measures the rates across the joints, with the factor's places, and sets the targets that end them.
+    // Measures the rates across the joints, at `end`, and sets the targets that end them.
     [[gnu::noinline]] void rates(const JointTreeState& tree, const auto& bodies) {
         of_spin_ = measure_spins(tree, bodies);
         int of_rate = J::rate_bits;
-        if (!measure_rates(tree, bodies, of_spin_, of_rate)) [[unlikely]] {
-            of_rate = J::coarse_rate_bits;
-            (void)measure_rates(tree, bodies, of_spin_, of_rate);
-        }
+        while (!measure_rates(tree, bodies, of_rate) && of_rate > J::coarse_rate_bits)
+            [[unlikely]] of_rate = J::coarse_rate_bits;
         scale(tree, of_rate);
     }
     // Takes from the targets what the solution does to the gaps at the end of a flight, by the tangent of a free
@@ -116,7 +115,7 @@ public:
             auto& s = solution[i];
             const Place& at = end[i];
             // Turns are times the length: arms are over it.
-            Vector v = s.dv + cross<Unit>(turn_[i], down(at.own_arm, node.length_log2 - at.own_log2)), w = turn_[i];
+            Vector v = s.dv + cross<Unit>(turn_[i], lever(node, at)), w = turn_[i];
             if (node.parent >= 0) {
                 const int parent_log2 = forest_.nodes()[node.parent].length_log2;
                 v -=
@@ -124,8 +123,8 @@ public:
                 w -= down(turn_[node.parent], node.length_down);
             }
             leave_free(node, at, v, w);
-            s.target_v -= v;
-            s.target_w -= w;
+            set_three(s.target, three(s.target) - v);
+            set_three(s.target + 3, three(s.target + 3) - w);
         }
     }
     // After rates() and their solution, which ends a part of 2^-halvings of a step: the halvings that keep the turn of
@@ -134,17 +133,19 @@ public:
     [[nodiscard, gnu::noinline]] int halvings_for(const JointTreeState& tree, int halvings) {
         typename J::Load load[most_nodes]{};
         int wanted = 0;
-        for (int i = tree.first; i < tree.last; ++i) solution[i].p = Vector::Constant(Unit{});
+        for (int i = tree.first; i < tree.last; ++i) set_three(solution[i].impulse, Vector::Constant(Unit{}));
         for (int i = tree.last - 1; i >= tree.first; --i) {
             const Node& node = forest_.nodes()[i];
-            auto& s = solution[i];
+            const auto& s = solution[i];
             // h^2 f / 2 in whole steps, of the joint and what hangs on it.
-            const Vector force = s.p + along(s.dv, J::down(node.mass, node.mass_log2 - node.own_mass_log2));
+            const Vector force =
+                three(s.impulse) + along(s.dv, J::down(node.mass, node.mass_log2 - node.own_mass_log2));
             if (node.joint != Node::no_joint)
                 load[i] += J::load(force, node.swing[0], node.mass_log2 - bits + halvings + 1);
             if (node.parent >= 0) {
                 load[node.parent] += J::load(force, node.swing[1], node.mass_log2 - bits + halvings + 1);
-                solution[node.parent].p += down(force, node.mass_down);
+                Unit* const p = solution[node.parent].impulse;
+                set_three(p, three(p) + down(force, node.mass_down));
             }
             while (wanted <= most_halvings &&
                    (J::turns_too_far(spin_[i], of_spin_, wanted) || J::is_too_strong(load[i], wanted)))
@@ -169,6 +170,9 @@ private:
     Vector spin_[most_nodes];  // of the bodies in the world's axes
     Vector turn_[most_nodes];
 
+    [[nodiscard]] TUMBLE_INLINE static Vector three(const Unit* x) { return JointTree<N>::three(x); }
+    TUMBLE_INLINE static void set_three(Unit* x, const Vector& v) { JointTree<N>::set_three(x, v); }
+
     [[nodiscard]] TUMBLE_INLINE static Vector down(const Vector& v, int bits) { return JointTree<N>::down(v, bits); }
     [[nodiscard]] TUMBLE_INLINE static Vector over(const Vector& v, int bits) {
         return {J::over(v[0], bits), J::over(v[1], bits), J::over(v[2], bits)};
@@ -188,27 +192,33 @@ private:
         at.arm_log2 = J::least_log2;
         for (int k = 0; k < 2; ++k) at.other_axis[k] = world.axis[k];
     }
-    // Places of both sides, without arms.
-    template <class F>
-    TUMBLE_INLINE void with_places(const Node& node, const auto& bodies, F&& f) const {
-        const auto& own = bodies.state[node.body].x_w;
-        if (node.parent >= 0) f(own, bodies.state[forest_.nodes()[node.parent].body].x_w);
-        else if (node.base >= 0) f(own, bodies.state[node.base].x_w);
-        else f(own, forest_.record(node.joint).anchor);
+    // The arm of the body, over the length of its node.
+    [[nodiscard]] TUMBLE_INLINE static Vector lever(const Node& node, const Place& at) {
+        return down(at.own_arm, node.length_log2 - at.own_log2);
     }
-    template <int of_gap>
-    TUMBLE_INLINE void set_gap(const Node& node, const Place& at, const auto& bodies, Open (&gap)[3]) const {
-        with_places(node, bodies, [&](const auto& own, const auto& other) {
-            for (int i = 0; i < 3; ++i)
-                gap[i] = J::template apart<of_gap>(own[i], other[i]) +
-                         J::template arm<of_gap>(at.own_arm[i], at.own_log2) -
-                         J::template arm<of_gap>(at.arm[i], at.arm_log2);
+    void set_directions(const Node& node, const Place& at) {
+        FreeDirection<N>* const direction = forest_.directions() + node.direction;
+        if (node.slides == 1) direction[0].axis = at.other_axis[0];
+        if (node.turns == 3) return;
+        if (node.turns > 0) direction[node.slides].axis = at.own_axis[0];
+        if (node.turns > 1) direction[node.slides + 1].axis = at.other_axis[0];
+    }
+    // In 2^-gap_bits m.
+    [[gnu::noinline]] void set_gap(const Node& node, const Place& at, const auto& bodies, Open (&gap)[3]) const {
+        const auto& own = bodies.state[node.body].x_w;
+        const auto& other = node.parent >= 0 ? bodies.state[forest_.nodes()[node.parent].body].x_w
+                            : node.base >= 0 ? bodies.state[node.base].x_w
+                                             : forest_.record(node.joint).anchor;
+        detail::for_axes<N>([&](int i) {
+            gap[i] = J::template apart<J::gap_bits>(own[i], other[i]) +
+                     J::template arm<J::gap_bits>(at.own_arm[i], at.own_log2) -
+                     J::template arm<J::gap_bits>(at.arm[i], at.arm_log2);
         });
     }
     // Lets the arm of the other side go on along the free translation.
-    [[gnu::noinline]] void follow(const Node& node, Place& at, const auto& bodies) const {
+    [[gnu::noinline, gnu::cold]] void follow(const Node& node, Place& at, const auto& bodies) const {
         Open gap[3];
-        set_gap<J::gap_bits>(node, at, bodies, gap);
+        set_gap(node, at, bodies, gap);
         int log2 = J::least_log2;
         for (const Open& g : gap)
             if (J::log2_of(g, J::gap_bits) > log2) log2 = J::log2_of(g, J::gap_bits);
@@ -222,12 +232,11 @@ private:
         at.arm_log2 = static_cast<std::int8_t>(both);
     }
     // The length of the link of a slider, from above.
-    void set_span(Node& node) const {
+    [[gnu::noinline, gnu::cold]] static void set_span(Node& node, const Place& at, const Place& parent) {
         if constexpr (N::fixed_point) {
-            const Place& parent = forest_.nodes()[node.parent].place;
             std::int64_t sum = 2;
             for (int i = 0; i < 3; ++i) {
-                const std::int64_t link = J::template arm<Forest::reach_bits>(node.place.arm[i], node.place.arm_log2) -
+                const std::int64_t link = J::template arm<Forest::reach_bits>(at.arm[i], at.arm_log2) -
                                           J::template arm<Forest::reach_bits>(parent.own_arm[i], parent.own_log2);
                 sum += link < 0 ? -link : link;
             }
@@ -235,56 +244,74 @@ private:
         }
     }
 
-    template <int of_gap>
-    [[nodiscard]] bool measure_gaps(const JointTreeState& tree, const auto& bodies, bool& fits) {
+    // The turn, rad, that closes the gap between the orientations to first order: joints/list.hpp.
+    [[nodiscard]] static Vector lean(const Node& node, const Place& at) {
+        const Vector own = at.own_axis[0], other = at.other_axis[0];
+        Vector lean = cross<Unit>(own, other);
+        if (node.turns == 2) lean = along(lean, -narrow<Unit>(dot(own, other)));
+        if (node.turns == 0)
+            lean += along(own, narrow<Unit>(dot(own, cross<Unit>(Vector{at.own_axis[1]}, Vector{at.other_axis[1]}))));
+        return lean;
+    }
+    // In 2^(coarser - gap_bits) m.
+    [[nodiscard, gnu::noinline]] bool measure_gaps(const JointTreeState& tree, const auto& bodies, int coarser,
+                                                   bool& fits) {
         bool closed = true;
+        fits = true;
         for (int i = tree.first; i < tree.last; ++i) {
             const Node& node = forest_.nodes()[i];
-            auto& s = solution[i];
-            s.target_v = s.target_w = Vector::Constant(Unit{});
-            if (node.joint == Node::no_joint) continue;
+            Unit(&target)[6] = solution[i].target;
+            set_three(target + 3, Vector::Constant(Unit{}));
+            if (node.joint == Node::no_joint) {
+                set_three(target, Vector::Constant(Unit{}));
+                continue;
+            }
             const Place& at = end[i];
             Open gap[3];
-            set_gap<of_gap>(node, at, bodies, gap);
-            for (int k = 0; k < 3; ++k) s.target_v[k] = -J::held(gap[k], fits);
-            JointKinds::with(node.kind, [&]<class Kind>() {
-                if constexpr (Kind::turns < 3) {
-                    const Vector lean = Kind::lean(at);
-                    for (int k = 0; k < 3; ++k)
-                        s.target_w[k] = J::held(J::template lean<of_gap>(lean[k], node.length_log2), fits);
-                }
-            });
+            set_gap(node, at, bodies, gap);
+            detail::for_axes<N>([&](int k) { target[k] = -J::held(J::coarser(gap[k], coarser), fits); });
             int log2 = at.own_log2 > at.arm_log2 ? at.own_log2 : at.arm_log2;
-            if (node.turns < 3 && node.length_log2 > log2) log2 = node.length_log2;
+            if (node.turns < 3) {
+                const Vector turn = lean(node, at);
+                detail::for_axes<N>([&](int k) {
+                    const Open open = J::template lean<J::gap_bits>(turn[k], node.length_log2);
+                    target[3 + k] = J::held(J::coarser(open, coarser), fits);
+                });
+                if (node.length_log2 > log2) log2 = node.length_log2;
+            }
             // A spin in 2^n parts rounds the orientation as often: a sum of 2^(n/2) roundings.
             int halvings = bodies.halvings_of(node.body);
             if (node.parent >= 0) halvings = larger(halvings, bodies.halvings_of(forest_.nodes()[node.parent].body));
-            const Unit enough =
-                J::enough(log2, (halvings + 1) / 2, bodies.state[node.body].x_w.value(), at.own_arm, at.arm);
-            for (int k = 0; k < 3; ++k)
-                closed = closed && is_within(s.target_v[k], enough) && is_within(s.target_w[k], enough);
+            const int roundings = (halvings + 1) / 2;
+            if (!are_within(target, J::enough(log2, roundings)) &&
+                !are_within(target, J::enough(log2, roundings, bodies.state[node.body].x_w, at.own_arm, at.arm)))
+                closed = false;
         }
-        return closed;
+        return closed && fits;
     }
     // A change of motion less its parts along free directions, which are open to any.
     TUMBLE_INLINE static void leave_free(const Node& node, const Place& at, Vector& v, Vector& w) {
-        const auto leave = [](const Vector& axis, Vector& change) {
-            change -= along(axis, narrow<Unit>(dot(axis, change)));
-        };
-        JointKinds::with(node.kind, [&]<class Kind>() {
-            if constexpr (Kind::slides > 0)
-                for (int s = 0; s < Kind::slides; ++s) leave(Kind::slide(at, s), v);
-            if constexpr (Kind::turns == 3) w = Vector::Constant(Unit{});
-            else if constexpr (Kind::turns > 0)
-                for (int r = 0; r < Kind::turns; ++r) leave(Kind::turn(at, r), w);
-        });
+        if (node.slides > 0) leave(at.other_axis[0], v);
+        if (node.turns == 3) {
+            w = Vector::Constant(Unit{});
+            return;
+        }
+        if (node.turns > 0) leave(at.own_axis[0], w);
+        if (node.turns > 1) leave(at.other_axis[0], w);
+    }
+    [[gnu::noinline]] static void leave(const StoredVec3<Unit>& axis, Vector& change) {
+        change -= along(axis, narrow<Unit>(dot(axis, change)));
     }
     [[nodiscard]] TUMBLE_INLINE static int larger(int a, int b) { return a > b ? a : b; }
     // False of a number that is none.
-    [[nodiscard]] TUMBLE_INLINE static bool is_within(Unit a, Unit limit) { return a <= limit && a >= -limit; }
+    [[nodiscard]] TUMBLE_INLINE static bool are_within(const Unit (&target)[6], Unit limit) {
+        for (const Unit a : target)
+            if (!(magnitude_of(a) <= limit)) return false;
+        return true;
+    }
 
     // The spins of the bodies, in 2^-(what it returns): the finest that holds them.
-    [[nodiscard]] int measure_spins(const JointTreeState& tree, const auto& bodies) {
+    [[nodiscard, gnu::noinline]] int measure_spins(const JointTreeState& tree, const auto& bodies) {
         int of_spin = J::spin_bits;
         while (!measure_spins(tree, bodies, of_spin) && of_spin > J::coarse_spin_bits) of_spin -= 2;
         return of_spin;
@@ -294,11 +321,10 @@ private:
         for (int i = tree.first; i < tree.last; ++i) {
             const Node& node = forest_.nodes()[i];
             Vector own;
-            for (int k = 0; k < 3; ++k) {
-                const Open angle =
-                    J::angle(turn_of(bodies, node.body, k), node.to_angle[k], bodies.spin_scale(node.body), of_spin);
-                own[k] = J::held_half(angle, fits);
-            }
+            const auto scale = bodies.spin_scale(node.body);
+            detail::for_axes<N>([&](int k) {
+                own[k] = J::held_half(J::angle(turn_of(bodies, node.body, k), node.to_angle[k], scale, of_spin), fits);
+            });
             spin_[i] = end[i].axes.to_world(own);
         }
         return fits;
@@ -306,33 +332,42 @@ private:
     [[nodiscard]] TUMBLE_INLINE static typename N::Turn turn_of(const auto& bodies, int b, int k) {
         return N::narrow_turn(N::sum(bodies.state[b].t_b[k]));
     }
-    [[nodiscard]] bool measure_rates(const JointTreeState& tree, const auto& bodies, int of_spin, int of_rate) {
+    // Of a spin, at an arm.
+    [[gnu::noinline]] void set_swept(const Vector& spin, const StoredVec3<Unit>& arm, int log2, int of_rate,
+                                     Open (&rate)[3]) const {
+        rate[0] = J::template swept<0>(spin, arm, log2, of_spin_, of_rate);
+        rate[1] = J::template swept<1>(spin, arm, log2, of_spin_, of_rate);
+        rate[2] = J::template swept<2>(spin, arm, log2, of_spin_, of_rate);
+    }
+    [[nodiscard, gnu::noinline]] bool measure_rates(const JointTreeState& tree, const auto& bodies, int of_rate) {
         bool fits = true;
         for (int i = tree.first; i < tree.last; ++i) {
             const Node& node = forest_.nodes()[i];
             auto& s = solution[i];
-            s.target_v = s.target_w = Vector::Constant(Unit{});
-            if (node.joint == Node::no_joint) continue;
-            Vector w = spin_[i], v;
-            if (node.parent >= 0) w -= spin_[node.parent];
-            const auto set_component = [&]<int k>() {
-                const Place& at = node.place;
+            Vector v = Vector::Constant(Unit{}), w = v;
+            if (node.joint != Node::no_joint) {
+                const Place& at = end[i];
                 const auto& d = bodies.state[node.body].d_w;
-                Open rate = J::template swept<k>(spin_[i], at.own_arm, at.own_log2, of_spin, of_rate);
-                if (node.parent >= 0)
-                    rate += J::drift_apart(d[k], bodies.state[forest_.nodes()[node.parent].body].d_w[k], bodies.scale,
-                                           of_rate) -
-                            J::template swept<k>(spin_[node.parent], at.arm, at.arm_log2, of_spin, of_rate);
-                else rate += J::drift(d[k], bodies.scale, of_rate);
-                v[k] = -J::held(rate, fits);
-            };
-            set_component.template operator()<0>();
-            set_component.template operator()<1>();
-            set_component.template operator()<2>();
-            leave_free(node, node.place, v, w);
-            s.target_v = v;
-            for (int k = 0; k < 3; ++k)
-                s.target_w[k] = -J::held(J::turned(w[k], node.length_log2, of_spin, of_rate), fits);
+                Open rate[3];
+                set_swept(spin_[i], at.own_arm, at.own_log2, of_rate, rate);
+                w = spin_[i];
+                if (node.parent >= 0) {
+                    const auto& other = bodies.state[forest_.nodes()[node.parent].body].d_w;
+                    Open of_other[3];
+                    set_swept(spin_[node.parent], at.arm, at.arm_log2, of_rate, of_other);
+                    detail::for_axes<N>(
+                        [&](int k) { rate[k] += J::drift_apart(d[k], other[k], bodies.scale, of_rate) - of_other[k]; });
+                    w -= spin_[node.parent];
+                } else {
+                    detail::for_axes<N>([&](int k) { rate[k] += J::drift(d[k], bodies.scale, of_rate); });
+                }
+                detail::for_axes<N>([&](int k) { v[k] = -J::held(rate[k], fits); });
+                leave_free(node, at, v, w);
+                detail::for_axes<N>(
+                    [&](int k) { w[k] = -J::held(J::turned(w[k], node.length_log2, of_spin_, of_rate), fits); });
+            }
+            set_three(s.target, v);
+            set_three(s.target + 3, w);
         }
         return fits;
     }
@@ -342,43 +377,41 @@ private:
         if constexpr (N::fixed_point) {
             Unit largest{};
             for (int i = tree.first; i < tree.last; ++i)
-                for (int k = 0; k < 3; ++k) {
-                    largest = larger_of(largest, magnitude_of(solution[i].target_v[k]));
-                    largest = larger_of(largest, magnitude_of(solution[i].target_w[k]));
-                }
+                for (const Unit a : solution[i].target) largest = larger_of(largest, magnitude_of(a));
             const int up = J::up_for(largest, tree.open_bits);
             bits += up;
             for (int i = tree.first; i < tree.last; ++i)
-                for (int k = 0; k < 3; ++k) {
-                    solution[i].target_v[k] = J::shifted(solution[i].target_v[k], up);
-                    solution[i].target_w[k] = J::shifted(solution[i].target_w[k], up);
-                }
+                for (Unit& a : solution[i].target) a = J::shifted(a, up);
         }
     }
 
-    // A vector that is constant in the world, in the body's axes half a flight later. `quarter` is a quarter of the
-    // turn: v - 2 (q x v) + 2 q x (q x v), to second order.
-    [[nodiscard]] TUMBLE_INLINE static Vector half_a_flight_later(const Vector& quarter, const Vector& v) {
-        const Vector across = cross<Unit>(quarter, v), change = cross<Unit>(quarter, across) - across;
-        return v + change + change;
+    [[nodiscard, gnu::noinline, gnu::cold]] static Vector twice_across(const Vector& a, const Vector& b) {
+        const Vector across = cross<Unit>(a, b);
+        return across + across;
     }
     // The turn at the end by a change dw of the spin. Momenta are I_i / I_x times spins, over half a step where L is.
+    // With q a quarter of the turn, the middle sees L, as the end has it, as L + 2 q x L to first order. The mean of
+    // the axes at both ends stands for those in the middle: it shrinks what is across the turn by 1 - 2 |q|^2, twice.
+    // Both count where the turn is more than 1/16 rad.
     [[nodiscard]] Vector turn_by(const Node& node, const Vector& dw, const auto& bodies, const Place& at,
                                  int halvings) const {
         const auto scale = bodies.spin_scale(node.body);
-        Vector change = node.place.axes.to_body(dw), quarter, momentum;
-        for (int k = 0; k < 3; ++k) {
-            change[k] = narrow<Unit>(mul(change[k], node.share[k]));
+        Axes<N> middle;
+        for (int i = 0; i < 3; ++i)
+            detail::for_axes<N>([&](int j) { middle.row[i][j] = J::mean(node.frame.row[i][j], at.axes.row[i][j]); });
+        Vector turn = middle.to_body(dw), quarter, momentum;
+        detail::for_axes<N>([&](int k) __attribute__((always_inline)) {
+            turn[k] = node.per_share[k](narrow<Unit>(mul(turn[k], node.share[k])));
             quarter[k] = J::quarter(turn_of(bodies, node.body, k), node.to_angle[k], scale, halvings);
             momentum[k] = narrow<Unit>(mul(quarter[k], node.share[k]));
             momentum[k] += momentum[k];
-        }
-        const auto over_inertia = [&](const Vector& v) {
-            return Vector{node.per_share[0](v[0]), node.per_share[1](v[1]), node.per_share[2](v[2])};
-        };
-        Vector turn = over_inertia(half_a_flight_later(quarter, change));
-        turn += over_inertia(cross<Unit>(half_a_flight_later(quarter, momentum), turn));
-        return at.axes.to_world(half_a_flight_later(quarter, turn));
+        });
+        const bool is_far = J::is_far(quarter[0]) || J::is_far(quarter[1]) || J::is_far(quarter[2]);
+        if (is_far) momentum += twice_across(quarter, momentum);
+        const Vector more = cross<Unit>(momentum, turn);
+        detail::for_axes<N>([&](int k) { turn[k] += node.per_share[k](more[k]); });
+        if (is_far) turn -= twice_across(quarter, twice_across(quarter, turn));
+        return middle.to_world(turn);
     }
 };
 

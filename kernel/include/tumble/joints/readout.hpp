@@ -38,20 +38,19 @@ public:
     template <class T>
     [[nodiscard]] JointReadout<T> read() const {
         JointReadout<T> to;
-        JointKinds::with(joint_.kind, [&]<class Kind>() {
-            if constexpr (Kind::turns == 1 || Kind::turns == 2) {
-                to.angle = static_cast<T>(angle(0, Kind::turns == 2));
-                to.speed = static_cast<T>(dot(axis(0, 0), relative_spin()));
-            }
-            if constexpr (Kind::turns == 2) {
-                to.to_angle = -static_cast<T>(angle(1, true));
-                to.to_speed = static_cast<T>(dot(axis(1, 0), relative_spin()));
-            }
-            if constexpr (Kind::slides == 1) {
-                to.travel = static_cast<T>(dot(axis(1, 0), Vector(anchor(0) - anchor(1))));
-                to.speed = static_cast<T>(slide_rate());
-            }
-        });
+        const int turns = JointKinds::turns[joint_.kind];
+        if (turns == 1 || turns == 2) {
+            to.angle = static_cast<T>(angle(0, turns == 2));
+            to.speed = static_cast<T>(dot(axis(0, 0), relative_spin()));
+        }
+        if (turns == 2) {
+            to.to_angle = -static_cast<T>(angle(1, true));
+            to.to_speed = static_cast<T>(dot(axis(1, 0), relative_spin()));
+        }
+        if (JointKinds::slides[joint_.kind] == 1) {
+            to.travel = static_cast<T>(dot(axis(1, 0), Vector(anchor(0) - anchor(1))));
+            to.speed = static_cast<T>(slide_rate());
+        }
         Vector force, torque;
         set_load(force, torque);
         to.force = {static_cast<T>(force[0]), static_cast<T>(force[1]), static_cast<T>(force[2])};

@@ -1,7 +1,7 @@
 // A slider: one free translation. The anchor of the body stays on an axis that the other body keeps.
 #pragma once
 
-#include <tumble/joints/fixed.hpp>
+#include <tumble/joints/joint.hpp>
 
 namespace tumble::joints {
 
@@ -13,14 +13,6 @@ struct Slider {
     [[nodiscard]] static constexpr detail::JointAxes axes_of(const Spec& spec) { return detail::axes_about(spec.axis); }
     [[nodiscard]] static constexpr JointFault fault_of(const Spec& spec) {
         return spec.axis.is_zero() ? JointFault::zero_axis : JointFault::none;
-    }
-    template <class View>
-    [[nodiscard]] TUMBLE_INLINE static auto slide(const View& at, int) {
-        return at.other(0);
-    }
-    template <class View>
-    [[nodiscard]] TUMBLE_INLINE static auto lean(const View& at) {
-        return whole_lean(at);
     }
 };
 

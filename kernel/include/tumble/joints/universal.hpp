@@ -23,16 +23,6 @@ struct Universal {
         const Real cosine = dot(normalized(spec.axis), normalized(spec.to_axis));
         return abs(cosine) > Real::scaled(1, -10) ? JointFault::axes_not_perpendicular : JointFault::none;
     }
-    template <class View>
-    [[nodiscard]] TUMBLE_INLINE static auto turn(const View& at, int i) {
-        return i == 0 ? at.own(0) : at.other(0);
-    }
-    // About the normal n = a x b of both axes: -(a . b) n takes the body's axis a by -(a . b) n x a, which is -(a . b)
-    // b to first order.
-    template <class View>
-    [[nodiscard]] TUMBLE_INLINE static auto lean(const View& at) {
-        return at.less_cosine_times(at.own(0), at.other(0), at.across(at.own(0), at.other(0)));
-    }
 };
 
 }  // namespace tumble::joints
