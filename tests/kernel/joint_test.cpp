@@ -158,7 +158,8 @@ protected:
     using N = typename W::Numbers;
     using Mechanism = test::Mechanism<W>;
     static constexpr bool in_fixed_point = N::fixed_point;
-    static constexpr bool is_single = !N::fixed_point && sizeof(typename N::Unit) == 4;
+    static constexpr bool is_single = !N::fixed_point && sizeof(typename N::Unit) == 4,
+                          carries_single = is_single && N::carry;
     // Of anchors of arms of 1 m, between components.
     static constexpr double closed = N::fixed_point ? 5e-9 : is_single ? 6e-7 : 2e-12;
     static constexpr double rod = 1.01 / 12 + 0.25;  // kg m^2, of a rod of 1 kg and 1 m about its end
@@ -376,7 +377,7 @@ TYPED_TEST(Joints, a_falling_arm_and_a_gyroscope_are_of_order_two) {
 TYPED_TEST(Joints, the_energy_of_a_pendulum_has_no_trend) {
     const double period = pendulum_period(2.5, this->rod, 9.81 / 2);
     const double moved = this->energy_moved(this->pendulum(2.5), static_cast<int>(8 * period * 256), long_run) / 9.81;
-    EXPECT_LT(std::abs(moved), this->is_single ? 3e-4 : this->in_fixed_point ? 1e-5 : 1e-6);
+    EXPECT_LT(std::abs(moved), this->in_fixed_point || this->carries_single ? 1e-5 : this->is_single ? 3e-4 : 1e-6);
 }
 
 TYPED_TEST(Joints, the_energy_of_a_spherical_pendulum_has_no_trend) {
@@ -389,7 +390,11 @@ TYPED_TEST(Joints, the_energy_of_a_spherical_pendulum_has_no_trend) {
     (void)m.add(body);
     (void)m.join(BallSpec{.body = 0});
     const double moved = this->energy_moved(m, 4000, long_run) / 9.81;
-    EXPECT_LT(std::abs(moved), this->is_single ? 5e-4 : this->in_fixed_point ? 3e-6 : 1e-6);
+    // Float with carry gains 3e-4 in 10^6 steps where a guess counts as closed up to the bound of a correction.
+    EXPECT_LT(std::abs(moved), this->carries_single   ? 4e-6
+                               : this->is_single      ? 5e-4
+                               : this->in_fixed_point ? 3e-6
+                                                      : 1e-6);
 }
 
 TYPED_TEST(Joints, every_step_ends_closed) {

@@ -146,7 +146,7 @@ private:
             fly(halvings_);
             bool closed = true, within = true;
             each([&](JointTreeState& tree) {
-                if (!is_closed(tree)) {
+                if (!is_closed(tree, corrections == 0)) {
                     closed = false;
                     if (tree.corrections < INT8_MAX) ++tree.corrections;
                     correct(tree, within);
@@ -212,9 +212,9 @@ private:
     void kick(const JointTreeState& tree, SpinChanged& spin_changed) {
         each_node(tree, [&](const Node& node, int i) { push(node.body, forest_.kicks()[i], spin_changed); });
     }
-    [[nodiscard]] bool is_closed(const JointTreeState& tree) {
+    [[nodiscard]] bool is_closed(const JointTreeState& tree, bool is_guess) {
         measures_.place(tree, bodies_);
-        return measures_.gaps(tree, bodies_);
+        return measures_.gaps(tree, bodies_, is_guess);
     }
     // Clears `within` where a kick is held.
     void correct(const JointTreeState& tree, bool& within) {

@@ -80,15 +80,16 @@ public:
         forest_.solver(tree).factor();
     }
 
-    // Measures the gaps at `end` and sets the targets that close them. True where all are closed.
-    [[gnu::noinline]] bool gaps(const JointTreeState& tree, const auto& bodies) {
+    // Measures the gaps at `end` and sets the targets that close them. True where all are closed. `is_guess`: after the
+    // flight with the guess, whose gaps are not rounding alone.
+    [[gnu::noinline]] bool gaps(const JointTreeState& tree, const auto& bodies, bool is_guess = false) {
         bool fits = true;
-        bool closed = measure_gaps(tree, bodies, 0, fits);
+        bool closed = measure_gaps(tree, bodies, is_guess, 0, fits);
         if (closed) return true;
         int of_gap = J::gap_bits;
         if (!fits) [[unlikely]] {
             of_gap = J::coarse_gap_bits;
-            (void)measure_gaps(tree, bodies, J::gap_bits - J::coarse_gap_bits, fits);
+            (void)measure_gaps(tree, bodies, is_guess, J::gap_bits - J::coarse_gap_bits, fits);
         }
         scale(tree, of_gap);
         return false;
@@ -254,8 +255,8 @@ private:
         return lean;
     }
     // In 2^(coarser - gap_bits) m.
-    [[nodiscard, gnu::noinline]] bool measure_gaps(const JointTreeState& tree, const auto& bodies, int coarser,
-                                                   bool& fits) {
+    [[nodiscard, gnu::noinline]] bool measure_gaps(const JointTreeState& tree, const auto& bodies, bool is_guess,
+                                                   int coarser, bool& fits) {
         bool closed = true;
         fits = true;
         for (int i = tree.first; i < tree.last; ++i) {
@@ -283,8 +284,9 @@ private:
             int halvings = bodies.halvings_of(node.body);
             if (node.parent >= 0) halvings = larger(halvings, bodies.halvings_of(forest_.nodes()[node.parent].body));
             const int roundings = (halvings + 1) / 2;
-            if (!are_within(target, J::enough(log2, roundings)) &&
-                !are_within(target, J::enough(log2, roundings, bodies.state[node.body].x_w, at.own_arm, at.arm)))
+            if (!are_within(target, J::enough(is_guess, log2, roundings)) &&
+                !are_within(target,
+                            J::enough(is_guess, log2, roundings, bodies.state[node.body].x_w, at.own_arm, at.arm)))
                 closed = false;
         }
         return closed && fits;
