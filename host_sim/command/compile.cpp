@@ -78,6 +78,7 @@ std::string body_text(const BodyDescription& description, const BodySpec& body) 
     members.when(!body.spinning_resistance.is_negative(), "spinning_resistance", number(body.spinning_resistance), "m");
     members.when(body.fixed, "fixed", "true");
     members.when(body.kinematic, "kinematic", "true");
+    members.when(body.layers != BodySpec::all_layers, "layers", std::to_string(body.layers));
     return members.text();
 }
 

@@ -263,6 +263,8 @@ TEST_F(Named, every_value_of_a_body_acts_or_is_misuse) {
             s.body.angular_velocity = {};
         });
     needs<&Features::kinematic>("BodySpec.kinematic", [](Specs& s) { s.body.kinematic = true; });
+    needs<&Features::layers>(
+        "BodySpec.layers", [](Specs& s) { s.body.layers = 0; }, bounces);
     EXPECT_FALSE((Accepted<all_without<&Features::rotation>(), Nothing>)) << "a body that is no point mass";
     expect_all_of<BodySpec>("BodySpec");
 }

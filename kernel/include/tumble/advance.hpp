@@ -224,8 +224,42 @@ public:
         if constexpr (has_joints) return joints.is_jointed(b);
         else return false;
     }
-    // A step of the trees of joints, and of the bodies that loads couple. Trees that have one of these step with them.
-    void step_trees(BodyGroup& coupled, const StepInfo<N>& info) requires has_joints {
+    // True of a body in a tree, and of one that loads couple to a tree, directly or through others. Ask
+    // find_bodies_of_trees() first.
+    [[nodiscard]] TUMBLE_INLINE bool steps_with_trees([[maybe_unused]] int b) const {
+        if constexpr (has_joints && may_couple) return with_trees_[b];
+        else return is_jointed(b);
+    }
+    // Call before a step. Misuse: one of these bodies touches something. `touches(b)`: planes and bodies do not pass
+    // through body b.
+    template <class Touches>
+    void find_bodies_of_trees([[maybe_unused]] Touches&& touches) requires has_joints {
+        if constexpr (may_couple) {
+            for (auto& is_with : with_trees_) is_with = false;
+            for (int b = 0; b < bodies.count; ++b)
+                if (is_jointed(b)) add_coupled(with_trees_, b);
+            for (int b = 0; features.touches() && b < bodies.count; ++b) TUMBLE_ASSERT(!with_trees_[b] || !touches(b));
+        }
+    }
+    // Whether a body, or one that loads couple to it, touches something. Never of a fixed body.
+    template <class Touches>
+    [[nodiscard]] bool touches_with_coupled(int b, Touches&& touches) const requires has_joints {
+        if (b < 0 || bodies.constants[b].fixed()) return false;
+        if constexpr (may_couple) {
+            bool with[features.bodies]{};
+            add_coupled(with, b);
+            bool any = false;
+            for (int other = 0; other < bodies.count; ++other) any = any || (with[other] && touches(other));
+            return any;
+        } else {
+            return touches(b);
+        }
+    }
+    // A step of the trees of joints, and of the bodies that loads couple to them. These trees step together.
+    void step_trees(const StepInfo<N>& info) requires has_joints {
+        BodyGroup coupled;
+        for (int b = 0; may_couple && b < bodies.count; ++b)
+            if (steps_with_trees(b) && is_coupled(b)) coupled.add(b);
         typename Hold::Trees together;
         for (int t = 0; t < joints.tree_count(); ++t) {
             const JointTreeState& tree = joints.tree(t);
@@ -243,7 +277,6 @@ public:
             for (int i = tree.first; i < tree.last; ++i) coupled.add_once(joints.nodes()[i].body);
         }
         if (together.count > 0) hold(together, coupled, info);
-        else if (has_loads && coupled.count > 0) group(coupled, info);
     }
     // A portion of a step, of bodies that are not fixed. It does not check their range. Contacts may change the motion
     // after it.
@@ -333,6 +366,18 @@ public:
     }
 
 private:
+    // Adds a body, and all moving bodies that loads couple to it, directly or through others.
+    void add_coupled(bool (&to)[features.bodies], int b) const requires(has_joints&& may_couple) {
+        if (to[b]) return;
+        BodyGroup open{b};
+        to[b] = true;
+        while (open.count > 0)
+            loads.for_each_coupled(bodies, open.id[--open.count], [&](int other) {
+                if (to[other] || bodies.constants[other].fixed()) return;
+                to[other] = true;
+                open.add(other);
+            });
+    }
     // True of a fixed or kinematic body that moves by itself a point at which a load acts.
     [[nodiscard]] bool changes_loads(int b) const requires(has_loads) {
         const bool is_kinematic = bodies.constants[b].kinematic();
@@ -974,6 +1019,8 @@ private:
     };
     [[no_unique_address]] If<keeps_kicks, KeptKicks, 11> kept_{};
     [[no_unique_address]] If<has_loads, BodyPlaces<features.bodies>, 12> places_{};
+    [[no_unique_address]] If<has_joints && may_couple, bool[(features.bodies > 0 ? features.bodies : 1)], 15>
+        with_trees_{};
     DriftSum gravity_[3]{};  // change of drift a step, or half of it: see fall_in_halves
 
 public:

@@ -28,6 +28,7 @@ struct Required {
         if constexpr (features.touches()) {
             TUMBLE_ASSERT(features.boxes || !touches_as_box(spec));
             TUMBLE_ASSERT(features.round_shapes || !touches_as_round_shape(spec));
+            TUMBLE_ASSERT(features.layers || spec.layers == BodySpec::all_layers);
             of_surface(spec);
         }
     }

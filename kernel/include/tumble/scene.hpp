@@ -16,7 +16,7 @@ struct Features {
     int bodies = 1;                   // room for bodies, fixed ones included; 0: the world only counts its steps
     int planes = 0;                   // room for planes
     int springs = 0;                  // room for springs
-    int joints = 0;                   // room for joints; needs rotation, and no planes or pairs yet
+    int joints = 0;                   // room for joints; needs rotation; jointed bodies touch nothing yet
     int near_pairs = 0;               // room for pairs that are near each other at one time; 0: the usual room
     bool rotation = true;             // bodies rotate; if false, all of them are point masses
     bool point_masses = false;        // some bodies may be point masses, which do not rotate
@@ -37,6 +37,7 @@ struct Features {
     bool pairs = false;               // bodies collide with bodies
     bool boxes = false;               // boxes collide (spheres always do if there are planes or pairs)
     bool round_shapes = false;        // cylinders, capsules and hoops collide with planes
+    bool layers = false;              // which bodies touch each other can be chosen: BodySpec::layers
     bool friction = false;            // for contacts by impulses
     bool rolling_resistance = false;  // rolling and spinning meet a resistance; needs friction
     bool mixing = false;              // how the values of two sides mix can be chosen: ContactSpec
@@ -79,6 +80,7 @@ struct Features {
         f("pairs", &Features::pairs);
         f("boxes", &Features::boxes);
         f("round_shapes", &Features::round_shapes);
+        f("layers", &Features::layers);
         f("friction", &Features::friction);
         f("rolling_resistance", &Features::rolling_resistance);
         f("mixing", &Features::mixing);

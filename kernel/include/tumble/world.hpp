@@ -51,11 +51,6 @@ public:
     static_assert(features.joints >= 0 && features.joints <= JointId::most, "room for 32767 joints at the most");
     static_assert(!features.has_joints() || features.rotation,
                   "joints tie bodies that rotate: leave out .rotation = false, or .joints");
-    static_assert(!features.has_joints() || !features.touches(),
-                  "bodies with joints touch nothing yet: a scene has .joints, or .planes and .pairs");
-    static_assert(
-        !features.has_joints() || !features.moving_surfaces(),
-        "joints tie only to what does not move by itself: a scene has .joints, or .turntables and .kinematic");
     static constexpr bool has_contacts = features.contacts();  // the code of contacts by impulses is there
     static constexpr bool has_loads = detail::has_loads<S>;    // the code of loads is there
     static constexpr bool has_step = requires { S::step; };    // the scene has the step, as `static constexpr Seconds`
@@ -148,6 +143,8 @@ public:
         detail::run_once([&] { added = advance_.add(spec); });
         if (!added) return {};
         note(spec);
+        if constexpr (Advance::has_joints)
+            if (!std::is_constant_evaluated()) advance_.find_bodies_of_trees([&](int b) { return touches(b); });
         if (has_contacts && advance_.bodies.steps_taken > 0) {
             disturb(spec.body);
             if (spec.to_body >= 0) disturb(spec.to_body);
@@ -176,6 +173,9 @@ public:
             return {};
         }
         const int place = advance_.joints.add(spec, advance_.bodies);
+        if constexpr (has_contacts)
+            for (const int b : {static_cast<int>(spec.body), static_cast<int>(spec.to_body)})
+                if (b >= 0) disturb(b);
         return {place, advance_.joints.generation(place)};
     }
     // Does not compile, and says why, in a scene without room for joints.
@@ -187,10 +187,15 @@ public:
     // Why a joint cannot be added now; `none` where it can.
     template <JointSpec Spec>
     [[nodiscard]] JointFault fault_of(const Spec& spec) const requires(features.has_joints()) {
-        return advance_.joints.fault_of(spec, advance_.bodies, [&](int b) {
+        const JointFault fault = advance_.joints.fault_of(spec, advance_.bodies, [&](int b) {
             if constexpr (features.removal) return places_.is_taken(b);
             else return b >= 0 && b < advance_.bodies.count;
         });
+        if constexpr (features.touches())
+            for (const int b : {static_cast<int>(spec.body), static_cast<int>(spec.to_body)})
+                if (fault == JointFault::none && advance_.touches_with_coupled(b, [&](int a) { return touches(a); }))
+                    return JointFault::in_a_layer;
+        return fault;
     }
     // Number of joints in the world.
     [[nodiscard]] int joint_count() const {
@@ -609,7 +614,9 @@ private:
         note(spec);
         if constexpr (has_imu) remember(b);
         if constexpr (has_contacts) {
-            contacts_.add(b, spec, inertia, advance_.bodies.constants[b].units);
+            if constexpr (features.layers)
+                contacts_.add(b, as_it_touches(spec), inertia, advance_.bodies.constants[b].units);
+            else contacts_.add(b, spec, inertia, advance_.bodies.constants[b].units);
             if constexpr (features.moving_surfaces())
                 if (advance_.bodies.moves_by_itself(b)) contacts_.note_surface(advance_.bodies, b, {}, 0);
             // Before the first step no body has a time to contact, and none sleeps.
@@ -755,6 +762,9 @@ private:
         } else if constexpr (kind == Kind::angular_velocity) {
             if (bodies.constants[b].fixed() && !bodies.constants[b].kinematic() && !features.turntables) return;
             detail::set_angular_velocity(bodies, b, frame, value.block(), steps_per_second());
+            // Joints tie to what does not move by itself.
+            if constexpr (Advance::has_joints && features.turntables)
+                TUMBLE_ASSERT(!advance_.joints.has_base(b) || !bodies.is_turning(b));
         } else {
             detail::set_pose(bodies, b, value.block(), orientation);
         }
@@ -854,21 +864,30 @@ private:
         if constexpr (has_contacts) { contacts_.disturb(advance_, b); }
     }
 
-    // One step of a world with loads or joints. Bodies that loads couple and trees of joints advance together, the
+    // Whether planes and bodies do not pass through body b.
+    [[nodiscard]] bool touches([[maybe_unused]] int b) const {
+        if constexpr (has_contacts)
+            if (contacts_.touches(b)) return true;
+        if constexpr (features.springs_touch()) return advance_.loads.touches(b);
+        else return false;
+    }
+    // One step of a world with loads or joints. Bodies that loads couple advance together, those of a tree too, the
     // others one by one.
     void step_groups(const StepInfo<N>& info) {
         BodyGroup coupled;
         typename Advance::Kinematics kinematic;
         advance_.begin(kinematic, info);
+        if constexpr (Advance::has_joints) advance_.find_bodies_of_trees([&](int b) { return touches(b); });
         for (int b = 0; b < advance_.bodies.count; ++b) {
             if (advance_.bodies.constants[b].fixed()) advance_.step_turntable(b, info);
+            else if (advance_.steps_with_trees(b)) continue;
             else if (advance_.is_coupled(b)) coupled.add(b);
-            else if (advance_.is_jointed(b)) continue;
             else if constexpr (has_loads) advance_.alone(b, info);
             else advance_.free_body(b, info);
         }
-        if constexpr (Advance::has_joints) advance_.step_trees(coupled, info);
-        else if (coupled.count > 0) advance_.group(coupled, info);
+        if constexpr (Advance::has_joints) advance_.step_trees(info);
+        if constexpr (has_loads)
+            if (coupled.count > 0) advance_.group(coupled, info);
         advance_.end(kinematic, info);
     }
 

@@ -22,6 +22,8 @@ struct Seconds {
 
 // A body as it is added to a world.
 struct BodySpec {
+    static constexpr std::uint16_t all_layers = 0xffff;
+
     Shape shape{};                  // collides; none: collides with nothing
     Real mass = 1;                  // kg
     InertiaTensor inertia{};        // kg m^2, about the centre of mass, user's axes; zero and no shape: a point mass
@@ -35,6 +37,9 @@ struct BodySpec {
     Real spinning_resistance = -1;  // m; the same about the normal
     bool fixed = false;             // its position never changes; it may rotate
     bool kinematic = false;         // moves as its velocity says and pushes what it meets, but nothing pushes it
+    // A bit for each of 16 layers. Two bodies touch only where they have a layer in common. A body in no layer, 0,
+    // touches nothing, planes neither. Others than all need Features::layers.
+    std::uint16_t layers = all_layers;
 
     // True of a body that nothing pushes.
     [[nodiscard]] constexpr bool is_fixed() const { return fixed || kinematic; }
@@ -46,6 +51,13 @@ struct BodySpec {
     const InertiaTensor& i = spec.inertia;
     return spec.shape.kind == ShapeKind::none && i.xx.is_zero() && i.yy.is_zero() && i.zz.is_zero() && i.xy.is_zero() &&
            i.xz.is_zero() && i.yz.is_zero();
+}
+
+// The body as contacts see it: without a shape where it is in no layer.
+[[nodiscard]] constexpr BodySpec as_it_touches(const BodySpec& spec) {
+    BodySpec body = spec;
+    if (spec.layers == 0) body.shape = {};
+    return body;
 }
 
 // A fixed plane. By default the ground y = 0.

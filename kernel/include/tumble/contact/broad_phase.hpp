@@ -41,6 +41,8 @@ public:
             const auto look_at = [&](int other, [[maybe_unused]] Pair* pair) {
                 const ShapeKind kind_of_other = shapes_.shape(other).kind;
                 if (other == b || !touches_bodies(kind_of_other) || !touching_meet(kind, kind_of_other)) return;
+                if constexpr (features.layers)
+                    if (!shapes_.share_a_layer(b, other)) return;
                 const bool asleep = sleepers.is_asleep(other);
                 const int first = first_of(b, other, is_kinematic), second = first == b ? other : b;
                 if constexpr (features.grid()) {

@@ -35,6 +35,10 @@ public:
         state_.standing.gravity_changed();
         state_.times.end_all(advance.bodies.steps_taken);
     }
+    // True of a body with a shape, where contacts are by impulses.
+    [[nodiscard]] constexpr bool touches(int b) const {
+        return state_.shapes.response() == ContactResponse::impulse && !state_.shapes.shape(b).is(ShapeKind::none);
+    }
     // Adds a plane; false when there is no room.
     constexpr bool add(const PlaneSpec& spec) { return state_.shapes.add(spec); }
     // Adds a body at its place.
@@ -160,6 +164,7 @@ public:
                 if (advance.bodies.constants[b].fixed()) advance.step_turntable(b, info);
         }
         if constexpr (features.pairs) broad_phase(advance.bodies).begin(sleepers);
+        if constexpr (Advance::has_joints) advance.find_bodies_of_trees([&](int b) { return touches(b); });
         mark_awake(advance);
         typename Advance::Kinematics kinematic;
         if constexpr (features.kinematic) {
@@ -175,7 +180,7 @@ public:
         // Waking appends to the list.
         for (int k = 0; k < sleepers.awake_count(); ++k) {
             const int b = sleepers.awake(k);
-            if (times.is_clear(b, advance.bodies.steps_taken)) continue;
+            if (times.is_clear(b, advance.bodies.steps_taken) || advance.steps_with_trees(b)) continue;
             if (kinematic_moves || !pairs.is_near(b) || !pairs.is_linked() || !state_.standing.stood(b))
                 update(advance, b);
         }
@@ -184,7 +189,9 @@ public:
         bool islands = false, stand = state_.standing.all() && pairs.is_linked();
         for (int k = 0; k < sleepers.awake_count(); ++k) {
             const int b = sleepers.awake(k);
-            if (pairs.is_near(b) || marks[b].coupled) {
+            if (advance.steps_with_trees(b)) {
+                continue;
+            } else if (pairs.is_near(b) || marks[b].coupled) {
                 islands = true;
             } else if (marks[b].loaded) {
                 if constexpr (Advance::has_loads) advance.alone(b, info);
@@ -192,6 +199,7 @@ public:
                 advance.free_body(b, info);
             }
         }
+        if constexpr (Advance::has_joints) advance.step_trees(info);
         if (islands && !stand) [[unlikely]]
             step_islands(advance, info, kinematic);
         advance.end(kinematic, info);
@@ -286,7 +294,7 @@ private:
             const int b = state_.sleepers.awake(k);
             Mark& mark = state_.marks[b];
             const bool begins = !mark.driven;
-            mark = advance.mark(b);
+            mark = advance.steps_with_trees(b) ? Mark{} : advance.mark(b);
             if (!mark.none() && state_.pairs.is_near(b) && state_.standing.stood(b)) state_.standing.end();
             if (!Advance::has_own_loads || !begins || !mark.driven) continue;
             end_times(b, now);

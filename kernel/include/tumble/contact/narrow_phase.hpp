@@ -3,6 +3,7 @@
 
 #include <tumble/contact/material.hpp>
 #include <tumble/contact/pair.hpp>
+#include <tumble/shapes/layers.hpp>
 #include <tumble/shapes/pairs.hpp>
 #include <tumble/shapes/plane.hpp>
 #include <tumble/solver/weights.hpp>
@@ -67,12 +68,15 @@ public:
     constexpr bool set_shape(int b, const BodySpec& spec, const PrincipalInertia& inertia,
                              const SpinUnits<N, spin>& units) {
         materials_.body[b] = Material{spec};
+        layers_.set(b, spec);
         const bool rescaled = make_room(reach_of(spec.shape));
         set_collision_shape<N>(shape_[b], spec, inertia, scale());
         weight_[b].template set<features.mixed()>(spec, inertia, scale(), units);
         return rescaled;
     }
     [[nodiscard]] const CollisionShape<N>& shape(int b) const { return shape_[b]; }
+    // Whether the layers of two bodies let them touch.
+    [[nodiscard]] TUMBLE_INLINE bool share_a_layer(int a, int b) const { return layers_.meet(a, b); }
     // In the scale of the shapes, where a body has a shape.
     [[nodiscard]] const Weights& weights() const { return weight_; }
     // Of body b when it was placed last.
@@ -100,7 +104,7 @@ public:
         if (b < 0) return -1 - b < plane_count_;
         if (!features.pairs || !is_there(b) || b == a || (b < a && !bodies.constants[b].fixed())) return false;
         return touches_bodies(shape_[a].kind) && touches_bodies(shape_[b].kind) &&
-               touching_meet(shape_[a].kind, shape_[b].kind);
+               touching_meet(shape_[a].kind, shape_[b].kind) && share_a_layer(a, b);
     }
     // Sets the constants of a new pair.
     void set_up(Pair& pair, [[maybe_unused]] const Bodies& bodies) {
@@ -409,6 +413,7 @@ private:
     typename N::DriftSum fall_drift_[3]{};
     typename N::Scale drift_unit_{};
     bool turned_[features.bodies]{};  // since it was placed before
+    [[no_unique_address]] Layers<features> layers_{};
 };
 
 }  // namespace tumble

@@ -416,6 +416,7 @@ constexpr void add_to(Digest& digest, const BodySpec& body) {
         digest.add(value);
     add_resistance(digest, body, Real{-1});
     digest.add(static_cast<int>(body.fixed) + 2 * static_cast<int>(body.kinematic));
+    if (body.layers != BodySpec::all_layers) digest.add(static_cast<int>(body.layers));
 }
 constexpr void add_to(Digest& digest, const PlaneSpec& plane) {
     digest.add(plane.normal);

@@ -67,6 +67,7 @@ public:
         if (!bodies.rotates(a) || (b >= 0 && !bodies.rotates(b))) return JointFault::point_mass;
         if (const JointFault fault = JointKinds::Of<Spec>::fault_of(spec); fault != JointFault::none) return fault;
         if (is_far(bodies, a, spec.anchor) || is_far(bodies, b, spec.anchor)) return JointFault::too_far;
+        if (moves_by_itself(bodies, a) || moves_by_itself(bodies, b)) return JointFault::moving_base;
         if (is_tied(bodies, a, b)) return JointFault::closes_loop;
         return first_vacant() < room ? JointFault::none : JointFault::no_room;
     }
@@ -118,6 +119,12 @@ public:
             if (has(tree_[t], b) || node_[tree_[t].first].base == b) forget_pose(tree_[t]);
     }
     [[nodiscard]] TUMBLE_INLINE bool is_jointed(int b) const { return is_jointed_[b]; }
+    // True of a fixed body to which a tree ties.
+    [[nodiscard]] bool has_base(int b) const {
+        bool any = false;
+        for (int t = 0; t < tree_count_; ++t) any = any || node_[tree_[t].first].base == b;
+        return any;
+    }
     [[nodiscard]] int tree_count() const { return tree_count_; }
     [[nodiscard]] JointTreeState& tree(int t) { return tree_[t]; }
     [[nodiscard]] const JointTreeState& tree(int t) const { return tree_[t]; }
@@ -219,6 +226,10 @@ private:
     }
     [[nodiscard]] static constexpr bool is_base(const auto& bodies, int b) {
         return b < 0 || bodies.constants[b].fixed();
+    }
+    [[nodiscard]] static constexpr bool moves_by_itself(const auto& bodies, int b) {
+        if (!features.moving_surfaces() || b < 0 || !bodies.constants[b].fixed()) return false;
+        return bodies.constants[b].kinematic() || bodies.is_turning(b);
     }
     [[nodiscard]] constexpr int first_vacant() const {
         int place = 0;

@@ -53,6 +53,8 @@ enum class JointFault : std::uint8_t {
     zero_axis,               // an axis of length zero
     axes_not_perpendicular,  // of a universal joint
     too_far,                 // fixed point: an anchor more than 4096 m from the centre of mass of a body
+    moving_base,             // a fixed side that moves by itself: a kinematic body, or a turntable
+    in_a_layer,              // it has a shape in a layer, or a load couples it to such a body: it would touch others
     closes_loop,             // a chain of joints ties the two sides already, two bodies perhaps by another joint
     no_room,                 // Features::joints are there already
 };
@@ -68,6 +70,8 @@ enum class JointFault : std::uint8_t {
     case JointFault::zero_axis: return "zero_axis";
     case JointFault::axes_not_perpendicular: return "axes_not_perpendicular";
     case JointFault::too_far: return "too_far";
+    case JointFault::moving_base: return "moving_base";
+    case JointFault::in_a_layer: return "in_a_layer";
     case JointFault::closes_loop: return "closes_loop";
     default: return "no_room";
     }

@@ -12,6 +12,7 @@
 
 #include <tumble/body/bodies.hpp>
 #include <tumble/loads/loaded_body.hpp>
+#include <tumble/shapes/layers.hpp>
 #include <tumble/shapes/pairs.hpp>
 #include <tumble/shapes/plane.hpp>
 
@@ -41,6 +42,7 @@ public:
     [[gnu::noinline]] constexpr void set_body(int b, const BodySpec& spec, const PrincipalInertia& inertia,
                                               Bodies& bodies) {
         if (!on_) return;
+        layers_.set(b, spec);
         const Real reach = reach_of(spec.shape);
         (void)shape_.make_room(reach);
         set_collision_shape<N>(shape_[b], spec, inertia, shape_.scale());
@@ -54,7 +56,8 @@ public:
             for (int i = 0; i <= b && touching > 1; ++i) {
                 for (int k = i + 1; k <= b; ++k) {
                     const Real both = compliance_[i] + compliance_[k];
-                    if (meets(shape_[i].kind, shape_[k].kind)) require(touching > 2 ? both * Real{2} : both, k, bodies);
+                    if (meets(shape_[i].kind, shape_[k].kind) && layers_.meet(i, k))
+                        require(touching > 2 ? both * Real{2} : both, k, bodies);
                 }
             }
         }
@@ -68,6 +71,8 @@ public:
         return true;
     }
     [[nodiscard]] constexpr int plane_count() const { return plane_count_; }
+    // True of a body with a shape, where contacts are by springs.
+    [[nodiscard]] constexpr bool touches(int b) const { return on_ && !shape_[b].is(ShapeKind::none); }
 
     // acts_on: the body may touch a plane or another body. couples: it may touch another body.
     [[nodiscard]] bool acts_on(const Bodies& bodies, int b) const {
@@ -78,7 +83,7 @@ public:
             if (!on_ || !touches_bodies(shape_[b].kind)) return false;
             for (int other = 0; other < features.bodies; ++other)
                 if (other != b && touches_bodies(shape_[other].kind) &&
-                    touching_meet(shape_[b].kind, shape_[other].kind))
+                    touching_meet(shape_[b].kind, shape_[other].kind) && layers_.meet(b, other))
                     return true;
         }
         return false;
@@ -144,7 +149,7 @@ private:
     void apply(Loaded& a, int index_a, Loaded& b, int index_b, Bodies& bodies) const {
         const CollisionShape<N>&shape_a = shape_[index_a], &shape_b = shape_[index_b];
         if (!on_ || !touches_bodies(shape_a.kind) || !touches_bodies(shape_b.kind)) return;
-        if (!touching_meet(shape_a.kind, shape_b.kind)) return;
+        if (!touching_meet(shape_a.kind, shape_b.kind) || !layers_.meet(index_a, index_b)) return;
         WorkVec3<N> apart;
         for (int i = 0; i < 3; ++i) apart[i] = N::apart(a.stage->x_w[i], b.stage->x_w[i]);
         const Work square = dot(apart, apart), distance = sqrt(square), touch = radius_[index_a] + radius_[index_b];
@@ -269,6 +274,7 @@ private:
     Real compliance_[features.bodies]{};
     HalfSpace<N> plane_[features.planes > 0 ? features.planes : 1]{};
     int plane_count_ = 0;
+    [[no_unique_address]] Layers<features> layers_{};
 };
 
 }  // namespace tumble

@@ -151,9 +151,11 @@ public:
     constexpr void set_body([[maybe_unused]] int b, [[maybe_unused]] const BodySpec& spec,
                             [[maybe_unused]] const PrincipalInertia& inertia, [[maybe_unused]] Bodies& bodies) {
         (void)any(*this, [&](auto& load) {
-            if constexpr (requires { load.set_body(b, spec, inertia, bodies); })
-                load.set_body(b, spec, inertia, bodies);
-            else
+            if constexpr (requires { load.set_body(b, spec, inertia, bodies); }) {
+                if constexpr (features.layers && is_contacts<std::remove_cvref_t<decltype(load)>>)
+                    load.set_body(b, as_it_touches(spec), inertia, bodies);
+                else load.set_body(b, spec, inertia, bodies);
+            } else
                 static_assert(!detail::HasSetBody<std::remove_reference_t<decltype(load)>>,
                               "a load's set_body is void set_body(int b, const BodySpec&, const PrincipalInertia&, "
                               "const auto& bodies)");
@@ -173,6 +175,10 @@ public:
     }
     [[nodiscard]] Work softening() const requires(features.gravitation&& features.softening) {
         return gravitation_.softening();
+    }
+    // True of a body that planes and bodies touch by springs, if there are any.
+    [[nodiscard]] constexpr bool touches(int b) const requires(features.springs_touch()) {
+        return contacts_.touches(b);
     }
     // False when there is no room.
     constexpr bool add(const PlaneSpec& spec, Bodies& bodies) requires(features.springs_touch()) {
