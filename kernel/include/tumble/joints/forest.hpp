@@ -159,7 +159,7 @@ public:
     // What is open at the speed v costs no more energy than the whole tree at v, with the mass M. So a part of the mass
     // m and the radius of gyration k moves by at most v sqrt(M / m), and spins with at most v sqrt(M / m) / k. Spins
     // count times the length l: a solution keeps bits of the targets for the largest sqrt(M / m) l / k.
-    void fit_lengths(JointTreeState& tree) {
+    [[gnu::noinline, gnu::cold]] void fit_lengths(JointTreeState& tree) {
         if constexpr (N::fixed_point) {
             for (int i = tree.first; i < tree.last; ++i) node_[i].reach = node_[i].own_reach;
             for (int i = tree.last - 1; i >= tree.first; --i) {
@@ -220,9 +220,13 @@ public:
 private:
     TUMBLE_COLD [[nodiscard]] static constexpr bool is_far(const auto& bodies, int b, const RealVec3& anchor) {
         if (!N::fixed_point || b < 0) return false;
+        const RealVec3 arm = from_centre(bodies, b, anchor);
+        return dot(arm, arm) > Real::scaled(1, 2 * (std::bit_width(static_cast<unsigned>(most_arm)) - 1));
+    }
+    // A point, from the centre of mass of a body, in the world's axes.
+    TUMBLE_COLD [[nodiscard]] static constexpr RealVec3 from_centre(const auto& bodies, int b, const RealVec3& point) {
         const auto& x = bodies.state[b].x_w;
-        const RealVec3 arm = anchor - RealVec3{x.x.to_real(), x.y.to_real(), x.z.to_real()};
-        return dot(arm, arm) > Real{most_arm} * Real{most_arm};
+        return point - RealVec3{x.x.to_real(), x.y.to_real(), x.z.to_real()};
     }
     [[nodiscard]] static constexpr bool is_base(const auto& bodies, int b) {
         return b < 0 || bodies.constants[b].fixed();
@@ -287,7 +291,7 @@ private:
         if (b >= 0) {
             const auto& s = bodies.state[b];
             q = normalized(RealQuat{s.q_wb.w.to_real(), {s.q_wb.x.to_real(), s.q_wb.y.to_real(), s.q_wb.z.to_real()}});
-            arm = detail::rotated_back(q, anchor - RealVec3{s.x_w.x.to_real(), s.x_w.y.to_real(), s.x_w.z.to_real()});
+            arm = detail::rotated_back(q, from_centre(bodies, b, anchor));
         }
         const int log2 = J::log2_of(length_of(arm));
         side.arm_log2 = static_cast<std::int8_t>(log2);

@@ -60,7 +60,8 @@ public:
     void step(const Group& group, Fly&& fly, SpinChanged&& spin_changed) {
         halvings_ = 0;
         each([&](JointTreeState& tree) {
-            begin(tree, spin_changed);
+            if (tree.is_moved || tree.is_disturbed || !tree.is_factored) [[unlikely]]
+                settle(tree, spin_changed);
             tree.corrections = 0;
             if (tree.halvings > halvings_) halvings_ = tree.halvings;
         });
@@ -188,25 +189,20 @@ private:
 
     // Closes gaps and ends rates that something other than a step has left.
     template <class SpinChanged>
-    void begin(JointTreeState& tree, SpinChanged& spin_changed) {
-        if (tree.is_moved) [[unlikely]]
-            if (!close(tree)) report(Issue::joint_open, tree);
+    [[gnu::noinline, gnu::cold]] void settle(JointTreeState& tree, SpinChanged& spin_changed) {
+        if (tree.is_moved && !close(tree)) report(Issue::joint_open, tree);
         tree.is_moved = false;
-        if (!tree.is_factored) {
-            measures_.place(tree, bodies_);
-            measures_.factor(tree);
-            tree.is_factored = true;
-        }
-        if (tree.is_disturbed) [[unlikely]] {
-            measures_.place(tree, bodies_);
-            measures_.rates(tree, bodies_);
-            solve(tree);
-            each_node(tree, [&](const Node& node, int i) { push_far(node.body, change(node, i, 0), spin_changed); });
-            const int before = tree.halvings;
-            divide(tree, measures_.halvings_of_turns(tree, bodies_, before));
-            scale_kicks(tree, before, tree.halvings);
-            tree.is_disturbed = false;
-        }
+        measures_.place(tree, bodies_);
+        if (!tree.is_factored) measures_.factor(tree);
+        tree.is_factored = true;
+        if (!tree.is_disturbed) return;
+        measures_.rates(tree, bodies_);
+        solve(tree);
+        each_node(tree, [&](const Node& node, int i) { push_far(node.body, change(node, i, 0), spin_changed); });
+        const int before = tree.halvings;
+        divide(tree, measures_.halvings_of_turns(tree, bodies_, before));
+        scale_kicks(tree, before, tree.halvings);
+        tree.is_disturbed = false;
     }
     template <class SpinChanged>
     void kick(const JointTreeState& tree, SpinChanged& spin_changed) {

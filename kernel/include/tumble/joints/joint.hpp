@@ -88,13 +88,15 @@ struct JointAxes {
     RealVec3 of_body[2]{}, of_other[2]{};
 };
 
-// A unit vector across a unit vector: the world's axis that is least along it, less its part along it.
+// A unit vector across a unit vector and across the axis of the world that is least along it.
 TUMBLE_COLD [[nodiscard]] constexpr RealVec3 perpendicular_to(const RealVec3& axis) {
     int least = 0;
     for (int i = 1; i < 3; ++i)
         if (abs(axis[i]) < abs(axis[least])) least = i;
-    RealVec3 across = axis * -axis[least];
-    across[least] += Real{1};
+    const int j = (least + 1) % 3, k = (least + 2) % 3;
+    RealVec3 across;
+    across[j] = axis[k];
+    across[k] = -axis[j];
     return normalized(across);
 }
 // The axis and one across it, alike on both sides.

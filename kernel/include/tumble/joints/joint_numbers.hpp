@@ -48,11 +48,10 @@ requires(N::fixed_point) struct JointNumbers<N> {
             static_cast<std::int64_t>(a.raw) * (std::int64_t{1} << (down_bits < -32 ? 32 : -down_bits));
         return {static_cast<std::int32_t>(up > INT32_MAX ? INT32_MAX : up < -INT32_MAX ? -INT32_MAX : up)};
     }
-    // The same with ties to even: a bias of a quarter of a unit would push a free mechanism on and on.
+    // The same with ties to even, by 1 bit or more: a bias of a quarter of a unit would push a free mechanism on and on.
     [[nodiscard]] TUMBLE_INLINE static Unit down_even(Unit a, int bits) {
-        if (bits == 0) return a;
         if (bits > 30) return Unit{0};
-        return Unit{(a.raw + ((1 << bits) >> 1) - 1 + ((a.raw >> bits) & 1)) >> bits};
+        return Unit{(a.raw + ((1 << bits >> 1) - 1) + ((a.raw >> bits) & 1)) >> bits};
     }
     // a 2^up, as bits of a sum; below: rounded down where up is negative.
     [[nodiscard]] TUMBLE_INLINE static std::int64_t raised(std::int32_t a, int up) {
@@ -217,7 +216,7 @@ requires(N::fixed_point) struct JointNumbers<N> {
     }
     // h^2 f r / I in 2^-16, from the sum of the components of 2^log2 h^2 f, kg m.
     using Load = std::int64_t;
-    [[nodiscard]] TUMBLE_INLINE static Load load(const auto& force, Factor swing, int log2) {
+    [[nodiscard, gnu::noinline]] static Load load(const auto& force, const Factor& swing, int log2) {
         const std::int64_t sum =
             std::int64_t{magnitude_of(force[0]).raw} + magnitude_of(force[1]).raw + magnitude_of(force[2]).raw;
         const std::int32_t size = static_cast<std::int32_t>(sum < INT32_MAX ? sum : INT32_MAX);

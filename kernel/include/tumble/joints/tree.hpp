@@ -140,9 +140,12 @@ public:
         return {by(v[0]), by(v[1]), by(v[2])};
     }
     [[nodiscard]] TUMBLE_INLINE static int clamped(int bits) { return bits < J::most_down ? bits : J::most_down; }
-    [[nodiscard]] TUMBLE_INLINE static Vector down_even(const Vector& v, int bits) {
-        if (!N::fixed_point || bits == 0) return v;
-        return {J::down_even(v[0], bits), J::down_even(v[1], bits), J::down_even(v[2], bits)};
+    // With ties to even.
+    TUMBLE_INLINE static void lower(Vector& v, int bits) {
+        if (N::fixed_point && bits != 0) lower_even(v, bits);
+    }
+    [[gnu::noinline]] static void lower_even(Vector& v, int bits) {
+        v = {J::down_even(v[0], bits), J::down_even(v[1], bits), J::down_even(v[2], bits)};
     }
     // The vector of three of six components.
     [[nodiscard]] TUMBLE_INLINE static Vector three(const Unit* x) { return {x[0], x[1], x[2]}; }
@@ -306,7 +309,9 @@ private:
         for (int r = 0; r < 3; ++r) impulse[r] = s.impulse[r] + nar(add_dot(dot3(node.a[r], v), node.b[r], w));
         for (int r = 0; r < 3; ++r)
             impulse[3 + r] = s.impulse[3 + r] + nar(add_dot(dot3(Column{node.b, r}, v), node.c[r], w));
-        const Vector p = down_even(three(impulse), node.mass_down), h = down_even(three(impulse + 3), node.moment_down);
+        Vector p = three(impulse), h = three(impulse + 3);
+        lower(p, node.mass_down);
+        lower(h, node.moment_down);
         set_three(parent, three(parent) + p);
         set_three(parent + 3, three(parent + 3) + h + cross<Unit>(node.link, p));
     }
@@ -314,7 +319,9 @@ private:
         Vector v = three(s.target), w = three(s.target + 3);
         if (parent != nullptr) {
             v += parent->anchor_v + cross<Unit>(parent->dw, node.link);
-            w += down_even(parent->dw, node.length_down);
+            Vector of_parent = parent->dw;
+            lower(of_parent, node.length_down);
+            w += of_parent;
         }
         const Direction* direction = direction_ + node.direction + node.slides + node.turns;
         for (int f = node.slides + node.turns; f > 0; --f) {
