@@ -373,6 +373,8 @@ std::string struct_name(const std::string& path) {
 
 std::string compiled_scene(const SceneDescription& scene, const Choice& choice, const std::string& name) {
     const SceneData data = build_scene(scene);
+    if (!data.joints.empty())
+        throw UnsupportedScene(scene.path + ": joint: got joints, expected none: they are read and not compiled yet");
     const Method method = choice.method(scene);
     const NumberSystemInfo& numbers = find_number_system(scene, method.numbers, method.carry);
     const IntegratorInfo& integrator = find_integrator(method.integrator);

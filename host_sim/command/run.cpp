@@ -14,6 +14,7 @@
 #include "command/live.hpp"
 #include "command/plot.hpp"
 #include "command/run_watch.hpp"
+#include "tools/gnuplot.hpp"
 #include "tools/output.hpp"
 #include "tools/progress.hpp"
 #include "tools/text.hpp"

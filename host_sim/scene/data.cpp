@@ -59,12 +59,25 @@ void check(const SceneDescription& scene) {
     fits("body", scene.bodies.size(), max_bodies);
     fits("plane", scene.planes.size(), max_planes);
     fits("spring", scene.springs.size(), max_springs);
+    fits("joint", scene.joints.size(), max_joints);
 }
 
 // Contacts by springs have no sleep.
 SleepSpec sleep_of(const ContactDescription& contact) {
     if (!contact.sleep || contact.response != ContactResponse::impulse) return {};
     return {true, contact.sleep->speed, contact.sleep->angular_speed, contact.sleep->time};
+}
+
+AnyJointSpec joint_of(const JointDescription& joint) {
+    const int body = joint.body, to_body = joint.to_body;
+    const RealVec3 anchor = real_vector(joint.anchor), axis = real_vector(joint.axis);
+    switch (joint.kind) {
+    case JointKind::ball: return BallSpec{body, to_body, anchor};
+    case JointKind::fixed: return FixedSpec{body, to_body, anchor};
+    case JointKind::slider: return SliderSpec{body, to_body, anchor, axis};
+    case JointKind::universal: return UniversalSpec{body, to_body, anchor, axis, real_vector(joint.to_axis)};
+    default: return HingeSpec{body, to_body, anchor, axis};
+    }
 }
 
 // True if two bodies, of which at least one moves, may touch.
@@ -178,6 +191,7 @@ SceneData build_scene(const SceneDescription& scene) {
         data.springs.push_back(
             {s.body, real_vector(s.point), s.to_body, real_vector(s.to), s.stiffness, s.damping, s.rest_length});
     }
+    for (const JointDescription& joint : scene.joints) data.joints.push_back(joint_of(joint));
     for (const ImpulseDescription& i : scene.impulses) {
         data.impulses.push_back(
             {i.time, i.body, i.frame, real_vector(i.impulse), real_vector(i.point), real_vector(i.angular_impulse)});
@@ -220,7 +234,8 @@ Features needs(const SceneData& scene) {
         scene.bodies.empty() || any(scene.bodies, [](const BodySpec& body) { return !is_point_mass(body); });
     const WorldSpec& world = scene.world;
     const ContactResponse response = world.contact.response;
-    const bool pairs = response != ContactResponse::none && any_pair_meets(scene.bodies);
+    // The reader refuses a scene in which others than jointed bodies may meet beside joints: these touch nothing.
+    const bool pairs = response != ContactResponse::none && scene.joints.empty() && any_pair_meets(scene.bodies);
     // Planes need a response and a body that may touch them.
     const std::size_t planes = rotation ? scene.planes.size() : 0;
     const bool touches = planes > 0 || pairs, by_impulses = touches && response == ContactResponse::impulse,
@@ -231,6 +246,7 @@ Features needs(const SceneData& scene) {
         .bodies = static_cast<int>(scene.bodies.size()),
         .planes = static_cast<int>(planes),
         .springs = static_cast<int>(scene.springs.size()),
+        .joints = static_cast<int>(scene.joints.size()),
         .rotation = rotation,
         .point_masses = any(scene.bodies, is_point_mass),
         .drag = world.linear_drag > Real{} || world.angular_drag > Real{},

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <tumble/events/script.hpp>
+#include <tumble/joints/list.hpp>
 #include <tumble/loads/air.hpp>
 #include <tumble/loads/gravity_gradient.hpp>
 #include <tumble/loads/wheels.hpp>
@@ -12,6 +13,7 @@
 #include <cstdint>
 #include <stdexcept>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "scene/description.hpp"
@@ -22,6 +24,7 @@ namespace tumble::host {
 inline constexpr int max_bodies = 64;
 inline constexpr int max_planes = 16;
 inline constexpr int max_springs = 64;
+inline constexpr int max_joints = 64;
 inline constexpr int max_near_pairs = 512;
 
 // A scene that is well formed but that this build cannot replay; what() names file, key and what was expected.
@@ -29,6 +32,15 @@ class UnsupportedScene : public std::runtime_error {
 public:
     using std::runtime_error::runtime_error;
 };
+
+// A joint of any kind, as a world takes it.
+template <class Kinds>
+struct AnyJointOf;
+template <class... Kinds>
+struct AnyJointOf<JointKindList<Kinds...>> {
+    using type = std::variant<typename Kinds::Spec...>;
+};
+using AnyJointSpec = AnyJointOf<JointKinds>::type;
 
 struct SceneData {
     std::string name;
@@ -38,6 +50,7 @@ struct SceneData {
     std::vector<BodySpec> bodies;
     std::vector<PlaneSpec> planes;  // none without a contact response
     std::vector<SpringSpec> springs;
+    std::vector<AnyJointSpec> joints;
     Real softening = 0;              // m, of gravitation
     RealVec3 wind{};                 // m/s, for the bodies of `drags`
     std::vector<DragSpec> drags;     // of the bodies that have one

@@ -15,6 +15,7 @@
 
 #include "scene/error.hpp"
 #include "scene/step_size.hpp"
+#include "scene/words.hpp"
 
 namespace tumble::host {
 
@@ -67,6 +68,16 @@ struct SpringDescription {
     int to_body = -1;  // -1: the world point `to`
     Triple to{};       // world point, or point in to_body's frame
     double stiffness = 0.0, damping = 0.0, rest_length = 0.0;
+};
+
+struct JointDescription {
+    std::string name;
+    JointKind kind = JointKind::hinge;
+    int body = 0;      // index into bodies
+    int to_body = -1;  // -1: the world
+    Triple anchor{};   // m, world, at the start
+    Triple axis{};     // world, at the start; as written, not yet normalised; of hinge, slider and universal
+    Triple to_axis{};  // likewise; of universal
 };
 
 struct ImpulseDescription {
@@ -147,12 +158,19 @@ struct SceneDescription {
     std::vector<PlaneDescription> planes;
     std::vector<BodyDescription> bodies;
     std::vector<SpringDescription> springs;
+    std::vector<JointDescription> joints;      // trees; no loops
     std::vector<ImpulseDescription> impulses;  // file order
     std::vector<ForceDescription> forces;
     std::vector<EventDescription> events;  // file order
     std::optional<Expectation> expected{};
 
     [[nodiscard]] const BodyDescription& body(int index) const { return bodies[static_cast<std::size_t>(index)]; }
+
+    // True of a body that a joint ties.
+    [[nodiscard]] bool is_jointed(int index) const {
+        return std::any_of(joints.begin(), joints.end(),
+                           [&](const auto& joint) { return joint.body == index || joint.to_body == index; });
+    }
 
     // False where all bodies are point masses: nothing can turn.
     [[nodiscard]] bool has_rotation() const {

@@ -45,6 +45,11 @@ void for_each_number(SceneDescription& scene, const Visit& visit) {
         for (double* x : {&spring.stiffness, &spring.damping, &spring.rest_length}) visit(*x, Measure::factor);
         all(spring.to, Measure::position);
     }
+    for (auto& joint : scene.joints) {
+        all(joint.anchor, Measure::position);
+        all(joint.axis, Measure::angle);
+        all(joint.to_axis, Measure::angle);
+    }
     for (auto& impulse : scene.impulses)
         for (auto* numbers : {&impulse.impulse, &impulse.angular_impulse}) all(*numbers, Measure::factor);
     for (auto& force : scene.forces)

@@ -140,11 +140,12 @@ void read_contact(Table table, ContactDescription& contact) {
     table.finish();
 }
 
-// Adds a plane or a body to its list. No other plane or body may have its name.
+// Adds a plane, a body or a joint to its list. No other may have its name, which a joint may have from its bodies.
 template <class T>
 void add_named(std::vector<T>& list, T item, Table& table, std::set<std::string>& names) {
     if (!names.insert(item.name).second)
-        table.at("name").fail("the name " + in_quotes(item.name) + " is taken", "a name of its own");
+        (table.has("name") ? table.at("name").place() : table.place())
+            .fail("the name " + in_quotes(item.name) + " is taken", "a name of its own");
     list.push_back(std::move(item));
 }
 
@@ -179,12 +180,11 @@ SceneDescription read_root(Table root, const std::string& file, BodyCount count)
     const auto planes = root.tables("plane");
     const auto bodies = root.tables("body");
     const auto springs = root.tables("spring");
+    const auto joints = root.tables("joint");
     const auto impulses = root.tables("impulse");
     const auto forces = root.tables("force");
     const auto events = root.tables("event");
     const auto expect = root.table("expect");
-    if (root.has("joint"))
-        root.at("joint").fail("there are no joints", "[[spring]] in its place: a stiff one is the nearest to a joint");
     root.finish();
 
     read_world(*world, scene);
@@ -195,15 +195,18 @@ SceneDescription read_root(Table root, const std::string& file, BodyCount count)
     check_count(planes, max_planes);
     check_count(bodies, max_bodies);
     check_count(springs, max_springs);
+    check_count(joints, max_joints);
     for (Table table : planes) add_named(scene.planes, read_plane(table, scene.range), table, names);
     // After the tables: where `body = [...]` stands below [world] or a plane, it is an unknown key of theirs.
     if (bodies.empty() && count == BodyCount::at_least_one) root.fail("body", "missing", "at least one [[body]]");
     for (Table table : bodies) add_named(scene.bodies, read_body(table, scene, scene.range), table, names);
     check_felt(scene, *world, gravity_gradient);
     for (const Table& table : springs) scene.springs.push_back(read_spring(table, scene, scene.range));
+    for (Table table : joints) add_named(scene.joints, read_joint(table, scene, scene.range), table, names);
     for (const Table& table : impulses) scene.impulses.push_back(read_impulse(table, scene));
     for (const Table& table : forces) scene.forces.push_back(read_force(table, scene));
     for (const Table& table : events) scene.events.push_back(read_event(table, scene, scene.range));
+    check_beside_joints(joints, scene);
     if (expect) scene.expected = read_expectation(*expect);
     return scene;
 }

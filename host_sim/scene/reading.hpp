@@ -14,9 +14,13 @@ inline constexpr Quantity stiffness{Quantity::not_negative, "N/m"};
 inline constexpr Quantity damping{Quantity::not_negative, "N s/m"};
 inline constexpr Quantity seconds{Quantity::not_negative, "s"};
 
-// One table each, checked. Springs, impulses, forces and events name bodies, which the scene has by then.
+// One table each, checked. Springs, joints, impulses, forces and events name bodies, which the scene has by then.
 [[nodiscard]] BodyDescription read_body(Table table, const SceneDescription& scene, RangeDescription& range);
 [[nodiscard]] SpringDescription read_spring(Table table, const SceneDescription& scene, RangeDescription& range);
+// Joints name bodies, and are read one after the other: a joint that closes a loop with those of the scene is refused.
+[[nodiscard]] JointDescription read_joint(Table table, const SceneDescription& scene, RangeDescription& range);
+// Throws where the scene has what jointed bodies cannot be beside; `joints` are the tables of its joints.
+void check_beside_joints(const std::vector<Table>& joints, const SceneDescription& scene);
 [[nodiscard]] ImpulseDescription read_impulse(Table table, const SceneDescription& scene);
 [[nodiscard]] ForceDescription read_force(Table table, const SceneDescription& scene);
 // `live`: an event that a program sends, which has no time.

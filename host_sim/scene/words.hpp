@@ -9,6 +9,9 @@
 
 namespace tumble::host {
 
+// In the order of the kernel's JointKinds.
+enum class JointKind { hinge, ball, fixed, slider, universal };
+
 // One choice of a fixed set of words.
 template <class T>
 using Words = std::vector<std::pair<std::string, T>>;
@@ -29,5 +32,10 @@ inline const Words<Mixing> mixings{{"larger", Mixing::larger},
                                    {"mean", Mixing::mean},
                                    {"geometric mean", Mixing::geometric_mean},
                                    {"product", Mixing::product}};
+inline const Words<JointKind> joint_kinds{{"ball", JointKind::ball},
+                                          {"hinge", JointKind::hinge},
+                                          {"slider", JointKind::slider},
+                                          {"fixed", JointKind::fixed},
+                                          {"universal", JointKind::universal}};
 
 }  // namespace tumble::host

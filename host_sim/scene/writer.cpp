@@ -101,6 +101,12 @@ std::string scene_text(const SceneDescription& scene) {
         text += "\n[[spring]]\n" + line("body", name_of(s.body)) + line("point", s.point) +
                 (s.to_body < 0 ? line("to", s.to) : line("to_body", name_of(s.to_body)) + line("to_point", s.to)) +
                 line("stiffness", s.stiffness) + line("damping", s.damping) + line("rest_length", s.rest_length);
+    for (const JointDescription& j : scene.joints)
+        text += "\n[[joint]]\n" + line("name", json_text(j.name)) +
+                line("kind", json_text(word_of(joint_kinds, j.kind))) + line("body", name_of(j.body)) +
+                (j.to_body < 0 ? "" : line("to_body", name_of(j.to_body))) + line("anchor", j.anchor) +
+                (j.axis == Triple{} ? "" : line("axis", j.axis)) +
+                (j.to_axis == Triple{} ? "" : line("to_axis", j.to_axis));
     for (const ImpulseDescription& impulse : scene.impulses) text += impulse_text(impulse, scene);
     for (const ForceDescription& f : scene.forces)
         text += "\n[[force]]\n" + line("body", name_of(f.body)) + line("from", f.from) + line("until", f.until) +

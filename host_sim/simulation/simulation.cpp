@@ -96,6 +96,8 @@ std::unique_ptr<Simulation> make_simulation(const SceneDescription& scene, std::
     const std::size_t system = index_of(scene, numbers, carry);
     require_runs_in(method, numbers);
     require_range(scene, numbers);
+    if (!scene.joints.empty())
+        raise(UnsupportedScene(scene.path + ": joint: got joints, expected none: they are read and not run yet"));
     return make_in_module(system, build_scene(scene), method.name);
 }
 

@@ -283,6 +283,11 @@ TEST(SceneReader, what_there_is_no_room_for_is_told_with_its_line) {
               "text.toml:" + std::to_string(8 + 3 * max_planes) + ": plane[16]: got 17 of them, expected at most 16");
     EXPECT_EQ(error_of(springs + spring),
               "text.toml:" + std::to_string(8 + 4 * max_springs) + ": spring[64]: got 65 of them, expected at most 64");
+    std::string joints = bodies(max_bodies);
+    for (int b = 0; b <= max_joints; ++b)
+        joints += "[[joint]]\nkind = \"ball\"\nanchor = [0, 0, 0]\nbody = \"" + std::to_string(b) + "\"\n";
+    EXPECT_EQ(error_of(joints), "text.toml:" + std::to_string(4 + 4 * max_bodies + 4 * max_joints) +
+                                    ": joint[64]: got 65 of them, expected at most 64");
 }
 
 TEST(SceneReader, files_that_cannot_be_read_are_errors_that_name_them) {
@@ -527,6 +532,74 @@ TEST(SceneReader, spring_to_a_world_point_has_no_second_body) {
     const auto scene = read(world + brick + "[[spring]]\nbody = \"brick\"\nto = [0, 10, 0]\nstiffness = 100.0\n");
     EXPECT_EQ(scene.springs.at(0).to_body, -1);
     EXPECT_EQ(scene.springs.at(0).to, (Triple{0.0, 10.0, 0.0}));
+}
+
+constexpr const char* every_joint =
+    "[[joint]]\nname = \"shoulder\"\nkind = \"hinge\"\nbody = \"a\"\nanchor = [1, 2, 3]\naxis = [0, 0, 2]\n"
+    "[[joint]]\nkind = \"ball\"\nbody = \"b\"\nto_body = \"a\"\nanchor = [4, 5, 6]\n"
+    "[[joint]]\nkind = \"fixed\"\nbody = \"c\"\nto_body = \"b\"\nanchor = [7, 8, 9]\n"
+    "[[joint]]\nkind = \"slider\"\nbody = \"d\"\nanchor = [1, 0, 0]\naxis = [0, -1, 0]\n"
+    "[[joint]]\nkind = \"universal\"\nbody = \"e\"\nto_body = \"d\"\nanchor = [0, 1, 0]\naxis = [3, 0, 0]\n"
+    "to_axis = [0, 0, 1]\n";
+std::string bodies_named(const std::string& letters) {
+    std::string text;
+    for (const char letter : letters)
+        text += "[[body]]\nname = \"" + std::string(1, letter) + "\"\nshape = { sphere = 0.5 }\nmass = 1.0\n";
+    return text;
+}
+
+TEST(SceneReader, every_key_of_joints_arrives_as_written_and_is_written_so) {
+    const SceneDescription first = read(world + bodies_named("abcde") + every_joint), again = read(scene_text(first));
+    for (const SceneDescription& scene : {first, again}) {
+        ASSERT_EQ(scene.joints.size(), 5u);
+        const auto& [hinge, ball, fixed, slider, universal] =
+            std::tie(scene.joints[0], scene.joints[1], scene.joints[2], scene.joints[3], scene.joints[4]);
+        EXPECT_EQ(hinge.name, "shoulder");
+        EXPECT_EQ(hinge.to_body, -1);
+        EXPECT_EQ((Triples{hinge.anchor, hinge.axis, hinge.to_axis}), (Triples{{1, 2, 3}, {0, 0, 2}, {}}));
+        EXPECT_EQ(ball.name, "b to a");
+        EXPECT_EQ(ball.body, 1);
+        EXPECT_EQ(ball.to_body, 0);
+        EXPECT_EQ((Triples{ball.anchor, ball.axis}), (Triples{{4, 5, 6}, {}}));
+        EXPECT_EQ(fixed.anchor, (Triple{7, 8, 9}));
+        EXPECT_EQ(slider.name, "d to world");
+        EXPECT_EQ(slider.axis, (Triple{0, -1, 0}));
+        EXPECT_EQ((Triples{universal.axis, universal.to_axis}), (Triples{{3, 0, 0}, {0, 0, 1}}));
+        const JointKind kinds[] = {JointKind::hinge, JointKind::ball, JointKind::fixed, JointKind::slider,
+                                   JointKind::universal};
+        for (std::size_t i = 0; i < scene.joints.size(); ++i) EXPECT_EQ(scene.joints[i].kind, kinds[i]);
+    }
+    const SceneData data = build_scene(first);
+    ASSERT_EQ(data.joints.size(), 5u);
+    EXPECT_EQ(std::get<HingeSpec>(data.joints[0]).axis.z, Real{2});
+    EXPECT_EQ(int{std::get<BallSpec>(data.joints[1]).to_body}, 0);
+    EXPECT_EQ(std::get<FixedSpec>(data.joints[2]).anchor.y, Real{8});
+    EXPECT_EQ(std::get<SliderSpec>(data.joints[3]).axis.y, Real{-1});
+    EXPECT_EQ(std::get<UniversalSpec>(data.joints[4]).to_axis.z, Real{1});
+    const Features needed = needs(data);
+    EXPECT_EQ(needed.joints, 5);
+    EXPECT_FALSE(needed.touches());
+}
+
+TEST(SceneReader, an_anchor_that_fixed_point_does_not_hold_leaves_floating_point) {
+    const auto anchored_at = [](const std::string& x) {
+        return read("[range]\nposition = 32768.0\n" + world + bodies_named("a") +
+                    "[[joint]]\nkind = \"ball\"\nbody = \"a\"\nanchor = [" + x + ", 0, 0]\n");
+    };
+    EXPECT_FALSE(anchored_at("4095.0").range.beyond_default);
+    const auto& error = anchored_at("4096.0").range.beyond_default;
+    ASSERT_TRUE(error);
+    EXPECT_EQ(std::string(error->what()),
+              "text.toml:13: joint[0].anchor: it is 4096 m from the centre of mass of body \"a\", expected less than "
+              "4096 m, the most that fixed point holds; --numbers f64 and f32 have no such limit");
+}
+
+TEST(SceneReader, joints_of_one_tree_may_tie_fixed_bodies_and_the_world) {
+    const std::string joints = "[[joint]]\nkind = \"ball\"\nbody = \"a\"\nto_body = \"b\"\nanchor = [0, 0, 0]\n"
+                               "[[joint]]\nkind = \"ball\"\nbody = \"c\"\nanchor = [0, 0, 0]\n"
+                               "[[joint]]\nkind = \"ball\"\nbody = \"d\"\nto_body = \"b\"\nanchor = [0, 0, 0]\n";
+    EXPECT_EQ(error_of(world + bodies_named("ab") + "fixed = true\n" + bodies_named("cd") + joints), "no error");
+    EXPECT_EQ(error_of(world + bodies_named("abcd") + joints), "no error");  // a, b and d fly freely
 }
 
 TEST(SceneReader, a_fraction_is_kept_exactly_and_a_decimal_in_quotes_equals_the_number) {
