@@ -600,6 +600,7 @@ const Makers makers{
     {"value top_error_q32", [](R r) { return top_error(r, "q32 carry"); }},
     {"value top_error_f32", [](R r) { return top_error(r, "f32 plain"); }},
     {"value max_bodies", [](R) { return std::to_string(tumble::host::max_bodies); }},
+    {"value max_joints", [](R) { return std::to_string(tumble::host::max_joints); }},
     {"value max_planes", [](R) { return std::to_string(tumble::host::max_planes); }},
     {"value max_springs", [](R) { return std::to_string(tumble::host::max_springs); }},
     {"value max_near_pairs", [](R) { return std::to_string(tumble::host::max_near_pairs); }},

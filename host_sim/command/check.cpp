@@ -17,6 +17,11 @@ void CheckOptions::add_to(Subcommand& command) {
 
 Verdict CheckOptions::verdict(const SceneDescription& scene, const Method& method, const Record& run) const {
     if (check == "off") return told_by(run, scene);
+    if (!scene.joints.empty()) {
+        Verdict verdict = told_by(run, scene);
+        verdict.obstacle = "scenes with joints have no reference yet";
+        return verdict;
+    }
     VerdictOptions options{.tolerance = tolerance};
     if (check.empty()) options.most_seconds = most_seconds;
     return verdict_of(scene, method, run, options);

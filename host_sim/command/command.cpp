@@ -110,6 +110,21 @@ std::string json_of_motion(const std::string& name, const BodySnapshot& body, co
            "\"angular_velocity_rad_s\": " + json_array(body.angular_velocity);
 }
 
+std::string json_of_joint(const JointDescription& description, const JointSnapshot& joint,
+                          const std::string& separator) {
+    const auto number = [&](const char* key, const std::optional<double>& value) {
+        return separator + json_text(key) + ": " + (value ? json_number(*value) : "null");
+    };
+    return "\"name\": " + json_text(description.name) + separator +
+           "\"kind\": " + json_text(word_of(joint_kinds, description.kind)) + number("angle_rad", joint.angle) +
+           number("speed_rad_s", joint.speed) + number("to_angle_rad", joint.to_angle) +
+           number("to_speed_rad_s", joint.to_speed) + number("travel_m", joint.travel) +
+           number("speed_m_s", joint.travel_speed) + separator + "\"force_n\": " + json_array(joint.force) + separator +
+           "\"torque_n_m\": " + json_array(joint.torque) + separator +
+           "\"corrections\": " + std::to_string(joint.corrections) + number("gap_m", joint.gap) +
+           number("gap_rad", joint.lean);
+}
+
 bool takes_standard_output(const std::vector<FileArgument>& outputs, bool json) {
     std::vector<std::string> taking;
     for (const FileArgument& output : outputs)

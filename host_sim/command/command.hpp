@@ -62,6 +62,10 @@ void add_list(CommandLine& line);
 [[nodiscard]] std::string json_of_motion(const std::string& name, const BodySnapshot& body,
                                          const std::string& separator);
 
+// The members of a joint's JSON object. Those that its kind has not are null.
+[[nodiscard]] std::string json_of_joint(const JointDescription& description, const JointSnapshot& joint,
+                                        const std::string& separator);
+
 // Throws std::invalid_argument unless the name is that of a core that QEMU emulates.
 void check_core(const std::string& name);
 // "cortex-m0, cortex-m3": the cores whose manuals give the cycles of their instructions.

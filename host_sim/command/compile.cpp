@@ -106,6 +106,21 @@ std::string spring_text(const SpringDescription&, const SpringSpec& spring) {
     return members.text();
 }
 
+std::string joint_text(const JointDescription& description, const AnyJointSpec& joint) {
+    Members members("            ");
+    joint.visit([&](const auto& spec) {
+        members.always("body", std::to_string(spec.body));
+        members.when(spec.to_body >= 0, "to_body", std::to_string(spec.to_body));
+        members.always("anchor", vector(spec.anchor), "m");
+        if constexpr (requires { spec.axis; }) members.always("axis", vector(spec.axis));
+        if constexpr (requires { spec.to_axis; }) members.always("to_axis", vector(spec.to_axis));
+    });
+    std::string kind = word_of(joint_kinds, description.kind);
+    kind[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(kind[0])));
+    return "        tumble::" + kind + "Spec{   // " + cpp_text(description.name) + "\n" + members.text() +
+           "        },\n";
+}
+
 std::string drag_text(const DragSpec& drag) {
     Members members("            ");
     members.always("body", std::to_string(drag.body));
@@ -178,34 +193,47 @@ const std::set<std::string>& cpp_words() {
     return taken;
 }
 
-// The names of bodies in C++, each once: other characters become '_', and what C++ or another body has taken gets the
-// body's number behind it.
-std::vector<std::string> cpp_names(const std::vector<BodyDescription>& bodies) {
+// The names of bodies or joints in C++, each once: other characters become '_', and what C++ or another one has taken
+// gets its number behind it. `of`: the struct that has them as members.
+template <class Named>
+std::vector<std::string> cpp_names(const char* of, const std::string& prefix, const std::vector<Named>& list) {
     std::set<std::string> taken = cpp_words();
-    taken.insert("Bodies");
+    taken.insert(of);
     std::vector<std::string> names;
-    for (const BodyDescription& body : bodies) {
+    for (const Named& each : list) {
         std::string name;
-        for (const char c : body.name) {
+        for (const char c : each.name) {
             const auto code = static_cast<unsigned char>(c);
             const bool in_name = code < 0x80 && std::isalnum(code) != 0;
             if (in_name) name += c;
             else if (!name.empty() && name.back() != '_') name += '_';
         }
-        if (name.empty() || std::isdigit(static_cast<unsigned char>(name[0])) != 0) name = "body_" + name;
+        if (name.empty() || std::isdigit(static_cast<unsigned char>(name[0])) != 0) name = prefix + name;
         while (!taken.insert(name).second) name += (name.back() == '_' ? "" : "_") + std::to_string(names.size());
         names.push_back(name);
     }
     return names;
 }
-// The ids that a world gives to the bodies, by their names.
+// The ids that a world gives to the bodies, and to the joints, by their names.
 std::string ids_text(const std::vector<BodyDescription>& bodies) {
     if (bodies.empty()) return "";
     std::string text = "    // The ids of the bodies, as add() gives them in this order.\n    struct Bodies {\n";
-    const std::vector<std::string> names = cpp_names(bodies);
+    const std::vector<std::string> names = cpp_names("Bodies", "body_", bodies);
     for (std::size_t i = 0; i < names.size(); ++i)
         text += "        static constexpr tumble::BodyId " + names[i] + "{" + std::to_string(i) + "};\n";
     return text + "    };\n";
+}
+// The joints, and their ids by their names; nothing where there are none.
+std::string joints_text(const std::vector<JointDescription>& descriptions, const std::vector<AnyJointSpec>& joints) {
+    if (joints.empty()) return "";
+    std::string text = "    static constexpr std::tuple joints{\n",
+                ids = "    // The ids of the joints, as add() gives them in this order.\n    struct Joints {\n";
+    const std::vector<std::string> names = cpp_names("Joints", "joint_", descriptions);
+    for (std::size_t i = 0; i < joints.size(); ++i) {
+        text += joint_text(descriptions[i], joints[i]);
+        ids += "        static constexpr tumble::JointId " + names[i] + "{" + std::to_string(i) + "};\n";
+    }
+    return text + "    };\n" + ids + "    };\n";
 }
 
 // A std::array of specs; item(i) is what follows the opening brace of spec i.
@@ -347,8 +375,8 @@ std::string config_text(const SceneDescription& scene, const SceneData& data, co
 // Is it a name in C++ that no member of the struct has, and no namespace that it names?
 bool is_struct_name(const std::string& name) {
     static const std::vector<std::string> members = {
-        "Config", "Bodies", "name",      "step", "steps", "world",  "bodies", "planes", "springs", "impulses",
-        "forces", "events", "softening", "wind", "drags", "wheels", "orbit",  "tumble", "std"};
+        "Config",   "Bodies", "Joints", "name",      "step", "steps", "world",  "bodies", "planes", "springs", "joints",
+        "impulses", "forces", "events", "softening", "wind", "drags", "wheels", "orbit",  "tumble", "std"};
     const auto is_in_name = [](unsigned char c) { return c < 0x80 && (std::isalnum(c) != 0 || c == '_'); };
     return !name.empty() && std::isdigit(static_cast<unsigned char>(name[0])) == 0 &&
            std::all_of(name.begin(), name.end(), is_in_name) &&
@@ -373,8 +401,6 @@ std::string struct_name(const std::string& path) {
 
 std::string compiled_scene(const SceneDescription& scene, const Choice& choice, const std::string& name) {
     const SceneData data = build_scene(scene);
-    if (!data.joints.empty())
-        throw UnsupportedScene(scene.path + ": joint: got joints, expected none: they are read and not compiled yet");
     const Method method = choice.method(scene);
     const NumberSystemInfo& numbers = find_number_system(scene, method.numbers, method.carry);
     const IntegratorInfo& integrator = find_integrator(method.integrator);
@@ -385,8 +411,8 @@ std::string compiled_scene(const SceneDescription& scene, const Choice& choice, 
          << (numbers.carry ? "" : " without carry")
          << ":\n// edit the scene instead. Units are SI; vectors of a body are in the user's body axes.\n#pragma "
             "once\n\n"
-            "#include <tumble/tumble.hpp>\n\n#include <array>\n#include <cstdint>\n\nstatic_assert(TUMBLE_BITS == "
-         << TUMBLE_BITS
+            "#include <tumble/tumble.hpp>\n\n#include <array>\n#include <cstdint>\n"
+         << (data.joints.empty() ? "" : "#include <tuple>\n") << "\nstatic_assert(TUMBLE_BITS == " << TUMBLE_BITS
          << ",\n              \"this scene was compiled by a tumble whose results have other bits than this kernel's: "
             "\"\n"
             "              \"compile it again with the `tumble` of the kernel's version\");\n\n"
@@ -397,7 +423,8 @@ std::string compiled_scene(const SceneDescription& scene, const Choice& choice, 
          << ";\n    static constexpr std::uint32_t steps = " << data.steps << "u;\n"
          << world_text(data.world) << list_text("BodySpec", "bodies", scene.bodies, data.bodies, body_text)
          << ids_text(scene.bodies) << list_text("PlaneSpec", "planes", scene.planes, data.planes, plane_text)
-         << list_text("SpringSpec", "springs", scene.springs, data.springs, spring_text) << loads_text(data)
+         << list_text("SpringSpec", "springs", scene.springs, data.springs, spring_text)
+         << joints_text(scene.joints, data.joints) << loads_text(data)
          << list_text("ImpulseSpec", "impulses", scene.impulses, data.impulses, impulse_text)
          << list_text("ForceSpec", "forces", scene.forces, data.forces, force_text)
          << (data.events.empty() ? "" : list_text("EventSpec", "events", scene.events, data.events, event_text)) << "\n"

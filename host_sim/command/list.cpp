@@ -48,8 +48,11 @@ int list() {
     std::cout << "\nranges                of q32; the smallest that holds the scene's [range] is used\n";
     Ranges::for_each([]<class Named>() { print_range<typename Named::Range>(Named::name); });
     std::cout << "\nlimits                of a scene on the host: " << max_bodies << " bodies, " << max_planes
-              << " planes, " << max_springs << " springs, " << max_near_pairs << " pairs near at one time\n";
-    std::cout << "\ncores                 machine of the emulator, and compiler flags\n";
+              << " planes, " << max_springs << " springs, " << max_joints << " joints, " << max_near_pairs
+              << " pairs near at one time\n";
+    std::cout << "\njoints                kinds of [[joint]]\n                      ";
+    for (std::size_t i = 0; i < joint_kinds.size(); ++i) std::cout << (i > 0 ? ", " : "") << joint_kinds[i].first;
+    std::cout << "\n\ncores                 machine of the emulator, and compiler flags\n";
     for (const Core& core : cores())
         std::cout << "  " << std::setw(20) << core.name << std::setw(24) << core.machine << core.flags << "\n";
     return done;

@@ -31,12 +31,15 @@ std::string body_text(const Simulation& simulation, const SceneDescription& scen
 
 // Flushed: the controller waits for it.
 void write_state(const Simulation& simulation, const SceneDescription& scene, const RunWatch& watch) {
-    std::string status, bodies;
+    std::string status, bodies, joints;
     for (const Trouble& trouble : watch.troubles()) status += (status.empty() ? "" : ", ") + json_text(trouble.issue);
     for (int b = 0; b < simulation.body_count(); ++b) bodies += (b > 0 ? ", " : "") + body_text(simulation, scene, b);
+    for (std::size_t j = 0; j < scene.joints.size(); ++j)
+        joints += (j > 0 ? ", {" : "], \"joints\": [{") +
+                  json_of_joint(scene.joints[j], simulation.joint(static_cast<int>(j)), ", ") + "}";
     std::cout << "{\"step\": " << simulation.steps_taken() << ", \"time_s\": " << json_number(simulation.time())
               << ", \"state_hash\": " << json_text(hex(simulation.hash())) << ", \"status\": [" << status
-              << "], \"bodies\": [" << bodies << "]}" << std::endl;
+              << "], \"bodies\": [" << bodies << joints << "]}" << std::endl;
 }
 
 // The events of the scene itself, each applied before its step and, as in a recording, before those of the controller.

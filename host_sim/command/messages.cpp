@@ -80,6 +80,7 @@ std::string strong_loads(const SceneDescription& scene) {
     // The kernel does not judge a body's own drag.
     if (scene.linear_drag > 0 || scene.angular_drag > 0) loads.emplace_back("drag");
     if (scene.gravitation > 0) loads.emplace_back("gravitation");
+    if (!scene.joints.empty()) loads.emplace_back("the force of a joint on a light or fast link");
     std::string text;
     for (std::size_t i = 0; i < loads.size(); ++i)
         text += (i == 0 ? "" : i + 1 == loads.size() ? " or " : ", ") + loads[i];
@@ -109,6 +110,14 @@ Account account_of(const Trouble& trouble, const SceneDescription& scene, const 
             "a step used up the impacts, searches or sweeps that [contact] allows. The rest was resolved in the next "
             "step, and bodies overlapped until then",
             "larger contact.most_impacts, contact.most_searches and contact.most_sweeps, or a smaller step"};
+    if (trouble.issue == "joint_open")
+        return {"a joint is open, because a pose does not fit it or the step is too long by far. The motion is wrong "
+                "from here on",
+                "poses that fit all joints of their bodies, or a smaller step"};
+    if (trouble.issue == "step_bound_hit" && !scene.joints.empty())
+        return {"joints did not close in an eighth of the step, so their bodies were moved until they were, and lost "
+                "energy",
+                "a smaller step, or heavier links"};
     if (trouble.issue != "step_bound_hit") return {"there is no room for another body", ""};
     if (const std::string_view method = simulation.integrator();
         method.starts_with("implicit") || method.starts_with("pdmv"))

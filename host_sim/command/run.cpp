@@ -24,7 +24,7 @@ namespace tumble::host {
 namespace {
 
 struct RunOptions : Choice {
-    std::string trajectory, contacts, plot, gltf;  // files; empty: none
+    std::string trajectory, contacts, joints, plot, gltf;  // files; empty: none
     std::optional<std::int64_t> every;  // steps between rows of the trajectory and of the contacts, and key frames
     bool json = false, imu = false, live = false;
     std::string record;  // file; empty: none
@@ -37,7 +37,7 @@ public:
     Table(const std::string& path, const char* option, const std::string& columns) : file_(path, option) {
         file_.stream() << columns << "\n";
     }
-    // The names of bodies or planes as fields.
+    // The names of bodies, planes or joints as fields.
     template <class Named>
     [[nodiscard]] static std::vector<std::string> fields(const std::vector<Named>& list) {
         std::vector<std::string> names;
@@ -88,6 +88,40 @@ public:
 private:
     std::int64_t every_;
     bool imu_;
+    std::vector<std::string> names_;
+};
+
+// A file of its own: a joint is no body, and readers of a trajectory count on its columns and on a row for each body. A
+// field that the joint's kind has not is empty.
+class JointRows : public Table {
+public:
+    JointRows(const std::string& path, std::int64_t every, const SceneDescription& scene)
+        : Table(path, "--joints",
+                "time_s,joint,angle,speed,to_angle,to_speed,travel,travel_speed,fx,fy,fz,tx,ty,tz,corrections,gap,"
+                "gap_angle"),
+          every_(every), names_(fields(scene.joints)) {}
+    void record(const Simulation& simulation, bool last) {
+        if (simulation.steps_taken() % every_ != 0 && !last) return;
+        const std::string time = seventeen_digits(simulation.time());
+        for (std::size_t j = 0; j < names_.size(); ++j) {
+            const JointSnapshot joint = simulation.joint(static_cast<int>(j));
+            row() << time << "," << names_[j];
+            for (const auto& number :
+                 {joint.angle, joint.speed, joint.to_angle, joint.to_speed, joint.travel, joint.travel_speed}) {
+                if (number) add(*number);
+                else row() << ",";
+            }
+            add(joint.force);
+            add(joint.torque);
+            row() << "," << joint.corrections;
+            add(joint.gap);
+            add(joint.lean);
+            end_row();
+        }
+    }
+
+private:
+    std::int64_t every_;
     std::vector<std::string> names_;
 };
 
@@ -177,7 +211,11 @@ void print_json(const SceneDescription& scene, const Simulation& simulation, con
                   << ",\n      \"asleep\": " << (body.asleep ? "true" : "false")
                   << ",\n      \"contacts\": " << body.contacts << "\n    }";
     }
-    std::cout << "\n  ]\n}\n";
+    std::cout << "\n  ]";
+    for (std::size_t j = 0; j < scene.joints.size(); ++j)
+        std::cout << (j > 0 ? "," : ",\n  \"joints\": [") << "\n    {\n      "
+                  << json_of_joint(scene.joints[j], simulation.joint(static_cast<int>(j)), ",\n      ") << "\n    }";
+    std::cout << (scene.joints.empty() ? "" : "\n  ]") << "\n}\n";
 }
 
 // Does nothing in the scene change the energy on purpose, but for changes of gravity, which the drift leaves out?
@@ -194,7 +232,8 @@ bool keeps_energy(const SceneDescription& scene) {
         return body.shape.kind != ShapeKind::none && body.shape.kind != ShapeKind::points;
     };
     const auto shapes = std::count_if(scene.bodies.begin(), scene.bodies.end(), has_shape);
-    return scene.contact.response == ContactResponse::none || shapes == 0 || (scene.planes.empty() && shapes == 1);
+    return scene.contact.response == ContactResponse::none || !scene.joints.empty() || shapes == 0 ||
+           (scene.planes.empty() && shapes == 1);
 }
 
 template <class Numbers>
@@ -241,6 +280,21 @@ void print_table(std::ostream& out, const SceneDescription& scene, const Simulat
         if (body.contacts > 0) out << "  contact points        " << std::setw(13) << body.contacts << "\n";
         if (body.asleep) out << "  asleep\n";
     }
+    for (std::size_t j = 0; j < scene.joints.size(); ++j) {
+        const JointSnapshot joint = simulation.joint(static_cast<int>(j));
+        const auto line = [&](const char* label, const std::optional<double>& first,
+                              const std::optional<double>& second) {
+            if (first && second) out << label << columns(std::array{*first, *second}) << "\n";
+            else if (first) out << label << columns(std::array{*first}) << "\n";
+        };
+        out << scene.joints[j].name << "\n";
+        line("  angle            rad  ", joint.angle, joint.to_angle);
+        line("  speed            rad/s", joint.speed, joint.to_speed);
+        line("  travel           m    ", joint.travel, {});
+        line("  speed            m/s  ", joint.travel_speed, {});
+        out << "  force            N    " << columns(joint.force) << "\n  torque           N m  "
+            << columns(joint.torque) << "\n  gap              m    " << columns(std::array{joint.gap}) << "\n";
+    }
     out << "energy " << few_digits(energy.start()) << " J at the start, " << few_digits(energy.end())
         << " J at the end";
     if (keeps_energy(scene)) out << ", largest relative drift " << few_digits(energy.largest_relative_drift());
@@ -250,33 +304,39 @@ void print_table(std::ostream& out, const SceneDescription& scene, const Simulat
 
 int run(const RunOptions& options) {
     if (options.live) {
-        if (options.json || !options.trajectory.empty() || !options.contacts.empty() || !options.plot.empty() ||
-            !options.gltf.empty() || !options.check.check.empty())
+        if (options.json || !options.trajectory.empty() || !options.contacts.empty() || !options.joints.empty() ||
+            !options.plot.empty() || !options.gltf.empty() || !options.check.check.empty())
             throw std::invalid_argument(
-                "--live: got --json, --trajectory, --contacts, --plot, --gltf or --check beside it, expected none of "
-                "them");
+                "--live: got --json, --trajectory, --contacts, --joints, --plot, --gltf or --check beside it, expected "
+                "none of them");
         return run_live(options, options.record);
     }
     if (!options.record.empty()) throw std::invalid_argument("--record: got no --live beside it, expected --live");
     const std::vector<FileArgument> outputs = {{"--trajectory", options.trajectory},
                                                {"--contacts", options.contacts},
+                                               {"--joints", options.joints},
                                                {"--plot", options.plot},
                                                {"--gltf", options.gltf}};
     check_outputs({{"the scene", options.scene}}, outputs);
     std::ostream& table = takes_standard_output(outputs, options.json) ? std::cerr : std::cout;
-    if (options.every && options.trajectory.empty() && options.contacts.empty() && options.gltf.empty())
-        std::cerr << "warning: --every has no effect without --trajectory, --contacts or --gltf\n";
+    if (options.every && options.trajectory.empty() && options.contacts.empty() && options.joints.empty() &&
+        options.gltf.empty())
+        std::cerr << "warning: --every has no effect without --trajectory, --contacts, --joints or --gltf\n";
     if (options.imu && options.trajectory.empty()) std::cerr << "warning: --imu has no effect without --trajectory\n";
     const SceneDescription scene = options.read();
     if (!options.contacts.empty() && scene.contact.response != ContactResponse::impulse)
         throw std::invalid_argument("--contacts: got a scene without contacts by impulses, expected "
                                     "contact.response = \"impulse\"");
+    if (!options.joints.empty() && scene.joints.empty())
+        throw std::invalid_argument("--joints: got a scene without joints, expected at least one [[joint]]");
     const auto simulation = options.start(scene);
     std::optional<Trajectory> trajectory;
     if (!options.trajectory.empty())
         trajectory.emplace(options.trajectory, options.every.value_or(1), options.imu, scene);
     std::optional<ContactRows> contacts;
     if (!options.contacts.empty()) contacts.emplace(options.contacts, options.every.value_or(1), scene);
+    std::optional<JointRows> joints;
+    if (!options.joints.empty()) joints.emplace(options.joints, options.every.value_or(1), scene);
     std::optional<Plot> plot;
     std::optional<OutputFile> plot_file;
     if (!options.plot.empty()) {
@@ -299,6 +359,7 @@ int run(const RunOptions& options) {
             const bool last = watch.is_over();
             if (trajectory) trajectory->record(*simulation, last);
             if (contacts) contacts->record(*simulation, last);
+            if (joints) joints->record(*simulation, last);
             if (plot) plot->sample(*simulation, watch.energy().end_parts(), last);
             if (gltf) gltf->sample(*simulation, last);
             if (last) break;
@@ -306,11 +367,13 @@ int run(const RunOptions& options) {
             watch.see();
             if (trajectory && !trajectory->good()) trajectory->close();  // throws
             if (contacts && !contacts->good()) contacts->close();
+            if (joints && !joints->good()) joints->close();
             if (simulation->steps_taken() % 256 == 0) progress.show(simulation->steps_taken());
         }
     }
     if (trajectory) trajectory->close();
     if (contacts) contacts->close();
+    if (joints) joints->close();
     if (plot) {
         plot_file->stream() << plot->drawn();
         plot_file->commit();
@@ -342,9 +405,11 @@ void add_run(CommandLine& line) {
     command.add(options->contacts, "--contacts out.csv",
                 "write what touched, began, ended or hit in each step, with its impulses, as CSV; - is standard output",
                 output_file());
+    command.add(options->joints, "--joints out.csv",
+                "write how every joint stands, moves and pulls as CSV; - is standard output", output_file());
     command.add(options->every, "--every K",
-                "steps between rows of the trajectory, and of contacts that last, and between key frames of --gltf "
-                "(default: 1)",
+                "steps between rows of the trajectory, of joints, and of contacts that last, and between key frames of "
+                "--gltf (default: 1)",
                 at_least(1, "steps"));
     command.add(
         options->imu, "--imu",

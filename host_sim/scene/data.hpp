@@ -33,14 +33,17 @@ public:
     using std::runtime_error::runtime_error;
 };
 
-// A joint of any kind, as a world takes it.
+// A joint of any kind, as a Replay takes it.
 template <class Kinds>
-struct AnyJointOf;
+struct AnyJoint;
 template <class... Kinds>
-struct AnyJointOf<JointKindList<Kinds...>> {
-    using type = std::variant<typename Kinds::Spec...>;
+struct AnyJoint<JointKindList<Kinds...>> : std::variant<typename Kinds::Spec...> {
+    using Variant = std::variant<typename Kinds::Spec...>;
+    using Variant::Variant;
+    // Calls f(spec).
+    void visit(const auto& f) const { std::visit(f, static_cast<const Variant&>(*this)); }
 };
-using AnyJointSpec = AnyJointOf<JointKinds>::type;
+using AnyJointSpec = AnyJoint<JointKinds>;
 
 struct SceneData {
     std::string name;

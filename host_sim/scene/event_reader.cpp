@@ -79,6 +79,9 @@ EventDescription read_event(Table table, const SceneDescription& scene, RangeDes
         check_not_zero(table.at("orientation"), event.orientation.data(), event.orientation.size(),
                        "a quaternion [w, x, y, z] whose length is not 0");
     if (acts_on_a_body) refuse_rotation(table, event, scene.body(event.body));
+    if (event.kind == EventKind::angular_velocity && scene.body(event.body).fixed && !scene.joints.empty())
+        table.at("kind").fail("it makes a turntable of body " + in_quotes(body) + ", which is fixed",
+                              "a body that moves: joints are not simulated beside turntables yet");
     check_ranges(table, event, range);
     return event;
 }

@@ -209,15 +209,10 @@ void check_beside_joints(const std::vector<Table>& joints, const SceneDescriptio
     const auto refuse = [&](const std::string& problem, const std::string& wanted) {
         joints.front().place().fail(problem, wanted);
     };
-    for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
-        const BodyDescription& body = scene.bodies[b];
-        const bool is_turned = std::any_of(scene.events.begin(), scene.events.end(), [&](const auto& event) {
-            return event.kind == EventKind::angular_velocity && event.body == static_cast<int>(b);
-        });
-        if (body.kinematic || (body.fixed && (body.angular_velocity != Triple{} || is_turned)))
+    for (const BodyDescription& body : scene.bodies)
+        if (body.kinematic || (body.fixed && body.angular_velocity != Triple{}))
             refuse("body " + in_quotes(body.name) + (body.kinematic ? " is kinematic" : " is a turntable"),
                    "no body that moves by itself: joints are not simulated beside such yet");
-    }
     if (scene.contact.response == ContactResponse::none) return;
     const std::string none = "[contact] response = \"none\", with which nothing touches",
                       first = in_quotes(first_jointed(scene).name);

@@ -15,4 +15,13 @@ inline constexpr Features host_features = [] {
     return f;
 }();
 
+// Those of a scene with joints, beside which nothing touches and no fixed body moves by itself.
+inline constexpr Features joint_features = [] {
+    Features f = host_features;
+    f.joints = max_joints;
+    f.planes = 0;
+    f.pairs = f.turntables = f.kinematic = false;
+    return f;
+}();
+
 }  // namespace tumble::host

@@ -112,7 +112,7 @@ std::vector<std::string> limitations(const SceneDescription& scene) {
     for (const BodyDescription& body : scene.bodies)
         if (body.fixed && !body.kinematic && body.velocity != Triple{})
             list.push_back("body \"" + body.name + "\" is fixed, so its velocity has no effect");
-    if (scene.contact.response == ContactResponse::none) return list;
+    if (scene.contact.response == ContactResponse::none || !scene.joints.empty()) return list;
     if (scene.contact.response == ContactResponse::impulse) add_overlaps(scene, list);
     if (scene.contact.response == ContactResponse::spring) {
         const auto rough = [](const auto& side) { return side.friction.value_or(0.0) > 0; };

@@ -29,7 +29,7 @@ bool is_current(const fs::path& file) {
                                        .find('"' + std::string{TUMBLE_SOURCES_DIGEST} + '"') != std::string::npos;
 }
 
-// The part of each number system that an integrator is in.
+// The part of each number system that an integrator is in, for scenes without joints.
 std::array<Part, number_system_count> parts_of(std::string_view integrator) {
     std::array<Part, number_system_count> parts{};
     std::size_t index = 0;
@@ -43,6 +43,10 @@ std::array<Part, number_system_count> parts_of(std::string_view integrator) {
     return parts;
 }
 
+Part part_of(std::size_t index, std::string_view integrator, bool has_joints) {
+    return has_joints ? Part::joints : parts_of(integrator).at(index);
+}
+
 // The name of a module, as host_sim/CMakeLists.txt makes it.
 std::string module_name(std::size_t index, Part part) {
     const auto joined = [](const auto& system) {
@@ -50,7 +54,7 @@ std::string module_name(std::size_t index, Part part) {
     };
     const auto names =
         std::apply([&](const auto&... systems) { return std::array{joined(systems)...}; }, number_system_list);
-    return "tumble_worlds_" + names.at(index) + (part == Part::front ? "" : "_rest");
+    return "tumble_worlds_" + names.at(index) + (part == Part::front ? "" : part == Part::rest ? "_rest" : "_joints");
 }
 
 fs::path file_of(const std::string& module) { return fs::path(TUMBLE_BUILD_DIR) / "host_sim" / (module + ".so"); }
@@ -65,7 +69,9 @@ Maker load(std::size_t index, Part part) {
         if (!is_current(file)) {
             if (isatty(STDERR_FILENO) == 1)  // as Progress: the errors of a run that is right are empty
                 std::cerr << "tumble: compiling "
-                          << (part == Part::front ? "the first methods of " : "the other methods of ")
+                          << (part == Part::front  ? "the first methods of "
+                              : part == Part::rest ? "the other methods of "
+                                                   : "the worlds with joints of ")
                           << numbers_text(system.name, system.carry) << (system.range.empty() ? "" : " of range ")
                           << system.range << "\n";
             run_quietly({"cmake", "--build", TUMBLE_BUILD_DIR, "--target", module});
@@ -80,15 +86,15 @@ Maker load(std::size_t index, Part part) {
 
 }  // namespace
 
-bool is_module_built(std::size_t index, std::string_view integrator) {
-    return is_current(file_of(module_name(index, parts_of(integrator).at(index))));
+bool is_module_built(std::size_t index, std::string_view integrator, bool has_joints) {
+    return is_current(file_of(module_name(index, part_of(index, integrator, has_joints))));
 }
 
 std::unique_ptr<Simulation> make_in_module(std::size_t index, SceneData data, std::string_view integrator) {
-    constexpr std::size_t parts = 2;
+    constexpr std::size_t parts = 3;
     static std::array<Maker, number_system_count * parts> makers{};
     static std::array<std::once_flag, makers.size()> loaded;
-    const Part part = parts_of(integrator).at(index);
+    const Part part = part_of(index, integrator, !data.joints.empty());
     const std::size_t module = index * parts + static_cast<std::size_t>(part);
     std::call_once(loaded.at(module), [&] { makers[module] = load(index, part); });
     std::unique_ptr<Simulation> made;

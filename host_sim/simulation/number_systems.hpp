@@ -1,5 +1,5 @@
 // The kernel's number systems as the simulator has them compiled in: those of fixed point once for each range. The
-// build makes two translation units of worlds for each: the methods of most runs, and the rest.
+// build makes three translation units of worlds for each: the methods of most runs, the rest, and scenes with joints.
 #pragma once
 
 #include <tumble/integrators/list.hpp>
@@ -42,7 +42,7 @@ inline constexpr std::size_t number_system_count = std::tuple_size_v<decltype(nu
 template <std::size_t index>
 using NumbersAt = typename std::tuple_element_t<index, decltype(number_system_list)>::Numbers;
 
-enum class Part { front, rest };
+enum class Part { front, rest, joints };
 template <class... Methods, class Method>
 constexpr bool contains(IntegratorList<Methods...>, std::type_identity<Method>) {
     return (std::is_same_v<Methods, Method> || ...);
@@ -54,7 +54,7 @@ constexpr bool is_usual() {
     using Usual = IntegratorList<ExplicitEuler, SemiImplicitEuler, Rk4, Verlet, Suzuki4>;
     return contains(Usual{}, std::type_identity<Method>{});
 }
-// The front has the usual methods, and of the smallest range all, which `make run` compares.
+// Of scenes without joints. The front has the usual methods, and of the smallest range all, which `make run` compares.
 template <class N, class Method>
 constexpr Part part_of() {
     const bool is_first = std::is_same_v<N, NumbersOf<"q32", NearRange>>;

@@ -96,14 +96,12 @@ std::unique_ptr<Simulation> make_simulation(const SceneDescription& scene, std::
     const std::size_t system = index_of(scene, numbers, carry);
     require_runs_in(method, numbers);
     require_range(scene, numbers);
-    if (!scene.joints.empty())
-        raise(UnsupportedScene(scene.path + ": joint: got joints, expected none: they are read and not run yet"));
     return make_in_module(system, build_scene(scene), method.name);
 }
 
 bool is_compiled(const SceneDescription& scene, std::string_view integrator, std::string_view numbers,
                  std::optional<bool> carry) {
-    return is_module_built(index_of(scene, numbers, carry), integrator);
+    return is_module_built(index_of(scene, numbers, carry), integrator, !scene.joints.empty());
 }
 
 const std::vector<IntegratorInfo>& integrators() {

@@ -48,6 +48,17 @@ struct ContactSnapshot {
     std::array<double, 3> friction_impulse{};  // N s, on the body, world
 };
 
+// How a joint stands and moves, and what it carries: World::joint(). What its kind has not is none.
+struct JointSnapshot {
+    std::optional<double> angle{}, speed{};          // rad, rad/s: hinge; universal, about the axis of `body`
+    std::optional<double> to_angle{}, to_speed{};    // rad, rad/s: universal, about the axis of `to_body`
+    std::optional<double> travel{}, travel_speed{};  // m, m/s: slider
+    std::array<double, 3> force{}, torque{};         // N, N m, world axes, on `body`, about the anchor
+    int corrections = 0;                             // of its tree in the last step
+    double gap = 0;                                  // m, between the anchors of both sides, as their bodies stand
+    double lean = 0;                                 // rad, between their orientations, less the free rotations
+};
+
 // J. The potential is that of gravity, springs, mutual gravitation, the gravity gradient and, as far as
 // world_simulation.hpp tells, of contacts by springs; fixed bodies have none of gravity's, and no kinetic energy.
 struct Energy {
@@ -99,6 +110,8 @@ public:
     [[nodiscard]] virtual ImuSnapshot imu(int index) const = 0;
     // Each contact once; contacts by springs are not among them.
     [[nodiscard]] virtual std::vector<ContactSnapshot> contacts() const = 0;
+    // Of the scene's joints, in their order.
+    [[nodiscard]] virtual JointSnapshot joint(int index) const = 0;
     [[nodiscard]] virtual Energy energy() const = 0;
 
     // The troubles that set status bits, in order of first occurrence; empty: none.

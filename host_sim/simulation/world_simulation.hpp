@@ -8,12 +8,14 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <optional>
 #include <utility>
 #include <vector>
 
 #include "simulation/energy.hpp"
 #include "simulation/held_numbers.hpp"
 #include "simulation/host_features.hpp"
+#include "simulation/joint_gaps.hpp"
 #include "simulation/motion_of.hpp"
 #include "simulation/number_systems.hpp"
 
@@ -35,6 +37,7 @@ protected:
         : Simulation(data.steps, number(data.step.value)), data_(data), now_(bodies), energy_(data),
           z_rooms_(std::move(z_rooms)) {
         for (const BodySpec& spec : data_.bodies) axes_.emplace_back(principal_inertia(spec.inertia));
+        if (!data_.joints.empty()) gaps_.emplace(data_.joints, [&](int b) { return motion_of(b); });
         note(bodies.status);
     }
 
@@ -109,6 +112,11 @@ public:
     }
 
 protected:
+    // m and rad, of joint j.
+    [[nodiscard]] JointGaps::Gap gap_of(int j) const {
+        return gaps_->of(j, [&](int b) { return motion_of(b); });
+    }
+
     // kg m, of the bodies on which gravity acts.
     [[nodiscard]] Vector mass_moment() const {
         Vector moment;
@@ -137,7 +145,10 @@ private:
     SceneEnergy energy_;
     std::vector<int> z_rooms_;
     std::vector<PrincipalAxes> axes_;
+    std::optional<JointGaps> gaps_;
 };
+
+constexpr Features features_of(Part part) { return part == Part::joints ? joint_features : host_features; }
 
 // Base class that is constructed before BodiesSimulation.
 template <class Config>
@@ -148,12 +159,12 @@ struct OwnedReplay {
     Replay<Config, SceneData> replay;
 };
 
-template <std::size_t index, class Method>
-class WorldSimulation final : OwnedReplay<SceneOf<NumbersAt<index>, Method, host_features>>,
+template <std::size_t index, class Method, Part part>
+class WorldSimulation final : OwnedReplay<SceneOf<NumbersAt<index>, Method, features_of(part)>>,
                               public BodiesSimulation<NumbersAt<index>, Method::spin> {
     static constexpr auto system = std::get<index>(number_system_list);
     using N = NumbersAt<index>;
-    using Owned = OwnedReplay<SceneOf<N, Method, host_features>>;
+    using Owned = OwnedReplay<SceneOf<N, Method, features_of(part)>>;
     using Told = BodiesSimulation<N, Method::spin>;
 
 public:
@@ -196,20 +207,48 @@ public:
         return {array_of(imu.specific_force), array_of(imu.angular_velocity)};
     }
     [[nodiscard]] std::vector<ContactSnapshot> contacts() const override {
-        const auto plain = [](auto number) { return static_cast<double>(number); };
-        const auto& bodies = Owned::replay.world().bodies();
         std::vector<ContactSnapshot> all;
-        for (int b = 0; b < bodies.count; ++b) {
-            if (bodies.constants[b].fixed()) continue;
-            for (const auto& c : Owned::replay.world().contacts(BodyId{b})) {
-                const int other = c.body.index();
-                if (other >= 0 && other < b && !bodies.constants[other].fixed()) continue;  // it is there
-                all.push_back({b, other, c.plane.index(), c.touches, c.began, c.ended, plain(c.hit_speed),
-                               array_of(c.normal), plain(c.depth), array_of(c.point), plain(c.normal_impulse),
-                               array_of(c.friction_impulse)});
+        if constexpr (features_of(part).contacts()) {
+            const auto plain = [](auto number) { return static_cast<double>(number); };
+            const auto& bodies = Owned::replay.world().bodies();
+            for (int b = 0; b < bodies.count; ++b) {
+                if (bodies.constants[b].fixed()) continue;
+                for (const auto& c : Owned::replay.world().contacts(BodyId{b})) {
+                    const int other = c.body.index();
+                    if (other >= 0 && other < b && !bodies.constants[other].fixed()) continue;  // it is there
+                    all.push_back({b, other, c.plane.index(), c.touches, c.began, c.ended, plain(c.hit_speed),
+                                   array_of(c.normal), plain(c.depth), array_of(c.point), plain(c.normal_impulse),
+                                   array_of(c.friction_impulse)});
+                }
             }
         }
         return all;
+    }
+    [[nodiscard]] JointSnapshot joint([[maybe_unused]] int j) const override {
+        JointSnapshot snapshot;
+        if constexpr (part == Part::joints) {
+            const auto now = Owned::replay.world().template joint<double>(JointId{j});
+            Owned::data.joints[static_cast<std::size_t>(j)].visit([&]<class Spec>(const Spec&) {
+                using Kind = JointKinds::Of<Spec>;
+                if constexpr (Kind::turns == 1 || Kind::turns == 2) {
+                    snapshot.angle = now.angle;
+                    snapshot.speed = now.speed;
+                }
+                if constexpr (Kind::turns == 2) {
+                    snapshot.to_angle = now.to_angle;
+                    snapshot.to_speed = now.to_speed;
+                }
+                if constexpr (Kind::slides == 1) {
+                    snapshot.travel = now.travel;
+                    snapshot.travel_speed = now.speed;
+                }
+            });
+            snapshot.force = array_of(now.force);
+            snapshot.torque = array_of(now.torque);
+            snapshot.corrections = now.corrections;
+            std::tie(snapshot.gap, snapshot.lean) = Told::gap_of(j);
+        }
+        return snapshot;
     }
     [[nodiscard]] long double largest_safe_step() const override {
         return number(Owned::replay.world().largest_safe_step());
@@ -231,7 +270,7 @@ public:
     [[nodiscard]] bool carry() const override { return N::carry; }
 
 private:
-    using World = tumble::World<SceneOf<N, Method, host_features>>;
+    using World = tumble::World<SceneOf<N, Method, features_of(part)>>;
     struct Kept : Snapshot {
         Kept(const World& now, const std::vector<Trouble>& until_now, long double given_until_now)
             : world(now), troubles(until_now), given(given_until_now) {}
@@ -272,8 +311,9 @@ template <std::size_t index, Part part>
 std::unique_ptr<Simulation> make_in(SceneData data, std::string_view integrator) {
     std::unique_ptr<Simulation> made;
     Integrators::for_each_in<NumbersAt<index>>([&]<class Method>() {
-        if constexpr (part_of<NumbersAt<index>, Method>() == part)
-            if (integrator == Method::name) made = std::make_unique<WorldSimulation<index, Method>>(std::move(data));
+        if constexpr (part == Part::joints || part_of<NumbersAt<index>, Method>() == part)
+            if (integrator == Method::name)
+                made = std::make_unique<WorldSimulation<index, Method, part>>(std::move(data));
     });
     return made;
 }

@@ -151,5 +151,23 @@ inline const std::string floor_plane = "[[plane]]\nname = \"floor\"\nnormal = [0
                          "[" + std::to_string(0.5 * (i / n)) + ", 0.25, " + std::to_string(0.5 * (i % n)) + "]");
     return scene;
 }
+// The keys of [[joint]] for one of this kind; without `to`, with the world.
+[[nodiscard]] inline std::string joint_of(const std::string& kind, const std::string& body, const std::string& to,
+                                          const std::string& anchor, const std::string& axes = "") {
+    return "[[joint]]\nkind = \"" + kind + "\"\nbody = \"" + body + "\"\n" +
+           (to.empty() ? "" : "to_body = \"" + to + "\"\n") + "anchor = " + anchor + "\n" + axes;
+}
+// Two trees of 2 s with a joint of each kind: links on a hinge, a ball and a universal joint, and a carriage with a
+// load fixed to it, which slides down a slope of 45 degrees.
+inline const std::string scene_of_every_joint =
+    world_of("-9.81", "1/256", "2.0") + smallest_range + body_of("a", "box = [0.5, 0.1, 0.1]", "[0.25, 0.0, 0.0]") +
+    body_of("b", "box = [0.5, 0.1, 0.2]", "[0.75, 0.0, 0.0]") +
+    body_of("c", "box = [0.5, 0.2, 0.1]", "[1.25, 0.0, 0.0]") + body_of("carriage", "sphere = 0.2", "[0.0, 3.0, 0.0]") +
+    body_of("load", "box = [0.1, 0.2, 0.3]", "[0.5, 3.5, 0.0]") +
+    joint_of("hinge", "a", "", "[0.0, 0.0, 0.0]", "axis = [0.0, 0.0, 1.0]\n") +
+    joint_of("ball", "b", "a", "[0.5, 0.0, 0.0]") +
+    joint_of("universal", "c", "b", "[1.0, 0.0, 0.0]", "axis = [0.0, 1.0, 0.0]\nto_axis = [0.0, 0.0, 1.0]\n") +
+    joint_of("slider", "carriage", "", "[0.0, 3.0, 0.0]", "axis = [-2.0, -2.0, 0.0]\n") +
+    joint_of("fixed", "load", "carriage", "[0.5, 3.0, 0.0]");
 
 }  // namespace tumble::host

@@ -51,6 +51,22 @@ TEST(CompareDeep, loads_that_a_scene_gives_to_bodies_have_the_same_bits_on_a_cor
                    "cortex-m3 agrees with the host: 257 states");
 }
 
+TEST(Compare, joints_have_the_same_bits_on_a_core) {
+    expect_outcome(tumble({"compare", shipped("joints/double_pendulum"), "--core", "cortex-m3", "--every", "16",
+                           "--duration", "2"}),
+                   0, "cortex-m3 agrees with the host: 33 states");
+}
+
+TEST(CompareDeep, every_kind_of_joint_has_the_same_bits_on_a_core) {
+    for (const char* scene : {"gyroscope", "chain", "arm"})
+        expect_outcome(tumble({"compare", shipped("joints/" + std::string(scene)), "--core", "cortex-m3", "--every",
+                               "16", "--duration", "0.5"}),
+                       0, "cortex-m3 agrees with the host");
+    expect_outcome(
+        tumble({"compare", written("kinds.toml", scene_of_every_joint), "--core", "cortex-m0", "--every", "16"}), 0,
+        "cortex-m0 agrees with the host: 33 states");
+}
+
 TEST(CompareDeep, every_load_gives_the_same_bits) {
     for (const auto* scene : {"pendulum", "projectile", "satellite", "orbit"}) {
         SCOPED_TRACE(scene);

@@ -72,6 +72,19 @@ TEST(Compile, bodies_have_their_ids_by_their_names) {
     expect_outcome(tumble({"compile", scene}), 0, expected);
 }
 
+TEST(Compile, joints_are_specs_of_their_kind_and_have_ids_by_their_names) {
+    const std::string header = text_of({"compile", shipped("joints/double_pendulum")});
+    expect_parts(header,
+                 {"#include <tuple>\n",
+                  "static constexpr std::tuple joints{\n        tumble::HingeSpec{   // \"shoulder\"",
+                  "            .body = 1,\n            .to_body = 0,\n            .anchor = {0.9092974268256817, "
+                  "0.4161468365471424, 0.0},   // m\n            .axis = {0.0, 0.0, 1.0},\n",
+                  "static constexpr tumble::JointId shoulder{0};\n", "JointId elbow{1};\n", ".joints = 2,"});
+    for (const char* part : {".pairs", ".boxes", ".planes"}) EXPECT_FALSE(has(header, part)) << part;
+    const std::string ball = text_of({"compile", shipped("ball")});
+    for (const char* part : {"tuple", "oint"}) EXPECT_FALSE(has(ball, part)) << part;
+}
+
 TEST(Compile, a_scene_without_bodies_needs_an_option) {
     const std::string scene = written("bodiless.toml", "[world]\nstep = 0.1\nduration = 1.0\n");
     EXPECT_EQ(tumble({"compile", scene}).status, 2);

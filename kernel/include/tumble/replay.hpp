@@ -3,15 +3,18 @@
 //
 // Data has the members name, step (Seconds), steps, world (WorldSpec), and the lists bodies, planes, springs, impulses
 // and forces of their *Spec types. There may be a list events of EventSpec, and for loads that Config has: wind, m/s,
-// and a list drags of DragSpec; a list wheels of WheelsSpec; orbit, an OrbitSpec; softening, m, of gravitation. In the
-// output of `tumble compile` all of them are static constexpr. A list is a std::array, or any type with size() that
-// resize() can grow. Config is a Scene with room for all data and the features that it needs.
+// and a list drags of DragSpec; a list wheels of WheelsSpec; orbit, an OrbitSpec; softening, m, of gravitation. Joints
+// differ in type by kind: joints is a std::tuple of their specs, or a list of which each element calls f(spec) in
+// visit(f). In the output of `tumble compile` all of them are static constexpr. A list is a std::array, or any type with
+// size() that resize() can grow. Config is a Scene with room for all data and the features that it needs.
 //
 // Impulses, forces and events are prepared when the scene is set up, in RAM. In fixed point, events that are static
 // constexpr are prepared by the compiler: an event takes sizeof(Event<Numbers>) = 80 bytes of flash, and no RAM.
 #pragma once
 
 #include <tumble/world.hpp>
+
+#include <tuple>
 
 namespace tumble {
 
@@ -28,6 +31,14 @@ template <template <class...> class List, class Spec, class... Rest, class T>
 struct ListOf<List<Spec, Rest...>, T> {
     using type = List<T>;
 };
+
+// Calls f(spec) for each joint of a scene's data, in their order.
+constexpr void for_each_joint(const auto& joints, auto&& f) {
+    if constexpr (requires { std::tuple_size<std::remove_cvref_t<decltype(joints)>>::value; })
+        std::apply([&](const auto&... specs) { (f(specs), ...); }, joints);
+    else
+        for (const auto& joint : joints) joint.visit(f);
+}
 
 // The latest step of events. It reads all that preparing an event reads, so it is a constant only where they are.
 [[nodiscard]] constexpr std::uint64_t latest_step(const auto& events, Seconds step) {
@@ -47,6 +58,7 @@ class Replay {
     using N = typename Config::Numbers;
     template <class List, class T>
     using Prepared = typename detail::ListOf<std::remove_cvref_t<List>, T>::type;
+    static constexpr bool has_joints = Config::features.has_joints() && requires(const Data& data) { data.joints; };
     static constexpr bool has_events = Config::features.script && requires(const Data& data) { data.events; };
     // Whether events and step are constants. A pointer to a member that is not static is no pointer to an object.
     template <class From>
@@ -71,8 +83,8 @@ class Replay {
     };
 
 public:
-    // Sets up the scene. Without room for all bodies in Config, Issue::world_full is set. Misuse: planes and springs
-    // without room, and data without the feature that obeys them.
+    // Sets up the scene. Without room for all bodies in Config, Issue::world_full is set, and so it is with joints
+    // that close a loop. Misuse: planes, springs and joints without room, and data without the feature that obeys them.
     constexpr explicit Replay(const Data& data = Data{}) : world_{empty_world(data)} {
         require_features(data);
         if constexpr (Config::features.bodies > 0)
@@ -81,6 +93,8 @@ public:
             for (const PlaneSpec& plane : data.planes) (void)world_.add(plane);
         if constexpr (Config::features.springs > 0)
             for (const SpringSpec& spring : data.springs) (void)world_.add(spring);
+        if constexpr (has_joints)
+            detail::for_each_joint(data.joints, [&](const auto& spec) { (void)world_.add(spec); });
         set_up_loads(data);
         if constexpr (Config::features.impulses)
             world_.set_impulses(prepare_sorted(impulses_, data.impulses, world_.bodies()));
@@ -109,6 +123,11 @@ private:
         constexpr bool moves = features.bodies > 0, rotates = moves && features.rotation;
         TUMBLE_ASSERT(features.planes >= count(data.planes) || !rotates);
         TUMBLE_ASSERT(features.springs >= count(data.springs));
+        if constexpr (requires { data.joints; }) {
+            int joints = 0;
+            detail::for_each_joint(data.joints, [&](const auto&) { ++joints; });
+            TUMBLE_ASSERT(features.joints >= joints);
+        }
         TUMBLE_ASSERT(features.impulses || count(data.impulses) == 0);
         TUMBLE_ASSERT(features.forces || count(data.forces) == 0);
         if constexpr (requires { data.events; }) TUMBLE_ASSERT(features.script || count(data.events) == 0);

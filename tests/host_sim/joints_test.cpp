@@ -1,0 +1,148 @@
+// Scenes with joints: what a run tells of them, their energy, and their events.
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+#include <stdexcept>
+
+#include "command_runner.hpp"
+
+namespace tumble::host {
+namespace {
+
+constexpr double largest_gap = 5e-9;  // m and rad, q32 with arms of 1 m
+
+const Json& joint_named(const Json& run, const std::string& name) {
+    for (const Json& joint : run.at("joints"))
+        if (joint.at("name") == name) return joint;
+    throw std::invalid_argument{name};
+}
+
+TEST(Joints, json_tells_what_each_kind_has_and_how_far_it_is_open) {
+    const Json run = json_of({"run", written("kinds.toml", scene_of_every_joint)});
+    ASSERT_EQ(run.at("joints").size(), 5u);
+    const std::map<std::string, std::set<std::string>> has_of_kind = {
+        {"hinge", {"angle_rad", "speed_rad_s"}},
+        {"ball", {}},
+        {"fixed", {}},
+        {"slider", {"travel_m", "speed_m_s"}},
+        {"universal", {"angle_rad", "speed_rad_s", "to_angle_rad", "to_speed_rad_s"}}};
+    for (const Json& joint : run.at("joints")) {
+        SCOPED_TRACE(joint.dump());
+        for (const char* key : {"angle_rad", "speed_rad_s", "to_angle_rad", "to_speed_rad_s", "travel_m", "speed_m_s"})
+            EXPECT_EQ(joint.at(key).is_number(), has_of_kind.at(joint.at("kind")).contains(key)) << key;
+        EXPECT_LT(joint.at("gap_m").get<double>(), largest_gap);
+        EXPECT_LT(joint.at("gap_rad").get<double>(), largest_gap);
+        EXPECT_EQ(joint.at("force_n").size(), 3u);
+        EXPECT_EQ(joint.at("torque_n_m").size(), 3u);
+        EXPECT_GE(joint.at("corrections").get<int>(), 0);
+    }
+    EXPECT_EQ(run.at("status"), Json::array());
+    EXPECT_EQ(run.at("verdict").at("kind"), "unchecked");
+    EXPECT_FALSE(json_of({"run", shipped("brick"), "--duration", "0.1"}).contains("joints"));
+}
+
+// g t^2 / 2 sin(45 degrees) along the slope. Across it half of the weight holds, in q32 to 0.3 % at an arm of 14 m.
+TEST(Joints, a_carriage_slides_down_its_slope_as_a_point_does) {
+    const Json slope = joint_named(json_of({"run", written("kinds.toml", scene_of_every_joint)}), "carriage to world");
+    const double across = std::sqrt(0.5), g = 9.81;
+    EXPECT_NEAR(slope.at("travel_m").get<double>(), 0.5 * g * across * 4, 1e-6);
+    EXPECT_NEAR(slope.at("speed_m_s").get<double>(), g * across * 2, 1e-6);
+    EXPECT_NEAR(slope.at("force_n")[0].get<double>(), -g, 0.05);
+    EXPECT_NEAR(slope.at("force_n")[1].get<double>(), g, 0.05);
+}
+
+TEST(Joints, a_hanging_body_pulls_with_its_weight) {
+    const Json run = json_of({"run", written("hanging.toml", world_of("-9.81", "1/256", "1.0") +
+                                                                 body_of("bob", "sphere = 0.1", "[0, -1, 0]", "3.0") +
+                                                                 joint_of("ball", "bob", "", "[0, 0, 0]"))});
+    const Json& force = joint_named(run, "bob to world").at("force_n");
+    EXPECT_NEAR(force[0].get<double>(), 0, 1e-4);
+    EXPECT_NEAR(force[1].get<double>(), 3 * 9.81, 1e-4);
+}
+
+// The energy of verlet oscillates by the square of the step, most where links whip.
+TEST(Joints, shipped_mechanisms_keep_their_energy_and_run_clean) {
+    for (const char* scene : {"pendulum", "double_pendulum", "arm"}) {
+        const Json run = json_of({"run", shipped("joints/" + std::string(scene))});
+        EXPECT_EQ(run.at("status"), Json::array()) << scene;
+        EXPECT_LT(run.at("energy_max_relative_drift").get<double>(), 1e-2) << scene;
+    }
+}
+TEST(DeepJoints, shipped_mechanisms_of_larger_ranges_keep_their_energy_and_run_clean) {
+    for (const char* scene : {"gyroscope", "chain"}) {
+        const Json run = json_of({"run", shipped("joints/" + std::string(scene))});
+        EXPECT_EQ(run.at("status"), Json::array()) << scene;
+        EXPECT_NEAR(run.at("energy_end_j").get<double>(), run.at("energy_start_j").get<double>(), 2e-3) << scene;
+    }
+}
+
+TEST(Joints, rows_of_joints_are_a_file_of_their_own) {
+    const std::string scene = written("kinds.toml", scene_of_every_joint), joints = temporary("joints.csv"),
+                      trajectory = temporary("trajectory.csv");
+    ASSERT_EQ(tumble({"run", scene, "--joints", joints, "--trajectory", trajectory, "--every", "256"}).status, 0);
+    const auto rows = lines_of(contents(joints));
+    ASSERT_EQ(rows.size(), 1u + 3 * 5);
+    EXPECT_EQ(rows[0], "time_s,joint,angle,speed,to_angle,to_speed,travel,travel_speed,fx,fy,fz,tx,ty,tz,corrections,"
+                       "gap,gap_angle");
+    EXPECT_TRUE(rows[6].starts_with("1,a to world,"));
+    EXPECT_TRUE(rows[7].starts_with("1,b to a,,,,,,,"));
+    for (const std::string& row : rows) EXPECT_EQ(std::count(row.begin(), row.end(), ','), 16) << row;
+    const auto states = lines_of(contents(trajectory));
+    EXPECT_EQ(states.size(), 1u + 3 * 5);
+    EXPECT_EQ(states[0], "time_s,body,x,y,z,vx,vy,vz,qw,qx,qy,qz,wx,wy,wz");
+    expect_outcome(tumble({"run", shipped("brick"), "--joints", "-"}), 2,
+                   "--joints: got a scene without joints, expected at least one [[joint]]");
+}
+
+TEST(Joints, the_table_shows_them_and_says_that_nothing_was_checked) {
+    expect_outcome(tumble({"run", shipped("joints/pendulum"), "--duration", "0.5"}), 0,
+                   "pivot\n  angle            rad  ", "largest relative drift",
+                   "verdict: not checked: scenes with joints have no reference yet");
+}
+
+TEST(Joints, a_live_run_tells_of_them_and_its_recording_replays_to_the_same_state) {
+    const std::string record = temporary("recorded.toml");
+    std::string states;
+    Process process(
+        {TUMBLE_COMMAND, "run", shipped("joints/pendulum"), "--live", "--duration", "1", "--record", record},
+        "{\"kind\": \"impulse\", \"body\": \"rod\", \"value\": [0.5, 0, 0], \"point\": [0, -0.5, 0]}\n"
+        "{\"step\": 100}\n{\"kind\": \"torque\", \"body\": \"rod\", \"value\": [0, 0, 1]}\n{\"step\": 100}\n"
+        "{\"kind\": \"pose\", \"body\": \"rod\", \"value\": [0, -0.5, 0]}\n{\"step\": 56}\n");
+    ASSERT_EQ(process.wait(&states), 0);
+    const Json last = Json::parse(lines_of(states).back());
+    EXPECT_EQ(last.at("joints")[0].at("name"), "pivot");
+    EXPECT_LT(last.at("joints")[0].at("gap_m").get<double>(), largest_gap);
+    const Json again = json_of({"run", record});
+    EXPECT_EQ(again.at("state_hash"), last.at("state_hash"));
+    EXPECT_EQ(again.at("joints")[0].at("angle_rad"), last.at("joints")[0].at("angle_rad"));
+}
+
+TEST(Joints, a_live_event_that_makes_a_turntable_is_refused) {
+    const std::string scene = written("wall.toml", world_of("-9.81", "1/256", "1.0") + body_of("wall", "sphere = 1.0") +
+                                                       "fixed = true\n" + body_of("arm", "sphere = 0.1", "[2, 0, 0]") +
+                                                       joint_of("ball", "arm", "wall", "[1, 0, 0]"));
+    std::string text;
+    Process process({TUMBLE_COMMAND, "run", scene, "--live"},
+                    "{\"kind\": \"angular_velocity\", \"body\": \"wall\", \"value\": [0, 1, 0]}\n",
+                    Process::Errors::merge);
+    EXPECT_EQ(process.wait(&text), 2);
+    expect_parts(text, {"kind: it makes a turntable of body \"wall\", which is fixed, expected a body that moves"});
+}
+
+// 100 kg on links of 0.1 kg swing them faster than an eighth of the step follows.
+TEST(Joints, a_weight_on_light_links_is_told_with_its_cause) {
+    std::string scene = world_of("-9.81", "1/256", "0.5");
+    for (int i = 0; i < 3; ++i)
+        scene += body_of("l" + std::to_string(i), "box = [0.1, 0.02, 0.02]",
+                         "[" + std::to_string(0.1 * i + 0.05) + ", 0, 0]", "0.1");
+    scene += body_of("weight", "sphere = 0.1", "[0.4, 0, 0]", "100.0");
+    for (int i = 0; i < 4; ++i)
+        scene += joint_of("ball", i < 3 ? "l" + std::to_string(i) : "weight", i == 0 ? "" : "l" + std::to_string(i - 1),
+                          "[" + std::to_string(0.1 * i) + ", 0, 0]");
+    expect_outcome(tumble({"run", written("weight.toml", scene)}), 1,
+                   "step_too_long: the force of a joint on a light or fast link is too strong for the step");
+}
+
+}  // namespace
+}  // namespace tumble::host
