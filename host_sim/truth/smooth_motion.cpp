@@ -72,15 +72,6 @@ Number half_extent_of(ShapeKind kind, const Vector& size, const Vector& n) {
 
 }  // namespace
 
-Vector SmoothMotion::Tensor::operator*(const Vector& v) const { return {dot(x, v), dot(y, v), dot(z, v)}; }
-
-// The adjugate divided by the determinant; the tensor is symmetric.
-SmoothMotion::Tensor SmoothMotion::Tensor::inverse() const {
-    const Vector a = cross(y, z), b = cross(z, x), c = cross(x, y);
-    const Number scale = 1 / dot(x, a);
-    return {a * scale, b * scale, c * scale};
-}
-
 SmoothMotion::Tensor SmoothMotion::tensor_of(const BodyDescription& body, Number mass) {
     if (body.inertia) {
         const auto& i = *body.inertia;
@@ -126,6 +117,11 @@ SmoothMotion::SmoothMotion(const SceneDescription& scene, ShapesMeet shapes_meet
         start.w = vector_of(description.angular_velocity);
         now_.push_back(start);
     }
+    std::vector<JointTrees::Body> jointed;
+    for (const Body& body : bodies_) jointed.push_back({body.mass, body.inertia, body.fixed});
+    trees_ = JointTrees(std::move(jointed), scene.joints, now_);
+    joints_ = trees_.start();
+    for (std::size_t i = 0; i < bodies_.size(); ++i) bodies_[i].is_jointed = trees_.has(i);
     if (scene.contact.response != ContactResponse::none) {
         if (std::any_of(bodies_.begin(), bodies_.end(), [](const Body& body) { return body.touches_planes(); })) {
             for (const PlaneDescription& plane : scene.planes) {
@@ -252,8 +248,8 @@ void SmoothMotion::add_loads(const std::vector<Motion>& motions, std::int64_t st
     }
 }
 
-// Newton's and Euler's equations of all bodies between two changes of the timed loads. The state has only the bodies
-// that move.
+// Newton's and Euler's equations of all bodies between two changes of the timed loads. The state has the bodies that
+// move by themselves, then the joints.
 void SmoothMotion::flow(std::int64_t from, std::int64_t to) {
     std::vector<Number> state;
     for (std::size_t i = 0; i < bodies_.size(); ++i) {
@@ -261,6 +257,9 @@ void SmoothMotion::flow(std::int64_t from, std::int64_t to) {
         const auto part = reference::detail::pack(now_[i]);
         state.insert(state.end(), part.begin(), part.end());
     }
+    const std::size_t own = state.size();
+    trees_.end_velocities_across(joints_, now_);
+    state.insert(state.end(), joints_.begin(), joints_.end());
     std::vector<Motion> motions = now_;
     const auto unpack = [&](const std::vector<Number>& packed) {
         auto next = packed.begin();
@@ -271,10 +270,11 @@ void SmoothMotion::flow(std::int64_t from, std::int64_t to) {
             next += static_cast<std::ptrdiff_t>(part.size());
             motions[i] = reference::detail::unpack(part);
         }
+        return trees_.place(std::span(packed).subspan(own), motions);
     };
     Wrenches sums(bodies_.size());
     const auto equations = [&](const std::vector<Number>& packed, std::vector<Number>& rates, Number) {
-        unpack(packed);
+        const JointTrees::Links links = unpack(packed);
         add_loads(motions, from, sums);
         auto next = rates.begin();
         for (std::size_t i = 0; i < bodies_.size(); ++i) {
@@ -289,9 +289,13 @@ void SmoothMotion::flow(std::int64_t from, std::int64_t to) {
             const auto part = reference::detail::pack(rate);
             next = std::copy(part.begin(), part.end(), next);
         }
+        trees_.rate(std::span(packed).subspan(own), links, motions, sums, std::span(rates).subspan(own));
     };
     if (!state.empty()) integrate(equations, state, 0, Number(to - from) * step_length_);
-    unpack(state);
+    joints_.assign(state.begin() + static_cast<std::ptrdiff_t>(own), state.end());
+    trees_.normalize(joints_);
+    std::copy(joints_.begin(), joints_.end(), state.begin() + static_cast<std::ptrdiff_t>(own));
+    (void)unpack(state);
     for (Motion& motion : motions) motion.q = motion.q.normalized();
     now_ = motions;
 }
@@ -312,7 +316,7 @@ Number SmoothMotion::extent_of(std::size_t i, const Vector& along) const {
 
 bool SmoothMotion::may_touch(std::size_t i, std::size_t j) const {
     const Body &a = bodies_[i], &b = bodies_[j];
-    return i != j && shapes_meet_(a.kind, b.kind) && !(a.fixed && b.fixed);
+    return i != j && shapes_meet_(a.kind, b.kind) && !(a.fixed && b.fixed) && !a.is_jointed && !b.is_jointed;
 }
 
 // The widest gap between two bodies along a set of axes: the line of centres, the faces' normals, and the normals to an

@@ -9,7 +9,9 @@
 #include <vector>
 
 #include "scene/description.hpp"
+#include "truth/joint_trees.hpp"
 #include "truth/motion.hpp"
+#include "truth/tensor.hpp"
 
 namespace tumble::host {
 
@@ -46,21 +48,19 @@ public:
     [[nodiscard]] reference::Number closing_speed() const;
 
 private:
-    struct Tensor {
-        reference::Vector x, y, z;  // rows
-        [[nodiscard]] reference::Vector operator*(const reference::Vector& v) const;
-        [[nodiscard]] Tensor inverse() const;
-    };
+    using Tensor = reference::Tensor;
     struct Body {
         reference::Number mass = 0;                   // kg
         Tensor inertia, inverse;                      // kg m^2, user's axes; both zero of a point mass
         bool fixed = false, moves_by_itself = false;  // a fixed body with a spin or, if kinematic, a velocity
+        bool is_jointed = false;                      // it moves with its tree, and touches nothing
         ShapeKind kind = ShapeKind::none;
         reference::Vector size;  // m, as in ShapeDescription
 
-        [[nodiscard]] bool moves() const { return !fixed || moves_by_itself; }
+        // With coordinates of its own.
+        [[nodiscard]] bool moves() const { return (!fixed && !is_jointed) || moves_by_itself; }
         [[nodiscard]] bool touches_planes() const {
-            return !fixed && kind != ShapeKind::none && kind != ShapeKind::points;
+            return !fixed && !is_jointed && kind != ShapeKind::none && kind != ShapeKind::points;
         }
         // The distance of the farthest point that the spin moves, m.
         [[nodiscard]] reference::Number swept() const;
@@ -107,6 +107,8 @@ private:
     std::vector<TimedForce> forces_;
     std::vector<std::int64_t> breaks_;  // steps at which a load goes on or off or an impulse acts, ascending
     std::vector<reference::Motion> now_;
+    JointTrees trees_;
+    std::vector<reference::Number> joints_;  // state of the trees
     std::int64_t step_ = 0;
     std::size_t next_kick_ = 0, next_gravity_ = 0;
     reference::Vector gravity_;  // m/s^2

@@ -1,0 +1,302 @@
+#include "truth/joint_trees.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "tools/raise.hpp"
+
+namespace tumble::host {
+namespace {
+
+using namespace reference;
+
+using Six = std::array<Number, 6>;
+using Matrix = std::array<Six, 6>;
+
+Six six(const Vector& linear, const Vector& angular) {
+    return {linear.x, linear.y, linear.z, angular.x, angular.y, angular.z};
+}
+Vector linear(const Six& a) { return {a[0], a[1], a[2]}; }
+Vector angular(const Six& a) { return {a[3], a[4], a[5]}; }
+
+Number dot(const Six& a, const Six& b) {
+    Number sum = 0;
+    for (std::size_t i = 0; i < 6; ++i) sum += a[i] * b[i];
+    return sum;
+}
+// a + b s
+Six plus(Six a, const Six& b, Number s = 1) {
+    for (std::size_t i = 0; i < 6; ++i) a[i] += b[i] * s;
+    return a;
+}
+Six times(const Matrix& m, const Six& a) {
+    Six product;
+    for (std::size_t i = 0; i < 6; ++i) product[i] = dot(m[i], a);
+    return product;
+}
+
+// The velocity or acceleration of a point of a rigid body at `reach` from another point of it, and its transpose: the
+// force about the other point.
+Six carried(const Six& a, const Vector& reach) { return six(linear(a) + cross(angular(a), reach), angular(a)); }
+Six carried_back(const Six& f, const Vector& reach) { return six(linear(f), angular(f) + cross(reach, linear(f))); }
+
+// The inertia about the other point. It is symmetric, so its rows are its columns.
+Matrix carried_back(const Matrix& inertia, const Vector& reach) {
+    Matrix about;
+    for (std::size_t i = 0; i < 6; ++i) {
+        Six unit{};
+        unit[i] = 1;
+        about[i] = carried_back(times(inertia, carried(unit, reach)), reach);
+    }
+    return about;
+}
+
+Six velocity_of(const Motion& m) { return six(m.v, m.q.rotate(m.w)); }
+
+Vector unit(const Vector& v) { return v * (1 / norm(v)); }
+
+}  // namespace
+
+// Each joint hangs a body on one that hangs already. Where none can, a tree ties to nothing of the world: its root is
+// the body of the first joint that is left.
+JointTrees::JointTrees(std::vector<Body> bodies, const std::vector<JointDescription>& joints, const Motions& start)
+    : bodies_(std::move(bodies)), node_of_(bodies_.size(), -1) {
+    const auto hangs = [&](int body) {
+        return body < 0 || bodies_[static_cast<std::size_t>(body)].fixed || has(static_cast<std::size_t>(body));
+    };
+    std::vector<const JointDescription*> left;
+    for (const JointDescription& joint : joints) left.push_back(&joint);
+    while (!left.empty()) {
+        const auto next = std::find_if(left.begin(), left.end(),
+                                       [&](const auto* joint) { return hangs(joint->body) || hangs(joint->to_body); });
+        if (next == left.end()) {
+            add(static_cast<std::size_t>(left.front()->body), -1, nullptr, start);
+            continue;
+        }
+        const JointDescription& joint = **next;
+        if (hangs(joint.body) && hangs(joint.to_body))
+            raise(std::invalid_argument("joint \"" + joint.name + "\" closes a loop, expected trees"));
+        const bool is_reversed = hangs(joint.body);
+        add(static_cast<std::size_t>(is_reversed ? joint.to_body : joint.body),
+            is_reversed ? joint.body : joint.to_body, &joint, start);
+        left.erase(next);
+    }
+}
+
+// `joint`: none of a root that flies.
+void JointTrees::add(std::size_t body, int parent, const JointDescription* joint, const Motions& start) {
+    const Motion own = start[body], other = motion_of(parent, start);
+    const Vector anchor = joint == nullptr ? own.x : vector_of(joint->anchor);
+    Node node;
+    node.body = body;
+    node.parent = parent;
+    node.arm_of_parent = other.q.rotate_back(anchor - other.x);
+    node.arm = own.q.rotate_back(anchor - own.x);
+    node.rest = other.q.conjugate() * own.q;
+    node.first_speed = speeds_;
+    const auto turn = [&](const Vector& axis, bool is_kept_by_own = false) {
+        node.free.push_back({true, other.q.rotate_back(axis), is_kept_by_own});
+    };
+    const auto slide = [&](const Vector& axis) { node.free.push_back({false, other.q.rotate_back(axis)}); };
+    const Vector axes[] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    if (joint == nullptr)
+        for (const Vector& axis : axes) slide(axis);
+    if (joint == nullptr || joint->kind == JointKind::ball)
+        for (const Vector& axis : axes) turn(axis);
+    if (joint != nullptr && joint->kind == JointKind::hinge) turn(unit(vector_of(joint->axis)));
+    if (joint != nullptr && joint->kind == JointKind::slider) slide(unit(vector_of(joint->axis)));
+    if (joint != nullptr && joint->kind == JointKind::universal) {
+        // The axis of `to_body` is made perpendicular to that of `body`.
+        const Vector axis = unit(vector_of(joint->axis)), to_axis = vector_of(joint->to_axis);
+        turn(axis, static_cast<int>(body) == joint->body);
+        turn(unit(to_axis - axis * reference::dot(to_axis, axis)), static_cast<int>(body) != joint->body);
+    }
+    speeds_ += node.free.size();
+    node_of_[body] = static_cast<int>(nodes_.size());
+    nodes_.push_back(std::move(node));
+}
+
+Motion JointTrees::motion_of(int body, const Motions& motions) {
+    return body < 0 ? Motion{} : motions[static_cast<std::size_t>(body)];
+}
+
+JointTrees::Place JointTrees::place_of(std::size_t node, std::span<const Number> state) const {
+    const auto at = state.subspan(node * numbers_of_place);
+    return {Rotation{at[0], {at[1], at[2], at[3]}}.normalized(), {at[4], at[5], at[6]}};
+}
+
+std::span<const Number> JointTrees::speeds_of(std::span<const Number> state) const {
+    return state.subspan(nodes_.size() * numbers_of_place);
+}
+
+std::vector<Number> JointTrees::start() const {
+    std::vector<Number> state(nodes_.size() * numbers_of_place + speeds_);
+    for (std::size_t i = 0; i < nodes_.size(); ++i) state[i * numbers_of_place] = 1;
+    return state;
+}
+
+void JointTrees::normalize(std::span<Number> state) const {
+    for (std::size_t i = 0; i < nodes_.size(); ++i) {
+        const Rotation turned = place_of(i, state).turned;
+        const Number numbers[] = {turned.w, turned.v.x, turned.v.y, turned.v.z};
+        std::copy(std::begin(numbers), std::end(numbers), state.subspan(i * numbers_of_place).begin());
+    }
+}
+
+JointTrees::Links JointTrees::place(std::span<const Number> state, Motions& motions) const {
+    for (std::size_t i = 0; i < nodes_.size(); ++i) {
+        const Node& node = nodes_[i];
+        const Motion parent = motion_of(node.parent, motions);
+        const auto [turned, travel] = place_of(i, state);
+        Motion& own = motions[node.body];
+        own.q = parent.q * turned * node.rest;
+        own.x = parent.x + parent.q.rotate(node.arm_of_parent + travel) - own.q.rotate(node.arm);
+    }
+    const auto speeds = speeds_of(state);
+    Links links = links_of(state, motions);
+    for (std::size_t i = 0; i < nodes_.size(); ++i) {
+        const Node& node = nodes_[i];
+        Six velocity = carried(velocity_of(motion_of(node.parent, motions)), links[i].reach);
+        for (std::size_t k = 0; k < node.free.size(); ++k)
+            velocity = plus(velocity, links[i].free[k], speeds[node.first_speed + k]);
+        Motion& own = motions[node.body];
+        own.v = linear(velocity);
+        own.w = own.q.rotate_back(angular(velocity));
+    }
+    return links;
+}
+
+// In the parent's axes, of unit length.
+Vector JointTrees::axis_of(const Direction& direction, const Place& at) {
+    return direction.is_kept_by_own ? at.turned.rotate(direction.axis) : direction.axis;
+}
+
+JointTrees::Links JointTrees::links_of(std::span<const Number> state, const Motions& motions) const {
+    Links links(nodes_.size());
+    for (std::size_t i = 0; i < nodes_.size(); ++i) {
+        const Node& node = nodes_[i];
+        const Motion &own = motions[node.body], parent = motion_of(node.parent, motions);
+        const Place at = place_of(i, state);
+        links[i].reach = own.x - parent.x;
+        links[i].free.reserve(node.free.size());
+        for (const Direction& direction : node.free) {
+            const Vector axis = parent.q.rotate(axis_of(direction, at));
+            links[i].free.push_back(direction.turns ? six(cross(own.q.rotate(node.arm), axis), axis) : six(axis, {}));
+        }
+    }
+    return links;
+}
+
+// The acceleration of a body at constant speeds, where its parent's is zero.
+Six JointTrees::bias_of(std::size_t i, std::span<const Number> state, const Link& link, const Motions& motions) const {
+    const Node& node = nodes_[i];
+    const Motion &own = motions[node.body], parent = motion_of(node.parent, motions);
+    const Vector w = own.q.rotate(own.w), w_parent = parent.q.rotate(parent.w), arm = own.q.rotate(node.arm);
+    const auto speeds = speeds_of(state);
+    Vector turning, sliding;  // change of the angular velocity as the axes turn, rad/s^2; speed of the travel, m/s
+    for (std::size_t k = 0; k < node.free.size(); ++k) {
+        const Number speed = speeds[node.first_speed + k];
+        const Direction& direction = node.free[k];
+        if (!direction.turns) sliding = sliding + linear(link.free[k]) * speed;
+        else turning = turning + cross(direction.is_kept_by_own ? w : w_parent, angular(link.free[k])) * speed;
+    }
+    const Vector of_anchor = cross(w_parent, cross(w_parent, link.reach + arm)) + cross(w_parent, sliding) * 2;
+    return six(of_anchor - cross(turning, arm) - cross(w, cross(w, arm)), turning);
+}
+
+Matrix JointTrees::inertia_of(std::size_t body, const Motions& motions) const {
+    const Vector axes[] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    const Rotation& q = motions[body].q;
+    Matrix inertia;
+    for (std::size_t i = 0; i < 3; ++i) {
+        inertia[i] = six(axes[i] * bodies_[body].mass, {});
+        inertia[i + 3] = six({}, q.rotate(bodies_[body].inertia * q.rotate_back(axes[i])));
+    }
+    return inertia;
+}
+
+// From the leaves to the roots each free direction is eliminated from the inertia that its parent feels; from the roots
+// to the leaves the rates follow.
+void JointTrees::solve(const Motions& motions, const Links& links, const std::vector<Six>& forces,
+                       const std::vector<Six>& bias, const std::vector<Six>& base, std::span<Number> along) const {
+    struct Eliminated {
+        Six felt;               // the inertia times the direction
+        Number force, inertia;  // along the direction
+    };
+    std::vector<Eliminated> eliminated(speeds_);
+    std::vector<Matrix> inertias;
+    std::vector<Six> needed;  // force for no acceleration
+    for (const Node& node : nodes_) inertias.push_back(inertia_of(node.body, motions));
+    for (const Six& force : forces) needed.push_back(plus({}, force, -1));
+    const auto node_at = [&](int body) { return body < 0 ? -1 : node_of_[static_cast<std::size_t>(body)]; };
+    for (std::size_t i = nodes_.size(); i-- > 0;) {
+        Matrix& inertia = inertias[i];
+        needed[i] = plus(needed[i], times(inertia, bias[i]));
+        for (std::size_t k = 0; k < links[i].free.size(); ++k) {
+            const Six felt = times(inertia, links[i].free[k]);
+            const Eliminated now{felt, -dot(links[i].free[k], needed[i]), dot(links[i].free[k], felt)};
+            for (std::size_t r = 0; r < 6; ++r) inertia[r] = plus(inertia[r], felt, -felt[r] / now.inertia);
+            needed[i] = plus(needed[i], felt, now.force / now.inertia);
+            eliminated[nodes_[i].first_speed + k] = now;
+        }
+        const int parent = node_at(nodes_[i].parent);
+        if (parent < 0) continue;
+        const auto p = static_cast<std::size_t>(parent);
+        needed[p] = plus(needed[p], carried_back(needed[i], links[i].reach));
+        const Matrix added = carried_back(inertia, links[i].reach);
+        for (std::size_t r = 0; r < 6; ++r) inertias[p][r] = plus(inertias[p][r], added[r]);
+    }
+    std::vector<Six> rates(nodes_.size());
+    for (std::size_t i = 0; i < nodes_.size(); ++i) {
+        const int parent = node_at(nodes_[i].parent);
+        rates[i] = carried(parent < 0 ? base[i] : rates[static_cast<std::size_t>(parent)], links[i].reach);
+        for (std::size_t k = links[i].free.size(); k-- > 0;) {
+            const Eliminated& of = eliminated[nodes_[i].first_speed + k];
+            const Number rate = (of.force - dot(of.felt, rates[i])) / of.inertia;
+            rates[i] = plus(rates[i], links[i].free[k], rate);
+            along[nodes_[i].first_speed + k] = rate;
+        }
+        rates[i] = plus(rates[i], bias[i]);
+    }
+}
+
+// The momentum of the bodies takes the place of forces, and the speeds that of their rates.
+void JointTrees::end_velocities_across(std::span<Number> state, const Motions& motions) const {
+    std::vector<Six> momenta, bases;
+    for (const Node& node : nodes_) {
+        momenta.push_back(times(inertia_of(node.body, motions), velocity_of(motions[node.body])));
+        bases.push_back(velocity_of(motion_of(node.parent, motions)));
+    }
+    solve(motions, links_of(state, motions), momenta, std::vector<Six>(nodes_.size()), bases,
+          state.subspan(nodes_.size() * numbers_of_place));
+}
+
+void JointTrees::rate(std::span<const Number> state, const Links& links, const Motions& motions,
+                      const std::vector<Wrench>& loads, std::span<Number> rates) const {
+    const auto speeds = speeds_of(state);
+    std::vector<Six> forces, bias;
+    for (std::size_t i = 0; i < nodes_.size(); ++i) {
+        const Node& node = nodes_[i];
+        const Motion& own = motions[node.body];
+        const Wrench& load = loads[node.body];
+        forces.push_back(
+            six(load.force_w, own.q.rotate(load.torque_b - cross(own.w, bodies_[node.body].inertia * own.w))));
+        bias.push_back(bias_of(i, state, links[i], motions));
+
+        const auto numbers = state.subspan(i * numbers_of_place);
+        const Place at = place_of(i, state);
+        Vector turning, sliding;  // in the parent's axes
+        for (std::size_t k = 0; k < node.free.size(); ++k) {
+            Vector& sum = node.free[k].turns ? turning : sliding;
+            sum = sum + axis_of(node.free[k], at) * speeds[node.first_speed + k];
+        }
+        const Rotation rate =
+            Rotation{0, turning} * Rotation{numbers[0], {numbers[1], numbers[2], numbers[3]}} * Number(0.5);
+        const Number place[] = {rate.w, rate.v.x, rate.v.y, rate.v.z, sliding.x, sliding.y, sliding.z};
+        std::copy(std::begin(place), std::end(place), rates.subspan(i * numbers_of_place).begin());
+    }
+    solve(motions, links, forces, bias, std::vector<Six>(nodes_.size()),
+          rates.subspan(nodes_.size() * numbers_of_place));
+}
+
+}  // namespace tumble::host

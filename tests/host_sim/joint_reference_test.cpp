@@ -1,0 +1,556 @@
+// The reference of jointed bodies against motions that are known in closed form or by other equations.
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "truth/smooth_motion.hpp"
+#include "truth/trajectory.hpp"
+
+namespace tumble::host {
+namespace {
+
+using reference::exponential, reference::Motion, reference::Number, reference::Rotation, reference::Vector,
+    reference::vector_of, reference::rotation_of;
+
+constexpr Number pi = std::numbers::pi_v<Number>;
+// Of motions of a few metres and radians over seconds. Scenes are in double precision, so they are rounded at 1e-16.
+constexpr Number tolerance = 2e-14L;
+
+Triple triple(const Vector& v) { return {double(v.x), double(v.y), double(v.z)}; }
+Quadruple quadruple(const Rotation& q) { return {double(q.w), double(q.v.x), double(q.v.y), double(q.v.z)}; }
+
+// A scene that is turned, mirrored and moved as a whole: every vector goes through it. A mirror takes x to -x.
+struct Frame3 {
+    Rotation turn{};
+    Vector origin{};
+    bool is_mirrored = false;
+
+    [[nodiscard]] Vector direction(Vector v) const {
+        if (is_mirrored) v.x = -v.x;
+        return turn.rotate(v);
+    }
+    // Of a rotation or an angular velocity.
+    [[nodiscard]] Vector axial(const Vector& v) const { return is_mirrored ? -direction(v) : direction(v); }
+    [[nodiscard]] Vector point(const Vector& v) const { return origin + direction(v); }
+};
+const Frame3 frames[] = {
+    {},
+    {exponential<Number>({0.3L, -1.1L, 0.7L}), {2, -1, 3}},
+    {exponential<Number>({-2.0L, 0.4L, 0.9L}), {-4, 0.5L, 1}, true},
+};
+
+struct Built {
+    SceneDescription scene;
+
+    Built() {
+        scene.step = StepSize{1, 64};
+        scene.duration = 100;
+        scene.contact.response = ContactResponse::none;
+    }
+    // `angular_velocity` in the world.
+    int add(const Triple& box, double mass, const Vector& position, const Rotation& orientation = {},
+            const Vector& velocity = {}, const Vector& angular_velocity = {}) {
+        BodyDescription body;
+        body.name = "body " + std::to_string(scene.bodies.size());
+        body.shape.kind = ShapeKind::box;
+        body.shape.size = box;
+        body.mass = mass;
+        body.position = triple(position);
+        body.orientation = quadruple(orientation);
+        body.velocity = triple(velocity);
+        body.angular_velocity = triple(orientation.rotate_back(angular_velocity));
+        scene.bodies.push_back(body);
+        return static_cast<int>(scene.bodies.size()) - 1;
+    }
+    void join(JointKind kind, int body, int to_body, const Vector& anchor, const Vector& axis = {0, 0, 1},
+              const Vector& to_axis = {}) {
+        JointDescription joint;
+        joint.name = "joint " + std::to_string(scene.joints.size());
+        joint.kind = kind;
+        joint.body = body;
+        joint.to_body = to_body;
+        joint.anchor = triple(anchor);
+        joint.axis = triple(axis);
+        joint.to_axis = triple(to_axis);
+        scene.joints.push_back(joint);
+    }
+    // At a time, s.
+    [[nodiscard]] std::vector<Motion> at(double time) const {
+        SmoothMotion motion(scene, [](ShapeKind, ShapeKind) { return true; });
+        motion.advance_to(nearest_step(time, scene.step));
+        return motion.bodies();
+    }
+};
+
+void expect_near(const Vector& got, const Vector& expected, Number most = tolerance) {
+    EXPECT_LE(static_cast<double>(norm(got - expected)), static_cast<double>(most * (1 + norm(expected))))
+        << "got " << static_cast<double>(got.x) << " " << static_cast<double>(got.y) << " "
+        << static_cast<double>(got.z) << ", expected " << static_cast<double>(expected.x) << " "
+        << static_cast<double>(expected.y) << " " << static_cast<double>(expected.z);
+}
+void expect_near(const Rotation& got, const Rotation& expected, Number most = tolerance) {
+    EXPECT_LE(static_cast<double>(angle_between(got, expected)), static_cast<double>(most));
+}
+
+Number moment_about(const Triple& box, Number mass) { return mass * (box[0] * box[0] + box[1] * box[1]) / 12; }
+
+// A rod of `length` that hangs from the origin by one end, turned by `angle` about z.
+constexpr double width = 0.125;
+Triple rod(double length) { return {width, length, width}; }
+Vector hanging(Number length, Number angle) { return {length * std::sin(angle), -length * std::cos(angle), 0}; }
+
+Number arithmetic_geometric_mean(Number a, Number b) {
+    while (std::abs(a - b) > 1e-18L * a) {
+        const Number mean = (a + b) / 2;
+        b = std::sqrt(a * b);
+        a = mean;
+    }
+    return a;
+}
+
+TEST(JointReference, pendulum_returns_after_the_period_by_the_arithmetic_geometric_mean) {
+    const struct {
+        JointKind kind;
+        double length, mass, amplitude;
+        StepSize step;
+    } cases[] = {
+        {JointKind::hinge, 1, 1, 2.5, {1, 64}},
+        {JointKind::hinge, 0.25, 7, -3.1, {1, 100}},
+        {JointKind::ball, 2, 0.5, 1.0, {1, 128}},
+        {JointKind::universal, 1.5, 3, -1.5, {1, 50}},
+    };
+    for (const auto& c : cases) {
+        for (const Frame3& frame : frames) {
+            // Gravity that makes the period 2 s.
+            const Number centre = Number(c.length) / 2,
+                         moment = moment_about(rod(c.length), c.mass) + c.mass * centre * centre,
+                         rate = pi / arithmetic_geometric_mean(1, std::cos(Number(c.amplitude) / 2)),
+                         gravity = rate * rate * moment / (c.mass * centre);
+            Built built;
+            built.scene.step = c.step;
+            built.scene.gravity = triple(frame.direction({0, -gravity, 0}));
+            const Rotation start = exponential(frame.axial({0, 0, c.amplitude})) * frame.turn;
+            const Vector at_start = frame.point(hanging(centre, c.amplitude));
+            const int body = built.add(rod(c.length), c.mass, at_start, start);
+            built.join(c.kind, body, -1, frame.origin, frame.axial({0, 0, 1}), frame.direction({1, 0, 0}));
+            const std::vector<Motion> half = built.at(1), whole = built.at(2);
+            expect_near(half[0].x, frame.point(hanging(centre, -c.amplitude)), 1e-12L);
+            expect_near(whole[0].x, at_start, 1e-12L);
+            expect_near(whole[0].q, start, 1e-12L);
+            expect_near(whole[0].v, {}, 1e-11L);
+        }
+    }
+}
+
+// Two rods in the plane, by Lagrange's equations in their angles from hanging.
+struct DoublePendulum {
+    Number gravity, mass[2], length[2];
+    using State = std::array<Number, 4>;  // angles, rates
+
+    void operator()(const State& s, State& rate, Number) const {
+        const Number d1 = length[0] / 2, d2 = length[1] / 2,
+                     m11 = mass[0] * (length[0] * length[0] + Number(width) * width) / 12 + mass[0] * d1 * d1 +
+                           mass[1] * length[0] * length[0],
+                     m22 = mass[1] * (length[1] * length[1] + Number(width) * width) / 12 + mass[1] * d2 * d2,
+                     coupling = mass[1] * length[0] * d2, m12 = coupling * std::cos(s[0] - s[1]),
+                     turn = coupling * std::sin(s[0] - s[1]),
+                     f1 = -turn * s[3] * s[3] - (mass[0] * d1 + mass[1] * length[0]) * gravity * std::sin(s[0]),
+                     f2 = turn * s[2] * s[2] - mass[1] * d2 * gravity * std::sin(s[1]),
+                     determinant = m11 * m22 - m12 * m12;
+        rate = {s[2], s[3], (m22 * f1 - m12 * f2) / determinant, (m11 * f2 - m12 * f1) / determinant};
+    }
+};
+
+TEST(JointReference, double_pendulum_follows_the_equations_of_lagrange) {
+    const struct {
+        double mass[2], length[2], angle[2], rate[2];
+        JointKind kind;
+    } cases[] = {
+        {{1, 1}, {1, 1}, {2.0, 2.4}, {0, 0}, JointKind::hinge},
+        {{5, 0.25}, {0.5, 1.5}, {-1.0, 0.5}, {3, -2}, JointKind::hinge},
+        {{0.5, 4}, {1.25, 0.75}, {1.5, -2.9}, {0, 4}, JointKind::ball},
+    };
+    for (const auto& c : cases) {
+        for (const Frame3& frame : frames) {
+            Built built;
+            built.scene.gravity = triple(frame.direction({0, -9.75L, 0}));
+            const Vector knee = hanging(c.length[0], c.angle[0]);
+            const auto turned = [&](Number angle) { return exponential(frame.axial({0, 0, angle})) * frame.turn; };
+            const auto velocity = [&](Number rate, const Vector& arm) { return cross(Vector{0, 0, rate}, arm); };
+            const Vector to_upper = hanging(Number(c.length[0]) / 2, c.angle[0]),
+                         to_lower = hanging(Number(c.length[1]) / 2, c.angle[1]);
+            const int upper = built.add(rod(c.length[0]), c.mass[0], frame.point(to_upper), turned(c.angle[0]),
+                                        frame.direction(velocity(c.rate[0], to_upper)), frame.axial({0, 0, c.rate[0]}));
+            const int lower = built.add(rod(c.length[1]), c.mass[1], frame.point(knee + to_lower), turned(c.angle[1]),
+                                        frame.direction(velocity(c.rate[0], knee) + velocity(c.rate[1], to_lower)),
+                                        frame.axial({0, 0, c.rate[1]}));
+            // The knee's sides are in either order.
+            if (frame.is_mirrored) built.join(c.kind, upper, lower, frame.point(knee), frame.axial({0, 0, 1}));
+            else built.join(c.kind, lower, upper, frame.point(knee), frame.axial({0, 0, 1}));
+            built.join(c.kind, upper, -1, frame.origin, frame.axial({0, 0, 1}));
+            DoublePendulum::State state{c.angle[0], c.angle[1], c.rate[0], c.rate[1]};
+            reference::integrate(DoublePendulum{9.75L, {c.mass[0], c.mass[1]}, {c.length[0], c.length[1]}}, state,
+                                 Number(0), Number(2));
+            const std::vector<Motion> end = built.at(2);
+            expect_near(end[0].x, frame.point(hanging(Number(c.length[0]) / 2, state[0])), 1e-12L);
+            expect_near(end[1].x,
+                        frame.point(hanging(c.length[0], state[0]) + hanging(Number(c.length[1]) / 2, state[1])),
+                        1e-12L);
+            expect_near(end[1].q, turned(state[1]), 1e-12L);
+        }
+    }
+}
+
+struct Sums {
+    Vector momentum, angular_momentum;  // about the origin
+    Number energy = 0;
+};
+Sums sums_of(const SceneDescription& scene, const std::vector<Motion>& motions) {
+    Sums sums;
+    const Vector gravity = vector_of(scene.gravity);
+    for (std::size_t i = 0; i < motions.size(); ++i) {
+        const BodyDescription& body = scene.bodies[i];
+        if (body.fixed) continue;
+        const Triple& size = body.shape.size;
+        const Number mass = *body.mass;
+        const Vector square{Number(size[0]) * size[0], Number(size[1]) * size[1], Number(size[2]) * size[2]},
+            moments = Vector{square.y + square.z, square.x + square.z, square.x + square.y} * (mass / 12);
+        const Motion& m = motions[i];
+        const Vector spin = times(moments, m.w);
+        sums.momentum = sums.momentum + m.v * mass;
+        sums.angular_momentum = sums.angular_momentum + cross(m.x, m.v) * mass + m.q.rotate(spin);
+        sums.energy += (mass * dot(m.v, m.v) + dot(m.w, spin)) / 2 - mass * dot(gravity, m.x);
+    }
+    return sums;
+}
+
+// Bodies of random size, place and motion that hang on each other by all kinds of joints.
+Built random_tree(unsigned seed, bool is_tied) {
+    std::mt19937 random(seed);
+    const auto next = [&](double from, double to) { return std::uniform_real_distribution<double>(from, to)(random); };
+    const auto vector = [&](double most) { return Vector{next(-most, most), next(-most, most), next(-most, most)}; };
+    Built built;
+    constexpr int bodies = 7;
+    for (int i = 0; i < bodies; ++i)
+        built.add({next(0.2, 1), next(0.2, 1), next(0.2, 1)}, next(0.5, 4), vector(2), exponential(vector(2)),
+                  vector(1), vector(2));
+    constexpr JointKind kinds[] = {JointKind::hinge, JointKind::ball, JointKind::fixed, JointKind::slider,
+                                   JointKind::universal};
+    for (int i = is_tied ? 0 : 1; i < bodies; ++i) {
+        const Vector axis = vector(1), to_axis = cross(axis, vector(1));
+        const int other = i == 0 ? -1 : static_cast<int>(next(0, i));
+        const Vector anchor = vector_of(built.scene.body(i).position) + vector(0.5);
+        const JointKind kind = kinds[(static_cast<unsigned>(i) + seed) % 5];
+        if (i % 2 == 0 || other < 0) built.join(kind, i, other, anchor, axis, to_axis);
+        else built.join(kind, other, i, anchor, axis, to_axis);
+    }
+    return built;
+}
+
+TEST(JointReference, free_trees_keep_momentum_and_energy) {
+    for (const unsigned seed : {1U, 2U, 3U, 4U, 5U}) {
+        const Built built = random_tree(seed, false);
+        // What the joints do not allow has ended after the first moment.
+        const Sums given = sums_of(built.scene, built.at(0)), start = sums_of(built.scene, built.at(1.0 / 64)),
+                   end = sums_of(built.scene, built.at(1));
+        expect_near(start.momentum, given.momentum);
+        expect_near(start.angular_momentum, given.angular_momentum);
+        EXPECT_LT(static_cast<double>(start.energy), static_cast<double>(given.energy));
+        expect_near(end.momentum, given.momentum);
+        expect_near(end.angular_momentum, given.angular_momentum);
+        EXPECT_NEAR(static_cast<double>(end.energy / start.energy), 1, 1e-14);
+    }
+}
+
+TEST(JointReference, tied_trees_keep_energy_under_gravity_and_joints_stay_closed) {
+    for (const unsigned seed : {1U, 2U, 3U, 4U, 5U}) {
+        Built built = random_tree(seed, true);
+        built.scene.gravity = {1, -9.5, 2};
+        const std::vector<Motion> first = built.at(0), early = built.at(1.0 / 64), late = built.at(1);
+        EXPECT_NEAR(static_cast<double>(sums_of(built.scene, late).energy / sums_of(built.scene, early).energy), 1,
+                    1e-13);
+        for (const JointDescription& joint : built.scene.joints) {
+            const auto side = [&](int body, const std::vector<Motion>& at) {
+                return body < 0 ? Motion{} : at[static_cast<std::size_t>(body)];
+            };
+            const auto arm = [&](int body) {
+                const Motion m = side(body, first);
+                return m.q.rotate_back(vector_of(joint.anchor) - m.x);
+            };
+            const Motion one = side(joint.body, late), other = side(joint.to_body, late);
+            const auto carried = [&](const Motion& now, int body, const Vector& v) {
+                return now.q.rotate(side(body, first).q.rotate_back(v * (1 / norm(v))));
+            };
+            const Vector gap = one.x + one.q.rotate(arm(joint.body)) - other.x - other.q.rotate(arm(joint.to_body)),
+                         axis = carried(one, joint.body, vector_of(joint.axis)),
+                         same = carried(other, joint.to_body, vector_of(joint.axis)),
+                         to_axis = carried(other, joint.to_body, vector_of(joint.to_axis));
+            if (joint.kind == JointKind::slider) expect_near(cross(gap, axis), {});
+            else expect_near(gap, {});
+            if (joint.kind == JointKind::hinge || joint.kind == JointKind::slider) expect_near(axis, same);
+            if (joint.kind == JointKind::universal) {
+                EXPECT_NEAR(static_cast<double>(dot(axis, to_axis)), 0, 1e-14);
+            }
+            if (joint.kind == JointKind::slider || joint.kind == JointKind::fixed)
+                expect_near(one.q * side(joint.body, first).q.conjugate(),
+                            other.q * side(joint.to_body, first).q.conjugate());
+        }
+    }
+}
+
+// Of a top of moments I1 about its tip and I3 about its axis, at the angle from upright: I1 W^2 cos - I3 w3 W + m g l =
+// 0, where W is the rate of the precession and w3 the spin about the axis.
+TEST(JointReference, top_on_a_ball_precesses_steadily) {
+    for (const Number angle : {0.5L, 1.25L, 2.5L}) {
+        for (const Frame3& frame : frames) {
+            const Number mass = 2, radius = 0.25L, gravity = 10, spin = 80;
+            const Triple box{0.5, 0.5, 0.25};
+            const Number across = mass * (0.25L + 0.0625L) / 12 + mass * radius * radius, along = mass * 0.5L / 12;
+            const Number b = along * spin,
+                         root = std::sqrt(b * b - 4 * across * std::cos(angle) * mass * gravity * radius),
+                         rate = 2 * mass * gravity * radius / (b + root);
+            // The axis leans from y towards x; the precession is about y.
+            const Vector axis{std::sin(angle), std::cos(angle), 0};
+            const Vector w = axis * (spin - rate * std::cos(angle)) + Vector{0, rate, 0};
+            const Rotation start =
+                exponential(frame.axial({0, 0, -angle})) * exponential(frame.axial({-pi / 2, 0, 0})) * frame.turn;
+            Built built;
+            built.scene.gravity = triple(frame.direction({0, -gravity, 0}));
+            const int top = built.add(box, double(mass), frame.point(axis * radius), start,
+                                      frame.direction(cross(w, axis * radius)), frame.axial(w));
+            built.join(JointKind::ball, top, -1, frame.origin);
+            const Vector end = exponential<Number>({0, rate * 2, 0}).rotate(axis * radius);
+            expect_near(built.at(2)[0].x, frame.point(end), 1e-12L);
+        }
+    }
+}
+
+// The angular momentum of a rotor in two rings turns the outer ring: against a body with the rotor as stored momentum.
+TEST(JointReference, rotor_on_a_hinge_acts_as_stored_momentum) {
+    // The rotor is round about its axle, so the rest of the motion does not show its angle.
+    const auto housing_at_end = [](bool has_rotor) {
+        Built built;
+        const Vector axle{0, 0, 1};
+        const Number spin = 40;
+        const Vector w{0.5L, -0.25L, 0};
+        const int housing = built.add({1, 0.5, 0.75}, 3, {1, 2, 3}, {}, {}, w);
+        const Triple disc{0.5, 0.5, 0.125};
+        const int rotor = built.add(disc, 1, {1, 2, 3}, {}, {}, w + axle * (has_rotor ? spin : 0));
+        if (has_rotor) {
+            built.join(JointKind::hinge, rotor, housing, {1, 2, 3}, axle);
+        } else {
+            // The rotor's momentum is that of the wheel along the axle; the body turns with it about other axes. A
+            // rotor that is free about the axle adds no moment there: the housing's moment about z is its own alone.
+            const Number along = moment_about(disc, 1), across = (0.25L + 0.015625L) / 12;
+            const Number x = 3 * (0.25L + 0.5625L) / 12 + across, y = 3 * (1 + 0.5625L) / 12 + across,
+                         z = 3 * (1 + 0.25L) / 12;
+            built.scene.bodies.pop_back();
+            built.scene.bodies[0].inertia = {double(x), double(y), double(z), 0, 0, 0};
+            built.scene.bodies[0].wheel_momentum = triple(axle * (along * spin));
+        }
+        return built.at(2)[0].q;
+    };
+    expect_near(housing_at_end(true), housing_at_end(false), 1e-12L);
+}
+
+TEST(JointReference, body_slides_down_a_slope) {
+    for (const Frame3& frame : frames) {
+        Built built;
+        built.scene.gravity = triple(frame.direction({0, -10, 0}));
+        const Vector down{0.8L, -0.6L, 0};
+        const int block = built.add({1, 2, 3}, 2, frame.point({1, 1, 1}), frame.turn, frame.direction({0, -5, 3}),
+                                    frame.axial({1, 2, 3}));
+        built.join(JointKind::slider, block, -1, frame.point({2, 5, 0}), frame.direction(down * -4));
+        // The start keeps the part of the velocity along the slope, 3 m/s; gravity has 6 m/s^2 there.
+        const Motion end = built.at(2)[0];
+        expect_near(end.x, frame.point(Vector{1, 1, 1} + down * (3 * 2 + 6 * 2)));
+        expect_near(end.v, frame.direction(down * (3 + 12)));
+        expect_near(end.w, {});
+        expect_near(end.q, frame.turn);
+    }
+}
+
+// A bead that slides along an arm on a hinge, both without weight: with L = (I + m r^2) w, r'' = r w^2.
+TEST(JointReference, bead_slides_out_along_a_turning_arm) {
+    for (const bool is_reversed : {false, true}) {
+        for (const Frame3& frame : frames) {
+            const Number rate = 2, out = 0.5L;
+            const Triple arm_box{2, 0.25, 0.25}, bead_box{0.25, 0.25, 0.25};
+            const Number arm_moment = moment_about(arm_box, 3), bead_moment = moment_about(bead_box, 1.5);
+            Built built;
+            const Vector w = frame.axial({0, 0, rate});
+            const int arm = built.add(arm_box, 3, frame.origin, frame.turn, {}, w),
+                      bead = built.add(bead_box, 1.5, frame.point({out, 0, 0}), frame.turn,
+                                       frame.direction({0.25L, rate * out, 0}), w);
+            built.join(JointKind::hinge, arm, -1, frame.origin, frame.axial({0, 0, 1}));
+            const Vector axis = frame.direction({1, 0, 0}), anchor = frame.point({out, 0, 0});
+            if (is_reversed) built.join(JointKind::slider, arm, bead, anchor, axis);
+            else built.join(JointKind::slider, bead, arm, anchor, axis);
+            using State = std::array<Number, 3>;  // r, r', angle
+            const Number momentum = (arm_moment + bead_moment + 1.5L * out * out) * rate;
+            State state{out, 0.25L, 0};
+            const auto equations = [&](const State& s, State& r, Number) {
+                const Number turning = momentum / (arm_moment + bead_moment + 1.5L * s[0] * s[0]);
+                r = {s[1], s[0] * turning * turning, turning};
+            };
+            reference::integrate(equations, state, Number(0), Number(2));
+            const std::vector<Motion> end = built.at(2);
+            expect_near(end[1].x, frame.point({state[0] * std::cos(state[2]), state[0] * std::sin(state[2]), 0}),
+                        1e-13L);
+            expect_near(end[0].x, frame.origin);
+        }
+    }
+}
+
+TEST(JointReference, welded_bodies_tumble_as_one) {
+    // Two halves of a box, welded at a corner, against the whole.
+    const Vector w{0.5L, 2, -0.25L}, velocity{1, 0, 2};
+    const Rotation turn = exponential<Number>({0.5L, 0.25L, -1});
+    const auto point = [&](Number x) { return turn.rotate({x, 0, 0}); };
+    Built halves, whole;
+    for (const Number x : {-0.5L, 0.5L}) halves.add({1, 0.5, 2}, 3, point(x), turn, velocity + cross(w, point(x)), w);
+    halves.join(JointKind::fixed, 1, 0, turn.rotate({0, 0.25L, 1}));
+    whole.add({2, 0.5, 2}, 6, {}, turn, velocity, w);
+    for (Built* built : {&halves, &whole}) built->scene.gravity = {0, -10, 0};
+    const std::vector<Motion> parts = halves.at(2);
+    const Motion one = whole.at(2)[0];
+    expect_near((parts[0].x + parts[1].x) * 0.5L, one.x);
+    expect_near(parts[0].q, one.q);
+    expect_near(parts[1].q, one.q);
+    expect_near(parts[1].w, one.w);
+}
+
+TEST(JointReference, velocities_across_joints_end_at_the_start_as_in_a_blow) {
+    // A rod that flies sideways is caught at one end: its angular momentum about the end stays.
+    Built built;
+    const int body = built.add(rod(1), 2, {0, -0.5L, 0}, {}, {3, 1, 2}, {4, 0, 1});
+    built.join(JointKind::hinge, body, -1, {});
+    const Number own = moment_about(rod(1), 2), about_end = own + 0.5L;
+    expect_near(built.at(1.0 / 64)[0].w, {0, 0, (own * 1 + 2 * 0.5L * 3) / about_end});
+    // Before the first step they are those of the scene.
+    expect_near(built.at(0)[0].v, {3, 1, 2});
+}
+
+TEST(JointReference, impulse_moves_the_whole_tree) {
+    // A blow of 4 N s on the tip of the lower of two rods in line, which are on a ball and a hinge and at rest.
+    Built built;
+    const int upper = built.add(rod(1), 1, {0, -0.5L, 0}), lower = built.add(rod(1), 1, {0, -1.5L, 0});
+    built.join(JointKind::ball, upper, -1, {});
+    built.join(JointKind::hinge, lower, upper, {0, -1, 0});
+    ImpulseDescription blow;
+    blow.body = lower;
+    blow.time = 1.0 / 64;
+    blow.impulse = {4, 0, 0};
+    blow.point = {0, -0.5, 0};
+    built.scene.impulses.push_back(blow);
+    expect_near(built.at(1.0 / 64)[1].v, {});
+    // Both rates from the momenta about the upper end and, of the lower rod, about the knee.
+    const Number end = moment_about(rod(1), 1) + 0.25L, m11 = end + 1, m12 = 0.5L, m22 = end,
+                 determinant = m11 * m22 - m12 * m12, j1 = 4, j2 = 4;
+    const Number w1 = (m22 * j1 - m12 * j2) / determinant, w2 = (m11 * j2 - m12 * j1) / determinant;
+    Built late = built;
+    late.scene.step = StepSize{1, std::int64_t{1} << 20};  // so that the next step is 1e-6 s later
+    late.scene.impulses[0].time = 0;
+    const std::vector<Motion> after = late.at(0x1p-20);
+    expect_near(after[0].w, {0, 0, w1}, 1e-9L);
+    expect_near(after[1].w, {0, 0, w2}, 1e-9L);
+    // Energy: what the blow gives at the speed of its point, halfway from rest.
+    const Number work = 4 * (w1 + w2) / 2;
+    EXPECT_NEAR(static_cast<double>(sums_of(built.scene, built.at(1)).energy), static_cast<double>(work), 1e-13);
+}
+
+TEST(JointReference, loads_on_bodies_move_their_joints) {
+    // About a hinge: drag slows by exp(-c t / I); a force of the body's frame turns evenly.
+    const Number moment = moment_about(rod(1), 2) + 0.5L;
+    Built slowed;
+    slowed.add(rod(1), 2, {0, -0.5L, 0}, {}, {1, 0, 0}, {0, 0, 2});
+    slowed.join(JointKind::hinge, 0, -1, {});
+    slowed.scene.angular_drag = 0.25;
+    slowed.scene.linear_drag = 0.5;  // at the centre, at 1/2 m
+    expect_near(slowed.at(2)[0].w, {0, 0, 2 * std::exp(-(0.25L + 0.125L) * 2 / moment)});
+    Built pushed;
+    pushed.add(rod(1), 2, {0, -0.5L, 0});
+    pushed.join(JointKind::hinge, 0, -1, {});
+    ForceDescription force;
+    force.until = 2;
+    force.frame = Frame::body;
+    force.force = {1, 5, 0};
+    force.point = {0, -0.5, 0};
+    force.torque = {3, 0, 0.5};
+    pushed.scene.forces.push_back(force);
+    expect_near(pushed.at(2)[0].w, {0, 0, 1.5L * 2 / moment});
+    // A spring from the tip of a slider's body to the world.
+    Built sprung;
+    sprung.add({1, 1, 1}, 2, {1, 0, 0});
+    sprung.join(JointKind::slider, 0, -1, {}, {1, 0, 0});
+    SpringDescription spring;
+    spring.point = {0, 0.5, 0};
+    spring.to = {0, 0.5, 0};
+    spring.stiffness = 8;
+    sprung.scene.springs.push_back(spring);
+    sprung.scene.gravity = {0, -10, 0};  // across
+    expect_near(sprung.at(2)[0].x, {std::cos(Number(4)), 0, 0});
+}
+
+TEST(JointReference, fixed_body_carries_a_tree_as_the_world_does) {
+    const Rotation turn = exponential<Number>({1, -0.5L, 0.25L});
+    const auto end = [&](bool on_body, bool is_reversed) {
+        Built built;
+        built.scene.gravity = {0, -9, 1};
+        const int swing = built.add({1, 0.5, 0.25}, 2, {3, 0, 0});
+        const int base = built.add({1, 1, 1}, 1, {1, 1, 1}, turn);
+        built.scene.bodies.back().fixed = true;
+        const int to = on_body ? base : -1;
+        const Vector axis{1, 2, 0}, to_axis{2, -1, 0}, anchor{2, 0.5L, 0};
+        if (is_reversed) built.join(JointKind::universal, base, swing, anchor, to_axis, axis);
+        else built.join(JointKind::universal, swing, to, anchor, axis, to_axis);
+        return built.at(2)[0];
+    };
+    const Motion on_world = end(false, false);
+    expect_near(end(true, false).x, on_world.x);
+    expect_near(end(true, false).q, on_world.q);
+    expect_near(end(true, true).x, on_world.x);
+}
+
+TEST(JointReference, order_of_joints_does_not_matter) {
+    for (const unsigned seed : {1U, 2U}) {
+        Built built = random_tree(seed, seed == 1);
+        built.scene.gravity = {0, -9.5, 0};
+        const std::vector<Motion> one = built.at(1);
+        std::reverse(built.scene.joints.begin(), built.scene.joints.end());
+        const std::vector<Motion> other = built.at(1);
+        for (std::size_t i = 0; i < one.size(); ++i) {
+            expect_near(other[i].x, one[i].x);
+            expect_near(other[i].q, one[i].q);
+        }
+    }
+}
+
+TEST(JointReference, jointed_bodies_touch_nothing) {
+    Built built;
+    built.scene.contact.response = ContactResponse::impulse;
+    built.scene.planes.push_back({"floor"});
+    built.add({1, 1, 1}, 1, {});
+    built.add({1, 1, 1}, 1, {});
+    built.join(JointKind::ball, 0, 1, {});
+    const auto all_meet = [](ShapeKind, ShapeKind) { return true; };
+    EXPECT_FALSE(SmoothMotion(built.scene, all_meet).can_touch());
+    built.scene.joints.clear();
+    EXPECT_TRUE(SmoothMotion(built.scene, all_meet).can_touch());
+}
+
+TEST(JointReference, loop_is_refused) {
+    Built built;
+    built.add({1, 1, 1}, 1, {});
+    built.add({1, 1, 1}, 1, {1, 0, 0});
+    built.join(JointKind::hinge, 0, -1, {});
+    built.join(JointKind::hinge, 1, 0, {});
+    built.join(JointKind::hinge, 1, -1, {});
+    EXPECT_THROW(built.at(0), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace tumble::host
