@@ -48,7 +48,8 @@ requires(N::fixed_point) struct JointNumbers<N> {
             static_cast<std::int64_t>(a.raw) * (std::int64_t{1} << (down_bits < -32 ? 32 : -down_bits));
         return {static_cast<std::int32_t>(up > INT32_MAX ? INT32_MAX : up < -INT32_MAX ? -INT32_MAX : up)};
     }
-    // The same with ties to even, by 1 bit or more: a bias of a quarter of a unit would push a free mechanism on and on.
+    // The same with ties to even, by 1 bit or more: a bias of a quarter of a unit would push a free mechanism on and
+    // on.
     [[nodiscard]] TUMBLE_INLINE static Unit down_even(Unit a, int bits) {
         if (bits > 30) return Unit{0};
         return Unit{(a.raw + ((1 << bits >> 1) - 1) + ((a.raw >> bits) & 1)) >> bits};
@@ -102,11 +103,19 @@ requires(N::fixed_point) struct JointNumbers<N> {
             return detail::multiply(a.raw, std::int32_t{1} << up);
         else return up >= 0 ? raised(a.raw, up) : a.raw >> (up < -31 ? 31 : -up);
     }
-    // A turn, rad, times 2^log2 m.
-    template <int bits>
-    [[nodiscard]] TUMBLE_INLINE static Open lean(Unit a, int log2) {
+    // A turn, rad, times 2^log2 m, in 2^-bits m. Clears `fits` where it is held.
+    [[nodiscard]] TUMBLE_INLINE static Unit lean(Unit a, int log2, int bits, bool& fits) {
         const int up = bits - Unit::fraction_bits + log2;
-        return up >= 0 ? raised(a.raw, up) : a.raw >> (up < -31 ? 31 : -up);
+        if (up < 0) return {a.raw >> (up < -31 ? 31 : -up)};
+        const auto raised = static_cast<std::int32_t>(static_cast<std::uint32_t>(a.raw) << (up & 31));
+        if (up < 31 && raised >> up == a.raw && within(raised, 30)) [[likely]]
+            return {raised};
+        fits = fits && a.raw == 0;
+        return {a.raw < 0 ? -0x3fffffff : a.raw > 0 ? 0x3fffffff : 0};
+    }
+    // True of a number of so many bits and a sign.
+    [[nodiscard]] TUMBLE_INLINE static bool within(std::int32_t a, int bits) {
+        return static_cast<std::uint32_t>(a) + (1u << bits) < 2u << bits;
     }
     // Component i of spin x arm, the spin in 2^-of_spin.
     template <int i>
@@ -118,19 +127,16 @@ requires(N::fixed_point) struct JointNumbers<N> {
         return lowered(spin.raw, of_spin - log2 - bits);
     }
     // What is open as a Unit. Clears `fits` where it is held.
-    [[nodiscard]] TUMBLE_INLINE static Unit held(Open a, bool& fits) {
-        constexpr std::int32_t most = 0x3fffffff;
-        if (a <= most && a >= -most) [[likely]]
-            return {static_cast<std::int32_t>(a)};
-        fits = false;
-        return {a < 0 ? -most : most};
-    }
+    [[nodiscard]] TUMBLE_INLINE static Unit held(Open a, bool& fits) { return held_at<30>(a, fits); }
     // The same at half of it, so that a difference of two turned vectors holds.
-    [[nodiscard]] TUMBLE_INLINE static Unit held_half(Open a, bool& fits) {
-        constexpr std::int32_t most = 0x1fffffff;
-        if (a <= most && a >= -most) [[likely]]
-            return {static_cast<std::int32_t>(a)};
+    [[nodiscard]] TUMBLE_INLINE static Unit held_half(Open a, bool& fits) { return held_at<29>(a, fits); }
+    template <int bits>
+    [[nodiscard]] TUMBLE_INLINE static Unit held_at(Open a, bool& fits) {
+        const auto low = static_cast<std::int32_t>(a);
+        if (low == a && within(low, bits)) [[likely]]
+            return {low};
         fits = false;
+        constexpr std::int32_t most = (1 << bits) - 1;
         return {a < 0 ? -most : most};
     }
     // The shift that brings the largest to its bits.
@@ -268,7 +274,7 @@ requires(N::fixed_point) struct JointNumbers<N> {
     // A joint is closed where no component of its gap is larger: three units of the largest arm, which is what the
     // rounding of axes and of arms leaves of a gap, times 2^roundings. Arms of up to 2 m count as 1 m. Without carry it
     // is the rounding of two places.
-    [[nodiscard]] TUMBLE_INLINE static Unit enough(bool, int log2, int roundings, const auto&...) {
+    [[nodiscard]] TUMBLE_INLINE static Unit enough(bool, int log2, int roundings) {
         constexpr int of_arms = gap_bits - Unit::fraction_bits, of_places = gap_bits - N::Position::fraction_bits;
         int up = (log2 > 1 ? log2 - 1 : 0) + roundings + (of_arms > 0 ? of_arms : 0);
         if (!N::carry && of_places > up) up = of_places;
@@ -308,10 +314,7 @@ requires(!N::fixed_point) struct JointNumbers<N> {
     [[nodiscard]] TUMBLE_INLINE static Open arm(Unit a, int) {
         return a;
     }
-    template <int>
-    [[nodiscard]] TUMBLE_INLINE static Open lean(Unit a, int) {
-        return a;
-    }
+    [[nodiscard]] TUMBLE_INLINE static Unit lean(Unit a, int, int, bool&) { return a; }
     template <int i>
     [[nodiscard]] TUMBLE_INLINE static Open swept(const auto& spin, const auto& arm, int, int, int) {
         return cross_component<i>(spin, arm);
@@ -379,8 +382,8 @@ requires(!N::fixed_point) struct JointNumbers<N> {
         constexpr Unit of_correction = sizeof(Unit) == 4 ? Unit(3e-7) : Unit(1e-12);
         return N::carry && is_guess ? of_correction * Unit(0.25) : of_correction;
     }
-    [[nodiscard, gnu::noinline]] static Unit enough(bool is_guess, int, int, const auto& place, const auto& own,
-                                                    const auto& other) {
+    [[nodiscard, gnu::noinline]] static Unit enough_of(bool is_guess, const auto& place, const auto& own,
+                                                       const auto& other) {
         Unit size(1);
         for (int i = 0; i < 3; ++i) {
             size = larger_of(size, magnitude_of(place[i].value()));

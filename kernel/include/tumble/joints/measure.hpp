@@ -274,20 +274,19 @@ private:
             int log2 = at.own_log2 > at.arm_log2 ? at.own_log2 : at.arm_log2;
             if (node.turns < 3) {
                 const Vector turn = lean(node, at);
-                detail::for_axes<N>([&](int k) {
-                    const Open open = J::template lean<J::gap_bits>(turn[k], node.length_log2);
-                    target[3 + k] = J::held(J::coarser(open, coarser), fits);
-                });
+                detail::for_axes<N>(
+                    [&](int k) { target[3 + k] = J::lean(turn[k], node.length_log2, J::gap_bits - coarser, fits); });
                 if (node.length_log2 > log2) log2 = node.length_log2;
             }
             // A spin in 2^n parts rounds the orientation as often: a sum of 2^(n/2) roundings.
             int halvings = bodies.halvings_of(node.body);
             if (node.parent >= 0) halvings = larger(halvings, bodies.halvings_of(forest_.nodes()[node.parent].body));
             const int roundings = (halvings + 1) / 2;
-            if (!are_within(target, J::enough(is_guess, log2, roundings)) &&
-                !are_within(target,
-                            J::enough(is_guess, log2, roundings, bodies.state[node.body].x_w, at.own_arm, at.arm)))
-                closed = false;
+            bool is_within = are_within(target, J::enough(is_guess, log2, roundings));
+            if constexpr (!N::fixed_point)
+                is_within = is_within ||
+                            are_within(target, J::enough_of(is_guess, bodies.state[node.body].x_w, at.own_arm, at.arm));
+            closed = closed && is_within;
         }
         return closed && fits;
     }
