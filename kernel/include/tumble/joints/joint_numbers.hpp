@@ -117,10 +117,9 @@ requires(N::fixed_point) struct JointNumbers<N> {
     [[nodiscard]] TUMBLE_INLINE static bool within(std::int32_t a, int bits) {
         return static_cast<std::uint32_t>(a) + (1u << bits) < 2u << bits;
     }
-    // Component i of spin x arm, the spin in 2^-of_spin.
-    template <int i>
-    [[nodiscard]] TUMBLE_INLINE static Open swept(const auto& spin, const auto& arm, int log2, int of_spin, int bits) {
-        return lowered(cross_component<i>(spin, arm).raw, of_spin + Unit::fraction_bits - log2 - bits);
+    // A component of spin x arm, the spin in 2^-of_spin.
+    [[nodiscard]] TUMBLE_INLINE static Open swept(auto product, int log2, int of_spin, int bits) {
+        return lowered(product.raw, of_spin + Unit::fraction_bits - log2 - bits);
     }
     // A spin in 2^-of_spin, times 2^log2 m.
     [[nodiscard]] TUMBLE_INLINE static Open turned(Unit spin, int log2, int of_spin, int bits) {
@@ -315,10 +314,7 @@ requires(!N::fixed_point) struct JointNumbers<N> {
         return a;
     }
     [[nodiscard]] TUMBLE_INLINE static Unit lean(Unit a, int, int, bool&) { return a; }
-    template <int i>
-    [[nodiscard]] TUMBLE_INLINE static Open swept(const auto& spin, const auto& arm, int, int, int) {
-        return cross_component<i>(spin, arm);
-    }
+    [[nodiscard]] TUMBLE_INLINE static Open swept(Unit product, int, int, int) { return product; }
     [[nodiscard]] TUMBLE_INLINE static Open turned(Unit spin, int, int, int) { return spin; }
     [[nodiscard]] TUMBLE_INLINE static Unit held(Open a, bool&) { return a; }
     [[nodiscard]] TUMBLE_INLINE static Unit held_half(Open a, bool&) { return a; }

@@ -336,9 +336,9 @@ private:
     // Of a spin, at an arm.
     [[gnu::noinline]] void set_swept(const Vector& spin, const StoredVec3<Unit>& arm, int log2, int of_rate,
                                      Open (&rate)[3]) const {
-        rate[0] = J::template swept<0>(spin, arm, log2, of_spin_, of_rate);
-        rate[1] = J::template swept<1>(spin, arm, log2, of_spin_, of_rate);
-        rate[2] = J::template swept<2>(spin, arm, log2, of_spin_, of_rate);
+        const decltype(cross_component<0>(spin, arm)) product[3]{
+            cross_component<0>(spin, arm), cross_component<1>(spin, arm), cross_component<2>(spin, arm)};
+        detail::for_axes<N>([&](int k) { rate[k] = J::swept(product[k], log2, of_spin_, of_rate); });
     }
     [[nodiscard, gnu::noinline]] bool measure_rates(const JointTreeState& tree, const auto& bodies, int of_rate) {
         bool fits = true;

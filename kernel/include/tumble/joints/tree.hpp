@@ -39,6 +39,15 @@ struct JointPlace {
     std::int8_t own_log2 = 0, arm_log2 = 0;  // of the arms
 };
 
+// A matrix by rows.
+template <class U>
+struct JointMatrix {
+    U element[9];
+
+    [[nodiscard]] TUMBLE_INLINE U* operator[](int row) { return element + 3 * row; }
+    [[nodiscard]] TUMBLE_INLINE const U* operator[](int row) const { return element + 3 * row; }
+};
+
 // A free direction of a joint.
 template <class N>
 struct FreeDirection {
@@ -80,7 +89,7 @@ struct JointNode {
     StoredVec3<Unit> link{};            // from the parent's anchor to this one, over the parent's length
     StoredVec3<Unit> lever{};           // from the centre of mass to the anchor, over the length
     Axes<N> frame;                      // the axes of the body where the factor is of
-    Unit a[3][3], b[3][3], c[3][3];
+    JointMatrix<Unit> a, b, c;
 };
 
 // What a solution of one body is: the targets, and the change of its motion.
@@ -156,7 +165,7 @@ public:
     }
 
 private:
-    using Matrix = Unit[3][3];
+    using Matrix = JointMatrix<Unit>;
 
     Node* node_;
     Direction* direction_;
@@ -225,12 +234,8 @@ private:
             });
             d = nar(dot(axis, t));
         } else {
-            const Vector axis = direction.axis;
-            for (int r = 0; r < 3; ++r) {
-                u[r] = nar(dot3(node.a[r], axis));
-                t[r] = nar(dot3(Column{node.b, r}, axis));
-            }
-            d = nar(dot(axis, u));
+            set_slide(node, direction.axis, u, t);
+            d = nar(dot(Vector{direction.axis}, u));
         }
         direction.root = J::inverse_root(d);
         detail::for_axes<N>([&](int r) {
@@ -244,7 +249,13 @@ private:
             take_off(node.c[r], tr, t);
         }
     }
-    TUMBLE_INLINE static void take_off(Unit (&row)[3], Unit a, const Vector& b) {
+    [[gnu::noinline, gnu::cold]] static void set_slide(const Node& node, const Vector& axis, Vector& u, Vector& t) {
+        for (int r = 0; r < 3; ++r) {
+            u[r] = nar(dot3(node.a[r], axis));
+            t[r] = nar(dot3(Column{node.b, r}, axis));
+        }
+    }
+    TUMBLE_INLINE static void take_off(Unit* row, Unit a, const Vector& b) {
         row[0] -= nar(mul(a, b[0]));
         row[1] -= nar(mul(a, b[1]));
         row[2] -= nar(mul(a, b[2]));
