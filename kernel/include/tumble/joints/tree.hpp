@@ -124,7 +124,10 @@ public:
         for (int i = last_ - 1; i >= first_; --i) {
             Node& node = node_[i];
             Direction* const direction = direction_ + node.direction;
-            for (int f = 0; f < node.slides + node.turns; ++f) eliminate(node, direction[f]);
+            for (int f = 0; f < node.slides + node.turns; ++f) {
+                eliminate(node, direction[f]);
+                if (is_read(node, f)) take_off(node, direction[f]);
+            }
             if (node.parent >= 0) hand_on(node, node_[node.parent]);
         }
     }
@@ -215,8 +218,8 @@ private:
         c[0][2] = c[2][0] = element(0, 2);
         c[1][2] = c[2][1] = element(1, 2);
     }
-    // Takes the part of a direction off.
-    static void eliminate(Node& node, Direction& direction) {
+    // Finds the part of a direction.
+    static void eliminate(const Node& node, Direction& direction) {
         Vector u, t;
         Unit d;
         if (direction.only >= 0) {
@@ -239,9 +242,17 @@ private:
         }
         direction.root = J::inverse_root(d);
         detail::for_axes<N>([&](int r) {
-            direction.u[r] = u[r] = direction.root(u[r]);
-            direction.t[r] = t[r] = direction.root(t[r]);
+            direction.u[r] = direction.root(u[r]);
+            direction.t[r] = direction.root(t[r]);
         });
+    }
+    // False after the last direction of a root, which hands nothing on.
+    [[nodiscard]] TUMBLE_INLINE static bool is_read(const Node& node, int direction) {
+        return node.parent >= 0 || direction + 1 < node.slides + node.turns;
+    }
+    // Takes the part of a direction off.
+    static void take_off(Node& node, const Direction& direction) {
+        const Vector u = direction.u, t = direction.t;
         for (int r = 0; r < 3; ++r) {
             const Unit ur = direction.u[r], tr = direction.t[r];
             take_off(node.a[r], ur, u);
@@ -308,6 +319,7 @@ private:
             const Unit* const of = impulse + (direction.turns ? 3 : 0);
             const Unit along = direction.only >= 0 ? of[direction.only] : nar(dot3(direction.axis, of));
             const Unit k = direction.k = direction.root(along);
+            if (!is_read(node, f)) break;
             detail::for_axes<N>([&](int r) {
                 impulse[r] -= nar(mul(direction.u[r], k));
                 impulse[3 + r] -= nar(mul(direction.t[r], k));
