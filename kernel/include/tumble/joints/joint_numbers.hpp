@@ -54,10 +54,16 @@ requires(N::fixed_point) struct JointNumbers<N> {
         if (bits > 30) return Unit{0};
         return Unit{(a.raw + ((1 << bits >> 1) - 1) + ((a.raw >> bits) & 1)) >> bits};
     }
+    // a 2^up for up in 0 .. 31. Words by themselves, which cost less than a product.
+    [[nodiscard]] TUMBLE_INLINE static std::int64_t shifted_up(std::int32_t a, int up) {
+        const std::uint32_t low = static_cast<std::uint32_t>(a) << up;
+        const std::int32_t upper = (a >> 1) >> (31 - up);
+        return static_cast<std::int64_t>(static_cast<std::uint64_t>(upper) << 32 | low);
+    }
     // a 2^up, as bits of a sum; below: rounded down where up is negative.
     [[nodiscard]] TUMBLE_INLINE static std::int64_t raised(std::int32_t a, int up) {
-        if (up >= 0 && up <= 30) [[likely]]
-            return detail::multiply(a, std::int32_t{1} << up);
+        if (up >= 0 && up <= 31) [[likely]]
+            return shifted_up(a, up);
         return N::shifted(a, up);
     }
     [[nodiscard]] TUMBLE_INLINE static std::int64_t lowered(std::int64_t a, int down) {
@@ -99,8 +105,8 @@ requires(N::fixed_point) struct JointNumbers<N> {
     template <int bits>
     [[nodiscard]] TUMBLE_INLINE static Open arm(Unit a, int log2) {
         const int up = bits - Unit::fraction_bits + log2;
-        if constexpr (bits - Unit::fraction_bits + least_log2 >= 0 && bits - Unit::fraction_bits + most_log2 <= 30)
-            return detail::multiply(a.raw, std::int32_t{1} << up);
+        if constexpr (bits - Unit::fraction_bits + least_log2 >= 0 && bits - Unit::fraction_bits + most_log2 <= 31)
+            return shifted_up(a.raw, up);
         else return up >= 0 ? raised(a.raw, up) : a.raw >> (up < -31 ? 31 : -up);
     }
     // A turn, rad, times 2^log2 m, in 2^-bits m. Clears `fits` where it is held.
