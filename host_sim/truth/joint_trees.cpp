@@ -24,10 +24,8 @@ Number dot(const Six& a, const Six& b) {
     for (std::size_t i = 0; i < 6; ++i) sum += a[i] * b[i];
     return sum;
 }
-// a + b s
-Six plus(Six a, const Six& b, Number s = 1) {
-    for (std::size_t i = 0; i < 6; ++i) a[i] += b[i] * s;
-    return a;
+void add_to(Six& sum, const Six& a, Number factor = 1) {
+    for (std::size_t i = 0; i < 6; ++i) sum[i] += a[i] * factor;
 }
 Six times(const Matrix& m, const Six& a) {
     Six product;
@@ -42,11 +40,14 @@ Six carried_back(const Six& f, const Vector& reach) { return six(linear(f), angu
 
 // The inertia about the other point. It is symmetric, so its rows are its columns.
 Matrix carried_back(const Matrix& inertia, const Vector& reach) {
+    const Vector axes[] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     Matrix about;
-    for (std::size_t i = 0; i < 6; ++i) {
-        Six unit{};
-        unit[i] = 1;
-        about[i] = carried_back(times(inertia, carried(unit, reach)), reach);
+    for (std::size_t i = 0; i < 3; ++i) {
+        const Vector swing = cross(axes[i], reach);
+        Six of_turn = inertia[i + 3];
+        for (std::size_t j = 0; j < 3; ++j) add_to(of_turn, inertia[j], swing[static_cast<int>(j)]);
+        about[i] = carried_back(inertia[i], reach);
+        about[i + 3] = carried_back(of_turn, reach);
     }
     return about;
 }
@@ -158,7 +159,7 @@ JointTrees::Links JointTrees::place(std::span<const Number> state, Motions& moti
         const Node& node = nodes_[i];
         Six velocity = carried(velocity_of(motion_of(node.parent, motions)), links[i].reach);
         for (std::size_t k = 0; k < node.free.size(); ++k)
-            velocity = plus(velocity, links[i].free[k], speeds[node.first_speed + k]);
+            add_to(velocity, links[i].free[k], speeds[node.first_speed + k]);
         Motion& own = motions[node.body];
         own.v = linear(velocity);
         own.w = own.q.rotate_back(angular(velocity));
@@ -227,24 +228,24 @@ void JointTrees::solve(const Motions& motions, const Links& links, const std::ve
     std::vector<Matrix> inertias;
     std::vector<Six> needed;  // force for no acceleration
     for (const Node& node : nodes_) inertias.push_back(inertia_of(node.body, motions));
-    for (const Six& force : forces) needed.push_back(plus({}, force, -1));
+    for (const Six& force : forces) add_to(needed.emplace_back(), force, -1);
     const auto node_at = [&](int body) { return body < 0 ? -1 : node_of_[static_cast<std::size_t>(body)]; };
     for (std::size_t i = nodes_.size(); i-- > 0;) {
         Matrix& inertia = inertias[i];
-        needed[i] = plus(needed[i], times(inertia, bias[i]));
+        add_to(needed[i], times(inertia, bias[i]));
         for (std::size_t k = 0; k < links[i].free.size(); ++k) {
             const Six felt = times(inertia, links[i].free[k]);
             const Eliminated now{felt, -dot(links[i].free[k], needed[i]), dot(links[i].free[k], felt)};
-            for (std::size_t r = 0; r < 6; ++r) inertia[r] = plus(inertia[r], felt, -felt[r] / now.inertia);
-            needed[i] = plus(needed[i], felt, now.force / now.inertia);
+            for (std::size_t r = 0; r < 6; ++r) add_to(inertia[r], felt, -felt[r] / now.inertia);
+            add_to(needed[i], felt, now.force / now.inertia);
             eliminated[nodes_[i].first_speed + k] = now;
         }
         const int parent = node_at(nodes_[i].parent);
         if (parent < 0) continue;
         const auto p = static_cast<std::size_t>(parent);
-        needed[p] = plus(needed[p], carried_back(needed[i], links[i].reach));
+        add_to(needed[p], carried_back(needed[i], links[i].reach));
         const Matrix added = carried_back(inertia, links[i].reach);
-        for (std::size_t r = 0; r < 6; ++r) inertias[p][r] = plus(inertias[p][r], added[r]);
+        for (std::size_t r = 0; r < 6; ++r) add_to(inertias[p][r], added[r]);
     }
     std::vector<Six> rates(nodes_.size());
     for (std::size_t i = 0; i < nodes_.size(); ++i) {
@@ -253,10 +254,10 @@ void JointTrees::solve(const Motions& motions, const Links& links, const std::ve
         for (std::size_t k = links[i].free.size(); k-- > 0;) {
             const Eliminated& of = eliminated[nodes_[i].first_speed + k];
             const Number rate = (of.force - dot(of.felt, rates[i])) / of.inertia;
-            rates[i] = plus(rates[i], links[i].free[k], rate);
+            add_to(rates[i], links[i].free[k], rate);
             along[nodes_[i].first_speed + k] = rate;
         }
-        rates[i] = plus(rates[i], bias[i]);
+        add_to(rates[i], bias[i]);
     }
 }
 

@@ -9,6 +9,9 @@ using Number = long double;
 using Vector = Vec<Number>;
 using Rotation = Quaternion<Number>;
 
+// The error of a step of an integration, absolute and relative.
+inline constexpr Number tolerance = 1e-17L;
+
 // From arrays x, y, z and w, x, y, z.
 [[nodiscard]] Vector vector_of(const auto& array) { return {array[0], array[1], array[2]}; }
 [[nodiscard]] Rotation rotation_of(const auto& array) { return {array[0], {array[1], array[2], array[3]}}; }

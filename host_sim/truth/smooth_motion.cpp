@@ -108,8 +108,8 @@ SmoothMotion::Body SmoothMotion::body_of(const BodyDescription& description) {
     return body;
 }
 
-SmoothMotion::SmoothMotion(const SceneDescription& scene, ShapesMeet shapes_meet)
-    : scene_{scene}, shapes_meet_{shapes_meet}, step_length_{long_seconds(scene.step)} {
+SmoothMotion::SmoothMotion(const SceneDescription& scene, ShapesMeet shapes_meet, Number most_error)
+    : scene_{scene}, shapes_meet_{shapes_meet}, step_length_{long_seconds(scene.step)}, most_error_{most_error} {
     for (const BodyDescription& description : scene.bodies) {
         bodies_.push_back(body_of(description));
         Motion start{vector_of(description.position), {}, rotation_of(description.orientation).normalized(), {}};
@@ -274,6 +274,7 @@ void SmoothMotion::flow(std::int64_t from, std::int64_t to) {
     };
     Wrenches sums(bodies_.size());
     const auto equations = [&](const std::vector<Number>& packed, std::vector<Number>& rates, Number) {
+        ++evaluations_;
         const JointTrees::Links links = unpack(packed);
         add_loads(motions, from, sums);
         auto next = rates.begin();
@@ -291,7 +292,7 @@ void SmoothMotion::flow(std::int64_t from, std::int64_t to) {
         }
         trees_.rate(std::span(packed).subspan(own), links, motions, sums, std::span(rates).subspan(own));
     };
-    if (!state.empty()) integrate(equations, state, 0, Number(to - from) * step_length_);
+    if (!state.empty()) integrate(equations, state, 0, Number(to - from) * step_length_, most_error_);
     joints_.assign(state.begin() + static_cast<std::ptrdiff_t>(own), state.end());
     trees_.normalize(joints_);
     std::copy(joints_.begin(), joints_.end(), state.begin() + static_cast<std::ptrdiff_t>(own));

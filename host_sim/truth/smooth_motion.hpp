@@ -21,7 +21,9 @@ public:
     using ShapesMeet = bool (*)(ShapeKind, ShapeKind);
 
     // The motion starts at time 0. Event times are rounded to the nearest step of the scene, as in the kernel.
-    SmoothMotion(const SceneDescription& scene, ShapesMeet shapes_meet);
+    // `most_error`: of each step of the integration, absolute and relative.
+    SmoothMotion(const SceneDescription& scene, ShapesMeet shapes_meet,
+                 reference::Number most_error = reference::tolerance);
 
     // Advances to the start of a step, before its impulses; an earlier step changes nothing. Throws std::runtime_error
     // where bodies fall into each other, or where the loads are so stiff that the run would not end.
@@ -30,6 +32,8 @@ public:
     // x and v in the world frame; w in the user's body axes, which q rotates into the world frame. Fixed bodies keep
     // their place.
     [[nodiscard]] const std::vector<reference::Motion>& bodies() const { return now_; }
+    // How often the equations of motion have been evaluated: the cost so far.
+    [[nodiscard]] std::int64_t evaluations() const { return evaluations_; }
 
     // Can any contact occur?
     [[nodiscard]] bool can_touch() const { return !planes_.empty() || has_pairs_; }
@@ -99,6 +103,8 @@ private:
     SceneDescription scene_;
     ShapesMeet shapes_meet_;
     reference::Number step_length_ = 0;  // s
+    reference::Number most_error_ = 0;
+    std::int64_t evaluations_ = 0;
     std::vector<Body> bodies_;
     std::vector<Plane> planes_;          // empty where no body can touch them
     bool has_pairs_ = false;             // of bodies that may touch

@@ -21,14 +21,13 @@
 
 namespace tumble::reference {
 
-inline constexpr Number tolerance = 1e-17L;  // of each step, absolute and relative
 inline constexpr long most_steps = 10'000'000;
 
 // Advances a state (an array or a vector of Number) from one time to another, s. equations(state, rate, time) sets the
 // rate, which must be smooth between the two times. Throws std::runtime_error where the motion is singular (bodies that
 // fall into each other) or takes more than most_steps.
 template <class State, class Equations>
-void integrate(const Equations& equations, State& state, Number from, Number to) {
+void integrate(const Equations& equations, State& state, Number from, Number to, Number most_error = tolerance) {
     namespace odeint = boost::numeric::odeint;
     if (!(to > from)) return;
     using Stepper = odeint::runge_kutta_fehlberg78<State, Number, State, Number>;
@@ -38,7 +37,7 @@ void integrate(const Equations& equations, State& state, Number from, Number to)
         for (const Number x : now) finite = finite && std::isfinite(x);
         if (!finite || ++steps > most_steps) host::raise(std::runtime_error("the motion is singular or too stiff"));
     };
-    odeint::integrate_adaptive(odeint::make_controlled<Stepper>(tolerance, tolerance), equations, state, from, to,
+    odeint::integrate_adaptive(odeint::make_controlled<Stepper>(most_error, most_error), equations, state, from, to,
                                Number(1) / 256, watch);
 }
 

@@ -40,12 +40,12 @@ SampledRun sampled(Simulation& simulation, const SampledScene& scene, int step) 
 
 // The motion without contacts; empty when a body comes so near a plane or another body that it may touch, or where a
 // barrier acts at any distance.
-std::optional<Samples> smooth_samples(const SampledScene& scene) {
+std::optional<Samples> smooth_samples(const SampledScene& scene, reference::Number most_error) {
     // No longer than the scene's own step, so that a body cannot dive through what it touches between two looks.
     const int number = std::min(0, scene.longest());
     const SceneDescription description = scene.with_step(number);
     const reference::Number length = long_seconds(description.step), band = description.contact.tolerance;
-    SmoothMotion motion(description, shapes_meet);
+    SmoothMotion motion(description, shapes_meet, most_error);
     if (motion.can_touch() && description.contact.response == ContactResponse::spring &&
         description.contact.barrier > 0)
         return std::nullopt;
@@ -171,8 +171,10 @@ std::optional<SampledRun> run_sampled(const SampledScene& scene, const Method& m
 
 Truth truth_of(const SampledScene& scene) {
     Truth truth;
-    if (auto smooth = smooth_samples(scene)) {
+    if (auto smooth = smooth_samples(scene, reference::tolerance)) {
         truth.samples = std::move(*smooth);
+        if (scene.has_joints())
+            truth.doubt = largest_errors(truth.samples, *smooth_samples(scene, 100 * reference::tolerance));
         return truth;
     }
     truth.has_contacts = true;

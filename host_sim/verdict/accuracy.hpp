@@ -62,6 +62,7 @@ public:
     [[nodiscard]] int longest() const { return longest_; }
     [[nodiscard]] int shortest() const { return shortest_; }
 
+    [[nodiscard]] bool has_joints() const { return !scene_.joints.empty(); }
     // The scene with this step, up to the last sample time.
     [[nodiscard]] SceneDescription with_step(int number) const;
     // Of the longest step, from the start to a sample time.
@@ -86,7 +87,8 @@ struct Truth {
     Samples samples;
     // With contacts there is no smooth motion to integrate: the samples are those of rk4 in double precision at a
     // quarter of the shortest step, and the doubt is how far suzuki4, at twice that step, is from them. Without, the
-    // samples are those of SmoothMotion, and there is no doubt: 0.
+    // samples are those of SmoothMotion, and there is no doubt: 0. Joints make motions chaotic: then the doubt is what
+    // a coarser integration differs by.
     bool has_contacts = false;
     Errors doubt;
 };

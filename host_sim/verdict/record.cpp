@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "scene/data.hpp"
 #include "truth/smooth_motion.hpp"
 
 namespace tumble::host {
@@ -38,6 +39,24 @@ Moment read(const Simulation& simulation) {
     Moment moment;
     for (int b = 0; b < simulation.body_count(); ++b) moment.bodies.push_back(motion_of(simulation.body(b)));
     return moment;
+}
+
+void widen(Moment& now, const Moment& start) {
+    for (std::size_t b = 0; b < now.bodies.size(); ++b) {
+        const reference::Motion &from = start.bodies[b], &at = now.bodies[b];
+        now.way_m[b] = std::max(now.way_m[b], static_cast<double>(norm(at.x - from.x)));
+        now.turn_rad[b] = std::max(now.turn_rad[b], static_cast<double>(angle_between(at.q, from.q)));
+    }
+}
+
+// Bodies that move, and what acts between them.
+Load load_of(const SceneDescription& scene) {
+    Load load;
+    const auto all = static_cast<double>(scene.bodies.size());
+    for (const BodyDescription& body : scene.bodies) load.bodies += body.fixed ? 0 : 1;
+    load.springs = static_cast<double>(scene.springs.size()) + (scene.gravitation > 0 ? all * (all - 1) / 2 : 0);
+    load.joints = static_cast<double>(scene.joints.size());
+    return load;
 }
 
 // m: the distance of neighbouring numbers. In floating point these numbers are the largest position, arm or length that
@@ -106,7 +125,7 @@ bool Recorder::look(const Simulation& simulation) {
     now_.bodies = read(simulation).bodies;
     rules_.see(simulation);
     for (std::size_t b = 0; b < now_.bodies.size(); ++b) {
-        const reference::Motion &from = start_.bodies[b], &at = now_.bodies[b];
+        const reference::Motion& at = now_.bodies[b];
         if (!is_finite(at)) {
             is_over_ = true;
             record_.not_finite = static_cast<int>(b);
@@ -116,9 +135,8 @@ bool Recorder::look(const Simulation& simulation) {
             ++seen_;
             if (norm(at.v) > speed_at_rest || norm(at.w) > speed_at_rest) ++moving_;
         }
-        now_.way_m[b] = std::max(now_.way_m[b], static_cast<double>(norm(at.x - from.x)));
-        now_.turn_rad[b] = std::max(now_.turn_rad[b], static_cast<double>(angle_between(at.q, from.q)));
     }
+    widen(now_, start_);
     const std::size_t m = record_.moments.size();
     const bool is_driven = std::any_of(driven_.begin(), driven_.end(), [&](const auto& span) {
         return span.first < next_look_ && looked_ < span.second;
@@ -142,12 +160,9 @@ Record Recorder::record(const Simulation& simulation) && {
     record_.rounding = spacing_of(scene_, simulation, record_.moments) / 2 *
                        std::sqrt(static_cast<double>(std::max<std::int64_t>(simulation.steps_taken(), 4)));
     record_.rules = rules_.rules();
-    Load& load = record_.load;
-    const auto all = static_cast<double>(scene_.bodies.size());
-    for (const BodyDescription& body : scene_.bodies) load.bodies += body.fixed ? 0 : 1;
-    load.springs = static_cast<double>(scene_.springs.size()) + (scene_.gravitation > 0 ? all * (all - 1) / 2 : 0);
+    record_.load = load_of(scene_);
     const double moving = seen_ == 0 ? 1 : static_cast<double>(moving_) / static_cast<double>(seen_);
-    load.pairs = simulation.most_near_pairs() * std::max(moving, share_at_rest);
+    record_.load.pairs = simulation.most_near_pairs() * std::max(moving, share_at_rest);
     return std::move(record_);
 }
 
@@ -167,11 +182,40 @@ Record record_of(const SceneDescription& scene, const Method& method, int halvin
     return std::move(recorder).record(*simulation);
 }
 
+SolvedRecord solved_record_of(const SceneDescription& scene, double most_error,
+                              const std::vector<std::int64_t>& moments, std::optional<double> most_seconds) {
+    SmoothMotion motion(scene, shapes_meet, most_error);
+    const Moment start{motion.bodies(), {}, {}};
+    Moment now = start;
+    now.way_m.resize(start.bodies.size());
+    now.turn_rad.resize(start.bodies.size());
+    SolvedRecord solved;
+    solved.record.load = load_of(scene);
+    constexpr double body = 5e-6, spring = 0.5e-6;  // s, of an evaluation; measured
+    const double evaluation = body * solved.record.load.bodies + spring * solved.record.load.springs;
+    std::int64_t from = 0;
+    for (const std::int64_t moment : moments) {
+        for (std::int64_t look = 1; look <= looks_per_moment; ++look) {
+            const std::int64_t at = from + (moment - from) * look / looks_per_moment;
+            motion.advance_to(at);
+            now.bodies = motion.bodies();
+            widen(now, start);
+            solved.seconds = evaluation * static_cast<double>(motion.evaluations());
+            if (!most_seconds || solved.seconds <= *most_seconds) continue;
+            solved.seconds *= static_cast<double>(moments.back()) / static_cast<double>(std::max<std::int64_t>(at, 1));
+            return solved;
+        }
+        solved.record.moments.push_back(now);
+        from = moment;
+    }
+    return solved;
+}
+
 // Measured with the scenes of this repository and their contacts, to a factor of about 3.
 double estimated_seconds(const SceneDescription& scene, int halvings, const Load& load) {
-    constexpr double step = 1e-6, body = 0.5e-6, spring = 1e-6, pair = 3e-6;  // s
+    constexpr double step = 1e-6, body = 0.5e-6, spring = 1e-6, joint = 6e-6, pair = 3e-6;  // s
     return std::ldexp(static_cast<double>(scene.steps()), halvings) *
-           (step + body * load.bodies + spring * load.springs + pair * load.pairs);
+           (step + body * load.bodies + spring * load.springs + joint * load.joints + pair * load.pairs);
 }
 
 }  // namespace tumble::host

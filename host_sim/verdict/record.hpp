@@ -19,7 +19,8 @@ namespace tumble::host {
 struct Load {
     double bodies = 0;   // that are not fixed
     double springs = 0;  // and pairs that attract each other
-    double pairs = 0;    // that are near each other and move
+    double joints = 0;
+    double pairs = 0;  // that are near each other and move
 };
 
 struct Moment {
@@ -82,6 +83,16 @@ private:
 // finite.
 [[nodiscard]] Record record_of(const SceneDescription& scene, const Method& method, int halvings,
                                const std::vector<std::int64_t>& moments, std::optional<double> most_gain = {});
+
+// The motion of a scene in which nothing touches, by its equations, or its beginning where the whole costs more than
+// `most_seconds`. `most_error`: of each step of the integration, absolute and relative.
+struct SolvedRecord {
+    Record record;
+    double seconds = 0;  // of processor time, about, for the whole, by the number of evaluations
+};
+[[nodiscard]] SolvedRecord solved_record_of(const SceneDescription& scene, double most_error,
+                                            const std::vector<std::int64_t>& moments,
+                                            std::optional<double> most_seconds = {});
 
 // About the processor time of record_of(), s, by the number of its steps and what each has to do: the same on every
 // machine, however busy it is.

@@ -82,7 +82,8 @@ std::string sentence_of(const Verdict& verdict, const SceneDescription& scene, c
         return (verdict.time_s > 0 ? "right until " + time + shared_text(verdict.rules) +
                                          ", with an error of at most " + errors_text(verdict.error) + "; "
                                    : "") +
-               "no reference" + (verdict.time_s > 0 ? " from there on" : "") + ": two finer runs " +
+               "no reference" + (verdict.time_s > 0 ? " from there on" : "") + ": two " +
+               (verdict.is_solved ? "solutions of the equations of motion " : "finer runs ") +
                (verdict.gains_energy
                     ? "gain energy that no load gave"
                     : "differ by " + errors_text(verdict.doubt) + " at " + few_digits(verdict.parted_s) + " s");

@@ -44,7 +44,8 @@ const char* name_of(SharedRule rule) {
     case SharedRule::seams: return "seams";
     case SharedRule::edges: return "edges";
     case SharedRule::friction: return "friction";
-    default: return "sleep";
+    case SharedRule::sleep: return "sleep";
+    default: return "joints";
     }
 }
 

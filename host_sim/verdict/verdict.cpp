@@ -20,6 +20,12 @@ constexpr double share_of_doubt = 0.2;
 constexpr std::array<int, 3> halvings_of_references{2, 4, 6};
 constexpr int most_halvings_of_cure = 5;
 
+// Where joints tie bodies and nothing touches, the references are the equations of motion in other coordinates, and
+// these again with a larger error of each step of the integration, as large as that of fine runs of free bodies.
+constexpr double error_of_solution = 1e-14, error_of_other_solution = 1e-11;
+// An integration of order 8 takes so much longer.
+const double cost_of_solution = std::pow(error_of_other_solution / error_of_solution, 1.0 / 8);
+
 // A body that symmetry holds still moves by rounding alone, which grows with the steps. Each body is judged as if it
 // had moved by at least this share of the most that a body of the scene has: a tenth of that, a thousandth, is a pixel
 // of a picture of the scene.
@@ -51,6 +57,7 @@ Errors distance(const reference::Motion& a, const reference::Motion& b) {
 class Budget {
 public:
     explicit Budget(std::optional<double> seconds) : seconds_(seconds) {}
+    [[nodiscard]] const std::optional<double>& left() const { return seconds_; }
     [[nodiscard]] bool takes(double seconds) {
         if (!seconds_) return true;
         if (seconds > *seconds_) return false;
@@ -66,12 +73,15 @@ class Judge {
 public:
     Judge(const SceneDescription& scene, const VerdictOptions& options, const Load& load)
         : scene_(with_events_at_steps(scene)), options_(options), load_(load), moments_(moments_of(scene_)),
-          touches_(scene.contact.response == ContactResponse::impulse && SmoothMotion(scene, shapes_meet).can_touch()) {
+          can_touch_(SmoothMotion(scene, shapes_meet).can_touch()),
+          touches_(can_touch_ && scene.contact.response == ContactResponse::impulse) {
         require_no_events(scene);
+        cost_s_ = seconds_of(halvings_of_references[0]) + seconds_of(halvings_of_references[0] + 1);
     }
 
-    // False where the first pair exceeds the budget; then nothing has been run.
+    // False where the first pair exceeds the budget: it costs cost_s(), about.
     [[nodiscard]] bool run_references(Budget& budget) {
+        if (is_solved()) return solve(budget);
         for (int pair = 0; pair < std::min<int>(options_.most_references, std::size(halvings_of_references)); ++pair) {
             const int halvings = halvings_of_references[static_cast<std::size_t>(pair)];
             if (reference_) {
@@ -86,6 +96,9 @@ public:
         }
         return reference_.has_value();
     }
+    [[nodiscard]] double cost_s() const { return cost_s_; }
+    // The references are the equations of motion, and no runs.
+    [[nodiscard]] bool is_solved() const { return !scene_.joints.empty() && !can_touch_; }
     // Of a run with the scene's step halved so often.
     [[nodiscard]] double seconds_of(int halvings) const { return estimated_seconds(scene_, halvings, load_); }
 
@@ -234,6 +247,17 @@ private:
         return verdict;
     }
 
+    [[nodiscard]] bool solve(Budget& budget) {
+        Reference pair;
+        SolvedRecord other = solved_record_of(scene_, error_of_other_solution, moments_, budget.left());
+        cost_s_ = other.seconds * (1 + cost_of_solution);
+        if (!budget.takes(cost_s_)) return false;
+        pair.other = std::move(other.record);
+        pair.fine = solved_record_of(scene_, error_of_solution, moments_).record;
+        while (pair.moments < moments_.size() && agree(pair, pair.moments)) ++pair.moments;
+        reference_ = std::move(pair);
+        return true;
+    }
     [[nodiscard]] Reference references(int halvings) const {
         // Energy that grows by a share of the motion's changes speeds, and so distances, by half of that share.
         const double most_gain = 2 * share_of_doubt * options_.tolerance;
@@ -267,7 +291,8 @@ private:
     VerdictOptions options_;
     Load load_;
     std::vector<std::int64_t> moments_;
-    bool touches_;
+    bool can_touch_, touches_;
+    double cost_s_ = 0;
     std::optional<Reference> reference_;
 };
 
@@ -418,13 +443,14 @@ Verdict verdict_of(const SceneDescription& scene, const Method& method, const Re
         Judge judge(scene, options, run.load);
         Budget budget(options.most_seconds);
         if (!judge.run_references(budget)) {
-            verdict.cost_s =
-                judge.seconds_of(halvings_of_references[0]) + judge.seconds_of(halvings_of_references[0] + 1);
+            verdict.cost_s = judge.cost_s();
             return verdict;
         }
         Verdict held = judge.hold(run);
         held.troubles = run.troubles;
         held.rules = run.rules;
+        held.is_solved = judge.is_solved();
+        if (!scene.joints.empty() && !held.is_solved) held.rules.push_back(SharedRule::joints);
         if (run.troubles.empty() || held.kind == Verdict::Kind::wrong) verdict = std::move(held);
         else verdict.error = held.error;
         if (options.explains && is_cured_by_search(verdict))

@@ -1,7 +1,8 @@
 // Is this run right? The answer comes from a shadow run: the scene is run again by two finer references in double
 // precision, and the run is held against them at up to 20 equally spaced moments. The distance between the references
-// is the doubt. Nothing here guesses from the scene; what two fine runs and a budget of energy cannot decide is not
-// decided.
+// is the doubt. Where joints tie bodies and nothing touches, the references are two integrations of the equations of
+// motion in the coordinates that the joints leave free, in long double. Nothing here guesses from the scene; what two
+// fine runs and a budget of energy cannot decide is not decided.
 #pragma once
 
 #include <optional>
@@ -41,6 +42,7 @@ struct Verdict {
     bool is_as_large_as_motion =
         false;                      // wrong: at some moment the error reaches all that the body has moved or turned
     bool gains_energy = false;      // no_reference: the references gain energy that no load gave
+    bool is_solved = false;         // the references are solutions of the equations of motion, and no runs
     std::vector<Trouble> troubles;  // told, wrong: what the status says, the first first
     Cause cause = Cause::none;      // wrong, told: what has to change
     std::optional<Way> cure;        // wrong, told: a way of running the scene that is right
