@@ -8,7 +8,7 @@ namespace tumble::host {
 
 void CheckOptions::add_to(Subcommand& command) {
     command.add(check, "--check on|off",
-                "hold the run against two finer runs in double precision (default: on unless, by its steps and bodies, "
+                "hold the run against two finer references (default: on unless, by its steps and bodies, "
                 "that takes more than about a second)",
                 one_of("on", "off"));
     command.add(tolerance, "--tolerance E",
@@ -17,11 +17,6 @@ void CheckOptions::add_to(Subcommand& command) {
 
 Verdict CheckOptions::verdict(const SceneDescription& scene, const Method& method, const Record& run) const {
     if (check == "off") return told_by(run, scene);
-    if (!scene.joints.empty()) {
-        Verdict verdict = told_by(run, scene);
-        verdict.obstacle = "scenes with joints have no reference yet";
-        return verdict;
-    }
     VerdictOptions options{.tolerance = tolerance};
     if (check.empty()) options.most_seconds = most_seconds;
     return verdict_of(scene, method, run, options);

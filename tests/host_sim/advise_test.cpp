@@ -183,6 +183,23 @@ TEST(Accuracy, distant_planes_leave_the_motion_smooth) {
     EXPECT_FALSE(truth_of(SampledScene(scene)).has_contacts);
 }
 
+TEST(Accuracy, joints_have_the_integration_of_their_equations_as_reference) {
+    for (const char* name : {"joints/pendulum", "joints/double_pendulum"}) {
+        SceneDescription description = read_scene(shipped(name));
+        description.duration = 2;
+        const SampledScene scene(description);
+        const Truth truth = truth_of(scene);
+        EXPECT_FALSE(truth.has_contacts);
+        EXPECT_LT(truth.doubt.largest(), 1e-12) << name;
+        // Of order 2: the longest step within a quarter of a tolerance is about half as long.
+        const auto found = longest_step_within(4e-3, scene, truth, {"verlet", "f64", false}),
+                   finer = longest_step_within(1e-3, scene, truth, {"verlet", "f64", false});
+        ASSERT_TRUE(found && finer);
+        ASSERT_LE(finer->error(), 1e-3) << name;
+        EXPECT_EQ(found->step, finer->step + 1) << name;
+    }
+}
+
 // --- the command -----------------------------------------------------------------------------------------------------
 
 TEST(Advise, bad_input_names_the_option_and_what_was_expected) {
@@ -267,6 +284,16 @@ TEST(Advise, chaotic_scene_has_no_reference) {
     expect_outcome(tumble({"advise", written("tumble.toml", scene), "--core", "cortex-m3", "--tolerance", "1e-9",
                            "--integrators", "verlet", "--numbers", "f64"}),
                    1, "the scene is chaotic: there is no reference for an error of 1e-09");
+}
+
+TEST(Advise, chaotic_joints_have_no_reference) {
+    const std::vector<std::string> arguments = {"advise",        shipped("joints/double_pendulum"),
+                                                "--core",        "cortex-m3",
+                                                "--integrators", "verlet",
+                                                "--numbers",     "f64",
+                                                "--tolerance",   "1e-6",
+                                                "--duration",    "30"};
+    expect_outcome(tumble(arguments), 1, "the scene is chaotic: there is no reference for an error of 1e-06");
 }
 
 }  // namespace

@@ -6,8 +6,10 @@
 
 #include <gtest/gtest.h>
 
+#include "simulation/simulation.hpp"
 #include "truth/smooth_motion.hpp"
 #include "truth/trajectory.hpp"
+#include "verdict/accuracy.hpp"
 
 namespace tumble::host {
 namespace {
@@ -291,9 +293,7 @@ TEST(JointReference, tied_trees_keep_energy_under_gravity_and_joints_stay_closed
             if (joint.kind == JointKind::slider) expect_near(cross(gap, axis), {});
             else expect_near(gap, {});
             if (joint.kind == JointKind::hinge || joint.kind == JointKind::slider) expect_near(axis, same);
-            if (joint.kind == JointKind::universal) {
-                EXPECT_NEAR(static_cast<double>(dot(axis, to_axis)), 0, 1e-14);
-            }
+            if (joint.kind == JointKind::universal) { EXPECT_NEAR(static_cast<double>(dot(axis, to_axis)), 0, 1e-14); }
             if (joint.kind == JointKind::slider || joint.kind == JointKind::fixed)
                 expect_near(one.q * side(joint.body, first).q.conjugate(),
                             other.q * side(joint.to_body, first).q.conjugate());
@@ -526,6 +526,52 @@ TEST(JointReference, order_of_joints_does_not_matter) {
             expect_near(other[i].x, one[i].x);
             expect_near(other[i].q, one[i].q);
         }
+    }
+}
+
+// RATTLE is of order 2, so twice the steps leave a quarter of the error, and the extrapolation of both far less.
+TEST(JointReference, kernel_converges_to_trees_of_every_kind_of_joint) {
+    for (const unsigned seed : {1U, 2U, 3U, 4U, 5U}) {
+        Built built = random_tree(seed, seed % 2 == 1);
+        SceneDescription& scene = built.scene;
+        scene.duration = 0.5;
+        scene.gravity = {1, -9.5, 2};
+        scene.linear_drag = 0.125;
+        ImpulseDescription blow;
+        blow.time = 0.25;
+        blow.body = 4;
+        blow.impulse = {2, -1, 1};
+        blow.point = {0.25, 0.25, -0.5};
+        scene.impulses.push_back(blow);
+        SpringDescription spring;
+        spring.body = 2;
+        spring.point = {0, 0.25, 0};
+        spring.to = {1, 1, 1};
+        spring.stiffness = 20;
+        spring.damping = 0.5;
+        spring.rest_length = 0.5;
+        scene.springs.push_back(spring);
+        const std::vector<Motion> truth = built.at(scene.duration);
+        const auto run = [&](std::int64_t steps_a_second) {
+            SceneDescription with_step = scene;
+            with_step.step = StepSize{1, steps_a_second};
+            const auto simulation = make_simulation(with_step, "verlet", "f64", false);
+            while (simulation->steps_taken() < simulation->steps()) simulation->step();
+            EXPECT_TRUE(simulation->troubles().empty());
+            std::vector<Motion> end;
+            for (int b = 0; b < simulation->body_count(); ++b) end.push_back(motion_of(simulation->body(b)));
+            return end;
+        };
+        const std::vector<Motion> coarse = run(1024), fine = run(2048);
+        Number error = 0, finer_error = 0, extrapolated = 0;
+        for (std::size_t b = 0; b < truth.size(); ++b) {
+            error = std::max(error, norm(coarse[b].x - truth[b].x));
+            finer_error = std::max(finer_error, norm(fine[b].x - truth[b].x));
+            extrapolated = std::max(extrapolated, norm((fine[b].x * 4 - coarse[b].x) * (1 / Number(3)) - truth[b].x));
+        }
+        EXPECT_LT(static_cast<double>(error), 1e-3) << seed;
+        EXPECT_NEAR(static_cast<double>(error / finer_error), 4, 0.1) << seed;
+        EXPECT_LT(static_cast<double>(extrapolated / error), 0.01) << seed;
     }
 }
 

@@ -38,7 +38,7 @@ TEST(Joints, json_tells_what_each_kind_has_and_how_far_it_is_open) {
         EXPECT_GE(joint.at("corrections").get<int>(), 0);
     }
     EXPECT_EQ(run.at("status"), Json::array());
-    EXPECT_EQ(run.at("verdict").at("kind"), "unchecked");
+    EXPECT_EQ(run.at("verdict").at("kind"), "right");
     EXPECT_FALSE(json_of({"run", shipped("brick"), "--duration", "0.1"}).contains("joints"));
 }
 
@@ -95,10 +95,10 @@ TEST(Joints, rows_of_joints_are_a_file_of_their_own) {
                    "--joints: got a scene without joints, expected at least one [[joint]]");
 }
 
-TEST(Joints, the_table_shows_them_and_says_that_nothing_was_checked) {
+TEST(Joints, the_table_shows_them_and_that_the_run_is_right) {
     expect_outcome(tumble({"run", shipped("joints/pendulum"), "--duration", "0.5"}), 0,
                    "pivot\n  angle            rad  ", "largest relative drift",
-                   "verdict: not checked: scenes with joints have no reference yet");
+                   "verdict: right: the error is at most ");
 }
 
 TEST(Joints, a_live_run_tells_of_them_and_its_recording_replays_to_the_same_state) {

@@ -289,6 +289,152 @@ TEST(Verdict, no_clock_decides_what_the_command_says) {
     }
 }
 
+// Two rods of 1 m in the plane x, y, or turned out of it, on hinges; let go at angles from hanging.
+SceneDescription double_pendulum(double upper, double lower, const char* step, const char* duration,
+                                 double lower_mass = 1, bool is_turned = false) {
+    const auto turned = [&](double x, double y) {
+        const double c = is_turned ? 0.8 : 1, s = is_turned ? 0.6 : 0;  // about y
+        return "[" + seventeen_digits(c * x) + ", " + seventeen_digits(y) + ", " + seventeen_digits(-s * x) + "]";
+    };
+    const auto orientation = [&](double angle) {
+        const reference::Rotation about_y =
+            reference::exponential<reference::Number>({0, is_turned ? std::atan2(0.6L, 0.8L) : 0, 0});
+        const reference::Rotation q = about_y * reference::exponential<reference::Number>({0, 0, angle});
+        return "orientation = [" + seventeen_digits(double(q.w)) + ", " + seventeen_digits(double(q.v.x)) + ", " +
+               seventeen_digits(double(q.v.y)) + ", " + seventeen_digits(double(q.v.z)) + "]\n";
+    };
+    const double x = std::sin(upper), y = -std::cos(upper);
+    const std::string axis = is_turned ? "axis = [0.6, 0, 0.8]\n" : "axis = [0, 0, 1]\n";
+    return parsed(world_of("-9.81", step, duration) + smallest_range +
+                  body_of("upper", "box = [0.1, 1, 0.1]", turned(x / 2, y / 2)) + orientation(upper) +
+                  body_of("lower", "box = [0.1, 1, 0.1]", turned(x + std::sin(lower) / 2, y - std::cos(lower) / 2),
+                          seventeen_digits(lower_mass)) +
+                  orientation(lower) + joint_of("hinge", "upper", "", "[0, 0, 0]", axis) +
+                  joint_of("hinge", "upper", "lower", turned(x, y), axis));
+}
+
+TEST(Verdict, jointed_bodies_are_held_against_their_equations_of_motion) {
+    const struct {
+        double upper, lower, mass;
+        bool is_turned;
+    } cases[] = {{2.0, 2.4, 1, false}, {-2.0, -2.4, 1, false}, {1.0, -0.5, 4, true}, {-1.0, 0.5, 0.25, true}};
+    for (const auto& c : cases) {
+        for (const Method& method : {verlet_q32, Method{"verlet", "f64", false}}) {
+            const SceneDescription fine = double_pendulum(c.upper, c.lower, "1/256", "2.0", c.mass, c.is_turned);
+            const Verdict right = verdict_of(fine, method);
+            EXPECT_EQ(right.kind, Verdict::Kind::right) << sentence_of(right, fine, method);
+            EXPECT_TRUE(right.is_solved);
+            EXPECT_EQ(right.rules.size(), 0u);
+            EXPECT_LT(right.doubt.largest(), 1e-9);
+            // The error is that of order 2: a quarter at half the step.
+            const Verdict finer =
+                verdict_of(double_pendulum(c.upper, c.lower, "1/512", "2.0", c.mass, c.is_turned), method);
+            EXPECT_NEAR(right.error.position_m / finer.error.position_m, 4, 0.5) << right.error.position_m;
+        }
+    }
+}
+
+TEST(Verdict, step_that_is_too_long_for_joints_is_wrong_and_its_cure_is_right) {
+    const Method method{"verlet", "f64", false};
+    for (const char* step : {"1/24", "1/32"}) {
+        SceneDescription scene = double_pendulum(2.0, 2.4, step, "3.0");
+        const Verdict verdict = verdict_of(scene, method);
+        ASSERT_TRUE(verdict.kind == Verdict::Kind::wrong || verdict.kind == Verdict::Kind::told)
+            << sentence_of(verdict, scene, method);
+        ASSERT_TRUE(verdict.cure.has_value()) << sentence_of(verdict, scene, method);
+        EXPECT_EQ(verdict.cause, Verdict::Cause::step);
+        EXPECT_GT(error_in_parts_of_wrong(scene, method), 1);
+        scene.step = verdict.cure->step;
+        EXPECT_LT(error_in_parts_of_wrong(scene, verdict.cure->method), 1);
+    }
+}
+
+// The true motion of a double pendulum multiplies an error by 10^10 in 14 s: nothing holds it against a run after that.
+TEST(Verdict, chaotic_joints_have_no_reference_after_some_time) {
+    const SceneDescription scene = double_pendulum(2.0, 2.4, "1/256", "20.0");
+    const Record truth = solved_record_of(scene, 1e-17, moments_of(scene)).record;
+    const Verdict verdict = verdict_of(scene, {"verlet", "f64", false}, truth, {.explains = false});
+    ASSERT_EQ(verdict.kind, Verdict::Kind::no_reference);
+    EXPECT_GE(verdict.time_s, 11);
+    EXPECT_LE(verdict.time_s, 15);
+    EXPECT_LT(verdict.error.position_m, 1e-2);
+    expect_parts(sentence_of(verdict, scene, verlet_q32),
+                 {"right until ", "no reference from there on: two solutions of the equations of motion differ by "});
+    // A run is wrong long before.
+    const Verdict run = verdict_of(scene, verlet_q32, {.explains = false});
+    EXPECT_EQ(run.kind, Verdict::Kind::wrong);
+    EXPECT_GT(run.time_s, 3);
+    EXPECT_LT(run.time_s, verdict.time_s);
+}
+
+TEST(Verdict, blows_and_loads_on_joints_are_judged) {
+    const Method method{"verlet", "f64", false};
+    SceneDescription scene = double_pendulum(0.5, 0.25, "1/256", "2.0");
+    scene.linear_drag = 0.1;
+    scene.angular_drag = 0.05;
+    scene.bodies[0].velocity = {1, 2, 3};  // across the joints: it ends
+    scene.bodies[1].angular_velocity = {1, -2, 1};
+    ImpulseDescription blow;
+    blow.time = 0.5;
+    blow.body = 1;
+    blow.impulse = {1, 2, -3};
+    blow.point = {0.05, -0.5, 0};
+    scene.impulses.push_back(blow);
+    ForceDescription force;
+    force.body = 0;
+    force.from = 1;
+    force.until = 1.5;
+    force.force = {0, 5, 2};
+    force.frame = Frame::body;
+    force.point = {0, 0.1, 0.05};
+    scene.forces.push_back(force);
+    SpringDescription spring;
+    spring.body = 1;
+    spring.to = {1, 1, 0};
+    spring.stiffness = 10;
+    spring.damping = 0.5;
+    spring.rest_length = 0.5;
+    scene.springs.push_back(spring);
+    const Verdict verdict = verdict_of(scene, method);
+    EXPECT_EQ(verdict.kind, Verdict::Kind::right) << sentence_of(verdict, scene, method);
+    EXPECT_LT(verdict.error.largest(), 1e-3);
+    // A run without the blow is another motion.
+    SceneDescription other = scene;
+    other.impulses.clear();
+    const Verdict without = verdict_of(scene, method, record_of(other, method, 0, moments_of(scene)));
+    EXPECT_EQ(without.kind, Verdict::Kind::wrong);
+    EXPECT_GE(without.time_s, 0.5);
+    EXPECT_LT(without.time_s, 0.8);
+}
+
+// What joints do not allow ends without a gain, and a method that adds energy exceeds the budget.
+TEST(Verdict, energy_budget_holds_with_joints) {
+    SceneDescription scene = double_pendulum(1.0, 0.5, "1/64", "4.0");
+    scene.bodies[0].velocity = {1, 2, 3};
+    scene.bodies[1].angular_velocity = {1, -2, 1};
+    ImpulseDescription blow;
+    blow.time = 1;
+    blow.body = 1;
+    blow.impulse = {0, 0, 5};  // across both joints: it does no work
+    scene.impulses.push_back(blow);
+    EXPECT_FALSE(record_of(scene, {"verlet", "f64", false}, 0, moments_of(scene), 0.04).gained.has_value());
+    EXPECT_TRUE(record_of(scene, {"explicit_euler", "f64", false}, 0, moments_of(scene), 0.04).gained.has_value());
+}
+
+TEST(Verdict, check_of_joints_that_is_too_dear_is_not_made) {
+    const SceneDescription scene = double_pendulum(2.0, 2.4, "1/256", "4.0");
+    const Record run = record_of(scene, {"verlet", "f64", false}, 0, moments_of(scene));
+    const Verdict dear = verdict_of(scene, {"verlet", "f64", false}, run, {.most_seconds = 0.01}),
+                  made = verdict_of(scene, {"verlet", "f64", false}, run, {.most_seconds = 10.0});
+    EXPECT_EQ(dear.kind, Verdict::Kind::unchecked);
+    EXPECT_NE(made.kind, Verdict::Kind::unchecked);
+    // Its cost is told by the beginning, about.
+    const double cost = solved_record_of(scene, 1e-11, moments_of(scene)).seconds +
+                        solved_record_of(scene, 1e-14, moments_of(scene)).seconds;
+    EXPECT_GT(dear.cost_s, cost / 3);
+    EXPECT_LT(dear.cost_s, cost * 3);
+}
+
 std::vector<std::string> rules_in(const std::string& text) {
     const SceneDescription scene = parsed(text);
     const Verdict verdict = verdict_of(scene, {"verlet", "f64", false}, {.most_references = 1, .explains = false});
