@@ -213,7 +213,7 @@ SolvedRecord solved_record_of(const SceneDescription& scene, double most_error,
 
 // Measured with the scenes of this repository and their contacts, to a factor of about 3.
 double estimated_seconds(const SceneDescription& scene, int halvings, const Load& load) {
-    constexpr double step = 1e-6, body = 0.5e-6, spring = 1e-6, joint = 6e-6, pair = 3e-6;  // s
+    constexpr double step = 1e-6, body = 0.5e-6, spring = 1e-6, joint = 3e-6, pair = 3e-6;  // s
     return std::ldexp(static_cast<double>(scene.steps()), halvings) *
            (step + body * load.bodies + spring * load.springs + joint * load.joints + pair * load.pairs);
 }
