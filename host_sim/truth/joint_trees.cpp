@@ -100,17 +100,27 @@ void JointTrees::add(std::size_t body, int parent, const JointDescription* joint
     };
     const auto slide = [&](const Vector& axis) { node.free.push_back({false, other.q.rotate_back(axis)}); };
     const Vector axes[] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-    if (joint == nullptr)
+    if (joint == nullptr) {
         for (const Vector& axis : axes) slide(axis);
-    if (joint == nullptr || joint->kind == JointKind::ball)
         for (const Vector& axis : axes) turn(axis);
-    if (joint != nullptr && joint->kind == JointKind::hinge) turn(unit(vector_of(joint->axis)));
-    if (joint != nullptr && joint->kind == JointKind::slider) slide(unit(vector_of(joint->axis)));
-    if (joint != nullptr && joint->kind == JointKind::universal) {
-        // The axis of `to_body` is made perpendicular to that of `body`.
-        const Vector axis = unit(vector_of(joint->axis)), to_axis = vector_of(joint->to_axis);
-        turn(axis, static_cast<int>(body) == joint->body);
-        turn(unit(to_axis - axis * reference::dot(to_axis, axis)), static_cast<int>(body) != joint->body);
+    } else {
+        switch (joint->kind) {
+        case JointKind::hinge: turn(unit(vector_of(joint->axis))); break;
+        case JointKind::slider: slide(unit(vector_of(joint->axis))); break;
+        case JointKind::ball:
+            for (const Vector& axis : axes) turn(axis);
+            break;
+        case JointKind::universal: {
+            // The axis of `to_body` is made perpendicular to that of `body`.
+            const Vector axis = unit(vector_of(joint->axis)), to_axis = vector_of(joint->to_axis);
+            turn(axis, static_cast<int>(body) == joint->body);
+            turn(unit(to_axis - axis * reference::dot(to_axis, axis)), static_cast<int>(body) != joint->body);
+            break;
+        }
+        case JointKind::fixed: break;
+        default:
+            raise(std::invalid_argument("joint \"" + joint->name + "\" is of a kind whose equations are not known"));
+        }
     }
     speeds_ += node.free.size();
     node_of_[body] = static_cast<int>(nodes_.size());

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "tools/raise.hpp"
 #include "truth/trajectory.hpp"
 
 namespace tumble::host {
@@ -108,8 +109,8 @@ SmoothMotion::Body SmoothMotion::body_of(const BodyDescription& description) {
     return body;
 }
 
-SmoothMotion::SmoothMotion(const SceneDescription& scene, ShapesMeet shapes_meet, Number most_error)
-    : scene_{scene}, shapes_meet_{shapes_meet}, step_length_{long_seconds(scene.step)}, most_error_{most_error} {
+SmoothMotion::SmoothMotion(const SceneDescription& scene, ShapesMeet shapes_meet, const Effort& effort)
+    : scene_{scene}, shapes_meet_{shapes_meet}, step_length_{long_seconds(scene.step)}, effort_{effort} {
     for (const BodyDescription& description : scene.bodies) {
         bodies_.push_back(body_of(description));
         Motion start{vector_of(description.position), {}, rotation_of(description.orientation).normalized(), {}};
@@ -273,8 +274,9 @@ void SmoothMotion::flow(std::int64_t from, std::int64_t to) {
         return trees_.place(std::span(packed).subspan(own), motions);
     };
     Wrenches sums(bodies_.size());
-    const auto equations = [&](const std::vector<Number>& packed, std::vector<Number>& rates, Number) {
-        ++evaluations_;
+    const auto equations = [&](const std::vector<Number>& packed, std::vector<Number>& rates, Number time) {
+        if (++evaluations_ > effort_.most_evaluations) raise(EffortSpent("the motion takes too many evaluations"));
+        reached_ = Number(from) * step_length_ + time;
         const JointTrees::Links links = unpack(packed);
         add_loads(motions, from, sums);
         auto next = rates.begin();
@@ -292,7 +294,7 @@ void SmoothMotion::flow(std::int64_t from, std::int64_t to) {
         }
         trees_.rate(std::span(packed).subspan(own), links, motions, sums, std::span(rates).subspan(own));
     };
-    if (!state.empty()) integrate(equations, state, 0, Number(to - from) * step_length_, most_error_);
+    if (!state.empty()) integrate(equations, state, 0, Number(to - from) * step_length_, effort_.most_error);
     joints_.assign(state.begin() + static_cast<std::ptrdiff_t>(own), state.end());
     trees_.normalize(joints_);
     std::copy(joints_.begin(), joints_.end(), state.begin() + static_cast<std::ptrdiff_t>(own));

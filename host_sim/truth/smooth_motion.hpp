@@ -6,6 +6,8 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
+#include <stdexcept>
 #include <vector>
 
 #include "scene/description.hpp"
@@ -15,25 +17,33 @@
 
 namespace tumble::host {
 
+// How well a motion is integrated, and at what cost.
+struct Effort {
+    reference::Number most_error = reference::tolerance;  // of each step of the integration, absolute and relative
+    std::int64_t most_evaluations = std::numeric_limits<std::int64_t>::max();  // of the equations of motion
+};
+struct EffortSpent : std::runtime_error {
+    using std::runtime_error::runtime_error;
+};
+
 class SmoothMotion {
 public:
     // Do two kinds of shapes touch each other, in either order? See shapes_meet() of scene/data.hpp.
     using ShapesMeet = bool (*)(ShapeKind, ShapeKind);
 
     // The motion starts at time 0. Event times are rounded to the nearest step of the scene, as in the kernel.
-    // `most_error`: of each step of the integration, absolute and relative.
-    SmoothMotion(const SceneDescription& scene, ShapesMeet shapes_meet,
-                 reference::Number most_error = reference::tolerance);
+    SmoothMotion(const SceneDescription& scene, ShapesMeet shapes_meet, const Effort& effort = {});
 
     // Advances to the start of a step, before its impulses; an earlier step changes nothing. Throws std::runtime_error
-    // where bodies fall into each other, or where the loads are so stiff that the run would not end.
+    // where bodies fall into each other, or where the loads are so stiff that the run would not end, and EffortSpent.
     void advance_to(std::int64_t step);
 
     // x and v in the world frame; w in the user's body axes, which q rotates into the world frame. Fixed bodies keep
     // their place.
     [[nodiscard]] const std::vector<reference::Motion>& bodies() const { return now_; }
-    // How often the equations of motion have been evaluated: the cost so far.
+    // How often the equations of motion have been evaluated, and up to which time, s.
     [[nodiscard]] std::int64_t evaluations() const { return evaluations_; }
+    [[nodiscard]] reference::Number reached() const { return reached_; }
 
     // Can any contact occur?
     [[nodiscard]] bool can_touch() const { return !planes_.empty() || has_pairs_; }
@@ -103,8 +113,9 @@ private:
     SceneDescription scene_;
     ShapesMeet shapes_meet_;
     reference::Number step_length_ = 0;  // s
-    reference::Number most_error_ = 0;
+    Effort effort_;
     std::int64_t evaluations_ = 0;
+    reference::Number reached_ = 0;  // s
     std::vector<Body> bodies_;
     std::vector<Plane> planes_;          // empty where no body can touch them
     bool has_pairs_ = false;             // of bodies that may touch

@@ -45,7 +45,7 @@ std::optional<Samples> smooth_samples(const SampledScene& scene, reference::Numb
     const int number = std::min(0, scene.longest());
     const SceneDescription description = scene.with_step(number);
     const reference::Number length = long_seconds(description.step), band = description.contact.tolerance;
-    SmoothMotion motion(description, shapes_meet, most_error);
+    SmoothMotion motion(description, shapes_meet, {.most_error = most_error});
     if (motion.can_touch() && description.contact.response == ContactResponse::spring &&
         description.contact.barrier > 0)
         return std::nullopt;

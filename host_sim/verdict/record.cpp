@@ -184,29 +184,33 @@ Record record_of(const SceneDescription& scene, const Method& method, int halvin
 
 SolvedRecord solved_record_of(const SceneDescription& scene, double most_error,
                               const std::vector<std::int64_t>& moments, std::optional<double> most_seconds) {
-    SmoothMotion motion(scene, shapes_meet, most_error);
+    SolvedRecord solved;
+    solved.record.load = load_of(scene);
+    constexpr double body = 5e-6, spring = 0.5e-6;  // s; measured
+    const double evaluation = body * solved.record.load.bodies + spring * solved.record.load.springs;
+    Effort effort{.most_error = most_error};
+    if (most_seconds) effort.most_evaluations = static_cast<std::int64_t>(*most_seconds / evaluation);
+    SmoothMotion motion(scene, shapes_meet, effort);
     const Moment start{motion.bodies(), {}, {}};
     Moment now = start;
     now.way_m.resize(start.bodies.size());
     now.turn_rad.resize(start.bodies.size());
-    SolvedRecord solved;
-    solved.record.load = load_of(scene);
-    constexpr double body = 5e-6, spring = 0.5e-6;  // s, of an evaluation; measured
-    const double evaluation = body * solved.record.load.bodies + spring * solved.record.load.springs;
     std::int64_t from = 0;
-    for (const std::int64_t moment : moments) {
-        for (std::int64_t look = 1; look <= looks_per_moment; ++look) {
-            const std::int64_t at = from + (moment - from) * look / looks_per_moment;
-            motion.advance_to(at);
-            now.bodies = motion.bodies();
-            widen(now, start);
-            solved.seconds = evaluation * static_cast<double>(motion.evaluations());
-            if (!most_seconds || solved.seconds <= *most_seconds) continue;
-            solved.seconds *= static_cast<double>(moments.back()) / static_cast<double>(std::max<std::int64_t>(at, 1));
-            return solved;
+    try {
+        for (const std::int64_t moment : moments) {
+            for (std::int64_t look = 1; look <= looks_per_moment; ++look) {
+                motion.advance_to(from + (moment - from) * look / looks_per_moment);
+                now.bodies = motion.bodies();
+                widen(now, start);
+            }
+            solved.record.moments.push_back(now);
+            from = moment;
         }
-        solved.record.moments.push_back(now);
-        from = moment;
+        solved.seconds = evaluation * static_cast<double>(motion.evaluations());
+    } catch (const EffortSpent&) {
+        const auto end = static_cast<double>(static_cast<long double>(moments.back()) * long_seconds(scene.step)),
+                   reached = static_cast<double>(motion.reached());
+        solved.seconds = *most_seconds * end / std::min(std::max(reached, 1e-6 * end), end);
     }
     return solved;
 }

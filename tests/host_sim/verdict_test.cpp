@@ -433,6 +433,15 @@ TEST(Verdict, check_of_joints_that_is_too_dear_is_not_made) {
                         solved_record_of(scene, 1e-14, moments_of(scene)).seconds;
     EXPECT_GT(dear.cost_s, cost / 3);
     EXPECT_LT(dear.cost_s, cost * 3);
+    // So stiff that the integration alone would take hours: its beginning ends it.
+    SceneDescription stiff = scene;
+    SpringDescription spring;
+    spring.to = {1, 0, 0};
+    spring.stiffness = 1e14;
+    stiff.springs.push_back(spring);
+    const SolvedRecord beginning = solved_record_of(stiff, 1e-11, moments_of(stiff), 0.05);
+    EXPECT_TRUE(beginning.record.moments.empty());
+    EXPECT_GT(beginning.seconds, 10);
 }
 
 std::vector<std::string> rules_in(const std::string& text) {
