@@ -44,7 +44,7 @@ bool set_up(tumble::Real precession) {
     return outer_bearing && inner_bearing && rotor_bearing;
 }
 // What the tests measure.
-[[gnu::noinline]] bool turn() { return world.step().ok(); }
+[[gnu::noinline]] bool spin_once() { return world.step().ok(); }
 
 bool is_within(tumble::Real value, tumble::Real wanted, tumble::Real most) { return abs(value - wanted) < most; }
 tumble::Real real(float value) { return tumble::Real{value}; }
@@ -64,7 +64,7 @@ int main() {
     const tumble::Real precession = inner_mass * gravity * off_centre / (axial_moment * spin);
     if (!set_up(precession)) return 1;
     for (int step = 0; step < steps; ++step) {
-        if (!turn()) return 2;
+        if (!spin_once()) return 2;
         const tumble::Real tilt = real(world.joint<float>(inner_bearing).angle);
         if (!is_within(tilt, 0, 1e-4)) return 3;  // rad
     }
