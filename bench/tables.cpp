@@ -11,6 +11,7 @@
 #include "cells.hpp"
 #include "firmware/firmware.hpp"
 #include "host/host_tables.hpp"
+#include "joint_tables.hpp"
 #include "kernel_tables.hpp"
 #include "ladder.hpp"
 #include "long_run_rows.hpp"
@@ -576,6 +577,8 @@ const Makers makers{
     {"table host_growth", [](R r) { return host_growth_table(r["host"]); }},
     {"table engines", [](R r) { return engines_table(r["engines"]); }},
     {"table engine_contacts", [](R r) { return engine_contacts_table(r["engine_contacts"]); }},
+    {"table joints", [](R r) { return joints_table(r["joints"]); }},
+    {"table joints_long", [](R r) { return joints_long_table(r["joints"]); }},
     {"table core_engines", [](R r) { return core_engines_table(r["core_engines"]); }},
     {"table web_errors",
      [](R r) { return web_table(r["web_engines"], 1.0 / 256, true, is_no_heap, error_or_trouble); }},
