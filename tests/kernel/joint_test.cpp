@@ -376,8 +376,13 @@ TYPED_TEST(Joints, a_falling_arm_and_a_gyroscope_are_of_order_two) {
 
 TYPED_TEST(Joints, the_energy_of_a_pendulum_has_no_trend) {
     const double period = pendulum_period(2.5, this->rod, 9.81 / 2);
-    const double moved = this->energy_moved(this->pendulum(2.5), static_cast<int>(8 * period * 256), long_run) / 9.81;
-    EXPECT_LT(std::abs(moved), this->in_fixed_point || this->carries_single ? 1e-5 : this->is_single ? 3e-4 : 1e-6);
+    const auto moved = [&](int rate) {
+        const int window = static_cast<int>(8 * period * rate);
+        return std::abs(this->energy_moved(this->pendulum(2.5, {1, rate}), window, long_run) / 9.81);
+    };
+    EXPECT_LT(moved(256), this->in_fixed_point || this->carries_single ? 1e-5 : this->is_single ? 3e-4 : 1e-6);
+    // At 1/1024 s the guess alone is within the bound of a correction.
+    if (this->carries_single) { EXPECT_LT(moved(1024), 3e-5); }
 }
 
 TYPED_TEST(Joints, the_energy_of_a_spherical_pendulum_has_no_trend) {

@@ -375,14 +375,14 @@ requires(!N::fixed_point) struct JointNumbers<N> {
     [[nodiscard]] static int log2_of(Open, int) { return 0; }
     [[nodiscard]] static Unit unit_of(Open gap, int, int) { return gap; }
     // Some roundings of the largest of the places and arms that a gap is the difference of, at least those of 1 m: in
-    // double 2^-40, which costs no correction more than 2^-46 would save. With carry a fourth of that with the guess:
-    // it lags behind the force f of the joint, and a gap c that opens under one force and closes under another takes or
-    // gives the difference of f c. A pendulum in float gained 1.3e-4 m g l in 10^6 steps where the guess was kept up to
-    // 3e-7 m, and moves by 4e-6 at a fourth. All below the rounding of a float would take corrections that change
-    // nothing. Without carry rounding alone moves it by up to 1.6e-4, and more corrections would cost 15 % of a step.
+    // double 2^-40, which costs no correction more than 2^-46 would save. With carry a sixteenth of that with the
+    // guess: it lags behind the force f of the joint, and a gap c that opens under one force and closes under another
+    // takes or gives the difference of f c. A pendulum in float gained 1.3e-4 m g l in 10^6 steps of 1/256 s where the
+    // guess was kept up to 3e-7 m, and moves by 1e-6 at a sixteenth; at a fourth it gained 1.3e-4 in 10^6 steps of
+    // 1/1024 s. Without carry rounding alone moves it by up to 1.6e-4, and more corrections would cost 15 % of a step.
     [[nodiscard]] TUMBLE_INLINE static Unit enough(bool is_guess, int, int) {
         constexpr Unit of_correction = sizeof(Unit) == 4 ? Unit(3e-7) : Unit(1e-12);
-        return N::carry && is_guess ? of_correction * Unit(0.25) : of_correction;
+        return N::carry && is_guess ? of_correction * Unit(0.0625) : of_correction;
     }
     [[nodiscard, gnu::noinline]] static Unit enough_of(bool is_guess, const auto& place, const auto& own,
                                                        const auto& other) {
