@@ -17,6 +17,7 @@ struct Features {
     int planes = 0;                   // room for planes
     int springs = 0;                  // room for springs
     int joints = 0;                   // room for joints; needs rotation; jointed bodies touch nothing yet
+    bool distances = false;           // joints may keep a distance: DistanceSpec
     int near_pairs = 0;               // room for pairs that are near each other at one time; 0: the usual room
     bool rotation = true;             // bodies rotate; if false, all of them are point masses
     bool point_masses = false;        // some bodies may be point masses, which do not rotate
@@ -60,6 +61,7 @@ struct Features {
         f("planes", &Features::planes);
         f("springs", &Features::springs);
         f("joints", &Features::joints);
+        f("distances", &Features::distances);
         f("near_pairs", &Features::near_pairs);
         f("rotation", &Features::rotation);
         f("point_masses", &Features::point_masses);

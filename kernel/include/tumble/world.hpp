@@ -160,11 +160,13 @@ public:
     }
 
     // Adds a joint between bodies already added, or of a body and the world, where they are now: HingeSpec, BallSpec,
-    // FixedSpec, SliderSpec or UniversalSpec. The id of nothing (and Issue::world_full) where there is no room, or
-    // where it closes a loop of joints: fault_of() says which. Other faults are misuse. The next step ends the
+    // FixedSpec, SliderSpec, UniversalSpec or DistanceSpec. The id of nothing (and Issue::world_full) where there is no
+    // room, or where it closes a loop of joints: fault_of() says which. Other faults are misuse. The next step ends the
     // velocities across the joint, as an impact without restitution would.
     template <JointSpec Spec>
     JointId add(const Spec& spec) requires(features.has_joints()) {
+        static_assert(features.distances || !std::is_same_v<Spec, DistanceSpec>,
+                      "a rod or a rope needs .distances = true among the scene's features");
         refuse_to_record();
         const JointFault fault = fault_of(spec);
         TUMBLE_ASSERT(fault == JointFault::none || is_refused(fault));

@@ -23,6 +23,18 @@ struct JointRecord {
     std::uint16_t generation = 0;  // removals of a joint of this place, modulo 2^16
 };
 
+// The range of a distance, and where in it the distance is.
+template <class N>
+struct JointRange {
+    using Length = typename JointNumbers<N>::Open;
+
+    Length least{}, most{};  // in 2^-gap_bits m
+    std::int8_t end = 0;     // 1: held at most, -1: at least, 0: neither
+
+    [[nodiscard]] bool is_rod() const { return least == most; }
+    [[nodiscard]] Length length() const { return end < 0 ? least : most; }
+};
+
 // The bodies of a tree, and what the next step has to do before it begins.
 struct JointTreeState {
     std::int16_t first = 0, last = 0;  // nodes
@@ -51,7 +63,7 @@ public:
         int most = 0;
         for (int used = 0; used <= room; ++used) {
             const int roots = most_nodes - used < used ? (most_nodes > used ? most_nodes - used : 0) : used;
-            const int directions = used * JointKinds::most_directions + 6 * roots;
+            const int directions = used * (features.distances ? 6 : JointKinds::most_directions) + 6 * roots;
             if (directions > most) most = directions;
         }
         return most;
@@ -66,7 +78,10 @@ public:
         if (is_base(bodies, a) && is_base(bodies, b)) return JointFault::no_moving_body;
         if (!bodies.rotates(a) || (b >= 0 && !bodies.rotates(b))) return JointFault::point_mass;
         if (const JointFault fault = JointKinds::Of<Spec>::fault_of(spec); fault != JointFault::none) return fault;
-        if (is_far(bodies, a, spec.anchor) || is_far(bodies, b, spec.anchor)) return JointFault::too_far;
+        if (is_far(bodies, a, detail::anchor_of(spec, 0)) || is_far(bodies, b, detail::anchor_of(spec, 1)))
+            return JointFault::too_far;
+        if constexpr (N::fixed_point && requires { spec.most; })
+            if (spec.most > Real{most_arm}) return JointFault::too_far;
         if (moves_by_itself(bodies, a) || moves_by_itself(bodies, b)) return JointFault::moving_base;
         if (is_tied(bodies, a, b)) return JointFault::closes_loop;
         return first_vacant() < room ? JointFault::none : JointFault::no_room;
@@ -83,12 +98,15 @@ public:
         joint.is_there = true;
         joint.kind = JointKinds::number_of<Spec>;
         const detail::JointAxes axes = Kind::axes_of(spec);
-        set_side(joint.side[0], bodies, spec.body, spec.anchor, axes.of_body);
-        set_side(joint.side[1], bodies, spec.to_body, spec.anchor, axes.of_other);
+        set_side(joint.side[0], bodies, spec.body, detail::anchor_of(spec, 0), axes.of_body);
+        set_side(joint.side[1], bodies, spec.to_body, detail::anchor_of(spec, 1), axes.of_other);
         for (int i = 0; i < 3; ++i)
-            joint.anchor[i] = N::template Integrated<typename N::Position>::from(spec.anchor[i]);
+            joint.anchor[i] = N::template Integrated<typename N::Position>::from(detail::anchor_of(spec, 1)[i]);
+        if constexpr (features.distances && requires { spec.most; }) set_range(range_[place], spec);
         order(bodies);
-        forget(is_base(bodies, spec.body) ? spec.to_body : spec.body);
+        const int moving = is_base(bodies, spec.body) ? spec.to_body : spec.body;
+        forget(moving);
+        if constexpr (requires { spec.most; }) tree_of(moving)->is_moved = true;  // its length is that of the spec
         return place;
     }
     [[nodiscard]] std::uint16_t generation(int place) const { return record_[place].generation; }
@@ -139,6 +157,17 @@ public:
     [[nodiscard]] const Kicks* kicks() const { return kick_; }
     [[nodiscard]] FreeDirection<N>* directions() { return direction_; }
     [[nodiscard]] const Record& record(int j) const { return record_[j]; }
+    // Of a node that keeps a distance.
+    [[nodiscard]] const JointRange<N>& range(const Node& node) const requires(features.distances) {
+        return range_[node.joint];
+    }
+    [[nodiscard]] const JointRange<N>& range_of(int joint) const requires(features.distances) { return range_[joint]; }
+    // Where neither end is held, nothing is handed on.
+    void set_end(Node& node, int end) requires(features.distances) {
+        range_[node.joint].end = static_cast<std::int8_t>(end);
+        node.slides = end == 0 ? 3 : 2;
+        node.holder = end == 0 ? std::int16_t{-1} : node.parent;
+    }
     // The node that hangs on its parent by this joint.
     [[nodiscard]] int node_of(int joint) const {
         int i = 0;
@@ -200,6 +229,14 @@ public:
             (void)to.within(tree.halvings, 0, most_halvings);
             if constexpr (Archive::reads) tree.is_factored = false;
             for (int i = tree.first; i < tree.last; ++i) to(self.kick_[i]);
+            if constexpr (features.distances)
+                for (int i = tree.first; i < tree.last; ++i) {
+                    auto& node = self.node_[i];
+                    if (!node.keeps_distance()) continue;
+                    int end = self.range_[node.joint].end;
+                    end = to.within(end, self.range_[node.joint].is_rod() ? 1 : -1, 1);
+                    if constexpr (Archive::reads) self.set_end(node, end);
+                }
         }
     }
     void add_to(auto& digest) const {
@@ -214,6 +251,10 @@ public:
                     for (int i = 0; i < 3; ++i) digest.add_number(vector[i]);
             }
             digest.add_number(joint.anchor);
+            if constexpr (features.distances) {
+                J::add_to(digest, range_[j].least);
+                J::add_to(digest, range_[j].most);
+            }
         }
     }
 
@@ -303,6 +344,15 @@ private:
     }
     TUMBLE_COLD [[nodiscard]] static Real length_of(const RealVec3& v) { return sqrt(dot(v, v)); }
 
+    // A distance that is at an end of its range is held there.
+    TUMBLE_COLD static void set_range(JointRange<N>& range, const DistanceSpec& spec) requires(features.distances) {
+        const RealVec3 apart = spec.point - spec.to_point;
+        const Real length = length_of(apart), near = Real::scaled(1, -20);
+        range = {J::length(spec.least), J::length(spec.most), 0};
+        if (range.is_rod() || length >= spec.most * (Real{1} - near)) range.end = 1;
+        else if (length <= spec.least * (Real{1} + near) && spec.least > Real{}) range.end = -1;
+    }
+
     // Builds the trees anew. The root is the body that hangs on the world or on a fixed body, or else that of the
     // lowest place; then come its children in the order of their places, and theirs. It takes time as the number of
     // joints squared.
@@ -379,6 +429,11 @@ private:
             node.direction = direction_count_;
             for (int s = 0; s < node.slides; ++s) add_direction(false, node.slides == 3 ? s : -1);
             for (int r = 0; r < node.turns; ++r) add_direction(true, node.turns == 3 ? r : -1);
+            if constexpr (features.distances)
+                if (node.keeps_distance()) {
+                    add_direction(false, -1);  // along the line, where it is slack
+                    set_end(node, range_[node.joint].end);
+                }
         }
     }
     void add_direction(bool turns, int only) {
@@ -391,7 +446,7 @@ private:
         node = {};
         is_jointed_[b] = true;
         node.body = static_cast<std::int16_t>(b);
-        node.parent = static_cast<std::int16_t>(parent);
+        node.parent = node.holder = static_cast<std::int16_t>(parent);
         node.joint = static_cast<std::int16_t>(joint);
         if (joint == Node::no_joint) return;
         const Record& record = record_[joint];
@@ -475,6 +530,7 @@ private:
     }
 
     Record record_[room]{};
+    [[no_unique_address]] If<features.distances, JointRange<N>[room], 22> range_ {};
     Node node_[most_nodes]{};
     Kicks kick_[most_nodes]{};
     FreeDirection<N> direction_[most_directions]{};

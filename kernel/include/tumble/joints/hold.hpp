@@ -100,6 +100,9 @@ private:
     Status status_;
     Kick<N> guess_[Forest::most_nodes];
     int halvings_ = 0;  // of the step, in the present part
+    // Of distances: the end where the part begins, and whether it has changed in the part.
+    [[no_unique_address]] If<features.distances, std::int8_t[Forest::most_nodes], 25> end_;
+    [[no_unique_address]] If<features.distances, bool[Forest::most_nodes], 24> is_changed_;
 
     // Takes a part. Where it has to be shorter the group is where the part begins, and the result is false.
     template <class Fly, class SpinChanged>
@@ -117,6 +120,9 @@ private:
             return true;
         go_back(group, spin_changed);
         each([&](JointTreeState& tree) {
+            if constexpr (features.distances)
+                for (int i = tree.first; i < tree.last; ++i)
+                    if (Node& node = forest_.nodes()[i]; node.keeps_distance()) forest_.set_end(node, end_[i]);
             measures_.place(tree, bodies_);
             measures_.factor(tree);
             tree.is_disturbed = false;
@@ -142,6 +148,13 @@ private:
         each([&](const JointTreeState& tree) {
             each_node(tree, [&](const Node&, int i) { copy(guess_[i], forest_.kicks()[i]); });
         });
+        if constexpr (features.distances)
+            each([&](const JointTreeState& tree) {
+                each_node(tree, [&](const Node& node, int i) {
+                    is_changed_[i] = false;
+                    if (node.keeps_distance()) end_[i] = forest_.range(node).end;
+                });
+            });
         for (int corrections = 0;; ++corrections) {
             each([&](const JointTreeState& tree) { kick(tree, spin_changed); });
             fly(halvings_);
@@ -153,6 +166,17 @@ private:
                     correct(tree, within);
                 }
             });
+            if constexpr (features.distances) {
+                if (closed) {
+                    bool is_other = false;
+                    each([&](const JointTreeState& tree) { is_other = change_ends(tree) || is_other; });
+                    if (!is_other) return true;
+                    go_back(group, spin_changed);
+                    each([&](JointTreeState& tree) { begin_anew(tree); });
+                    corrections = -1;
+                    continue;
+                }
+            }
             if (closed) return true;
             go_back(group, spin_changed);
             if (corrections == most_corrections || (!within && halvings_ < most_halvings)) [[unlikely]]
@@ -198,8 +222,7 @@ private:
         if (!tree.is_factored) measures_.factor(tree);
         tree.is_factored = true;
         if (!tree.is_disturbed) return;
-        measures_.rates(tree, bodies_);
-        solve(tree);
+        find_end(tree);
         each_node(tree, [&](const Node& node, int i) { push_far(node.body, change(node, i, 0), spin_changed); });
         const int before = tree.halvings;
         divide(tree, measures_.halvings_of_turns(tree, bodies_, before));
@@ -266,8 +289,7 @@ private:
     template <class SpinChanged>
     void end(JointTreeState& tree, SpinChanged& spin_changed) {
         measures_.factor(tree);
-        measures_.rates(tree, bodies_);
-        solve(tree);
+        find_end(tree);
         each_node(tree, [&](const Node& node, int i) {
             Kick<N>& kick = forest_.kicks()[i];
             bool within = true;
@@ -277,6 +299,55 @@ private:
                 tree.is_disturbed = true;
         });
         divide(tree, measures_.halvings_for(tree, halvings_));
+    }
+    // The changes of motion that end the rates across the joints. A rope that would push for it goes slack. The bodies
+    // must be placed, and the factor must be that of there.
+    void find_end(JointTreeState& tree) {
+        measures_.rates(tree, bodies_);
+        solve(tree);
+        if constexpr (features.distances) {
+            const auto slackens = [&] {
+                bool any = false;
+                measures_.for_each_that_pushes(tree, [&](Node& node, int) {
+                    forest_.set_end(node, 0);
+                    any = true;
+                });
+                return any;
+            };
+            while (slackens()) {
+                each_node(tree, [&](const Node&, int i) { forest_.kicks()[i] = {}; });  // no guess without it
+                measures_.factor(tree);
+                measures_.rates(tree, bodies_);
+                solve(tree);
+            }
+        }
+    }
+    // After a part that closed: a distance that has left its range is held at its end from the start of the part on,
+    // and one that its end pushed over the whole part goes slack. True where there is one. What has changed in a part
+    // does not go slack any more.
+    [[nodiscard, gnu::noinline]] bool change_ends(const JointTreeState& tree) requires(features.distances) {
+        bool any = false;
+        const auto change = [&](Node& node, int i, int end) {
+            if (end == 0 && is_changed_[i]) return;
+            is_changed_[i] = any = true;
+            forest_.set_end(node, end);
+            // The half kick that ended the last part held it: it is no guess any more.
+            if (end == 0) each_node(tree, [&](const Node&, int k) { guess_[k] = {}; });
+        };
+        for (int i = tree.first; i < tree.last; ++i) {
+            Node& node = forest_.nodes()[i];
+            if (!node.keeps_distance() || node.slides != 3) continue;
+            if (const int beyond = measures_.end_beyond(node, i, bodies_); beyond != 0) change(node, i, beyond);
+        }
+        measures_.take(tree, forest_.kicks(), bodies_);
+        measures_.for_each_that_pushes(tree, [&](Node& node, int i) { change(node, i, 0); });
+        return any;
+    }
+    // Where the bodies are back at the start of a part, with other ends.
+    void begin_anew(JointTreeState& tree) requires(features.distances) {
+        measures_.place(tree, bodies_);
+        measures_.factor(tree);
+        each_node(tree, [&](const Node&, int i) { forest_.kicks()[i] = guess_[i]; });
     }
     // The parts that the next step is to have.
     void divide(JointTreeState& tree, int halvings) {
@@ -293,6 +364,13 @@ private:
     [[gnu::noinline, gnu::cold]] bool close(JointTreeState& tree) {
         for (int projections = 0;; ++projections) {
             measures_.place(tree, bodies_);
+            if constexpr (features.distances)
+                for (int i = tree.first; i < tree.last; ++i) {
+                    Node& node = forest_.nodes()[i];
+                    if (!node.keeps_distance() || forest_.range(node).is_rod()) continue;
+                    const int beyond = measures_.end_beyond(node, i, bodies_);
+                    if (projections == 0 || beyond != 0) forest_.set_end(node, beyond);
+                }
             measures_.factor(tree);  // first: gaps are measured in its lengths
             if (measures_.gaps(tree, bodies_)) return true;
             if (projections == most_projections) return false;

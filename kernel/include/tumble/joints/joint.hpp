@@ -41,6 +41,17 @@ struct UniversalSpec {
     RealVec3 axis{1, 0, 0};     // world; fixed in `body`; of any length but zero
     RealVec3 to_axis{0, 1, 0};  // world; fixed in `to_body`; perpendicular to `axis` to 2^-10 rad
 };
+// A distance of two points within a range. A rod has least == most, a rope has least == 0: it pulls where it is taut,
+// and does nothing while it is slack. Going taut ends the rate of the distance, as an impact without restitution does.
+// Needs Features::distances.
+struct DistanceSpec {
+    BodyIndex body = 0;      // its id, or its number in the order of add()
+    BodyIndex to_body = -1;  // the other body; -1: the world
+    RealVec3 point{};        // m, world; of `body`
+    RealVec3 to_point{};     // m, world; of `to_body`
+    Real least = 0;          // m, not negative, at most `most`
+    Real most = 0;           // m, positive; the points are in the range when the joint is added, to 2^-20 of it
+};
 
 // Why a joint cannot be added: World::fault_of(). With the last two add() returns the id of nothing. The others are
 // mistakes of the program, and misuse.
@@ -52,11 +63,14 @@ enum class JointFault : std::uint8_t {
     point_mass,              // a body without rotation
     zero_axis,               // an axis of length zero
     axes_not_perpendicular,  // of a universal joint
-    too_far,                 // fixed point: an anchor more than 4096 m from the centre of mass of a body
-    moving_base,             // a fixed side that moves by itself: a kinematic body, or a turntable
-    in_a_layer,              // it has a shape in a layer, or a load couples it to such a body: it would touch others
-    closes_loop,             // a chain of joints ties the two sides already, two bodies perhaps by another joint
-    no_room,                 // Features::joints are there already
+    empty_range,             // of a distance: least is negative or above most, or most is not positive
+    outside_range,           // the points of a distance are nearer than least or farther than most
+    too_far,  // fixed point: a distance of more than 4096 m, or an anchor more than 4096 m from the centre of mass of a
+              // body
+    moving_base,  // a fixed side that moves by itself: a kinematic body, or a turntable
+    in_a_layer,   // it has a shape in a layer, or a load couples it to such a body: it would touch others
+    closes_loop,  // a chain of joints ties the two sides already, two bodies perhaps by another joint
+    no_room,      // Features::joints are there already
 };
 
 // The name of a fault: closes_loop.
@@ -69,6 +83,8 @@ enum class JointFault : std::uint8_t {
     case JointFault::point_mass: return "point_mass";
     case JointFault::zero_axis: return "zero_axis";
     case JointFault::axes_not_perpendicular: return "axes_not_perpendicular";
+    case JointFault::empty_range: return "empty_range";
+    case JointFault::outside_range: return "outside_range";
     case JointFault::too_far: return "too_far";
     case JointFault::moving_base: return "moving_base";
     case JointFault::in_a_layer: return "in_a_layer";
@@ -83,6 +99,11 @@ enum class JointFault : std::uint8_t {
 
 namespace detail {
 
+// The point of a side at which a joint holds it, m, world.
+[[nodiscard]] constexpr const RealVec3& anchor_of(const auto& spec, [[maybe_unused]] int side) {
+    if constexpr (requires { spec.to_point; }) return side == 0 ? spec.point : spec.to_point;
+    else return spec.anchor;
+}
 // The axes of a joint in the world, of unit length and perpendicular: two on the side of each body.
 struct JointAxes {
     RealVec3 of_body[2]{}, of_other[2]{};

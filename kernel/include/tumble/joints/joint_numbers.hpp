@@ -101,6 +101,27 @@ requires(N::fixed_point) struct JointNumbers<N> {
             return a;
         return a >> down;
     }
+    // A length of the set-up, in 2^-gap_bits m.
+    [[nodiscard]] static constexpr Open length(Real metres) { return metres.to_fixed(gap_bits, 64); }
+    static constexpr void add_to(auto& digest, Open length) {
+        digest.add(static_cast<int>(static_cast<std::uint32_t>(length)));
+        digest.add(static_cast<int>(static_cast<std::uint32_t>(length >> 32)));
+    }
+    // A length along an axis, without the lower bits: half a unit less on average.
+    [[nodiscard]] static Open along(Open length, Unit axis) {
+        const std::int64_t high = length >> 30, low = length & 0x3fffffff;
+        return high * axis.raw + (low * axis.raw >> Unit::fraction_bits);
+    }
+    // The power of two, m, above the components of a gap in 2^-gap_bits m, without bounds.
+    [[nodiscard]] static int log2_above(const Open (&gap)[3]) {
+        std::uint64_t all = 0;
+        for (const Open g : gap) all |= static_cast<std::uint64_t>(g < 0 ? -g : g);
+        return static_cast<int>(std::bit_width(all)) - gap_bits;
+    }
+    // The drift of a change of motion, in 2^-bits m in a step.
+    [[nodiscard]] static Open drift_of(typename N::DriftSum change, typename N::Scale scale, int bits) {
+        return lowered(change.raw, sum_bits + scale.drift_shift - bits);
+    }
     // An arm over 2^log2 m.
     template <int bits>
     [[nodiscard]] TUMBLE_INLINE static Open arm(Unit a, int log2) {
@@ -315,6 +336,11 @@ requires(!N::fixed_point) struct JointNumbers<N> {
     }
     [[nodiscard]] TUMBLE_INLINE static Open drift(const auto& own, typename N::Scale, int) { return own.value(); }
     [[nodiscard]] TUMBLE_INLINE static Open coarser(Open a, int) { return a; }
+    [[nodiscard]] static constexpr Open length(Real metres) { return N::template constant<Unit>(metres); }
+    static void add_to(auto& digest, Open length) { digest.add_number(length); }
+    [[nodiscard]] static Open along(Open length, Unit axis) { return length * axis; }
+    [[nodiscard]] static int log2_above(const Open (&)[3]) { return 0; }
+    [[nodiscard]] static Open drift_of(Unit change, typename N::Scale, int) { return change; }
     template <int>
     [[nodiscard]] TUMBLE_INLINE static Open arm(Unit a, int) {
         return a;

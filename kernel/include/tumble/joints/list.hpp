@@ -16,10 +16,12 @@
 //   0          none                           this, and the part of own 1 x other 1 along own 0
 //   slides     free translations
 //   1          along other 0
+//   2          across the line between the anchors, which keeps its length; a slack rope leaves this free too
 // The gap between the anchors is their distance, less what is along free translations.
 #pragma once
 
 #include <tumble/joints/ball.hpp>
+#include <tumble/joints/distance.hpp>
 #include <tumble/joints/fixed.hpp>
 #include <tumble/joints/hinge.hpp>
 #include <tumble/joints/slider.hpp>
@@ -43,9 +45,10 @@ requires(std::is_same_v<Spec, typename Kind::Spec>) struct KindOfSpec<Spec, Kind
 template <class... Kinds>
 struct JointKindList {
     static constexpr int count = sizeof...(Kinds);
+    // But of a distance, which may have all six.
     static constexpr int most_directions = [] {
         int most = 0;
-        for (const int directions : {Kinds::turns + Kinds::slides...})
+        for (const int directions : {(Kinds::slides < 2 ? Kinds::turns + Kinds::slides : 0)...})
             if (directions > most) most = directions;
         return most;
     }();
@@ -64,7 +67,8 @@ struct JointKindList {
     static constexpr std::int8_t turns[] = {Kinds::turns...}, slides[] = {Kinds::slides...}, axes[] = {Kinds::axes...};
 };
 
-using JointKinds = JointKindList<joints::Hinge, joints::Ball, joints::Fixed, joints::Slider, joints::Universal>;
+using JointKinds =
+    JointKindList<joints::Hinge, joints::Ball, joints::Fixed, joints::Slider, joints::Universal, joints::Distance>;
 
 // True of what add() takes as a joint.
 template <class Spec>

@@ -53,7 +53,9 @@ public:
             } else {
                 set_world(at, other);
             }
-            if (node.slides > 0) follow(node, at, bodies);
+            if (node.slides == 1) follow(node, at, bodies);
+            if constexpr (features.distances)
+                if (node.slides > 1) reach_over(node, i, bodies);
         }
     }
     // Takes `end` over as the places of the factor, and factors.
@@ -154,6 +156,50 @@ public:
         }
         return wanted;
     }
+    // Sets the changes of motion of a solution to half kicks.
+    [[gnu::noinline]] void take(const JointTreeState& tree, const Kick<N>* kicks,
+                                const auto& bodies) requires(features.distances) {
+        const auto fits = [&](int of_rate) {
+            bool all = true;
+            bits = of_rate;
+            for (int i = tree.first; i < tree.last; ++i)
+                for (int k = 0; k < 3; ++k)
+                    solution[i].dv[k] = J::held(J::drift_of(kicks[i].linear[k], bodies.scale, of_rate), all);
+            return all;
+        };
+        if (!fits(J::rate_bits)) (void)fits(J::coarse_rate_bits);
+    }
+    // Calls f(node, i) for each rope by which these changes of motion push the bodies apart, or at its least length
+    // together. The force is that of the balance of what hangs on it, along the line of the factor.
+    template <class F>
+    [[gnu::noinline]] void for_each_that_pushes(const JointTreeState& tree, F&& f) requires(features.distances) {
+        for (int i = tree.first; i < tree.last; ++i) set_three(solution[i].impulse, Vector::Constant(Unit{}));
+        for (int i = tree.last - 1; i >= tree.first; --i) {
+            Node& node = forest_.nodes()[i];
+            const auto& s = solution[i];
+            const Vector force =
+                three(s.impulse) + along(s.dv, J::down(node.mass, node.mass_log2 - node.own_mass_log2));
+            if (node.holder >= 0) {
+                Unit* const p = solution[node.holder].impulse;
+                set_three(p, three(p) + down(force, node.mass_down));
+            }
+            if (!node.keeps_distance() || node.slides != 2) continue;
+            const auto& range = forest_.range(node);
+            const Unit out = narrow<Unit>(dot(line(node), force));
+            if (!range.is_rod() && (range.end > 0 ? out > Unit{} : out < Unit{})) f(node, i);
+        }
+    }
+    // The end of its range beyond which a distance is at `end`; 0 where it is within.
+    [[nodiscard, gnu::noinline]] int end_beyond(const Node& node, int i, const auto& bodies) const
+        requires(features.distances) {
+        const auto& range = forest_.range(node);
+        const Place& at = end[i];
+        Unit enough = J::enough(false, log2_of_line(at), 0);
+        if constexpr (!N::fixed_point) enough = J::enough_of(false, bodies.state[node.body].x_w, at.own_arm, at.arm);
+        bool fits = true;
+        if (longer_than(range.most, i, 0, fits) > enough) return 1;
+        return longer_than(range.least, i, 0, fits) < -enough ? -1 : 0;
+    }
     // After a blow: at least `wanted`, and as many as the turns ask for that it leaves. The forces are those of before.
     [[nodiscard, gnu::noinline, gnu::cold]] int halvings_of_turns(const JointTreeState& tree, const auto& bodies,
                                                                   int wanted) {
@@ -170,6 +216,7 @@ private:
     int of_spin_ = 0;          // of spin_
     Vector spin_[most_nodes];  // of the bodies in the world's axes
     Vector turn_[most_nodes];
+    [[no_unique_address]] If<features.distances, Open[most_nodes][3], 23> line_;  // between the points, of a distance
 
     [[nodiscard]] TUMBLE_INLINE static Vector three(const Unit* x) { return JointTree<N>::three(x); }
     TUMBLE_INLINE static void set_three(Unit* x, const Vector& v) { JointTree<N>::set_three(x, v); }
@@ -200,6 +247,12 @@ private:
     void set_directions(const Node& node, const Place& at) {
         FreeDirection<N>* const direction = forest_.directions() + node.direction;
         if (node.slides == 1) direction[0].axis = at.other_axis[0];
+        if constexpr (features.distances)
+            if (node.keeps_distance()) {
+                direction[0].axis = at.other_axis[0];
+                direction[1].axis = at.other_axis[1];
+                direction[5].axis = at.own_axis[0];
+            }
         if (node.turns == 3) return;
         if (node.turns > 0) direction[node.slides].axis = at.own_axis[0];
         if (node.turns > 1) direction[node.slides + 1].axis = at.other_axis[0];
@@ -232,6 +285,52 @@ private:
         at.arm = Vector{down(at.arm, both - at.arm_log2) + down(along_axis, both - log2 - (N::fixed_point ? 1 : 0))};
         at.arm_log2 = static_cast<std::int8_t>(both);
     }
+    // Of a distance: its line, two axes across it, and the arm of the other side, which goes on to the point of the
+    // body.
+    [[gnu::noinline]] void reach_over(const Node& node, int i, const auto& bodies) requires(features.distances) {
+        Place& at = end[i];
+        Open(&apart)[3] = line_[i];
+        set_gap(node, at, bodies, apart);
+        const int above = J::log2_above(apart);
+        const Unit one = N::template constant<Unit>(1);
+        Vector half, along_line{Unit{}, one, Unit{}};
+        for (int k = 0; k < 3; ++k) half[k] = J::down(J::unit_of(apart[k], above, J::gap_bits), 1);
+        if (const Unit square = narrow<Unit>(dot(half, half)); square > Unit{}) {
+            const auto root = J::inverse_root(square);
+            for (int k = 0; k < 3; ++k) along_line[k] = root(half[k]);
+        }
+        int least = 0;
+        for (int k = 1; k < 3; ++k)
+            if (magnitude_of(along_line[k]) < magnitude_of(along_line[least])) least = k;
+        Vector across = along(along_line, -along_line[least]);
+        across[least] += one;
+        const auto root = J::inverse_root(narrow<Unit>(dot(across, across)));
+        for (int k = 0; k < 3; ++k) across[k] = root(across[k]);
+        at.own_axis[0] = along_line;
+        at.other_axis[0] = across;
+        at.other_axis[1] = cross<Unit>(along_line, across);
+        // Each component of both is at most 1: their sum is a Unit over four times the larger.
+        const int both = (above > at.arm_log2 ? above : int{at.arm_log2}) + (N::fixed_point ? 2 : 0);
+        Vector arm = down(at.arm, both - at.arm_log2);
+        for (int k = 0; k < 3; ++k) arm[k] += J::unit_of(apart[k], both, J::gap_bits);
+        at.arm = arm;
+        at.arm_log2 = static_cast<std::int8_t>(both);
+    }
+    // By how much the line of a distance is longer, in 2^(coarser - gap_bits) m.
+    [[nodiscard]] Unit longer_than(Open length, int i, int coarser, bool& fits) const requires(features.distances) {
+        const Vector axis = end[i].own_axis[0];
+        Vector rest;
+        for (int k = 0; k < 3; ++k)
+            rest[k] = J::held(J::coarser(line_[i][k] - J::along(length, axis[k]), coarser), fits);
+        return narrow<Unit>(dot(axis, rest));
+    }
+    // Of the largest of the arms and the distance, whose arm has two bits to spare.
+    [[nodiscard]] static int log2_of_line(const Place& at) {
+        const int line = at.arm_log2 - (N::fixed_point ? 2 : 0);
+        return at.own_log2 > line ? at.own_log2 : line;
+    }
+    // The line of a distance where the factor is of.
+    [[nodiscard]] Vector line(const Node& node) const { return Vector{forest_.directions()[node.direction + 5].axis}; }
     // The length of the link of a slider, from above.
     [[gnu::noinline, gnu::cold]] static void set_span(Node& node, const Place& at, const Place& parent) {
         if constexpr (N::fixed_point) {
@@ -268,10 +367,21 @@ private:
                 continue;
             }
             const Place& at = end[i];
-            Open gap[3];
-            set_gap(node, at, bodies, gap);
-            detail::for_axes<N>([&](int k) { target[k] = -J::held(J::coarser(gap[k], coarser), fits); });
-            int log2 = at.own_log2 > at.arm_log2 ? at.own_log2 : at.arm_log2;
+            bool is_distance = false;
+            if constexpr (features.distances)
+                if (node.slides > 1) {
+                    is_distance = true;
+                    set_three(target, Vector::Constant(Unit{}));
+                    if (node.slides > 2) continue;
+                    const Unit longer = longer_than(forest_.range(node).length(), i, coarser, fits);
+                    set_three(target, along(Vector{at.own_axis[0]}, -longer));
+                }
+            if (!is_distance) {
+                Open gap[3];
+                set_gap(node, at, bodies, gap);
+                detail::for_axes<N>([&](int k) { target[k] = -J::held(J::coarser(gap[k], coarser), fits); });
+            }
+            int log2 = is_distance ? log2_of_line(at) : at.own_log2 > at.arm_log2 ? at.own_log2 : at.arm_log2;
             if (node.turns < 3) {
                 const Vector turn = lean(node, at);
                 detail::for_axes<N>(
@@ -292,7 +402,11 @@ private:
     }
     // A change of motion less its parts along free directions, which are open to any.
     TUMBLE_INLINE static void leave_free(const Node& node, const Place& at, Vector& v, Vector& w) {
-        if (node.slides > 0) leave(at.other_axis[0], v);
+        if (node.slides == 1) leave(at.other_axis[0], v);
+        if constexpr (features.distances) {
+            if (node.slides == 2) v = along(Vector{at.own_axis[0]}, narrow<Unit>(dot(Vector{at.own_axis[0]}, v)));
+            if (node.slides == 3) v = Vector::Constant(Unit{});
+        }
         if (node.turns == 3) {
             w = Vector::Constant(Unit{});
             return;

@@ -12,12 +12,14 @@ struct JointReadout {
     // rad, of a hinge, and of a universal joint about the axis of `body`: the turn of `body` from where the joint was
     // added, in (-pi, pi].
     T angle{};
-    T to_angle{};         // rad, of a universal joint about the axis of `to_body`, likewise
-    T travel{};           // m, of a slider: the way of `body` along the axis from where the joint was added
+    T to_angle{};  // rad, of a universal joint about the axis of `to_body`, likewise
+    // m, of a slider: the way of `body` along the axis from where the joint was added; of a distance: itself.
+    T travel{};
     T speed{};            // rad/s or m/s, of `angle` or `travel`
     T to_speed{};         // rad/s, of `to_angle`
     Vector3<T> force{};   // N, world axes: on `body` by the joint, at the end of the last step
     Vector3<T> torque{};  // N m, world axes, about the anchor: likewise; about free axes it is zero
+    int at_limit = 0;     // of a distance: 1 where it is held at its most, -1 at its least, 0 where it is slack
     int corrections = 0;  // of its tree in the last step, in all parts of it; not kept in a snapshot
 };
 
@@ -51,6 +53,14 @@ public:
             to.travel = static_cast<T>(dot(axis(1, 0), Vector(anchor(0) - anchor(1))));
             to.speed = static_cast<T>(slide_rate());
         }
+        if constexpr (features.distances)
+            if (JointKinds::slides[joint_.kind] == 2) {
+                const Vector line = anchor(0) - anchor(1), rate = point_velocity(0) - point_velocity(1);
+                const Work length = sqrt(dot(line, line));
+                to.travel = static_cast<T>(length);
+                if (length > Work(0)) to.speed = static_cast<T>(Work(dot(line, rate)) / length);
+                to.at_limit = forest_.range_of(forest_.nodes()[node_].joint).end;
+            }
         Vector force, torque;
         set_load(force, torque);
         to.force = {static_cast<T>(force[0]), static_cast<T>(force[1]), static_cast<T>(force[2])};
@@ -98,6 +108,7 @@ private:
         if (b < 0 || bodies_.constants[b].fixed()) return zero_vector<N>();
         return {bodies_.drift(b, 0) * rate_, bodies_.drift(b, 1) * rate_, bodies_.drift(b, 2) * rate_};
     }
+    [[nodiscard]] Vector point_velocity(int side) const { return velocity(side) + cross<Work>(spin(side), arm(side)); }
     [[nodiscard]] Vector relative_spin() const { return spin(0) - spin(1); }
     // About the axis of a side, from the second axis of the other side to that of this one; between axes of which one
     // shows its own angle alone, the other side's first axis is the second one.

@@ -67,6 +67,7 @@ struct JointNode {
     static constexpr int no_joint = -1, world = -1;
 
     std::int16_t body = 0, parent = -1;          // the parent as a node; -1: the world or a fixed body
+    std::int16_t holder = -1;                    // the parent, but of a slack rope, which hands nothing on
     std::int16_t base = world;                   // that fixed body
     std::int16_t joint = no_joint;               // no_joint: a root that is free, with all directions
     std::uint8_t side = 0;                       // of the joint, on which the body is
@@ -90,6 +91,9 @@ struct JointNode {
     StoredVec3<Unit> lever{};           // from the centre of mass to the anchor, over the length
     Axes<N> frame;                      // the axes of the body where the factor is of
     JointMatrix<Unit> a, b, c;
+
+    // It hangs by a distance.
+    [[nodiscard]] bool keeps_distance() const { return joint != no_joint && slides > 1; }
 };
 
 // What a solution of one body is: the targets, and the change of its motion.
@@ -128,7 +132,7 @@ public:
                 eliminate(node, direction[f]);
                 if (is_read(node, f)) take_off(node, direction[f]);
             }
-            if (node.parent >= 0) hand_on(node, node_[node.parent]);
+            if (node.holder >= 0) hand_on(node, node_[node.holder]);
         }
     }
     // Finds the changes of motion that bring about the targets.
@@ -139,11 +143,11 @@ public:
             const Node& node = node_[i];
             Solution& s = solution[i];
             release(node, s.impulse);
-            if (node.parent >= 0) hand_on(node, s, solution[node.parent].impulse);
+            if (node.holder >= 0) hand_on(node, s, solution[node.holder].impulse);
         }
         for (int i = first_; i < last_; ++i) {
             const Node& node = node_[i];
-            set_motion(node, solution[i], node.parent >= 0 ? &solution[node.parent] : nullptr);
+            set_motion(node, solution[i], node.holder >= 0 ? &solution[node.holder] : nullptr);
         }
     }
     [[nodiscard]] TUMBLE_INLINE static Vector down(const Vector& v, int bits) {

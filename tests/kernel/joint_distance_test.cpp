@@ -1,0 +1,370 @@
+// Rods and ropes: DistanceSpec. The oracles are closed forms of pendulums, of free flight and of impacts, and what is
+// conserved.
+#include <tumble/tumble.hpp>
+
+#include "kinds.hpp"
+
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+namespace tumble::test {
+namespace {
+
+inline constexpr Features tied{
+    .bodies = 6, .springs = 1, .joints = 6, .distances = true, .control = true, .removal = true, .snapshots = true};
+using DistanceKinds =
+    Tested<testing::Types<Kind<Q32<>, integrators::Verlet>, Kind<F64, integrators::Verlet>>,
+           testing::Types<Kind<Q32<FieldRange>, integrators::Verlet>, Kind<F32, integrators::Verlet>>>;
+
+constexpr double g = 9.81;
+
+template <class W>
+class Distances : public testing::Test {
+protected:
+    using N = typename W::Numbers;
+    using World = tumble::World<SceneOf<N, typename W::Integrator, tied>>;
+    static constexpr bool is_single = !N::fixed_point && sizeof(typename N::Unit) == 4;
+    static constexpr double closed = N::fixed_point ? 8e-9 : is_single ? 2e-6 : 4e-12;
+
+    [[nodiscard]] static World falling(Seconds step = {1, 256}) { return World{step, {.gravity = {0, -g, 0}}}; }
+    [[nodiscard]] static World floating() { return World{Seconds{1, 256}, {}}; }
+    [[nodiscard]] static BodySpec at(BodySpec body, const RealVec3& position, const RealVec3& velocity = {}) {
+        body.position = position;
+        body.velocity = velocity;
+        return body;
+    }
+    // A ball on a rope or a rod of its centre to the origin.
+    [[nodiscard]] static BodyId hang(World& world, const RealVec3& position, const RealVec3& velocity, double least,
+                                     double most) {
+        const BodyId ball = world.add(at(sphere(2, 0.1), position, velocity));
+        (void)world.add(DistanceSpec{.body = ball, .point = position, .least = least, .most = most});
+        return ball;
+    }
+    [[nodiscard]] static Vector3<double> place(const World& world, BodyId id) {
+        const auto& x = world.state(id).x_w;
+        return {x.x.to_real().to_double(), x.y.to_real().to_double(), x.z.to_real().to_double()};
+    }
+    [[nodiscard]] static double distance(const Vector3<double>& x) { return std::sqrt(dot(x, x)); }
+    [[nodiscard]] static Vector3<double> velocity(const World& world, BodyId id) {
+        return world.velocity(id).template as<double>();
+    }
+    [[nodiscard]] static double energy(const World& world, const std::vector<BodyId>& ids) {
+        double sum = 0;
+        for (const BodyId id : ids)
+            sum += static_cast<double>(world.kinetic_energy(id)) + static_cast<double>(world.potential_energy(id));
+        return sum;
+    }
+    [[nodiscard]] static int limit(const World& world) { return world.template joint<double>(JointId{0}).at_limit; }
+    static void run(World& world, int steps) {
+        for (int i = 0; i < steps; ++i) (void)world.step();
+    }
+};
+TYPED_TEST_SUITE(Distances, DistanceKinds);
+
+// 2 pi / agm(1, cos(a / 2)) times the root of l / g.
+TYPED_TEST(Distances, a_ball_on_a_rod_swings_as_the_mathematical_pendulum) {
+    double a = 1, b = std::cos(1.25);
+    for (int i = 0; i < 8; ++i) {
+        const double mean = (a + b) / 2;
+        b = std::sqrt(a * b);
+        a = mean;
+    }
+    const double period = 2 * std::numbers::pi * std::sqrt(1 / g) / a;
+    std::vector<double> errors;
+    for (const int rate : {256, 512}) {
+        auto world = this->falling({1, rate});
+        const BodyId ball = this->hang(world, {std::sin(2.5), -std::cos(2.5), 0}, {}, 1, 1);
+        const double start = this->energy(world, {ball});
+        double x = 1, passed = 0, passages = 0, t = 0;
+        for (int step = 1; passages < 3; ++step) {
+            this->run(world, 1);
+            const auto at = this->place(world, ball);
+            EXPECT_NEAR(this->distance(at), 1, this->closed);
+            if (at.y < 0 && x * at.x <= 0) {
+                const double v = this->velocity(world, ball).x;
+                t = (step - at.x / v * rate) / rate;
+                if (++passages == 1) passed = t;
+            }
+            x = at.x;
+        }
+        EXPECT_NEAR(this->energy(world, {ball}), start, 1e-3 * 2 * g);
+        errors.push_back(std::abs((t - passed) / period - 1));
+        EXPECT_EQ(this->limit(world), 1);
+        EXPECT_TRUE(world.status().ok());
+    }
+    EXPECT_LT(errors[0], 2e-4);
+    if (!this->is_single) { EXPECT_NEAR(errors[0] / errors[1], 4, 1); }
+}
+
+TYPED_TEST(Distances, the_energy_on_a_rod_has_no_trend) {
+    auto world = this->falling();
+    const BodyId box_id = world.add(this->at(box(1, {1, 0.25, 0.25}), {0.5, -1, 0}));
+    // Off its centre, so that it swings about the point of the rod too.
+    (void)world.add(DistanceSpec{.body = box_id,
+                                 .point = {0, -1, 0},
+                                 .to_point = {0.25, 0, 0.25},
+                                 .least = std::sqrt(1.125),
+                                 .most = std::sqrt(1.125)});
+    double first = 0, last = 0;
+    constexpr int window = 4096;
+    for (int i = 0; i < window; ++i) {
+        this->run(world, 1);
+        first += this->energy(world, {box_id}) / window;
+    }
+    this->run(world, 20000);
+    for (int i = 0; i < window; ++i) {
+        this->run(world, 1);
+        last += this->energy(world, {box_id}) / window;
+    }
+    EXPECT_NEAR(last, first, (this->is_single ? 3e-3 : 3e-4) * g);
+    EXPECT_TRUE(world.status().ok());
+}
+
+TYPED_TEST(Distances, what_hangs_on_a_slack_rope_flies_freely) {
+    auto world = this->falling(), alone = this->falling();
+    const BodyId ball = this->hang(world, {0.5, 0.25, 0}, {1, 2, 0.5}, 0, 3);
+    const BodyId free = alone.add(this->at(sphere(2, 0.1), {0.5, 0.25, 0}, {1, 2, 0.5}));
+    this->run(world, 128);
+    this->run(alone, 128);
+    EXPECT_EQ(world.hash(), alone.hash());
+    EXPECT_EQ(this->place(world, ball).x, this->place(alone, free).x);
+    const auto joint = world.template joint<double>(JointId{0});
+    EXPECT_EQ(joint.at_limit, 0);
+    EXPECT_EQ(joint.force.x, 0);
+    EXPECT_NEAR(joint.travel, this->distance(this->place(world, ball)), 1e-6);
+}
+
+// It falls by 1 m and hangs.
+TYPED_TEST(Distances, a_rope_that_goes_taut_stops_what_falls) {
+    auto world = this->falling();
+    const BodyId ball = this->hang(world, {0, -1, 0}, {}, 0, 2);
+    int taut_at = 0;
+    for (int step = 1; step <= 256; ++step) {
+        this->run(world, 1);
+        EXPECT_LT(this->distance(this->place(world, ball)), 2 + this->closed);
+        if (taut_at == 0 && this->limit(world) == 1) taut_at = step;
+    }
+    EXPECT_NEAR(taut_at / 256.0, std::sqrt(2 / g), 1.0 / 256);
+    EXPECT_NEAR(this->place(world, ball).y, -2, 1e-6);
+    EXPECT_NEAR(this->velocity(world, ball).y, 0, 1e-5);
+    EXPECT_NEAR(world.template joint<double>(JointId{0}).force.y, 2 * g, 0.01);
+    EXPECT_TRUE(world.status().ok());
+}
+
+// From (1.2, 0) it falls to (1.2, -0.9), where a rope of 1.5 m takes the speed along it, 3/5 of the whole.
+TYPED_TEST(Distances, going_taut_ends_the_speed_along_the_rope_alone) {
+    double error = 0;
+    for (const int rate : {256, 1024}) {
+        auto world = this->falling({1, rate});
+        const BodyId ball = this->hang(world, {1.2, 0, 0}, {}, 0, 1.5);
+        double before = 0;
+        while (this->limit(world) == 0) {
+            before = this->energy(world, {ball});
+            this->run(world, 1);
+        }
+        // Of 2 kg: g 0.9 m of energy, of which 9/25 go.
+        const double lost = before - this->energy(world, {ball});
+        error = std::abs(lost / (2 * g * 0.9 * 9 / 25) - 1);
+        EXPECT_LT(error, 5.0 / rate);
+    }
+}
+
+// At the height of l / 2 the weight alone keeps it on the circle: v^2 = g l / 2.
+TYPED_TEST(Distances, a_rope_goes_slack_where_its_force_ends) {
+    auto world = this->falling();
+    const BodyId ball = this->hang(world, {0, -1, 0}, {std::sqrt(3.5 * g), 0, 0}, 0, 1);
+    this->run(world, 4);
+    EXPECT_EQ(this->limit(world), 1);
+    for (int step = 0; step < 256 && this->limit(world) == 1; ++step) this->run(world, 1);
+    EXPECT_NEAR(this->place(world, ball).y, 0.5, 0.02);
+    const auto v = this->velocity(world, ball);
+    EXPECT_NEAR(dot(v, v), g / 2, 0.2);
+}
+
+// On a strut that only presses, as on a ball without friction: it leaves at the height of 2/3 of the radius.
+TYPED_TEST(Distances, a_least_distance_presses_and_does_not_pull) {
+    auto world = this->falling();
+    const BodyId ball = this->hang(world, {0, 1, 0}, {0.01, 0, 0}, 1, 8);
+    this->run(world, 8);
+    EXPECT_EQ(this->limit(world), -1);
+    double y = 1;
+    for (int step = 0; step < 1024 && this->limit(world) == -1; ++step) {
+        y = this->place(world, ball).y;
+        this->run(world, 1);
+        EXPECT_GT(this->distance(this->place(world, ball)), 1 - this->closed);
+    }
+    EXPECT_NEAR(y, 2.0 / 3, 0.02);
+}
+
+// Ropes that go taut and slack again and again.
+TYPED_TEST(Distances, the_energy_on_ropes_never_rises) {
+    auto world = this->falling();
+    std::vector<BodyId> ids;
+    RealVec3 from{};
+    for (int i = 0; i < 4; ++i) {
+        const RealVec3 to = from + RealVec3{0.4, i % 2 == 0 ? 0.3 : -0.3, 0.1};
+        ids.push_back(world.add(this->at(box(1, {0.2, 0.1, 0.15}), to, {0, i == 3 ? 3 : 0, 1})));
+        DistanceSpec rope{.body = ids.back(), .point = to, .to_point = from, .most = 0.55};
+        if (i > 0) rope.to_body = ids[static_cast<std::size_t>(i) - 1];
+        (void)world.add(rope);
+        from = to;
+    }
+    const double start = this->energy(world, ids), scale = 4 * g;
+    double least = start, largest = 0;
+    for (int step = 0; step < 8192; ++step) {
+        this->run(world, 1);
+        const double now = this->energy(world, ids);
+        largest = std::max(largest, now - least);
+        least = std::min(least, now);
+        for (int j = 0; j < 4; ++j) EXPECT_LT(world.template joint<double>(JointId{j}).travel, 0.55 + 1e-5) << step;
+    }
+    EXPECT_LT(largest / scale, 0.01);
+    EXPECT_LT(least, start - 0.1);
+    EXPECT_FALSE(world.status().has(Issue::joint_open));
+}
+
+// Two bodies fly apart, and a rope between points off their centres turns them.
+TYPED_TEST(Distances, a_rope_between_two_bodies_keeps_momentum_and_angular_momentum) {
+    auto world = this->floating();
+    const BodyId a = world.add(this->at(box(1, {0.5, 0.5, 0.5}), {-0.5, 0, 0}, {-1, 0.5, 0})),
+                 b = world.add(this->at(box(3, {0.5, 0.25, 0.5}), {0.5, 0, 0}, {1, 0, 0.25}));
+    (void)world.add(
+        DistanceSpec{.body = a, .to_body = b, .point = {-0.5, 0.25, 0}, .to_point = {0.5, -0.125, 0}, .most = 1.5});
+    const auto sums = [&] {
+        Vector3<double> p{}, l{};
+        for (const BodyId id : {a, b}) {
+            const double m = id == a ? 1 : 3;
+            const auto x = this->place(world, id), v = this->velocity(world, id);
+            const auto w = world.angular_velocity(id).template as<double>();
+            const InertiaTensor i = world.inertia(id);
+            p += v * m;
+            l += cross(x, v * m) +
+                 rotate(world.orientation(id).template as<double>(),
+                        Vector3<double>{i.xx.to_double() * w.x, i.yy.to_double() * w.y, i.zz.to_double() * w.z});
+        }
+        return std::array{p, l};
+    };
+    const auto before = sums();
+    bool was_taut = false;
+    for (int step = 0; step < 512; ++step) {
+        this->run(world, 1);
+        was_taut = was_taut || this->limit(world) == 1;
+    }
+    const auto after = sums();
+    EXPECT_TRUE(was_taut);
+    EXPECT_GT(std::abs(static_cast<double>(world.angular_velocity(a).z)), 0.1);
+    EXPECT_LT(this->distance(after[0] - before[0]), this->is_single ? 1e-4 : 5e-6);
+    EXPECT_LT(this->distance(after[1] - before[1]), this->is_single ? 1e-3 : 1e-5);
+    EXPECT_TRUE(world.status().ok());
+}
+
+// Rods and other joints in one tree, with a rod in its middle.
+TYPED_TEST(Distances, rods_and_hinges_stay_closed_together) {
+    auto world = this->falling();
+    const BodyId arm = world.add(this->at(box(1, {1, 0.1, 0.1}), {0.5, 0, 0})),
+                 crank = world.add(this->at(box(1, {0.2, 0.4, 0.2}), {1, -0.95, 0})),
+                 tip = world.add(this->at(box(0.5, {0.5, 0.1, 0.1}), {1.25, -1.15, 0}));
+    (void)world.add(HingeSpec{.body = arm});
+    (void)world.add(DistanceSpec{
+        .body = crank, .to_body = arm, .point = {1, -0.75, 0}, .to_point = {1, 0, 0}, .least = 0.75, .most = 0.75});
+    const JointId ball = world.add(BallSpec{.body = tip, .to_body = crank, .anchor = {1, -1.15, 0}});
+    const double start = this->energy(world, {arm, crank, tip});
+    for (int step = 0; step < 2048; ++step) {
+        this->run(world, 1);
+        EXPECT_NEAR(world.template joint<double>(JointId{1}).travel, 0.75, this->is_single ? 4e-6 : 1e-7);
+    }
+    EXPECT_NEAR(this->energy(world, {arm, crank, tip}), start, 0.02 * g);
+    EXPECT_TRUE(world.contains(ball));
+    EXPECT_TRUE(world.status().ok());
+}
+
+TYPED_TEST(Distances, a_distance_that_cannot_be_kept_is_refused) {
+    auto world = this->falling();
+    const BodyId ball = world.add(this->at(sphere(1, 0.1), {2, 0, 0}));
+    const auto fault = [&](double least, double most) {
+        return world.fault_of(DistanceSpec{.body = ball, .point = {2, 0, 0}, .least = least, .most = most});
+    };
+    EXPECT_EQ(fault(-1, 2), JointFault::empty_range);
+    EXPECT_EQ(fault(0, 0), JointFault::empty_range);
+    EXPECT_EQ(fault(3, 2), JointFault::empty_range);
+    EXPECT_EQ(fault(0, 1.99), JointFault::outside_range);
+    EXPECT_EQ(fault(2.01, 3), JointFault::outside_range);
+    EXPECT_EQ(fault(2, 2), JointFault::none);
+    EXPECT_EQ(fault(0, 2), JointFault::none);
+    if (TestFixture::N::fixed_point) { EXPECT_EQ(fault(0, 5000), JointFault::too_far); }
+    EXPECT_STREQ(name_of(JointFault::empty_range), "empty_range");
+    EXPECT_STREQ(name_of(JointFault::outside_range), "outside_range");
+#ifndef __SANITIZE_ADDRESS__
+    EXPECT_DEATH((void)world.add(DistanceSpec{.body = ball, .point = {2, 0, 0}, .most = 1}), "");
+#endif
+}
+
+TYPED_TEST(Distances, a_snapshot_knows_which_ropes_are_taut) {
+    for (const int steps : {40, 100, 140}) {
+        auto saved = this->falling(), restored = this->falling();
+        for (auto* world : {&saved, &restored}) (void)this->hang(*world, {1.2, 0, 0}, {}, 0, 1.5);
+        this->run(saved, steps);
+        std::array<std::uint8_t, 8192> bytes{};
+        const int size = saved.save(bytes.data(), static_cast<int>(bytes.size()));
+        ASSERT_EQ(restored.restore(bytes.data(), size), SnapshotFault::none);
+        this->run(saved, 300);
+        this->run(restored, 300);
+        EXPECT_EQ(saved.hash(), restored.hash());
+        auto longer = this->falling();
+        (void)this->hang(longer, {1.2, 0, 0}, {}, 0, 1.75);
+        EXPECT_EQ(longer.restore(bytes.data(), size), SnapshotFault::other_scene);
+    }
+}
+
+// The pose of a body is set beyond its rope, and within it.
+TYPED_TEST(Distances, a_pose_beyond_the_rope_is_brought_back) {
+    auto world = this->falling();
+    const BodyId ball = this->hang(world, {0, -1, 0}, {}, 0, 1);
+    this->run(world, 16);
+    world.set_pose(ball, {0, -1.25, 0});
+    this->run(world, 1);
+    EXPECT_NEAR(this->distance(this->place(world, ball)), 1, 1e-6);
+    world.set_pose(ball, {0, -0.5, 0});
+    this->run(world, 1);
+    EXPECT_EQ(this->limit(world), 0);
+    EXPECT_NEAR(this->place(world, ball).y, -0.5, 0.01);
+    EXPECT_TRUE(world.status().ok());
+}
+
+// A blow away from a taut rope is not held by it.
+TYPED_TEST(Distances, a_blow_towards_the_other_end_slackens_a_rope) {
+    auto world = this->falling();
+    const BodyId ball = this->hang(world, {0, -1, 0}, {}, 0, 1);
+    this->run(world, 16);
+    world.apply_impulse(ball, {0, 4, 0});
+    this->run(world, 1);
+    EXPECT_NEAR(this->velocity(world, ball).y, 2 - g / 256, 0.01);
+    EXPECT_EQ(this->limit(world), 0);
+    world.set_velocity(ball, {0, 0, 0});
+    this->run(world, 256);
+    EXPECT_EQ(this->limit(world), 1);
+}
+
+// Every compiler, optimisation and core gives these bits.
+TEST(DistanceBits, are_the_same_everywhere) {
+    World<SceneOf<Q32<>, integrators::Verlet, tied>> world{Seconds{1, 256}, {.gravity = {0, -9.75, 0}}};
+    BodySpec one = box(1, {0.5, 0.25, 0.125}), other = box(0.5, {0.25, 0.25, 0.5});
+    one.position = {1, 0, 0};
+    other.position = {1.5, -0.5, 0.25};
+    (void)world.add(one);
+    (void)world.add(other);
+    (void)world.add(DistanceSpec{.body = 0, .point = {0.75, 0.125, 0}, .to_point = {0, 0, 0}, .most = 1});
+    (void)world.add(DistanceSpec{.body = 1,
+                                 .to_body = 0,
+                                 .point = {1.5, -0.5, 0.25},
+                                 .to_point = {1.25, -0.5, 0.25},
+                                 .least = 0.25,
+                                 .most = 0.25});
+    for (int i = 0; i < 256; ++i) (void)world.step();
+    EXPECT_EQ(world.hash(), 8354760420188692334u);
+}
+
+}  // namespace
+}  // namespace tumble::test
